@@ -7,8 +7,8 @@ against `wavesplat.reference.raycast` (double precision, a step of 0.05 voxels, 
 function is a hard step), which is kept in `.cache/bench`. Noise: engines take turns, `--rounds` times, and the table
 shows the lowest median of the rounds.
 
-Our rows are what a user asks for by name: a quality, or a PSNR. Columns tell how many times a row's CPU time VTK takes
-for the same picture in the same run, how far the row's PSNR is above VTK's, and with `psnr` what the report promises.
+Our rows are what a user asks for by name: a quality, or a PSNR. Columns give VTK's CPU time for the same picture in the
+same run over the row's, the row's PSNR less VTK's, and with `psnr` the PSNR that the report promises.
 Below the table stands whether the goals of `cases.toml` are met (`goals.py`).
 
 `--against REVISION` adds rows of our renderer as it was at a git revision, built into `.cache/bench`.
@@ -49,14 +49,14 @@ ROOT = scenes.ROOT
 README = Path(__file__).with_name("README.md")
 N_FRAMES = 7
 
-#: Of a picture's report with `psnr`: what was chosen, and what that promises.
+#: Fields of the report of a picture with `psnr`: the sampling that was chosen, and the PSNR that it promises.
 PROMISES = ("sheets_per_slice", "oversampling", "expected_psnr_db", "expected_psnr_spread_db")
 
 Job = tuple[scenes.Case, str, dict[str, Any]]
 
 
 def measure(draw: Callable[[float], Any]) -> dict[str, float]:
-    """CPU and wall milliseconds per frame of a function that draws the scene turned by some degrees."""
+    """Median CPU and wall milliseconds per frame; `draw` draws the scene turned by some degrees."""
     draw(0.3)
     cpu, wall = [], []
     for frame in range(N_FRAMES):
@@ -68,10 +68,10 @@ def measure(draw: Callable[[float], Any]) -> dict[str, float]:
 
 
 def run_wavesplat(case: scenes.Case, settings: dict[str, Any]) -> dict[str, float]:
-    """Our renderer."""
+    """Measure our renderer on a case."""
     kept = None
     if "like_turned_deg" in settings:
-        # Of one scene, which knows what its first picture told.
+        # All frames are of one scene, which keeps what it measured for its first picture.
         settings, kept = dict(settings), scenes.scene(case)
         scenes.render(case, settings.pop("like_turned_deg"), kept=kept, **settings)
     result = measure(lambda turn: scenes.render(case, turn, kept=kept, **settings))
@@ -85,7 +85,7 @@ def run_wavesplat(case: scenes.Case, settings: dict[str, Any]) -> dict[str, floa
 
 
 def run_vtk(case: scenes.Case, settings: dict[str, Any]) -> dict[str, float]:
-    """VTK's ray caster for CPUs."""
+    """Measure VTK's ray caster for CPUs on a case."""
     import vtk_peer
 
     peer = vtk_peer.Scene(case, **settings)
@@ -95,7 +95,7 @@ def run_vtk(case: scenes.Case, settings: dict[str, Any]) -> dict[str, float]:
 
 
 def run_volpack(case: scenes.Case, settings: dict[str, Any]) -> dict[str, float]:
-    """VolPack's shear-warp."""
+    """Measure VolPack's shear-warp on a case."""
     import volpack_peer
 
     peer = volpack_peer.Scene(case, **settings)
@@ -108,7 +108,7 @@ ENGINES = {"wavesplat": run_wavesplat, "vtk": run_vtk, "volpack": run_volpack}
 
 
 def one_row(request: str) -> None:
-    """What the fresh process does."""
+    """Measure one row in the fresh process, and print it as JSON."""
     asked = json.loads(request)
     case = scenes.Case(**asked["case"])
     result = {}
@@ -121,13 +121,13 @@ def one_row(request: str) -> None:
 
 
 def rss_mib() -> float:
-    """Memory of this process now, where Linux tells it."""
+    """Resident memory of this process now, MiB; 0 without /proc."""
     statm = Path("/proc/self/statm")
     return int(statm.read_text().split()[1]) * resource.getpagesize() / 2**20 if statm.exists() else 0.0
 
 
 def fresh_process(engine: str, case: scenes.Case, settings: dict[str, Any]) -> dict[str, float]:
-    """A row by a process of its own. `engine` may be "wavesplat@REVISION", after `build_revision` of it."""
+    """Measure a row in a process of its own. `engine` may be "wavesplat@REVISION", after `build_revision` of it."""
     kind, _, revision = engine.partition("@")
     request = json.dumps({"engine": kind, "case": dataclasses.asdict(case), "settings": settings})
     environment = dict(os.environ)
@@ -142,12 +142,12 @@ def fresh_process(engine: str, case: scenes.Case, settings: dict[str, Any]) -> d
 
 
 def package_of(revision: str) -> Path:
-    """Where the package of a revision is kept."""
+    """Folder in which the package of a revision is kept."""
     return scenes.CACHE / f"package-{revision}"
 
 
 def build_revision(name: str) -> str:
-    """Builds our package as it was at a git revision, unless it is kept; the short form of the revision."""
+    """Build our package as it was at a git revision, unless it is kept; return the short form of the revision."""
     git = ["git", "-C", str(ROOT)]
     revision = subprocess.check_output([*git, "rev-parse", "--short", f"{name}^{{commit}}"], text=True).strip()
     package = package_of(revision)
@@ -167,7 +167,7 @@ def build_revision(name: str) -> str:
 
 
 def installed_rivals() -> set[str]:
-    """The other engines that are here; says how to get those that are not."""
+    """Names of the other engines that are installed; print how to get the missing ones."""
     probe = [sys.executable, "-c", "import vtkmodules"]
     found = {
         ("vtk", "pip install vtk"): subprocess.run(probe, capture_output=True, check=False).returncode == 0,
@@ -180,7 +180,7 @@ def installed_rivals() -> set[str]:
 
 
 def jobs_of(case: scenes.Case, engines: Sequence[str], rivals: set[str]) -> list[Job]:
-    """What is run for a case: our engines with all its settings, and others where they can draw the same."""
+    """Jobs of a case: our engines with all its settings, and others where they can draw the same."""
     jobs: list[Job] = [(case, engine, settings) for settings in case.settings for engine in engines]
     if case.rival and case.composite == "over" and case.kernel == "linear":
         if "vtk" in rivals:
@@ -229,7 +229,7 @@ def cells_of(row: growth.Row, rival: dict[str, float] | None) -> dict[str, str]:
 
 
 def tables(rows: Sequence[growth.Row]) -> str:
-    """One table for each kind of case."""
+    """Markdown tables, one for each kind of case."""
     of_pictures = [row for row in rows if not row[0].change]
     of_time = [row for row in rows if row[0].change and row[0].group == "scaling"]
     of_memory = [row for row in rows if row[0].change and row[0].group == "large"]
@@ -305,7 +305,7 @@ def main() -> int:
     if options.record:
         record = records.keep(f'make bench BENCH="{shlex.join(sys.argv[1:])}"', text)
         of_goals = [row for row in rows if row[0].group == goals.GROUP]
-        # All of them or none.
+        # The README gets the table only if all cases of the goals were drawn.
         if {case.label for case, *_ in of_goals} == set(goals.labels()):
             show_in_readme(of_goals, record)
     return 0

@@ -92,7 +92,7 @@ def _vtk(volume: ws.Volume, look: ws.Look, eye: ws.Camera, finer: int) -> NDArra
     actor = vtk.vtkVolume()
     actor.SetMapper(mapper)
     actor.SetProperty(_property(look))
-    # What is left of the affine is a rotation.
+    # The affine that remains is a rotation.
     turned = volume.world_from_index.copy()
     turned[:3, :3] /= np.array(volume.spacing)
     matrix = vtk.vtkMatrix4x4()

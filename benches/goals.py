@@ -1,4 +1,4 @@
-"""Whether the goals of `cases.toml` are met: a median of ratios to a rival in the same run, where we are as good.
+"""Check of the goals of `cases.toml`: medians of ratios to a rival in the same run, over cases where we are as good.
 
 Per case of the group "goals" the ratio is VTK's CPU time by ours. It counts where our PSNR is no lower than VTK's,
 since a faster picture that is worse says nothing; other cases are named. The goal of a quality is met where the median
@@ -18,12 +18,12 @@ RIVAL = "vtk"
 
 
 def rival_of(case: scenes.Case, rows: Sequence[growth.Row]) -> dict[str, float] | None:
-    """What VTK reached and took for the same picture in this run."""
+    """VTK's result for the same picture in this run, PSNR and time; None if it was not drawn."""
     return next((result for of, engine, _, result in rows if (of, engine) == (case, RIVAL)), None)
 
 
 def labels() -> list[str]:
-    """The cases that goals are about."""
+    """Labels of the cases that goals are about."""
     return [case.label for case in scenes.cases() if case.group == GROUP]
 
 
@@ -35,7 +35,7 @@ def verdicts(rows: Sequence[growth.Row]) -> list[str]:
 
 
 def verdict(quality: str, goal: float, rows: Sequence[growth.Row]) -> str:
-    """The sentence of one quality."""
+    """A sentence on the goal of one quality."""
     ratios, gains_db, worse, left = [], [], [], labels()
     for case, engine, settings, result in rows:
         rival = rival_of(case, rows)
@@ -66,5 +66,5 @@ def verdict(quality: str, goal: float, rows: Sequence[growth.Row]) -> str:
 
 
 def span(values: Sequence[float]) -> str:
-    """From the least to the largest."""
+    """Text of a range, from the least value to the largest."""
     return f"{min(values):.1f} to {max(values):.1f}"

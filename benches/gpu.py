@@ -29,7 +29,7 @@ VTK_STEPS = (1.0, 0.5, 0.25, 0.125)
 
 
 def main() -> None:
-    """Prints the table, and keeps it where that is asked for."""
+    """Print the table, and record it if asked."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--device", default="gpu", help="gpu, or part of a GPU's name")
     parser.add_argument("--no-vtk", action="store_true", help="leave VTK out")

@@ -1,4 +1,4 @@
-"""How time and memory grow with the task: tables of the cases under `growth` in `cases.toml`.
+"""Tables of how time and memory grow with the task: the cases under `growth` in `cases.toml`.
 
 The claims behind the limits: time grows at most linearly with pixels and slices, a picture in which nothing is visible
 takes a tenth of the time at most, and a volume of 1024^3 bytes is drawn within its own size, 15 % and a few MB a
@@ -16,7 +16,7 @@ Row = tuple[scenes.Case, str, dict[str, Any], dict[str, float]]
 
 
 def time_table(rows: Sequence[Row]) -> str:
-    """Times, and how many times those of the same engine's base."""
+    """Table of times, each also as a multiple of the same engine's base."""
     bases = {engine: result for case, engine, _, result in rows if case.change == "the base"}
     lines = []
     for case, engine, _, result in rows:
@@ -31,7 +31,7 @@ def time_table(rows: Sequence[Row]) -> str:
 
 
 def memory_table(rows: Sequence[Row]) -> str:
-    """Peak memory of the process, less what it held before the large volume was made, against that of the samples."""
+    """Table of the process's peak memory, less what it held before the large volume, against the samples' size."""
     lines = []
     for case, engine, _, result in rows:
         samples, start, peak = (result[name] for name in ("samples_mib", "start_mib", "rss_mib"))

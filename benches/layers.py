@@ -1,4 +1,4 @@
-"""How long pictures of several volumes take beside those of one; `make bench-layers` runs this.
+"""Time of pictures of several volumes over that of pictures of one; `make bench-layers` runs this.
 
 Frames of one layer and of n are drawn in turn, so that a slow moment of the machine meets both; printed is the median
 of the ratios. The layers are the bundled CT several times, and the same with a coarser grid over it, as of PET.
@@ -31,15 +31,15 @@ def uptake(scan: ws.Volume) -> ws.Volume:
 
 
 def seconds(scene: ws.Scene, camera: ws.Camera) -> float:
-    """Of a frame."""
+    """Wall time of a frame."""
     start = time.perf_counter()
     scene.render(camera, size=SIZE)
     return time.perf_counter() - start
 
 
 def ratio(scene: ws.Scene, other: ws.Scene, camera: ws.Camera) -> float:
-    """Median over pairs of the time of the first by that of the second."""
-    seconds(scene, camera), seconds(other, camera)  # what is prepared once
+    """Median, over pairs of frames, of the first scene's time divided by the second's."""
+    seconds(scene, camera), seconds(other, camera)  # prepares what both scenes keep
     return statistics.median(seconds(scene, camera) / seconds(other, camera) for _ in range(N_PAIRS))
 
 

@@ -1,4 +1,4 @@
-"""Where the time of a frame goes, stage by stage, against what a core could do in it; `make roofline` runs this.
+"""Time of a frame by stage, against what a core could do in that time; `make roofline` runs this.
 
 One thread draws frames under `perf`, which notes 2000 times a second of CPU where it is. A place belongs to the first
 stage of `STAGES` whose pattern matches the files and functions that are inlined there. The compiler merges look-up and
@@ -46,12 +46,12 @@ CPU_SECONDS = 4.0
 
 
 def case_of(label: str) -> scenes.Case:
-    """The first of that name."""
+    """The first case with a label."""
     return next(case for case in scenes.cases() if case.label == label)
 
 
 def draw(label: str, quality: str) -> dict[str, float]:
-    """Frames of a case for some seconds of CPU, in a process that `perf` watches."""
+    """Draw frames of a case for some seconds of CPU, in a process that `perf` watches."""
     case = dataclasses.replace(case_of(label), threads=1)
     scenes.render(case, quality=quality)
     n_texels = n_frames = 0
@@ -64,7 +64,7 @@ def draw(label: str, quality: str) -> dict[str, float]:
 
 
 def limits() -> dict[str, float]:
-    """Bytes and floating-point operations per nanosecond, by the best of five tries."""
+    """Bandwidth and arithmetic rate: bytes and floating-point operations per nanosecond, the best of five tries."""
     source, target = np.ones(2**28, np.uint8), np.ones(2**28, np.uint8)
     square = np.ones((2048, 2048), np.float32)
     tasks = (lambda: np.copyto(target, source), lambda: square @ square)
@@ -73,14 +73,14 @@ def limits() -> dict[str, float]:
 
 
 def alone(task: str, *perf: str, options: Sequence[str] = ()) -> dict[str, float]:
-    """What a process of its own, with one thread for NumPy too, says of a task: "limits" or a case's label."""
+    """Result of a task ("limits" or a case's label), run in a process of its own with one thread for NumPy too."""
     command = [*perf, sys.executable, __file__, "--task", task, *options]
     environment = {**os.environ, "OPENBLAS_NUM_THREADS": "1"}
     return json.loads(subprocess.check_output(command, text=True, env=environment))
 
 
 def places(profile: Path, start: float, end: float) -> tuple[Counter[int], int]:
-    """Samples at each address of the compiled module between two times, and samples elsewhere."""
+    """Counts of profile samples between two times: by address in the compiled module, and elsewhere."""
     command = f"perf script -i {profile} --show-mmap-events -F time,ip".split()
     text = subprocess.run(command, capture_output=True, text=True, check=True).stdout
     library = re.escape(Path(_native.__file__).name)
@@ -98,7 +98,7 @@ def places(profile: Path, start: float, end: float) -> tuple[Counter[int], int]:
 
 
 def stages(inside: Counter[int]) -> Counter[str]:
-    """Samples of each stage."""
+    """Counts of profile samples by stage."""
     command = ["addr2line", "-a", "-i", "-f", "-e", _native.__file__]
     asked = "\n".join(hex(address) for address in inside)
     told = subprocess.run(command, input=asked, capture_output=True, text=True, check=True).stdout
@@ -114,7 +114,7 @@ def stages(inside: Counter[int]) -> Counter[str]:
 
 
 def table(label: str, quality: str, limit: dict[str, float]) -> str:
-    """A case's stages."""
+    """Table of a case's stages."""
     with tempfile.TemporaryDirectory() as folder:
         profile = Path(folder) / "perf.data"
         frames = alone(

@@ -45,7 +45,7 @@ LOOK = ws.Look(
 
 
 class MadeUp:
-    """Samples that are made up when they are asked for: an array by all that a lazy volume asks of one."""
+    """A synthetic array, computed as it is read; it has all that a lazy volume asks of an array."""
 
     def __init__(self, shape: tuple[int, int, int], chunk: int = CHUNK) -> None:
         self.shape = shape
@@ -56,7 +56,7 @@ class MadeUp:
         self.files = None
 
     def read(self, lo: Sequence[int], hi: Sequence[int]) -> NDArray[np.uint8]:
-        """A box, cell by cell of its chunks: those that no wall crosses are empty."""
+        """Compute the samples of a box, chunk by chunk; chunks that no wall crosses stay 0."""
         out = np.zeros([b - a for a, b in zip(lo, hi, strict=True)], np.uint8)
         side = self.chunks[0]
         for z in range(lo[0] // side * side, hi[0], side):
@@ -99,7 +99,7 @@ class MadeUp:
         return cell
 
     def read_many(self, boxes: Sequence[tuple[Sequence[int], Sequence[int]]]) -> list[NDArray[np.uint8]]:
-        """Several boxes."""
+        """Read several boxes."""
         return [self.read(*box) for box in boxes]
 
 
@@ -115,7 +115,7 @@ class Counting:
             setattr(self, name, getattr(array, name))
 
     def read(self, lo: Sequence[int], hi: Sequence[int]) -> NDArray[Any]:
-        """A box."""
+        """Read a box, and count its chunks."""
         begun = time.perf_counter()
         samples: NDArray[Any] = self._array.read(lo, hi)
         ranges = [range(a // c, (b - 1) // c + 1) for a, b, c in zip(lo, hi, self.chunks, strict=True)]  # type: ignore[attr-defined]
@@ -125,12 +125,12 @@ class Counting:
         return samples
 
     def read_many(self, boxes: Sequence[Any]) -> list[NDArray[Any]]:
-        """Several boxes."""
+        """Read several boxes."""
         return [self.read(*box) for box in boxes]
 
 
 def zarr_path() -> Path:
-    """The Zarr array on disk, made where it is not there yet."""
+    """Path of the Zarr array on disk, which is made if it is missing."""
     import zarr
 
     path = FOLDER / f"shells-{SIDE}.zarr"
@@ -145,7 +145,7 @@ def zarr_path() -> Path:
 
 
 def opened(memory: str | None, keep: Any) -> tuple[ws.Volume, Counting | None]:
-    """The volume on disk, in memory or lazily."""
+    """Open the volume on disk, in memory or lazily."""
     import zarr
 
     from wavesplat._model.lazy_array import lazy_array
@@ -158,7 +158,7 @@ def opened(memory: str | None, keep: Any) -> tuple[ws.Volume, Counting | None]:
 
 
 def camera_of(shape: tuple[int, int, int]) -> ws.Camera:
-    """Aslant from above, all of it in view."""
+    """Oblique camera from above, with all of a volume in view."""
     around = ws.Volume.lazy(MadeUp(shape), memory="1 GB", cache=False)
     return ws.Camera.orbit(around, 30, 20)
 
@@ -185,7 +185,7 @@ def told(begun: float, picture: ws.Picture | None = None, counting: Counting | N
 
 
 def one(memory: str | None, size: int, keep: str) -> dict[str, Any]:
-    """A frame of the volume on disk."""
+    """Draw a frame of the volume on disk, and report its cost."""
     begun = time.perf_counter()
     volume, counting = opened(memory, keep)
     picture = ws.render(volume, LOOK, camera_of(volume.shape), size=(size, size))
@@ -193,7 +193,7 @@ def one(memory: str | None, size: int, keep: str) -> dict[str, Any]:
 
 
 def huge(memory: str, size: int, keep: str) -> dict[str, Any]:
-    """A frame of 100 GB that are made up on the fly."""
+    """Draw a frame of 100 GB that are computed as they are read, and report its cost."""
     begun = time.perf_counter()
     counting = Counting(MadeUp(HUGE, 128))
     volume = ws.Volume.lazy(counting, memory=memory, cache=keep)
@@ -202,7 +202,7 @@ def huge(memory: str, size: int, keep: str) -> dict[str, Any]:
 
 
 def slow(case: str) -> dict[str, Any]:
-    """Reading that takes about as long as drawing: alone, drawing alone, and both together."""
+    """Measure drawing alone, and with reading that takes about as long; `case`: reading time over drawing time."""
     n = 512
     samples = MadeUp((n, n, n)).read((0, 0, 0), (n, n, n))
 
@@ -239,7 +239,7 @@ def slow(case: str) -> dict[str, Any]:
 
 
 def by_workers(n_workers: int) -> dict[str, Any]:
-    """The volume on disk by two processes of Dask, of one thread each, or by this process with two."""
+    """Draw the volume on disk by Dask workers of one thread each; `n_workers` 0: by this process with two threads."""
     volume, _ = opened("512 MB", str(FOLDER / "kept"))
     import zarr
 
@@ -280,7 +280,7 @@ def _picture_facts(picture: ws.Picture) -> dict[str, Any]:
 
 
 def planned() -> dict[str, Any]:
-    """Two terabytes on a hundred workers: the plan alone, with the rates that the study takes."""
+    """Plan, without drawing, a picture of two terabytes on a hundred workers, at the rates of the study."""
 
     class Promised(MadeUp):
         def read(self, *_: Any) -> NDArray[np.uint8]:
@@ -305,7 +305,7 @@ def planned() -> dict[str, Any]:
 
 
 def same_bytes() -> dict[str, Any]:
-    """Volumes of the folder of BENCH_DATA: how many pictures of theirs are the same, lazily and in memory."""
+    """Count the volumes of BENCH_DATA whose pictures are the same, lazily and in memory."""
     from wavesplat._model.lazy_array import lazy_array
 
     folder, told = Path(os.environ.get("BENCH_DATA", "../shared/data")), {"same": 0, "other": 0}
@@ -339,7 +339,7 @@ def same_bytes() -> dict[str, Any]:
 
 
 def kept_twice(memory: str, size: int) -> dict[str, Any]:
-    """The second picture, by bounds that the first one kept."""
+    """Draw a second picture, with the bounds that the first one kept."""
     return one(memory, size, str(FOLDER / "kept"))
 
 
@@ -358,7 +358,7 @@ CASES: dict[str, Callable[[], dict[str, Any]]] = {
 
 
 def told_by(name: str) -> dict[str, Any]:
-    """What a case tells, in a fresh process."""
+    """Results of a case, run in a fresh process."""
     environment = os.environ | {"PYTHONHASHSEED": "0"}
     command = [sys.executable, __file__, "--case", name]
     result = subprocess.run(command, capture_output=True, text=True, env=environment, check=False)
@@ -369,13 +369,13 @@ def told_by(name: str) -> dict[str, Any]:
 
 
 def table(only: str = "") -> str:
-    """All cases whose names have a text, as lines of Markdown."""
+    """Run all cases whose names contain `only`; the results as lines of Markdown."""
     zarr_path()
     lines = []
     for name in CASES:
         if only in name:
             if "kept" in name:
-                told_by(name)  # which keeps them
+                told_by(name)  # keeps the bounds
             facts = told_by(name)
             text = "; ".join(f"{key} {value}" for key, value in facts.items())
             lines.append(f"- **{name}**: {text}")
@@ -384,7 +384,7 @@ def table(only: str = "") -> str:
 
 
 def main() -> None:
-    """Runs the cases whose names have a text."""
+    """Run the cases whose names contain the text of `--only`."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--case", help="run this one in this process, and print what it tells")
     parser.add_argument("--only", default="", help="cases whose names have this")

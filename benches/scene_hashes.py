@@ -45,7 +45,7 @@ def ripples() -> ws.Volume:
 
 @cache
 def blobs(dtype: str) -> ws.Volume:
-    """Smooth made-up samples of any type, with different spacings along the axes."""
+    """Smooth synthetic samples of any type, with different spacings along the axes."""
     z, y, x = np.meshgrid(*(np.linspace(-1, 1, n) for n in (29, 40, 35)), indexing="ij")
     field = np.exp(-4 * ((x - 0.2) ** 2 + y**2 + (z + 0.1) ** 2)) + 0.6 * np.exp(
         -9 * ((x + 0.5) ** 2 + (y - 0.4) ** 2 + z**2)
@@ -58,7 +58,7 @@ def blobs(dtype: str) -> ws.Volume:
 
 @cache
 def with_holes() -> ws.Volume:
-    """Floats of which some are NaN and some infinite."""
+    """Float samples, some NaN and some infinite."""
     samples = np.array(blobs("float32").samples)
     samples[10:14, 15:22, 12:20] = np.nan
     samples[3, 3, 3] = np.inf
@@ -95,24 +95,24 @@ def hard(value: float) -> ws.TransferFunction:
 
 
 def soft_mri() -> ws.TransferFunction:
-    """Head, translucent."""
+    """A translucent head."""
     return ws.TransferFunction(
         opacity=[(20, 0.0), (60, 0.1), (200, 0.4)], color=[(20, 0.3, 0.2, 0.9), (200, 1.0, 0.9, 0.8)]
     )
 
 
 def ramp() -> ws.TransferFunction:
-    """Of made-up samples."""
+    """A ramp of opacity over the synthetic samples."""
     return ws.TransferFunction(opacity=[(10, 0.0), (240, 0.5)], color=[(10, 0.1, 0.3, 0.9), (240, 1.0, 0.8, 0.2)])
 
 
 def oblique(volume: ws.Volume | ws.WaveletVolume, view_angle: float | None = None) -> ws.Camera:
-    """From the front, the right and above."""
+    """Camera from the front, the right and above."""
     return ws.Camera.orbit(volume, azimuth=40, elevation=25, view_angle=view_angle, fit="view")
 
 
 def inside(volume: ws.Volume) -> ws.Camera:
-    """From inside the volume, all around."""
+    """Camera inside the volume, with a wide angle."""
     lo, hi = volume.bounds
     eye = lo + (hi - lo) * np.array([0.52, 0.45, 0.5])
     return ws.Camera(tuple(eye), tuple(eye + np.array([1.0, 0.9, 0.8])), (0, 0, 1), view_angle=100)
@@ -125,7 +125,7 @@ def draw(volume: ws.Volume | ws.WaveletVolume, tf: Any, camera: ws.Camera | str,
 
 
 def labels() -> ws.Labels:
-    """Three made-up labels in the CT."""
+    """Three synthetic labels in the CT."""
     codes = np.zeros(ct().shape, np.uint8)
     codes[30:60, 20:50, 30:60] = 1
     codes[50:90, 50:80, 60:90] = 2
@@ -151,7 +151,7 @@ def scenes() -> Iterator[tuple[str, Scene]]:
 
 
 def of_operators() -> Iterator[tuple[str, Scene]]:
-    """Every composite operator."""
+    """Scenes with every composite operator."""
     volume, tf, camera = ct(), soft_ct(), oblique(ct())
     yield "over soft", draw(volume, tf, camera)
     yield "over hard", draw(volume, hard(250), camera)
@@ -169,7 +169,7 @@ def of_operators() -> Iterator[tuple[str, Scene]]:
 
 
 def of_kernels_and_types() -> Iterator[tuple[str, Scene]]:
-    """Every kernel, sample type, and holes."""
+    """Scenes with every kernel and sample type, and with missing samples."""
     for kernel in ("linear", "catmull-rom", "bspline2", "bspline3", "gaussian"):
         yield f"kernel {kernel} soft", draw(ripples(), ramp(), oblique(ripples()), kernel=kernel)
         yield f"kernel {kernel} hard", draw(ripples(), hard(128), oblique(ripples(), 30), kernel=kernel)
@@ -186,7 +186,7 @@ def of_kernels_and_types() -> Iterator[tuple[str, Scene]]:
 
 
 def of_views() -> Iterator[tuple[str, Scene]]:
-    """Slices across each axis, from both sides, in perspective, from inside, on a sheared grid."""
+    """Scenes with slices across each axis, from both sides, in perspective, from inside, on a sheared grid."""
     for view in ("anterior", "posterior", "left", "right", "superior", "inferior"):
         yield f"view {view}", draw(mri(), soft_mri(), view)
     for angle in (20, 70):
@@ -201,7 +201,7 @@ def of_views() -> Iterator[tuple[str, Scene]]:
 
 
 def of_light_and_labels() -> Iterator[tuple[str, Scene]]:
-    """Light, occlusion, shadows, gradient opacity, functions of two dimensions, labels."""
+    """Scenes with light, occlusion, shadows, gradient opacity, functions of two dimensions, labels."""
     camera = oblique(ct())
     lights = [ws.Light((-1, 1, 1)), ws.Light((1, 0, 0), color=(0.2, 0.3, 0.5), frame="world")]
     shaded = ws.Shading(ambient=0.2, diffuse=0.7, specular=0.4, specular_power=30, lights=lights)
@@ -227,7 +227,7 @@ def of_light_and_labels() -> Iterator[tuple[str, Scene]]:
 
 
 def of_cuts() -> Iterator[tuple[str, Scene]]:
-    """Crop boxes and clip planes."""
+    """Scenes with crop boxes and clip planes."""
     camera = oblique(ct())
     lo, hi = ct().bounds
     middle = (lo + hi) / 2
@@ -242,7 +242,7 @@ def of_cuts() -> Iterator[tuple[str, Scene]]:
 
 
 def of_settings() -> Iterator[tuple[str, Scene]]:
-    """Qualities, sheets, texels, sizes, backgrounds, threads."""
+    """Scenes with various qualities, sheets, texels, sizes, backgrounds, threads."""
     camera = oblique(ct())
     for quality in ("draft", "high"):
         yield f"quality {quality} soft", draw(ct(), soft_ct(), camera, quality=quality)
@@ -264,7 +264,7 @@ def of_settings() -> Iterator[tuple[str, Scene]]:
 
 
 def of_levels() -> Iterator[tuple[str, Scene]]:
-    """Wavelet volumes: whole, decoded in blocks, fewer levels, bands."""
+    """Scenes of wavelet volumes: whole, decoded in blocks, fewer levels, bands."""
     for family in ("cdf97", "cdf53"):
         wavelets = coefficients(family)
         yield f"wavelets {family}", draw(wavelets, soft_mri(), oblique(wavelets))
@@ -284,7 +284,7 @@ def of_levels() -> Iterator[tuple[str, Scene]]:
 
 
 def digest(picture: ws.Picture) -> str:
-    """Of all that a picture holds."""
+    """Hash of a picture's colours, depth and values."""
     sha = hashlib.sha256()
     for part in (picture.rgba, picture.depth, picture.value):
         sha.update(b"none" if part is None else np.ascontiguousarray(part).tobytes())

@@ -20,7 +20,7 @@ import wavesplat as ws
 ROOT = Path(__file__).resolve().parents[1]
 DEFINITIONS: dict[str, Any] = tomllib.loads((ROOT / "benches" / "cases.toml").read_text(encoding="utf-8"))
 
-#: Where the volumes' files lie; volumes that are not there fall back on bundled ones, or are left out.
+#: Folder of the volumes' files; volumes that it lacks fall back on bundled ones, or are left out.
 DATA = Path(os.environ.get("BENCH_DATA", ROOT / "bench-data"))
 CACHE = ROOT / ".cache" / "bench"
 
@@ -29,13 +29,13 @@ FILL = 0.62
 VIEW_ANGLE_DEG = 30.0
 HEADLIGHT = ws.Shading.headlight()
 
-#: Of the converged picture.
+#: Step of the converged picture, in voxels.
 STEP_VOXELS = 0.05
 
 
 @dataclass(frozen=True)
 class Case:
-    """One picture, drawn many times."""
+    """A picture that is drawn many times."""
 
     group: str
     volume: str
@@ -48,7 +48,7 @@ class Case:
     composite: str
     settings: tuple[dict[str, Any], ...]
     rival: bool = True
-    # Of cases that show how time and memory grow. Not in the name of the converged picture, which they do not have.
+    # Fields of the cases of growth. Not in the name of the converged picture's file, since these cases have none.
     change: str = field(default="", repr=False)
     grid: str = field(default="own", repr=False)
     at_most: float | None = field(default=None, repr=False)
@@ -56,7 +56,7 @@ class Case:
 
     @property
     def label(self) -> str:
-        """Volume and curve, and what departs from the defaults."""
+        """Volume and curve, and the fields that differ from the defaults."""
         if self.change:
             return f"{self.volume} {self.curve}: {self.change}"
         names = ("view", "projection", "size", "threads", "kernel", "composite")
@@ -65,7 +65,7 @@ class Case:
 
     @property
     def rays_per_pixel(self) -> int:
-        """Of the converged picture: the edges of a hard step alias with one."""
+        """Rays per pixel of the converged picture; with one, the edges of a hard step alias."""
         return 16 if self.curve == "hard" else 1
 
 
@@ -78,12 +78,12 @@ def cases() -> list[Case]:
 
 
 def growth_volume() -> str:
-    """What the cases of growth are drawn from."""
+    """Name of the volume that the cases of growth draw: the first that is available."""
     return next(filter(is_available, DEFINITIONS["growth"]["volumes"]))
 
 
 def is_available(volume: str) -> bool:
-    """Whether the volume can be had here."""
+    """Whether a volume can be loaded here."""
     definition = DEFINITIONS["volumes"][volume]
     return "file" not in definition or (DATA / definition["file"]).exists() or "bundled" in definition
 
@@ -107,7 +107,7 @@ def load(name: str, grid: str = "own") -> ws.Volume:
 
 
 def twice_the_slices(volume: ws.Volume) -> ws.Volume:
-    """The same densities, up to their rounding, with one more slice across z between any two."""
+    """A volume of the same densities, up to rounding, with one more slice across z between any two."""
     slices = volume.samples.astype(np.uint16)
     fine = np.empty((2 * len(slices) - 1, *slices.shape[1:]), np.uint8)
     fine[::2] = slices
@@ -117,7 +117,7 @@ def twice_the_slices(volume: ws.Volume) -> ws.Volume:
 
 
 def tiled(volume: ws.Volume, n: int = 1024) -> ws.Volume:
-    """The volume again and again, `n` samples along each axis, made without a second large array."""
+    """The volume repeated to `n` samples along each axis, made without a second large array."""
     samples, along = volume.samples, np.arange(n)
     large = np.empty((n, n, n), np.uint8)
     for z in range(n):
@@ -129,7 +129,7 @@ GRIDS = {"twice the slices": twice_the_slices, "1024": tiled}
 
 
 def transfer_function(case: Case) -> ws.TransferFunction:
-    """The curves of a case."""
+    """Transfer function of a case."""
     definition, curves = DEFINITIONS["volumes"][case.volume], DEFINITIONS["curves"]
     unit = min(load(case.volume).spacing)
     if case.curve == "hard":
@@ -145,7 +145,7 @@ def transfer_function(case: Case) -> ws.TransferFunction:
 
 
 def camera(case: Case, turn_deg: float = 0.0) -> ws.Camera:
-    """The view of a case, turned about the vertical."""
+    """Camera of a case, turned about the vertical."""
     volume = load(case.volume, case.grid)
     extent = (np.array(volume.samples.shape[::-1]) - 1) * volume.spacing
     azimuth, elevation = DEFINITIONS["views"][case.view]
@@ -160,7 +160,7 @@ def camera(case: Case, turn_deg: float = 0.0) -> ws.Camera:
 
 
 def scene(case: Case, *, shading: ws.Shading | None = HEADLIGHT) -> ws.Scene:
-    """What is drawn."""
+    """Scene of a case."""
     return ws.Scene(load(case.volume, case.grid), transfer_function(case), shading=shading)
 
 
@@ -173,7 +173,7 @@ def render(
     quality: str = "normal",
     **settings: Any,
 ) -> ws.Picture:
-    """The picture by the fast renderer, of a scene that is kept or of a new one."""
+    """Draw a case by the fast renderer, with a scene that is kept or a new one."""
     if "shading" in settings:
         kept = scene(case, shading=settings.pop("shading"))
     return (kept or scene(case)).render(
@@ -213,7 +213,7 @@ def converged(case: Case) -> NDArray[np.float64]:
 
 
 def over_black(rgba: NDArray[np.floating[Any]]) -> NDArray[np.float64]:
-    """What a viewer sees: associated colour over black is the colour itself."""
+    """The colour over black, 0..1: associated colour over black is the colour itself."""
     return np.clip(rgba[..., :3].astype(np.float64), 0.0, 1.0)
 
 

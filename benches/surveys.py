@@ -42,7 +42,7 @@ def bytes_of_a_survey(samples: np.ndarray, folder: Path) -> int:
 
 
 def main() -> None:
-    """Print both."""
+    """Print both measurements."""
     with tempfile.TemporaryDirectory() as folder:
         wall, cpu = seconds_of_a_pass(Path(folder))
     print(f"a pass over {np.prod(GRID):,} chunks: {wall:.3f} s, {cpu:.3f} s of processors")

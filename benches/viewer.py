@@ -41,7 +41,7 @@ CASES = (
 
 
 def started(example: str, preset: str) -> tuple[subprocess.Popen[str], str, float]:
-    """The command, its link, and the seconds until it said it."""
+    """Start the command; return its process, its link, and the seconds until it printed the link."""
     begun = time.perf_counter()
     command = [sys.executable, "-m", "wavesplat", "view", "--example", example, "--preset", preset, "--no-browser"]
     process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
@@ -84,7 +84,7 @@ print("frame", flush=True)
 
 
 def ended(process: subprocess.Popen[str]) -> None:
-    """End the command; Ctrl-C is ignored by what a shell runs in the background."""
+    """End the command by SIGTERM: jobs that a shell runs in the background ignore Ctrl-C."""
     process.terminate()
     process.wait(timeout=20)
 
@@ -97,7 +97,7 @@ def resident(pid: int) -> float:
 
 
 def psnr_of(kept: list[dict[str, Any]], state: ViewerState, size: tuple[int, int]) -> float:
-    """The median PSNR, dB, of pictures that were seen against those at rest from there."""
+    """Median PSNR, dB, of the pictures that were seen against those at rest from the same cameras."""
     found = []
     for one in kept:
         seen = np.asarray(Image.open(io.BytesIO(base64.b64decode(one["png"].partition(",")[2]))).convert("RGB"), float)
@@ -108,7 +108,7 @@ def psnr_of(kept: list[dict[str, Any]], state: ViewerState, size: tuple[int, int
 
 
 def measured(case: tuple[str, str, str, int], seconds: float) -> dict[str, Any]:
-    """What is told of a case."""
+    """Measurements of a case."""
     name, example, preset, goal_db = case
     first = statistics.median(first_frame_s(example, preset) for _ in range(3))
     process, link, said = started(example, preset)
@@ -146,7 +146,7 @@ def measured(case: tuple[str, str, str, int], seconds: float) -> dict[str, Any]:
 
 
 def table(rows: list[dict[str, Any]]) -> str:
-    """The rows as Markdown, with goals."""
+    """Markdown table of the rows, with goals."""
     head = (
         "| | event to picture, ms, median / 95 % | frames/s, median / 5 % | dB while moving | kB a frame "
         "| drawn / encoded, ms | browser, ms a frame | link / first frame sent / first picture in the page, s "

@@ -17,7 +17,7 @@ import numpy as np
 import scenes
 from numpy.typing import NDArray
 
-#: From volpack.h.
+#: Constants of volpack.h.
 NORM_MAX, GRAD_MAX = 7923, 221
 MIN_VOXEL_OPACITY, MAX_RAY_OPACITY = 1014, 1043
 PARALLEL, RGBA = 2400, 5004
@@ -27,7 +27,7 @@ NORMAL, DENSITY, GRADIENT = 0, 1, 2
 
 
 def library() -> str | None:
-    """Where the library is."""
+    """Name of the library's file; None if it is not installed."""
     return ctypes.util.find_library("volpack")
 
 
@@ -57,7 +57,7 @@ class Scene:
         self._size = np.array(volume.samples.shape[::-1])
         call = self._call
         call("vpSetVolumeSize", *(int(n) for n in self._size))
-        # A short, and two bytes that tell classes apart.
+        # A voxel has a short (the normal) and two bytes, by which it is classified.
         call("vpSetVoxelSize", 4, 3, 2, 1)
         call("vpSetVoxelField", NORMAL, 2, 0, NORM_MAX)
         call("vpSetVoxelField", DENSITY, 1, 2, 255)
@@ -95,7 +95,7 @@ class Scene:
         return [x.value, y.value, z.value]
 
     def draw(self, turn_deg: float) -> None:
-        """One frame."""
+        """Draw one frame."""
         view = scenes.camera(self._case, turn_deg)
         to_eye = np.subtract(view.position, view.focal_point)
         to_eye /= np.linalg.norm(to_eye)
@@ -117,6 +117,6 @@ class Scene:
         self._call("vpRenderClassifiedVolume")
 
     def picture(self) -> NDArray[np.float64]:
-        """The view itself, over black."""
+        """Picture of the view itself, over black."""
         self.draw(0.0)
         return self._picture[::-1, :, :3].astype(np.float64) / 255

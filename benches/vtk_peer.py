@@ -70,7 +70,7 @@ class Scene:
         self._case = case
 
     def draw(self, turn_deg: float) -> None:
-        """One frame."""
+        """Draw one frame."""
         view = scenes.camera(self._case, turn_deg)
         camera = self._renderer.GetActiveCamera()
         camera.SetFocalPoint(*view.focal_point)
@@ -85,17 +85,17 @@ class Scene:
         self._window.Render()
 
     def wait(self) -> None:
-        """Until the frame is there."""
+        """Wait until the frame is drawn."""
         self._window.WaitForCompletion()
 
     def renderer(self) -> str:
-        """The OpenGL renderer that drew."""
+        """Name of the OpenGL renderer that drew."""
         told = self._window.ReportCapabilities() or ""
         lines = [line.split(":", 1)[1].strip() for line in told.splitlines() if line.startswith("OpenGL renderer")]
         return lines[0] if lines else "unknown"
 
     def picture(self) -> NDArray[np.float64]:
-        """The view itself, over black."""
+        """Picture of the view itself, over black."""
         self.draw(0.0)
         width, height = self._window.GetSize()
         pixels: Any = vtk.vtkUnsignedCharArray()

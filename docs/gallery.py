@@ -45,7 +45,7 @@ class Entry:
 
     @property
     def file(self) -> str:
-        """Of the picture."""
+        """Name of the picture's file."""
         return f"{self.name}.png"
 
     def shown(self) -> str:
@@ -154,7 +154,7 @@ picture = ws.render(layers, background="black", **view).annotated(scale_bar=True
 
 
 def run(entry: Entry, folder: Path, *, small: bool) -> None:
-    """Draws a picture, in a folder with the scans."""
+    """Draw a picture, in a folder with the scans."""
     if entry.command:
         shown = entry.shown()
         command = [sys.executable, "-m", "wavesplat", *shlex.split(shown)[1:]]
@@ -178,7 +178,7 @@ def scans() -> Iterator[Path]:
 
 
 def page() -> str:
-    """The gallery as Markdown."""
+    """Markdown text of the gallery."""
     words = (
         "Written by `make gallery`, which runs what stands below every picture.\n"
         "The scans come with the package, in `wavesplat/data`."

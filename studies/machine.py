@@ -10,7 +10,7 @@ from pathlib import Path
 
 
 def describe() -> str:
-    """Cores and processor."""
+    """Number of cores and name of the processor."""
     cpuinfo = Path("/proc/cpuinfo")
     text = cpuinfo.read_text(encoding="utf-8") if cpuinfo.exists() else ""
     found = re.search(r"^model name\s*: *(.*)$", text, re.MULTILINE)

@@ -1,6 +1,6 @@
-"""The volumes of the studies, and what of them is drawn: ripples, half a pelvis, a head.
+"""The volumes of the studies, and how each is drawn: ripples, half a pelvis, a head.
 
-From the folder BENCH_DATA or, where that lacks them, bundled with the package.
+They come from the folder BENCH_DATA or, where that lacks them, are bundled with the package.
 """
 
 # ruff: noqa: INP001 - scripts, not a package
@@ -17,7 +17,7 @@ ROOT = Path(__file__).resolve().parents[1]
 DATA = Path(os.environ.get("BENCH_DATA", ROOT / "bench-data"))
 
 CT_FILE = "ct_pelvis_right.nii.gz"
-#: Without the table under the patient, whose thin shell is near the step and makes half of the error.
+#: Crop box without the table under the patient, whose thin shell is near the step and makes half of the error.
 CT_CROP = ws.Crop((12, 0, 0), (248, 143, 69), space="index") if (DATA / CT_FILE).exists() else None
 
 
@@ -39,12 +39,12 @@ def mri() -> ws.Volume:
 
 @dataclass(frozen=True)
 class Drawn:
-    """How a volume is drawn, in the units of its samples."""
+    """A volume and the settings with which it is drawn, in the units of its samples."""
 
     source: Callable[[], ws.Volume]
-    #: Where the opacity is 0, 0.05 and 0.2.
+    #: Values at which the opacity is 0, 0.05 and 0.2.
     soft: tuple[float, float, float]
-    #: Where it steps from 0 to 1.
+    #: Value at which the opacity steps from 0 to 1.
     hard: float
     #: Azimuth and elevation, degrees.
     view: tuple[float, float]

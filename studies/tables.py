@@ -10,7 +10,7 @@ Table = Sequence[Sequence[str]]
 
 
 def as_text(lines: Table) -> str:
-    """Columns padded with blanks."""
+    """A table as text, its columns padded with blanks."""
     widths = [max(len(line[i]) for line in lines) for i in range(len(lines[0]))]
     return "\n".join("  ".join(cell.ljust(width) for cell, width in zip(line, widths, strict=True)) for line in lines)
 

@@ -24,7 +24,7 @@ const HEAD = "// Built from web/ by `make web`; change that, not this.\n";
 
 const readable = await build({ ...options, minify: false });
 const text = HEAD + readable.outputFiles[0].text;
-// Style sheets are texts to the bundler, and would stay as they are.
+// To the bundler, style sheets are texts, which it would not minify.
 const smallStyles = {
   name: "small styles",
   setup: ({ onLoad }) =>

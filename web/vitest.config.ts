@@ -14,7 +14,7 @@ export default defineConfig({
           testTimeout: 60_000,
           hookTimeout: 120_000,
           fileParallelism: false,
-          // Machines may be busy; what is wrong is wrong twice.
+          // Machines may be busy, and real faults fail twice.
           expect: { poll: { timeout: 20_000 } },
           retry: 1,
         },

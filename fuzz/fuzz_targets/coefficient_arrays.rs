@@ -1,4 +1,4 @@
-//! The arrays of a file of wavelet coefficients, damaged: read, then decoded.
+//! Fuzz target: damaged arrays of a file of wavelet coefficients are read, then decoded.
 
 #![no_main]
 

@@ -1,4 +1,4 @@
-//! Integer coefficients of any size: every number comes back, from coefficients as from samples.
+//! Fuzz target: the integer transform is lossless for numbers of any size, taken as samples or as coefficients.
 
 #![no_main]
 

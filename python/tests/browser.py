@@ -1,4 +1,4 @@
-"""A film in Chromium: what its player says of a video that is served to it."""
+"""Playback of a video in Chromium: the facts that its player reports."""
 
 from __future__ import annotations
 
@@ -50,12 +50,12 @@ film.onerror = () => tell({error: film.error.message});
 
 
 def chromium():
-    """The browser's program, or None."""
+    """Path of the browser's program, or None."""
     return next((found for name in NAMES if (found := shutil.which(name))), None)
 
 
 def played(path, *, timeout_secs=90):
-    """What the browser says after it has played a video to its end: size, seconds, frames, bytes of the first one."""
+    """Facts that the browser reports once it has played a video: size, seconds, frames, bytes of the first frame."""
     told = queue.Queue()
 
     class Handler(BaseHTTPRequestHandler):

@@ -1,4 +1,4 @@
-"""What several test files share: a small oblique volume, and the command line as a function."""
+"""Fixtures that test files share: a small oblique volume, and the command line as a function."""
 
 from __future__ import annotations
 
@@ -17,11 +17,11 @@ from hypothesis import HealthCheck, settings
 # Other processes may hold the cores at any moment: how long an example takes says nothing about what it tests.
 settings.register_profile("shared_machine", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("shared_machine")
-# What is kept of lazy volumes must not come from, or go to, the user's own folder.
+# The cache of lazy volumes must not come from, or go to, the user's own folder.
 os.environ["XDG_CACHE_HOME"] = tempfile.mkdtemp(prefix="wavesplat-tests-")
 atexit.register(shutil.rmtree, os.environ["XDG_CACHE_HOME"], ignore_errors=True)
 
-# Bytes are compared, and those of the CPU are the same on every machine.
+# Tests compare bytes of pictures, which are the same on every machine only if the CPU draws.
 os.environ.setdefault("WAVESPLAT_DEVICE", "cpu")
 
 SPACING = (0.7, 0.8, 1.5)
@@ -45,7 +45,7 @@ class Oblique(NamedTuple):
 
 @pytest.fixture
 def oblique():
-    """Anisotropic, rotated about two axes, off the origin, with a different number of samples along each axis."""
+    """A volume that is anisotropic, rotated about two axes and off the origin, with three different sizes."""
     a, b = np.radians(20), np.radians(-35)
     turn_z = np.array([[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]])
     turn_x = np.array([[1, 0, 0], [0, np.cos(b), -np.sin(b)], [0, np.sin(b), np.cos(b)]])
@@ -69,7 +69,7 @@ def ramp_file(tmp_path):
 
 @pytest.fixture
 def wavesplat():
-    """Run the command line in a process of its own; gives returncode, stdout and stderr."""
+    """Run the command line in a process of its own; return its exit code, stdout and stderr."""
 
     def run(*arguments, cwd=None, **environment):
         return subprocess.run(

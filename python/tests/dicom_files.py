@@ -10,7 +10,7 @@ TYPES = {"u1": (8, 0), "u2": (16, 0), "i2": (16, 1), "u4": (32, 0)}
 
 
 def base(pixels, number=0, *, modality="CT", series="1.2.3", sop_class=CT, bits_stored=None, **attributes):
-    """A dataset with pixels [rows, columns] or [frames, rows, columns] and no place."""
+    """A dataset with pixels [rows, columns] or [frames, rows, columns], and without a position."""
     from pydicom.dataset import Dataset, FileMetaDataset
     from pydicom.uid import UID
 
@@ -46,7 +46,7 @@ def slice_at(pixels, number, z=None, *, spacing=(0.8, 0.7), **attributes):
 
 
 def sequence(*items):
-    """A sequence of items; of values that are dictionaries, sequences in turn."""
+    """A sequence of items; values that are dictionaries become sequences in turn."""
     from pydicom.dataset import Dataset
     from pydicom.sequence import Sequence
 
@@ -60,7 +60,7 @@ def sequence(*items):
 
 
 def save(folder, datasets):
-    """A file for each."""
+    """Write each dataset to a file of its own."""
     folder.mkdir(exist_ok=True)
     for number, dataset in enumerate(datasets):
         dataset.save_as(folder / f"{number:03}.dcm", enforce_file_format=True)
@@ -68,7 +68,7 @@ def save(folder, datasets):
 
 
 def enhanced(pixels, frames, **attributes):
-    """A file of many frames. `frames`: for each its z, and slope, intercept, stack, time, label if given."""
+    """A dataset of many frames. `frames`: for each its z, and slope, intercept, stack, time, label if given."""
     from pydicom.dataset import Dataset
 
     def item(**values):
@@ -104,5 +104,5 @@ def enhanced(pixels, frames, **attributes):
 
 
 def random(n, dtype=np.uint16, size=(6, 7), most=3000):
-    """As many frames of random numbers."""
+    """A stack of n frames of random numbers."""
     return np.random.default_rng(n).integers(0, most, (n, *size)).astype(dtype)

@@ -1,4 +1,4 @@
-"""A made-up picture with the report of one, and what is written on figures of it."""
+"""A synthetic picture with a report, and the texts on figures of it."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ RED, GREEN, WHITE = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (1.0, 1.0, 1.0)
 
 
 def picture(background="white", size=(400, 300), **facts):
-    """A disc on a background, with what a report would say."""
+    """A disc on a background, with the report of a rendered picture."""
     width, height = size
     y, x = np.mgrid[:height, :width]
     rgba = np.zeros((height, width, 4), np.float32)
@@ -36,18 +36,18 @@ def without(name):
 
 
 def drawn_in(before, after):
-    """Where pixels changed, as a mask of the first picture's size."""
+    """Mask of the pixels that changed, of the first picture's size."""
     height, width = before.rgba.shape[:2]
     return (before.rgba != after.rgba[-height:, :width]).any(axis=2)
 
 
 def texts(figure):
-    """What is written on a figure, in order."""
+    """Texts on a figure, in order."""
     return [mark.text for mark in figure._canvas.marks if isinstance(mark, Text)]
 
 
 def check_inside(figure):
-    """All that is written is on the canvas."""
+    """Check that all marks of a figure lie on its canvas."""
     width, height = figure.size
     for mark in figure._canvas.marks:
         if isinstance(mark, Text) and mark.slant != UPWARDS:

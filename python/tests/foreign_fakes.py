@@ -1,4 +1,4 @@
-"""Objects that have what those of large libraries have, for tests where these are not installed."""
+"""Stand-ins for objects of large libraries, for tests where these are not installed."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ def simple_itk_image(samples, lps):
 
 
 def of_library(name):
-    """A class as one of the library."""
+    """Class decorator: the class pretends to be of a library."""
 
     def changed(kind):
         kind.__module__ = f"{name}.fake"
@@ -26,11 +26,11 @@ def of_library(name):
     return changed
 
 
-# NumPy's ways ---------------------------------------------------------------------------------------------------------
+# NumPy's protocols ----------------------------------------------------------------------------------------------------
 
 
 class WithArray:
-    """As arrays of JAX, TensorFlow and others."""
+    """An object with `__array__`, as arrays of JAX, TensorFlow and others."""
 
     def __init__(self, samples):
         self.samples = samples
@@ -63,7 +63,7 @@ class OnGpu:
 
 @of_library("torch")
 class Tensor:
-    """On a GPU and with a gradient: only after `detach` and `cpu` it gives an array."""
+    """A tensor on a GPU, with a gradient: only after `detach` and `cpu` it gives an array."""
 
     is_sparse = False
     dtype = "torch.int16"

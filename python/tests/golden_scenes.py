@@ -1,4 +1,4 @@
-"""The scenes of the golden pictures, from the bundled volumes, and how a picture is held against its golden.
+"""The scenes of the golden pictures, from the bundled volumes, and the comparison of a picture with its golden.
 
 Few and small: what a formula can say is in other tests, goldens notice what nobody thought of. All curves are given
 here, so that presets may get better, and what is fitted to a histogram may change, without changing a golden.
@@ -21,14 +21,14 @@ GOLDENS = ROOT / "goldens"
 FAILURES = ROOT / "target" / "golden-failures"
 
 SIZE = (96, 96)
-#: Of a side in pixels, and of a file in bytes.
+#: Largest side of a golden in pixels, and largest file in bytes.
 MAX_PIXELS, MAX_BYTES = 128, 16 * 1024
-#: Pictures are the same to the bit for all vectors and threads of a build; other compilers may round otherwise.
+#: Largest difference, levels of 255: pictures of a build have the same bits; other compilers may round otherwise.
 MAX_LEVELS = 1
 
 BONE = [(-1000, 0.0, 0.2, 0.3), (200, 0.9, 0.6, 0.4), (1000, 1.0, 1.0, 0.95)]
 HEAD = [(0, 0.0, 0.2, 0.3), (44, 0.9, 0.6, 0.4), (66, 1.0, 0.95, 0.85), (110, 1.0, 1.0, 1.0)]
-#: Skin, muscle and bone in Hounsfield units.
+#: Transfer function for skin, muscle and bone, in Hounsfield units.
 SOFT = ws.TransferFunction(
     [
         *[(-600, 0), (-400, 0.012), (-150, 0.003), (-30, 0.003), (40, 0.012)],
@@ -57,13 +57,13 @@ def hard_mri_in_perspective() -> ws.Picture:
 
 
 def maximum() -> ws.Picture:
-    """Of the head, from its left."""
+    """A maximum projection of the head, from its left."""
     greys = ws.TransferFunction([(0, 1)], [(10, 0, 0, 0), (150, 1, 1, 1)])
     return ws.render(ws.examples.mri_head(), greys, "left", size=SIZE, composite="maximum", background="black")
 
 
 def labels() -> ws.Picture:
-    """One half of the body hidden, its bones a solid colour."""
+    """The body with one half hidden by a label, and the bones of that half in a solid colour."""
     ct = ws.examples.ct_pelvis()
     segmentation = np.zeros(ct.shape, np.uint8)
     segmentation[:, :, : ct.shape[2] // 2] = 1
@@ -84,7 +84,7 @@ def two_dimensional() -> ws.Picture:
 
 
 def coarse_wavelet_level() -> ws.Picture:
-    """Without the two finest levels of details, as bright as the whole."""
+    """The head without the two finest levels of details, which is as bright as the whole."""
     mri = ws.examples.mri_head()
     wavelets = ws.WaveletVolume.from_volume(mri, "cdf53", threshold=4)
     soft = ws.TransferFunction([(20, 0), (45, 0.05), (110, 0.4)], HEAD)
@@ -100,17 +100,17 @@ SCENES: dict[str, Callable[[], ws.Picture]] = {
 
 
 def path_of(name: str) -> Path:
-    """The golden picture of a scene."""
+    """Path of the golden picture of a scene."""
     return GOLDENS / f"{name}.png"
 
 
 def png(picture: ws.Picture) -> bytes:
-    """The picture as a file of 8 bits per channel."""
+    """PNG file of a picture, with 8 bits per channel."""
     return picture._repr_png_()
 
 
 def difference(name: str, want: bytes | None, got: bytes, failures: Path) -> str | None:
-    """What is wrong with a picture, with numbers, after leaving it in a folder with its golden; None if nothing is."""
+    """Compare a picture with its golden; on a difference save both to `failures`, and return a message with numbers."""
     want_levels, got_levels = (None if content is None else _levels(content) for content in (want, got))
     if want_levels is None:
         problem = "there is no golden picture; if it is to be one, `make golden` draws it"

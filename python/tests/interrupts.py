@@ -1,6 +1,6 @@
-"""Ctrl-C at a point of some work, and what is spent until it is answered.
+"""Ctrl-C at a point of some work, and the processor time until it is answered.
 
-Both are told by the processor time of the process, which says the same on a machine that does other things too.
+Both are measured in processor time of the process, which does not depend on other work of the machine.
 """
 
 from __future__ import annotations
@@ -12,13 +12,13 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-#: Processor seconds until an answer, at most: a tenth of a second of all processors, and some for what is cleared away.
+#: Largest processor time until an answer, seconds: 0.2 s on each processor, and some for clearing up.
 ANSWER_S = 5 + 0.2 * (os.cpu_count() or 1)
 
 
 @contextmanager
 def ctrl_c_after(seconds: float) -> Iterator[Callable[[], float]]:
-    """Send SIGINT to the main thread once so much processor time was used; gives the seconds used since then."""
+    """Send SIGINT to the main thread after this much processor time; yield a function of the seconds since then."""
     begun, sent, is_over = time.process_time(), [], threading.Event()
 
     def send():

@@ -1,4 +1,4 @@
-"""Which module imports which, in Python and in Rust, and what may import what: the rules that `test_layout.py` applies.
+"""Imports between modules, in Python and in Rust, and rules on which may import which; `test_layout.py` applies them.
 
 Modules are named `room.module`, or by their room alone: a room is a folder below the root of a package or crate, or a
 file there.
@@ -16,7 +16,7 @@ Imports = Mapping[str, Collection[str]]
 
 
 def check_order(imports: Imports, rooms: Sequence[str], leaves: Collection[str] = ()) -> list[str]:
-    """What is wrong, a line each: imports from a later room, from a leaf, and rooms that have no place.
+    """Return a line per fault: imports from a later room, from a leaf, and rooms that have no place in the order.
 
     imports : modules that each module imports.
     rooms : in order; modules import from their own room and from those before it.
@@ -41,7 +41,7 @@ def check_order(imports: Imports, rooms: Sequence[str], leaves: Collection[str] 
 
 
 def circle_of_rooms(imports: Imports) -> list[str]:
-    """Rooms that import each other in a circle, the first named again at the end; empty if there is none."""
+    """A cycle of rooms that import each other, the first named again at the end; empty if there is none."""
     rooms: dict[str, set[str]] = {}
     for module, imported in imports.items():
         room = room_of(module)
@@ -54,9 +54,9 @@ def circle_of_rooms(imports: Imports) -> list[str]:
 
 
 def check_exceptions(found: Mapping[str, str], exceptions: Mapping[str, str]) -> list[str]:
-    """What is wrong, a line each: what was found and is no exception, and exceptions that are none any more.
+    """Return a line per fault: findings that are not excepted, and exceptions that are no longer needed.
 
-    found : what is wrong with each name.
+    found : message on each name that breaks a rule.
     exceptions : why each name is one.
     """
     new = [f"{name}: {what}" for name, what in sorted(found.items()) if name not in exceptions]
@@ -73,7 +73,7 @@ def room_of(module: str) -> str:
 
 
 def python_imports(folder: Path) -> dict[str, set[str]]:
-    """The modules of a package's folder, and what each imports of the package, wherever in the file it does.
+    """The modules of a package's folder, each with the modules of the package that it imports anywhere in the file.
 
     The package's own file is the room `__init__`, also where something imports a public name from it.
     """
@@ -95,7 +95,7 @@ def python_imports(folder: Path) -> dict[str, set[str]]:
 
 
 def imported_names(tree: ast.AST) -> Iterator[str]:
-    """Dotted names of what is imported: inside functions, for the type checker alone, and by `import_module` too."""
+    """Dotted names of all imports: inside functions, for the type checker alone, and by `import_module` too."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             yield from (alias.name for alias in node.names)
@@ -104,7 +104,7 @@ def imported_names(tree: ast.AST) -> Iterator[str]:
                 raise ValueError(f"line {node.lineno}: a relative import; write the package's name")
             yield from (f"{node.module}.{alias.name}" for alias in node.names)
         elif isinstance(node, ast.Call) and _called(node) == "import_module":
-            # Of a name that is put together, the part that is known.
+            # Of an f-string the first part, which is known.
             name = node.args[0].values[0] if isinstance(node.args[0], ast.JoinedStr) else node.args[0]
             if isinstance(name, ast.Constant) and not name.value.endswith("."):
                 yield name.value
@@ -149,7 +149,7 @@ def rust_sources(src: Path) -> dict[str, str]:
 
 
 def rust_imports(sources: Mapping[str, str]) -> dict[str, set[str]]:
-    """What each module of a crate imports of the same crate, by `use` or by a path; `lib` is what its root defines."""
+    """The imports of each module of a crate from the same crate, by `use` or by a path; `lib` is the crate's root."""
     rooms = {room_of(name) for name in sources} - {"lib"}
     found = {}
     for name, code in sources.items():
@@ -166,7 +166,7 @@ def rust_imports(sources: Mapping[str, str]) -> dict[str, set[str]]:
 
 
 def rust_types(code: str) -> list[str]:
-    """Names of structs, enums, unions, traits and aliases; types that belong to a trait are none."""
+    """Names of structs, enums, unions, traits and aliases, without associated types of traits."""
     names, blocks, opens = [], [], "other"
     for match in ITEM.finditer(code):
         word, name = match[1], match[2]
@@ -223,7 +223,7 @@ def _leaves(tree: str) -> list[str]:
 
 
 def _absolute(parts: list[str], inside: list[str]) -> list[str]:
-    """A path from the crate's root, for one that begins with `crate`, `super` or `self`; empty for others."""
+    """The path from the crate's root of a path that begins with `crate`, `super` or `self`; empty for others."""
     if parts[0] == "crate":
         return parts[1:]
     if parts[0] not in ("super", "self"):

@@ -1,4 +1,4 @@
-"""Lazy arrays for tests: made of an array in memory, and counted, slow, or broken."""
+"""Lazy arrays for tests: views of an array in memory that count reads, or are slow, or broken."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from wavesplat.errors import FileError
 
 
 class Chunked:
-    """Samples of an array, read in chunks that divide nothing, and counted."""
+    """A lazy array that counts the reads of its chunks, whose sizes do not divide the array's."""
 
     is_in_memory, n_readers, reads_together, token, files = False, 4, False, None, None
 
@@ -41,7 +41,7 @@ class Chunked:
 
 
 class Slow(Chunked):
-    """Every read takes a while."""
+    """A lazy array whose reads all take a while."""
 
     seconds = 0.02
 
@@ -51,7 +51,7 @@ class Slow(Chunked):
 
 
 class Broken(Chunked):
-    """One chunk cannot be read; `times`: how often."""
+    """A lazy array of which one chunk cannot be read, the first `times` times."""
 
     def __init__(self, samples, chunk, times=10**9, **options):
         super().__init__(samples, **options)
@@ -66,7 +66,7 @@ class Broken(Chunked):
 
 
 class FailsOnce(Chunked):
-    """The first read of a process fails."""
+    """A lazy array whose first read in a process fails."""
 
     failed = False
 
@@ -78,14 +78,14 @@ class FailsOnce(Chunked):
 
 
 class WrongShape(Chunked):
-    """What is read is one slice short."""
+    """A lazy array whose reads return one slice too few."""
 
     def read(self, lo, hi):
         return super().read(lo, hi)[:-1]
 
 
 def shells(n=96, dtype=np.uint8):
-    """Two shells in air, aslant of each other."""
+    """Two shells in air, not concentric."""
     z, y, x = np.ogrid[-1 : 1 : n * 1j, -1 : 1 : n * 1j, -1 : 1 : n * 1j]
     first = 220 * np.exp(-(((np.sqrt(x**2 + y**2 + z**2) - 0.45) / 0.05) ** 2))
     second = 160 * np.exp(-(((np.sqrt((x - 0.3) ** 2 + (y + 0.2) ** 2 + z**2) - 0.25) / 0.06) ** 2))

@@ -1,10 +1,10 @@
-"""A ray caster in plain NumPy that shares nothing with the renderer: not its code, and not its way.
+"""A ray caster in plain NumPy that shares nothing with the renderer: neither code nor method.
 
 All of it happens in the world. A box, a crop and a clip plane are half spaces `n . x >= c`; a ray is a point and a unit
 direction, so that its parameter is a length; the place of a point in the grid follows from the same normals of the
 box's faces. The model is that of the docs: piecewise linear transfer function after trilinear reconstruction, a step
 of length `s` has opacity `1 - (1 - a)^(s / opacity_unit)`, front to back over, Phong with the reflection vector.
-Only what a scene is made of comes from the tests: arrays and numbers.
+Only the data of scenes, arrays and numbers, come from the tests.
 """
 
 from __future__ import annotations
@@ -16,7 +16,7 @@ import numpy as np
 
 @dataclass(frozen=True)
 class Eye:
-    """Where the picture is taken from; half the height of the view, or its vertical angle in degrees."""
+    """A camera, with half the height of the view, or with its vertical angle in degrees."""
 
     position: tuple[float, float, float]
     focal_point: tuple[float, float, float]
@@ -49,7 +49,7 @@ class Eye:
 
 @dataclass(frozen=True)
 class Light:
-    """Phong's terms, and one white light behind the eye."""
+    """Coefficients of Phong's model, with one white light behind the eye."""
 
     ambient: float = 0.1
     diffuse: float = 0.7
@@ -60,7 +60,7 @@ class Light:
 
 @dataclass(frozen=True)
 class Scene:
-    """Samples [z, y, x], where they lie, and what is kept of them."""
+    """Samples [z, y, x] with their place in the world, curves, light, crops and clip planes."""
 
     samples: np.ndarray
     world_from_index: np.ndarray
@@ -82,14 +82,14 @@ class Scene:
         return self.world_from_index[:3, 3]
 
     def index(self, points):
-        """Where points of the world lie in the grid: distance from a face over the distance of neighbouring slices."""
+        """Index positions of world points: distance from a face over the distance of neighbouring slices."""
         coordinates = []
         for edge, normal in zip(self.edges, face_normals(self.edges), strict=True):
             coordinates.append((points - self.origin) @ normal / (edge @ normal))
         return np.stack(coordinates, axis=-1)
 
     def half_spaces(self):
-        """Pairs (n, c); a point is inside where `n . x >= c` for all."""
+        """Half spaces that bound the scene, as pairs (n, c); a point is inside where `n . x >= c` for all."""
         last = np.array(self.samples.shape[::-1]) - 1.0
         lower, upper = np.zeros(3), last
         if self.crop_index is not None:
@@ -118,7 +118,7 @@ def face_normals(edges):
 
 
 def passage(scene, origins, directions):
-    """Where rays enter and leave, lengths from their origin; and which half spaces they enter and leave by."""
+    """Entry and exit of rays, as lengths from their origin, and the half spaces that they enter and leave by."""
     entry = np.zeros(origins.shape[:-1])
     leave = np.full(origins.shape[:-1], np.inf)
     entered, left = (np.full(origins.shape[:-1], -1) for _ in range(2))
@@ -134,7 +134,7 @@ def passage(scene, origins, directions):
 
 
 def length(scene, eye, size, rays_per_side=1):
-    """World length of every ray inside of what is kept, [row, column, ray], and by which faces it passes."""
+    """World length of every ray inside of the scene, [row, column, ray], and the faces by which it passes."""
     entry, leave, faces = passage(scene, *eye.rays(size, rays_per_side))
     return np.maximum(leave - entry, 0), faces
 
@@ -169,7 +169,7 @@ def world_gradient(scene, index):
 
 
 def phong(light, color, gradient, to_eye, to_light):
-    """Ambient and diffuse light has the colour of the place, the highlight that of the light; both sides are lit."""
+    """Phong shading, lit on both sides; ambient and diffuse light have the matter's colour, the highlight is white."""
     size = np.linalg.norm(gradient, axis=-1, keepdims=True)
     exists = size > 1e-12
     normal = gradient / np.where(exists, size, 1)
@@ -181,9 +181,9 @@ def phong(light, color, gradient, to_eye, to_light):
 
 
 def march(scene, eye, size, step, rays_per_side, *, with_ends=False):
-    """Which rays [row, column, ray] meet the scene, and an iterator over the steps of those rays, from the eye on.
+    """Mask [row, column, ray] of the rays that meet the scene, and an iterator over their steps, from the eye on.
 
-    Of each step: the points in its middle as index positions, how long it is, and the rays' directions. `with_ends`:
+    A step gives the points in its middle as index positions, its lengths, and the rays' directions. `with_ends`:
     points from the first face to the last, with half a step at both, the trapezoid rule instead of the midpoint rule.
     """
     origins, directions = eye.rays(size, rays_per_side)
@@ -224,7 +224,7 @@ def over(scene, eye, size, *, step, rays_per_side=2):
 
 
 def project(scene, eye, size, operator, *, step, rays_per_side=1):
-    """One number per pixel, the mean of its rays; NaN where one of them misses the volume."""
+    """Projection by an operator: a number per pixel, the mean of its rays; NaN where one of them misses the volume."""
     hit, steps = march(scene, eye, size, step, rays_per_side, with_ends=True)
     largest, smallest, total, way = -np.inf, np.inf, 0.0, 0.0
     for index, thickness, _ in steps:

@@ -9,12 +9,12 @@ from http.server import BaseHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
 from urllib.parse import unquote, urlsplit
 
-#: Status, headers, and the blocks of the body; None: as usual.
+#: An answer: status, headers, and the blocks of the body; None: the file is served as usual.
 Answer = tuple[int, dict[str, str], Iterator[bytes]] | None
 
 
 class OddServer:
-    """Serves `folder`; `odd(path)` may give another answer. `asked` are the paths, with their queries."""
+    """Serves `folder`; `odd(path)` may give another answer. `asked` lists the requested paths, with their queries."""
 
     def __init__(self, folder: Path, odd: Callable[[str], Answer] = lambda _: None, missing: int = 404) -> None:
         self.asked: list[str] = []

@@ -1,7 +1,7 @@
 """Pages of the documentation that run: their blocks of Python and of commands, in order, in one folder.
 
-A section is what stands below a heading of two `#`. Blocks of ```python share their names within a page's set-up and a
-section; of ```sh every line is a command that begins with `wavesplat`. Other blocks are not run.
+A section is the text below a heading of two `#`. Blocks of ```python share their names within a page's set-up and a
+section; in ```sh every line is a command that begins with `wavesplat`. Other blocks are not run.
 """
 
 from __future__ import annotations
@@ -15,7 +15,7 @@ ROOT = Path(__file__).parents[2]
 
 
 class Block(NamedTuple):
-    """What stands between two fences; `line` is that of the first one."""
+    """A block of code between two fences; `line` is the number of the first fence's line."""
 
     section: str
     language: str
@@ -24,7 +24,7 @@ class Block(NamedTuple):
 
 
 def blocks_of(page: Path) -> list[Block]:
-    """The blocks of a page, in order; what stands above the first heading is the section ""."""
+    """The blocks of a page, in order; those above the first heading are in the section ""."""
     found: list[Block] = []
     section, fence, lines = "", None, []
     for number, line in enumerate(page.read_text(encoding="utf-8").splitlines(), 1):
@@ -46,7 +46,7 @@ def run(page: Path, blocks: list[Block], command: Callable[..., Any], folder: Pa
     for block in blocks:
         where = f"{page.name}, line {block.line}"
         if block.language == "python":
-            # Lines count as in the page, so that a failure shows where.
+            # Leading newlines number the lines as in the page, so that a traceback names the right one.
             exec(compile("\n" * block.line + block.code, str(page), "exec"), names)  # noqa: S102 - our own pages
         elif block.language == "sh":
             for line in block.code.replace("\\\n", " ").splitlines():

@@ -36,7 +36,7 @@ def store(tmp_path):
 
 
 def opened(path, options):
-    """All samples, read at once or in parts."""
+    """Open a volume and return all samples, read at once or in parts."""
     volume = ws.open(path, **options)
     return (volume.read() if isinstance(volume, ws.LazyVolume) else volume).samples
 
@@ -188,7 +188,7 @@ def test_messages_of_servers_have_no_passwords(store, wavesplat):
             assert not any("a-password" in str(one.message) for one in warned)
 
 
-# What servers answer
+# Answers of servers
 
 
 @pytest.mark.parametrize("name", NAMES)

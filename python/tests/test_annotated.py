@@ -1,4 +1,4 @@
-"""Figures: bars of the right length, letters of the right side, room for all of it."""
+"""Figures: scale bars of the right length, letters on the right sides, and room for both."""
 
 import numpy as np
 import pytest

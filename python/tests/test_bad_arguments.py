@@ -17,7 +17,7 @@ PICTURE = ws.render(VOLUME, size=(4, 4))
 SMALL = {"volume": VOLUME, "size": (4, 4)}
 SCENE = {"what": VOLUME, "size": (4, 4)}
 
-#: Public functions, and what they are called with where one argument is bad.
+#: Public functions, and the good arguments of which a test replaces one by a bad one.
 CALLS = {
     "render": (ws.render, SCENE),
     "render x-ray": (ws.render, SCENE | {"composite": "x-ray"}),
@@ -68,7 +68,7 @@ CALLS = {
 
 
 class Thing:
-    """Of no use as an argument."""
+    """An object that no function takes."""
 
 
 BAD = [
@@ -79,7 +79,7 @@ BAD = [
 
 
 def said(function, arguments):
-    """The sentence of an error, None if there is none."""
+    """Call a function; return the sentence of its error, or None if it has none."""
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
@@ -105,7 +105,7 @@ def test_one_bad_argument_is_one_sentence(name):
 
 @pytest.mark.parametrize("volume", [None, [[1]], b"a", 3])
 def test_what_is_no_volume(volume):
-    # Arrays are drawn.
+    # These functions draw arrays, so arrays are no error for them.
     of_scenes = () if isinstance(volume, np.ndarray) else (ws.render, ws.Scene, ws.Layer)
     for function in (*of_scenes, ws.slice, ws.Camera.orbit, ws.TransferFunction.auto, ws.study.standard):
         with pytest.raises(

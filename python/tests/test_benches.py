@@ -1,4 +1,4 @@
-"""What `make bench` may draw, and how its goals are decided."""
+"""The scenes that `make bench` may draw, and the decision on its goals."""
 
 import re
 import sys
@@ -31,7 +31,7 @@ def test_what_is_drawn_is_asked_for_by_name(goals):
 
 
 def rows_of(goals, speedups, gains_db):
-    """Rows of all cases of the goals, quality normal, by VTK's time over ours, and our PSNR over VTK's."""
+    """Rows of all cases of the goals at quality normal, from VTK's time over ours, and our PSNR less VTK's."""
     cases = [case for case in goals.scenes.cases() if case.group == goals.GROUP]
     for case, speedup, gain_db in zip(cases, speedups, gains_db, strict=False):
         yield case, "wavesplat", {"quality": "normal"}, {"cpu_ms": 10.0, "psnr_db": 40.0 + gain_db}
@@ -61,7 +61,7 @@ def test_without_cases_of_the_goals_there_is_no_verdict(goals):
 
 @pytest.mark.parametrize("table", ["quality", "bench"])
 def test_recorded_tables_have_their_place(table):
-    # The commands that write them replace what stands between these.
+    # The commands that write the tables replace the text between these marks.
     page = (ROOT / "benches" / "README.md").read_text(encoding="utf-8")
     assert len(re.findall(rf"<!-- {table} -->\n.*\n<!-- /{table} -->", page, re.DOTALL)) == 1
 

@@ -1,4 +1,4 @@
-"""Counts and lengths that nobody can mean: refused at once with the bound, before memory is taken."""
+"""Absurdly large counts and lengths are refused at once, with the bound, before memory is taken."""
 
 import tracemalloc
 

@@ -40,7 +40,7 @@ def npy(tmp_path, seed=1):
 
 
 def looked(path, **options):
-    """Whether the survey of a file is made, or comes from the cache; and the range."""
+    """Open a file lazily; "made" or "kept", as its survey is new or comes from the cache, and the range of values."""
     volume = ws.open(path, memory="50 MB", **options)
     return ("kept" if volume.survey(0, "linear").is_from_cache else "made"), volume.value_range
 

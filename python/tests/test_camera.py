@@ -21,8 +21,8 @@ def axes(camera):
     return right, np.cross(back, right), back
 
 
-# In RAS, +x is the patient's right, +y anterior, +z superior: what lies to the right, at the top, and in front.
-#: Name of a view -> right and up of its picture, and where the eye is.
+# In RAS, +x is the patient's right, +y anterior, +z superior.
+#: Name of a view -> the world directions to the right and to the top of its picture, and towards the eye.
 VIEWS_ALONG_AXES = [
     ("anterior", (-1, 0, 0), (0, 0, 1), (0, 1, 0)),
     ("posterior", (1, 0, 0), (0, 0, 1), (0, -1, 0)),

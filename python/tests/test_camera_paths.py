@@ -74,7 +74,7 @@ def test_an_orbit_has_one_scale_and_shows_all(angles, view_angle, aspect):
 
 @pytest.mark.parametrize("view_angle", [None, 40])
 def test_the_scale_of_an_orbit_is_no_larger_than_it_must_be(view_angle):
-    """A corner that comes to the top of the picture touches its edge."""
+    """A corner of the volume that reaches the top of the picture touches its edge."""
     corner = VOLUME.bounds[1] - VOLUME.bounds.mean(axis=0)
     radius = np.linalg.norm(corner)
     camera = ws.Camera.orbit(VOLUME, 0, 0, view_angle=view_angle)
@@ -158,7 +158,7 @@ def test_opposite_keys_turn_as_an_azimuth_grows():
 
 @pytest.mark.parametrize("closed", [False, True])
 def test_paths_are_smooth(closed):
-    """Velocities just before and just after a key agree, those of the direction and of the focal point."""
+    """Just before and just after a key the velocities of the direction and of the focal point agree."""
     cameras = keys((0, 0), (70, 40), (150, -20), (100, 10))
     cameras[1] = ws.Camera(
         np.add(cameras[1].position, 20), np.add(cameras[1].focal_point, 20), cameras[1].view_up, parallel_scale=9
@@ -205,7 +205,7 @@ def test_paths_that_cannot_be():
     assert ws.Camera.interpolate([flat, flat], 3)[1].parallel_scale == pytest.approx(flat.parallel_scale)
 
 
-# As JSON.
+# Paths as JSON.
 
 
 @pytest.mark.parametrize("view_angle", [None, 33.3])
@@ -256,13 +256,13 @@ def test_what_is_no_document(tmp_path):
         ws.Camera.load(tmp_path / "none.json")
 
 
-# Of PyVista.
+# PyVista's cameras.
 
 CPOS = [(1.5, 500, 2), (0.25, 0, 0), (0, 0, 2)]
 
 
 class VtkCamera:
-    """The methods of vtkCamera that tell where it is."""
+    """A stand-in for vtkCamera, with the methods that return its position."""
 
     def __init__(self, *, parallel=False, horizontal=False):
         self.GetPosition, self.GetFocalPoint, self.GetViewUp = (lambda part=part: tuple(part) for part in CPOS)

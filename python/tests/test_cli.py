@@ -44,7 +44,7 @@ def test_render_prints_the_path(wavesplat, ramp_file, tmp_path):
     out = tmp_path / "a.png"
     done = wavesplat("render", ramp_file, "-o", out, "--size", "32x24")
     check(done, 0, stdout=f"{out}\n")
-    assert done.stderr == ""  # no bar without a terminal, no chatter
+    assert done.stderr == ""  # no progress bar without a terminal, no messages
     assert out.read_bytes().startswith(b"\x89PNG")
     assert sorted(entry.name for entry in tmp_path.iterdir()) == ["a.png", "ramp.nii.gz"]
 
@@ -349,7 +349,7 @@ def test_the_bar_shows_on_a_terminal_and_respects_no_color(ramp_file, tmp_path, 
 @pytest.mark.skipif(sys.platform == "win32", reason="needs POSIX signals")
 def test_ctrl_c_exits_with_130_and_leaves_nothing(tmp_path):
     np.save(tmp_path / "a.npy", np.random.default_rng(1).random((96, 96, 96), np.float32))
-    # Minutes of work, so that it is still drawing whenever the signal comes.
+    # The work takes minutes, so that the command is still drawing when the signal comes.
     options = ["--size", "4000x4000", "--oversampling", "3", "--sheets-per-slice", "64", "--kernel", "bspline3"]
     command = [sys.executable, "-m", "wavesplat", "render", tmp_path / "a.npy", "-o", tmp_path / "a.png", *options]
     with subprocess.Popen(
@@ -361,7 +361,7 @@ def test_ctrl_c_exits_with_130_and_leaves_nothing(tmp_path):
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),  # noqa: PLW1509
     ) as process:
         for attempt in range(6):
-            # On a busy machine the first may come while Python is still importing, where it can be lost.
+            # On a busy machine the first signal may come while Python is still importing, where it can be lost.
             time.sleep(2 + 4 * attempt)
             process.send_signal(signal.SIGINT)
             try:

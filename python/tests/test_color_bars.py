@@ -136,7 +136,7 @@ def test_powers_of_ten_have_letters_that_the_typeface_has():
 
 
 def written_values(low, high, *, size=300, log=False):
-    """What a bar's labels say, as numbers, and the labels."""
+    """Values of a bar's labels as numbers, and the labels."""
     function = ws.TransferFunction.from_colormap("viridis", clim=(low, high), log=log)
     made = picture(shown=[shown_layer("v", "over", function, "")], size=(size, size)).annotated(colorbar=True)
     head, *labels = texts(made)

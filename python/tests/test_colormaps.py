@@ -9,7 +9,7 @@ import wavesplat as ws
 from wavesplat._looks import colormaps
 from wavesplat.errors import ArgumentError, WavesplatWarning
 
-#: Colours 0..255 at entries of a table of 256, by matplotlib 3.11.
+#: Entries of a colour table of 256 at which the colours below, 0..255, are those of matplotlib 3.11.
 ENTRIES = np.array([0, 37, 101, 128, 200, 255])
 MATPLOTLIB = {
     "viridis": [(68, 1, 84), (70, 51, 127), (42, 119, 142), (33, 145, 140), (112, 207, 87), (253, 231, 37)],

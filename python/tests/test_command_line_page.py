@@ -1,4 +1,4 @@
-"""The page docs/command_line.md: its commands run, and its words are those of options."""
+"""The page docs/command_line.md: its commands run, and the options that it names exist."""
 
 from __future__ import annotations
 

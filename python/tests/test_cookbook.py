@@ -17,7 +17,7 @@ MAX_LINES = 5
 
 @pytest.fixture(scope="module")
 def data(tmp_path_factory):
-    """The folder with what the first section makes, and the names that it leaves."""
+    """The folder with the files that the first section makes, and the names that it defines."""
     folder = tmp_path_factory.mktemp("data")
     names = {}
     with pytest.MonkeyPatch.context() as patch:

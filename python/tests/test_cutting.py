@@ -1,4 +1,4 @@
-"""Boxes taken out of volumes and labels, corners by name, and views that fit what is left."""
+"""Boxes cut out of volumes and labels, corners by name, and views that fit the remaining part."""
 
 import pickle
 
@@ -23,7 +23,7 @@ def index_box(lower, upper):
     return ws.Crop(lower, upper, space="index")
 
 
-# What is taken out
+# Masks of the samples that are cut out
 
 
 def test_a_box_in_samples_keeps_its_faces():
@@ -51,7 +51,7 @@ def test_world_boxes_cut_oblique_grids_by_the_centres_of_samples(oblique):
     got = taken_out(volume, [ws.Crop(lower, upper)])
     assert want.sum() > 1000
     assert not (want & ~got).any()
-    assert (got & ~want).sum() < 0.01 * want.sum()  # stairs whose tops have no neighbour
+    assert (got & ~want).sum() < 0.01 * want.sum()  # stairs at the cut whose tops have no neighbour
 
 
 @pytest.mark.parametrize(
@@ -86,7 +86,7 @@ def test_taking_out_is_the_complement_of_keeping(composite, dtype):
     # Half way between the last sample that is taken out and the first that stays.
     kept = ws.render(volume, clip=index_box((7.5, 0, 0), (15, 13, 11)), **view)
     cut = ws.render(volume, clip=ws.CutOut(index_box((-1, -1, -1), (8, 20, 20))), **view)
-    # Taken out by samples and cut at a plane: edges differ by a part of a pixel, here and there by a sheet.
+    # Removed samples against a cut by a plane: edges differ by a part of a pixel, here and there by a sheet.
     if composite == "over":
         assert np.abs(cut.rgba - kept.rgba).mean() < 0.05 * np.abs(whole.rgba - kept.rgba).mean()
         return
@@ -161,7 +161,7 @@ def test_cut_faces_of_labels_are_lit(other):
     by_hand[11:] = other
     _, want = cut_labels(by_hand, looks, box)
     np.testing.assert_array_equal(cut, want)
-    # From above one looks at the cut face; unlit faces, as those at the end of the volume, have the ambient light only.
+    # The view from above shows the cut face; unlit faces, such as those at the volume's ends, have ambient light only.
     assert cut[..., :3].max() > 0.6
     assert labels.numbers == (1,) + (7,) * (other == 7) if other else (0, 1)
 
@@ -246,7 +246,7 @@ def test_views_fit_what_is_left():
     assert clipped.parallel_scale < 0.6 * whole
     assert clipped.focal_point[0] == pytest.approx(34, abs=1)
     assert clipped.focal_point[2] == pytest.approx(14.5, abs=1)
-    # The same by boxes, also where a transparent scan has labels, or values are not what is seen.
+    # Boxes give the same views, also where a transparent scan has labels, or a projection shows other values.
     boxes = [ws.CutOut(ws.Crop.corner(volume, name, at=at)) for name, at in (("-x", (29, 0, 0)), ("-z", None))]
     labels = ws.Labels(np.ones(volume.shape, np.uint8))
     for options in ({"look": SOLID}, {"look": CLEAR, "labels": labels}):
@@ -260,7 +260,7 @@ def test_planes_that_leave_nothing_still_have_a_view():
     assert picture.rgba.max() == 0
 
 
-# What is refused
+# Refused arguments
 
 
 @pytest.mark.parametrize(

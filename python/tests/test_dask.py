@@ -25,7 +25,7 @@ pytestmark = [
     pytest.mark.filterwarnings("ignore::ResourceWarning"),
     pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning"),
     pytest.mark.filterwarnings("ignore::DeprecationWarning"),
-    # One process has the cluster.
+    # One process runs all tests of this file, so that there is one cluster.
     pytest.mark.xdist_group("dask"),
 ]
 
@@ -69,7 +69,7 @@ OPERATORS = ("over", "maximum", "depth-shaded-maximum", "local-maximum", "minimu
 
 
 def _scenes(volume):
-    """24 of them: operators, cameras, kernels, light, clips."""
+    """24 scenes: operators, cameras, kernels, light, clips."""
     views = [
         ws.Camera.orbit(volume, 30, 20),
         ws.Camera.orbit(volume, 45, 35, view_angle=60),
@@ -145,7 +145,7 @@ def test_threads_of_this_process_will_do(tmp_path):
     assert _same(here, ws.render(lazy, "ct-bone", view, size=(90, 70), client="threads"))
     cut = ws.render(volume, "ct-bone", view, size=(90, 70), segments=25)
     assert _same(cut, ws.render(lazy, "ct-bone", view, size=(90, 70), client="threads", segments=25))
-    # docs/large_volumes.md says so.
+    # The bound is the one of docs/large_volumes.md.
     assert np.abs(cut.rgba - here.rgba).max() <= 2e-4
 
 
@@ -192,7 +192,7 @@ def test_a_worker_that_is_killed_changes_nothing(client):
 def test_a_read_that_fails_once_is_done_again(client):
     samples = shells(64)
     lazy = ws.Volume.lazy(FailsOnce(samples, (16, 16, 16)), memory="50 MB", cache=False)
-    FailsOnce.failed = True  # here it is looked through
+    FailsOnce.failed = True  # the survey runs in this process, and must not fail
     there = ws.render(lazy, LOOK, "isometric", size=(80, 60), client=client)
     assert _same(there, ws.render(ws.Volume(samples), LOOK, "isometric", size=(80, 60)))
 

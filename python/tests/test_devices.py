@@ -1,4 +1,4 @@
-"""Names of devices: they are parts of the names of this machine's GPUs."""
+"""Names of devices: parts of the names of this machine's GPUs select one."""
 
 import numpy as np
 import pytest
@@ -44,7 +44,7 @@ def test_a_gpu_of_this_machine_is_known_by_any_part_of_its_name(adapters, name):
 
 
 def test_a_fork_leaves_the_answer_to_the_compiled_module(adapters, monkeypatch):
-    """It cannot list the GPUs; the CPU draws, and the report says why."""
+    """A forked process cannot list the GPUs; the CPU draws, and the report says why."""
     adapters.clear()
     monkeypatch.setattr(devices, "_PROCESS", -1)
     assert chosen_device("pixelmill") == "pixelmill"

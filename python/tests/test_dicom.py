@@ -1,4 +1,4 @@
-"""DICOM: values by each frame's own slope, frames where they lie, gaps where they are, and what is damaged is named."""
+"""DICOM: values by each frame's own slope, frames and gaps in their places, and damage that is named."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from wavesplat._readers.dicom_header import header_of
 from wavesplat._readers.dicom_pixels import frames_in
 from wavesplat.errors import FileError, FileWarning
 
-#: Of slices by `slice_at`: LPS to RAS.
+#: World from index of slices by `slice_at`, with LPS turned into RAS.
 PLACE = np.array([[-0.7, 0, 0, -10], [0, -0.8, 0, -20], [0, 0, 1.5, 30], [0, 0, 0, 1]])
 
 
@@ -81,7 +81,7 @@ def test_bits_beside_those_stored_do_not_count(tmp_path):
 
 @pytest.mark.parametrize("photometric", ["MONOCHROME1", "MONOCHROME2"])
 def test_lossy_jpeg_is_as_another_decoder_has_it(tmp_path, photometric):
-    """To one step of the stored numbers, by which decoders of JPEG may differ; values differ by the slope then."""
+    """Decoders of JPEG may differ by one step of the stored numbers, so that values differ by the slope."""
     from PIL import Image
     from pydicom.encaps import encapsulate
     from pydicom.uid import JPEGBaseline8Bit

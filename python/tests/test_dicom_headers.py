@@ -1,4 +1,4 @@
-"""DICOM headers that cannot be: refused by name before time or memory is spent, or mended and told."""
+"""Impossible DICOM headers: refused by name before time or memory is spent, or mended with a warning."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ from dicom_files import base, enhanced, random, save, sequence, slice_at
 import wavesplat as ws
 from wavesplat.errors import FileError, FileWarning
 
-# How many frames
+# Numbers of frames
 
 
 def promising(kind, n_frames):
@@ -41,7 +41,7 @@ def promising(kind, n_frames):
 
 
 def calls_of(work):
-    """How many functions are called, of Python and compiled, which says the same on every machine."""
+    """Number of calls of functions, in Python and compiled: a cost that is the same on every machine."""
     n = 0
 
     def count(_, event, __):
@@ -64,7 +64,7 @@ def check_refused_at_once(folder, match):
 
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
-        open_it()  # what is imported and kept for later does not count
+        open_it()  # imports and caches of the first call do not count
         tracemalloc.start()
         open_it()
         peak = tracemalloc.get_traced_memory()[1]
@@ -121,7 +121,7 @@ def packed_series(folder, pixels):
     slices = [slice_at(one, n) for n, one in enumerate(pixels)]
     for dataset in slices:
         dataset.file_meta.TransferSyntaxUID = DeflatedExplicitVRLittleEndian
-        # Of any length, before the transfer syntax is found.
+        # An element of any length, before the transfer syntax is found.
         dataset.file_meta.PrivateInformationCreatorUID = "2.25.1"
         dataset.file_meta.PrivateInformation = bytes(5000)
     return save(folder, slices)
@@ -198,7 +198,7 @@ def test_time_grows_with_frames_not_with_their_square(tmp_path):
 
 
 def test_half_the_bits_are_refused(tmp_path):
-    """Not drawn as noise from every first byte."""
+    """Else noise from every first byte would be drawn."""
     datasets = [slice_at(pixels, number) for number, pixels in enumerate(random(3))]
     for dataset in datasets:
         dataset.BitsAllocated = dataset.BitsStored = 8
@@ -224,7 +224,7 @@ def test_half_the_bits_of_compressed_pixels_are_refused(tmp_path):
 
 @pytest.mark.parametrize(("syntax", "marker"), [("1.2.840.10008.1.2.4.70", 0xC3), ("1.2.840.10008.1.2.4.51", 0xC1)])
 def test_precision_of_jpeg_is_that_of_the_header(tmp_path, syntax, marker, monkeypatch):
-    """Decoders give the low bits of 12 or 16 as 8; that the stream has more is in its own header."""
+    """Decoders return the low bits of 12 or 16 as 8; that the stream has more is written in its own header."""
     from pydicom.encaps import encapsulate
     from pydicom.uid import UID
 
@@ -325,7 +325,7 @@ def test_padding_is_a_range_with_its_limit(tmp_path):
 
 @pytest.mark.parametrize(("dtype", "fill"), [(np.uint16, 63536), (np.int16, -32768)])
 def test_padding_that_stored_bits_cannot_hold(tmp_path, dtype, fill):
-    """Of 63536, twelve bits are 2096: tissue."""
+    """The low twelve bits of 63536 are 2096, a value of tissue."""
     pixels = random(3, dtype, most=2000)
     pixels[:, 0, :2] = fill
     datasets = [slice_at(one, number, bits_stored=12, PixelPaddingValue=fill) for number, one in enumerate(pixels)]
@@ -353,7 +353,7 @@ def test_padding_that_is_darker_in_every_slice_stays(tmp_path):
 
 
 def test_padding_with_a_slope_for_each_slice(tmp_path):
-    """Each slice has its own lowest value; that of the volume is the padding's, and slopes stay right."""
+    """Each slice has its own lowest value; the volume's lowest is that of the padding, and slopes stay right."""
     pixels = random(3, most=3000) + np.uint16(10)
     pixels[1, 2, 3] = 50000
     scales = [{"RescaleSlope": slope, "RescaleIntercept": 0, "PixelPaddingValue": 50000} for slope in (0.5, 2.0, 8.0)]
@@ -404,7 +404,7 @@ def test_a_slice_beside_the_others_is_named(tmp_path):
         ws.open(save(tmp_path / "ct", datasets))
 
 
-# What the file holds instead
+# Files with other contents
 
 
 def without_image(modality, **attributes):

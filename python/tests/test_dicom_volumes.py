@@ -1,4 +1,4 @@
-"""Frames of one place belong to the volume that their attributes name, whatever their instance numbers are."""
+"""Frames at the same place belong to the volumes that their attributes name, whatever their instance numbers are."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from wavesplat.errors import FileError, FileWarning
 
 N_VOLUMES, N_SLICES = 3, 4
 
-#: For each kind of series what its files say, by volume and slice.
+#: Attributes of the files, by volume and slice, for each kind of series.
 KINDS = {
     "temporal position": lambda t, _: {"TemporalPositionIdentifier": t + 1},
     "trigger time": lambda t, _: {"TriggerTime": 33.5 * t},
@@ -56,7 +56,7 @@ NUMBERS = {
 
 
 def written(folder, kind, numbers=NUMBERS["random"], n_volumes=N_VOLUMES, leave_out=()):
-    """Files whose samples are 100 times the volume's number, and the slice's; names say nothing of either."""
+    """Write files whose samples are 100 times the volume's number plus the slice's; their names depend on neither."""
     files = []
     names = np.random.default_rng(3).permutation(n_volumes * N_SLICES)
     for t, z in itertools.product(range(n_volumes), range(N_SLICES)):
@@ -75,7 +75,7 @@ def written(folder, kind, numbers=NUMBERS["random"], n_volumes=N_VOLUMES, leave_
 
 
 def check_volumes(folder, n_volumes=N_VOLUMES, wanted=None):
-    """Each volume has its own slices alone, in order."""
+    """Check that each volume has its own slices alone, in order."""
     series = ws.open_series(folder)
     assert len(series) == n_volumes
     for t, volume in enumerate(series):
@@ -110,7 +110,7 @@ def test_two_slices_at_two_times(tmp_path):
 
 @pytest.mark.parametrize("numbers", NUMBERS)
 def test_several_attributes_together(tmp_path, numbers):
-    """Two echoes at three times, and the clock of each slice is its own: echoes first, then times."""
+    """Two echoes at three times, each slice with its own clock: the order is by echo first, then by time."""
 
     def kind(t, z):
         echo, time = divmod(t, 3)
@@ -118,7 +118,7 @@ def test_several_attributes_together(tmp_path, numbers):
         return {"EchoTime": (9.2, 4.6)[echo], "AcquisitionTime": f"{clock:.2f}", "ContentTime": f"{120059 - t - z}"}
 
     def number(t, z):
-        # Of six volumes, not of three.
+        # Instance numbers for six volumes instead of three.
         return NUMBERS[numbers](t % 3, z) + (12 if numbers != "equal" and t >= 3 else 0)
 
     folder = written(tmp_path / "mr", kind, number, n_volumes=6)
@@ -137,7 +137,7 @@ def test_b_values_and_directions_together(tmp_path):
 
 
 def test_identifiers_of_time_order_volumes_of_any_kind(tmp_path):
-    """As they were taken: weighted and not, in turns."""
+    """The order is that of acquisition: weighted and unweighted volumes in turns."""
     kind = lambda t, _: {"TemporalPositionIdentifier": t + 1, "DiffusionBValue": 1000.0 * (t % 2)}  # noqa: E731
     check_volumes(written(tmp_path / "mr", kind, NUMBERS["equal"], n_volumes=4), 4)
 
@@ -152,13 +152,13 @@ def test_texts_are_in_the_order_of_times_or_numbers(tmp_path, numbers):
 
 
 def test_an_attribute_that_is_not_the_same_at_every_place_does_not_count(tmp_path):
-    """Here flip angles are written at random; trigger times tell."""
+    """Here flip angles are written at random; trigger times separate the volumes."""
     kind = lambda t, z: {"FlipAngle": float((7 * t + 5 * z * z) % 4), "TriggerTime": 30.0 * t}  # noqa: E731
     check_volumes(written(tmp_path / "mr", kind))
 
 
 def test_places_are_the_same_to_a_hundredth_of_a_pixel(tmp_path):
-    """Positions that a grid of rounded numbers would part."""
+    """Positions that fall into different cells of a grid of rounded numbers belong together all the same."""
     datasets = [
         slice_at(np.full((6, 7), 100 * t + z, np.uint16), 1, z=3.0 * z + 0.005 + (-1e-4, 1e-4)[t], TriggerTime=30 * t)
         for t, z in itertools.product(range(2), range(N_SLICES))
@@ -172,10 +172,10 @@ def test_times_are_those_of_the_clock(tmp_path):
     assert ws.open_series(written(tmp_path / "a", KINDS["acquisition past midnight"])).times == (0, 8.5, 13)
     assert ws.open_series(written(tmp_path / "b", KINDS["trigger time"])).times == pytest.approx((0, 0.0335, 0.067))
     echoes = lambda t, _: {"EchoTime": float(t + 1), "ContentTime": f"12000{t}"}  # noqa: E731
-    assert ws.open_series(written(tmp_path / "c", echoes)).time_unit is None  # echoes are no times
+    assert ws.open_series(written(tmp_path / "c", echoes)).time_unit is None  # echoes are not times
 
 
-# What is said
+# Messages
 
 
 @pytest.mark.parametrize(
@@ -245,7 +245,7 @@ def test_doubled_slices_are_named(tmp_path):
     with pytest.raises(FileError, match=r"nothing in the headers tells (003|copy).dcm from (003|copy).dcm; move"):
         ws.open(folder, time=0)
     (folder / "copy.dcm").write_bytes((folder / "003.dcm").read_bytes())
-    check_volumes(folder)  # a copy by its UID
+    check_volumes(folder)  # a file of the same UID is a copy
 
 
 def test_files_of_one_uid_that_lie_elsewhere_are_no_copies(tmp_path):
@@ -264,7 +264,7 @@ def test_the_file_that_is_named_is_read_not_its_damaged_copy(tmp_path):
 
 # Enhanced files
 
-#: The functional groups that say the same as `KINDS`.
+#: Functional groups with the same attributes as `KINDS`.
 GROUPS = {
     "temporal position": lambda t: {"FrameContentSequence": {"TemporalPositionIndex": t + 1}},
     "echo": lambda t: {"MREchoSequence": {"EffectiveEchoTime": 2.5 * (t + 1)}},
@@ -289,7 +289,7 @@ GROUPS = {
 
 
 def frames_of(kind, order):
-    """An enhanced file whose frames lie in it as `order` says."""
+    """An enhanced file with its frames in the order `order`."""
     places = [divmod(int(n), N_SLICES) for n in order]
     pixels = np.array([np.full((6, 7), 100 * t + z, np.uint16) for t, z in places])
     dataset = enhanced(pixels, [(1.5 * z,) for _, z in places])
@@ -332,7 +332,7 @@ def test_time_slots_of_a_tomogram(tmp_path):
 
 
 def segmentation(frames):
-    """A file with a mask for each pair of segment and place."""
+    """A segmentation file with a mask for each pair of segment and place."""
     pixels = np.array([np.full((6, 7), segment, np.uint8) for segment, _ in frames])
     dataset = enhanced(pixels, [(1.5 * z,) for _, z in frames])
     dataset.Modality = "SEG"
@@ -346,7 +346,7 @@ def segmentation(frames):
 
 
 def test_segments_with_masks_at_nearly_one_place(tmp_path):
-    # Of slices that are 0.03 mm apart, 200 000 would be empty.
+    # As slices 0.03 mm apart these would have 200 000 empty ones between them.
     with pytest.raises(FileError, match="not evenly spaced"):
         ws.open(save(tmp_path / "seg", [segmentation([(1, 0), (1, 0.02), (1, 4000)])]))
 

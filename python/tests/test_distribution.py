@@ -1,4 +1,4 @@
-"""What is handed out: the page of the viewer is in it, built, and no Node is needed to install it."""
+"""The distribution: it contains the viewer's page, built, so that no Node is needed to install it."""
 
 import shutil
 import subprocess
@@ -16,7 +16,7 @@ MATURIN = Path(sys.executable).with_name("maturin")
 
 def test_the_page_lies_in_the_package():
     assert {path.name for path in CLIENT.iterdir()} == FILES
-    # So that it can be read where it is installed.
+    # Many lines: the bundle is not minified, so that it can be read where it is installed.
     assert (CLIENT / "viewer.js").read_text(encoding="utf-8").count("\n") > 3000
 
 
@@ -36,7 +36,7 @@ def test_what_is_installed_from_has_the_page_and_nothing_of_node(tmp_path):
 
 @pytest.mark.skipif(shutil.which("git") is None or not (ROOT / ".git").exists(), reason="this is no checkout")
 def test_nothing_of_the_package_is_ignored():
-    # What git ignores is left out of wheels.
+    # Wheels leave out files that git ignores.
     tracked = subprocess.run(
         ["git", "ls-files", "python/wavesplat/_viewer/client"], cwd=ROOT, capture_output=True, text=True, check=True
     ).stdout.split()

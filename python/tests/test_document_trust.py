@@ -1,4 +1,4 @@
-"""A document is data: scenes, PNG files and states name what lies in their folder, unless the user allows more."""
+"""A document is data: scenes, PNG files and states name only files in their folder, unless the user allows more."""
 
 from __future__ import annotations
 
@@ -58,7 +58,7 @@ def samples_of(scene):
     return scene.layers[0].drawn.samples
 
 
-# What may be named
+# Files that may be named
 
 
 @pytest.mark.parametrize("kind", ["json", "report", "png"])
@@ -76,7 +76,7 @@ def test_absolute_paths_in_the_folder_are_opened(place):
 
 
 def elsewhere(place):
-    """Volumes that lie elsewhere, or want more than they may, and what is said."""
+    """Volumes that lie elsewhere, or ask for more than they may, with the message of the error."""
     there = place.parent / "elsewhere"
     lies = "lies outside of the document's folder"
     return {
@@ -166,7 +166,7 @@ def test_links_count_where_they_lead(place):
     ):
         with pytest.raises(FileError, match=OUT):
             ws.Scene.load(written(place, volume))
-    # A folder that is reached by a link is the folder that it leads to.
+    # A folder that is reached by a link counts as the folder that the link leads to.
     path = written(place, {"path": "data/a.npy"})
     (place.parent / "link").symlink_to(place)
     np.testing.assert_array_equal(samples_of(ws.Scene.load(place.parent / "link" / path.name)), SAMPLES)
@@ -181,7 +181,7 @@ def test_patterns_lead_nowhere_else(place):
     with pytest.raises(FileError, match=OUT):
         ws.Scene.load(path)
     np.testing.assert_array_equal(ws.Scene.load(path, external_files=True).layers[0].volume[0].samples, SAMPLES)
-    (place / "[a]*.npy").symlink_to("not there")  # has the name, so nothing is matched
+    (place / "[a]*.npy").symlink_to("not there")  # has exactly this name, so it is no pattern
     for options in ({}, {"external_files": True}):
         with pytest.raises(FileError, match="no such file or folder"):
             ws.Scene.load(path, **options)
@@ -314,7 +314,7 @@ def test_public_servers_are_asked_where_names_lead_to_public_hosts(place, monkey
         np.testing.assert_array_equal(samples_of(ws.Scene.load(path)), SAMPLES)
 
 
-# What the user allows, and round trips
+# Permissions by the user, and round trips
 
 
 @pytest.mark.parametrize("name", ["absolute", "raw", "above", "list", "file"])
@@ -338,7 +338,7 @@ def test_saving_says_how_it_is_opened_again(place, monkeypatch):
     with pytest.raises(FileError, match=f"lies outside of the document's folder.*{ALLOWED}"):
         ws.Scene.load(place / "away.json")
     np.testing.assert_array_equal(samples_of(ws.Scene.load(place / "away.json", external_files=True)), SAMPLES)
-    # In the folder that one is in, texts need nothing.
+    # Documents as text need no permission for files in the working folder.
     monkeypatch.chdir(there)
     np.testing.assert_array_equal(samples_of(ws.Scene.from_json(scene.to_json())), SAMPLES)
 
@@ -354,7 +354,7 @@ def test_the_command_line_draws_again_what_lies_elsewhere(wavesplat, place):
     done = wavesplat("render", "--from", a, "-o", b, "--external-files")
     assert done.returncode == 0, done.stderr
     assert b.read_bytes() == a.read_bytes()
-    # Moved beside its data, it needs nothing.
+    # Moved beside its data, the document needs no permission.
     shutil.copy(there, place / "a.npy")
     moved = ws.render(ws.open(place / "a.npy"), size=(24, 20))
     moved.save(place / "c.png")

@@ -1,4 +1,4 @@
-"""One house, several doors: the same scene, drawn from Python and from the command line, is the same file to the byte.
+"""The entry points agree: the same scene, drawn from Python and from the command line, is the same file to the byte.
 
 The door of the Rust crate is held to a picture of its own by `test_rust_door.py`.
 """
@@ -19,7 +19,7 @@ SCANS = {name: DATA / name / f"{name}.nii.gz" for name in ("ct_pelvis", "mri_hea
 
 
 def _drawn(volume, look, azimuth, elevation=0, *, crop=None, lens=None, **options):
-    """As the command line sees a volume from a side: what a look shows of it is in view."""
+    """Draw as the command line does: from a side, with all that the look shows in view."""
     clip = () if crop is None else crop
     parts = [(volume, look)]
     lens = {"turned": (azimuth, elevation), **(lens or {})}
@@ -53,7 +53,7 @@ def _wavelets(mri):
     return _drawn(wavelets.level(1), look, 50, shading=None, background="black")
 
 
-#: Scan, the Python, bits per channel, and the same as options.
+#: Scan, Python function, bits per channel, and the command line's options for the same picture.
 SCENES = {
     "over": ("ct_pelvis", _over, 8, "--preset ct-bone --azimuth 25 --elevation 15"),
     "cropped, in perspective": (
@@ -92,9 +92,9 @@ def test_python_and_the_command_line_draw_the_same_file(wavesplat, tmp_path, sce
 
 
 def test_the_bundled_scans_are_their_files(wavesplat, tmp_path):
-    """And the pictures of two scenes are not the same file."""
+    """The pictures of two scenes are different files, so the comparison is not an empty one."""
     pictures = []
-    # With looks by name: the files do not say what their scanners were, which the examples know.
+    # Looks are given by name: the files do not name their scanners, which the examples know.
     for scan, look, volume in (
         ("ct_pelvis", "ct-bone", ws.examples.ct_pelvis()),
         ("mri_head", "mr-head", ws.examples.mri_head()),

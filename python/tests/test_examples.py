@@ -17,7 +17,7 @@ def test_ripples_follow_their_formula():
     volume = ws.examples.ripples(9)
     assert volume.spacing == (1, 1, 1)
     samples = volume.samples
-    # On the axis, r = 0: cos(2 pi 6 cos 0) = 1; rho = (1 - sin(pi z / 2) + 0.5) / 2.5.
+    # On the axis r = 0, so that cos(2 pi 6 cos 0) = 1 and rho = (1 - sin(pi z / 2) + 0.5) / 2.5.
     z = np.linspace(-1, 1, 9)
     np.testing.assert_allclose(samples[:, 4, 4], 255 * (1.5 - np.sin(np.pi * z / 2)) / 2.5, rtol=1e-6)
     np.testing.assert_array_equal(samples, samples.transpose(0, 2, 1))

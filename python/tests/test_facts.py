@@ -1,4 +1,4 @@
-"""What is known of a volume beside samples and place: units, and that nothing on the way loses any of it."""
+"""Facts on a volume beside samples and place, such as units: no step on the way loses any."""
 
 import json
 import pickle
@@ -71,7 +71,7 @@ def test_an_array_has_no_unit_and_no_anatomy():
     volume = ws.Volume(np.zeros((2, 3, 4)))
     assert (volume.unit, volume.is_anatomical, volume.modality, volume.guesses) == (None, False, None, ())
     assert volume.facts == ws.Facts()
-    assert volume.orientation == "RAS"  # of the world's axes, whatever they are
+    assert volume.orientation == "RAS"  # of the world's axes, whatever the index axes are
     assert repr(volume) == "<Volume 'volume': z 2, y 3, x 4, float64, spacing (x, y, z) 1 x 1 x 1>"
 
 

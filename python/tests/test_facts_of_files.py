@@ -1,4 +1,4 @@
-"""What files say of units, anatomy, channels and times, each written by its own library."""
+"""Units, anatomy, channels and times from files, each written by its own library."""
 
 from __future__ import annotations
 
@@ -84,7 +84,7 @@ def save_nrrd(path, *lines, samples=SAMPLES, ends="\n"):
 
 
 OBLIQUE = ("space directions: (0,2,0) (3,0,0) (0,0,4)", "space origin: (10,20,30)")
-#: World from index as these lines have it.
+#: World from index of these lines, as it is written.
 AS_WRITTEN = np.array([[0, 3, 0, 10], [2, 0, 0, 20], [0, 0, 4, 30], [0, 0, 0, 1]], float)
 
 

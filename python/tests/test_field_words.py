@@ -1,4 +1,4 @@
-"""The command line speaks the field: its words, windows by name, what is meant by options that there are not."""
+"""The command line's terms of the field: options, windows by name, and hints on options that do not exist."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from wavesplat._cli import app, option_hints, parsers
 
 @pytest.fixture(scope="module")
 def options():
-    """The options of all commands."""
+    """Options of all commands, by command."""
     commands = typer.main.get_command(app).commands
     return {
         name: {option for parameter in command.params for option in (*parameter.opts, *parameter.secondary_opts)}
@@ -25,7 +25,7 @@ def options():
 @pytest.mark.parametrize(
     ("command", "option", "said"),
     [
-        # Before, letters alike: --shadow, --time, --level.
+        # Hints by similar letters would be wrong here: --shadow, --time, --level.
         ("mesh", "--window", "it is an option of wavesplat render, view, movie, slice, tf"),
         ("mesh", "--clim", "it is an option of wavesplat render, view, movie, slice, tf"),
         ("mesh", "--legend", "it is an option of wavesplat render, slice"),
@@ -154,7 +154,7 @@ def test_patterns_and_names_of_outputs(wavesplat, scans):
     done, found = drawn(wavesplat, scans, "two/*.nii.gz", "one/scan.nii.gz", "-o", "{folder}-{stem}.png")
     assert (done.returncode, done.stdout) == (0, "two-b.c.png\ntwo-scan.png\none-scan.png\n")
     assert found == ["one-scan.png", "two-b.c.png", "two-scan.png"]
-    # As one by one.
+    # The pictures are those of the scans drawn one by one.
     drawn(wavesplat, scans, "one/scan.nii.gz", "-o", "{stem}_{number}_{time}.png")
     assert (scans / "scan_1_{time}.png").read_bytes() == (scans / "one-scan.png").read_bytes()
 

@@ -34,7 +34,7 @@ def spots(unit="um"):
 
 
 def centers(rgba):
-    """Where the two spots lie in a picture, along x."""
+    """Columns of the two spots in a picture."""
     light = rgba[..., 1]
     x = np.arange(light.shape[1])
     middle = light.shape[1] // 2
@@ -121,7 +121,7 @@ def test_svg_holds_vectors_and_the_rendering(figure, tmp_path):
     space = "{http://www.w3.org/2000/svg}"
     written = [node.text for node in root.iter(f"{space}text")]
     assert {ALPHA + " < β", "bones & joints", "HU", "50 mm"} <= set(written)
-    # The bar as long as it says; the canvas without a background.
+    # The bar has the length of its label; the canvas has no background.
     bars = [float(node.get("width")) for node in root.iter(f"{space}rect")]
     assert figure.report["scale_bar"]["pixels"] in bars
     assert not any(node.get("width") == str(width) for node in root.iter(f"{space}rect"))
@@ -190,7 +190,7 @@ def test_slanted_text_is_the_upright_one_turned():
     for slant in ((1.0, 0.0, 0.0, 1.0), UPWARDS):
         mark = Text(30, 30, "RL", 20, RED, "middle", slant=slant)
         pixels.append(raster.drawn(Canvas(60, 60, np.zeros((60, 60, 4), np.float32), marks=(mark,)))[..., 3])
-    # About the middle of the canvas, which is the mark's place.
+    # The letters are turned about the middle of the canvas, where the mark is placed.
     assert np.abs(pixels[1] - np.rot90(pixels[0])).mean() < 0.02
     assert pixels[1].sum() == pytest.approx(pixels[0].sum(), rel=0.05)
 

@@ -1,4 +1,4 @@
-"""What other libraries hold, taken and given: the place, the unit and the bytes that the file's reader gives.
+"""Objects of other libraries as volumes, and back: place, unit and bytes are those that the file's reader gives.
 
 Where a library is not installed, objects of the same shape stand in for its own (`foreign_fakes`).
 """
@@ -24,7 +24,7 @@ SAMPLES = np.random.default_rng(5).integers(-900, 900, (4, 5, 6)).astype(np.int1
 
 
 def oblique(spacing=(0.7, 0.9, 2.5), origin=(-11.5, 20.25, 33.0)):
-    """World (RAS) from index, turned about an axis that is no world's, samples at uneven distances."""
+    """World (RAS) from index, turned about an oblique axis, with different spacings."""
     axis = np.array([1.0, 2.0, 3.0]) / np.sqrt(14)
     across = np.array([[0, -axis[2], axis[1]], [axis[2], 0, -axis[0]], [-axis[1], axis[0], 0]])
     turned = np.eye(3) + np.sin(0.4) * across + (1 - np.cos(0.4)) * across @ across
@@ -230,7 +230,7 @@ def _moved(x, y, z):
     return matrix
 
 
-#: What makes an object, and the volume that it is.
+#: Functions that make objects, and the volumes that these stand for.
 ARRAYS = {
     "nested lists": (SAMPLES.tolist, ws.Volume(SAMPLES.astype(np.int16))),
     "buffer": (lambda: memoryview(SAMPLES), ws.Volume(SAMPLES)),
@@ -307,11 +307,11 @@ def test_functions_take_what_volume_takes():
     np.testing.assert_allclose(labels.world_from_index, STRAIGHT, atol=1e-12)
 
 
-# What is no volume ----------------------------------------------------------------------------------------------------
+# Objects that are no volumes ------------------------------------------------------------------------------------------
 
 
 class Thing:
-    """Of no use."""
+    """An object that is no volume."""
 
 
 def _file():
@@ -365,7 +365,7 @@ WRONG = {
 def test_what_is_no_volume_is_one_sentence(kind):
     make, message = WRONG[kind]
     doors = [("samples", ws.Volume), ("volume", as_volume)]
-    # A slice may be of several.
+    # A slice may show several volumes.
     doors += [] if kind == "several" else [("volume", ws.slice)]
     for argument, take in doors:
         with pytest.raises(ArgumentError, match=message) as told:
@@ -375,7 +375,7 @@ def test_what_is_no_volume_is_one_sentence(kind):
 
 
 def test_no_message_has_a_private_name():
-    """Whatever is given to whatever public function takes a volume."""
+    """This holds for any object, given to any public function that takes a volume."""
     given = [make for make, _ in WRONG.values()] + [lambda: 3, lambda: b"", lambda: [[1]], lambda: ws, lambda: Thing]
     functions = _public_functions()
     assert len(functions) > 12
@@ -441,7 +441,7 @@ def test_xarray_comes_back(kind):
     volume = VOLUMES[kind]
     array = volume.to_xarray()
     same(ws.Volume(array), volume, tolerance=1e-12)
-    # Coordinates go with what is chosen.
+    # A selection keeps its coordinates.
     part = ws.Volume(array.isel(y=slice(1, None, 2), x=slice(None, None, -1)))
     matrix = volume.world_from_index @ np.array([[-1, 0, 0, 5], [0, 2, 0, 1], [0, 0, 1, 0], [0, 0, 0, 1]])
     np.testing.assert_allclose(part.world_from_index, matrix, atol=1e-12)
@@ -456,7 +456,7 @@ def test_simple_itk_comes_back(kind, tmp_path):
     point = image.TransformContinuousIndexToPhysicalPoint((1.0, 2.0, 0.0))
     world = (volume.world_from_index @ (1, 2, 0, 1))[:3]
     np.testing.assert_allclose(point, world * ((-1, -1, 1) if volume.is_anatomical else 1), atol=1e-12)
-    # And through SimpleITK's own file of it.
+    # SimpleITK's own file of the image gives the same volume.
     SimpleITK.WriteImage(image, tmp_path / "again.nrrd")
     same(ws.open(tmp_path / "again.nrrd"), volume, names=False)
 

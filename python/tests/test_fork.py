@@ -1,4 +1,4 @@
-"""A forked child draws with threads of its own; it never waits for those that it lacks."""
+"""A forked child draws with threads of its own; it never waits for its parent's, which it lacks."""
 
 from __future__ import annotations
 
@@ -77,7 +77,7 @@ def test_a_child_of_a_process_that_has_drawn(work):
 
 
 def test_a_child_that_is_forked_during_a_frame():
-    """The first frame of a large volume prepares it, which the child must not wait for."""
+    """The first frame of a large volume prepares the volume; a child must not wait for that work of its parent."""
     code = """
 large = ws.Volume(np.random.default_rng(1).random((160, 160, 160), np.float32))
 found = []

@@ -73,7 +73,7 @@ def test_layers_that_are_not_shown_and_slabs():
 
 
 def over(below: np.ndarray, values: np.ndarray, curves: ws.TransferFunction, opacity: float = 1.0) -> np.ndarray:
-    """A layer over a picture, where its values show."""
+    """A layer composited over a picture, by the opacity of its values."""
     rgba = curves(np.nan_to_num(values).ravel()).reshape(*values.shape, 4)
     alpha = np.where(np.isfinite(values), rgba[..., 3] / max(a for _, a in curves.opacity) * opacity, 0)[..., None]
     return np.concatenate([rgba[..., :3] * alpha, alpha], axis=2) + (1 - alpha) * below
@@ -85,7 +85,7 @@ def test_layers_are_laid_over_each_other_in_their_order():
     how = {"plane": "sagittal", "size": (70, 60)}
     alone = ws.slice(SCAN, **how).rgba
     picture = ws.slice([SCAN, warm, blue], **how)
-    # The volumes by themselves, at the same places.
+    # Values of the volumes alone, at the same places.
     values = [ws.slice([ws.Layer(SCAN, visible=False), layer], **how) for layer in (warm, blue)]
     assert all(np.array_equal(one.value, picture.value, equal_nan=True) for one in values)
     samples = [sampled(layer.volume, picture) for layer in (warm, blue)]
@@ -151,7 +151,7 @@ def test_a_layer_without_a_look_is_coloured():
     )
     picture = ws.slice([SCAN, coarse, fine], size=(91, 81))
     first, second = (ws.TransferFunction(**shown_curves(picture, n)) for n in (1, 2))
-    assert first.color[-1][1:] == (1, 1, 1)  # "hot", and not greys or the colours of tissue
+    assert first.color[-1][1:] == (1, 1, 1)  # the colours of "hot", not greys or the colours of tissue
     assert first.color != second.color
     chosen = ws.slice([SCAN, ws.Layer(coarse, first), ws.Layer(fine, second)], size=(91, 81))
     assert np.array_equal(picture.rgba, chosen.rgba)
@@ -174,7 +174,7 @@ def test_a_series_is_cut_at_the_time_of_its_layer():
 
 
 def test_every_layer_has_the_slabs_planes_of_its_own_samples():
-    # Thin beside the distance of the scan's planes, and far from the middle one.
+    # A layer that is thin against the distance of the scan's planes, and far from the middle one.
     affine = np.diag([9.0, 9.0, 0.2, 1.0])
     affine[:3, 3] = np.mean(SCAN.bounds, axis=0) + np.array([-54, -54, 31.3])
     sheet = np.zeros((9, 13, 13), np.float32)

@@ -1,4 +1,4 @@
-"""Golden pictures: those of the last release, or of the last commit that changed them on purpose (`make golden`)."""
+"""Golden pictures, drawn at the last release, or at the last commit that changed them on purpose (`make golden`)."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ def test_goldens_are_few_and_small_and_none_is_left_over():
         assert max(golden_scenes._levels(path.read_bytes()).shape) <= MAX_PIXELS, path
 
 
-# The comparison can fail.
+# Tests that the comparison can fail.
 
 
 def _png(levels):

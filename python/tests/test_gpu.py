@@ -1,4 +1,4 @@
-"""Pictures of a GPU from Python: the CPU's, with a report that says who drew and why."""
+"""Pictures of a GPU from Python: they are the CPU's, and their report names the device and the reason."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import pytest
 
 import wavesplat as ws
 
-#: The device of the tests; a program on the processor, unless another is asked for.
+#: The device of the tests: llvmpipe, which runs on the processor, unless another is asked for.
 NAME = os.environ.get("WAVESPLAT_TEST_GPU", "llvmpipe")
 LOOK = ws.TransferFunction([(60, 0.0), (200, 0.2)], [(0, 1.0, 0.8, 0.5), (255, 1.0, 1.0, 1.0)])
 

@@ -1,4 +1,4 @@
-"""Files, folders and streams that are not what they should be: one sentence, no traceback, nothing left behind."""
+"""Wrong kinds of files, folders and streams: the error is one sentence, without a traceback; nothing is left behind."""
 
 from __future__ import annotations
 
@@ -36,7 +36,7 @@ def run(*arguments, cwd=None, stdout=subprocess.PIPE, shell_closes="", code=None
 
 
 def says(done, message, code=1):
-    """One sentence on stderr."""
+    """Check the exit code, and that stderr is one sentence with a message."""
     stderr = done.stderr.decode("utf-8", "replace")
     assert done.returncode == code, stderr
     assert stderr.startswith("wavesplat: error: ")
@@ -54,7 +54,7 @@ def volume(tmp_path):
 
 @pytest.fixture
 def locked(tmp_path):
-    """A folder that this process may not look into, also where it runs as root."""
+    """A folder that this process may not read, even if it runs as root."""
     folder = tmp_path / "locked"
     folder.mkdir()
     (folder / "a.npy").touch()

@@ -1,4 +1,4 @@
-"""A Zarr store may not run code: what is packed by `pickle` is refused before anything is decoded."""
+"""A Zarr store may not run code: arrays packed by `pickle` are refused before anything is decoded."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ ARRAY = {
 
 
 class Touch:
-    """Makes a file where it is unpickled."""
+    """An object that makes a file when it is unpickled."""
 
     def __init__(self, path):
         self.path = path
@@ -38,7 +38,7 @@ class Touch:
 
 @pytest.fixture
 def marker(tmp_path, monkeypatch):
-    """What code in a store would make; the library's own guard, which older releases lack, is off."""
+    """Path of the file that code in a store would make; the library's own guard, which older releases lack, is off."""
     pickles = pytest.importorskip("numcodecs.pickles")
     monkeypatch.setattr(pickles, "ALLOW_UNSAFE_PICKLE_DECODE", True, raising=False)
     return tmp_path / "ran"
@@ -83,7 +83,7 @@ def test_pickles_below_are_not_opened(tmp_path, marker):
     for options in ({}, {"dataset": "s/0"}):
         with pytest.raises(FileError, match="packed by 'pickle'"):
             ws.open(tmp_path / "a.zarr", **options)
-    # A list of what there is opens nothing.
+    # The error lists the arrays without opening any.
     (tmp_path / "a.zarr" / ".zattrs").unlink()
     with pytest.raises(FileError, match="there is: s: |--dataset\\): s: "):
         ws.open(tmp_path / "a.zarr")
@@ -91,7 +91,7 @@ def test_pickles_below_are_not_opened(tmp_path, marker):
 
 
 def test_pickles_in_other_levels_are_not_opened(tmp_path, marker):
-    # Their shapes are told, so they are looked at too.
+    # The shapes of all levels are reported, so the other levels are read too.
     zarr = pytest.importorskip("zarr", minversion="3")
     group = zarr.open_group(tmp_path / "a.zarr", mode="w", zarr_format=2)
     group.create_array("0", data=np.zeros((4, 4, 4), np.int16))

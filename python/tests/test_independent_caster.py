@@ -1,6 +1,6 @@
-"""The renderer against `numpy_caster`, a ray caster that shares nothing with it, which sees the usual mistakes.
+"""The renderer against `numpy_caster`, a ray caster that shares nothing with it and so detects the usual mistakes.
 
-Soft volumes and curves, so that both converge: what a hard edge costs is for `test_quality.py`.
+Volumes and curves are soft, so that both converge; errors at hard edges are for `test_quality.py`.
 """
 
 from __future__ import annotations
@@ -17,10 +17,10 @@ SIZE = (48, 40)
 SOFT = [(10, 0), (60, 0.05), (200, 0.3)]
 COLOR = [(0, 0, 0.2, 0.6), (80, 0.9, 0.5, 0.2), (200, 1, 1, 0.9)]
 GREY = ws.TransferFunction([(0, 1)], [(0, 0, 0, 0), (300, 1, 1, 1)])
-#: A sixth of a sample: with half of it pictures change by less than 1e-5 on average.
+#: Step of the caster, a sixth of a sample: with half of it pictures change by less than 1e-5 on average.
 STEP = 0.2
 
-#: Anisotropic, sheared, turned about two axes, off the origin.
+#: World from index: anisotropic, sheared, turned about two axes, off the origin.
 SHEARED = np.array(
     [
         [0.725043, -0.420876, -0.233447, -3.0],
@@ -32,7 +32,7 @@ SHEARED = np.array(
 
 
 def _blobs(shape=(16, 18, 20)):
-    """Seven Gaussian blobs, unlike from every side, and next to nothing at the faces."""
+    """Seven Gaussian blobs that look different from every side, and are nearly 0 at the faces."""
     rng = np.random.default_rng(3)
     z, y, x = np.mgrid[: shape[0], : shape[1], : shape[2]]
     total = np.zeros(shape)
@@ -53,7 +53,7 @@ def _eye(towards, view_angle=None):
     return Eye(middle + 45 * unit(np.array(towards)), middle, (0.1, 0.2, 1), scale, view_angle)
 
 
-#: Along different axes of the grid, and from both ends.
+#: Eyes that look along different axes of the grid, and from both ends.
 EYES = {
     "orthographic": _eye((1, 0.7, 0.5)),
     "orthographic, from below": _eye((-0.3, 0.9, -0.6)),
@@ -63,7 +63,7 @@ EYES = {
 
 
 def _draw(scene, eye, **options):
-    """The renderer's picture of the caster's scene, and the other way round."""
+    """The renderer's picture of a scene of the caster, seen from the caster's eye."""
     camera = ws.Camera(
         eye.position, eye.focal_point, eye.view_up, parallel_scale=eye.parallel_scale, view_angle=eye.view_angle
     )
@@ -86,7 +86,7 @@ def _draw_over(scene, eye, **options):
 
 
 def _check_over(got, scene, eye):
-    """The picture is that of the scene.
+    """Check that a picture agrees with the caster's picture of the scene.
 
     Texels lie half a pixel apart and sheets a third of a slice, and both errors are of second order; measured are 70 to
     77 dB and mean errors of 5e-5 to 1e-4. The limits are half as strict; half a sample of shift is 42 dB and 4e-3.
@@ -114,13 +114,13 @@ def test_soft_pictures_are_those_of_the_caster(eye, light):
 
 @pytest.mark.parametrize("opacity_unit", [0.5, 4.0])
 def test_opacity_belongs_to_a_thickness(opacity_unit):
-    """Thick fog and thin fog of the same curve."""
+    """The same curve makes thick or thin fog, by the unit of its opacity."""
     scene = replace(SCENE, opacity_unit=opacity_unit, opacity=[(10, 0), (60, 0.03 * opacity_unit), (200, 0.2)])
     _check_over(_draw_over(scene, EYES["orthographic"]), scene, EYES["orthographic"])
 
 
 def _cuts():
-    """Through the middle of the blobs, not along samples."""
+    """Cuts through the middle of the blobs, not along samples."""
     middle = np.asarray(EYES["orthographic"].focal_point)
     box = ((3.3, 2.41, 0.7), (11.6, 15.5, 12.2))
     lower, upper = middle - (4.1, 6.2, 5.7), np.add(middle, (6.1, 3.9, 4.3))
@@ -152,16 +152,16 @@ def test_cut_pictures_are_those_of_the_caster(cut, light):
 
 
 def _inner(numbers):
-    """Pixels all of whose neighbours have a number too."""
+    """Mask of the pixels all of whose neighbours have a number too."""
     pad = np.pad(np.isfinite(numbers), 1)
     height, width = numbers.shape
     return np.all([pad[y : y + height, x : x + width] for y in range(3) for x in range(3)], axis=0)
 
 
 def _check_projection(got, scene, eye, operator):
-    """The numbers are those of the scene, away from its outline, where rays are cut off between two texels.
+    """Check that numbers agree with the caster's, away from the outline, where rays are cut off between two texels.
 
-    Shares of the range of numbers in the picture. Mean and sum are smooth: errors of second order, 6e-5 on average,
+    Errors are shares of the picture's range. Mean and sum are smooth: errors of second order, 6e-5 on average,
     2e-3 at most. Where the largest value passes from one blob to another, the picture has a crease, which
     interpolation between texels rounds off: 2.5e-4 on average. The smallest value of these blobs lies where rays
     enter or leave, so it has many creases and little range: 4e-4 on average, 3e-2 at one. Half a sample of shift is
@@ -183,14 +183,14 @@ def test_projections_are_those_of_the_caster(eye, operator):
     _check_projection(value, SCENE, EYES[eye], operator)
 
 
-# The caster sees what is wrong.
+# Tests that the caster detects mistakes.
 
 
 def _wrong_scenes():
-    """Scenes that a renderer with a usual mistake would draw instead."""
+    """Changed scenes, each of which a renderer with a usual mistake would draw instead."""
     shifted = SHEARED.copy()
     shifted[:3, 3] += 0.5 * SHEARED[:3, 0]
-    # Slices are those along the axis that most of them are crossed of; without 1 / cos a slab is as thick as they are.
+    # Slices lie across the axis of which a ray crosses most; without 1 / cos a slab is as thick as their distance.
     normals = [unit(normal) for normal in face_normals(SCENE.edges)]
     forward = EYES["orthographic"].axes()[2]
     crossed = [abs(forward @ n) / abs(n @ edge) for n, edge in zip(normals, SCENE.edges, strict=True)]
@@ -235,7 +235,7 @@ def test_a_picture_upside_down_is_noticed():
             _check_over(wrong, SCENE, EYES["orthographic"])
 
 
-# The caster's own parts, by answers from paper.
+# Tests of the caster's own parts against results by hand.
 
 
 def test_trilinear_interpolation_is_exact_for_what_is_trilinear():
@@ -246,7 +246,7 @@ def test_trilinear_interpolation_is_exact_for_what_is_trilinear():
 
 
 def test_light_from_the_eye_on_a_slanted_surface():
-    """At 60 degrees the cosine is 1/2, and the reflection points 120 degrees away: no highlight."""
+    """At 60 degrees the cosine is 1/2, and the reflection is 120 degrees off the eye, so there is no highlight."""
     light = Light(ambient=0.1, diffuse=0.6, specular=0.3, power=2.0)
     eye = np.array([0.0, 0.0, 1.0])
     color = np.array([1.0, 0.5, 0.0])

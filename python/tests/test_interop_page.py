@@ -12,7 +12,7 @@ import pytest
 
 PAGE = (Path(__file__).parents[2] / "docs" / "interop.md").read_text(encoding="utf-8")
 BLOCKS = re.findall(r"```python\n(.*?)```", PAGE, re.DOTALL)
-#: Libraries that need not be installed.
+#: Large libraries that need not be installed.
 LARGE = ("pyvista",)
 
 

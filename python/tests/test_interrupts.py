@@ -62,7 +62,7 @@ def test_ctrl_c_does_not_wait_for_the_work():
     ],
 )
 def test_ctrl_c_is_answered_long_before_the_work_is_done(work, tmp_path):
-    """After a tenth of the work; until it is answered less than half of it is done."""
+    """Ctrl-C comes after a tenth of the work; less than half of the work is done until it is answered."""
     code = f"""
         import os, signal, time
         from pathlib import Path

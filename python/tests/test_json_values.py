@@ -1,4 +1,4 @@
-"""Whole numbers of any length and texts that are none, at every door for documents: an error that names the field."""
+"""Whole numbers of any length and invalid texts, at every entry point for documents: the error names the field."""
 
 import json
 
@@ -42,7 +42,7 @@ def test_what_documents_may_hold():
 
 
 def places_in(value, steps=()):
-    """The paths of all fields."""
+    """Paths of all fields of a document."""
     yield steps
     parts = value.items() if isinstance(value, dict) else enumerate(value) if isinstance(value, list) else ()
     for name, part in parts:
@@ -61,7 +61,7 @@ def replaced(document, steps, value):
 
 
 def refusals(document, load):
-    """Places and values whose error is not ours, or which are taken."""
+    """Fields and values whose error is not one of ours, or which are accepted."""
     found = []
     for steps in places_in(document):
         for value in BAD:
@@ -72,7 +72,7 @@ def refusals(document, load):
 
 
 def said(load, document):
-    """The sentence of the error."""
+    """Load a document; return the sentence of the error."""
     try:
         load(document)
     except WavesplatError as error:

@@ -26,7 +26,7 @@ LOOKS = {3: ws.Label("#ff0000", 0.5, name="liver"), 40: ws.Label((0, 0, 1), 0, t
 
 
 def label_at(picture):
-    """The number of the sample next to each pixel, -1 outside, by positions from the report."""
+    """Label number of the sample nearest to each pixel, -1 outside, by positions from the report."""
     report = picture.report
     height, width = picture.rgba.shape[:2]
     rows, columns = np.mgrid[:height, :width]

@@ -15,7 +15,7 @@ def scan():
 
 
 def ball(scan, where, radius):
-    """True in a ball; `where` and `radius` as fractions of the volume's sides."""
+    """Mask of a ball; `where` and `radius` as fractions of the volume's sides."""
     z, y, x = np.indices(scan.shape, sparse=True)
     distance = sum(((i / n - c) ** 2) for i, n, c in zip((z, y, x), scan.shape, where, strict=True))
     return distance < radius**2
@@ -53,7 +53,7 @@ def test_hiding_a_label_is_removing_its_samples(scan):
     half = scan.shape[1] // 2
     lower, upper = (0, half, 0), (scan.shape[2] - 1, scan.shape[1] - 1, scan.shape[0] - 1)
     cut = ws.render(scan, "ct-soft-tissue", clip=ws.Crop(lower, upper, space="index"), **view).rgba
-    # The last half sample fades out.
+    # The pictures differ only in the last half sample, which fades out.
     assert np.abs(hidden - cut).mean() < 0.1 * np.abs(whole - cut).mean()
 
 
@@ -139,7 +139,7 @@ def test_the_command_line_draws_labels_and_light(tmp_path, scan):
 @pytest.mark.parametrize("scan_opacity", [0.3, 0.99, 1.0])
 @pytest.mark.parametrize("layers", [1, 2])
 def test_scan_and_matter_mix_by_extinction(scan_opacity, layers):
-    """In even matter of both, the colour is the mean by extinction, however opaque they are."""
+    """In a uniform mixture, the colour is the mean weighted by extinction, however opaque scan and label are."""
     scan = ws.Volume(np.full((12, 12, 12), 5.0, np.float32))
     red = ws.TransferFunction([(0, scan_opacity)], [(0, 1, 0, 0)], opacity_unit=1.0)
     looks = {1: ws.Label((0, 1, 0), 0.9, scan=1.0)}

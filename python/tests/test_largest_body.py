@@ -17,7 +17,7 @@ SPACING = (1.5, 1.5, 3.0)
 def patient(*, gap_mm=6.0, spacing=SPACING, noise=20.0):
     """A thorax with lungs that are open at its ends and an ear's thin flap, on foam, above a hollow table.
 
-    Gives the scan, and where body and table are, [z, y, x]. `gap_mm`: from back to table; 0 touches.
+    Returns the scan, and masks [z, y, x] of body and table. `gap_mm`: distance from back to table; 0 touches.
     """
     n_x, n_y, n_z = (round(side / step) for side, step in zip((240, 200, 120), spacing, strict=True))
     z, y, x = np.meshgrid(*(np.arange(n) for n in (n_z, n_y, n_x)), indexing="ij", sparse=True)
@@ -44,7 +44,7 @@ def patient(*, gap_mm=6.0, spacing=SPACING, noise=20.0):
 def test_the_table_goes_and_the_body_stays(gap_mm, spacing):
     volume, body, table = patient(gap_mm=gap_mm, spacing=spacing)
     alone = ws.largest_body(volume)
-    # Corners as sharp as these, which no body has, may lose a sample.
+    # Sharp corners, which no real body has, may lose a sample.
     assert (alone.samples[body] != volume.samples[body]).mean() < 2e-4
     assert (volume.samples[table] > -400).sum() > 1000
     below = int((80 + 60 + gap_mm + 7) / spacing[1])

@@ -1,4 +1,4 @@
-"""`wavesplat render` of several channels, volumes and times: how the options are written, and what is drawn."""
+"""`wavesplat render` of several channels, volumes and times: the syntax of the options, and the pictures."""
 
 from __future__ import annotations
 
@@ -127,7 +127,7 @@ def test_names_of_pictures(tmp_path):
 
 @pytest.fixture
 def render(wavesplat, tmp_path):
-    """Draw with these options; the path of the picture and what was said."""
+    """A function that draws with options, and returns the picture's path and the finished command."""
 
     def run(*arguments):
         path = tmp_path / "out.png"
@@ -139,7 +139,7 @@ def render(wavesplat, tmp_path):
 
 
 def same(path, scene, tmp_path, camera=None):
-    """Whether Python draws the same pixels; what is told beside them differs by the background, which is said there."""
+    """Whether Python draws the same pixels; the files' metadata differ by the background."""
     scene.render(camera, size=(24, 24), composite="maximum").save(tmp_path / "python.png")
     return pixels(path) == pixels(tmp_path / "python.png")
 
@@ -178,7 +178,7 @@ def test_times_share_look_and_view(wavesplat, tmp_path):
     assert [one["picture"] for one in made] == [str(tmp_path / f"t{n}.png") for n in (0, 2)]
     first, last = (pixels(tmp_path / f"t{n}.png") for n in (0, 2))
     assert first != last
-    # One of them alone, for which the note says which it is.
+    # One time alone, which the note names.
     done = wavesplat("render", source, "-o", tmp_path / "a.png", *options)
     assert "note: the file holds 3 time points; this is --time 0" in done.stderr
     done = wavesplat("render", source, "-o", tmp_path / "b.png", "--time", "1", *options)

@@ -1,4 +1,4 @@
-"""Layers of different extent, with light that is kept off: the same picture whichever axis the slices lie across."""
+"""Layers of different extent, with shadows: the picture is the same whichever axis the slices lie across."""
 
 from __future__ import annotations
 

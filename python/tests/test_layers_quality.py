@@ -7,7 +7,7 @@ import pytest
 
 import wavesplat as ws
 
-#: As in `test_quality`: the light whose gradients the ray caster takes fast, and a part of a large picture.
+#: Settings of `test_quality`: a light whose gradients the ray caster takes fast, and a part of a large picture.
 LIGHT = ws.Shading.headlight()
 SIZE = (64, 56)
 ZOOM = 5
@@ -73,7 +73,7 @@ def view(volume: ws.Volume) -> ws.Camera:
 
 
 def converged(scene: ws.Scene, camera: ws.Camera, *, is_hard: bool) -> ws.Picture:
-    """With a hard step, rays that sample far apart meet surfaces late."""
+    """The ray caster's picture; hard steps get a finer step, since a coarse one meets surfaces late."""
     step, rays = (0.03, 9) if is_hard else (0.1, 4)
     return ws.reference.raycast(scene, None, camera, size=SIZE, step=step, rays_per_pixel=rays)
 
@@ -107,7 +107,7 @@ def test_labels_and_layers_together() -> None:
 
 
 def test_a_layer_on_its_own_grid_is_nearer_to_the_truth_than_a_resampled_one() -> None:
-    """What is resampled costs what resampling costs; a grid of its own costs nothing."""
+    """A resampled layer has the error of resampling; a layer on its own grid has none."""
     pelvis = ws.examples.ct_pelvis()
     hot = uptake(pelvis, (44, 60, 70))
     look = soft((1, 0.4, 0.1), 1, 6)
@@ -115,7 +115,7 @@ def test_a_layer_on_its_own_grid_is_nearer_to_the_truth_than_a_resampled_one() -
     camera = view(pelvis)
     draw = {"camera": camera, "size": SIZE, "quality": "high"}
     own = ws.Scene([ws.Layer(pelvis, bone), ws.Layer(hot, look)])
-    # Trilinear values at the samples of the scan: exact there, and linear in between, as those of the coarser grid are.
+    # Trilinear values at the samples of the scan: exact there, and linear in between, as on the coarser grid.
     index = np.linalg.inv(hot.world_from_index) @ pelvis.world_from_index
     axes = [np.clip(index[a, a] * np.arange(n) + index[a, 3], 0, None) for a, n in enumerate(pelvis.shape[::-1])]
     values = hot.samples.astype(np.float64)

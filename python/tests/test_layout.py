@@ -1,4 +1,4 @@
-"""Where things lie: what may import what, how long files are, and that no two types of Rust have one name."""
+"""The layout of the code: which module may import which, the length of files, and unique names of Rust's types."""
 
 import ast
 from pathlib import Path
@@ -43,7 +43,7 @@ ROOMS = {
         "picture",
         "render",
         "quality",
-        "standard",  # what the method is judged against; `reference` has its literal twin
+        "standard",  # the method that ours is judged against; `reference` has its literal twin
     ],
     "crates/gpu/src": [
         "failure",
@@ -86,8 +86,8 @@ ROOMS = {
         "png",
     ],
 }
-#: Beside each other after all of these; nothing imports from them. `lib` is what the root of a crate defines or passes
-#: on: inside a crate everything is imported from where it is.
+#: Rooms beside each other after all of these; nothing imports from them. `lib` is the root of a crate with its
+#: re-exports: inside a crate everything is imported from where it is defined.
 LEAVES = {
     "python/wavesplat": ["__init__", "__main__"],
     "crates/compute/src": ["lib"],
@@ -100,16 +100,16 @@ LEAVES = {
 
 MAX_LINES = 600
 FOLDERS = ("crates", "python", "benches", "studies", "docs")
-#: Why each may be longer, for now.
+#: Files that may be longer, for now, and why.
 LONG_FILES: dict[str, str] = {}
 
-#: Names of several types, and why.
+#: Names that several types share, and why.
 DUPLICATES: dict[str, str] = {}
 
 
 @pytest.fixture(params=ROOMS)
 def imports(request):
-    """The root, and what each module below it imports."""
+    """The root of a package or crate, and the imports of each module below it."""
     folder = ROOT / request.param
     rooms = ROOMS[request.param]
     if not _exists(folder, rooms[0]):
@@ -168,7 +168,7 @@ def _twice(places):
     return {name: f"defined in {', '.join(where)}" for name, where in homes.items() if len(where) > 1}
 
 
-# Each check can fail.
+# Tests that each check can fail.
 
 
 @pytest.mark.parametrize(

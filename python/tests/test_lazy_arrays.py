@@ -1,4 +1,4 @@
-"""What `Volume.lazy` takes: arrays of Zarr, Dask, h5py, xarray, memory maps, and anything that slices."""
+"""Arguments of `Volume.lazy`: arrays of Zarr, Dask, h5py, xarray, memory maps, and anything that slices."""
 
 from __future__ import annotations
 
@@ -78,7 +78,7 @@ def _xarray_of_dask(tmp_path):
 
 
 class Slicing:
-    """Nothing but a shape, a type and slicing, as TensorStore has them."""
+    """An array with nothing but a shape, a type and slicing, such as TensorStore's."""
 
     shape, dtype = SAMPLES.shape, SAMPLES.dtype
 
@@ -200,7 +200,7 @@ def test_pictures_take_the_coarsest_level_that_will_do():
     assert ws.render(lazy.at_level(2), "ct-bone", camera, size=(400, 400)).report["lazy"]["levels"] == [2]
     with pytest.raises(ws.errors.ArgumentError, match="3 levels"):
         lazy.at_level(3)
-    # As bright as the finest level: bones are thin, and would fade.
+    # The level must be as bright as the finest one: bones are thin, and could fade.
     whole = ws.render(volume, "ct-bone", camera, size=(300, 300)).rgba[..., :3].mean()
     for level in (1, 2):
         coarse = ws.render(lazy.at_level(level), "ct-bone", camera, size=(300, 300)).rgba[..., :3].mean()

@@ -1,4 +1,4 @@
-"""Lazy sources that are no volumes, or give other samples than they promise: an error, never other samples."""
+"""Lazy sources that are no volumes, or return other samples than they promise: an error, never wrong samples."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ SAMPLES = np.random.default_rng(2).integers(0, 200, (16, 16, 16)).astype(np.floa
 
 
 class Source:
-    """An array of a shape, a type and chunks that gives what `made` makes of its samples."""
+    """An array of a shape, a type and chunks, whose reads return `made(samples)`."""
 
     def __init__(self, made=lambda part: part, samples=SAMPLES, **said):
         self._made, self._samples = made, samples

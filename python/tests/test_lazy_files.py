@@ -1,4 +1,4 @@
-"""Files that are left where they are: the samples, place and facts of `open`, and what cannot be read in parts."""
+"""Files that are read lazily: samples, place and facts are those of `open`; some files cannot be read in parts."""
 
 from __future__ import annotations
 
@@ -118,7 +118,7 @@ def _zarr(folder, volume):
 
 
 def ome_zarr(folder, samples, n_levels=3, chunk=8):
-    """An OME-Zarr 0.5 image, its axes t, c, z, y, x, of means."""
+    """An OME-Zarr 0.5 image of axes t, c, z, y, x, whose coarser levels are means."""
     import zarr
 
     group = zarr.open_group(folder, mode="w")
@@ -155,7 +155,7 @@ def _tiff(folder, volume):
 
 
 def _tiff_of_one_directory(axes, byte_order="<", **options):
-    """All planes behind one page directory, as ImageJ writes stacks of more than 4 GB."""
+    """Writer of a TIFF with all planes behind one page directory, as ImageJ writes stacks of more than 4 GB."""
 
     def write(folder, volume):
         import tifffile

@@ -21,7 +21,7 @@ LOOK = ws.TransferFunction([(60, 0.0), (200, 0.2)], [(0, 1.0, 0.8, 0.5)])
 
 
 class Handler(http.server.SimpleHTTPRequestHandler):
-    """Files of a folder; with ranges, or without. Counts what is sent."""
+    """Serves files of a folder, with or without ranges, and counts the bytes that are sent."""
 
     takes_ranges = True
     sent: list[tuple[str, int]]
@@ -52,7 +52,7 @@ class Handler(http.server.SimpleHTTPRequestHandler):
 
 @pytest.fixture
 def serve(tmp_path):
-    """A server of `tmp_path`; gives its address and what it sent."""
+    """A server of `tmp_path`; returns its address and the counts of what it sent."""
     servers = []
 
     def start(takes_ranges=True):
@@ -87,7 +87,7 @@ def test_the_first_picture_is_quick_and_small(serve, tmp_path, takes_ranges):
     assert n_bytes < 0.05 * stored, (n_bytes, stored)
     assert took < 20, "by far: machines are busy"
     pictures.close()
-    # Pictures are those of the files.
+    # Pictures are the same as from the files.
     local = ws.open(tmp_path / "image.zarr", memory="50 MB", channel=0)
     options = {"size": (200, 150), "camera": first.camera}
     drawn = [ws.Scene(one.at_level(1), LOOK).render(**options) for one in (volume, local)]
@@ -107,7 +107,7 @@ def test_shards_are_read_by_ranges_where_they_can_be(serve, tmp_path, takes_rang
     volume = ws.open(f"{address}/s.zarr", memory="50 MB")
     sent.clear()
     if not takes_ranges:
-        # What a server without ranges makes of a shard is said, and never drawn wrong.
+        # From a server without ranges a shard is an error or a right picture, never a wrong one.
         with contextlib.suppress(ws.errors.FileError):
             assert np.array_equal(volume.arrays(0).read((0, 0, 0), (8, 8, 8)), samples[:8, :8, :8])
         return

@@ -27,7 +27,7 @@ def _pelvis():
 
 
 def lazily(volume, chunks=(17, 23, 29), memory="40 MB", **options):
-    """The same volume, read in chunks."""
+    """A lazy copy of a volume, read in chunks."""
     made = ws.Volume.lazy(
         Chunked(np.array(volume.samples), chunks),
         world_from_index=volume.world_from_index,

@@ -1,4 +1,4 @@
-"""Lazy volumes keep within their memory, read chunks once, and say what cannot be read."""
+"""Lazy volumes keep within their memory, read chunks once, and name what cannot be read."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ def test_a_chunk_is_read_once_and_invisible_ones_never():
     array.counts.clear()
     ws.render(volume, LOOK, "isometric", size=(300, 300))
     assert max(array.counts.values()) == 1
-    # What is seen, and a chunk around it.
+    # Only chunks that are seen are read, and a chunk around them.
     is_seen = shells(192) > 60
     touched = {tuple(index) for index in np.argwhere(is_seen) // 24}
     around = {tuple(np.add(index, step)) for index in touched for step in np.ndindex(3, 3, 3)}
@@ -71,7 +71,7 @@ def test_bounds_are_kept_for_other_programs(tmp_path):
         n_reads = sum(array.counts.values())
     assert n_reads < 6**3, "nothing was looked through again"
     assert np.array_equal(picture[0].rgba, picture[1].rgba)
-    # Another content is looked through again, and so is what is damaged.
+    # Changed or damaged contents are surveyed again.
     array = Chunked(samples, (16, 16, 16))
     array.token = "another one"  # noqa: S105 - no secret
     ws.render(lazily(array, cache=tmp_path / "kept"), LOOK, "isometric", size=(100, 100))
@@ -137,7 +137,7 @@ def test_a_chunk_that_cannot_be_read_is_named():
 
 def test_holes_are_drawn_and_reported():
     samples = shells(96)
-    # Looked through well, broken afterwards: as a disk, or a server, fails.
+    # A source that breaks after its survey, as a disk or a server may.
     array = Broken(samples, (2, 3, 1), times=0, chunks=(16, 16, 16))
     volume = lazily(array, holes=True)
     volume.survey(0, "linear")
@@ -164,7 +164,7 @@ def test_what_comes_in_another_shape_is_refused():
 
 
 class WaitsForCancelling(Chunked):
-    """A read ends once the picture was cancelled while it is under way; a later one, once no more reads are wanted."""
+    """A lazy array: reads under way end when the picture is cancelled, later ones when no more reads are wanted."""
 
     def __init__(self, samples, chunks):
         super().__init__(samples, chunks)
@@ -175,7 +175,7 @@ class WaitsForCancelling(Chunked):
     def progress(self, _):
         with self.told:
             if self.n_begun > 0:
-                # Some reads go ahead of what is looked at or drawn.
+                # Some reads are ahead of the survey or of drawing.
                 assert self.told.wait_for(lambda: self.n_under_way > 0, timeout=60)
                 self.is_cancelled = True
                 self.told.notify_all()
@@ -203,7 +203,7 @@ def test_cancelling_waits_for_no_more_than_the_reads_under_way(where, monkeypatc
     volume = lazily(array, "8 MB")
     if where == "drawing":
         volume.survey(0, "linear")
-    # Progress of a survey is told after each box that was looked at; drawing asks while it waits for the first.
+    # A survey reports progress after each box; drawing reports it while it waits for the first one.
     array.waits, array.n_begun = (lambda lo: where == "drawing" or lo != (0, 0, 0)), 0
     begin = BoxReader.__init__
 
@@ -223,7 +223,7 @@ def test_cancelling_waits_for_no_more_than_the_reads_under_way(where, monkeypatc
 
 
 class WaitsForDrawing(Chunked):
-    """A read ends when something was drawn since it began; alone, when it has waited for long enough."""
+    """A lazy array: a read ends when something was drawn since it began, or else after a time limit."""
 
     def __init__(self, samples, chunks):
         super().__init__(samples, chunks)

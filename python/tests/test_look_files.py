@@ -1,4 +1,4 @@
-"""Looks in files of 3D Slicer and ParaView. Numbers that VTK gives were printed by VTK 9.7."""
+"""Looks in files of 3D Slicer and ParaView. VTK's numbers were printed by VTK 9.7."""
 
 import json
 
@@ -10,7 +10,7 @@ from wavesplat._looks import color_spaces, presets, vtk_curves
 from wavesplat.errors import ArgumentError, FileError
 
 SLICER = [name for name, preset in presets.catalogue().items() if preset.kind == "slicer"]
-#: Of 3D Slicer's repository, Modules/Loadable/VolumeRendering/Testing/Data/Input/VolumeProperty.vp, shortened.
+#: A file of 3D Slicer, Modules/Loadable/VolumeRendering/Testing/Data/Input/VolumeProperty.vp, shortened.
 VP = """1
 1
 0.42
@@ -32,7 +32,7 @@ SCENE = """<?xml version="1.0" encoding="UTF-8"?>
 
 @pytest.fixture
 def saved(tmp_path):
-    """Write a text to a file of a name that tells nothing."""
+    """Write a text to a file whose name does not identify its format."""
 
     def save(text, name="file.txt"):
         path = tmp_path / name
@@ -62,7 +62,7 @@ def test_points_and_terms_are_those_of_slicer():
     assert look.transfer_function.gradient_opacity == ()  # 1 everywhere
     light = look.shading
     assert (light.ambient, light.diffuse, light.specular, light.specular_power) == (0.1, 0.9, 0.2, 10)
-    assert ws.Look.preset("CT-Soft-Tissue") == ws.Look.preset("ct-soft-tissue")  # the plain name is ours
+    assert ws.Look.preset("CT-Soft-Tissue") == ws.Look.preset("ct-soft-tissue")  # the plain name is that of our preset
     assert ws.Look.preset("slicer-ct-soft-tissue").shading is None
 
 

@@ -1,4 +1,4 @@
-"""The look and the view that a volume gets by itself, and the light."""
+"""The default look and view of a volume, and the light."""
 
 import subprocess
 import sys
@@ -83,7 +83,7 @@ def test_what_the_file_says_comes_before_what_values_look_like():
     assert "the file says CT" in said
     assert "the file says" not in ws.Look.auto(volume("CT")).reason
     assert ws.Look.auto(volume("PET that says so")).reason == "PET: the file says PT"
-    # Of a CT that was windowed to 8 bits, nothing is known but that.
+    # The scale of a CT that was windowed to 8 bits is not known.
     samples = np.clip((ct() + 200) / 6, 0, 255).astype(np.uint8)
     windowed = ws.Volume(samples, facts=ws.Facts(unit="mm", is_anatomical=True, modality="CT"))
     assert ws.Look.auto(windowed).reason == "a scan of no fixed scale"
@@ -130,12 +130,12 @@ def test_projections_on_white_are_inverted(composite):
     on_white, on_black = (
         ws.render(shown, composite=composite, size=(64, 64), background=behind) for behind in ("white", "black")
     )
-    # Without the outermost pixels, of which walls of the volume cover a part.
+    # Without the outermost pixels, which walls of the volume cover only in part.
     known = np.pad(np.isfinite(on_white.value), 1)
     inside = known[1:-1, 1:-1] & known[:-2, 1:-1] & known[2:, 1:-1] & known[1:-1, :-2] & known[1:-1, 2:]
     order = np.argsort(on_white.value[inside])
     white, black = ((picture.rgba[..., :3] @ LUMINANCE)[inside][order] for picture in (on_white, on_black))
-    # Nothing that is less is darker than what is more, and on black the other way round.
+    # On white larger values are never brighter, and on black never darker.
     assert (np.diff(white) < 1e-3).all()
     assert (np.diff(black) > -1e-3).all()
     assert white[0] > 0.9

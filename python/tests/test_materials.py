@@ -18,7 +18,7 @@ BONE = ws.Material("bone", [(150, 0), (300, 1)], (1, 0.95, 0.85), 0.4, density=7
 
 
 def mixture(materials, values):
-    """Sum p_i alpha_i rgb_i and sum p_i alpha_i, value by value."""
+    """The mixture, value by value: sum p_i alpha_i rgb_i and sum p_i alpha_i."""
     rows = []
     for value in values:
         claims = []
@@ -35,7 +35,7 @@ def mixture(materials, values):
 
 
 def check_mixture(materials, values):
-    """The transfer function is the mixture to 1e-3, associated colour and opacity."""
+    """Check that the transfer function is the mixture to 1e-3, in associated colour and opacity."""
     rgba = materials.transfer_function()(values)
     rgba[:, :3] *= rgba[:, 3:]
     np.testing.assert_allclose(rgba, mixture(materials, values), rtol=0, atol=1e-3)
@@ -211,7 +211,7 @@ MEANS = (100, 200, 400)
 
 
 def phantom(noise, scale=1):
-    """A ball within a ball within a field, with noise: three materials."""
+    """A phantom of three materials: a ball within a ball within a field, with noise."""
     z, y, x = np.mgrid[-1:1:40j, -1:1:40j, -1:1:40j]
     r2 = x * x + y * y + z * z
     samples = np.select([r2 < 0.15, r2 < 0.6], MEANS[:0:-1], MEANS[0])

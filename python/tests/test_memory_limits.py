@@ -1,4 +1,4 @@
-"""What does not fit into memory is refused in one sentence, before the system or an allocator ends the process."""
+"""Volumes that do not fit into memory: refused in one sentence, before the system or an allocator ends the process."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="limits the addr
 
 
 def limited(*arguments):
-    """The command line in a process that may take 4 GiB."""
+    """Run the command line in a process that may take 4 GiB."""
 
     def limit():
         import resource
@@ -61,7 +61,7 @@ def test_pictures_that_fit_are_drawn(ramp_file, tmp_path):
 
 @pytest.mark.parametrize("name", ["a.nii", "a.npy", "a.mha", "a.raw"])
 def test_samples_that_do_not_fit_are_left_in_their_file(tmp_path, name):
-    """20 GB in a file that takes no place on the disk."""
+    """The file has 20 GB of samples, but is sparse, so that it takes no room on the disk."""
     path, size, options = tmp_path / name, (2000, 2500, 4000), []
     if name == "a.nii":
         import nibabel
@@ -124,7 +124,7 @@ def test_memory_that_runs_out_is_not_called_damage(error):
 
 
 def test_a_container_has_what_it_is_given(tmp_path, monkeypatch):
-    """Files that were read do not count as used."""
+    """The page cache of files that were read does not count as used memory."""
     for name, text in (
         ("memory.max", "1000"),
         ("memory.current", "600"),

@@ -32,7 +32,7 @@ def ball(steps=AFFINES["plain"], *, n=56, radius=RADIUS, center=(10.0, -20.0, 30
 
 
 def boundary_edges(mesh):
-    """Edges of one triangle only."""
+    """Number of edges that belong to one triangle only."""
     edges = np.sort(mesh.to_trimesh().edges, axis=1)
     _, counts = np.unique(edges, axis=0, return_counts=True)
     return int((counts == 1).sum())
@@ -81,7 +81,7 @@ def test_the_first_hit_of_the_renderer_lies_on_the_mesh(steps):
     volume = ball(steps)
     position, center = np.array([60.0, 50.0, 80.0]), np.array([10.0, -20.0, 30.0])
     camera = ws.Camera(position, center, (0, 0, 1), parallel_scale=18)
-    n, every = 216, 9  # fine, since the warp takes depths from between rays; few, since the rays below are slow
+    n, every = 216, 9  # fine, since the warp interpolates depths; few pixels, since the rays below are slow
     picture = ws.render(volume, "grey", camera, size=(n, n), composite=ws.FirstHit(0), depth=True)
     forward = (center - position) / np.linalg.norm(center - position)
     right = np.cross(forward, (0, 0, 1))
@@ -91,7 +91,7 @@ def test_the_first_hit_of_the_renderer_lies_on_the_mesh(steps):
     origins = (position + pixels[None, :, None] * right - pixels[:, None, None] * up).reshape(-1, 3)
     crossing = first_crossing(ws.mesh(volume, 0), origins, forward)
     depth = picture.depth[4::every, 4::every].ravel()
-    # Where the ray grazes the sphere, any error of the surface's place grows along it without bound.
+    # Where the ray grazes the sphere, any error of the surface's position grows along the ray without bound.
     aside = np.linalg.norm((origins - center) - (origins - center) @ forward[:, None] * forward, axis=1)
     inner = aside < 0.95 * RADIUS
     assert inner.sum() > 250
@@ -160,7 +160,7 @@ def test_normals_of_a_sheet_of_one_sample_point_outside():
 
 @pytest.mark.parametrize("steps", [AFFINES["plain"], AFFINES["mirrored and sheared"]])
 def test_a_crop_box_cuts_where_it_lies(steps):
-    # The box leaves a quarter of the ball, and its planes lie between samples, oblique to them in the second case.
+    # The box leaves a quarter of the ball; its planes lie between samples, in the second case oblique to the grid.
     mesh = ws.mesh(ball(steps), 0, crop=ws.Crop((10, -20, 0), (40, 40, 60)))
     assert mesh.watertight
     assert mesh.to_trimesh().euler_number == 2
@@ -199,7 +199,7 @@ def test_holes_are_outside():
 
 @pytest.mark.parametrize("seed", range(6))
 def test_noise_is_closed_too(seed):
-    """Ambiguous cells, samples that have exactly the value, masks, and holes, all dense; seed 1 has touching sheets."""
+    """Many ambiguous cells, samples with exactly the value, masks, and holes; seed 1 has touching sheets."""
     generator = np.random.default_rng(seed)
     samples = generator.standard_normal((24, 25, 26))
     samples = [samples, samples.round(), (samples > 0).astype(np.uint8), samples, samples, samples.round()][seed]

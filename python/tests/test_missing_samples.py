@@ -1,4 +1,4 @@
-"""Missing samples (NaN, infinity): what they take out of a picture, by formulas of their own."""
+"""Missing samples (NaN, infinity): the part of a picture that they remove, against closed formulas."""
 
 import math
 
@@ -8,7 +8,7 @@ import pytest
 import wavesplat as ws
 
 KERNELS = ["linear", "catmull-rom", "bspline2", "bspline3", "gaussian"]
-#: Along z, a pixel an eighth of a sample.
+#: Size of a view along z, and pixels per sample.
 SIZE, PER_SAMPLE = (88, 80), 8
 OPACITY = 0.15
 
@@ -24,7 +24,7 @@ def _samples(share=0.05):
 def _camera(samples):
     n_z, n_y, n_x = samples.shape
     middle = ((n_x - 1) / 2, (n_y - 1) / 2, (n_z - 1) / 2)
-    # Looks along +z, y down, so that pixel (0, 0) is near sample (0, 0).
+    # The camera looks along +z, with y down, so that pixel (0, 0) is near sample (0, 0).
     eye = (middle[0], middle[1], -50)
     return ws.Camera(eye, middle, (0, -1, 0), parallel_scale=SIZE[1] / PER_SAMPLE / 2)
 
@@ -64,7 +64,7 @@ def test_slices_leave_out_points_of_which_half_is_missing(kernel):
     options = {"size": (41, 41), "zoom": 2.75, "center": (6, 5, 4), "kernel": kernel}
     shown = ws.slice(ws.Volume(samples), "axial", 4.0, **options).value
     y, x = np.argwhere(np.isnan(shown)).T
-    # In its slice, the product of both weights is at least a half.
+    # In its slice, a point is missing where the product of both weights is at least a half.
     assert (np.ptp(x), np.ptp(y)) == (10, 10)
     assert np.isnan(shown).sum() / 100 == pytest.approx(2 * (1 - math.log(2)), abs=0.05)
 
@@ -77,7 +77,7 @@ def test_beside_a_hole_matter_goes_on_as_it_is(kernel):
     samples[:, :, :9] += rng.random((16, 18, 9), np.float32) / 8
     holed = samples.copy()
     holed[:, :, 9:] = np.nan
-    # What would be there is far from what is known.
+    # The values in the hole are far from the known ones.
     samples[:, :, 9:] = samples[:, :, 8:9]
     look = ws.TransferFunction([(0, 0), (2, 0.02), (3, 0.4), (9, 0.9)], [(1, 1, 0, 0), (2.2, 0, 0, 1)])
     options = {"size": (60, 50), "kernel": kernel, "clip": ws.Crop((0, 0, 0), (7.5, 17, 15), space="index")}

@@ -1,4 +1,4 @@
-"""Movies: the files, what is left when something fails, and frames that are gone on with."""
+"""Movies: the files, the files left when something fails, and resuming from frames that are there."""
 
 import inspect
 import sys
@@ -23,7 +23,7 @@ TURN = ws.Turn(frames=5)
 
 
 def frames_of(path):
-    """Of a video: its pictures, and the stream."""
+    """Pictures of a video, its stream, and its duration in seconds."""
     with av.open(str(path)) as file:
         stream = file.streams.video[0]
         return [frame.to_ndarray(format="rgb24") for frame in file.decode(video=0)], stream, file.duration / 1e6
@@ -50,7 +50,7 @@ def test_videos(tmp_path, suffix, codec):
     expected = expected_frames()
     assert len(pictures) == len(expected)
     for got, want in zip(pictures, expected, strict=True):
-        # Half the resolution of colours costs most of it.
+        # Most of the difference comes from the halved resolution of colours.
         assert np.abs(got.astype(float) - want).mean() < 6
         np.testing.assert_allclose(got.mean(axis=(0, 1)), want.mean(axis=(0, 1)), atol=2)
     assert list(tmp_path.iterdir()) == [path]
@@ -106,7 +106,7 @@ def test_resume_draws_what_is_missing_damaged_or_another_picture(tmp_path):
     kept = [name for name, age in ages.items() if (folder / name).stat().st_mtime_ns == age]
     assert sorted(kept) == ["0000.png", "0002.png"]
     assert drawn[-1] == 1
-    # Nothing of another scene is kept.
+    # No frame of another scene is kept.
     ws.movie(VOLUME, folder, TURN, resume=True, **DRAW | {"look": "grey"})
     assert all(path.read_bytes() != first[path.name] for path in folder.iterdir())
 

@@ -1,4 +1,4 @@
-"""What each frame of a movie shows: turns, key frames, and what is mixed between them."""
+"""The frames of a movie: turns, key frames, and the interpolation between them."""
 
 import numpy as np
 import pytest
@@ -26,7 +26,7 @@ SCENE = ws.Scene(VOLUME, SOFT)
 
 
 def in_view(camera, points, aspect):
-    """The largest part of the half height, or width, that points reach."""
+    """The largest share of the half height, or half width, that points reach."""
     right, up, back = axes(camera)
     seen = points - camera.position
     depth = -seen @ back
@@ -113,7 +113,7 @@ def test_key_frames_are_met_and_frames_are_evenly_in_time():
     frames = timeline(*(ws.KeyFrame(t, camera=c) for t, c in zip((0, 0.5, 2), cameras, strict=True)))
     assert len(frames) == 21
     assert [frames[k].camera for k in (0, 5, 20)] == cameras
-    # Nothing else changes: the scene is the same one, and what is kept of it.
+    # Nothing else changes: the scene is the same object, and so are its caches.
     assert frames[3].scene is SCENE
 
 
@@ -205,7 +205,7 @@ CURVES = st.lists(st.tuples(st.integers(0, 8), st.floats(0, 1)), min_size=1, max
 
 @given(CURVES, CURVES, st.floats(0, 1))
 def test_curves_mix_value_by_value(a, b, t):
-    """Steps included: on both sides of every value."""
+    """Steps are included: curves are compared on both sides of every value."""
     looks = [
         ws.Look(transfer_function=ws.TransferFunction(nodes, [(v, x, x / 2, 0) for v, x in nodes], opacity_unit=1))
         for nodes in (a, b)

@@ -14,7 +14,7 @@ pytestmark = pytest.mark.skipif(browser.chromium() is None, reason="no Chromium:
 def test_a_turn_plays_in_chromium(tmp_path, suffix):
     volume, look, n = ws.examples.ripples(24), ws.TransferFunction.from_colormap("viridis", clim=(0, 255)), 12
     turn = ws.Turn(frames=n, elevation=20)
-    # With an odd height, as figures have them.
+    # The height is odd, as those of figures may be.
     path = ws.movie(volume, tmp_path / f"turn{suffix}", turn, look, size=(64, 49), fps=24, crf=8)
     facts = browser.played(path)
     assert "error" not in facts, facts

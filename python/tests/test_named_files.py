@@ -17,7 +17,7 @@ META = "ObjectType = Image\nNDims = 3\nDimSize = 5 4 3\nElementType = MET_UCHAR\
 
 @pytest.fixture
 def folder(tmp_path):
-    """A folder for headers, beside which lie samples that are none of their business."""
+    """A folder for headers, beside which lie samples that they may not read."""
     (tmp_path / "secret.raw").write_bytes(SAMPLES.tobytes())
     (tmp_path / "mine").mkdir()
     return tmp_path / "mine"

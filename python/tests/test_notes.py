@@ -12,7 +12,7 @@ import wavesplat as ws
 VOLUME = ws.examples.ripples(12)
 FLAT = ws.Volume(np.full((8, 8, 8), 7, np.uint8))
 SIZE = {"size": (24, 24), "background": "black"}
-#: Nothing but the volume is in the picture.
+#: Options for a camera so near that nothing but the volume is in the picture.
 NEAR = {"camera": ws.Camera.orbit(VOLUME, zoom=2, fit="view")}
 FOG = ws.TransferFunction([(0, 0), (255, 1)], [(0, 1, 1, 1)])
 BEYOND = ws.TransferFunction([(1000, 0), (2000, 1)], [(1000, 0, 0, 0), (2000, 1, 1, 1)])

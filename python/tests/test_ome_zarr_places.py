@@ -1,4 +1,4 @@
-"""Where levels of OME-Zarr lie, and what is told of odd metadata."""
+"""Positions of levels of OME-Zarr, and messages on odd metadata."""
 
 from __future__ import annotations
 

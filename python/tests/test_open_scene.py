@@ -1,4 +1,4 @@
-"""Files with several channels as scenes: colours, windows, names and what is visible come from the file."""
+"""Files with several channels as scenes: colours, windows, names and visibility come from the file."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ DESCRIBED = [
 
 
 def colors(scene):
-    """Of the middle of each look, where the colour is what was asked for."""
+    """Colours in the middle of each look, where it is the channel's own."""
     return [tuple(layer.look.transfer_function.color[1][1:]) for layer in scene.layers]
 
 
@@ -72,7 +72,7 @@ def test_channels_without_colours_have_those_of_the_convention(tmp_path):
     scene = ws.open_scene(save(tmp_path / "a.zarr", 4))
     assert colors(scene)[:2] == [(0, 1, 0), (1, 0, 1)]
     assert [layer.name for layer in scene.layers] == [f"channel {c}" for c in range(4)]
-    # One that is there already is another's, and two white ones are no choice.
+    # A colour that an earlier channel has is replaced; one white channel stays white, several get colours.
     described = [{"color": "FF00FF"}, {"color": "FF00FF"}, {"color": "ffffff"}, {}]
     scene = ws.open_scene(save(tmp_path / "b.zarr", 4, described))
     assert colors(scene) == [(1, 0, 1), (0, 1, 0), (1, 1, 1), (0, 1, 1)]
@@ -149,7 +149,7 @@ def test_times_of_a_scene_share_looks(tmp_path):
     later = scene.at_time(-1)
     np.testing.assert_array_equal(later.layers[1].drawn.samples, cells(2, 4)[3, 1])
     assert [layer.look for layer in later.layers] == [layer.look for layer in scene.layers]
-    # By the brightest time: at the first one nothing is clipped away, at the last one nothing is.
+    # The window is by the brightest time, so that nothing is clipped at any time.
     assert windows(scene)[0][1] > 1000
     for time in (4, -5):
         with pytest.raises(ArgumentError, match=f"time point {time}, but the file .* holds 4"):
@@ -161,7 +161,7 @@ def test_times_of_a_scene_share_looks(tmp_path):
 
 
 def test_automatic_looks_do_not_flicker(tmp_path):
-    """Of a series in a layer without a look, one look is chosen for all times."""
+    """For a series in a layer without a look, one look is chosen for all times."""
     np.save(tmp_path / "a.npy", cells(1, 3)[:, 0])
     scene = ws.open_scene(tmp_path / "a.npy")
     pictures = [scene.at_time(time).render("front", size=(24, 24)) for time in range(3)]

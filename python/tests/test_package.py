@@ -41,7 +41,7 @@ def test_examples_in_docstrings_run(name, tmp_path, monkeypatch):
 
 @pytest.mark.parametrize("name", [name for name in ws.__all__ if callable(getattr(ws, name))])
 def test_examples_of_public_names_run(name, tmp_path, monkeypatch):
-    # They say that they are of `wavesplat`, so that `testmod` does not find them in the module that defines them.
+    # Public objects name `wavesplat` as their module, so `testmod` does not find them in the module that defines them.
     monkeypatch.chdir(tmp_path)
     tests = doctest.DocTestFinder().find(getattr(ws, name), name, module=False, globs={})
     assert any(test.examples for test in tests) or name in ("Cost", "Mesh")  # made by functions that have one
@@ -93,7 +93,7 @@ def test_the_command_line_starts_without_numpy_and_http():
 
 
 def test_options_are_read_without_large_libraries():
-    # No file of this name: what reads it is never loaded.
+    # There is no file of this name, so its reader is never loaded.
     code = """if True:
         import sys
         from typer.testing import CliRunner
@@ -107,7 +107,7 @@ def test_options_are_read_without_large_libraries():
 
 
 def test_extras_are_installed_from_the_checkout():
-    # Nothing is released, and somebody else may take the name.
+    # Nothing is released yet, and somebody else may take the name.
     root = Path(__file__).parents[2]
     files = [root / "README.md", *(root / "changes").glob("*.md"), *(root / "docs").rglob("*.md")]
     files += (root / "python" / "wavesplat").rglob("*.py")

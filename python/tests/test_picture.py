@@ -90,7 +90,7 @@ def test_bits_are_8_or_16(tmp_path):
 
 
 def noise(n=40):
-    """Associated floats, with some that are a little more than they may be."""
+    """Random associated floats, some of them slightly above their range."""
     rng = np.random.default_rng(3)
     rgba = rng.random((n, n, 4), dtype=np.float32)
     rgba[..., :3] *= rgba[..., 3:] * np.float32(1.05)

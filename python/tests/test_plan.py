@@ -1,4 +1,4 @@
-"""What a picture costs, before it is drawn: boxes, bytes, tasks, memory and time; nothing is read."""
+"""The cost of a picture before it is drawn: boxes, bytes, tasks, memory and time; nothing is read."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ import wavesplat as ws
 
 
 class Promised:
-    """A shape and chunks; no sample can be read."""
+    """An array with a shape and chunks, of which no sample can be read."""
 
     is_in_memory, n_readers, reads_together, token, files, name = False, 4, False, None, None, "promised"
 
@@ -42,7 +42,7 @@ def test_two_terabytes_on_a_hundred_workers():
     assert 1.0 <= cost.bytes_read / cost.bytes_stored < 2.0
     assert 100 < cost.tasks <= 4000
     assert cost.memory < 20e9
-    # Reading is what it takes, within the study's table of 40 to 155 s, straggling included.
+    # Reading dominates the time, within the study's table of 40 to 155 s, straggling included.
     assert cost.seconds["read"] == pytest.approx(cost.bytes_read / (100 * 250e6))
     assert cost.seconds["draw"] < 0.5 * cost.seconds["read"]
     assert 80 < cost.seconds["whole"] < 300
@@ -55,7 +55,7 @@ def test_a_million_chunks_are_planned_within_two_seconds():
     cost = _cost(10_000, 100)
     took = time.monotonic() - begun
     assert cost.chunks == 10**6
-    # Twice as long where others use the processors too.
+    # The limit is twice the time on an idle machine.
     assert took < 4
     assert cost.seconds["plan"] == pytest.approx(took, abs=1.0)
     assert resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before < 200_000

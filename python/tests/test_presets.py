@@ -9,7 +9,7 @@ from wavesplat._looks import presets
 from wavesplat.errors import ArgumentError, FileError, WavesplatWarning
 
 OURS = [name for name, preset in presets.catalogue().items() if preset.kind != "slicer"]
-#: In Hounsfield units: no air, soft tissue or bone of a scan has them.
+#: Values that, as Hounsfield units, are neither air, soft tissue nor bone of a scan.
 SIGNED = ws.Volume(np.linspace(-3, 5, 12**3, dtype=np.float32).reshape(12, 12, 12))
 DENSE = ws.Volume(np.random.default_rng(1).normal(170, 30, (12, 12, 12)).clip(0, 255).astype(np.uint8))
 POSITIVE = ws.Volume(np.geomspace(0.1, 1e4, 12**3).reshape(12, 12, 12))
@@ -27,7 +27,7 @@ def test_every_preset_of_ours_shows_something(name):
     assert (look.name, look.reason) == (name, presets.catalogue()[name].description)
     alpha = look.transfer_function(np.linspace(*volume.value_range, 500))[:, 3]
     assert alpha.max() > 0.1
-    # The background stays clear, but for projections, whose colours are those of it, and for stains on white.
+    # The background stays clear, except with projections, which give it a colour, and with stains on white.
     assert alpha[0] == 0 or look.composite == "maximum" or name == "em"
     picture = ws.render(
         volume,

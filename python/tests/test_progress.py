@@ -1,4 +1,4 @@
-"""Work in its own thread: what it returns, and what Ctrl-C does to it; and to a frame."""
+"""Work in its own thread: its results, and Ctrl-C during it and during a frame."""
 
 import signal
 import subprocess
@@ -15,7 +15,7 @@ from wavesplat._cli import progress
 
 @pytest.fixture
 def interruptible():
-    """Ctrl-C raises, as in a shell: a background job, which tests may be, starts with it ignored."""
+    """Make Ctrl-C raise, as in a shell: a background job, which tests may be, starts with it ignored."""
     before = signal.signal(signal.SIGINT, signal.default_int_handler)
     yield
     signal.signal(signal.SIGINT, before)
@@ -74,7 +74,7 @@ progress.run(work, "Working", shown=False)
 @pytest.mark.usefixtures("interruptible")
 @pytest.mark.parametrize("threads", [None, 1, 3])
 def test_ctrl_c_stops_a_frame(threads):
-    """Without a function that is told of progress: the thread that draws looks out for signals itself."""
+    """Without a progress callback the thread that draws checks for signals itself."""
     scan = ws.examples.mri_head()
     with ctrl_c_after(0.5) as seconds_since:
         with pytest.raises(KeyboardInterrupt):
@@ -84,7 +84,7 @@ def test_ctrl_c_stops_a_frame(threads):
     assert ws.render(scan, size=(8, 8), threads=threads).rgba.any()
 
 
-#: Slow ones: the rays and the sheets of a picture of this size take minutes.
+#: Slow functions: the rays and the sheets of a picture of this size take minutes.
 SLOW = {
     "raycast": lambda scan: ws.reference.raycast(scan, size=(600, 600), rays_per_pixel=16, kernel="bspline3"),
     "splat_literal": lambda scan: ws.reference.splat_literal(scan, size=(1600, 1600), kernel="bspline3"),

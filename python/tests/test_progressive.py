@@ -1,4 +1,4 @@
-"""Pictures that get better: coarse first, the last the bytes of `render`; and the same in the viewer."""
+"""Progressive pictures: coarse first, the last with the bytes of `render`; and the same in the viewer."""
 
 from __future__ import annotations
 
@@ -71,7 +71,7 @@ def test_leaving_the_loop_gives_up_at_once():
     for picture in ws.progressive(ws.Scene(volume, LOOK), "isometric", size=(300, 240)):
         assert not picture.report["is_final"]
         break
-    # What was asked for is let go by the generator's end.
+    # The work is cancelled when the generator ends.
     begun = time.monotonic()
     pictures = ws.progressive(ws.Scene(volume, LOOK), "isometric", size=(300, 240))
     next(pictures)

@@ -16,11 +16,11 @@ from wavesplat.errors import ArgumentError
 PROJECTIONS = [name for name in get_args(Composite) if name not in ("over", "first-hit")]
 GREY = ws.TransferFunction([(0, 1)], [(0, 0, 0, 0), (1, 1, 1, 1)])
 
-#: Samples lie 2, 1 and 4 pixels apart along x, y and z: positions of texels between samples are exact for powers of 2.
+#: Size of a pixel; samples lie 2, 1 and 4 pixels apart along x, y and z, as texel positions are exact for powers of 2.
 PIXEL = 0.35
 SPACING = (0.7, 0.35, 1.4)
 
-#: Where the eye is, and what is up.
+#: Directions to the eye, and up.
 VIEWS = [
     ((0, 0, 1), (0, 1, 0)),
     ((0, 0, -1), (1, 0, 0)),
@@ -35,7 +35,7 @@ def noise(dtype, shape=(5, 7, 9)):
     """Samples over much of the type's range, negative ones included."""
     rng = np.random.default_rng(5)
     if dtype is np.float32:
-        # From 1e-6 to 1e6: what is small must not drown in rounding.
+        # Magnitudes from 1e-6 to 1e6: small ones must not drown in rounding.
         return (rng.choice([-1, 1], shape) * 10 ** rng.uniform(-6, 6, shape)).astype(dtype)
     limits = np.iinfo(dtype)
     return rng.integers(limits.min, limits.max, shape, endpoint=True).astype(dtype)
@@ -76,7 +76,7 @@ def project(volume, composite, eye, up, **options):
 
 
 def volumes(dtype):
-    """Along the world's axes, and with axes swapped and turned."""
+    """Volumes along the world's axes, and with axes swapped and turned."""
     turned = np.array([[0, 0, 1.4, 17], [-0.7, 0, 0, -300.1], [0, 0.35, 0, 1234.5], [0, 0, 0, 1]])
     return [
         ws.Volume(noise(dtype), spacing=SPACING),
@@ -96,7 +96,7 @@ def test_extremes_are_those_of_the_samples_exactly(composite, reduce, dtype, eye
 
 @pytest.mark.parametrize(("eye", "up"), VIEWS)
 def test_the_maximum_is_that_of_numpy_for_a_cube_that_fills_the_picture(eye, up):
-    """As a user asks for it: one pixel a sample. High quality has thirds, which are rounded."""
+    """The picture has one pixel a sample, as a user asks for it. High quality has thirds, which are rounded."""
     samples = noise(np.int16, (12, 12, 12))
     volume = ws.Volume(samples, spacing=(0.7, 0.7, 0.7))
     axis = 2 - int(np.argmax(np.abs(eye)))
@@ -116,7 +116,7 @@ def test_extremes_of_floats_far_from_zero_are_exact_too(offset):
 
 
 def trapezoid(along):
-    """The integral of what is linear between the samples, which lie 1 apart."""
+    """Integral of the linear interpolation of samples that lie 1 apart."""
     return along.sum(axis=-1) - (along[..., 0] + along[..., -1]) / 2
 
 
@@ -171,11 +171,11 @@ def test_a_local_maximum_shows_what_is_near_and_dim_before_what_is_far_and_brigh
 
     assert [middle("maximum", side) for side in (-1, 1)] == [250, 250]
     assert [middle(ws.LocalMaximum(60), side) for side in (-1, 1)] == [120, 250]
-    # Above the near ball, the far one is the first.
+    # With a threshold above the near ball, the far one is the first.
     assert [middle(ws.LocalMaximum(130), side) for side in (-1, 1)] == [250, 250]
-    # Above both, the largest.
+    # With a threshold above both, the largest is taken.
     assert [middle(ws.LocalMaximum(251), side) for side in (-1, 1)] == [250, 250]
-    # Of two that are equally bright, depth shading shows which is near.
+    # If both are equally bright, depth shading shows which one is near.
     shaded = [middle(ws.DepthShadedMaximum(0.5), side) for side in (-1, 1)]
     assert shaded[0] < shaded[1] < 250
 
@@ -211,7 +211,7 @@ def test_depth_shading_is_by_what_is_drawn():
         crop = ws.Crop((0, 0, 0), (19, upper, 19), space="index")
         value = ws.render(volume, GREY, camera, clip=crop, **draw).value
         assert value[5, 5] == pytest.approx(100, abs=1e-3)
-    # In front of a box whose near half is empty, what is left is half as far as it can be.
+    # Where the near half of a box is empty, the rest begins at half of the depth.
     samples = np.zeros((21, 21, 21), np.uint8)
     samples[:, :11] = 100
     camera = ws.Camera((10, 200, 10), (10, 0, 10), (0, 0, 1), parallel_scale=10)
@@ -222,11 +222,11 @@ def test_depth_shading_is_by_what_is_drawn():
 def test_an_x_ray_is_the_light_that_comes_through(eye, up):
     volume = volumes(np.uint8)[0]
     step = np.abs(np.array(eye) @ np.linalg.inv(volume.world_from_index[:3, :3]).T).max()
-    # Nothing is below the clear value: a sum.
+    # No sample is below the clear value, so the absorption is a sum.
     got, along = project(volume, ws.XRay(-20.0, 1e-3), eye, up)
     want = np.exp(-1e-3 * trapezoid(along + 20.0) / step)
     np.testing.assert_allclose(got, want, rtol=1e-5)
-    # What is below it absorbs nothing, also between two samples.
+    # Values below it absorb nothing, also between two samples.
     got, along = project(volume, ws.XRay(150.0, 4e-3), eye, up)
     fine = np.linspace(0, along.shape[-1] - 1, 2000 * (along.shape[-1] - 1) + 1)
     above = [np.maximum(np.interp(fine, np.arange(len(ray)), ray) - 150, 0) for ray in along.astype(float)]
@@ -235,7 +235,7 @@ def test_an_x_ray_is_the_light_that_comes_through(eye, up):
 
 
 def test_water_absorbs_as_the_tables_say():
-    """10 cm of water, 60 keV, 0.2059 per cm; the air around it nothing."""
+    """10 cm of water absorb 0.2059 per cm at 60 keV, the air around it nothing."""
     samples = np.full((51, 51, 51), -1000, np.int16)
     samples[:, :, :25] = 0
     volume = ws.Volume(samples, spacing=(2, 2, 2))
@@ -326,7 +326,7 @@ def test_an_operator_is_a_name_or_an_object():
 
 @pytest.mark.parametrize("composite", PROJECTIONS)
 def test_coefficients_project_as_their_samples_do(composite):
-    """And with a level left out nearly so."""
+    """With a level left out they still do, nearly."""
     volume = ws.examples.ripples(33)
     wavelets = ws.WaveletVolume.from_volume(volume, "cdf53")
     numbers = {"x-ray": ws.XRay(0.0, 1e-3), "local-maximum": ws.LocalMaximum(150.0)}

@@ -23,8 +23,8 @@ def colors(low: float, high: float) -> list[tuple[float, float, float, float]]:
     return [(low + t * (high - low), r, g, b) for t, r, g, b in COLORS]
 
 
-# With a hard step the converged picture has finer steps than 0.05 voxels: a ray that samples so far apart meets the
-# surface 0.025 voxels late, and misses grazing ones.
+# With a hard step the converged picture has finer steps than 0.05 voxels: a ray with such steps meets the surface
+# 0.025 voxels late on average, and misses grazing ones.
 SCENES = {
     "ct": (ws.examples.ct_pelvis, [(-75, 0), (255, 0.05), (1000, 0.2)], [(199, 0), (200, 1)], colors(-1000, 1000), 38),
     "mri": (ws.examples.mri_head, [(28, 0), (69, 0.05), (110, 0.2)], [(49, 0), (50, 1)], colors(0, 110), 38),
@@ -39,7 +39,7 @@ def psnr_db(got: np.ndarray, want: np.ndarray) -> float:
     return float(-10 * np.log10(np.mean((got[..., :3].astype(float) - want[..., :3]) ** 2)))
 
 
-#: Whose gradients the ray caster takes twenty times as fast as smoothed ones; that light has a test of its own.
+#: A light whose gradients the ray caster takes twenty times as fast as smoothed ones, which have a test of their own.
 HEADLIGHT = ws.Shading.headlight()
 
 
@@ -109,8 +109,8 @@ HELD_OUT_CURVES = {
 }
 
 
-#: Name, whether the function is hard, and view of what the model of errors promises wrongly. This one reaches 38.9 dB
-#: where 40 are asked for: with 0.7 sheets a slice the errors of shaded sheets grow faster than the model has them.
+#: Name, whether the function is hard, and view of the case in which the model of errors promises too much. It reaches
+#: 38.9 dB where 40 are asked for: with 0.7 sheets a slice the errors of shaded sheets grow faster than in the model.
 SHORT_OF_THE_PROMISE = ("mri", False, HELD_OUT_VIEWS[3])
 
 
@@ -133,7 +133,7 @@ def test_the_promise_of_a_psnr_holds_to_a_decibel(name, is_hard, view, request):
         told_db, spread_db = (picture.report[f"expected_psnr_{name}"] for name in ("db", "spread_db"))
         reached_db = psnr_db(picture.rgba, want)
         print(f"{name} {is_hard=} {view} {wanted_db}: reached {reached_db:.1f}, told {told_db:.1f} +- {spread_db:.1f}")
-        # What cannot be promised is told.
+        # Where a PSNR cannot be promised, the report says so.
         assert reached_db > min(wanted_db, told_db - spread_db) - 1, (wanted_db, told_db, spread_db)
 
 
@@ -152,13 +152,13 @@ def test_frames_like_the_first_are_drawn_by_what_it_measured(scene):
         np.testing.assert_array_equal(frame.rgba, scene.render(view, **shown, quality=fixed).rgba)
         want = scene.render(view, **shown, quality=ws.Sampling(24, 8)).rgba
         assert psnr_db(frame.rgba, want) > wanted_db - frame.report["expected_psnr_spread_db"]
-        # What was measured goes from frame to frame.
+        # Measured errors are passed from frame to frame.
         again = scene.render(view, **shown, psnr=wanted_db)
         np.testing.assert_array_equal(again.rgba, frame.rgba)
 
 
 def test_what_shows_something_else_is_measured_anew():
-    """Another operator, kernel, look or light, and a scene of its own."""
+    """This holds for another operator, kernel, look or light, and for another scene."""
     signs = ws.TransferFunction.diverging(300)
     scene = ws.Scene(ws.examples.ripples(16), signs)
     draw = {"size": (24, 24), "psnr": 40}

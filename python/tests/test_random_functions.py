@@ -1,4 +1,4 @@
-"""Peaks, steps and gaps of opacity, however thin or faint, against arithmetic, by the study of random functions."""
+"""Peaks, steps and gaps of opacity, however thin or faint, against closed forms, by the study of random functions."""
 
 import importlib.util
 import sys
@@ -19,7 +19,7 @@ def study():
     spec = importlib.util.spec_from_file_location("random_functions", STUDY)
     module = importlib.util.module_from_spec(spec)
     with pytest.MonkeyPatch.context() as patch:
-        # Dataclasses look their module up.
+        # Dataclasses look up their module by name.
         patch.setitem(sys.modules, spec.name, module)
         spec.loader.exec_module(module)
         yield module

@@ -10,7 +10,7 @@ STUDIES = Path(__file__).parents[2] / "studies" / "scenes"
 
 SEED, N = 41, 40
 
-#: Why scenes of this seed have less than `MIN_DB` at quality normal, and what they have.
+#: PSNR of the scenes of this seed that have less than `MIN_DB` at quality normal, and the reason.
 REASONS: dict[int, tuple[float, str]] = {
     2: (26.5, "lit hard waves of five samples at one texel a pixel; 42 dB at quality high"),
 }
@@ -29,11 +29,11 @@ def study():
 
 @pytest.fixture(scope="module")
 def found(study):
-    """Per scene, the PSNR at quality normal and at quality high."""
+    """PSNR of each scene at quality normal and at quality high."""
     rows = []
     for number in range(N):
         drawn = study.generator.scene(SEED, number)
-        # Twice the step of the study, for time.
+        # The step is twice that of the study, to save time.
         want = drawn.cast(step=0.2)
         rows.append([study.psnr_db(drawn.draw(quality), want) for quality in ("normal", "high")])
     return np.array(rows)
@@ -48,7 +48,7 @@ def test_pictures_are_those_of_the_reference(study, found):
 
 
 def test_a_scene_is_the_same_without_one_of_its_parts(study):
-    """What is left of a scene does not move when a part is left out, so that faults can be found part by part."""
+    """The other parts of a scene stay the same when a part is left out, so that faults can be found part by part."""
     whole = study.generator.scene(SEED, 3)
     bare = study.generator.without(whole, labels=False, clips=False, light=False)
     assert bare.camera == whole.camera

@@ -1,4 +1,4 @@
-"""How long a ray is inside of a box, a crop and between clip planes: fog of a known density shows it.
+"""Lengths of rays inside of a box, a crop and between clip planes, measured by fog of a known density.
 
 The lengths are those of `numpy_caster`, which cuts rays with planes of the world; no code is shared with the renderer.
 """
@@ -14,14 +14,14 @@ from numpy_caster import Eye, Scene, length, unit
 import wavesplat as ws
 
 SIZE = (32, 24)
-#: Reads of a pixel along each side, and rays of ours.
+#: Texels of the renderer, and rays of the caster, along each side of a pixel.
 READS = 8
 OPACITY, OPACITY_UNIT = 0.06, 1.5
 TAU = -np.log(1 - OPACITY) / OPACITY_UNIT
 
 
 def _affine(*, mirrored=False):
-    """Anisotropic, sheared, turned about two axes, off the origin."""
+    """World from index: anisotropic, sheared, turned about two axes, off the origin."""
     a, b = np.radians(25), np.radians(-40)
     turn = [[np.cos(a), -np.sin(a), 0], [np.sin(a), np.cos(a), 0], [0, 0, 1]]
     tilt = [[1, 0, 0], [0, np.cos(b), -np.sin(b)], [0, np.sin(b), np.cos(b)]]
@@ -48,7 +48,7 @@ def _eyes(middle):
     }
 
 
-#: What is kept of the box, for ours and for theirs.
+#: Cuts of the box, as fields of the caster's scene and as options of the renderer.
 def _cuts(middle):
     lower, upper = middle - [3.1, 2.2, 4.7], middle + 2.9
     between = ((1.3, 2.41, 0.7), (9.0, 9.5, 7.2))
@@ -74,7 +74,7 @@ def _neighbourhood(pixels):
 
 
 def _check_fog(affine, eye_name, cut_name, *, wrong=1.0):
-    """Wrong: a factor on the lengths."""
+    """Check the opacity of fog against the lengths of rays, which `wrong` multiplies to test the test."""
     middle = _middle(affine)
     eye, (cut, options) = _eyes(middle)[eye_name], _cuts(middle)[cut_name]
     scene = replace(Scene(np.full(SHAPE, 100, np.uint8), affine), **cut)
@@ -122,7 +122,7 @@ def test_a_way_that_is_too_long_by_a_thousandth_is_noticed():
 
 
 def test_the_length_in_a_cube_is_known_on_paper():
-    """Of ours: along an axis, along the diagonal, beside it, and from the inside."""
+    """The caster's lengths along an axis, along the diagonal, beside the cube, and from the inside."""
     cube = Scene(np.ones((3, 3, 3)), np.eye(4))
     for position, focal_point, want in (
         ((1, 1, 9), (1, 1, 1), 2.0),

@@ -1,4 +1,4 @@
-"""What is wrong with a file is said in one line: what, where, and how to mend it; the path comes last."""
+"""Errors of readers: one line that says what is wrong, where, and how to mend it; the path comes last."""
 
 from __future__ import annotations
 
@@ -57,7 +57,7 @@ N_HEADER_BYTES = 600
 
 
 def fails(path, message=r"\w", **options):
-    """`ws.open` refuses the file in one line that ends with the path; gives the line."""
+    """Check that `ws.open` refuses a file in one line that ends with the path, and return the line."""
     with pytest.raises(FileError, match=message) as caught:
         ws.open(path, **options)
     line = str(caught.value)
@@ -286,7 +286,7 @@ def test_a_flipped_byte_of_packed_samples_is_found(tmp_path, name):
     path = save(tmp_path / name)
     whole = path.read_bytes()
     for place in np.linspace(0, len(whole) * 0.9, 40).astype(int):
-        # Of the header, what is not drawn may change.
+        # Fields of the header that do not affect the volume may change.
         at = len(whole) - 1 - place
         content = bytearray(whole)
         content[at] ^= 0x10
@@ -356,7 +356,7 @@ def test_fuzzed(tmp_path, capfd, name):
 
 
 def damaged(whole, rng):
-    """A few bytes changed, lost or added."""
+    """A copy with a few bytes changed, lost or added."""
     content = bytearray(whole)
     for _ in range(rng.integers(1, 6)):
         in_header = rng.random() < 0.8

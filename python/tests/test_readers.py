@@ -30,7 +30,7 @@ def save_nifti(path, samples, affine, *, slope=None, intercept=0.0, big_endian=F
     image.header.set_xyzt_units(units)
     nibabel.save(image, path)
     if slope is not None:
-        # nibabel would divide by the slope on writing; these samples are meant as stored. NIfTI-1: bytes 112 to 120.
+        # nibabel would divide by the slope on writing, but these are the stored samples. NIfTI-1: bytes 112 to 120.
         content = bytearray(path.read_bytes())
         content[112:120] = np.array([slope, intercept], "<f4").tobytes()
         path.write_bytes(content)
@@ -67,7 +67,7 @@ def test_nifti_samples_that_begin_in_the_header_begin_behind_it(tmp_path, obliqu
     volume = ws.open(path)
     check(volume, oblique.samples, oblique.world_from_index)
     assert f"samples from byte {first} on: the file says byte 0, where its header is" in volume.facts.guesses
-    # Extensions lie there, and nothing says how long they are.
+    # Extensions lie there, and their length is not given.
     header[first - 4] = 1
     header[first:first] = (16).to_bytes(4, "little") + (6).to_bytes(4, "little") + bytes(8)
     path.write_bytes(gzip.compress(header) if suffix.endswith("gz") else header)
@@ -204,7 +204,7 @@ def test_metaimage_time_points(tmp_path, oblique):
 
 
 def save_dicom(folder, samples, lps_from_index, *, series="1.2.3", first=0, names=None, slope="1"):
-    """One file per slice, at the places that the affine says, shear included."""
+    """Write a file per slice, at the positions that the affine gives, shear included."""
     import SimpleITK
 
     folder.mkdir(exist_ok=True)

@@ -142,7 +142,7 @@ def test_a_light_from_the_side_makes_another_picture():
 
 
 def test_the_reference_agrees_with_the_renderer():
-    # Solid things have edges, so a pixel is a mean over it; and a look has its own light.
+    # Solid objects have edges, so a pixel is a mean over its area; and a look has its own light.
     shading = ws.Shading()
     cast = ws.reference.raycast(VOLUME, step=0.1, rays_per_pixel=16, shading=shading, **SMALL).rgba
     fast = ws.render(VOLUME, quality="high", shading=shading, **SMALL).rgba

@@ -1,4 +1,4 @@
-"""What the public types print: a line that tells them apart, whatever they hold."""
+"""The reprs of the public types: one line that distinguishes them, whatever they hold."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""The same scene by every door: Python and the Rust crate give the bytes of `crates/wavesplat/tests/door.png`.
+"""The same scene by every entry point: Python and the Rust crate give the bytes of `crates/wavesplat/tests/door.png`.
 
 `crates/wavesplat/tests/doors.rs` draws it in Rust, from the same numbers.
 """
@@ -17,7 +17,7 @@ def draw():
     samples = np.clip(255 - 3 * ((x - 9) ** 2 + (y - 11) ** 2) - 4 * (z - 8) ** 2, 0, 255).astype(np.uint8)
     look = ws.TransferFunction(opacity=[(100, 0), (200, 0.4)], color=[(100, 0.2, 0.4, 0.8), (250, 1.0, 0.75, 0.5)])
     camera = ws.Camera((50, -30, 40), (9.5, 9.5, 9.5), (0, 0, 1), parallel_scale=12)
-    # The light that the crate has where none is given.
+    # The default light of the crate.
     return ws.render(ws.Volume(samples), look, camera, size=(64, 48))
 
 

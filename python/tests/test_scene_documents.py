@@ -1,4 +1,4 @@
-"""Scenes as documents: what is written is read back, draws the same bytes, and errors name the field."""
+"""Scenes as documents: a written scene is read back and draws the same bytes; errors name the field."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ SIZE = (24, 20)
 
 @pytest.fixture
 def folder(tmp_path):
-    """With a segmentation beside the documents."""
+    """A folder for documents, with a segmentation in it."""
     labels = np.zeros((16, 16, 16), np.uint8)
     labels[4:9, 4:12, 3:8] = 1
     np.save(tmp_path / "labels.npy", labels)
@@ -77,7 +77,7 @@ def test_the_schema_says_the_same_of_good_and_bad_documents(folder):
         assert list(check.iter_errors(document)) == [], path
         report = drawn(scene_json.parse(path.read_text(), folder)).report
         assert list(check.iter_errors(report["scene"])) == [], path
-    # What only its values make wrong the schema cannot know.
+    # Documents that are wrong only by their values, which the schema cannot check.
     known = {"unknown_option", "step_of_wavelets", "wrong_step", "shading", "plane", "background", "no_file"}
     for path in (FIXTURES / "bad").glob("*.json"):
         if path.stem not in known:
@@ -125,7 +125,7 @@ def test_pictures_tell_how_to_draw_them_again(name, folder):
     picture.save(folder / "a.png")
     drawn(scene_files.load(folder / "a.png")).save(folder / "b.png")
     assert (folder / "b.png").read_bytes() == (folder / "a.png").read_bytes()
-    # The same scene, as it was asked for.
+    # A document keeps the scene as it was asked for.
     scene.save(folder / "scene.json")
     loaded = ws.Scene.load(folder / "scene.json")
     np.testing.assert_array_equal(loaded.render(size=SIZE, **options).rgba, picture.rgba)
@@ -243,7 +243,7 @@ def test_a_figure_is_drawn_again_with_what_is_on_it(wavesplat, folder):
     assert document["figure"]["title"] == "Noise"
     with pytest.raises(ArgumentError, match="figure: unknown field 'caption'"):
         ws.Scene.from_json(json.dumps(document | {"figure": {"caption": "Noise"}}), folder)
-    # Another figure of the same picture.
+    # Another figure can be made from the same picture.
     done = wavesplat("render", "--from", a, "-o", b, "--title", "Other")
     assert done.returncode == 0
     assert b.read_bytes() != a.read_bytes()

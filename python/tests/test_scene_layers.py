@@ -1,4 +1,4 @@
-"""Scenes of several layers: their looks and operator, the order that does not tell, and grids of any kind."""
+"""Scenes of several layers: their looks and operator, independence of their order, and grids of any kind."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ def test_a_scene_of_hidden_layers_is_its_background():
 
 def test_equal_layers_with_half_the_extinction_are_one():
     values = np.linspace(-50, 400, 400)
-    # So faint that neither the function nor its half is pre-integrated, which would be two ways of drawing.
+    # Opacities are so faint that neither the function nor its half is pre-integrated, so both are drawn the same way.
     opacity = 0.1 * SOFT(values)[:, 3]
     whole = ws.TransferFunction(list(zip(values, opacity, strict=True)), SOFT.color)
     half = ws.TransferFunction(list(zip(values, 1 - np.sqrt(1 - opacity), strict=True)), SOFT.color)

@@ -1,4 +1,4 @@
-"""Time series: whatever the format, a time point is read when it is asked for, and it is the one that was written."""
+"""Time series of any format: a time point is read only when it is asked for, and has the samples that were written."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ import wavesplat as ws
 from wavesplat.errors import ArgumentError, FileError
 
 N_TIMES = 4
-#: [t, z, y, x]
+#: Samples of the series, [t, z, y, x].
 SAMPLES = np.random.default_rng(3).integers(1, 200, (N_TIMES, 5, 6, 7)).astype(np.uint8)
 
 
@@ -43,7 +43,7 @@ def metaimage(folder):
 
 
 def nrrd_of_slicer(folder):
-    """The times as a list, as the components of each sample."""
+    """An NRRD of 3D Slicer, with the times as a list axis: each is a component of the samples."""
     head = ["NRRD0005", "type: uchar", "dimension: 4", "sizes: 4 7 6 5", "encoding: raw", "space: LPS"]
     head += ["kinds: list domain domain domain", "space directions: none (1,0,0) (0,1,0) (0,0,1)"]
     head += ["axis 0 index type:=numeric", "axis 0 index values:=0 1 4 9", "", ""]
@@ -52,7 +52,7 @@ def nrrd_of_slicer(folder):
 
 
 def nrrd(folder, kinds, *, placed=True, packed=False, apart=False):
-    """With an axis of kind time, first or last, whose samples lie in the file or in another."""
+    """An NRRD with an axis of kind time, first or last, whose samples lie in the file or in another."""
     is_first = kinds.startswith("time")
     data = (np.moveaxis(SAMPLES, 0, -1) if is_first else SAMPLES).tobytes()
     head = ["NRRD0005", "# time: none", "type: uchar", "dimension: 4", f"kinds: {kinds}"]
@@ -266,7 +266,7 @@ def test_series_are_pickled_without_what_they_keep(tmp_path, written):
 def test_damage_in_a_packed_series_is_found(tmp_path):
     path, *_ = nifti_gz(tmp_path)
     content = bytearray(path.read_bytes())
-    content[-6] ^= 1  # of the checksum
+    content[-6] ^= 1  # a byte of the checksum
     path.write_bytes(content)
     with pytest.raises(FileError, match="damaged|CRC"):
         ws.open_series(path)[0]

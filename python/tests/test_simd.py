@@ -1,4 +1,4 @@
-"""`WAVESPLAT_SIMD`: a process draws with the vectors that are named there, and pictures do not depend on it."""
+"""`WAVESPLAT_SIMD` names the vector instructions of a process; pictures do not depend on it."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def test_pictures_are_the_same_to_the_bit_with_other_vectors():
 
 
 def test_the_hash_is_that_of_this_process():
-    """So that the processes above drew what they were asked for."""
+    """This shows that the processes above drew the right picture."""
     volume = ws.examples.ct_pelvis()
     digest = hashlib.sha256()
     for options in ({"composite": "over"}, {"composite": "maximum"}, {"composite": "over", "kernel": "bspline3"}):

@@ -1,4 +1,4 @@
-"""Slices: values, where they lie, what is written on them, and mistakes."""
+"""Slices: values, positions, annotations, and errors."""
 
 import json
 
@@ -10,7 +10,7 @@ from wavesplat.errors import WavesplatWarning
 
 KERNELS = ("linear", "catmull-rom", "bspline2", "bspline3", "gaussian")
 
-#: What each picture shows of samples [z, y, x] in RAS order: rows from the top, columns from the left.
+#: Pictures of samples [z, y, x] in RAS order: rows from the top, columns from the left.
 PICTURES = {
     "axial": lambda samples, i: samples[i, ::-1, ::-1],
     "coronal": lambda samples, i: samples[::-1, i, ::-1],
@@ -21,7 +21,7 @@ SAMPLES = np.random.default_rng(3).integers(-1000, 3000, (5, 6, 7)).astype(np.in
 
 
 def in_memory_order(order):
-    """The same volume with its index axes in another order and direction: "LPS", "SAR", ..."""
+    """The volume with its index axes in another order and direction: "LPS", "SAR", ..."""
     samples, world_from_ras = SAMPLES, np.diag([2.0, 2.0, 2.0, 1.0])
     world_from_ras[:3, 3] = (-5, 8, 40)
     ras_from_index = np.zeros((4, 4))
@@ -114,7 +114,7 @@ def kernel_weight(kernel, x):
 
 
 def weights_along(kernel, x, n):
-    """Shape (len(x), n): what each of n samples weighs at each position; splines with their prefilter."""
+    """Weights, shape (len(x), n), of each of n samples at each position; splines with their prefilter."""
     margin = 3
     places = np.arange(-margin, n + margin)
     direct = kernel_weight(kernel, x[:, None] - places)
@@ -126,7 +126,7 @@ def weights_along(kernel, x, n):
     weights = np.zeros((len(x), n))
     np.add.at(weights.T, folded, direct.T)
     if kernel.startswith("bspline"):
-        # The coefficients that go through the samples solve: weights at the samples times coefficients are samples.
+        # A spline through the samples has the coefficients c that solve W c = samples, W the weights at the samples.
         at_samples = np.zeros((n, n))
         own = kernel_weight(kernel, np.arange(n)[:, None] - places)
         np.add.at(at_samples.T, folded, own.T)

@@ -1,4 +1,4 @@
-"""Smoothing: by a Gaussian, as SciPy has it, in voxels and in lengths, on the command line too."""
+"""Smoothing by a Gaussian, against SciPy's, in voxels and in lengths, on the command line too."""
 
 import json
 
@@ -70,7 +70,7 @@ def test_noise_goes_and_edges_stay():
     noisy = ball + np.random.default_rng(1).normal(0, 60, ball.shape)
     got = ws.Volume(noisy.astype(np.float32)).smoothed(0.7).samples
     assert got[19:21, 19:21, 10:30].std() < 60 / 2.5
-    # Where the value passes 0 along a line through the middle.
+    # The surface is where the value passes 0 along a line through the middle.
     line = got[19, 19, 20:]
     k = int(np.argmax(line < 0))
     radius = k - 1 + 0.5 + line[k - 1] / (line[k - 1] - line[k])

@@ -1,4 +1,4 @@
-"""Samples that are written to after a lazy volume was looked through: they are seen, or an error says to open again."""
+"""Samples that change after a lazy volume was surveyed: they are drawn, or an error asks to open the volume again."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ BRIGHT = 200
 
 
 def dim(n=32):
-    """Samples of which the look shows none."""
+    """Samples that the look does not show."""
     return np.random.default_rng(3).integers(0, 2, (n, n, n)).astype(np.uint8)
 
 
@@ -63,7 +63,7 @@ def test_a_chunk_among_many_that_is_written_anew_is_drawn(kind, tmp_path):
     array[9:15, 9:15, 17:23] = BRIGHT
     assert_bright(ws.open(path, memory="50 MB"))
     assert_bright(ws.Volume.lazy(zarr.open_array(path), memory="50 MB"))
-    # Volumes that are there already look again at their next picture.
+    # Open volumes check for changes at their next picture.
     assert_bright(same)
     assert_bright(held)
     array[9:15, 9:15, 17:23] = 0
@@ -235,7 +235,7 @@ def _replaced(path, samples, write):
 
 
 def _written_into(path, samples, write):
-    """In place, with the time of writing set back."""
+    """Write into a file in place, and set its time of writing back."""
     before = path.stat()
     other = path.with_name(f"new-{path.name}")
     write(other, samples)
@@ -334,7 +334,7 @@ def test_external_storage_of_hdf5_is_watched(tmp_path):
     assert ws.open(tmp_path / "a.h5", memory="50 MB", external_files=True).value_range == (BRIGHT, BRIGHT)
 
 
-# What other libraries hold.
+# Objects of other libraries.
 
 
 def test_a_dask_name_says_nothing_of_samples():
@@ -366,11 +366,11 @@ def test_maps_and_open_files_that_are_written_to_are_not_kept(tmp_path):
         assert ws.Volume.lazy(file["x"], memory="50 MB").value_range[1] == 1
 
 
-# What did not change.
+# Samples that did not change.
 
 
 def _passes(monkeypatch):
-    """Counts passes over chunk files."""
+    """Count passes over chunk files."""
     passes = []
     made = zarr_states._ChunkScan.__init__
 

@@ -47,7 +47,7 @@ def test_every_buffer_and_kernel_draws(standard, kernel):
 @pytest.mark.parametrize("view_angle", [None, 30])
 def test_pictures_lie_as_those_of_high_resolution_splatting_do(standard, view_angle):
     samples = np.zeros((20, 24, 28), np.uint8)
-    samples[14:18, 4:9, 3:8] = 255  # off the middle along every axis
+    samples[14:18, 4:9, 3:8] = 255  # off centre along every axis
     samples[3:6, 14:20, 18:26] = 120
     affine = np.array([[0, -1.5, 0, 4], [1.1, 0, 0.2, -9], [0, 0, 2, 1], [0, 0, 0, 1]], float)
     volume = ws.Volume(samples, world_from_index=affine)

@@ -1,4 +1,4 @@
-"""What readers hide of the standard error stream comes back, whoever reads when."""
+"""The standard error stream, which readers mute, is restored, whichever threads read at the same time."""
 
 from __future__ import annotations
 

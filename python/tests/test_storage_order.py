@@ -1,4 +1,4 @@
-"""A volume that is stored the other way round lies in the same place, so that it is framed alike."""
+"""A volume stored in another order of axes lies in the same place, so that it is framed alike."""
 
 import itertools
 
@@ -17,7 +17,7 @@ def blob(shape):
 
 
 def stored(samples, order, flips):
-    """The same field in the world, its axes permuted and flipped in memory."""
+    """A volume of the same field in the world, with its axes permuted and flipped in memory."""
     n = samples.shape
     matrix = np.zeros((4, 4))
     matrix[3, 3] = 1
@@ -50,7 +50,7 @@ def test_framing_does_not_depend_on_the_order_of_storage(shape):
 
 
 def test_framing_of_large_volumes_is_off_by_one_sample_of_those_looked_at():
-    # More than 2 million samples: every second one is looked at, since lazy volumes keep no more.
+    # With more than 2 million samples the statistics are of every second one, since lazy volumes keep no more.
     shape = (130, 141, 152)
     z, y, x = np.mgrid[tuple(slice(0, n) for n in shape)]
     samples = (((z - 60.3) / 30) ** 2 + ((y - 80.7) / 25) ** 2 + ((x - 70.2) / 35) ** 2 < 1).astype(np.uint8)

@@ -55,7 +55,7 @@ def draw(ripples, **options) -> ws.Picture:
 @pytest.mark.parametrize("degrees", [0, 30, 60])
 def test_a_slab_is_as_thick_as_the_way_through_it_or_not(degrees):
     opacity = 0.3
-    # Fog ten units thick and very wide, its slices so dense that rays at any of these angles run most along z.
+    # Fog ten units thick and very wide; slices are so dense along z that they lie across z at any of these angles.
     fog = ws.Volume(np.ones((11, 40, 40), np.float32), spacing=(4, 4, 1))
     curve = ws.TransferFunction([(0, opacity)], [(0, 1, 1, 1)], opacity_unit=10.0)
     angle = np.radians(degrees)
@@ -81,7 +81,7 @@ def test_the_correction_pays(ripples):
 
 
 def test_without_slicing_sheets_repeat_slices():
-    # Samples that are seen only in the fourth slice; the rays run along z.
+    # Only the fourth slice has visible samples; the rays run along z.
     samples = np.zeros((9, 16, 16), np.float32)
     samples[4] = 1
     volume = ws.Volume(samples)
@@ -92,7 +92,7 @@ def test_without_slicing_sheets_repeat_slices():
         options = {"sheets_per_slice": 10, "shading": None, "size": (9, 9)}
         picture = splat(volume, curve, camera, ablation=Ablation(kernel_slicing=sliced), **options)
         opacity[sliced] = picture.rgba[4, 4, 3]
-    # One sheet of ten reaches the value, or all the ten that are nearest to the slice.
+    # With kernel slicing one sheet of ten reaches the value, without it all ten that are nearest to the slice.
     assert opacity[True] == pytest.approx(1 - 0.5**0.1, abs=1e-4)
     assert opacity[False] == pytest.approx(0.5, abs=1e-4)
 
@@ -115,7 +115,7 @@ DIFFUSE = {"ambient": 0.0, "diffuse": 1.0, "specular": 0.0}
 
 
 def lit_ball(gradient: str, offset: float, *, light: tuple[float, float, float] = (0, 0, 1)) -> np.ndarray:
-    """Brightness of the ball's surface, seen along -y from the front, its right and left the volume's -x and +x."""
+    """Brightness of the ball's surface, seen from the front; its right and left are the volume's -x and +x."""
     volume = ball()
     shading = ws.Shading.headlight(gradient_offset=offset, lights=[ws.Light(light)], **DIFFUSE)
     surface = ws.TransferFunction([(100, 0), (101, 1)], [(0, 1, 1, 1)])
@@ -163,7 +163,7 @@ def test_sheet_differences_are_footprints_a_whole_number_of_texels_wide():
         return splat(volume, SOFT, camera, shading=shading, ablation=Ablation(gradient=gradient), **options).rgba
 
     for ours, theirs in (("sheet-central", "footprint"), ("sheet-forward", "footprint-forward")):
-        # 0.01 is the neighbour, and 0.6 half a sample, since texels lie no nearer to it.
+        # Offsets are rounded to texels: 0.01 takes the neighbouring texel, and 0.6 half a sample.
         for offset, texels in ((0.01, 1), (0.25, 1), (0.5, 2), (0.6, 2), (1.0, 4)):
             np.testing.assert_allclose(shaded(ours, offset), shaded(theirs, texels / 4), atol=1e-3)
     assert np.abs(shaded("sheet-central", 0.01) - shaded("sheet-central", 1.0)).max() > 0.05
@@ -192,12 +192,12 @@ def test_a_coarse_table_is_worse_than_exact_weights(ripples):
 
 
 def ramp_values(footprint: str) -> np.ndarray:
-    """The mean colour along z of a volume that rises evenly along x, at eight texels a sample; half the samples."""
+    """The mean value along z of a linear ramp along x, at eight texels a sample, over half of the samples."""
     samples = np.broadcast_to(np.arange(24, dtype=np.float32), (16, 24, 24))
     volume = ws.Volume(np.ascontiguousarray(samples))
     camera = ws.Camera.orbit(volume, 0, 90, fit="view")
     camera = ws.Camera(camera.position, camera.focal_point, camera.view_up, parallel_scale=6.0)
-    # So thin that all sheets count much the same.
+    # Opacity is so low that all sheets count much the same.
     grey = ws.TransferFunction([(0, 0.01)], [(0, 0, 0, 0), (24, 1, 1, 1)])
     ablation = Ablation(footprint=footprint, footprint_entries=2)
     rgba = splat(volume, grey, camera, size=(96, 96), shading=None, ablation=ablation).rgba
@@ -206,7 +206,7 @@ def ramp_values(footprint: str) -> np.ndarray:
 
 def test_tables_make_stairs_of_slopes_and_noise_makes_grain_of_stairs():
     exact, stairs, grain = (ramp_values(footprint) for footprint in ("exact", "nearest", "nearest-noise"))
-    # Half of a table's steps: two entries a sample, eight texels a sample.
+    # Two entries a sample make stairs: at eight texels a sample most steps are 0, and the others about 1/2.
     steps = np.abs(np.diff(exact[48])), np.abs(np.diff(stairs[48]))
     assert steps[0].max() == pytest.approx(1 / 8, abs=1e-3)
     assert (steps[1] < 1e-3).mean() > 0.5
@@ -272,7 +272,7 @@ def test_without_an_ablation_it_is_the_renderer_with_plain_sheets(ripples, view_
         fast = ws.study.render(volume, SOFT, camera, **plain, **how).rgba
         literal = splat(volume, SOFT, camera, **how).rgba
         assert fast[..., 3].max() > 0.5
-        # Single precision, and tables of the transfer function: as the twins in Rust.
+        # The tolerance is for single precision and tables of the transfer function, as for the twins in Rust.
         np.testing.assert_allclose(literal, fast, atol=1e-4)
 
 
@@ -291,7 +291,7 @@ def test_without_an_ablation_it_is_the_renderer_with_plain_sheets(ripples, view_
 )
 def test_every_view_draws_every_ablation(change):
     volume = ws.examples.ripples(12)
-    # Coarse texels, wide sheets and the eye inside the volume are where offsets in texels are far or vanish.
+    # With coarse texels, wide sheets, or the eye inside the volume, offsets in texels are large or vanish.
     for camera, sheets in (
         (ws.Camera.orbit(volume, 35, 30, fit="view"), 0.1),
         (ws.Camera((5, 5.2, 5.1), (11, 9, 8), (0, 0, 1), view_angle=100), 3),

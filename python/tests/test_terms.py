@@ -1,4 +1,4 @@
-"""Whoever searches for a term of the field finds it: in the head of the file that does it, and in the docs."""
+"""Terms of the field can be found by search: in the head of the file that implements them, and in the docs."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ TERMS = [
 
 
 def _plain(text: str) -> str:
-    """Lower case, a space for every break, hyphens as they are."""
+    """Text in lower case, with a space for every break, hyphens unchanged."""
     return re.sub(r"\s+", " ", text).lower()
 
 

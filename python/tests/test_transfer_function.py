@@ -131,7 +131,7 @@ def test_auto_parts_the_object_from_its_background(scale):
     scan, field = opacity(ws.Volume(samples, anatomical=True)), opacity(ws.Volume(samples))
     assert np.mean(scan[~inside] > 0) < 0.01
     assert np.mean(scan[inside] > 0) > 0.99
-    # Of a field of numbers nothing is background, but what most of it is made of is faint.
+    # A field of numbers has no background, but its most frequent values are faint.
     assert field[~inside].mean() < 0.01 * field[inside].mean()
 
 

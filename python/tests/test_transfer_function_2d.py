@@ -1,4 +1,4 @@
-"""Transfer functions of value and gradient magnitude, and light that is held off."""
+"""Transfer functions of value and gradient magnitude, and occlusion and shadows."""
 
 import pickle
 
@@ -69,9 +69,9 @@ def test_occlusion_and_shadow_only_take_light_away():
     bright = ws.render(volume, "ct-bone", shading=ws.Shading(lights=lights), **view).rgba
     for held_off in ({"ambient_occlusion": 0.8}, {"shadow": 0.8}, {"ambient_occlusion": 0.8, "shadow": 0.8}):
         dark = ws.render(volume, "ct-bone", shading=ws.Shading(lights=lights, **held_off), **view).rgba
-        # Where all is opaque, rays stop in groups, which are larger without light that is held off.
+        # In opaque regions rays stop in groups, which are larger without occlusion and shadows.
         np.testing.assert_allclose(dark[..., 3], bright[..., 3], atol=5e-4)
-        # Where a neighbour gets darker, the warp sharpens a little.
+        # The tolerance is for the warp, which sharpens a little where a neighbouring texel gets darker.
         assert (dark[..., :3] <= bright[..., :3] + 0.02).all()
         seen = bright[..., 3] > 0.5
         assert dark[seen][:, :3].mean() < 0.95 * bright[seen][:, :3].mean()

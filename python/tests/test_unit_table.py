@@ -1,4 +1,4 @@
-"""What a scale bar says, and whether there are letters: fifteen files of ten formats, as they must be.
+"""Texts of scale bars and letters of directions for fifteen files of ten formats, against a table.
 
 Each has 40 samples along x, 0.5 of its unit apart where it names one: the bar is at most 0.3 of the picture's width.
 """
@@ -80,7 +80,7 @@ def vti(path):
 
 
 DIRECTIONS = "space directions: (0.5,0,0) (0,0.5,0) (0,0,0.5)"
-#: Name, how it is made, text of the bar, letters of the axial slice's edges.
+#: Name of the file, the function that writes it, text of the bar, letters at the axial slice's edges.
 TABLE = [
     ("ct", dicom, "5 mm", "RLAP"),
     ("a.nii.gz", lambda path: save_nifti(path, SAMPLES, STEP), "5 mm", "RLAP"),

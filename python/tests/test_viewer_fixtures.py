@@ -1,4 +1,4 @@
-"""The fixtures that the viewer's page is held to are those of Python."""
+"""The fixtures of the viewer's page, as committed, are those that Python writes."""
 
 import importlib.util
 import json

@@ -1,4 +1,4 @@
-"""What other programs of the machine cannot do to the viewer: use it up, fill its log, or read its link."""
+"""Limits of the viewer: other programs on the machine cannot exhaust it, fill its log, or read its link."""
 
 import http.client
 import logging
@@ -32,7 +32,7 @@ def server():
 
 @pytest.fixture
 def log(caplog, monkeypatch):
-    """The log of the viewer's libraries, whatever other libraries of the process have done to their loggers."""
+    """The log of the viewer's libraries, whatever settings other libraries of the process have made."""
     for name in ("tornado", "tornado.application", *connections.QuietLog.LOGGERS):
         logger = logging.getLogger(name)
         monkeypatch.setattr(logger, "propagate", True)
@@ -74,7 +74,7 @@ def status_of(server):
 
 
 def test_connections_beyond_the_limit_are_closed_as_they_come(monkeypatch):
-    monkeypatch.setattr(connections, "HEADER_S", 600)  # none is closed for what it does not send
+    monkeypatch.setattr(connections, "HEADER_S", 600)  # no connection is closed for sending nothing
     server = Server()
     held = [half_a_request(server) for _ in range(connections.MAX_CONNECTIONS + 20)]
     try:
@@ -105,7 +105,7 @@ def test_a_request_that_does_not_come_is_not_waited_for(monkeypatch):
 
 @pytest.mark.skipif(sys.platform == "win32", reason="has no such limit")
 def test_without_descriptors_it_waits_and_says_so_once(tmp_path):
-    # A process of its own: the limit is for all that it opens.
+    # The test runs in a process of its own, since the limit is for all files of a process.
     code = """
 import os, resource, socket, sys, time
 from wavesplat._viewer.connections import Listener
@@ -182,7 +182,7 @@ def test_trouble_with_connections_is_one_line_a_minute(server, log, monkeypatch,
     log_in_loop(server, lambda: trouble(5), lambda: logger.warning("something else"))
     now[0] += 1
     log_in_loop(server, lambda: trouble(6))
-    # The first counts for a minute, and what is of another kind is not held back by it.
+    # The first message silences its kind for a minute; messages of another kind are not held back.
     assert [record.getMessage() for record in log.records] == [
         "accept failed: OSError: socket 0",
         "something else",
@@ -205,7 +205,7 @@ def test_a_port_that_is_none_is_refused(port):
 
 @pytest.fixture
 def browser(monkeypatch):
-    """What the browser is called with."""
+    """List of the addresses that the browser is called with."""
     called = []
     monkeypatch.setattr("webbrowser.open", lambda address: called.append(address) or True)
     return called

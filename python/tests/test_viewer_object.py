@@ -1,4 +1,4 @@
-"""`ws.view` and `wavesplat view`: what users hold, and what the command prints."""
+"""`ws.view` and `wavesplat view`: the object that users get, and the command's output."""
 
 import json
 import os

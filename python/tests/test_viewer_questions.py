@@ -1,4 +1,4 @@
-"""What pages ask for: values, places, presets, pictures; code that draws the same bytes."""
+"""Questions of the viewer's page: values, places, presets, pictures; code that draws the same bytes."""
 
 import io
 import json
@@ -69,7 +69,7 @@ def test_a_pick_is_where_the_surface_is_seen(angle):
     away = np.linalg.norm(np.array(told["point"]) - 16)
     towards = np.array(camera.position) - np.array(camera.focal_point)
     towards /= np.linalg.norm(towards)
-    # Where values are 120: 135 / 12 * 33 / 24 spacings from the middle.
+    # Values are 120 at a distance of 135 / 12 * 33 / 24 spacings from the middle.
     radius = 135 / 12 * 33 / 24
     assert away == pytest.approx(radius, abs=0.4)
     np.testing.assert_allclose(told["point"], 16 + radius * towards, atol=0.5)
@@ -84,7 +84,7 @@ def test_a_pick_beside_the_middle_lies_on_its_ray(pelvis):
     arguments = {"x": (column + 0.5) / 160, "y": (row + 0.5) / 120, "width": 160, "height": 120}
     told, _ = questions.answer(pelvis, "pick", arguments)
     camera = pelvis.camera
-    # From the front: x grows to the left of the picture.
+    # Seen from the front, x grows to the left of the picture.
     pixel = 2 * camera.parallel_scale / 120
     x, y, z = told["point"]
     assert x == pytest.approx(camera.focal_point[0] - (column + 0.5 - 80) * pixel, abs=pixel)
@@ -156,7 +156,7 @@ def test_questions_that_cannot_be_answered_are_refused(state, question, argument
 
 
 def variants(pelvis):
-    """States with all that code has to say."""
+    """States that together need all that code can express."""
     change = lambda *operations: pelvis.patched(  # noqa: E731
         [{"op": "replace", "path": path, "value": value} for path, value in operations]
     )
@@ -245,7 +245,7 @@ def test_state_files_open_again(pelvis):
     assert back.camera == turned.camera
     assert back.view["overlays"]["cube"] is False
     assert back.document == turned.document
-    # What a person may write by hand: a preset by name, and nothing that is as it is.
+    # A state as a person may write it by hand: a preset by name, and defaults left out.
     short = json.dumps(
         {"wavesplat": "scene", "version": 1, "layers": [{"volume": {"path": "x.nii"}, "look": "ct-muscle"}]}
     )

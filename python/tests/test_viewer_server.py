@@ -1,4 +1,4 @@
-"""The viewer's server: what it serves, and whom it refuses."""
+"""The viewer's server: its answers, and the connections that it refuses."""
 
 import asyncio
 import contextlib
@@ -41,7 +41,7 @@ def server(session):
     made.show(session)
     yield made
     made.close()
-    # Of connections that were refused, Tornado's client leaves sockets to the garbage collector.
+    # Tornado's client leaves the sockets of refused connections to the garbage collector.
     gc.collect()
 
 
@@ -61,7 +61,7 @@ def token_of(server):
 
 
 def talk(server, *messages, origin="own", host=None, n=1, path="/socket"):
-    """What comes back for messages, until `n` came or the socket is closed: [headers], close code."""
+    """Headers of the answers to messages, until `n` came or the socket is closed, and the close code."""
 
     async def run():
         headers = {}
@@ -82,7 +82,7 @@ def talk(server, *messages, origin="own", host=None, n=1, path="/socket"):
                 got.append(unpacked(answer)[0])
         code = socket.close_code if answer is None else None
         socket.close()
-        # Until it is closed at both ends: else sockets are left to the garbage collector.
+        # The socket is read until it is closed at both ends; else it is left to the garbage collector.
         while answer is not None:
             answer = await asyncio.wait_for(socket.read_message(), 8)
         await asyncio.sleep(0.02)

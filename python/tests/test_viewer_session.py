@@ -1,4 +1,4 @@
-"""The session: latest wins, two frames on their way, pictures at rest that are exact and given up for newer ones."""
+"""The session: the latest change wins, two frames in flight, exact pictures at rest that newer changes cancel."""
 
 import gc
 import io
@@ -66,7 +66,7 @@ def test_what_moves_comes_as_jpeg_with_the_camera_that_it_shows(session):
     assert not header["at_rest"]
     assert header["camera"] == camera.turned(azimuth=30).as_json()
     assert Image.open(io.BytesIO(payload)).format == "JPEG"
-    # Without another change it comes to rest by itself.
+    # Without another change the view comes to rest by itself.
     page.at_rest(seq=1)
 
 
@@ -105,7 +105,7 @@ def test_a_slow_renderer_is_never_more_than_one_request_behind(session, monkeypa
         sent.append(time.monotonic())
         time.sleep(0.01)
     page.at_rest()
-    # 0.6 s of changes, 0.05 s a frame: not 60 frames, and none that is older than what was new when it began.
+    # Changes for 0.6 s at 0.05 s a frame: far fewer than 60 frames, each of the newest state when it began.
     moving = page.frames(at_rest=False)
     assert len(moving) < 30
     assert [header["seq"] for header, _ in moving] == sorted({header["seq"] for header, _ in moving})

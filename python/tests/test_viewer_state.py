@@ -1,4 +1,4 @@
-"""The viewer's state: what it is of a scene, patches, what is shared, refusals that name the field."""
+"""The viewer's state: made from a scene, patches, structural sharing, refusals that name the field."""
 
 import contextlib
 import json
@@ -91,7 +91,7 @@ def test_turning_the_camera_takes_no_time(pelvis):
     state, begun = pelvis, time.perf_counter()
     for degrees in range(100):
         state = state.patched([viewer_fakes.turned(pelvis.camera, degrees)])
-    # 0.15 ms each on an idle machine.
+    # A patch takes 0.15 ms on an idle machine.
     assert time.perf_counter() - begun < 1.0
 
 

@@ -71,7 +71,7 @@ def test_contiguous_samples_are_shared_and_protected():
 @pytest.mark.parametrize("kernel", ["linear", "bspline3"])
 def test_a_changed_array_is_drawn_as_a_new_volume_is(kernel):
     def drawn(volume):
-        # The histogram, the bricks that a function shows, and what the kernel prepares, all follow the samples.
+        # The histogram, the bricks that a function shows, and the kernel's prefiltered samples all follow the samples.
         picture = ws.render(volume, kernel=kernel, size=(24, 24))
         return picture.rgba, ws.slice(volume, size=(24, 24), kernel=kernel).rgba
 

@@ -1,4 +1,4 @@
-"""Legacy VTK files: all types, as text and as bytes, fields, cells, colours, and what holds no image."""
+"""Legacy VTK files: all types, as text and as bytes, fields, cells, colours, and files that hold no image."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from wavesplat._readers import vtk_legacy
 
 SAMPLES = np.random.default_rng(2).integers(0, 100, (3, 4, 5))
 PLACE = "DIMENSIONS 5 4 3\nSPACING 0.5 2 3\nORIGIN 7 8 9\n"
-#: The format's names -> how its bytes are.
+#: The format's names of types -> NumPy's types of their bytes.
 TYPES = {
     "char": ">i1",
     "signed_char": ">i1",
@@ -65,7 +65,7 @@ def test_bits(tmp_path, is_text):
 
 
 def test_long_of_four_bytes(tmp_path):
-    """As it is written on Windows."""
+    """Windows writes long with four bytes."""
     data = SAMPLES.astype(">i4").tobytes()
     path = write(tmp_path / "a.vtk", ["POINT_DATA 60\nSCALARS s long\nLOOKUP_TABLE default\n", data])
     np.testing.assert_array_equal(ws.open(path).samples, SAMPLES)
@@ -73,7 +73,7 @@ def test_long_of_four_bytes(tmp_path):
 
 @pytest.mark.parametrize("is_text", [True, False])
 def test_colours_are_bytes(tmp_path, is_text):
-    """As text they go from 0 to 1, and VTK makes bytes of them."""
+    """As text colours go from 0 to 1, and VTK turns them into bytes."""
     colours = SAMPLES.astype(np.uint8)
     data = numbers(colours / 255, "", True) if is_text else colours.tobytes()
     path = write(tmp_path / "a.vtk", ["POINT_DATA 60\nCOLOR_SCALARS c 1\n", data], is_text=is_text)
@@ -84,7 +84,7 @@ def test_colours_are_bytes(tmp_path, is_text):
 
 @pytest.mark.parametrize("is_text", [True, False])
 def test_one_of_several_arrays(tmp_path, is_text):
-    """Texts, metadata, look-up tables and fields lie between them."""
+    """Texts, metadata, look-up tables and fields lie between the arrays."""
     text = "micrometre of the microscope, which is long: more than sixty-three letters"
     word = text.encode() + b"\n" if is_text else (len(text) | 2 << 14).to_bytes(2, "big") + text.encode() + b"\n"
     cells = np.arange(2 * 3 * 4).reshape(2, 3, 4)
@@ -114,7 +114,7 @@ def test_one_of_several_arrays(tmp_path, is_text):
     for (name, channel), samples in wanted.items():
         volume = ws.open(path, dataset=name, channel=channel)
         np.testing.assert_array_equal(volume.samples, samples)
-    # Cells have their samples in their middles.
+    # Samples of cells lie in the cells' middles.
     volume = ws.open(path, dataset="c")
     np.testing.assert_array_equal(volume.samples, cells)
     np.testing.assert_allclose(volume.bounds[0], (7.25, 9, 10.5))

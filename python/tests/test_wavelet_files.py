@@ -1,4 +1,4 @@
-"""Files of wavelet coefficients: what is saved comes back, and what is damaged is said to be."""
+"""Files of wavelet coefficients: saved ones are read back the same, and damaged ones are refused."""
 
 from __future__ import annotations
 
@@ -50,7 +50,7 @@ def test_what_is_saved_comes_back(tmp_path, family, oblique):
 
 
 def test_the_range_is_kept_and_files_without_it_are_read(tmp_path, coefficients):
-    """It is what decoding gives; a range that is none is damage."""
+    """The range is that of decoding; an invalid range counts as damage."""
     path = tmp_path / "head.wavelets"
     coefficients.save(path)
     with np.load(path) as archive:
@@ -66,7 +66,7 @@ def test_the_range_is_kept_and_files_without_it_are_read(tmp_path, coefficients)
         return ws.WaveletVolume.load(path)
 
     assert load(value_range=None).value_range == coefficients.value_range == (samples.min(), samples.max())
-    # What is written is believed, so nothing is decoded for it.
+    # The range in the file is trusted, so nothing is decoded for it.
     assert load(value_range=np.array([-7.0, 5000.0], np.float32)).value_range == (-7, 5000)
     for damaged in ([3.0, 1.0], [0.0, np.inf], [np.nan, 1.0], [1.0]):
         with pytest.raises(ws.errors.FileError):
@@ -203,7 +203,7 @@ def test_what_does_not_fit_together_is_refused(tmp_path, coefficients, name, wro
 
 
 def test_damage_anywhere_is_a_file_error(tmp_path, coefficients):
-    """Or goes unnoticed, where it is in something that nobody reads, as the date in the archive."""
+    """Damage goes unnoticed only in bytes that nobody reads, such as the date in the archive."""
     path = tmp_path / "head.wavelets"
     coefficients.save(path)
     whole = path.read_bytes()
@@ -265,6 +265,6 @@ def test_parts_at_random_are_drawn_or_refused(damage):
             for left_out in (0, drawn.n_levels):
                 assert np.isfinite(ws.render(drawn.level(left_out), curve, size=(8, 8)).rgba).all()
         except ValueError:
-            # Of parts that do not fit; an ArgumentError of samples that overflow, or fill no space.
+            # A FileError is for parts that do not fit; an ArgumentError for samples that overflow, or fill no space.
             n_refused += 1
     assert n_refused > 0

@@ -1,4 +1,4 @@
-"""Pictures straight from coefficients: those of the samples, bit for bit; and of levels, in the same place."""
+"""Pictures straight from coefficients: bit for bit those of the samples; and of levels, in the same place."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ import wavesplat as ws
 FAMILIES = ["haar", "cdf53", "cdf97", "spline4", "bspline2", "bspline3", "bspline4"]
 LIFTED = FAMILIES[:3]
 
-#: Two blocks of 32 x 32 x 32, for each of the two levels or bands that are kept.
+#: Bytes of two blocks of 32 x 32 x 32 float32, for each of the two levels or bands that are kept.
 TINY_CACHE = 2 * 2 * 32**3 * 4
 
 
 @pytest.fixture(scope="module")
 def textured() -> ws.Volume:
-    """More than a block along each axis, odd and even, with spacings that differ, turned in the world."""
+    """A volume with more than a block along each axis, odd and even sizes, different spacings, sheared in the world."""
     z, y, x = np.indices((37, 66, 45))
     noise = np.random.default_rng(0).normal(0, 8, z.shape)
     samples = 100 * np.sin(x / 5) * np.cos(y / 7) + 60 * np.sin(z / 4 + x / 9) + noise
@@ -34,19 +34,19 @@ def scans() -> dict[str, ws.Volume]:
     return {"ct": ws.examples.ct_pelvis(), "mri": ws.examples.mri_head()}
 
 
-#: Fog, from a thin veil to nearly opaque, without a step.
+#: Transfer function of fog, from a thin veil to nearly opaque, without a step.
 SOFT = ws.TransferFunction([(-50, 0.0), (0, 0.05), (80, 0.3), (120, 0.9)], [(-50, 0.1, 0.3, 1.0), (120, 1.0, 0.5, 0.0)])
 
 
 def difference(a: np.ndarray, b: np.ndarray) -> float:
-    """The largest one; a pixel that only one of them has counts as infinite."""
+    """Largest difference of two pictures; pixels must be missing in both or in neither."""
     missing = np.isnan(a)
     assert np.array_equal(missing, np.isnan(b))
     return float(np.abs(np.where(missing, 0, a) - np.where(missing, 0, b)).max())
 
 
 def check_same(wavelets: ws.WaveletVolume, samples: ws.Volume, limit: float = 0.0, **draw) -> None:
-    """Both show something, and the same."""
+    """Check that coefficients and samples show something, and the same."""
     draw = {"look": SOFT, "size": (40, 36), **draw}
     want, got = ws.study.render(samples, **draw), ws.study.render(wavelets, **draw)
     assert want.rgba[..., 3].max() > 0.2
@@ -59,14 +59,14 @@ def check_same(wavelets: ws.WaveletVolume, samples: ws.Volume, limit: float = 0.
 @pytest.mark.parametrize("family", FAMILIES)
 @pytest.mark.parametrize("threshold", [0, 12])
 def test_the_picture_is_that_of_the_samples(textured, family, threshold):
-    """To the bit, whatever is kept; splines are prefiltered block by block, where the margin's end is below 1e-7."""
+    """The same bits, whatever is kept; splines are prefiltered by block, with margins that cut off less than 1e-7."""
     wavelets = ws.WaveletVolume.from_volume(textured, family, threshold=threshold)
     assert (wavelets.kept_fraction < 0.6) == (threshold > 0)
     samples = wavelets.to_volume()
     for cache_bytes in (TINY_CACHE, 1 << 29):
         wavelets.cache_bytes = cache_bytes
         for kernel, limit in [("linear", 0.0), ("catmull-rom", 0.0), ("bspline3", 1e-4)]:
-            # Along z and x: slices as they lie in memory, and turned.
+            # Views along z and x: slices as they lie in memory, and transposed.
             for azimuth, elevation in [(10, 80), (75, 10)]:
                 camera = ws.Camera.orbit(textured, azimuth, elevation, fit="view")
                 check_same(wavelets, samples, limit, camera=camera, kernel=kernel)
@@ -113,13 +113,13 @@ def test_every_way_of_drawing_is_that_of_the_samples(textured, draw, cache_bytes
 @pytest.mark.parametrize("shape", [(2, 2, 2), (2, 3, 40), (33, 2, 5)])
 @pytest.mark.parametrize("family", FAMILIES)
 def test_thin_volumes_are_drawn(shape, family):
-    """Smaller than a block, and axes that are split up before the others."""
+    """Volumes smaller than a block, and with axes that are fully decomposed before the others."""
     samples = np.random.default_rng(1).uniform(0, 100, shape).astype(np.float32)
     wavelets = ws.WaveletVolume.from_volume(ws.Volume(samples), family)
     camera = ws.Camera.orbit(wavelets, 30, 40, fit="view")
     check_same(wavelets, wavelets.to_volume(), camera=camera, shading=None)
     for left_out in range(wavelets.n_levels + 1):
-        # The texels of a coarse level would be larger than the volume. What is left of noise has hardly any slopes.
+        # The texels of a coarse level would be larger than the volume. Smoothed noise has hardly any gradients.
         draw = {"size": (20, 20), "quality": ws.Sampling(oversampling=1), "shading": None}
         picture = ws.render(wavelets.level(left_out), SOFT, camera, **draw).rgba
         assert np.isfinite(picture).all()
@@ -143,7 +143,7 @@ def test_all_bands_are_the_volume_and_sums_of_bands_are_sums_of_pictures(texture
     want = projected([])
     largest = np.nanmax(np.abs(want))
     assert largest > 100
-    # Where two faces meet and at extremes, the warp keeps what it reads between the texels around it: not linear.
+    # Where two faces meet and at extremes, the warp clamps values to those of the texels around, which is not linear.
     off = np.abs(sum(parts) - want)[np.isfinite(want)] / largest
     assert np.median(off) < 1e-6
     assert np.mean(off > 1e-4) < 0.25
@@ -167,7 +167,7 @@ def test_a_level_fills_the_same_box(family, shape):
         assert (want[..., 3] == 0).any()
         for left_out in range(wavelets.n_levels + 1):
             got = ws.render(wavelets.level(left_out), **draw).rgba
-            # A texel of the outline has a part of a pixel.
+            # Texels at the outline are covered in part.
             assert np.abs(got - want).max() < 0.08, left_out
             assert np.abs(got - want).mean() < 5e-4, left_out
 
@@ -192,7 +192,7 @@ def test_a_crop_of_a_level_is_that_of_the_world(textured, family):
 @pytest.mark.parametrize("family", ["cdf53", "cdf97"])
 @pytest.mark.parametrize(("name", "keep"), [("ct", 1.0), ("mri", 1.0), ("ct", 0.0355), ("mri", 0.0127)])
 def test_levels_are_as_bright_as_the_whole(scans, family, name, keep):
-    """To 4 %, or 6 % in light, since the rays that tell run along the axes only."""
+    """Levels are as bright to 4 %, or to 6 % in light, since they are matched along few probe rays."""
     ramps = {
         "ct": [(-75, 0.0), (255, 0.05), (1000, 0.2)],
         "mri": [(20, 0.0), (255, 0.1)],
@@ -210,7 +210,7 @@ def test_levels_are_as_bright_as_the_whole(scans, family, name, keep):
 @pytest.mark.parametrize("family", ["cdf53", "cdf97"])
 @pytest.mark.parametrize("name", ["ct", "mri"])
 def test_levels_keep_what_is_thin(scans, family, name):
-    """Solid from a threshold on: the mean of a wall and of what is beside it is not, so low-pass samples lose it."""
+    """Matter is solid from a threshold on; the mean of a wall and its surroundings is below, so low-pass loses it."""
     least = {"ct": 200.0, "mri": 50.0}[name]
     solid = ws.TransferFunction([(least, 0.0), (least + 1, 0.8)], [(0, 1.0, 1.0, 1.0)])
     wavelets = ws.WaveletVolume.from_volume(scans[name], family)
@@ -223,12 +223,12 @@ def test_levels_keep_what_is_thin(scans, family, name):
 
 
 def test_a_level_that_is_steep_gets_the_sheets_of_one():
-    """A smooth function on thin walls: what stands for them on coarser levels has to be denser."""
+    """The walls are thin, so that a smooth function has to become a denser, steep one on coarser levels."""
     x, y, z = np.meshgrid(*[np.arange(64)] * 3)
     walls = np.where((x + y + z) % 16 == 3, 200, 0).astype(np.uint8)
     wavelets = ws.WaveletVolume.from_volume(ws.Volume(walls), "cdf53")
     smooth = ws.TransferFunction([(60, 0), (200, 0.5)], [(0, 1, 1, 1)], 1.0)
-    # A second level has 27 texels across: half as many beat with the walls.
+    # A second level has 27 texels across; with half of them there would be moire with the walls.
     draw = {
         "look": smooth,
         "camera": ws.Camera.orbit(wavelets, fit="view"),
@@ -244,7 +244,7 @@ def test_a_level_that_is_steep_gets_the_sheets_of_one():
 
 @pytest.mark.parametrize("family", LIFTED)
 def test_a_level_has_an_eighth_of_the_work(scans, family):
-    """At most a quarter, as blocks of 16 x 8 texels count in full, and a third level has 23 texels across."""
+    """The limit is a quarter, as blocks of 16 x 8 texels count in full, and a third level has 23 texels across."""
     wavelets = ws.WaveletVolume.from_volume(scans["ct"], family, keep=0.05)
     n_texels = [ws.render(wavelets.level(k), size=(256, 256)).report["n_texels"] for k in range(4)]
     assert all(finer >= 4 * coarser for finer, coarser in pairwise(n_texels)), n_texels
@@ -262,7 +262,7 @@ def test_details_alone_are_blue_and_red(textured):
     assert (blue[3], nothing[3], red[3]) == (0.5, 0.0, 0.5)
     assert np.array_equal(ws.render(details, size=(24, 24)).rgba, ws.render(details, curve, size=(24, 24)).rgba)
     assert ws.render(details, size=(24, 24)).rgba[..., 3].max() > 0.1
-    # A projection gets its ramp.
+    # A projection gets a ramp of its own.
     assert ws.TransferFunction.auto(details, "maximum") != curve
 
 

@@ -1,4 +1,4 @@
-"""Volumes of wavelet coefficients: what is kept, and what comes back."""
+"""Volumes of wavelet coefficients: the coefficients that are kept, and the decoded samples."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def test_with_nothing_dropped_the_volume_comes_back_in_its_place(ct, family, nor
 
 
 def test_the_printed_share_is_kept():
-    """19.95 % of the ripples at threshold 12, in the method's paper."""
+    """The method's paper keeps 19.95 % of the ripples at threshold 12."""
     wavelets = ws.WaveletVolume.from_volume(ws.examples.ripples(32), "cdf53", threshold=12)
     assert 0.199 <= wavelets.kept_fraction <= 0.202
     assert wavelets.nbytes < 3 * 4 * wavelets.kept_fraction * 32**3
@@ -69,7 +69,7 @@ def test_levels_and_bands(ct):
 
 @pytest.mark.parametrize(("family", "keep"), [("cdf53", 1.0), ("cdf97", 1.0), ("cdf97", 0.03), ("haar", 0.03)])
 def test_memory_is_that_of_what_is_kept(ct, family, keep):
-    """At shares that are worth storing most of it are the coefficients, 4 bytes each."""
+    """At shares that are worth storing, most of the memory is the coefficients, 4 bytes each."""
     wavelets = ws.WaveletVolume.from_volume(ct, family, keep=keep)
     assert 4 * sum(wavelets.kept_by_level) < wavelets.nbytes < 3 * 4 * sum(wavelets.kept_by_level)
 
@@ -110,7 +110,7 @@ def test_copies_hold_the_same(how):
     assert other.cache_bytes == wavelets.cache_bytes == 1_000_000
     assert np.array_equal(other.world_from_index, wavelets.world_from_index)
     assert np.array_equal(other.to_volume().samples, wavelets.to_volume().samples)
-    # What took decoding everything is not found again.
+    # A result that took decoding everything is not computed again.
     assert how(wavelets)._core.parts()[-1] is None
     found = wavelets._core.value_range
     assert how(wavelets)._core.parts()[-1] == found
@@ -194,7 +194,7 @@ def test_levels_are_kept_as_long_as_they_fit() -> None:
             latest = wavelets._decoded(n)
             assert wavelets._decoded(n) is latest
             assert sum(level.cache_bytes for level in wavelets._decoded_levels.values()) <= cache_bytes
-    # Bands are levels like any other, and there are no end of them.
+    # Bands are cached like levels, and their number has no bound.
     for weight in range(20):
         wavelets.bands([weight])._decoded()
     assert len(wavelets._decoded_levels) <= 6
@@ -203,7 +203,7 @@ def test_levels_are_kept_as_long_as_they_fit() -> None:
 @pytest.mark.parametrize("family", ["cdf97", "cdf53", "haar"])
 @pytest.mark.parametrize(("offset", "psnr"), [(0, 60), (1e4, 60), (-3e5, 40)])
 def test_samples_far_from_zero_reach_the_psnr(family, offset, psnr, tmp_path):
-    """Their middle is taken off before they become float32."""
+    """The middle of the samples is subtracted before they become float32."""
     z, y, x = np.mgrid[-1:1:13j, -1:1:17j, -1:1:22j]
     samples = np.sin(4 * x) * np.cos(5 * y) + z + offset
     wavelets = ws.WaveletVolume.from_volume(samples, family, psnr=psnr)
@@ -242,7 +242,7 @@ def test_a_psnr_beyond_float32_is_refused():
         ws.errors.ArgumentError, match=r"volume .*60 dB is more than the 3\d\.\d dB .* in float32; ask for"
     ):
         ws.WaveletVolume.from_volume(samples, psnr=60)
-    # Integers that float32 has not: 2^24 + 1 and its neighbours, which their offset makes small.
+    # Integers that float32 cannot represent, from 2^24 + 1 on; without their offset they are small.
     counts = np.arange(2**24 + 1, 2**24 + 65, dtype=np.int32).reshape(4, 4, 4)
     back = ws.WaveletVolume.from_volume(counts).to_volume().samples
     assert np.abs(back - counts.astype(np.float64)).max() <= 1

@@ -1,4 +1,4 @@
-"""Chunks in folders: only files, and no more of them than their samples can take."""
+"""Chunks in folders: only regular files, and no larger than their samples can be."""
 
 from __future__ import annotations
 
@@ -20,7 +20,7 @@ WAYS = [{}, {"memory": "50 MB"}]
 
 
 def opened(path, options):
-    """All samples, read at once or in parts."""
+    """Open a volume and return all samples, read at once or in parts."""
     volume = ws.open(path, **options)
     return (volume.read() if isinstance(volume, ws.LazyVolume) else volume).samples
 
@@ -117,7 +117,7 @@ def test_keys_do_not_lead_out_by_the_paths_of_windows(tmp_path, monkeypatch):
 
 
 def test_buckets_are_read_by_their_library(monkeypatch):
-    """As far as can be told without one: keys, the bound, ranges, and what may not be read."""
+    """Without a bucket this checks keys, the bound, ranges, and keys that may not be read."""
     import fsspec
     from fsspec.implementations.asyn_wrapper import AsyncFileSystemWrapper
     from fsspec.implementations.memory import MemoryFileSystem

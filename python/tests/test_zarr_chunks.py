@@ -1,4 +1,4 @@
-"""Zarr chunks that were cut short are named, whatever packed them."""
+"""Zarr chunks that were cut short are named in the error, whatever codec packed them."""
 
 from __future__ import annotations
 

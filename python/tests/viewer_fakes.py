@@ -1,4 +1,4 @@
-"""Pages of a viewer for tests: they keep what they are sent, and confirm frames or not."""
+"""Stand-ins for pages of the viewer: they keep the messages that they get, and confirm frames or not."""
 
 import threading
 import time
@@ -24,7 +24,7 @@ def turned(camera, degrees):
 
 
 class Page:
-    """A page that confirms every frame, unless told otherwise."""
+    """A page that confirms every frame, unless `confirms` is False."""
 
     def __init__(self, session: Session, *, confirms=True):
         self.session, self.confirms = session, confirms
@@ -52,7 +52,7 @@ class Page:
         return self.wait(lambda header: header.get("id") == number and header["type"] in ("answer", "failed"))
 
     def wait(self, wanted, timeout=20.0):
-        """The first message that is wanted, header and payload."""
+        """Wait for the first message that `wanted` accepts; its header and payload."""
         until = time.monotonic() + timeout
         with self._new:
             while True:
@@ -71,7 +71,7 @@ class Page:
         ]
 
     def at_rest(self, view="3d", seq=None):
-        """The picture at rest of the newest change."""
+        """Wait for the picture at rest of the newest change, or of `seq`; its header and payload."""
         last = self.seq if seq is None else seq
         return self.wait(
             lambda header: (

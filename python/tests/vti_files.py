@@ -1,4 +1,4 @@
-"""Writes VTK's XML images as VTK does."""
+"""Writer of VTK's XML images, in all the forms that VTK writes."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def save_vti(
     scalars="",
     n_pieces=1,
 ):
-    """A file of arrays [z, y, x] or [z, y, x, component] by name; pieces are slabs along z that share points."""
+    """Write a file of arrays [z, y, x] or [z, y, x, component] by name; pieces are slabs along z that share points."""
     order = ">" if byte_order == "BigEndian" else "<"
     integer = np.dtype(header_type.lower()).newbyteorder(order)
     appended = b""

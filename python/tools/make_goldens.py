@@ -16,7 +16,7 @@ from golden_scenes import GOLDENS, MAX_BYTES, SCENES, path_of, png
 
 
 def main() -> None:
-    """Draw all, or those that are named."""
+    """Draw all goldens, or those that are named."""
     unknown = [name for name in sys.argv[1:] if name not in SCENES]
     if unknown:
         sys.exit(f"no such golden picture: {', '.join(unknown)}; there are {', '.join(SCENES)}")

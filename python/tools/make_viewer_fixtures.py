@@ -1,4 +1,4 @@
-"""What the viewer's page is held to: cameras and what is done to them, and a state, in `web/schema`.
+"""Write the fixtures of the viewer's page to `web/schema`: cameras and what is done to them, and a state.
 
 The page turns about the up direction of the picture, `Camera.turned` about +z: these are one where up is +z.
 """
@@ -15,7 +15,7 @@ import wavesplat as ws
 from wavesplat._viewer.state import ViewerState
 
 SCHEMA = Path(__file__).resolve().parents[2] / "web" / "schema"
-#: At right angles to the line of sight, as the page's cameras have it after the first turn.
+#: An up vector at right angles to the line of sight, as the page's cameras have it after the first turn.
 UP = tuple(np.cross(np.cross((27, -76, 40), (0.2, 0.1, 1)), (27, -76, 40)).tolist())
 CAMERAS = (
     ws.Camera((0, 100, 0), (0, 0, 0), (0, 0, 1), parallel_scale=50),
@@ -39,7 +39,7 @@ def texts() -> dict[str, str]:
 
 
 def _fixture(camera: ws.Camera) -> dict[str, Any]:
-    # A pixel is a degree where the view has a height of 180 pixels.
+    # A pixel of a drag is a degree of turn where the view is 180 pixels high.
     upright = (10, -35) if camera.view_up == (0, 0, 1) else ()
     steps = [{"what": "turned", "numbers": [dx, 0], "camera": camera.turned(azimuth=-dx).as_json()} for dx in upright]
     steps += [
@@ -59,7 +59,7 @@ def _fixture(camera: ws.Camera) -> dict[str, Any]:
 
 
 def _place(camera: ws.Camera, point: list[float], width: int, height: int) -> list[float]:
-    """Where a point is in the picture: pixels from the top left corner."""
+    """Position of a point in the picture: pixels from the top left corner."""
     back = np.subtract(camera.position, camera.focal_point)
     back = back / np.linalg.norm(back)
     right = np.cross(camera.view_up, back)

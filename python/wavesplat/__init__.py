@@ -6,10 +6,10 @@
 >>> picture.rgba.shape
 (64, 64, 4)
 
-Public are the names in `__all__`, and what the modules `wavesplat.errors`, `wavesplat.examples` and
-`wavesplat.reference` list in theirs. Whatever has a name that begins with an underscore is private, the modules that
-public names are defined in included: import `wavesplat.Volume`, from nowhere else. `docs/public_api.md` says how long
-public names stay.
+Public are the names in `__all__`, and those that the modules `wavesplat.errors`, `wavesplat.examples` and
+`wavesplat.reference` list in theirs. Every name that begins with an underscore is private, the modules that public
+names are defined in included: import `wavesplat.Volume`, from nowhere else. `docs/public_api.md` says how long public
+names stay.
 
 Rooms, each of which imports only from those before it: `errors`, `_files`, `_model`, `_readers`, `_looks`, `_picture`,
 `examples`, `gpu`, `_render`, `_cluster`, `_scene`, `_movie`, `_mesh`, `_viewer`, `reference`, `study`, `_cli`.
@@ -110,7 +110,7 @@ __all__ = [
     "view",
 ]
 
-#: Where each public name lives; loaded when first asked for, so that importing the package costs next to nothing.
+#: Module of each public name; loaded when first asked for, so that importing the package costs next to nothing.
 _HOMES = {
     "Camera": "_model.camera",
     "Channel": "_model.facts",

@@ -1,4 +1,4 @@
-"""What the compiled module offers; the public package wraps it and holds the docs that users read."""
+"""Interface of the compiled module; the public package wraps it and holds the docs that users read."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import Any, TypeAlias, TypedDict, final, type_check_only
@@ -53,7 +53,7 @@ class RenderResult(TypedDict):
 
 @type_check_only
 class FrameArguments(TypedDict):
-    """How a frame is drawn, beside its layers and its camera."""
+    """Arguments of a frame, beside its layers and its camera."""
 
     labels: Labels | None
     width: int
@@ -78,14 +78,14 @@ class FrameArguments(TypedDict):
     pre_integration: bool
     early_ray_termination: bool
 
-#: First and end of samples along (z, y, x).
+#: First index and end of samples along (z, y, x).
 _Box: TypeAlias = tuple[tuple[int, int, int], tuple[int, int, int]]
 #: Samples [z, y, x] of a box of a level, and where it begins.
 _LevelBox: TypeAlias = tuple[NDArray[np.float32], tuple[int, int, int]]
 
 @final
 class Survey:
-    """What a pass over the samples of a volume tells that is not in memory, box by box.
+    """Statistics, bounds and strided samples of a volume that is not in memory, from one pass over it, box by box.
 
     Bricks are as small as bounds of `bounds_bytes` allow; `steps` (z, y, x) are those of strided samples.
     """
@@ -157,7 +157,7 @@ class LazyVolume:
 
 @final
 class BlockState:
-    """The rays of a block of a base plane between two steps; empty before the first."""
+    """State of the rays of a block of a base plane between two steps; empty before the first."""
 
     def __new__(cls) -> BlockState: ...
     def to_bytes(self) -> bytes: ...
@@ -322,7 +322,7 @@ class Shading:
 
 @final
 class Labels:
-    """Codes [z, y, x], places in `looks`: (name, (red, green, blue), opacity, scan, tint)."""
+    """Codes [z, y, x], indices into `looks`: (name, (red, green, blue), opacity, scan, tint)."""
 
     def __new__(
         cls,
@@ -334,7 +334,7 @@ class Labels:
 
 @final
 class Ablation:
-    """Which part of the method is left out or changed; `footprint_entries` count where `footprint` is a table."""
+    """Parts of the method that are left out or changed; `footprint_entries` count where `footprint` is a table."""
 
     def __new__(
         cls,
@@ -357,7 +357,7 @@ def smallest_budget(
     frame: FrameArguments,
     segment_slices: int | None,
 ) -> int:
-    """The least budget that a stream of these arguments can do with, bytes."""
+    """The smallest budget, bytes, with which a stream of these arguments can be drawn."""
 
 def light_step(shape: tuple[int, int, int], world_from_index: NDArray[np.float64]) -> tuple[int, int, int]:
     """Steps (z, y, x) between the samples that light is worked out from."""

@@ -1,4 +1,4 @@
-"""The mark of what is public: its name begins at the package, wherever it is defined."""
+"""Decorator of public names: their module is the package, wherever they are defined."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ T = TypeVar("T")
 
 
 def public(thing: T) -> T:
-    """The class or function, as one of `wavesplat` itself.
+    """The class or function, with `wavesplat` as its module.
 
     So `repr` and `help` show the name to import it by, and pickles hold that name and survive when a private module
     moves.

@@ -18,7 +18,7 @@ from wavesplat.errors import ArgumentError
 
 __all__ = ["ct_pelvis", "mri_head", "ripples"]
 
-#: Bytes for each sample of the test signal while it is made, at most: its arrays in float64, by tracemalloc.
+#: Most bytes per sample of the test signal while it is made: its arrays in float64, by tracemalloc.
 BYTES_A_SAMPLE = 52
 
 

@@ -1,4 +1,4 @@
-"""GPUs: which there are, whether they draw what the CPU draws, and how much of their memory is used."""
+"""GPUs of this machine, tests of whether they draw what the CPU draws, and the limit of their memory."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ __all__ = ["Adapter", "SelfTest", "adapters", "memory", "self_test"]
 
 @dataclass(frozen=True)
 class Adapter:
-    """A GPU as its driver tells of it.
+    """A GPU as its driver describes it.
 
     Attributes
     ----------
     name : str
-        What `device` of `wavesplat.render` takes, or a part of it.
+        Name of the GPU: `device` of `wavesplat.render` takes it, or a part of it.
     backend : str
         "Vulkan", "Metal" or "DX12".
     kind : str
@@ -40,7 +40,7 @@ class Adapter:
 
 @dataclass(frozen=True)
 class SelfTest:
-    """What came of opening a GPU and testing it.
+    """Result of opening a GPU and testing it.
 
     Attributes
     ----------
@@ -49,9 +49,9 @@ class SelfTest:
     gathers : bool
         Whether four samples are fetched at once; else one by one.
     timestamps : bool
-        Whether it tells how long it took.
+        Whether it can measure how long it draws.
     texture_side, texture_layers, buffer_bytes : int
-        What a texture and a buffer of it hold at most; 0 where it is not used.
+        Limits of its textures and buffers; 0 where it is not used.
     """
 
     reason: str | None
@@ -88,7 +88,7 @@ def self_test(name: str) -> SelfTest:
 
 
 def memory(limit: float | str | None = None) -> int:
-    """Bytes of samples that are kept on a GPU at most; volumes that do not fit are drawn in pages, those that are seen.
+    """Most bytes of samples that a GPU keeps; volumes that do not fit are drawn in pages, those that are seen.
 
     Parameters
     ----------

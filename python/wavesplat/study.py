@@ -136,7 +136,7 @@ def render(
     Returns
     -------
     Picture
-        As of `wavesplat.render`.
+        As from `wavesplat.render`.
 
     Raises
     ------
@@ -188,7 +188,7 @@ def splat(
     volume, transfer_function, camera, size, kernel, shading, clip, threads, progress
         As for `wavesplat.render`, but only a Volume; of a WaveletVolume, give `to_volume()`.
     ablation : Ablation, optional
-        What is left out or changed; None draws the method as it is.
+        The part that is left out or changed; None draws the method as it is.
     sheets_per_slice : float, default 2
         Sheets per slice distance.
     oversampling : float, default 1
@@ -245,7 +245,7 @@ def splat(
 
 
 def _samples_of(volume: Volume | WaveletVolume) -> _native.Volume | _native.DecodedVolume:
-    """What coefficients stand for, at the resolution of the whole."""
+    """The samples of a volume; those of coefficients are decoded at full resolution."""
     if not isinstance(volume, WaveletVolume):
         return volume._core
     return volume.bands([0.0] * volume.left_out)._decoded()
@@ -253,7 +253,7 @@ def _samples_of(volume: Volume | WaveletVolume) -> _native.Volume | _native.Deco
 
 @dataclass(frozen=True)
 class StandardSplatting:
-    """Where standard splatting has its sheet buffers, and how thick it takes their slabs to be.
+    """The sheet buffers of standard splatting, and the thickness of slabs that it assumes.
 
     Parameters
     ----------
@@ -309,8 +309,8 @@ def standard(
     standard : StandardSplatting, optional
         Which buffers there are, and whether they correct for the view angle; None is ``StandardSplatting()``.
     kernel : str
-        What colours are splatted with, as for `wavesplat.render`. B-splines smooth here, since there is no prefilter
-        for colours.
+        Kernel that colours are splatted with, as for `wavesplat.render`. B-splines smooth here, since there is no
+        prefilter for colours.
     oversampling : float, default 1
         Texels per pixel, along each side.
 

@@ -56,7 +56,7 @@ MIN_ERROR = 1 / 255 / 16
 
 
 def volumes(wanted: list[str]) -> Iterator[tuple[str, ws.Volume]]:
-    """Those that are there, by name."""
+    """Volumes that are available, with their names; `wanted` selects some, an empty list all."""
     for name, make in BUNDLED.items():
         if not wanted or name in wanted:
             yield name, make()
@@ -66,7 +66,7 @@ def volumes(wanted: list[str]) -> Iterator[tuple[str, ws.Volume]]:
 
 
 def soft_function(volume: ws.Volume) -> ws.TransferFunction:
-    """Matter nearly everywhere, as much as lets one see into it."""
+    """A transfer function that is faint but visible nearly everywhere, and lets one see into the volume."""
     lo, middle, hi = np.percentile(np.asarray(volume.samples, dtype=np.float64), (1, 60, 99.8))
     hi = max(hi, lo + 1e-6 * abs(lo) + 1e-12)
     middle = min(max(middle, lo + 0.2 * (hi - lo)), lo + 0.8 * (hi - lo))
@@ -76,7 +76,7 @@ def soft_function(volume: ws.Volume) -> ws.TransferFunction:
 
 
 def outermost(share: NDArray[Any]) -> NDArray[np.bool_]:
-    """Pixels that show something and are not whole, or have a neighbour that is not."""
+    """Mask of pixels that show something, where they or a neighbour are not wholly covered."""
     whole = np.pad(share >= 1.0, 1)
     around = whole[1:-1, :-2] & whole[1:-1, 2:] & whole[:-2, 1:-1] & whole[2:, 1:-1]
     result: NDArray[np.bool_] = (share > 0) & ~(whole[1:-1, 1:-1] & around)
@@ -84,7 +84,7 @@ def outermost(share: NDArray[Any]) -> NDArray[np.bool_]:
 
 
 def errors(volume: ws.Volume, camera: ws.Camera, size_px: int, quality: Any) -> tuple[float, float]:
-    """Of the outermost pixels, and of the rest."""
+    """Root mean square errors of the outermost pixels, and of the rest."""
     function = soft_function(volume)
     size = (size_px, size_px)
     cast = partial(ws.reference.raycast, camera=camera, size=size, rays_per_pixel=16, kernel="linear", shading=None)

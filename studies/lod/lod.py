@@ -1,4 +1,4 @@
-"""What leaving out levels of details does to a picture's brightness; `make study-lod` runs this.
+"""Change of a picture's brightness where levels of details are left out; `make study-lod` runs this.
 
 A coarse sample stands for many samples. Classified by its own value (the plain low-pass) thin structures vanish and the
 picture gets darker; `WaveletVolume.level(n)` classifies it by what it stands for (crates/lod).
@@ -59,7 +59,7 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Subject:
-    """A volume, where its opacity is 0, 0.05 and 0.2, and where it steps from 0 to 1; in the units of its file."""
+    """A volume, the values of opacity 0, 0.05 and 0.2, and that of the hard step; in the units of its file."""
 
     file: str
     soft: tuple[float, float, float]
@@ -68,7 +68,7 @@ class Subject:
     bundled: Callable[[], ws.Volume] | None = None
 
     def volume(self) -> ws.Volume | None:
-        """The volume, if it is to be had."""
+        """The volume, from its file or bundled; None if there is neither."""
         path = DATA / self.file
         return ws.open(path) if path.exists() else self.bundled() if self.bundled else None
 
@@ -85,7 +85,7 @@ SUBJECTS = {
 
 @dataclass(frozen=True)
 class Changes:
-    """Of brightness, percent, by levels left out and view."""
+    """Changes of brightness, percent, by levels left out and view."""
 
     plain: Array
     ours: Array
@@ -93,17 +93,17 @@ class Changes:
 
 @dataclass(frozen=True)
 class Row:
-    """A function on a volume."""
+    """Measurements of a transfer function on a volume."""
 
     subject: str
     curve: str
-    #: None of large volumes.
+    #: None for large volumes.
     changes: Changes | None
     frame_ms: Sequence[float]
 
     @property
     def times_less(self) -> list[float]:
-        """Frame with all levels over one with one, two, three left out."""
+        """Time of a frame with all levels over that with one, two, three levels left out."""
         whole, *fewer = self.frame_ms
         return [whole / ms for ms in fewer[:MAX_DROPPED]]
 
@@ -121,7 +121,7 @@ class Row:
 
 
 def transfer_function(subject: Subject, curve: str, unit: float) -> ws.TransferFunction:
-    """The soft or the hard one."""
+    """The soft or the hard transfer function of a subject."""
     if curve == "hard":
         return ws.TransferFunction([(subject.hard, 0), (subject.hard + 1, 1)], [(subject.hard, 1, 0.9, 0.75)], unit)
     first, middle, last = subject.soft
@@ -139,7 +139,7 @@ def plain_level(wavelets: ws.WaveletVolume, n_dropped: int) -> ws.Volume:
 def draw(
     volume: Any, tf: ws.TransferFunction, view: tuple[int, int], size: int, camera_of: Any = None, **options: Any
 ) -> Array:
-    """RGB, 0..1."""
+    """Picture as RGB, 0..1."""
     picture = ws.render(
         volume, tf, ws.Camera.orbit(camera_of or volume, *view, fit="view"), size=(size, size), **options
     )
@@ -147,7 +147,7 @@ def draw(
 
 
 def least_ms(work: Callable[[], object]) -> float:
-    """Processor time, the least of 4 after one that is not counted, or of as many as take a fifth of a second."""
+    """Least processor time, ms, of at least 4 runs that take a fifth of a second, after one that is not counted."""
     work()
     times: list[float] = []
     while len(times) < 4 or sum(times) < 200:
@@ -158,9 +158,9 @@ def least_ms(work: Callable[[], object]) -> float:
 
 
 def frame_times(wavelets: ws.WaveletVolume, tf: ws.TransferFunction, size: int) -> list[float]:
-    """Milliseconds of a frame with no level left out, one, and so on; at last all.
+    """Milliseconds of a frame by the number of levels left out: none, one, and so on; at last all.
 
-    The least of some rounds, so that a slow spell of the machine does not meet all frames of a level.
+    Each is the least of some rounds, so that a slow spell of the machine does not meet all frames of a level.
     """
     camera = ws.Camera.orbit(wavelets, *VIEWS[0], fit="view")
 
@@ -173,7 +173,7 @@ def frame_times(wavelets: ws.WaveletVolume, tf: ws.TransferFunction, size: int) 
 
 
 def measure(name: str, size: int, pages: dict[str, list[list[Array]]]) -> list[Row]:
-    """Both functions on a volume."""
+    """Measure both transfer functions on a volume."""
     subject = SUBJECTS[name]
     volume = subject.volume()
     if volume is None:
@@ -202,14 +202,14 @@ def measure(name: str, size: int, pages: dict[str, list[list[Array]]]) -> list[R
 
 
 def large(n: int) -> list[Row]:
-    """n^3 samples: the engine, repeated; only its time."""
+    """Measure the times alone of n^3 samples: the engine, repeated."""
     subject = SUBJECTS["engine"]
     engine = subject.volume()
     if engine is None:
         return []
     repeats = [-(-n // m) for m in engine.samples.shape]
     wavelets = ws.WaveletVolume.from_volume(ws.Volume(np.tile(engine.samples, repeats)[:n, :n, :n]), keep=0.03)
-    # A level may have half of it.
+    # A level may have half of the cache.
     wavelets.cache_bytes = 3 * 4 * n**3
 
     def row(curve: str) -> Row:
@@ -220,7 +220,7 @@ def large(n: int) -> list[Row]:
 
 
 def table(rows: Sequence[Row]) -> list[list[str]]:
-    """A row per volume and function; levels left out with slashes between."""
+    """Table of a row per volume and function; cells hold numbers by levels left out, with slashes between."""
 
     def changes(values: Array) -> str:
         worst = [line[np.argmax(np.abs(line))] for line in values]
@@ -239,7 +239,7 @@ def table(rows: Sequence[Row]) -> list[list[str]]:
 
 
 def save_pages(pages: dict[str, list[list[Array]]], folder: Path) -> None:
-    """A PNG per volume and function: above plain, below ours, more levels left out to the right."""
+    """Save a PNG per volume and function: above plain, below ours, more levels left out to the right."""
     folder.mkdir(parents=True, exist_ok=True)
     for name, lines in pages.items():
         rgb = np.concatenate([np.concatenate(line, axis=1) for line in lines], axis=0)

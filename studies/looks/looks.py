@@ -38,7 +38,7 @@ class Case:
 
     @property
     def name(self) -> str:
-        """File and what is chosen of it."""
+        """File and what is chosen in it, such as a channel or a time."""
         chosen = " ".join(str(value).rpartition("/")[2] for value in self.options.values())
         stem = self.path.rstrip("/").rpartition("/")[2].partition(".")[0]
         return f"{stem} {chosen}".strip()
@@ -120,7 +120,7 @@ def _volumes() -> Any:
 
 
 def _on_black(picture: ws.Picture) -> NDArray[np.uint8]:
-    """As a file shows it: over black where nothing is."""
+    """Picture as a file shows it: over black where nothing is."""
     rgb = picture.rgba[..., :3]
     return np.asarray(np.clip(np.round(rgb * 255), 0, 255), dtype=np.uint8)
 

@@ -1,4 +1,4 @@
-"""What is compared: ray casting at several steps, standard splatting, high-resolution splatting, and its ablations."""
+"""Ways to draw that are compared: ray casting, standard splatting, high-resolution splatting, and its ablations."""
 
 # ruff: noqa: INP001 - a script, not a package
 from __future__ import annotations
@@ -9,7 +9,7 @@ from typing import Any, Literal
 
 import wavesplat as ws
 
-#: Half the width of the differences for gradients where the paper varies it, in sample distances.
+#: Offsets of gradient differences to each side, in sample distances, as the paper varies them.
 OFFSETS = (0.1, 0.5, 0.75, 1.0)
 KERNELS = ("linear", "catmull-rom", "bspline2", "bspline3", "gaussian")
 TABLE_ENTRIES = 4
@@ -17,7 +17,7 @@ TABLE_ENTRIES = 4
 
 @dataclass(frozen=True)
 class Entry:
-    """A way to draw. `how` are arguments of what draws it."""
+    """A way to draw. `how`: keyword arguments of `draws`."""
 
     group: str
     label: str
@@ -31,19 +31,19 @@ class Entry:
         return self.draws is ws.study.splat
 
     def draw(self, volume: ws.Volume, scene: dict[str, Any]) -> ws.Picture:
-        """The picture of a scene, which is what all ways have in common."""
+        """Draw a scene, the arguments that all ways have in common."""
         arguments = {**scene, "shading": ws.Shading.headlight(gradient_offset=self.gradient_offset), **self.how}
         return self.draws(volume, arguments.pop("transfer_function"), **arguments)
 
 
 def standard(label: str, kernel: str = "linear", **choices: Any) -> Entry:
-    """A kind of standard splatting."""
+    """Entry of a kind of standard splatting."""
     how = {"kernel": kernel, "standard": ws.study.StandardSplatting(**choices)}
     return Entry("standard splatting", label, how, draws=ws.study.standard)
 
 
 def rays(label: str, step: float, gradient_offset: float = 1.0) -> Entry:
-    """The reference ray caster."""
+    """Entry of the reference ray caster."""
     return Entry("ray casting", label, {"step": step}, gradient_offset, ws.reference.raycast)
 
 
@@ -64,7 +64,7 @@ QUALITIES = [
     for quality in ("draft", "normal", "high")
 ]
 
-#: Settings among which the best that takes no longer than standard splatting is looked for.
+#: Settings of high-resolution splatting; `at_equal_time` picks the best that takes no longer than standard splatting.
 SETTINGS = [
     Entry(
         "high-resolution splatting",
@@ -80,14 +80,14 @@ PLAIN = {"sheets_per_slice": 2.0, "oversampling": 1.0}
 
 
 def plain(label: str, *, sheets: float = 2.0, pre_integration: bool = False) -> Entry:
-    """The method by itself, by the fast renderer: without an ablation it is the literal splatter to rounding."""
+    """Entry of the method by itself, by the fast renderer: the literal splatter without an ablation, to rounding."""
     how: dict[str, Any] = {"pre_integration": pre_integration, "early_ray_termination": False}
     how |= {"quality": ws.Sampling(sheets, PLAIN["oversampling"])}
     return Entry("the method, plain", label, how, draws=ws.study.render)
 
 
 def ablation(group: str, label: str, offset: float = 1.0, **choices: Any) -> Entry:
-    """The method with one part left out or changed."""
+    """Entry of the method with one part left out or changed."""
     return Entry(group, label, {**PLAIN, "ablation": ws.study.Ablation(**choices)}, offset, ws.study.splat)
 
 
@@ -115,9 +115,9 @@ ABLATIONS = [
     ablation("footprint", "nearest of 64 entries", footprint="nearest", footprint_entries=64),
 ]
 
-#: Against the signal itself: every kernel, by every way to draw.
+#: Settings of high-resolution splatting against the signal itself, which is drawn with every kernel by every way.
 FINE = {"quality": "high"}
-#: Texels per pixel of standard splatting, as of quality high where surfaces are hard.
+#: Texels per pixel of standard splatting: as many as quality high has where surfaces are hard.
 FINE_STANDARD = {"oversampling": 3.0}
 PLACES: tuple[tuple[Literal["axis", "view"], str], ...] = (("axis", "along the axes"), ("view", "parallel to the view"))
 AGAINST_SIGNAL = [

@@ -12,7 +12,7 @@ signal      Of the ripples: rays through the formula itself (`signal_caster.py`)
 PSNR = 10 log10(1 / mean squared error) over all pixels and colour channels, over black; the error is the mean absolute
 difference in grey levels of 255. Milliseconds are of the processor, all threads together: the least of a few runs after
 one that prepares the volume. The ray caster is the reference of the tests, written to be exact and not to be fast.
-The ablations are drawn by `wavesplat.study.splat`, which is no faster: its times tell nothing of the method.
+The ablations are drawn by `wavesplat.study.splat`, which is no faster: its times say nothing about the method.
 
 One page of HTML with the pictures goes to `--out`, and the tables as Markdown beside it; `--record` also writes them to
 RESULTS.md beside this file. Converged pictures are kept in `.cache/study`.
@@ -52,7 +52,7 @@ RESULTS = Path(__file__).with_name("RESULTS.md")
 SUBJECTS = {"ripples": subjects.RIPPLES, "ct": subjects.CT, "mri": subjects.MRI}
 CURVES = ("soft", "hard")
 
-#: Of the converged pictures.
+#: Step of the converged pictures, in voxels.
 STEP_VOXELS = 0.05
 HARD_RAYS = 16
 
@@ -60,10 +60,10 @@ HARD_RAYS = 16
 N_RIPPLES = 32
 SIGNAL_VIEWS = {"oblique": subjects.RIPPLES.view, "from above": (0, 90)}
 
-#: A measurement is repeated until so much processor time is spent.
+#: A measurement is repeated until this much processor time is spent.
 TIMING_MS = 120
 
-#: Of the curve over the view's angle: elevations, and pixels.
+#: Curve over the view's angle: elevations in degrees, and the side of the pictures in pixels.
 ANGLES = (0, 10, 20, 30, 40, 44)
 ANGLE_SIZE_PX = 160
 
@@ -72,26 +72,26 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Row:
-    """One picture, measured."""
+    """Measurements of a picture."""
 
     scene: tuple[str, str]
     entry: Entry
-    #: Not a number for a literal twin.
+    #: Processor time, milliseconds; NaN for a literal twin.
     ms: float
     psnr_db: float
-    #: Mean absolute, grey levels.
+    #: Mean absolute error, grey levels.
     error: float
     picture: Array
 
 
 def transfer_function(name: str, curve: str) -> ws.TransferFunction:
-    """A curve of a subject."""
+    """Transfer function of a subject: its curve "soft" or "hard"."""
     drawn = SUBJECTS[name]
     return subjects.hard_function(drawn.hard) if curve == "hard" else subjects.soft_function(*drawn.soft)
 
 
 def scene_of(name: str, curve: str, volume: ws.Volume, size_px: int) -> dict[str, Any]:
-    """What `render` and `raycast` have in common."""
+    """Arguments that `render` and `raycast` have in common."""
     drawn = SUBJECTS[name]
     return {
         "transfer_function": transfer_function(name, curve),
@@ -102,23 +102,23 @@ def scene_of(name: str, curve: str, volume: ws.Volume, size_px: int) -> dict[str
 
 
 def rgb(rgba: NDArray[Any]) -> Array:
-    """Over black, 0..1."""
+    """Colour over black, 0..1."""
     return np.clip(np.asarray(rgba[..., :3], np.float64), 0, 1)
 
 
 def psnr_db(picture: Array, wanted: Array) -> float:
-    """Over all pixels and channels."""
+    """PSNR over all pixels and channels, dB."""
     square = float(np.mean((picture - wanted) ** 2))
     return 10 * math.log10(1 / square) if square > 0 else math.inf
 
 
 def grey_levels(picture: Array, wanted: Array) -> float:
-    """Mean absolute difference."""
+    """Mean absolute difference, in grey levels of 255."""
     return float(255 * np.abs(picture - wanted).mean())
 
 
 def converged(volume: ws.Volume, scene: dict[str, Any], *, is_hard: bool) -> Array:
-    """The reference, from the cache where it is there."""
+    """The converged picture, from the cache if it is there."""
     how = {**scene, "step": STEP_VOXELS, "rays_per_pixel": HARD_RAYS if is_hard else 1}
     digest = hashlib.sha256(repr(how).encode() + volume.samples.tobytes()).hexdigest()[:16]
     path = CACHE / f"{digest}.npy"
@@ -130,7 +130,7 @@ def converged(volume: ws.Volume, scene: dict[str, Any], *, is_hard: bool) -> Arr
 
 
 def timed(entry: Entry, volume: ws.Volume, scene: dict[str, Any]) -> tuple[float, Array]:
-    """Milliseconds of the processor, the least of a few runs, and the picture."""
+    """Milliseconds of processor time, the least of a few runs, and the picture."""
     if entry.is_literal:
         return math.nan, rgb(entry.draw(volume, scene).rgba)
     if entry.draws is not ws.reference.raycast:
@@ -144,7 +144,7 @@ def timed(entry: Entry, volume: ws.Volume, scene: dict[str, Any]) -> tuple[float
 
 
 def measure(name: str, curve: str, size_px: int) -> tuple[Array, list[Row]]:
-    """The converged picture of a scene, and every way to draw it."""
+    """Draw the converged picture of a scene, and measure every way to draw it."""
     started = time.monotonic()
     volume = SUBJECTS[name].source()
     scene = scene_of(name, curve, volume, size_px)
@@ -159,7 +159,7 @@ def measure(name: str, curve: str, size_px: int) -> tuple[Array, list[Row]]:
 
 
 def at_equal_time(rows: list[Row]) -> tuple[Row, Row]:
-    """Standard splatting, and the best setting of ours that takes no longer; the fastest where none does."""
+    """Rows of standard splatting and of our best setting that takes no longer, or of the fastest if all take longer."""
     standard = next(row for row in rows if row.entry is entries.STANDARD)
     ours = [row for row in rows if row.entry in entries.SETTINGS]
     in_time = [row for row in ours if row.ms <= standard.ms]
@@ -178,7 +178,7 @@ class Signal:
 
 
 def against_signal(view: str, curve: str, size_px: int) -> Signal:
-    """Every kernel by every way, compared with the signal."""
+    """Compare every kernel by every way with the signal."""
     started = time.monotonic()
     volume = ws.examples.ripples(N_RIPPLES)
     camera = ws.Camera.orbit(volume, *SIGNAL_VIEWS[view], fit="view")
@@ -220,7 +220,7 @@ def angles() -> dict[str, list[float]]:
 
 
 def scene_table(rows: list[Row]) -> list[list[str]]:
-    """All ways to draw a scene, in the order of the entries."""
+    """Table of all ways to draw a scene, in the order of the entries."""
     lines = [["", "", "CPU ms", "PSNR, dB", "error, grey levels"]]
     for row in rows:
         if row.entry not in entries.SETTINGS:
@@ -231,7 +231,7 @@ def scene_table(rows: list[Row]) -> list[list[str]]:
 
 
 def equal_time_table(scenes: dict[tuple[str, str], list[Row]]) -> list[list[str]]:
-    """Standard splatting, and ours in its time."""
+    """Table of standard splatting, and of our best setting in the same time."""
     lines = [["scene", "standard, ms", "dB", "ours in that time", "ms", "dB", "dB gained"]]
     for (name, curve), rows in scenes.items():
         standard, ours = at_equal_time(rows)
@@ -242,7 +242,7 @@ def equal_time_table(scenes: dict[tuple[str, str], list[Row]]) -> list[list[str]
 
 
 def signal_table(signals: list[Signal]) -> list[list[str]]:
-    """PSNR from the signal, way by way."""
+    """Table of the PSNR against the signal, by way to draw."""
     lines = [["", "", *(f"{signal.view}, {signal.curve}" for signal in signals), "mean"]]
     for entry in entries.AGAINST_SIGNAL:
         numbers = [next(db for db, _, other, _ in signal.ranking if other is entry) for signal in signals]
@@ -252,13 +252,13 @@ def signal_table(signals: list[Signal]) -> list[list[str]]:
 
 
 def angle_table(found: dict[str, list[float]]) -> list[list[str]]:
-    """Brightness over the angle."""
+    """Table of the brightness over the angle."""
     heading = ["percent of the ray caster's", *(f"{angle} degrees" for angle in ANGLES)]
     return [heading, *([label.strip(), *(f"{value:.1f}" for value in values)] for label, values in found.items())]
 
 
 def findings(scenes: dict[tuple[str, str], list[Row]], signals: list[Signal]) -> list[str]:
-    """What the numbers say, in sentences made from them."""
+    """Sentences that sum up the numbers."""
     said = []
     for (name, curve), rows in scenes.items():
         standard, ours = at_equal_time(rows)
@@ -326,7 +326,7 @@ def blocks(
     signals: list[Signal],
     found: dict[str, list[float]],
 ) -> list[tuple[str, str]]:
-    """The page, title by title."""
+    """Titles and HTML of the page's blocks."""
     shown = [
         ("At equal time", page.table(equal_time_table(scenes)) + page.time_plot(scenes)),
         ("Nearest to the unsampled signal", page.table(signal_table(signals))),

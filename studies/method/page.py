@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 Array = NDArray[np.float64]
 Scenes = dict[tuple[str, str], list["Row"]]
 
-#: Differences are shown this many times as strong.
+#: Factor by which differences are amplified where they are shown.
 STRONGER = 4
 #: Part of a picture that shows what an ablation does, as a share of its side.
 CROP = 0.35
@@ -46,31 +46,31 @@ details summary { cursor: pointer; margin: 1rem 0; }
 
 
 def source(picture: Array) -> str:
-    """A picture as the source of an image; all of them as PNG would make a page of 40 MB."""
+    """A picture as a data URL, in WebP: PNG would make a page of 40 MB."""
     buffer = io.BytesIO()
     Image.fromarray(np.rint(255 * np.clip(picture, 0, 1)).astype(np.uint8)).save(buffer, "WEBP", quality=95)
     return f"data:image/webp;base64,{base64.b64encode(buffer.getvalue()).decode()}"
 
 
 def figure(label: str, note: str, pictures: Iterable[Array]) -> str:
-    """Pictures one above the other, and what they are."""
+    """HTML of pictures one above the other, with a caption."""
     alt = html.escape(label)
     images = "".join(f'<img src="{source(picture)}" alt="{alt}" loading="lazy">' for picture in pictures)
     return f"<figure>{images}<figcaption>{alt}<br><span>{html.escape(note)}</span></figcaption></figure>"
 
 
 def strip(figures: Iterable[str]) -> str:
-    """Pictures side by side."""
+    """HTML of figures side by side."""
     return f'<div class="strip">{"".join(figures)}</div>'
 
 
 def is_number(cell: str) -> bool:
-    """Whether a cell is aligned to the right; empty ones are where others are."""
+    """Whether a cell may stand in a column of numbers: it is a number, or empty."""
     return not cell or cell.lstrip("+-").replace(".", "", 1).isdigit()
 
 
 def table(lines: Table) -> str:
-    """A table; columns of numbers to the right."""
+    """HTML of a table, its columns of numbers aligned to the right."""
     heading, *body = lines
     numeric = [all(is_number(line[i]) for line in body) for i in range(len(heading))]
 
@@ -84,7 +84,7 @@ def table(lines: Table) -> str:
 
 
 def plot(drawing: Figure, alt: str) -> str:
-    """A plot as an image."""
+    """HTML of a plot, as an image."""
     buffer = io.BytesIO()
     drawing.savefig(buffer, format="png", dpi=130)
     encoded = base64.b64encode(buffer.getvalue()).decode()
@@ -92,7 +92,7 @@ def plot(drawing: Figure, alt: str) -> str:
 
 
 def difference(picture: Array, wanted: Array) -> Array:
-    """Absolute, made stronger."""
+    """Absolute difference, amplified by `STRONGER`."""
     return np.asarray(STRONGER * np.abs(picture - wanted))
 
 
@@ -104,13 +104,13 @@ def middle(picture: Array) -> Array:
 
 
 def numbers(row: Row) -> str:
-    """What stands below a picture."""
+    """Caption of a picture: PSNR, error and time."""
     ms = "" if row.entry.is_literal else f", {row.ms:.0f} ms"
     return f"{row.psnr_db:.1f} dB, {row.error:.2f} grey levels{ms}"
 
 
 def scene_strip(wanted: Array, rows: list[Row], best: Row) -> str:
-    """The converged picture, and the main ways to draw it above their differences from it."""
+    """HTML of the converged picture, and of the main ways to draw it above their differences from it."""
     shown = [*entries.QUALITIES[::-1], best.entry, *entries.STANDARDS, *entries.RAYS]
     by_entry = {id(row.entry): row for row in rows}
     figures = [figure("converged ray casting", "below: differences, four times as strong", [wanted, 0 * wanted])]
@@ -123,7 +123,7 @@ def scene_strip(wanted: Array, rows: list[Row], best: Row) -> str:
 
 
 def ablation_strips(wanted: Array, rows: list[Row]) -> str:
-    """What each switch does, in the middle of the picture."""
+    """HTML of the effect of each ablation, in the middle of the picture."""
     parts = []
     groups = dict.fromkeys(entry.group for entry in entries.ABLATIONS)
     base = next(row for row in rows if row.entry is entries.BASE)
@@ -138,7 +138,7 @@ def ablation_strips(wanted: Array, rows: list[Row]) -> str:
 
 
 def time_plot(scenes: Scenes) -> str:
-    """Quality over time of every scene."""
+    """Plot of quality over time, by scene."""
     from matplotlib.figure import Figure
 
     names = list(dict.fromkeys(name for name, _ in scenes))
@@ -161,7 +161,7 @@ def time_plot(scenes: Scenes) -> str:
 
 
 def angle_plot(angles: Sequence[float], found: dict[str, list[float]]) -> str:
-    """Brightness over the angle."""
+    """Plot of brightness over the angle."""
     from matplotlib.figure import Figure
 
     drawing = Figure(figsize=(7.5, 4), layout="constrained")
@@ -175,7 +175,7 @@ def angle_plot(angles: Sequence[float], found: dict[str, list[float]]) -> str:
 
 
 def signal_strip(signal: Signal) -> str:
-    """The signal, and the nearest of each kind with the linear kernel beside it."""
+    """HTML of the signal, and of the nearest picture of each kind with the linear kernel beside it."""
     figures = [figure("the signal itself", "no samples", [signal.picture, 0 * signal.picture])]
     seen: set[str] = set()
     for db, error, entry, picture in signal.ranking:
@@ -195,7 +195,7 @@ def write(
     heading: str,
     blocks: Sequence[tuple[str, str]],
 ) -> None:
-    """The page: what was found, then the blocks, each a title and its HTML."""
+    """Write the page: the findings, then the blocks, each a title and its HTML."""
     points = "".join(f"<li>{html.escape(sentence)}</li>" for sentence in said)
     body = "".join(f"<h2>{html.escape(title)}</h2>{inside}" for title, inside in blocks)
     path.write_text(

@@ -1,6 +1,6 @@
 """The ripples signal drawn as it is, without samples: rays through the formula itself, as in the paper's figure 8.
 
-Every reconstruction from samples differs from this picture by what the samples do not tell; a converged ray caster of
+Every reconstruction from samples differs from this picture by what the samples do not hold; a converged ray caster of
 the samples does too. The formula is that of `wavesplat.examples.ripples` (Marschner and Lobb 1994), its gradient is
 worked out by hand, and the light is that of `wavesplat.Shading`:
 
@@ -33,7 +33,7 @@ def signal(index: Array, n: int) -> Array:
 
 
 def gradient(index: Array, n: int) -> Array:
-    """Of the values, per index step."""
+    """Gradient of the signal, per index step."""
     x, y, z = np.moveaxis(2 * index / (n - 1) - 1, -1, 0)
     r = np.maximum(np.hypot(x, y), 1e-12)
     inner = 2 * np.pi * F_M * np.cos(np.pi * r / 2)
@@ -44,7 +44,7 @@ def gradient(index: Array, n: int) -> Array:
 
 
 def lit(rgb: Array, normal: Array, to_eye: Array) -> Array:
-    """Colours under one white headlight."""
+    """Shaded colours under one white headlight."""
     shading = ws.Shading.headlight()
     unit = normal / np.maximum(np.linalg.norm(normal, axis=-1, keepdims=True), 1e-12)
     n_l = unit @ to_eye
@@ -85,7 +85,7 @@ class Rays:
 
 
 def steps(rays: Rays, rows: slice, step: float) -> tuple[Array, Array]:
-    """Distances that cut what each ray has inside into equal parts about a step long, and their length."""
+    """Distances that cut the part of each ray inside the grid into equal parts about a step long, and their length."""
     near = rays.near[rows]
     length = np.maximum(rays.far[rows] - near, 0)
     n_steps = max(1, int(np.ceil(length.max() / step)))
@@ -94,7 +94,7 @@ def steps(rays: Rays, rows: slice, step: float) -> tuple[Array, Array]:
 
 
 def soft_rows(rays: Rays, rows: slice, tf: ws.TransferFunction, step: float) -> Array:
-    """Emission and absorption along the rays of some rows."""
+    """Pixels of some rows, by emission and absorption along their rays."""
     cuts, each = steps(rays, rows, step)
     if not each.any():
         return np.zeros((*each.shape, 4))
@@ -110,7 +110,7 @@ def soft_rows(rays: Rays, rows: slice, tf: ws.TransferFunction, step: float) -> 
 
 
 def hard_rows(rays: Rays, rows: slice, tf: ws.TransferFunction, step: float) -> Array:
-    """The first place on the rays of some rows where the function is opaque."""
+    """Pixels of some rows, by the first place on their rays where the function is opaque."""
     cuts, each = steps(rays, rows, step)
     edge = tf.opacity[-1][0]
     is_inside = signal(rays.at(rows, cuts), rays.n) >= edge

@@ -1,4 +1,4 @@
-"""How close the fast renderer comes to the converged picture; `make quality` runs this.
+"""Quality of the fast renderer against the converged picture; `make quality` runs this.
 
 The converged picture is `wavesplat.reference.raycast`: double precision, a step of 0.05 voxels, the same linear
 kernel and the same gradient. Soft transfer functions are compared with one ray per pixel, hard steps with 16, since
@@ -87,7 +87,7 @@ Picture = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Case:
-    """One picture: what is drawn, how, and from where."""
+    """A picture of the study: volume, curve, shading, projection and view."""
 
     volume: str
     curve: str
@@ -97,24 +97,24 @@ class Case:
 
     @property
     def label(self) -> str:
-        """What `--only` matches."""
+        """Name of the case, which `--only` matches."""
         shading = "shaded" if self.shaded else "unshaded"
         return f"{self.volume}-{self.curve}-{shading}-{self.projection}-{self.view}"
 
     @property
     def rays_per_pixel(self) -> int:
-        """Of the reference."""
+        """Rays per pixel of the reference."""
         return 16 if self.curve == "hard" else 1
 
     def goal_db(self, quality: str) -> float | None:
-        """Least PSNR; None where nothing is asked."""
+        """Least PSNR that is asked for, dB; None where there is no goal."""
         if self.curve == "hard":
             return None if quality == "normal" else 34.0 if self.volume == "ripples" else 38.0
         least = {"normal": 40.0, "high": 45.0}[quality]
         return least if self.shaded else least + 5.0
 
     def arguments(self) -> tuple[ws.Volume, ws.TransferFunction, ws.Camera, ws.Shading | None]:
-        """What both renderers take."""
+        """Arguments that both renderers take: volume, transfer function, camera, shading."""
         volume = loaded(self.volume)
         opacity, color = CURVES[self.volume, self.curve]
         azimuth, elevation = next((a, e) for name, a, e in VIEWS if name == self.view)
@@ -139,12 +139,12 @@ def loaded(name: str) -> ws.Volume:
 
 
 def over_black(picture: ws.Picture) -> Picture:
-    """What a viewer sees: associated colour over black is the colour itself."""
+    """The colour over black, 0..1: associated colour over black is the colour itself."""
     return np.clip(picture.rgba[..., :3].astype(np.float64), 0.0, 1.0)
 
 
 def cast(case: Case, size_px: int, rays_per_pixel: int, step: float = STEP_VOXELS) -> ws.Picture:
-    """The reference picture."""
+    """Draw the reference picture."""
     volume, transfer_function, camera, shading = case.arguments()
     return ws.reference.raycast(
         volume,
@@ -191,7 +191,7 @@ def reference(case: Case, size_px: int) -> Picture:
 
 
 def fast(case: Case, size_px: int, quality: Any) -> Picture:
-    """The picture under test."""
+    """Draw the picture under test."""
     volume, transfer_function, camera, shading = case.arguments()
     size = (size_px, size_px)
     return over_black(ws.render(volume, transfer_function, camera, size=size, shading=shading, quality=quality))
@@ -206,7 +206,7 @@ class Score:
 
     @classmethod
     def of(cls, picture: Picture, wanted: Picture) -> Score:
-        """Measure a picture."""
+        """Score of a picture."""
         difference = picture - wanted
         mean_square = float(np.mean(difference**2))
         psnr_db = 10 * math.log10(1 / mean_square) if mean_square > 0 else math.inf
@@ -214,7 +214,7 @@ class Score:
 
     @classmethod
     def worst(cls, scores: Sequence[Score]) -> Score:
-        """The lowest PSNR and the largest error."""
+        """Score of the lowest PSNR and the largest error."""
         return cls(min(score.psnr_db for score in scores), max(score.mean_abs_levels for score in scores))
 
 
@@ -227,7 +227,7 @@ HEADINGS = {"volume": "volume", "curve": "opacity", "shaded": "shading", "projec
 
 
 def table(scores: dict[Case, dict[str, Score]], rows: str) -> tuple[list[list[str]], bool]:
-    """Heading and rows of text, and whether all goals are met."""
+    """Heading and rows of the table, and whether all goals are met."""
     fields = ROW_FIELDS[rows]
     groups: dict[tuple[Any, ...], list[Case]] = {}
     for case in scores:

@@ -35,14 +35,14 @@ QUALITIES: tuple[Any, ...] = ("draft", "normal", "high")
 #: Largest errors of opacity and of colour on ramps, grey levels.
 LIMITS: dict[str, tuple[float, float]] = {"draft": (4.0, 16.0), "normal": (3.0, 8.0), "high": (2.0, 5.0)}
 
-#: How much larger the error of a better quality may be, grey levels, and by how much its PSNR may be lower on balls.
+#: Margin by which a better quality may be worse: error in grey levels, and PSNR on balls in dB.
 MARGIN = 1.0
 MARGIN_DB = 0.5
 
-#: PSNR at quality normal that a picture of a ball has at least: a black one of a shell that is seen has less.
+#: Least PSNR of a picture of a ball at quality normal: a black picture, where a shell should be seen, has less.
 MIN_BALL_DB = 25.0
 
-#: Values go from 0 to this.
+#: Largest value of the volumes; the smallest is 0.
 RANGE = 100.0
 
 #: Steps between two nodes that the wanted colours are summed in.
@@ -62,7 +62,7 @@ class Case:
     unit: float | None
     n_slices: int
     tilt_deg: float
-    #: Values are whole numbers of 16 bits, this many per unit; 0: floats.
+    #: Number of sample levels per unit of value, in whole numbers of 16 bits; 0: the samples are floats.
     per_value: int
 
     @property
@@ -71,32 +71,32 @@ class Case:
         return self.per_value or 1
 
     def transfer_function(self) -> ws.TransferFunction:
-        """In sample units."""
+        """Transfer function in sample units."""
         color = [(value * self.scale, *rgb) for value, *rgb in self.color]
         return ws.TransferFunction([(v * self.scale, a) for v, a in self.opacity], color, opacity_unit=self.unit)
 
     def ramp(self) -> ws.Volume:
-        """Values from 0 to RANGE along z."""
+        """Volume whose values go from 0 to RANGE along z."""
         values = np.linspace(0, RANGE * self.scale, self.n_slices)[:, None, None]
         dtype = np.uint16 if self.per_value else np.float32
         return ws.Volume(np.broadcast_to(values, (self.n_slices, 64, 64)).astype(dtype))
 
     def camera(self) -> ws.Camera:
-        """Looks along -z, turned about y."""
+        """Camera that looks along -z, turned about y."""
         focus = np.array([31.5, 31.5, (self.n_slices - 1) / 2])
         tilt = math.radians(self.tilt_deg)
         to_eye = np.array([math.sin(tilt), 0.0, math.cos(tilt)])
         return ws.Camera(tuple(focus + 200 * to_eye), tuple(focus), (0, 1, 0), parallel_scale=2.0)
 
     def draw(self, quality: str) -> Floats:
-        """Colour and opacity of a ray."""
+        """Draw the case; colour and opacity of a ray."""
         options: dict[str, Any] = {"size": (8, 8), "shading": None, "quality": quality, "device": "cpu"}
         picture = ws.render(self.ramp(), self.transfer_function(), self.camera(), **options)
         rgba: Floats = picture.rgba[4, 4].astype(float)
         return rgba
 
     def wanted(self) -> Floats:
-        """The same by arithmetic."""
+        """Colour and opacity of a ray by arithmetic."""
         length = (self.n_slices - 1) / math.cos(math.radians(self.tilt_deg)) / (self.unit or 1.0)
         nodes = sorted({0.0, RANGE, *(v for v, *_ in self.opacity), *(v for v, *_ in self.color)})
         inside = [node for node in nodes if 0 <= node <= RANGE]
@@ -130,7 +130,10 @@ def between(
 
 
 def part(width: float, a: float, b: float) -> float:
-    """Width times the mean of -ln(1 - a) where a goes evenly from one opacity to another."""
+    """Width times the mean of -ln(1 - opacity), where the opacity goes linearly from a to b.
+
+    With u = 1 - a and v = 1 - b the mean is that of -ln from v to u, whose antiderivative is x - x ln x.
+    """
     u, v = 1 - a, 1 - b
     if max(u, v) <= 0:
         return 1e9 * width
@@ -151,14 +154,14 @@ def color_at(nodes: Sequence[tuple[float, float, float, float]], value: float) -
 
 
 def peak(rng: np.random.Generator, top: float, center: float | None = None, width: float | None = None) -> Curve:
-    """A tent."""
+    """A tent-shaped peak."""
     center = float(rng.uniform(3, 97)) if center is None else center
     width = log_uniform(rng, 0.05, 20) if width is None else width
     return [(center - width, 0.0), (center, top), (center + width, 0.0)]
 
 
 def log_uniform(rng: np.random.Generator, lo: float, hi: float) -> float:
-    """Small numbers as often as large ones."""
+    """A random number whose logarithm is uniform, so that small numbers are as frequent as large ones."""
     return float(np.exp(rng.uniform(math.log(lo), math.log(hi))))
 
 
@@ -190,7 +193,7 @@ def gap(rng: np.random.Generator, top: float) -> Curve:
 
 
 def mixture(rng: np.random.Generator, top: float) -> Curve:
-    """Nodes anywhere."""
+    """A curve with nodes anywhere."""
     n = int(rng.integers(3, 10))
     values = np.sort(rng.uniform(0, RANGE, n))
     return [(float(value), float(rng.choice([0.0, top, top * rng.uniform()]))) for value in values]
@@ -239,7 +242,7 @@ class Errors:
     color: dict[str, float]
 
     def faults(self) -> Iterator[str]:
-        """What is wrong, a sentence each."""
+        """Sentences on the errors that are too large."""
         for quality, (of_opacity, of_color) in LIMITS.items():
             if self.opacity[quality] > of_opacity:
                 yield f"quality {quality}: the opacity is off by {self.opacity[quality]:.1f} grey levels"
@@ -252,14 +255,14 @@ class Errors:
 
 
 def measured(case: Case) -> Errors:
-    """Draws a case at every quality."""
+    """Draw a case at every quality, and measure its errors."""
     want = case.wanted()
     off = {quality: 255 * np.abs(case.draw(quality) - want) for quality in QUALITIES}
     return Errors(case, {q: float(e[3]) for q, e in off.items()}, {q: float(e[:3].max()) for q, e in off.items()})
 
 
 def table(errors: Sequence[Errors]) -> str:
-    """Mean and largest errors by kind."""
+    """Table of mean and largest errors by kind."""
     lines = [["function", "n", *(f"{what}, {quality}" for what in ("opacity", "colour") for quality in QUALITIES)]]
     kinds = sorted({e.case.kind for e in errors})
     for kind in [*kinds, "all"]:
@@ -289,7 +292,7 @@ def ball_psnr_db(case: Case) -> dict[str, float]:
 
 
 def main() -> int:
-    """Prints the tables; 1 if something is wrong."""
+    """Print the tables; 1 if an error is too large."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seed", type=int, default=1, help="of the functions")
     parser.add_argument("--n", type=int, default=400, help="functions on ramps")

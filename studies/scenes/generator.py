@@ -109,7 +109,7 @@ def scene(seed: int, number: int, parts: Parts | None = None) -> Scene:
 
 
 def _affine(draw: _Draw) -> NDArray[np.float64]:
-    """World from index: spacings from 1e-6 to 1e6, up to three times as large on one axis as on another; maybe sheared."""
+    """World from index: spacings from 1e-6 to 1e6, along one axis up to three times those of another; maybe sheared."""
     random = draw.stream(1)
     spacing = 10.0 ** random.choice([-6, -3, 0, 0, 0, 3, 6]) * np.exp(random.uniform(0, np.log(3), 3))
     turn, _ = np.linalg.qr(random.normal(size=(3, 3)))
@@ -321,5 +321,5 @@ def _camera(draw: _Draw, volume: ws.Volume) -> ws.Camera:
 
 
 def without(random_scene: Scene, **parts: Any) -> Scene:
-    """The same scene without some of its parts."""
+    """A scene drawn again without some of its parts; the others stay the same."""
     return scene(random_scene.seed, random_scene.number, replace(Parts(), **parts))

@@ -21,7 +21,7 @@ import wavesplat as ws
 
 CACHE = Path(__file__).resolve().parents[2] / ".cache" / "study-wavelets"
 
-#: Of the converged pictures.
+#: Step of the converged pictures, in voxels.
 STEP_VOXELS = 0.05
 
 Array = NDArray[np.float64]
@@ -29,16 +29,16 @@ Array = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Printed:
-    """What the paper says of its volume."""
+    """Numbers that the paper prints for its volume."""
 
-    #: Of its curves of share and error over the threshold.
+    #: Number of the figure with its curves of share and error over the threshold.
     figure: int
-    #: The threshold it takes as harmless, and the share kept there, percent.
+    #: The threshold that the paper takes as harmless, and the share kept there, percent.
     threshold: int
     kept: float
-    #: By threshold, in grey levels.
+    #: Errors by threshold, in grey levels.
     errors: dict[int, float]
-    #: The thresholds of its row of pictures.
+    #: Thresholds of the paper's row of pictures.
     row: tuple[int, ...]
 
 
@@ -65,7 +65,7 @@ PRINTED_RIPPLES = Printed(11, 12, 19.95, {0: 11.39, 12: 5.63, 14: 16.05}, (0, 2,
 PRINTED_CT = Printed(15, 12, 3.55, {0: 5.18, 12: 5.09, 14: 10.96}, (0, 12, 14, 16, 32, 64))
 PRINTED_MRI = Printed(17, 16, 1.27, {0: 3.25, 16: 2.72, 32: 8.74}, (0, 16, 32, 64))
 
-#: The windows of the heads end at 255, since their files hold 8 bits, and at the brightest of the averages.
+#: The head's window ends at 255, since its file holds 8 bits; the averaged head's at its brightest average.
 SUBJECTS = {
     "ripples": Subject(subjects.RIPPLES, (0, 255), PRINTED_RIPPLES),
     "ct": Subject(subjects.CT, (-1000, 1310), PRINTED_CT),
@@ -91,7 +91,7 @@ def loaded(name: str, *, rounded: bool = True) -> ws.Volume:
 
 @dataclass(frozen=True)
 class Scene:
-    """How a volume is drawn, and which pixels count."""
+    """Settings with which a volume is drawn, and the pixels that count."""
 
     label: str
     curve: str
@@ -103,14 +103,14 @@ class Scene:
     plain_sheets: bool = False
 
 
-#: The method as the paper has it, in place of what quality "high" says.
+#: Settings of the method as the paper has it, which override those of quality "high".
 PLAIN_SHEETS = {"quality": ws.Sampling(1, 1), "pre_integration": False, "early_ray_termination": False}
 
 FOG = Scene("along z, fog, one sheet per slice: the goals' scene", "fog", False, True, plain_sheets=True)
 SOFT = Scene("oblique, soft, shaded", "soft")
 HARD = Scene("oblique, hard, shaded", "hard")
 
-#: For the table of what the error depends on.
+#: Scenes of the table of what the error depends on.
 SCENES = (
     FOG,
     Scene("the same, samples not rounded to 8 bits", "fog", False, True, rounded=False, plain_sheets=True),
@@ -127,7 +127,7 @@ SCENES = (
 
 
 def transfer_function(name: str, curve: str) -> ws.TransferFunction:
-    """A curve of a subject, over grey levels."""
+    """Transfer function of a subject, over grey levels."""
     volume, drawn = loaded(name), SUBJECTS[name].drawn
     if curve == "auto":
         return ws.TransferFunction.auto(volume)
@@ -141,7 +141,7 @@ def transfer_function(name: str, curve: str) -> ws.TransferFunction:
 
 
 def camera_along_z(volume: ws.Volume) -> ws.Camera:
-    """A look from the first slice at the last; row 0 of the picture is row 0 of the slice."""
+    """Camera that looks from the first slice at the last; row 0 of the picture is row 0 of the slice."""
     nz, ny, nx = volume.shape
     axes = volume.world_from_index[:3, :3]
     middle = axes @ (np.array([nx, ny, nz]) - 1) / 2 + volume.world_from_index[:3, 3]
@@ -149,7 +149,7 @@ def camera_along_z(volume: ws.Volume) -> ws.Camera:
 
 
 def drawing(name: str, scene: Scene, size_px: int) -> dict[str, Any]:
-    """What `render` and `raycast` take besides the volume."""
+    """Arguments that `render` and `raycast` take besides the volume."""
     volume, drawn = loaded(name), SUBJECTS[name].drawn
     camera = camera_along_z(volume) if scene.along_z else ws.Camera.orbit(volume, *drawn.view, fit="view")
     return {
@@ -167,20 +167,20 @@ def rgba_levels(picture: ws.Picture) -> Array:
 
 
 def draw(volume: ws.Volume, name: str, scene: Scene, size_px: int) -> Array:
-    """A volume in place of the subject."""
+    """Draw a volume in place of the subject; RGBA in grey levels."""
     how: Any = {**drawing(name, scene, size_px), "quality": "high", **(PLAIN_SHEETS if scene.plain_sheets else {})}
     return rgba_levels(ws.study.render(volume, how.pop("transfer_function"), **how))
 
 
 @cache
 def wanted(name: str, scene: Scene, size_px: int) -> Array:
-    """The picture of the samples that nothing was dropped of."""
+    """Picture of the samples with no coefficient dropped."""
     return draw(loaded(name, rounded=scene.rounded), name, scene, size_px)
 
 
 @cache
 def converged(name: str, scene: Scene, size_px: int) -> Array:
-    """The same by the ray caster, with 16 rays a pixel for the hard step, from the cache where it is there."""
+    """That picture by the ray caster, with 16 rays a pixel for the hard step; from the cache if it is there."""
     how = {**drawing(name, scene, size_px), "rays_per_pixel": 16 if scene.curve == "hard" else 1}
     digest = hashlib.sha256(repr((STEP_VOXELS, how)).encode() + loaded(name).samples.tobytes()).hexdigest()[:16]
     path = CACHE / f"{name}-{scene.curve}-{size_px}-{digest}.npy"
@@ -202,6 +202,6 @@ def distance(picture: Array, other: Array, *, only_covered: bool = False) -> flo
 
 
 def picture_error(volume: ws.Volume, name: str, scene: Scene, size_px: int) -> float:
-    """How far the picture is from what it would be with nothing dropped."""
+    """Distance of a volume's picture from the picture with no coefficient dropped, in grey levels."""
     picture = draw(volume, name, scene, size_px)
     return distance(picture, wanted(name, scene, size_px), only_covered=scene.only_covered)

@@ -1,4 +1,4 @@
-"""What dropping wavelet coefficients costs, in samples and in pictures; `make study-wavelets` runs this.
+"""Errors that dropping wavelet coefficients causes, in samples and in pictures; `make study-wavelets` runs this.
 
 The experiments of "High Resolution Image Splatting" (Int. J. of Advanced Computational Engineering and Networking 2-7,
 2014): thresholds on the amplitudes of the coefficients, and levels left out. Their scans are not to be had; ours are a
@@ -73,18 +73,18 @@ RESULTS = Path(__file__).with_name("RESULTS.md")
 THRESHOLDS = (0, 2, 4, 12, 14, 16, 32, 64)
 FAMILIES = ("cdf53", "cdf97", "bspline2", "bspline4")
 
-#: Of the paper's pictures of levels: seven down to two.
+#: Number of levels of the paper's first picture of levels; its pictures go from seven down to two.
 MAX_LEVELS = 7
 N_LEVEL_PICTURES = 6
 
-#: A measurement is repeated until so much processor time is spent.
+#: A measurement is repeated until this much processor time is spent.
 TIMING_MS = 50
 
 T = TypeVar("T")
 
 
 def timed(work: Callable[[], T]) -> tuple[float, T]:
-    """Milliseconds of the processor, the least of a few runs, and the result."""
+    """Milliseconds of processor time, the least of a few runs, and the result."""
     spent: list[float] = []
     while len(spent) < 2 or (sum(spent) < TIMING_MS and len(spent) < 5):
         started = time.process_time()
@@ -95,12 +95,12 @@ def timed(work: Callable[[], T]) -> tuple[float, T]:
 
 @dataclass(frozen=True)
 class Row:
-    """One operating point, measured. `threshold` is None where the share was asked for."""
+    """Measurements at an operating point. `threshold` is None where the share was asked for."""
 
     subject: str
     family: str
     threshold: int | None
-    #: Percent.
+    #: Share of the coefficients that are kept, percent.
     kept: float
     psnr_db: float
     fog: float
@@ -115,7 +115,7 @@ class Row:
 
 
 def measure(name: str, family: str, size_px: int, threshold: int | None, keep: float | None, *, reference: bool) -> Row:
-    """Analyse, decode, draw."""
+    """Analyse, decode and draw a subject, and measure each."""
     volume = loaded(name)
     analysis_ms, wavelets = timed(lambda: ws.WaveletVolume.from_volume(volume, family, threshold=threshold, keep=keep))
     decoding_ms, decoded = timed(wavelets.to_volume)
@@ -212,23 +212,23 @@ GOALS = (
     ("mri", None, None, (0.0, 1.27), 1.5),
     ("mri-half", None, None, (0.0, 1.27), 1.5),
 )
-#: Nothing dropped, soft transfer functions, any family.
+#: Largest error with nothing dropped, for soft transfer functions and any family, grey levels.
 GOAL_ROUND_TRIP = 0.01
 
 
 def verdict(*, met: bool) -> str:
-    """Of a goal."""
+    """Verdict on a goal, in a word."""
     return "met" if met else "missed"
 
 
 def goal_table(rows: Sequence[Row]) -> list[list[str]]:
-    """What we set out to reach, and what we reach."""
+    """Table of the goals, and of what we reach."""
     lines = [["", "family", "kept, %", "goal", "error, fog", "goal", "", "soft", "hard", "theirs"]]
     for name, family, threshold, (least, most), error in GOALS:
         row = point(rows, name, family, threshold)
         if row is None:
             continue
-        # Shares are compared as they are printed.
+        # Shares are compared after rounding to two digits, as they are printed.
         met = least <= round(row.kept, 2) <= most and row.fog <= error
         where = f"{name}, " + ("printed share" if threshold is None else f"threshold {threshold}")
         share = f"{least} to {most}" if least else f"at most {most}"
@@ -246,7 +246,7 @@ def goal_table(rows: Sequence[Row]) -> list[list[str]]:
 
 
 def scene_table(rows: Sequence[Row], size_px: int) -> list[list[str]]:
-    """The error of the same coefficients in other pictures."""
+    """Table of the error of the same coefficients in other pictures."""
     points = [row for goal in GOALS if (row := point(rows, *goal[:3])) is not None]
     lines = [["scene", *(f"{row.subject}, {row.family}, {row.kept:.3g} %" for row in points)]]
 
@@ -267,7 +267,7 @@ def scene_table(rows: Sequence[Row], size_px: int) -> list[list[str]]:
 
 
 def subject_table(rows: Sequence[Row], name: str) -> list[list[str]]:
-    """All rows of a volume."""
+    """Table of all rows of a volume."""
     printed = SUBJECTS[name].printed
     with_reference = any(not math.isnan(row.converged_hard) for row in rows)
     lines = [["family", "threshold", "kept, %", "theirs", "PSNR, dB", "fog", "soft", "hard", "theirs"]]
@@ -287,7 +287,7 @@ def subject_table(rows: Sequence[Row], name: str) -> list[list[str]]:
 
 
 def size_of(name: str) -> str:
-    """A subject's samples, and what they take."""
+    """Text on the number of a subject's samples, and the memory that they take."""
     volume = loaded(name)
     kib = volume.samples.nbytes / 1024
     shape = " x ".join(map(str, volume.shape[::-1]))
@@ -336,7 +336,7 @@ The same coefficients in other pictures.
 
 
 def plot_curves(rows: Sequence[Row], name: str, folder: Path) -> None:
-    """Retained share and error over the threshold, as the paper's figures 11, 15 and 17."""
+    """Plot the retained share and the error over the threshold, as the paper's figures 11, 15 and 17."""
     from matplotlib.figure import Figure
 
     printed = SUBJECTS[name].printed
@@ -365,7 +365,7 @@ def plot_curves(rows: Sequence[Row], name: str, folder: Path) -> None:
 
 
 def sheet(path: Path, title: str, rows: dict[str, list[tuple[str, Array]]]) -> None:
-    """Rows of pictures with labels, on one page."""
+    """Save rows of pictures with labels, on one page."""
     from matplotlib.figure import Figure
 
     n_columns = max(map(len, rows.values()))
@@ -383,7 +383,7 @@ def sheet(path: Path, title: str, rows: dict[str, list[tuple[str, Array]]]) -> N
 
 
 def threshold_sheet(name: str, families: Sequence[str], size_px: int, folder: Path) -> None:
-    """The hard picture at the thresholds of the paper's rows, figures 12 to 14."""
+    """Save the hard picture at the thresholds of the paper's rows, figures 12 to 14."""
     pictures: dict[str, list[tuple[str, Array]]] = {}
     for family in families:
         for threshold in SUBJECTS[name].printed.row:
@@ -396,7 +396,7 @@ def threshold_sheet(name: str, families: Sequence[str], size_px: int, folder: Pa
 
 
 def level_sheet(name: str, family: str, size_px: int, folder: Path) -> None:
-    """The finest levels left out one by one, figure 16."""
+    """Save pictures with the finest levels left out one by one, figure 16."""
     wavelets = ws.WaveletVolume.from_volume(loaded(name), family, levels=MAX_LEVELS)
     pictures: dict[str, list[tuple[str, Array]]] = {}
     for scene in (HARD, SOFT):
@@ -420,7 +420,7 @@ def cracked_bar() -> ws.Volume:
 
 
 def band_sheet(size_px: int, folder: Path) -> None:
-    """A crack that the whole picture hides: the finest two bands alone, and over the whole."""
+    """Save pictures of a crack that the whole picture hides: the finest two bands alone, and over the whole."""
     volume = cracked_bar()
     wavelets = ws.WaveletVolume.from_volume(volume)
     camera = ws.Camera.orbit(volume, -35, 35, fit="view")

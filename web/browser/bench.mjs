@@ -1,4 +1,4 @@
-// Drags the camera of a viewer in Chromium for some seconds, and prints what came as JSON. `benches/viewer.py` calls it:
+// Drags the camera of a viewer in Chromium for some seconds, and prints the frames as JSON. `benches/viewer.py` calls it:
 //   node bench.mjs LINK SECONDS
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
@@ -6,7 +6,7 @@ import { join } from "node:path";
 import { chromium } from "playwright-core";
 
 const [, , link, seconds = "5"] = process.argv;
-/** So that the picture in space has 1024 x 768 pixels: panels and bars lie beside it. */
+/** Size of the window in which the picture in space has 1024 x 768 pixels: panels and bars lie beside it. */
 const WINDOW = { width: 1364, height: 832 };
 const EVENTS_PER_S = 60;
 const KEPT = 8;
@@ -39,7 +39,7 @@ const heap = async () => {
   return (await client.send("Runtime.getHeapUsage")).usedSize;
 };
 
-/** Turns for a while, with so many events a second, whether they are answered or not. */
+/** Drags for a while, at a fixed rate of events, whether they are answered or not. */
 async function drag() {
   await page.evaluate(() => (document.getElementById("viewer").wavesplat.statistics.records.length = 0));
   const send = (type, px, py) => client.send("Input.dispatchMouseEvent", { type, x: px, y: py, button: "left", buttons: type === "mouseReleased" ? 0 : 1, clickCount: 1 });
@@ -64,7 +64,7 @@ const before = await taskSeconds();
 const frames = await drag();
 const task = (await taskSeconds()) - before;
 
-// Again, to keep some of the pictures that were seen, with the cameras that they show.
+// Drags again, to keep some of the pictures that were seen, with the cameras that they show.
 await page.evaluate((most) => {
   const { statistics } = document.getElementById("viewer").wavesplat;
   const canvas = document.getElementById("viewer").shadowRoot.querySelector('[data-view="3d"] canvas');

@@ -1,5 +1,5 @@
 // The shaders of the GPU path in a browser's WebGPU: the texels of captured dispatches are those of the CPU. `make
-// browser-test` writes the captures; without them this is left out.
+// browser-test` writes the captures; without them these tests are skipped.
 
 import { existsSync, readdirSync, readFileSync } from "node:fs";
 import { createServer, type Server } from "node:http";

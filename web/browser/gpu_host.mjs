@@ -73,7 +73,7 @@ export async function run(capture) {
   const error = await device.popErrorScope();
   if (error) return { reason: error.message };
 
-  // Of projections the state is a value and a length, of which only what was met counts.
+  // The state of a projection is a value and a length; the value counts only where the length is not 0.
   const texels = capture.texels;
   const isValue = capture.name === "maximum";
   let [largest, beyond, seen] = [0, 0, 0];

@@ -15,7 +15,7 @@ const ROOT = fileURLToPath(new URL("../..", import.meta.url));
 const VENV = join(ROOT, ".venv/bin/python");
 export const PYTHON = process.env["WAVESPLAT_PYTHON"] ?? (existsSync(VENV) ? VENV : "python3");
 const CHROMIUM = ["/usr/bin/chromium", "/usr/bin/chromium-browser", "/usr/bin/google-chrome"].find((path) => existsSync(path));
-/** What keeps a browser quiet and, in containers, alive. */
+/** Flags of Chromium: no background traffic, and no sandbox, which containers do not allow. */
 export const FLAGS = [
   "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
   "--disable-sync",
@@ -28,7 +28,7 @@ export interface Server {
   readonly link: string;
   readonly port: number;
   readonly process: ChildProcess;
-  /** What it said on stderr. */
+  /** The server's output on stderr so far. */
   errors(): string;
   stop(): Promise<number | null>;
 }
@@ -82,7 +82,7 @@ export async function openBrowser(options: Parameters<typeof chromium.launchPers
   };
 }
 
-/** A page of the viewer, at rest. What the page complains of fails the test that asks for `complaints`. */
+/** Opens a page of the viewer, and waits until it is at rest. `complaints` collects the page's errors, for tests. */
 export async function openViewer(browser: Browser, link: string): Promise<Page & { complaints: string[] }> {
   const page = (await browser.context.newPage()) as Page & { complaints: string[] };
   page.complaints = [];
@@ -93,7 +93,7 @@ export async function openViewer(browser: Browser, link: string): Promise<Page &
   return page;
 }
 
-/** Until the newest change is drawn at rest, or, as some change no picture, nothing follows for a while. */
+/** Waits until the newest change is drawn at rest, or, as some change no picture, until nothing follows for a while. */
 export async function atRest(page: Page, view = "3d"): Promise<void> {
   const until = Date.now() + REST_MS;
   let calm = 0;
@@ -169,7 +169,7 @@ export async function openPanels(page: Page, ...names: string[]): Promise<void> 
   for (const name of names) await page.locator(`[data-panel="${name}"] .body`).waitFor();
 }
 
-/** Runs Python in a folder; what it prints. */
+/** Runs Python in a folder, and returns what it prints. */
 export function python(code: string, folder: string, ...options: string[]): string {
   const done = spawnSync(PYTHON, ["-c", code, ...options], { cwd: folder, encoding: "utf8", env: { ...process.env, PYTHONPATH: join(ROOT, "python") } });
   if (done.status !== 0) throw new Error(done.stderr);

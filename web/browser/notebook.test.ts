@@ -58,7 +58,7 @@ describe.skipIf(!HAS_LAB)("JupyterLab", () => {
     page = await browser.context.newPage();
     await page.goto(`http://127.0.0.1:${port}/lab/tree/view.ipynb?token=${TOKEN}`);
     await page.locator(".jp-Notebook .jp-Cell").first().waitFor({ timeout: 60_000 });
-    // What is run before there is a kernel is lost.
+    // A cell that is run before there is a kernel is lost.
     await page.getByText("| Idle").first().waitFor({ timeout: 60_000 });
     await page.locator(".jp-Notebook .jp-Cell .cm-content").first().click();
     await page.keyboard.press("Shift+Enter");

@@ -24,7 +24,7 @@ const context = await chromium.launchPersistentContext(profile, {
 const page = context.pages()[0] ?? (await context.newPage());
 await page.goto(link);
 
-/** A state, a window, a name. */
+/** Photographs the viewer after some operations on its state, in a window of a size, under a name. */
 async function photograph(name, operations, { width = 1280, height = 760 } = {}) {
   await page.setViewportSize({ width, height });
   await page.evaluate((all) => document.getElementById("viewer").wavesplat.store.change(all), operations);

@@ -1,4 +1,4 @@
-// What must hold when things go wrong, slowly, or are not seen: axe, lost servers, slow lines, links that were used, memory.
+// Robustness of the viewer: accessibility by axe, lost servers, slow lines, links that were used, memory.
 
 import { readFileSync } from "node:fs";
 import { createRequire } from "node:module";
@@ -82,7 +82,7 @@ test("a page connects again after the server was started again, with what was ch
   const shown = await state(page);
   await first.stop();
   await expect.poll(() => page.locator(".status").innerText()).toContain("The connection to the program that draws is lost");
-  // What is done meanwhile is kept.
+  // Changes made meanwhile are kept.
   await change(page, { op: "replace", path: "/render/kernel", value: "bspline2" });
   const again = await startServer("--example", "ripples", "--port", String(first.port));
   // The new link, as the command opens it in the browser.
@@ -118,7 +118,7 @@ const cpuMs = (pid: number): number => {
 test("over a slow line a page is never further behind than one frame; one that does not answer costs nothing", async () => {
   const server = await startServer("--example", "ct_pelvis", "--preset", "ct-bone");
   const page = await browser.context.newPage();
-  // 100 ms there and back, 10 Mbit/s.
+  // A line of 100 ms there and back, 10 Mbit/s.
   await page.routeWebSocket(/\/socket$/, (route) => {
     const far = route.connectToServer();
     const queue = (forward: (message: string | Buffer) => void, rate: number): ((message: string | Buffer) => void) => {
@@ -149,14 +149,14 @@ test("over a slow line a page is never further behind than one frame; one that d
   const waited = performance.now() - released;
   const moving = (await records(page)).slice(before).filter((record) => !record.frame.at_rest);
   expect(moving.length).toBeGreaterThan(4);
-  // Of a frame's way and the next one's: 100 ms and its bytes each.
+  // The wait is at most that for two frames, 100 ms and the transfer of the bytes each.
   expect(waited).toBeLessThan(3000);
   const latencies = moving.flatMap((record) => (record.latency === null ? [] : [record.latency])).sort((a, b) => a - b);
   expect(latencies[Math.floor(latencies.length / 2)] ?? Infinity).toBeLessThan(700);
   await atRest(page);
   await page.close();
 
-  // A page that stops reading: nothing is drawn for it.
+  // Nothing is drawn for a page that stops reading.
   const silent = await browser.context.newPage();
   let isSilent = false;
   await silent.routeWebSocket(/\/socket$/, (route) => {

@@ -1,4 +1,4 @@
-// What the viewer promises, in a real browser on the bundled scan.
+// The viewer's features, in a real browser on the bundled scan.
 
 import { readFileSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
@@ -31,7 +31,7 @@ afterAll(async () => {
 });
 
 beforeEach(async () => {
-  // Browsers draw pages behind others once a second.
+  // Browsers draw pages that are behind others only once a second.
   await page.bringToFront();
   await change(page, { op: "replace", path: "", value: first });
   await atRest(page);
@@ -168,7 +168,7 @@ const nPoints = (s: ViewerState): number => (s.layers[0]?.look.transfer_function
 
 type Read = (found: ViewerState) => unknown;
 
-/** A control: its panel, what is done, what of the state it changes; most change the picture. */
+/** Controls: panel, name, action, the part of the state that it changes, and whether the picture changes too. */
 const CONTROLS: readonly (readonly [string, string, (page: Page) => Promise<unknown>, Read, boolean])[] = [
   ["a preset", "presets", (p) => p.getByRole("option", { name: /^ct-muscle/ }).click(), (s) => s.layers[0]?.look.name, true],
   ["a point by keys", "function", async (p) => {
@@ -279,7 +279,7 @@ describe("each control does what it says", () => {
     await page.mouse.click(x, y - 40);
     await page.keyboard.up("Control");
     await expect.poll(async () => (await state(page)).view.slices.crosshair).not.toEqual(first.view.slices.crosshair);
-    // From the front: as far up as was clicked.
+    // Seen from the front, the point lies as far up as the click.
     const pixel = (2 * (first.camera.parallel_scale ?? 0)) / (await middle(page)).height;
     const [px, , pz] = (await state(page)).view.slices.crosshair;
     expect(Math.abs(pz - first.camera.focal_point[2] - 40 * pixel)).toBeLessThan(2 * pixel);
@@ -348,7 +348,7 @@ test("the keyboard alone does the main job", async () => {
   await expect.poll(() => page.getByRole("dialog").isVisible()).toBe(true);
   await page.keyboard.press("Escape");
   await expect.poll(() => page.getByRole("dialog").count()).toBe(0);
-  // From the view through the page by Tab: a preset, a point, a crop, the picture.
+  // Tab goes from the view through the page: to a preset, a point, a crop, the picture.
   const reach = async (name: RegExp): Promise<void> => {
     for (let n = 0; n < 220; n += 1) {
       await page.keyboard.press("Tab");

@@ -1,4 +1,4 @@
-// What the bundle gives: the page's start, and the module that anywidget loads.
+// The exports of the bundle: the page's start, and the module that anywidget loads.
 
 import { openPage } from "./hosts/page.ts";
 import { render } from "./hosts/widget.ts";

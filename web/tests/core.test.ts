@@ -96,7 +96,7 @@ describe("cameras", () => {
     const before = cameras.project(CAMERA, size, [0, 0, 0]);
     const after = cameras.project(cameras.panned(CAMERA, 30, -12, size.height), size, [0, 0, 0]);
     near([(after?.x ?? 0) - (before?.x ?? 0), (after?.y ?? 0) - (before?.y ?? 0)], [30, -12]);
-    // In front of the middle, it follows a turn.
+    // A point in front of the middle follows the pointer in a turn.
     const turned = cameras.project(cameras.turned(CAMERA, 10, 4, size.height), size, [0, 20, 0]);
     expect(turned?.x ?? 0).toBeGreaterThan(150);
     expect(turned?.y ?? 0).toBeGreaterThan(100);

@@ -2,9 +2,9 @@
 
 use crate::simd::LANES;
 
-/// Smallest and largest number, `[∞, −∞]` of none. NaN counts for nothing.
+/// Smallest and largest number; `[∞, −∞]` of an empty array. NaN is ignored.
 ///
-/// Sixteen of each are followed side by side: one after another, each comparison waits for the one before it.
+/// Keeps sixteen of each side by side: with only one, each comparison would wait for the one before it.
 pub fn of(numbers: &[f32]) -> [f32; 2] {
     let mut least = [f32::INFINITY; LANES];
     let mut largest = [f32::NEG_INFINITY; LANES];
@@ -22,7 +22,7 @@ pub fn of(numbers: &[f32]) -> [f32; 2] {
     [least.into_iter().fold(f32::INFINITY, f32::min), largest.into_iter().fold(f32::NEG_INFINITY, f32::max)]
 }
 
-/// What holds two extents.
+/// Smallest range that contains two ranges.
 pub fn union(a: [f32; 2], b: [f32; 2]) -> [f32; 2] {
     [a[0].min(b[0]), a[1].max(b[1])]
 }

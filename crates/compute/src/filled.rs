@@ -8,8 +8,10 @@ use std::ptr;
 
 use crate::{pages, parallel};
 
-/// An array of `n` zeros, or what a type has for them, in chunks of `chunk_len` of which `work` has seen the index and the
-/// contents. That it is always the same value lets zeros be written as fast as there is a way to.
+/// Array of `n` zeros (default values), worked on chunk by chunk as it is filled.
+///
+/// `work` gets the index and the contents of each chunk of `chunk_len`. Filling with one constant value lets zeros be
+/// written in the fastest way that there is.
 pub fn in_chunks<T: Copy + Default + Send>(
     n: usize,
     chunk_len: usize,

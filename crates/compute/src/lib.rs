@@ -1,5 +1,5 @@
-//! How kernels are run: on vectors ([`simd`]) and on threads ([`parallel`]), some into arrays that they fill themselves
-//! ([`filled`]), in large pages ([`pages`]); and what all crates ask of numbers ([`extent`]).
+//! Execution of kernels: on vectors ([`simd`]) and on threads ([`parallel`]), into arrays filled as they go
+//! ([`filled`]), in large pages ([`pages`]); and ranges of arrays ([`extent`]).
 //!
 //! Vectors and threads are chosen at run time, and neither changes a bit of the result.
 

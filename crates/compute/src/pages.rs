@@ -1,11 +1,11 @@
 //! Huge pages: large arrays in large pages of memory, where the system has them.
 //!
-//! The C library gives large arrays back to the system when they are freed, and the next one is new memory: the processor
-//! stops at each of its pages of 4096 bytes for the system to fill it with zeros. Pages of 2 MiB are filled as fast as
-//! memory is, and take 512 times fewer stops (Linux: `transparent_hugepage`, man 2 madvise).
+//! The C library gives large arrays back to the system when they are freed, and the next one is new memory: the
+//! processor stops at each of its pages of 4096 bytes for the system to fill it with zeros. Pages of 2 MiB are filled
+//! as fast as memory is, and take 512 times fewer stops (Linux: `transparent_hugepage`, man 2 madvise).
 #![allow(unsafe_code, reason = "a hint to the system")]
 
-/// Arrays from so many bytes on are large: smaller ones have hardly a page of their own.
+/// Bytes from which an array is large: smaller ones have hardly a page of their own.
 #[cfg(target_os = "linux")]
 const LARGE_BYTES: usize = 4 << 20;
 
@@ -13,14 +13,14 @@ const LARGE_BYTES: usize = 4 << 20;
 #[cfg(target_os = "linux")]
 const PAGE_BYTES: usize = 2 << 20;
 
-/// Asks for large pages for an array that nothing has been written to yet, be it zeros. A hint: where they can't be had, all
-/// is as it was.
+/// Asks for large pages for an array that nothing has been written to yet, not even zeros. A hint: without large pages,
+/// nothing changes.
 pub fn prefer_large<T>(places: &mut [T]) {
     #[cfg(target_os = "linux")]
     if size_of_val(places) >= LARGE_BYTES {
         let bytes = places.as_mut_ptr_range();
         let (start, end) = (bytes.start.addr(), bytes.end.addr());
-        // Whole pages of the array's own.
+        // Only whole pages inside the array.
         let first = start.next_multiple_of(PAGE_BYTES);
         let n_bytes = (end - first) / PAGE_BYTES * PAGE_BYTES;
         // SAFETY: all of it lies in the array, and the advice changes no contents.
@@ -46,7 +46,7 @@ mod tests {
         }
     }
 
-    /// Not where the processor, and with it the system's calls, may be played by another.
+    /// Not on other processors, which may be emulated together with the system's calls.
     #[cfg(all(target_os = "linux", target_arch = "x86_64"))]
     #[test]
     fn large_arrays_are_advised() {

@@ -72,23 +72,23 @@ fn in_scope<'a>(work: impl FnOnce(&rayon::Scope<'a>)) {
 #[cfg(feature = "threads")]
 static N_FORKS: AtomicUsize = AtomicUsize::new(0);
 
-/// Says that this process was just made by `fork`, which keeps no thread but the caller's: helpers are made anew.
-/// Without it the first parallel work would wait for ever for the parent's.
+/// Declares that this process was just made by `fork`, which keeps no thread but the caller's: helpers are made anew.
+/// Otherwise the first parallel work would wait for ever for the parent's threads.
 pub fn after_fork() {
     #[cfg(feature = "threads")]
     N_FORKS.fetch_add(1, Ordering::Relaxed);
 }
 
-/// The threads of the `n`th of a chain of forks; `None` for the first process, whose threads are rayon's own, and where
-/// the system gives none.
+/// The thread pool of the `n`th process of a chain of forks; `None` for the first process, whose threads are rayon's
+/// own, and where the system refuses threads.
 #[cfg(feature = "threads")]
 fn forked_pool(n: usize) -> Option<&'static rayon::ThreadPool> {
-    /// One for each process of a chain, as a lock that was taken while forking stays taken.
+    /// One pool for each process of a chain: a lock that is held while forking stays held.
     static POOLS: [OnceLock<Option<rayon::ThreadPool>>; 8] = [const { OnceLock::new() }; 8];
     POOLS.get(n.checked_sub(1)?)?.get_or_init(|| rayon::ThreadPoolBuilder::new().build().ok()).as_ref()
 }
 
-/// Calls the `k`th of `n` helpers, which first calls two others: waking all of them would keep the caller.
+/// Calls the `k`th of `n` helpers, which first calls two others: waking all of them would hold up the caller.
 #[cfg(feature = "threads")]
 fn call_helper<'a>(scope: &rayon::Scope<'a>, k: usize, n: usize, work_off: &'a (impl Fn() + Sync)) {
     if k < n {
@@ -100,30 +100,30 @@ fn call_helper<'a>(scope: &rayon::Scope<'a>, k: usize, n: usize, work_off: &'a (
     }
 }
 
-/// So many threads: the caller's and helpers.
+/// The calling thread and `n - 1` pool threads.
 #[cfg(feature = "threads")]
 #[derive(Clone)]
 struct Threads {
     n: usize,
-    /// One less; `None` where that is none.
+    /// Pool of `n - 1` threads; `None` where that is 0.
     helpers: Option<Arc<rayon::ThreadPool>>,
 }
 
 #[cfg(feature = "threads")]
 thread_local! {
-    /// The caller's, while it has threads of its own and not those of all.
+    /// The caller's own threads, while it does not use the pool of all.
     static OWN: RefCell<Option<Threads>> = const { RefCell::new(None) };
 }
 
-/// Runs `work` with `n_threads` threads (all processors where `None`), this one among them; with those of the caller if
-/// they are as many.
+/// Runs `work` with `n_threads` threads, the calling one among them. `None`, and the number that the caller has
+/// already, keep its threads: all processors by default.
 pub fn with_threads<T>(n_threads: Option<usize>, work: impl FnOnce() -> T) -> T {
     #[cfg(feature = "threads")]
     if let Some(n) = n_threads
         && n != self::n_threads()
         && let Some(own) = Threads::new(n)
     {
-        /// Gives the caller back what it had, after a panic too.
+        /// Restores the caller's threads, after a panic too.
         struct Before(Option<Threads>);
         impl Drop for Before {
             fn drop(&mut self) {
@@ -139,7 +139,7 @@ pub fn with_threads<T>(n_threads: Option<usize>, work: impl FnOnce() -> T) -> T 
 
 #[cfg(feature = "threads")]
 impl Threads {
-    /// `None` where the system does not give them.
+    /// Starts the pool threads; `None` where the system refuses them.
     fn new(n: usize) -> Option<Self> {
         let helpers =
             if n > 1 { Some(Arc::new(rayon::ThreadPoolBuilder::new().num_threads(n - 1).build().ok()?)) } else { None };
@@ -147,7 +147,7 @@ impl Threads {
     }
 }
 
-/// Threads that work is shared among here.
+/// Number of threads that the caller's work is shared among.
 pub fn n_threads() -> usize {
     #[cfg(feature = "threads")]
     {
@@ -181,7 +181,7 @@ mod tests {
     #[test]
     fn pieces_are_done_once_by_all_threads() {
         with_threads(Some(4), || {
-            // As many as there are threads, each of which waits for the others.
+            // One piece per thread, each of which waits for the others.
             let barrier = std::sync::Barrier::new(4);
             for_each(4, |_| {
                 barrier.wait();

@@ -8,7 +8,7 @@ use glam::DVec3;
 
 use crate::error::{Error, Result};
 
-/// How rays spread.
+/// Orthographic or perspective projection.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Projection {
     /// Parallel rays; `parallel_scale` is half the view's height, world units.
@@ -36,9 +36,9 @@ pub struct Camera {
 /// A viewing ray in world space. `direction` is not normalised.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ray {
-    /// Where the ray starts: the eye, or the camera's plane for parallel rays.
+    /// Start of the ray: the eye, or a point of the camera's plane for parallel rays.
     pub origin: DVec3,
-    /// Where it goes.
+    /// Direction of the ray.
     pub direction: DVec3,
 }
 
@@ -90,7 +90,7 @@ impl Camera {
         self.position
     }
 
-    /// How rays spread.
+    /// Projection of the camera.
     pub fn projection(&self) -> Projection {
         self.projection
     }

@@ -1,4 +1,4 @@
-//! Composite operators: how the densities along a ray become a pixel.
+//! Composite operators: rules by which the densities along a ray become a pixel.
 //!
 //! *over* and *first hit* draw colours. The others are projections: they keep one number per ray, which the transfer
 //! function colours at the end. With `v(s)` the value at world length `s` along a ray of length `L` inside the volume:
@@ -15,30 +15,30 @@
 //!
 //! Sources: depth shading, Heidrich et al., *Interactive maximum projection volume rendering*, IEEE Visualization 1995,
 //! as a factor, Mroz et al., *Maximum intensity projection at warp speed*, Computers & Graphics 24(3), 2000; local
-//! maximum, Sato et al., *Local maximum intensity projection (LMIP): a new rendering method for vascular visualization*,
-//! J. Computer Assisted Tomography 22(6), 1998; x-ray, the law of Beer and Lambert, which of CT makes a digitally
-//! reconstructed radiograph.
+//! maximum, Sato et al., *Local maximum intensity projection (LMIP): a new rendering method for vascular
+//! visualization*, J. Computer Assisted Tomography 22(6), 1998; x-ray, the law of Beer and Lambert, which of CT makes a
+//! digitally reconstructed radiograph.
 
 use crate::error::{Error, Result};
 use crate::options::find;
 
-/// How the sheets are combined into a picture.
+/// Composite operator along the rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Composite {
     /// Emission and absorption, front to back (Porter & Duff 1984).
     Over,
     /// Largest value along the ray (maximum intensity projection).
     Maximum,
-    /// Largest value along the ray after it was dimmed by its depth, so that what is near looks brighter.
+    /// Largest value along the ray after dimming by depth, so that near matter looks brighter.
     DepthShadedMaximum {
-        /// How much is taken at the farthest point of what is drawn, `0..=1`; nothing at the nearest.
+        /// Dimming at the farthest point that is drawn, `0..=1`; 0 at the nearest.
         strength: f64,
-        /// Sample value that values are dimmed towards.
+        /// Sample value towards which values are dimmed.
         black: f64,
     },
     /// The first local maximum along the ray of at least `threshold`; the largest value where there is none.
     LocalMaximum {
-        /// Sample value.
+        /// Least sample value of the maximum.
         threshold: f64,
     },
     /// Smallest value along the ray.
@@ -47,9 +47,9 @@ pub enum Composite {
     Mean,
     /// Integral of the value over the ray's path, sample value x world length.
     Sum,
-    /// The share of light that comes through an absorbing volume, `0..=1`: a radiograph.
+    /// Share of light that an absorbing volume transmits, `0..=1`: a radiograph.
     XRay {
-        /// Sample value that absorbs nothing, as all below; −1000 for Hounsfield units.
+        /// Sample value at and below which nothing is absorbed; −1000 for Hounsfield units.
         clear: f64,
         /// Absorption per world length and sample unit above `clear`, `> 0`.
         attenuation: f64,
@@ -61,21 +61,21 @@ pub enum Composite {
     },
 }
 
-/// Numbers of the operators that need some; NaN where nothing was given.
+/// Parameters of all operators; NaN where one is not given.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CompositeNumbers {
-    /// Of first hit.
+    /// First hit: iso-value.
     pub iso_value: f64,
-    /// Of the local maximum: its threshold.
+    /// Local maximum: threshold.
     pub local_threshold: f64,
-    /// Of the depth-shaded maximum: strength and black.
+    /// Depth-shaded maximum: strength and black.
     pub depth_shading: [f64; 2],
-    /// Of x-ray: clear and attenuation.
+    /// X-ray: clear and attenuation.
     pub attenuation: [f64; 2],
 }
 
 impl CompositeNumbers {
-    /// Nothing was given.
+    /// No parameter is given.
     pub const NONE: Self = Self {
         iso_value: f64::NAN,
         local_threshold: f64::NAN,
@@ -85,7 +85,7 @@ impl CompositeNumbers {
 }
 
 impl Composite {
-    /// The operator with a public name, with the numbers that it needs; [`Composite::validate`] misses those not given.
+    /// Operator of a public name, with its parameters; [`Composite::validate`] refuses those that are not given.
     pub fn from_name(name: &str, numbers: &CompositeNumbers) -> Result<Self> {
         find("composite", name, &Self::named(numbers))
     }

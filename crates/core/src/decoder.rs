@@ -1,6 +1,6 @@
-//! Decoders: samples made when they are asked for, of compressed volumes and of those larger than memory.
+//! Decoders: samples computed on demand, for compressed volumes and for volumes larger than memory.
 
-/// Makes the samples of any box of a volume.
+/// Source of the samples of any box of a volume.
 pub trait Decoder: Send + Sync {
     /// Samples along x, y, z.
     fn size(&self) -> [usize; 3];

@@ -3,18 +3,18 @@
 /// Shorthand for results of this crate.
 pub type Result<T> = std::result::Result<T, Error>;
 
-/// Whose move is next when an [`Error`] appears.
+/// Class of an [`Error`], by who can mend it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum ErrorKind {
     /// The caller passed something that cannot be drawn.
     Argument,
-    /// The machine cannot hold what was asked for.
+    /// The request exceeds the machine's memory or a limit.
     Limit,
     /// The caller asked to stop.
     Cancelled,
 }
 
-/// Every message says what happened, where, and how to mend it.
+/// Error of this crate; its message says what happened, where, and how to mend it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the message of each variant is its documentation")]
@@ -70,7 +70,7 @@ pub enum Error {
 }
 
 impl Error {
-    /// Whose move is next.
+    /// Class of the error.
     pub fn kind(&self) -> ErrorKind {
         match self {
             Self::TooLarge { .. } => ErrorKind::Limit,

@@ -1,11 +1,11 @@
-//! Grid: where samples lie in the world (affine), and how their values become densities.
+//! Grid: position of samples in the world (affine), and map of their values to densities.
 
 use glam::{DAffine3, DMat3, DVec3};
 
 use crate::error::{Error, Result};
 use crate::volume::Statistics;
 
-/// Shape, place and range of a volume, whatever holds its samples. Always consistent.
+/// Shape, position and range of a volume, independent of the storage of its samples. Always consistent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Grid {
     size: [usize; 3],
@@ -17,8 +17,8 @@ pub struct Grid {
 }
 
 impl Grid {
-    /// Checks shape and affine; `size` is `[nx, ny, nz]`, `name` appears in messages only. `is_narrow`: densities are the
-    /// samples as they are.
+    /// Checks shape and affine; `size` is `[nx, ny, nz]`, `name` appears in messages only. `is_narrow`: densities are
+    /// the samples as they are.
     pub fn new(
         name: &str,
         size: [usize; 3],
@@ -44,8 +44,8 @@ impl Grid {
         Ok(Self { size, world_from_index, statistics, density_from_sample, opacity_unit, bounds })
     }
 
-    /// The same as a coarser level of another volume: with its default `opacity_unit`, world units, and drawn only within
-    /// its bounds, index positions here.
+    /// The grid as a coarser level of another volume: with that volume's default `opacity_unit`, world units, and drawn
+    /// only within that volume's `bounds`, index positions of this grid.
     #[must_use]
     pub fn as_level_of(self, opacity_unit: f64, bounds: [DVec3; 2]) -> Self {
         let last = self.last_index();
@@ -78,7 +78,7 @@ impl Grid {
         spacing(&self.world_from_index)
     }
 
-    /// Default `opacity_unit`, world units: the geometric mean of the spacings where nothing else was said.
+    /// Default `opacity_unit`, world units: the geometric mean of the spacings, for a level those of the finest grid.
     pub fn default_opacity_unit(&self) -> f64 {
         self.opacity_unit
     }
@@ -88,17 +88,17 @@ impl Grid {
         mean_spacing(&self.world_from_index)
     }
 
-    /// World position of the middle of what is drawn.
+    /// World position of the middle of the drawn box.
     pub fn middle(&self) -> DVec3 {
         self.world_from_index.transform_point3((self.bounds[0] + self.bounds[1]) / 2.0)
     }
 
-    /// How much coarser this is than the volume of which it is a level: a ratio of spacings, 1 for a volume itself.
+    /// Ratio of the mean spacing to that of the volume of which the grid is a level; 1 for a volume itself.
     pub fn coarseness(&self) -> f64 {
         self.mean_spacing() / self.opacity_unit
     }
 
-    /// Corners of what is drawn, index positions: from the first to the last sample where nothing else was said.
+    /// Corners of the drawn box, index positions: the first and the last sample, unless the grid is a level.
     pub fn bounds(&self) -> [DVec3; 2] {
         self.bounds
     }
@@ -120,13 +120,13 @@ impl Grid {
     }
 }
 
-/// Samples whose magnitude exceeds their range by more lie far from 0, and are counted from the least of them.
+/// Ratio of magnitude to range above which samples lie far from 0; their densities are counted from the least sample.
 const FAR_FROM_ZERO: f64 = 8.0;
 
 /// Magnitudes whose sums and products f32 holds with room to spare; others are scaled.
 const COMFORTABLE: std::ops::Range<f64> = 1e-9..1e9;
 
-/// `(offset, scale)` for samples of 32 and 64 bits: as they are wherever that is as precise as anything else.
+/// `(offset, scale)` for samples of 32 and 64 bits: `(0, 1)` wherever no other map is more precise.
 ///
 /// A sample that f32 holds has a density that f32 holds, so that both maps are exact: the scale is a power of two, and
 /// samples far from 0 are multiples of one unit, and so are their distances from the least of them.

@@ -1,22 +1,22 @@
-//! Segmentation labels: colour and opacity of a label, and what it leaves of the scan.
+//! Segmentation labels: colour and opacity of a label, and its effect on the scan.
 
 use crate::error::{Error, Result};
 
-/// Of one label, or of what has none.
+/// Appearance of a label, or of samples without one.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LabelLook {
     /// Red, green, blue, `0..=1`.
     pub rgb: [f64; 3],
-    /// Opacity of the label medium per `opacity_unit`, `0..=1`; 0: it has none.
+    /// Opacity of the label medium per `opacity_unit`, `0..=1`; 0: no medium.
     pub opacity: f64,
     /// Factor of the scan's optical depth inside, `0..=1`; 0 hides the scan there.
     pub scan: f64,
-    /// How much of the scan's colour inside is replaced by the label's, `0..=1`.
+    /// Share of the scan's colour inside that the label's colour replaces, `0..=1`.
     pub tint: f64,
 }
 
 impl LabelLook {
-    /// Of what has no label: the scan as it is.
+    /// Appearance of samples without a label: the scan, unchanged.
     pub const NONE: Self = Self { rgb: [0.0; 3], opacity: 0.0, scan: 1.0, tint: 0.0 };
 
     /// Checks all numbers. `name` appears in messages only.

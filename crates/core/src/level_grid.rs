@@ -1,13 +1,13 @@
 //! Level of detail: the sample grid of a coarser level of a volume.
 
-/// Where the samples of a level lie along x, y, z, in index positions of the finest grid.
+/// Sample positions of a level along x, y, z, in index positions of the finest grid.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct LevelGrid {
-    /// The first one.
+    /// Position of the first sample.
     pub origin: [f64; 3],
-    /// Distance of neighbours.
+    /// Distance between neighbouring samples.
     pub spacing: [f64; 3],
-    /// Samples along each axis.
+    /// Number of samples along each axis.
     pub size: [usize; 3],
 }
 
@@ -17,7 +17,7 @@ impl LevelGrid {
         Self { origin: [0.0; 3], spacing: [1.0; 3], size }
     }
 
-    /// An index position of the finest grid as one of the level.
+    /// Index position of the level at an index position of the finest grid.
     pub fn level_from_finest(&self, index: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|a| (index[a] - self.origin[a]) / self.spacing[a])
     }

@@ -30,13 +30,13 @@ impl Kernel {
         ("gaussian", Self::Gaussian),
     ];
 
-    /// The kernel with a public name.
+    /// Kernel of a public name.
     pub fn from_name(name: &str) -> Result<Self> {
         find("kernel", name, &Self::NAMES)
     }
 }
 
-/// The value with a public name.
+/// Value of a public name.
 pub(crate) fn find<T: Copy>(what: &'static str, name: &str, known: &[(&'static str, T)]) -> Result<T> {
     known.iter().find(|(n, _)| *n == name).map(|&(_, value)| value).ok_or_else(|| Error::UnknownName {
         what,
@@ -45,7 +45,7 @@ pub(crate) fn find<T: Copy>(what: &'static str, name: &str, known: &[(&'static s
     })
 }
 
-/// The frame a light's direction is given in.
+/// Frame of a light's direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum LightFrame {
     /// x right, y up, z towards the viewer: the light turns with the camera.
@@ -66,19 +66,19 @@ pub struct Light {
 }
 
 impl Light {
-    /// White, along the view direction.
+    /// White light along the view direction.
     pub const HEADLIGHT: Self = Self { frame: LightFrame::Camera, to_light: DVec3::Z, rgb: [1.0; 3] };
-    /// White, from the upper left of the eye.
+    /// White light from the upper left of the eye.
     pub const KEY: Self = Self { frame: LightFrame::Camera, to_light: DVec3::new(-0.55, 0.65, 1.0), rgb: [1.0; 3] };
-    /// A weaker one at the eye: what the key light does not reach keeps its form.
+    /// Weaker light at the eye, which shows the form of surfaces that the key light does not reach.
     pub const FILL: Self = Self { rgb: [0.3; 3], ..Self::HEADLIGHT };
 }
 
-/// How the gradient is estimated that surfaces are lit by.
+/// Estimator of the gradient that surfaces are lit by.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Gradient {
-    /// Central differences of what the kernel reconstructs; half their distance, voxels, `0.01..=4`, the whole distance
-    /// where they go to one side. 1 is what other renderers have; it shows the steps of voxels as rings on smooth surfaces.
+    /// Central differences of the reconstruction, from points this far off on either side, voxels, `0.01..=4`;
+    /// one-sided at the faces. Other renderers have 1, which shows the steps of voxels as rings on smooth surfaces.
     Difference(f64),
     /// The derivative of the samples smoothed by a cubic B-spline of this standard deviation, voxels, `0.5..=1.25`.
     Smoothed(f64),
@@ -87,35 +87,36 @@ pub enum Gradient {
 /// Phong shading with the reflection vector, two-sided.
 ///
 /// `colour · (ambient + diffuse · |n·l|) + specular · max(0, r·v)^power`; where the gradient vanishes `|n·l|` is
-/// [`Shading::unoriented`]. What is brighter than [`Shading::shoulder`] in the picture approaches 1, so that highlights
-/// keep their form.
+/// [`Shading::unoriented`]. Colours of the picture brighter than [`Shading::shoulder`] are compressed to less than 1,
+/// so that highlights keep their form.
 ///
 /// The default is made for looking at pictures: a key light from the upper left, a fill light at the eye, smoothed
 /// gradients. [`Shading::headlight`] is the light of VTK's volume mappers, for comparisons.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Shading {
-    /// Weight of the colour without light.
+    /// Weight of the colour in ambient light.
     pub ambient: f32,
-    /// Weight of the colour under light.
+    /// Weight of the diffuse term.
     pub diffuse: f32,
-    /// Weight of the highlight, which has the light's colour.
+    /// Weight of the specular term, which has the light's colour.
     pub specular: f32,
-    /// Exponent of the highlight.
+    /// Exponent of the specular term.
     pub specular_power: f32,
-    /// What normals are taken from.
+    /// Estimator of the gradient that normals are taken from.
     pub gradient: Gradient,
-    /// Diffuse light where there is no gradient, as on cut faces of even matter, as a share of that of a face that is turned
-    /// to the light, `0..=1`: one half is the mean over all normals.
+    /// Diffuse light where there is no gradient, as on cut faces of even matter, relative to a surface that faces the
+    /// light, `0..=1`: one half is the mean over all normals.
     pub unoriented: f32,
-    /// From this brightness on, `0..=1`, colours of the picture are compressed ([`crate::Picture::finish`]). 1: none are.
+    /// Brightness above which colours of the picture are compressed ([`crate::Picture::finish`]), `0..=1`; 1: no
+    /// compression.
     pub shoulder: f32,
-    /// At least one light.
+    /// Lights, at least one.
     pub lights: Vec<Light>,
-    /// How much hollows darken, `0..=1`.
+    /// Strength of the darkening of hollows, `0..=1`.
     pub ambient_occlusion: f32,
-    /// From how far away the volume occludes, world units; `None`: a tenth of its longest side.
+    /// Radius within which the volume occludes, world units; `None`: a tenth of its longest side.
     pub occlusion_radius: Option<f64>,
-    /// How dark the shadow of the first light is, `0..=1`.
+    /// Strength of the shadow of the first light, `0..=1`.
     pub shadow: f32,
 }
 
@@ -135,11 +136,11 @@ impl Default for Shading {
     }
 }
 
-/// Largest distance of the gradient's differences, samples.
+/// Largest offset of the gradient's differences, voxels.
 pub const MAX_GRADIENT_OFFSET: f64 = 4.0;
 
 impl Shading {
-    /// The light of VTK's volume mappers: one headlight, gradients by central differences, no shoulder.
+    /// Shading as in VTK's volume mappers: one headlight, gradients by central differences, no shoulder.
     pub fn headlight() -> Self {
         Self {
             ambient: 0.1,
@@ -248,16 +249,16 @@ impl Crop {
     }
 }
 
-/// Keeps the side that the normal points to.
+/// A clip plane: keeps the side that the normal points to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ClipPlane {
     /// A point of the plane, world units.
     pub origin: DVec3,
-    /// Points to the side that is kept; any length but 0.
+    /// Normal towards the side that is kept; any length but 0.
     pub normal: DVec3,
 }
 
-/// Everything but volume, transfer function and camera.
+/// All inputs of a picture but volume, transfer function and camera.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RenderOptions {
     /// Picture width, pixels.
@@ -266,25 +267,25 @@ pub struct RenderOptions {
     pub height_px: usize,
     /// Composite operator.
     pub composite: Composite,
-    /// `None` draws colours as they are.
+    /// Shading; `None` draws colours as they are.
     pub shading: Option<Shading>,
     /// Sheets per slice distance, `> 0`.
     pub sheets_per_slice: f64,
-    /// Texels of the base plane per pixel, along each axis; a pixel is the mean of as many reads along each, rounded up.
-    /// In perspective on the whole.
+    /// Texels of the base plane per pixel along each axis, on average in perspective. A pixel is the mean of this
+    /// number of reads along each axis, rounded up.
     pub oversampling: f64,
-    /// Pre-integration of the slabs between sheets where the transfer function is steep; off: plain sheets, as the method
-    /// has it.
+    /// Pre-integration of the slabs between sheets where the transfer function is steep; off: plain sheets, as in the
+    /// original method.
     pub pre_integration: bool,
-    /// Early ray termination: a ray stops where at most 1e-4 of its light comes through; off: 2e-6.
+    /// Early ray termination: a ray stops where at most 1e-4 of the light behind comes through; off: 2e-6.
     pub early_ray_termination: bool,
     /// Box that is drawn.
     pub crop: Option<Crop>,
-    /// Half spaces that are drawn.
+    /// Clip planes; all of them apply.
     pub clip_planes: Vec<ClipPlane>,
     /// Unassociated colour and opacity behind the volume; `None` is transparent.
     pub background: Option<[f32; 4]>,
-    /// Whether depth is wanted.
+    /// Whether the picture has depth.
     pub with_depth: bool,
     /// Worker threads; `None` uses all processors.
     pub n_threads: Option<usize>,
@@ -358,19 +359,19 @@ impl RenderOptions {
     }
 }
 
-/// Sheets per slice and oversampling of each named quality, for transfer functions that are smooth, for those that are
-/// steep, and for those on a coarser level, where what linear slabs miss is less than what the level itself has lost; the
-/// errors they reach are measured by `studies/quality` and `studies/lod`.
+/// Sheets per slice and oversampling of each named quality, for smooth transfer functions, for steep ones, and for
+/// steep ones on a coarser level, where the error of linear slabs is less than the error of the level itself.
+/// `studies/quality` and `studies/lod` measure the errors.
 const QUALITIES: [(&str, [(f64, f64); 3]); 3] = [
     ("draft", [(1.0, 0.5), (1.0, 0.5), (1.0, 0.5)]),
     ("normal", [(2.0, 1.0), (2.0, 1.0), (1.0, 1.0)]),
     ("high", [(3.0, 2.0), (6.0, 3.0), (6.0, 3.0)]),
 ];
 
-/// `(sheets_per_slice, oversampling)` of quality `draft`, `normal` or `high`. `needs_preintegration`: whether the transfer function
-/// can change opacity or colour by a visible amount within a voxel, or has thin peaks. `coarseness`: that of the grid;
-/// texels grow with the samples of a coarser level, so that its picture is the finer one's at a lower resolution, but not
-/// beyond a sample, of which a pixel holds `samples_per_pixel`.
+/// `(sheets_per_slice, oversampling)` of quality `draft`, `normal` or `high`. `needs_preintegration`: whether the
+/// transfer function can change opacity or colour by a visible amount within a voxel, or has thin peaks. `coarseness`:
+/// [`crate::Grid::coarseness`]; texels grow with the samples of a coarser level, so that its picture is the finer one's
+/// at a lower resolution, but not beyond a sample, of which a pixel holds `samples_per_pixel`.
 pub fn quality_settings(
     name: &str,
     needs_preintegration: bool,
@@ -383,7 +384,7 @@ pub fn quality_settings(
     Ok((sheets_per_slice, (oversampling / coarseness).max(least)))
 }
 
-/// Texels per pixel at least.
+/// Minimum of texels per pixel along an axis.
 const MIN_OVERSAMPLING: f64 = 0.02;
 
 #[cfg(test)]

@@ -19,8 +19,8 @@ pub struct Picture {
 }
 
 impl Picture {
-    /// What is done to a picture of rays: highlights are compressed as its shading says, then the background is put behind.
-    /// `shading`: `None` where colours are as given.
+    /// Finishes a picture of rays: compresses highlights from the shading's shoulder on, then puts the background
+    /// behind. `shading`: `None` leaves colours as they are.
     pub fn finish(&mut self, shading: Option<&Shading>, background: Option<[f32; 4]>) {
         if let Some(shading) = shading.filter(|shading| shading.shoulder < 1.0) {
             self.compress_highlights(shading.shoulder);
@@ -30,9 +30,9 @@ impl Picture {
         }
     }
 
-    /// Where a colour is brighter than the shoulder `s`, it becomes `s + (x − s) / (1 + (x − s) / (1 − s))`, which approaches 1
-    /// and has no kink: highlights keep their form. Colours are those of what covers the pixel, not mixed with what is
-    /// behind.
+    /// Compresses highlights: a colour `x` brighter than the shoulder `s` becomes `s + (x − s) / (1 + (x − s) / (1 −
+    /// s))`, which approaches 1 and has no kink, so that highlights keep their form. `x` is unassociated: the colour of
+    /// the covered part of the pixel, without the background.
     fn compress_highlights(&mut self, shoulder: f32) {
         for [r, g, b, alpha] in &mut self.rgba {
             let (first, room) = (shoulder * *alpha, ((1.0 - shoulder) * *alpha).max(f32::MIN_POSITIVE));
@@ -76,7 +76,7 @@ mod tests {
         assert!((of(1.0) - 0.875).abs() < 1e-6, "half of the room where twice as much is above");
         let bright: Vec<f32> = (0..200).map(|n| of(0.1 * n as f32)).collect();
         assert!(bright.is_sorted() && bright[199] < 1.0);
-        // A veil is compressed as what is opaque, and colours that are not shaded are as they were.
+        // A veil is compressed like an opaque pixel, and colours that are not shaded stay as they were.
         assert!((finished([0.5, 0.0, 0.0, 0.5], Some(&shading))[0] - 0.4375).abs() < 1e-6);
         assert_eq!(finished([1.0, 0.9, 0.0, 1.0], None), [1.0, 0.9, 0.0, 1.0]);
         assert_eq!(finished([1.3, 0.9, 0.0, 1.0], Some(&Shading::headlight())), [1.3, 0.9, 0.0, 1.0]);

@@ -1,8 +1,8 @@
 //! Transfer function: sample value -> colour and opacity per `opacity_unit`.
 //!
-//! Two piecewise-linear curves, held constant beyond their ends. Opacity is that of a slab one `opacity_unit`
-//! thick, so the picture depends on neither the view, the number of sheets nor the level of detail. Two nodes at the
-//! same value make a step, which belongs to the upper side.
+//! Two piecewise-linear curves, held constant beyond their ends. Opacities are for a slab one `opacity_unit` thick, so
+//! the picture depends on neither the view, the number of sheets nor the level of detail. Two nodes at the same value
+//! make a step, which belongs to the upper side.
 
 use crate::error::{Error, Result};
 use crate::transfer_function_2d::TransferFunction2D;
@@ -12,8 +12,8 @@ use crate::transfer_function_2d::TransferFunction2D;
 pub struct OpacityNode {
     /// Sample value.
     pub value: f64,
-    /// Opacity per `opacity_unit`, `0..=1`; 1 is opaque at any thickness. A ray that passes a single node of 1 between
-    /// lower ones is at its value in no length: it meets the integral of `−ln(1 − opacity)`, which is finite there.
+    /// Opacity per `opacity_unit`, `0..=1`; 1 is opaque at any thickness. A ray passes the value of a single node of 1
+    /// between lower ones over no length: it meets the integral of `−ln(1 − opacity)`, which is finite there.
     pub opacity: f64,
 }
 
@@ -35,7 +35,7 @@ pub struct GradientNode {
     pub factor: f64,
 }
 
-/// Validated curves.
+/// A transfer function: validated curves.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TransferFunction {
     opacity: Vec<OpacityNode>,
@@ -46,7 +46,8 @@ pub struct TransferFunction {
 }
 
 impl TransferFunction {
-    /// `opacity_unit`: world units; `None` takes the volume's default, the geometric mean of its spacings.
+    /// Checks the curves. `opacity_unit`: world units; `None` takes the volume's default, the geometric mean of its
+    /// spacings.
     pub fn new(opacity: Vec<OpacityNode>, color: Vec<ColorNode>, opacity_unit: Option<f64>) -> Result<Self> {
         check_values("opacity", opacity.iter().map(|n| n.value))?;
         check_values("color", color.iter().map(|n| n.value))?;
@@ -73,7 +74,7 @@ impl TransferFunction {
         Ok(Self { opacity, color, opacity_unit, gradient: Vec::new(), joint: None })
     }
 
-    /// The same with a factor of the extinction by the magnitude of the gradient; no nodes: 1 everywhere.
+    /// Adds a factor of the extinction by the magnitude of the gradient; no nodes: 1 everywhere.
     pub fn with_gradient_opacity(self, gradient: Vec<GradientNode>) -> Result<Self> {
         if !gradient.is_empty() {
             check_values("gradient opacity", gradient.iter().map(|n| n.magnitude))?;
@@ -92,8 +93,8 @@ impl TransferFunction {
         Ok(Self { gradient, ..self })
     }
 
-    /// Colour and opacity by value and magnitude of the gradient. Its curves over the value alone are bounds: the largest
-    /// opacity of any magnitude, and the colour of the lowest.
+    /// A function of value and gradient magnitude. Its curves over the value alone are the largest opacity of any
+    /// magnitude, an upper bound, and the colour of the lowest magnitude.
     pub fn two_dimensional(joint: TransferFunction2D, opacity_unit: Option<f64>) -> Result<Self> {
         let rows = || (0..joint.magnitudes().len()).map(|row| joint.row(row));
         let nodes = joint.values().iter().enumerate();
@@ -109,7 +110,7 @@ impl TransferFunction {
         Ok(Self { joint: Some(joint), ..bounds })
     }
 
-    /// Colour and opacity by value and magnitude, where there is such a table.
+    /// Table of colour and opacity by value and gradient magnitude, if the function has two dimensions.
     pub fn function_2d(&self) -> Option<&TransferFunction2D> {
         self.joint.as_ref()
     }
@@ -119,15 +120,15 @@ impl TransferFunction {
         self.joint.is_some() || !self.gradient.is_empty()
     }
 
-    /// Optical depth per `opacity_unit` where the gradient has a magnitude, sample units per world unit; infinite for
-    /// opacity 1, and clear where a factor of 0 meets it.
+    /// Optical depth per `opacity_unit` at a value and gradient magnitude, sample units per world unit; infinite for
+    /// opacity 1, but 0 where the gradient's factor is 0.
     pub fn optical_depth(&self, value: f64, magnitude: f64) -> f64 {
         let opacity = self.joint.as_ref().map_or_else(|| self.opacity(value), |joint| joint.rgba(value, magnitude)[3]);
         let factor = self.gradient_factor(magnitude);
         if factor == 0.0 { 0.0 } else { -(-opacity).ln_1p() * factor }
     }
 
-    /// Red, green, blue where the gradient has a magnitude.
+    /// Red, green, blue at a value and gradient magnitude.
     pub fn color_at(&self, value: f64, magnitude: f64) -> [f64; 3] {
         let Some(joint) = &self.joint else { return self.color(value) };
         let [r, g, b, _] = joint.rgba(value, magnitude);
@@ -144,12 +145,12 @@ impl TransferFunction {
         &self.color
     }
 
-    /// Nodes of the gradient opacity in order of magnitude; none where the gradient does not matter.
+    /// Nodes of the gradient opacity in order of magnitude; empty where there is none.
     pub fn gradient_nodes(&self) -> &[GradientNode] {
         &self.gradient
     }
 
-    /// Thickness that the opacities belong to, world units.
+    /// Thickness of the slab that opacities are given for, world units.
     pub fn opacity_unit(&self) -> Option<f64> {
         self.opacity_unit
     }
@@ -159,7 +160,7 @@ impl TransferFunction {
         interpolate(&self.opacity, value, |n| n.value, |n| [n.opacity])[0]
     }
 
-    /// Factor of the extinction where the gradient has a magnitude, sample units per world unit.
+    /// Factor of the extinction at a gradient magnitude, sample units per world unit.
     pub fn gradient_factor(&self, magnitude: f64) -> f64 {
         if self.gradient.is_empty() {
             return 1.0;
@@ -167,12 +168,12 @@ impl TransferFunction {
         interpolate(&self.gradient, magnitude, |n| n.magnitude, |n| [n.factor])[0]
     }
 
-    /// Red, green, blue.
+    /// Red, green, blue at a value.
     pub fn color(&self, value: f64) -> [f64; 3] {
         interpolate(&self.color, value, |n| n.value, |n| n.rgb)
     }
 
-    /// Red, green, blue and opacity of one value after another: fast where each is near the one before.
+    /// A function from value to red, green, blue and opacity, fast for sequences of values that are near each other.
     pub fn rgba_in_turn(&self) -> impl FnMut(f64) -> [f64; 4] {
         let (mut color, mut opacity) = (0, 0);
         move |value| {
@@ -212,7 +213,7 @@ fn interpolate<N, const C: usize>(
     between(nodes, upper, value, position, channels)
 }
 
-/// How many nodes are no higher than a value, counted on from about so many.
+/// Number of nodes that are no higher than a value, searched from the guess `n`.
 fn n_up_to<N>(nodes: &[N], value: f64, position: impl Fn(&N) -> f64, mut n: usize) -> usize {
     while nodes.get(n).is_some_and(|node| position(node) <= value) {
         n += 1;
@@ -223,7 +224,7 @@ fn n_up_to<N>(nodes: &[N], value: f64, position: impl Fn(&N) -> f64, mut n: usiz
     n
 }
 
-/// `upper`: how many nodes are no higher than the value.
+/// Value of the curve, linear between nodes. `upper`: number of nodes that are no higher than the value.
 fn between<N, const C: usize>(
     nodes: &[N],
     upper: usize,

@@ -1,13 +1,13 @@
 //! Two-dimensional transfer functions: colour and opacity by sample value and gradient magnitude.
 //!
-//! A value alone cannot tell the boundary of two materials from a third material of that value; with the magnitude of
-//! the gradient it often can (Levoy, *Display of surfaces from volume data*, 1988; Kindlmann & Durkin 1998). The table
-//! is bilinear between its nodes and constant beyond them, as a two-dimensional transfer function of VTK is; two nodes
-//! at the same place make a step.
+//! A value alone cannot distinguish the boundary of two materials from a third material of that value; with the
+//! magnitude of the gradient it often can (Levoy, *Display of surfaces from volume data*, 1988; Kindlmann & Durkin
+//! 1998). The table is bilinear between its nodes and constant beyond them, like a two-dimensional transfer function of
+//! VTK; two nodes at the same place make a step.
 
 use crate::error::{Error, Result};
 
-/// Validated nodes: `values` by `magnitudes`.
+/// A two-dimensional transfer function: validated nodes, `values` by `magnitudes`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TransferFunction2D {
     values: Vec<f64>,
@@ -16,8 +16,8 @@ pub struct TransferFunction2D {
 }
 
 impl TransferFunction2D {
-    /// `values`: sample units, `magnitudes`: sample units per world unit, both in order; `rgba`: red, green, blue and
-    /// opacity per `opacity_unit`, `0..=1`, one row of values per magnitude.
+    /// Checks the nodes. `values`: sample units, `magnitudes`: sample units per world unit, both in order; `rgba`: red,
+    /// green, blue and opacity per `opacity_unit`, `0..=1`, one row of values per magnitude.
     pub fn new(values: Vec<f64>, magnitudes: Vec<f64>, rgba: Vec<[f64; 4]>) -> Result<Self> {
         check_axis("values", &values, f64::NEG_INFINITY)?;
         check_axis("magnitudes", &magnitudes, 0.0)?;
@@ -54,7 +54,7 @@ impl TransferFunction2D {
         &self.rgba[magnitude_idx * self.values.len()..][..self.values.len()]
     }
 
-    /// Red, green, blue and opacity.
+    /// Red, green, blue and opacity at a value and gradient magnitude.
     pub fn rgba(&self, value: f64, magnitude: f64) -> [f64; 4] {
         let ([i0, i1], t) = between(&self.values, value);
         let ([j0, j1], s) = between(&self.magnitudes, magnitude);
@@ -66,7 +66,7 @@ impl TransferFunction2D {
     }
 }
 
-/// The nodes around a position, and the share of the upper one.
+/// Indices of the nodes around a position, and the weight of the upper one.
 fn between(nodes: &[f64], position: f64) -> ([usize; 2], f64) {
     let upper = nodes.partition_point(|n| *n <= position);
     let lower = upper.saturating_sub(1);

@@ -1,8 +1,9 @@
 //! Volume: scalar samples (voxels) on a grid, borrowed in their own type.
 //!
-//! Samples keep their own type: an 8-bit scan is never copied to float as a whole. Narrow types are used as they are, and
-//! so are wide ones (32- and 64-bit) of usual values; where an f32 pipeline would overflow, or lose small differences
-//! on a large offset, they are mapped to the density `d = (sample − offset) · scale` when they are read.
+//! Samples keep their own type: an 8-bit scan is never copied to float as a whole. Narrow types are used as they are,
+//! and so are wide types (32- and 64-bit) with values of usual magnitude; where an f32 pipeline would overflow, or lose
+//! small differences on a large offset, samples are mapped to the density `d = (sample − offset) · scale` when they are
+//! read.
 
 use glam::DAffine3;
 
@@ -11,9 +12,9 @@ use crate::grid::Grid;
 
 /// A sample type that the renderer reads.
 pub trait Sample: Copy + Send + Sync + PartialOrd + 'static {
-    /// The number as f64, exact for every type here.
+    /// The sample as f64, exact for every type here.
     fn to_f64(self) -> f64;
-    /// The number as f32, exact for 8- and 16-bit types.
+    /// The sample as f32, exact for 8- and 16-bit types.
     fn to_f32(self) -> f32;
 }
 
@@ -89,14 +90,14 @@ impl Samples<'_> {
     }
 }
 
-/// What one pass over the samples tells.
+/// Range of the finite samples, and number of the others.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Statistics {
     /// Smallest finite sample.
     pub min: f64,
     /// Largest finite sample.
     pub max: f64,
-    /// How many samples are NaN or infinite; they are drawn as empty.
+    /// Number of samples that are NaN or infinite; they are drawn as empty.
     pub n_nonfinite: usize,
 }
 
@@ -150,7 +151,7 @@ impl<'a> Volume<'a> {
         Self::with_statistics(name, samples, size, world_from_index, statistics)
     }
 
-    /// As [`Volume::new`], with statistics that were computed before for the same samples.
+    /// Makes a volume like [`Volume::new`], with statistics that were computed before for the same samples.
     pub fn with_statistics(
         name: &str,
         samples: Samples<'a>,
@@ -172,7 +173,7 @@ impl<'a> Volume<'a> {
         &self.samples
     }
 
-    /// Where they lie.
+    /// Grid of the samples.
     pub fn grid(&self) -> &Grid {
         &self.grid
     }
@@ -232,7 +233,7 @@ mod tests {
         assert_eq!(v.grid().density_from_sample(), (0.0, 1.0));
     }
 
-    /// There and back again, to the bit.
+    /// Samples survive the map to densities and back, to the bit.
     #[test]
     fn what_f32_holds_is_kept_exactly() {
         for (centre, extent) in [(0.0, 1.0), (100.0, 20.0), (1e7, 5e3), (-3e-4, 1e-8), (1e30, 1e28), (0.0, 1e-30)] {

@@ -1,13 +1,13 @@
-//! Adapters: the GPUs of this machine, as its drivers tell of them, and the choice of one.
+//! Adapters: the GPUs of this machine, as reported by its drivers, and the choice of one.
 
 use wgpu::{Backends, DeviceType, Instance, InstanceDescriptor, InstanceFlags};
 
 use crate::failure::{Failure, GpuResult};
 
-/// A GPU as its driver tells of it.
+/// A GPU as reported by its driver.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Adapter {
-    /// As the driver names it.
+    /// Name, as reported by the driver.
     pub name: String,
     /// Vulkan, Metal or DX12.
     pub backend: &'static str,
@@ -15,7 +15,7 @@ pub struct Adapter {
     pub kind: &'static str,
     /// Name and version of the driver.
     pub driver: String,
-    /// Numbers of vendor and device, as of PCI.
+    /// PCI ids of vendor and device.
     pub ids: [u32; 2],
 }
 
@@ -41,12 +41,12 @@ impl Adapter {
         Self { name: info.name, backend, kind, driver, ids: [info.vendor, info.device] }
     }
 
-    /// Whether it is a program on the processor: never chosen by itself.
+    /// Whether the adapter is a software renderer on the CPU, which is never chosen automatically.
     pub fn is_software(&self) -> bool {
         self.kind == "software"
     }
 
-    /// Lower is taken first.
+    /// Sort key: lower is preferred.
     fn rank(&self) -> usize {
         let of_kind = ["discrete", "integrated", "virtual", "other"].iter().position(|kind| *kind == self.kind);
         // The same card may be there twice; compilers of DX12 are slow.
@@ -54,13 +54,13 @@ impl Adapter {
     }
 }
 
-/// Which GPU is wanted.
+/// Choice of a GPU.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub enum Choice {
-    /// The best one that is no program on the processor.
+    /// The best GPU that is not a software renderer.
     Best,
-    /// The first whose name, with that of its backend behind it, has this in it, upper and lower case alike; a program on the
-    /// processor too.
+    /// The GPU of this name; else the first whose "name backend" contains this text, ignoring case. Software renderers
+    /// included.
     Named(String),
 }
 
@@ -86,7 +86,7 @@ fn all() -> (Instance, Vec<(Adapter, wgpu::Adapter)>) {
     (instance, adapters)
 }
 
-/// The adapter that is wanted.
+/// Chooses an adapter among all of this machine.
 pub(crate) fn choose(choice: &Choice) -> GpuResult<(Instance, Adapter, wgpu::Adapter)> {
     let (instance, adapters) = all();
     let names: Vec<String> = adapters.iter().map(|(adapter, _)| format!("{:?}", adapter.name)).collect();
@@ -98,7 +98,7 @@ pub(crate) fn choose(choice: &Choice) -> GpuResult<(Instance, Adapter, wgpu::Ada
     };
     let there_are =
         if names.is_empty() { "there is none".to_owned() } else { format!("there are {}", names.join(", ")) };
-    // A whole name before a part of one.
+    // An exact name takes precedence over a substring.
     let is_whole = |adapter: &Adapter| match choice {
         Choice::Best => false,
         Choice::Named(name) => *name == adapter.name || *name == format!("{} {}", adapter.name, adapter.backend),
@@ -114,7 +114,7 @@ pub(crate) fn choose(choice: &Choice) -> GpuResult<(Instance, Adapter, wgpu::Ada
     }
 }
 
-/// The adapter that is wanted, without opening it.
+/// The adapter that a choice stands for, without opening it.
 pub(crate) fn resolved(choice: &Choice) -> GpuResult<Adapter> {
     choose(choice).map(|(_, adapter, _)| adapter)
 }

@@ -1,4 +1,4 @@
-//! Bands: some blocks of a base plane, what their rays draw, and in which slabs something is seen of them.
+//! Bands: blocks of a base plane that are drawn together, with the intervals of their rays and the slabs they occupy.
 
 use std::ops::Range;
 
@@ -10,29 +10,29 @@ use wavesplat_splat::sheet::tile_layout::{BLOCK_V, N_BLOCKS_V, N_STRIPS, TILE_U}
 
 use crate::layout::N_BLOCK;
 
-/// Blocks that are drawn at once at most: 1 M texels, so that no binding exceeds what every device has, and a slab of them takes a
-/// weak one a few hundredths of a second.
+/// Most blocks that are drawn at once: 1 M texels, so that no binding exceeds what every device has, and a weak device
+/// takes a few hundredths of a second for a slab of them.
 const MAX_BLOCKS: usize = 1 << 13;
 
-/// Some rows of tiles of a base plane.
+/// Blocks of a base plane that are drawn together.
 #[derive(Default)]
 pub(crate) struct Band {
     /// Strip, and row of blocks, of each block.
     pub blocks: Vec<[usize; 2]>,
-    /// What each of its rays draws, block by block; of all layers together, then, where there are several, of each.
+    /// Drawn interval of each ray in s, block by block: of all layers together, then, where there are several, of each.
     pub intervals: Vec<Vec<[f32; 2]>>,
-    /// Slabs that have something, layer by layer and block by block, as bits.
+    /// Occupied slabs as bit masks, layer by layer and block by block.
     pub occupied: Vec<Vec<u32>>,
-    /// Slabs before the first that has something, and one past the last.
+    /// First slab that any block occupies, and one past the last.
     pub slabs: [usize; 2],
 }
 
-/// Words of the slabs of a block, as bits, with one bit more for the sheet behind the last.
+/// Words of the slab mask of a block, with one bit more for the sheet behind the last slab.
 pub(crate) fn n_mask_words(family: &FamilyPlan) -> usize {
     (family.spacing.n_slabs + 1).div_ceil(32)
 }
 
-/// A base plane as bands of blocks that something may be seen in.
+/// Cuts a base plane into bands of the blocks that may show something. `skips`: leave out empty slabs.
 pub(crate) fn bands(family: &FamilyPlan, arrays: &BasePlaneArrays, n_layers: usize, skips: bool) -> Vec<Band> {
     let [n_tiles_u, n_tiles_v] = arrays.n_tiles();
     // Several layers have an interval each, and one for all.
@@ -60,14 +60,14 @@ pub(crate) fn bands(family: &FamilyPlan, arrays: &BasePlaneArrays, n_layers: usi
 }
 
 impl Band {
-    /// Whether a block has something of a layer in a slab.
+    /// Whether a layer occupies a slab in a block.
     pub fn is_occupied(&self, layer: usize, block: usize, slab: usize) -> bool {
         let words = &self.occupied[layer];
         let n_words = words.len() / self.blocks.len();
         words[block * n_words + slab / 32] >> (slab % 32) & 1 == 1
     }
 
-    /// Takes everything for occupied.
+    /// Marks all slabs of all blocks as occupied.
     fn occupy_all(&mut self, family: &FamilyPlan) {
         let n_words = n_mask_words(family);
         self.slabs = [0, family.spacing.n_slabs];
@@ -78,7 +78,7 @@ impl Band {
         }
     }
 
-    /// Both halves of its blocks, where it has more than one.
+    /// The band in two halves, where it has more than one block.
     pub fn halves(&self) -> Option<(Self, Self)> {
         let n = self.blocks.len() / 2;
         (n > 0).then(|| (self.part(0..n), self.part(n..self.blocks.len())))

@@ -1,4 +1,4 @@
-//! Buffers, kept from frame to frame, what is bound to a shader, and reading back.
+//! Buffers that are kept from frame to frame, bind groups, and reading back.
 
 use std::time::Duration;
 
@@ -11,10 +11,10 @@ use crate::device::OpenDevice;
 use crate::failure::{Failure, GpuResult};
 use crate::pipeline::Pipeline;
 
-/// Bytes of a buffer that nothing is in.
+/// Minimum size of a buffer in bytes: an empty one cannot be bound.
 const MIN_BYTES: u64 = 256;
 
-/// Buffers, kept from frame to frame, as large as they had to be.
+/// The buffers of a dispatch, kept from frame to frame.
 #[derive(Default)]
 pub(crate) struct Buffers {
     pub parameters: GrowingBuffer,
@@ -31,7 +31,7 @@ pub(crate) struct Buffers {
 pub(crate) struct GrowingBuffer(pub Option<Buffer>);
 
 impl GrowingBuffer {
-    /// With room for so many bytes.
+    /// The buffer, with room for `n_bytes`; made anew where it is too small or more than 8 times too large.
     pub fn of(&mut self, device: &OpenDevice, n_bytes: usize, usage: BufferUsages) -> &Buffer {
         let size = (n_bytes as u64).next_multiple_of(16).max(MIN_BYTES);
         let fits = self.0.as_ref().is_some_and(|own| own.size() >= size && own.size() <= 8 * size);
@@ -43,7 +43,7 @@ impl GrowingBuffer {
         })
     }
 
-    /// With these bytes, which are added to those that were `moved`.
+    /// The buffer, filled with `bytes`; their number is added to `moved`.
     pub fn with(&mut self, device: &OpenDevice, bytes: &[u8], usage: BufferUsages, moved: &mut u64) -> &Buffer {
         let buffer = self.of(device, bytes.len(), usage | BufferUsages::COPY_DST);
         device.queue.write_buffer(buffer, 0, bytes);
@@ -52,7 +52,7 @@ impl GrowingBuffer {
     }
 }
 
-/// What a buffer holds, by one that can be mapped; to be unmapped when it was read.
+/// Reads a buffer through `by`, which can be mapped; the caller unmaps `by` when done with the view.
 pub(crate) fn read_buffer(device: &OpenDevice, from: &Buffer, by: &Buffer, n_bytes: usize) -> GpuResult<BufferView> {
     let mut encoder = device.device.create_command_encoder(&CommandEncoderDescriptor::default());
     encoder.copy_buffer_to_buffer(from, 0, by, 0, Some(n_bytes as u64));
@@ -62,7 +62,7 @@ pub(crate) fn read_buffer(device: &OpenDevice, from: &Buffer, by: &Buffer, n_byt
         let _ = tell.send(mapped);
     });
     device.wait()?;
-    // Another thread that waits may be the one that calls.
+    // The callback may run on another thread that waits for the device.
     match told.recv_timeout(Duration::from_secs(10)) {
         Ok(Ok(())) => {}
         Ok(Err(error)) => return Err(Failure::Refused(error.to_string())),
@@ -71,7 +71,7 @@ pub(crate) fn read_buffer(device: &OpenDevice, from: &Buffer, by: &Buffer, n_byt
     by.get_mapped_range(..n_bytes as u64).map_err(|error| Failure::Refused(error.to_string()))
 }
 
-/// What is bound to a shader: its buffers in their order, and textures.
+/// Bind group of a shader: buffers at bindings 0 to 5, the sampler at 6, and textures.
 pub(crate) fn bind_group<'a>(
     device: &OpenDevice,
     pipeline: &Pipeline,

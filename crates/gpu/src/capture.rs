@@ -19,29 +19,29 @@ pub struct Capture {
     pub shader: String,
     /// Contents of the bindings 0 to 4: parameters (uniform), words, tables, intervals, occupied (read-only storage).
     pub buffers: [Vec<u8>; 5],
-    /// Bytes of binding 5, the state that is written: of each block in turn, row by row, one vec4 or two a texel.
+    /// Bytes of binding 5, the state that is written: block by block, row by row, one or two vec4s per texel.
     pub n_state_bytes: usize,
     /// Textures; binding 6 is a sampler that filters nothing.
     pub textures: Vec<CapturedTexture>,
     /// Workgroups along x and y.
     pub groups: [usize; 2],
-    /// First texel of each block along u and v; it has 16 x 8.
+    /// First texel of each block along u and v; a block has 16 x 8 texels.
     pub blocks: Vec<[usize; 2]>,
 }
 
 /// A texture array of samples.
 pub struct CapturedTexture {
-    /// Its binding.
+    /// Binding of the texture.
     pub binding: u32,
-    /// As WebGPU calls it.
+    /// Texture format by its WebGPU name.
     pub format: &'static str,
     /// Width, height, layers.
     pub size: [usize; 3],
-    /// Layer by layer, row by row.
+    /// Texels, layer by layer, row by row.
     pub bytes: Vec<u8>,
 }
 
-/// The dispatch of the only base plane of a plan, small enough for one. `slices`: of each layer.
+/// Captures the dispatch of a plan that has one base plane of one band. `slices`: one per layer.
 pub fn capture(plan: &Plan, slices: &[&Slices]) -> GpuResult<Capture> {
     let permutation = permutation_of(plan, slices, true)?;
     let [family] = &plan.families[..] else {

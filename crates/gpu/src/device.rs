@@ -1,4 +1,4 @@
-//! An open device: limits as the adapter has them, errors that are caught, and whether it is lost.
+//! An open device: the adapter's limits, error scopes, and the loss of the device.
 
 use std::sync::{Arc, Mutex};
 
@@ -15,7 +15,7 @@ pub(crate) struct OpenDevice {
     pub limits: Limits,
     /// Whether passes can be timed.
     pub has_timestamps: bool,
-    /// Why it is lost, once it is.
+    /// Reason of the loss, once the device is lost.
     lost: Arc<Mutex<Option<String>>>,
     /// Kept as long as the device.
     _instance: wgpu::Instance,
@@ -41,18 +41,18 @@ impl OpenDevice {
             lost.lock().unwrap_or_else(std::sync::PoisonError::into_inner).get_or_insert(why);
         };
         device.set_device_lost_callback(move |reason, message| note(&by_loss, format!("{reason:?} {message}")));
-        // Whatever no scope has caught makes the device useless, not the program end.
+        // An error outside all scopes marks the device as lost; by default it would end the program.
         device.on_uncaptured_error(Arc::new(move |error| note(&by_error, error.to_string())));
         let has_timestamps = device.features().contains(optional);
         Ok(Self { device, queue, adapter: told, limits, has_timestamps, lost, _instance: instance })
     }
 
-    /// Why it is lost, if it is.
+    /// Reason of the loss, if the device is lost.
     pub fn lost(&self) -> Option<String> {
         self.lost.lock().unwrap_or_else(std::sync::PoisonError::into_inner).clone()
     }
 
-    /// Runs work; what the device objects to while it runs is its failure.
+    /// Runs work within error scopes; an error of the device becomes a [`Failure`].
     pub fn guarded<T>(&self, work: impl FnOnce() -> GpuResult<T>) -> GpuResult<T> {
         let filters = [ErrorFilter::Internal, ErrorFilter::Validation, ErrorFilter::OutOfMemory];
         let scopes = filters.map(|filter| self.device.push_error_scope(filter));
@@ -75,7 +75,7 @@ impl OpenDevice {
         }
     }
 
-    /// Waits until all that was submitted is done.
+    /// Waits until all submitted work is done.
     pub fn wait(&self) -> GpuResult<()> {
         let waited = self.device.poll(PollType::wait_indefinitely());
         match (self.lost(), waited) {

@@ -27,25 +27,25 @@ use crate::report::Counts;
 use crate::timer::Timer;
 use crate::volumes::{GpuVolume, Volumes};
 
-/// Seconds that a dispatch is to take: systems reset a GPU that answers to nothing for longer than about 2 s, and frames are
+/// Target duration of a dispatch in seconds: systems reset a GPU that does not answer for about 2 s, and frames are
 /// cancelled between dispatches. Rays meet more further in than where they begin, so that the next one may take longer.
 const AIM_SECONDS: f64 = 0.02;
 
-/// How many times as many slabs as the one before a dispatch has at most.
+/// Largest ratio of the slabs of a dispatch to those of the dispatch before.
 const MAX_GROWTH: usize = 4;
 
-/// Texels of sheets per second that are taken for granted of the first dispatch of a frame, by a GPU and by a program on the
-/// processor: what the frame before was like says little, since its rays may all have ended early.
+/// Assumed rate of the first dispatch of a frame in texels of sheets per second, for a GPU and for a software renderer:
+/// the rate of the frame before says little, since its rays may all have ended early.
 const FIRST_RATES: [f64; 2] = [5e8, 1e6];
 
-/// How a frame is cut; the picture does not depend on it.
+/// Partition of a frame into dispatches and pages; the picture does not depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Schedule {
-    /// Slabs of a dispatch at most; `None`: as many as take a fiftieth of a second.
+    /// Most slabs of a dispatch; `None`: adapted, so that a dispatch takes about a fiftieth of a second.
     pub most_slabs: Option<usize>,
-    /// Leave out what nothing is seen of.
+    /// Skip slabs in which nothing is seen.
     pub skips: bool,
-    /// Pages even where all samples fit.
+    /// Use pages even where all samples fit.
     pub is_paged: bool,
     /// Count fetches and texels, for [`crate::report::GpuReport::counted`].
     pub counts: bool,
@@ -57,25 +57,25 @@ impl Default for Schedule {
     }
 }
 
-/// What is kept between frames.
+/// Pipelines, volumes and buffers kept between frames.
 #[derive(Default)]
 pub(crate) struct KeptWork {
     pub pipelines: HashMap<Permutation, Arc<Pipeline>>,
-    /// What was uploaded.
+    /// Uploaded volumes.
     pub volumes: Volumes,
     pub buffers: Buffers,
 }
 
-/// What a frame needs.
+/// Inputs of a frame.
 pub(crate) struct Job<'a> {
     pub device: &'a OpenDevice,
     pub plan: &'a Plan,
-    /// Of each layer.
+    /// Slices of each layer.
     pub slices: &'a [&'a Slices<'a>],
     pub permutation: &'a Permutation,
     pub pipeline: &'a Pipeline,
     pub volumes: &'a [Arc<GpuVolume>],
-    /// Fields that are sources, by the first of them where they are four.
+    /// Field of each source behind the layers; the first of four where they are stored side by side.
     pub fields: &'a [usize],
     pub schedule: Schedule,
 }
@@ -143,7 +143,7 @@ impl Job<'_> {
         Ok(picture)
     }
 
-    /// Ranges of slabs whose pages fit; one of all slabs where there are no pages, `None` where there is too little room.
+    /// Ranges of slabs whose pages fit; a single range where there are no pages, `None` where there is too little room.
     fn ranges(&self, family: &FamilyPlan, arrays: &BasePlaneArrays, band: &Band) -> Option<Vec<PagedRange>> {
         let slots: Option<Vec<usize>> =
             self.slices.iter().zip(self.volumes).map(|(_, volume)| Some(volume.pages()?.n_slots())).collect();
@@ -169,7 +169,7 @@ impl Job<'_> {
         Ok(())
     }
 
-    /// Marches the rays of a band through all slabs that have something.
+    /// Marches the rays of a band through all occupied slabs.
     #[expect(clippy::too_many_arguments, reason = "what is drawn, how it is cut, and where it goes")]
     fn draw_band(
         &self,
@@ -264,7 +264,7 @@ impl Job<'_> {
         bind_group(device, self.pipeline, resources, textures)
     }
 
-    /// Puts what was drawn of a band into the base plane.
+    /// Reads back the state of a band and puts its texels into the base plane.
     fn read_back(
         &self,
         band: &Band,
@@ -308,7 +308,7 @@ fn w_of(s: f32, sign: f32) -> f32 {
     if s < NO_PLACE { s * sign } else { f32::NAN }
 }
 
-/// What a ray has gathered as a texel. Twin of the `finish` of the compositors of `crates/splat/src/ray`.
+/// Texel of a ray's accumulated state. Twin of the `finish` of the compositors of `crates/splat/src/ray`.
 fn finished(operator: Operator, gathered: [f32; 4]) -> [f32; 4] {
     let [value, length, _, _] = gathered;
     match operator {

@@ -1,17 +1,17 @@
-//! Why a frame was not drawn on a GPU: the CPU draws it then, and the report says so.
+//! Failures of drawing a frame on a GPU: the CPU draws it then, and the report has the reason.
 
 use std::fmt;
 
-/// Why a GPU did not draw a frame.
+/// Reason why a GPU did not draw a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Failure {
-    /// No adapter is there, or none that was asked for.
+    /// There is no adapter, or none that matches the choice.
     NoAdapter(String),
     /// A device was opened and did not draw what the CPU draws.
     Untrusted(String),
-    /// What was asked for is drawn by the CPU alone.
+    /// The CPU draws this frame: the GPU does not support the scene, or is not used at this time.
     NotOnGpu(String),
-    /// It needs more memory than it may take, or than there is.
+    /// The frame needs more memory than the budget or the device's limits allow.
     Memory(String),
     /// The driver refused memory.
     Allocation(String),

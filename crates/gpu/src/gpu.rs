@@ -1,4 +1,4 @@
-//! An open GPU: its device, what was made and uploaded before, and the door to drawing.
+//! An open GPU: its device, the pipelines and volumes that it keeps, and the entry points of drawing.
 
 use std::cell::Cell;
 use std::sync::atomic::{AtomicUsize, Ordering};
@@ -22,13 +22,13 @@ use crate::self_test::{test_picture, test_samples};
 use crate::stage::Stage;
 use crate::volumes::uploaded;
 
-/// Memory for samples, unless told otherwise: no driver says how much is free.
+/// Default budget for samples in bytes: no driver reports how much memory is free.
 pub const DEFAULT_BUDGET_BYTES: usize = 3 << 29;
 
-/// Shaders that are kept at most.
+/// Most pipelines that are kept.
 const MAX_PIPELINES: usize = 64;
 
-/// A thread that draws on a GPU: a frame that its callback asks for in turn would wait for itself.
+/// Guard of a thread that draws on a GPU: a frame that its callback draws in turn would wait for itself.
 struct Drawing;
 
 thread_local! {
@@ -56,18 +56,18 @@ pub struct Gpu {
     device: OpenDevice,
     gather: bool,
     budget_bytes: AtomicUsize,
-    /// What is left of that after the driver has refused memory.
+    /// Upper bound of the budget, lowered after the driver has refused memory.
     most_bytes: AtomicUsize,
     work: Mutex<KeptWork>,
 }
 
 impl Gpu {
-    /// Opens a GPU, for at most so many bytes of samples, and tests it: one that does not draw what the CPU draws is refused.
+    /// Opens a GPU with a budget for samples, and tests it: one that does not draw what the CPU draws is refused.
     pub fn open(choice: &Choice, budget_bytes: usize) -> GpuResult<Self> {
         Self::open_with(choice, budget_bytes, false)
     }
 
-    /// The same; `fails`: its self-test is made to fail.
+    /// Opens a GPU as [`Gpu::open`] does; `fails`: the self-test is made to fail.
     pub fn open_with(choice: &Choice, budget_bytes: usize, fails: bool) -> GpuResult<Self> {
         let device = OpenDevice::open(choice)?;
         let gather = test_samples(&device, fails)?;
@@ -84,44 +84,44 @@ impl Gpu {
         Ok(gpu)
     }
 
-    /// Texels of a texture's side, its layers, and bytes of a buffer, at most.
+    /// Limits of the device: texels of a texture's side, layers of a texture, bytes of a storage buffer.
     pub fn limits(&self) -> [u64; 3] {
         let limits = &self.device.limits;
         let [side, layers] = [limits.max_texture_dimension_2d, limits.max_texture_array_layers].map(u64::from);
         [side, layers, limits.max_storage_buffer_binding_size]
     }
 
-    /// Whether it tells how long it took.
+    /// Whether passes can be timed.
     pub fn has_timestamps(&self) -> bool {
         self.device.has_timestamps
     }
 
-    /// Whether it fetches four samples at once.
+    /// Whether shaders fetch four samples at once.
     pub fn gathers(&self) -> bool {
         self.gather
     }
 
-    /// Ends the device, as a driver may at any time: what tests of such an end do.
+    /// Destroys the device, as a driver may at any time; for tests of a lost device.
     pub fn destroy(&self) {
         self.device.device.destroy();
     }
 
-    /// What its driver tells.
+    /// The adapter, as reported by its driver.
     pub fn adapter(&self) -> &Adapter {
         &self.device.adapter
     }
 
-    /// Most bytes of samples.
+    /// Budget for samples in bytes.
     pub fn budget_bytes(&self) -> usize {
         self.budget_bytes.load(Ordering::Relaxed)
     }
 
-    /// Sets that, for the next frames.
+    /// Sets the budget for samples in bytes, for the next frames.
     pub fn set_budget(&self, budget_bytes: usize) {
         self.budget_bytes.store(budget_bytes, Ordering::Relaxed);
     }
 
-    /// Why it cannot draw any more, if so.
+    /// Reason of the loss, if the device is lost.
     pub fn lost(&self) -> Option<String> {
         self.device.lost()
     }
@@ -130,7 +130,7 @@ impl Gpu {
         self.work.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Draws the base planes of a plan: as `draw_base_planes` of the CPU does. `slices`: of each layer.
+    /// Draws the base planes of a plan, as the CPU's `draw_base_planes` does. `slices`: one per layer.
     pub fn draw_base_planes(
         &self,
         plan: &Plan,
@@ -140,7 +140,7 @@ impl Gpu {
         self.draw_base_planes_by(Schedule::default(), plan, slices, callback)
     }
 
-    /// The same, cut as a schedule says.
+    /// Draws the base planes of a plan, cut by a schedule.
     pub fn draw_base_planes_by(
         &self,
         schedule: Schedule,
@@ -168,7 +168,7 @@ impl Gpu {
         let mut placed =
             work.volumes.place_all(&self.device, &permutation, &sources, plan.layers.len(), budget, schedule.is_paged);
         if matches!(placed, Err(Failure::Refused(_) | Failure::Allocation(_))) {
-            // What others are using is not known; half as much may still be there, and from now on no more is asked for.
+            // How much memory other programs use is unknown: try half the budget, which stays the limit from now on.
             *work = KeptWork::default();
             self.device.queue.submit([]);
             self.device.wait()?;
@@ -202,7 +202,7 @@ impl Gpu {
         };
         let drawn = self.device.guarded(|| job.draw_all(work, callback, &mut counts));
         if drawn.as_ref().is_err_and(|failure| *failure != Failure::Cancelled) {
-            // What was refused may look as if it were there.
+            // A resource that the device refused may be kept as if it were valid.
             *work = KeptWork::default();
         }
         let pictures = drawn?;
@@ -210,8 +210,9 @@ impl Gpu {
         Ok((pictures, GpuReport { is_paged, n_sample_bytes, ..report }))
     }
 
-    /// Runs a stage of a frame alone: tests hold it to its fixtures. `entry`: WGSL of an entry point `stage`, workgroups of 64,
-    /// that writes `n` vec4s to `state`; `slices`: the samples of the only source, of which `numbers` need not know the apron.
+    /// Runs a stage of a frame alone, for the stage fixtures. `entry`: WGSL of an entry point `stage`, in workgroups of
+    /// 64, that writes `n` vec4s to `state`; `slices`: the samples of the only source, whose apron `numbers` need not
+    /// know.
     pub fn run_stage(
         &self,
         permutation: &Permutation,

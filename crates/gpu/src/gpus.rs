@@ -1,4 +1,4 @@
-//! The GPUs of a process: opened when they are first wanted, kept, opened once more when they are lost.
+//! The GPUs of a process: opened at first use, kept, opened once more when they are lost.
 
 use std::sync::atomic::{AtomicBool, AtomicU32, AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
@@ -15,43 +15,43 @@ use crate::failure::{Failure, GpuResult};
 use crate::gpu::{DEFAULT_BUDGET_BYTES, Gpu};
 use crate::report::GpuReport;
 
-/// How long a process waits at its end for a GPU that is being opened.
+/// Longest wait at the end of a process for a GPU that is being opened.
 const MAX_WAITING: Duration = Duration::from_secs(10);
 
-/// What should draw.
+/// Choice of the device that draws.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum DeviceChoice {
-    /// The processor.
+    /// The CPU.
     #[default]
     Cpu,
-    /// The best GPU where there is one, from the second frame of a process on, once it is open: opening takes as long as some
-    /// frames do, which the CPU draws meanwhile.
+    /// The best GPU where there is one, from the second frame of a process on, once it is open: opening takes as long
+    /// as some frames do, which the CPU draws meanwhile.
     Auto,
-    /// This GPU, opened if it is not open; the CPU where it cannot.
+    /// This GPU, opened if it is not open; the CPU where the GPU cannot draw.
     Gpu(Choice),
 }
 
 /// A frame that a GPU drew.
 pub struct DrawnOnGpu {
-    /// As those of `draw_base_planes` of the CPU.
+    /// Base planes, in the order and layout of the CPU's `draw_base_planes`.
     pub pictures: Vec<BasePicture>,
-    /// What it took.
+    /// Cost of the frame.
     pub report: GpuReport,
-    /// Which GPU.
+    /// The GPU that drew.
     pub adapter: Adapter,
-    /// Why it was opened once more, if so.
+    /// Reason why the GPU was opened once more, if it was.
     pub reopened: Option<String>,
 }
 
-/// The GPUs that were opened, or why one could not be. Those of a process are [`Gpus::of_process`].
+/// GPUs by choice: open, being opened, or refused. [`Gpus::of_process`] has the GPUs of this process.
 #[derive(Default)]
 pub struct Gpus {
     opened: Mutex<Vec<(Choice, Opened)>>,
-    /// Signalled when a thread has opened one.
+    /// Signalled when `opened` changes.
     changed: Condvar,
-    /// Bytes of samples on a GPU at most; 0: as is usual.
+    /// Budget for samples per GPU in bytes; 0: [`DEFAULT_BUDGET_BYTES`].
     budget_bytes: AtomicUsize,
-    /// Frames that were asked of any GPU.
+    /// Frames that were asked for with [`DeviceChoice::Auto`].
     n_asked: AtomicUsize,
     /// Whether fetches and texels are counted.
     counts: AtomicBool,
@@ -61,10 +61,10 @@ pub struct Gpus {
     process: AtomicU32,
 }
 
-/// What came of opening a GPU.
+/// State of a chosen GPU.
 #[derive(Clone)]
 enum Opened {
-    /// A thread opens it.
+    /// A thread is opening the GPU.
     Opening,
     Open(Arc<Gpu>),
     Refused(Failure),
@@ -81,17 +81,17 @@ static PROCESS: Gpus = Gpus {
 };
 
 impl Gpus {
-    /// Those of this process.
+    /// The GPUs of this process.
     pub fn of_process() -> &'static Self {
         &PROCESS
     }
 
-    /// Sets how many bytes of samples are kept on a GPU at most; what does not fit is drawn in pages.
+    /// Sets the budget for samples per GPU in bytes; what does not fit is drawn in pages.
     pub fn set_budget(&self, budget_bytes: usize) {
         self.budget_bytes.store(budget_bytes, Ordering::Relaxed);
     }
 
-    /// The same, as it is.
+    /// Budget for samples per GPU in bytes.
     pub fn budget_bytes(&self) -> usize {
         match self.budget_bytes.load(Ordering::Relaxed) {
             0 => DEFAULT_BUDGET_BYTES,
@@ -99,17 +99,17 @@ impl Gpus {
         }
     }
 
-    /// Counts fetches and texels of the next frames, or no more: what benchmarks without a GPU hold on to.
+    /// Turns counting of fetches and texels on or off for the next frames; for benchmarks without a GPU.
     pub fn set_counts(&self, counts: bool) {
         self.counts.store(counts, Ordering::Relaxed);
     }
 
-    /// Makes the self-tests of GPUs that are opened from now on fail, or no more: what tests of such devices do.
+    /// Makes the self-tests of GPUs that are opened from now on fail, or pass again; for tests of faulty devices.
     pub fn set_fails(&self, fails: bool) {
         self.fails.store(fails, Ordering::Relaxed);
     }
 
-    /// Waits until no thread opens a GPU: drivers do not like processes that end meanwhile.
+    /// Waits until no thread is opening a GPU: drivers do not cope with a process that ends meanwhile.
     pub fn settle(&self) {
         if self.is_forked_child() {
             return;
@@ -117,18 +117,18 @@ impl Gpus {
         let opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
         let is_opening =
             |opened: &mut Vec<(Choice, Opened)>| opened.iter().any(|(_, slot)| matches!(slot, Opened::Opening));
-        // A driver that hangs does not keep the program.
+        // The time limit keeps a driver that hangs from blocking the program's exit.
         drop(self.changed.wait_timeout_while(opened, MAX_WAITING, is_opening));
     }
 
-    /// Whether another process, of which this one is a fork, has asked for GPUs: drivers do not survive that.
+    /// Whether this process is a fork of one that has asked for GPUs: drivers do not survive a fork.
     pub fn is_forked_child(&self) -> bool {
         let own = std::process::id();
         let first = self.process.compare_exchange(0, own, Ordering::Relaxed, Ordering::Relaxed);
         first.is_err_and(|process| process != own)
     }
 
-    /// Draws the base planes of a plan, as `draw_base_planes` of the CPU does. `slices`: of each layer. A GPU that is lost is
+    /// Draws the base planes of a plan, as the CPU's `draw_base_planes` does. `slices`: one per layer. A lost GPU is
     /// opened once more.
     pub fn draw_base_planes(
         &'static self,
@@ -160,7 +160,7 @@ impl Gpus {
         }
     }
 
-    /// Opens a GPU, or gives the one that is open.
+    /// Opens a GPU, or returns the one that is open.
     pub fn open(&self, choice: &Choice) -> GpuResult<Arc<Gpu>> {
         if self.is_forked_child() {
             return Err(Failure::NotOnGpu("a process that was made by forking draws on the CPU".to_owned()));
@@ -168,12 +168,12 @@ impl Gpus {
         match self.slot(choice) {
             Some(Opened::Open(gpu)) => Ok(gpu),
             Some(Opened::Refused(failure)) => Err(failure),
-            // Nobody waits for another thread's: this one may be given up.
+            // No waiting for another thread that is opening it: that one may never finish.
             Some(Opened::Opening) | None => self.open_now(choice),
         }
     }
 
-    /// Opens a GPU anew, and tests it, beside one that may be open.
+    /// Opens and tests a GPU of its own, beside one that may be open.
     pub fn tested(&self, choice: &Choice) -> GpuResult<Gpu> {
         if self.is_forked_child() {
             return Err(Failure::NotOnGpu("a process that was made by forking draws on the CPU".to_owned()));
@@ -183,7 +183,7 @@ impl Gpus {
     }
 
     fn open_now(&self, choice: &Choice) -> GpuResult<Arc<Gpu>> {
-        // One device for all names of a GPU.
+        // All choices that stand for one GPU share its device.
         let open: Vec<Arc<Gpu>> = {
             let opened = self.opened.lock().unwrap_or_else(PoisonError::into_inner);
             let open = opened.iter().filter_map(|(_, slot)| match slot {
@@ -192,7 +192,7 @@ impl Gpus {
             });
             open.collect()
         };
-        // Asking drivers takes a while, and tells nothing where none is open.
+        // Enumerating adapters takes a while, and there is nothing to share where no GPU is open.
         let adapter = if open.is_empty() { None } else { std::panic::catch_unwind(|| resolved(choice)).ok() };
         let same =
             adapter.and_then(Result::ok).and_then(|wanted| open.into_iter().find(|gpu| *gpu.adapter() == wanted));
@@ -200,7 +200,7 @@ impl Gpus {
             self.set(choice, Opened::Open(gpu.clone()));
             return Ok(gpu);
         }
-        // A driver, or what calls it, that gives up must not take the program with it.
+        // A panic on the way to the driver must not end the program.
         let fails = self.fails.load(Ordering::Relaxed);
         let open = || Gpu::open_with(choice, DEFAULT_BUDGET_BYTES, fails).map(Arc::new);
         let opened = std::panic::catch_unwind(open)
@@ -213,7 +213,7 @@ impl Gpus {
         opened
     }
 
-    /// The GPU if it is open; else a thread is told to open it.
+    /// The GPU if it is open; else an error, and from the second frame on a thread that opens it.
     fn open_beside(&'static self, choice: &Choice) -> GpuResult<Arc<Gpu>> {
         if self.is_forked_child() {
             return self.open(choice);
@@ -255,7 +255,7 @@ impl Gpus {
         self.changed.notify_all();
     }
 
-    /// Closes a GPU; it is opened anew when it is wanted.
+    /// Drops a GPU; the next use opens it anew.
     pub fn forget(&self, choice: &Choice) {
         self.opened.lock().unwrap_or_else(PoisonError::into_inner).retain(|(own, _)| own != choice);
     }
@@ -273,7 +273,7 @@ fn draw(
     Ok(DrawnOnGpu { pictures, report, adapter: gpu.adapter().clone(), reopened: None })
 }
 
-/// Whether the system has a file of a GPU: drivers need not be loaded to see that there is none.
+/// Whether the system has a device file of a GPU: no driver need be loaded to see that there is none.
 fn may_have_gpu() -> bool {
     if !cfg!(target_os = "linux") {
         return true;
@@ -283,7 +283,7 @@ fn may_have_gpu() -> bool {
     has_render_node || has_file("/dev", is_card)
 }
 
-/// Whether a folder has a file of such a name.
+/// Whether a folder has a file whose name satisfies `is_wanted`.
 fn has_file(folder: &str, is_wanted: impl Fn(&str) -> bool) -> bool {
     let mut files = std::fs::read_dir(folder).into_iter().flatten().flatten();
     files.any(|file| is_wanted(&file.file_name().to_string_lossy()))

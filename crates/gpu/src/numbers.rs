@@ -1,4 +1,4 @@
-//! A base plane of a plan as plain numbers: what the shaders read. No decision is taken here; every number is the plan's.
+//! A base plane of a plan as numbers that the shaders read. No decision is taken here; every number is the plan's.
 
 use glam::DVec3;
 use wavesplat_compute::parallel;
@@ -17,26 +17,27 @@ use wavesplat_splat::source::geometry::SheetGeometry;
 use crate::band::{Band, n_mask_words};
 use crate::layout::{GpuFrame, GpuLayer, GpuLighting, GpuSource};
 
-/// What stands for infinity: shaders may take infinities for anything.
+/// Stand-in for infinity: shaders may be compiled as if there were no infinities.
 const HUGE: f32 = 3e38;
 
-/// What the shaders read of a base plane.
+/// A base plane as the numbers that the shaders read.
 #[derive(Clone, Debug, Default)]
 pub struct Numbers {
-    /// What is the same for all layers.
+    /// Parameters that all layers share.
     pub frame: GpuFrame,
-    /// Of each layer.
+    /// Parameters of each layer.
     pub layers: Vec<GpuLayer>,
-    /// Of each source.
+    /// Parameters of each source.
     pub sources: Vec<GpuSource>,
     /// Tables of colours, segments, gradients and lights.
     pub tables: Vec<[f32; 4]>,
-    /// Positions of texels among samples, and of sheets.
+    /// Positions of texels among samples, and s of the sheets.
     pub words: Vec<u32>,
 }
 
 impl Numbers {
-    /// Of a base plane of a plan. `fields`: those that are sources, by the first of them where they are four.
+    /// Numbers of a base plane of a plan. `fields`: field of each source behind the layers, the first of four where
+    /// they are stored side by side.
     pub(crate) fn new(plan: &Plan, family: &FamilyPlan, arrays: &BasePlaneArrays, fields: &[usize]) -> Self {
         let mut numbers = Self {
             frame: frame_of(plan, family, arrays),
@@ -64,7 +65,7 @@ impl Numbers {
         numbers
     }
 
-    /// The frame and the words of a band; `per_row`: workgroups in a row of the dispatch.
+    /// Frame and words of a band; `per_row`: workgroups in a row of the dispatch.
     pub(crate) fn of_band(&self, family: &FamilyPlan, band: &Band, per_row: usize) -> (GpuFrame, Vec<u32>) {
         let mut frame = self.frame;
         frame.blocks = [self.words.len(), band.blocks.len(), per_row, n_mask_words(family)].map(|n| n as u32);
@@ -108,7 +109,7 @@ impl Numbers {
         gpu
     }
 
-    /// Adds the tables of a transfer function; a layer of it.
+    /// Adds the tables of a transfer function; returns a layer that reads them.
     pub fn transfer_function(&mut self, tables: &TransferTables, opacity_unit: f64) -> GpuLayer {
         let [lo, hi] = tables.visible_range.map(|density| density.clamp(-HUGE, HUGE));
         GpuLayer {
@@ -120,14 +121,14 @@ impl Numbers {
         }
     }
 
-    /// Adds a table; its place.
+    /// Adds a table; returns its offset.
     pub fn table(&mut self, entries: &[[f32; 4]]) -> u32 {
         let place = self.tables.len() as u32;
         self.tables.extend_from_slice(entries);
         place
     }
 
-    /// Adds the lights of a shader; its numbers.
+    /// Adds the lights of a shader; returns its lighting.
     pub fn lighting(&mut self, shader: &Shader) -> GpuLighting {
         let numbers = shader.numbers();
         let [ambient, diffuse, specular] = numbers.ambient_diffuse_specular;
@@ -146,8 +147,8 @@ impl Numbers {
         }
     }
 
-    /// Adds positions among the samples of a source: on every sheet of each group of texels, and of the sheet. `sheets`: where
-    /// they lie along w, in the order in which rays meet them.
+    /// Adds the positions of a source among its samples: on every sheet, of each group of texels along u and v, and of
+    /// the sheet along w. `sheets`: positions of the sheets along w, in the order in which rays meet them.
     pub fn source(&mut self, sheets: &[f64], geometry: &SheetGeometry) -> GpuSource {
         let n_groups = geometry.plane.size.map(|n| n.div_ceil(LANES));
         let [last_u, last_v, last_w] = [0, 1, 2].map(|a| geometry.axes[a].last());
@@ -203,10 +204,10 @@ impl Numbers {
     }
 }
 
-/// Where sheets lie, in the order in which rays meet them.
+/// Positions of the sheets, in the order in which rays meet them.
 struct SheetPositions {
     w: Vec<f64>,
-    /// With the sign that makes them grow along rays.
+    /// `w` with the sign that makes it grow along rays.
     s: Vec<f32>,
 }
 
@@ -248,7 +249,7 @@ fn frame_of(plan: &Plan, family: &FamilyPlan, arrays: &BasePlaneArrays) -> GpuFr
     frame
 }
 
-/// Whether a projection's texels are means: what was gathered, by the length of the way.
+/// Whether a projection's texels are means: the integral divided by the length of the way.
 pub(crate) fn is_mean(operator: Operator) -> bool {
     matches!(operator, Operator::Project { composite: Composite::Mean, .. })
 }

@@ -1,7 +1,8 @@
-//! Pages: blocks of samples in one texture array, of those alone that something is seen of, for volumes that do not fit.
+//! Pages: blocks of samples in one texture array, for volumes that do not fit; only visible pages are uploaded.
 //!
-//! A page has its own samples and those around it that reconstruction reaches, so that no seam can show: a texel is made of
-//! the page that holds the sample below it. What is reached by blocks of texels that show something is told by the plan.
+//! A page has its own samples and an apron of the samples around it that reconstruction reaches, so that no seam can
+//! show: a texel is made of the page that holds the sample below it. The plan says which blocks of texels show
+//! something, and so which pages are needed.
 
 use std::collections::HashMap;
 
@@ -17,10 +18,10 @@ use crate::layout::BLOCK;
 use crate::permutation::SourceKind;
 use crate::samples::{Apron, SampleTexture, TexelBox, hole_texture, upload, upload_holes};
 
-/// Samples of a page along each axis, without those around it; 6 bits in `shaders/samples.wgsl`.
+/// Samples of a page along each axis, without the apron; 6 bits in `shaders/samples.wgsl`.
 pub(crate) const PAGE: usize = 64;
 
-/// Bytes that are staged at once.
+/// Bytes that are staged before a wait for the device.
 const STAGED_BYTES: usize = 16 << 20;
 
 /// Pages along each axis of a volume.
@@ -38,22 +39,22 @@ pub(crate) fn page_bytes(kind: &SourceKind, apron: Apron) -> usize {
     page_side(apron).pow(3) * (kind.format.n_bytes() + usize::from(kind.has_holes))
 }
 
-/// Where pages are, and which was used last.
+/// Page table of a volume: slot of each resident page, and when it was last used.
 pub(crate) struct Pages {
-    /// Places of pages along x, y, z.
+    /// Slots of the texture along x, y, z.
     slots: [usize; 3],
     side: usize,
     /// Pages of the volume along x, y, z.
     grid: [usize; 3],
-    /// Slot of each page that is there.
+    /// Slot of each resident page.
     place: HashMap<usize, usize>,
-    /// Page in each slot, and when it was used.
+    /// Page in each slot, and when it was last used.
     held: Vec<(Option<usize>, u64)>,
     now: u64,
 }
 
 impl Pages {
-    /// Room for at most so many pages.
+    /// An empty page table with at most `most` slots.
     pub fn new(device: &OpenDevice, size: [usize; 3], apron: Apron, most: usize) -> Self {
         let (side, grid) = (page_side(apron), n_pages(size));
         let most = most.min(grid.iter().product()).max(1);
@@ -66,7 +67,7 @@ impl Pages {
         Self { slots, side, grid, place: HashMap::new(), held, now: 0 }
     }
 
-    /// Pages that it has room for.
+    /// Number of slots.
     pub fn n_slots(&self) -> usize {
         self.held.len()
     }
@@ -76,7 +77,7 @@ impl Pages {
         self.slots.map(|n| n * self.side)
     }
 
-    /// Makes pages resident. They are at most as many as there are slots. Returns the bytes that were uploaded.
+    /// Makes pages resident, at most [`Pages::n_slots`] of them. Returns the bytes that were uploaded.
     pub fn hold(
         &mut self,
         device: &OpenDevice,
@@ -91,7 +92,7 @@ impl Pages {
             }
         }
         let missing: Vec<usize> = wanted.iter().copied().filter(|page| !self.place.contains_key(page)).collect();
-        // What was not used for longest goes first.
+        // The least recently used pages are evicted first.
         let mut free: Vec<usize> = (0..self.held.len()).filter(|slot| self.held[*slot].1 != self.now).collect();
         free.sort_by_key(|slot| self.held[*slot].1);
         let (mut staged, mut n_bytes) = (0, 0);
@@ -130,7 +131,7 @@ impl Pages {
         [slot % nx, slot / nx % ny, slot / nx / ny]
     }
 
-    /// Slots of all pages, as the shaders read them; any of those that are not there.
+    /// Slots of all pages, as the shaders read them; 0 for pages that are not resident.
     pub fn table(&self) -> Vec<u32> {
         let mut table = vec![0; self.grid.iter().product()];
         for (page, slot) in &self.place {
@@ -141,7 +142,7 @@ impl Pages {
     }
 }
 
-/// The textures of pages.
+/// Textures of all slots: samples, and the hole mask where there is one.
 pub(crate) fn page_textures(
     device: &OpenDevice,
     kind: &SourceKind,
@@ -152,7 +153,7 @@ pub(crate) fn page_textures(
     Ok((samples, holes))
 }
 
-/// The pages of a layer that blocks of a band reach in each slab, as sorted lists: whatever is read there lies in them.
+/// Pages of a layer that blocks of a band reach in each slab, as sorted lists: every sample read there lies in them.
 pub(crate) fn pages_by_slab(
     family: &FamilyPlan,
     geometry: &SheetGeometry,
@@ -162,8 +163,8 @@ pub(crate) fn pages_by_slab(
 ) -> Vec<Vec<usize>> {
     let n_slabs = family.spacing.n_slabs;
     let n = n_pages(size);
-    // Differences read values this far off; the quadratic B-spline stands around the nearest sample, not the one below; and
-    // positions are rounded to f32.
+    // Differences read values this far off; the quadratic B-spline stands around the nearest sample, not the one below;
+    // and positions are rounded to f32.
     let offset = match geometry.axes[0].gradient {
         Some(Gradient::Difference(offset)) => offset,
         _ => 0.0,
@@ -198,7 +199,7 @@ pub(crate) fn pages_by_slab(
                     }
                     [page(lo - margin, a), page(hi + margin, a)]
                 });
-                // Neighbours mostly reach the same.
+                // Neighbouring blocks mostly reach the same pages.
                 if before.replace(reached) == Some(reached) {
                     continue;
                 }
@@ -217,17 +218,17 @@ pub(crate) fn pages_by_slab(
         .collect()
 }
 
-/// Slabs that are drawn with the same pages.
+/// Range of slabs that are drawn with the same pages.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct PagedRange {
-    /// One past the last.
+    /// End of the range: one past its last slab.
     pub end: usize,
     /// The pages of each layer.
     pub pages: Vec<Vec<usize>>,
 }
 
-/// Ranges of slabs whose pages fit into so many slots of each layer; `None` where those of one slab do not. `by_slab`: of
-/// each layer.
+/// Ranges of slabs whose pages fit into the `slots` of each layer; `None` where the pages of a single slab do not.
+/// `by_slab`: pages per layer and slab.
 pub(crate) fn ranges(
     by_slab: &[Vec<Vec<usize>>],
     [first, end]: [usize; 2],
@@ -238,7 +239,7 @@ pub(crate) fn ranges(
     let mut ranges = Vec::new();
     let mut from = first;
     while from < end {
-        // The sheet in front of a range may be the last that stands for half a slab.
+        // The first sheet of a range may stand for half of the slab before it, whose pages it then reads.
         let start = from.saturating_sub(1);
         let mut held: Vec<BTreeSet<usize>> =
             (0..slots.len()).map(|layer| of(layer, start).collect::<BTreeSet<_>>()).collect();

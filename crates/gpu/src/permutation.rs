@@ -1,7 +1,7 @@
-//! Shaders: which parts a picture needs, and their text.
+//! Shaders: the parts that a picture needs, and their text.
 //!
-//! A permutation is the text of `shaders/`, assembled: constants first, then the parts, those of samples once per source.
-//! Every part names the Rust that it is the twin of.
+//! A permutation is the text of `shaders/`, assembled: constants first, then the parts; the parts that read samples
+//! come once per source. Every part names the Rust that it is the twin of.
 
 use std::fmt::Write;
 
@@ -12,119 +12,119 @@ use wavesplat_splat::source::nonfinite::{MIN_KNOWN, MISSING};
 
 use crate::layout::FIRST_TEXTURE;
 
-/// How the sheets become one value per ray.
+/// Operator that composites or projects the sheets along a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum GpuOperator {
-    /// Emission and absorption; whether slabs are pre-integrated.
+    /// Emission and absorption.
     Over {
-        /// Whether they are.
+        /// Whether slabs are pre-integrated.
         pre_integrated: bool,
     },
-    /// The first crossing of a density.
+    /// First crossing of a density.
     FirstHit,
     /// A projection.
     Project(GpuProjection),
 }
 
-/// The projections.
+/// Projection along a ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum GpuProjection {
     /// Greatest density.
     Maximum,
     /// Least density.
     Minimum,
-    /// Greatest, dimmed by depth.
+    /// Greatest density, dimmed by depth.
     DepthShaded,
-    /// Integral of what is above a density.
+    /// Integral of the density's excess over a level.
     XRay,
-    /// First local maximum.
+    /// First local maximum of the density.
     LocalMaximum,
-    /// Integral, or mean.
+    /// Integral of the density, or its mean.
     Integral,
 }
 
-/// What the gradient decides beside shading.
+/// Role of the gradient in a transfer function.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum ByGradient {
-    /// Nothing.
+    /// Not used.
     Nothing,
-    /// A factor of the optical depth.
+    /// Gradient opacity: a factor of the optical depth.
     Factor,
-    /// Colour and optical depth, with the density.
+    /// Colour and optical depth by density and gradient.
     Both,
 }
 
-/// How samples are stored.
+/// Storage format of samples.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Format {
-    /// One byte, that of signed samples 128 more than these.
+    /// One byte per sample; 128 is added to signed samples.
     Byte {
-        /// Whether they are signed.
+        /// Whether samples are signed.
         is_signed: bool,
     },
-    /// Low and high byte, those of signed samples 32768 more than these.
+    /// Low and high byte; 32768 is added to signed samples.
     Pair {
-        /// Whether they are signed.
+        /// Whether samples are signed.
         is_signed: bool,
     },
     /// f32 densities, or spline coefficients.
     Float,
-    /// Four f32 fields that lie alike.
+    /// Four f32 fields on the same grid, side by side.
     Four,
 }
 
-/// How gradients are estimated.
+/// Estimator of gradients.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum GradientTaps {
-    /// None is wanted.
+    /// No gradient is needed.
     Nothing,
-    /// Differences of values.
+    /// Central differences of reconstructed values.
     Difference,
-    /// Widened B-splines: taps, and samples from the first of them to that of the position.
+    /// Derivatives of widened B-splines.
     Smoothed {
         /// Taps along an axis.
         n: usize,
-        /// Samples before.
+        /// Samples from the first tap to the sample at the position.
         before: usize,
     },
 }
 
-/// A volume or field that is reconstructed.
+/// Kind of a volume or field that is reconstructed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct SourceKind {
-    /// Between samples.
+    /// Reconstruction kernel.
     pub kernel: Kernel,
-    /// How they are stored.
+    /// Storage format of the samples.
     pub format: Format,
-    /// Of it.
+    /// Estimator of the gradient.
     pub gradient: GradientTaps,
-    /// Whether there are samples that are drawn as empty.
+    /// Whether there are missing samples, which are drawn as empty.
     pub has_holes: bool,
 }
 
-/// A layer.
+/// Kind of a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct LayerKind {
-    /// Whether there are lights.
+    /// Whether the layer is shaded.
     pub is_shaded: bool,
-    /// What the gradient decides.
+    /// Role of the gradient in the transfer function.
     pub by_gradient: ByGradient,
 }
 
-/// Which fields there are, by their place among the sources of fields.
+/// Fields of a scene, by their index among the sources of fields.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub struct FieldKinds {
     /// Ambient occlusion.
     pub openness: Option<usize>,
     /// Shadow of the first light.
     pub shadow: Option<usize>,
-    /// What labels leave of the scan.
+    /// Share of the scan's optical depth that labels leave.
     pub scan: Option<usize>,
-    /// The tint.
+    /// Tint by labels.
     pub tint: Option<usize>,
     /// The label medium.
     pub medium: Option<usize>,
-    /// Whether that is shaded.
+    /// Whether the label medium is shaded.
     pub label_medium_is_shaded: bool,
 }
 
@@ -134,20 +134,20 @@ impl FieldKinds {
     }
 }
 
-/// What tells shaders apart.
+/// Kind of a picture as far as its shader depends on it: key of the pipeline cache.
 #[derive(Clone, Debug, PartialEq, Eq, Hash)]
 pub struct Permutation {
-    /// How the sheets become one value per ray.
+    /// Operator along the rays.
     pub operator: GpuOperator,
-    /// Volumes.
+    /// Kind of each layer.
     pub layers: Vec<LayerKind>,
-    /// Volumes, then fields.
+    /// Kind of each source: volumes, then fields.
     pub sources: Vec<SourceKind>,
-    /// Which fields there are.
+    /// Fields of the scene.
     pub fields: FieldKinds,
-    /// Fetch four samples at once, where the device does it right.
+    /// Whether four samples are fetched at once, where the device does it right.
     pub gather: bool,
-    /// Whether the place of opacity 1/2 is wanted.
+    /// Whether the position of opacity 1/2 is recorded.
     pub with_depth: bool,
     /// Whether fetches and texels are counted.
     pub counted: bool,
@@ -171,7 +171,7 @@ const PROJECTIONS: [(&str, GpuProjection); 6] = [
 ];
 
 impl Permutation {
-    /// vec4s of the state of a ray.
+    /// Number of vec4s of a ray's state.
     pub fn n_state(&self) -> usize {
         1 + usize::from(self.with_depth || self.counted)
     }
@@ -186,7 +186,7 @@ impl Permutation {
         FIRST_TEXTURE + (self.sources.len() + source) as u32
     }
 
-    /// The shader.
+    /// Text of the shader.
     pub fn text(&self) -> String {
         self.functions() + include_str!("shaders/march.wgsl")
     }
@@ -246,7 +246,7 @@ impl Permutation {
         text
     }
 
-    /// All functions of the shader with an entry point of one's own, `stage`.
+    /// All functions of the shader with an entry point of the caller's, `stage`.
     pub fn stage_text(&self, entry: &str) -> String {
         self.functions() + entry
     }
@@ -283,7 +283,7 @@ impl Permutation {
         for (k, layer) in self.layers.iter().enumerate() {
             add(&format!("IS_SHADED_{k}"), "bool", &layer.is_shaded);
             add(&format!("BY_GRADIENT_{k}"), "u32", &format!("{}u", layer.by_gradient as u32));
-            // What has no light of its own is not dimmed by what holds light off from others.
+            // Occlusion and shadow dim the first layer, and of the others only those that are shaded.
             let has_light = k == 0 || layer.is_shaded;
             add(&format!("HAS_LIGHT_{k}"), "bool", &has_light);
             let is_lit = has_light && (self.fields.openness.is_some() || self.fields.shadow.is_some());
@@ -311,7 +311,8 @@ impl Permutation {
         text
     }
 
-    /// `fields_at`: what the fields are at a texel of a sheet; `label_medium_gradient`: that of the label medium.
+    /// WGSL of `fields_at`, the fields at a texel of a sheet, and of `label_medium_gradient`, the label medium's
+    /// gradient.
     fn fields_text(&self) -> String {
         let first = self.layers.len();
         let mut text = String::from(
@@ -344,7 +345,7 @@ impl Permutation {
         text
     }
 
-    /// The parts of several layers.
+    /// WGSL of several layers: `layer.wgsl` once per layer, then `over_layers.wgsl`, which calls it.
     fn layers_text(&self) -> String {
         let mut text = String::new();
         let [mut sheets, mut slabs] = [String::new(), String::new()];
@@ -359,7 +360,7 @@ impl Permutation {
             let _ = writeln!(slabs, "    add_slab_{k}(ray, block, slab, &mixture);");
         }
         let all = include_str!("shaders/over_layers.wgsl");
-        // Layers stand on what all of them share.
+        // WGSL takes declarations in any order: the layers use functions of the shared part behind them.
         let shared = all.replace("    ADD_SHEETS\n", &sheets).replace("    ADD_SLABS\n", &slabs);
         text + &shared
     }

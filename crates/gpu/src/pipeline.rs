@@ -1,4 +1,4 @@
-//! Pipelines: shaders and what is bound to them, made when they are first used.
+//! Pipelines: compiled shaders and their bind group layouts, made at first use.
 
 use wgpu::{
     BindGroupLayout, BindGroupLayoutDescriptor, BindGroupLayoutEntry, BindingType, BufferBindingType, ComputePipeline,
@@ -10,19 +10,19 @@ use crate::device::OpenDevice;
 use crate::failure::GpuResult;
 use crate::permutation::Permutation;
 
-/// A shader, ready to run.
+/// A compiled shader.
 pub(crate) struct Pipeline {
     pub layout: BindGroupLayout,
     pub compute: ComputePipeline,
 }
 
 impl Pipeline {
-    /// Of a picture.
+    /// Pipeline of a picture.
     pub fn new(device: &OpenDevice, permutation: &Permutation) -> GpuResult<Self> {
         Self::of(device, permutation, permutation.text(), "march")
     }
 
-    /// Of a stage alone: an entry point `stage`.
+    /// Pipeline of a stage alone: an entry point `stage`.
     pub fn stage(device: &OpenDevice, permutation: &Permutation, entry: &str) -> GpuResult<Self> {
         Self::of(device, permutation, permutation.stage_text(entry), "stage")
     }

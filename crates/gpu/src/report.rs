@@ -1,35 +1,35 @@
-//! What a frame took on a GPU.
+//! Cost of a frame on a GPU.
 
 use crate::device::OpenDevice;
 use crate::failure::GpuResult;
 use crate::timer::Timer;
 
-/// What a frame took on a GPU.
+/// Cost of a frame on a GPU.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct GpuReport {
     /// Texels of base planes.
     pub n_base_texels: u64,
-    /// Texels of sheets in blocks that show something: at most what was looked at.
+    /// Texels of occupied slabs, block by block, whether or not rays get that far.
     pub n_texels: u64,
-    /// Dispatches that the frame was cut into.
+    /// Number of dispatches.
     pub n_dispatches: u64,
-    /// Whether the samples are there in pages, of those alone that are seen.
+    /// Whether samples are uploaded in pages, visible ones only.
     pub is_paged: bool,
-    /// Pages that were uploaded.
+    /// Bytes of the pages that were uploaded.
     pub n_page_bytes: u64,
     /// Bytes of samples on the GPU.
     pub n_sample_bytes: u64,
     /// Bytes that were uploaded for this frame, samples excluded, and read back.
     pub n_bytes_moved: u64,
-    /// Seconds of the longest dispatch, with waiting for it.
+    /// Seconds of the longest dispatch, including the wait for it.
     pub longest_seconds: f64,
-    /// Quads of samples that were fetched, and texels of sheets that were reconstructed, where they were counted.
+    /// Quads of samples that were fetched, and texels of sheets that were reconstructed, if they were counted.
     pub counted: Option<[u64; 2]>,
-    /// Seconds of the GPU, where it tells them.
+    /// Seconds on the GPU's clock, where passes can be timed.
     pub seconds: Option<f64>,
 }
 
-/// What a frame took.
+/// Running counts of a frame.
 #[derive(Default)]
 pub(crate) struct Counts {
     pub base_texels: u64,
@@ -43,12 +43,12 @@ pub(crate) struct Counts {
 }
 
 impl Counts {
-    /// Of a frame on a device.
+    /// Zero counts, with a timer where the device has one.
     pub fn new(device: &OpenDevice) -> Self {
         Self { timer: Timer::new(device), ..Self::default() }
     }
 
-    /// What there is to report.
+    /// Report of these counts, without samples and pages.
     pub fn report(&self, device: &OpenDevice) -> GpuResult<GpuReport> {
         let seconds = self.timer.as_ref().map(|timer| timer.seconds(device)).transpose()?.flatten();
         Ok(GpuReport {

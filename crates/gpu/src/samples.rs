@@ -1,5 +1,6 @@
-//! Samples on the GPU: 2-D texture arrays, one layer a slice along z, exact, with what the kernel folds back at the faces
-//! baked in around them. Twin of `SliceRectangle::combine` (crates/splat/src/source/window.rs).
+//! Samples on the GPU: 2-D texture arrays, one layer per slice along z, exact. The samples that stand beyond the faces,
+//! repeated or mirrored by the kernel, are baked in around them. Twin of `SliceRectangle::combine`
+//! (crates/splat/src/source/window.rs).
 
 use wavesplat_core::{Kernel, Samples};
 use wavesplat_splat::kernel::weights::mirror_index;
@@ -14,20 +15,20 @@ use crate::device::OpenDevice;
 use crate::failure::{Failure, GpuResult};
 use crate::permutation::Format;
 
-/// Samples that are baked in before the first and after the last along each axis.
+/// Margin of samples that are baked in along each axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Apron {
-    /// Before the first.
+    /// Samples before the first.
     pub low: usize,
-    /// After the last.
+    /// Samples after the last.
     pub high: usize,
 }
 
-/// Bytes that are copied at once: what is staged takes as much memory again.
+/// Bytes that are copied at once: staging takes the same amount of memory again.
 const BYTES_AT_ONCE: usize = 16 << 20;
 
 impl Format {
-    /// That of slices.
+    /// Storage format of slices.
     pub(crate) fn of(slices: &Slices) -> Self {
         match slices.own_samples() {
             Some(Samples::U8(_)) => Self::Byte { is_signed: false },
@@ -69,7 +70,7 @@ pub(crate) struct SampleTexture {
 }
 
 impl SampleTexture {
-    /// Room for samples.
+    /// An empty texture of `size` samples.
     pub fn new(device: &OpenDevice, size: [usize; 3], format: Format) -> GpuResult<Self> {
         Self::of_format(device, size, format.texture_format(), format.n_bytes())
     }
@@ -106,7 +107,7 @@ impl SampleTexture {
         Ok(Self { view, size, n_bytes, texture, n_bytes_sample })
     }
 
-    /// Copies a box of samples to a place.
+    /// Copies the bytes of a box of samples to `origin`.
     pub fn write(&self, device: &OpenDevice, origin: [usize; 3], size: [usize; 3], bytes: &[u8]) {
         let [x, y, z] = origin.map(|o| o as u32);
         device.queue.write_texture(
@@ -131,23 +132,23 @@ fn extent([width, height, depth]: [usize; 3]) -> Extent3d {
     Extent3d { width: width as u32, height: height as u32, depth_or_array_layers: depth as u32 }
 }
 
-/// A box of samples of a volume, which may go beyond its faces.
+/// A box of samples of a volume, which may extend beyond its faces.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct TexelBox {
-    /// Index of its first sample, before folding.
+    /// Index of the first sample, before [`mirror_index`].
     pub lo: [i64; 3],
     /// Samples along x, y, z.
     pub size: [usize; 3],
 }
 
 impl TexelBox {
-    /// All of a volume, with an apron.
+    /// The whole volume with an apron.
     pub fn whole(size: [usize; 3], apron: Apron) -> Self {
         Self { lo: [-(apron.low as i64); 3], size: size.map(|n| n + apron.low + apron.high) }
     }
 }
 
-/// Copies a box of the samples to a place of the texture, some slices at a time.
+/// Copies a box of samples to `to` in the texture, some slices at a time.
 pub(crate) fn upload(
     device: &OpenDevice,
     slices: &[&Slices],
@@ -158,7 +159,7 @@ pub(crate) fn upload(
     copy_slices(device, texture, part, to, |k, bytes| push_all(slices, part, k, bytes))
 }
 
-/// The same of the samples that are drawn as empty: 255 where they are.
+/// Copies a box of the hole mask to `to` in the texture: 255 where a sample is drawn as empty.
 pub(crate) fn upload_holes(
     device: &OpenDevice,
     slices: &Slices,
@@ -169,7 +170,7 @@ pub(crate) fn upload_holes(
     copy_slices(device, texture, part, to, |k, bytes| push_holes(slices, part, k, bytes))
 }
 
-/// All bytes of the samples of a source with what is around them, and those of its holes, where it has some.
+/// Bytes of a box of a source's samples, and of its hole mask where it has one.
 pub(crate) fn bytes_of(slices: &[&Slices], part: TexelBox) -> (Vec<u8>, Option<Vec<u8>>) {
     let [mut samples, mut holes] = [Vec::new(), Vec::new()];
     for k in 0..part.size[2] {
@@ -179,7 +180,7 @@ pub(crate) fn bytes_of(slices: &[&Slices], part: TexelBox) -> (Vec<u8>, Option<V
     (samples, slices[0].has_mask().then_some(holes))
 }
 
-/// Adds a slice of a box, counted from its first, as it is stored: that of one volume, or of four fields side by side.
+/// Appends the `k`th slice of a box in its storage format: of one volume, or of four fields side by side.
 fn push_all(slices: &[&Slices], part: TexelBox, k: usize, bytes: &mut Vec<u8>) {
     let [only] = slices else {
         let fields: Vec<Vec<f32>> = slices.iter().map(|slices| densities_of(slices, part, k)).collect();
@@ -193,7 +194,7 @@ fn push_all(slices: &[&Slices], part: TexelBox, k: usize, bytes: &mut Vec<u8>) {
     push_slice(only, Format::of(only), part, k, bytes);
 }
 
-/// Densities of a slice of a box, counted from its first.
+/// Densities of the `k`th slice of a box.
 fn densities_of(slices: &Slices, part: TexelBox, k: usize) -> Vec<f32> {
     let z = mirror_index(slices.kernel(), part.lo[2] + k as i64, slices.grid().size()[2]);
     let window = |a: usize| [part.lo[a], part.lo[a] + part.size[a] as i64 - 1];
@@ -202,7 +203,7 @@ fn densities_of(slices: &Slices, part: TexelBox, k: usize) -> Vec<f32> {
     densities
 }
 
-/// Adds the marks of the holes of a slice of a box, counted from its first: 255 where they are.
+/// Appends the hole mask of the `k`th slice of a box: 255 where a sample is drawn as empty.
 fn push_holes(slices: &Slices, part: TexelBox, k: usize, bytes: &mut Vec<u8>) {
     let (size, kernel) = (slices.grid().size(), slices.kernel());
     let Some(holes) = slices.holes() else { return };
@@ -214,7 +215,7 @@ fn push_holes(slices: &Slices, part: TexelBox, k: usize, bytes: &mut Vec<u8>) {
     }
 }
 
-/// Room for the marks of holes.
+/// An empty texture for a hole mask.
 pub(crate) fn hole_texture(device: &OpenDevice, size: [usize; 3]) -> GpuResult<SampleTexture> {
     SampleTexture::of_format(device, size, TextureFormat::R8Unorm, 1)
 }
@@ -236,7 +237,7 @@ fn copy_slices(
         (first..first + n).for_each(|k| push(k, &mut bytes));
         texture.write(device, [to[0], to[1], to[2] + first], [nx, ny, n], &bytes);
         if first + n < nz {
-            // Else all of it is staged at the same time.
+            // Otherwise all slices would be staged at the same time.
             device.queue.submit([]);
             device.wait()?;
         }
@@ -248,7 +249,7 @@ fn folded(kernel: Kernel, first: i64, n: usize, size: usize) -> Vec<usize> {
     (first..first + n as i64).map(|i| mirror_index(kernel, i, size)).collect()
 }
 
-/// Adds a slice of a box, counted from its first, as it is stored.
+/// Appends the `k`th slice of a box of one volume in its storage format.
 fn push_slice(slices: &Slices, format: Format, part: TexelBox, k: usize, bytes: &mut Vec<u8>) {
     let (size, kernel) = (slices.grid().size(), slices.kernel());
     let z = mirror_index(kernel, part.lo[2] + k as i64, size[2]);

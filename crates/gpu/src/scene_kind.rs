@@ -1,4 +1,4 @@
-//! Which shader a plan needs, and what the CPU alone draws.
+//! The shader that a plan needs, and the scenes that only the CPU draws.
 
 use wavesplat_core::{Composite, Gradient};
 use wavesplat_splat::kernel::footprint::Axis;
@@ -12,13 +12,13 @@ use crate::permutation::{
 };
 use crate::samples::Apron;
 
-/// What a source is made of.
+/// Samples of a source.
 pub(crate) struct SourceSamples<'a> {
-    /// One, or four that lie alike and are stored side by side.
+    /// One, or four on the same grid that are stored side by side.
     pub slices: Vec<&'a Slices<'a>>,
-    /// Wanted of the first.
+    /// Gradient that is needed of the first.
     pub gradient: Option<Gradient>,
-    /// Place of the first among the fields, of a field.
+    /// Index of the first among the plan's fields; `None` for a layer.
     pub field: Option<usize>,
 }
 
@@ -29,7 +29,7 @@ impl<'a> SourceSamples<'a> {
     }
 }
 
-/// The samples of a plan: of its layers, then of its fields; tints, and the label medium, four at a time.
+/// Sources of a plan: its layers, then its fields; the four fields of a tint or label medium make one source.
 pub(crate) fn sources_of<'a>(plan: &'a Plan, slices: &[&'a Slices<'a>]) -> Vec<SourceSamples<'a>> {
     let of_layer = |(k, slices): (usize, &&'a Slices<'a>)| SourceSamples {
         slices: vec![*slices],
@@ -52,7 +52,7 @@ pub(crate) fn sources_of<'a>(plan: &'a Plan, slices: &[&'a Slices<'a>]) -> Vec<S
     sources
 }
 
-/// The shader of a plan. `gather`: whether the device fetches four samples at once.
+/// Permutation of a plan. `gather`: whether the device fetches four samples at once.
 pub(crate) fn permutation_of(plan: &Plan, slices: &[&Slices], gather: bool) -> GpuResult<Permutation> {
     if slices.iter().any(|slices| slices.is_surveyed()) {
         return Err(Failure::NotOnGpu("lazy volumes are drawn by the CPU".to_owned()));
@@ -82,7 +82,7 @@ pub(crate) fn permutation_of(plan: &Plan, slices: &[&Slices], gather: bool) -> G
         },
     });
     let sources = sources_of(plan, slices);
-    // Place among the sources of fields.
+    // Index among the sources of fields.
     let place = |field: Option<usize>| {
         let of_fields = || sources.iter().filter_map(|source| source.field);
         field.and_then(|field| of_fields().position(|own| own == field))
@@ -124,8 +124,8 @@ fn gradient_taps(slices: &Slices, gradient: Option<Gradient>) -> GradientTaps {
     }
 }
 
-/// Samples that reconstruction reaches beyond the sample below a position, at least what the usual light needs, so that
-/// other lights find the samples there.
+/// Apron of a source: the samples that reconstruction reaches beyond the sample below a position, and no less than
+/// default shading needs, so that a change of shading finds the samples uploaded.
 pub(crate) fn apron_of(source: &SourceKind) -> Apron {
     let before = reach(source.kernel);
     // Quads are read two by two.

@@ -1,5 +1,5 @@
-//! The self-test of a device at opening: samples of every format as they were stored, the exponential, and a small picture
-//! against the CPU's. What fails it is not used.
+//! Self-test of a device at opening: samples of every format as they were stored, the exponential, and a small picture
+//! against the CPU's. A device that fails is not used.
 
 use glam::{DAffine3, DVec3};
 use wavesplat_compute::simd::{Level, Plain};
@@ -28,14 +28,14 @@ use crate::stage::Stage;
 /// Samples of the volume of the test along x, y, z; quads begin at all but the last of x and y.
 const SIZE: [usize; 3] = [7, 5, 3];
 
-/// Exponents that are tried, and how far off the exponential may be, relative.
+/// Number of exponents that are tried, and relative tolerance of the exponential.
 const N_EXPONENTS: usize = 64;
 const EXPONENTIAL_IS_NEAR: f32 = 1e-6;
 
-/// How far off a texel of the small picture may be: half a grey level.
+/// Tolerance of a texel of the small picture: half a grey level.
 const PICTURE_IS_NEAR: f32 = 0.5 / 255.0;
 
-/// Formats, with a sample of the test volume as it is stored and as the density it stands for.
+/// Sample i of the test volume: its stored bytes and its density.
 type StoredSample = fn(usize) -> (Vec<u8>, f32);
 
 const FORMATS: [(&str, Format, StoredSample); 5] = [
@@ -64,8 +64,8 @@ fn spread(i: usize) -> u16 {
     }
 }
 
-/// Whether four samples are fetched at once, as this device does it right; a device that does nothing right is not trusted.
-/// `fails`: pretend that it does not.
+/// Whether this device fetches four samples at once correctly; one that reads no samples correctly is not trusted.
+/// `fails`: make the test fail.
 pub(crate) fn test_samples(device: &OpenDevice, fails: bool) -> GpuResult<bool> {
     if fails {
         return Err(Failure::Untrusted("its self-test was made to fail".to_owned()));
@@ -80,7 +80,7 @@ pub(crate) fn test_samples(device: &OpenDevice, fails: bool) -> GpuResult<bool> 
     }
 }
 
-/// What is read wrong, if anything is.
+/// Name of the format or function that the device gets wrong, if any.
 fn wrong_samples(device: &OpenDevice, gather: bool) -> GpuResult<Option<String>> {
     for (name, format, stored) in FORMATS {
         let permutation = probe_permutation(format, gather);
@@ -122,7 +122,7 @@ fn wrong_samples(device: &OpenDevice, gather: bool) -> GpuResult<Option<String>>
     Ok(None)
 }
 
-/// The probe is the same for all but the format.
+/// Permutation of the probe: all but the format is fixed.
 fn probe_permutation(format: Format, gather: bool) -> Permutation {
     let source = SourceKind { kernel: Kernel::Linear, format, gradient: GradientTaps::Nothing, has_holes: false };
     Permutation {
@@ -136,7 +136,7 @@ fn probe_permutation(format: Format, gather: bool) -> Permutation {
     }
 }
 
-/// Draws a small picture as the CPU does. `name`: of the GPU; `draw`: its base planes of a plan.
+/// Compares a small picture with the CPU's. `name`: name of the GPU; `draw`: draws a plan's base planes on it.
 pub(crate) fn test_picture(
     name: &str,
     draw: impl Fn(&Plan, &[&Slices]) -> GpuResult<Vec<BasePicture>>,

@@ -11,22 +11,22 @@ use crate::permutation::Permutation;
 use crate::pipeline::Pipeline;
 use crate::samples::SampleTexture;
 
-/// A stage and what it works on.
+/// A stage and its inputs.
 pub(crate) struct Stage<'a> {
-    /// What it is a part of; of one source without holes.
+    /// Permutation that the stage is a part of; it has one source without holes.
     pub permutation: &'a Permutation,
     /// WGSL of an entry point `stage`, workgroups of 64, that writes to `state`.
     pub entry: &'a str,
     /// Parameters, tables and words.
     pub numbers: &'a Numbers,
-    /// Samples of the source.
+    /// Samples of the only source.
     pub texture: &'a SampleTexture,
-    /// vec4s that are written.
+    /// Number of vec4s that are written.
     pub n: usize,
 }
 
 impl Stage<'_> {
-    /// What it writes.
+    /// Runs the stage and returns the vec4s that it writes.
     pub fn run(&self, device: &OpenDevice) -> GpuResult<Vec<[f32; 4]>> {
         let pipeline = Pipeline::stage(device, self.permutation, self.entry)?;
         device.guarded(|| self.run_by(device, &pipeline))

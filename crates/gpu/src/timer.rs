@@ -1,4 +1,4 @@
-//! How long passes take, by the GPU's own clock.
+//! Duration of passes, by the GPU's own clock.
 
 use wgpu::{
     Buffer, BufferDescriptor, BufferUsages, CommandEncoder, CommandEncoderDescriptor, ComputePassTimestampWrites,
@@ -9,26 +9,26 @@ use crate::buffers::read_buffer;
 use crate::device::OpenDevice;
 use crate::failure::GpuResult;
 
-/// Passes that are timed at most.
+/// Most passes that are timed.
 const MAX_PASSES: u32 = 128;
 
-/// Bytes of a time.
+/// Bytes of a timestamp.
 const TIME: u64 = 8;
 
-/// Times of passes, where the GPU tells them.
+/// Timestamps of passes.
 pub(crate) struct Timer {
     queries: QuerySet,
     n: u32,
 }
 
 impl Timer {
-    /// None yet; `None` where the GPU tells no times.
+    /// An empty timer; `None` where the GPU has no timestamps.
     pub fn new(device: &OpenDevice) -> Option<Self> {
         let descriptor = QuerySetDescriptor { label: None, ty: QueryType::Timestamp, count: 2 * MAX_PASSES };
         device.has_timestamps.then(|| Self { queries: device.device.create_query_set(&descriptor), n: 0 })
     }
 
-    /// For the next pass; `None` where there were too many.
+    /// Timestamps of the next pass; `None` beyond [`MAX_PASSES`].
     pub fn next(&mut self) -> Option<ComputePassTimestampWrites<'_>> {
         self.n += 1;
         let first = 2 * (self.n - 1);
@@ -39,7 +39,7 @@ impl Timer {
         })
     }
 
-    /// Seconds of all passes; `None` where there were too many.
+    /// Seconds of all passes together; `None` where there are none, or more than [`MAX_PASSES`].
     pub fn seconds(&self, device: &OpenDevice) -> GpuResult<Option<f64>> {
         if self.n == 0 || self.n > MAX_PASSES {
             return Ok(None);

@@ -1,4 +1,4 @@
-//! Volumes on a GPU: whole, or in pages where they do not fit; the latest are kept, as far as the budget goes.
+//! Volumes on a GPU: whole, or in pages where they do not fit; an LRU cache within the budget.
 
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
@@ -11,14 +11,14 @@ use crate::permutation::{Permutation, SourceKind};
 use crate::samples::{Apron, SampleTexture, TexelBox, hole_texture, upload, upload_holes};
 use crate::scene_kind::{SourceSamples, apron_of};
 
-/// What tells uploaded volumes apart.
+/// Cache key of an uploaded volume.
 #[derive(Clone, Copy, PartialEq, Eq)]
 struct VolumeKey {
     id: u64,
     apron: Apron,
-    /// Pages that there is room for, and of which layer: each has its own; `None`: all samples lie together.
+    /// Number of page slots, and the layer, as each layer has pages of its own; `None`: the volume is whole.
     slots: Option<(usize, usize)>,
-    /// Whether it is light or labels, which are made anew as the light turns.
+    /// Whether this is a field of light or labels, which is made anew as the light turns.
     is_field: bool,
 }
 
@@ -36,18 +36,18 @@ impl GpuVolume {
         self.samples.n_bytes + self.holes.as_ref().map_or(0, |holes| holes.n_bytes)
     }
 
-    /// Where its pages are, if it has some.
+    /// Page table, if the volume is in pages.
     pub fn pages(&self) -> Option<MutexGuard<'_, Pages>> {
         self.pages.as_ref().map(|pages| pages.lock().unwrap_or_else(PoisonError::into_inner))
     }
 }
 
-/// The volumes that were uploaded, the latest last.
+/// Uploaded volumes, the least recently used first.
 #[derive(Default)]
 pub(crate) struct Volumes(Vec<(VolumeKey, Arc<GpuVolume>)>);
 
 impl Volumes {
-    /// The samples of all sources, in pages where they do not fit; what was not used for longest makes room.
+    /// Uploads the samples of all sources, in pages where they do not fit; evicts the least recently used volumes.
     pub fn place_all(
         &mut self,
         device: &OpenDevice,
@@ -94,7 +94,7 @@ impl Volumes {
             )));
         }
         self.0.retain(|(key, _)| !key.is_field || keys.contains(key));
-        // What this frame does not need makes room, the oldest first.
+        // Volumes that this frame does not need are evicted, the least recently used first.
         let bytes_of = |k: usize| match keys[k].slots {
             Some((n, _)) => n * page_bytes(&permutation.sources[k], keys[k].apron),
             None => whole[k],
@@ -123,7 +123,7 @@ impl Volumes {
     }
 }
 
-/// The samples of a source, or room for so many of their pages.
+/// Uploads the samples of a source, or makes empty textures of `slots` pages.
 pub(crate) fn uploaded(
     device: &OpenDevice,
     slices: &[&Slices],
@@ -148,7 +148,7 @@ pub(crate) fn uploaded(
     Ok(GpuVolume { samples, holes, apron, pages: None })
 }
 
-/// Bytes of all samples of a source with what is around them.
+/// Bytes of all samples of a source, with its apron.
 fn whole_bytes(slices: &Slices, kind: &SourceKind) -> usize {
     let part = TexelBox::whole(slices.grid().size(), apron_of(kind));
     part.size.iter().product::<usize>() * (kind.format.n_bytes() + usize::from(kind.has_holes))

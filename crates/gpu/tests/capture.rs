@@ -1,5 +1,5 @@
-//! Captured dispatches: what a browser's WebGPU is given to draw, with the CPU's texels beside it. Where
-//! `WAVESPLAT_CAPTURES` names a folder they are written there, for `web/browser/gpu.test.ts`.
+//! Captured dispatches for a browser's WebGPU to draw, with the CPU's texels beside them. Where `WAVESPLAT_CAPTURES`
+//! names a folder they are written there, for `web/browser/gpu.test.ts`.
 
 mod scenes;
 

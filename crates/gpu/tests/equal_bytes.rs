@@ -1,5 +1,5 @@
-//! However a frame is cut, its bytes are the same: whole and in pages, in one range of slabs and in many, with empty space
-//! skipped and not, and twice the same.
+//! However a frame is cut, its bytes are the same: whole and in pages, in one range of slabs and in many, with empty
+//! space skipped and not, and when drawn again.
 
 mod scenes;
 
@@ -67,7 +67,7 @@ fn cuts_change_nothing() {
     }
 }
 
-/// Volumes beyond the budget: pages that come and go as the rays pass.
+/// Volumes beyond the budget are drawn in pages that come and go as the rays pass.
 #[test]
 fn volumes_beyond_the_memory_are_drawn_without_seams() {
     let Some(gpu) = gpu() else { return };
@@ -106,7 +106,7 @@ fn pages_that_show_nothing_are_left_out() {
     });
 }
 
-/// Base planes of more texels than are drawn at once.
+/// A base plane of more texels than are drawn at once is drawn in several bands.
 #[test]
 fn large_pictures_are_drawn_band_by_band() {
     let Some(gpu) = gpu() else { return };

@@ -1,4 +1,4 @@
-//! Whatever goes wrong with a GPU is told with its reason, and never ends in a wrong picture: callers draw on the CPU then.
+//! Every failure of a GPU is reported with its reason, and never ends in a wrong picture: callers draw on the CPU then.
 
 mod scenes;
 
@@ -10,7 +10,7 @@ use wavesplat_gpu::{Choice, DEFAULT_BUDGET_BYTES, DeviceChoice, Failure, Gpu, Gp
 use wavesplat_splat::render::frame::{finish, slices_of};
 use wavesplat_splat::render::progress::ProgressCallback;
 
-/// The failure that drawing the scene ends in.
+/// Failure that drawing the scene ends in.
 fn failure(gpu: &Gpu, case: &Case, callback: &dyn ProgressCallback) -> Failure {
     let mut told = None;
     let schedule = Schedule { most_slabs: Some(4), ..Schedule::default() };
@@ -55,7 +55,7 @@ fn too_little_memory_is_told_in_numbers() {
     assert!(difference(&got.picture, &want.picture).within_one >= 1.0);
 }
 
-/// Ends the device when a part of a frame is drawn.
+/// Callback that destroys the device when a part of a frame is drawn.
 struct EndsDevice<'a>(&'a Gpu, AtomicUsize);
 
 impl ProgressCallback for EndsDevice<'_> {
@@ -101,7 +101,7 @@ fn a_lost_device_is_opened_once_more() {
     });
 }
 
-/// Draws another frame at every call.
+/// Callback that draws another frame at every call.
 struct DrawsAnother<'a>(&'a Gpu);
 
 impl ProgressCallback for DrawsAnother<'_> {
@@ -122,7 +122,7 @@ fn a_frame_within_a_frame_waits_for_nobody() {
     });
 }
 
-/// Stops after some calls.
+/// Callback that stops the frame at the second call.
 struct Stops(AtomicBool);
 
 impl ProgressCallback for Stops {

@@ -1,4 +1,5 @@
-//! The GPU's pictures are the CPU's, within one grey level of 255: every operator, kernel, sample type, camera, light and cut.
+//! The GPU's pictures are the CPU's, within one grey level of 255: every operator, kernel, sample type, camera, light
+//! and cut.
 
 mod scenes;
 
@@ -6,12 +7,12 @@ use glam::DVec3;
 use scenes::{Case, Stored, cuts, difference, gpu};
 use wavesplat_core::{Composite, Gradient, Kernel, Light, RenderOptions, Shading};
 
-/// What is allowed of a scene.
+/// Tolerance of a scene.
 #[derive(Clone, Copy)]
 enum Allowed {
     /// Every pixel within one level.
     Soft,
-    /// 99.99 % of the pixels within one level, and none further off than this; the reason stands at the scene.
+    /// 99.99 % of the pixels within one level, and none further off than this number of levels.
     But(f64),
 }
 

@@ -1,5 +1,5 @@
-//! Shaders without a device: every kind of them is valid, and can be written for Vulkan, Metal, DX12 and OpenGL; structs lie
-//! as Rust lays them out; and the text keeps to what every device does alike.
+//! Shaders without a device: every permutation is valid, and can be written for Vulkan, Metal, DX12 and OpenGL; structs
+//! have the layout of Rust's; and the text keeps to features that all devices implement alike.
 
 use std::collections::HashMap;
 use std::mem::{offset_of, size_of};
@@ -34,7 +34,7 @@ fn permutation(operator: GpuOperator, sources: Vec<SourceKind>) -> Permutation {
     }
 }
 
-/// Every value of every choice, each beside the usual ones; and all of the rest at once.
+/// Permutations with every value of every choice, each beside default values; and some with all of them at once.
 fn permutations() -> Vec<Permutation> {
     let over = |pre_integrated| GpuOperator::Over { pre_integrated };
     let lit = SourceKind { gradient: SMOOTHED, ..PLAIN };
@@ -150,7 +150,7 @@ fn the_self_test_is_valid_for_every_format() {
     }
 }
 
-/// What a struct of the shader has where.
+/// Offsets of the members of a shader's struct, and its size.
 fn members(module: &Module, name: &str) -> (HashMap<String, u32>, u32) {
     let found = module.types.iter().find(|(_, ty)| ty.name.as_deref() == Some(name));
     let (_, ty) = found.unwrap_or_else(|| panic!("no {name}"));
@@ -184,7 +184,7 @@ fn structs_lie_as_rust_lays_them_out() {
     lies_alike!(&module, "Frame", GpuFrame, [blocks, slabs, axes, number, color, to_next, fade, light, label_lighting]);
 }
 
-/// Why each of these is not done stands in the study of GPUs: drivers differ there.
+/// Drivers differ in the features listed here; the study of GPUs has the reasons.
 #[test]
 fn the_text_keeps_to_what_every_device_does_alike() {
     for permutation in permutations() {
@@ -228,7 +228,7 @@ fn the_text_keeps_to_what_every_device_does_alike() {
     }
 }
 
-/// Each shader names the Rust that it is the twin of, which is there.
+/// Each shader names the Rust file that it is the twin of, and that file exists.
 #[test]
 fn shaders_name_their_twins() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("src/shaders");

@@ -1,5 +1,5 @@
-//! The stage fixtures of `crates/splat/fixtures`, by the functions of the shaders: answers from formulas, to 1e-5 relative.
-//! The format is told in `docs/design/012-stage-fixtures.md`.
+//! The stage fixtures of `crates/splat/fixtures`, by the functions of the shaders: answers from formulas, to 1e-5
+//! relative. `docs/design/012-stage-fixtures.md` describes the format.
 
 mod scenes;
 
@@ -39,7 +39,7 @@ struct Case {
     outputs: Value,
 }
 
-/// Named answers.
+/// Answers of a case by name.
 type Answers = Vec<(&'static str, Vec<f32>)>;
 
 impl Case {
@@ -65,7 +65,7 @@ impl Case {
     }
 }
 
-/// Holds what a stage gives to the answers of its fixture.
+/// Compares the results of a stage with the answers of its fixture.
 fn check(stage: &str, run: impl Fn(&Gpu, &Case) -> Answers) {
     let Some(gpu) = gpu() else { return };
     let path = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join(format!("../splat/fixtures/{stage}.json"));
@@ -107,7 +107,7 @@ fn permutation(source: SourceKind) -> Permutation {
     }
 }
 
-/// Runs a function of numbers that are read from `tables`, from `first` on, a vec4 or several each.
+/// Runs a function whose inputs are read from `tables`, from `first` on, one or more vec4s each.
 fn run_function(gpu: &Gpu, numbers: &mut Numbers, inputs: &[[f32; 4]], n: usize, body: &str) -> Vec<[f32; 4]> {
     let first = numbers.table(inputs);
     if numbers.layers.is_empty() {
@@ -137,7 +137,7 @@ fn of_two(a: &[f32], b: &[f32]) -> Vec<[f32; 4]> {
     a.iter().zip(b).map(|(a, b)| [*a, *b, 0.0, 0.0]).collect()
 }
 
-/// `opacity_unit`: a length of 1.
+/// Transfer function of a case, with an opacity unit of 1.
 fn transfer_function(case: &Case) -> TransferFunction {
     let node = |&[value, opacity]: &[f64; 2]| OpacityNode { value, opacity };
     let opacity = case.numbers("opacity_nodes").as_chunks().0.iter().map(node).collect();
@@ -252,7 +252,7 @@ fn camera_along(axis: usize, centre: DVec3) -> Camera {
     Camera::new(centre - 100.0 * forward, centre, up, projection).unwrap()
 }
 
-/// A base plane of rays along an axis, with its texels where they are wanted.
+/// A base plane of rays along an axis, with texels at a given origin and step.
 fn plane_along(axis: usize, origin: DVec2, step: DVec2, size: [usize; 2]) -> BasePlane {
     let camera = camera_along(axis, DVec3::splat(4.0));
     let rays = IndexRays::new(&camera, DAffine3::IDENTITY, 64, 64);
@@ -292,11 +292,11 @@ fn sheet() {
 /// The row of a tile that is read: away from the volume's faces.
 const ROW: usize = 3;
 
-/// Sixteen rays through slices, by whole frames: texels of a row, and where opacity is 1/2.
+/// Draws sixteen rays through slices as a whole frame: texels of a row, and their positions of opacity 1/2.
 fn rays(gpu: &Gpu, case: &Case, tf: &TransferFunction, composite: Composite, steep: bool) -> (Vec<[f32; 4]>, Vec<f32>) {
     let density = case.floats("density");
     let n_sheets = density.len() / LANES;
-    // A sample more on either side, so that no ray runs along a face.
+    // One more sample on either side, so that no ray runs along a face.
     let size = [LANES + 2, 8, n_sheets];
     let sample = |p: DVec3| f64::from(density[p.z as usize * LANES + (p.x as usize).clamp(1, LANES) - 1]);
     let samples = Phantom::sample(size, DAffine3::IDENTITY, sample).samples;
@@ -330,7 +330,7 @@ fn rays(gpu: &Gpu, case: &Case, tf: &TransferFunction, composite: Composite, ste
     (picture.row(ROW).to_vec(), picture.w_half[ROW * LANES..][..LANES].to_vec())
 }
 
-/// One that projections do not look at.
+/// A transfer function for projections, which ignore it.
 fn any_transfer_function() -> TransferFunction {
     wavesplat_testkit::opacity_ramp(&[(0.0, 0.0), (255.0, 1.0)], None)
 }
@@ -357,7 +357,7 @@ fn project() {
             _ => Composite::DepthShadedMaximum { strength: case.number("strength"), black: case.number("level") },
         };
         let (rows, _) = rays(gpu, case, &any_transfer_function(), composite, false);
-        // The state of a mean is an integral; its texel is that by the length.
+        // The state of a mean is an integral; its texel is the integral divided by the length.
         let value = |row: &[f32; 4]| if composite == Composite::Mean { row[0] * row[1] } else { row[0] };
         let drawn: Vec<bool> = rows.iter().map(|row| row[3] > 0.0).collect();
         assert!(drawn.iter().all(|drawn| *drawn), "{}", case.name);

@@ -1,14 +1,14 @@
 //! Level of detail: brightness of a coarser level beside the finest, and the factors that make them equal.
 //!
-//! [`ProbeRays`] know the values that they meet in both, and how the gradients stand to them. Classified by a table
-//! each and lit with Phong shading, the mean brightness of a ray is
+//! [`ProbeRays`] have the values along rays through both levels, and the angle of the gradients to the rays. Classified
+//! by a table per level and lit with Phong shading, the mean brightness of a ray is
 //!
 //! `B = Σ T α (c (ambient + diffuse |n·l|) + specular max(0, 2 (n·l) (n·v) − l·v)^power)`,
 //!
-//! `|n·l|` and the highlight as means over the normals that stand to the eye as the gradient does, since only that is
-//! known; `T` the transmittance so far, `c` the mean of red, green and blue. The two means tell how much the level changes the
-//! brightness, whatever hides what. The factor of the coarse function's extinction that makes them equal is found by
-//! the secant method.
+//! with `T` the transmittance so far and `c` the mean of red, green and blue; `|n·l|` and the highlight are means over
+//! all normals at the gradient's angle to the eye, since only that angle is known. The ratio of the two means is the
+//! change of brightness by the level, occlusion along the rays included. The secant method finds the factor of the
+//! coarse function's extinction that makes the means equal.
 
 use glam::DVec3;
 use wavesplat_compute::parallel;
@@ -16,38 +16,38 @@ use wavesplat_core::{Light, LightFrame, Shading};
 
 use crate::probe_rays::{N_COSINES, ProbeRay, ProbeRays, step_lengths};
 
-/// Factors of the extinction: from one over this up to this.
+/// Largest factor of the extinction; the least is its reciprocal.
 const MAX_FACTOR: f64 = 20.0;
 
-/// From this factor on a level may be darker all the same; it is bright enough with this share of the brightness.
+/// Factor from which on a level may still be too dark; this share of the brightness is then bright enough.
 const OUT_OF_REACH: f64 = 0.9 * MAX_FACTOR;
 const BRIGHT_ENOUGH: f64 = 0.93;
 
-/// How much brighter without shading, or darker, a level may get to be as bright with it: lost gradients cannot be made
-/// up for by more of what has none.
+/// Largest change of the unshaded brightness, up or down, that is accepted to match the shaded one: more matter without
+/// gradients cannot make up for lost gradients.
 const MAX_UNLIT_CHANGE: f64 = 1.25;
 
-/// How much brighter colours may get where more extinction does not help: opaque parts have lost highlights on their
-/// edges, which are rounder on a level. More would change the hue of colours that have a full channel.
+/// Largest factor of colours where more extinction does not help: opaque parts have lost highlights on their edges,
+/// which are rounder on a level. More would change the hue of colours with a channel at 1.
 const MAX_COLOR_GAIN: f64 = 1.02;
 
-/// The search ends when the logarithms of the brightnesses differ by less, or after so many steps.
+/// End of the search: tolerance of the difference of the logarithms of the brightnesses, and largest number of steps.
 const TOLERANCE: f64 = 2e-3;
 const N_STEPS: usize = 12;
 
-/// Rays that are followed by one task.
+/// Rays per task.
 const RAYS_PER_TASK: usize = 64;
 
-/// Transmittance below which the rest of a ray does not count (early ray termination).
+/// Transmittance below which a ray ends (early ray termination).
 const MIN_TRANSMITTANCE: f32 = 1e-4;
 
-/// Mean of red, green and blue, and opacity, in each bin of values.
+/// Mean of red, green and blue, and opacity, of each bin of values.
 pub(crate) type GrayTable = Vec<[f64; 2]>;
 
 impl ProbeRays {
     /// Factors of the extinction and of the colours of the coarse table, the second near 1, that make the level as
-    /// bright as the finest. `lengths`: from sample to sample along each axis, in units of the opacities. Without
-    /// shading, colours are as they are. `needs_preintegration`: whether the level gets the sheets of a steep function.
+    /// bright as the finest. `lengths`: sample spacing along each axis, in opacity units. Without shading the factor of
+    /// the colours is 1. `needs_preintegration`: whether the level gets the sheets of a steep function.
     pub fn brightness_factors(
         &self,
         [fine, coarse]: [&GrayTable; 2],
@@ -92,7 +92,7 @@ impl ProbeRays {
             >= BRIGHT_ENOUGH * wanted
     }
 
-    /// The factor that makes the coarse table as bright as is wanted.
+    /// Factor of the extinction that gives the coarse table the brightness `wanted`.
     fn factor_for(
         &self,
         wanted: f64,
@@ -123,7 +123,7 @@ impl ProbeRays {
             } else {
                 hi = at;
             }
-            // At first as of a thin medium, whose brightness is proportional to its extinction.
+            // The first slope is that of a thin medium, whose brightness is proportional to its extinction.
             let slope = before.map_or(1.0, |(x, y): (f64, f64)| (excess - y) / (at - x));
             before = Some((at, excess));
             let next = at - excess / slope;
@@ -132,11 +132,11 @@ impl ProbeRays {
         at.exp()
     }
 
-    /// Mean brightness of the rays; `which` of the sheets, as in [`step_lengths`]. `lengths`: from sample to sample
+    /// Mean brightness of the rays. `which`: index of the sheets, as in [`step_lengths`]; `lengths`: sample spacing
     /// along each axis.
     fn brightness(&self, which: usize, table: &GrayTable, light: &[[f64; 2]], lengths: [f64; 3]) -> f64 {
         let lengths = step_lengths(which, lengths);
-        // By entry: emitted light, and transmittance.
+        // Emitted light and transmittance of each probe entry.
         let of_axis = lengths.map(|length| -> Vec<[f32; 2]> {
             let entries = table.iter().flat_map(|&[color, opacity]| {
                 let alpha = -(length * (-opacity).ln_1p()).exp_m1();
@@ -167,13 +167,14 @@ impl ProbeRays {
     }
 }
 
-/// Which sheets a level gets, as in [`step_lengths`].
+/// Index of the sheets that a level gets, as in [`step_lengths`].
 fn coarse_sheets(needs_preintegration: bool) -> usize {
     1 + usize::from(needs_preintegration)
 }
 
-/// Phong shading by step of `|n·v|`: factor of the colour, and highlight, as means over the normals at that angle to the
-/// eye. The last entry has no gradient. Lights of the world are taken to be at the eye, since levels do not know the camera.
+/// Phong shading by step of `|n·v|`: factor of the colour, and highlight, as means over the normals at that angle to
+/// the eye. The last entry is for points without a gradient. World lights are taken to be at the eye, since levels do
+/// not know the camera.
 fn phong_table(shading: Option<&Shading>) -> Vec<[f64; 2]> {
     let Some(shading) = shading else { return vec![[1.0, 0.0]; N_COSINES + 1] };
     let Shading { ambient, diffuse, specular, specular_power, unoriented, .. } = *shading;
@@ -198,7 +199,7 @@ fn phong_table(shading: Option<&Shading>) -> Vec<[f64; 2]> {
     (0..N_COSINES).map(lit).chain([[ambient + diffuse * even, 0.0]]).collect()
 }
 
-/// Normals at an angle to the eye.
+/// Number of normals that sample an angle to the eye.
 const N_TURNS: usize = 12;
 
 /// Unit direction to a light in the camera's frame, and the mean of its colours.

@@ -1,40 +1,40 @@
 //! Level of detail: joint histogram of the finest samples and the values of a coarser level.
 //!
-//! For every bin of coarse values `d` it has the distribution `P(v | d)` of the samples `v` at the positions where the
-//! coarse volume, interpolated, has that value. It is made from a part of the samples, in boxes all over the volume.
+//! Every bin of coarse values `d` has the distribution `P(v | d)` of the samples `v` at the positions where the
+//! interpolated coarse volume has that value. It is computed from a part of the samples, in boxes all over the volume.
 
 use wavesplat_compute::parallel;
 use wavesplat_core::{Decoder, LevelGrid};
 
 use crate::probe_rays::ProbeRays;
 
-/// Bins of the range of values.
+/// Number of bins of the range of values.
 pub(crate) const N_BINS: usize = 512;
 
-/// Sides of the boxes that the histogram is made of, and how many there are at most.
+/// Side of the boxes from which the histogram is computed, and their largest number.
 const SIDE: usize = 16;
 const N_BOXES: usize = 512;
 
-/// Prior: every coarse value stands for itself with the weight of so many samples.
+/// Prior: weight, in samples, with which every coarse value stands for itself.
 const SELF_COUNT: f32 = 4.0;
 
-/// Share of all samples from which a coarse value is frequent.
+/// Share of all samples above which a coarse value is frequent.
 const FREQUENT_SHARE: f32 = 0.02;
 
-/// Which samples of the finest level there are where a coarser level has a value, and rays that probe the brightness of
-/// both. Knows no transfer function; made once per level.
+/// Joint histogram of the samples of the finest level and the values of a coarser one, and rays that probe the
+/// brightness of both. Independent of transfer functions; computed once per level.
 pub struct LevelHistogram {
     pub(crate) lo: f64,
     pub(crate) hi: f64,
-    /// `P(v | d)`, a row per bin of coarse values.
+    /// `P(v | d)`, one row per bin of coarse values `d`.
     pub(crate) shares: Vec<f32>,
     pub(crate) rays: ProbeRays,
 }
 
 impl LevelHistogram {
-    /// From the finest level and a coarser one that lies on `grid`. `spacing`: of the finest samples along each axis,
-    /// in any unit. `range`: smallest and largest sample. `budget_bytes`: most memory of decoded samples; with less,
-    /// rays cross narrow parts of the volume that are decoded one by one.
+    /// Histogram of the finest level and a coarser one that lies on `grid`. `spacing`: distance of the finest samples
+    /// along each axis, in any unit. `range`: smallest and largest sample. `budget_bytes`: memory for decoded samples;
+    /// where the volume does not fit, rays cross narrow parts of it that are decoded one by one.
     ///
     /// # Panics
     /// Where a level has no samples.
@@ -76,7 +76,7 @@ impl LevelHistogram {
         Self { lo, hi, shares, rays: ProbeRays::new([fine, coarse], grid, spacing, budget_bytes, bin) }
     }
 
-    /// The middle of every bin.
+    /// Value in the middle of every bin.
     pub(crate) fn values(&self) -> impl Iterator<Item = f64> + Clone {
         (0..N_BINS).map(|bin| self.lo + (bin as f64 + 0.5) * self.step())
     }
@@ -87,9 +87,9 @@ impl LevelHistogram {
     }
 }
 
-/// Smooths the counts over neighbouring coarse values, of which none counts more than the value itself: chance steps
+/// Smooths the counts over neighbouring coarse values, none of which counts more than the value itself: random steps
 /// from bin to bin would make a smooth function one that has to be pre-integrated. Frequent values are left as they
-/// are: what is opaque, or transparent, stays so.
+/// are, so that opaque ones stay opaque and transparent ones transparent.
 fn smooth(counts: &[f32]) -> Vec<f32> {
     let n: Vec<f32> = counts.chunks_exact(N_BINS).map(|row| row.iter().sum()).collect();
     let frequent = FREQUENT_SHARE * n.iter().sum::<f32>();
@@ -122,7 +122,7 @@ fn pairs(
     let mut values = vec![0.0; nx * ny * nz];
     fine.decode(first, end, &mut values);
     let last = coarse.size().map(|n| n - 1);
-    // Where each position lies between coarse samples: the lower one and the share of the upper one.
+    // Lower coarse sample at each position, and weight of the upper one.
     let between = |a: usize| -> Vec<(usize, f32)> {
         let at = |i: usize| {
             let mut index = [0.0; 3];

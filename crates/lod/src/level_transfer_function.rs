@@ -1,45 +1,45 @@
 //! Level of detail: transfer function of a coarser level.
 //!
-//! A thin wall between two cavities has a coarse sample near that of a cavity, and classified by it the wall vanishes:
-//! the picture of a coarser level gets darker, and with a hard function full of holes. So samples are classified before
-//! the mean is taken: the opacity of a coarse value `d` is the mean opacity of the samples `v` at the positions where
-//! the coarse volume, interpolated, has that value. With `P(v | d)` of the [`LevelHistogram`] and `a` the opacity of a
-//! length `s`,
+//! Where a thin wall separates two cavities, the coarse samples are near the value of a cavity, and classified by them
+//! the wall vanishes: the picture of a coarser level gets darker, and with a hard function full of holes. So samples
+//! are classified before the mean is taken: the opacity of a coarse value `d` is the mean opacity of the samples `v` at
+//! the positions where the interpolated coarse volume has that value. With `P(v | d)` of the [`LevelHistogram`] and `a`
+//! the opacity of a length `s`,
 //!
 //! `A(d) = Σ P(v | d) a(v)`, `a(v) = 1 − (1 − α(v))^s`,
 //!
 //! the colour is the mean weighted by `a`, and `α` of the coarse value is `1 − (1 − A)^(1/s)`. The mean is taken of
-//! opacities of a length, not of optical depths, since what is behind something opaque does not count; `s` is the
-//! distance of the finest samples. It is a trimmed mean: of the `v` behind a `d`, the lowest and the highest few per
-//! cent do not count, since what is that rare is elsewhere as a rule, and would be drawn as a haze wherever there is a
-//! `d`.
+//! opacities of a length, not of optical depths, since matter behind an opaque sample does not count; `s` is the
+//! distance of the finest samples. It is a trimmed mean: of the samples `v` for a `d`, the lowest and the highest few
+//! per cent do not count, since values that rare at `d` mostly occur elsewhere, and would be drawn as a haze at all
+//! positions of `d`.
 //!
-//! A mean over values knows neither what hides what nor how visible surfaces stand to the light: the extinction is then
-//! multiplied by the factor that makes rays through the level as bright as those through the samples
+//! A mean over values accounts neither for occlusion nor for the angles of visible surfaces to the light: the
+//! extinction is then multiplied by the factor that makes rays through the level as bright as rays through the samples
 //! (`level_brightness.rs`).
 //!
-//! Distributions of what a coarse sample stands for, in place of its mean: Younesy, Möller, Carr, "Improving the
-//! quality of multi-resolution volume rendering", Eurographics Symposium on Visualization 2006. Here all positions with
-//! the same coarse value share one.
+//! Distributions of the samples that a coarse one stands for, in place of their mean: Younesy, Möller, Carr, "Improving
+//! the quality of multi-resolution volume rendering", Eurographics Symposium on Visualization 2006. Here all positions
+//! with the same coarse value share one distribution.
 
 use wavesplat_core::{ColorNode, OpacityNode, Result, Shading, TransferFunction, TransferFunction2D};
 
 use crate::level_brightness::GrayTable;
 use crate::level_histogram::{LevelHistogram, N_BINS};
 
-/// Share of what a coarse value stands for that the trimmed mean leaves out, at either end.
+/// Share of the distribution of a coarse value that the trimmed mean leaves out at either end.
 const TRIMMED_SHARE: f32 = 0.02;
 
-/// Values at which the function is looked up within a bin, and within each part of it between nodes of the function.
+/// Values per bin at which the function is looked up, or per part of a bin between nodes of the function.
 const N_PER_PART: usize = 4;
 
-/// Mean opacity below which nothing is drawn: a thousand coarse samples in a row would have an opacity of a tenth.
+/// Mean opacity below which nothing is drawn: a thousand coarse samples in a row would reach an opacity of a tenth.
 const MIN_OPACITY: f64 = 1e-4;
 
 impl LevelHistogram {
-    /// The transfer function for the level. `spacing`: of the finest grid along each axis, in the function's
-    /// `opacity_unit`s. `shading`: that of the picture. `needs_preintegration`: whether the function is (needs pre-integration), so
-    /// that the level is drawn with fewer sheets. Functions of two dimensions are only averaged.
+    /// Transfer function for the level. `spacing`: sample distance of the finest grid along each axis, in the
+    /// function's `opacity_unit`s. `shading`: the picture's. `needs_preintegration`: whether the function needs
+    /// pre-integration, so that the level is drawn with fewer sheets. Functions of two dimensions are only averaged.
     pub fn filter(
         &self,
         tf: &TransferFunction,
@@ -54,7 +54,7 @@ impl LevelHistogram {
         let gray = |rgba: &[[f64; 4]]| -> GrayTable {
             rgba.iter().map(|&[r, g, b, opacity]| [(r + g + b) / 3.0, opacity]).collect()
         };
-        // The finest samples stand for themselves.
+        // Each of the finest samples stands for itself.
         let means = self.means(rgba_of(tf), &nodes_of(tf), length);
         let own = gray(&means.iter().map(|mean| separate(*mean, length)).collect::<Vec<_>>());
         let with = |rare: f32| {
@@ -65,7 +65,7 @@ impl LevelHistogram {
             (rgba, factors, is_bright_enough)
         };
         let (mut rgba, mut factors, is_bright_enough) = with(TRIMMED_SHARE);
-        // Where much of what is visible is rare.
+        // Where most visible values are rare, trimming would drop them.
         if !is_bright_enough {
             (rgba, factors, _) = with(0.0);
         }
@@ -77,12 +77,12 @@ impl LevelHistogram {
         self.function(tf, &rgba)
     }
 
-    /// The function with opacities averaged over a `length`, in its `opacity_unit`s; nothing is trimmed.
+    /// Transfer function with opacities averaged over a `length`, in its `opacity_unit`s, without trimming.
     pub fn average(&self, tf: &TransferFunction, length: f64) -> Result<TransferFunction> {
         if self.hi <= self.lo {
             return Ok(tf.clone());
         }
-        // Gradients of coarse samples stand for themselves.
+        // Gradients of coarse samples are not averaged: they stand for themselves.
         if let Some(joint) = tf.function_2d() {
             let magnitudes = joint.magnitudes();
             let row = |m: &f64| {
@@ -98,11 +98,11 @@ impl LevelHistogram {
         self.function(tf, &self.averages(&means, rgba_of(tf), length, 0.0))
     }
 
-    /// The function with these colours and opacities in the middle of every bin.
+    /// Transfer function with these colours and opacities in the middle of every bin.
     fn function(&self, tf: &TransferFunction, rgba: &[[f64; 4]]) -> Result<TransferFunction> {
         let mut opacity = Vec::with_capacity(N_BINS);
         for (bin, (value, &[.., own])) in self.values().zip(rgba).enumerate() {
-            // A single bin of opacity 1 is opaque as a whole; a node alone would have no width.
+            // A single bin of opacity 1 is opaque over its whole width; a single node would have no width.
             let is_opaque = |bin: usize| rgba.get(bin).is_some_and(|rgba| rgba[3] == 1.0);
             let is_alone = is_opaque(bin) && !is_opaque(bin + 1) && !(bin > 0 && is_opaque(bin - 1));
             let half = if is_alone { 0.5 * self.step() } else { 0.0 };
@@ -117,7 +117,7 @@ impl LevelHistogram {
     }
 
     /// Mean of associated colour and opacity of a `length` over each bin. `nodes`: values in order, between which the
-    /// function is linear: what is thinner than a bin counts as much as it is wide.
+    /// function is linear, so that a peak thinner than a bin has the weight of its width.
     fn means(&self, rgba: impl Fn(f64) -> [f64; 4], nodes: &[f64], length: f64) -> Vec<[f64; 4]> {
         let mean = |bin: usize| {
             let [begin, end] = [bin, bin + 1].map(|bin| self.lo + bin as f64 * self.step());
@@ -138,8 +138,8 @@ impl LevelHistogram {
         (0..N_BINS).map(mean).collect()
     }
 
-    /// Colour and opacity of every bin, averaged over the samples that its coarse values stand for, without the
-    /// `rare` share at either end. `own`: the means of the bins over a `length`.
+    /// Colour and opacity of every bin, averaged over the samples at its coarse values, without the `rare` share at
+    /// either end. `own`: the means of the bins for a `length`.
     fn averages(&self, own: &[[f64; 4]], rgba: impl Fn(f64) -> [f64; 4], length: f64, rare: f32) -> Vec<[f64; 4]> {
         let average = |(row, value): (&[f32], f64)| {
             let mut sum = [0.0; 4];
@@ -156,12 +156,12 @@ impl LevelHistogram {
     }
 }
 
-/// Shares without a `rare` part at either end, as of a trimmed mean; they add up to one again.
+/// Weights of a trimmed mean: `shares` without the `rare` part at either end, normalised to a sum of 1.
 fn trimmed(shares: &[f32], rare: f32) -> impl Iterator<Item = f32> {
     let mut left = [rare, 1.0 - 2.0 * rare];
     shares.iter().map(move |share| {
         let mut share = *share;
-        // First what is trimmed below, then what counts; the rest is trimmed above.
+        // The first part is trimmed below, the next one counts, the rest is trimmed above.
         let [_, counted] = left.each_mut().map(|left| {
             let taken = share.min(*left);
             *left -= taken;
@@ -172,7 +172,7 @@ fn trimmed(shares: &[f32], rare: f32) -> impl Iterator<Item = f32> {
     })
 }
 
-/// Opacity correction: the opacity of a length, from that of a unit.
+/// Opacity correction: opacity of a length, from the opacity of a unit.
 fn opacity_of(length: f64, opacity: f64) -> f64 {
     (-(length * (-opacity).ln_1p()).exp_m1()).clamp(0.0, 1.0)
 }
@@ -180,7 +180,7 @@ fn opacity_of(length: f64, opacity: f64) -> f64 {
 /// Colour, and opacity of a unit, from associated colour and opacity of a length.
 fn separate([r, g, b, opacity]: [f64; 4], length: f64) -> [f64; 4] {
     let [r, g, b] = [r, g, b].map(|c| if opacity > 0.0 { (c / opacity).clamp(0.0, 1.0) } else { 0.0 });
-    // Shares add up to one but for rounding, and what is opaque stays so.
+    // Shares add up to 1 but for rounding, and opaque values must stay opaque.
     let opacity = if opacity > 1.0 - 1e-6 { 1.0 } else { opacity };
     [r, g, b, opacity_of(1.0 / length, opacity)]
 }

@@ -1,11 +1,11 @@
 //! Level of detail: coarser levels of a volume that are as bright as the finest.
 //!
 //! A coarser level has fewer samples, each of which stands for many. Classified by their mean, thin walls vanish and
-//! the picture gets darker. A [`LevelHistogram`] knows which samples a coarse value stands for and makes the transfer
-//! function that the level is to be drawn with in place of the given one: averaged in opacity, then scaled until rays
-//! through the level are as bright as rays through the finest samples.
+//! the picture gets darker. A [`LevelHistogram`] has the distribution of samples for each coarse value and makes the
+//! transfer function that the level is to be drawn with in place of the given one: averaged in opacity, then scaled
+//! until rays through the level are as bright as rays through the finest samples.
 //!
-//! It is fed by [`wavesplat_core::Decoder`]s, one of the finest level and one of the coarser, so any pyramid will do:
+//! Its inputs are two [`wavesplat_core::Decoder`]s, of the finest level and of the coarser one, so any pyramid will do:
 //! wavelets, OME-Zarr, or levels in memory.
 //!
 //! ```
@@ -44,7 +44,7 @@
 //!
 //! # Features
 //!
-//! `threads` (on by default): boxes and rays in parallel. Results are the same to the bit without.
+//! `threads` (on by default): boxes and rays in parallel. Results are the same to the bit without it.
 
 mod level_brightness;
 mod level_histogram;

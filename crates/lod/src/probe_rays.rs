@@ -1,55 +1,56 @@
 //! Probe rays: values and gradients along rays through the finest level and a coarser one.
 //!
-//! The rays are aslant to the axes and spread evenly over the volume. Between sheets values are linear, as the renderer
-//! takes them to be. They know no transfer function and are made once per level.
+//! The rays are oblique to the axes and spread evenly over the volume. Between sheets values are linear, as in the
+//! renderer. They are independent of transfer functions and computed once per level.
 
 use wavesplat_compute::parallel;
 use wavesplat_core::{Decoder, LevelGrid};
 
 use crate::sample_box::{GRADIENT_OFFSET, SampleBox};
 
-/// Rays lie in bundles. Each bundle crosses the whole volume where that is decoded, or else a part `SIDE` samples wide.
+/// Rays per bundle. A bundle is spread over the whole volume where that is decoded, else over a part `SIDE` samples
+/// wide.
 const RAYS_PER_BUNDLE: usize = 16;
 const SIDE: usize = 16;
 
-/// Bundles along each axis, if all rays together meet no more samples than the second number.
+/// Largest number of bundles along each axis; fewer where all rays together would pass more than this number of
+/// samples.
 const MAX_BUNDLES: usize = 256;
 const MAX_PROBED_SAMPLES: usize = 1 << 19;
 
-/// Volumes of no more samples are decoded as a whole.
+/// Largest number of samples of a volume that is decoded as a whole.
 const MAX_DECODED_SAMPLES: usize = 1 << 24;
 
-/// Sheets per slice: of the finest samples, of a level, and of a level that is drawn with a steep function.
+/// Sheets per slice: of the finest level, of a coarser level, and of a coarser level with a steep function.
 const SHEETS_PER_SLICE: [usize; 3] = [2, 2, 1];
 
-/// Positions per sample of the finest grid for each of them: steep functions miss what lies between fewer, and the
-/// first visible one on a ray has the gradient of a surface.
+/// Positions per sample of the finest grid for each of [`SHEETS_PER_SLICE`]: with fewer, steep functions would miss
+/// thin features; and the gradient at the first visible position of a ray is taken for the surface's.
 const POSITIONS_PER_SAMPLE: [usize; 3] = [4, 4, 2];
 
-/// Direction of the rays, along their axis and across it: half way between rays along the axis and those that run as
-/// much along another.
+/// Direction of the rays, along their axis and across it: half way between rays along the axis and diagonal ones.
 const DIRECTION: [f64; 3] = [1.0, 0.5, 0.3];
 
-/// Steps of `|n·v|`; one more number stands for where there is no gradient.
+/// Number of steps of `|n·v|`; one more step stands for points without a gradient.
 pub(crate) const N_COSINES: usize = 31;
 
-/// A ray along an axis, more or less.
+/// A ray, oblique to its main axis.
 pub(crate) struct ProbeRay {
     pub axis: usize,
-    /// What it meets in order, for each of [`SHEETS_PER_SLICE`].
+    /// Entries along the ray, for each of [`SHEETS_PER_SLICE`].
     pub entries: [Vec<ProbeEntry>; 3],
 }
 
-/// Bin of a value, times `N_COSINES + 1`, and step of `|n·v|`.
+/// Bin of a value, times `N_COSINES + 1`, plus step of `|n·v|`.
 type ProbeEntry = u16;
 
-/// Rays through a volume and a level of it.
+/// Probe rays through a volume and a coarser level of it.
 pub(crate) struct ProbeRays(pub Vec<ProbeRay>);
 
 impl ProbeRays {
-    /// Rays through the finest level and a coarser one that lies on `grid`. `spacing`: of the finest samples along each
-    /// axis, in any unit. `bin`: of a value, one of at most 2048. Decodes no more than `budget_bytes` at once, and no
-    /// more than 64 MB of the finest samples.
+    /// Probes the finest level and a coarser one that lies on `grid`. `spacing`: distance of the finest samples along
+    /// each axis, in any unit. `bin`: bin of a value, below 2048. Decodes the volume as a whole only within
+    /// `budget_bytes`, and no more than 64 MB of the finest samples.
     pub fn new(
         [fine, coarse]: [&dyn Decoder; 2],
         grid: &LevelGrid,
@@ -65,7 +66,7 @@ impl ProbeRays {
         let bundles = parallel::map(3 * n_per_axis, |i| {
             let (axis, bundle) = (i % 3, i / 3);
             let last = size.map(|n| (n - 1) as f64);
-            // The volume is cut into bundles of equal width, so that its middle counts no more than its faces.
+            // The volume is cut into parts of equal width, so that its middle counts no more than its faces.
             let n_across = last.map(|last| if fits { 1.0 } else { (last / SIDE as f64).ceil().max(1.0) });
             let width = [0, 1, 2].map(|a| last[a] / n_across[a]);
             let first = low_discrepancy(axis, bundle, n_across);
@@ -93,7 +94,7 @@ impl ProbeRays {
                     )
                 };
                 let mut entries = [of(0), of(1), of(2)];
-                // Half of them from the other end.
+                // Half of the rays run the other way.
                 if k % 2 == 1 {
                     for entries in &mut entries {
                         entries.reverse();
@@ -107,8 +108,8 @@ impl ProbeRays {
     }
 }
 
-/// Lengths of rays along each axis from one position to the next, for one of [`SHEETS_PER_SLICE`]. `lengths`: from
-/// sample to sample.
+/// Length of a ray's steps from position to position, by axis of the ray, for index `which` of [`SHEETS_PER_SLICE`].
+/// `lengths`: sample spacing along each axis.
 pub(crate) fn step_lengths(which: usize, lengths: [f64; 3]) -> [f64; 3] {
     let longer = DIRECTION.iter().map(|d| d * d).sum::<f64>().sqrt() / DIRECTION[0];
     lengths.map(|length| length * longer / POSITIONS_PER_SAMPLE[which] as f64)
@@ -129,19 +130,20 @@ fn low_discrepancy(axis: usize, k: usize, size: [f64; 3]) -> [f64; 3] {
 struct ProbePath {
     axis: usize,
     start: [f64; 3],
-    /// Per sample along the axis.
+    /// Change of position per sample along the axis.
     slope: [f64; 3],
     bounds: [[f64; 3]; 2],
-    /// Unit vector at the start, in the space of the spacing.
+    /// Unit vector of the ray at the start, in the units of the spacing.
     direction: [f64; 3],
 }
 
 impl ProbePath {
-    /// `spacing`: of the finest samples along each axis. `k`: which of the directions across.
+    /// Path from `start`. `spacing`: distance of the finest samples along each axis; `k`: its bits 1 to 3 choose the
+    /// direction across.
     fn new(axis: usize, start: [f64; 3], bounds: [[f64; 3]; 2], spacing: [f64; 3], k: usize) -> Self {
         let mut direction = [0.0; 3];
         direction[axis] = DIRECTION[0];
-        // Steeper along either of the other axes, to either side.
+        // Steeper along one of the other two axes, to either side.
         let across = if k & 2 == 0 { [1, 2] } else { [2, 1] };
         direction[(axis + across[0]) % 3] = DIRECTION[1] * if k & 4 == 0 { 1.0 } else { -1.0 };
         direction[(axis + across[1]) % 3] = DIRECTION[2] * if k & 8 == 0 { 1.0 } else { -1.0 };
@@ -150,8 +152,8 @@ impl ProbePath {
         Self { axis, start, slope, bounds, direction: direction.map(|d| d / length) }
     }
 
-    /// Position where it is `x` along its axis, and for each axis 1 where it runs as at the start, −1 after a
-    /// reflection.
+    /// Position at `x` along the axis of the ray, and per axis the sign of the direction relative to the start: −1
+    /// after a reflection.
     fn at(&self, x: f64) -> [[f64; 3]; 2] {
         let (mut position, mut signs) = (self.start, [1.0; 3]);
         for a in 0..3 {
@@ -171,17 +173,18 @@ impl ProbePath {
 
 /// Values and gradients along a ray, in sheets across its axis.
 struct RaySheets {
-    /// Sheets per sample of the finest grid, along the axis, and where the first one lies.
+    /// Sheets per sample of the finest grid along the axis, and position of the first sheet.
     per_sample: f64,
     origin: f64,
-    /// Value, and its slopes along the three axes, mirrored as the ray is.
+    /// Per sheet: value, and its slopes along the three axes, mirrored with the ray.
     values: Vec<[f32; 4]>,
     /// Unit vector of the ray.
     direction: [f64; 3],
 }
 
 impl RaySheets {
-    /// From samples that lie on `grid`, with `per_slice` sheets per slice. `spacing`: of the finest samples.
+    /// Samples a path on a level that lies on `grid`, with `per_slice` sheets per slice. `spacing`: distance of the
+    /// finest samples.
     fn new(samples: &SampleBox, grid: &LevelGrid, path: &ProbePath, spacing: [f64; 3], per_slice: f64) -> Self {
         let axis = path.axis;
         let n = ((samples.size[axis] - 1) as f64 * per_slice) as usize + 1;
@@ -209,7 +212,7 @@ impl RaySheets {
         }
     }
 
-    /// The entries of a ray that is `n` samples of the finest grid long, at so many positions per sample.
+    /// Entries of a ray that is `n` samples of the finest grid long, at `n_per_sample` positions per sample.
     fn along(&self, n: usize, n_per_sample: usize, bin: impl Fn(f32) -> usize) -> Vec<ProbeEntry> {
         let last = (self.values.len() - 1) as f64;
         let direction = self.direction.map(|d| d as f32);

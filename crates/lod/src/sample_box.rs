@@ -3,8 +3,7 @@
 use wavesplat_compute::parallel;
 use wavesplat_core::Decoder;
 
-/// Half distance of the central differences that estimate the gradient, in samples of the level: the renderer's
-/// default.
+/// Offset of the central differences that estimate the gradient, in samples of the level.
 pub(crate) const GRADIENT_OFFSET: f64 = 1.0;
 
 /// Slices that one task decodes.
@@ -12,7 +11,7 @@ const SLICES_PER_TASK: usize = 32;
 
 /// Decoded samples of a box of a volume.
 pub(crate) struct SampleBox {
-    /// Of the whole volume.
+    /// Size of the whole volume.
     pub size: [usize; 3],
     /// First sample and size of the box.
     lo: [usize; 3],
@@ -37,14 +36,14 @@ impl SampleBox {
     pub fn around(decoder: &dyn Decoder, axis: usize, first: [f64; 3], end: [f64; 3]) -> Self {
         let (mut lo, mut hi) = ([0; 3], decoder.size());
         for a in [(axis + 1) % 3, (axis + 2) % 3] {
-            // As far as gradient differences reach.
+            // The box includes the samples that gradient differences reach.
             lo[a] = ((first[a] - GRADIENT_OFFSET).max(0.0) as usize).min(hi[a] - 1);
             hi[a] = ((end[a] + GRADIENT_OFFSET).max(0.0) as usize + 2).min(hi[a]);
         }
         Self::new(decoder, lo, hi)
     }
 
-    /// Trilinear, at an index position; the nearest one of the box where it is outside.
+    /// Trilinear interpolation at an index position, clamped to the box.
     fn at(&self, position: [f64; 3]) -> f32 {
         let mut first = 0;
         let (mut strides, mut weights) = ([1, self.n[0], self.n[0] * self.n[1]], [0.0; 3]);
@@ -53,7 +52,7 @@ impl SampleBox {
             let below = (x as usize).min(self.n[a].saturating_sub(2));
             first += below * strides[a];
             weights[a] = (x - below as f64) as f32;
-            // A box of one sample has no neighbour, whose weight is 0.
+            // A box of one sample has no neighbour: its weight is 0, so any valid index will do.
             strides[a] *= usize::from(self.n[a] > 1);
         }
         let [tx, ty, tz] = weights;
@@ -63,7 +62,7 @@ impl SampleBox {
         plane(first) + (plane(first + strides[2]) - plane(first)) * tz
     }
 
-    /// Value at a position, and at both ends of a difference along each axis.
+    /// Value at a position, and values at both ends of the central difference along each axis.
     pub fn with_neighbours(&self, position: [f64; 3]) -> (f32, [[f32; 2]; 3]) {
         self.inner_neighbours(position).unwrap_or_else(|| {
             let end = |a: usize, offset: f64| {
@@ -75,7 +74,8 @@ impl SampleBox {
         })
     }
 
-    /// The same where all of it is inside: one sample further on the interpolation weights are the same.
+    /// [`SampleBox::with_neighbours`] where all of it is inside: a whole sample further on the interpolation weights
+    /// are the same, so they are computed once.
     #[inline]
     fn inner_neighbours(&self, position: [f64; 3]) -> Option<(f32, [[f32; 2]; 3])> {
         const { assert!(GRADIENT_OFFSET == 1.0, "weights are the same a whole sample further on") };

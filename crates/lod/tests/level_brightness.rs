@@ -1,4 +1,4 @@
-//! Brightness of coarser levels, against lines that are followed in double precision.
+//! Brightness of coarser levels, against lines that are integrated in double precision.
 
 mod pyramid;
 
@@ -7,18 +7,18 @@ use wavesplat_core::{Shading, TransferFunction};
 use wavesplat_lod::LevelHistogram;
 use wavesplat_wavelet::CoefficientDecoder;
 
-/// Values on a grid, with differences as far as those of a level reach, and its sheets.
+/// Values of a level on a fine grid, with the reach of its differences and its sheets.
 struct Field<'a> {
     values: &'a [f64],
     size: [usize; 3],
     reach: usize,
-    /// From sheet to sheet, and where one lies; between them values are linear along a line.
+    /// Distance of sheets, and position of one; between sheets values are linear along a line.
     sheet: f64,
     origin: [f64; 3],
 }
 
 impl Field<'_> {
-    /// Trilinear, or the nearest where it is outside.
+    /// Trilinear interpolation, clamped to the grid.
     fn at(&self, position: [f64; 3]) -> f64 {
         let last = self.size.map(|n| (n - 1) as f64);
         let x = [0, 1, 2].map(|a| position[a].clamp(0.0, last[a]));
@@ -33,7 +33,7 @@ impl Field<'_> {
         sum
     }
 
-    /// `|n·v|` along a unit vector; `spacing`: of the samples.
+    /// `|n·v|` for a unit vector; `spacing`: distance of the samples.
     fn cosine(&self, position: [f64; 3], direction: [f64; 3], spacing: [f64; 3]) -> f64 {
         let gradient = [0, 1, 2].map(|a| {
             let end = |offset: f64| {
@@ -48,13 +48,13 @@ impl Field<'_> {
         along.abs() / gradient.iter().map(|g| g * g).sum::<f64>().sqrt().max(1e-12)
     }
 
-    /// Mean over lines aslant to an axis, all over its face, of what is seen along them. At the sides they turn back.
+    /// Mean brightness along lines oblique to an axis, all over its face; they are reflected at the sides.
     fn brightness(&self, tf: &TransferFunction, axis: usize, spacing: [f64; 3], shading: Option<&Shading>) -> f64 {
         let across = [(axis + 1) % 3, (axis + 2) % 3];
         let [n, m] = across.map(|a| self.size[a]);
         let seen = |first: usize| {
             let mut direction = [1.0; 3];
-            // Every way across, from neighbouring places.
+            // All directions across, from neighbouring positions.
             let slopes = if first & 4 == 0 { [0.5, 0.3] } else { [0.3, 0.5] };
             for k in 0..2 {
                 direction[across[k]] = if first >> k & 1 == 0 { slopes[k] } else { -slopes[k] };
@@ -74,7 +74,7 @@ impl Field<'_> {
                 (position, heading)
             };
             let (mut sum, mut clear) = (0.0, 1.0);
-            // A steep function would miss what lies between fewer positions.
+            // With fewer positions a steep function would miss thin features.
             for x in (0..2 * self.size[axis] - 1).map(|i| 0.5 * i as f64) {
                 let (position, heading) = path(x);
                 let before = ((x - self.origin[axis]) / self.sheet).floor() * self.sheet + self.origin[axis];
@@ -100,7 +100,7 @@ impl Field<'_> {
             }
             sum
         };
-        // A prime: all columns and all ways.
+        // A prime step reaches all columns and all directions.
         let firsts = (0..n * m).step_by(7);
         firsts.clone().map(seen).sum::<f64>() / firsts.count() as f64
     }
@@ -134,7 +134,7 @@ fn a_level_is_as_bright_as_the_samples() {
             let coarse = coarse_values(&volume, level, 2);
             for tf in [curve(&[(10.0, 0.0), (90.0, 0.3)]), curve(&[(60.0, 0.0), (60.0, 0.9)])] {
                 for shading in [None, Some(&shading)] {
-                    // Two sheets a slice, whose values are two apart.
+                    // Two sheets per slice; slices are two values apart.
                     let mean = |tf: &TransferFunction, values: &[f64], per_slice: usize| -> f64 {
                         let origin = if per_slice == 2 { [0.0; 3] } else { grid.origin.map(|x| 2.0 * x) };
                         let field =
@@ -148,7 +148,8 @@ fn a_level_is_as_bright_as_the_samples() {
                         mean(&filtered, &coarse, 2 << level) / want
                     });
                     let case = format!("{family:?} level {level}, lit {}: {got:?}, plain {plain}", shading.is_some());
-                    // The rays are some of all, and what a slope is between samples is a matter of opinion.
+                    // The probe rays are a sample of all lines, and slopes between samples can be defined in several
+                    // ways.
                     let most = if shading.is_some() { 0.05 } else { 0.015 };
                     assert!(got.iter().all(|got| (got - 1.0).abs() < most), "{case}");
                     assert!(level == 1 || plain < 0.95, "{case}");
@@ -158,7 +159,7 @@ fn a_level_is_as_bright_as_the_samples() {
     }
 }
 
-/// Volumes thinner than a bundle of rays, and than a difference.
+/// Volumes thinner than a bundle of rays, and thinner than a gradient difference.
 #[test]
 fn thin_volumes_have_rays_too() {
     for size in [[2, 2, 2], [3, 40, 2], [2, 17, 33], [90, 3, 4]] {

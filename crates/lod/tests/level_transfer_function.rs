@@ -1,4 +1,4 @@
-//! Transfer functions of coarser levels: what they show, and what they leave out.
+//! Transfer functions of coarser levels: mean opacities, colours, and trimming of rare values.
 
 mod pyramid;
 
@@ -7,13 +7,14 @@ use wavesplat_core::{ColorNode, OpacityNode, Shading, TransferFunction};
 use wavesplat_lod::LevelHistogram;
 use wavesplat_wavelet::{CoefficientDecoder, WaveletFamily};
 
-/// Mean opacity of a length over places that have these values.
+/// Mean opacity of a length over positions with these values.
 fn mean_opacity(tf: &TransferFunction, values: &[f64], length: f64) -> f64 {
     let opacity = |value: &f64| -(length * (-tf.opacity(*value)).ln_1p()).exp_m1();
     values.iter().map(opacity).sum::<f64>() / values.len() as f64
 }
 
-/// Walls one sample thin, of 80 to 120, in a space of 0 to 8: no value is so frequent that its bin stands out.
+/// Walls one sample thin, with values of 80 to 120, in a space of 0 to 8: no value is frequent enough to dominate its
+/// bin.
 fn walls([x, y, z]: [usize; 3]) -> f32 {
     let wave = (0.31 * y as f32 + 0.23 * z as f32 + 0.05 * x as f32).sin();
     if x % 5 == 2 { 100.0 + 20.0 * wave } else { 4.0 + 4.0 * wave }
@@ -50,13 +51,13 @@ fn what_cannot_be_seen_lends_no_color() {
     let seen: Vec<f64> = coarse_values(&volume, 2, 1).into_iter().filter(|d| filtered.opacity(*d) > 0.01).collect();
     let n_low = seen.iter().filter(|d| **d < 30.0).count();
     assert!(n_low > 1000, "values that are blue themselves stand for red walls: {n_low}");
-    // Beside a bin that nothing falls into, a color is mixed with that of the value itself.
+    // Next to an empty bin, a colour is mixed with the colour of the value itself.
     let n_mixed = seen.iter().filter(|d| filtered.color(**d)[0] < 0.99).count();
     assert!(n_mixed < seen.len() / 100, "{n_mixed} of {}", seen.len());
 }
 
-/// A few samples among many, whose coarse values are those of many others, are no reason to draw all of these; unless
-/// there is nothing else.
+/// A few samples whose coarse values many others share are no reason to draw all of these, unless there is nothing
+/// else.
 #[test]
 fn what_is_rare_makes_no_haze() {
     let step = curve(&[(60.0, 0.0), (60.0, 1.0)]);
@@ -86,7 +87,7 @@ fn what_is_rare_makes_no_haze() {
     }
 }
 
-/// Bars with sharp edges, which are rounder on a level.
+/// Bars with sharp edges lose highlights on a level, where the edges are rounder.
 #[test]
 fn what_is_opaque_gets_lost_light_back_as_color() {
     let is_bar = |[x, y, z]: [usize; 3]| (x % 16 < 8) ^ (y % 16 < 8) ^ (z % 16 < 8);
@@ -120,7 +121,7 @@ fn a_linear_function_of_a_ramp_stays_as_it_is() {
     }
 }
 
-/// A peak thinner than a bin weighs as much on a level as it is wide, wherever it lies in its bin.
+/// A peak thinner than a bin has the weight of its width on a level, wherever it lies in its bin.
 #[test]
 fn peaks_thinner_than_a_bin_keep_their_weight() {
     let even = volume(WaveletFamily::Haar, [64, 40, 40], |[x, y, z]| x as f32 + y as f32 / 40.0 + z as f32 / 1600.0);
@@ -169,7 +170,7 @@ fn what_is_opaque_everywhere_stays_opaque_and_what_is_clear_stays_clear() {
         assert!(filtered.opacity(100.0) == 1.0 && filtered.opacity(0.0) == 0.0, "level {level}");
         let filtered = histogram.filter(&opaque, [0.3, 1.0, 2.0], shading, true).unwrap();
         assert!((0..=100).all(|value| filtered.opacity(f64::from(value)) == 1.0), "level {level}");
-        // Nothing to be as bright as.
+        // A clear function has no brightness to match.
         let clear = curve(&[(0.0, 0.0)]);
         assert_eq!(histogram.filter(&clear, [1.0; 3], shading, true).unwrap().opacity(50.0), 0.0);
     }

@@ -71,7 +71,7 @@ impl PyTransferFunction {
         tf.and_then(|tf| tf.with_gradient_opacity(gradient_opacity)).map(Self).map_err(to_py)
     }
 
-    /// By value and magnitude of the gradient; `rgba`: a row of values for every magnitude.
+    /// A function of value and gradient magnitude; `rgba`: one row of values per magnitude.
     #[staticmethod]
     fn two_dimensional(
         values: Vec<f64>,

@@ -1,4 +1,4 @@
-//! The one place where Rust errors become Python exceptions: by whose move is next.
+//! Conversion of Rust errors to Python exceptions, by who can mend them.
 
 use pyo3::PyErr;
 use wavesplat_core::{Error, ErrorKind};
@@ -10,7 +10,7 @@ mod exceptions {
     pyo3::import_exception!(wavesplat.errors, CancelledError);
 }
 
-/// The exception for an error.
+/// Python exception for an error.
 #[expect(clippy::needless_pass_by_value, reason = "used as map_err(to_py)")]
 pub fn to_py(error: Error) -> PyErr {
     let message = error.to_string();

@@ -1,11 +1,11 @@
-//! GPUs: which there are, whether they draw what the CPU draws, and how much memory they may take.
+//! GPUs: their list, their self-test, and their memory budget.
 
 use pyo3::prelude::*;
 use pyo3::types::{PyDict, PyList};
 use wavesplat::Device;
 use wavesplat::gpu::{Adapter, Choice, GpuReport, Gpus, adapters};
 
-/// What "cpu", "auto", "gpu" or a part of a name stands for.
+/// Device of the name "cpu", "auto" or "gpu", or of a part of a GPU's name.
 pub fn device(name: &str) -> Device {
     match name {
         "cpu" => Device::Cpu,
@@ -15,7 +15,7 @@ pub fn device(name: &str) -> Device {
     }
 }
 
-/// Fields of an adapter.
+/// Dictionary of the fields of an adapter.
 fn fields_of<'py>(py: Python<'py>, adapter: &Adapter) -> PyResult<Bound<'py, PyDict>> {
     let fields = PyDict::new(py);
     fields.set_item("name", &adapter.name)?;
@@ -27,7 +27,7 @@ fn fields_of<'py>(py: Python<'py>, adapter: &Adapter) -> PyResult<Bound<'py, PyD
     Ok(fields)
 }
 
-/// Fields of what a frame took.
+/// Dictionary of the cost of a frame.
 pub fn report_of<'py>(py: Python<'py>, adapter: &Adapter, report: &GpuReport) -> PyResult<Bound<'py, PyDict>> {
     let fields = fields_of(py, adapter)?;
     fields.set_item("dispatches", report.n_dispatches)?;
@@ -47,7 +47,7 @@ pub fn report_of<'py>(py: Python<'py>, adapter: &Adapter, report: &GpuReport) ->
 /// See `_native.pyi`.
 #[pyfunction]
 pub fn gpu_adapters(py: Python<'_>) -> PyResult<Bound<'_, PyList>> {
-    // A fork of a process that asked for GPUs has none.
+    // A fork of a process that asked for GPUs cannot use any.
     let found = if Gpus::of_process().is_forked_child() { Vec::new() } else { py.detach(adapters) };
     PyList::new(py, found.iter().map(|adapter| fields_of(py, adapter)).collect::<PyResult<Vec<_>>>()?)
 }

@@ -17,7 +17,7 @@ pub struct PyLabels(pub Arc<Labels>);
 /// Name, (red, green, blue), opacity, scan, tint.
 type LabelArguments = (String, (f64, f64, f64), f64, f64, f64);
 
-/// Memory for decoded fields.
+/// Memory budget for decoded fields, bytes.
 const BUDGET_BYTES: usize = 512 << 20;
 
 #[pymethods]

@@ -1,4 +1,4 @@
-//! Volumes whose samples Python reads while they are drawn: what one pass over them told.
+//! Volumes whose samples Python reads while they are drawn, described by a survey, one pass over all samples.
 
 use std::ops::Range;
 use std::sync::{Arc, Mutex, PoisonError};
@@ -44,7 +44,7 @@ pub struct PySurvey {
     size: [usize; 3],
 }
 
-/// Cells of a brick; bounds [z, y, x, 2]; strided samples [z, y, x].
+/// Cells along a side of a brick; bounds [z, y, x, 2]; strided samples [z, y, x].
 type Parts<'py> = (usize, Bound<'py, PyArray4<f32>>, Vec<Bound<'py, PyArray3<f32>>>);
 
 #[pymethods]
@@ -58,7 +58,7 @@ impl PySurvey {
         Ok(Self { survey: Mutex::new(Survey::new(size, kernel, bounds_bytes, &steps)), size })
     }
 
-    /// From what `parts` gave; wrong numbers are refused.
+    /// Makes a survey from the results of `parts`; numbers that do not fit are refused.
     #[staticmethod]
     #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
     fn from_parts(
@@ -97,7 +97,8 @@ impl PySurvey {
         })?
     }
 
-    /// Adds what the renderer works on in the part `inner` of a box that begins at `lo`, of a volume with these statistics.
+    /// Adds the coefficients or filled samples in the part `inner` of a box that begins at `lo`, of a volume with these
+    /// statistics.
     #[expect(clippy::too_many_arguments, reason = "a box, and what it is of")]
     #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
     fn add_prepared(
@@ -131,18 +132,18 @@ impl PySurvey {
         })?
     }
 
-    /// Lets go of the bounds.
+    /// Frees the bounds.
     fn forget_bounds(&self) {
         self.survey.lock().unwrap_or_else(PoisonError::into_inner).forget_bounds();
     }
 
-    /// Whether there are bounds.
+    /// Whether the survey has bounds.
     #[getter]
     fn has_bounds(&self) -> bool {
         !self.survey.lock().unwrap_or_else(PoisonError::into_inner).bounds().1.is_empty()
     }
 
-    /// Smallest and largest finite sample, and how many are not finite.
+    /// Smallest and largest finite sample, and number of samples that are not finite.
     #[getter]
     fn statistics(&self) -> (f64, f64, usize) {
         let Statistics { min, max, n_nonfinite } =
@@ -150,7 +151,7 @@ impl PySurvey {
         (min, max, n_nonfinite)
     }
 
-    /// Cells of a brick, the bounds of bricks, and the strided samples.
+    /// Cells along a side of a brick, the bounds of bricks, and the strided samples.
     fn parts<'py>(&self, py: Python<'py>) -> PyResult<Parts<'py>> {
         let survey = self.survey.lock().unwrap_or_else(PoisonError::into_inner);
         let (side, bounds) = survey.bounds();
@@ -160,7 +161,7 @@ impl PySurvey {
         Ok((side, bounds, strided))
     }
 
-    /// The strided samples of a number.
+    /// Strided samples at index `which`.
     fn strided<'py>(&self, py: Python<'py>, which: usize) -> PyResult<Bound<'py, PyArray3<f32>>> {
         let survey = self.survey.lock().unwrap_or_else(PoisonError::into_inner);
         array_of(py, survey.strided().get(which).ok_or_else(|| PyValueError::new_err("no such strided samples"))?)
@@ -187,7 +188,7 @@ fn checked_size(shape: Zyx) -> PyResult<[usize; 3]> {
     Ok(size)
 }
 
-/// Steps (z, y, x) between the samples that light is worked out from.
+/// Steps (z, y, x) between the samples from which occlusion and shadow are computed.
 #[pyfunction]
 #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
 pub fn light_step(shape: Zyx, world_from_index: PyReadonlyArray2<'_, f64>) -> PyResult<Zyx> {
@@ -197,7 +198,7 @@ pub fn light_step(shape: Zyx, world_from_index: PyReadonlyArray2<'_, f64>) -> Py
     Ok((z, y, x))
 }
 
-/// The box of samples that a box of coefficients, or of samples with filled holes, is made of.
+/// Box of samples from which a box of coefficients, or of samples with filled holes, is computed.
 #[pyfunction]
 #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
 pub fn samples_for(
@@ -212,13 +213,13 @@ pub fn samples_for(
     Ok(py_box(&needed_samples(&ranges(part), &grid, Kernel::from_name(kernel).map_err(to_py)?)))
 }
 
-/// A box of samples of a level, and where it begins (z, y, x).
+/// Samples of a box of a level, and the box's first sample (z, y, x).
 type LevelBox<'py> = (PyReadonlyArray3<'py, f32>, Zyx);
 
-/// Affine of a finer level, parts of it and of this one, and smallest and largest sample.
+/// Affine of a finer level, a box of it and a box of this level, and smallest and largest sample.
 type Brightness<'py> = (PyReadonlyArray2<'py, f64>, LevelBox<'py>, LevelBox<'py>, (f64, f64));
 
-/// Shape and affine of the finest level; and what brightness is learnt from.
+/// Shape and affine of the finest level; and the samples from which brightness is matched.
 type LevelArguments<'py> = (Zyx, PyReadonlyArray2<'py, f64>, Option<Brightness<'py>>);
 
 /// See `_native.pyi`.

@@ -17,7 +17,7 @@ use pyo3::exceptions::PyImportError;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 
-/// Threads of its own for a process made by forking, as `multiprocessing` does on Linux.
+/// Gives a process made by forking, as by `multiprocessing` on Linux, threads of its own.
 #[pyfunction]
 fn after_fork() {
     wavesplat::after_fork();

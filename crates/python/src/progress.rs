@@ -9,12 +9,12 @@ use std::time::{Duration, Instant};
 use pyo3::prelude::*;
 use wavesplat::ProgressCallback;
 
-/// Calls a Python function with the progress, from any thread, at most every few hundredths of a second; stops when it says
-/// so or when the caller is interrupted.
+/// Calls a Python function with the progress, from any thread, at most every few hundredths of a second; stops when it
+/// returns False or when the caller is interrupted.
 pub(crate) struct PyProgress {
     callback: Option<Py<PyAny>>,
     state: Mutex<ProgressState>,
-    /// The thread that draws for Python, and draws along: it alone is told of signals.
+    /// The Python thread that called, which takes part in drawing: only there can signals be checked.
     caller: ThreadId,
     interrupted: AtomicBool,
 }
@@ -25,11 +25,11 @@ struct ProgressState {
     error: Option<PyErr>,
 }
 
-/// Often enough for a smooth bar, seldom enough to cost nothing.
+/// Interval of callbacks: short enough for a smooth bar, long enough to cost nothing.
 const PROGRESS_EVERY: Duration = Duration::from_millis(40);
 
-/// Often enough for a prompt Ctrl-C. More seldom than the bar moves: for a look, the caller waits for the interpreter
-/// lock, five milliseconds where other threads run Python.
+/// Interval of checks for signals: short enough for a prompt Ctrl-C. Longer than [`PROGRESS_EVERY`], since for a check
+/// the caller waits for the interpreter lock, five milliseconds where other threads run Python.
 const SIGNALS_EVERY: Duration = Duration::from_millis(100);
 
 impl PyProgress {
@@ -45,7 +45,7 @@ impl PyProgress {
         error.map_or(Ok(result), Err)
     }
 
-    /// Looks out for signals, where the caller itself asks.
+    /// Checks for signals, if called on the caller's thread.
     fn look_out(&self) {
         if thread::current().id() != self.caller {
             return;
@@ -62,7 +62,7 @@ impl PyProgress {
         }
     }
 
-    /// Asks the Python function. False stops, anything else goes on; an exception stops and reaches the caller.
+    /// Calls the Python function. False stops, any other result continues; an exception stops and reaches the caller.
     fn ask(&self, callback: &Py<PyAny>, fraction: f32) -> ControlFlow<()> {
         let Ok(mut state) = self.state.try_lock() else { return ControlFlow::Continue(()) };
         if fraction < 1.0 && state.told.is_some_and(|told| told.elapsed() < PROGRESS_EVERY) {

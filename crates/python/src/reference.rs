@@ -1,4 +1,4 @@
-//! The slow renderers that the fast one is measured against.
+//! Bindings of the slow reference renderers that the fast one is compared with.
 
 use numpy::PyArray3;
 use pyo3::prelude::*;
@@ -13,7 +13,7 @@ use crate::progress::PyProgress;
 use crate::rendering::{Corners, clip_planes, crop, image};
 use crate::volume::{PyVolume, with_samples_of_all};
 
-/// A volume, its transfer function, and its light.
+/// A volume, its transfer function, and its shading.
 type PyCastLayer<'py> = (PyRef<'py, PyVolume>, PyRef<'py, PyTransferFunction>, Option<PyRef<'py, PyShading>>);
 
 /// See `_native.pyi`.

@@ -1,4 +1,4 @@
-//! The drawing functions.
+//! Bindings of the drawing functions.
 
 use std::sync::OnceLock;
 use std::time::Instant;
@@ -40,7 +40,7 @@ pub(crate) fn image(py: Python<'_>, picture: Picture) -> PyResult<Bound<'_, PyAr
     rgba.into_flattened().into_pyarray(py).reshape([height_px, width_px, 4])
 }
 
-/// What a picture told of its error, as a dictionary.
+/// Measured error of a picture, as a dictionary.
 #[derive(Clone, Copy, FromPyObject, IntoPyObject)]
 #[pyo3(from_item_all)]
 pub struct PyMeasured {
@@ -87,7 +87,7 @@ impl From<Measured> for PyMeasured {
     }
 }
 
-/// A volume, its transfer function, and its light.
+/// A volume, its transfer function, and its shading.
 pub type PyLayer<'py> = (Drawable<'py>, PyRef<'py, PyTransferFunction>, Option<PyRef<'py, PyShading>>);
 
 /// Calls `work` with the scene of layers.
@@ -107,7 +107,7 @@ fn with_scene<T>(
     })
 }
 
-/// How a frame is drawn, as a dictionary; see `_native.pyi`.
+/// Options of a frame, as a dictionary; see `_native.pyi`.
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub struct PyFrame<'py> {
@@ -136,7 +136,7 @@ pub struct PyFrame<'py> {
 }
 
 impl PyFrame<'_> {
-    /// The options that do not belong to the scene.
+    /// Options of the frame that do not belong to the scene.
     pub fn options(&self) -> PyResult<FrameOptions> {
         let none = CompositeNumbers::NONE;
         let numbers = CompositeNumbers {
@@ -164,7 +164,7 @@ impl PyFrame<'_> {
         })
     }
 
-    /// What a scene has beside its layers.
+    /// Fills in the scene's labels, crop, clip planes and background.
     pub fn fill(&self, scene: &mut Scene<'_>) {
         scene.labels = self.labels.as_ref().map(|labels| labels.0.clone());
         scene.crop = crop(self.crop_index, self.crop_world);
@@ -193,7 +193,7 @@ pub fn render<'py>(
     picture_and_report(py, result.map_err(to_py)?)
 }
 
-/// What Python gets of a frame.
+/// Dictionary of a frame: picture and report.
 pub fn picture_and_report(py: Python<'_>, frame: Frame) -> PyResult<Bound<'_, PyDict>> {
     let Frame { mut picture, report, drawn_by, sampling, estimate, times } = frame;
     let [width, height] = [picture.width_px, picture.height_px];
@@ -290,7 +290,7 @@ pub fn quality_settings(
     })
 }
 
-/// Seconds since this was first asked for.
+/// Seconds since the first call.
 fn seconds() -> f64 {
     static START: OnceLock<Instant> = OnceLock::new();
     START.get_or_init(Instant::now).elapsed().as_secs_f64()

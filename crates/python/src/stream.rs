@@ -14,14 +14,14 @@ use crate::progress::PyProgress;
 use crate::rendering::{PyFrame, picture_and_report};
 use crate::volume::NumpySamples;
 
-/// A lazy volume, its transfer function, and its light.
+/// A lazy volume, its transfer function, and its shading.
 type PyLazyLayer<'py> = (PyRef<'py, PyLazyVolume>, PyRef<'py, PyTransferFunction>, Option<PyRef<'py, PyShading>>);
 
 /// See `_native.pyi`.
 #[pyclass(name = "Stream", frozen, module = "wavesplat._native")]
 pub struct PyStream(RwLock<Stream>, PyStreamFacts);
 
-/// What is asked for often, and does not change.
+/// Constants of a stream that are read without its lock.
 struct PyStreamFacts {
     n_blocks: usize,
 }
@@ -41,7 +41,7 @@ impl PyBlockState {
         PyBytes::new(py, &self.0.to_bytes())
     }
 
-    /// What `to_bytes` wrote; wrong bytes are refused.
+    /// Reads a state that `to_bytes` wrote; other bytes are refused.
     #[staticmethod]
     fn from_bytes(bytes: &[u8]) -> PyResult<Self> {
         let state = BlockState::from_bytes(bytes, 1 << 24);
@@ -49,7 +49,7 @@ impl PyBlockState {
     }
 }
 
-/// The scene of lazy layers, how it is drawn, and its size.
+/// Scene of lazy layers, its frame options, and the size of the picture.
 fn scene_of(layers: &[PyLazyLayer<'_>], frame: &PyFrame<'_>) -> PyResult<(Scene<'static>, FrameOptions, [usize; 2])> {
     let layer = |(volume, tf, shading): &PyLazyLayer<'_>| SceneLayer {
         volume: SceneVolume::Lazy(volume.0.clone()),
@@ -114,47 +114,47 @@ impl PyStream {
         Ok(self.locked().segments(block).into_iter().map(|range| (range.start, range.end)).collect())
     }
 
-    /// Whether no ray of a block can change any more after a state.
+    /// Whether all rays of a block are done after a state.
     fn is_done(&self, block: usize, state: &PyBlockState) -> PyResult<bool> {
         self.check(block, None)?;
         Ok(self.locked().is_done(block, &state.0))
     }
 
-    /// Texels of a block, all sheets.
+    /// Texels of a block over all slabs.
     fn n_texels(&self, block: usize) -> PyResult<u64> {
         self.check(block, None)?;
         Ok(self.locked().n_texels(block))
     }
 
-    /// Bytes that each block reads, if no ray were done before its end.
+    /// Bytes that each block reads if no ray ends early.
     fn bytes_to_read(&self, py: Python<'_>) -> Vec<u64> {
         py.detach(|| self.locked().bytes_to_read())
     }
 
-    /// Boxes that all steps read, if no ray were done before its end.
+    /// Number of boxes that all steps read if no ray ends early.
     fn n_boxes(&self, py: Python<'_>) -> usize {
         py.detach(|| self.locked().n_boxes())
     }
 
-    /// Rays of a block.
+    /// Number of rays of a block.
     fn n_rays(&self, block: usize) -> PyResult<u64> {
         self.check(block, None)?;
         Ok(self.locked().n_rays(block))
     }
 
-    /// Bytes of samples that are held at most while a block is drawn.
+    /// Most bytes of samples that are held while a block is drawn.
     fn bytes_held(&self, block: usize) -> PyResult<u64> {
         self.check(block, None)?;
         Ok(self.locked().bytes_held(block))
     }
 
-    /// Of each layer, the box of samples that a step is drawn from.
+    /// Box of samples that a step is drawn from, per layer.
     fn held(&self, block: usize, step: usize) -> PyResult<Vec<PyBox>> {
         self.check(block, Some(step))?;
         Ok(self.locked().held(block, step).iter().map(py_box).collect())
     }
 
-    /// Of each layer, the boxes that a step reads.
+    /// Boxes of samples that a step reads, per layer.
     fn reads(
         &self,
         py: Python<'_>,
@@ -168,7 +168,7 @@ impl PyStream {
         Ok(reads.iter().map(|boxes| boxes.iter().map(py_box).collect()).collect())
     }
 
-    /// Draws a step from the samples of `held`, and gives the state after it.
+    /// Draws a step from the samples of `held`, and returns the state after it.
     #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands lists over by value")]
     fn draw(
         &self,
@@ -188,21 +188,21 @@ impl PyStream {
         drawn.map(PyBlockState).map_err(to_py)
     }
 
-    /// The state of a block after its segments, front to back.
+    /// State of a block after its segments, which are given front to back.
     #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands lists over by value")]
     fn fold(&self, py: Python<'_>, segments: Vec<PyRef<'_, PyBlockState>>) -> PyBlockState {
         let segments = segments.iter().map(|state| state.0.clone()).collect();
         PyBlockState(py.detach(|| self.locked().fold(segments)))
     }
 
-    /// Puts a block that is done in its place.
+    /// Puts the final state of a block into the picture.
     fn put(&self, py: Python<'_>, block: usize, state: &PyBlockState) -> PyResult<()> {
         self.check(block, None)?;
         py.detach(|| self.0.write().unwrap_or_else(PoisonError::into_inner).put(block, state.0.clone()));
         Ok(())
     }
 
-    /// The picture of all that was put.
+    /// Picture of all blocks that were put.
     fn picture<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyDict>> {
         let frame = py.detach(|| self.locked().picture());
         picture_and_report(py, frame)

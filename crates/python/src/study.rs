@@ -1,4 +1,4 @@
-//! Ways to draw that the method is judged against: standard splatting, and the method without one of its parts.
+//! Renderers for comparison with the method: standard splatting, and the method without one of its parts.
 
 use numpy::PyArray3;
 use pyo3::prelude::*;
@@ -61,7 +61,7 @@ pub fn render_standard<'py>(
         let curves = subject.look(&transfer_function.0, Composite::Over, None).map_err(to_py)?;
         let options = RenderOptions { crop: options.crop.map(|crop| subject.own_crop(crop)), ..options };
         watched.watch(py, || {
-            // Samples are splatted whatever the kernel, so what is prepared for the linear one serves.
+            // Samples themselves are splatted with any kernel, so slices prepared for the linear one serve.
             let slices = with_threads(options.n_threads, || subject.slices(Kernel::Linear));
             standard::render(&slices, &curves, &camera.0, &options, standard, &watched)
         })

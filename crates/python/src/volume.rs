@@ -1,4 +1,4 @@
-//! Samples shared with the Python side's arrays.
+//! Samples borrowed from NumPy arrays.
 
 use std::sync::Arc;
 
@@ -25,7 +25,7 @@ pub enum NumpySamples {
     F64(Py<PyArray3<f64>>),
 }
 
-/// What can be drawn.
+/// A volume that can be drawn.
 #[derive(FromPyObject)]
 pub enum Drawable<'py> {
     /// Samples.
@@ -37,7 +37,7 @@ pub enum Drawable<'py> {
 }
 
 impl Drawable<'_> {
-    /// Calls `work` with what a scene draws.
+    /// Calls `work` with the volume as a scene takes it.
     pub fn with_volume<T>(&self, py: Python<'_>, work: impl FnOnce(SceneVolume<'_>) -> PyResult<T>) -> PyResult<T> {
         match self {
             Self::Samples(volume) => {
@@ -49,7 +49,7 @@ impl Drawable<'_> {
     }
 }
 
-/// Calls `work` with what the layers of a scene draw.
+/// Calls `work` with the volumes of a scene's layers.
 pub fn with_volumes<T>(
     py: Python<'_>,
     drawables: &[&Drawable<'_>],
@@ -85,14 +85,14 @@ pub fn with_samples_of_all<T>(
     rest(py, volumes, &[], work)
 }
 
-/// Samples, affine, and what was computed from them once.
+/// Samples in memory, their affine, and their cache.
 #[pyclass(name = "Volume", frozen, module = "wavesplat._native")]
 pub struct PyVolume {
     name: String,
     array: NumpySamples,
     world_from_index: DAffine3,
     statistics: Statistics,
-    /// What is kept of them between frames.
+    /// Data that is computed from the samples and kept between frames.
     cache: Arc<VolumeCache>,
 }
 
@@ -121,7 +121,7 @@ impl PyVolume {
         (self.statistics.min, self.statistics.max)
     }
 
-    /// How many samples are NaN or infinite.
+    /// Number of samples that are NaN or infinite.
     #[getter]
     fn n_nonfinite(&self) -> usize {
         self.statistics.n_nonfinite
@@ -165,7 +165,7 @@ impl NumpySamples {
         }
     }
 
-    /// Of an array; a `TypeError` for any other.
+    /// Takes an array of a known sample type; a `TypeError` for any other.
     pub fn new(samples: &Bound<'_, PyAny>) -> PyResult<Self> {
         fn cast<T: Element>(samples: &Bound<'_, PyAny>) -> Option<Py<PyArray3<T>>> {
             samples.cast::<PyArray3<T>>().ok().filter(|a| a.is_c_contiguous()).map(|a| a.clone().unbind())

@@ -1,4 +1,4 @@
-//! Volumes of retained wavelet coefficients, and levels and bands of them that are decoded as they are drawn.
+//! Volumes of retained wavelet coefficients, and their levels and bands, which are decoded while they are drawn.
 
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ use crate::volume::{PyVolume, affine};
 #[pyclass(name = "WaveletVolume", frozen, module = "wavesplat._native")]
 pub struct PyWaveletVolume(Arc<WaveletVolume>);
 
-/// Arrays that hold the coefficients, and the range of the samples where it is known.
+/// Arrays of the coefficients (`has_block`, `masks`, `values`), and the range of the samples if known.
 type Arrays<'py> = (Bound<'py, PyArray1<u8>>, Bound<'py, PyArray1<u64>>, Bound<'py, PyArray1<f32>>, Option<(f32, f32)>);
 
 #[pymethods]
@@ -45,7 +45,7 @@ impl PyWaveletVolume {
         Ok(Self(Arc::new(volume.map_err(value_error)?)))
     }
 
-    /// From what `parts` gave; wrong numbers are refused.
+    /// Makes a volume from the results of `parts`; numbers that do not fit are refused.
     #[staticmethod]
     #[pyo3(signature = (shape, family, levels, threshold, offset, has_block, masks, values, value_range))]
     #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
@@ -98,13 +98,13 @@ impl PyWaveletVolume {
         self.0.threshold()
     }
 
-    /// Offset, added to the samples that the coefficients stand for.
+    /// Offset that is added to the synthesised samples.
     #[getter]
     fn offset(&self) -> f32 {
         self.0.offset()
     }
 
-    /// The PSNR that was asked for as it was reached, dB; None where none was.
+    /// PSNR that was reached, dB; None where no PSNR was asked for.
     #[getter]
     fn psnr(&self) -> Option<f64> {
         self.0.psnr_db()
@@ -120,21 +120,21 @@ impl PyWaveletVolume {
         self.0.n_bytes()
     }
 
-    /// Which blocks there are, the bits of their coefficients, the coefficients, and smallest and largest sample where they
-    /// were found before.
+    /// Flags of the blocks, masks of their coefficients, the coefficients, and smallest and largest sample if known.
     fn parts<'py>(&self, py: Python<'py>) -> Arrays<'py> {
         let CoefficientArrays { has_block, masks, values, range, .. } = self.0.to_arrays();
         (has_block.into_pyarray(py), masks.into_pyarray(py), values.into_pyarray(py), range.map(Into::into))
     }
 
-    /// Smallest and largest sample; at first everything is decoded for it.
+    /// Smallest and largest sample; the first call decodes the whole volume.
     #[getter]
     fn value_range(&self, py: Python<'_>) -> PyResult<(f32, f32)> {
         let range = py.detach(|| Ok(CoefficientDecoder::new(self.0.clone(), 0, &[])?.range()));
         range.map(Into::into).map_err(value_error)
     }
 
-    /// The samples [z, y, x], with a weight for each level's details, the finest first, and for the last low box.
+    /// All samples [z, y, x], with a weight for each level's details, the finest first, and for the coarsest low-pass
+    /// box.
     #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands lists over by value")]
     fn samples<'py>(&self, py: Python<'py>, weights: Vec<f32>) -> PyResult<Bound<'py, PyArray3<f32>>> {
         let samples =
@@ -143,7 +143,7 @@ impl PyWaveletVolume {
         samples.into_pyarray(py).reshape([nz, ny, nx])
     }
 
-    /// A level with weighted details, to be drawn; at its own resolution where its samples are evenly spaced.
+    /// A level with weighted details, for drawing; at its own resolution where its samples are evenly spaced.
     #[pyo3(signature = (level, weights, world_from_index, name, cache_bytes))]
     #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands lists and arrays over by value")]
     fn decoded(
@@ -165,7 +165,7 @@ impl PyWaveletVolume {
     }
 }
 
-/// A `ValueError` for what does not fit together.
+/// `ValueError` for arguments or arrays that do not fit together.
 #[expect(clippy::needless_pass_by_value, reason = "used as map_err(value_error)")]
 fn value_error(error: WaveletError) -> PyErr {
     PyValueError::new_err(error.to_string())
@@ -187,7 +187,7 @@ impl PyDecodedVolume {
         (min, max)
     }
 
-    /// Bytes of decoded samples that are kept at most.
+    /// Most bytes of decoded samples that are kept.
     #[getter]
     fn cache_bytes(&self) -> usize {
         self.0.cache_bytes()

@@ -1,18 +1,18 @@
 //! High-resolution splatting on the CPU.
 //!
-//! The volume is reconstructed one *sheet* at a time, a plane parallel to its slices at much higher resolution than
-//! the samples. Densities are splatted into the sheet first; colour and opacity are looked up after, at every texel;
-//! then the sheet is composited. The folders follow the data, each imports only from those before it:
+//! The volume is reconstructed one *sheet* at a time, a plane parallel to its slices at much higher resolution than the
+//! samples. Densities are splatted into the sheet first; colour and opacity are looked up after, at every texel; then
+//! the sheet is composited. The folders follow the data; each imports only from those before it:
 //!
-//! `view` (camera, base planes) -> `kernel` (footprints) -> `source` (slices) -> `sheet` -> `optics` (classify, shade) ->
-//! `ray` (composite) -> `picture` (warp) -> `render` (the one place that knows the order) -> `quality`.
+//! `view` (camera, base planes) -> `kernel` (footprints) -> `source` (slices) -> `sheet` -> `optics` (classify, shade)
+//! -> `ray` (composite) -> `picture` (warp) -> `render` (the one place that knows the order) -> `quality`.
 //!
 //! Beside them stand [`slice_plane`], and, each behind a feature of its name, `standard` (standard splatting) and
-//! `reference` (the literal double-precision twins, and the method without one of its parts). Source of the method: "High
+//! `reference` (the literal double-precision twins, and ablations of the method). Source of the method: "High
 //! Resolution Image Splatting", IJACEN 2(7), 2014.
 //!
-//! This crate is the engine; its folders are open for tests and for the crates that stand on it, and no stable interface.
-//! Draw with the crate `wavesplat`.
+//! This crate is the engine; its modules are public for tests and for the crates built on it, but are no stable
+//! interface. To draw, use the crate `wavesplat`.
 
 #[doc(hidden)]
 pub mod kernel;

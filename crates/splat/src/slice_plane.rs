@@ -2,8 +2,8 @@
 //!
 //! A pixel is a point: the kernel reconstructs the value there from the samples around it, as `Σ weight · sample`, and
 //! nothing is averaged over the pixel's area. A slab keeps the largest, the smallest or the mean value of its planes;
-//! the mean is the trapezoidal rule, so its outer planes count half. What is outside the volume, or missing
-//! ([`crate::source::nonfinite`]), is NaN, and a slab leaves it out.
+//! the mean is the trapezoidal rule, so its outer planes count half. Points outside the volume, or missing
+//! ([`crate::source::nonfinite`]), are NaN, and a slab leaves them out.
 
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
@@ -16,22 +16,22 @@ use crate::render::progress::ProgressCallback;
 use crate::source::point_sampling::PointTaps;
 use crate::source::slices::Slices;
 
-/// Where the pixels lie, in the world.
+/// A grid of pixels on a plane in the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Plane {
     /// The centre of the first pixel.
     pub origin: DVec3,
-    /// From a pixel to the next of its row.
+    /// Step from a pixel to the next of its row.
     pub across: DVec3,
-    /// From a pixel to the one below.
+    /// Step from a pixel to the one below.
     pub down: DVec3,
     /// Pixels per row.
     pub width_px: usize,
-    /// Rows.
+    /// Number of rows.
     pub height_px: usize,
 }
 
-/// What a slab keeps of its planes.
+/// Reduction of the planes of a slab to one value.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reduction {
     /// The largest value.
@@ -54,24 +54,24 @@ impl Reduction {
     }
 }
 
-/// Planes behind each other.
+/// A stack of equally spaced parallel planes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ThickSlab {
-    /// What is kept of them.
+    /// Reduction of the planes.
     pub reduction: Reduction,
-    /// How many, at least 1; the first is the plane itself.
+    /// Number of planes, at least 1; the first is the plane itself.
     pub n_planes: usize,
-    /// From a plane to the next, in the world.
+    /// Step from a plane to the next, in the world.
     pub step: DVec3,
 }
 
-/// A position as near as this to a sample is on it, in samples: affines in files are rounded to f32.
+/// Distance within which a position counts as on a sample, in samples: affines in files are rounded to f32.
 const ON_SAMPLE: f64 = 1e-6;
 
-/// Most pixels that are looked up together.
+/// Largest number of pixels that are looked up together.
 const CHUNK: usize = 256;
 
-/// Most samples that they may lie apart, so that what must be decoded for them stays small.
+/// Largest extent of these pixels, in samples, so that little must be decoded for them.
 const CHUNK_EXTENT: f64 = 32.0;
 
 /// The value at every pixel, in sample units, row by row.
@@ -103,7 +103,7 @@ pub fn plane_values(
 fn row_values(slices: &Slices, plane: &Plane, slab: &ThickSlab, y: usize) -> Vec<f32> {
     let index_from_world = slices.grid().index_from_world();
     let across = index_from_world.matrix3 * plane.across;
-    // A direction that is not finite makes NaN, and 0 of it.
+    // A direction that is not finite gives NaN, which the cast turns into 0.
     let chunk = ((CHUNK_EXTENT / across.abs().max_element()).clamp(1.0, CHUNK as f64) as usize).max(1);
     let mut kept = vec![Kept::default(); plane.width_px];
     let (mut points, mut places, mut values) = (Vec::new(), Vec::new(), Vec::new());
@@ -130,7 +130,7 @@ fn row_values(slices: &Slices, plane: &Plane, slab: &ThickSlab, y: usize) -> Vec
     kept.into_iter().map(|kept| kept.value(slab.reduction)).collect()
 }
 
-/// What a slab has of the planes so far.
+/// Reduction of the planes so far.
 #[derive(Clone, Copy, Default)]
 struct Kept {
     value: f64,
@@ -158,7 +158,7 @@ impl Kept {
     }
 }
 
-/// The taps at an index position, or none outside the volume.
+/// The taps at an index position; `None` outside the volume.
 fn point_taps(slices: &Slices, position: DVec3) -> Option<PointTaps> {
     let (kernel, grid) = (slices.kernel(), slices.grid());
     let [lo, hi] = grid.bounds();

@@ -1,4 +1,4 @@
-//! Pixels through which a wall of what is drawn passes, against a ray caster with sixteen rays a pixel.
+//! Pixels that a wall of the drawn region crosses, against a ray caster with sixteen rays per pixel.
 
 use glam::{DAffine3, DVec3};
 use wavesplat_core::{
@@ -14,7 +14,7 @@ use wavesplat_testkit::{Phantom, camera_towards, opacity_ramp, psnr_db};
 
 const SAMPLING: RaycastOptions = RaycastOptions { kernel: Kernel::Linear, step: 0.2, rays_per_pixel: 16 };
 
-/// Matter everywhere, also at the walls, that changes slowly.
+/// Matter that changes slowly, and is everywhere, also at the walls.
 fn waves() -> Phantom {
     Phantom::sample([30, 26, 22], DAffine3::from_scale(DVec3::new(1.0, 1.1, 1.3)), |p| {
         130.0 + 60.0 * (0.31 * p.x + 0.2 * p.z).sin() * (0.27 * p.y - 0.1 * p.z).cos() + 30.0 * (0.35 * p.z).sin()
@@ -40,7 +40,7 @@ fn errors(drawn: &Picture, converged: &Picture, has_edge: &[bool]) -> [f64; 2] {
     [of(true), of(false)]
 }
 
-/// Pixels of which some corners see what is drawn and some do not.
+/// Mask of the pixels of which some corners see the drawn region and some do not.
 fn edge_pixels(phantom: &Phantom, camera: &Camera, options: &RenderOptions) -> Vec<bool> {
     let volume = phantom.volume();
     let region = Region::new(volume.grid(), options).unwrap();
@@ -165,7 +165,7 @@ fn projections_are_covered_by_shares() {
         let alpha = picture.rgba[k][3];
         assert!((alpha - share[0] * share[1]).abs() < 1e-6, "{x} {y}: {alpha} for {share:?}");
     }
-    // Sums grow with the length of the ray, which falls to nothing at an edge that is seen aslant.
+    // Sums grow with the length of the ray, which falls to 0 at an edge that is seen obliquely.
     let options = RenderOptions { composite: Composite::Sum, oversampling: 2.0, ..plain() };
     let camera = look_from(OBLIQUE, ORTHOGRAPHIC);
     let sum = render(&slices, &gray, &camera, &options, &()).unwrap().0;
@@ -180,7 +180,7 @@ fn projections_are_covered_by_shares() {
     }
 }
 
-/// Even matter's sum is the way of the middle ray, in world lengths, also where that falls to nothing at an edge.
+/// The sum of even matter is the length of the middle ray in world units, also where that falls to 0 at an edge.
 #[test]
 fn sums_of_even_matter_are_the_lengths_of_rays() {
     let even = Phantom { samples: vec![10.0; waves().samples.len()], ..waves() };
@@ -206,7 +206,7 @@ fn sums_of_even_matter_are_the_lengths_of_rays() {
             let [lo, hi] = region.passage(origin, direction, [start, f64::INFINITY]).ends;
             if lo < hi {
                 let want = 10.0 * (hi - lo) * (volume.grid().world_from_index().matrix3 * direction).length();
-                // A texel's ray that is much shorter than the pixel's gives no length: the nearest others do.
+                // A texel's ray that is much shorter than the pixel's gives no length: the nearest other texels do.
                 let near = 1e-3 * want + 1e-2;
                 assert!((f64::from(*value) - want).abs() < near, "{name}, {x} {y}: {value} for {want}");
                 n_compared += 1;
@@ -296,7 +296,7 @@ fn boxes_that_overlap_in_less_than_a_texel_leave_no_gap() {
     }
 }
 
-/// Half as large, and beyond the first volume on two sides.
+/// Affine of a volume half as large, and beyond the first one on two sides.
 fn placed() -> DAffine3 {
     DAffine3 { translation: DVec3::new(-2.3, 7.4, 5.1), ..DAffine3::from_scale(DVec3::new(0.5, 0.55, 0.65)) }
 }

@@ -1,4 +1,4 @@
-//! Pictures of a wanted PSNR, against the same with the finest settings.
+//! Pictures of a wanted PSNR, against pictures of the finest settings.
 
 use std::ops::ControlFlow;
 use std::sync::Mutex;
@@ -40,7 +40,7 @@ fn hard() -> TransferFunction {
     opacity_ramp(&[(127.0, 0.0), (128.0, 1.0)], None)
 }
 
-/// Without a picture before.
+/// A wanted PSNR, without a picture before.
 fn wanted(psnr_db: f64) -> Wanted {
     Wanted { psnr_db, like: None }
 }
@@ -61,7 +61,8 @@ fn the_picture_has_the_error_that_is_told() {
         (soft(), Composite::Over, PERSPECTIVE, [34.0, 40.0, 48.0]),
         (hard(), Composite::Over, ORTHOGRAPHIC, [26.0, 30.0, 34.0]),
         (soft(), Composite::Maximum, ORTHOGRAPHIC, [34.0, 40.0, 48.0]),
-        // The coarsest picture has 54 dB: means change slowly, and walls cover their shares of pixels at every sampling.
+        // The coarsest picture has 54 dB: means change slowly, and walls cover their shares of pixels at every
+        // sampling.
         (soft(), Composite::Mean, ORTHOGRAPHIC, [34.0, 48.0, 58.0]),
         // The model predicts 33.5 dB for the finest sampling.
         (soft(), Composite::FirstHit { iso_value: 128.0 }, ORTHOGRAPHIC, [26.0, 30.0, 33.0]),
@@ -199,7 +200,7 @@ fn pictures_like_one_that_was_measured_are_drawn_without_pilot_tiles_and_promise
         // One view can have far smaller errors than the one that was measured (by 17 dB here), but not all of them.
         better_db.sort_by(f64::total_cmp);
         assert!(better_db[0] < 10.0, "{better_db:?}");
-        // From so near that other errors count, or with a function of another kind, it is measured.
+        // From so near that other errors count, or with a function of another kind, the error is measured.
         let near = Projection::Orthographic { parallel_scale: 9.0 };
         let near = camera_towards(phantom.centre(), DVec3::new(0.8, 0.5, 0.4), 90.0, near);
         let anew = draw(&near, all_wanted[0], first.measured).1.measured.unwrap();
@@ -266,7 +267,7 @@ fn what_a_picture_hardly_shows_is_drawn_too() {
     }
 }
 
-/// Remembers what it is told, and stops at a fraction.
+/// Records the progress reports, and stops at a fraction.
 struct Listener {
     told: Mutex<Vec<f32>>,
     until: f32,

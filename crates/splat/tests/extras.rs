@@ -1,5 +1,5 @@
-//! What few pictures have, against the ray caster, which evaluates every sample on its own: functions of two dimensions,
-//! labels; and what light that is held off must do.
+//! Features of few pictures, against the ray caster, which evaluates every sample on its own: two-dimensional transfer
+//! functions and labels; and properties of occluded light.
 
 use std::sync::Arc;
 
@@ -38,7 +38,7 @@ fn mean_error(a: &Picture, b: &Picture) -> f64 {
     pairs.map(|(a, b)| f64::from((a - b).abs())).sum::<f64>() / (4 * a.rgba.len()) as f64
 }
 
-/// Red where the gradient is small, blue where it is large, and only values around 130.
+/// A function that is red where the gradient is small, blue where it is large, and opaque around the value 130 only.
 fn two_dimensional() -> TransferFunction {
     let row = |rgb: [f64; 3], most: f64| [0.0, most, most, 0.0].map(|a| [rgb[0], rgb[1], rgb[2], a]);
     let rgba = [row([1.0, 0.2, 0.1], 0.05), row([0.9, 0.8, 0.2], 0.0), row([0.1, 0.3, 1.0], 0.5)].concat();

@@ -44,7 +44,7 @@ fn placed(spacing: DVec3, origin: DVec3) -> DAffine3 {
 const SOFT: [(f64, f64); 2] = [(60.0, 0.0), (240.0, 0.25)];
 const HARD: [(f64, f64); 2] = [(118.0, 0.0), (121.0, 0.9)];
 
-/// Two balls that reach into each other, the second on a grid of its own, beyond the first one's box on one side.
+/// Two overlapping balls, the second on a grid of its own, beyond the first one's box on one side.
 fn two(nodes: &[(f64, f64)]) -> Vec<Part> {
     let light = Shading { gradient: Gradient::Difference(1.0), ..Shading::headlight() };
     vec![
@@ -118,7 +118,7 @@ fn layers_are_those_of_the_ray_caster() {
             let db = psnr_db(&got.rgba, &want.rgba);
             println!("{name} {projection:?} {}: {db:.1} dB", crop.is_some());
             assert!(db >= least_db, "{name} {projection:?}: {db}");
-            // The second layer is not one that can be left out.
+            // The second layer contributes to the picture.
             assert!(psnr_db(&draw(&parts[..1], None, &camera, &options).0.rgba, &want.rgba) < least_db - 10.0);
         }
     }
@@ -162,7 +162,7 @@ fn four_layers_of_all_kinds() {
     }
 }
 
-/// What few layers have: gradient opacity, a function of values and gradients beside a hard one, and holes.
+/// Features of few layers: gradient opacity, a two-dimensional function beside a hard one, and holes.
 #[test]
 fn gradients_decide_and_holes_are_empty_in_layers_too() {
     let row = |rgb: [f64; 3], most: f64| [0.0, most, most, 0.0].map(|a| [rgb[0], rgb[1], rgb[2], a]);

@@ -1,4 +1,4 @@
-//! Missing samples: what they take out of a picture is known from paper, for every kernel, number of sheets and operator.
+//! Missing samples: their effect on a picture is known from paper, for every kernel, number of sheets and operator.
 
 use glam::{DAffine3, DVec3};
 use wavesplat_core::{Composite, Kernel, Picture, Projection, RenderOptions, TransferFunction};
@@ -91,8 +91,8 @@ fn holes_are_the_same_by_every_kernel_and_in_the_reference() {
     }
 }
 
-/// The integral of a projection loses the part of rays on which half or more is missing; the mean of even matter is that
-/// matter, and its largest and smallest value are.
+/// The integral of a projection loses the part of rays on which half or more is missing; the mean of even matter is
+/// that matter, and its largest and smallest value are.
 #[test]
 fn projections_leave_out_what_is_missing() {
     let tf = opacity_ramp(&[(0.0, 1.0)], None);
@@ -112,7 +112,7 @@ fn projections_leave_out_what_is_missing() {
     for (_, kernel) in Kernel::NAMES {
         for sheets in [1.0, 2.0, 4.0] {
             let value = |composite| straight(&slab, kernel, composite, sheets);
-            // Thirteen cells of way, less one.
+            // Thirteen cells along the ray, less one.
             let sum = value(Composite::Sum);
             assert!((sum - 1200.0).abs() < 0.5, "{kernel:?} {sheets}: {sum}");
             for composite in [Composite::Mean, Composite::Maximum, Composite::Minimum] {

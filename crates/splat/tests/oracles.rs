@@ -1,4 +1,4 @@
-//! Answers from paper: what must hold for any renderer of this model.
+//! Answers from paper, which hold for any renderer of this model.
 
 use std::ops::ControlFlow;
 
@@ -44,7 +44,7 @@ fn awkward_affine() -> DAffine3 {
     DAffine3 { matrix3: DMat3::from_rotation_y(0.4) * shear * scale, translation: DVec3::new(-3.0, 5.0, 11.0) }
 }
 
-/// Directions that reach all three families, both signs, and their borders.
+/// Directions that cover all three families, both signs, and their borders.
 fn directions() -> Vec<DVec3> {
     let mut all = Vec::new();
     for (x, y, z) in

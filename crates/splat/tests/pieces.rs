@@ -35,7 +35,7 @@ impl Random {
     }
 }
 
-/// Samples of the two kinds that are read in different ways.
+/// Samples of two types, which are read in different ways.
 enum Data {
     Bytes(Vec<u8>),
     Floats(Vec<f32>),
@@ -60,13 +60,13 @@ impl Data {
         }
     }
 
-    /// Of samples that are those of `whole`, those of a part of it.
+    /// Copies the samples of `part` from samples of `whole`.
     fn copied_from(&self, whole: &IndexBox, part: &IndexBox) -> Self {
         let own = [0, 1, 2].map(|a| part[a].start - whole[a].start..part[a].end - whole[a].start);
         self.copied(whole.each_ref().map(Range::len), &own)
     }
 
-    /// Puts the samples of `part` in their place among those of `whole`.
+    /// Puts the samples of `part` in their place in the samples of `whole`.
     fn put(&mut self, whole: &IndexBox, samples: &Self, part: &IndexBox) {
         fn rows<T: Copy>(all: &mut [T], whole: &IndexBox, own: &[T], part: &IndexBox) {
             let [nx, ny] = [whole[0].len(), whole[1].len()];
@@ -115,7 +115,7 @@ fn cases() -> Vec<Case> {
         let mut floats = phantom.samples.clone();
         for (i, s) in floats.iter_mut().enumerate() {
             let p = DVec3::new((i % SIZE[0]) as f64, (i / SIZE[0] % SIZE[1]) as f64, (i / (SIZE[0] * SIZE[1])) as f64);
-            // One is larger than what is filled from its neighbours.
+            // One hole is larger than the reach of filling from neighbours.
             if p.distance(DVec3::new(20.0, 18.0, 30.0)) < 3.0 || (p.z > 40.0 && p.x > 25.0) {
                 *s = f32::NAN;
             }
@@ -214,7 +214,7 @@ fn odd_chunk(random: &mut Random) -> [usize; 3] {
     [5, 4, 3].map(|least| least + random.below(17))
 }
 
-/// What boxes tell of the volume, and the slices that a frame is planned with.
+/// Slices for planning a frame, with statistics that were collected box by box.
 fn surveyed(whole: &Slices, data: &Data, random: &mut Random) -> Slices<'static> {
     let (grid, kernel) = (whole.grid(), whole.kernel());
     let (_, step) = light_steps(grid);
@@ -246,7 +246,7 @@ fn box_of<'a>(part: &IndexBox, data: &'a Data) -> VolumeBox<'a> {
     VolumeBox { lo: part.each_ref().map(|r| r.start), size: part.each_ref().map(Range::len), samples: data.samples() }
 }
 
-/// How the base planes of a plan are streamed: chunks, budget, segments.
+/// Settings of the stream of a plan's base planes: chunks, budget, segments.
 struct Streaming {
     chunk: [usize; 3],
     budget_bytes: usize,
@@ -254,14 +254,14 @@ struct Streaming {
     segment_slices: Option<usize>,
 }
 
-/// Draws the base planes of a plan step by step, of samples that hold nonsense where nothing was read; how many samples
-/// were left out, and in how many blocks.
+/// Draws the base planes of a plan step by step, from samples that hold nonsense where nothing was read; returns how
+/// many samples were left out, and in how many blocks.
 fn streamed(plan: &Plan, slices: &Slices, data: &Data, streaming: &Streaming) -> (Vec<BasePicture>, [usize; 2]) {
     let sample_bytes = if matches!(data, Data::Bytes(_)) { 1 } else { 4 };
     let Streaming { chunk, budget_bytes, n_blocks, segment_slices } = *streaming;
     let storage = [Storage { chunk, sample_bytes }];
     let cut = |budget: usize| StreamPlan::new(plan, &[slices], &storage, budget, n_blocks, segment_slices);
-    // Wide kernels and holes need more than little.
+    // Wide kernels and holes need more than a small budget.
     let steps = cut(budget_bytes).or_else(|_| cut(usize::MAX)).unwrap();
     let mut pictures: Vec<BasePicture> =
         plan.families.iter().map(|own| BasePicture::new(own.plane.clone(), plan.with_depth)).collect();
@@ -311,7 +311,7 @@ fn streamed(plan: &Plan, slices: &Slices, data: &Data, streaming: &Streaming) ->
     (pictures, [n_left, steps.blocks.len()])
 }
 
-/// Samples that none of the volume's are like.
+/// Samples unlike any of the volume's.
 fn nonsense(data: &Data, n: usize) -> Data {
     match data {
         Data::Bytes(_) => Data::Bytes((0..n).map(|i| if i % 2 == 0 { 255 } else { 0 }).collect()),
@@ -403,7 +403,7 @@ fn any_cut_gives_the_same_bytes() {
     assert!(cases.len() * n_cuts >= 200 && n_seen > 200_000, "{} {n_seen}", cases.len());
 }
 
-/// Whatever the chunks, the budget and the blocks; and chunks of which nothing is seen are not read.
+/// The bytes do not depend on chunks, budget and blocks; and chunks of which nothing is seen are not read.
 #[test]
 fn a_stream_of_boxes_gives_the_same_bytes() {
     let mut random = Random(11);
@@ -442,8 +442,8 @@ fn a_stream_of_boxes_gives_the_same_bytes() {
     assert!(n_blocks_seen > 200 && n_hidden > 0, "{n_blocks_seen} {n_hidden}");
 }
 
-/// Segments begin at fixed slices, so that chunks, budget and blocks change nothing; beside the picture in one go they differ
-/// by where rays stop.
+/// Segments begin at fixed slices, so that chunks, budget and blocks change nothing; from the picture in one go they
+/// differ by where rays stop.
 #[test]
 fn folded_segments_do_not_depend_on_how_they_were_read() {
     let mut random = Random(13);

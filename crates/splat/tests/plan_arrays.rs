@@ -1,4 +1,4 @@
-//! The plain arrays of a plan say what the CPU draws by.
+//! The plain arrays of a plan agree with what the CPU draws.
 
 use glam::{DAffine3, DVec3};
 use wavesplat_compute::simd::Level;

@@ -109,8 +109,8 @@ fn camera(phantom: &Phantom, (towards, view_angle): (DVec3, Option<f64>)) -> Cam
     camera_towards(phantom.centre(), towards, distance, projection)
 }
 
-/// Draws every so many of all scenes with a wanted PSNR; `of_picture` is told what is drawn, what is wanted, what is
-/// reached, and what was told.
+/// Draws every `every`th scene with a wanted PSNR; calls `of_picture` with a description of the scene, the wanted PSNR,
+/// the PSNR that was reached, and the estimate.
 fn each(every: usize, mut of_picture: impl FnMut(&str, f64, f64, &Estimate)) {
     let mut n = 0;
     for (name, phantom) in phantoms() {
@@ -134,10 +134,10 @@ fn each(every: usize, mut of_picture: impl FnMut(&str, f64, f64, &Estimate)) {
     }
 }
 
-/// What a picture may be short of the decibels that were wanted, or of what was told less its spread.
+/// Largest shortfall of a picture, in decibels, from the wanted PSNR, or from the estimate less its spread.
 const SHORT_DB: f64 = 1.0;
 
-/// The least that a picture promises: what was wanted, or less where it tells so.
+/// The PSNR that a picture promises: the wanted one, or less where the estimate says so.
 fn promised_db(wanted_db: f64, told: &Estimate) -> f64 {
     wanted_db.min(told.psnr_db - told.spread_db)
 }
@@ -151,12 +151,12 @@ fn what_is_promised_is_reached_to_a_decibel() {
         n_wanted += usize::from(reached_db > wanted_db - SHORT_DB);
         n += 1;
     });
-    // Noise with a hard step has an edge in every pixel, and faces seen along an axis lie along the texels: at 50 dB the
-    // finest sampling does not do there, and that is told.
+    // Noise with a hard step has an edge in every pixel, and faces seen along an axis lie along the texels: at 50 dB
+    // the finest sampling does not do there, and the estimate says so.
     assert!(10 * n_wanted >= 9 * n, "{n_wanted} of {n} reach what was wanted");
 }
 
-/// `cargo test -p wavesplat-splat --test promise -- --ignored --nocapture`
+/// Prints the table: `cargo test -p wavesplat-splat --test promise -- --ignored --nocapture`.
 #[test]
 #[ignore = "prints a table of all scenes"]
 fn table() {

@@ -32,7 +32,7 @@ fn all_standards(kernel: Kernel) -> impl Iterator<Item = StandardOptions> {
     [Buffer::Axis, Buffer::View].into_iter().flat_map(both)
 }
 
-/// Sheared, anisotropic, mirrored, off the origin.
+/// A sheared, anisotropic, mirrored grid, off the origin.
 fn scene() -> Phantom {
     let shear = DMat3::from_cols(DVec3::new(1.1, 0.0, 0.1), DVec3::new(0.0, -0.9, 0.0), DVec3::new(0.1, 0.2, 1.4));
     let affine = DAffine3 { matrix3: shear, translation: DVec3::new(3.0, -2.0, 7.0) };
@@ -52,7 +52,7 @@ fn draw(
     render(&Slices::new(&volume, Kernel::Linear), tf, camera, options, standard, &()).unwrap().0
 }
 
-/// With the light that standard splatting can have.
+/// Options with the light that standard splatting can have.
 fn plain() -> RenderOptions {
     RenderOptions { shading: Some(Shading::headlight()), ..RenderOptions::default() }
 }
@@ -61,7 +61,7 @@ fn small() -> RenderOptions {
     RenderOptions { width_px: 40, height_px: 32, ..plain() }
 }
 
-/// One colour; opacity per unit by the sample's value.
+/// A function of one colour; `nodes`: opacity per unit by the sample's value.
 fn white(nodes: &[(f64, f64)], opacity_unit: Option<f64>) -> TransferFunction {
     let opacity = nodes.iter().map(|&(value, opacity)| OpacityNode { value, opacity }).collect();
     TransferFunction::new(opacity, vec![ColorNode { value: 0.0, rgb: [1.0; 3] }], opacity_unit).unwrap()
@@ -448,7 +448,7 @@ fn texels_wider_than_samples_lose_nothing() {
     }
 }
 
-/// Gives boxes of a phantom.
+/// Decoder of boxes of a phantom.
 struct Boxes(Phantom);
 
 impl Decoder for Boxes {
@@ -490,8 +490,8 @@ fn a_decoded_volume_gives_the_picture_of_its_samples() {
     }
 }
 
-/// What the technique is judged by: it comes closer to the converged picture than noise, and less close than splatting
-/// densities with as many sheets.
+/// Standard splatting comes closer to the converged picture than noise, and less close than splatting densities with as
+/// many sheets.
 #[test]
 fn standard_splatting_blurs() {
     let phantom = Phantom::ripples(32);

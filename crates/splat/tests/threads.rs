@@ -57,7 +57,7 @@ fn many_threads_draw_what_one_draws() {
     }
 }
 
-/// Where so many have to come before any goes on. A barrier that gives up, so that a test fails and does not hang.
+/// A barrier of `n` threads that gives up after a while, so that a test fails and does not hang.
 struct MeetingPoint {
     n: usize,
     n_there: Mutex<usize>,

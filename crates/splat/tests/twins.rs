@@ -59,7 +59,7 @@ fn the_fast_path_equals_the_literal_splatter() {
     assert!(n_compared > 5000, "{n_compared} texels show something");
 }
 
-/// Base planes from three sides against the literal splatter; how many texels show something.
+/// Checks base planes from three sides against the literal splatter; returns how many texels show something.
 fn check_twin(
     phantom: &Phantom,
     tf: &TransferFunction,
@@ -115,8 +115,8 @@ fn sparse_texels_equal_their_literal_twin() {
     let phantom = Phantom::sample([60, 57, 55], DAffine3::from_scale(DVec3::splat(0.2)), |p| {
         120.0 + 60.0 * (p.x * 0.8).sin() * (p.y * 0.6).cos() + 50.0 * (p.z * 0.5 + p.x * 0.3).sin()
     });
-    // No node at 120, which is the density all along one edge of the box and beyond it: the table rounds the corner that a
-    // curve has at a node, which changes what is seen there by 1.1e-4.
+    // No node at 120, which is the density all along one edge of the box and beyond it: the table rounds the corner
+    // that a curve has at a node, which changes what is seen there by 1.1e-4.
     let tf = opacity_ramp(&[(40.0, 0.0), (117.0, 0.2), (200.0, 0.6), (255.0, 1.0)], None);
     for oversampling in [2.0, 0.5] {
         let differences = [(Kernel::Linear, 1.0), (Kernel::Linear, 0.7), (Kernel::Bspline3, 1.0)];
@@ -140,7 +140,8 @@ fn the_original_form_draws_the_same_scene() {
         // The cut faces of this small volume are edges a pixel or two wide, which the textures blur.
         (DVec3::new(0.1, 0.2, 1.0), ORTHOGRAPHIC, None, 30.0),
         (DVec3::new(0.6, -1.0, -0.5), PERSPECTIVE, None, 29.0),
-        // Its gradient is a difference over one texel and one sheet, ours over a voxel either way: less smooth.
+        // The original's gradient is a difference over one texel and one sheet, ours over a voxel either way: less
+        // smooth.
         (DVec3::new(0.1, 0.2, 1.0), ORTHOGRAPHIC, Some(Shading::headlight()), 28.0),
     ] {
         let camera = camera_towards(phantom.centre(), from, 30.0, projection);
@@ -161,7 +162,7 @@ fn the_original_form_draws_the_same_scene() {
     }
 }
 
-/// `settings`: sheets per slice, oversampling.
+/// Checks a picture against the ray caster. `settings`: sheets per slice, oversampling.
 fn check_against_raycast(
     kernel: Kernel,
     nodes: &[(f64, f64)],
@@ -244,9 +245,9 @@ fn every_simd_level_gives_the_same_bits() {
 
 /// The same bits on every processor: the stored hashes are of pictures drawn on x86-64, and 64-bit ARM draws them too.
 ///
-/// Samples are made without sines. What the renderer takes from the system's mathematical library (`tan`, `ln_1p`,
-/// `exp_m1`, in double precision, while it sets up) may differ by its last bit between libraries, which rounding to f32
-/// nearly always hides. A change that is meant to change pictures changes the hashes: the test says the new ones.
+/// Samples are made without sines. The system's mathematical library (`tan`, `ln_1p`, `exp_m1`, in double precision,
+/// while the renderer sets up) may differ by its last bit between libraries, which rounding to f32 nearly always hides.
+/// A change that is meant to change pictures changes the hashes: the test prints the new ones.
 #[test]
 fn every_processor_gives_the_same_bits() {
     let phantom = Phantom::sample([21, 20, 19], DAffine3::from_scale(DVec3::new(0.5, 0.4, 0.6)), |p| {
@@ -285,7 +286,7 @@ fn hash(numbers: &[f32]) -> u64 {
     bytes.fold(0xcbf2_9ce4_8422_2325, |hash, byte| (hash ^ u64::from(byte)).wrapping_mul(0x0000_0100_0000_01b3))
 }
 
-/// Early ray termination.
+/// Early ray termination changes no channel by a grey level of 1024.
 #[test]
 fn stopping_changes_no_channel_by_a_grey_level_of_1024() {
     let phantom = scene();
@@ -335,7 +336,7 @@ fn pre_integrated_slabs_converge_to_plain_sheets() {
     assert!(two > plain + 4.0 && eight > two + 3.0 && eight > 40.0, "{two} {eight} dB, plain {plain} dB");
 }
 
-/// Gives boxes of a phantom.
+/// Decoder of boxes of a phantom.
 struct Boxes(Phantom);
 
 impl Decoder for Boxes {

@@ -1,4 +1,4 @@
-//! Volumes whose pictures are known, or can be computed.
+//! Phantoms: volumes whose pictures are known, or can be computed.
 
 use glam::{DAffine3, DVec3};
 use wavesplat_core::{Camera, ColorNode, OpacityNode, Projection, Samples, TransferFunction, Volume};
@@ -10,7 +10,7 @@ pub struct Phantom {
     pub samples: Vec<f32>,
     /// `[nx, ny, nz]`.
     pub size: [usize; 3],
-    /// Index to world.
+    /// World position of an index position.
     pub world_from_index: DAffine3,
 }
 
@@ -30,7 +30,7 @@ impl Phantom {
         Self { samples, size, world_from_index }
     }
 
-    /// The same value everywhere.
+    /// A volume with the same value everywhere.
     pub fn fog(size: [usize; 3], world_from_index: DAffine3, value: f64) -> Self {
         Self::sample(size, world_from_index, |_| value)
     }
@@ -48,7 +48,7 @@ impl Phantom {
         Self::sample([n; 3], DAffine3::IDENTITY, |p| 255.0 * ripples_signal(p * scale - 1.0))
     }
 
-    /// As a volume.
+    /// The phantom as a volume.
     pub fn volume(&self) -> Volume<'_> {
         let volume = Volume::new("phantom", Samples::F32(&self.samples), self.size, self.world_from_index);
         volume.expect("phantoms are valid volumes")
@@ -75,7 +75,7 @@ pub fn camera_towards(focal: DVec3, from: DVec3, distance: f64, projection: Proj
     Camera::new(focal + distance * from, focal, up, projection).expect("test cameras are valid")
 }
 
-/// Opacity through the nodes; colour from blue to white.
+/// Transfer function with opacity through the nodes and colour from blue to white.
 pub fn opacity_ramp(nodes: &[(f64, f64)], opacity_unit: Option<f64>) -> TransferFunction {
     let opacity = nodes.iter().map(|&(value, opacity)| OpacityNode { value, opacity }).collect();
     let color = [(0.0, [0.2, 0.3, 0.8]), (100.0, [0.9, 0.6, 0.4]), (255.0, [1.0, 1.0, 1.0])];

@@ -1,5 +1,5 @@
-//! Time of analysis, synthesis and decoding of a cube in f32, and the error of the round trip. Decoding is of the
-//! samples from 3 % of the coefficients, in boxes.
+//! Time of analysis, synthesis and decoding of a cube in f32, and the error of the round trip. Samples are decoded in
+//! boxes, from 3 % of the coefficients.
 //!
 //! `cargo run --release -p wavesplat-wavelet --example timing -- [size] [family ...]`
 

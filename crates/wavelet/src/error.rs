@@ -2,7 +2,7 @@
 
 use crate::family::WaveletFamily;
 
-/// Every message says what happened, where, and how to mend it. All of them are about what the caller passed.
+/// Error of this crate: its message says what happened, where, and how to mend it. All of them are about arguments.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[non_exhaustive]
 #[allow(missing_docs, reason = "the message of each variant is its documentation")]

@@ -1,6 +1,7 @@
 //! Wavelet families by name.
 
-/// A scaling function φ and a wavelet ψ, the same along all three axes. The crate's documentation compares them.
+/// Family of a scaling function φ and a wavelet ψ, the same along all three axes. The crate's documentation compares
+/// them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum WaveletFamily {
     /// Piecewise constant, orthogonal; a last sample without a partner is kept as it is. By lifting.
@@ -31,12 +32,12 @@ impl WaveletFamily {
         ("bspline4", Self::Bspline4),
     ];
 
-    /// The family with a public name.
+    /// Family of a public name.
     pub fn from_name(name: &str) -> Option<Self> {
         Self::NAMES.iter().find(|(n, _)| *n == name).map(|&(_, family)| family)
     }
 
-    /// The public name.
+    /// Public name of the family.
     pub fn name(self) -> &'static str {
         Self::NAMES.iter().find(|(_, family)| *family == self).map_or("", |&(name, _)| name)
     }
@@ -51,15 +52,15 @@ impl WaveletFamily {
         }
     }
 
-    /// Low-pass coefficients that one level leaves of `n`; `n` itself where there is nothing left to split.
+    /// Number of low-pass coefficients after one level on `n`; `n` itself where there is nothing left to split.
     ///
-    /// By lifting ⌈n/2⌉. Splines of order m have n − m + 1 intervals between knots, of which ⌈(n − m + 1)/2⌉ stay.
+    /// ⌈n/2⌉ by lifting. Splines of order m have n − m + 1 intervals between knots, of which ⌈(n − m + 1)/2⌉ stay.
     pub fn n_low(self, n: usize) -> usize {
         let beyond_intervals = self.semi_orthogonal_order().map_or(0, |order| order - 1);
         if n > beyond_intervals { (n - beyond_intervals).div_ceil(2) + beyond_intervals } else { n }
     }
 
-    /// Levels after which `n` cannot be split any more.
+    /// Number of levels after which `n` cannot be split any more.
     pub fn max_levels(self, n: usize) -> usize {
         let sizes = std::iter::successors(Some(n), |&n| Some(self.n_low(n)).filter(|&low| low < n));
         sizes.count() - 1

@@ -1,11 +1,12 @@
-//! Wavelet transforms of volumes, and volumes kept as few wavelet coefficients: arrays in, arrays out.
+//! Wavelet transforms of volumes, and volumes kept as a few wavelet coefficients: arrays in, arrays out.
 //!
 //! A [`TransformPlan`] is made once for a [`WaveletFamily`], a size and a number of levels; [`analyse`] turns samples
-//! into as many coefficients, [`synthesise`] turns them back, in place, exact to rounding at any size from 1 up. Level
-//! 0 is the finest grid and counts up. [`to_amplitudes`] makes coefficients comparable, for thresholds.
+//! into the same number of coefficients, [`synthesise`] turns them back, in place, exact to rounding at any size from 1
+//! up. Level 0 is the finest grid, and higher levels are coarser. [`to_amplitudes`] makes coefficients comparable, for
+//! thresholds.
 //!
-//! A [`WaveletVolume`] keeps the coefficients above a threshold. A [`CoefficientDecoder`] makes samples of any box of
-//! it, at any level, and [`CoarseLevel`] one level as a volume of its own; both are a [`wavesplat_core::Decoder`].
+//! A [`WaveletVolume`] keeps the coefficients above a threshold. A [`CoefficientDecoder`] decodes the samples of any
+//! box at any level, and a [`CoarseLevel`] is one level as a volume of its own; both are a [`wavesplat_core::Decoder`].
 //!
 //! ```
 //! use std::sync::Arc;
@@ -40,7 +41,7 @@
 //! | bspline3 | quadratic B-spline | 4, 8 | C¹ | 3 | interval | 6, 6 |
 //! | bspline4 | cubic B-spline | 5, 11 | C² | 4 | interval | 9, 8 |
 //!
-//! ¹ Polynomials of lower degree leave no details; mirrored families leave some at the ends, unless it is a constant.
+//! ¹ Polynomials of lower degree have no details; in mirrored families they have some at the ends, unless constant.
 //! ² Multiplications per sample and axis in analysis (semi-orthogonal: a banded solve) and in synthesis.
 //!
 //! Normalisation: low-pass coefficients of a constant are that constant, at every level, so the low-pass box of a level
@@ -49,11 +50,12 @@
 //! the interval.
 //!
 //! Semi-orthogonal wavelets are orthogonal to all coarser functions, so levels can be dropped with the least loss of
-//! energy; within a level they overlap, and per coefficient kept the families by lifting give the smaller error.
+//! energy; within a level they overlap, and at the same number of kept coefficients the families by lifting give the
+//! smaller error.
 //!
 //! # Features
 //!
-//! `threads` (on by default): slices and blocks in parallel. Results are the same to the bit without.
+//! `threads` (on by default): slices and blocks in parallel. Results are the same to the bit without it.
 
 mod error;
 mod family;

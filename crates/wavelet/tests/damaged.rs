@@ -1,4 +1,4 @@
-//! Whatever is read of a volume that is damaged: an error, or a volume that decodes. Never a panic.
+//! A damaged volume gives an error, or a volume that decodes; never a panic.
 
 mod damage;
 
@@ -21,6 +21,6 @@ fn damaged_arrays_are_refused_or_decode() {
         let checked = std::panic::catch_unwind(move || check(&arrays, &mut bytes));
         n_accepted += usize::from(checked.unwrap_or_else(|_| panic!("round {round}: {random:?}")));
     }
-    // Both happen often.
+    // Acceptance and refusal are both frequent.
     assert!(n_accepted > N / 10 && n_accepted < N - N / 10, "{n_accepted} of {N} were accepted");
 }

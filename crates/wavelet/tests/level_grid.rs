@@ -1,4 +1,4 @@
-//! Levels as volumes of their own: where their samples lie, and what they are.
+//! Levels as volumes of their own: positions and values of their samples.
 
 use std::sync::Arc;
 
@@ -28,7 +28,7 @@ fn all(decoder: &CoarseLevel) -> Vec<f32> {
     all
 }
 
-/// Origin, spacing and size along an axis.
+/// Checks origin, spacing and size along an axis.
 fn check_axis(family: WaveletFamily, n: usize, level: usize, want: (f64, f64, usize)) {
     let grid = TransformPlan::new(family, [n, 64, 64], None).unwrap().level_grid(level).unwrap();
     assert_eq!((grid.origin[0], grid.spacing[0], grid.size[0]), want, "{family:?} of {n} at level {level}");
@@ -38,18 +38,18 @@ fn check_axis(family: WaveletFamily, n: usize, level: usize, want: (f64, f64, us
 fn low_samples_lie_on_every_second_one_or_between_two() {
     for family in [WaveletFamily::Cdf53, WaveletFamily::Cdf97] {
         check_axis(family, 17, 0, (0.0, 1.0, 17));
-        // Nine of 17 reach the end; eight of 16 end at 14, and one more does.
+        // Nine coefficients of 17 samples reach the end; eight of 16 end at 14, and one more sample reaches it.
         check_axis(family, 17, 1, (0.0, 2.0, 9));
         check_axis(family, 16, 1, (0.0, 2.0, 9));
         check_axis(family, 16, 3, (0.0, 8.0, 3));
-        // Split up before the others.
+        // An axis that is split up before the others.
         check_axis(family, 2, 5, (0.0, 2.0, 2));
     }
     check_axis(WaveletFamily::Haar, 16, 0, (0.0, 1.0, 16));
-    // Eight from 0.5 to 14.5, and one before and after.
+    // Eight coefficients from 0.5 to 14.5, and one sample before and one after.
     check_axis(WaveletFamily::Haar, 16, 1, (-1.5, 2.0, 10));
     check_axis(WaveletFamily::Haar, 17, 1, (-1.5, 2.0, 10));
-    // Four from 1.5 to 13.5.
+    // Four coefficients from 1.5 to 13.5.
     check_axis(WaveletFamily::Haar, 16, 2, (-2.5, 4.0, 6));
     check_axis(WaveletFamily::Haar, 2, 5, (-1.5, 2.0, 3));
 }

@@ -1,4 +1,4 @@
-//! Answers from paper: what the families promise, at any size.
+//! Properties of the families, at any size, and answers computed by hand or taken from papers.
 
 use proptest::prelude::*;
 use wavesplat_wavelet::{
@@ -33,7 +33,7 @@ fn round_trip<T: Real + Into<f64>>(plan: &TransformPlan, samples: &[T]) -> f64 {
     largest_difference(&data, samples)
 }
 
-/// The coefficients of a line.
+/// Plan and coefficients of a line.
 fn line(family: WaveletFamily, samples: &[f64], n_levels: Option<usize>) -> (TransformPlan, Vec<f64>) {
     let plan = TransformPlan::line(family, samples.len(), n_levels).unwrap();
     let mut data = samples.to_vec();
@@ -173,7 +173,7 @@ fn haar_by_hand() {
 
 #[test]
 fn nine_seven_has_the_filters_of_the_standard() {
-    // ISO/IEC 15444-1, table F.3 (analysis): half filters from the centre; the same for all places inside.
+    // ISO/IEC 15444-1, table F.3 (analysis): half filters from the centre; the same at all positions inside.
     let low = [
         0.602_949_018_236_36,
         0.266_864_118_442_87,
@@ -353,8 +353,8 @@ fn kept(family: WaveletFamily) -> f64 {
 
 #[test]
 fn a_threshold_keeps_the_share_that_was_measured() {
-    // Printed for the method: 19.95 %. All but Haar and spline4 are those of an independent prototype, with the ripples
-    // rounded to 8 bits there: 20.12, 18.69, 11.90, 5.57, 5.13.
+    // Printed for the method: 19.95 %. An independent prototype, with the ripples rounded to 8 bits, has for all but
+    // Haar and spline4: 20.12, 18.69, 11.90, 5.57, 5.13.
     let want = [26.91, 20.01, 18.62, 22.78, 11.95, 5.54, 5.12];
     for ((name, family), want) in WaveletFamily::NAMES.into_iter().zip(want) {
         let share = kept(family);

@@ -1,4 +1,4 @@
-//! Many threads make what one makes.
+//! Transforms by many threads have the same bits as by one.
 
 use wavesplat_compute::parallel::with_threads;
 use wavesplat_wavelet::{TransformPlan, WaveletFamily, analyse, analyse_integers, synthesise, synthesise_integers};

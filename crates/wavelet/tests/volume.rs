@@ -1,4 +1,4 @@
-//! What a volume of retained coefficients promises: it keeps what is asked for, and little else.
+//! Volumes of retained coefficients: they keep the wanted coefficients, and take little more memory.
 
 use std::sync::Arc;
 
@@ -121,7 +121,7 @@ fn a_share_and_a_psnr_are_kept() {
     assert!(nothing.to_samples(&[]).iter().all(|s| *s == 0.0));
 }
 
-/// Kept coefficients cluster; where they do not, a block of one costs its bits.
+/// Kept coefficients cluster; where they do not, a block of a single one still costs its bits.
 #[test]
 fn memory_is_proportional_to_what_is_kept() {
     let n = 96;
@@ -135,7 +135,7 @@ fn memory_is_proportional_to_what_is_kept() {
     }
 }
 
-/// A volume and what is stored of it.
+/// A volume and its arrays.
 fn arrays_of(family: WaveletFamily, size: [usize; 3]) -> (WaveletVolume, CoefficientArrays) {
     let samples: Vec<f32> = (0..size.iter().product()).map(|i: usize| ((i * 7919) % 251) as f32).collect();
     let volume = WaveletVolume::new(family, size, samples.clone(), None, Norm::L2, Keep::Fraction(0.2)).unwrap();
@@ -154,7 +154,7 @@ fn arrays_make_the_same_volume() {
             assert_eq!(again.to_arrays(), arrays, "{name} {size:?}");
             assert_eq!(again.coefficients(&[]), volume.coefficients(&[]), "{name} {size:?}");
             assert_eq!(again.n_kept_by_level(), volume.n_kept_by_level(), "{name} {size:?}");
-            // The range, once it is known.
+            // A known range is taken from the arrays, not computed.
             let found = CoefficientDecoder::new(Arc::new(again.clone()), 0, &[]).unwrap().range();
             let known = WaveletVolume::from_arrays(CoefficientArrays { range: Some([-1.0, 7.5]), ..arrays }).unwrap();
             assert_eq!(known.to_arrays().range, Some([-1.0, 7.5]));
@@ -175,7 +175,7 @@ fn arrays_that_do_not_fit_together_are_refused() {
     };
     check(|a| a.size = [23, 0, 11], "size [23, 0, 11] (x, y, z) is not that of a volume");
     check(|a| a.size = [1 << 22; 3], "is not that of a volume");
-    // Sizes that fit into a number, but into no memory.
+    // Sizes that fit into a usize, but into no memory.
     check(
         |a| a.size = [1 << 62, 1, 1],
         "has_block has 33 entries, size [4611686018427387904, 1, 1] (x, y, z) needs at least",
@@ -232,7 +232,7 @@ fn psnr_of_f64(got: &[f32], want: &[f64]) -> f64 {
     10.0 * ((hi - lo).powi(2) * want.len() as f64 / square).log10()
 }
 
-/// Samples far from 0 reach a PSNR as near to what f32 can hold as others; beyond that it is refused.
+/// Samples far from 0 reach a PSNR near the limit of f32, like others; a PSNR beyond it is refused.
 #[test]
 fn an_offset_costs_no_psnr() {
     let size = [23, 18, 15];

@@ -1,4 +1,4 @@
-//! Levels of detail: the head as wavelet coefficients, whole, and with the details of one and two levels left out.
+//! Levels of detail: the head as wavelet coefficients, complete, and without the details of one and of two levels.
 
 mod common;
 

@@ -1,4 +1,4 @@
-//! A head: the skull translucent, what is inside it shaded.
+//! A head with a translucent skull and shaded structures inside.
 
 mod common;
 

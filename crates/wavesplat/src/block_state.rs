@@ -1,22 +1,23 @@
-//! The rays of a block of tiles between two steps of a stream, as bytes too: they may be kept, or sent to another process.
+//! State of the rays of a block of tiles between two steps of a stream, with bytes to keep or to send to another
+//! process.
 
 use wavesplat_splat::ray::state::TileState;
 use wavesplat_splat::render::tile::Work;
 
-/// What is known of the rays of a block.
+/// State of the rays of a block.
 #[derive(Clone, Debug, Default)]
 pub struct BlockState {
-    /// Of each of its tiles, row by row; `None` where nothing was seen yet. Empty before the first step.
+    /// State of each tile, row by row; `None` where nothing was seen yet. Empty before the first step.
     pub tiles: Vec<Option<TileState>>,
-    /// What it took.
+    /// Work done so far.
     pub work: Work,
 }
 
-/// Tells the bytes from others.
+/// First bytes of a state, which identify the format.
 const MAGIC: &[u8; 8] = b"wsblock1";
 
 impl BlockState {
-    /// As bytes, little-endian; tiles of which nothing was seen take none but for their place.
+    /// The state as bytes, little-endian; tiles without a state take no bytes.
     pub fn to_bytes(&self) -> Vec<u8> {
         let mut bytes = MAGIC.to_vec();
         for n in [self.work.n_texels, self.work.n_skipped, self.tiles.len() as u64] {
@@ -34,7 +35,7 @@ impl BlockState {
         bytes
     }
 
-    /// What [`BlockState::to_bytes`] wrote; `None` where the bytes are not those of a state of at most `most_tiles` tiles.
+    /// Reads a state that [`BlockState::to_bytes`] wrote; `None` for other bytes, or for more than `most_tiles` tiles.
     pub fn from_bytes(bytes: &[u8], most_tiles: usize) -> Option<Self> {
         let mut rest = bytes.strip_prefix(MAGIC)?;
         let number = |rest: &mut &[u8]| {
@@ -71,7 +72,7 @@ mod tests {
         assert_eq!(read.to_bytes(), bytes);
         assert!(BlockState::from_bytes(&bytes, 2).is_none(), "more tiles than there are");
         for n in 0..bytes.len() {
-            // Without its last tile it is a state all the same.
+            // Cut before its only tile, the bytes are still a valid state.
             assert!(n == 32 || BlockState::from_bytes(&bytes[..n], 3).is_none(), "{n}");
         }
     }

@@ -1,15 +1,16 @@
 //! Pictures of floats as bytes, for files and screens.
 
-/// A number 0..1 as one of 256 levels; halves go up.
+/// Number 0..1 as one of 256 levels; halves are rounded up.
 #[inline(always)]
 fn level(share: f32) -> u8 {
     let scaled = share * 255.0;
-    // Half more and cut off would round up what is a little less than a half; the difference from a whole number is exact.
+    // Adding a half and truncating would round up numbers a little below a half; the difference from an integer is
+    // exact.
     let whole = scaled as u8;
     whole + u8::from(scaled - f32::from(whole) >= 0.5)
 }
 
-/// Premultiplied RGBA as straight bytes: of colours, not multiplied by opacity, and of opacity. Colours are used as given.
+/// Premultiplied RGBA as straight bytes: colours not multiplied by opacity, and opacity. Colours are used as given.
 pub fn straight_bytes(rgba: &[f32]) -> Vec<u8> {
     let mut bytes = vec![0; rgba.len()];
     for (pixel, out) in rgba.chunks_exact(4).zip(bytes.chunks_exact_mut(4)) {

@@ -1,4 +1,4 @@
-//! What draws the base planes of a frame: the processor, or a GPU where there is one that draws the same.
+//! Device that draws the base planes of a frame: the CPU, or a GPU where there is one that draws the same.
 
 use wavesplat_core::Result;
 use wavesplat_splat::picture::base_picture::BasePicture;
@@ -7,34 +7,35 @@ use wavesplat_splat::render::plan::Plan;
 use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::{ProgressCallback, Report};
 
-/// What should draw. What a GPU cannot do the processor does, and [`DrawnBy::reason`] says why.
+/// Device that should draw. Where a GPU cannot, the CPU draws, and [`DrawnBy::reason`] says why.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub enum Device {
-    /// The processor.
+    /// The CPU.
     #[default]
     Cpu,
     /// The best GPU where there is one, from the second frame of a process on, as soon as it is open.
     Auto,
-    /// The best GPU. A program on the processor that calls itself one is none.
+    /// The best GPU. Software renderers on the CPU do not count.
     Gpu,
-    /// The first GPU whose name has this in it, upper and lower case alike.
+    /// The GPU of this name, else the first whose name contains it, ignoring case.
     Named(String),
 }
 
-/// What drew a frame.
+/// Device that drew a frame.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct DrawnBy {
     /// "cpu", or the name of the GPU.
     pub name: String,
-    /// Why it was the processor, or why the GPU was opened once more; `None` where the processor was asked for.
+    /// Reason why the CPU drew in place of a GPU, or why the GPU was opened once more; `None` where the CPU was asked
+    /// for.
     pub reason: Option<String>,
-    /// What it took on the GPU.
+    /// Adapter and cost of the frame, if a GPU drew it.
     #[cfg(feature = "gpu")]
     pub gpu: Option<(wavesplat_gpu::Adapter, wavesplat_gpu::GpuReport)>,
 }
 
 impl DrawnBy {
-    /// The processor. `reason`: why no GPU.
+    /// A frame drawn by the CPU. `reason`: why no GPU drew it.
     pub fn cpu(reason: Option<String>) -> Self {
         Self {
             name: "cpu".to_owned(),
@@ -46,7 +47,7 @@ impl DrawnBy {
 }
 
 impl Device {
-    /// Draws the base planes of a plan. `slices`: of each layer.
+    /// Draws the base planes of a plan. `slices`: one per layer.
     pub(crate) fn draw_base_planes(
         &self,
         plan: &Plan,

@@ -17,26 +17,26 @@ use crate::device::{Device, DrawnBy};
 use crate::quality::{Effort, Quality};
 use crate::scene::{Scene, SceneLayer, SceneVolume};
 
-/// How a scene is drawn.
+/// Options of a frame.
 #[derive(Clone, Debug)]
 pub struct FrameOptions {
-    /// Reconstruction between samples.
+    /// Reconstruction kernel between samples.
     pub kernel: Kernel,
-    /// How the densities along a ray become a pixel.
+    /// Composite operator along the rays.
     pub composite: Composite,
-    /// How much work goes into it.
+    /// Sampling, or the quality or PSNR that determines it.
     pub effort: Effort,
-    /// Whether depth is wanted.
+    /// Whether the picture has depth.
     pub with_depth: bool,
-    /// Pre-integrate the space between sheets where the transfer function is steep.
+    /// Whether slabs between sheets are pre-integrated where the transfer function is steep.
     pub pre_integration: bool,
-    /// Stop rays that are opaque but for a ten thousandth; else they go on until nothing can be seen.
+    /// Whether rays stop at a transmittance of 1e-4; else they continue until nothing more can be seen.
     pub early_ray_termination: bool,
-    /// What draws.
+    /// Device that should draw.
     pub device: Device,
-    /// Threads; `None` uses those that there are. The picture does not depend on it.
+    /// Number of threads; `None` keeps the caller's, by default all processors. The picture does not depend on it.
     pub n_threads: Option<usize>,
-    /// Seconds from any moment on, where times are wanted in [`Frame::times`].
+    /// Clock in seconds from any moment on, for [`Frame::times`].
     pub clock: Option<fn() -> f64>,
 }
 
@@ -56,33 +56,34 @@ impl Default for FrameOptions {
     }
 }
 
-/// A picture, and how it came about.
+/// A picture and its report.
 #[derive(Clone, Debug)]
 pub struct Frame {
     /// Premultiplied RGBA, depth, values of projections.
     pub picture: Picture,
-    /// What it took.
+    /// Work that the frame took.
     pub report: Report,
-    /// What drew it.
+    /// Device that drew the frame.
     pub drawn_by: DrawnBy,
-    /// With how many sheets and texels it was drawn.
+    /// Sheets per slice and texels per pixel of the frame.
     pub sampling: Sampling,
-    /// What is expected of its error, with [`Effort::Psnr`].
+    /// Estimate of the error, with [`Effort::Psnr`].
     pub estimate: Option<Estimate>,
-    /// How long it took, with [`FrameOptions::clock`].
+    /// Seconds that the stages took, with [`FrameOptions::clock`].
     pub times: Option<StageTimes>,
 }
 
 /// Seconds that the stages of a frame took.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct StageTimes {
-    /// Preparing the samples for the kernel: min-max bricks, spline coefficients; next to nothing after the first frame.
+    /// Preparing the samples for the kernel: min-max bricks, spline coefficients; next to nothing after the first
+    /// frame.
     pub prepare: f64,
     /// Planning: base planes, tables, occupancy, ambient occlusion.
     pub plan: f64,
-    /// Drawing the base planes. With a wanted PSNR: pilots, plan, base planes and warp.
+    /// Drawing of the base planes. With a wanted PSNR: pilots, plan, base planes and warp.
     pub draw: f64,
-    /// The warp, and the colours of projections.
+    /// Warp, and colours of projections.
     pub warp: f64,
 }
 
@@ -96,7 +97,7 @@ impl Scene<'_> {
         self.render_with_progress(camera, size_px, options, &())
     }
 
-    /// As [`Scene::render`]; `callback` is called from worker threads, and may cancel ([`Error::Cancelled`]).
+    /// Draws like [`Scene::render`]; `callback` is called from worker threads, and may cancel ([`Error::Cancelled`]).
     pub fn render_with_progress(
         &self,
         camera: &Camera,
@@ -118,8 +119,8 @@ impl Scene<'_> {
         parallel::with_threads(options.n_threads, || self.draw(camera, options, &render_options, fixed, callback))
     }
 
-    /// What a named quality means for this scene, seen by a camera in a picture so many pixels high: the finest of what it
-    /// means for its layers.
+    /// Sampling of a named quality for this scene, seen by a camera in a picture `height_px` pixels high: the finest of
+    /// its layers' samplings.
     pub fn sampling(&self, quality: &str, camera: &Camera, height_px: usize) -> Result<Sampling> {
         let mut finest = Sampling { sheets_per_slice: 0.0, oversampling: 0.0 };
         for SceneLayer { volume, transfer_function: tf, shading } in &self.layers {
@@ -180,7 +181,7 @@ impl Scene<'_> {
         }
     }
 
-    /// Calls `work` with the layers as they are drawn. `slices`: of each.
+    /// Calls `work` with the layers as they are drawn. `slices`: one per layer.
     pub(crate) fn with_layers<T>(
         &self,
         options: &FrameOptions,

@@ -1,4 +1,4 @@
-//! A volume whose samples are not in memory: boxes of them are read elsewhere while it is drawn ([`crate::Stream`]).
+//! A volume whose samples are not in memory: the caller reads boxes of them while it is drawn ([`crate::Stream`]).
 
 use glam::{DAffine3, DVec3};
 use wavesplat_core::{Error, Grid, Kernel, LevelGrid, Result, Shading, Statistics, TransferFunction};
@@ -10,23 +10,23 @@ use wavesplat_splat::source::survey::Survey;
 use crate::level_look::LevelLooks;
 use crate::volume_cache::VolumeCache;
 
-/// What is known of such a volume, for one kernel, and how its samples are stored.
+/// A lazy volume for one kernel: grid, survey of its samples, and layout of their storage.
 pub struct LazyVolume {
     grid: Grid,
     storage: Storage,
     slices: Slices<'static>,
     cache: VolumeCache,
-    /// Of a coarser level of another volume: how it keeps the brightness of that, and where it lies in it.
+    /// Looks and grid within the finest level; `None` where the volume is no coarser level.
     level: Option<LevelLooks>,
 }
 
 impl LazyVolume {
-    /// From a survey of all samples, which lie on `grid`. `prepared`: the survey of coefficients, or of samples whose holes were
-    /// filled; needed where `kernel` has coefficients or there are samples that are not finite.
+    /// A volume from a survey of all samples, which lie on `grid`. `prepared`: survey of the coefficients, or of the
+    /// samples with filled holes; needed where [`LazyVolume::needs_prepared`] says so.
     ///
     /// # Errors
     ///
-    /// Where that is needed and not given.
+    /// Where `prepared` is needed and not given.
     pub fn new(
         grid: Grid,
         storage: Storage,
@@ -44,12 +44,12 @@ impl LazyVolume {
         Ok(Self { grid, storage, slices, cache: VolumeCache::default(), level })
     }
 
-    /// The grid of a level of a pyramid, from the place of its samples and that of the finest level's: it keeps the units of
-    /// the finest and is drawn within its bounds.
+    /// Grid of a level of a pyramid, from its own grid and the size and affine of the finest level: it keeps the units
+    /// of the finest level and is drawn within its bounds.
     ///
     /// # Errors
     ///
-    /// As of [`Grid::new`].
+    /// The errors of [`Grid::new`].
     pub fn level_grid(own: Grid, finest_size: [usize; 3], finest: DAffine3) -> Result<(Grid, LevelGrid)> {
         let narrow = Statistics { min: 0.0, max: 1.0, n_nonfinite: 0 };
         let finest = Grid::new("finest level", finest_size, finest, narrow, true)?;
@@ -59,7 +59,7 @@ impl LazyVolume {
         Ok((own.as_level_of(finest.default_opacity_unit(), bounds), level))
     }
 
-    /// Where a grid lies in a finer one with the same axes.
+    /// Position of a grid in a finer one with the same axes.
     pub fn level_in(own: &Grid, finer: DAffine3) -> LevelGrid {
         let from_level = finer.inverse() * own.world_from_index();
         let spacing = [0, 1, 2].map(|a| from_level.matrix3.col(a)[a]);
@@ -71,17 +71,17 @@ impl LazyVolume {
         matches!(kernel, Kernel::Bspline2 | Kernel::Bspline3) || grid.statistics().n_nonfinite > 0
     }
 
-    /// Where the samples lie, and their range.
+    /// Grid and range of the samples.
     pub fn grid(&self) -> &Grid {
         &self.grid
     }
 
-    /// How they are stored.
+    /// Layout of the stored samples.
     pub fn storage(&self) -> Storage {
         self.storage
     }
 
-    /// An index position of the finest level as one of this one.
+    /// Index position of this level at an index position of the finest level.
     pub fn level_from_finest(&self, index: DVec3) -> DVec3 {
         self.level.as_ref().map_or(index, |level| level.level_from_finest(index))
     }
@@ -94,7 +94,7 @@ impl LazyVolume {
         &self.cache.visibility
     }
 
-    /// As of a level of detail ([`crate::LevelVolume`]); of the finest level the function itself.
+    /// Transfer function of this level, as in [`LevelLooks::look`]; at the finest level the function itself.
     pub(crate) fn look(&self, tf: &TransferFunction, shading: Option<&Shading>) -> Result<(TransferFunction, bool)> {
         match &self.level {
             Some(level) => level.look(&self.grid, tf, shading),

@@ -1,4 +1,4 @@
-//! The transfer function that a coarser level is drawn with, so that it is as bright as the finest.
+//! Transfer function of a coarser level, which makes it as bright as the finest.
 
 use std::sync::{Mutex, PoisonError};
 
@@ -7,18 +7,18 @@ use wavesplat_core::{Decoder, Grid, LevelGrid, Result, Shading, TransferFunction
 use wavesplat_lod::LevelHistogram;
 use wavesplat_splat::needs_preintegration;
 
-/// How a level keeps the brightness of the finest, and what it was asked for last.
+/// Brightness matching of a level to the finest one, and its latest result.
 pub struct LevelLooks {
     level: LevelGrid,
-    /// What the levels carried that are left out, and the spacing of the samples that it was compared with.
+    /// Histogram of the level and a finer one, and sample spacing of the finer one, world units.
     brightness: Option<(LevelHistogram, DVec3)>,
-    /// The function that was drawn last, and what it is for this level.
+    /// Latest function that was drawn, and its counterpart for this level.
     latest: Mutex<Option<LevelLook>>,
 }
 
 /// Samples of a box of a level, `[z][y][x]`.
 pub struct LevelPart {
-    /// Its first sample.
+    /// First sample of the box.
     pub lo: [usize; 3],
     /// Samples along x, y, z.
     pub size: [usize; 3],
@@ -40,7 +40,7 @@ impl Decoder for LevelPart {
     }
 }
 
-/// A transfer function, and the one that a level is drawn with in its place.
+/// A transfer function, and the function that a level is drawn with in its place.
 struct LevelLook {
     of: TransferFunction,
     shading: Option<Shading>,
@@ -49,14 +49,15 @@ struct LevelLook {
 }
 
 impl LevelLooks {
-    /// Of a level that lies on `level` in the finest. `brightness`: what the levels carried that are left out, and the spacing
-    /// of the samples that it was compared with, world units; without it functions stay as they are.
+    /// Looks of a level that lies on `level` in the finest one. `brightness`: histogram of the level and a finer one,
+    /// and sample spacing of the finer one, world units; without it functions stay as they are.
     pub fn new(level: LevelGrid, brightness: Option<(LevelHistogram, DVec3)>) -> Self {
         Self { level, brightness, latest: Mutex::default() }
     }
 
-    /// Of a level from a part of its samples and of those of a finer one: the rest is taken to be like it. `in_finer`: where
-    /// the level lies in the finer one, whose samples are `spacing` apart, world units; `range`: smallest and largest sample.
+    /// Looks of a level from a box of its samples and a box of a finer level, which stand for the rest. `in_finer`:
+    /// position of the level in the finer one, whose samples are `spacing` apart, world units; `range`: smallest and
+    /// largest sample.
     pub fn of_parts(
         level: LevelGrid,
         in_finer: LevelGrid,
@@ -70,18 +71,18 @@ impl LevelLooks {
         Self::new(level, Some((histogram, spacing)))
     }
 
-    /// Where it lies.
+    /// Position of the level in the finest one.
     pub fn grid(&self) -> LevelGrid {
         self.level
     }
 
-    /// An index position of the finest grid as one of the level.
+    /// Index position of the level at an index position of the finest grid.
     pub fn level_from_finest(&self, index: DVec3) -> DVec3 {
         DVec3::from_array(self.level.level_from_finest(index.to_array()))
     }
 
-    /// The transfer function that makes of the level what it makes of the finest, and whether it or the one that was given
-    /// needs pre-integration; kept until another is asked for. `grid`: of the level.
+    /// Transfer function for which the level is as bright as the finest one for `tf`, and whether it or `tf` needs
+    /// pre-integration; kept until another function is asked for. `grid`: the level's.
     pub(crate) fn look(
         &self,
         grid: &Grid,
@@ -101,7 +102,7 @@ impl LevelLooks {
         } else {
             tf.clone()
         };
-        // One that is smooth may need so much extinction that its level is steep.
+        // A smooth function may need so much extinction on the level that it becomes steep there.
         let needs_preintegration = given_is_steep || needs_preintegration(grid, &own);
         *latest = Some(LevelLook { of: tf.clone(), shading: shading.cloned(), tf: own.clone(), needs_preintegration });
         Ok((own, needs_preintegration))

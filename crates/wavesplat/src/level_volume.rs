@@ -1,4 +1,4 @@
-//! A level of detail, or a band, of a volume of wavelet coefficients, decoded as it is drawn.
+//! A level of detail, or a band, of a volume of wavelet coefficients, decoded while it is drawn.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -13,23 +13,25 @@ use wavesplat_wavelet::{CoarseLevel, CoefficientDecoder, WaveletError, WaveletVo
 use crate::error::LevelError;
 use crate::level_look::LevelLooks;
 
-/// A level of a volume, with what is kept of it between frames.
+/// A level of a volume, with its caches between frames.
 pub struct LevelVolume {
     grid: Grid,
-    /// How it keeps the brightness of the finest.
+    /// Transfer functions of the level.
     looks: LevelLooks,
     decoder: Arc<dyn Decoder>,
     cache_bytes: usize,
-    /// For the kernel that was used last.
+    /// Slices for the latest kernel.
     slices: Mutex<Option<Slices<'static>>>,
     pub(crate) visibility: VisibilityCache,
 }
 
 impl LevelVolume {
-    /// Opens a level: 0 is the finest. `weights`: a factor for each level's details, the finest first, and for the last low
-    /// box. `world_from_index`: of the finest grid. At most about `cache_bytes` of decoded samples are kept.
+    /// Opens a level: 0 is the finest. `weights`: a factor for each level's details, the finest first, and for the
+    /// coarsest low-pass box. `world_from_index`: affine of the finest grid. About `cache_bytes` of decoded samples are
+    /// kept at most.
     ///
-    /// The level has its own resolution where its samples are evenly spaced; else it is the finest grid without the details.
+    /// The level has its own resolution where its samples are evenly spaced; else it has the finest grid, without the
+    /// details of the finer levels.
     pub fn open(
         coefficients: &Arc<WaveletVolume>,
         level: usize,
@@ -83,38 +85,38 @@ impl LevelVolume {
         })
     }
 
-    /// Where the level's samples lie, and their range.
+    /// Grid and range of the level's samples.
     pub fn grid(&self) -> &Grid {
         &self.grid
     }
 
-    /// Bytes of decoded samples that are kept at most.
+    /// Most bytes of decoded samples that are kept.
     pub fn cache_bytes(&self) -> usize {
         self.cache_bytes
     }
 
-    /// Every `step`-th sample along each axis, `[z][y][x]`, and how many along x, y, z.
+    /// Every `step`-th sample along each axis: their number along x, y, z, and the samples, `[z][y][x]`.
     pub fn samples_every(&self, step: usize) -> ([usize; 3], Vec<f32>) {
         samples_every(&*self.decoder, step.max(1))
     }
 
-    /// An index position of the finest grid as one of the level.
+    /// Index position of the level at an index position of the finest grid.
     pub fn level_from_finest(&self, index: DVec3) -> DVec3 {
         self.looks.level_from_finest(index)
     }
 
-    /// As of [`LevelLooks`].
+    /// Transfer function of the level, see [`LevelLooks::look`].
     pub(crate) fn look(&self, tf: &TransferFunction, shading: Option<&Shading>) -> Result<(TransferFunction, bool)> {
         self.looks.look(&self.grid, tf, shading)
     }
 
-    /// Slices for a kernel; what they need is kept until another kernel is asked for.
+    /// Slices for a kernel, kept until another kernel is asked for.
     pub fn slices(&self, kernel: Kernel) -> Slices<'static> {
         let mut kept = self.slices.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(slices) = kept.as_ref().filter(|slices| slices.kernel() == kernel) {
             return slices.clone();
         }
-        // First, so that never two are held.
+        // Freed first, so that there are never two.
         *kept = None;
         let slices = Slices::of_decoder(self.decoder.clone(), &self.grid, kernel, self.cache_bytes);
         *kept = Some(slices.clone());

@@ -1,7 +1,7 @@
 //! Volume rendering of CT, MRI, microscopy and simulations, on the CPU and, with the feature `gpu`, on GPUs.
 //!
-//! A [`Scene`] is a volume and its look, or several; [`Scene::render`] draws it. The method is high-resolution splatting: the picture
-//! is that of a converged ray caster, at a fraction of its time, and needs no GPU.
+//! A [`Scene`] is one or more volumes and their looks; [`Scene::render`] draws it. The method is high-resolution
+//! splatting: it gives the picture of a converged ray caster in a fraction of the time, and needs no GPU.
 //!
 //! ```
 //! use wavesplat::{Camera, ColorNode, FrameOptions, OpacityNode, Projection, Samples, Scene, TransferFunction, Volume};
@@ -48,11 +48,11 @@
 //!
 //! # What it does not do
 //!
-//! It opens no file, reads no environment variable, and starts no thread but those that the feature `threads`,
-//! [`FrameOptions::n_threads`], or a [`Device`] other than the CPU asks for: drivers have threads of their own. Without the feature everything runs on the caller's thread, as in wasm.
+//! It opens no file, reads no environment variable, and starts no thread except by the feature `threads`,
+//! [`FrameOptions::n_threads`], or a [`Device`] other than the CPU: drivers have threads of their own. Without the
+//! feature everything runs on the caller's thread, as in wasm.
 //!
-//! Stability: this crate's items are public; those of the crates that it stands on are not, apart from what is passed on
-//! here.
+//! Stability: this crate's items are public; items of the crates that it depends on are not, unless re-exported here.
 
 mod block_state;
 mod bytes;
@@ -82,12 +82,13 @@ pub use scene::{Scene, SceneLayer, SceneVolume};
 pub use stream::{Stream, StreamOptions};
 pub use volume_cache::VolumeCache;
 
-/// Makes vectors of a name (`plain`, `sse2`, `avx2`, `avx512`, `neon`) those that pictures are drawn with from now on; all
-/// give the same bits. Without it, the widest of the machine are used.
+/// Chooses the SIMD level by name (`plain`, `sse2`, `avx2`, `avx512`, `neon`) for all pictures from now on; all levels
+/// give the same bits. By default the widest level of the machine is used.
 ///
 /// # Errors
 ///
-/// The names that this machine has, where it has none of that name; or those that are in use already.
+/// A message with the names that this machine has, if there is no such level, or with the level in use, if that is
+/// another.
 pub fn use_simd(name: &str) -> std::result::Result<(), String> {
     wavesplat_compute::simd::Level::choose(name).map(|_| ())
 }

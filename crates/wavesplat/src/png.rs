@@ -1,10 +1,10 @@
-//! PNG: premultiplied float RGBA to the bytes of a file with straight alpha; colours are used as given (sRGB).
+//! PNG encoder: premultiplied float RGBA to the bytes of a file with straight alpha; colours are used as given (sRGB).
 
 use wavesplat_core::{Error, Picture};
 
 use crate::bytes::straight_bytes;
 
-/// Bits of a channel.
+/// Bits per channel of a PNG file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum PngBits {
     /// 8 bits per channel.
@@ -26,8 +26,8 @@ pub fn encode_png(picture: &Picture, bits: PngBits) -> Result<Vec<u8>, Error> {
 ///
 /// # Errors
 ///
-/// [`Error::OutOfRange`] if a side has no pixel or more than a PNG file can hold (2³¹ − 1), or if `rgba` does not have four
-/// numbers for each pixel.
+/// [`Error::OutOfRange`] if a side has no pixel or more than a PNG file can hold (2³¹ − 1), or if `rgba` does not have
+/// four numbers for each pixel.
 pub fn png_of_rgba(rgba: &[f32], width_px: usize, height_px: usize, bits: PngBits) -> Result<Vec<u8>, Error> {
     for (side, n_pixels) in [("width", width_px), ("height", height_px)] {
         if n_pixels == 0 || n_pixels > MAX_SIDE_PX {
@@ -60,7 +60,7 @@ pub fn png_of_rgba(rgba: &[f32], width_px: usize, height_px: usize, bits: PngBit
 /// The longest side of a PNG picture (PNG specification, section 11.2.1).
 const MAX_SIDE_PX: usize = (1 << 31) - 1;
 
-/// The levels of 16 bits, the high byte first.
+/// Premultiplied RGBA as straight 16-bit levels, the high byte first.
 fn straight_words(rgba: &[f32]) -> Vec<u8> {
     let mut data = Vec::with_capacity(2 * rgba.len());
     for pixel in rgba.chunks_exact(4) {

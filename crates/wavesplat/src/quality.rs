@@ -1,15 +1,15 @@
-//! What a named quality means: sheets per slice and texels per pixel, by volume, transfer function and view.
+//! Named qualities: sheets per slice and texels per pixel, by volume, transfer function and view.
 
 use wavesplat_core::{Camera, Grid, Result, TransferFunction, quality_settings};
 use wavesplat_splat::quality::error_model::Sampling;
 use wavesplat_splat::quality::target_psnr::Wanted;
 
-/// How much work goes into a picture.
+/// Effort for a picture: a quality, a sampling, or a PSNR.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Effort {
     /// A named quality.
     Named(Quality),
-    /// So many sheets per slice and texels per pixel.
+    /// A number of sheets per slice and of texels per pixel.
     Fixed(Sampling),
     /// The cheapest sampling that is expected to reach a PSNR.
     Psnr(Wanted),
@@ -18,21 +18,21 @@ pub enum Effort {
 /// Named qualities.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Quality {
-    /// While something moves.
+    /// Fast, for interaction.
     Draft,
-    /// For looking.
+    /// Normal, for viewing.
     #[default]
     Normal,
-    /// For publishing.
+    /// High, for publishing.
     High,
 }
 
-/// Times as many sheets for steep functions of two dimensions: what they decide cannot be integrated along a slab, so only
-/// more sheets find what is thin.
+/// Factor of sheets per slice for steep functions of two dimensions: they cannot be integrated along a slab, so only
+/// more sheets find thin features.
 const SHEETS_OF_TWO_DIMENSIONS: f64 = 3.0;
 
 impl Quality {
-    /// The name that users give.
+    /// Public name of the quality.
     pub fn name(self) -> &'static str {
         match self {
             Self::Draft => "draft",
@@ -41,7 +41,8 @@ impl Quality {
         }
     }
 
-    /// What it means for a volume on a grid. `needs_preintegration`: whether the transfer function needs pre-integration.
+    /// Sampling of a named quality for a volume on a grid. `needs_preintegration`: whether the transfer function needs
+    /// pre-integration.
     pub(crate) fn sampling(
         name: &str,
         grid: &Grid,

@@ -1,4 +1,4 @@
-//! A scene: volumes, or levels of them, and their looks. It owns what is kept between frames.
+//! A scene: volumes, or levels of them, and their looks. It owns the caches between frames.
 
 use std::sync::Arc;
 
@@ -13,18 +13,18 @@ use crate::volume_cache::VolumeCache;
 
 /// Volumes and their looks, in one picture.
 ///
-/// Draw with [`Scene::render`]. What is prepared for the first frame is kept for the next ones.
+/// Draw with [`Scene::render`]. Data prepared for the first frame is kept for the next ones.
 #[derive(Clone)]
 pub struct Scene<'a> {
-    /// At least one, and eight at most; several of them with [`Composite::Over`] alone. At a point of space their extinctions
-    /// add and their colours mix by extinction, so their order means little: the first one's axes are those that sheets lie
-    /// along, and labels lie on its samples.
+    /// One to eight layers; several only with [`Composite::Over`]. At a point of space their extinctions add and their
+    /// colours mix by extinction, so their order matters little: sheets lie along the axes of the first one, and labels
+    /// lie on its samples.
     pub layers: Vec<SceneLayer<'a>>,
     /// A segmentation beside the first volume; for [`Composite::Over`].
     pub labels: Option<Arc<Labels>>,
     /// Box that is drawn, in the world or in index positions of the first volume's finest level.
     pub crop: Option<Crop>,
-    /// Half spaces that are drawn.
+    /// Clip planes; all of them apply.
     pub clip_planes: Vec<ClipPlane>,
     /// Straight colour and opacity behind the volumes; `None` is transparent.
     pub background: Option<[f32; 4]>,
@@ -33,7 +33,7 @@ pub struct Scene<'a> {
 /// A volume and its look.
 #[derive(Clone)]
 pub struct SceneLayer<'a> {
-    /// What is drawn. Its axes are parallel to those of a scene's first volume.
+    /// Volume to draw. Its axes are parallel to those of the scene's first volume.
     pub volume: SceneVolume<'a>,
     /// Colour and opacity by sample value.
     pub transfer_function: TransferFunction,
@@ -41,39 +41,39 @@ pub struct SceneLayer<'a> {
     pub shading: Option<Shading>,
 }
 
-/// What a layer draws.
+/// Volume of a layer.
 #[derive(Clone)]
 #[expect(clippy::large_enum_variant, reason = "there are few of them in a scene")]
 pub enum SceneVolume<'a> {
-    /// Samples, and what is kept of them.
+    /// Samples in memory, and their cache.
     Samples(Volume<'a>, Arc<VolumeCache>),
     /// A level of wavelet coefficients.
     Level(Arc<LevelVolume>),
-    /// Samples that are read as they are drawn, by [`Scene::stream`] alone.
+    /// Samples that are read while they are drawn, only by [`Scene::stream`].
     Lazy(Arc<LazyVolume>),
 }
 
 impl<'a> Scene<'a> {
-    /// Samples with the default light.
+    /// Scene of samples with the default shading.
     pub fn new(volume: Volume<'a>, transfer_function: TransferFunction) -> Self {
         Self::of(vec![SceneLayer::new(SceneVolume::Samples(volume, Arc::default()), transfer_function)])
     }
 
-    /// Layers.
+    /// Scene of layers, without labels, cuts and background.
     pub fn of(layers: Vec<SceneLayer<'a>>) -> Self {
         Self { layers, labels: None, crop: None, clip_planes: Vec::new(), background: None }
     }
 }
 
 impl<'a> SceneLayer<'a> {
-    /// Any volume with the default light, with what is kept of it elsewhere.
+    /// Layer of a volume with the default shading.
     pub fn new(volume: SceneVolume<'a>, transfer_function: TransferFunction) -> Self {
         Self { volume, transfer_function, shading: Some(Shading::default()) }
     }
 }
 
 impl<'a> SceneVolume<'a> {
-    /// Where the samples lie, and their range.
+    /// Grid and range of the samples.
     pub fn grid(&self) -> &Grid {
         match self {
             Self::Samples(volume, _) => volume.grid(),
@@ -82,7 +82,7 @@ impl<'a> SceneVolume<'a> {
         }
     }
 
-    /// The transfer function to draw with: with [`Composite::Over`], that of what the samples of a coarser level stand for.
+    /// Transfer function to draw with: for a coarser level and [`Composite::Over`], one that keeps the brightness.
     pub fn look(
         &self,
         tf: &TransferFunction,
@@ -96,7 +96,7 @@ impl<'a> SceneVolume<'a> {
         }
     }
 
-    /// Whether a transfer function gets the sampling of a steep one.
+    /// Whether a transfer function needs pre-integration, and so the sampling of a steep one.
     pub(crate) fn needs_preintegration(&self, tf: &TransferFunction, shading: Option<&Shading>) -> Result<bool> {
         match self {
             Self::Samples(volume, cache) => Ok(cache.needs_preintegration(volume.grid(), tf)),
@@ -105,7 +105,7 @@ impl<'a> SceneVolume<'a> {
         }
     }
 
-    /// A crop box in index positions of the finest level as one in those of what is drawn.
+    /// Crop box in index positions of this volume, from index positions of the finest level.
     pub fn own_crop(&self, crop: Crop) -> Crop {
         match (self, crop) {
             (Self::Level(level), Crop::Index { lo, hi }) => {

@@ -1,8 +1,7 @@
-//! A frame whose samples are read while it is drawn: the steps of [`wavesplat_splat::render::stream`], one after the other,
-//! with what was read for each.
+//! A frame whose samples are read while it is drawn, step by step ([`wavesplat_splat::render::stream`]).
 //!
-//! Who reads is the caller: files, networks and other processes are none of this crate's business. Blocks are independent,
-//! so they may also be drawn by several machines, and blocks may be cut into segments that are folded afterwards.
+//! The caller reads the samples: files, networks and other processes are none of this crate's business. Blocks are
+//! independent, so that several machines can share a frame, and may be cut into segments that are folded afterwards.
 
 use std::ops::Range;
 
@@ -27,15 +26,16 @@ use crate::frame::{Frame, FrameOptions};
 use crate::quality::Effort;
 use crate::scene::{Scene, SceneVolume};
 
-/// How a frame is streamed.
+/// Options of a streamed frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StreamOptions {
-    /// Most bytes of samples that are held at once: those of a step, and of the next, which is read meanwhile.
+    /// Budget for samples in bytes: for a step, and for the next one, which is read meanwhile.
     pub budget_bytes: usize,
-    /// At least so many blocks in each base plane, for as many machines.
+    /// Minimum number of blocks in each base plane, one for each machine that takes part.
     pub n_blocks: usize,
-    /// Rays are composited in segments of so many slices, counted from the first slice, which are folded afterwards; `None`:
-    /// from front to back in one go. Both are right; they differ by where rays stop, 2e-4 of full light at most.
+    /// Slices per segment, counted from the first slice; rays are composited segment by segment, and the segments
+    /// folded afterwards. `None`: from front to back in one go. Both are right; they differ in where rays stop, by 2e-4
+    /// of full light at most.
     pub segment_slices: Option<usize>,
 }
 
@@ -45,7 +45,7 @@ impl Default for StreamOptions {
     }
 }
 
-/// A frame that is planned, and what is drawn of it so far.
+/// A planned frame, and its base planes as far as they are drawn.
 pub struct Stream {
     plan: Plan,
     steps: StreamPlan,
@@ -63,8 +63,8 @@ impl Scene<'static> {
     ///
     /// # Errors
     ///
-    /// As of [`Scene::render`]; and where a layer is not lazy, a PSNR is wanted, rays cannot be cut into segments, or the
-    /// budget holds not even the smallest step.
+    /// The errors of [`Scene::render`]; and where a layer is not lazy, a PSNR is wanted, rays cannot be cut into
+    /// segments, or the budget is too small for the smallest step.
     pub fn stream(
         &self,
         camera: &Camera,
@@ -85,11 +85,11 @@ impl Scene<'static> {
         Ok(Stream { plan, steps, slices, sampling, segment_slices, n_threads, pictures, report, drawn_by })
     }
 
-    /// The least [`StreamOptions::budget_bytes`] that [`Scene::stream`] can do with.
+    /// Smallest [`StreamOptions::budget_bytes`] that [`Scene::stream`] accepts.
     ///
     /// # Errors
     ///
-    /// As of [`Scene::stream`], but for the budget.
+    /// The errors of [`Scene::stream`], but for the budget.
     pub fn smallest_budget(
         &self,
         camera: &Camera,
@@ -103,7 +103,7 @@ impl Scene<'static> {
         Ok(parallel::with_threads(options.n_threads, least))
     }
 
-    /// What is decided before samples are read, but for how.
+    /// Plan of a stream, without its schedule of reads.
     fn planned(
         &self,
         camera: &Camera,
@@ -146,7 +146,7 @@ impl Scene<'static> {
     }
 }
 
-/// A frame that is planned, and how its samples are stored.
+/// Plan of a streamed frame, and storage of its samples.
 struct Planned {
     plan: Plan,
     slices: Vec<Slices<'static>>,
@@ -155,47 +155,48 @@ struct Planned {
 }
 
 impl Stream {
-    /// Blocks.
+    /// Number of blocks.
     pub fn n_blocks(&self) -> usize {
         self.steps.blocks.len()
     }
 
-    /// Steps of a block.
+    /// Number of steps of a block.
     pub fn n_steps(&self, block: usize) -> usize {
         self.steps.blocks[block].steps.len()
     }
 
-    /// Of a block, the steps of each of its segments, front to back; one where there are none.
+    /// Steps of each segment of a block, front to back; one range of all steps without segments.
     pub fn segments(&self, block: usize) -> Vec<Range<usize>> {
         self.steps.segments(block)
     }
 
-    /// How many slices a segment has, where rays are cut into segments.
+    /// Slices per segment, where rays are cut into segments.
     pub fn segment_slices(&self) -> Option<usize> {
         self.segment_slices
     }
 
-    /// Of each layer, the samples that a step of a block is drawn from.
+    /// Box of samples that a step of a block is drawn from, per layer.
     pub fn held(&self, block: usize, step: usize) -> &[IndexBox] {
         &self.steps.blocks[block].steps[step].held
     }
 
-    /// Of each layer, the boxes that a step of a block reads: what the step before did not hold (all, where it `is_first` to be
-    /// drawn) and something visible is drawn from. `state`: what is known of the rays, those that are done need nothing.
+    /// Boxes of samples that a step of a block reads, per layer: those that show something and that the step before did
+    /// not hold (all that show something, where it `is_first`). `state`: state of the rays; rays that are done need
+    /// nothing.
     pub fn reads(&self, block: usize, step: usize, is_first: bool, state: &BlockState) -> Vec<Vec<IndexBox>> {
         let slices: Vec<&Slices> = self.slices.iter().collect();
         let reads = |layer| self.steps.reads(&self.plan, &slices, block, step, layer, is_first, &state.tiles);
         (0..slices.len()).map(reads).collect()
     }
 
-    /// Whether no ray of a block can change any more after a state.
+    /// Whether all rays of a block are done after a state.
     pub fn is_done(&self, block: usize, state: &BlockState) -> bool {
         let own = &self.steps.blocks[block];
         let is_alive = |k: usize| own.is_alive(k, state.tiles.get(k).and_then(Option::as_ref));
         !(0..own.tiles.iter().map(ExactSizeIterator::len).product()).any(is_alive)
     }
 
-    /// Bytes that each block reads, if no ray were done before its end.
+    /// Bytes that each block reads if no ray ends early.
     pub fn bytes_to_read(&self) -> Vec<u64> {
         let nothing = BlockState::default();
         let of_step = |block: usize, step: usize| {
@@ -211,7 +212,7 @@ impl Stream {
         })
     }
 
-    /// Boxes that all steps read, if no ray were done before its end.
+    /// Number of boxes that all steps read if no ray ends early.
     pub fn n_boxes(&self) -> usize {
         let nothing = BlockState::default();
         let of_block = |block| {
@@ -222,26 +223,27 @@ impl Stream {
         parallel::with_threads(self.n_threads, n)
     }
 
-    /// Rays of a block.
+    /// Number of rays of a block.
     pub fn n_rays(&self, block: usize) -> u64 {
         let tiles = &self.steps.blocks[block].tiles;
         (tiles.iter().map(ExactSizeIterator::len).product::<usize>() * TILE_U * TILE_V) as u64
     }
 
-    /// Bytes of samples that are held at most while a block is drawn.
+    /// Most bytes of samples that are held while a block is drawn.
     pub fn bytes_held(&self, block: usize) -> u64 {
         self.steps.blocks[block].most_bytes(self.steps.storage()) as u64
     }
 
-    /// Texels of a block, all sheets.
+    /// Texels of a block over all slabs.
     pub fn n_texels(&self, block: usize) -> u64 {
         let own = &self.steps.blocks[block];
         let texels: usize = own.tiles.iter().map(ExactSizeIterator::len).product::<usize>() * TILE_U * TILE_V;
         own.steps.iter().map(|step| (texels * step.slabs.len()) as u64).sum()
     }
 
-    /// Draws a step of a block from the samples of [`Stream::held`], of each layer; those that were not to be read may be
-    /// anything. Takes the state after the step before, the default at the beginning, and gives the next.
+    /// Draws a step of a block from the samples of the boxes of [`Stream::held`], one array per layer; samples that
+    /// need not be read may have any value. Takes the state after the step before, at first the default, and returns
+    /// the next.
     ///
     /// # Errors
     ///
@@ -277,7 +279,7 @@ impl Stream {
         })
     }
 
-    /// The state of a block after its segments, given front to back.
+    /// State of a block after its segments, which are given front to back.
     pub fn fold(&self, segments: Vec<BlockState>) -> BlockState {
         let mut segments = segments.into_iter();
         let mut all = segments.next().unwrap_or_default();
@@ -289,7 +291,7 @@ impl Stream {
         all
     }
 
-    /// Puts a block that is done in its place.
+    /// Puts the final state of a block into its base plane.
     pub fn put(&mut self, block: usize, state: BlockState) {
         let own = &self.steps.blocks[block];
         let [n_tiles_u, _] = n_tiles(&self.plan.families[own.family].plane);
@@ -308,14 +310,14 @@ impl Stream {
         self.report.n_skipped_sheets += state.work.n_skipped;
     }
 
-    /// The picture of all that was put.
+    /// Picture of all blocks that were put.
     pub fn picture(&self) -> Frame {
         let picture: Picture = parallel::with_threads(self.n_threads, || finish(&self.plan, &self.pictures));
         let (report, sampling, drawn_by) = (self.report.clone(), self.sampling, self.drawn_by.clone());
         Frame { picture, report, drawn_by, sampling, estimate: None, times: None }
     }
 
-    /// The kernel.
+    /// Reconstruction kernel.
     pub fn kernel(&self) -> Kernel {
         self.slices[0].kernel()
     }

@@ -1,4 +1,4 @@
-//! What is made of a volume's samples once and kept from frame to frame.
+//! Cache of data that is computed from a volume's samples once and kept from frame to frame.
 
 use std::sync::{Arc, Mutex, PoisonError};
 
@@ -7,20 +7,20 @@ use wavesplat_splat::needs_preintegration;
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
 use wavesplat_splat::source::slices::{Prepared, Slices};
 
-/// Min-max bricks, spline coefficients and filled samples, for every kernel that was used; and tables of the transfer
-/// functions that were drawn last.
+/// Cache of min-max bricks, spline coefficients and filled samples, for every kernel that was used, and of tables of
+/// the latest transfer functions.
 ///
 /// It belongs to one set of samples: after they change, take a new one.
 #[derive(Default)]
 pub struct VolumeCache {
     prepared: Mutex<Vec<(Kernel, Arc<Prepared>)>>,
     pub(crate) visibility: VisibilityCache,
-    /// The function that was drawn last, and whether it is steep.
+    /// Latest transfer function, and whether it needs pre-integration.
     steep: Mutex<Option<(TransferFunction, bool)>>,
 }
 
 impl VolumeCache {
-    /// Slices for a kernel; what they need is prepared with the first picture and kept.
+    /// Slices for a kernel; their data is prepared with the first picture and kept.
     pub fn slices<'a>(&self, volume: &Volume<'a>, kernel: Kernel) -> Slices<'a> {
         let mut prepared = self.prepared.lock().unwrap_or_else(PoisonError::into_inner);
         let known = prepared.iter().find(|(k, _)| *k == kernel).map(|(_, known)| known.clone());
@@ -32,7 +32,7 @@ impl VolumeCache {
         Slices::with_prepared(volume, known)
     }
 
-    /// Whether a transfer function needs pre-integration; kept until another is asked for.
+    /// Whether a transfer function needs pre-integration; kept until another function is asked for.
     pub(crate) fn needs_preintegration(&self, grid: &Grid, tf: &TransferFunction) -> bool {
         let known = self.steep.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some((_, needs_preintegration)) = known.as_ref().filter(|(of, _)| of == tf) {

@@ -1,4 +1,4 @@
-//! Whatever goes wrong with a GPU, the picture is right, and the frame says who drew it and why.
+//! After any failure of a GPU the picture is right, and the frame says which device drew it and why.
 #![cfg(feature = "gpu")]
 
 use std::ops::ControlFlow;
@@ -10,7 +10,7 @@ use wavesplat::gpu::{Choice, DEFAULT_BUDGET_BYTES, Gpu, Gpus, adapters};
 use wavesplat::{Camera, Device, Frame, FrameOptions, ProgressCallback, Projection, Scene};
 use wavesplat_testkit::{Phantom, camera_towards, opacity_ramp};
 
-/// The software device, or the one that is asked for; `None` where there is none.
+/// Name of the software device, or of the one that is asked for; `None` where there is none.
 fn name() -> Option<String> {
     let asked = std::env::var("WAVESPLAT_TEST_GPU").ok();
     let part = asked.clone().unwrap_or_else(|| "llvmpipe".to_owned());
@@ -31,14 +31,14 @@ fn camera(phantom: &Phantom) -> Camera {
     )
 }
 
-/// Both pictures show something, and the same.
+/// Whether both pictures show something, and the same.
 fn is_right(frame: &Frame, by_cpu: &Frame) -> bool {
     let pairs = frame.picture.rgba.as_flattened().iter().zip(by_cpu.picture.rgba.as_flattened());
     let seen = by_cpu.picture.rgba.iter().filter(|rgba| rgba[3] > 0.1).count();
     seen > 200 && pairs.map(|(a, b)| (a - b).abs()).fold(0.0, f32::max) <= 1.0 / 255.0
 }
 
-/// Ends the device at the second call.
+/// Callback that destroys the device at the second call.
 struct EndsDevice(Arc<Gpu>, AtomicUsize);
 
 impl ProgressCallback for EndsDevice {
@@ -50,7 +50,7 @@ impl ProgressCallback for EndsDevice {
     }
 }
 
-/// One test: the GPUs of a process are shared.
+/// A single test, since the GPUs of a process are shared.
 #[test]
 fn every_failure_ends_in_a_right_picture_and_a_reason() {
     let Some(part) = name() else { return };

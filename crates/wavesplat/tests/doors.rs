@@ -1,4 +1,5 @@
-//! The same scene by every door: this crate, Python and the command line give the bytes of `crates/wavesplat/tests/door.png`.
+//! One scene by every interface: this crate, Python and the command line give the bytes of
+//! `crates/wavesplat/tests/door.png`.
 //!
 //! `python/tests/test_rust_door.py` draws it in Python, from the same numbers.
 

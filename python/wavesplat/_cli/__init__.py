@@ -1,4 +1,4 @@
-"""The command line: `wavesplat` render, view, movie, slice, info, presets and others, in files of their names.
+"""The command line: `wavesplat` render, view, movie, slice, info, presets and others, a module for each command.
 
 Results go to stdout; messages, errors and the progress bar to stderr.
 Everything but argument parsing is imported inside the commands, so that `--help` and mistakes answer at once.
@@ -22,10 +22,10 @@ __all__ = ["app", "main"]
 
 EXIT_OK, EXIT_FAILED, EXIT_USAGE, EXIT_INTERRUPTED = 0, 1, 2, 130
 
-#: What Typer raises for wrong arguments: it does not export its name, only that of one of its children.
+#: Base class of Typer's errors of the command line: Typer does not export it, only its subclass `BadParameter`.
 CommandLineError: Any = typer.BadParameter.__mro__[2]
 
-#: Set to anything, it shows where a mistake of ours happened.
+#: Environment variable: set to anything, errors are raised with their tracebacks.
 SHOW_TRACEBACK = "WAVESPLAT_TRACEBACK"
 
 EPILOG = (
@@ -83,7 +83,7 @@ def main(arguments: Sequence[str] | None = None) -> NoReturn:
 
 
 def _exit_code_of(arguments: Sequence[str] | None) -> int:
-    """The exit code of a command that has been run, and its failure on stderr."""
+    """Run a command, print its failure on stderr, and return its exit code."""
     try:
         code = app(args=arguments, standalone_mode=False)
     except (KeyboardInterrupt, typer.Abort):
@@ -106,7 +106,7 @@ def _exit_code_of(arguments: Sequence[str] | None) -> int:
 
 @contextmanager
 def _warnings_as_notes() -> Iterator[None]:
-    """Meanwhile, Wavesplat's warnings are notes on stderr, also those of threads that read while a picture is drawn."""
+    """Print Wavesplat's warnings as notes on stderr, also those of threads that read while a picture is drawn."""
     import warnings
 
     usual = warnings.showwarning
@@ -125,7 +125,7 @@ def _warnings_as_notes() -> Iterator[None]:
 
 
 def _explained(error: BaseException) -> tuple[str, int]:
-    """What is said of an error, and the exit code."""
+    """The message for an error, and the exit code."""
     if isinstance(error, WavesplatError):
         return str(error), EXIT_USAGE if isinstance(error, ArgumentError) else EXIT_FAILED
     if isinstance(error, CommandLineError) and hasattr(error, "possibilities"):
@@ -141,7 +141,7 @@ def _explained(error: BaseException) -> tuple[str, int]:
 
 
 def _of_unknown_option(error: Any) -> str:
-    """What is said of an option that there is not."""
+    """The message for an unknown option."""
     from wavesplat._cli.option_hints import hint
 
     context = error.ctx

@@ -19,12 +19,12 @@ if TYPE_CHECKING:
 
 __all__ = ["drawn"]
 
-#: Of the sheet, where there is no picture and between two, and how wide that is.
+#: Grey of the sheet around and between pictures, and width of these gaps, pixels.
 GREY, GAP_PX = 0.25, 2
 
 
 def drawn(volume: Volume | WaveletVolume, names: Sequence[str], size: tuple[int, int]) -> Picture:
-    """The sheet, as square as may be. `size`: of each picture, pixels."""
+    """The contact sheet, as nearly square as may be. `size`: of each picture, pixels."""
     width, height = size
     n_columns = max(1, ceil(sqrt(len(names) * height / max(width, 1))))
     n_rows = ceil(len(names) / n_columns)

@@ -1,4 +1,4 @@
-"""The options that say which part of a volume is drawn: what is kept, and what is taken out to look inside."""
+"""Options of cropping and clipping: boxes to keep, boxes to cut out to look inside, and clip planes."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _box = parsers.numbers(6, "0,0,0,50,50,50")
 
 
 def box(help: str) -> Any:
-    """An option that takes two opposite corners."""
+    """An option that takes two opposite corners of a box."""
     return typer.Option(metavar=CORNERS, parser=_box, help=help)
 
 
@@ -34,7 +34,7 @@ def _box_or_corner(text: str) -> Any:
 
 @dataclass(frozen=True)
 class CutOptions:
-    """What is kept, and what is taken out."""
+    """The crop box, the cut-out boxes and the clip planes."""
 
     crop: Annotated[Any, box("Draw only this box, world units.")] = None
     crop_index: Annotated[Any, box("The same, in samples.")] = None
@@ -77,7 +77,7 @@ def chosen_crop(crop: tuple[float, ...] | None, crop_index: tuple[float, ...] | 
 
 
 def chosen_clip(cuts: CutOptions, volume: Grid) -> list[Clip]:
-    """What is kept and taken out of a volume."""
+    """The clips of a volume: crop box, clip planes, cut-out boxes."""
     from wavesplat._model.clips import ClipPlane, CutOut
     from wavesplat._model.crop import Crop
 

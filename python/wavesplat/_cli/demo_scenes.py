@@ -1,4 +1,4 @@
-"""The pictures that `wavesplat demo` draws: one line each, of the volumes that come with the package."""
+"""The table of pictures that `wavesplat demo` draws of the volumes that come with the package."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ SCENES = (
 
 
 def draw(folder: Path) -> Iterator[Path]:
-    """Draw each scene to a PNG file in the folder, which must exist, and give its path."""
+    """Draw each scene to a PNG file in the folder, which must exist, and yield its path."""
     paths = [folder / f"{scene.name}.png" for scene in SCENES]
     for path in paths:
         check_output(path, "pictures")

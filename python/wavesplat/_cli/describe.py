@@ -1,4 +1,4 @@
-"""What `wavesplat info` says about a volume."""
+"""Facts about a volume for `wavesplat info`, as JSON and as text."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 __all__ = ["Choice", "describe", "describe_wavelets", "lines", "wavelet_lines"]
 
 PERCENTILES = (1, 5, 25, 50, 75, 95, 99)
-#: Samples that the percentiles are taken from, at most; of lazy volumes those that their surveys keep.
+#: Largest number of samples that percentiles are taken from; for lazy volumes, those that their surveys keep.
 N_SAMPLES_MAX = 10_000_000
-#: Facts that are told as they are.
+#: Names of facts that are reported unchanged.
 OF_FILE = (
     "modality",
     "channel",
@@ -36,27 +36,27 @@ OF_FILE = (
     "guesses",
     "processing",
 )
-#: Channels, datasets and so on that are listed for people, at most.
+#: Largest number of channels, datasets, times, ... that the text lists.
 N_LISTED = 40
 
 
 @dataclass(frozen=True)
 class Choice:
-    """Something of which a file holds several: the option that chooses, what it may be, and what is shown of it."""
+    """A choice that a file leaves open: the option that makes it, its possible values, and their descriptions."""
 
     option: str
     names: tuple[str | int, ...]
     described: tuple[str, ...] = ()
-    #: Why the first of them could not be shown.
+    #: Why the first value could not be shown.
     problem: str | None = None
 
     def facts(self) -> dict[str, Any]:
-        """Ready for JSON."""
+        """The choice, ready for JSON."""
         facts = {"option": self.option, "names": list(self.names), "described": list(self._described())}
         return facts if self.problem is None else {**facts, "problem": self.problem}
 
     def lines(self) -> list[str]:
-        """For people."""
+        """The choice as lines of text."""
         plural = self.option if self.option == "series" else f"{self.option}s"
         described = self._described()
         text = ", ".join(described[:N_LISTED]) + (", ..." if len(described) > N_LISTED else "")
@@ -97,7 +97,7 @@ def _described(volume: Volume) -> dict[str, Any]:
 
 
 def describe_wavelets(wavelets: WaveletVolume, original: Volume | None = None) -> dict[str, Any]:
-    """Facts about a volume of coefficients, and how near it is to the samples that it was made from."""
+    """Facts about a volume of coefficients, and its error against the samples that it was made from."""
     low, high = wavelets.value_range
     facts: dict[str, Any] = {
         **_place(wavelets),
@@ -123,7 +123,7 @@ def describe_wavelets(wavelets: WaveletVolume, original: Volume | None = None) -
 
 
 def wavelet_lines(facts: dict[str, Any]) -> list[str]:
-    """The same for people, one fact a line."""
+    """The facts as text, one fact a line."""
     z, y, x = facts["shape_zyx"]
     low, high = facts["value_range"]
     size = f"{facts['n_bytes'] / 2**20:.3g} MiB"
@@ -164,7 +164,7 @@ def _place(grid: Grid) -> dict[str, Any]:
 
 
 def lines(facts: dict[str, Any]) -> list[str]:
-    """The same for people, one fact a line."""
+    """The facts as text, one fact a line."""
     z, y, x = facts["shape_zyx"]
     percentiles = "  ".join(f"{name} %: {value:g}" for name, value in facts["percentiles"].items())
     if facts["value_range"] is None:

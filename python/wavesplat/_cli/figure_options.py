@@ -1,4 +1,4 @@
-"""The options that make a figure of a picture: what is written on and beside it."""
+"""Options of figures: scale bar, orientation, colour bar, legend and title."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ __all__ = ["FigureOptions", "annotated", "check_figure", "takes_figure_options"]
 
 @dataclass(frozen=True)
 class FigureOptions:
-    """What is wanted, as `Picture.annotated` takes it."""
+    """Options of a figure, as `Picture.annotated` takes them."""
 
     scale_bar: Annotated[
         bool, typer.Option("--scale-bar", help="Draw a bar of a round length, in the file's unit or --unit.")
@@ -52,7 +52,7 @@ class FigureOptions:
 
     @property
     def orientation(self) -> Any:
-        """The one of three that is wanted."""
+        """The one marker of orientation that is asked for: "letters", "cube", "axes", or None."""
         asked = [name for name in ("letters", "cube", "axes") if getattr(self, name)]
         if len(asked) > 1:
             raise ArgumentError(f"--{asked[0]} and --{asked[1]} both show how the picture lies; give one of them")
@@ -65,7 +65,7 @@ def takes_figure_options(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def check_figure(options: FigureOptions) -> None:
-    """An `ArgumentError` for what cannot be, before a picture is drawn."""
+    """Refuse options that cannot work, before a picture is drawn."""
     from wavesplat._picture import lettering
     from wavesplat._picture.picture import check_dpi
 
@@ -80,7 +80,7 @@ def check_figure(options: FigureOptions) -> None:
 
 
 def annotated(picture: Picture, options: FigureOptions, *, quiet: bool) -> Picture:
-    """The picture with what is wanted."""
+    """The picture as a figure, with the marks that the options ask for."""
     bar: Any = options.scale_bar if options.bar_length is None else options.bar_length
     if bar is not False and picture.unit is None and not quiet and not any(map(str.isalpha, options.bar_length or "")):
         message("note: the scale bar has no unit: the file names none; give it with --unit, such as --unit um")

@@ -1,4 +1,4 @@
-"""`wavesplat render --from`: a picture that was drawn before, drawn again from what it says of itself."""
+"""`wavesplat render --from`: draw a picture again, from the document in its file, in a report, or from a scene."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from wavesplat.errors import ArgumentError
 
 __all__ = ["draw_from"]
 
-#: What may be given beside it: where the picture goes, what files may be read, and what does not change what
-#: is drawn.
+#: Parameters that may be given with `--from`: where the picture goes, which files may be read, and those that do not
+#: change what is drawn.
 BESIDE = {"context", "again", "output", "bits", "threads", "device", "report", "json", "quiet", "external_files"}
 
 
@@ -67,7 +67,7 @@ def draw_from(
 
 
 def _refuse_others(context: typer.Context) -> None:
-    """An `ArgumentError` for other options: all that they say is in the document."""
+    """Raise an `ArgumentError` for other options: the document has what they would set."""
     may_be = BESIDE | {field.name for field in fields(FigureOptions)}
     given = [
         parameter

@@ -11,7 +11,7 @@ from wavesplat._cli.shared_options import Json
 
 __all__ = ["gpu_check"]
 
-#: Pixels of a picture along each side, and how often it is drawn for its time.
+#: Pixels of a picture along each side, and number of times that it is drawn to be timed.
 SIDE, N_TIMES = 256, 3
 
 
@@ -36,7 +36,7 @@ def gpu_check(
 
 
 def _checked(adapter: Any) -> dict[str, Any]:
-    """What an adapter is, and how its pictures are."""
+    """Facts of an adapter, its self-test, and its pictures compared with the CPU's."""
     from dataclasses import asdict
 
     from wavesplat import gpu
@@ -48,7 +48,7 @@ def _checked(adapter: Any) -> dict[str, Any]:
 
 
 def _scenes() -> list[tuple[str, Any, dict[str, Any]]]:
-    """Pictures of the bundled data: every kind of work that shaders do."""
+    """Titles, scenes and options of pictures of the bundled data: every kind of work that shaders do."""
     from wavesplat import examples
     from wavesplat._looks.shading import Shading
     from wavesplat._model.composites import FirstHit
@@ -68,7 +68,7 @@ def _scenes() -> list[tuple[str, Any, dict[str, Any]]]:
 
 
 def _compared(name: str, title: str, scene: Any, options: dict[str, Any]) -> dict[str, Any]:
-    """The picture of a GPU beside the CPU's: largest difference in levels of 255, pixels beyond one, and times."""
+    """A GPU's picture compared with the CPU's: largest difference in levels of 255, pixels beyond one, and times."""
     import time
 
     import numpy as np
@@ -98,7 +98,7 @@ def _compared(name: str, title: str, scene: Any, options: dict[str, Any]) -> dic
 
 
 def _lines(facts: dict[str, Any]) -> list[str]:
-    """The table, as Markdown has it."""
+    """The table of results, in Markdown."""
     lines = [f"wavesplat {facts['version']}, {facts['system']}"]
     if not facts["gpus"]:
         return [*lines, "no GPU: no driver for Vulkan, Metal or DX12 tells of one, so the CPU draws"]

@@ -42,7 +42,7 @@ def info(input: Input, *, reader: ReaderOptions, json: Json = False) -> None:
 def _first(
     input: str, reader: ReaderOptions, choices: list[describe.Choice]
 ) -> tuple[list[describe.Choice], Volume | WaveletVolume | None]:
-    """What the file leaves open, and its first volume; None where what it offers first is none."""
+    """The choices that a file leaves open, and the volume that their first values name; None if it cannot be read."""
     from wavesplat._cli.describe import Choice
     from wavesplat._readers.request import SeveralError
     from wavesplat.errors import FileError
@@ -56,7 +56,7 @@ def _first(
         choice = Choice(several.option, several.names, several.described)
         return _first(input, replace(reader, **first), [*choices, choice])
     except FileError as error:
-        # Of one among several, which another may be better than.
+        # The first of several may be unreadable where another one is not: its error is reported with the choice.
         if not choices:
             raise
         return [*choices[:-1], replace(choices[-1], problem=str(error))], None

@@ -1,4 +1,4 @@
-"""The options of a segmentation beside the volume."""
+"""Options of a segmentation that is drawn with the volume."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ LabelTable = Annotated[
 
 
 def opened_labels(path: str | None, table: Path | None) -> Labels | None:
-    """The segmentation, or None where there is none."""
+    """The segmentation that the options name, or None."""
     from wavesplat._looks.labels import Labels
 
     if path is None:

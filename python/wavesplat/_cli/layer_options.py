@@ -1,4 +1,4 @@
-"""The options that say what is shown beside each other: channels of the file, further volumes, time points.
+"""Options of layers: channels of the file, further volumes, time points.
 
 `--channel NUMBER|NAME[:COLOUR][:LOW,HIGH]` and `--layer FILE[:LOOK][:LOW,HIGH]` are read from the right, so that names
 of channels, drives of Windows and URLs may have colons.
@@ -40,11 +40,11 @@ __all__ = [
 CHANNEL = "NUMBER|NAME[:COLOR][:LOW,HIGH]"
 LAYER = "FILE[:LOOK][:LOW,HIGH]"
 TIMES = "all|N,N,...|FIRST:END[:STEP]"
-#: Where a time's number goes in the name of its picture.
+#: Placeholder of a time's number in the name of its picture.
 PLACE_OF_NUMBER = "{time}"
 
 
-#: Of `render`, `movie` and `slice`.
+#: The option `--layer` of `render`, `movie` and `slice`.
 FurtherLayers = Annotated[
     list[str] | None,
     typer.Option(
@@ -87,7 +87,7 @@ def takes_layer_options(command: Callable[..., None]) -> Callable[..., None]:
 
 
 class ChannelText(NamedTuple):
-    """A channel as it was written."""
+    """A `--channel`, parsed: which one, its colour and its window."""
 
     which: int | str
     color: str | None
@@ -95,12 +95,12 @@ class ChannelText(NamedTuple):
 
     @property
     def is_plain(self) -> bool:
-        """Whether nothing is said of how it is to be shown."""
+        """Whether only the channel is named, without colour or window."""
         return self.color is None and self.window is None
 
 
 def channel_of(text: str) -> ChannelText:
-    """What a `--channel` says."""
+    """Parse a `--channel`."""
     rest, window = _without_window(text, f"--channel is {CHANNEL}")
     name, colon, color = rest.rpartition(":")
     if not (colon and name and _is_color(color)):
@@ -121,7 +121,7 @@ def _is_color(text: str) -> bool:
 
 
 def _without_window(text: str, syntax: str) -> tuple[str, tuple[float, float] | None]:
-    """What is before a window, and the window if there is one."""
+    """The text before a window, and the window, or None if the text does not end with one."""
     rest, colon, last = text.rpartition(":")
     numbers = re.fullmatch(r"\s*([-+.\deE]+)\s*,\s*([-+.\deE]+)\s*", last) if colon else None
     if numbers is None:
@@ -139,7 +139,7 @@ def _without_window(text: str, syntax: str) -> tuple[str, tuple[float, float] | 
 
 
 class LayerText(NamedTuple):
-    """A further volume as it was written."""
+    """A `--layer`, parsed: its file, look and window."""
 
     path: str
     look: str | None
@@ -147,14 +147,14 @@ class LayerText(NamedTuple):
 
 
 def layer_of(text: str) -> LayerText:
-    """What a `--layer` says; the longest part that is a file is the file."""
+    """Parse a `--layer`; the longest beginning that names a file is the file."""
     rest, window = _without_window(text, f"--layer is {LAYER}")
-    if Path(text).exists():  # a name that looks like one with a window
+    if Path(text).exists():  # the file's own name ends like a window
         return LayerText(text, None, None)
     parts = rest.split(":")
     for count in range(len(parts), 0, -1):
         path, look = ":".join(parts[:count]), ":".join(parts[count:])
-        # Of a URL nobody knows where it ends: what follows its last slash and a colon is a look.
+        # Whether a URL exists is not known: after its last slash, what follows a colon is the look.
         is_whole = "/" in parts[count - 1] if is_address(path) else Path(path).expanduser().exists()
         if is_whole:
             return LayerText(path, look or None, window)
@@ -164,7 +164,7 @@ def layer_of(text: str) -> LayerText:
 
 
 def further_layers(texts: Sequence[str] | None, *, time: int, quiet: bool) -> list[Layer]:
-    """The volumes of `--layer`, with their looks. `time`: which time point, of those that have several."""
+    """The volumes of `--layer`, with their looks. `time`: the time point of volumes that have several."""
     from wavesplat._looks.over_time import brightest
     from wavesplat._readers.request import SeveralError
     from wavesplat._readers.time_points import open_series
@@ -188,7 +188,7 @@ def further_layers(texts: Sequence[str] | None, *, time: int, quiet: bool) -> li
 
 
 def _look(volume: Volume, said: LayerText, *, quiet: bool) -> Look | None:
-    """A preset, if no window is given; else a colour, or a colour map; grey if nothing is named."""
+    """The look of a `--layer`: a preset if it has no window, else a colour or a colour map; grey if none is named."""
     from wavesplat._cli.printing import warnings_as_notes
     from wavesplat._looks import colors, presets
     from wavesplat._looks.look import Look
@@ -215,7 +215,7 @@ def _look(volume: Volume, said: LayerText, *, quiet: bool) -> Look | None:
 
 
 def times_of(text: str, n: int) -> list[int]:
-    """The numbers that `--times` says, of so many time points."""
+    """The time points that `--times` names, of `n`."""
     if text == "all":
         return list(range(n))
     is_range = ":" in text
@@ -240,7 +240,7 @@ def times_of(text: str, n: int) -> list[int]:
 
 
 def names_of_pictures(output: Path, numbers: Sequence[int], n: int) -> Iterator[tuple[int, Path]]:
-    """Each time's number, of so many, and the file for its picture."""
+    """The number of each time point, of `n`, and the file for its picture."""
     for number in numbers:
         told = f"{number:0{len(str(n - 1))}}"
         if PLACE_OF_NUMBER in output.name:

@@ -1,4 +1,4 @@
-"""The options that say how surfaces are lit, declared once, and the shading that they make of a look's own."""
+"""Options of light, declared once, and the shading that they make of a look's own."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ __all__ = ["LightOptions", "chosen_shading", "takes_light_options"]
 
 
 def _light(text: str) -> Any:
-    """A light by name, or its direction."""
+    """The name of a light, or its direction."""
     if text in ("key", "headlight"):
         return text
     return parsers.numbers(3, "-1,1,1.5, key or headlight")(text)
@@ -27,7 +27,7 @@ def _light(text: str) -> Any:
 
 @dataclass(frozen=True)
 class LightOptions:
-    """What is said about light; what is not said is the look's."""
+    """Options of light; those that are not given leave the look's own settings."""
 
     shading: Annotated[bool, typer.Option(help="Light the surfaces, or draw colours as they are.")] = True
     light: Annotated[
@@ -60,7 +60,7 @@ def takes_light_options(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def chosen_shading(options: LightOptions, own: Shading | None) -> Shading | None:
-    """A look's own shading with what the options change."""
+    """A look's own shading, changed by the options; None without shading."""
     from wavesplat._looks.shading import Light, Shading
 
     asked = given(options)

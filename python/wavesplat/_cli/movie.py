@@ -42,7 +42,7 @@ if TYPE_CHECKING:
 __all__ = ["movie"]
 
 EXIT_INTERRUPTED = 130
-#: Of a turn, where nothing else is said: four seconds.
+#: Frames of a turn by default: four seconds.
 TURN = 120
 
 
@@ -149,7 +149,7 @@ def movie(
 def _along(
     chosen: ChosenScene, turn: Turn, times: str | None, viewing: ViewOptions, *, size: tuple[int, int], fps: float
 ) -> list[KeyFrame] | Turn:
-    """A turn, or a frame of each time point."""
+    """A turn, or a key frame for each time point."""
     from wavesplat._model.series import Series
     from wavesplat._movie.key_frame import KeyFrame
 

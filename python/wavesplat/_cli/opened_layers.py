@@ -1,4 +1,4 @@
-"""What INPUT, `--channel` and `--time` name: one volume, or the channels of a file as layers of a scene."""
+"""The volume, series, or channels as layers, that INPUT, `--channel`, `--time` and `--times` name."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ def opened_layers(
     """A volume, a series where several times are to be drawn, or channels with their looks.
 
     composite : the operator that looks are for.
-    all_times : a series too where nothing is said of times and the file has several.
+    all_times : whether a file of several times gives a series if neither `--time` nor `--times` is given.
     """
     from wavesplat._readers.request import SeveralError
 
@@ -75,7 +75,7 @@ def opened_layers(
         if error.option == "time" and error.is_said and reader.time is None:
             reader, layering = _with_times(reader, layering, len(error.names), all_times=all_times, quiet=quiet)
             return opened_layers(path, reader, layering, processing, composite=composite, quiet=quiet)
-        # Of an array whose axes have no names, none is known to be that of channels.
+        # In an array whose axes have no names, no axis is known to be that of channels.
         if error.option != "channel" or said or not error.is_said:
             raise
     return _channels(
@@ -92,7 +92,7 @@ def opened_layers(
 def _with_times(
     reader: ReaderOptions, layering: LayerOptions, n_times: int, *, all_times: bool, quiet: bool
 ) -> tuple[ReaderOptions, LayerOptions]:
-    """Options that say which of several times is meant: all, or the first, which is told."""
+    """The options completed for a file of several times: all of them, or the first, with a note."""
     if all_times:
         return reader, replace(layering, times="all")
     if not quiet:
@@ -101,7 +101,7 @@ def _with_times(
 
 
 def _options(reader: ReaderOptions) -> dict[str, Any]:
-    """Those of `open_series`."""
+    """Options of the reader as arguments of `open_series`, without time and channel."""
     return {name: value for name, value in vars(reader).items() if name not in ("time", "channel")}
 
 
@@ -129,7 +129,7 @@ def _channels(
     composite: Composite,
     keeps_times: bool,
 ) -> Volume | Series | Channels:
-    """Layers; a volume or a series where there is but one, of which nothing is said."""
+    """Channels as layers; a volume or a series where there is one channel, without colour and window."""
     from wavesplat._looks.look import Look
     from wavesplat._model.series import Series
     from wavesplat._scene.opening import open_scene
@@ -173,6 +173,6 @@ def _changed(layer: Layer, processing: ProcessingOptions, *, keeps_times: bool) 
 
 
 def _volume(layer: Layer) -> Volume:
-    """Of a layer that was read from a file of samples."""
+    """The volume of a layer that was read from a file of samples."""
     volume: Any = layer.drawn
     return volume  # type: ignore[no-any-return]

@@ -1,4 +1,4 @@
-"""Options that several commands share and get together, as one value: the fields of a dataclass."""
+"""Groups of options that several commands share: the fields of a dataclass, passed as one value."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ def with_options_of(
 ) -> Callable[..., None]:
     """The command with an option for each field of the dataclass `group`, in the place of its parameter `name`.
 
-    without : fields that the command has no option for, or one of its own.
+    without : fields for which the command has no option, or one of its own.
     """
     hints = get_type_hints(group, include_extras=True)
     options = [
@@ -35,13 +35,13 @@ def with_options_of(
     parameters: list[inspect.Parameter] = []
     for parameter in inspect.signature(command, eval_str=True).parameters.values():
         parameters += options if parameter.name == name else [parameter]
-    # Typer asks for both, depending on its release.
+    # Typer reads one or the other, depending on its release.
     with_options.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
     with_options.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
     return with_options
 
 
 def given(group: Any) -> list[str]:
-    """The options of a group that were set, as they are written."""
+    """Names of a group's options that were set, as they are written on the command line."""
     names = [field.name for field in fields(group) if getattr(group, field.name) != field.default]
     return sorted("--" + name.replace("_", "-") for name in names)

@@ -1,6 +1,6 @@
-"""What is said of an option that a command does not have: the one that does what its name asks for.
+"""Hints for unknown options: the option of the command that does what the name asks for.
 
-Names of letters alike are the last resort: `--window` is no `--shadow`, and `--clim` is no `--time`.
+Similar spelling is the last resort: `--window` does not mean `--shadow`, nor `--clim` `--time`.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from difflib import get_close_matches
 
 __all__ = ["hint"]
 
-#: What people call things, in other programs too -> what to write. The first that a command has is offered.
+#: Words that people use, in other programs too -> what to write. The first that a command has is offered.
 WORDS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(
         ("mip", "maximum", "max", "projection", "maximum-intensity-projection"), ("--composite mip", "--slab maximum")
@@ -82,12 +82,12 @@ WORDS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("slice", "slice-index", "z"), ("--position MM",)),
     **dict.fromkeys(("thick", "slab-thickness"), ("--thickness MM",)),
 }
-#: Share of letters from which a name is taken for a slip of the fingers.
+#: Least similarity, 0..1 (`difflib`), from which a name counts as a misspelt option.
 ALIKE = 0.8
 
 
 def hint(option: str, command: str, options: Mapping[str, Collection[str]]) -> str:
-    """What to write instead of an option. `options`: those of all commands, as they are written."""
+    """The hint for an unknown option of a command. `options`: those of all commands, as they are written."""
     own = options[command]
     word = option.lstrip("-").lower().replace("_", "-")
     meant = WORDS.get(word, ())

@@ -1,4 +1,4 @@
-"""Where results go: checked before the work, so that nothing is made that cannot be kept."""
+"""Checks of output paths before the work, so that nothing is made that cannot be kept; and reports."""
 
 from __future__ import annotations
 
@@ -32,7 +32,7 @@ def check_outputs(input: str, output: Path, kind: Kind, report: Path | None = No
 
 
 def write_report(path: Path, facts: dict[str, Any]) -> None:
-    """Write what is told of a result to a file."""
+    """Write the facts about a result to a JSON file."""
     from wavesplat._files.output import write_atomically
 
     write_atomically(path, lambda part: part.write_text(json_text(facts) + "\n", encoding="utf-8"))

@@ -1,4 +1,4 @@
-"""The numbers and names that people write on a command line, and pairs of options that exclude each other."""
+"""Parsers of numbers and names on the command line, and a check of options that exclude each other."""
 
 from __future__ import annotations
 
@@ -59,7 +59,7 @@ def size(text: str) -> tuple[int, int]:
 
 
 def numbers(count: int, example: str) -> Callable[[str], tuple[float, ...]]:
-    """A parser that takes so many numbers; `example` shows how they are written."""
+    """A parser that takes `count` numbers; `example` shows how they are written."""
 
     def parse(text: str) -> tuple[float, ...]:
         try:
@@ -74,7 +74,7 @@ def numbers(count: int, example: str) -> Callable[[str], tuple[float, ...]]:
 
 
 def whole_numbers(text: str) -> tuple[int, ...]:
-    """Whole numbers, however many."""
+    """A list of whole numbers, of any length."""
     try:
         return tuple(int(part) for part in text.split(","))
     except ValueError:
@@ -82,7 +82,7 @@ def whole_numbers(text: str) -> tuple[int, ...]:
 
 
 def weights(text: str) -> tuple[float, ...]:
-    """Numbers, however many."""
+    """A list of numbers, of any length."""
     try:
         return tuple(float(part) for part in text.split(","))
     except ValueError:
@@ -90,7 +90,7 @@ def weights(text: str) -> tuple[float, ...]:
 
 
 def opacity(text: str) -> str | float | tuple[float, ...]:
-    """A name, a number, or several."""
+    """The name of an opacity curve, a number, or several numbers."""
     if text.isalpha():
         return text
     given = weights(text)
@@ -98,12 +98,12 @@ def opacity(text: str) -> str | float | tuple[float, ...]:
 
 
 def window(text: str) -> str | tuple[float, ...]:
-    """A name, or level and width."""
+    """The name of a window, or its level and width."""
     return text if any(letter.isalpha() for letter in text) else numbers(2, "40,400")(text)
 
 
 def color(text: str) -> str:
-    """A colour that can be read."""
+    """The text of a colour, checked."""
     from wavesplat._looks import colors
 
     try:
@@ -114,7 +114,7 @@ def color(text: str) -> str:
 
 
 def refuse_pairs(**given: object) -> None:
-    """An `ArgumentError` if both of two options are given: neither is None."""
+    """Raise an `ArgumentError` if both of two options are given: neither is None."""
     first, second = given
     if given[first] is not None and given[second] is not None:
         names = " and ".join("--" + name.replace("_", "-") for name in given)

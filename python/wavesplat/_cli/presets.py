@@ -62,7 +62,7 @@ def presets(
 
 
 def _print(found: list[Preset], *, as_json: bool) -> None:
-    """In groups, one line each."""
+    """Print presets in groups, one line each."""
     from wavesplat._looks.presets import GROUPS
 
     text = []

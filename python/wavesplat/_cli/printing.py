@@ -1,4 +1,4 @@
-"""What a command says: its result on stdout, messages on stderr."""
+"""Output of commands: results on stdout, messages on stderr."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def print_result(facts: dict[str, Any], text: object, *, as_json: bool, written:
 
 @contextmanager
 def collected(*, as_json: bool) -> Iterator[None]:
-    """Print the facts of all results inside as one list, since several JSON texts are none."""
+    """Print the facts of all results of the block as one list, since several JSON texts in a row are no JSON."""
     if not as_json:
         yield
         return
@@ -55,7 +55,7 @@ def collected(*, as_json: bool) -> Iterator[None]:
 
 
 def print_lines(text: object, *, written: Path | None = None) -> None:
-    """Print, or raise a `FileError` where stdout leads to a full disk."""
+    """Print a text; raise a `FileError` where stdout leads to a full disk."""
     try:
         print(text, flush=True)
     except BrokenPipeError:
@@ -67,21 +67,21 @@ def print_lines(text: object, *, written: Path | None = None) -> None:
 
 
 def json_text(facts: dict[str, Any]) -> str:
-    """Facts as JSON, which has no infinity: null."""
+    """Facts as JSON; NaN and infinity, which JSON lacks, become null."""
     import json
 
     return json.dumps(_finite(facts), indent=2, allow_nan=False, default=float)
 
 
 def message(text: str) -> None:
-    """A line on stderr, if there is one."""
+    """Print a line on stderr, if there is a stderr."""
     if sys.stderr is not None:
         print(f"wavesplat: {text}", file=sys.stderr)
 
 
 @contextmanager
 def warnings_as_notes(*, quiet: bool = False) -> Iterator[None]:
-    """What is warned of inside becomes a note on stderr each, or nothing if `quiet`."""
+    """Print each warning of the block as a note on stderr, or none of Wavesplat's if `quiet`."""
     import warnings
 
     with warnings.catch_warnings(record=True) as caught:
@@ -94,7 +94,7 @@ def warnings_as_notes(*, quiet: bool = False) -> Iterator[None]:
 
 
 def print_notes(picture: Picture) -> None:
-    """Say what the report of a picture notes, such as why it is black."""
+    """Print the notes in a picture's report, such as why it is black."""
     from wavesplat._scene.lazy_layers import FROM_CACHE
 
     for note in picture.report.get("notes", ()):
@@ -104,7 +104,7 @@ def print_notes(picture: Picture) -> None:
 
 
 def is_terminal() -> bool:
-    """Whether somebody may watch a bar move on stderr."""
+    """Whether stderr is a terminal, in which a progress bar can move."""
     return sys.stderr is not None and sys.stderr.isatty()
 
 
@@ -117,7 +117,7 @@ def take_any_name() -> None:
 
 
 def _as_bytes(error: UnicodeError) -> tuple[bytes | str, int]:
-    """For codecs: the byte that a name had, or the number of a letter."""
+    """Handler of encoding errors: the original byte of a file's name, else the escaped code point."""
     if not isinstance(error, UnicodeEncodeError):
         raise error
     letter = ord(error.object[error.start])
@@ -134,7 +134,7 @@ def _finite(value: Any) -> Any:
 
 
 def _give_up_stdout() -> None:
-    """What is still to be printed goes nowhere: at its end Python would try again, and complain."""
+    """Send the rest of stdout to the null device: Python would try again when it ends, and complain."""
     nowhere = os.open(os.devnull, os.O_WRONLY)
     os.dup2(nowhere, 1)
     os.close(nowhere)

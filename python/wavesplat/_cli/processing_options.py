@@ -1,4 +1,4 @@
-"""The options that say what is done to the samples once they are read, declared once."""
+"""Options of processing the samples once they are read, declared once."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ __all__ = [
 
 
 def _deviation(text: str) -> tuple[float, str | None]:
-    """A number, and the unit of length that it is in; None is voxels."""
+    """A number, and its unit of length; None is voxels."""
     from wavesplat._model import units
 
     parts = re.fullmatch(r"\s*([\d.]+(?:e[+-]?\d+)?)\s*(\D*)", text)
@@ -41,7 +41,7 @@ def _deviation(text: str) -> tuple[float, str | None]:
 
 @dataclass(frozen=True)
 class ProcessingOptions:
-    """What is done to the samples, in this order."""
+    """Steps of processing the samples, in this order."""
 
     remove_table: Annotated[
         bool,
@@ -69,7 +69,7 @@ def takes_processing_options(command: Callable[..., None]) -> Callable[..., None
 def processed(
     path: str, reader: ReaderOptions, processing: ProcessingOptions, *, quiet: bool = False
 ) -> Volume | WaveletVolume:
-    """The volume that INPUT names, or the wavelet coefficients, to which nothing can be done."""
+    """The volume that INPUT names, processed; or its wavelet coefficients, which cannot be."""
     if not path.lower().endswith(".wavelets"):
         return processed_samples(path, reader, processing, quiet=quiet)
     if given(processing):
@@ -83,12 +83,12 @@ def processed(
 def processed_samples(
     path: str, reader: ReaderOptions, processing: ProcessingOptions, *, quiet: bool = False
 ) -> Volume:
-    """The volume of samples that INPUT names."""
+    """The volume of samples that INPUT names, processed."""
     return changed_samples(open_samples(path, reader, quiet=quiet), processing)
 
 
 def changed_samples(volume: Volume, processing: ProcessingOptions) -> Volume:
-    """A volume to which this is done."""
+    """The volume after the processing."""
     if processing.remove_table:
         from wavesplat._looks.largest_body import largest_body
 
@@ -97,7 +97,7 @@ def changed_samples(volume: Volume, processing: ProcessingOptions) -> Volume:
 
 
 def changed_series(series: Series, processing: ProcessingOptions) -> Series:
-    """A series to whose volumes this is done, when they are read."""
+    """The series with volumes that are processed when they are read."""
     from wavesplat._model.series import Series
 
     if not given(processing):

@@ -1,4 +1,4 @@
-"""Work that shows how far it is and stops at Ctrl-C."""
+"""Long work with a progress bar, which Ctrl-C stops."""
 
 from __future__ import annotations
 
@@ -19,18 +19,18 @@ __all__ = ["bar", "run"]
 
 T = TypeVar("T")
 
-#: How often the bar moves and, on Windows, Ctrl-C is noticed.
+#: Interval at which the bar moves and, on Windows, Ctrl-C is noticed.
 POLL_SECS = 0.05
 
-#: To a terminal, in which the bar has hidden it (DECTCEM of the VT220).
+#: Control sequence that shows a terminal's cursor, which the bar has hidden (DECTCEM of the VT220).
 SHOW_CURSOR = b"\x1b[?25h"
 
 
 def run(work: Callable[[Callable[[float], bool]], T], label: str, *, shown: bool) -> T:
-    """What `work(progress)` returns, with a progress bar on stderr if `shown`.
+    """Return `work(progress)`, with a progress bar on stderr if `shown`.
 
     The work runs in a second thread, so that this one is free to receive Ctrl-C: it then makes `progress` return False,
-    waits for the work to stop, and raises `KeyboardInterrupt`. One more does not wait and ends the process at once.
+    waits for the work to stop, and raises `KeyboardInterrupt`. A second Ctrl-C ends the process at once.
     """
     task = _Task(work)
     with _interrupts(task):
@@ -48,7 +48,7 @@ def run(work: Callable[[Callable[[float], bool]], T], label: str, *, shown: bool
 
 @contextmanager
 def bar(label: str, *, shown: bool) -> Iterator[Callable[[float], None]]:
-    """What moves a progress bar on stderr, if it is `shown`: for work that waits in this thread, and so gets Ctrl-C."""
+    """A callback that moves a progress bar on stderr, if `shown`: for work in this thread, which so gets Ctrl-C."""
     if not shown:
         yield lambda _fraction: None
         return
@@ -59,7 +59,7 @@ def bar(label: str, *, shown: bool) -> Iterator[Callable[[float], None]]:
 
 @contextmanager
 def _interrupts(task: _Task[T]) -> Iterator[None]:
-    """Ctrl-C cancels the task, and raises nothing.
+    """Let Ctrl-C cancel the task, instead of raising an exception.
 
     In Python 3.11 an exception that comes while `Thread.join` waits marks the thread as ended when it is not
     (`Thread._wait_for_tstate_lock`). Elsewhere than in the main thread, which alone receives signals, and where Ctrl-C
@@ -85,7 +85,7 @@ def _interrupts(task: _Task[T]) -> Iterator[None]:
 
 
 class _Task(Generic[T]):
-    """A piece of work in its thread, and what it has come to."""
+    """A piece of work in its thread, and its result or error."""
 
     def __init__(self, work: Callable[[Callable[[float], bool]], T]) -> None:
         self.work = work

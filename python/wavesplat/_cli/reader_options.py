@@ -39,7 +39,7 @@ Input = Annotated[str, typer.Argument(metavar="INPUT", help="A volume: file, fol
 
 @dataclass(frozen=True)
 class ReaderOptions:
-    """What is said about the input beside its path; the fields are the arguments of `wavesplat.open`."""
+    """Options of reading INPUT; the fields are the arguments of `wavesplat.open`."""
 
     series: Annotated[
         str | None, typer.Option(metavar="UID", help="DICOM: which series, if the folder holds several.")
@@ -105,19 +105,19 @@ def takes_reader_options(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def takes_reader_options_but_channel(command: Callable[..., None]) -> Callable[..., None]:
-    """The same for a command whose `--channel` says more."""
+    """Give a command these options without `--channel`, for which it has an option that says more."""
     return with_options_of(ReaderOptions, "reader", command, without=("channel",))
 
 
 def open_samples(path: str, reader: ReaderOptions, *, quiet: bool = False) -> Volume:
-    """A volume of samples; what was guessed is told on stderr, a note each, unless `quiet`."""
+    """Open a volume of samples; each guess is a note on stderr, unless `quiet`."""
     import warnings
 
     from wavesplat._readers.opening import open as open_volume
     from wavesplat.errors import FileWarning
 
     with warnings.catch_warnings():
-        # They are among the guesses.
+        # Warnings of files are among the guesses.
         warnings.simplefilter("ignore", FileWarning)
         volume = open_volume(path, **vars(reader))
     if not quiet:
@@ -126,7 +126,7 @@ def open_samples(path: str, reader: ReaderOptions, *, quiet: bool = False) -> Vo
 
 
 def tell_guesses(volumes: Iterable[Volume]) -> None:
-    """What was guessed of volumes, each note once."""
+    """Print a note for each guess about volumes, each once."""
     for guess in dict.fromkeys(guess for volume in volumes for guess in volume.guesses):
         message(f"note: {guess}")
 

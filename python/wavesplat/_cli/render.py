@@ -122,7 +122,7 @@ def render(
 
 
 def _pictures(scene: Scene, times: str | None, input: str, output: Path) -> list[tuple[Scene, Path]]:
-    """The scene at each time that is wanted, and the file for its picture."""
+    """The scene at each time that is asked for, and the file for its picture."""
     from wavesplat._model.series import Series
 
     if times is None:
@@ -146,7 +146,7 @@ def _drawn_all(
     quiet: bool,
     **options: Any,
 ) -> list[dict[str, Any]]:
-    """Draw and write pictures; what is told of each."""
+    """Draw and write pictures; return the facts about each."""
     made = []
     for scene, path in pictures:
         picture = _drawn(scene, camera, shown=not quiet and is_terminal(), **options)
@@ -159,7 +159,7 @@ def _drawn_all(
 
 
 def _drawn(scene: Scene, camera: Camera, *, shown: bool, **options: Any) -> Any:
-    """The picture; a bar shows how far it is, if `shown`, and Ctrl-C stops it."""
+    """Draw a picture, with a progress bar if `shown`; Ctrl-C stops it."""
     from wavesplat._cli import progress
 
     return progress.run(lambda report: scene.render(camera, progress=report, **options), "drawing", shown=shown)

@@ -1,4 +1,4 @@
-"""The options that say how finely a picture is drawn, and by what."""
+"""Options of sampling: kernel, quality, threads and device."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ __all__ = ["SamplingOptions", "drawing_arguments", "takes_sampling_options"]
 
 @dataclass(frozen=True)
 class SamplingOptions:
-    """Kernel, quality, threads and device. No quality is the one that suits what is drawn: "normal" for pictures."""
+    """Kernel, quality, threads and device. Without a quality, what is drawn has its own: "normal" for pictures."""
 
     kernel: Kernel = "linear"
     quality: Annotated[
@@ -46,7 +46,7 @@ def takes_sampling_options(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def drawing_arguments(sampling: SamplingOptions) -> dict[str, Any]:
-    """The same as `Scene.render` takes it."""
+    """The options as arguments of `Scene.render`."""
     from wavesplat._model.sampling import Sampling
 
     return {

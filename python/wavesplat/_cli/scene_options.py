@@ -1,4 +1,4 @@
-"""The options that say what is shown and how, and the scene that they make with those of layers, cuts and light."""
+"""Options of a scene, and the scene that they make with the options of layers, cuts and light."""
 
 from __future__ import annotations
 
@@ -87,7 +87,7 @@ class ChosenScene(NamedTuple):
 
 
 def check_scene_options(showing: SceneOptions, colors: ColorOptions, cuts: CutOptions) -> None:
-    """Refuse what cannot be, before anything is read."""
+    """Refuse options that cannot work, before anything is read."""
     showing.check(colors)
     parsers.refuse_pairs(crop=cuts.crop, crop_index=cuts.crop_index)
     if showing.operator is not None:
@@ -107,7 +107,7 @@ def chosen_scene(
     quiet: bool,
     all_times: bool = False,
 ) -> ChosenScene:
-    """What the options say, opened; `all_times`: a series also where nothing is said of times."""
+    """The scene of the options, its volumes opened; `all_times`: keep all times of a file if no time is given."""
     from wavesplat._looks.over_time import brightest
     from wavesplat._model.series import Series
     from wavesplat._scene.layer import Layer
@@ -142,7 +142,7 @@ def chosen_scene(
 
 
 def _refuse_for_channels(showing: SceneOptions, colors: ColorOptions, n: int) -> None:
-    """An error for options that make a look, or coefficients, of one volume."""
+    """Raise an `ArgumentError` for options that make a look, or coefficients, of one volume."""
     for_one = ("preset", "tf", "materials", "threshold", "wavelet_level", "bands")
     names = [f"--{name.replace('_', '-')}" for name in for_one if getattr(showing, name) is not None]
     names += ["--cmap, --clim, --window, --log, --opacity and --gamma"] if colors.are_given() else []
@@ -153,7 +153,7 @@ def _refuse_for_channels(showing: SceneOptions, colors: ColorOptions, n: int) ->
         )
 
 
-#: The option that each operator takes a number from.
+#: Options of a number -> the operator that takes it.
 NUMBERS = {
     "iso_value": "first-hit",
     "local_threshold": "local-maximum",
@@ -163,7 +163,7 @@ NUMBERS = {
 
 
 def _operator(composite: Composite, showing: SceneOptions) -> Operator:
-    """The operator with its number; an `ArgumentError` where a number is another one's."""
+    """The operator with its number; an `ArgumentError` where the number is for another operator."""
     from wavesplat._model.composites import DepthShadedMaximum, FirstHit, LocalMaximum, XRay
 
     for name, owner in NUMBERS.items():
@@ -186,7 +186,7 @@ def _operator(composite: Composite, showing: SceneOptions) -> Operator:
 
 
 def _levels(volume: Volume | WaveletVolume, showing: SceneOptions) -> Volume | WaveletVolume:
-    """What is drawn, as wavelets if any of these options asks for them, without what is left out."""
+    """The volume to draw: wavelets if any of these options asks for them, without the levels and bands left out."""
     from wavesplat._model.wavelet_volume import WaveletVolume
 
     threshold, level, bands = showing.threshold, showing.wavelet_level, showing.bands
@@ -208,7 +208,7 @@ def _levels(volume: Volume | WaveletVolume, showing: SceneOptions) -> Volume | W
 
 
 def _note_guesses(scene: Scene, look: Look, composite: str | None) -> None:
-    # Of the guesses the one that changes what a pixel means; all are in the report.
+    # Only the guess that changes what a pixel means is printed; all are in the report.
     if look.name == "auto" and composite is None and look.composite != "over" and look.reason.endswith("values"):
         message(f"note: taken for {look.reason}; another look is one of `wavesplat presets`")
     n_nonfinite = sum(layer.drawn.n_nonfinite for layer in scene.layers)

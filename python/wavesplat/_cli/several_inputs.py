@@ -1,4 +1,4 @@
-"""Commands of one INPUT for several: patterns in quotes are looked up, and each result has a name of its own.
+"""Commands of one INPUT run on several: quoted patterns are expanded, and each result gets a name of its own.
 
 In the name of an output, {stem} is the input's without suffix, {name} with it, {folder} the folder that it is in, and
 {number} counts from 1. Other braces are left as they are.
@@ -32,7 +32,7 @@ _INPUTS = typer.Argument(
 Inputs = Annotated[list[str], _INPUTS]
 InputsOrNone = Annotated[list[str] | None, _INPUTS]
 
-#: Suffixes before the last one that belong to it.
+#: Suffixes that belong to the one after them, as in .nii.gz.
 DOUBLE = re.compile(r"\.(nii|img|hdr|ome|seg)$", re.IGNORECASE)
 PLACE = re.compile(r"\{(stem|name|folder|number)\}")
 
@@ -40,7 +40,7 @@ PLACE = re.compile(r"\{(stem|name|folder|number)\}")
 def takes_several_inputs(suffix: str | None = None) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Give a command of one `input` several of them, one after the other.
 
-    suffix : of results, where `output` is a folder; None of a command without.
+    suffix : of results, where `output` is a folder; None for a command without an output.
     """
 
     def changed(command: Callable[..., None]) -> Callable[..., None]:
@@ -63,7 +63,7 @@ def takes_several_inputs(suffix: str | None = None) -> Callable[[Callable[..., N
             else parameter
             for parameter in signature.parameters.values()
         ]
-        # Typer asks for both, depending on its release.
+        # Typer reads one or the other, depending on its release.
         with_several.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
         with_several.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
         return with_several
@@ -72,7 +72,7 @@ def takes_several_inputs(suffix: str | None = None) -> Callable[[Callable[..., N
 
 
 def _found(given: list[str]) -> list[str]:
-    """The inputs, patterns looked up, each once."""
+    """The inputs with patterns expanded, each once."""
     found: dict[str, None] = {}
     for text in given:
         found.update(dict.fromkeys(matching_files(text) or [text]))
@@ -80,7 +80,7 @@ def _found(given: list[str]) -> list[str]:
 
 
 def _runs(inputs: list[str], options: dict[str, Any], suffix: str | None) -> list[dict[str, Any]]:
-    """What the command is called with for each input."""
+    """Arguments of the command for each input."""
     runs = []
     makers: dict[Path, str] = {}
     for number, input in enumerate(inputs, 1):
@@ -105,7 +105,7 @@ def _runs(inputs: list[str], options: dict[str, Any], suffix: str | None) -> lis
 
 
 def _places(input: str, number: str) -> dict[str, str]:
-    """What stands for the words in braces."""
+    """Values of the words in braces, by word."""
     path = Path(input) if is_address(input) else Path(os.path.expanduser(input))  # noqa: PTH111
     folder = path.parent.name
     if not folder:
@@ -116,7 +116,7 @@ def _places(input: str, number: str) -> dict[str, str]:
 
 
 def _is_folder(path: Path) -> bool:
-    """No error for names that cannot be: what opens or writes them says it."""
+    """Whether a path is a folder; False for impossible names, which fail where they are opened or written."""
     return os.path.isdir(path)  # noqa: PTH112
 
 
@@ -125,7 +125,7 @@ def _named(path: Path, places: dict[str, str]) -> Path:
 
 
 def _run_all(command: Callable[..., None], runs: list[dict[str, Any]], *, titled: bool) -> None:
-    """One after the other; one that fails is told, and the others go on."""
+    """Run the command for each input in turn; report one that fails, and go on with the others."""
     n_failed = 0
     with collected(as_json=bool(runs[0].get("json"))):
         for number, run in enumerate(runs):
@@ -134,7 +134,7 @@ def _run_all(command: Callable[..., None], runs: list[dict[str, Any]], *, titled
             try:
                 command(**run)
             except WavesplatError as error:
-                # What is wrong with the options is so with all inputs.
+                # Options that are wrong are wrong for all inputs, so the first one ends the run.
                 if isinstance(error, ArgumentError) and number == 0:
                     raise
                 n_failed += 1

@@ -105,7 +105,7 @@ def slice(
     check_bits(bits)
     check_figure(figure)
     volume = processed(input, reader, processing, quiet=quiet)
-    # A window or a range alone is one of greys.
+    # A window or a range alone maps to greys.
     is_grey = colors == ColorOptions(clim=colors.clim, window=colors.window)
     look = named_look(volume, preset=preset, tf=tf, colors=None if is_grey else colors, opacity=1.0, quiet=quiet)
     transfer_function: Any = look and look.transfer_function

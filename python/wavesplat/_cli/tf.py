@@ -47,7 +47,7 @@ def tf(
         check_outputs(input, output, "looks")
     volume = processed(input, reader, processing, quiet=quiet)
     look = looks.look(volume, input, colors, quiet=quiet)
-    # By another name: what is called auto may be worked out anew by the renderer.
+    # Without the name "auto", since the renderer may work out anew a look of that name.
     text = replace(look, name="" if look.name == "auto" else look.name).to_json()
     if output is None:
         print_lines(text.rstrip("\n"))

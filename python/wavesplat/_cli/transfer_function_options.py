@@ -1,4 +1,4 @@
-"""The look that `--preset`, `--tf`, `--cmap` or `--materials` name."""
+"""Options of looks, and the look that `--preset`, `--tf`, `--cmap` or `--materials` name."""
 
 from __future__ import annotations
 
@@ -44,7 +44,7 @@ TransferFunctionFile = Annotated[
 
 @dataclass(frozen=True)
 class ColorOptions:
-    """A map of colours over a range of values."""
+    """Options of a colour map over a range of values."""
 
     cmap: Annotated[
         str | None,
@@ -81,11 +81,11 @@ class ColorOptions:
     gamma: Annotated[float, typer.Option(metavar="G", help="Less than 1 brightens what is between.")] = 1.0
 
     def are_given(self) -> bool:
-        """Whether any was set."""
+        """Whether any of these options is set."""
         return self != ColorOptions()
 
     def look(self, volume: Volume | WaveletVolume, opacity: str | float) -> Look:
-        """The map, grey if none is named. `opacity`: what is meant if nothing is said."""
+        """The look of the map, grey if none is named. `opacity`: the default."""
         from wavesplat._looks.look import Look
         from wavesplat._looks.transfer_function import TransferFunction
         from wavesplat._render.windows import limits
@@ -104,7 +104,7 @@ class ColorOptions:
 
 @dataclass(frozen=True)
 class LookOptions:
-    """A look by name, from a file, or of materials."""
+    """Options of a look: by name, from a file, or of materials."""
 
     preset: Annotated[
         str | None,
@@ -128,7 +128,7 @@ class LookOptions:
         return name
 
     def check(self, colors: ColorOptions) -> None:
-        """Raise if two of them are given, or one beside colours."""
+        """Raise if two looks are named, or one beside options of colours."""
         parsers.refuse_pairs(preset=self.preset, tf=self.tf)
         parsers.refuse_pairs(preset=self.preset, materials=self.materials)
         parsers.refuse_pairs(tf=self.tf, materials=self.materials)
@@ -176,7 +176,7 @@ def named_look(
 ) -> Look | None:
     """The look of a preset, a file or a colour map; None if none is named, or `auto` is.
 
-    What it warns of becomes notes. `opacity`: of a colour map, if nothing is said.
+    Its warnings become notes. `opacity`: default of a colour map.
     """
     from wavesplat._looks.look import Look
 
@@ -194,7 +194,7 @@ def named_look(
 
 
 def function_of_histogram(volume: Volume | WaveletVolume, path: str) -> TransferFunction:
-    """One for a first look. `path`: where the volume came from, for messages."""
+    """A transfer function for a first look, from the histogram. `path`: where the volume came from, for messages."""
     from wavesplat._looks.transfer_function import TransferFunction
 
     try:

@@ -30,9 +30,9 @@ if TYPE_CHECKING:
 
 __all__ = ["view"]
 
-#: Of the window in which the first view must fit.
+#: Size, pixels, of the window that the first view is framed for.
 FIRST_SIZE = (1024, 768)
-#: Seconds in which a page must come to be told why there is nothing to see.
+#: Seconds that an error waits for a page that can show it.
 TELLING_S = 5.0
 EXAMPLES = ("ct_pelvis", "mri_head", "ripples")
 
@@ -87,7 +87,7 @@ def view(
     check_scene_options(showing, colors, cuts)
     check_view_options(viewing)
     if input is not None and not is_address(input) and not Path(input).expanduser().exists():
-        # Before a page opens.
+        # Checked before a page opens.
         from wavesplat._files.size_checks import check_readable
 
         check_readable(Path(input).expanduser())
@@ -120,7 +120,7 @@ def view(
             )
         except WavesplatError as error:
             server.fail(str(error))
-            # So that the page gets it, which may not be there yet.
+            # The page, which may not be there yet, gets the message before the server ends.
             if server.has_reported.wait(TELLING_S if browser else 0):
                 threading.Event().wait(0.3)
             raise
@@ -140,7 +140,7 @@ def _serve(server: Any, first: ViewerState) -> None:
         server.show(session)
         ended = threading.Event()
         while True:
-            # Ctrl-C gets through between.
+            # One wait after the other: Ctrl-C gets through between two.
             ended.wait(3600)
     finally:
         session.close()

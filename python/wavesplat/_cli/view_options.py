@@ -1,4 +1,4 @@
-"""The options that say where a picture is taken from, and the camera that they make."""
+"""Options of the view, and the camera that they make."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ __all__ = ["ViewOptions", "check_view_options", "given_camera", "seen_from", "ta
 
 @dataclass(frozen=True)
 class ViewOptions:
-    """A view, or a camera, and how it is turned and magnified."""
+    """Options of a view, or a camera, and of its turn and magnification."""
 
     view: Annotated[
         Any,
@@ -54,7 +54,7 @@ def takes_view_options(command: Callable[..., None]) -> Callable[..., None]:
 
 
 def check_view_options(viewing: ViewOptions) -> None:
-    """Refuse what cannot be, before anything is read."""
+    """Refuse options that cannot work, before anything is read."""
     from wavesplat._model.camera import checked_lens
 
     parsers.refuse_pairs(view=viewing.view, camera=viewing.camera)
@@ -73,9 +73,9 @@ def given_camera(viewing: ViewOptions) -> Camera | None:
 
 
 def seen_from(scenes: Sequence[Scene], look: Look, viewing: ViewOptions, size: tuple[int, int]) -> Camera:
-    """From a view, turned by the angles; without any, from the side that suits the data.
+    """The camera of a view, turned by the angles; without a view, of the side that suits the data.
 
-    Of several scenes, which are times, the first, the middle and the last one are in view. `look`: of the first layer.
+    Several scenes are time points; the camera frames the first, the middle and the last. `look`: of the first layer.
     """
     from wavesplat._render.arguments import chosen_camera
     from wavesplat._scene.drawn_layers import seen_parts

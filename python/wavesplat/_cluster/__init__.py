@@ -1,1 +1,1 @@
-"""Pictures from many machines, by Dask: which there are, and blocks and segments of a picture over them."""
+"""Pictures drawn by many machines, with Dask: the workers, and the blocks and segments that are their tasks."""

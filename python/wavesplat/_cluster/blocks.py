@@ -3,11 +3,11 @@
 A block is drawn front to back by one worker, which streams its boxes from the files: nothing is merged, every operator
 works, and the bytes are those of one machine. With segments, a task is some slices of a block; their states are folded
 from the front to the back, by one task for each block, so that the picture does not depend on who drew what: it is
-that of one machine with the same segments. That is for data in workers' memory, and for translucent volumes that all
-of is seen.
+that of one machine with the same segments. Segments are for data in workers' memory, and for translucent volumes, all
+of which is seen.
 
-Tasks are plain `dask.delayed`, at most some thousands for any volume; they can be run again, and are where a worker is
-lost.
+Tasks are plain `dask.delayed`, at most some thousands for any volume; they can be run again, and are run again where a
+worker is lost.
 """
 
 from __future__ import annotations
@@ -33,17 +33,17 @@ from wavesplat.errors import ArgumentError, CancelledError
 
 __all__ = ["on_machines"]
 
-#: Times that a task is run again: reading may fail for once.
+#: Retries of a task: a read may fail for once.
 N_RETRIES = 3
-#: Streams that a process keeps: tasks of one picture share theirs.
+#: Streams that a process keeps; the tasks of one picture share one.
 MAX_STREAMS = 2
 
-#: What a task gives: the state of rays as bytes, bytes and boxes that were read, and what could not be.
+#: Result of a task: the state of its rays as bytes, bytes and boxes that were read, and holes that could not be.
 Drawn = tuple[bytes, int, int, list[str]]
 
 
 def on_machines(client: Any, progress: Progress | None) -> Callable[[Any], tuple[_native.Stream, ReadCounts]]:
-    """What draws a frame by the workers of a client, or by "threads"."""
+    """A function that draws a frame on the workers of a client, or in threads of this process if it is "threads"."""
 
     def draw(spec: Any) -> tuple[_native.Stream, ReadCounts]:
         machines = machines_of(client)
@@ -89,7 +89,7 @@ class _Tasks:
                 )
 
     def done(self, client: Any, progress: Progress | None) -> Iterator[tuple[int, Drawn]]:
-        """Blocks and what they gave, as they are done."""
+        """Blocks and their results, as they are done."""
         costs = np.array(self._stream.bytes_to_read(), np.float64) + 1.0
         # The longest first, so that none is waited for at the end.
         order = [int(block) for block in np.argsort(-costs, kind="stable")]
@@ -104,7 +104,7 @@ class _Tasks:
 
     def _by_threads(self, order: Sequence[int]) -> Any:
         dask: Any = library("dask", extra="dask")
-        # Some at once, so that progress is told and states need not all wait.
+        # 16 tasks at once, so that progress is reported between them and not all states are held together.
         for k in range(0, len(order), 16):
             part = order[k : k + 16]
             tasks = [self._task(self._packed, block) for block in part]
@@ -114,7 +114,7 @@ class _Tasks:
         distributed: Any = library("distributed", extra="dask")
         waiting = list(order)
         for attempt in range(N_RETRIES + 1):
-            # One copy for every worker, and again if all that had one are gone.
+            # One copy is sent to every worker, and again if all workers that had one are gone.
             spec = client.scatter(self._packed, broadcast=True, hash=False)
             futures = client.compute([self._task(spec, block) for block in waiting], retries=N_RETRIES)
             of = dict(zip([future.key for future in futures], waiting, strict=True))
@@ -144,7 +144,7 @@ class _Tasks:
         return delayed(_fold, **pure)(spec, self._token, parts, dask_key_name=key)
 
     def _chunks(self, block: int, steps: tuple[int, int]) -> list[Any] | None:
-        """Of arrays of Dask, the chunks that a segment is drawn from, which tasks are brought to."""
+        """The chunks of Dask arrays that a segment is drawn from: its task runs where they are."""
         if not any(isinstance(array, ComputedArray) for array in self._spec.arrays):
             return None
         nothing = _native.BlockState()
@@ -180,7 +180,7 @@ def _planned(packed: bytes, token: str) -> tuple[Any, _native.Stream]:
 
 
 def _draw(packed: bytes, token: str, block: int, steps: tuple[int, int] | None, chunks: list[Any] | None) -> Drawn:
-    """A task: a block, or a segment of it."""
+    """Task: draw a block, or a segment of it."""
     spec, stream = _planned(packed, token)
     arrays = list(spec.arrays)
     for layer, own in enumerate(chunks or ()):
@@ -194,7 +194,7 @@ def _draw(packed: bytes, token: str, block: int, steps: tuple[int, int] | None, 
 
 
 def _fold(packed: bytes, token: str, parts: Sequence[Drawn]) -> Drawn:
-    """A task: the segments of a block, front to back, as one."""
+    """Task: fold the segments of a block, front to back, into one state."""
     _, stream = _planned(packed, token)
     state = stream.fold([_native.BlockState.from_bytes(part[0]) for part in parts])
     return state.to_bytes(), sum(p[1] for p in parts), sum(p[2] for p in parts), [h for p in parts for h in p[3]]

@@ -1,4 +1,4 @@
-"""What draws elsewhere: the workers of a Dask client, or the threads of this process."""
+"""Workers that draw pictures: those of a Dask client, or the threads of this process."""
 
 from __future__ import annotations
 
@@ -18,18 +18,18 @@ from wavesplat.errors import ArgumentError, LibraryError
 
 __all__ = ["MAX_TASKS", "Machines", "machines_of"]
 
-#: Tasks of a picture, at most: schedulers get slow beyond tens of thousands, and a task takes them about a millisecond.
+#: Most tasks of a picture: schedulers get slow beyond tens of thousands, and a task takes them about a millisecond.
 MAX_TASKS = 4000
 #: Blocks for each task that runs at once, so that those that are done early get another one.
 BLOCKS_PER_THREAD = 4
-#: Share of a worker's memory, of each of its threads, for samples: Dask does not see what the renderer holds, and its
-#: nanny ends a worker that takes nearly all.
+#: Share of a worker's memory per thread that samples may take: Dask does not see what the renderer holds, and its nanny
+#: ends a worker that takes nearly all.
 SHARE = 0.3
 
 
 @dataclass(frozen=True)
 class Machines:
-    """How tasks are to be cut for them."""
+    """Number and resources of the tasks that workers run at once."""
 
     #: Tasks that run at once.
     n_at_once: int
@@ -39,12 +39,12 @@ class Machines:
 
     @property
     def n_blocks(self) -> int:
-        """Blocks that a picture is cut into, at least."""
+        """Least number of blocks that a picture is cut into."""
         return min(max(1, BLOCKS_PER_THREAD * self.n_at_once), MAX_TASKS // 2)
 
 
 def machines_of(client: Any) -> Machines:
-    """The workers of a client, or "threads" of this process.
+    """The machines of a client's workers, or of "threads" in this process.
 
     Raises
     ------
@@ -88,7 +88,7 @@ def machines_of(client: Any) -> Machines:
 
 
 def _machine_facts(dask_worker: Any = None) -> tuple[str | None, str, int, int, int]:
-    """What a worker tells of itself: release, host, threads, processors, memory."""
+    """Facts of a worker: release, host, threads, processors, memory."""
     import platform
 
     version = getattr(sys.modules.get("wavesplat._native"), "__version__", None)

@@ -1,1 +1,1 @@
-"""Files of any kind: what can be written where, JSON texts, and checks before memory is taken."""
+"""Files of any kind: paths, addresses, stores, JSON texts, and checks before memory is allocated."""

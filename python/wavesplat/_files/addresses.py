@@ -24,7 +24,7 @@ __all__ = [
     "safe_address",
 ]
 
-#: The protocols of addresses, here and in documents.
+#: Protocols of addresses that are opened, here and in documents.
 PROTOCOLS = ("http", "https", "s3", "gs", "file")
 WEB = ("http", "https")
 #: Characters of an address that a message quotes; data: addresses can be megabytes long.
@@ -81,7 +81,7 @@ def checked(address: str) -> str:
 
 
 def safe_address(path: str | PathLike[str]) -> str:
-    """A path for messages; an address without user name, query and fragment, which may hold passwords, and cut."""
+    """A path for messages; an address cut short, without user name, query and fragment, which may hold passwords."""
     text = str(path)
     return _without_passwords(text)[:MAX_LETTERS] if is_address(text) else text
 
@@ -94,7 +94,7 @@ def _without_passwords(address: str) -> str:
 
 
 def check_no_address(path: str | PathLike[str], what: str) -> None:
-    """A `FileError` if an address is given where only files are read. `what`: such as "a scene"."""
+    """Raise a `FileError` if an address is given where only files are read. `what`: such as "a scene"."""
     if is_address(path):
         raise FileError(
             f"{what} is read from a file on this machine, not from an address; save it, and give its path: "
@@ -103,7 +103,7 @@ def check_no_address(path: str | PathLike[str], what: str) -> None:
 
 
 def below(address: str, key: str) -> str:
-    """The address of what lies at `key` below an address: appended to its path, before the query."""
+    """The address of `key` below an address: appended to its path, before the query."""
     base, mark, query = address.partition("?")
     return f"{base.rstrip('/')}/{quote(key)}{mark}{query}" if key else address
 

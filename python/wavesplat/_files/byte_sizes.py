@@ -11,7 +11,7 @@ __all__ = ["byte_size", "bytes_of"]
 
 UNITS = {"b": 1, "kb": 10**3, "mb": 10**6, "gb": 10**9, "tb": 10**12, "kib": 1 << 10, "mib": 1 << 20, "gib": 1 << 30}
 UNITS |= {"": 1, "k": 10**3, "m": 10**6, "g": 10**9, "t": 10**12, "tib": 1 << 40}
-#: More than any machine addresses.
+#: Bound of amounts: more than any machine addresses.
 MAX_BYTES = 1 << 63
 AMOUNT = re.compile(r"\s*([0-9]*\.?[0-9]+(?:e[0-9]+)?)\s*([a-z]*)\s*", re.IGNORECASE)
 
@@ -19,7 +19,7 @@ AMOUNT = re.compile(r"\s*([0-9]*\.?[0-9]+(?:e[0-9]+)?)\s*([a-z]*)\s*", re.IGNORE
 def bytes_of(given: float | str, what: str = "memory") -> int:
     """Bytes, from a number of them or a text such as "2 GB"; decimal units, and binary ones with an i.
 
-    what : what messages call the argument.
+    what : name of the argument in messages.
     """
     if isinstance(given, str):
         found = AMOUNT.fullmatch(given)
@@ -44,7 +44,7 @@ def _named(given: object) -> str:
 
 
 def byte_size(n_bytes: float) -> str:
-    """Bytes for people, in decimal units."""
+    """A number of bytes as text, in decimal units."""
     for factor, unit in ((10**12, "TB"), (10**9, "GB"), (10**6, "MB"), (10**3, "kB")):
         if n_bytes >= factor:
             return f"{n_bytes / factor:.3g} {unit}"

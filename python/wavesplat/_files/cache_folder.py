@@ -1,4 +1,4 @@
-"""A folder of files that can be made again: small, private, and emptied by itself.
+"""A cache folder, whose files can be made again: small, private, and cleaned up by itself.
 
 Its files are made of users' data, so only the user can read them. A file is written under a name that nobody can guess
 and then moved to its own, so that readers and writers in several processes need no locks, and a link that somebody put
@@ -23,19 +23,19 @@ __all__ = ["CacheFolder", "default_folder"]
 MAX_BYTES = 2 << 30
 #: Seconds after its last use when a file is removed: samples of data that is not looked at any more should not stay.
 MAX_AGE = 30 * 24 * 3600.0
-#: The same of files that were never finished, of processes that were killed.
+#: Seconds after its last write when an unfinished file, of a process that was killed, is removed.
 MAX_PART_AGE = 24 * 3600.0
 
 #: Names of our files: nothing else in a folder that the user has named is touched.
 NAME = re.compile(r"[0-9a-f]{32}\.npz")
 PART_PREFIX, PART_SUFFIX = ".wavesplat-", ".part"
 
-#: To read a regular file: no link is followed, and a pipe of its name does not make the reader wait for a writer.
+#: Flags to read a regular file: no link is followed, and a pipe of its name does not make the reader wait for a writer.
 READ_FLAGS = os.O_RDONLY | sum(getattr(os, name, 0) for name in ("O_NOFOLLOW", "O_NONBLOCK", "O_BINARY"))
 
 
 def default_folder(kind: str) -> Path:
-    """`$XDG_CACHE_HOME/wavesplat/...`, or what the system has for caches; a `RuntimeError` where there is no home."""
+    """`$XDG_CACHE_HOME/wavesplat/...`, or the system's folder for caches; a `RuntimeError` where there is no home."""
     if os.name == "nt":
         base = os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local"
     else:
@@ -48,7 +48,7 @@ _TIDIED: set[Path] = set()
 
 
 class CacheFolder:
-    """Files of a folder, by names of 32 hexadecimal digits and `.npz`.
+    """A cache folder; its files have names of 32 hexadecimal digits and `.npz`.
 
     is_ours : whether nobody else has business there: its permissions are mended, and files of other users not read.
     """
@@ -57,7 +57,7 @@ class CacheFolder:
         self.path, self._is_ours = path, is_ours
 
     def open(self, name: str) -> BinaryIO | None:
-        """A file to read, which counts as its use; None where there is no regular file of the name."""
+        """Open a file to read, which counts as its use; None where there is no regular file of the name."""
         if self.path not in _TIDIED:
             _TIDIED.add(self.path)
             self.tidy()
@@ -89,7 +89,7 @@ class CacheFolder:
         self.tidy()
 
     def _make(self) -> None:
-        """The folder, which only the user can enter where it is new or ours."""
+        """Make the folder, which only the user can enter where it is new or ours."""
         folders = (self.path.parent, self.path) if self._is_ours else (self.path,)
         folders[0].parent.mkdir(parents=True, exist_ok=True)
         for folder in folders:
@@ -98,9 +98,9 @@ class CacheFolder:
                 folder.chmod(0o700)
 
     def tidy(self) -> None:
-        """Remove what was not used for long, and the least recently used files beyond the largest size of all.
+        """Remove files that were not used for `MAX_AGE`, and the least recently used ones beyond `MAX_BYTES`.
 
-        Another process may do the same at once: what is gone already is well.
+        Another process may do the same at once: a file that is gone already is no error.
         """
         now, kept = time.time(), []
         try:
@@ -119,7 +119,7 @@ class CacheFolder:
                 elif not is_part:
                     kept.append((found.st_mtime, found.st_size, entry.path))
                     if self._is_ours and os.name != "nt" and stat.S_IMODE(found.st_mode) not in (0o600, 0o400):
-                        # Of releases that left it to the umask; never through a link.
+                        # Written by releases that left it to the umask; never through a link.
                         _make_private(entry.path)
         total = sum(size for _, size, _ in kept)
         for _, size, path in sorted(kept):

@@ -1,9 +1,9 @@
-"""Whether files are still what they were: size, time of writing and time of status change, looked at before and after.
+"""States of files, to notice changes: size, time of writing and time of status change, before and after reads.
 
 What is known of samples (range, bounds of bricks) holds for the files that it was found in. Each read is checked after
 it: where the state is the one from before all reads, nothing was written in between.
 
-The time of status change (ctime) tells files apart whose time of writing was set back, and files moved to the name of
+The time of status change (ctime) also shows writes whose time was set back, and files moved to the name of
 another. Inodes are left out: file systems in user space number files anew whenever they forget them. On Windows ctime
 is the time of creation, so there the inode counts.
 """
@@ -24,34 +24,34 @@ __all__ = ["FileChangedError", "SourceFiles", "State", "StoredFiles", "state_of"
 #: Size, and times in nanoseconds of writing and of status change (on Windows: the inode).
 State = tuple[int, int, int]
 
-#: Seconds between two writes that Linux tells apart for certain: its clock for files ticks 100 to 1000 times a second.
+#: Seconds between two writes that Linux surely distinguishes: its clock for files ticks 100 to 1000 times a second.
 TICK = 0.02
-#: The same of file systems with whole seconds (FAT counts every other one).
+#: Seconds between two writes that file systems with whole seconds distinguish (FAT counts every other one).
 COARSE_TICK = 2.0
 
 
 class FileChangedError(FileError):
-    """A file is another than the one that was opened or looked through."""
+    """A file is not the one any more that was opened or looked through."""
 
 
 class SourceFiles(Protocol):
     """The files that an array is read from."""
 
     def fingerprint(self) -> str | None:
-        """Text that no other content of the files has; None where it could have been written to unseen."""
+        """Text that identifies the content of the files; None where a write could have gone unnoticed."""
 
     def begin(self) -> None:
-        """Look at all files, before the first sample is read; later calls do nothing."""
+        """Record the states of all files, before the first sample is read; later calls do nothing."""
 
     def check_read(self, index: Sequence[int | slice]) -> None:
-        """A `FileChangedError` if what was just read is not from the files that were looked at."""
+        """Raise a `FileChangedError` if a file that was just read is not in its recorded state."""
 
     @property
     def n_changes(self) -> int:
-        """How often `look_again` found that samples have changed."""
+        """Number of changes of samples that `look_again` has found."""
 
     def look_again(self) -> None:
-        """Look whether samples have changed; a `FileChangedError` where the file must be opened again for them."""
+        """Check whether samples have changed; a `FileChangedError` where their file must be opened again."""
 
 
 def state_of(found: os.stat_result) -> State:
@@ -72,9 +72,9 @@ def wait_for_next_tick(written_ns: int) -> bool:
 class StoredFiles:
     """Files whose headers were read, so that they must be opened again once one of them has changed.
 
-    paths : those that are not there count too: that they still are not.
+    paths : the files; one that is missing counts too, and must stay missing.
     axis : the axis of the array that has a file for each index; None: each read is checked against all files.
-    is_complete : whether these are all files that samples lie in; else nothing is kept of them.
+    is_complete : whether these are all files that samples lie in; else no fingerprint is given.
     """
 
     def __init__(
@@ -86,10 +86,10 @@ class StoredFiles:
         self._is_sent = False
 
     def begin(self) -> None:
-        """Nothing: the files were looked at when they were opened."""
+        """Do nothing: the states were recorded when the files were opened."""
 
     def fingerprint(self) -> str | None:
-        """Names, sizes and times of all files; None where the last write was just now, by a clock of whole seconds."""
+        """Hash of names, sizes and times of all files; None where the last write was just now, by whole seconds."""
         self.look_again()
         written = [state[1] for state in self._states if state is not None]
         if not self._is_complete or not written or not wait_for_next_tick(max(written)):
@@ -98,7 +98,7 @@ class StoredFiles:
         return hashlib.sha256(told.encode("utf-8", "surrogateescape")).hexdigest()
 
     def check_read(self, index: Sequence[int | slice]) -> None:
-        """A `FileChangedError` if one of the files that were read has changed."""
+        """Raise a `FileChangedError` if one of the files that were read has changed."""
         numbers: Iterable[int] = range(len(self._paths))
         if self._axis is not None:
             part = index[self._axis]
@@ -108,11 +108,11 @@ class StoredFiles:
 
     @property
     def n_changes(self) -> int:
-        """None: a change is an error."""
+        """Always 0: a change is an error."""
         return 0
 
     def look_again(self) -> None:
-        """A `FileChangedError` if a file has changed."""
+        """Raise a `FileChangedError` if a file has changed."""
         for number in range(len(self._paths)):
             self._check(number)
 
@@ -129,7 +129,7 @@ class StoredFiles:
         now = _state_at(path)
         if now is None and before is not None:
             raise FileChangedError(f"the file is not there any more; put it back, or open another one: {path}")
-        # Other machines may tell other times of status change of the same file.
+        # Other machines may report other times of status change of the same file.
         n = 2 if self._is_sent else 3
         if (now or ())[:n] != (before or ())[:n]:
             raise FileChangedError(f"the file was changed or replaced since it was opened; open it again: {path}")
@@ -139,7 +139,7 @@ class StoredFiles:
 
 
 def _state_at(path: Path) -> State | None:
-    """The state of what has a name; None where nothing can be found there."""
+    """The state of the file at a path; None where none can be found."""
     try:
         return state_of(path.stat())
     except (OSError, ValueError):

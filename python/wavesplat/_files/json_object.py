@@ -1,4 +1,4 @@
-"""What our JSON texts share: one object, with a version, whose errors name the file and the field.
+"""JSON objects of our formats: one object a text, with a version; errors name the file and the field.
 
 Transfer functions and materials are such texts; presets are files of them in a folder of the package.
 """
@@ -20,7 +20,7 @@ __all__ = ["check_fields", "check_list", "compact", "load", "names_in", "optiona
 T = TypeVar("T")
 
 VERSION = 1
-#: Letters of a line that are still read at a glance.
+#: Letters of a line that can be read at a glance.
 LINE = 100
 
 
@@ -30,7 +30,7 @@ def write(fields: dict[str, Any]) -> str:
 
 
 def compact(value: Any, indent: str = "") -> str:
-    """JSON text to be read and edited by people: what fits into a line is one, as the nodes of a curve."""
+    """JSON text for people to read and edit: a value that fits into a line, such as a node of a curve, is one line."""
     line = json.dumps(value, ensure_ascii=False)
     if not isinstance(value, dict | list | tuple) or not value or len(indent) + len(line) <= LINE:
         return line
@@ -49,7 +49,7 @@ def save(path: str | PathLike[str], text: str) -> None:
 
 
 def load(path: str | PathLike[str], what: str, build: Callable[[str], T]) -> T:
-    """What `build` makes of a file's text; its errors get the path. `what`: such as "transfer function"."""
+    """The object that `build` makes of a file's text; errors get the path. `what`: such as "transfer function"."""
     text = read_text(path, what)
     try:
         return build(text)
@@ -81,7 +81,7 @@ def check_fields(
 
 
 def check_list(document: dict[str, Any], what: str, name: str, form: str) -> None:
-    """Refuse a field that is there and no list. `form`: how such a list is written."""
+    """Refuse a field that is no list. `form`: how the list is written, for the message."""
     if not isinstance(document.get(name, []), list):
         raise ArgumentError(f"{what}: field {name!r} is not a list; write {form}")
 

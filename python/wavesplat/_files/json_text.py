@@ -1,4 +1,4 @@
-"""JSON texts as Python values: the one door of documents, states, patches and messages.
+"""JSON texts as Python values: the one entry for documents, states, patches and messages.
 
 JSON bounds neither its whole numbers nor its texts: `json` gives numbers that no float holds, and halves of surrogate
 pairs, which no file and no font takes. Both are refused here, with the field, before anything calculates with them.
@@ -14,7 +14,7 @@ from wavesplat.errors import ArgumentError
 
 __all__ = ["check_values", "decode", "decode_syntax", "is_text"]
 
-#: The largest whole number of a document: that of float64, as a whole number.
+#: The largest whole number of a document: the largest float64.
 MAX_WHOLE = int(1.7976931348623157e308)
 #: Letters of a path that fit in a message.
 MAX_PATH = 100
@@ -56,7 +56,7 @@ def check_values(value: Any, what: str) -> None:
     ArgumentError
         If it has one; the message names the field.
     """
-    # A list of what is to be looked at instead of calls: documents may be nested deeper than calls.
+    # A stack instead of recursion: documents may be nested deeper than Python's recursion limit.
     pending: list[tuple[Any, tuple[Any, ...]]] = [(value, ())]
     while pending:
         found, steps = pending.pop()
@@ -87,7 +87,7 @@ def is_text(text: str) -> bool:
 
 
 def _reason(error: ValueError | RecursionError) -> str:
-    """Python's words on whole numbers of very many digits would advise to change its settings."""
+    """Reason of a decoding error; Python's own, for very long whole numbers, would advise to change its settings."""
     if isinstance(error, json.JSONDecodeError | UnicodeDecodeError | RecursionError):
         return str(error)
     return "a whole number has more than 4300 digits"

@@ -1,4 +1,4 @@
-"""Libraries that only some tasks need, so that they need not be installed."""
+"""Optional libraries, which only some functions need."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ __all__ = ["how_to_install", "library"]
 
 
 def library(name: str, *, extra: str) -> Any:
-    """The module, or a `LibraryError` that says which extra of the package brings it."""
+    """The module, or a `LibraryError` that names the extra of the package that installs it."""
     try:
         return import_module(name)
     except ImportError as error:
@@ -20,5 +20,5 @@ def library(name: str, *, extra: str) -> Any:
 
 
 def how_to_install(extra: str) -> str:
-    """The end of a message about a package that is missing: which extra brings it."""
+    """The end of a message about a missing package: the extra that installs it."""
     return f'in the checkout of Wavesplat, run: pip install ".[{extra}]"'

@@ -1,6 +1,6 @@
-"""How much memory this process can still have, asked before much is taken.
+"""Free memory of this process, checked before large allocations.
 
-Without asking, the system ends the process where it runs out, or the compiled module does, and nothing is said.
+Unchecked, the system or the compiled module ends the process where memory runs out, without a message.
 """
 
 from __future__ import annotations
@@ -13,13 +13,13 @@ from wavesplat.errors import LimitError
 
 __all__ = ["check_room", "free_bytes"]
 
-#: Less than this is not worth asking for.
+#: Allocations below this are not checked.
 SMALL_BYTES = 1 << 28
 GIB = 1 << 30
 
 
 def check_room(needed: int, what: str, mend: str) -> None:
-    """A `LimitError` if so many bytes cannot be had. `what`: such as "the samples"; `mend`: what to do instead."""
+    """Raise a `LimitError` if `needed` bytes are not free. `what`: such as "the samples"; `mend`: advice."""
     if needed < SMALL_BYTES:
         return
     free = free_bytes()
@@ -30,13 +30,13 @@ def check_room(needed: int, what: str, mend: str) -> None:
 
 
 def free_bytes() -> int | None:
-    """Bytes that can still be had: of the machine, of the container, of the process; None where nobody knows."""
+    """Free bytes: the least of the machine's, the container's and the process's; None where none is known."""
     found = [_of_machine(), _of_container(), _of_process()]
     return min((n for n in found if n is not None), default=None)
 
 
 def _of_machine() -> int | None:
-    """What is free or can be made so, disk space for memory included; elsewhere than on Linux all there is."""
+    """Free and reclaimable memory of the machine, swap included; elsewhere than on Linux all of its memory."""
     fields = _fields(Path("/proc/meminfo"))
     if "MemAvailable:" in fields:
         return 1024 * (fields["MemAvailable:"] + fields.get("SwapFree:", 0))
@@ -47,7 +47,7 @@ def _of_machine() -> int | None:
 
 
 def _of_container() -> int | None:
-    """Of a Linux control group, version 2: files that it has read can be dropped again."""
+    """Free memory of a Linux control group, version 2; inactive file pages count as free, as they can be dropped."""
     folder = Path("/sys/fs/cgroup")
     limit, used = _number(folder / "memory.max"), _number(folder / "memory.current")
     if limit is None or used is None:
@@ -56,7 +56,7 @@ def _of_container() -> int | None:
 
 
 def _of_process() -> int | None:
-    """Of address space, as `ulimit -v` and job schedulers limit it."""
+    """Free address space, as `ulimit -v` and job schedulers limit it; None without a limit."""
     if sys.platform == "win32":
         return None
     import resource
@@ -79,7 +79,7 @@ def _number(file: Path) -> int | None:
 
 
 def _fields(file: Path) -> dict[str, int]:
-    """Lines of a name and a number."""
+    """Numbers by name, of a file of such lines; empty where it cannot be read."""
     try:
         lines = [line.split() for line in file.read_text(encoding="ascii").splitlines()]
         return {line[0]: int(line[1]) for line in lines if len(line) > 1}

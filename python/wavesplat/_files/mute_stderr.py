@@ -1,4 +1,4 @@
-"""Libraries in C++ that write about damaged files to the standard error stream, where errors already reach us."""
+"""Muting the standard error stream, to which libraries in C++ write about damaged files besides raising errors."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ STDERR = 2
 
 
 class _Silence:
-    """The stream leads nowhere from the first that asks until the last is done: threads overlap in any order."""
+    """The standard error stream, muted from the first user to the last: threads overlap in any order."""
 
     def __init__(self) -> None:
         self.lock = threading.Lock()
@@ -39,14 +39,14 @@ class _Silence:
             self.stream = None
 
     def begin_anew(self) -> None:
-        """In a forked child, in which those who asked do not go on."""
+        """Unmute in a forked child, in which the threads that muted it do not go on."""
         self.lock = threading.Lock()
         self.n_asking = 0
         self.restore()
 
 
 def _redirected() -> int | None:
-    """Where the stream led; None of a process that has none."""
+    """Redirect the stream to nowhere; return a copy of the old one, None for a process that has none."""
     try:
         stream = os.dup(STDERR)
     except OSError:
@@ -64,9 +64,9 @@ if hasattr(os, "register_at_fork"):
 
 @contextmanager
 def muted_stderr() -> Iterator[None]:
-    """Hide what is written to the standard error stream, past Python; the standard output stays as it is.
+    """Hide all that is written to the standard error stream, by libraries too; the standard output stays as it is.
 
-    What other threads write there meanwhile is hidden too.
+    Text that other threads write there meanwhile is hidden as well.
     """
     _SILENCE.begin()
     try:

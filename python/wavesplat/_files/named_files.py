@@ -1,4 +1,4 @@
-"""Files that a file names: those in its own folder, unless the user allows others.
+"""Checks of files that a file names: only those in its own folder, unless the user allows others.
 
 A header that somebody sent may name anything that this user can read, and pictures and meshes are passed on.
 """
@@ -15,7 +15,7 @@ __all__ = ["check_named_file", "check_within", "refused"]
 
 
 def check_named_file(name: str, path: Path, *, anywhere: bool, within: Path | None = None) -> None:
-    """A `FileError` if the file `name`, named by the file `path`, lies in another folder or is none.
+    """Raise a `FileError` if the file `name`, named by the file `path`, lies in another folder or is no file.
 
     Links in the folder are followed: they were made by the user, not by the file; but where a document in the folder
     `within` names the file, they may have come with it, and must lead to what lies there. A file that is not there is
@@ -33,9 +33,9 @@ def check_named_file(name: str, path: Path, *, anywhere: bool, within: Path | No
 
 
 def check_within(file: Path, within: Path | None, name: str | None = None) -> None:
-    """A `FileError` if a file that a document leads to lies outside of its folder.
+    """Raise a `FileError` if a file that a document leads to lies outside of its folder.
 
-    within : real place of the document's folder; None of files that the user names.
+    within : real path of the document's folder; None for files that the user names.
     name : what the message calls the file, if not by its name.
     """
     if within is not None and not lies_in(str(file), within):

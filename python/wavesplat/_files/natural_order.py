@@ -8,5 +8,5 @@ __all__ = ["natural_key"]
 
 
 def natural_key(name: str) -> list[tuple[int, str]]:
-    """What names are sorted by."""
+    """Sort key of a name, in which runs of digits compare as numbers."""
     return [(int(part), "") if part.isdecimal() else (-1, part) for part in re.split(r"(\d+)", name)]

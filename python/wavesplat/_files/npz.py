@@ -1,4 +1,4 @@
-"""What is promised by NumPy's files, .npy and archives of them, before it is read."""
+"""Headers of NumPy's files, .npy and archives of them, checked before samples are read."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ __all__ = ["check_members", "npy_header"]
 
 
 def npy_header(file: Any) -> tuple[tuple[int, ...], np.dtype[Any]]:
-    """Shape and type in the header that the file begins with."""
+    """Shape and type in the header of a .npy file."""
     version = np.lib.format.read_magic(file)
     read_header = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
     shape, _, dtype = read_header(file)
@@ -22,7 +22,7 @@ def npy_header(file: Any) -> tuple[tuple[int, ...], np.dtype[Any]]:
 
 
 def check_members(archive: zipfile.ZipFile, names: Iterable[str], path: object) -> None:
-    """An error if arrays of an archive cannot be as large as they say, or not all in memory."""
+    """Raise an error if arrays of an archive cannot be as large as their headers say, or do not fit into memory."""
     total = 0
     for name in names:
         with archive.open(name) as file:

@@ -1,4 +1,4 @@
-"""What can be written where, and files that appear whole or not at all.
+"""Output files: checks of formats and places, and files that appear whole or not at all.
 
 A file is written beside its place under another name, then moved there.
 """
@@ -32,7 +32,7 @@ __all__ = [
 
 Kind: TypeAlias = Literal["pictures", "movies", "meshes", "looks", "volumes", "wavelet coefficients"]
 
-#: What each kind of result is written as; the suffix chooses the format.
+#: Kind of result -> suffixes that it is written with; the suffix chooses the format.
 SUFFIXES: dict[Kind, tuple[str, ...]] = {
     "pictures": (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".exr", ".svg", ".pdf"),
     "movies": (".mp4", ".webm", ".gif", ".webp"),
@@ -42,7 +42,7 @@ SUFFIXES: dict[Kind, tuple[str, ...]] = {
     "wavelet coefficients": (".wavelets",),
 }
 
-#: How to mend what a system says, where another folder may not help.
+#: Error of the system -> advice, where another folder may not help.
 MENDS = {
     errno.ENOSPC: "free some space or choose another folder",
     errno.EDQUOT: "free some space or choose another folder",
@@ -53,7 +53,7 @@ MENDS = {
 #: Signals that ask a process to end.
 ENDING = ("SIGTERM", "SIGHUP")
 
-#: Tell files apart that are written at once.
+#: Numbers that distinguish files written at the same time.
 NUMBERS = count()
 
 
@@ -97,7 +97,7 @@ def check_writable(path: str | PathLike[str]) -> Path:
 
 @contextmanager
 def telling_why_not(target: Path) -> Iterator[None]:
-    """A `FileError` for what a system says of names, folders and disks."""
+    """Turn the system's errors about names, folders and disks into a `FileError`."""
     try:
         yield
     except FileError:
@@ -127,9 +127,9 @@ def write_atomically(path: str | PathLike[str], write: Callable[[Path], object])
 
 @contextmanager
 def removed_when_terminated(part: Path) -> Iterator[None]:
-    """Leave nothing behind where the process is told to end, by `kill` or a closed terminal.
+    """Remove a file if the process is terminated meanwhile, by `kill` or a closed terminal.
 
-    Only the main thread can see to that, and only where nobody else does.
+    Only the main thread can handle signals, and only those without another handler are handled.
     """
     if threading.current_thread() is not threading.main_thread():
         yield

@@ -1,4 +1,4 @@
-"""Names that users give: of files and folders, and not of pipes, on which a reader would wait for ever."""
+"""Paths that users give: of files and folders, and not of pipes, on which a reader would wait for ever."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["check_no_pipe", "check_text", "expanded", "lies_in", "printable", "read_text", "real_place"]
 
-#: A transfer function or a table of labels has a few thousand bytes.
+#: Largest text file, in bytes; a transfer function or a table of labels has a few thousand.
 MAX_TEXT_BYTES = 1 << 26
 
 
@@ -25,7 +25,7 @@ def expanded(path: str | PathLike[str]) -> Path:
 
 
 def real_place(path: Path) -> Path:
-    """Where a path leads, links followed as far as they go."""
+    """The real path, links followed as far as they go."""
     try:
         return Path(os.path.realpath(path))
     except OSError:  # the working folder was deleted
@@ -33,12 +33,12 @@ def real_place(path: Path) -> Path:
 
 
 def lies_in(path: str, folder: Path) -> bool:
-    """Whether a path leads to what lies in a folder, links followed. `folder`: its real place."""
+    """Whether a path leads into a folder, links followed. `folder`: its real path."""
     return real_place(Path(path)).is_relative_to(folder)
 
 
 def check_no_pipe(path: Path) -> None:
-    """A `FileError` for what is there and is neither a file nor a folder."""
+    """Raise a `FileError` for an existing path that is neither a file nor a folder."""
     try:
         path.stat()
         is_other = not (path.is_file() or path.is_dir())
@@ -71,7 +71,7 @@ def read_text(path: str | PathLike[str], what: str) -> str:
 
 
 def check_text(path: Path) -> None:
-    """A `FileError` for a name that cannot be handed to a library as text: ITK ends the process."""
+    """Raise a `FileError` for a name that cannot be handed to a library as text: ITK would end the process."""
     if printable(str(path)) != str(path):
         raise FileError(
             f"the name is not UTF-8, or has letters that this locale lacks, and ITK cannot open it; "

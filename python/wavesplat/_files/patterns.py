@@ -15,7 +15,7 @@ __all__ = ["matching_files"]
 
 
 def matching_files(text: str) -> list[str] | None:
-    """The files that match a pattern; None if the text is a name, because it has no marks or something has that name.
+    """The files that match a pattern; None if the text is a name: it has no wildcards, or something has that name.
 
     Raises
     ------
@@ -27,12 +27,12 @@ def matching_files(text: str) -> list[str] | None:
     path = expanded(text)
     if os.path.lexists(path):
         return None
-    # Folders whose names have marks: those that are there are names too.
+    # Existing folders whose names have wildcards are names too.
     folder = path.parent
     while glob.has_magic(str(folder)) and not os.path.lexists(folder):
         folder = folder.parent
     before = "" if folder == Path() else glob.escape(str(folder))
-    # Not of pathlib, which leaves out links to folders.
+    # Not pathlib's glob, which leaves out links to folders.
     pattern = os.path.join(before, path.relative_to(folder))  # noqa: PTH118
     found = sorted(glob.glob(pattern, recursive=True), key=natural_key)  # noqa: PTH207
     if not found:

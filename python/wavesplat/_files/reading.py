@@ -17,22 +17,22 @@ from wavesplat.errors import FileError, LimitError, WavesplatError
 
 __all__ = ["reading"]
 
-#: What ITK adds to every failure: the last error of the system, which is of some earlier call, or "Success".
+#: Beginning of the line that ITK adds to every failure: the system's last error, of some earlier call, or "Success".
 OLD_REASON = "Reason: "
 
-#: A place in a library's source, and what is before ITK's words: "itk::ERROR: Class(0x5555): ", "[nrrd] function: ".
+#: A place in a library's source, and the prefix of ITK's messages: "itk::ERROR: Class(0x5555): ", "[nrrd] function: ".
 SOURCE = re.compile(r"\S*\.[ch](?:xx|pp)?:\d+:\s*")
 ITK_PLACE = re.compile(r"^((itk::|ITK )ERROR: \w+\(\w+\): |sitk::ERROR: |\[\w+\] \w+: )")
 
-#: And the file, which we name ourselves.
+#: The file in ITK's messages, which we name ourselves.
 ITK_FILE = re.compile(r": \S.* for reading$")
 
-#: What libraries in C and C++ say where they get no memory.
+#: Messages of libraries in C and C++ that get no memory.
 NO_MEMORY = re.compile(r"bad.?alloc|(?:[Ff]ailed|[Uu]nable|[Cc]annot) to allocate|[Mm]emory allocation failed")
 
-#: Errors of bytes that are missing or wrong.
+#: Exceptions that mean missing or wrong bytes.
 TRUNCATION_ERRORS = (EOFError, zlib.error, lzma.LZMAError, zipfile.BadZipFile, gzip.BadGzipFile, struct.error)
-#: How messages tell of them.
+#: Words of messages that mean missing or wrong bytes.
 TRUNCATION_WORDS = re.compile(
     r"truncate|truncati[no]|unexpected end|end of (?:the )?file|end-of-stream|too (?:short|early)|checksum|corrupt"
     r"|damaged|got only|but received|not enough (?:data|bytes)|no data left|is cut"
@@ -40,7 +40,7 @@ TRUNCATION_WORDS = re.compile(
     r"|decompression error|error during \w+ decompression|bad input data",
     re.IGNORECASE,
 )
-#: Packages that only some files need -> the extra that brings them.
+#: Packages that only some files need -> the extra that installs them.
 EXTRAS = {"aiohttp": "http"}
 
 GIB = 1 << 30

@@ -1,4 +1,4 @@
-"""Does the file hold what its header promises, and can this machine hold it? Asked before memory is taken.
+"""Checks before memory is allocated: that a file holds the samples that its header promises, and that they fit.
 
 A damaged or hostile header of a few bytes can promise terabytes.
 """
@@ -32,16 +32,16 @@ __all__ = [
 
 #: Deflate cannot shrink data by more than this factor (RFC 1951: 258 bytes from two bits).
 DEFLATE_RATIO = 1032
-#: More than other lossless codecs shrink anything: bzip2 reaches 45 000 on zeros.
+#: Factor by which no other lossless codec shrinks data: bzip2 reaches 45 000 on zeros.
 ANY_RATIO = 50_000
-#: zlib's name of "tell them apart by their first bytes, any window".
+#: zlib's `wbits` for zlib or gzip, detected by the first bytes, with any window.
 ZLIB_OR_GZIP = 32 + 15
 GZIP = b"\x1f\x8b"
 BLOCK_BYTES = 1 << 20
 
 
 def check_readable(path: Path) -> None:
-    """A `FileError` if there is no such file, or it is none, or is empty or closed to us."""
+    """Raise a `FileError` if there is no such file, or it is no regular file, or it is empty or not readable."""
     check_no_pipe(path)
     try:
         with path.open("rb") as file:
@@ -69,9 +69,9 @@ def check_stored(
     ratio: int = 1,
     held: Sequence[int] | None = None,
 ) -> None:
-    """A `FileError` if `stored` bytes, compressed at best by `ratio`, cannot hold such an array.
+    """Raise a `FileError` if `stored` bytes, compressed at best by `ratio`, cannot hold an array of this shape.
 
-    held : shape of what will be in memory; all of the array if not given.
+    held : shape of the part that will be in memory; all of the array if not given.
     """
     needed = n_bytes(shape, dtype)
     if stored * ratio < needed:
@@ -85,7 +85,7 @@ def check_stored(
 def check_gzip(
     shape: Sequence[int], dtype: np.dtype[Any], offset: int, path: Path, held: Sequence[int] | None = None
 ) -> None:
-    """The same for a gzip file whose samples begin at byte `offset` of what it unpacks to."""
+    """Raise a `FileError` if a gzip file, whose samples begin at byte `offset` once unpacked, cannot hold the array."""
     needed = offset + n_bytes(shape, dtype)
     if not _ends_as_promised(path, needed):
         unpacked = _unpacked_size(path, needed)
@@ -94,9 +94,9 @@ def check_gzip(
 
 
 def check_deflated(places: Iterable[tuple[Path, int]], needed: int, path: object) -> None:
-    """A `FileError` if what is packed from these bytes of files on does not unpack, checksums and all, to so much.
+    """Raise a `FileError` if the streams at these offsets of files do not unpack, checksums too, to `needed` bytes.
 
-    For libraries that draw what they have where a stream is damaged.
+    For libraries that return a part of the samples where a stream is damaged.
     """
     unpacked = sum(_unpacked_with_checksum(file, offset, path) for file, offset in places)
     if unpacked < needed:
@@ -107,7 +107,7 @@ def check_deflated(places: Iterable[tuple[Path, int]], needed: int, path: object
 
 
 def check_memory(needed: int, path: object) -> None:
-    """A `LimitError` if an array of that many bytes cannot fit into the memory that this process can have."""
+    """Raise a `LimitError` if an array of `needed` bytes does not fit into the free memory."""
     check_room(needed, "the samples", f"use a smaller or coarser file: {path}")
 
 
@@ -116,7 +116,7 @@ def _described(shape: Sequence[int], dtype: np.dtype[Any]) -> str:
 
 
 def _ends_as_promised(path: Path, unpacked: int) -> bool:
-    """Whether the file's last four bytes, its unpacked size modulo 2^32, agree: quick, and right for whole files."""
+    """Whether the last four bytes, the unpacked size modulo 2^32, agree with `unpacked`: quick, for whole files."""
     stored = path.stat().st_size
     with path.open("rb") as file:
         file.seek(-min(4, stored), os.SEEK_END)
@@ -125,7 +125,7 @@ def _ends_as_promised(path: Path, unpacked: int) -> bool:
 
 
 def _unpacked_with_checksum(file: Path, offset: int, path: object) -> int:
-    """How many bytes a zlib or gzip stream holds, of which only a block is kept at a time."""
+    """Number of bytes that a zlib or gzip stream unpacks to; only a block of them is in memory at a time."""
     count = 0
     with file.open("rb") as packed:
         packed.seek(offset)
@@ -146,7 +146,7 @@ def _unpacked_with_checksum(file: Path, offset: int, path: object) -> int:
 
 
 def _unpacked_size(path: Path, enough: int) -> int:
-    """How many bytes can be unpacked, counted up to `enough`; used for files that look wrong at their end."""
+    """Number of bytes that can be unpacked, counted up to `enough`; used for files that look wrong at their end."""
     count = 0
     try:
         with gzip.open(path) as file:

@@ -1,4 +1,4 @@
-"""An array that lies in a file as it is, read by slicing.
+"""Arrays that lie in a file as they are, read by slicing.
 
 The file is not mapped: pages of a map count as memory of the process.
 """
@@ -19,7 +19,7 @@ __all__ = ["StoredArray"]
 
 
 class StoredArray:
-    """Numbers of a file from byte `offset` on, the last axis fastest; indices are whole numbers and plain slices."""
+    """An array of a file from byte `offset` on, the last axis fastest; indices are whole numbers and plain slices."""
 
     def __init__(self, path: Path, dtype: np.dtype[Any], offset: int, shape: Sequence[int]) -> None:
         self.dtype, self.shape = np.dtype(dtype), tuple(int(n) for n in shape)
@@ -34,11 +34,11 @@ class StoredArray:
             for part, n in zip(index, self.shape, strict=True)
         ]
         out = np.empty([b - a for a, b in zip(lows, ends, strict=True)], self.dtype)
-        # What lies side by side in the file is read at once: the axes that are whole, and one before them.
+        # Numbers that lie side by side in the file are read at once: the axes that are whole, and one before them.
         last = len(self.shape) - 1
         while last > 0 and (lows[last], ends[last]) == (0, self.shape[last]):
             last -= 1
-        # Of narrow rows whole ones are read, and parts of them taken.
+        # Where a quarter of a row or more is wanted, whole rows are read at once, and cut.
         takes_rows = last == len(self.shape) - 1 and last > 0 and out.shape[last] * 4 >= self.shape[last]
         first = last - 1 if takes_rows else last
         strides = [math.prod(self.shape[axis + 1 :]) for axis in range(len(self.shape))]
@@ -53,7 +53,7 @@ class StoredArray:
         return out[tuple(0 if isinstance(part, int) else slice(None) for part in index)]
 
     def _read(self, first: int, n: int) -> NDArray[Any]:
-        """So many numbers from one on."""
+        """Read `n` numbers, from number `first` on."""
         place, n_bytes = self._offset + first * self.dtype.itemsize, n * self.dtype.itemsize
         if hasattr(os, "pread"):
             found = os.pread(self._file.fileno(), n_bytes, place)

@@ -1,4 +1,4 @@
-"""What a web server answers: redirects stay on its host, and no more bytes are read than are expected.
+"""Requests to web servers: redirects stay on the server's host, and no more bytes are read than are expected.
 
 fsspec keeps the session and the thread that waits; its own `cat` reads a body to the end, whatever is in it.
 """
@@ -16,16 +16,16 @@ from wavesplat.errors import FileError, LibraryError
 
 __all__ = ["ForbiddenError", "Part", "get", "mark_of"]
 
-#: First byte and the one after the last; None is all, an end of None is that of the file, a negative first byte counts
-#: from there.
+#: Range of bytes: the first, and the one after the last; None is all, an end of None is the end of the file, and a
+#: negative first byte counts from there.
 Part: TypeAlias = "tuple[int, int | None] | None"
 
-#: Seconds until a connection, until more bytes, and until the whole answer.
+#: Timeouts in seconds: for the connection, for more bytes, and for the whole answer.
 CONNECTING_S, WAITING_S, ANSWERING_S = 30.0, 30.0, 300.0
-#: zlib's name of "gzip or zlib".
+#: zlib's `wbits` for gzip or zlib.
 ZLIB_OR_GZIP = 32 + 15
 BLOCK_BYTES = 1 << 18
-#: Answers that say that something is not there.
+#: Status codes of something that is not there.
 MISSING = (HTTPStatus.NOT_FOUND, HTTPStatus.GONE)
 PORTS = {"http": 80, "https": 443}
 
@@ -64,7 +64,7 @@ async def get(url: str, most: int, part: Part, *, public_only: bool) -> bytes | 
 
 
 async def mark_of(url: str, *, public_only: bool) -> str | None:
-    """The server's mark of a version: the ETag, or the time of the last change; None without one."""
+    """The server's mark of an address's version: the ETag, or the time of the last change; None without one."""
     try:
         async with await _request(url, {}, public_only=public_only) as answer:
             if answer.status != HTTPStatus.OK:
@@ -89,7 +89,7 @@ async def _request(url: str, headers: dict[str, str], *, public_only: bool) -> A
         if public_only and _is_number(host) and not is_public(host):
             raise _not_public(host)
     session = await files.set_session()
-    # What is packed anyway is unpacked below, no further than is expected.
+    # An answer that is packed all the same is unpacked below, no further than is expected.
     wanted = {"Accept-Encoding": "identity", **headers}
     timeout = aiohttp.ClientTimeout(total=ANSWERING_S, sock_connect=CONNECTING_S, sock_read=WAITING_S)
     return session.get(where, headers=wanted, timeout=timeout)
@@ -117,7 +117,7 @@ async def _client(**options: Any) -> Any:
 
 
 async def _public_client(**options: Any) -> Any:
-    """The same, which connects to public hosts only: names are looked up once, so that they cannot change between."""
+    """A session that connects to public hosts only: names are resolved once, so they cannot change after the check."""
     import aiohttp
     from aiohttp.abc import AbstractResolver
 
@@ -138,7 +138,7 @@ async def _public_client(**options: Any) -> Any:
 
 
 def _is_same_host(before: Any, after: Any) -> bool:
-    """Whether a redirect stays where it is; from http to https it may go."""
+    """Whether a redirect stays on its host, scheme and port; http may become https."""
     if before.host != after.host or after.scheme not in PORTS:
         return False
     is_upgrade = (before.scheme, after.scheme) == ("http", "https")
@@ -191,7 +191,7 @@ def _not_public(host: str) -> FileError:
 
 
 def _why_not(status: int, url: str) -> str:
-    """A sentence for an answer that is no content."""
+    """The message for an answer that has no content."""
     known = {one.value: one.phrase for one in HTTPStatus}
     said = f"{status} {known.get(status, '')}".strip()
     if status == HTTPStatus.UNAUTHORIZED:

@@ -19,7 +19,7 @@ NO_KEYS: tuple[str, ...] = ()
 
 
 class PlaceStore(Store):
-    """Reads keys of a place; nothing is listed or written."""
+    """A read-only store of the keys of a place, which are not listed."""
 
     supports_writes = False
     supports_deletes = False
@@ -32,7 +32,7 @@ class PlaceStore(Store):
 
     @property
     def root(self) -> Path | None:
-        """The folder; None of an address."""
+        """The folder; None for an address."""
         return self.place.root
 
     async def get(self, key: str, prototype: Any = None, byte_range: Any = None) -> Any:
@@ -44,7 +44,7 @@ class PlaceStore(Store):
         return None if content is None else buffer.from_bytes(content)
 
     async def get_partial_values(self, prototype: Any, key_ranges: Iterable[tuple[str, Any]]) -> list[Any]:
-        """Buffers of several keys, each with the part of it that is wanted."""
+        """Buffers of the wanted parts of several keys."""
         return [await self.get(key, prototype, byte_range) for key, byte_range in key_ranges]
 
     async def exists(self, key: str) -> bool:
@@ -52,15 +52,15 @@ class PlaceStore(Store):
         return await self.place.read_async(key) is not None
 
     async def set(self, key: str, value: Any) -> None:
-        """A `PermissionError`: places are only read."""
+        """Raise a `PermissionError`: places are only read."""
         raise PermissionError(READ_ONLY)
 
     async def set_partial_values(self, key_start_values: Any) -> None:
-        """A `PermissionError`: places are only read."""
+        """Raise a `PermissionError`: places are only read."""
         raise PermissionError(READ_ONLY)
 
     async def delete(self, key: str) -> None:
-        """A `PermissionError`: places are only read."""
+        """Raise a `PermissionError`: places are only read."""
         raise PermissionError(READ_ONLY)
 
     async def list(self) -> AsyncIterator[str]:
@@ -69,12 +69,12 @@ class PlaceStore(Store):
             yield key
 
     async def list_prefix(self, prefix: str) -> AsyncIterator[str]:
-        """No keys."""
+        """No keys: places are not listed."""
         for key in NO_KEYS:
             yield key
 
     async def list_dir(self, prefix: str) -> AsyncIterator[str]:
-        """No keys."""
+        """No keys: places are not listed."""
         for key in NO_KEYS:
             yield key
 
@@ -88,7 +88,7 @@ class PlaceStore(Store):
 
 
 def _part(byte_range: Any) -> Part:
-    """The part of a file that a request of zarr means."""
+    """The range of bytes that a request of zarr asks for."""
     if isinstance(byte_range, RangeByteRequest):
         return byte_range.start, byte_range.end
     if isinstance(byte_range, OffsetByteRequest):

@@ -1,6 +1,6 @@
-"""Are the chunks of a Zarr array whole? Asked of files before they are decoded.
+"""Checks that the chunk files of a Zarr array are whole, before they are decoded.
 
-Blosc says in each chunk how long it is and reads so far, also past the end of what it is given: a file that was cut
+Blosc says in each chunk how long it is and reads that far, also past the end of its input: a file that was cut
 short comes back with whatever lies behind it in memory. A shard of no bytes is taken for one that is not there.
 Header of Blosc: https://www.blosc.org/c-blosc2/format/chunk_format.html, the packed size in bytes 12 to 16.
 """
@@ -23,7 +23,7 @@ BLOSC_HEADER = 16
 
 
 def check_chunks(array: Any, picked: Sequence[int | slice], path: object) -> None:
-    """A `FileError` that names the first chunk that is cut short or no file, of those that hold the picked samples.
+    """Raise a `FileError` that names the first chunk, of those with picked samples, that is cut short or no file.
 
     Of stores that are no folders, and of zarr 2, nothing is checked.
     """
@@ -38,7 +38,7 @@ def check_chunks(array: Any, picked: Sequence[int | slice], path: object) -> Non
 
 
 def _files(array: Any, picked: Sequence[int | slice]) -> Iterator[tuple[str, Path]]:
-    """Names and files of the chunks; those that are not there are all fill value."""
+    """Names and files of the chunks that have one; the others are all fill value."""
     place = getattr(array, "store_path", None)
     root = getattr(getattr(place, "store", None), "root", None)
     encode = getattr(getattr(array, "metadata", None), "encode_chunk_key", None)
@@ -87,7 +87,7 @@ def _is_there(folder: Path, name: str) -> bool:
 
 
 def _check_links(folder: Path, place: Path, name: str) -> None:
-    """A `FileError` where a link on the way to a chunk leads nowhere, as those of git-annex do before files are got."""
+    """Raise a `FileError` where a link on the path to a chunk leads nowhere, as git-annex's do before a file is got."""
     while place != folder:
         if place.is_symlink():
             raise FileError(
@@ -106,7 +106,7 @@ def _file_chunks(array: Any) -> tuple[int, ...]:
 
 
 def _n_bytes_needed(array: Any, file: Path) -> int:
-    """How long the file must be at least; 0 where only decoding tells."""
+    """Least length of a chunk's file, in bytes; 0 where only decoding shows it."""
     codecs = [*(array.filters or ()), *(array.compressors or ())]
     if getattr(array, "shards", None):
         return 0

@@ -1,4 +1,4 @@
-"""What lies below a folder or an address, by its key, as Zarr stores it: never more of it than the metadata allow.
+"""Places of Zarr stores, a folder or an address: keys are read, up to the sizes that the metadata allow.
 
 A chunk may be a link to a device without an end, a server may send for ever, or 4 kB that unpack to gigabytes. How
 many bytes a chunk can have is known from the metadata of its array, and nothing is read beyond.
@@ -27,14 +27,14 @@ READ_ONLY = "places are only read"
 
 #: Names of metadata documents; every other key is that of a chunk.
 METADATA_NAMES = ("zarr.json", ".zarray", ".zattrs", ".zgroup", ".zmetadata")
-#: Metadata of a store with thousands of arrays have a few megabytes.
+#: Largest metadata document, in bytes; that of a store with thousands of arrays has a few megabytes.
 MAX_METADATA_BYTES = 1 << 26
-#: Refused keys that are remembered.
+#: Refused keys that are remembered, at most.
 MAX_REFUSED = 1000
 
 
 class ZarrPlace:
-    """A folder or an address.
+    """The place of a Zarr store: a folder or an address.
 
     Parameters
     ----------
@@ -49,7 +49,7 @@ class ZarrPlace:
         self.address = "" if isinstance(where, Path) else where
         self._within = within
         self._max_bytes: dict[str, int] = {}
-        #: Keys of chunks, and of metadata, that the server refuses to give, and whether it gave any chunk.
+        #: Keys of chunks and of metadata that the server refuses, and whether it gave any chunk.
         self.refused: dict[str, None] = {}
         self.has_chunks = False
         #: Whether the first refused chunk is warned of at once: where samples are read as they are drawn.
@@ -77,7 +77,7 @@ class ZarrPlace:
         return self._with_note(key, content)
 
     async def read_async(self, key: str, part: Part = None) -> bytes | None:
-        """`read` for asyncio: other keys are read meanwhile."""
+        """Read a key as `read` does, for asyncio: other keys are read meanwhile."""
         self._check_key(key)
         if self.root is not None:
             return self._with_note(key, await asyncio.to_thread(self._of_file, key, part))
@@ -92,7 +92,7 @@ class ZarrPlace:
         return self._with_note(key, content)
 
     def mark(self, key: str) -> str | None:
-        """The web server's mark of the version of a key (ETag or time of change); None without one."""
+        """The web server's mark of a key's version (ETag or time of change); None without one."""
         if self.root is not None or not is_web(self.address):
             return None
         from fsspec.asyn import get_loop, sync
@@ -118,13 +118,13 @@ class ZarrPlace:
         return sorted(name for name in found if not name.startswith(".") and name not in METADATA_NAMES)
 
     def _with_note(self, key: str, content: bytes | None) -> bytes | None:
-        """The content, after it is noted that the place gives chunks."""
+        """The content, unchanged, after noting that the place gives chunks."""
         if content is not None and not _is_metadata(key):
             self.has_chunks = True
         return content
 
     def _max_bytes_of(self, key: str) -> int:
-        """The largest size in bytes of what a key holds."""
+        """Largest number of bytes that a key may hold."""
         if _is_metadata(key):
             return MAX_METADATA_BYTES
         arrays = [array for array in self._max_bytes if not array or key.startswith(f"{array}/")]
@@ -160,7 +160,7 @@ class ZarrPlace:
             return None
 
     async def _of_bucket(self, key: str, most: int, part: Part) -> bytes | None:
-        """By the library of the protocol; a byte more than may be there is asked for, to see whether there is one."""
+        """Read a key by the protocol's library, asking for a byte more than allowed, to notice longer content."""
         files, root = self._bucket()
         first, end = (0, None) if part is None else part
         if -first > most:
@@ -182,7 +182,7 @@ class ZarrPlace:
         return fsspec.filesystem(protocol.lower()), root.rstrip("/")
 
     def _check_key(self, key: str) -> None:
-        """A `FileError` for a key that leads out of the place; of a folder also by backslashes or drives of Windows."""
+        """Raise a `FileError` for a key that leads out of the place; in a folder also by backslashes or drives."""
         leads_out = ".." in key.split("/") or key.startswith("/") or "\0" in key
         if self.root is not None:
             path = PurePath(key)

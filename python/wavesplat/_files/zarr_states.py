@@ -27,7 +27,7 @@ __all__ = ["ChunkFiles", "chunk_files"]
 #: Names of the files that describe an array.
 ARRAY_METADATA_NAMES = ("zarr.json", ".zarray")
 #: A pass that takes longer, in seconds, is not made for every picture: at most a 20th of the time goes into them.
-#: Between passes the folders alone are looked at, whose times tell of chunks that were renamed into place.
+#: Between passes the folders alone are checked, whose times show chunks that were renamed into place.
 LONG_PASS, SHARE = 0.25, 20
 
 
@@ -51,7 +51,7 @@ class _ChunkScan:
         self.seconds = self.ended - begun
 
     def _look_into(self, place: str, before: tuple[int, ...]) -> None:
-        """Adds the chunks below a folder that stands for the first numbers of their places, at picked places only.
+        """Add the picked chunks below a folder, which stands for the first of their numbers, `before`.
 
         The names are `c/1/2/3`, `1/2/3`, or the same with dots; other names are no chunks.
         """
@@ -89,21 +89,21 @@ class _ChunkScan:
         state = state_of(found)
         self.written_ns = max(self.written_ns, state[1])
         self._numbers.append(_number(own, self._grid))
-        # 64 bits tell a changed state from the one before with certainty enough, and take 8 bytes a chunk.
+        # A hash of 64 bits makes a missed change improbable enough, and takes 8 bytes a chunk.
         self._states.append(hash(state))
 
     def is_same(self, other: _ChunkScan) -> bool:
-        """Whether all chunks have the states that they had."""
+        """Whether all chunks have the same states as in another scan."""
         return np.array_equal(self.numbers, other.numbers) and np.array_equal(self.states, other.states)
 
     def state(self, number: int) -> int | None:
-        """The state of a chunk; None of one that was not there."""
+        """The state of a chunk; None for one that was not there."""
         at = int(np.searchsorted(self.numbers, number))
         return int(self.states[at]) if at < len(self.numbers) and self.numbers[at] == number else None
 
 
 def _number(place: Sequence[int], grid: Sequence[int]) -> int:
-    """The place of a chunk in the order of C.
+    """Number of a chunk in C order.
 
     Python's integers, since NumPy's ravel_multi_index refuses grids of 2^63 places, which metadata may claim.
     """
@@ -114,7 +114,7 @@ def _number(place: Sequence[int], grid: Sequence[int]) -> int:
 
 
 class ChunkFiles:
-    """Chunks of a Zarr array at a picked place of the axes beside z, y, x."""
+    """Chunk files of a Zarr array, at a picked index of each axis other than z, y, x."""
 
     def __init__(self, array: Any, folder: Path, picked: Sequence[int | None]) -> None:
         self._array, self._folder = array, folder
@@ -123,11 +123,11 @@ class ChunkFiles:
         self._picked = [None if one is None else one // size for one, size in zip(picked, sizes, strict=True)]
         self._metadata = _metadata(folder)
         self._seen: _ChunkScan | None = None
-        #: How often a pass found other states than the one before.
+        #: Number of passes that found other states than the pass before.
         self.n_changes = 0
 
     def begin(self) -> None:
-        """The first pass over the files."""
+        """Make the first pass over the files, if there was none."""
         if self._seen is None:
             self._seen = self._passed()
 
@@ -141,7 +141,7 @@ class ChunkFiles:
             ) from None
 
     def fingerprint(self) -> str | None:
-        """A hash of all states, and of the metadata; None where a chunk was written just now, in whole seconds."""
+        """A hash of all states, and of the metadata; None where a chunk was written just now, by whole seconds."""
         self.begin()
         seen = self._seen
         assert seen is not None
@@ -153,7 +153,7 @@ class ChunkFiles:
         return told.hexdigest()
 
     def check_read(self, index: Sequence[int | slice]) -> None:
-        """A `FileChangedError` if a chunk that was read is another than the one that was looked at."""
+        """Raise a `FileChangedError` if a chunk that was just read is not in the state of the last pass."""
         seen = self._seen
         if seen is None:
             return
@@ -200,7 +200,7 @@ def _have_same_mtimes(folders: dict[str, int]) -> bool:
 
 
 def _metadata(folder: Path) -> str:
-    """Hash of what describes an array, but for its attributes, which say nothing of samples."""
+    """Hash of an array's metadata without its attributes, which say nothing of samples."""
     told = hashlib.sha256()
     for name in ARRAY_METADATA_NAMES:
         with suppress(OSError):
@@ -214,14 +214,14 @@ def _metadata(folder: Path) -> str:
 
 
 def chunk_files(array: Any, picked: Sequence[int | None]) -> ChunkFiles | None:
-    """The chunk files of an array in a folder; None of other stores, and of zarr 2."""
+    """The chunk files of an array in a folder; None for other stores, and for zarr 2."""
     place = getattr(array, "store_path", None)
     root = getattr(getattr(place, "store", None), "root", None)
     encode = getattr(getattr(array, "metadata", None), "encode_chunk_key", None)
     if not isinstance(root, Path) or encode is None or array.ndim < 1:
         return None
     folder = root / getattr(place, "path", "")
-    # Only of names that a pass finds.
+    # Only for chunk names that a pass finds.
     name = str(encode(tuple(range(1, array.ndim + 1))))
     numbers = ".".join(map(str, range(1, array.ndim + 1)))
     if name.replace("/", ".") not in (numbers, f"c.{numbers}"):

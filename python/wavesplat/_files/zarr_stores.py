@@ -32,7 +32,7 @@ class PlaceMapping(MutableMapping[str, bytes]):
         raise PermissionError(READ_ONLY)
 
     def __iter__(self) -> Iterator[str]:
-        # Keys of metadata alone: zarr lists nothing else of what it is asked for here.
+        # Keys of metadata alone: zarr lists nothing else here.
         return (key for key in METADATA_NAMES if key in self)
 
     def __len__(self) -> int:
@@ -51,7 +51,7 @@ def store_of(place: ZarrPlace) -> Any:
 
 
 def place_of(array: Any) -> ZarrPlace | None:
-    """The place of an array or group that was opened so; None of other stores."""
+    """The place of an array or group that was opened with `store_of`; None for other stores."""
     store = getattr(getattr(array, "store_path", None), "store", None) or getattr(array, "store", None)
     # zarr 2 wraps mappings.
     found = getattr(store, "place", None) or getattr(getattr(store, "_mutable_mapping", None), "place", None)

@@ -1,6 +1,6 @@
-"""The look that a volume gets by itself: by the kind of data (`kinds.py`) and its histogram (`histogram.py`).
+"""The automatic look of a volume, by the kind of data (`kinds.py`) and its histogram (`histogram.py`).
 
-What is homogeneous, or noise, must not cover what lies behind it. Where nothing is known but the values, opacities
+Homogeneous matter, and noise, must not cover what lies behind. Where nothing is known but the values, opacities
 follow Kindlmann and Durkin (1998): high at the values that boundaries between two materials pass through, where
 gradients are largest, and low at the values of the materials themselves.
 """
@@ -36,9 +36,9 @@ __all__ = ["automatic", "tinted"]
 
 Rgb = tuple[float, float, float]
 
-#: Light that lets depth be seen, for solid things.
+#: Light for solid things: ambient occlusion lets depth be seen.
 SOLID = Shading(ambient_occlusion=0.3)
-#: Of translucent things: a highlight on every faint boundary is noise.
+#: Light for translucent things: a highlight on every faint boundary would be noise.
 SOFT = Shading(specular=0.1)
 
 #: Values in Hounsfield units, opacity of a millimetre: soft tissue is a veil, vessels with contrast agent and bone are
@@ -53,12 +53,12 @@ CT_COLOR = [
     (320, 1.0, 0.95, 0.85),
     (900, 1.0, 1.0, 0.97),
 ]
-#: From faint to bright: tissue in warm colours, as it is expected; other scans from blue to ivory.
+#: Colours from faint to bright: tissue is warm, as is expected; other scans go from blue to ivory.
 TISSUE = [(0.62, 0.30, 0.24), (0.90, 0.58, 0.44), (1.00, 0.84, 0.68), (1.00, 0.99, 0.95)]
 MATTER = [(0.20, 0.42, 0.68), (0.36, 0.68, 0.74), (0.93, 0.83, 0.58), (1.00, 0.96, 0.88)]
-#: Of fluorescence without a colour of its own: green, as GFP has it, white where it is brightest.
+#: Colour of fluorescence whose file has none: green, as GFP has it, white where it is brightest.
 GREEN = (0.35, 1.0, 0.45)
-#: Of values below and above zero, brighter than on paper: they are seen against black.
+#: Colours of values below and above zero, brighter than on paper: they are seen against black.
 SIGNS = [(0.28, 0.56, 1.0), (0.75, 0.88, 1.0), (1.0, 0.87, 0.78), (1.0, 0.4, 0.26)]
 MASK = (0.98, 0.80, 0.56)
 #: The map of `cmap` that fields are shown in.
@@ -68,7 +68,7 @@ FIELD_MAP = "inferno"
 def automatic(volume: Volume | WaveletVolume, composite: Composite | None, color: Rgb | None = None) -> Look:
     """See `Look.auto`; `color` is that of fluorescence, instead of the channel's own."""
     low, high = volume.value_range
-    # What a view shows of even matter are lengths, so greys can be found for it.
+    # Uniform matter projects to lengths, which depend on the view, so greys can still be found for it.
     if not low < high and composite not in BY_VIEW:
         raise ArgumentError(
             f"volume {volume.name!r}: every sample is {low:g}, so the histogram shows nothing to tell apart; "
@@ -102,7 +102,7 @@ def automatic(volume: Volume | WaveletVolume, composite: Composite | None, color
 
 
 def tinted(function: TransferFunction | TransferFunction2D, color: Rgb) -> TransferFunction | TransferFunction2D:
-    """A transfer function whose white is a colour."""
+    """The transfer function tinted: its white becomes a colour."""
     if isinstance(function, TransferFunction2D):
         rgba = function.rgba * np.array([*color, 1.0])
         return TransferFunction2D(function.values, function.magnitudes, rgba, function.opacity_unit)
@@ -112,7 +112,7 @@ def tinted(function: TransferFunction | TransferFunction2D, color: Rgb) -> Trans
 
 
 def _inverted_maximum(volume: Volume | WaveletVolume, known: Evidence) -> Look:
-    """The largest uptake along each ray, black on white."""
+    """A look that shows the largest uptake along each ray, black on white."""
     greys = histogram.projected(volume, "maximum")
     first, last = greys.color[0][0], greys.color[-1][0]
     # Faint uptake must show: half of the greys for the lower third.
@@ -138,7 +138,7 @@ def _ct(volume: Volume | WaveletVolume, _known: Evidence) -> Made:
 
 
 def _tissue(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
-    """Skin and organs as surfaces: opaque soon above the background."""
+    """A look that shows skin and organs as surfaces: opaque soon above the background."""
     low, threshold, high = _parted(known)
     inside = known.values[known.values > threshold]
     middle, upper = np.percentile(inside, (40.0, 85.0))
@@ -148,7 +148,7 @@ def _tissue(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
 
 
 def _scan(volume: Volume | WaveletVolume, known: Evidence) -> Made:
-    """Boundaries: opacity by how large gradients are at a value, compared with those of the other values."""
+    """A look that shows boundaries: opacity follows the mean gradient at a value, relative to that of other values."""
     low, threshold, high = _parted(known)
     colors = TISSUE if volume.is_anatomical else MATTER
     values = np.linspace(low, high, 65)
@@ -169,7 +169,7 @@ def _ultrasound(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
 
 
 def _fluorescence(volume: Volume | WaveletVolume, known: Evidence, wanted: Rgb | None = None) -> Made:
-    """Light of its own, in the colour of the channel: nothing is shaded."""
+    """A look of light in the colour of the channel: nothing is shaded."""
     background, high = np.percentile(known.values, (50.0, 99.6))
     spread = 1.4826 * float(np.median(np.abs(known.values - background)))
     low = min(float(background) + spread, float(background) + 0.25 * (float(high) - float(background)))
@@ -186,7 +186,7 @@ def _fluorescence(volume: Volume | WaveletVolume, known: Evidence, wanted: Rgb |
 
 
 def _em(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
-    """A block that is cut where the volume ends: grey, opaque, as the slices look."""
+    """A look of a block that is cut where the volume ends: grey, opaque, as the slices are."""
     low, high = np.percentile(known.values, (0.5, 99.5))
     high = high if high > low else low + 1.0
     return TransferFunction([(low, 1.0)], [(low, 0.0, 0.0, 0.0), (high, 1.0, 1.0, 1.0)]), None
@@ -202,7 +202,7 @@ def _signed_field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
 
 
 def _field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
-    """A perceptual colour map, in the logarithm of the value where a few values are far larger than the others."""
+    """A look in a perceptual colour map, logarithmic where a few values are far larger than the others."""
     low, middle, upper, high = (float(v) for v in np.percentile(known.values, (1.0, 50.0, 99.0, 99.9)))
     positive = known.values[known.values > 0]
     is_heavy = positive.size > 0.9 * known.values.size and high > 8.0 * max(middle, 1e-300) and middle > 0
@@ -231,7 +231,7 @@ def _labels(_volume: Volume | WaveletVolume, _known: Evidence) -> Made:
 
 
 def _solid(low: float, high: float) -> TransferFunction:
-    """Opaque from halfway between two values on."""
+    """A transfer function that is opaque from halfway between two values on."""
     middle = 0.5 * (low + high)
     return TransferFunction([(middle, 0.0), (middle, 1.0)], [(middle, *MASK)])
 
@@ -258,7 +258,7 @@ def _parted(known: Evidence) -> tuple[float, float, float]:
 
 
 def _boundary_strength(known: Evidence, values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """How large gradients are at each value, 0..1: the mean over samples near it, against the largest mean."""
+    """Mean gradient of the samples near each value, as a share of the largest such mean, 0..1."""
     step = float(values[1] - values[0])
     place = np.clip(np.round((known.values - values[0]) / step).astype(np.int64), 0, values.size - 1)
     counts = np.bincount(place, minlength=values.size).astype(np.float64)
@@ -271,17 +271,17 @@ def _boundary_strength(known: Evidence, values: NDArray[np.float64]) -> NDArray[
 
 
 def _across(volume: Volume | WaveletVolume) -> float:
-    """Voxels that a ray goes through, about."""
+    """Number of voxels that a ray goes through, about."""
     return float(sum(volume.shape)) / 3.0
 
 
 def _per_voxel(opacity: float, n_voxels: float) -> float:
-    """What a voxel must be for a tenth of so many to have an opacity."""
+    """Opacity of a voxel with which a tenth of `n_voxels` together have `opacity`."""
     return 1.0 - math.pow(1.0 - min(opacity, 0.9999), 10.0 / max(n_voxels, 10.0))
 
 
 def _increasing(nodes: Sequence[float], extent: float) -> list[float]:
-    """Equal percentiles would make steps; they are kept a small distance apart."""
+    """The nodes, kept a small distance apart: equal percentiles would make steps."""
     least = 1e-3 * extent
     out = [float(nodes[0])]
     for node in nodes[1:]:

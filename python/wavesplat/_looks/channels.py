@@ -29,7 +29,7 @@ __all__ = ["CHANNEL_COLORS", "Rgb", "channel_look", "ramp", "tells_nothing", "wi
 
 Rgb = tuple[float, float, float]
 
-#: By convention, of channels whose file has none: green, magenta, cyan, yellow, red, blue; further ones white, orange.
+#: Conventional colours of channels whose file has none: green, magenta, cyan, yellow, red, blue, white, orange.
 CHANNEL_COLORS: tuple[Rgb, ...] = (
     (0.0, 1.0, 0.0),
     (1.0, 0.0, 1.0),
@@ -40,9 +40,9 @@ CHANNEL_COLORS: tuple[Rgb, ...] = (
     (1.0, 1.0, 1.0),
     (1.0, 0.65, 0.0),
 )
-#: Windows that span the values of a type, or of a camera, and say nothing: writers put them where they know none.
+#: Upper ends of windows that span the values of a type, or of a camera: writers put them where they know no window.
 WHOLE_RANGES = {float(2**n - 1) for n in (8, 10, 11, 12, 13, 14, 15, 16, 32)}
-#: Luminance (Rec. 709) that a colour has at least at the end of the window; a pure blue has 0.07 and is lost on black.
+#: Least luminance (Rec. 709) of a colour at the end of the window; a pure blue has 0.07 and is lost on black.
 MIN_LUMINANCE = 0.2
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 
@@ -72,7 +72,7 @@ def channel_look(
     if composite in ("over", "first-hit"):
         function = ramp(rgb, low, high, sum(volume.shape) / 3.0)
     else:
-        # One value of a ray: what is dark adds no light to that of other channels.
+        # A projection colours one value per ray: dark where it is low, so that other channels keep their light there.
         function = TransferFunction([(low, 1.0)], [(low, 0.0, 0.0, 0.0), (high, *_lightened(rgb))])
     return Look(
         transfer_function=function,
@@ -85,24 +85,24 @@ def channel_look(
 
 
 def tells_nothing(window: tuple[float, float], volume: Volume | WaveletVolume) -> bool:
-    """Whether a file's window is that of all values that there could be, and not one that somebody chose."""
+    """Whether a file's window spans all possible values, so that nobody chose it."""
     low, high = window
     return low == 0 and high in WHOLE_RANGES and not volume.value_range[1] > high
 
 
 def window_of_values(values: NDArray[Any]) -> tuple[float, float]:
-    """From above the background, by the median and the deviation, to what few samples exceed."""
+    """A window from just above the background (median plus deviation) to the value that few samples exceed."""
     background, high = (float(v) for v in np.percentile(values, (50.0, 99.7)))
     spread = 1.4826 * float(np.median(np.abs(values - background)))
     if high < background + 4.0 * spread or high <= background:
-        # Spots so small that a percentile misses them, or a dense channel: then both are near.
+        # Spots too small for that percentile, or a dense channel, in which the higher percentile is close to it.
         high = max(high, float(np.percentile(values, 99.97)))
     low = min(background + spread, background + 0.25 * (high - background))
     return low, high if high > low else low + max(1e-6 * abs(low), 1e-6)
 
 
 def ramp(color: Rgb, low: float, high: float, n_voxels: float) -> TransferFunction:
-    """Light of one colour. `n_voxels`: that a ray goes through, about."""
+    """A ramp of light in one colour. `n_voxels`: number of voxels that a ray goes through, about."""
     middle = low + 0.35 * (high - low)
     light = _lightened(color)
     dark = tuple(0.6 * share for share in light)
@@ -112,7 +112,7 @@ def ramp(color: Rgb, low: float, high: float, n_voxels: float) -> TransferFuncti
 
 
 def _lightened(color: Rgb) -> Rgb:
-    """The colour with so much white that it can be seen on black."""
+    """The colour mixed with just enough white to be seen on black."""
     luminance = sum(share * weight for share, weight in zip(color, LUMINANCE, strict=True))
     white = max(0.0, (MIN_LUMINANCE - luminance) / (1.0 - luminance)) if luminance < 1.0 else 0.0
     red, green, blue = (share + white * (1.0 - share) for share in color)
@@ -120,7 +120,7 @@ def _lightened(color: Rgb) -> Rgb:
 
 
 def _per_voxel(opacity: float, n_voxels: float) -> float:
-    """What a voxel must be for a tenth of so many to have an opacity."""
+    """Opacity of a voxel with which a tenth of `n_voxels` together have `opacity`."""
     return 1.0 - math.pow(1.0 - min(opacity, 0.9999), 10.0 / max(n_voxels, 10.0))
 
 

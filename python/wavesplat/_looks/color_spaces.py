@@ -1,4 +1,4 @@
-"""Ways from one colour to another: in RGB, HSV, CIE Lab, and Moreland's diverging space Msh, as VTK interpolates.
+"""Interpolation of colours in RGB, HSV, CIE Lab, and Moreland's diverging space Msh, as VTK does it.
 
 Msh is CIE Lab in polar coordinates: M the distance from black, s the angle from the grey axis, h the hue.
 Half way between two saturated colours of different hue it passes through white or grey.
@@ -21,9 +21,9 @@ Array: TypeAlias = NDArray[np.float64]
 #: Linear sRGB to XYZ with Y of white 1, and that white (D65), as VTK rounds them.
 XYZ_FROM_RGB = np.array([[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]])
 WHITE = np.array([0.9505, 1.0, 1.0890])
-#: What is less of an angle than this is grey, and hues nearer than this are one (Moreland).
+#: Tolerances of angles: s below which a colour is grey, and difference below which two hues are one (Moreland).
 GREY, ONE_HUE = 0.05, 0.33 * np.pi
-#: M of the middle, at least.
+#: Least M of the colour in the middle.
 MIN_MIDDLE = 88.0
 
 
@@ -105,11 +105,11 @@ def _between_hues(first: float, second: float) -> float:
 
 
 def _hue_of_grey(saturated: Array, m: float) -> float:
-    """A hue for a grey, away from which the saturated colour spins as it fades, so that steps look even."""
+    """The hue for a grey end: the saturated colour's plus a spin, so that steps of its fading look even."""
     if saturated[0] >= m:
         return float(saturated[2])
     spin = saturated[1] * np.sqrt(m**2 - saturated[0] ** 2) / (saturated[0] * np.sin(saturated[1]))
-    # Away from purple.
+    # The spin leads away from purple.
     return float(saturated[2] + (spin if saturated[2] > -0.3 * np.pi else -spin))
 
 
@@ -117,7 +117,7 @@ def _step(_: Color, second: Color, parts: Array) -> list[Array]:
     return [np.array(second) for _part in parts]
 
 
-#: By the name that ParaView gives them.
+#: Interpolations by the name that ParaView gives them.
 SPACES: dict[str, Callable[[Color, Color, Array], list[Array]]] = {
     "RGB": _in_rgb,
     "HSV": _in_hsv,

@@ -34,7 +34,7 @@ Opacity: TypeAlias = str | float | Iterable[float] | Iterable[tuple[float, float
 N_NODES = 256
 #: Steepness of the sigmoid: from a tenth to nine tenths in 37 % of the range.
 STEEPNESS = 12.0
-#: Names that are offered where one is unknown, at most.
+#: Largest number of names that are offered for an unknown one.
 N_OFFERED = 6
 
 
@@ -150,7 +150,7 @@ def _nodes(values: Array, alphas: Array) -> list[tuple[float, ...]]:
 
 
 def _table(opacity: Any) -> Array:
-    """Numbers, shape (n,), or nodes, shape (n, 2)."""
+    """A given opacity as an array: numbers, shape (n,), or nodes, shape (n, 2)."""
     try:
         given = opacity if isinstance(opacity, int | float | np.ndarray) else list(opacity)
         table = np.atleast_1d(np.array(given, dtype=np.float64))
@@ -180,7 +180,7 @@ def _found(name: str) -> str:
     if f"matplotlib:{base}" in known:
         return f"{known[f'matplotlib:{base}']}{reverse}"
     if base in known:
-        # Without a word where collections share a name.
+        # Where collections share a name, the catalogue's own choice is taken without a note.
         return f"{catalogue.resolve(known[base])}{reverse}"
     short = {key.lower(): key for key in catalogue.short_keys()}
     within = sorted((spelled for spelled in short if base and base in spelled), key=len)

@@ -13,7 +13,7 @@ __all__ = ["Rgba", "parse"]
 
 Rgba: TypeAlias = tuple[float, float, float, float]
 
-#: Pure ones, as channels of microscopes are called: this green is brighter than that of web pages.
+#: Colours by name, pure as those of microscopes' channels: this green is brighter than that of web pages.
 NAMES: dict[str, Rgba] = {
     "black": (0.0, 0.0, 0.0, 1.0),
     "white": (1.0, 1.0, 1.0, 1.0),

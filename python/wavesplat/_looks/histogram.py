@@ -1,4 +1,4 @@
-"""What a volume's histogram tells: its range, the threshold of the object, greys for projections.
+"""Statistics of a volume's histogram: its range, the threshold of the object, greys for projections.
 
 Otsu's threshold (1979) parts the background (air, empty field) from the object: it maximises the variance between the
 two classes.
@@ -41,18 +41,18 @@ __all__ = [
 N_BINS = 512
 #: Percentiles that count as the smallest and largest value.
 ROBUST = (0.1, 99.9)
-#: What is below this share of a window counts as empty.
+#: Share of a window below which values count as empty.
 CLEAR = 0.05
-#: Windows are at least as wide as this share of the volume's range, so that noise in what is even stays dark.
+#: Least width of a window, as a share of the volume's range, so that noise in uniform matter stays dark.
 MIN_WINDOW = 0.05
 #: Grey of the median of a radiograph, and the number of its nodes, which are even in the logarithm of the light.
 MIDDLE_GREY = 0.45
 N_RADIOGRAPH = 65
-#: Grey of the median of what a mean or a sum shows, at most.
+#: Largest grey of the median of a mean's or a sum's pixels.
 BRIGHTEST_MEDIAN = 0.6
 #: Projections whose values do not depend much on where the volume is seen from.
 MAXIMA = ("maximum", "depth-shaded-maximum", "local-maximum")
-#: How each projection reduces a ray; a sum is a mean times the ray's length.
+#: Reduction of a ray by each projection; a sum is a mean times the ray's length.
 PROJECTIONS: dict[str, Callable[..., Any]] = {
     "maximum": np.nanmax,
     "depth-shaded-maximum": np.nanmax,
@@ -62,15 +62,16 @@ PROJECTIONS: dict[str, Callable[..., Any]] = {
     "sum": np.nanmean,
     "x-ray": np.nanmean,
 }
-#: What absorbs nothing, air, in Hounsfield units, and absorption per millimetre and unit above it: a thousandth of that
-#: of water for photons of 60 keV, about the mean of a radiograph at 120 kV: 0.2059 per cm (Hubbell and Seltzer, NIST).
+#: Value of air, which absorbs nothing, in Hounsfield units, and absorption per millimetre and unit above it, a
+#: thousandth of that of water for photons of 60 keV, about the mean of a radiograph at 120 kV: 0.2059 per cm (Hubbell
+#: and Seltzer, NIST).
 HOUNSFIELD_ATTENUATION = (-1000.0, 2.059e-5)
 #: Optical depth that the most absorbing rays get where the units of absorption are not known: a 150th comes through.
 UNKNOWN_DEPTH = 5.0
 
 
 def projected(volume: Volume | WaveletVolume, composite: str) -> TransferFunction:
-    """Greys for what a projection along the three index axes gives."""
+    """Greys for the pixels of the projections along the three index axes."""
     if composite == "x-ray":
         clear, per_unit = attenuation(volume)
         return exposed(volume, composite, np.exp(-per_unit * _projected(volume, composite, clear)))
@@ -78,7 +79,7 @@ def projected(volume: Volume | WaveletVolume, composite: str) -> TransferFunctio
 
 
 def exposed(volume: Volume | WaveletVolume, composite: str, values: NDArray[np.floating[Any]]) -> TransferFunction:
-    """Greys for the values that a projection of a volume has, any number of them."""
+    """Greys for a projection's pixels, given as any number of values."""
     if composite == "x-ray":
         return _radiograph(-np.log(np.maximum(values, np.finfo(np.float32).tiny)))
     if composite in MAXIMA:
@@ -105,7 +106,7 @@ def is_hounsfield(volume: Volume | WaveletVolume) -> bool:
 def attenuation(volume: Volume | WaveletVolume) -> tuple[float, float]:
     """The value that absorbs no x-rays, and absorption per world unit and sample unit above it.
 
-    Those of Hounsfield units where the values look like them; else the range of values decides.
+    Both are fixed for values that look like Hounsfield units; for others they follow from the range of values.
     """
     values = finite_samples(volume)
     if looks_like_hounsfield(values):
@@ -116,7 +117,7 @@ def attenuation(volume: Volume | WaveletVolume) -> tuple[float, float]:
 
 
 def robust_range_of(values: NDArray[np.float64]) -> tuple[float, float]:
-    """Of finite values, any number of them."""
+    """The robust range of finite values, any number of them."""
     low, high = np.percentile(values, ROBUST)
     if not low < high:
         low, high = values.min(), values.max()
@@ -134,12 +135,12 @@ def _finite(samples: NDArray[Any]) -> NDArray[np.float64]:
 
 
 def signed(volume: WaveletVolume) -> TransferFunction:
-    """Details: what is as large as the largest thousandth is solid."""
+    """Diverging colours for wavelet details, full where they are as large as the largest thousandth."""
     return TransferFunction.diverging(float(np.percentile(np.abs(_finite(_subsampled(volume))), 99.9)) or 1.0)
 
 
 def otsu(values: NDArray[np.float64], low: float, high: float) -> float:
-    """The threshold that parts the values into the two classes with the largest variance between their square roots."""
+    """Otsu's threshold: it parts the values into the classes with the largest variance between their square roots."""
     roots = np.sqrt(np.clip((values - low) / (high - low), 0.0, 1.0))
     counts, edges = np.histogram(roots, bins=N_BINS, range=(0.0, 1.0))
     centers = (edges[:-1] + edges[1:]) / 2
@@ -155,9 +156,9 @@ def otsu(values: NDArray[np.float64], low: float, high: float) -> float:
 
 
 def _projected(volume: Volume | WaveletVolume, composite: str, clear: float = 0.0) -> NDArray[np.float64]:
-    """What a projection along each of the three index axes gives, all pixels together.
+    """Pixels of the projections along each of the three index axes, all together.
 
-    Of an x-ray the integral of what is above `clear`.
+    For an x-ray, the integral of the values above `clear`.
     """
     samples = _subsampled(volume).astype(np.float64)
     samples[~np.isfinite(samples)] = np.nan
@@ -173,7 +174,7 @@ def _projected(volume: Volume | WaveletVolume, composite: str, clear: float = 0.
 
 
 def _grey_ramp(values: NDArray[np.floating[Any]], least: float) -> TransferFunction:
-    """Black to white, at least so many values; the darkest is transparent, so that the volume's box does not show.
+    """Greys over at least the extent `least`; the darkest is transparent, so that the volume's box does not show.
 
     Black is higher where the object would be nearly white: a body's mean is, and its rim would take half of the greys.
     """
@@ -186,8 +187,9 @@ def _grey_ramp(values: NDArray[np.floating[Any]], least: float) -> TransferFunct
 
 
 def _of_maxima(values: NDArray[np.floating[Any]], *, hides_half: bool) -> TransferFunction:
-    """White is near what a fiftieth of the pixels exceeds, so that metal or a bladder full of tracer dims nothing else.
+    """Greys of a maximum: white is near the value that a fiftieth of the pixels exceeds.
 
+    So metal or a bladder full of tracer dims nothing else.
     Where that fiftieth is all there is, such as a single vessel, a third of its range is left for what is around it.
     `hides_half`: black is not the background but what a quarter of the object does not exceed; else white is a quarter
     higher, so that vessels stand out from a brain.
@@ -207,7 +209,7 @@ def _greys(low: float, black: float, white: float) -> TransferFunction:
 
 
 def _radiograph(depths: NDArray[np.floating[Any]]) -> TransferFunction:
-    """Grey by the optical depth, as a digital radiograph shows it: bone is bright.
+    """Greys by the optical depth, as a digital radiograph shows it: bone is bright.
 
     Its median over the object becomes a middle grey, whatever the exponent that it takes, so that a thick object keeps
     its contrast. What absorbs next to nothing is transparent.

@@ -1,7 +1,7 @@
-"""What kind of data a volume holds: what its file says, else what its values look like.
+"""The kind of data in a volume, by what its file says, else by what its values look like.
 
 Facts of the file (modality, unit, whether the axes are a patient's) come first. Where they are missing, the values
-decide by tests that are told with the result: Hounsfield units have air and soft tissue at the fixed points of their
+decide by tests that are reported beside it: Hounsfield units have air and soft tissue at the fixed points of their
 scale; a mask has two values; labels are whole numbers that are the same from sample to sample; a field has both signs;
 PET has no negative values, coarse samples and a few very bright spots.
 """
@@ -40,14 +40,14 @@ MODALITIES: dict[str, Kind] = {
 }
 #: Least shares of samples within 200 of air (-1000) and of soft tissue (0), Hounsfield units.
 MIN_SHARE = 0.02
-#: PET: samples at least so far apart, millimetres, and so much between the 90th and the 99.9th percentile. (A PET of a
-#: body: 3.4 mm, 13 times; MR of heads: 1 mm, 2 to 3 times.)
+#: PET: least distance of samples, millimetres, and least ratio of the 99.9th to the 90th percentile. (A PET of a body:
+#: 3.4 mm, 13 times; MR of heads: 1 mm, 2 to 3 times.)
 PET_SPACING_MM, PET_TAIL = 1.8, 8.0
-#: Labels: at most so many, and at least this share of neighbours inside them is the same. (Nuclei: 0.9; noise: 0.05.)
+#: Labels: largest number of them, and least share of samples in a label's interior. (Nuclei: 0.9; noise: 0.05.)
 MAX_LABELS, MIN_ALIKE = 2000, 0.75
-#: Signs: the smaller of the two tails is at least this share of the larger one.
+#: Signs: least ratio of the smaller of the two tails to the larger one.
 MIN_TAIL = 0.15
-#: Dense tissue: half of the samples are above this share of the range. (EM of a worm: 0.65; fluorescence: 0.1 to 0.2.)
+#: Dense tissue: least median, as a share of the range. (EM of a worm: 0.65; fluorescence: 0.1 to 0.2.)
 MIN_BRIGHT = 0.45
 #: Units that microscopes use.
 SMALL_UNITS = ("um", "nm", "angstrom", "pm")
@@ -65,16 +65,16 @@ class Evidence:
 
     @property
     def is_guess(self) -> bool:
-        """Whether only the values speak for it."""
+        """Whether the kind was found by the values alone."""
         return self.reason.endswith("by the values")
 
 
 def evidence(volume: Volume | WaveletVolume) -> Evidence:
-    """What kind of data a volume holds."""
+    """The kind of data that a volume holds, with the reason and the samples looked at."""
     samples, neighbours = _looked_at(volume)
     values = samples.astype(np.float64)
     differences = [0.5 * (after.astype(np.float64) - before) for before, after in neighbours]
-    # No sum of squares: those of samples near the limits of float64 have none.
+    # `hypot`, since the squares of samples near the limits of float64 overflow.
     gradients = np.hypot.reduce([np.zeros_like(values), *differences])
     finite = np.isfinite(values) & np.isfinite(gradients)
     alike = _share_alike(samples, neighbours)
@@ -86,7 +86,7 @@ def evidence(volume: Volume | WaveletVolume) -> Evidence:
 
 
 def kind_of(volume: Volume | WaveletVolume) -> Kind:
-    """The kind alone."""
+    """The kind of data that a volume holds."""
     return evidence(volume).kind
 
 
@@ -97,12 +97,12 @@ def hounsfield_shares(values: NDArray[Any]) -> tuple[float, float]:
 
 
 def looks_like_hounsfield(values: NDArray[Any]) -> bool:
-    """Whether values have both fixed points of the scale."""
+    """Whether values have both fixed points of Hounsfield's scale, air and soft tissue."""
     return min(hounsfield_shares(values)) > MIN_SHARE
 
 
 def unit_of_values(volume: Volume | WaveletVolume) -> str:
-    """What the values are measured in: "HU" of a CT, "" where nobody says it. Quick: for every picture."""
+    """Unit of a volume's values: "HU" of a CT, "" where it is unknown. Quick: for every picture."""
     if volume.modality:
         return "HU" if volume.modality == "CT" else ""
     some = volume._every(step_for(math.prod(volume.shape), UNIT_SAMPLES))
@@ -172,7 +172,7 @@ Pairs: TypeAlias = "list[tuple[NDArray[Any], NDArray[Any]]]"
 
 
 def _looked_at(volume: Volume | WaveletVolume) -> tuple[NDArray[Any], Pairs]:
-    """Samples evenly through the volume, and their two neighbours along each axis that has any, all flat."""
+    """Samples spread evenly over the volume, and their two neighbours along each axis that has any, all flat."""
     step = step_for(math.prod(volume.shape), KIND_SAMPLES)
     if isinstance(volume, WaveletVolume | LazyVolume):
         return _with_neighbours(volume._every(step), 1)
@@ -191,7 +191,7 @@ def _with_neighbours(samples: NDArray[Any], step: int) -> tuple[NDArray[Any], Pa
 
 
 def _share_alike(samples: NDArray[Any], neighbours: Pairs) -> float:
-    """Of the samples that are not the commonest value, how many have the value of both neighbours along an axis."""
+    """Share of the samples, the commonest value left out, that equal both neighbours along an axis."""
     if not neighbours or not samples.size:
         return 0.0
     found, counts = np.unique(samples, return_counts=True)

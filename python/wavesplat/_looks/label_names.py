@@ -21,15 +21,15 @@ from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["Named", "in_file", "in_table"]
 
-#: Name, and colour 0..1 where there is one.
+#: A label's name, and its colour, 0..1, where there is one.
 Named: TypeAlias = "tuple[str, tuple[float, float, float] | None]"
 
-#: Headers longer than this hold no names.
+#: Longest header that is searched for names, bytes.
 MAX_HEADER_BYTES = 2**22
 
 
 def in_file(path: str | PathLike[str]) -> dict[int, Named]:
-    """What a segmentation's own file says, by number; empty where it says nothing."""
+    """Names and colours in a segmentation's own file, by number; empty where it has none."""
     place = expanded(path)
     name = place.name.lower()
     if name.endswith((".nrrd", ".nhdr")):
@@ -104,7 +104,7 @@ def _nifti_labels(path: Path) -> dict[int, Named]:
 
 
 def _columns(text: str) -> dict[int, Named]:
-    """ITK-SNAP: `1 255 0 0 1 1 1 "liver"`. 3D Slicer: `1 liver 255 0 0 255`, in place of blanks underscores."""
+    """Labels of ITK-SNAP (`1 255 0 0 1 1 1 "liver"`) or 3D Slicer (`1 liver 255 0 0 255`, underscores for blanks)."""
     found: dict[int, Named] = {}
     for number, line in enumerate(text.splitlines(), 1):
         if not line.strip() or line.lstrip().startswith("#"):
@@ -142,7 +142,7 @@ def _floats(fields: Iterable[str]) -> list[float]:
 
 
 def _color(numbers: list[float], white: float) -> tuple[float, float, float] | None:
-    """Three numbers as a colour, None if they are none."""
+    """Three numbers as a colour; None if they are no colour."""
     if len(numbers) != 3 or not all(0 <= number <= white for number in numbers):
         return None
     red, green, blue = (number / white for number in numbers)

@@ -29,11 +29,11 @@ from wavesplat.errors import ArgumentError
 
 __all__ = ["Label", "Labels"]
 
-#: More labels than any segmentation has; what has more is a scan.
+#: Largest number of labels: data with more values is a scan.
 MAX_LABELS = 65_535
 #: Labels that `repr` lists.
 SHOWN = 6
-#: World units, in spacings, by which samples of a segmentation may lie beside those of the scan.
+#: Largest distance, in spacings, between a segmentation's samples and those of the scan.
 TOLERANCE = 1e-3
 
 
@@ -139,7 +139,7 @@ class Labels:
     _codes: NDArray[Any] = field(repr=False)
     _cores: dict[bytes, _native.Labels] = field(repr=False)
     _cuts: dict[tuple[bytes, Boxes], Labels] = field(repr=False)
-    #: Where the segmentation comes from, None if that cannot be told (`_model.sources`).
+    #: Source of the segmentation, None if unknown (`_model.sources`).
     _source: Source | None = field(repr=False)
 
     @takes_its_types
@@ -270,7 +270,7 @@ class Labels:
         return self._cuts[key]
 
     def with_looks(self, labels: Mapping[int, Label], *, smooth: bool | None = None) -> Labels:
-        """The same segmentation with other looks.
+        """A copy with other looks of the same segmentation.
 
         Raises
         ------
@@ -322,7 +322,7 @@ def _share(number: float, name: str, what: str) -> float:
 
 
 def _codes(samples: NDArray[Any]) -> tuple[tuple[int, ...], NDArray[Any]]:
-    """The numbers that occur, and for every sample the place of its number."""
+    """The numbers that occur, and for every sample the index of its number among them."""
     if samples.dtype.kind == "b":
         samples = samples.view(np.uint8)
     if samples.dtype.kind == "f":

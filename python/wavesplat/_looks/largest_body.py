@@ -34,14 +34,14 @@ __all__ = ["largest_body"]
 TISSUE_HU = -400.0
 #: Radius of the opening, millimetres: twice that is thicker than the shells of tables.
 OPENING_MM = 4.0
-#: The same where lengths have no known unit, in samples.
+#: Radius of the opening in samples, where lengths have no known unit.
 OPENING_SAMPLES = 2.0
-#: Distances of samples that are looked at, millimetres, and how many samples at most.
+#: Distance of the samples that are looked at, millimetres, and largest number of them.
 COARSE_MM = 3.0
 N_SAMPLES_MAX = 4_000_000
 #: Shares of the largest part from which another belongs to the body, and below which what was cut off is no table.
 MIN_PART, LARGEST_BIT = 0.2, 0.002
-#: Where opening leaves less than this share of a body and what it encloses, it cut off walls that belong to the body.
+#: Least share of a body and what it encloses that opening leaves; where less is left, it cut off walls of the body.
 #: Hounsfield units show fat as well, so there walls are thick, and it may have been a large table.
 MIN_LEFT, MIN_LEFT_HU = 0.7, 0.5
 
@@ -64,8 +64,8 @@ def largest_body(volume: VolumeLike, threshold: float | None = None, *, opening:
     Returns
     -------
     Volume
-        Of the same type, shape, place and name. Samples outside of the body have the volume's smallest value; those
-        inside, air in lungs and bowels included, are as they were. `facts.processing` tells it.
+        Type, shape, place and name are the same. Samples outside of the body have the volume's smallest value; those
+        inside, air in lungs and bowels included, are as they were. `facts.processing` records it.
 
     Raises
     ------
@@ -115,7 +115,7 @@ def _threshold(volume: Volume, by_hounsfield: bool) -> float:
 
 
 def _millimetre(volume: Volume, by_hounsfield: bool) -> float:
-    """In world units; NaN if it is not known. CT is in millimetres."""
+    """A millimetre in world units; NaN if the unit is unknown. CT without a unit is in millimetres."""
     size = units.metres(volume.unit)
     if size is None:
         return 1.0 if by_hounsfield else math.nan
@@ -127,7 +127,7 @@ def _radius(volume: Volume, millimetre: float) -> float:
 
 
 def _steps(volume: Volume, millimetre: float) -> tuple[int, int, int]:
-    """Every how many samples is looked at along (z, y, x)."""
+    """Steps between the samples that are looked at, along (z, y, x)."""
     n = (volume.samples.size / N_SAMPLES_MAX) ** (1 / 3)
     apart = 0.0 if math.isnan(millimetre) else COARSE_MM * millimetre
     z, y, x = (max(1, math.floor(apart / spacing), math.ceil(n)) for spacing in reversed(volume.spacing))
@@ -143,13 +143,13 @@ def _emptied(volume: Volume, kept: NDArray[np.bool_], steps: tuple[int, int, int
     empty = samples.dtype.type(volume.value_range[0])
     for z, k in enumerate(nearest[0]):
         outside = ~kept[k][np.ix_(nearest[1], nearest[2])]
-        # What is not known stays so.
+        # NaN and infinity stay as they are.
         samples[z][outside & np.isfinite(samples[z])] = empty
     return samples
 
 
 class _Morphology:
-    """What is done with shapes [z, y, x] whose samples are so far apart; slices lie across `axis`."""
+    """Morphology of shapes [z, y, x] whose samples are `distances` apart; slices lie across `axis`."""
 
     def __init__(self, distances: tuple[float, ...], axis: int) -> None:
         self.ndimage = library("scipy.ndimage", extra="body")
@@ -157,7 +157,7 @@ class _Morphology:
         self.axis = axis
 
     def body(self, matter: NDArray[np.bool_], radius: float, least_left: float) -> NDArray[np.bool_]:
-        """The largest body, and a rim of air."""
+        """The largest body, with a rim of air."""
         body = self.largest(self.opened(matter, radius))
         whole = self.touched(matter, body)
         if self.filled(body).sum() < least_left * self.filled(whole if body.any() else matter).sum():
@@ -172,7 +172,7 @@ class _Morphology:
         return self.filled(self.rimmed(body))
 
     def touched(self, shape: NDArray[np.bool_], body: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """The connected parts that have something of the body."""
+        """The connected parts that meet the body."""
         labels, n = self.ndimage.label(shape)
         touches = np.zeros(n + 1, dtype=bool)
         touches[labels[body]] = True
@@ -190,24 +190,24 @@ class _Morphology:
         return np.asarray(belongs[labels])
 
     def opened(self, shape: NDArray[np.bool_], radius: float) -> NDArray[np.bool_]:
-        """Without what a ball does not fit into; the volume's faces are no surfaces of a body."""
+        """The shape without the parts that a ball does not fit into; the volume's faces are no surfaces of a body."""
         if radius == 0 or shape.all():
             return shape
         core = self.ndimage.distance_transform_edt(shape, sampling=self.distances) > radius
         return self.grown(core, radius) & shape
 
     def grown(self, shape: NDArray[np.bool_], distance: float) -> NDArray[np.bool_]:
-        """With all that is so near."""
+        """The shape with all samples within a distance of it."""
         if not shape.any():
             return shape
         return np.asarray(self.ndimage.distance_transform_edt(~shape, sampling=self.distances) <= distance)
 
     def rimmed(self, shape: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """With the samples around it."""
+        """The shape with the samples around it."""
         return np.asarray(self.ndimage.binary_dilation(shape, self.ndimage.generate_binary_structure(3, 2)))
 
     def filled(self, shape: NDArray[np.bool_]) -> NDArray[np.bool_]:
-        """With the holes of its slices, also those that the edge of the volume closes between two parts of the body."""
+        """The shape with holes of its slices filled, also those between two of its parts and the edge of the volume."""
         out = shape.copy()
         for plane in np.moveaxis(out, self.axis, 0):
             if not plane.any():

@@ -1,6 +1,6 @@
 """Look: all that decides how a volume is shown, but the camera's distance and the picture's size.
 
-What 3D Slicer calls a volume property preset, with the operator and the view that go with it.
+It is 3D Slicer's volume property preset, with the operator and the view that go with it.
 """
 
 from __future__ import annotations
@@ -103,7 +103,7 @@ class Look:
         Parameters
         ----------
         name : str
-            Of CT in Hounsfield units: "ct-bone", "ct-angio", "ct-lung", "ct-skin", "ct-muscle", "ct-heart",
+            For CT in Hounsfield units: "ct-bone", "ct-angio", "ct-lung", "ct-skin", "ct-muscle", "ct-heart",
             "ct-soft-tissue", "ct-vessels". Fitted to the volume's values: presets for MR, PET, microscopy and
             simulation, and "auto" (see `auto`). Those of 3D Slicer, such as "CT-AAA" or "MR-Default"; where ours has
             the same name, "slicer-" before it means theirs. `wavesplat presets` lists all. Case does not matter, and

@@ -62,7 +62,7 @@ def _of_slicer(
 
 
 def _one(found: list[dict[str, Any]], field: str, name: str | None) -> dict[str, Any]:
-    """The one of that name, or the only one."""
+    """The entry of a name, or the only one."""
     names = [str(one.get(field, "")) for one in found]
     if name is None and len(found) == 1:
         return found[0]

@@ -45,7 +45,7 @@ def fields_of_curves(curves: TransferFunction | TransferFunction2D) -> dict[str,
 
 
 def fields_of(look: Look, curves: dict[str, Any] | None = None) -> dict[str, Any]:
-    """The fields of such an object, but the version. `curves`: those of its transfer function, if they are known."""
+    """The fields of a look's JSON object, but the version. `curves`: fields of its transfer function, if known."""
     if look.labels is not None:
         raise ArgumentError("this look has labels, which are as large as a volume; save the look without them")
     return {

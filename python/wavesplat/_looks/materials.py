@@ -132,7 +132,7 @@ class Materials:
         )
         object.__setattr__(self, "materials", tuple(placed))
         object.__setattr__(self, "opacity_unit", None if opacity_unit is None else _unit(opacity_unit))
-        self.transfer_function()  # what it refuses, the unit of the opacities, is refused here
+        self.transfer_function()  # so that a wrong unit of the opacities is refused here
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -140,7 +140,7 @@ class Materials:
         return tuple(material.name for material in self.materials)
 
     def percentages(self, values: ArrayLike) -> NDArray[np.float64]:
-        """How much of each material is in samples of some values, 0..1, shape (n, number of materials).
+        """Shares of the materials in samples of some values, 0..1, shape (n, number of materials).
 
         Rows sum to 1, or to less where the curves claim less; of NaN, to 0.
         """
@@ -188,7 +188,7 @@ class Materials:
         Returns
         -------
         TransferFunction2D
-            Of value and gradient magnitude, for `render`.
+            A function of value and gradient magnitude, for `render`.
 
         Raises
         ------
@@ -322,7 +322,7 @@ class Materials:
         json_object.save(path, self.to_json())
 
     def _claims(self, values: NDArray[np.float64], side: Literal["left", "right"]) -> NDArray[np.float64]:
-        """What the curves say of values, or, from the left, of values just below them, [n, material]."""
+        """Probabilities of the materials at values, or, from the left, just below them, [n, material]."""
         return np.stack([_interpolate(material.probability, values, side) for material in self.materials], axis=1)
 
 

@@ -36,17 +36,17 @@ if TYPE_CHECKING:
 __all__ = ["fit"]
 
 N_BINS = 512
-#: A histogram tells a handful of materials apart; the time of a fit grows with their number.
+#: Largest number of materials: a histogram separates a handful, and the time of a fit grows with their number.
 MAX_MATERIALS = 32
-#: Values that the mixture is fitted to: so many quantiles stand for the histogram, and take less than a second.
+#: Number of quantiles that stand for the histogram in the fit, which takes less than a second with them.
 N_QUANTILES = 20_000
-#: Part of the way between two means, at least, in which one material goes over into the other.
+#: Least width of the ramp from one material to the next, as a share of the distance of their means.
 MIN_RAMP = 0.5
-#: Change from sample to sample at which one counts half, and least deviation, as shares of the range of values.
+#: Change between neighbours at which a sample counts half, and least deviation, as shares of the range of values.
 #: By trial on CT and MRI: without the first, the skin of a body becomes a material and fat and muscle are one.
 CALM = 0.03
 MIN_DEVIATION = 0.01
-#: Looks from the least dense material that shows to the densest: a veil, flesh, something solid.
+#: Colours and opacities from the least dense material that shows to the densest: a veil, flesh, something solid.
 COLORS = ((0.93, 0.72, 0.55), (0.88, 0.38, 0.27), (1.0, 0.95, 0.85))
 OPACITIES = (0.006, 0.03, 0.6)
 
@@ -84,7 +84,7 @@ def _names(materials: int | Sequence[str]) -> list[str]:
 
 
 def _quantiles(volume: Volume | WaveletVolume, n_materials: int) -> NDArray[np.float64]:
-    """Values in order that stand for the histogram of what is calm.
+    """Sorted quantiles of the samples, weighted by how little changes around them.
 
     Without the outermost thousandths, which are padding and metal.
     """
@@ -117,7 +117,7 @@ def _mixture(values: NDArray[np.float64], n_materials: int) -> Any:
 
 
 def _ramp(low: float, high: float, variance: float, odds: float) -> tuple[float, float]:
-    """Where, between two means, one material begins to go over into the other, and where it has."""
+    """Values, between two means, at which one material begins to turn into the other, and at which it has."""
     apart = high - low
     width = float(np.clip(4.0 * variance / apart, MIN_RAMP * apart, apart))
     middle = (low + high) / 2.0 + variance * np.log(odds) / apart
@@ -126,7 +126,7 @@ def _ramp(low: float, high: float, variance: float, odds: float) -> tuple[float,
 
 
 def _curves(ramps: list[tuple[float, float]], mean: float) -> list[list[tuple[float, float]]]:
-    """Each material's probability: it comes with one ramp and goes with the next. `mean`: of a single material."""
+    """Each material's probability: it rises over one ramp and falls over the next. `mean`: of a single material."""
     rises = [[], *([(start, 0.0), (end, 1.0)] for start, end in ramps)]
     falls = [*([(start, 1.0), (end, 0.0)] for start, end in ramps), []]
     return [rise + fall or [(float(mean), 1.0)] for rise, fall in zip(rises, falls, strict=True)]

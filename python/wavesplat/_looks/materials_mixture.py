@@ -19,14 +19,14 @@ __all__ = ["curves"]
 
 Array = NDArray[np.float64]
 
-#: Error of the transfer function's colour, and of its opacity, each: together they stay below 1e-3.
+#: Largest error of the transfer function's colour, and of its opacity: together they stay below 1e-3.
 TOLERANCE = 5e-4
-#: Differences below this are rounding, and make no nodes.
+#: Largest difference that is rounding, and makes no nodes.
 ROUNDING = 1e-9
 
 
 def curves(values: Array, totals: Array, parts: Array) -> tuple[list[tuple[float, float]], list[tuple[float, ...]]]:
-    """Nodes (value, opacity) and (value, red, green, blue) of a mixture, right to `TOLERANCE` between them.
+    """Nodes (value, opacity) and (value, red, green, blue) of a mixture, exact to `TOLERANCE` between them.
 
     values : in order; where the claims jump, twice, for what is below and above.
     totals : sum of the claims at each.
@@ -39,7 +39,7 @@ def curves(values: Array, totals: Array, parts: Array) -> tuple[list[tuple[float
     for start, end in zip(points, [*points[1:], points[-1]], strict=True):
         opacity += _opacity_nodes(start, end)
         color += _color_nodes(start, end)
-    # Where everything is clear, no colour is as good as another; black adds nothing.
+    # Where everything is clear any colour will do; black adds nothing.
     return _once(opacity), _once(color) or [(points[0].value, 0.0, 0.0, 0.0)]
 
 
@@ -115,13 +115,13 @@ def _between(
 
 
 def _bend(factor: float) -> float:
-    """How much 1 / D leaves its chord, in the unit of its change, where D grows by the factor to 1."""
+    """Largest distance of 1 / D from its chord where D grows by `factor` to 1."""
     root = math.sqrt(factor)
     return (factor - 1.0) * (root - 1.0) / (root + 1.0)
 
 
 def _crossing(before: float, after: float) -> float | None:
-    """Where between two points the sum of the claims passes 1, as a share of the way."""
+    """Place between two points where the sum of the claims passes 1, as a share of the way; None if it does not."""
     apart = min(abs(before - 1.0), abs(after - 1.0)) > ROUNDING
     return (1.0 - before) / (after - before) if apart and (before < 1.0) != (after < 1.0) else None
 

@@ -25,12 +25,12 @@ if TYPE_CHECKING:
 
 __all__ = ["surfaces"]
 
-#: Of the table: columns between the first and the last node, and rows up to the gradient that completes all surfaces.
+#: Size of the table: columns between the first and the last node, and rows up to the gradient of complete surfaces.
 N_VALUES = 256
 N_MAGNITUDES = 48
-#: What is flatter than this share of the steepest boundary is none.
+#: Least slope of a boundary, as a share of the steepest one's.
 FLAT = 1e-3
-#: Changes of D from column to column below this are rounding.
+#: Largest change of D from column to column that is rounding.
 ROUNDING = 1e-9
 
 
@@ -52,7 +52,7 @@ def surfaces(materials: Materials, share: float, thickness: float) -> TransferFu
     slope = np.abs(np.gradient(numbers, columns))
     if slope.max() * margin < ROUNDING:
         raise ArgumentError("materials: none of them has a boundary with another; their densities or curves are equal")
-    # Every column's strength grows with the magnitude up to one of these, and stays.
+    # The strength of every column grows with the magnitude up to one of these, and is constant beyond.
     complete = 1 / (thickness * slope[slope > FLAT * slope.max()])
     rows = np.unique([0.0, *np.quantile(complete, np.linspace(0, 1, N_MAGNITUDES))])
     strength = np.minimum(1.0, thickness * slope * rows[:, None])

@@ -1,4 +1,4 @@
-"""Which time point of a series its look is made for, so that all times have one, and nothing flickers."""
+"""The time point of a series that its look is made for: one for all times, so that nothing flickers."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from wavesplat._model.volume import Volume
 
 __all__ = ["brightest"]
 
-#: What few samples exceed.
+#: Percentile of a volume's samples that measures how bright it is.
 PERCENT = 99.5
 
 
 def brightest(series: Series) -> Volume:
     """The brightest of the first, the middle and the last volume; found once.
 
-    Of the brightest nothing is clipped, and a contrast agent shows.
+    With a look made for the brightest nothing is clipped, and a contrast agent shows.
     """
     if series._brightest is None:
         n = len(series)

@@ -35,9 +35,9 @@ __all__ = ["from_json", "from_xml", "look"]
 
 WHAT = "colour map of ParaView"
 TAG = "ColorMap"
-#: Lines between two points of a map, where they are not lines already.
+#: Number of lines between two points of a map, where they are not lines already.
 N_LINES = 16
-#: The whole range.
+#: Range of points that are fractions.
 UNIT = (0.0, 1.0)
 
 
@@ -50,7 +50,7 @@ def from_json(document: list[Any]) -> list[dict[str, Any]]:
 
 
 def from_xml(root: Element) -> list[dict[str, Any]]:
-    """The maps of an XML file, as those of a JSON file are."""
+    """The maps of an XML file, in the form of those of a JSON file."""
     found = []
     for element in root.iter(TAG):
         points = [
@@ -65,7 +65,7 @@ def from_xml(root: Element) -> list[dict[str, Any]]:
             "RGBPoints": [number for *node, _ in points for number in node],
         }
         opacities = [(x, alpha) for x, *_, alpha in points if not np.isnan(alpha)]
-        # Most files say 1 everywhere, and mean that they say nothing.
+        # Most files have 1 everywhere, which means that they set no opacity.
         if any(alpha != 1 for _, alpha in opacities):
             document["Points"] = [number for x, alpha in opacities for number in (x, alpha, 0.5, 0.0)]
         found.append(document)

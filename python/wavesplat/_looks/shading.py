@@ -177,7 +177,7 @@ class Shading:
         Parameters
         ----------
         **settings
-            What is to be otherwise, as for `Shading`.
+            Settings that differ, as for `Shading`.
 
         Examples
         --------
@@ -199,7 +199,7 @@ class Shading:
         return cls(**(plain | settings))
 
     def changed(self, **settings: Any) -> Shading:
-        """The same with other settings.
+        """A copy with other settings.
 
         Examples
         --------

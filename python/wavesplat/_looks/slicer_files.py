@@ -39,7 +39,7 @@ __all__ = ["VolumeProperty", "built_in", "from_json", "from_vp", "from_xml"]
 
 WHAT = "volume property of 3D Slicer"
 TAG = "VolumeProperty"
-#: What a line of a `.vp` file holds.
+#: Contents of the lines of a `.vp` file, in order.
 VP_LINES = (
     "interpolation",
     "shade",
@@ -51,13 +51,13 @@ VP_LINES = (
     "gradient opacity",
     "color",
 )
-#: Of curves whose points have none.
+#: Midpoint and sharpness of points that have none.
 MIDPOINT, SHARPNESS = 0.5, 0.0
 
 
 @dataclass(frozen=True, kw_only=True)
 class VolumeProperty:
-    """What Slicer keeps of a look; nodes as for `TransferFunction`, but magnitudes are per mean spacing."""
+    """Slicer's record of a look; nodes as for `TransferFunction`, but magnitudes are per mean spacing."""
 
     name: str
     shade: bool
@@ -97,7 +97,7 @@ def built_in() -> list[VolumeProperty]:
 
 
 def from_xml(root: Element) -> list[VolumeProperty]:
-    """Those of a scene, such as `presets.xml`, in its order."""
+    """The volume properties of a scene, such as `presets.xml`, in its order."""
     found = [_of_attributes(element.attrib) for element in root.iter(TAG)]
     if not found:
         raise ArgumentError(f"{WHAT}: the scene has no <{TAG}>")
@@ -105,7 +105,7 @@ def from_xml(root: Element) -> list[VolumeProperty]:
 
 
 def from_vp(text: str, name: str) -> VolumeProperty:
-    """That of a `.vp` file: nine lines of numbers."""
+    """The volume property of a `.vp` file: nine lines of numbers."""
     lines = [line for line in text.splitlines() if line.strip()]
     if len(lines) < len(VP_LINES):
         raise ArgumentError(f"{WHAT}: {len(lines)} lines; a .vp file has {len(VP_LINES)}: {', '.join(VP_LINES)}")
@@ -124,7 +124,7 @@ def from_vp(text: str, name: str) -> VolumeProperty:
 
 
 def from_json(document: dict[str, Any], name: str) -> list[VolumeProperty]:
-    """Those of a `.vp.json` file."""
+    """The volume properties of a `.vp.json` file."""
     try:
         components = [properties["components"][0] for properties in document["volumeProperties"]]
         return [_of_component(component, name) for component in components]
@@ -188,7 +188,7 @@ def _number(text: str, what: str) -> float:
 def _nodes(text: str, what: str, n_each: int) -> list[tuple[float, ...]]:
     """Nodes of "count x y x y ..."; the count is of numbers, not of nodes."""
     try:
-        # What stands behind an arrow is a remark, in Slicer's own documentation.
+        # Text after an arrow is a remark, as in Slicer's own documentation.
         count, *numbers = (float(part) for part in re.split(r"=>|#", text)[0].split())
     except ValueError:
         raise ArgumentError(f"{WHAT}: {what} is {text!r}; it must be a count and so many numbers") from None

@@ -36,7 +36,7 @@ class TransferFunction:
     ----------
     opacity : sequence of (value, alpha)
         Nodes in order of value. `alpha`, 0..1, is the opacity of a slab one `opacity_unit` thick; 1 is opaque at any
-        thickness. A peak that touches 1 at a single value is passed in no length there: it weighs 0.1 % more than one
+        thickness. A ray crosses a peak that touches 1 at a single value in no length: it weighs 0.1 % more than one
         of 0.9999.
     color : sequence of (value, red, green, blue)
         Nodes in order of value; 0..1, used as given (no gamma).
@@ -132,7 +132,7 @@ class TransferFunction:
     @classmethod
     @takes_its_types
     def diverging(cls, limit: float, *, opacity: float = 0.5) -> TransferFunction:
-        """Colours for signed values: blue below 0, red above, nothing near it.
+        """A transfer function for signed values: blue below 0, red above, nothing near it.
 
         Parameters
         ----------
@@ -188,8 +188,8 @@ class TransferFunction:
             Values of the first and the last colour; None takes those that count as the volume's smallest and largest,
             for `log` as its smallest and largest of those above 0, with a warning if there are others.
         opacity : str, float, sequence of float, or sequence of (value, alpha)
-            Of a slab one `opacity_unit` thick: "linear", "sigmoid" or "sqrt" from 0 at low to 1 at high; the same
-            everywhere; numbers evenly over the range; or nodes in sample values. Numbers are 0..1.
+            Opacity of a slab one `opacity_unit` thick: "linear", "sigmoid" or "sqrt" from 0 at low to 1 at high; one
+            number everywhere; numbers evenly over the range; or nodes in sample values. Numbers are 0..1.
         log : bool
             Colours even in the logarithm of the values.
         gamma : float, default 1

@@ -26,7 +26,7 @@ from wavesplat.errors import ArgumentError
 __all__ = ["TransferFunction2D"]
 
 WHAT = "two-dimensional transfer function"
-#: Factor from the least gradient of a surface to that where it is whole.
+#: Ratio of the gradient at which a surface is whole to the least gradient at which there is one.
 FADE = 1.5
 
 
@@ -163,7 +163,7 @@ class TransferFunction2D:
         checked = [_boundary(boundary, number) for number, boundary in enumerate(boundaries)]
         if not checked:
             raise ArgumentError(f"{WHAT}: no boundary is given; give (value, thickness, least, color, opacity)")
-        # Magnitudes to where every surface covers all values around its neighbours; beyond, all stays as it is.
+        # Rows end where every surface covers all values around its neighbours; beyond, nothing changes.
         centres = [value for value, *_ in checked]
         spread = max(max(centres) - min(centres), *(4 * thickness * least for _, thickness, least, *_ in checked), 1e-9)
         most = max(spread / thickness for _, thickness, *_ in checked)
@@ -205,7 +205,7 @@ class TransferFunction2D:
 
     @classmethod
     def _of_fields(cls, document: dict[str, Any]) -> TransferFunction2D:
-        """The function that such an object describes."""
+        """The function that a JSON object describes."""
         from wavesplat._files import json_object
 
         needed = ("values", "magnitudes", "rgba")
@@ -221,7 +221,7 @@ class TransferFunction2D:
         return json.dumps({"version": 1, **self._fields()}) + "\n"
 
     def _fields(self) -> dict[str, Any]:
-        """The table as the fields of such an object."""
+        """The table as the fields of its JSON object."""
         table = {"opacity_unit": self.opacity_unit, "values": self.values, "magnitudes": self.magnitudes}
         return {**table, "rgba": self.rgba.tolist()}
 

@@ -47,7 +47,7 @@ def write(transfer_function: TransferFunction) -> str:
 
 
 def fields_of(transfer_function: TransferFunction) -> dict[str, Any]:
-    """Its curves as the fields of such an object."""
+    """The curves of a transfer function as the fields of its JSON object."""
     curves: dict[str, Any] = {
         "opacity_unit": transfer_function.opacity_unit,
         "opacity": transfer_function.opacity,

@@ -1,4 +1,4 @@
-"""What the values of curves in a file stand for: samples, or places in a volume's own range of values.
+"""Scales of the values of curves in files: samples, or places in a volume's own range of values.
 
 A preset for data without fixed units cannot name samples, so its nodes are places on one of these scales:
 
@@ -31,7 +31,7 @@ Nodes: TypeAlias = list[tuple[float, ...]]
 
 #: Scales that need no volume.
 ABSOLUTE = ("samples", "hounsfield")
-#: What counts as the largest magnitude, and of an object.
+#: Percentile of the magnitudes that counts as the largest, and percentile of the object that counts as its largest.
 LARGEST_MAGNITUDE, LARGEST_OF_OBJECT = 99.9, 99.5
 #: Percentiles of the positive values that count as smallest and largest, as `histogram.ROBUST`.
 ROBUST = (0.1, 99.9)
@@ -109,7 +109,7 @@ def nodes_on(scale: str, nodes: Iterable[Sequence[float]], volume: Volume | Wave
 
 
 def widths_on(scale: str, nodes: Iterable[Sequence[float]], volume: Volume | WaveletVolume) -> Nodes:
-    """The same for differences of values, such as gradients."""
+    """Nodes whose first number is a difference on a scale, such as a gradient, with that of sample values instead."""
     if scale in ABSOLUTE:
         return [tuple(node) for node in nodes]
     low, high = ends(scale, volume)

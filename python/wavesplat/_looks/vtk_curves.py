@@ -15,9 +15,9 @@ from numpy.typing import NDArray
 
 __all__ = ["line_nodes", "way_between"]
 
-#: What counts as a line and as a step.
+#: Sharpness below which a piece is a line, and above which it is a step.
 LINE, STEP = 0.01, 0.99
-#: Lines for a bent piece.
+#: Number of lines for a bent piece.
 N_LINES = 32
 
 
@@ -30,7 +30,7 @@ def line_nodes(nodes: Iterable[Sequence[float]]) -> list[tuple[float, ...]]:
             x = first[0] + midpoint * (second[0] - first[0])
             found += [(x, *first[1:]), (x, *second[1:])]
         elif sharpness >= LINE or midpoint != 0.5:
-            # Lines need no more than their middle, which may lie elsewhere than half way.
+            # A pair of lines needs only its middle node, which may lie elsewhere than half way.
             parts = np.array([midpoint]) if sharpness < LINE else np.linspace(0, 1, N_LINES + 1)[1:-1]
             for part, way in zip(parts, way_between(parts, midpoint, sharpness), strict=True):
                 x = first[0] + float(part) * (second[0] - first[0])
@@ -40,7 +40,7 @@ def line_nodes(nodes: Iterable[Sequence[float]]) -> list[tuple[float, ...]]:
 
 
 def way_between(part: NDArray[np.float64], midpoint: float, sharpness: float) -> NDArray[np.float64]:
-    """How far from one node's value to the next a curve is, 0..1, at a part of the distance, 0..1."""
+    """Share of the way from one node's value to the next, 0..1, at a part of the distance, 0..1."""
     midpoint = min(max(midpoint, 1e-5), 1 - 1e-5)
     part = np.where(part < midpoint, 0.5 * part / midpoint, 0.5 + 0.5 * (part - midpoint) / (1 - midpoint))
     if sharpness < LINE:

@@ -35,7 +35,7 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.intp]
 Faces = NDArray[np.int32]
 
-#: How near a vertex may come to a sample, as a share of the distance to the next: ten float32 steps at index 1000.
+#: Least distance of a vertex from a sample, as a share of that to the next: ten float32 steps at index 1000.
 MIN_SHARE = 1e-3
 
 
@@ -81,7 +81,7 @@ def isosurface(volume: Volume, iso_value: float, *, step: int, crop: Crop | None
 
 
 class Lattice(NamedTuple):
-    """Which samples take part, and the box that they are cut to.
+    """The samples that take part, and the planes of the crop box.
 
     axes : for z, y, x, the indices of the samples, with one more on either side, which may lie outside the volume.
     planes : shape (k, 4); the crop box is where `n . index + d >= 0` for each (n_x, n_y, n_z, d).
@@ -97,7 +97,7 @@ class Lattice(NamedTuple):
         return cls((z, y, x), planes)
 
     def slices(self, volume: Volume) -> Iterator[tuple[int, NDArray[Any]]]:
-        """Position, and samples [y, x], of each slice that lies in the volume; its rows are those of `core`."""
+        """Positions and samples [y, x] of the slices that lie in the volume; their rows are those of `core`."""
         z, y, x = self.axes
         rows, columns = y[self.core(1, volume)], x[self.core(2, volume)]
         for position in np.flatnonzero((z >= 0) & (z < volume.shape[0])):
@@ -143,7 +143,7 @@ def _axis(n: int, step: int, lower: float, upper: float) -> Ints:
 
 
 def _signed_field(volume: Volume, iso_value: float, lattice: Lattice) -> NDArray[np.float32]:
-    """What marching cubes sees: above 0 inside, below 0 outside, never near 0 and nowhere equal by chance.
+    """The field for marching cubes: above 0 inside, below 0 outside, never near 0 and nowhere equal by chance.
 
     Only the triangles depend on it, so it may be bent: magnitudes are kept within a ratio of 1000, for the edge of a
     vertex to show in float32 coordinates, and are noisy by a thousandth, since the library's tests of ambiguous faces
@@ -188,11 +188,11 @@ def _edges(lattice: Lattice, field: NDArray[np.float32], found: NDArray[np.float
 def _shares(
     volume: Volume, iso_value: float, planes: Floats, start: Ints, end: Ints
 ) -> tuple[Floats, NDArray[np.bool_]]:
-    """How far along the edges, 0..1, the surface lies, and whether a cut comes before it."""
+    """Places of the surface along the edges, 0..1, and whether a cut comes before it."""
     value, beyond = (_samples_at(volume, places) - iso_value for places in (start, end))
     surface = np.full(value.shape, np.inf)
     np.divide(value, value - beyond, out=surface, where=beyond <= 0)
-    # A hole or a face of the volume: the inside ends at once.
+    # At a hole or a face of the volume the inside ends at once.
     cut = np.where(np.isnan(beyond), 0, np.inf)
     for plane in planes:
         here, there = (places @ plane[:3] + plane[3] for places in (start, end))
@@ -223,7 +223,7 @@ def _gradient(volume: Volume, places: Ints) -> Floats:
 
 
 def _fill_middles(surface: Isosurface, middles: Ints) -> None:
-    """Vertices inside ambiguous cells lie at the mean of those that they are joined with."""
+    """Place vertices inside ambiguous cells at the mean of those that they are joined with."""
     if middles.size == 0:
         return
     number = np.full(len(surface.positions), -1)
@@ -246,7 +246,7 @@ def _parted(surface: Isosurface) -> Isosurface:
     """
     while True:
         pairs = _touching(surface)
-        if not pairs:  # none, or not closed in another way, which `Mesh.watertight` tells
+        if not pairs:  # none, or not closed in another way, which `Mesh.watertight` reports
             return surface
         n_vertices = len(surface.positions)
         faces, added = surface.faces.copy(), []
@@ -268,7 +268,7 @@ def _parted(surface: Isosurface) -> Isosurface:
 def _touching(surface: Isosurface) -> list[list[tuple[int, int]]]:
     """Pairs of triangles that share an edge with another such pair, as (face, corner where the edge starts).
 
-    No triangle is named twice: what more there is shows in the next round.
+    No triangle is named twice: further pairs of a triangle are found in the next round.
     """
     faces = surface.faces
     edges = (faces.astype(np.int64) * len(surface.positions) + np.roll(faces, -1, axis=1)).ravel()

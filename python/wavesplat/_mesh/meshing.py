@@ -61,7 +61,7 @@ class Mesh:
 
     @property
     def volume(self) -> float:
-        """Volume inside, world units cubed; says nothing if the mesh is open."""
+        """Volume inside, world units cubed; meaningless if the mesh is open."""
         vectors = _face_vectors(self.vertices, self.faces)
         middle = self.vertices.mean(axis=0)  # near the surface, so that large coordinates cost no digits
         return float(np.einsum("ij,ij->", self.vertices[self.faces[:, 0]] - middle, vectors) / 6)
@@ -73,7 +73,7 @@ class Mesh:
         return bool(checked.is_watertight and checked.is_winding_consistent)
 
     def facts(self) -> dict[str, Any]:
-        """What `wavesplat mesh --json` says; world units, squared and cubed. An open mesh has no volume."""
+        """Facts for `wavesplat mesh --json`; world units, squared and cubed. An open mesh has no volume."""
         watertight = self.watertight
         return {
             "n_vertices": len(self.vertices),
@@ -85,7 +85,7 @@ class Mesh:
         }
 
     def to_trimesh(self) -> trimesh.Trimesh:
-        """The same as a `trimesh.Trimesh`: to repair, simplify, smooth, measure or show it."""
+        """The mesh as a `trimesh.Trimesh`: to repair, simplify, smooth, measure or show it."""
         made: trimesh.Trimesh = library("trimesh", extra="mesh").Trimesh(
             self.vertices, self.faces, vertex_normals=self.normals, process=False
         )
@@ -206,7 +206,7 @@ def _check_range(volume: Volume, iso_value: float) -> None:
 
 
 def _left_open(surface: Isosurface, name: str) -> Isosurface:
-    """Leave out what closes the surface, and vertices that nothing uses then."""
+    """Remove the triangles that close the surface, and vertices that are unused then."""
     faces = surface.faces[~surface.on_cut[surface.faces].any(axis=1)]
     if len(faces) == 0:
         raise ArgumentError(f"volume {name!r}: all of the surface closes cuts, so nothing is left open; use closed")

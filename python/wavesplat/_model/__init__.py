@@ -1,1 +1,1 @@
-"""What users make and others draw: volumes, cameras, boxes; checked at once, so that the inside cannot fail."""
+"""Objects that users make: volumes, cameras, clips; checked when they are made, so that drawing them cannot fail."""

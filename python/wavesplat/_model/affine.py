@@ -1,6 +1,6 @@
 """Affine maps `world_from_index`: a 4 x 4 matrix that takes (i, j, k, 1), i fastest in memory, to world (x, y, z, 1).
 
-The columns of its upleft 3 x 3 block are the steps between neighbouring samples, in world units;
+The columns of its upper-left 3 x 3 block are the steps between neighbouring samples, in world units;
 their lengths are the spacing, and nothing requires them to be orthogonal (a gantry-tilted CT is sheared).
 The world frame of medical data is RAS: +x is the patient's right, +y anterior, +z superior.
 """
@@ -20,7 +20,7 @@ __all__ = ["RAS_FROM_LPS", "affine_of", "axis_codes", "from_spacing", "spacing_o
 
 Affine = NDArray[np.float64]
 
-#: ITK and DICOM count x towards the patient's left and y towards the back; a half turn about z makes that RAS.
+#: Half turn about z: ITK and DICOM count x towards the patient's left and y towards the back, RAS the other way.
 RAS_FROM_LPS: Affine = np.diag([-1.0, -1.0, 1.0, 1.0])
 
 
@@ -38,7 +38,7 @@ def affine_of(direction: ArrayLike, spacing: ArrayLike, origin: ArrayLike) -> Af
 
 
 def with_spacing(world_from_index: Affine, spacing: Sequence[float]) -> Affine:
-    """The same origin and directions, with other distances (x, y, z) between neighbours."""
+    """Affine with the same origin and directions, and other distances (x, y, z) between neighbours."""
     scaled = world_from_index.copy()
     scaled[:3, :3] *= np.asarray(checked_spacing(spacing)) / spacing_of(world_from_index)
     return scaled
@@ -79,7 +79,7 @@ def box_corners(world_from_index: Affine, shape: tuple[int, int, int]) -> NDArra
 
 
 def axis_codes(world_from_index: Affine) -> str:
-    """Where the index axes x, y, z point in the RAS world, to the nearest axis: "RAS", "LPS", "PIR", ..."""
+    """Directions of the index axes x, y, z in the RAS world, to the nearest axis: "RAS", "LPS", "PIR", ..."""
     directions = world_from_index[:3, :3] / spacing_of(world_from_index)
     letters = ["??"] * 3
     free = {0, 1, 2}

@@ -1,6 +1,6 @@
-"""Arguments of another type than a function's annotations say: one sentence that names the argument and what it takes.
+"""Checks of arguments against a function's annotations; the error names the argument and what it takes.
 
-Only what the annotations of one word say is looked at; what needs more words is checked where it is used.
+Only annotations whose parts, joined by `|`, are all in `KINDS` (or `Callable`) are checked; others where they are used.
 """
 
 from __future__ import annotations
@@ -21,9 +21,9 @@ __all__ = ["check_text", "described", "is_number_below", "takes_its_types", "tex
 P = ParamSpec("P")
 R = TypeVar("R")
 
-#: Longer values are named by their type.
+#: Letters of a value in a message, at most; longer ones are named by their type.
 MAX_LETTERS = 60
-#: Whole numbers that the compiled module can be handed.
+#: Bound of the whole numbers that the compiled module takes.
 MAX_WHOLE = 2**63
 
 VOLUME = (
@@ -33,7 +33,7 @@ VOLUME = (
 
 
 def described(value: object, *, lists: bool = False) -> str:
-    """A value in a message, or its type where it is long; lists too if they are what is meant."""
+    """Text of a value for a message, or its type where that is long; `lists`: lists are written out too."""
     if (
         value is None
         or isinstance(value, str | int | float | complex | tuple | bytes)
@@ -57,7 +57,7 @@ def is_number_below(value: object, n: int) -> bool:
 
 
 def check_text(value: object, what: str) -> None:
-    """An `ArgumentError` for a text that cannot be written: it has half of a surrogate pair."""
+    """Raise an `ArgumentError` for a text that cannot be written: it has half of a surrogate pair."""
     if isinstance(value, str) and not is_text(value):
         raise ArgumentError(f"{what} is {described(value)}, which has half of a surrogate pair; give a text without")
 
@@ -71,7 +71,7 @@ def text_of(value: object, what: str) -> str:
 
 
 def takes_its_types(function: Callable[P, R]) -> Callable[P, R]:
-    """The function, refusing arguments of other types than its annotations say with an `ArgumentError`."""
+    """Decorate a function so that arguments of other types than its annotations' raise an `ArgumentError`."""
     signature = inspect.signature(function)
     checks = {
         name: check
@@ -94,9 +94,9 @@ def takes_its_types(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def _check(annotation: str) -> Callable[[str, object], None] | None:
-    """What checks a value; None for annotations that say more than can be looked at."""
+    """A checker of values against an annotation; None for annotations with parts that are not in `KINDS`."""
     if annotation == "Volume":
-        return None  # what takes only samples says what to do with coefficients
+        return None  # functions that take only samples say what to do with coefficients
     words = [annotation] if annotation in KINDS else re.split(r" \| (?![^\[]*\])", annotation)
     kinds = [_kind(word) for word in words]
     if not all(kinds):
@@ -113,7 +113,7 @@ def _check(annotation: str) -> Callable[[str, object], None] | None:
 
 
 def _kind(word: str) -> tuple[Callable[[object], bool], str] | None:
-    """Whether a value is what one word of an annotation says, and how to say that to a user."""
+    """Test for one part of an annotation, and its form in messages; None for an unknown part."""
     if word in KINDS:
         return KINDS[word]
     return (callable, "a function") if word.startswith("Callable[") else None
@@ -154,7 +154,7 @@ def _is_text(value: object) -> bool:
 
 
 def _is_a(*names: str) -> Callable[[object], bool]:
-    """By the names of classes, whose modules import this one."""
+    """Test whether a value's class or one of its bases has one of these names (their modules import this one)."""
     return lambda value: any(base.__name__ in names for base in type(value).__mro__)
 
 
@@ -177,7 +177,7 @@ KINDS: dict[str, tuple[Callable[[object], bool], str]] = {
     "Shading": (_is_a("Shading"), "a wavesplat.Shading or None"),
     "Literal['look']": (lambda value: isinstance(value, str) and value == "look", '"look"'),
     "Look": (_is_a("Look"), "a wavesplat.Look"),
-    # What takes only the one says so itself.
+    # Functions that take only `TransferFunction` say so themselves.
     "TransferFunction": (_is_a("TransferFunction", "TransferFunction2D"), "a TransferFunction"),
     "TransferFunction2D": (_is_a("TransferFunction2D"), "a TransferFunction2D"),
     "Materials": (_is_a("Materials"), "Materials"),

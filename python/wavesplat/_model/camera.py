@@ -1,4 +1,4 @@
-"""Where a picture is taken from: the same triple, and the same names, that VTK and PyVista use."""
+"""Cameras: position, focal point and view up, with the names that VTK and PyVista use."""
 
 from __future__ import annotations
 
@@ -26,17 +26,17 @@ if TYPE_CHECKING:
 
 __all__ = ["Camera", "check_place", "check_view", "checked_lens"]
 
-#: Spacings between which light is right: gradients are changes over the spacing, and float32 holds their squares, 1e36
-#: for whole changes at the smallest, 1e-38 for changes by 1e-5 at the largest.
+#: Range of sample spacings in which shading is right: gradients are differences over the spacing, and float32 must hold
+#: their squares, 1e36 for a difference of 1 at the smallest spacing, 1e-38 for one of 1e-5 at the largest.
 SMALLEST, LARGEST = 1e-18, 1e14
-#: Of a place by the spacing there: a thousandth of a sample is still told apart in float64.
+#: Largest distance from the world's origin, in spacings: float64 still resolves a thousandth of a sample there.
 PRECISION = 1e12
 
 
 @public
 @dataclass(frozen=True, init=False)
 class Camera:
-    """An eye in world space, orthographic or in perspective.
+    """A camera in world space, orthographic or in perspective.
 
     Parameters
     ----------
@@ -168,7 +168,7 @@ class Camera:
         name : str
             "anterior", "posterior", "left", "right", "superior" or "inferior": where the eye is.
             Anterior and inferior show the patient's right at the left of the picture. "front" and "back", "top" and
-            "bottom" are others for "anterior" and "posterior", "superior" and "inferior". "xy", "xz" and "yz" show
+            "bottom" are other names for "anterior" and "posterior", "superior" and "inferior". "xy", "xz" and "yz" show
             these world axes, the first to the right, and "isometric" is a three-quarter view from above.
         zoom, view_angle, aspect
             As for `Camera.orbit`.
@@ -200,7 +200,7 @@ class Camera:
         elevation : float, degrees
             Lifts the eye towards the top of the picture; the up direction turns along, past 90 degrees too.
         roll : float, degrees
-            Turns the eye clockwise about the line of sight, and so what is seen anticlockwise.
+            Turns the eye clockwise about the line of sight, and so the picture anticlockwise.
 
         Raises
         ------
@@ -230,12 +230,12 @@ class Camera:
 
     @takes_its_types
     def zoomed(self, factor: float) -> Camera:
-        """The camera that shows everything so many times as large; in perspective by a narrower angle, the eye stays.
+        """The camera that shows everything `factor` times as large; in perspective by a narrower angle, the eye stays.
 
         Parameters
         ----------
         factor : float
-            2 shows half as much, twice as large.
+            Magnification: 2 shows half of the width, twice as large.
 
         Raises
         ------
@@ -257,7 +257,7 @@ class Camera:
     def fitted(
         self, volume: VolumeLike, *, aspect: float = 1.0, zoom: float = 1.0, points: ArrayLike | None = None
     ) -> Camera:
-        """The camera in the same direction, with the same kind of lens, from where all of a volume is just in view.
+        """A camera with the same direction and kind of lens, placed so that all of a volume is just in view.
 
         Parameters
         ----------
@@ -290,7 +290,7 @@ class Camera:
     @classmethod
     @takes_its_types
     def interpolate(cls, cameras: Sequence[Camera], n: int, *, closed: bool = False) -> list[Camera]:
-        """Cameras on a smooth way through key frames.
+        """Cameras on a smooth path through key frames.
 
         The direction turns without a jerk at the keys; focal point, distance and scale change evenly from key to key
         (the last two by factors) and never overshoot.
@@ -298,11 +298,11 @@ class Camera:
         Parameters
         ----------
         cameras : sequence of Camera
-            Key frames, as far in time from each other; all orthographic or all in perspective.
+            Key frames at equal distances in time; all orthographic or all in perspective.
         n : int
-            How many cameras. The first is the first key, and the last the last one.
+            Number of cameras. The first is the first key, and the last, unless `closed`, the last key.
         closed : bool
-            Go on from the last key to the first one: the way repeats after `n` cameras without showing one twice.
+            Go on from the last key to the first one: the path repeats after `n` cameras without showing one twice.
 
         Raises
         ------
@@ -311,7 +311,7 @@ class Camera:
 
         Notes
         -----
-        Between two keys that look in opposite directions both ways round are as long: the azimuth grows.
+        Between two keys that look in opposite directions both ways round are equally long: the azimuth grows.
 
         Examples
         --------
@@ -420,9 +420,9 @@ class Camera:
         source : Plotter, Camera, vtkCamera or camera position
             A plotter or its camera, whose lens is taken too; or (position, focal point, up), three numbers each.
         view_angle : float, degrees, optional
-            Perspective with this vertical angle; None is the source's own, 30 of a camera position alone.
+            Perspective with this vertical angle; None is the source's own, or 30 for a bare camera position.
         parallel_scale : float, optional
-            Orthographic, instead.
+            Half the height of the view, world units: orthographic, instead of `view_angle`.
 
         Raises
         ------
@@ -460,12 +460,12 @@ class Camera:
 
 
 def checked_lens(zoom: float, view_angle: float | None) -> None:
-    """Refuse a magnification or an angle of view that cannot be."""
+    """Refuse an impossible magnification or angle of view."""
     camera_fit.check_lens(zoom, view_angle, 1.0)
 
 
 def check_view(camera: Camera, volume: Grid) -> None:
-    """An `ArgumentError` for a view in which the volume, or a pixel, leaves what numbers can tell apart."""
+    """Refuse a view whose scale or distance differs from the volume's size by more than the factor `FARTHEST`."""
     columns, middle = check_place(volume)
     across = sum(hypot(*column) for column in columns)
     distance = dist(camera.position, camera.focal_point)
@@ -484,7 +484,7 @@ def check_view(camera: Camera, volume: Grid) -> None:
 
 
 def check_place(volume: Grid) -> tuple[list[Vector], Vector]:
-    """Edges of the volume's box and its middle; an `ArgumentError` where numbers cannot hold its place in the world.
+    """Edges and centre of the volume's box; an `ArgumentError` where floats cannot resolve its samples in the world.
 
     In plain floats: this is done for every frame.
     """

@@ -1,6 +1,6 @@
-"""How near an eye comes: the distance and the scale at which a volume is just in view.
+"""Fitting cameras: the distance and the scale at which a volume is just in view.
 
-Seen from a side, by the volume's corners as they lie in the picture; over a whole turn, by the sphere around them:
+For one view, by the volume's corners projected into the picture; for a whole turn, by the sphere around them:
 a sphere of radius r fills the view where half the height is r, and in perspective from r / sin(half the angle).
 """
 
@@ -40,7 +40,7 @@ __all__ = [
     "widened",
 ]
 
-#: "turn": in view from everywhere on a sphere around it, at one scale; "view": as near as this one view allows.
+#: Ways to fit: "turn", in view from everywhere on a sphere around it, at one scale; "view", as near as one view allows.
 Fit: TypeAlias = Literal["turn", "view"]
 
 Vectors: TypeAlias = NDArray[np.float64]
@@ -48,7 +48,7 @@ Vectors: TypeAlias = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Placed:
-    """Where an eye is, and what its lens is like."""
+    """Position, focal point and lens of a fitted camera."""
 
     position: Vector
     focal_point: Vector
@@ -82,7 +82,7 @@ def placed(
     points: ArrayLike | None,
     fit: Fit,
 ) -> Placed:
-    """An eye that looks along the third of `axes` (right, up, back), with the volume, or `points` of it, in view."""
+    """Fit a camera with the `axes` (right, up, back) so that the volume, or `points`, is in view."""
     check_lens(zoom, view_angle, aspect)
     given: object = fit
     if not isinstance(given, str) or given not in ("turn", "view"):
@@ -131,9 +131,9 @@ def placed_for_all(
     aspect: float,
     points: ArrayLike | None,
 ) -> Placed:
-    """An eye that looks along the first of several views, at a scale and a distance at which each shows everything.
+    """Fit a camera to the first of several views, at a scale and a distance at which each of them shows everything.
 
-    All look at the middle of the box around what they show.
+    All look at the centre of the bounding box of the corners, or of `points`.
     """
     check_lens(zoom, view_angle, aspect)
     corners = corners_of(what)
@@ -157,9 +157,9 @@ def placed_for_all(
 
 
 def widened(camera: Camera, what: Grid | Vectors, *, zoom: float, aspect: float) -> Camera:
-    """The camera where it shows a volume's corners, or points; else as near to it as it does.
+    """The camera, with a larger scale or moved back where it does not show a volume's corners, or points.
 
-    `zoom`: how much more than that it magnifies, which is kept.
+    `zoom`: magnification beyond that fit, which is kept.
     """
     shown = what if isinstance(what, np.ndarray) else corners_of(what)
     axes = axes_of(camera)
@@ -174,7 +174,7 @@ def widened(camera: Camera, what: Grid | Vectors, *, zoom: float, aspect: float)
 
 
 def about(axis: Sequence[float], angle: float) -> Vectors:
-    """The matrix that turns about an axis, anticlockwise for who looks against it; exact at quarter turns."""
+    """Rotation matrix about an axis, degrees, anticlockwise seen from its tip (Rodrigues); exact at quarter turns."""
     s, c = sin_cos_deg(angle)
     unit = np.divide(axis, np.linalg.norm(axis))
     x, y, z = unit.tolist()
@@ -207,21 +207,21 @@ def orbit_axes(azimuth: float, elevation: float) -> Vectors:
 
 
 def sin_cos_deg(angle: float) -> tuple[float, float]:
-    """Sine and cosine, exact at quarter turns, so that the named views look straight along an axis."""
+    """Sine and cosine of degrees, exact at quarter turns, so that the named views look straight along an axis."""
     quarters, rest = divmod(angle, 90.0)
     s, c = sin(radians(rest)), cos(radians(rest))
     return ((s, c), (c, -s), (-s, -c), (-c, s))[int(quarters) % 4]
 
 
 def check_angles(**angles: float) -> None:
-    """Refuse angles that are no numbers of degrees."""
+    """Refuse angles that are not finite."""
     for name, angle in angles.items():
         if not isfinite(angle):
             raise ArgumentError(f"{name} is {angle}; give a finite number of degrees")
 
 
 def check_lens(zoom: float, view_angle: float | None, aspect: float) -> None:
-    """Refuse a magnification, an angle of view or a shape of the picture that cannot be."""
+    """Refuse an impossible magnification, angle of view or aspect ratio."""
     for name, ratio in (("zoom", zoom), ("aspect", aspect)):
         if not (isfinite(ratio) and ratio > 0):
             raise ArgumentError(f"{name} is {ratio}; give a positive finite number, 1 is neutral")

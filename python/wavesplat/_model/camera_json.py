@@ -23,7 +23,7 @@ LENSES = ("parallel_scale", "view_angle")
 
 
 def fields_of(camera: Camera) -> dict[str, Any]:
-    """Its numbers as the fields of such an object."""
+    """Fields of a camera's JSON object."""
     lens = "parallel_scale" if camera.view_angle is None else "view_angle"
     numbers: dict[str, Any] = {name: list(getattr(camera, name)) for name in TRIPLE}
     return {"version": json_object.VERSION, **numbers, lens: getattr(camera, lens)}

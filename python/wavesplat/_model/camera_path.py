@@ -1,7 +1,7 @@
 """Cameras between key frames.
 
 The direction turns as `rotation` says, smoothly through every key; focal point, distance and scale follow monotone
-cubics (Fritsch and Carlson 1980), the last two in their logarithm: they never overshoot a key, and rest where two keys
+cubics (Fritsch and Carlson 1980), the last two as logarithms: they never overshoot a key, and rest where two keys
 agree.
 """
 
@@ -28,7 +28,7 @@ Numbers = NDArray[np.float64]
 
 
 class CameraPath:
-    """A camera for every time between the first and the last key; closed, the last key is the first one again."""
+    """A camera for every time between the first and the last key; the path is closed if these two are equal."""
 
     def __init__(self, cameras: Sequence[Camera], times: Sequence[float]) -> None:
         keys = _checked(cameras)
@@ -46,7 +46,7 @@ class CameraPath:
             self._slopes = monotone_slopes(moments, self._values, closed=self._closed)
 
     def __call__(self, time: float) -> Camera:
-        """The camera then; before the first key the first one, after the last key the last one."""
+        """The camera at a time, clamped to the first and the last key."""
         times = self._times
         if time <= times[0]:
             return self._keys[0]
@@ -73,7 +73,7 @@ class CameraPath:
 
 
 def evenly(cameras: Sequence[Camera], n: int, *, closed: bool) -> list[Camera]:
-    """So many cameras through the keys, which are as far in time from each other."""
+    """`n` cameras through keys at equal distances in time."""
     keys = _checked(cameras)
     if not 1 <= n <= MAX_FRAMES:
         raise ArgumentError(f"n is {n}; give the number of cameras, from 1 to {MAX_FRAMES}")
@@ -83,14 +83,14 @@ def evenly(cameras: Sequence[Camera], n: int, *, closed: bool) -> list[Camera]:
         keys = (*keys, keys[0])
     path = CameraPath(keys, range(len(keys)))
     last = len(keys) - 1
-    # Fractions, so that keys are met to the bit.
+    # Multiplied before it is divided, so that the times of keys are exact.
     return [path(last * k / (n if closed else max(n - 1, 1))) for k in range(n)]
 
 
 def monotone_slopes(times: Numbers, values: Numbers, *, closed: bool = False) -> Numbers:
-    """Slopes at the keys, shape as `values`, by which cubics between them are smooth and do not overshoot.
+    """Slopes at the keys, shaped as `values`, with which the cubics between them are smooth and do not overshoot.
 
-    Weighted harmonic means of the slopes beside a key (Fritsch and Butland 1984), 0 where these have other signs.
+    Weighted harmonic means of the slopes beside a key (Fritsch and Butland 1984), 0 where their signs differ.
     """
     widths = np.diff(times)[:, None]
     rates = np.diff(values, axis=0) / widths
@@ -121,7 +121,7 @@ def _hermite(values: Numbers, slopes: Numbers, k: int, t: float) -> Numbers:
 
 
 def _numbers(camera: Camera) -> list[float]:
-    """Focal point, and the logarithms of the distance and of what decides the scale."""
+    """Focal point, and the logarithms of distance and scale (half the height, or the tangent of half the angle)."""
     scale = camera.parallel_scale if camera.view_angle is None else tan(radians(camera.view_angle) / 2)
     assert scale is not None
     numbers = [*camera.focal_point, log(dist(camera.position, camera.focal_point)), log(scale)]

@@ -1,4 +1,4 @@
-"""Cameras of VTK and PyVista, without either: by the names of their methods."""
+"""Cameras of VTK and PyVista, read by the names of their methods, so that neither is imported."""
 
 from __future__ import annotations
 
@@ -10,13 +10,13 @@ from wavesplat.errors import ArgumentError
 
 __all__ = ["camera_of"]
 
-#: VTK's own, degrees.
+#: VTK's default angle of view, degrees.
 VIEW_ANGLE = 30.0
 FORMS = "a pyvista.Plotter, its camera or camera_position, or a vtkCamera"
 
 
 def camera_of(source: Any, view_angle: float | None, parallel_scale: float | None) -> Camera:
-    """The camera of a plotter, a camera, or three points."""
+    """The camera of a plotter, of a VTK camera, or of a triple (position, focal point, up)."""
     if view_angle is not None and parallel_scale is not None:
         raise ArgumentError("view_angle is perspective and parallel_scale orthographic; give one of them")
     eye = getattr(source, "camera", source)

@@ -1,4 +1,4 @@
-"""What is drawn of a scene: a box that is kept, planes that keep one side, boxes that are taken out."""
+"""Clips of a scene: a box that is kept, planes that keep one side, boxes that are taken out."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ __all__ = ["Clip", "ClipPlane", "Clipping", "CutOut", "checked_clip", "clip_tupl
 @public
 @dataclass(frozen=True, init=False)
 class ClipPlane:
-    """Keeps the side of a plane that its normal points to.
+    """A clip that keeps the side of a plane that its normal points to.
 
     Parameters
     ----------
@@ -61,7 +61,7 @@ class ClipPlane:
 @public
 @dataclass(frozen=True)
 class CutOut:
-    """Takes a box out, so that one looks into the volume; colours are those of the whole.
+    """A clip that takes a box out, to look into the volume; colours stay those of the whole volume.
 
     Parameters
     ----------
@@ -73,7 +73,7 @@ class CutOut:
     Raises
     ------
     ArgumentError
-        If it is no box.
+        If `crop` is not a `Crop`, or a corner is not finite.
 
     Notes
     -----
@@ -100,7 +100,7 @@ class CutOut:
             raise ArgumentError(f"CutOut has corners {self.crop.lower} and {self.crop.upper}; give finite numbers")
 
 
-#: What `clip` is made of.
+#: A part of the argument `clip`.
 Clip: TypeAlias = Crop | ClipPlane | CutOut
 
 
@@ -113,12 +113,12 @@ class Clipping:
     boxes: tuple[Crop, ...] = ()
 
     def in_world(self, grid: Grid) -> Clipping:
-        """The same for other grids than the one whose samples a box may be given in: with planes instead of it."""
+        """The clips in the world, for grids other than `grid`: a box in its samples becomes six planes."""
         if self.crop is None or self.crop.space == "world":
             return self
         lower, upper = np.sort([self.crop.lower, self.crop.upper], axis=0)
         matrix, origin = grid.world_from_index[:3, :3], grid.world_from_index[:3, 3]
-        # Of a plane of constant index: rows of the inverse are normals to it.
+        # Rows of the inverse are normals of the planes of constant index.
         normals = np.linalg.inv(matrix)
         ends = [matrix @ corner + origin for corner in (lower, upper)]
         planes = [ClipPlane(ends[k], (1 - 2 * k) * normal) for normal in normals for k in (0, 1)]
@@ -126,7 +126,7 @@ class Clipping:
 
 
 def clip_tuple(given: object) -> tuple[Clip, ...]:
-    """Clips as given, of which one needs no list around it; an `ArgumentError` where something else is among them."""
+    """The clips of an argument, a single one without a list too; an `ArgumentError` for anything else."""
     if isinstance(given, Crop | ClipPlane | CutOut):
         return (given,)
     if given is None or isinstance(given, str | bytes) or not isinstance(given, Iterable):
@@ -149,7 +149,7 @@ MEND = (
 
 
 def checked_clip(given: object) -> Clipping:
-    """All clips together."""
+    """The clips combined: boxes are intersected within each space, and those of a second space become planes."""
     clips = clip_tuple(given)
     crops = [clip for clip in clips if isinstance(clip, Crop)]
     planes = [clip for clip in clips if isinstance(clip, ClipPlane)]
@@ -161,7 +161,7 @@ def checked_clip(given: object) -> Clipping:
 
 
 def _common(boxes: list[Crop]) -> Crop:
-    """What boxes of one space have in common."""
+    """Intersection of boxes of one space."""
     if len(boxes) == 1:
         return boxes[0]
     corners = np.sort([[box.lower, box.upper] for box in boxes], axis=1)

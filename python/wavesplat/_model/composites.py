@@ -5,9 +5,9 @@
 | "over" | emission and absorption, front to back |
 | "maximum", "minimum", "mean", "sum" | one number of the values along the ray, then coloured |
 | `FirstHit` | the isosurface |
-| `LocalMaximum` | the first maximum that counts |
+| `LocalMaximum` | the first maximum that reaches a threshold |
 | `DepthShadedMaximum` | the maximum, dimmed by depth |
-| `XRay` | the share of light that comes through |
+| `XRay` | the fraction of light that is transmitted |
 """
 
 from __future__ import annotations
@@ -126,14 +126,14 @@ class DepthShadedMaximum:
 @public
 @dataclass(frozen=True)
 class XRay:
-    """The share of light that comes through, 0..1, as in a radiograph.
+    """The fraction of light that is transmitted, 0..1, as in a radiograph.
 
     Parameters
     ----------
     clear : float, optional
         The largest sample value that absorbs nothing.
     attenuation : float, optional
-        Absorption per world unit and sample unit above that. None are -1000 and 2.059e-5 for values that look like
+        Absorption per world unit and sample unit above `clear`. Defaults: -1000 and 2.059e-5 for values that look like
         Hounsfield units, which is water at 60 keV in millimetres; else they follow the range of values.
 
     Raises
@@ -167,15 +167,15 @@ class XRay:
             object.__setattr__(self, "attenuation", attenuation)
 
 
-#: What `composite` may be.
+#: Types of the argument `composite`, checked.
 Operator: TypeAlias = Composite | FirstHit | LocalMaximum | DepthShadedMaximum | XRay
 
-#: What plain names of operators with numbers mean; "first-hit" cannot be without its number.
+#: Plain names of operators with numbers -> their class, called without arguments; "first-hit" needs its number.
 WITH_DEFAULTS: dict[str, Any] = {kind.name: kind for kind in (LocalMaximum, DepthShadedMaximum, XRay)}
 
 
 def checked_operator(given: object) -> Operator | None:
-    """The operator that is given, a plain name, synonyms included, or an object; an `ArgumentError` for others."""
+    """The operator of a plain name, a synonym or an object; an `ArgumentError` for anything else."""
     if given is None or isinstance(given, FirstHit | LocalMaximum | DepthShadedMaximum | XRay):
         return given
     known = get_args(Composite)

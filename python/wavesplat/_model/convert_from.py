@@ -1,7 +1,7 @@
-"""What people hold, as samples with their place: which module knows the objects of which library.
+"""Conversion of other libraries' objects to samples with their place, each by the module for its library.
 
-Objects are known by the library of their class, or by what they have, so that no library is imported but those whose
-objects are given.
+Objects are recognised by the library of their class, or by their attributes, so that only libraries whose objects are
+given are imported.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ from wavesplat.errors import ArgumentError
 
 __all__ = ["converted", "is_rows"]
 
-#: What helps where the library is known and the object is not one that has samples on a grid.
+#: Library -> advice for its objects that have no samples on a grid, the end of a message.
 INSTEAD = {
     "PIL": "a volume is several pictures: stack them, as with numpy.stack(pictures)",
     "h5py": "give one of its datasets, as file['name'], or open the file with wavesplat.open(path, dataset='name')",
@@ -40,8 +40,8 @@ INSTEAD = {
 def converted(thing: Any, what: str, *, has_place: bool = False) -> Converted:
     """Samples, place and facts of an object; an `ArgumentError` of one sentence for what is no volume.
 
-    what : what messages call the argument.
-    has_place : where the samples lie is said otherwise.
+    what : name of the argument in messages.
+    has_place : the caller gives the place, so the object's own does not count.
     """
     if isinstance(thing, np.ndarray):
         return Converted(thing)
@@ -74,7 +74,7 @@ def is_rows(thing: object) -> bool:
 
 
 def _no_volume(thing: object, libraries: set[str]) -> str:
-    """What a thing is, and what helps."""
+    """Description of an object that is no volume, and advice: the end of a message."""
     if isinstance(thing, str | PathLike):
         return f"is {described(thing)}, the name of a file; open it first: wavesplat.open({fspath(thing)!r})"
     if isinstance(thing, list | tuple) and any(isinstance(part, Grid) for part in thing):
@@ -100,7 +100,7 @@ def _of_any(thing: Any) -> Converted | None:
 
 
 def _of_rows(rows: Any) -> Converted | None:
-    """Nested sequences of numbers, or slices of a stack."""
+    """The volume of nested sequences of numbers, or of a list of slices; None for anything else."""
     if isinstance(rows, list | tuple) and any(isinstance(part, Grid) for part in rows):
         return None
     try:
@@ -111,7 +111,7 @@ def _of_rows(rows: Any) -> Converted | None:
 
 
 def _of_lazy(array: Any) -> Converted | None:
-    """An array of Dask or Zarr, which is computed or read."""
+    """Compute or read an array of Dask or Zarr."""
     if not hasattr(array, "shape"):
         return None
     # Dask's names are made up.
@@ -120,7 +120,7 @@ def _of_lazy(array: Any) -> Converted | None:
 
 
 def _of_hdf5(dataset: Any) -> Converted | None:
-    """A dataset of h5py, with the place that its attributes give."""
+    """Read a dataset of h5py, with the place that its attributes give."""
     if not hasattr(dataset, "shape"):
         return None
     name = str(dataset.name).rpartition("/")[2]
@@ -129,7 +129,7 @@ def _of_hdf5(dataset: Any) -> Converted | None:
     return Converted(np.transpose(samples, place.zyx), place.world_from_index, place.facts, name)
 
 
-#: The library of a class, or of one that it is made from -> what takes its objects.
+#: Library of a class, or of one of its bases -> converter of its objects.
 CONVERTERS: dict[str, Callable[[Any], Converted | None]] = {
     "SimpleITK": of_simple_itk,
     "itk": of_itk,

@@ -1,6 +1,6 @@
-"""A volume as the objects of other libraries: what `taking` makes the same volume of again.
+"""Conversion of a volume to other libraries' objects, which `convert_from` turns back into the same volume.
 
-NIfTI and ITK count millimetres, so lengths of other units are turned into these for a patient's world.
+NIfTI and ITK count millimetres: lengths in other units are converted, for ITK in a patient's world alone.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["to_nibabel", "to_pyvista", "to_simple_itk", "to_xarray"]
 
-#: How far the axes of samples may turn from the world's, in parts of a step, and still count as these.
+#: Tolerance within which the index axes count as the world's, as a fraction of the spacing.
 TOLERANCE = 1e-9
 
 
@@ -106,7 +106,7 @@ def to_pyvista(grid: Grid, samples: NDArray[Any]) -> pyvista.ImageData:
 
 
 def _in_millimetres(grid: Grid) -> NDArray[np.float64]:
-    """The affine in millimetres; as it is where the unit has no size."""
+    """The affine in millimetres; unchanged where the unit has no known size."""
     matrix = np.array(grid.world_from_index)
     size = units.metres(grid.unit)
     if size is not None:

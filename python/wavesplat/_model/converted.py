@@ -1,4 +1,4 @@
-"""What was taken of an object of another library: samples, where they lie, and what else it says."""
+"""Converted objects of other libraries: samples, their place, and facts."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def loaded(array: Any, name: str) -> NDArray[Any]:
 
 
 def check_shape(shape: Sequence[int], name: str) -> None:
-    """An `ArgumentError` if an array of this shape is no volume."""
+    """Raise an `ArgumentError` if an array of this shape is no volume."""
     shape = tuple(shape)
     if len(shape) == 2:
         raise ArgumentError(

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Crop"]
 
-#: Where a side lies in the RAS world: axis and sign.
+#: Side of a patient -> axis of the RAS world, and sign.
 SIDES = {
     "right": (0, 1),
     "left": (0, -1),
@@ -35,7 +35,7 @@ SIDES = {
 @public
 @dataclass(frozen=True, init=False)
 class Crop:
-    """The part of the volume between two corners: what a picture keeps, or, as `CutOut`, what is taken out of it.
+    """A box between two corners: the part of a volume that a picture keeps or, as `CutOut`, that is taken out.
 
     Parameters
     ----------
@@ -78,17 +78,17 @@ class Crop:
         Parameters
         ----------
         volume : Volume, WaveletVolume, array, or what else `Volume` takes
-            Whose corner.
+            The volume that the corner belongs to.
         name : str
             One to three sides: of a patient right, left, anterior, posterior, superior and inferior, such as
-            "right anterior superior" or "left"; of any volume signs and axes of the world, such as "+x-y+z" or "+y".
+            "right anterior superior" or "left"; of any volume, signs and axes of the world, such as "+x-y+z" or "+y".
         at : three numbers (x, y, z), optional
             Where the corner's innermost point is, in the world; None is the middle of the volume.
 
         Raises
         ------
         ArgumentError
-            If the name is no corner, or one of a patient and the volume is none's.
+            If the name is unknown, or names a patient's sides and the volume's world is no patient's.
 
         Examples
         --------
@@ -114,7 +114,7 @@ class Crop:
 
 
 def _signs(name: str, volume: Grid) -> NDArray[np.int64]:
-    """Of each world axis: 1 the upper side, -1 the lower one, 0 both."""
+    """Sign of each world axis: 1 the upper side, -1 the lower one, 0 both."""
     signs = np.zeros(3, dtype=np.int64)
     words = re.split(r"[\s,-]+", name.strip().lower())
     if all(word in SIDES for word in words):

@@ -23,12 +23,12 @@ __all__ = ["Boxes", "in_samples_of", "taken_out", "without"]
 
 Boxes: TypeAlias = tuple[Crop, ...]
 
-#: What is as near as this to a face lies on it, in samples: affines in files are rounded to float32.
+#: Tolerance within which a sample lies on a face, in samples: affines in files are rounded to float32.
 ON_FACE = 1e-5
 
 
 def in_samples_of(grid: Grid, boxes: Boxes, first: Grid) -> Boxes:
-    """Boxes for another grid than the one in whose samples some of them are given."""
+    """The boxes for `grid`: those in samples of `first` become boxes in its own samples, those in the world stay."""
     if grid is first or all(box.space == "world" for box in boxes):
         return boxes
     index_from_first = np.linalg.inv(grid.world_from_index) @ first.world_from_index
@@ -49,7 +49,7 @@ def in_samples_of(grid: Grid, boxes: Boxes, first: Grid) -> Boxes:
 def without(volume: Volume, boxes: Boxes) -> Volume:
     """The volume with NaN in the boxes, as float32 or, of 32-bit integers and float64, as float64.
 
-    It is kept beside the volume until other boxes are asked for, so that the frames of a turn share it.
+    It is cached with the volume until other boxes are asked for, so that the frames of a turn share it.
 
     Raises
     ------
@@ -93,6 +93,7 @@ def _mark(out: NDArray[np.bool_], grid: Grid, box: Crop) -> None:
     begin = np.clip(np.floor(first + ON_FACE) + 1, 0, n).astype(int)
     end = np.clip(np.ceil(last - ON_FACE), begin, n).astype(int)
     part = out[tuple(slice(a, b) for a, b in zip(begin[::-1], end[::-1], strict=True))]
+    # Along the volume's own axes the box is a block of samples.
     if box.space == "index" or (np.count_nonzero(matrix) == 3 and part.size):
         part[...] = True
         return
@@ -107,7 +108,7 @@ def _mark(out: NDArray[np.bool_], grid: Grid, box: Crop) -> None:
 
 
 def _mark_lone(out: NDArray[np.bool_]) -> None:
-    """Also samples without a neighbour on either side along an axis.
+    """Mark also samples that have no neighbour left on either side along an axis.
 
     Nothing is drawn between them and their neighbours, but a sheet that runs through them would show them: those on
     the volume's face, and those on a face that two boxes share.
@@ -115,7 +116,7 @@ def _mark_lone(out: NDArray[np.bool_]) -> None:
     for axis in range(3):
         along = np.moveaxis(out, axis, 0)
         n = len(along)
-        before = along[0].copy()  # of the sample before, as it was
+        before = along[0].copy()  # the sample before, before it was marked
         along[0] |= along[1]
         for k in range(1, n):
             now = along[k].copy()

@@ -1,4 +1,4 @@
-"""What a file says about a volume beside its samples and their place, and what had to be guessed."""
+"""Facts of a volume beside its samples and their place: statements of its file, and guesses."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from wavesplat.errors import ArgumentError
 
 __all__ = ["Channel", "Facts"]
 
-#: More time points than any file has.
+#: Bound of time points: more than any file has.
 MAX_TIMES = 2**53
 
 
@@ -28,7 +28,7 @@ class Channel:
     Parameters
     ----------
     name : str
-        Empty where the file has none.
+        Name of the channel; empty where the file has none.
     color : three numbers 0..1, optional
         Red, green, blue that the file wants it shown in.
     emission_nm : float, optional
@@ -71,38 +71,38 @@ class Channel:
 @public
 @dataclass(frozen=True, kw_only=True)
 class Facts:
-    """What a file says about a volume; all of it may be left out.
+    """Facts that a file states about a volume; each may be left out.
 
     Parameters
     ----------
     unit : str, optional
-        Of the world's axes: "km", "m", "cm", "mm", "um", "nm", "angstrom", "pm", or the name of another ("kpc").
+        Unit of the world's axes: "km", "m", "cm", "mm", "um", "nm", "angstrom", "pm", or the name of another ("kpc").
         None: unknown, as for an array.
     is_anatomical : bool
         Whether the world's axes are a patient's (RAS: x to the right, y to the front, z up).
     modality : str, optional
-        How it was measured, as DICOM shortens it ("CT", "MR", "PT", "NM", "US", "XA", ...), or "fluorescence" or "EM";
+        How it was measured, in DICOM's codes ("CT", "MR", "PT", "NM", "US", "XA", ...), or "fluorescence" or "EM";
         None where the file does not say. It is never guessed from the values.
     channel : Channel, optional
-        The one that the samples are of.
+        The channel of the samples.
     channels : sequence of Channel
-        All of the file, in order; empty where it describes none.
+        All channels of the file, in order; empty where it describes none.
     n_times : int
         Time points in the file.
     time_step : float, optional
-        Between them, in `time_unit`.
+        Time between them, in `time_unit`.
     time_unit : str, optional
-        Such as "s".
+        Unit of the times, such as "s".
     times : sequence of float
-        Of all time points, in `time_unit`, where the file has one for each; else empty.
+        Times of all time points, in `time_unit`, where the file has one for each; else empty.
     levels : sequence of shapes (z, y, x)
         Levels of detail in the file, the finest first; empty where there is but one.
     conventions : sequence of str
-        What the file leaves to its format's custom, a sentence each.
+        Values that the file leaves out and its format's conventions give, a sentence each.
     guesses : sequence of str
-        What was assumed, since the file does not say it, and why; a sentence each.
+        Assumptions where the file says nothing, and why; a sentence each.
     processing : sequence of str
-        What was done to the samples since they were read, in order, such as by `Volume.smoothed`.
+        Steps applied to the samples since they were read, in order, such as by `Volume.smoothed`.
 
     Raises
     ------
@@ -158,12 +158,12 @@ class Facts:
         return short_repr(self)
 
     def as_json(self) -> dict[str, Any]:
-        """As a dictionary of what JSON has."""
+        """The facts as a dictionary of JSON values."""
         return {name: list(value) if isinstance(value, tuple) else value for name, value in asdict(self).items()}
 
     @classmethod
     def from_json(cls, document: Mapping[str, Any]) -> Facts:
-        """What `as_json` made of facts; a field of a later release is left out.
+        """The facts of a dictionary that `as_json` made; a field of a later release is left out.
 
         Raises
         ------

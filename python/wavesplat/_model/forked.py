@@ -1,8 +1,8 @@
-"""Volumes in a child made by `fork` while another thread drew them.
+"""Repair of volumes in a child made by `fork` while another thread drew them.
 
-`fork` copies the process but of its threads only the one that calls. The compiled module makes helpers of its own in
-the child; what another thread was just making for a volume stays locked there, so it is made anew. multiprocessing on
-Linux before Python 3.14, PyTorch's loaders, and web servers fork.
+`fork` copies the process, but only the thread that calls it. The compiled module starts pool threads of its own in the
+child; data that another thread was just preparing for a volume stay locked there, so they are made anew.
+multiprocessing on Linux before Python 3.14, PyTorch's loaders, and web servers fork.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from contextlib import contextmanager
 
 __all__ = ["drawing"]
 
-#: What is being drawn by threads of this process.
+#: Volumes that threads of this process are drawing.
 DRAWN: list[object] = []
 
 
@@ -32,12 +32,12 @@ if hasattr(os, "register_at_fork"):
 
 @contextmanager
 def drawing(*volumes: object) -> Iterator[None]:
-    """While volumes are drawn."""
+    """Register volumes as being drawn."""
     DRAWN.extend(volumes)
     try:
         yield
     finally:
         for volume in volumes:
-            # Not in a child that was forked meanwhile by this very thread.
+            # A child that was forked meanwhile by this very thread has cleared the list.
             if volume in DRAWN:
                 DRAWN.remove(volume)

@@ -1,4 +1,4 @@
-"""Where samples lie in the world: what volumes of samples and of coefficients have in common."""
+"""Grids in the world: the base of volumes of samples and of coefficients."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ __all__ = ["Grid"]
 
 
 class Grid:
-    """A name, a shape, an affine, and what the file says beside them."""
+    """A grid with a name, a shape, an affine, and facts."""
 
     __slots__ = ("_facts", "_name", "_shape", "_world_from_index")
 
@@ -26,7 +26,7 @@ class Grid:
 
     @property
     def name(self) -> str:
-        """What messages call the volume."""
+        """Name of the volume in messages."""
         return self._name
 
     @property
@@ -52,15 +52,15 @@ class Grid:
 
     @property
     def orientation(self) -> str:
-        """Where the index axes x, y, z point in the RAS world, to the nearest axis: "RAS", "LPS", ...
+        """Directions of the index axes x, y, z in the RAS world, to the nearest axis: "RAS", "LPS", ...
 
-        Of a patient only where `is_anatomical`; else of a world whose x, y and z are called so.
+        The letters are a patient's sides only where `is_anatomical`; else they stand for the world's x, y and z.
         """
         return affine.axis_codes(self._world_from_index)
 
     @property
     def facts(self) -> Facts:
-        """What the file says beside samples and place, and what was guessed."""
+        """Facts that the file states beside samples and place, and guesses."""
         return self._facts
 
     @property
@@ -75,10 +75,10 @@ class Grid:
 
     @property
     def modality(self) -> str | None:
-        """How the samples were measured: "CT", "MR", "PT", "fluorescence", ..., or None if the file does not say."""
+        """Modality of the measurement: "CT", "MR", "PT", "fluorescence", ..., or None if the file does not say."""
         return self._facts.modality
 
     @property
     def guesses(self) -> tuple[str, ...]:
-        """What was assumed where the file says nothing, and why; a sentence each."""
+        """Assumptions where the file says nothing, and why; a sentence each."""
         return self._facts.guesses

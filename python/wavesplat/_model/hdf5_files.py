@@ -1,4 +1,4 @@
-"""Which files the samples of an HDF5 dataset lie in: its own, those of external storage, and sources of virtual ones.
+"""Files that hold the samples of an HDF5 dataset: its own, those of external storage, and sources of virtual ones.
 
 Where a relative name starts depends on the kind (external storage: the working folder; virtual sources: the folder of
 the file, then the working folder), on the library's version and on the environment, so all places where a file could be
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
 __all__ = ["files_of_dataset", "is_own_file", "open_hdf5", "read_hdf5"]
 
-#: Virtual datasets of virtual datasets, at most.
+#: Nesting of virtual datasets, at most.
 MAX_DEPTH = 8
-#: What moves the places of other files.
+#: Environment variables that change where other files are looked for.
 PREFIXES = ("HDF5_EXTFILE_PREFIX", "HDF5_VDS_PREFIX")
 
 
@@ -42,10 +42,10 @@ def open_hdf5(file: str, name: str) -> Any:
 
 
 def read_hdf5(path: Path) -> h5py.File:
-    """A file to read, as it is now.
+    """Open a file to read, in its current state.
 
-    The library shares what it has read of a file among all that have it open in this process, also of the sources of
-    virtual datasets. So those datasets are closed whose files have changed; reading from them is an error as it is.
+    The library shares the data it has read of a file among all handles of this process, also for the sources of virtual
+    datasets. So held datasets whose files have changed are closed; reading from them is an error in any case.
     """
     import h5py
 
@@ -59,7 +59,7 @@ def read_hdf5(path: Path) -> h5py.File:
 
 
 def is_own_file(dataset: h5py.Dataset) -> bool:
-    """Whether the file of an open dataset is only read, and is still the one that has its name."""
+    """Whether the file of an open dataset is open for reading only, and is still the file of its name."""
     file = dataset.file
     try:
         there = Path(file.filename).stat()
@@ -77,7 +77,7 @@ def files_of_dataset(dataset: h5py.Dataset) -> StoredFiles:
 
 
 class _Places:
-    """Where samples of a dataset may lie, found by following virtual datasets; whether that is all."""
+    """Files that may hold samples of a dataset, found by following virtual datasets, and whether these are all."""
 
     def __init__(self) -> None:
         self.files: dict[Path, None] = {}
@@ -85,7 +85,7 @@ class _Places:
         self._followed: set[tuple[Path, str]] = set()
 
     def add(self, dataset: h5py.Dataset, depth: int) -> None:
-        """The places of a dataset's samples."""
+        """Add the files of a dataset's samples."""
         own = Path(dataset.file.filename).absolute()
         self.files[own] = None
         folders = {own.parent, Path.cwd()}
@@ -105,7 +105,7 @@ class _Places:
                 if file_name == ".":
                     self._follow(dataset.file, inner, depth)
                     continue
-                # What is no HDF5 file is read as fill values until it is one, which its state tells.
+                # A source that is no HDF5 file reads as fill values until it is one, which its state shows.
                 with suppress(OSError), read_hdf5(place) as file:
                     self._follow(file, inner, depth)
 

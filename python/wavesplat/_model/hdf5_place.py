@@ -1,4 +1,4 @@
-"""Where the samples of an HDF5 dataset lie: by `element_size_um`, or as a mesh of openPMD; HDF5 itself says nothing.
+"""Place of an HDF5 dataset's samples: by `element_size_um`, or as a mesh of openPMD; HDF5 itself defines none.
 
 openPMD: the attributes axisLabels, gridSpacing, gridGlobalOffset and gridUnitSI of a mesh, whose components may be
 datasets below it. Source: https://github.com/openPMD/openPMD-standard, STANDARD.md, "Mesh Based Records".
@@ -23,7 +23,7 @@ __all__ = ["Place", "place_of"]
 
 @dataclass(frozen=True)
 class Place:
-    """Affine, facts, and in which order the last three axes of the array are z, y, x."""
+    """Affine, facts, and the numbers of z, y and x among the last three axes of the array."""
 
     world_from_index: NDArray[np.float64]
     facts: Facts
@@ -31,7 +31,7 @@ class Place:
 
 
 def place_of(dataset: h5py.Dataset) -> Place:
-    """What the attributes of a dataset, or of the mesh that it is a component of, say."""
+    """The place by a dataset's attributes, or those of the mesh it is a component of; the identity without any."""
     sizes = dataset.attrs.get("element_size_um")
     if sizes is not None and np.size(sizes) == 3:
         z, y, x = (float(size) for size in np.ravel(sizes))
@@ -62,14 +62,14 @@ def _of_mesh(mesh: Any, component: h5py.Dataset) -> Place:
 
 
 def _best_unit(spacing: NDArray[np.float64], metres: float) -> tuple[str, float]:
-    """A unit in which the finest spacing is no tiny number, and what brings lengths there."""
+    """The largest unit in which the finest spacing is 0.01 or more, and the factor that converts lengths to it."""
     finest = float(np.abs(spacing).min()) * metres
     unit = next((unit for unit in ("m", "mm", "um", "nm") if finest >= 0.01 * units.METRES[unit]), "pm")
     return unit, float(f"{metres / units.METRES[unit]:.12g}")
 
 
 def _diagonal(xyz: tuple[float, ...]) -> NDArray[np.float64]:
-    """The volume checks that none is zero or not finite."""
+    """The affine of these steps, unchecked: the volume refuses steps that are zero or not finite."""
     return np.diag([*xyz, 1.0])
 
 

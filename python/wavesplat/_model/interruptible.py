@@ -1,4 +1,4 @@
-"""Ctrl-C while compiled code runs, which looks at no signals itself."""
+"""Ctrl-C while compiled code runs, which does not check for signals itself."""
 
 from __future__ import annotations
 
@@ -11,14 +11,14 @@ __all__ = ["interruptible"]
 
 T = TypeVar("T")
 
-#: Seconds from one look at signals to the next; on Windows waiting itself is not interrupted.
+#: Seconds between checks for signals; on Windows waiting itself is not interrupted.
 POLL_S = 0.1
 
 
 def interruptible(work: Callable[[], T]) -> T:
-    """What `work` gives; a `KeyboardInterrupt` is raised at once, and what `work` gives then is dropped.
+    """The result of `work`; on Ctrl-C a `KeyboardInterrupt` is raised at once, and the result is dropped.
 
-    It must release the interpreter lock while it runs, and change nothing but what it gives: after Ctrl-C it goes on in
+    It must release the interpreter lock while it runs, and change nothing but its result: after Ctrl-C it goes on in
     its thread until it is done.
     """
     if threading.current_thread() is not threading.main_thread():

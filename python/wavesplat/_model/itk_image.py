@@ -1,7 +1,7 @@
 """Images of SimpleITK and ITK.
 
-ITK's world is LPS; it is turned into RAS here. An image that ITK read from an NRRD file whose `space` is none of a
-patient, or from a VTK file, keeps its axes.
+ITK's world is LPS; it is turned into RAS here. An image that ITK read from an NRRD file whose `space` is no patient's,
+or from a VTK file, keeps its axes.
 """
 
 from __future__ import annotations
@@ -27,18 +27,18 @@ ANATOMICAL_SPACES = {
     "left-anterior-superior",
     "las",
 }
-#: Words of headers for how it was measured -> DICOM's.
+#: Words of headers for the modality -> DICOM's codes.
 MODALITIES = {"mri": "MR", "dwmri": "MR", "mr": "MR", "ct": "CT", "pet": "PT", "pt": "PT", "nm": "NM", "us": "US"}
-#: Where ITK keeps NRRD's space, the one that says nothing of a patient, and where we keep a unit.
+#: ITK's key for NRRD's space, the space that is no patient's, and our key for a unit.
 SPACE, NO_ANATOMY, UNIT = "NRRD_space", "3D-right-handed", "unit"
-#: What is looked for beside the place, in lower case.
+#: Keys of metadata that are read, in lower case.
 KEYS = {SPACE.lower(), UNIT, "itk_inputfiltername", "modality", "0008|0060"}
-#: What reads files that say nothing of a patient, if they have no space.
+#: ITK's readers of formats that say nothing of a patient, unless the file names a space.
 WITHOUT_ANATOMY = ("NrrdImageIO", "VTKImageIO")
 
 
 def of_simple_itk(image: Any) -> Converted:
-    """An image of SimpleITK."""
+    """Convert an image of SimpleITK."""
     import SimpleITK
 
     _check(image, image.GetDimension(), "SimpleITK.VectorIndexSelectionCast(image, 0)")
@@ -47,7 +47,7 @@ def of_simple_itk(image: Any) -> Converted:
 
 
 def of_itk(image: Any) -> Converted:
-    """An image of ITK; `itk.imread` and filters give these."""
+    """Convert an image of ITK, as `itk.imread` and filters return."""
     import itk  # type: ignore[import-not-found, unused-ignore]
 
     _check(image, image.GetImageDimension(), "itk.vector_index_selection_cast_image_filter(image)")
@@ -61,7 +61,7 @@ def of_itk(image: Any) -> Converted:
 
 
 def _said(dictionary: Any) -> dict[str, str]:
-    """The texts of a dictionary of ITK, which also holds what Python does not know."""
+    """The texts of ITK's metadata under `KEYS`; other values may have types that Python does not know."""
     keys = [key for key in dictionary.GetKeys() if key.lower() in KEYS]
     return {key.lower(): str(dictionary[key]) for key in keys}
 
@@ -81,7 +81,7 @@ def _check(image: Any, n_axes: int, mend: str) -> None:
 
 
 def _converted(samples: NDArray[Any], lps: NDArray[np.float64], said: dict[str, str]) -> Converted:
-    """`said`: what the image says beside, keys in lower case."""
+    """The converted image. `said`: its metadata, keys in lower case."""
     space = said.get(SPACE.lower())
     if space is None:
         is_anatomical = said.get("itk_inputfiltername") not in WITHOUT_ANATOMY

@@ -1,6 +1,6 @@
-"""Arrays whose axes have names and coordinates, as those of xarray: in which order they are, and where they lie.
+"""Arrays whose axes have names and coordinates, as xarray's: the order of their axes, and their place.
 
-They are known by what they have, so that xarray need not be installed.
+They are recognised by their attributes, so that xarray need not be installed.
 """
 
 from __future__ import annotations
@@ -23,10 +23,10 @@ NAMES = {
     **dict.fromkeys(("y", "row", "lat", "latitude"), "y"),
     **dict.fromkeys(("x", "col", "column", "lon", "longitude"), "x"),
 }
-#: Part of a step by which coordinates may be off: many are float32.
+#: Tolerance of coordinates, as a fraction of the step: many are float32.
 TOLERANCE = 1e-3
-#: Attributes, of an array: the affine from the coordinates (x, y, z, 1) to the world where they are not the world's
-#: own, row by row; "RAS" where the world is a patient's; how it was measured. `Volume.to_xarray` writes them.
+#: Names of an array's attributes: the affine from the coordinates (x, y, z, 1) to the world where they are not the
+#: world's own, row by row; "RAS" where the world is a patient's; how it was measured. `Volume.to_xarray` writes them.
 AFFINE, SPACE, MODALITY = "world_from_coordinates", "space", "modality"
 
 
@@ -36,13 +36,13 @@ def is_labelled(samples: object) -> bool:
 
 
 def unlabelled(array: Any, *, has_place: bool) -> Converted:
-    """The samples in our order. `has_place`: where they lie is said otherwise, so coordinates do not count."""
+    """The samples as [z, y, x]. `has_place`: the caller gives the place, so coordinates do not count."""
     found = in_order(array, has_place=has_place)
     return replace(found, samples=np.asarray(found.samples))
 
 
 def in_order(array: Any, *, has_place: bool) -> Converted:
-    """The array itself, its axes z, y, x, and where it lies; nothing of it is read."""
+    """The array itself with its axes as z, y, x, and its place; no sample is read."""
     array = _only_array(array)
     sizes = dict(zip(array.dims, array.shape, strict=True))
     spatial = _spatial_axes(sizes)
@@ -77,7 +77,7 @@ def in_order(array: Any, *, has_place: bool) -> Converted:
 
 
 def _only_array(array: Any) -> Any:
-    """The array; of a Dataset the only one that it holds."""
+    """The array itself, or the only array of a Dataset."""
     arrays = getattr(array, "data_vars", None)
     if arrays is None and hasattr(array, "transpose"):
         return array
@@ -88,7 +88,7 @@ def _only_array(array: Any) -> Any:
 
 
 def _spatial_axes(sizes: dict[Any, int]) -> list[Any]:
-    """Names of the axes that become z, y, x: those that are called so; else three in their order."""
+    """Names of the axes that become z, y, x: those with such names, else the only three (longer than 1), in order."""
     ours: dict[str, list[Any]] = {}
     for name in sizes:
         ours.setdefault(NAMES.get(str(name).lower(), ""), []).append(name)
@@ -105,7 +105,7 @@ def _spatial_axes(sizes: dict[Any, int]) -> list[Any]:
 
 
 def _first_and_step(array: Any, name: Any) -> tuple[float, float]:
-    """Where the first sample lies along an axis, and how far it is to the next one, which may be backwards."""
+    """Coordinate of the first sample along an axis, and the step to the next one, which may be negative."""
     if name not in array.coords:
         return 0.0, 1.0
     places = np.asarray(array.coords[name])

@@ -1,7 +1,7 @@
-"""Arrays whose samples are read when they are asked for, box by box: what a lazy volume stands on.
+"""Arrays whose samples are read on demand, box by box: the sources of lazy volumes.
 
 Any object with a shape, a type and slicing will do; objects of Zarr, Dask, h5py, xarray and NumPy's memory maps are
-known by what they have, so that chunks, names and what tells them from others are used. Those that cannot be sent to
+recognised by their attributes, so that their chunks, names and identities are used. Arrays that cannot be sent to
 another process are sent by the name of their file, and opened there.
 """
 
@@ -51,12 +51,12 @@ Box = tuple[Shape, Shape]
 
 #: Threads that read at once, where that helps.
 N_READERS = 4
-#: Chunks that are read one by one to find the one that cannot be.
+#: Chunks that are read one by one, at most, to find one that cannot be read.
 MAX_LOOKED_THROUGH = 512
 
 
 class LazyArray(Protocol):
-    """Samples [z, y, x] that are read when they are asked for."""
+    """An array of samples [z, y, x] that are read on demand."""
 
     @property
     def shape(self) -> Shape:
@@ -64,15 +64,15 @@ class LazyArray(Protocol):
 
     @property
     def dtype(self) -> np.dtype[Any]:
-        """The type that `read` gives, one that the renderer takes."""
+        """Type of the samples that `read` returns, one that the renderer takes."""
 
     @property
     def chunks(self) -> Shape:
-        """Samples along z, y, x that are read at once."""
+        """Samples of a chunk along z, y, x: those that are read at once."""
 
     @property
     def is_in_memory(self) -> bool:
-        """Whether reading costs nothing."""
+        """Whether the samples are in memory, so that reading costs nothing."""
 
     @property
     def n_readers(self) -> int:
@@ -80,34 +80,34 @@ class LazyArray(Protocol):
 
     @property
     def reads_together(self) -> bool:
-        """Whether boxes are best asked for together, with `read_many`."""
+        """Whether several boxes are read faster together, by `read_many`."""
 
     @property
     def name(self) -> str:
-        """What messages call it."""
+        """Name in messages."""
 
     @property
     def token(self) -> str | None:
-        """A name for these samples among those of the same files, or, without files, of all; None if they have none.
+        """Name that identifies these samples among those of the same files or, without files, among all; None if none.
 
-        A name says nothing of content: by a name alone (of Dask, of an address) something is only kept in a folder
-        that the user has given.
+        A name does not identify content: surveys of arrays that have nothing but a name (of Dask, of an address) are
+        only kept in a folder that the user has given.
         """
 
     @property
     def files(self) -> SourceFiles | None:
-        """The files that all samples are read from; None where they are from elsewhere, or may be."""
+        """The files that hold all samples; None where samples are, or may be, from elsewhere."""
 
     def read(self, lo: Shape, hi: Shape) -> NDArray[Any]:
-        """The samples of the box from `lo` to before `hi`; a `FileError` names what cannot be read."""
+        """Read the samples of the box from `lo` to before `hi`; a `FileError` names the part that cannot be read."""
 
     def read_many(self, boxes: Sequence[Box]) -> list[NDArray[Any]]:
-        """Those of several boxes."""
+        """Read the samples of several boxes."""
 
 
 @dataclass(frozen=True)
 class LazyTaken:
-    """Levels, the finest first; their affines where the object says them, facts, and a name."""
+    """The levels of an object, the finest first, their affines where it has them, facts, and a name."""
 
     levels: list[LazyArray]
     world_from_index: list[NDArray[np.float64]] | None = None
@@ -116,12 +116,12 @@ class LazyTaken:
 
 
 class SlicedArray:
-    """Samples by slicing an array of any number of axes.
+    """Samples that are read by slicing an array of any number of axes.
 
-    array : the array, or None where `opened` gives it, in each process once.
+    array : the array, or None where `opened` opens it, once in each process.
     order : which axes of the array are z, y, x.
-    picked : of every axis the place that is taken, None of z, y and x.
-    token : a name for the array; `files`, where given, tell its content.
+    picked : the index along every axis, None for z, y and x.
+    token : a name for the array; `files`, where given, identify its content.
     """
 
     def __init__(
@@ -159,7 +159,7 @@ class SlicedArray:
 
     @property
     def _source(self) -> Any:
-        # A process made by forking shares the places in open files with its parent: it opens them anew.
+        # A forked process shares the offsets in open files with its parent: it opens them anew.
         if self._opened is not None and (self._array is None or self._process != os.getpid()):
             self._array, self._process = self._opened(), os.getpid()
         return self._array
@@ -171,7 +171,7 @@ class SlicedArray:
         return tuple(index)
 
     def _made(self, part: Any) -> NDArray[Any]:
-        """What was read, in our order and type."""
+        """Samples that were read, as [z, y, x] and in the renderer's type."""
         kept = sorted(self._order)
         samples = np.transpose(np.asanyarray(part), [kept.index(axis) for axis in self._order])
         if self._convert is not None:
@@ -179,13 +179,13 @@ class SlicedArray:
         return converted(samples, self.dtype, self._stored, self.name)
 
     def read(self, lo: Shape, hi: Shape) -> NDArray[Any]:
-        """The samples of a box."""
+        """Read the samples of a box."""
         try:
             samples = self._read(lo, hi)
         except FileChangedError:
             raise
         except Exception as error:
-            # What cannot be read may be so because the file is another one now.
+            # A changed file may be why the samples cannot be read, and is the better message.
             self._check_files(lo, hi)
             place, told = self._first_unreadable(lo, hi, error)
             raise self._unreadable(*place, told) from error
@@ -196,7 +196,7 @@ class SlicedArray:
         return samples
 
     def _check_files(self, lo: Shape, hi: Shape) -> None:
-        """A `FileChangedError` if the files of a box that was just read are not those that were looked at before."""
+        """Raise a `FileChangedError` if a file of a box that was just read has changed since its state was recorded."""
         if self.files is not None:
             self.files.check_read(self._index(lo, hi))
 
@@ -207,7 +207,7 @@ class SlicedArray:
         return self._made(self._source[index])
 
     def _first_unreadable(self, lo: Shape, hi: Shape, error: Exception) -> tuple[Box, Exception]:
-        """The first chunk of a box that cannot be read, and why; the box itself where chunks can one by one."""
+        """The first unreadable chunk of a box, and its error; the box itself where each chunk can be read alone."""
         places = [range(a // c * c, b, c) for a, b, c in zip(lo, hi, self.chunks, strict=True)]
         for n, first in enumerate(product(*places)):
             if n >= MAX_LOOKED_THROUGH:
@@ -217,7 +217,7 @@ class SlicedArray:
             box: Box = ((own[0], own[1], own[2]), (end[0], end[1], end[2]))
             try:
                 self._read(*box)
-            except Exception as told:  # noqa: BLE001 - whatever it is, it is what is told
+            except Exception as told:  # noqa: BLE001 - any error is reported
                 return box, told
         return (lo, hi), error
 
@@ -233,7 +233,7 @@ class SlicedArray:
         )
 
     def read_many(self, boxes: Sequence[Box]) -> list[NDArray[Any]]:
-        """Those of several boxes."""
+        """Read the samples of several boxes."""
         return [self.read(*box) for box in boxes]
 
     def __getstate__(self) -> dict[str, Any]:
@@ -251,11 +251,11 @@ class ComputedArray(SlicedArray):
         self.reads_together = True
 
     def read(self, lo: Shape, hi: Shape) -> NDArray[Any]:
-        """The samples of a box."""
+        """Read the samples of a box."""
         return self.read_many([(lo, hi)])[0]
 
     def read_many(self, boxes: Sequence[Box]) -> list[NDArray[Any]]:
-        """Those of several boxes, in one computation."""
+        """Compute the samples of several boxes together."""
         dask: Any = library("dask", extra="dask")
         parts = [self._source[self._index(*box)] for box in boxes]
         try:
@@ -291,7 +291,7 @@ class ComputedArray(SlicedArray):
         return [np.cumsum(sizes) for sizes in self._source.chunks]
 
     def held(self, chunks: dict[tuple[int, ...], NDArray[Any]]) -> SlicedArray:
-        """The same, read from chunks that are there."""
+        """The same array, read from chunks in memory."""
         source = _HeldChunks([[0, *ends.tolist()] for ends in self._ends()], chunks, self._stored)
         return SlicedArray(
             source,
@@ -305,7 +305,7 @@ class ComputedArray(SlicedArray):
 
 
 class _HeldChunks:
-    """Chunks of an array, by slicing. `places`: where they begin and end along each axis."""
+    """An array that is sliced out of chunks in memory. `places`: borders of all chunks along each axis."""
 
     def __init__(
         self, places: list[list[int]], chunks: dict[tuple[int, ...], NDArray[Any]], dtype: np.dtype[Any]
@@ -344,7 +344,7 @@ def _is_in_worker() -> bool:
 
 
 def lazy_array(thing: Any, *, argument: str = "samples") -> LazyTaken:
-    """What is read box by box of an object of another library, or of a list of them: levels, the finest first."""
+    """The lazy array of another library's object, or one for each of a list of levels, the finest first."""
     if isinstance(thing, list | tuple) and thing:
         found = [lazy_array(level, argument=argument) for level in thing]
         places = [one.world_from_index for one in found]
@@ -402,7 +402,7 @@ def _name_of(thing: Any) -> str:
 
 
 def _spatial(shape: Sequence[int], name: str) -> tuple[Shape, list[int | None]]:
-    """The last three axes; those before must have one place."""
+    """The last three axes as z, y, x, and index 0 along the others, which must have size 1."""
     extra = len(shape) - 3
     if extra > 0 and all(n == 1 for n in shape[:extra]):
         return (extra, extra + 1, extra + 2), [*[0] * extra, None, None, None]
@@ -420,7 +420,7 @@ def _of_numpy(array: NDArray[Any], name: str, order: Shape, picked: Sequence[int
         return SlicedArray(array, name=name, chunks=side, order=order, picked=picked)
     rows = [1, array.shape[order[1]], array.shape[order[2]]]
     file = None if array.filename is None else Path(array.filename)
-    # A view of a map does not know where it begins, and what is written to a copy is in no file.
+    # A view of a map does not know its offset, and writes to a copy-on-write map ("c") reach no file.
     is_whole = file is not None and type(array.base).__name__ == "mmap" and array.mode != "c"
     opened = token = None
     if is_whole and file is not None:
@@ -428,8 +428,8 @@ def _of_numpy(array: NDArray[Any], name: str, order: Shape, picked: Sequence[int
         opened = partial(np.memmap, file, array.dtype, "r", array.offset, array.shape, layout)
         if layout == "F":
             rows = [array.shape[order[0]], array.shape[order[1]], 1]
-        # A name alone: a map goes on when its file is replaced, and writing through it does not change the file's time
-        # at once, so that the state of the file does not tell the samples.
+        # A name alone: a map keeps its samples when its file is replaced, and writing through it does not change the
+        # file's time at once, so that the state of the file does not identify the samples.
         state = StoredFiles([file]).fingerprint()
         token = None if state is None else f"map {state} {array.offset} {array.shape} {layout}"
     return SlicedArray(array, name=name, chunks=rows, order=order, picked=picked, opened=opened, token=token)
@@ -448,7 +448,7 @@ def _of_hdf5(dataset: Any) -> LazyTaken:
         order=zyx,
         picked=picked,
         opened=partial(open_hdf5, str(path), str(dataset.name)) if path.is_file() else None,
-        # The library has one lock for all.
+        # HDF5 has one lock for all threads.
         n_readers=1,
         token=f"HDF5 {path} {dataset.name}" if is_own else None,
         files=files_of_dataset(dataset) if is_own else None,
@@ -457,7 +457,7 @@ def _of_hdf5(dataset: Any) -> LazyTaken:
 
 
 class _Labelled:
-    """An array with names and coordinates, by its places alone."""
+    """An array with names and coordinates, sliced by index alone."""
 
     def __init__(self, array: Any) -> None:
         self._array = array

@@ -1,6 +1,6 @@
-"""When the files of lazy volumes are looked at again: at the start of a picture, so that all of it is of one state.
+"""Checks of lazy volumes' files for changes: once at the start of a picture, so that all of it shows one state.
 
-Outside of pictures they are looked at before each answer.
+Outside of pictures they are checked before each answer.
 """
 
 from __future__ import annotations
@@ -14,19 +14,19 @@ from wavesplat._files.file_states import SourceFiles
 
 __all__ = ["compare", "comparing_once", "look_again"]
 
-#: Identities of the files that were looked at for the picture that is being made; None where none is.
+#: `id`s of the files that were checked for the picture that is being made; None outside of pictures.
 _LOOKED_AT: ContextVar[set[int] | None] = ContextVar("looked_at", default=None)
 
 
 @runtime_checkable
 class _OfFiles(Protocol):
     def notice_changes(self) -> None:
-        """Forget what is known of samples that have changed."""
+        """Drop everything computed from samples that have changed."""
 
 
 @contextmanager
 def comparing_once(volumes: Iterable[object]) -> Iterator[None]:
-    """While a picture of some volumes is made, which are compared with their files now.
+    """Compare some volumes with their files now, and not again while a picture of them is made.
 
     Raises
     ------
@@ -46,14 +46,14 @@ def comparing_once(volumes: Iterable[object]) -> Iterator[None]:
 
 
 def compare(volumes: Iterable[object]) -> None:
-    """Compare the lazy ones of some volumes with their files, but for files that this picture has looked at."""
+    """Compare lazy volumes with their files, except for files that were checked for this picture."""
     for volume in volumes:
         if isinstance(volume, _OfFiles):
             volume.notice_changes()
 
 
 def look_again(files: SourceFiles) -> None:
-    """Look whether files have changed, if that was not done for this picture."""
+    """Check files for changes, if that was not done for this picture."""
     looked_at = _LOOKED_AT.get()
     if looked_at is not None:
         if id(files) in looked_at:

@@ -1,4 +1,4 @@
-"""Whether an array can be read box by box as a volume: its shape, chunks and type, and the samples that it gives."""
+"""Checks that an array can be read box by box as a volume: of its shape, chunks and type, and of its samples."""
 
 from __future__ import annotations
 
@@ -16,12 +16,12 @@ __all__ = ["DEFAULT_SIDE", "NATIVE", "checked_chunks", "checked_shape", "checked
 
 #: Types that the renderer reads as they are.
 NATIVE = tuple(np.dtype(code) for code in ("u1", "i1", "u2", "i2", "u4", "i4", "f4", "f8"))
-#: Samples along each axis of a chunk, for plans, of arrays in memory and of those that say nothing of chunks.
+#: Assumed samples along each axis of a chunk, for arrays in memory and for arrays without chunks.
 DEFAULT_SIDE = 32
 
 
 def checked_shape(array: Any, name: str) -> tuple[int, ...]:
-    """The shape of an array; an `ArgumentError` where it is none, or not known."""
+    """The shape of an array; an `ArgumentError` where it is invalid or not known."""
     given = array.shape
     try:
         sizes = list(given)
@@ -44,7 +44,7 @@ def checked_shape(array: Any, name: str) -> tuple[int, ...]:
 
 
 def checked_type(array: Any, name: str) -> np.dtype[Any]:
-    """The type of an array's samples; an `ArgumentError` where it is none."""
+    """The type of an array's samples; an `ArgumentError` where it is none of NumPy's."""
     try:
         dtype: np.dtype[Any] = np.dtype(array.dtype)
         return dtype
@@ -59,7 +59,7 @@ def checked_type(array: Any, name: str) -> np.dtype[Any]:
 
 
 def checked_chunks(array: Any, name: str) -> list[int]:
-    """Samples along each axis that are read at once, the most where chunks differ; an `ArgumentError` for others."""
+    """Samples of a chunk along each axis, the most where chunks differ; an `ArgumentError` for invalid chunks."""
     given = getattr(array, "chunks", None)
     if given is None:
         return [DEFAULT_SIDE] * len(array.shape)
@@ -77,7 +77,7 @@ def checked_chunks(array: Any, name: str) -> list[int]:
 
 
 def renderable_type(dtype: np.dtype[Any], name: str) -> np.dtype[Any]:
-    """The type that samples are read in; an `ArgumentError` for those that cannot be converted box by box."""
+    """The renderer's type for samples of a type; an `ArgumentError` for types that are not real numbers."""
     own = dtype.newbyteorder("=")
     if own in NATIVE:
         return own
@@ -98,7 +98,7 @@ def _hint(dtype: np.dtype[Any]) -> str:
 def converted(samples: NDArray[Any], dtype: np.dtype[Any], said: np.dtype[Any], name: str) -> NDArray[Any]:
     """Samples that were read, in the renderer's type; an `ArgumentError` where their values would be lost.
 
-    said : the type that the array says to have.
+    said : the type that the array declares.
     """
     if samples.dtype.kind not in "biuf":
         raise ArgumentError(
@@ -117,7 +117,7 @@ def converted(samples: NDArray[Any], dtype: np.dtype[Any], said: np.dtype[Any], 
 
 
 def _filled(samples: Any, dtype: np.dtype[Any], said: np.dtype[Any], name: str) -> NDArray[Any]:
-    """Masked samples as NaN, as in memory; whole numbers have none."""
+    """Samples with NaN for masked ones, as in memory; an `ArgumentError` for integer types, which have no NaN."""
     if not np.ma.is_masked(samples):
         return np.ma.getdata(samples)
     if dtype.kind != "f":

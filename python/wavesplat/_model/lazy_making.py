@@ -1,4 +1,4 @@
-"""From arrays of other libraries to a lazy volume: its place, and those of its levels."""
+"""Lazy volumes from arrays of other libraries: their place, and the places of their levels."""
 
 from __future__ import annotations
 
@@ -72,7 +72,7 @@ def _spread(finest: Matrix, fine: LazyArray, coarse: LazyArray, name: str) -> Ma
             raise ArgumentError(
                 f"volume {name!r}: a level of shape {coarse.shape} follows one of {fine.shape}; give the finest first"
             )
-        # Sizes are rounded, factors are whole where they can be.
+        # Sizes of levels are rounded: the whole factor is meant where it fits to within a sample of the coarser one.
         factor = round(n / m) if abs(n / m - round(n / m)) * m < 1 + 1e-9 else n / m
         matrix[:3, axis] = finest[:3, axis] * factor
         matrix[:3, 3] += finest[:3, axis] * (factor - 1) / 2

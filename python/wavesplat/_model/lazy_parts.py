@@ -1,4 +1,4 @@
-"""Parts of lazy volumes that are read as a whole: boxes, overviews, and what tells how bright finer levels are."""
+"""Parts of lazy volumes that are read as a whole: boxes, overviews, and samples to match the brightness of levels."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ if TYPE_CHECKING:
 
 __all__ = ["MAX_OVERVIEW", "nearest_every", "part_of", "place_of_level", "preview_of", "read_box"]
 
-#: Samples of the finer level that its brightness is learnt from, and by how much finer it is at most.
+#: Samples of a finer level from which its brightness is learnt, and the ratio of its spacing, both at most.
 MAX_PART, MAX_FINER = 1 << 22, 4.5
-#: Samples of a level that are read as a whole for looks, cameras and previews.
+#: Samples of a level that is read as a whole for looks, cameras and previews, at most.
 MAX_OVERVIEW = 1 << 24
 
 Matrix = NDArray[np.float64]
@@ -49,7 +49,7 @@ def part_of(volume: LazyVolume, level: Level, crop: Crop | None) -> Volume:
 
 
 def read_box(array: LazyArray, box: Box) -> NDArray[Any]:
-    """The samples of a box."""
+    """Read the samples of a box."""
     n = math.prod(b - a for a, b in zip(*box, strict=True))
     check_room(n * array.dtype.itemsize, "the samples", "read a smaller box, or a coarser level")
     with BoxReader([array]) as reader:
@@ -57,7 +57,7 @@ def read_box(array: LazyArray, box: Box) -> NDArray[Any]:
 
 
 def _index_box(volume: LazyVolume, level: Level, crop: Crop) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """First and last index (x, y, z) in a level of what a box holds."""
+    """First and last index (x, y, z) of a box in the samples of a level, not rounded."""
     ends = crop.corners_in("world")
     from_world = np.linalg.inv(level.world_from_index)
     if ends is None:
@@ -70,7 +70,7 @@ def _index_box(volume: LazyVolume, level: Level, crop: Crop) -> tuple[NDArray[np
 
 
 def nearest_every(volume: LazyVolume, level: Level, number: int, step: int) -> NDArray[Any]:
-    """For every n-th sample of the finest level the next one of a level, [z, y, x]."""
+    """The sample of a level nearest to every n-th sample of the finest level, [z, y, x]."""
     between = np.linalg.inv(level.world_from_index) @ volume.world_from_index
     places = []
     for axis, n in enumerate(volume.shape):
@@ -80,7 +80,7 @@ def nearest_every(volume: LazyVolume, level: Level, number: int, step: int) -> N
     if math.prod(level.array.shape) <= MAX_OVERVIEW:
         samples = volume._overview(number)
         return samples[np.ix_(*places)]
-    # Of a level that is no overview: the samples that its survey kept, the next of them.
+    # The level is too large to be read as a whole: the nearest of the samples that its survey kept.
     survey = volume.survey(number, "linear")
     steps = [own for own in survey.steps if own[0] == own[1] == own[2]]
     finest = min(steps)
@@ -92,7 +92,7 @@ def nearest_every(volume: LazyVolume, level: Level, number: int, step: int) -> N
 
 
 def preview_of(volume: LazyVolume, number: int) -> Volume:
-    """A small level as it is; of a large one the samples that its survey kept, every n-th along each axis."""
+    """Preview of a level: all samples of a small one, else every n-th along each axis, as its survey kept them."""
     level = volume._levels[number]
     matrix = level.world_from_index.copy()
     if math.prod(level.array.shape) <= MAX_OVERVIEW:
@@ -107,12 +107,12 @@ def preview_of(volume: LazyVolume, number: int) -> Volume:
 
 
 def place_of_level(volume: LazyVolume, number: int) -> tuple[Any, Any, Any] | None:
-    """Where a level lies in the finest one, and parts of it and of a finer one, so that its pictures are as bright."""
+    """Place of a level in the finest one, and the same box of it and of a finer one, to match their brightness."""
     if number == 0:
         return None
     levels, value_range = volume._levels, volume.survey(number, "linear").value_range
     finest, own = levels[0], levels[number]
-    # The finest level whose samples are few times closer: beyond that reading costs more than it tells.
+    # The finest level within the ratio: reading a finer one costs more than it adds.
     ratios = [max(a / b for a, b in zip(own.spacing, finer.spacing, strict=True)) for finer in levels[:number]]
     fitting = [k for k, ratio in enumerate(ratios) if ratio <= MAX_FINER]
     place = fitting[0] if fitting else number - 1
@@ -142,12 +142,12 @@ def _finite(samples: NDArray[Any]) -> NDArray[np.float32]:
 
 
 def _busiest(volume: LazyVolume, number: int, most: float) -> Box:
-    """A box of at most so many samples of a level, about, where values vary most, as far as its survey tells."""
+    """A box of about `most` samples of a level, where the values that its survey kept vary most."""
     shape = volume._levels[number].array.shape
     side = max(16, int(most ** (1 / 3)))
     size = [min(n, side) for n in shape]
     survey = volume.survey(number, "linear")
-    # All strided samples but those for light are cubes; the finest of them.
+    # Of the strided samples that the survey kept, the closest ones.
     which = min(range(len(survey.steps)), key=lambda k: math.prod(survey.steps[k]))
     strided, steps = survey.core.strided(which), survey.steps[which]
     best, first = -1.0, [(n - s) // 2 for n, s in zip(shape, size, strict=True)]

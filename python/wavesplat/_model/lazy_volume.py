@@ -1,8 +1,8 @@
 """A volume whose samples stay where they are: read box by box while it is drawn, within a memory budget.
 
-It may have several levels, each with half as many samples along an axis, say; a picture is drawn from the coarsest
-level whose samples are no further apart than its pixels. What one pass over the samples tells of a level is its survey
-(`survey.py`), made with the first picture and kept.
+It may have several levels, such as each with half the samples of the finer one along an axis; a picture is drawn from
+the coarsest level whose samples are no further apart than its pixels. One pass over the samples of a level gives its
+survey (`survey.py`), made with the first picture and kept.
 """
 
 from __future__ import annotations
@@ -40,16 +40,16 @@ if TYPE_CHECKING:
 
 __all__ = ["LazyVolume", "default_memory"]
 
-#: Share of free memory that is used where nothing is said, and most of it.
+#: Default budget: one part in SHARE of the free memory, at most MAX_DEFAULT bytes.
 SHARE, MAX_DEFAULT = 4, 4 * 10**9
-#: Surveyed levels and kernels that are kept ready.
+#: Entries of `Known.ready` that are kept, at most.
 MAX_READY = 4
-#: Samples of a level that tells of values, for looks and cameras, at most; and one of how many of the finest level's it
-#: has: first pictures from afar must not wait for what they do not show.
+#: Samples of the level that looks and cameras are made from, at most: SMALL, and one in OVERVIEW_SHARE of the finest
+#: level's, since a first picture from afar must not wait for samples that it does not show.
 SMALL, OVERVIEW_SHARE = 1 << 21, 64
-#: Coarser levels that take no more than one part in so many of the memory are copied into it.
+#: Coarser levels that take no more than one part in COPY_SHARE of the budget are copied into memory.
 COPY_SHARE = 8
-#: Types that are densities as they are.
+#: Integers of 8 and 16 bits, which the compiled module calls narrow.
 NARROW = ("u1", "i1", "u2", "i2")
 
 Matrix = NDArray[np.float64]
@@ -57,7 +57,7 @@ Matrix = NDArray[np.float64]
 
 @dataclass(frozen=True)
 class Level:
-    """Samples of a level, and where they lie."""
+    """The array of a level, and its affine."""
 
     array: LazyArray
     world_from_index: Matrix
@@ -70,28 +70,28 @@ class Level:
 
 
 class Known:
-    """What is known of the samples of lazy volumes that read the same levels with the same budget.
+    """Cache of the lazy volumes that read the same levels with the same budget: surveys, and data made of them.
 
-    n_changes : how often samples were found changed in their files before.
+    n_changes : number of changes found in the files so far.
     """
 
     def __init__(self, n_changes: int) -> None:
         self.n_changes = n_changes
-        #: How often all was forgotten since samples had changed: scenes tell by it whether their looks still fit.
+        #: Number of calls of `forget`, by which scenes see whether their looks still fit the samples.
         self.generation = 0
-        #: Surveys by level and kernel, and what was made of them: the latest last.
+        #: Surveys by level and kernel, and data made of them, the latest last.
         self.surveys: dict[tuple[int, str], Survey] = {}
         self.ready: dict[Any, Any] = {}
 
     def forget(self) -> None:
-        """Forget all, since the samples have changed."""
+        """Drop everything: the samples have changed."""
         self.surveys.clear()
         self.ready.clear()
         self.generation += 1
 
 
 def default_memory() -> int:
-    """Bytes of samples that are held where nothing is said: a quarter of what is free, at most 4 GB."""
+    """Default budget for samples in bytes: a quarter of the free memory, at least 64 MiB and at most 4 GB."""
     free = free_bytes()
     return MAX_DEFAULT if free is None else max(min(free // SHARE, MAX_DEFAULT), 1 << 26)
 
@@ -101,15 +101,15 @@ class LazyVolume(Volume):
     """A volume whose samples stay in their file, or array, and are read while it is drawn.
 
     `Volume.lazy` and `open(path, memory=...)` make it. It is drawn as any volume, by `render`, scenes, movies and the
-    viewer, and to the byte as the CPU draws one in memory; what needs all samples at once says so: take a part with
-    `read`.
+    viewer, and to the byte as the CPU draws one in memory; functions that need all samples at once refuse it: take a
+    part with `read`.
 
     Attributes
     ----------
     memory : int
         Bytes of samples, and of their bounds, that are held at once while it is drawn.
     levels : sequence of shapes (z, y, x)
-        Of its levels of detail, the finest first.
+        Shapes of its levels of detail, the finest first.
 
     Examples
     --------
@@ -124,7 +124,7 @@ class LazyVolume(Volume):
     __slots__ = ("_at", "_holes", "_keep", "_known", "_levels", "_memory")
 
     _levels: list[Level]
-    #: The level that is drawn; None: whichever a picture needs.
+    #: The level that is drawn; None for the one that a picture needs.
     _at: int | None
     _memory: int
     _keep: bool | str | PathLike[str]
@@ -162,7 +162,7 @@ class LazyVolume(Volume):
         volume._resampled = None
         return volume
 
-    # What the samples are asked for, and what has to say no.
+    # Access to samples, refused where all would be needed.
 
     def _refuse(self, what: str) -> NoReturn:
         raise ArgumentError(
@@ -185,22 +185,22 @@ class LazyVolume(Volume):
         self._refuse("this")
 
     def changed(self) -> None:
-        """Say that the samples are others now: what is known of them is made anew.
+        """Report that the samples have changed: everything made from them is made anew.
 
         Call it after changing a memory map, a Dask array or data on a server: those are not checked. Chunks of Zarr
-        arrays in folders that were written to are noticed without, at the next picture, and so are other files, which
-        must be opened again.
+        arrays in folders that were written to are noticed at the next picture without it, and so are other files,
+        which must be opened again.
         """
         self._known.forget()
         self._source = None
 
     @property
     def _identity(self) -> tuple[object, int]:
-        """Equal for the same samples; another one after a change."""
+        """Key that is equal for the same samples, and another one after a change."""
         return self._known, self._known.generation
 
     def notice_changes(self) -> None:
-        """Forget what is known of the samples if their files have changed since; in a picture only at its start.
+        """Drop everything made from the samples if their files have changed; in a picture only at its start.
 
         Raises
         ------
@@ -219,7 +219,7 @@ class LazyVolume(Volume):
         return [level.array.files for level in self._levels if level.array.files is not None]
 
     def n_changes_of_files(self, *, now: bool = False) -> int:
-        """How often samples were found changed, by anybody; `now`: files are looked at before."""
+        """Number of changes found in the files, by any volume that reads them; `now`: check the files first."""
         for files in self._files() if now else ():
             files.look_again()
         return sum(files.n_changes for files in self._files())
@@ -228,7 +228,7 @@ class LazyVolume(Volume):
         self._known.ready.clear()
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
-        """The samples, all of them."""
+        """All samples, read into memory, as `numpy.asarray(volume)` asks for them."""
         samples = self.read().samples
         return samples if dtype is None else samples.astype(dtype)
 
@@ -249,20 +249,20 @@ class LazyVolume(Volume):
 
     @property
     def level(self) -> int | None:
-        """The level that is drawn, 0 the finest; None: whichever a picture needs."""
+        """The level that is drawn, 0 the finest; None for the one that a picture needs."""
         return self._at
 
     @property
     def value_range(self) -> tuple[float, float]:
-        """Smallest and largest finite sample; of a pyramid those of the coarsest level that tells enough.
+        """Smallest and largest finite sample; of a pyramid those of a small level.
 
-        Reads all samples of that level where they were not looked through before.
+        Reads all samples of that level, unless that was done before.
         """
         return self.survey(self._surveyed_level(), "linear").value_range
 
     @property
     def n_nonfinite(self) -> int:
-        """How many samples of that level are NaN or infinite: missing ones, which make matter around them fainter."""
+        """Number of NaN and infinite samples of the level of `value_range`: missing ones, which make matter fainter."""
         return self.survey(self._surveyed_level(), "linear").n_nonfinite
 
     @property
@@ -272,14 +272,14 @@ class LazyVolume(Volume):
 
     @property
     def is_looked_through(self) -> bool:
-        """Whether range and values are known, or soon told: samples were looked through before, or are few."""
+        """Whether range and values are known or quickly found: samples were looked through before, or are few."""
         level = self._surveyed_level()
         if math.prod(self._levels[level].array.shape) <= SMALL:
             return True
         return self.known_survey(level, "linear") is not None or (level, "linear") in self._known.surveys
 
     def _surveyed_level(self) -> int:
-        """The level that tells of values: the finest that is small, and takes a small part of the bytes of all."""
+        """The level that ranges and looks are made from: the finest of few samples (`SMALL`, `OVERVIEW_SHARE`)."""
         if self._at is not None:
             return self._at
         sizes = [math.prod(level.array.shape) for level in self._levels]
@@ -288,10 +288,10 @@ class LazyVolume(Volume):
         fitting = [k for k, size in enumerate(sizes) if size <= min(SMALL, sizes[0] / OVERVIEW_SHARE)]
         return fitting[0] if fitting else len(self._levels) - 1
 
-    # Making others of it.
+    # Other volumes of the same levels.
 
     def at_level(self, level: int | None) -> LazyVolume:
-        """The same, of which pictures are drawn from one level of detail: 0 is the finest, None as pictures need it.
+        """The same volume, drawn from one level of detail: 0 is the finest, None the level that a picture needs.
 
         Raises
         ------
@@ -308,12 +308,12 @@ class LazyVolume(Volume):
         return other
 
     def with_memory(self, memory: float | str) -> LazyVolume:
-        """The same with another budget, such as "2 GB".
+        """The same volume with another budget, such as "2 GB".
 
         Raises
         ------
         ArgumentError
-            If that is no amount of memory.
+            If it is not an amount of memory.
         """
         other = self._copy()
         other._memory = bytes_of(memory)
@@ -329,7 +329,7 @@ class LazyVolume(Volume):
         return made
 
     def read(self, crop: Crop | None = None, *, level: int | None = None) -> Volume:
-        """A part of it in memory: the samples in a box, of a level.
+        """A part of the volume in memory: the samples of a level in a box.
 
         Parameters
         ----------
@@ -341,7 +341,7 @@ class LazyVolume(Volume):
         Returns
         -------
         Volume
-            Its place in the world is that of the samples.
+            The samples, at their place in the world.
 
         Raises
         ------
@@ -372,10 +372,10 @@ class LazyVolume(Volume):
             found = self._known.ready["preview"] = preview_of(self, self._surveyed_level())
         return found
 
-    # What pictures need.
+    # Data for pictures.
 
     def survey(self, level: int, kernel: str, progress: Callable[[float], object] | None = None) -> Survey:
-        """What one pass over the samples of a level tells, made once."""
+        """The survey of a level, by one pass over its samples; made once."""
         self.notice_changes()
         found = self._known.surveys.get((level, kernel))
         if found is None:
@@ -393,7 +393,7 @@ class LazyVolume(Volume):
         return found
 
     def known_survey(self, level: int, kernel: str) -> Survey | None:
-        """What is known of a level without reading its samples, bounds included; None where nothing is."""
+        """The survey of a level, bounds included, if it is there without reading samples; else None."""
         self.notice_changes()
         found = self._known.surveys.get((level, kernel))
         if found is None or not found.core.has_bounds:
@@ -403,7 +403,7 @@ class LazyVolume(Volume):
         return found
 
     def packed_surveys(self, level: int, kernel: str) -> bytes:
-        """What is known of a level, for another process."""
+        """The surveys of a level, pickled for another process."""
         found = {}
         for own in {kernel, "linear"} if level > 0 else {kernel}:
             survey = self.survey(level, own)
@@ -414,13 +414,13 @@ class LazyVolume(Volume):
         return pickle.dumps(found)
 
     def take_surveys(self, packed: bytes) -> None:
-        """Know what `packed_surveys` told."""
+        """Add the surveys that `packed_surveys` pickled."""
         for key, survey in pickle.loads(packed).items():  # noqa: S301 - from our own process
             if key not in self._known.surveys:
                 self._known.surveys[key] = survey
 
     def _every(self, step: int) -> NDArray[Any]:
-        """Every n-th sample along each axis, [z, y, x]; of a pyramid the samples of a coarser level next to these."""
+        """Every n-th sample along each axis, [z, y, x]; of a pyramid the nearest samples of a coarser level."""
         told_by = self._surveyed_level()
         if told_by == 0 and self._at is None:
             survey = self.survey(0, "linear")
@@ -444,7 +444,7 @@ class LazyVolume(Volume):
         return found
 
     def ready(self, level: int, kernel: str, progress: Callable[[float], object] | None = None) -> _native.LazyVolume:
-        """What the compiled module plans with."""
+        """The compiled module's `LazyVolume` of a level, which plans frames."""
         self.notice_changes()
         key = level, kernel
         core: _native.LazyVolume | None = self._known.ready.pop(key, None)
@@ -452,7 +452,7 @@ class LazyVolume(Volume):
             from wavesplat._model.lazy_parts import place_of_level
 
             own, survey = self._levels[level], self.survey(level, kernel, progress)
-            if not survey.core.has_bounds:  # they went to what was drawn before
+            if not survey.core.has_bounds:  # an earlier `_native.LazyVolume` took them
                 self._known.surveys.pop((level, kernel))
                 survey = self.survey(level, kernel, progress)
             core = _native.LazyVolume(
@@ -477,7 +477,7 @@ class LazyVolume(Volume):
     def level_for(self, pixel: Callable[[Level], float]) -> int:
         """The level to draw: the one of `at_level`, else the coarsest whose samples are no further apart than pixels.
 
-        pixel : distance of pixels, in samples of a level, where they are closest.
+        pixel : smallest distance of pixels, in samples of a level.
         """
         if self._at is not None:
             return self._at
@@ -487,7 +487,7 @@ class LazyVolume(Volume):
         return 0
 
     def arrays(self, level: int) -> LazyArray:
-        """The samples of a level; of a small one of a pyramid a copy in memory, which is read once."""
+        """The array of a level; for a small coarser one a copy in memory, which is read once."""
         array = self._levels[level].array
         n_bytes = math.prod(array.shape) * array.dtype.itemsize
         if level == 0 or array.is_in_memory or n_bytes > self._memory // COPY_SHARE:
@@ -539,7 +539,7 @@ def lazily(
     keep: bool | str | PathLike[str] = True,
     holes: bool = False,
 ) -> LazyVolume:
-    """A lazy volume of levels that lie at these places."""
+    """A lazy volume of levels with these affines."""
     budget = None if memory is None else bytes_of(memory)
     own = [Level(array, _frozen(place)) for array, place in zip(levels, places, strict=True)]
     volume = LazyVolume._made(own, name, replace(facts), memory=budget, keep=keep, holes=holes)

@@ -1,6 +1,6 @@
 """Layers of napari: the last three axes are z, y and x.
 
-Scale, rotation, shear, translation, affine and units count.
+Scale, rotation, shear, translation, affine and units are taken into account.
 """
 
 from __future__ import annotations
@@ -18,7 +18,7 @@ __all__ = ["of_napari"]
 
 
 def of_napari(layer: Any) -> Converted:
-    """An image or labels layer; of several levels, the finest."""
+    """Convert an image or labels layer; of several levels, the finest."""
     kind, name = type(layer).__name__, str(layer.name)
     if kind not in ("Image", "Labels") and not hasattr(getattr(layer, "data", None), "shape"):
         raise ArgumentError(f"a layer of {kind} has no samples on a grid; give an image or labels layer")
@@ -35,7 +35,7 @@ def of_napari(layer: Any) -> Converted:
         )
     samples = loaded(data[(0,) * extra] if extra > 0 else data, name)
     n = len(data.shape)
-    # napari keeps its steps apart, and composes them itself; the axes that are left out stay at 0.
+    # napari keeps its transforms apart, and composes them itself; the axes that are left out stay at 0.
     ends = np.array([layer.data_to_world(point) for point in np.vstack([np.zeros(n), np.eye(n)])], np.float64)
     xyz = [n - 1, n - 2, n - 3]
     matrix = np.eye(4)

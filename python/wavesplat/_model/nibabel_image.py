@@ -21,15 +21,15 @@ if TYPE_CHECKING:
 __all__ = ["NO_ANATOMY", "facts_of", "of_nibabel", "scaled", "world_from_index"]
 
 MM_PER_UNIT = {"meter": 1000.0, "mm": 1.0, "micron": 0.001}
-#: nibabel's names of the units of time, and ours; others (hz, ppm) are none of time.
+#: nibabel's names of the units of time -> ours; its others (hz, ppm) are no times.
 TIME_UNITS = {"sec": "s", "msec": "ms", "usec": "us"}
 LARGEST_FLOAT32 = float(np.finfo(np.float32).max)
-#: What `Volume.to_nibabel` writes as the description of a world that is no patient's, since NIfTI has no code for it.
+#: Description that `Volume.to_nibabel` writes for a world that is no patient's, since NIfTI has no code for it.
 NO_ANATOMY = "axes without anatomy"
 
 
 def of_nibabel(image: Any) -> Converted:
-    """An image in memory, or one whose samples are still in its file."""
+    """Convert an image in memory, or one whose samples are still in its file."""
     if not hasattr(image, "dataobj") or getattr(image, "affine", None) is None:
         raise ArgumentError(f"a {type(image).__name__} has no samples on a grid; give an image, as of nibabel.load")
     shape = tuple(image.shape)
@@ -58,7 +58,7 @@ def of_nibabel(image: Any) -> Converted:
 
 
 def scaled(stored: NDArray[Any], slope: float, intercept: float) -> NDArray[Any]:
-    """Slope and intercept applied; integers stay integers where nothing is lost."""
+    """Samples with slope and intercept applied; integers stay integers where nothing is lost."""
     if (slope, intercept) == (1.0, 0.0):
         return stored
     if stored.dtype.kind in "iu" and slope.is_integer() and intercept.is_integer():
@@ -92,7 +92,7 @@ def world_from_index(image: SpatialImage) -> NDArray[np.float64]:
 
 
 def _has_units(image: SpatialImage) -> bool:
-    """Whether it is NIfTI; Analyze and FreeSurfer's format have no field for units."""
+    """Whether an image is NIfTI; Analyze and FreeSurfer's format have no field for units."""
     return hasattr(image.header, "get_xyzt_units")
 
 
@@ -105,7 +105,7 @@ def _has_orientation(image: SpatialImage) -> bool:
 
 
 def facts_of(image: SpatialImage) -> Facts:
-    """What the header says."""
+    """Facts of an image's header."""
     header: Any = image.header
     is_placed = _has_orientation(image)
     is_anatomical = is_placed and not (_has_units(image) and header["descrip"].item() == NO_ANATOMY.encode())

@@ -32,7 +32,7 @@ Quality: TypeAlias = Literal["draft", "normal", "high"]
 Plane: TypeAlias = Literal["axial", "coronal", "sagittal"]
 Slab: TypeAlias = Literal["maximum", "minimum", "mean"]
 
-#: Projections whose greys, where none are given, are chosen by what the view shows.
+#: Operators whose grey scale, where none is given, is chosen by the values that the view shows.
 BY_VIEW = ("minimum", "mean", "sum", "x-ray")
 
 #: Azimuth and elevation, degrees, of the named views.
@@ -55,6 +55,6 @@ VIEWS = {
     "isometric": (150.0, 30.0),
 }
 
-#: The axis across each anatomical plane, the axis that is up in its picture, and on which side the eye is.
+#: Anatomical plane -> the axis across it, the axis that is up in its picture, and the side on which the eye is.
 #: Axial is seen from the feet, coronal from the front, sagittal from the patient's left.
 PLANES = {"axial": ("z", "y", -1), "coronal": ("y", "z", 1), "sagittal": ("x", "z", -1)}

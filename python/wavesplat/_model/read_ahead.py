@@ -1,8 +1,8 @@
 """Reading boxes of samples by a few threads, ahead of what is drawn from them.
 
-Samples are read in parts along the chunks of their file, of a few megabytes, so that what a part takes beside its
-place in the box is small. What could not be read ends the picture with an error that names the chunk; or, where holes
-are allowed, is drawn as the least sample that there is, and told.
+Samples are read in parts along the chunks of their file, of a few megabytes, so that the memory of a part, beside its
+place in the box, is small. A chunk that cannot be read ends the picture with an error that names it; where holes are
+allowed, it is drawn as the smallest sample value, and reported.
 """
 
 from __future__ import annotations
@@ -24,31 +24,31 @@ from wavesplat.errors import FileError
 
 __all__ = ["Box", "BoxReader", "ReadCounts", "cells", "joined"]
 
-#: First and end of samples along z, y, x.
+#: First index and end of a box along z, y, x.
 Box = tuple[tuple[int, int, int], tuple[int, int, int]]
 
-#: Bytes of a part, about.
+#: Approximate size of a part, in bytes.
 PART_BYTES = 8 << 20
 
 
 @dataclass
 class ReadCounts:
-    """What was read for a picture."""
+    """Counts and times of the reads for a picture."""
 
     n_bytes: int = 0
     n_boxes: int = 0
-    #: From the first box to the last, and of these, how long drawing waited for samples.
+    #: Time from the first box to the last, and the part of it that drawing waited for samples; both in seconds.
     seconds: float = 0.0
     waited: float = 0.0
-    #: Boxes that could not be read, and why, where holes are allowed.
+    #: Errors of the boxes that could not be read, where holes are allowed.
     holes: list[str] = field(default_factory=list)
 
 
 class BoxReader:
     """A pool of threads that fill boxes.
 
-    n_threads : how many read at once; None is what the arrays say.
-    holes : what is put where samples cannot be read; None ends with an error.
+    arrays : the arrays to read; as many threads as the largest of their `n_readers`.
+    holes : for each array the value of samples that cannot be read; None raises their error.
     """
 
     def __init__(self, arrays: Sequence[LazyArray], *, holes: Sequence[float] | None = None) -> None:
@@ -60,7 +60,7 @@ class BoxReader:
         self.counts = ReadCounts()
 
     def filled(self, which: int, held: Box, boxes: Sequence[Box]) -> Pending:
-        """The samples of a box, of which some boxes are read; the others are left as they are."""
+        """Begin to read some boxes into the samples of the box `held` of array `which`, which are 0 elsewhere."""
         array = self._arrays[which]
         low, high = held
         samples = np.zeros([b - a for a, b in zip(low, high, strict=True)], array.dtype)
@@ -126,7 +126,7 @@ class BoxReader:
             self.counts.n_bytes += samples[place].nbytes
 
     def stop(self) -> None:
-        """Give up what is still to be read."""
+        """Cancel the reads that have not begun, and wait for the others."""
         self._stopped = True
         self._pool.shutdown(wait=True, cancel_futures=True)
 
@@ -145,25 +145,25 @@ class Pending:
     parts: list[Future[None]] = field(default_factory=list)
 
     def result(self) -> NDArray[Any]:
-        """The samples, once they are there."""
+        """Wait for all parts, and return the samples."""
         for part in self.parts:
             part.result()
         return self._samples
 
     def is_there(self, timeout: float) -> bool:
-        """Whether all parts are read, or one failed, within so many seconds."""
+        """Wait `timeout` seconds at most; return whether all parts are read, or one has failed."""
         return not wait(self.parts, timeout, FIRST_EXCEPTION).not_done or any(
             part.done() and part.exception() is not None for part in self.parts
         )
 
     @property
     def samples(self) -> NDArray[Any]:
-        """The samples, be they there or not."""
+        """The samples, whether they are complete or not."""
         return self._samples
 
 
 def cells(box: Box, chunks: Sequence[int], most: int) -> list[Box]:
-    """A box cut along the borders of chunks into boxes of at most so many samples, or of one chunk."""
+    """Cut a box along the borders of chunks into boxes of at most `most` samples, but at least one chunk."""
     low, high = box
     size = list(chunks)
     # Chunks put together, first along x, then along y, then along z.
@@ -183,7 +183,7 @@ def cells(box: Box, chunks: Sequence[int], most: int) -> list[Box]:
 
 
 def joined(before: NDArray[Any], of: Box, samples: NDArray[Any], held: Box) -> None:
-    """Copies what two boxes have in common from one's samples to the other's."""
+    """Copy the intersection of the boxes `of` and `held` from `before`, the samples of `of`, to those of `held`."""
     low = [max(a, b) for a, b in zip(of[0], held[0], strict=True)]
     high = [min(a, b) for a, b in zip(of[1], held[1], strict=True)]
     if any(a >= b for a, b in zip(low, high, strict=True)):

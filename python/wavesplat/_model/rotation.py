@@ -21,7 +21,7 @@ OPPOSITE = 1e-9
 
 
 def from_axes(axes: NDArray[np.float64]) -> Quaternion:
-    """Of the rotation that takes x, y, z to the rows of a right-handed orthonormal frame."""
+    """Quaternion of the rotation that takes x, y, z to the rows of a right-handed orthonormal frame."""
     matrix = axes.T
     (xx, xy, xz), (yx, yy, yz), (zx, zy, zz) = matrix.tolist()
     # Four times each product with the largest component, which is never small.
@@ -38,7 +38,7 @@ def from_axes(axes: NDArray[np.float64]) -> Quaternion:
 
 
 def to_axes(quaternion: Quaternion) -> NDArray[np.float64]:
-    """The frame again, as rows."""
+    """The frame of a quaternion, its axes as rows."""
     w, x, y, z = (quaternion / np.linalg.norm(quaternion)).tolist()
     return np.array(
         [
@@ -57,7 +57,7 @@ def product(first: Quaternion, second: Quaternion) -> Quaternion:
 
 
 def conjugate(quaternion: Quaternion) -> Quaternion:
-    """The rotation back."""
+    """The inverse rotation."""
     return np.asarray(quaternion * np.array([1.0, -1.0, -1.0, -1.0]))
 
 
@@ -69,10 +69,10 @@ def exponential(vector: NDArray[np.float64]) -> Quaternion:
 
 
 def rotation_vector(start: Quaternion, end: Quaternion) -> NDArray[np.float64]:
-    """Axis times angle, radians, of the shorter way from one to the other, in the frame of either.
+    """Axis times angle, radians, of the shorter rotation from `start` to `end`, in the frame of either.
 
-    Between opposite ones both ways are as long: it is then the one about an axis that points up in the world (towards
-    +z; of level axes towards +y, or +x), as an azimuth grows.
+    Between opposite ones both ways are equally long: the one about an axis that points up in the world is taken
+    (towards +z; of level axes towards +y, or +x), as an azimuth grows.
     """
     step = product(conjugate(start), end)
     axis, length = step[1:], float(np.linalg.norm(step[1:]))
@@ -91,9 +91,9 @@ def rotation_vector(start: Quaternion, end: Quaternion) -> NDArray[np.float64]:
 def hermite(
     start: Quaternion, turn: NDArray[np.float64], ends: tuple[NDArray[np.float64], ...], t: float
 ) -> Quaternion:
-    """From `start` (t = 0) to `start` turned by `turn` (t = 1), with angular velocities `ends`, radians per unit of t.
+    """Curve from `start` (t = 0) to `start` turned by `turn` (t = 1), with angular velocities `ends` per unit of t.
 
-    All vectors are in the moving frame, as `rotation_vector` gives them.
+    All vectors are in radians in the moving frame, as `rotation_vector` gives them.
     """
     first, last = ends[0] / 3, ends[1] / 3
     between = product(product(conjugate(exponential(first)), exponential(turn)), conjugate(exponential(last)))

@@ -1,4 +1,4 @@
-"""How finely a picture is drawn."""
+"""Sampling rates of a picture: sheets per slice, and texels per pixel."""
 
 from __future__ import annotations
 
@@ -16,22 +16,22 @@ __all__ = ["Sampling", "checked_quality"]
 @public
 @dataclass(frozen=True)
 class Sampling:
-    """How many sheets and texels a picture is made of, instead of a quality by name.
+    """The sampling rates of a picture, instead of a quality by name.
 
     Parameters
     ----------
     sheets_per_slice : float, optional
         Sheets per slice distance.
     oversampling : float, optional
-        Texels per pixel, along each side; a pixel is the mean of as many reads along each, rounded up. In perspective
-        on the whole: where rays lie closest together, pixels get 0.7 of that at least.
+        Texels per pixel, along each side; a pixel is the mean of this number of reads along each, rounded up. In
+        perspective it is an average: where rays lie closest together, pixels get 0.7 of it at least.
     quality : str, default "normal"
-        The quality that says what is None.
+        The quality that gives the values that are None.
 
     Raises
     ------
     ArgumentError
-        If something is no number, or there is no such quality.
+        If a value is no number, or there is no quality of that name.
 
     Examples
     --------
@@ -46,7 +46,7 @@ class Sampling:
     quality: Quality = "normal"
 
     def __post_init__(self) -> None:
-        """Ranges are known to the compiled module."""
+        """Check types and names; ranges are checked by the compiled module."""
         for name in ("sheets_per_slice", "oversampling"):
             value = getattr(self, name)
             if value is None:
@@ -59,7 +59,7 @@ class Sampling:
 
 
 def checked_quality(given: object) -> Sampling:
-    """A quality by name or a sampling, as a sampling."""
+    """The `Sampling` of a quality by name, or of a `Sampling` itself."""
     if isinstance(given, Sampling):
         return given
     if not isinstance(given, str):

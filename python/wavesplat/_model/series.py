@@ -18,25 +18,25 @@ from wavesplat.errors import ArgumentError
 
 __all__ = ["Series", "TimePoints"]
 
-#: Volumes that are kept: who goes back and forth between two times, or shows them beside each other, reads each once.
+#: Volumes that are kept, so that going back and forth between two times, or comparing them, reads each once.
 N_KEPT = 3
 
 
 @runtime_checkable
 class TimePoints(Protocol):
-    """Volumes that are read when they are asked for, and what is known of their times."""
+    """Volumes that are read on demand, and their times."""
 
     def __len__(self) -> int:
-        """How many there are."""
+        """Number of volumes."""
 
     def __getitem__(self, number: int) -> Volume:
-        """The volume of that number, from 0 on."""
+        """The volume of a number, from 0 on."""
 
     def times(self) -> tuple[tuple[float, ...], str | None]:
-        """Of each, and their unit."""
+        """Time of each volume, and the unit of the times."""
 
     def told(self) -> str:
-        """What messages call them."""
+        """Description of the volumes' source in messages."""
 
 
 @public
@@ -48,13 +48,13 @@ class Series:
     Parameters
     ----------
     volumes : sequence of Volume
-        One for each time, or anything with a length whose `[n]` gives a volume, then asked for it when it is needed.
+        One for each time, or anything with a length whose `[n]` gives a volume, which is asked for when it is needed.
     times : sequence of float, optional
-        Of each; 0, 1, 2, ... if not given.
+        Time of each volume; 0, 1, 2, ... if not given.
     time_unit : str, optional
-        Of the times, such as "s".
+        Unit of the times, such as "s".
     name : str, default "series"
-        What messages call it.
+        Name in messages.
 
     Raises
     ------
@@ -88,27 +88,27 @@ class Series:
         self._numbers = range(n)
         self._times = None if times is None else _checked_times(times, n)
         self._time_unit = None if time_unit is None else text_of(time_unit, "time_unit of the series")
-        #: Where it comes from, None if that cannot be told (`_model.sources`).
+        #: Source of the series for documents, None if unknown (`_model.sources`).
         self._source: Source | None = None
         self._kept: OrderedDict[int, Volume] = OrderedDict()
         self._lock = RLock()
-        #: What looks are made for (`_looks.over_time`).
+        #: The volume that looks are made for (`_looks.over_time`).
         self._brightest: Volume | None = None
 
     @property
     def name(self) -> str:
-        """What messages call it: of a file its name."""
+        """Name in messages; of a file its name."""
         return self._name
 
     @property
     def times(self) -> tuple[float, ...]:
-        """Of each volume, in `time_unit`; 0, 1, 2, ... where nothing is known. A file may be read to find out."""
+        """Time of each volume, in `time_unit`; 0, 1, 2, ... where nothing is known. A file may be read to find out."""
         times = self._known_times()[0]
         return tuple(times[number] for number in self._numbers)
 
     @property
     def time_unit(self) -> str | None:
-        """Of `times`, such as "s"; None where nothing is known."""
+        """Unit of `times`, such as "s"; None where nothing is known."""
         return self._known_times()[1]
 
     def __len__(self) -> int:
@@ -119,7 +119,7 @@ class Series:
     @overload
     def __getitem__(self, key: slice) -> Series: ...
     def __getitem__(self, key: int | slice) -> Volume | Series:
-        """The volume of that number, negative ones from the end; of a slice a series, which reads nothing yet."""
+        """The volume of a number, negative ones from the end; for a slice a series, which reads nothing yet."""
         if isinstance(key, slice):
             return self._part(self._numbers[key], key)
         try:

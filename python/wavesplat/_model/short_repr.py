@@ -1,4 +1,4 @@
-"""A thing as the call that makes it, without what is usual."""
+"""Representation of an object as the call that makes it, without default arguments."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ __all__ = ["short_repr"]
 
 
 def short_repr(thing: Any) -> str:
-    """`Facts(unit='mm')`: those of a type's arguments, kept under their names, that are not their defaults."""
+    """`Facts(unit='mm')`: the arguments that differ from their defaults, read from the attributes of their names."""
     arguments = signature(type(thing)).parameters
     given = [
         f"{name}={value!r}"

@@ -15,18 +15,19 @@ from numpy.typing import NDArray
 
 __all__ = ["smoothed"]
 
-#: Where the kernel ends, in deviations.
+#: Reach of the kernel, in standard deviations.
 TRUNCATED = 3.0
-#: Smaller deviations, in samples, end before the first neighbour.
+#: Smallest deviation that smooths, in samples: kernels of smaller ones end before the first neighbour.
 MIN_DEVIATION = 0.5 / TRUNCATED
-#: Samples that are smoothed at once, which stay in a processor's cache.
+#: Samples that are smoothed at once: few enough to stay in a processor's cache.
 N_AT_ONCE = 1 << 18
 
 
 def smoothed(samples: NDArray[Any], deviations: Sequence[float]) -> NDArray[Any]:
-    """Samples [z, y, x] smoothed by so many samples along each of (z, y, x).
+    """Samples [z, y, x] smoothed by Gaussians of these standard deviations, in samples along (z, y, x).
 
-    float32; float64 of 32-bit integers and float64. Where some are not finite, it takes the memory of two results.
+    The result is float32; float64 of 32-bit integers and float64. Where some samples are not finite, smoothing takes
+    the memory of two results.
     """
     values = samples.astype(np.result_type(samples.dtype, np.float32))
     finite = np.isfinite(values)
@@ -43,7 +44,7 @@ def smoothed(samples: NDArray[Any], deviations: Sequence[float]) -> NDArray[Any]
 
 
 def _smooth(values: NDArray[Any], deviations: Sequence[float]) -> None:
-    """The same in place, of finite values."""
+    """Smooth finite values in place."""
     for axis, deviation in enumerate(deviations):
         kernel = _kernel(deviation)
         if len(kernel) == 1:
@@ -59,7 +60,7 @@ def _smooth(values: NDArray[Any], deviations: Sequence[float]) -> None:
 
 
 def _kernel(deviation: float) -> NDArray[np.float64]:
-    """The half from the middle outwards."""
+    """Half of the kernel, from the middle outwards; the whole has the sum 1."""
     reach = int(TRUNCATED * deviation + 0.5)
     if reach == 0:
         return np.ones(1)

@@ -1,4 +1,4 @@
-"""Where volumes and labels come from, so that documents can name them: a file and how it was opened, and what was done.
+"""Sources of volumes and labels, by which documents name them: a file, how it was opened, and the steps after that.
 
     {"path": "/data/ct.nii.gz", "spacing": [1, 1, 2], "then": [{"smoothed": {"deviation": 0.7, "unit": "voxels"}}]}
     {"example": "ct_pelvis"}
@@ -53,7 +53,7 @@ def _fields(options: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def absolute(path: str | os.PathLike[str]) -> str | None:
-    """The whole path, or the address; None where it is no text."""
+    """The absolute path, or the address; None where it is not valid text."""
     name: object = os.fspath(path)
     if not isinstance(name, str):
         return None
@@ -68,7 +68,7 @@ def absolute(path: str | os.PathLike[str]) -> str | None:
 
 
 def then(source: Source | None, step: str, /, **options: Any) -> Source | None:
-    """The source of what a step makes of something; None where that has none."""
+    """The source of a step's result: the source of its input, and the step; None where the input has none."""
     if source is None:
         return None
     done = {step: {key: _plain(value) for key, value in options.items() if value is not None}}
@@ -76,12 +76,12 @@ def then(source: Source | None, step: str, /, **options: Any) -> Source | None:
 
 
 def beside(document: Any, folder: Path) -> Any:
-    """A document with paths that are relative where files lie below a folder, or below the one it is in."""
+    """The document with relative paths for files that lie below `folder`, or below its parent folder."""
     return _with_paths(document, lambda path: _relative(path, folder))
 
 
 def warn_of_elsewhere(document: Any, path: str | os.PathLike[str], *, stacklevel: int) -> None:
-    """Warn if a document names files that it may not name by itself from the file `path`."""
+    """Warn if a document in the file `path` names files or addresses that it can only open with `external_files`."""
     folder = expanded(path).absolute().parent
     elsewhere: list[str] = []
 
@@ -130,7 +130,7 @@ def _relative(path: str, folder: Path) -> str:
 
 
 def _plain(value: Any) -> Any:
-    """What JSON has for an option."""
+    """The value of an option as a JSON value."""
     if value is None or isinstance(value, bool | str):
         return value
     if isinstance(value, np.dtype | type):

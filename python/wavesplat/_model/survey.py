@@ -1,9 +1,9 @@
-"""One pass over the samples of a lazy volume: range, bounds of bricks, and every n-th sample; and where that is kept.
+"""One pass over the samples of a lazy volume: range, bounds of bricks, and every n-th sample; and its cache.
 
-A frame is planned with it before a sample is read: the range scales tables, bounds tell which chunks show nothing, and
+A frame is planned with it before a sample is read: the range scales tables, bounds show which chunks are invisible, and
 a part of the samples is enough for looks, cameras and light. It is kept in a cache folder by the states of all files
-that the samples lie in (`LazyArray.files`), so that it is made once for all programs. What has no files (Dask, web
-servers, object stores) is kept by a name, and only in a folder that the user gives.
+that the samples lie in (`LazyArray.files`), so that it is made once for all programs. Surveys of arrays without files
+(Dask, web servers, object stores) are kept by a name, and only in a folder that the user gives.
 """
 
 from __future__ import annotations
@@ -30,12 +30,12 @@ from wavesplat.errors import ArgumentError, CancelledError, WavesplatError
 
 __all__ = ["Survey", "kept_survey", "strides", "surveyed"]
 
-#: Version of what is kept.
+#: Version of the cached files.
 FORMAT = 4
-#: Bytes that are read at once, and most bytes of bounds that are kept in a file.
+#: Bytes that are read at once, and bytes of bounds that are kept in a file; both at most.
 STEP_BYTES, MAX_KEPT_BYTES = 64 << 20, 1 << 28
 
-#: What reading a file that is damaged, or another one, ends in.
+#: Errors of reading a file that is damaged, or not a survey.
 DAMAGED: tuple[type[Exception], ...] = (
     *(OSError, EOFError, ValueError, TypeError, KeyError, IndexError, OverflowError, MemoryError),
     *(zipfile.BadZipFile, zlib.error, WavesplatError),
@@ -48,7 +48,7 @@ Matrix = NDArray[np.float64]
 
 
 def strides(shape: Shape, world_from_index: Matrix) -> list[Shape]:
-    """Steps between the samples that are kept: those for light first."""
+    """Steps between the samples that are kept: the step for light first."""
     steps = [_native.light_step(shape, world_from_index)]
     for most in (HISTOGRAM_SAMPLES, KIND_SAMPLES, UNIT_SAMPLES):
         step = step_for(math.prod(shape), most)
@@ -57,7 +57,7 @@ def strides(shape: Shape, world_from_index: Matrix) -> list[Shape]:
 
 
 class Survey:
-    """What a pass over the samples told, for a kernel."""
+    """Results of one pass over the samples, for a kernel."""
 
     def __init__(
         self,
@@ -85,11 +85,11 @@ class Survey:
 
     @property
     def n_nonfinite(self) -> int:
-        """How many samples are not finite."""
+        """Number of samples that are not finite."""
         return self.core.statistics[2]
 
     def forget_bounds(self) -> None:
-        """Let go of what takes most memory, once it was made use of."""
+        """Release the bounds, which take most memory, once they were used."""
         self.core.forget_bounds()
         if self.prepared is not None:
             self.prepared.forget_bounds()
@@ -103,9 +103,9 @@ class Survey:
         return [(name, core) for name, core in pairs if core is not None]
 
     def every(self, step: int) -> NDArray[np.float32] | None:
-        """Every n-th sample along each axis, where they were kept."""
+        """Every n-th sample along each axis; None where that step was not kept."""
         wanted = (step, step, step)
-        # The first are for light, of coefficients where there are any.
+        # `steps[0]` is for light, which uses those of `prepared` where there is one.
         return self.core.strided(self.steps.index(wanted)) if wanted in self.steps else None
 
 
@@ -127,11 +127,11 @@ def surveyed(
     holes: bool = False,
     progress: Callable[[float], object] | None = None,
 ) -> Survey:
-    """The survey that was kept, or a new one, which reads all samples; twice for coefficients, or with holes.
+    """The cached survey, or a new one, which reads all samples; twice for B-spline coefficients or missing samples.
 
     memory : bytes; a quarter is for bounds, so that bricks are larger where there is less.
-    keep : in the cache folder, in a folder of that name, or not at all.
-    holes : samples that cannot be read count as those that have no value; nothing is kept then.
+    keep : True for the cache folder, the name of another folder, or False.
+    holes : samples that cannot be read count as 0; the survey is not cached then.
     """
     shape, steps = array.shape, strides(array.shape, world_from_index)
     if array.files is not None:
@@ -172,7 +172,7 @@ def surveyed(
 def kept_survey(
     array: LazyArray, world_from_index: Matrix, kernel: str, memory: int, keep: bool | str | os.PathLike[str]
 ) -> Survey | None:
-    """What was kept of a survey; None where there is nothing."""
+    """The cached survey; None where there is none."""
     place = _place_of(array, world_from_index, kernel, keep)
     return None if place is None else _kept(place, array, kernel, strides(array.shape, world_from_index), memory)
 
@@ -187,7 +187,7 @@ def _report(progress: Callable[[float], object] | None, done: float) -> None:
 
 
 def _steps(array: LazyArray, memory: int) -> list[Box]:
-    """The volume in layers of boxes along its chunks, each read at once."""
+    """Boxes along the chunks that fill the volume, each read at once."""
     whole: Box = ((0, 0, 0), array.shape)
     most = min(STEP_BYTES, max(memory // 16, 1)) // array.dtype.itemsize
     return cells(whole, array.chunks, max(most, 1))
@@ -200,7 +200,7 @@ def _read_all(
     holes: bool,
     progress: Callable[[float], object] | None,
 ) -> int:
-    """Reads every box once, the next ones while one is looked at; how many chunks could not be read."""
+    """Read every box once, the next ones ahead; return the number of chunks that could not be read."""
     boxes = _steps(array, memory)
     with BoxReader([array], holes=[0.0] if holes else None) as reader:
         ahead = max(2, array.n_readers)
@@ -223,7 +223,7 @@ def _read_prepared(
     holes: bool,
     progress: Callable[[float], object] | None,
 ) -> None:
-    """The same with what each box needs around it."""
+    """Read every box together with the samples that `around` says it needs."""
     boxes = _steps(array, memory)
     with BoxReader([array], holes=[0.0] if holes else None) as reader:
         held = around(boxes[0])
@@ -240,7 +240,7 @@ def _read_prepared(
 def _place_of(
     array: LazyArray, world_from_index: Matrix, kernel: str, keep: bool | str | os.PathLike[str]
 ) -> Place | None:
-    """Folder and name of a survey; None where it is not kept, or nothing tells the samples from others."""
+    """Folder and file name of a survey; None where it is not kept, or nothing identifies the samples."""
     if keep is False or (keep is True and array.files is None) or (array.files is None and array.token is None):
         return None
     state = "by name" if array.files is None else array.files.fingerprint()
@@ -272,7 +272,7 @@ def _keep(place: Place, survey: Survey) -> None:
 
 
 def _kept(place: Place, array: LazyArray, kernel: str, steps: list[Shape], memory: int) -> Survey | None:
-    """What was kept; None where there is nothing, it is damaged, or it takes more memory than there may be."""
+    """The cached survey; None where there is none, it is damaged, or it takes more than the budget allows."""
     folder, name = place
     file = folder.open(name)
     if file is None:

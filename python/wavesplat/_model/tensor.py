@@ -18,9 +18,9 @@ FETCHED = {"cupy": "cupy.asnumpy(array)", "jax": "jax.device_get(array)", "numba
 
 
 def of_torch(tensor: Any) -> Converted:
-    """A tensor [z, y, x], detached from its gradient and copied from a GPU where it has to be.
+    """Convert a tensor [z, y, x], detached from its gradient and copied from a GPU where it has to be.
 
-    One of MONAI, which knows its affine, is [channel, x, y, z] in the RAS world.
+    A `MetaTensor` of MONAI, which knows its affine, is [channel, x, y, z] in the RAS world.
     """
     if tensor.is_sparse:
         tensor = tensor.to_dense()
@@ -40,7 +40,7 @@ def of_torch(tensor: Any) -> Converted:
 
 
 def of_array(array: Any) -> NDArray[Any] | None:
-    """What has NumPy's or DLPack's way to give samples, as an array; None of what has none."""
+    """The array of an object with NumPy's or DLPack's protocol; None for an object with neither."""
     ways = ("__array__", "__array_interface__", "__array_struct__", "__dlpack__", "__cuda_array_interface__")
     if not any(hasattr(array, way) for way in ways):
         return None

@@ -1,4 +1,4 @@
-"""How many samples automatic looks, kinds of data and cameras look at: every n-th along each axis.
+"""Thinning of samples for automatic looks, kinds of data and cameras: every n-th along each axis.
 
 The survey of a lazy volume keeps exactly these (`survey.py`), so that they are read once for all of them.
 """
@@ -10,7 +10,7 @@ import math
 __all__ = ["HISTOGRAM_SAMPLES", "KIND_SAMPLES", "UNIT_SAMPLES", "step_for"]
 
 #: Samples at most for histograms, percentiles and cameras (enough for steady percentiles, and a fraction of a second on
-#: any volume); for the kind of data, each with its neighbours along the axes; for the unit, which every picture says.
+#: any volume); for the kind of data, each with its neighbours along the axes; for the unit, which every picture needs.
 HISTOGRAM_SAMPLES, KIND_SAMPLES, UNIT_SAMPLES = 2_000_000, 150_000, 20_000
 
 

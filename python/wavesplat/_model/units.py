@@ -1,7 +1,7 @@
 """Units of length: their names in files, their size, and the one in which a length reads best.
 
-Lengths that are no power of ten of a metre (inch, pixel) have no place here: `metres` gives their size, where they have
-one, and a reader turns them into one that has.
+Lengths in units that are no power of ten of a metre (inch) are converted to one that is, by their size from `metres`;
+pixels have no size.
 """
 
 from __future__ import annotations
@@ -11,7 +11,7 @@ from wavesplat.errors import ArgumentError
 
 __all__ = ["METRES", "canonical", "checked", "in_one_unit", "length_text", "metres", "written"]
 
-#: What we call a unit -> its size in metres.
+#: Our name of a unit -> its size in metres.
 METRES = {
     "km": 1e3,
     "m": 1.0,
@@ -23,7 +23,7 @@ METRES = {
     "angstrom": 1e-10,
     "pm": 1e-12,
 }
-#: Others with a size, which are turned into the unit beside it: name -> (size in metres, unit).
+#: Other units with a size, and the unit that they are converted to: name -> (size in metres, unit).
 FOREIGN = {
     "inch": (0.0254, "mm"),
     "foot": (0.3048, "m"),
@@ -32,7 +32,7 @@ FOREIGN = {
     "thou": (2.54e-5, "um"),
     "point": (0.0254 / 72, "mm"),
 }
-#: Names in files, in lower case -> ours.
+#: Names in files, in lower case -> our names.
 NAMES = {name: name for name in (*METRES, *FOREIGN)} | {
     "kilometer": "km",
     "meter": "m",
@@ -57,9 +57,9 @@ NAMES = {name: name for name in (*METRES, *FOREIGN)} | {
     "mi": "mile",
     "pt": "point",
 }
-#: In which lengths are shown, the longest first.
+#: Units in which lengths are shown, the longest first.
 READABLE = ("km", "m", "mm", "um", "nm", "pm")
-#: Files' ways to say that there is none.
+#: Names in files that mean no unit.
 NONE = {
     "",
     "pixel",
@@ -85,7 +85,7 @@ def canonical(text: object) -> str | None:
     folded = name.lower().replace("metre", "meter")
     if folded in NONE:
         return None
-    # Case tells mm from Mm; nothing else here.
+    # Case distinguishes mm from Mm (megametre), and no other units here.
     if name == "Mm":
         return "Mm"
     singular = folded.removesuffix("s") if len(folded) > 3 else folded
@@ -118,7 +118,7 @@ def metres(unit: str | None) -> float | None:
 def in_one_unit(units: tuple[str | None, str | None, str | None]) -> tuple[str | None, tuple[float, float, float]]:
     """One unit for axes x, y, z, that of the first that has one, and the factors that bring each axis to it.
 
-    An axis of an unknown unit keeps its numbers; that it has none should be told as a guess.
+    An axis of an unknown unit keeps its numbers, which is a guess (`guesses_of`).
     """
     first = next((unit for unit in units if metres(unit) is not None), None)
     if first is None:
@@ -165,5 +165,5 @@ def length_text(length: float, unit: str | None) -> str:
 
 
 def written(unit: str) -> str:
-    """A unit's sign, as print has it."""
+    """The printed sign of a unit."""
     return {"um": "µm", "angstrom": "Å"}.get(unit, unit)

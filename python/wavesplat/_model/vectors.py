@@ -13,12 +13,12 @@ __all__ = ["FARTHEST", "Vector", "check_magnitude", "vector"]
 Vector: TypeAlias = tuple[float, float, float]
 
 
-#: Beyond this, sizes of pixels leave what numbers can tell apart.
+#: Largest ratio of lengths in a picture, such as of view and volume: beyond it floats do not resolve pixels.
 FARTHEST = 1e9
 
 
 def check_magnitude(ratio: float, name: str) -> None:
-    """An `ArgumentError` for a positive factor that no picture has a use for."""
+    """Refuse a positive factor outside of 1 / FARTHEST .. FARTHEST."""
     if not 1 / FARTHEST <= ratio <= FARTHEST:
         raise ArgumentError(f"{name} is {ratio:g}; give a number from {1 / FARTHEST:g} to {FARTHEST:g}, 1 is neutral")
 

@@ -58,14 +58,14 @@ class Volume(Grid):
     world_from_index : array, shape (4, 4), optional
         Affine from the index (x, y, z) of a sample to the world, instead of `spacing`. Shear is fine.
     unit : str, optional
-        The world's unit of length: "mm", "um", "nm", "m", ...; None is unknown. Scale bars tell it.
+        The world's unit of length: "mm", "um", "nm", "m", ...; None is unknown. Scale bars show it.
     anatomical : bool, optional
         Whether the world's axes are a patient's (RAS), as of an affine that nibabel gives; only then slices have
         letters. None is what `facts` say, or no.
     name : str, optional
-        What messages call the volume; None is what the object is called, or "volume".
+        Name in messages; None is the object's own name, or "volume".
     facts : Facts, optional
-        What is known beside samples and place; `unit` and `anatomical` go before what it says of them.
+        Facts beside samples and place; `unit` and `anatomical` take precedence over its fields.
 
     Raises
     ------
@@ -80,10 +80,10 @@ class Volume(Grid):
     ((20, 30, 40), [19.5, 14.5, 28.5])
     """
 
-    #: `_cut`: the boxes that were last taken out for a picture, and what they left (`_model.cutting`).
-    #: `_resampled`: on which axes it was last resampled, and what that gave (`_scene.resampling`).
-    #: `_source`: where it comes from, None if that cannot be told (`_model.sources`).
-    #: `_lazily`: the same as a lazy volume, for pictures with one (`_scene.lazy_layers`).
+    #: `_cut`: the boxes that were last taken out for a picture, and the volume without them (`_model.cutting`).
+    #: `_resampled`: the axes it was last resampled on, and the resampled volume (`_scene.resampling`).
+    #: `_source`: its source for documents, None if unknown (`_model.sources`).
+    #: `_lazily`: the volume as a lazy one, for pictures with lazy volumes (`_scene.lazy_layers`).
     __slots__ = ("_core", "_cut", "_lazily", "_resampled", "_samples", "_source")
 
     _cut: tuple[tuple[Crop, ...], Volume] | None
@@ -138,7 +138,7 @@ class Volume(Grid):
             map of NumPy. A list has the levels of a pyramid, the finest first, each about half as large as the one
             before; pictures take the coarsest whose samples are no further apart than pixels.
         spacing, world_from_index, unit, anatomical, name, facts : optional
-            As of `Volume`, of the finest level; coarser ones fill the same box, from the outer faces of its samples,
+            As for `Volume`, for the finest level; coarser ones fill the same box, from the outer faces of its samples,
             where the arrays do not say where they lie.
         memory : str or number, optional
             Bytes of samples that are held at once while it is drawn, such as "2 GB". None is a quarter of the memory
@@ -146,12 +146,12 @@ class Volume(Grid):
         level : int, optional
             Draw this level, whatever the picture; 0 is the finest.
         cache : bool or path, default True
-            Where to keep what one pass over the samples told (their range, and bounds of bricks, by which what shows
-            nothing is not read again): the user's cache folder, a folder of that name, or nowhere. What has no files to
-            tell its content by (Dask, web servers) is only kept in a folder that you name. See docs/large_volumes.md.
+            Where to keep the survey, made by one pass over the samples (their range, and bounds of bricks, by which
+            invisible chunks are not read again): the user's cache folder, a folder of that name, or nowhere. Surveys of
+            arrays without files (Dask, web servers) are only kept in a folder that you name. See docs/large_volumes.md.
         holes : bool, default False
-            Samples that cannot be read are drawn as the least there is, and told in `Picture.report["holes"]`, instead
-            of an error that names the chunk.
+            Samples that cannot be read are drawn as the smallest value, and listed in `Picture.report["holes"]`,
+            instead of an error that names the chunk.
 
         Returns
         -------
@@ -190,7 +190,7 @@ class Volume(Grid):
 
     @classmethod
     def _of(cls, thing: object, name: str | None, argument: str) -> Volume:
-        """Of an object of another library, in messages about an argument of this name."""
+        """The volume of another library's object; `argument`: name of the argument in messages."""
         volume = cls.__new__(cls)
         volume._fill(converted(thing, argument), name=name)
         return volume
@@ -212,7 +212,7 @@ class Volume(Grid):
         if spacing is None and world_from_index is None:
             world_from_index = found.world_from_index
             known = found.facts
-        else:  # what the object says of its world is of another place
+        else:  # the object's unit and anatomy belong to its own place
             known = replace(found.facts, unit=None, is_anatomical=False)
         matrix = _checked_affine(spacing, world_from_index, name)
         given = known if facts is None else _with_guesses(facts, known.guesses, name)
@@ -222,9 +222,9 @@ class Volume(Grid):
         self._renew()
 
     def changed(self) -> None:
-        """Say that the shared array was written to: range of values and all that was prepared are made anew.
+        """Report that the shared array was written to: the range of values and all prepared data are made anew.
 
-        Of a volume whose array was copied (see `Volume`) the samples stay what they were: make a new one.
+        A volume whose array was copied (see `Volume`) keeps its samples: make a new one.
 
         Raises
         ------
@@ -254,14 +254,14 @@ class Volume(Grid):
             show of themselves and moves no edge. The kernel ends at 3 deviations; beyond the volume its outermost
             samples are repeated.
         unit : "voxels" or "world"
-            What it is in: distances of samples, or world units, along the volume's axes.
+            Unit of the deviation: distances of samples, or world units, along the volume's axes.
 
         Returns
         -------
         Volume
-            float32, shape, place and name as before; float64 of 32-bit integers and float64. `facts.processing` tells
-            it. Samples that are not finite take no part and are NaN. A deviation that no neighbour has a weight in
-            gives the volume itself.
+            float32, shape, place and name as before; float64 of 32-bit integers and float64. `facts.processing` records
+            it. Samples that are not finite take no part and are NaN. A deviation so small that no neighbour has a
+            weight returns the volume itself.
 
         Raises
         ------
@@ -389,14 +389,14 @@ class Volume(Grid):
         return self._samples.astype(wanted, copy=False)
 
     def _processed(self, samples: NDArray[Any], how: str, source: Source | None) -> Volume:
-        """Other samples in the place of these."""
+        """A volume of processed samples at the same place; `how` is added to its `facts.processing`."""
         facts = replace(self._facts, processing=(*self._facts.processing, how))
         made = Volume(samples, world_from_index=self._world_from_index, name=self._name, facts=facts)
         made._source = source
         return made
 
     def _renew(self) -> None:
-        """Forget all that was made of the samples."""
+        """Rebuild the core, and drop all that was made from the samples."""
         self._core = self._built()
         self._cut = None
         self._lazily = None
@@ -422,7 +422,7 @@ class Volume(Grid):
 
     @property
     def n_nonfinite(self) -> int:
-        """How many samples are NaN or infinite: missing samples, which make matter around them fainter."""
+        """Number of samples that are NaN or infinite: missing samples, which make matter around them fainter."""
         return self._core.n_nonfinite
 
     def _every(self, step: int) -> NDArray[Any]:

@@ -32,9 +32,9 @@ NRRD_TYPES = {
     "f4": "float",
     "f8": "double",
 }
-#: Levels above take much longer, and save a few percent.
+#: Compression level of gzip; levels above take much longer, and save a few percent.
 GZIP_LEVEL = 3
-#: zlib's word for gzip with the largest window, and the bytes that are packed at once.
+#: zlib's `wbits` for gzip with the largest window, and the bytes that are packed at once.
 GZIP_WINDOW, PIECE_BYTES = 31, 1 << 20
 
 
@@ -50,7 +50,7 @@ def save(grid: Grid, samples: NDArray[Any], path: str | PathLike[str]) -> None:
 
 
 def _packed(content: Any) -> bytes:
-    """A gzip file without the time in it, so that equal volumes are equal files; in pieces, between which is Ctrl-C."""
+    """A gzip file without a time in it, so that equal volumes are equal files; packed in pieces, for Ctrl-C."""
     packer = zlib.compressobj(GZIP_LEVEL, zlib.DEFLATED, GZIP_WINDOW)
     content = memoryview(content).cast("B")
     pieces = [packer.compress(content[first : first + PIECE_BYTES]) for first in range(0, len(content), PIECE_BYTES)]
@@ -81,5 +81,5 @@ def _nrrd_header(grid: Grid, dtype: np.dtype[Any]) -> bytes:
 
 
 def _vector(numbers: Iterable[float]) -> str:
-    """Digits enough to read the same numbers back."""
+    """A vector of NRRD, with digits enough to read the same numbers back."""
     return f"({','.join(repr(float(number)) for number in numbers)})"

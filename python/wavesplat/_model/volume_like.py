@@ -1,4 +1,4 @@
-"""What functions take as a volume, made one at the door."""
+"""Arguments that functions take as a volume, converted to one on entry."""
 
 from __future__ import annotations
 
@@ -9,15 +9,15 @@ from wavesplat._model.wavelet_volume import WaveletVolume
 
 __all__ = ["VolumeLike", "as_volume", "volume_or_none"]
 
-#: A `Volume`, a `WaveletVolume`, or an object of another library that `Volume` takes; `as_volume` says which it is.
+#: A `Volume`, a `WaveletVolume`, or an object of another library that `Volume` takes; `as_volume` converts it.
 VolumeLike: TypeAlias = object
 
 
 def as_volume(thing: VolumeLike, name: str | None = None, *, argument: str = "volume") -> Volume | WaveletVolume:
-    """The volume itself, or one of what another library holds: samples, place, unit and anatomy as it says them.
+    """The volume itself, or the volume of another library's object, with its samples, place, unit and anatomy.
 
-    name : what messages call the volume; of an object that has one, its own.
-    argument : what messages call the argument.
+    name : name of the new volume in messages; None is the object's own.
+    argument : name of the argument in messages.
     """
     if isinstance(thing, Volume | WaveletVolume):
         return thing

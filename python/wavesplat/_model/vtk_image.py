@@ -17,12 +17,12 @@ from wavesplat.errors import ArgumentError
 
 __all__ = ["SPACE", "UNIT", "of_vtk"]
 
-#: Names of texts of the field data, in which `Volume.to_pyvista` keeps what VTK has no place for.
+#: Names of the texts in the field data in which `Volume.to_pyvista` keeps what VTK has no place for.
 UNIT, SPACE = "unit", "space"
 
 
 def of_vtk(image: Any) -> Converted:
-    """A vtkImageData or pyvista.ImageData."""
+    """Convert a vtkImageData or pyvista.ImageData."""
     if not hasattr(image, "GetDirectionMatrix"):
         raise ArgumentError(
             f"a {type(image).__name__} is no image of evenly spaced samples; resample it to one, as with "

@@ -1,4 +1,4 @@
-"""A volume as the wavelet coefficients that matter."""
+"""Volumes as their wavelet coefficients of large amplitude."""
 
 from __future__ import annotations
 
@@ -34,19 +34,19 @@ from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["WaveletVolume"]
 
-#: What counts as the size of a coefficient.
+#: Names of the norms by which a coefficient's amplitude is measured.
 NORMALISATIONS = ("l2", "peak")
 
-#: Bytes of decoded samples that are kept for the next picture, unless something else is asked for.
+#: Default of `cache_bytes`: bytes of decoded samples that are kept for the next picture.
 CACHE_BYTES = 1 << 29
 
-#: Levels and bands that are kept at a time, if so many fit into the cache.
+#: Decoded levels and bands that are cached at a time, at most.
 MAX_DECODED = 6
 
-#: None of them takes more than this part of the cache.
+#: Each of these takes at most one part in LARGEST_SHARE of the cache.
 LARGEST_SHARE = 2
 
-#: Samples may not be larger: sums of a few hundred of them must not leave float32.
+#: Largest sample: sums of a few hundred of them must not leave float32.
 LARGEST = 1e35
 
 #: The head of a file of coefficients. Version 2 adds an offset to the decoded samples, which readers of version 1 would
@@ -87,10 +87,10 @@ class WaveletVolume(Grid):
         self._weights = (1.0,) * (core.n_levels + 1)
         self._left_out = 0
         self._psnr = core.psnr
-        #: Where they come from, None if that cannot be told (`_model.sources`).
+        #: Source of the coefficients for documents, None if unknown (`_model.sources`).
         self._source: Source | None = None
         self._cache_bytes = CACHE_BYTES
-        #: What was drawn last, by levels left out and weights.
+        #: The decoded volumes that were drawn last, by levels left out and weights.
         self._decoded_levels: dict[tuple[int, tuple[float, ...]], _native.DecodedVolume] = {}
 
     @classmethod
@@ -106,13 +106,13 @@ class WaveletVolume(Grid):
         levels: int | None = None,
         normalisation: str = "l2",
     ) -> WaveletVolume:
-        """The coefficients of a volume that matter.
+        """The coefficients of a volume that have a large amplitude.
 
         Parameters
         ----------
         volume : Volume, array, or what else `Volume` takes
-            All samples finite. Of those far from 0 the middle is taken off before they are made float32, and added to
-            what is decoded, so they keep their digits.
+            All samples finite. Where they are far from 0, their middle is subtracted before they are made float32, and
+            added to decoded ones, so that they keep their digits.
         family : str
             Biorthogonal, by lifting: "cdf97" (the best picture per coefficient), "cdf53" (linear B-spline), "haar",
             "spline4" (cubic B-spline). Semi-orthogonal on the interval: "bspline2", "bspline3", "bspline4", by order.
@@ -121,10 +121,10 @@ class WaveletVolume(Grid):
         keep : float, optional
             Keep this share of the coefficients instead, 0 to 1.
         psnr : float, optional
-            Keep as few as give the samples back with this PSNR, in dB, its peak the range of the samples; `psnr` of the
-            result is what was reached.
+            Keep the fewest coefficients that give the samples back with this PSNR, in dB, its peak the range of the
+            samples; `psnr` of the result is the one that was reached.
         levels : int, optional
-            Levels of details; None is as many as there are.
+            Levels of details; None is the largest number that the shape allows.
         normalisation : str
             An amplitude is the coefficient times the norm of its basis function: "l2" (finest spacing 1), or "peak".
 
@@ -167,22 +167,22 @@ class WaveletVolume(Grid):
 
     @property
     def family(self) -> str:
-        """The wavelets."""
+        """Name of the wavelet family."""
         return self._family
 
     @property
     def n_levels(self) -> int:
-        """Levels of details."""
+        """Number of levels of details."""
         return self._core.n_levels
 
     @property
     def threshold(self) -> float:
-        """Coefficients of less amplitude were dropped."""
+        """Amplitude below which coefficients were dropped."""
         return self._core.threshold
 
     @property
     def psnr(self) -> float | None:
-        """PSNR of all coefficients' samples, in dB, that was reached where `from_volume` was given one; else None.
+        """PSNR that was reached, in dB, where `from_volume` was given one; else None.
 
         Infinite where the samples come back exactly, as those of a constant do. Pickles keep it, files do not.
         """
@@ -200,7 +200,7 @@ class WaveletVolume(Grid):
 
     @property
     def nbytes(self) -> int:
-        """Bytes held for the coefficients and their places."""
+        """Bytes of the coefficients and their positions in memory."""
         return self._core.n_bytes
 
     @property
@@ -208,7 +208,7 @@ class WaveletVolume(Grid):
         """Bytes of decoded samples that are kept for the next picture; a smaller number takes longer to draw.
 
         Levels and bands that were drawn share it, so that drawing coarse to fine decodes each level once. A coarser
-        level takes about 10 MB more, for what tells how bright the finer ones were.
+        level takes about 10 MB more, to match the brightness of the finer ones.
         """
         return self._cache_bytes
 
@@ -227,7 +227,7 @@ class WaveletVolume(Grid):
 
     @property
     def n_nonfinite(self) -> int:
-        """How many samples are NaN or infinite: none, they are refused."""
+        """Number of samples that are NaN or infinite: 0, they are refused."""
         return 0
 
     @property
@@ -237,7 +237,7 @@ class WaveletVolume(Grid):
 
     @property
     def left_out(self) -> int:
-        """How many levels of details are left out, the finest first."""
+        """Number of levels of details that are left out, the finest first."""
         return self._left_out
 
     def to_volume(self) -> Volume:
@@ -267,12 +267,12 @@ class WaveletVolume(Grid):
         Parameters
         ----------
         left_out : int
-            How many levels to leave out, of all that there are.
+            Number of levels to leave out, at most all that there are.
 
         Raises
         ------
         ArgumentError
-            If there are not as many.
+            If there are fewer levels.
 
         Examples
         --------
@@ -327,7 +327,7 @@ class WaveletVolume(Grid):
         return weighted
 
     def _copy(self) -> WaveletVolume:
-        """The same, with what was decoded in common."""
+        """A copy that shares the decoded levels."""
         copy = WaveletVolume(self._core, self._name, self._world_from_index, self._family, self._facts)
         copy._left_out, copy._psnr = self._left_out, self._psnr
         copy._source = self._source
@@ -402,7 +402,7 @@ class WaveletVolume(Grid):
 
     @classmethod
     def _from_arrays(cls, arrays: dict[str, NDArray[Any]], path: object) -> WaveletVolume:
-        """What `save` put into the archive; raises nearly anything where that does not fit together."""
+        """The coefficients in an archive that `save` wrote; raises nearly anything where its arrays do not agree."""
         kind, version, family, name = (str(text) for text in arrays["format"])
         if kind != FORMAT or version not in FORMAT_VERSIONS:
             raise FileError(
@@ -415,7 +415,7 @@ class WaveletVolume(Grid):
         if not 0 <= n_blocks <= 8 * packed.size:
             raise ValueError(f"there are {n_blocks} blocks, and bits for {8 * packed.size}")
         size_checks.check_memory(n_blocks, path)
-        # Files of before have none of these, nor levels that are left out.
+        # Older files have no offset, range of values, facts or levels left out.
         offset = float(arrays["offset"][0]) if "offset" in arrays else 0.0
         lo_hi = arrays.get("value_range")
         facts = Facts.from_json(json.loads(str(arrays["facts"]))) if "facts" in arrays else Facts()
@@ -450,7 +450,7 @@ class WaveletVolume(Grid):
             )
 
     def _decoded(self, left_out: int = 0) -> _native.DecodedVolume:
-        """A level, to be drawn; those drawn last are kept."""
+        """The decoded volume of a level, for drawing; those drawn last are kept."""
         key = left_out, self._weights
         decoded = self._decoded_levels.pop(key, None)
         if decoded is None:

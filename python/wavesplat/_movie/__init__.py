@@ -1,1 +1,1 @@
-"""Movies: what each frame shows, and the files that frames become."""
+"""Movies: the scene and the camera of each frame, and the files of frames."""

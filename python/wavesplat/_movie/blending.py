@@ -1,4 +1,4 @@
-"""Looks and clips between those of two key frames.
+"""Blending of looks and clips between two key frames.
 
 Curves of transfer functions are mixed value by value: at every value where one of the two has a node, the mean of both,
 weighted by time. Opacities belong to a thickness; where that differs, it is mixed too, by factors.
@@ -135,7 +135,7 @@ def _blended_nodes(a: Nodes, b: Nodes, t: float) -> list[tuple[float, ...]]:
 
 
 def _limit(nodes: Nodes, value: float, side: int) -> tuple[float, ...]:
-    """What a curve comes to from below (side 0) or from above (1)."""
+    """Limit of a curve at a value from below (side 0) or from above (1)."""
     values = [node[0] for node in nodes]
     below, above = bisect_left(values, value), bisect_right(values, value)
     if above > below:
@@ -150,7 +150,7 @@ def _limit(nodes: Nodes, value: float, side: int) -> tuple[float, ...]:
 
 
 def _blended_shading(a: Shading | None, b: Shading | None, t: float) -> Shading | None:
-    """Numbers are mixed; what cannot be is that of the nearer key frame."""
+    """The shading between two: numbers are mixed, other settings are those of the nearer key frame."""
     if a is None or b is None or a == b:
         return a if t < 0.5 else b
     nearer = a if t < 0.5 else b

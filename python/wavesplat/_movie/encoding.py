@@ -20,7 +20,7 @@ from wavesplat.errors import ArgumentError, LibraryError
 
 __all__ = ["Frames", "check_crf", "check_speed", "encode", "needed_library"]
 
-#: As `Picture.rgba`.
+#: Frames in order, each as `Picture.rgba`.
 Frames: TypeAlias = Iterator[NDArray[np.float32]]
 
 #: Codec and options of each kind of video. x264's veryfast is a tenth larger than medium in a third of the time.
@@ -30,31 +30,32 @@ VIDEOS: dict[str, tuple[str, dict[str, str]]] = {
 }
 #: Constant rate factors at which a loss can hardly be seen in a moving picture.
 CRF = {".mp4": 18, ".webm": 24}
-#: Beyond which nothing is left.
+#: Largest constant rate factors that the encoders take.
 MAX_CRF = {".mp4": 51, ".webm": 63}
 
 #: Code points of ITU-T H.273, and FFmpeg's number of the range 16 to 235.
 BT709, LIMITED = 1, 1
-#: Of videos.
+#: Largest rate of videos, frames a second.
 MAX_FPS = 240.0
-#: A frame that stands longer than 100 seconds is a picture; formats count in milliseconds, in few bits.
+#: Least rate, frames a second: a frame that stands longer than 100 seconds is a picture, and formats count in
+#: milliseconds, in few bits.
 MIN_FPS = 0.01
 #: Threads of the encoder, which runs beside the renderer.
 ENCODER_THREADS = 1
-#: Milliseconds that times of frames are whole numbers of, and that a frame is shown at least: browsers slow down what
-#: is faster.
+#: Unit of frames' times in a format, and least time of a frame, milliseconds: browsers slow down animations that are
+#: faster.
 TICK_MS = {".gif": 10, ".webp": 1}
 MIN_MS = {".gif": 20, ".webp": 10}
 WEBP_QUALITY = 90
 
 
 def needed_library(suffix: str) -> None:
-    """A `LibraryError` if what writes such files is not installed."""
+    """Raise a `LibraryError` if the encoder of a kind of file is not installed."""
     library("av" if suffix in VIDEOS else "PIL.Image", extra="movie")
 
 
 def check_speed(suffix: str, fps: float) -> None:
-    """An `ArgumentError` for more frames a second than such files can show."""
+    """Raise an `ArgumentError` for more frames a second than a kind of file can show."""
     most = 1000 / MIN_MS[suffix] if suffix in MIN_MS else MAX_FPS
     if not MIN_FPS <= fps <= most:
         raise ArgumentError(
@@ -63,7 +64,7 @@ def check_speed(suffix: str, fps: float) -> None:
 
 
 def check_crf(suffix: str, crf: int) -> None:
-    """An `ArgumentError` for a constant rate factor that such files do not have."""
+    """Raise an `ArgumentError` for a constant rate factor that a kind of file does not have."""
     if suffix not in MAX_CRF:
         raise ArgumentError(f"crf is for videos, {' and '.join(MAX_CRF)}; leave it out for {suffix} files")
     if not 0 <= crf <= MAX_CRF[suffix]:
@@ -86,7 +87,7 @@ def _video(path: Path, frames: Frames, *, fps: float, size: tuple[int, int], crf
     convert = library("av.video.reformatter", extra="movie").VideoReformatter()
     # Chroma has half the resolution, so sides are even: a row or a column more of the same.
     padding = ((0, size[1] % 2), (0, size[0] % 2), (0, 0))
-    # The same frames give the same file, without marks of the hour.
+    # The same frames give the same file, since it has no time stamps.
     container = {"fflags": "bitexact", **({"movflags": "faststart"} if suffix == ".mp4" else {})}
     with av.open(str(path), "w", options=container) as out:
         try:
@@ -125,9 +126,10 @@ def _animation(path: Path, frames: Frames, n: int, fps: float) -> None:
     pictures = (_image(images, rgba, suffix) for rgba in frames)
     first = next(pictures)
     tick = TICK_MS[suffix]
+    # Times are rounded, and durations are their differences, so that errors of rounding do not add up.
     ends = [round(1000 / tick * (k + 1) / fps) * tick for k in range(n)]
     durations = [end - start for start, end in zip([0, *ends], ends, strict=False)]
-    # Opened here, so that what the disk says is an error of the system's own kind.
+    # Opened here, so that errors of the disk are the system's own `OSError`.
     with path.open("wb") as file:
         options: dict[str, Any] = {"save_all": True, "append_images": pictures, "duration": durations, "loop": 0}
         if suffix == ".gif":
@@ -143,5 +145,5 @@ def _image(images: Any, rgba: NDArray[np.float32], suffix: str) -> Any:
 
 
 def _on_black(rgba: NDArray[np.float32]) -> NDArray[np.uint8]:
-    """Bytes of colour where there is no opacity, which lies on black."""
+    """Bytes of red, green and blue over black: associated colours are that already."""
     return np.asarray((np.clip(rgba[..., :3], 0, 1) * 255 + 0.5).astype(np.uint8))

@@ -26,9 +26,9 @@ from wavesplat.errors import ArgumentError, CancelledError
 
 __all__ = ["drawn_elsewhere", "render_frames"]
 
-#: Frames that are on their way for each that is drawn at once: pictures are large, and are handed on in their order.
+#: Frames submitted for each one that is drawn at once: pictures are large, and are yielded in their order.
 AHEAD = 3
-#: Times that a frame is drawn again where a worker, or a read, fails.
+#: Retries of a frame where a worker, or a read, fails.
 N_RETRIES = 3
 
 
@@ -98,13 +98,13 @@ def _reporting(pictures: Iterator[Picture], n: int, progress: Callable[[float], 
 
 
 def drawn_elsewhere(shots: Sequence[tuple[Scene, Any]], options: dict[str, Any], client: Any) -> Iterator[Picture]:
-    """Pictures of scenes from cameras, in their order, by the workers of a client; of None here."""
+    """Pictures of scenes from cameras, in their order, drawn by the workers of a client, or here if it is None."""
     if client is None:
         for scene, camera in shots:
             yield scene.render(camera, **options)
         return
     machines = machines_of(client)
-    # Workers may have GPUs or not; all frames are of one kind.
+    # Some workers may have GPUs and others not: the CPU draws, so that frames do not differ.
     own = {"device": "cpu", **options, "threads": machines.threads}
     if isinstance(client, str):
         yield from _by_threads(shots, own, machines)
@@ -132,7 +132,7 @@ def _by_client(
         if id(scene) not in scenes:
             packed = pickle.dumps(_within(scene, machines))
             token = hashlib.sha256(packed).hexdigest()[:16]
-            # One copy for every worker.
+            # One copy is sent to every worker.
             scenes[id(scene)] = token, client.scatter(packed, broadcast=True, hash=False)
         return scenes[id(scene)]
 
@@ -171,7 +171,7 @@ _SCENES: dict[str, Scene] = {}
 
 
 def _drawn(packed: bytes, token: str, camera: Any, options: dict[str, Any]) -> Picture:
-    """A task: a frame. The scene is kept between those of one process."""
+    """Task: draw a frame. The scene is kept for the next tasks of the process."""
     scene = _SCENES.get(token)
     if scene is None:
         _SCENES.clear()

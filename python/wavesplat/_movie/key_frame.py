@@ -1,4 +1,4 @@
-"""Key frames: what a movie shows at some moments, which it changes between."""
+"""Key frames: the views, looks, clips and times at moments of a movie, which changes between them."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ __all__ = ["KeyFrame"]
 class KeyFrame:
     """A moment of a movie; between two of them the camera moves, and colours, opacities and clips change evenly.
 
-    What a key frame leaves out goes on between the key frames beside it that say it, and is the scene's own if none
-    does.
+    A property that a key frame leaves out changes between the key frames beside it that set it, and is the scene's own
+    if none does.
 
     Parameters
     ----------
     time_s : float
-        When, seconds.
+        Time of the moment, seconds.
     camera : Camera or str, optional
-        Or the name of a view. The way between cameras is that of `Camera.interpolate`: all are orthographic or all are
+        Or a view's name. The way between cameras is that of `Camera.interpolate`: all are orthographic or all are
         in perspective.
     look : Look, TransferFunction, TransferFunction2D, Materials or str, optional
         How values are shown; of several layers one for each, in a list, in which None leaves a layer as it is.
     clip : Crop, ClipPlane, CutOut or several of them, optional
-        What is cut away; of the same kinds in all key frames that say it.
+        Clips; of the same kinds in all key frames that have any.
     time : int, optional
         Which volume of a series; frames between show the nearest one.
 

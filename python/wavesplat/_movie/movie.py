@@ -35,13 +35,13 @@ __all__ = ["Along", "check_movie", "movie"]
 
 T = TypeVar("T")
 
-#: Pixels of frames that are drawn at once, at most: each takes some hundred bytes meanwhile.
+#: Most pixels of all frames that are drawn at once: each takes some hundred bytes meanwhile.
 MAX_PIXELS_AT_ONCE = 8_000_000
 
-#: What frames are drawn with where nothing is said: what is left out hardly shows in compressed frames that move.
+#: Default sampling of frames: the detail that it loses hardly shows in compressed frames that move.
 OF_MOVIES = Sampling(sheets_per_slice=1, oversampling=0.6)
 
-#: What a movie goes along.
+#: Path of a movie: a turn, cameras of single frames, or key frames.
 Along: TypeAlias = Turn | Sequence[Camera] | Sequence[KeyFrame]
 
 
@@ -95,7 +95,7 @@ def movie(
     crf : int, optional
         Constant rate factor of videos: less loses less, in a larger file; 18 of H.264 and 24 of VP9 look clean.
     resume : bool
-        Of PNG files: keep frames that are there and show what they must, and draw the others.
+        For PNG files: keep frames that are there and show what they must, and draw the others.
     progress : callable, optional
         Called with the part done, 0..1; returning False stops.
     client : dask.distributed.Client or "threads", optional
@@ -141,7 +141,7 @@ def movie(
         raise ArgumentError("with psnr frames are drawn by what the one before told, so not by a client; leave out one")
     told = Progress(progress, len(shots))
     if client is not None and device == "auto":
-        # As of `render_frames`.
+        # As `render_frames` does.
         device = "cpu"
     draw = _Drawing(shots, told, threads, client, size=(width, height), device=device, **options)
     if pattern is None:
@@ -166,7 +166,7 @@ def movie(
 
 
 class _Drawing:
-    """Draws frames, several of the same scene at once: together with as many threads as one picture has."""
+    """Draws frames, several of the same scene at once, which share the threads that one picture has."""
 
     def __init__(self, shots: _Shots, told: Progress, threads: int | None, client: Any = None, **options: Any) -> None:
         self._shots, self._progress, self._threads, self._options = shots, told, threads, options
@@ -174,7 +174,7 @@ class _Drawing:
         self._n_threads = 1
 
     def all(self, numbers: Iterable[int], made: Callable[[int, Picture], T]) -> Generator[T]:
-        """What is made of frames, in their order; several of them are drawn at once, here or elsewhere."""
+        """Yield `made` of each frame, in order; several frames are drawn at once, here or elsewhere."""
         if self._client is None:
             yield from made_ahead(lambda number: made(number, self(number)), numbers, self.at_once, self._progress)
             return
@@ -194,17 +194,18 @@ class _Drawing:
         return picture
 
     def at_once(self) -> int:
-        """How many frames; one until it is known how many threads there are."""
+        """Number of frames to draw at once; one until the number of threads is known."""
         width, height = self._options["size"]
         most = min(self._n_threads, MAX_AT_ONCE, max(1, MAX_PIXELS_AT_ONCE // (width * height)))
-        # What is measured on a frame is believed of the next one, so these follow each other.
+        # With `psnr`, errors measured on a frame are used for the next one, so frames follow each other.
         if self._options["psnr"] is not None or not self._shots.show_one_scene:
             most = 1
+        # Each frame gets the same number of threads: the n that leaves fewest idle, the largest such n.
         return max(range(1, most + 1), key=lambda n: (n * (self._n_threads // n), n))
 
 
 def check_movie(path: str | PathLike[str], *, fps: float, crf: int | None, resume: bool) -> Path | None:
-    """Refuse what cannot be written, before anything is drawn; the pattern of names where frames are files."""
+    """Refuse what cannot be written, before anything is drawn; return the pattern of names where frames are files."""
     target = Path(path)
     pattern = png_sequence.pattern_of(target)
     if pattern is None:
@@ -223,7 +224,7 @@ def check_movie(path: str | PathLike[str], *, fps: float, crf: int | None, resum
 
 
 class _Shots:
-    """What each frame shows, on black where nothing else is said."""
+    """The shots of a movie, on black where neither scene nor look has a background."""
 
     def __init__(self, shots: Timeline | Sequence[Shot]) -> None:
         self._shots = shots
@@ -272,7 +273,7 @@ def _shots(scene: Scene, along: Along, fps: float, composite: Operator | None, s
 
 
 def _missing(pattern: Path, shots: _Shots, marks: png_sequence.Marks, told: Progress) -> list[int]:
-    """The frames that are not there yet."""
+    """Numbers of the frames that are not written yet."""
     missing = []
     for number in range(len(shots)):
         if png_sequence.has_mark(png_sequence.frame_path(pattern, number), marks.of(shots[number])):

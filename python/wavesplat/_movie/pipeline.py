@@ -20,16 +20,16 @@ __all__ = ["MAX_AT_ONCE", "Progress", "made_ahead", "work_beside"]
 
 T = TypeVar("T")
 
-#: Frames that are made at once, at most.
+#: Largest number of frames that are made at once.
 MAX_AT_ONCE = 4
-#: Items that wait to be used, at most.
+#: Largest number of items that wait to be used.
 N_WAITING = 2
-#: How often it is looked whether another thread has ended.
+#: Interval at which a wait checks whether another thread has ended.
 POLL_SECS = 0.1
 
 
 class Progress:
-    """How far all frames are, told to who asked for it, always from the thread that waits for them."""
+    """Progress of all frames, reported to the callback always by the thread that waits for them."""
 
     def __init__(self, tell: Callable[[float], object] | None, n: int) -> None:
         self._tell = tell
@@ -39,7 +39,7 @@ class Progress:
         self._reported = -1.0
 
     def of(self, number: int) -> Callable[[float], bool]:
-        """What a frame calls with the part of it that is done; False asks it to stop."""
+        """Progress callback of a frame: takes the part that is done, returns False to stop it."""
 
         def note(done: float) -> bool:
             self._parts[number] = done
@@ -52,7 +52,7 @@ class Progress:
         self._parts[number] = 1.0
 
     def tell(self) -> None:
-        """Say how far it is; a `CancelledError` if that is answered with False."""
+        """Report progress; raise `CancelledError` if the callback returns False."""
         # A copy: other threads add to it.
         done = sum(self._parts.copy().values()) / self._n
         if self._tell is None or done <= self._reported:
@@ -69,9 +69,9 @@ class Progress:
 def made_ahead(
     make: Callable[[int], T], numbers: Iterable[int], at_once: Callable[[], int], progress: Progress
 ) -> Generator[T]:
-    """What `make` gives for numbers, in their order, so many of them at once in threads.
+    """Results of `make` for numbers, in their order, up to `at_once()` of them computed at a time in threads.
 
-    The first is made alone, since it makes what all others share; `at_once` is asked after it.
+    The first is made alone, since it prepares what all others share; `at_once` is called only after it.
     """
     waiting: deque[tuple[int, Future[T]]] = deque()
 
@@ -119,11 +119,11 @@ def work_beside(work: Callable[[Iterator[T]], object], items: Generator[T]) -> N
 
 
 class _StoppedError(Exception):
-    """No item will come any more."""
+    """Raised in the worker's thread where no item will come any more."""
 
 
 class _Worker(Generic[T]):
-    """The thread, and what waits for it."""
+    """A thread, and the queue of items for it."""
 
     def __init__(self, work: Callable[[Iterator[T]], object]) -> None:
         self.failed: BaseException | None = None
@@ -132,7 +132,7 @@ class _Worker(Generic[T]):
         self._waiting: queue.Queue[tuple[str, T | None]] = queue.Queue(N_WAITING)
 
     def hand(self, what: str, item: T | None = None) -> bool:
-        """Whether it was taken, which a thread that has ended does not."""
+        """Queue an item; False if the thread has ended."""
         while self.thread.is_alive():
             with suppress(queue.Full):
                 self._waiting.put((what, item), timeout=POLL_SECS)

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 __all__ = ["Frame", "Marks", "frame_path", "has_mark", "make_folder", "part_beside", "pattern_of", "write_frames"]
 
 KEYWORD = b"wavesplat:frame"
-#: The signature and the first chunk, after which others may stand.
+#: Length of the signature and the first chunk, after which others may stand.
 HEADER_BYTES = 8 + 25
 USUAL = "%04d.png"
 
@@ -79,7 +79,7 @@ class Frame(NamedTuple):
 
 
 def part_beside(pattern: Path) -> Path:
-    """Where a frame is written before it is whole."""
+    """Temporary file of a frame until it is whole."""
     return pattern.with_name(f".{os.getpid()}-{next(NUMBERS)}.part.png")
 
 
@@ -110,7 +110,7 @@ def has_mark(path: Path, mark: str) -> bool:
 
 
 class Marks:
-    """The marks of frames; what they have in common is looked at once."""
+    """The marks of frames; volumes, looks and labels that they share are hashed once."""
 
     def __init__(self, size: tuple[int, int], **options: Any) -> None:
         self._common = {"version": _native.__version__, "size": list(size)}
@@ -133,7 +133,7 @@ class Marks:
         return hashlib.blake2b(json.dumps(facts, sort_keys=True).encode(), digest_size=16).hexdigest()
 
     def _fields_of_layer(self, layer: Layer) -> list[Any]:
-        # Of a series the hash is kept, not the volume: not all of them may fit into memory.
+        # The hashes of a series' volumes are kept, not the volumes, which may not all fit into memory.
         samples = self._once((id(layer.volume), layer.time), layer.volume, lambda: _hash_of_volume(layer.drawn))
         look = self._once(id(layer.look), layer.look, lambda: self._fields_of_look(layer.look))
         return [samples, look, layer.opacity if layer.visible else 0]
@@ -151,7 +151,7 @@ class Marks:
         return hashed
 
     def _once(self, key: Any, thing: Any, made: Callable[[], Any]) -> Any:
-        """What is made of a thing; kept with it, since another one may get its number once it is gone."""
+        """Result of `made`, computed once; `thing` is kept with it, since its `id` may be reused once it is gone."""
         if key not in self._known:
             self._known[key] = thing, made()
         return self._known[key][1]

@@ -1,4 +1,4 @@
-"""What is seen of a scene, from where, and with which looks: decided once, the same for all frames."""
+"""The visible parts of a scene, its cameras and its looks, decided once for all frames."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 
 __all__ = ["camera_of", "direction_of", "what_is_seen", "with_settled_looks"]
 
-#: What an overview is drawn with.
+#: Sampling of overview pictures.
 COARSE = Sampling(sheets_per_slice=1, quality="draft")
 
 
@@ -49,7 +49,7 @@ def direction_of(scene: Scene, name: str | None, composite: Operator | None) -> 
 
 
 def what_is_seen(scene: Scene, composite: Operator | None) -> tuple[Grid, NDArray[np.float64] | None]:
-    """A grid around all layers, and the places of what is seen of them; None where that may be all."""
+    """A grid around all layers, and the positions of their visible samples; None where all may be visible."""
     shown = _shown(scene, composite)
     return framing.shown_points(_parts(shown), _clipping(scene, shown))
 
@@ -57,7 +57,7 @@ def what_is_seen(scene: Scene, composite: Operator | None) -> tuple[Grid, NDArra
 def with_settled_looks(
     scene: Scene, composite: Operator | None, camera: Camera, size: tuple[int, int]
 ) -> tuple[Scene, Composite]:
-    """The scene with looks that are chosen by the data, or by name, as they are, so that frames do not flicker.
+    """The scene with all looks that are chosen by the data, or by name, written out, so that frames do not flicker.
 
     Greys that depend on the view are those of this camera. Also gives the name of the operator.
     """

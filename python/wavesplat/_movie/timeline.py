@@ -1,4 +1,4 @@
-"""From key frames to what each frame of a movie shows.
+"""The shots of a movie, scene and camera of each frame, from key frames.
 
 Every property has a track of its own: the key frames that say it. Between two of them it is mixed, before the first and
 after the last it rests.
@@ -35,7 +35,7 @@ T = TypeVar("T")
 
 
 class Shot(NamedTuple):
-    """What a frame shows."""
+    """The scene and the camera of a frame."""
 
     scene: Scene
     camera: Camera
@@ -43,7 +43,7 @@ class Shot(NamedTuple):
 
 @dataclass(frozen=True)
 class _Track(Generic[T]):
-    """Values at some times."""
+    """Values of a property at the times of its key frames."""
 
     times: Sequence[float]
     values: Sequence[T]
@@ -59,7 +59,7 @@ class _Track(Generic[T]):
 
 
 class Timeline:
-    """Frames between key frames."""
+    """The shots between key frames, at a rate of frames."""
 
     def __init__(
         self,
@@ -89,7 +89,7 @@ class Timeline:
         said = [(key.time_s, key.clip) for key in keys if key.clip is not None]
         self._clip: _Track[Any] | None = _Track(*zip(*said, strict=True)) if said else None
         self._time = self._time_track(keys)
-        # What does not mix is told before anything is drawn.
+        # Values that do not mix are refused before anything is drawn.
         for before, after in pairwise(times):
             self._shown((before + after) / 2)
 
@@ -106,7 +106,7 @@ class Timeline:
         return Shot(self._shown(time), self._camera(time))
 
     def _shown(self, time: float) -> Scene:
-        """The scene of a moment; the same one where nothing changes."""
+        """The scene at a time; the same object where nothing changes."""
         changes: dict[str, Any] = {}
         if self._clip is not None:
             changes["clip"] = self._clip.at(time, blended_clips)

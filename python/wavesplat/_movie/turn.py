@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Turn", "cameras_of"]
 
-#: So many directions of a turn decide its scale; between two of them less than the margin can be missing.
+#: Number of directions that decide the scale of a turn; between two, less than the margin can be missing.
 N_DIRECTIONS = 48
 
 
@@ -40,7 +40,7 @@ class Turn:
     frames : int, default 120
         Pictures of the turn. Of a whole turn the last is the one before the first, so that the movie repeats.
     degrees : float, default 360
-        How far; less than 0 turns the other way round. The patient's left comes first.
+        Angle of the turn; less than 0 turns the other way round. The patient's left comes first.
     azimuth, elevation : float, default 0
         Turn and lift the eye from the first view before it starts, degrees, as `Camera.turned` does.
     axis : three numbers (x, y, z), default (0, 0, 1)
@@ -93,7 +93,7 @@ class Turn:
 
     @property
     def angles(self) -> list[float]:
-        """Degrees of each frame."""
+        """Angle of each frame, degrees."""
         is_whole = abs(self.degrees) >= 360
         steps = self.frames if is_whole else max(self.frames - 1, 1)
         return [self.degrees * k / steps for k in range(self.frames)]

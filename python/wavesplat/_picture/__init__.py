@@ -1,1 +1,1 @@
-"""The result, and what is written on it."""
+"""Pictures, the figures that are made of them, and their files."""

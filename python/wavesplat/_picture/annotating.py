@@ -1,7 +1,7 @@
 """A picture with a scale bar, the letters of its directions, colour bars, a legend and a title.
 
-What belongs to the rendering stands on it, at its corners and edges, with a halo; what explains colours, and the title,
-stand beside it on the same background, so that nothing is hidden.
+Marks that belong to the rendering stand on it, at its corners and edges, with a halo; explanations of colours, and the
+title, stand beside it on the same background, so that nothing is hidden.
 """
 
 from __future__ import annotations
@@ -31,22 +31,22 @@ Corner: TypeAlias = Literal["lower left", "lower right", "upper left", "upper ri
 Side: TypeAlias = Literal["beside", "lower left", "lower right", "upper left", "upper right"]
 Orientation: TypeAlias = Literal["letters", "cube", "axes"]
 
-#: The font is this part of the shorter side high, in these bounds, pixels: a figure as wide as a column of a journal
+#: Height of the font as a part of the shorter side, and its bounds, pixels: a figure as wide as a column of a journal
 #: (86 mm) then has 9 points.
 TEXT_SHARE, TEXT_PX = 1 / 27, (10.0, 200.0)
 POINTS_PER_INCH = 72.0
-#: From the edges, between blocks, between the rendering and what stands beside it; sizes of the font.
+#: Distances in sizes of the font: from the edges, between blocks, from the rendering to the blocks beside it.
 MARGIN, GAP, BESIDE = 0.9, 0.9, 1.2
-#: Height of a colour bar among the rendering's, where it has room; the least, in sizes of the font.
+#: Height of a colour bar as a share of the rendering's, where it has room; least height, in sizes of the font.
 BAR_SHARE, MIN_BAR = 0.62, 7.0
 TITLE, TITLE_LINE = 1.25, 1.3
-#: Pixels of a side of a figure that is larger than its rendering.
+#: Longest side, pixels, of a figure that is larger than its rendering.
 MAX_SIDE = 32768
 
 
 @dataclass(frozen=True, kw_only=True)
 class Figure:
-    """What is wanted on a picture, as `Picture.annotated` describes it."""
+    """Arguments of `Picture.annotated`: the marks of a figure, and how they look."""
 
     scale_bar: bool | float | str = False
     orientation: Orientation | None = None
@@ -65,7 +65,7 @@ class Figure:
     legend_at: Side = "beside"
 
     def as_json(self) -> dict[str, Any]:
-        """What is not as usual, in what JSON has: arguments of `Picture.annotated`."""
+        """Arguments of `Picture.annotated` that differ from the defaults, as JSON has them."""
         changed = {field.name: getattr(self, field.name) for field in fields(self)}
         changed = {name: value for name, value in changed.items() if value != getattr(type(self), name)}
         for name, value in changed.items():
@@ -77,12 +77,12 @@ class Figure:
 
 
 def annotated(rgba: NDArray[np.float32], report: Mapping[str, Any], figure: Figure) -> tuple[Canvas, dict[str, Any]]:
-    """The canvas, and what was written, for the report."""
+    """The canvas of a figure, and facts about its scale bar for the report."""
     _check(figure)
     height, width = rgba.shape[:2]
     font = None if figure.font is None else _font(figure.font)
     background = report_facts.background_of(report, rgba)
-    # On paper, where nobody says otherwise.
+    # Transparent pictures are taken to lie on white paper.
     behind: Color = WHITE if background is None else background[:3]
     style = Style(_font_px(figure, width, height), _ink(figure, behind), font=font)
     on_picture = style.on_picture()
@@ -120,7 +120,7 @@ def with_caption(rgba: NDArray[np.float32], text: str) -> NDArray[np.float32]:
 
 
 class _Sheet:
-    """Blocks are put at the corners of the rendering, one above the other, or in columns at its right."""
+    """Layout of blocks: at the corners of the rendering, one above the other, or in columns at its right."""
 
     def __init__(self, width: int, height: int, margin: float, gap: float) -> None:
         self.width, self.height, self.margin, self.gap = width, height, margin, gap
@@ -129,7 +129,7 @@ class _Sheet:
         self.beside: list[Block] = []
 
     def put(self, block: Block, where: Side, what: str) -> None:
-        """In the next place of a corner, or of what stands beside."""
+        """Put a block in the next place of a corner, or of the columns beside the rendering."""
         if where == "beside":
             self.beside.append(block)
             return
@@ -144,7 +144,7 @@ class _Sheet:
         self.filled[where] = down + block.height + self.gap
 
     def columns(self) -> list[Block]:
-        """What stands beside, each column half way up."""
+        """The columns beside the rendering, each half way up."""
         columns: list[list[Block]] = []
         for block in self.beside:
             if columns and self._height([*columns[-1], block]) <= self.height - 2 * self.margin:
@@ -165,7 +165,7 @@ class _Sheet:
         return Block(tuple(marks), max(block.width for block in blocks), self.height)
 
     def canvas(self, rgba: NDArray[np.float32], background: Any, style: Style, figure: Figure) -> Canvas:
-        """All of it, as large as it must be; sides are even, as encoders of movies want them."""
+        """The canvas with all blocks, as large as they need; sides are even, as encoders of movies want them."""
         right = float(self.width)
         columns = self.columns()
         for column in columns:
@@ -196,7 +196,7 @@ class _Sheet:
 
 
 def _title(figure: Figure, style: Style, width: int) -> tuple[list[Mark], int]:
-    """Its lines over the rendering, and how much room they take."""
+    """Lines of the title above the rendering, and the height that they take, pixels."""
     if not figure.title:
         return [], 0
     lettering.check_length(figure.title, "the title")
@@ -288,7 +288,7 @@ def _orient(sheet: _Sheet, figure: Figure, report: Mapping[str, Any], style: Sty
 
 
 def _colored(figure: Figure, report: Mapping[str, Any]) -> list[tuple[report_facts.ShownLayer, str]]:
-    """Layers that get a colour bar, with what is written at it."""
+    """Layers that get a colour bar, with the bar's title."""
     layers = report_facts.layers_of(report)
     if isinstance(figure.colorbar, str):
         names = [layer.name for layer in layers]
@@ -303,14 +303,14 @@ def _colored(figure: Figure, report: Mapping[str, Any]) -> list[tuple[report_fac
 
 
 def _plain(name: str) -> str:
-    """A file's name without what says its format."""
+    """A file's name without the suffixes of its format."""
     return re.sub(r"(?<=.)(\.(nii|ome))?\.[A-Za-z][A-Za-z0-9]{1,5}$", "", name)
 
 
 def _color_bars(
     figure: Figure, report: Mapping[str, Any], height: int, style: Style, behind: Color, *, taken: float
 ) -> list[Block]:
-    """One above the other, as long as there is room for all of them. `taken`: of the height, by what stands above."""
+    """Colour bars, one above the other where all have room. `taken`: height that blocks above them take."""
     colored = _colored(figure, report)
     scales = [color_bar.scale_of(layer.function, layer.composite, title, behind) for layer, title in colored]
     for scale in scales:

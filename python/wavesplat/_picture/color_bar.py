@@ -20,11 +20,11 @@ from wavesplat.errors import ArgumentError
 
 __all__ = ["Scale", "block", "round_ticks", "scale_of"]
 
-#: Of the bar, in sizes of the font: width, length of a tick, gap to its number, and before the next one.
+#: Sizes of the bar, in sizes of the font: width, length of a tick, gap to its number, least height for a number.
 WIDTH, TICK, GAP, SPACE = 1.0, 0.3, 0.3, 2.4
-#: More numbers than these tell nothing more.
+#: Largest number of ticks: further numbers say nothing more.
 MAX_TICKS = 7
-#: A title of so many sizes of the font has room above the bar.
+#: Width of a title, in sizes of the font, that always has room above the bar.
 SHORT = 5.0
 #: Operators that show a colour for a surface or mix colours along a ray; all others colour one number per ray.
 MIXING = ("over", "first-hit")
@@ -32,13 +32,13 @@ MIXING = ("over", "first-hit")
 RAISED = "\u02c9\u00ba\u00b9\u00b2\u00b3\u2074\u2075\u2076\u2077\u2078\u2079"
 #: Numbers from here on, and below the inverse of 1000, are written with a power of ten.
 LARGE, SMALL = 1e5, 1e-3
-#: Numbers that need more letters than this with a power of ten are written out, up to this size.
+#: Length of a number with a power of ten from which it is written out instead, and largest number written out.
 LONG_TEXT, WRITTEN_OUT = 8, 1e15
-#: A written number may be off by this share of the step between two; the most decimals of one.
+#: Largest error of a written number, as a share of the step between two; largest number of its decimals.
 SHARE_OF_STEP, MAX_DECIMALS = 1e-3, 17
-#: Smaller ranges have no round numbers in float64, whose powers of ten end soon after.
+#: Least range with round numbers in float64, and least exponent: its powers of ten end soon after.
 MIN_SPAN, MIN_EXPONENT = 1e-300, -300
-#: Colours of a logarithmic map have at least so many nodes, over so many decades, as evenly as this.
+#: A logarithmic map: least number of nodes, least number of decades, and tolerance of their even distances.
 LOG_NODES, LOG_DECADES, LOG_EVEN = 16, 1.0, 0.02
 STOPS_PER_SPAN = 8
 MINUS, TIMES = "\N{MINUS SIGN}", "\N{MULTIPLICATION SIGN}"
@@ -46,7 +46,7 @@ MINUS, TIMES = "\N{MINUS SIGN}", "\N{MULTIPLICATION SIGN}"
 
 @dataclass(frozen=True)
 class Scale:
-    """Colours from the lowest to the highest value that is shown, and what the values are called."""
+    """Colours from the lowest to the highest value that is shown, and the name of the values."""
 
     low: float
     high: float
@@ -55,14 +55,14 @@ class Scale:
     title: str
 
     def place(self, value: float) -> float:
-        """Of a value along the bar, 0..1."""
+        """Place of a value along the bar, 0..1."""
         if self.is_log:
             return log10(value / self.low) / log10(self.high / self.low)
         return (value - self.low) / (self.high - self.low)
 
 
 def scale_of(curves: TransferFunction | None, composite: str, title: str, background: Color) -> Scale:
-    """What the bar of a transfer function shows; None: of one that depends on more than the value."""
+    """The scale of a transfer function's bar; `curves` None is one that depends on more than the value."""
     if curves is None:
         raise ArgumentError(
             f"the colours of {title!r} depend on the gradient too, so there is no colour bar for them; "
@@ -72,7 +72,7 @@ def scale_of(curves: TransferFunction | None, composite: str, title: str, backgr
     is_log = _is_log(curves) and low > 0
     nodes = sorted({value for value, *_ in (*curves.opacity, *curves.color) if low < value < high} | {low, high})
     values = _between(np.array(nodes), is_log=is_log) if is_log or composite not in MIXING else np.array(nodes)
-    # Both sides of a step: what the curves are just below a node, and just above it.
+    # Both sides of a step: the curves just below a node, and just above it.
     sides = [(value, side) for value in values.tolist() for side in (-1, 1)]
     rgba = curves(np.array([value + side * 1e-9 * (high - low) for value, side in sides]))
     rgba[:, 3] = np.where(composite in MIXING, 1.0, rgba[:, 3])
@@ -91,7 +91,7 @@ def scale_of(curves: TransferFunction | None, composite: str, title: str, backgr
 
 
 def block(scale: Scale, height: float, style: Style, background: Color | None = None) -> Block:
-    """The bar, so high with what stands above it.
+    """The bar with its title, `height` high together.
 
     A short title stands above, with the power of ten that the numbers lack; a long one beside, from below upwards.
     """
@@ -129,7 +129,7 @@ def block(scale: Scale, height: float, style: Style, background: Color | None = 
 
 
 def round_ticks(low: float, high: float, most: int) -> list[float]:
-    """Multiples of 1, 2, 2.5 or 5 times a power of ten within the range, at most so many and at least two."""
+    """Multiples of 1, 2, 2.5 or 5 times a power of ten within the range, at most `most` and at least two."""
     span = high - low
     if span < MIN_SPAN:
         return [low, high]
@@ -145,7 +145,7 @@ def round_ticks(low: float, high: float, most: int) -> list[float]:
 
 
 def _ticks(scale: Scale, most: int) -> tuple[list[tuple[float, str]], int]:
-    """Values and how they are written, and a power of ten that all of them are multiplied by."""
+    """Values with their texts, and the power of ten that all texts are multiplied by."""
     if scale.is_log:
         exponents = range(ceil(log10(scale.low) - 1e-9), floor(log10(scale.high) + 1e-9) + 1)
         kept = list(exponents)[:: max(1, ceil(len(exponents) / most))]
@@ -162,7 +162,7 @@ def _ticks(scale: Scale, most: int) -> tuple[list[tuple[float, str]], int]:
 
 
 def _written(values: list[float], exponent: int) -> list[str]:
-    """Values over a power of ten, with the fewest decimals that tell them apart and are near enough."""
+    """Values over a power of ten, with the fewest decimals that distinguish them and are near enough."""
     shown = [value / 10.0**exponent for value in values]
     near = SHARE_OF_STEP * abs(shown[1] - shown[0])
     for digits in range(MAX_DECIMALS + 1):
@@ -175,7 +175,7 @@ def _written(values: list[float], exponent: int) -> list[str]:
 
 
 def _power(exponent: int) -> str:
-    """Short numbers as they are, others as powers of ten."""
+    """A power of ten as text: short ones written out, others with an exponent."""
     return f"{10.0**exponent:g}" if -3 <= exponent <= 3 else f"10{_raised(exponent)}"
 
 
@@ -185,7 +185,7 @@ def _raised(number: int) -> str:
 
 
 def _window(curves: TransferFunction) -> tuple[float, float]:
-    """From the first to the last value at which something is seen and changes."""
+    """Range from the first to the last value at which something is visible and changes."""
     opacity, color = curves.opacity, curves.color
     ends = [value for value, _ in opacity] + [value for value, *_ in color]
     low, high = min(ends), max(ends)
@@ -214,7 +214,7 @@ def _is_log(curves: TransferFunction) -> bool:
 
 
 def _between(nodes: NDArray[np.float64], *, is_log: bool) -> NDArray[np.float64]:
-    """Places between nodes too, where colours are not straight."""
+    """Nodes and values between them, where colours are not linear along the bar."""
     count = max(2, min(STOPS_PER_SPAN, 256 // len(nodes)))
     space = np.geomspace if is_log else np.linspace
     spans = [space(start, end, count, endpoint=False) for start, end in pairwise(nodes)]
@@ -222,6 +222,6 @@ def _between(nodes: NDArray[np.float64], *, is_log: bool) -> NDArray[np.float64]
 
 
 def _mixed(ink: Color, background: Color) -> Color:
-    """Lines are lighter than letters."""
+    """Colour of lines: the ink mixed with the background, lighter than letters."""
     red, green, blue = (0.7 * one + 0.3 * other for one, other in zip(ink, background, strict=True))
     return red, green, blue

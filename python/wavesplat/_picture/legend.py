@@ -11,7 +11,7 @@ from wavesplat._picture.style import Style
 
 __all__ = ["block"]
 
-#: In sizes of the font: a swatch, the gap to its name, a line, and from column to column.
+#: Sizes in units of the font: a swatch, the gap to its name, a line, and the gap between columns.
 SWATCH, GAP, LINE, COLUMN = 0.85, 0.5, 1.45, 1.4
 
 

@@ -1,4 +1,4 @@
-"""The typeface of figures: how wide a text is, and whether the typeface has its letters."""
+"""The typeface of figures: widths of texts, and checks that the typeface has their letters."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["CAP_HEIGHT", "FAMILY", "check_length", "check_letters", "file_of", "opened", "text_width", "wrapped"]
 
-#: Liberation Sans, which is as wide as Arial and Helvetica.
+#: File of Liberation Sans, which is as wide as Arial and Helvetica.
 OURS = Path(__file__).parents[1] / "data" / "liberation_sans" / "LiberationSans-Regular.ttf"
-#: For files that name their typeface instead of holding it.
+#: Typefaces for files that name theirs instead of holding it.
 FAMILY = "'Liberation Sans', Arial, Helvetica, sans-serif"
-#: Of a capital, in sizes of the font; ours, and near enough for others.
+#: Height of a capital letter, in sizes of the font; that of ours, and near enough for others.
 CAP_HEIGHT = 0.69
-#: Widths are measured at this size, where hinting does not matter.
+#: Size of the font at which widths are measured, pixels: hinting does not matter there.
 MEASURED_PX = 200
-#: Letters of a title or name; more take seconds to set and fill a page.
+#: Largest number of letters of a title or name; more take seconds to set and fill a page.
 MAX_LETTERS = 2000
 
 
@@ -30,7 +30,7 @@ def file_of(font: str | None) -> str:
 
 @lru_cache(maxsize=64)
 def opened(font: str | None, size: float) -> Any:
-    """The typeface as Pillow draws with it."""
+    """The typeface as an object of Pillow."""
     from PIL import ImageFont
 
     path = Path(file_of(font)).expanduser()
@@ -49,18 +49,18 @@ def _content(path: Path) -> bytes:
 
 
 def text_width(text: str, size: float, font: str | None = None) -> float:
-    """Of a line, pixels."""
+    """Width of a line of text, pixels."""
     return float(opened(font, MEASURED_PX).getlength(text)) * size / MEASURED_PX
 
 
 def check_length(text: str, what: str) -> None:
-    """An `ArgumentError` for a text that no figure has room for."""
+    """Raise an `ArgumentError` for a text that no figure has room for."""
     if len(text) > MAX_LETTERS:
         raise ArgumentError(f"{what} has {len(text)} letters; give a shorter one, of at most {MAX_LETTERS}")
 
 
 def check_letters(text: str, font: str | None, what: str) -> None:
-    """An `ArgumentError` where a text has signs that the typeface does not."""
+    """Raise an `ArgumentError` where a text has signs that the typeface lacks."""
     typeface = opened(font, 32)
     unknown = _drawn(typeface, "\uffff")
     missing = [sign for sign in dict.fromkeys(text) if sign.isprintable() and not sign.isspace()]

@@ -1,4 +1,4 @@
-"""What is drawn on a picture, as a list of few kinds of marks, which every kind of file can hold.
+"""Marks that are drawn on a picture: a list of few kinds, which every kind of file can hold.
 
     canvas (width, height, background) = a rendering at a place + marks over it
 
@@ -36,9 +36,9 @@ __all__ = [
 
 Color: TypeAlias = tuple[float, float, float]
 Point: TypeAlias = tuple[float, float]
-#: Colour, and how far it reaches beyond the mark.
+#: A halo: its colour, and how far it reaches beyond the mark.
 Halo: TypeAlias = tuple[Color, float]
-#: Text as it is mostly written, and from below upwards.
+#: Slants of horizontal text, and of text that runs upwards.
 UPRIGHT, UPWARDS = (1.0, 0.0, 0.0, 1.0), (0.0, -1.0, 1.0, 0.0)
 
 
@@ -137,7 +137,7 @@ def moved(marks: Iterable[Mark], dx: float, dy: float) -> tuple[Mark, ...]:
 
 
 def stroke(start: Point, end: Point, width: float, fill: Color, halo: Halo | None = None) -> Polygon:
-    """A straight line."""
+    """A straight line, as a polygon."""
     dx, dy = end[0] - start[0], end[1] - start[1]
     length = hypot(dx, dy) or 1.0
     nx, ny = -dy / length * width / 2, dx / length * width / 2
@@ -146,7 +146,7 @@ def stroke(start: Point, end: Point, width: float, fill: Color, halo: Halo | Non
 
 
 def disc(center: Point, radius: float, fill: Color, halo: Halo | None = None) -> Polygon:
-    """A circle, of corners that nobody sees."""
+    """A circle, as a polygon with corners too small to see."""
     angles = np.linspace(0, 2 * np.pi, 25)[:-1]
     around: Sequence[tuple[float, float]] = np.stack([np.cos(angles), np.sin(angles)], axis=1).tolist()
     return Polygon(tuple((center[0] + radius * x, center[1] + radius * y) for x, y in around), fill, halo)

@@ -1,4 +1,4 @@
-"""Which way a picture looks: letters at its edges, a cube with lettered faces, or three axes.
+"""Marks of a picture's orientation: letters at its edges, a cube with lettered faces, or three axes.
 
 The world of medical data is RAS: x to the patient's right, y to the front, z up.
 """
@@ -24,22 +24,22 @@ Array = NDArray[np.float64]
 #: Letters of the negative and the positive direction of the RAS world's x, y and z; and of any other world's.
 LETTERS = ("LR", "PA", "IS")
 AXES = tuple(("\N{MINUS SIGN}" + name, name) for name in "xyz")
-#: A direction that leans to an axis by less than this, the sine of 11.5 degrees, does not get its letter.
+#: Least component of a direction along an axis, the sine of 11.5 degrees, that gets the axis's letter.
 MIN_LEAN = 0.2
 #: Half an edge of the cube, and length of an axis, in sizes of the font.
 CUBE, AXIS = 1.25, 2.2
-#: A face that is seen so slantingly has no room for a letter.
+#: Least part of a face's normal towards the eye (a cosine) at which it has room for a letter.
 MIN_FACE = 0.15
-#: Lightest and darkest of the cube's faces, its edges and letters.
+#: Greys of the cube's lightest and darkest face; colour of its edges and letters.
 FACES, EDGE = (0.93, 0.66), (0.25, 0.25, 0.25)
-#: Red, green and blue, as everywhere, of a brightness that is seen on black and on white.
+#: Colours of the x, y and z axis: red, green and blue, of a brightness that is seen on black and on white.
 AXIS_COLORS: tuple[Color, ...] = ((0.86, 0.26, 0.22), (0.18, 0.60, 0.28), (0.25, 0.47, 0.92))
-#: Towards the light, in the picture: right, up, to the eye.
+#: Direction to the light, in the picture: right, up, to the eye.
 LIGHT = np.array([-0.35, 0.55, 0.76])
 
 
 def edge_letters(right: Array, up: Array) -> dict[str, str]:
-    """Which way the edges of a picture lie in the RAS world, as "R" or, with the nearest axis first, "AS"."""
+    """Letters of the edges of a picture in the RAS world, such as "R" or, with the nearest axis first, "AS"."""
     return {"left": _letters(-right), "right": _letters(right), "top": _letters(up), "bottom": _letters(-up)}
 
 
@@ -75,7 +75,7 @@ def cube_block(view: View, style: Style, *, is_anatomical: bool) -> Block:
         marks += [stroke(start, end, max(1.0, 0.06 * style.size), EDGE) for start, end in ends]
         if normal[2] >= MIN_FACE:
             name = names[axis][int(sign > 0)]
-            # On the face: up is the world's up, on the faces above and below the front.
+            # The letter's up is the world's up; on the top face the world's back, on the bottom face its front.
             above = axes[:, 2] if axis != 2 else -sign * axes[:, 1]
             across = np.cross(above, normal)
             slant = (float(across[0]), float(-across[1]), float(-above[0]), float(above[1]))
@@ -107,7 +107,7 @@ def axes_block(view: View, style: Style, *, is_anatomical: bool) -> Block:
             marks.append(Polygon((tip, *wings), color, style.halo))
         else:
             marks.append(disc(center, 0.2 * size, color, style.halo))
-        # Beyond the tip; of an axis that points at the eye, beside it.
+        # The letter stands beyond the tip, or beside the tip of an axis that points at the eye.
         x, y = (length * across, -length * up) if reach > 0.15 else (0.0, 0.0)
         beyond = (across / reach, -up / reach) if reach > 0.15 else (-0.8, 0.8)
         name = names[axis]
@@ -135,5 +135,5 @@ def _face(axes: Array, side: tuple[int, int], *, half: float, radius: float, fil
 
 
 def _middle(name: str) -> float:
-    """From the middle of a letter to its baseline, in its sizes: small letters are lower."""
+    """Distance from the middle of a letter to its baseline, in its sizes: small letters are lower."""
     return 0.26 if name[-1] in "xyz" else CAP_HEIGHT / 2

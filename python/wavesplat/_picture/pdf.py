@@ -16,7 +16,7 @@ from wavesplat.errors import FileError
 __all__ = ["written"]
 
 POINTS_PER_INCH = 72.0
-#: What a pixel is where nobody says how large the picture is printed, as browsers have it.
+#: Pixels per inch where no size in print is given, as browsers have it.
 INCH_PX = 96.0
 FILL, STROKE = 0, 1
 
@@ -82,7 +82,7 @@ class _Pen:
                 * {"start": 0.0, "middle": 0.5, "end": 1.0}[mark.anchor]
             )
             across, along, down_x, down_y = mark.slant
-            # How text is drawn outlives it in PDF, which ReportLab does not reckon with.
+            # The mode of drawing text stays set after the text in PDF, which ReportLab does not undo.
             page.saveState()
             text = page.beginText()
             x, y = mark.x - before * across, self.top - mark.y + before * along

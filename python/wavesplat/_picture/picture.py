@@ -22,14 +22,14 @@ if TYPE_CHECKING:
 
 __all__ = ["Picture", "check_bits", "check_dpi"]
 
-#: More than any printer has.
+#: Largest resolution, pixels per inch: more than any printer has.
 MAX_DPI = 10_000
 
 
 @public
 @dataclass(frozen=True, eq=False, repr=False)
 class Picture:
-    """What `render` and `slice` give; it shows itself in a notebook.
+    """A picture that `render` or `slice` returns; it shows itself in a notebook.
 
     `np.asarray(picture)`, `plt.imshow(picture)` and `PIL.Image.fromarray(np.asarray(picture))` take it as it is.
 
@@ -52,7 +52,7 @@ class Picture:
     depth: NDArray[np.float32] | None = None
     value: NDArray[np.float32] | None = None
     report: dict[str, Any] = field(default_factory=dict)
-    #: Of what `annotated` drew: the rendering and the marks on it, for files that hold vectors.
+    #: Canvas that `annotated` drew: the rendering and the marks on it, for files that hold vectors.
     _canvas: Canvas | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
@@ -86,12 +86,12 @@ class Picture:
 
     @property
     def unit(self) -> str | None:
-        """Of the world's lengths, such as "mm"; None where unknown."""
+        """Unit of the world's lengths, such as "mm"; None where unknown."""
         return self.report.get("unit")
 
     @property
     def camera(self) -> Camera | None:
-        """Where it was taken from; None where unknown, as of a slice."""
+        """Camera of the picture; None where unknown, as of a slice."""
         from wavesplat._model.camera import Camera
 
         camera = self.report.get("camera")
@@ -104,7 +104,7 @@ class Picture:
         Parameters
         ----------
         below : Picture
-            What shows where this picture is transparent.
+            The picture that shows where this one is transparent.
 
         Raises
         ------
@@ -169,7 +169,7 @@ class Picture:
         title : str, optional
             Above the picture; it is broken into lines where it is longer.
         unit : str, optional
-            Of the world's lengths, where the file does not say it.
+            Unit of the world's lengths, where the file does not say it.
         values : str, optional
             What the values are called, above the colour bar; None is their unit where it is known ("HU"), else the
             layer's name.
@@ -178,7 +178,7 @@ class Picture:
         font_size : float, optional
             Points where `dpi` is given, else pixels; None follows the picture's size.
         color : colour, optional
-            Of what is written; None is black on light backgrounds and on transparent ones, else white.
+            Colour of what is written; None is black on light backgrounds and on transparent ones, else white.
         font : path, optional
             A .ttf or .otf file, for signs that ours, Liberation Sans, does not have; PDF files take .ttf.
         scale_bar_at, orientation_at : str
@@ -259,7 +259,7 @@ class Picture:
             Pixels per inch when printed, which is written to PNG, JPEG, TIFF, SVG and PDF files; None is that of
             `annotated`.
         quality : int, default 95
-            Of JPEG and WebP files, 1 to 100; a WebP file of 100 loses nothing.
+            Quality of JPEG and WebP files, 1 to 100; a WebP file of 100 loses nothing.
         scene : bool
             Whether a PNG file says how it was made, so that `Scene.load` reads the scene from it, and
             `wavesplat render --from` draws it again. It then holds names of files.
@@ -391,12 +391,12 @@ class Picture:
 
 
 def check_bits(bits: int) -> None:
-    """An `ArgumentError` if a PNG file cannot have so many bits per channel."""
+    """Raise an `ArgumentError` unless a PNG file can have this number of bits per channel."""
     if bits not in (8, 16):
         raise ArgumentError(f"bits is {bits!r}; a PNG file has 8 or 16 bits per channel")
 
 
 def check_dpi(dpi: float | None) -> None:
-    """An `ArgumentError` if nobody prints so."""
+    """Raise an `ArgumentError` for a resolution that no printer has."""
     if dpi is not None and not 1 <= dpi <= MAX_DPI:
         raise ArgumentError(f"dpi is {dpi:g}; give pixels per inch, 1 to {MAX_DPI}; journals ask for 300 or 600")

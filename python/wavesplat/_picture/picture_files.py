@@ -1,6 +1,6 @@
 """Pictures as files: PNG, JPEG, WebP, TIFF and OpenEXR.
 
-Floats go to files as they are; bytes are what `straight_bytes` makes of them, rounded as the PNG encoder rounds.
+Floats go to files as they are; bytes come from `straight_bytes`, which rounds as the PNG encoder does.
 """
 
 from __future__ import annotations
@@ -33,7 +33,7 @@ __all__ = [
     "write_tiff",
 ]
 
-#: Behind transparent pixels of formats that have none.
+#: Grey behind transparent pixels in formats without transparency.
 PAPER = 1.0
 METRES_PER_INCH = 0.0254
 
@@ -80,8 +80,8 @@ def with_scene(content: bytes, scene: Any, folder: Path) -> bytes:
 
 
 def write_bytes_of(picture: Picture, path: Path, *, dpi: float | None, quality: int) -> None:
-    """A JPEG or WebP file, chosen by the suffix."""
-    # Opened here: a failing disk is then an error of the file system's own kind.
+    """Write a JPEG or WebP file; the suffix chooses."""
+    # Encoded in memory: errors of the disk are then the system's own `OSError`.
     content = io.BytesIO()
     if path.suffix.lower() == ".webp":
         image(picture.rgba).save(content, "webp", quality=quality, lossless=quality == 100, method=4)
@@ -93,7 +93,7 @@ def write_bytes_of(picture: Picture, path: Path, *, dpi: float | None, quality: 
 
 
 def write_tiff(picture: Picture, path: Path, *, dpi: float | None) -> None:
-    """Floats, associated."""
+    """Write a TIFF file of floats, associated."""
     import tifffile
 
     options: dict[str, Any] = {} if dpi is None else {"resolution": (dpi, dpi), "resolutionunit": "INCH"}
@@ -109,7 +109,7 @@ def write_tiff(picture: Picture, path: Path, *, dpi: float | None) -> None:
 
 
 def write_exr(picture: Picture, path: Path) -> None:
-    """Floats, associated, and the depth as channel Z."""
+    """Write an EXR file of floats, associated, and the depth as channel Z."""
     import OpenEXR
 
     channels: dict[str, NDArray[np.float32]] = {"RGBA": np.ascontiguousarray(picture.rgba)}

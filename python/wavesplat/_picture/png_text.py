@@ -10,9 +10,9 @@ __all__ = ["KEYWORD", "SIGNATURE", "text_in", "with_text"]
 SIGNATURE = b"\x89PNG\r\n\x1a\n"
 #: The keyword of the scene.
 KEYWORD = "wavesplat"
-#: The signature and the first chunk, after which others may stand.
+#: Length of the signature and the first chunk, after which others may stand.
 HEADER = len(SIGNATURE) + 25
-#: Bytes of a text, at most.
+#: Largest text, bytes.
 MAX_TEXT = 1 << 26
 
 
@@ -25,7 +25,7 @@ def with_text(content: bytes, keyword: str, text: str) -> bytes:
 
 
 def text_in(content: bytes, keyword: str) -> str | None:
-    """The text of that keyword; None where there is none.
+    """The text with a keyword; None where there is none.
 
     Raises
     ------

@@ -13,16 +13,16 @@ from wavesplat._picture.marks import UPRIGHT, Canvas, Color, Polygon, Ramp, Rect
 
 __all__ = ["drawn"]
 
-#: Rows of an edge per pixel, and how much larger slanted text is drawn before it is turned.
+#: Rows per pixel for edges, and scale at which slanted text is drawn before it is turned.
 FINER = 4
-#: Of a round corner.
+#: Number of corners that stand for a round one.
 RIM_CORNERS = 16
 
 Rgba = NDArray[np.float32]
 
 
 def drawn(canvas: Canvas) -> Rgba:
-    """All of it, associated floats."""
+    """The canvas as pixels, associated floats."""
     red, green, blue, alpha = canvas.background or (0.0, 0.0, 0.0, 0.0)
     pixels = np.empty((canvas.height, canvas.width, 4), np.float32)
     pixels[:] = (red * alpha, green * alpha, blue * alpha, alpha)
@@ -41,7 +41,7 @@ def drawn(canvas: Canvas) -> Rgba:
 
 
 def _draw(pixels: Rgba, mark: Rectangle | Polygon | Text, font: str | None, color: Color, rim: float) -> None:
-    """One mark, or its halo, which reaches a rim beyond it."""
+    """Draw one mark, or its halo, which reaches a rim beyond it."""
     if isinstance(mark, Rectangle):
         x0, y0, x1, y1 = _edges(mark)
         n = round(rim)
@@ -58,7 +58,7 @@ def _edges(mark: Rectangle | Ramp) -> tuple[int, int, int, int]:
 
 
 def _polygon(mark: Polygon, rim: float) -> tuple[NDArray[np.float32], tuple[int, int]]:
-    """Exact along x, in rows that are finer than the pixels'."""
+    """Coverage of a polygon, and its place: exact along x, in rows that are finer than the pixels'."""
     corners = _outline(mark.points, rim)
     left, top = (floor(least) for least in corners.min(axis=0))
     right, bottom = (ceil(most) for most in corners.max(axis=0))
@@ -117,7 +117,7 @@ def _text(mark: Text, font: str | None, rim: float) -> tuple[NDArray[np.float32]
 
 
 def _slanted(mark: Text, font: str | None, rim: float) -> tuple[NDArray[np.float32], tuple[int, int]]:
-    """Drawn upright, four times as large, then turned."""
+    """Coverage of slanted text, and its place: drawn upright, four times as large, then turned."""
     from PIL import Image
 
     upright = Text(0, 0, mark.text, FINER * mark.size, mark.fill, mark.anchor)
@@ -134,7 +134,7 @@ def _slanted(mark: Text, font: str | None, rim: float) -> tuple[NDArray[np.float
     back = np.linalg.inv(turn)
     start = back @ (np.array([left, top]) - place) - (x0, y0)
     step = back / FINER
-    # Pillow asks for the source of corners of pixels.
+    # Pillow wants the map from corners of target pixels to the source.
     (a, b), (c, d) = step.tolist()
     size = (FINER * int(right - left), FINER * int(bottom - top))
     fine = Image.fromarray(np.round(255 * shares).astype(np.uint8)).transform(
@@ -155,7 +155,7 @@ def _draw_ramp(pixels: Rgba, mark: Ramp) -> None:
 
 
 def _lay(pixels: Rgba, shares: NDArray[np.float32], place: tuple[int, int], color: Color) -> None:
-    """Colour over the pixels, as much of it as the shares say; what lies beyond the edges is left out."""
+    """Lay a colour over the pixels by their coverage; what lies beyond the edges is left out."""
     (left, top), (height, width) = place, shares.shape
     x0, y0 = max(left, 0), max(top, 0)
     x1, y1 = min(left + width, pixels.shape[1]), min(top + height, pixels.shape[0])

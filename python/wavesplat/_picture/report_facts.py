@@ -1,4 +1,4 @@
-"""What a picture's report says that figures need: the view, the layers and their colours, the background.
+"""Facts that figures need from a picture's report: the view, the layers and their colours, the background.
 
 Where a fact is missing, the error says which, and how to give it.
 """
@@ -24,7 +24,7 @@ __all__ = ["ShownLayer", "View", "background_of", "facts_of_view", "layers_of", 
 Array = NDArray[np.float64]
 Rgb = tuple[float, float, float]
 
-#: Difference of the largest and the smallest channel from which on a colour has a hue.
+#: Least difference of the largest and the smallest channel of a colour with a hue.
 COLORED = 0.3
 
 
@@ -38,7 +38,7 @@ class View:
 
     @property
     def back(self) -> Array:
-        """Towards the eye."""
+        """Unit vector towards the eye."""
         toward: Array = np.cross(self.right, self.up)
         return toward
 
@@ -57,7 +57,7 @@ class ShownLayer:
 
 
 def view_of(report: Mapping[str, Any]) -> View:
-    """Where right and up of the picture lie in the world."""
+    """The picture's directions right and up, in the world."""
     if "right" in report and "down" in report:
         return View(np.array(report["right"], float), -np.array(report["down"], float), is_perspective=False)
     camera = report.get("camera")
@@ -102,7 +102,7 @@ def swatches_of(report: Mapping[str, Any]) -> list[tuple[str, Rgb]]:
 
 
 def background_of(report: Mapping[str, Any], rgba: NDArray[np.float32]) -> tuple[float, float, float, float] | None:
-    """Behind what is drawn: as the report has it, else what the picture's edge is mostly; None where transparent."""
+    """The colour behind the drawing: the report's, else the median of the picture's edge; None where transparent."""
     if "background" in report:
         return colors.parse(report["background"])
     edge = np.concatenate([rgba[0], rgba[-1], rgba[:, 0], rgba[:, -1]])
@@ -113,13 +113,13 @@ def background_of(report: Mapping[str, Any], rgba: NDArray[np.float32]) -> tuple
 
 
 def shown_layer(name: str, composite: str, function: Any, values: str) -> dict[str, Any]:
-    """What the report says of a layer, for colour bars and legends; `layers_of` reads it."""
+    """The report's entry for a layer, for colour bars and legends; `layers_of` reads it."""
     curves = transfer_function_json.fields_of(function) if isinstance(function, TransferFunction) else None
     return {"name": name, "values": values, "composite": composite, "transfer_function": curves}
 
 
 def facts_of_view(camera: Camera, size: tuple[int, int], facts: Facts) -> dict[str, Any]:
-    """What the report says of where a picture was taken from and what its pixels are; `facts`: of what is shown."""
+    """The report's fields for the camera and the pixels of a picture; `facts`: of what is shown."""
     if camera.view_angle is None:
         half = camera.parallel_scale or 0.0
     else:
@@ -143,7 +143,7 @@ def _rgb(color: Any) -> Rgb:
 
 
 def _brightest(function: TransferFunction) -> Rgb:
-    """The colour that stands for a layer: of its most saturated, else its last one."""
+    """The colour that stands for a layer: its most saturated one, else its last one."""
     nodes = [(red, green, blue) for _, red, green, blue in function.color]
     most = max(nodes, key=lambda rgb: max(rgb) - min(rgb))
     return most if max(most) - min(most) > COLORED else nodes[-1]

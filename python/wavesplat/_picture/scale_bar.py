@@ -15,18 +15,18 @@ from wavesplat.errors import ArgumentError
 
 __all__ = ["Bar", "bar_of", "block", "round_length"]
 
-#: Of the picture's width.
+#: Wanted length of a bar, as a share of the picture's width.
 SHARE = 0.2
-#: Shorter bars say nothing, and what is longer than the picture has no room.
+#: Shortest bar, pixels, and longest, as a share of the picture's width.
 MIN_PX, MAX_SHARE = 4.0, 0.95
-#: Lines beside the number are this part as large.
+#: Size of the line that remarks on the length, as a part of the number's.
 SMALL = 0.8
 FOCUS = "at the focal point"
 
 
 @dataclass(frozen=True)
 class Bar:
-    """A length in world units and in pixels, and how it reads."""
+    """A length in world units and in pixels, and its text."""
 
     length: float
     length_px: float
@@ -37,7 +37,7 @@ class Bar:
 def bar_of(
     wanted: bool | float | str, width: int, pixel: float, unit: str | None, *, is_perspective: bool = False
 ) -> Bar:
-    """The bar for a picture so wide.
+    """The bar for a picture `width` pixels wide.
 
     wanted : True, a length in world units, the name of a unit, or a length with it, such as "50 um".
     """
@@ -55,7 +55,7 @@ def bar_of(
     if asked is not None:
         text = f"{length / factor:.9g} {units.written(asked)}"
     elif unit is None:
-        # Honest: a number alone would be taken for millimetres.
+        # "units" is written, since a number alone would be taken for millimetres.
         text = f"{length:.9g} units"
     else:
         text = units.length_text(length, unit)
@@ -63,7 +63,7 @@ def bar_of(
 
 
 def round_length(near: float) -> float:
-    """The one of 1, 2, 5, 10, 20, ... (and their tenths) whose ratio to a length is nearest 1."""
+    """The round length, 1, 2, 5, 10, 20, ... or tenths of these, whose ratio to a length is nearest 1."""
     decade = 10.0 ** floor(log10(near))
     lengths = [digit * decade for digit in (1, 2, 5, 10)]
     return min(lengths, key=lambda length: max(length / near, near / length))
@@ -88,7 +88,7 @@ def block(bar: Bar, style: Style) -> Block:
 
 
 def _asked(wanted: bool | float | str) -> tuple[float | None, str | None]:
-    """A length and a unit, of what was said."""
+    """The length and the unit that are asked for; each None if it is not."""
     if wanted is True:
         return None, None
     if isinstance(wanted, str):

@@ -15,12 +15,12 @@ if TYPE_CHECKING:
 
 __all__ = ["figure", "show"]
 
-#: What matplotlib takes for an inch where a picture does not say it.
+#: Pixels per inch of matplotlib's figures where a picture does not have its own.
 DPI = 100.0
 
 
 def show(picture: Picture) -> None:
-    """Below the cell of a notebook, or in the system's viewer."""
+    """Show a picture below the cell of a notebook, or in the system's viewer."""
     interactive = sys.modules.get("IPython")
     shell = interactive.get_ipython() if interactive else None
     if shell is not None and hasattr(shell, "kernel"):
@@ -54,7 +54,7 @@ def figure(picture: Picture) -> Any:
 
 
 def _axis(picture: Picture, way: str, n_px: int) -> tuple[str, float, float]:
-    """What an axis of the picture is called, and where its first and last edges lie."""
+    """The label of an axis of the picture, and the coordinates of its first and last edge."""
     report, pixel = picture.report, picture.pixel or 1.0
     direction, origin = report.get(way), report.get("origin")
     if direction is not None and origin is not None:

@@ -1,4 +1,4 @@
-"""How marks look: size, colours, typeface."""
+"""The style of marks: size, colours, typeface."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ __all__ = ["BLACK", "WHITE", "Style", "contrast", "luminance"]
 
 BLACK: Color = (0.0, 0.0, 0.0)
 WHITE: Color = (1.0, 1.0, 1.0)
-#: A halo reaches so far, in sizes of the font.
+#: Width of a halo, in sizes of the font.
 HALO = 0.09
 
 
@@ -24,15 +24,15 @@ class Style:
     font: str | None = None
 
     def on_picture(self) -> Style:
-        """The same with a halo, to be seen on anything."""
+        """The style with a halo, to be seen on anything."""
         return replace(self, halo=(contrast(self.ink), max(1.0, HALO * self.size)))
 
 
 def luminance(color: Color) -> float:
-    """Rec. 709, of colours as they are shown."""
+    """Luminance (Rec. 709) of a colour as it is shown."""
     return 0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2]
 
 
 def contrast(color: Color) -> Color:
-    """Black or white, whichever is seen on a colour."""
+    """Black or white, whichever contrasts with a colour."""
     return BLACK if luminance(color) > 0.45 else WHITE

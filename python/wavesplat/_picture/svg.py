@@ -82,5 +82,5 @@ def _number(number: float) -> str:
 
 
 def _hex(color: list[float] | Color) -> str:
-    # Halves go up, as in the PNG encoder.
+    # Halves are rounded up, as in the PNG encoder.
     return "#" + "".join(f"{int(255 * min(max(share, 0), 1) + 0.5):02x}" for share in color)

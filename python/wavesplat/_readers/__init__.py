@@ -1,1 +1,1 @@
-"""Readers: one module per family of formats, each with `read(request) -> Grid`; `opening` finds out which is asked."""
+"""Readers: one module per family of formats, each with `read(request) -> Grid`; `opening` chooses one."""

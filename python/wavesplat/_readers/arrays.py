@@ -1,4 +1,4 @@
-"""NumPy's own files: .npy, and .npz with one or more named arrays; spacing 1, since they say nothing of it."""
+"""NumPy's own files: .npy, and .npz with one or more named arrays; spacing 1, since they have none."""
 
 from __future__ import annotations
 
@@ -37,7 +37,7 @@ def _from_npy(request: Request) -> NDArray[Any]:
         size_checks.check_stored(
             shape, dtype, path.stat().st_size - file.tell(), path, held=one_volume_of(shape, request)
         )
-    # Of several time points or channels only the one that is asked for is read.
+    # Mapped, so that of several time points or channels only the one that is asked for is read.
     array: NDArray[Any] = np.load(path, "r" if len(shape) > 3 else None, allow_pickle=False)
     return array
 

@@ -1,7 +1,7 @@
-"""Which other files hold the samples of an NRRD or MetaImage header.
+"""Data files that hold the samples of an NRRD or MetaImage header.
 
-Found before ITK looks, which opens what it is told to. Both headers are read byte by byte as ITK's own parsers do, and
-what they could take for something else is refused.
+They are found before ITK runs, which opens any file that a header names. Both headers are read byte by byte as ITK's
+own parsers do, and anything that they could take for something else is refused.
 """
 
 from __future__ import annotations
@@ -14,22 +14,22 @@ from wavesplat.errors import FileError
 
 __all__ = ["MAX_HEADER_BYTES", "places_of_samples"]
 
-#: No header is as long: of one that is, nothing would be found in time.
+#: Longest header that is read, in bytes: real ones are shorter, and patterns would be slow to find in longer ones.
 MAX_HEADER_BYTES = 1 << 24
-#: No series has as many files.
+#: Files that a header may name, at most: no series has as many.
 MAX_FILES = 1 << 16
 
 META_IMAGE = re.compile(rb"(?:\A|\n)[ \t]*ElementDataFile[ \t]*[=:]([^\n]*)(?:\n|\Z)")
-#: `key:=value` is no field, also not where the key is called like one.
+#: The field "data file"; `key:=value` is no field, even if the key has the name of one.
 NRRD = re.compile(rb"(?:\A|\n)[ \t]*data ?file[ \t]*:(?!=)([^\n]*)", re.IGNORECASE)
-#: Between header and samples.
+#: The end of a header that is followed by samples.
 EMPTY_LINE = re.compile(rb"\r?\n\r?\n")
-#: The only conversion that a name of numbered files needs.
+#: The only conversion that a pattern of numbered files needs.
 NUMBER = re.compile(r"%0?\d{0,3}d")
 
 
 def places_of_samples(path: Path, *, anywhere: bool, within: Path | None = None) -> list[tuple[Path, int]]:
-    """The files that hold the samples, each with the bytes before them; those elsewhere are refused."""
+    """The files that hold the samples, each with the bytes before them; files in other folders are refused."""
     with path.open("rb") as file:
         start = file.read(MAX_HEADER_BYTES)
     is_nrrd = start.startswith(b"NRRD")
@@ -88,7 +88,7 @@ def _lines(names: bytes) -> list[str]:
 
 
 def _is_name(value: str, path: Path) -> bool:
-    """Whether it is the name of a file that is there, which may have a percent sign in it, and no pattern of names."""
+    """Whether a value is the name of an existing file, which may have a percent sign in it, and no pattern of names."""
     try:
         return (path.parent / value).is_file()
     except (OSError, ValueError):
@@ -96,7 +96,7 @@ def _is_name(value: str, path: Path) -> bool:
 
 
 def _numbered(value: str, path: Path) -> list[str]:
-    """Names of a pattern with first and last number and step behind it, "slice%03d.raw 1 20 1"."""
+    """File names of a pattern that is followed by first number, last number and step, "slice%03d.raw 1 20 1"."""
     pattern, *numbers = value.split()
     if not numbers:
         raise FileError(

@@ -1,8 +1,8 @@
 """DICOM: a folder with a series of slices, one of its files, or a file of many frames.
 
 Headers are read by pydicom (`dicom_header`, with `dicom_attributes`), pixels by it and SimpleITK (`dicom_pixels`);
-`dicom_checks` looks for what cannot be, `dicom_volumes` finds the frames that belong together, `dicom_stack` makes
-slices at even distances of them, and `dicom_samples` values.
+`dicom_checks` finds impossible values, `dicom_volumes` the frames that belong together, `dicom_stack` makes slices at
+even distances of them, and `dicom_samples` values.
 """
 
 from __future__ import annotations
@@ -86,9 +86,9 @@ def _read_series(folder: Path, uid: str | None, request: Request, named: Header 
 
 
 def _without_copies(headers: Sequence[Header], named: Path | None) -> list[Header]:
-    """One file of those that are copies of each other, the one that was named if it is among them.
+    """One file of each group of copies, the one that was named if it is among them.
 
-    Some programs give all files one UID, so that what lies elsewhere or differs otherwise is no copy.
+    Some programs give all files one UID, so a file with another position or other attributes is no copy.
     """
     first: dict[Hashable, Header] = {}
     for header in headers:
@@ -101,7 +101,7 @@ def _without_copies(headers: Sequence[Header], named: Path | None) -> list[Heade
 
 
 def _scanned(folder: Path, request: Request, named: Header | None) -> tuple[list[Header], Unreadable, list[Path]]:
-    """Headers of all images in a folder, files that should be some but cannot be read, and DICOM files that are none.
+    """Headers of all images in a folder, image files that cannot be read, and DICOM files that are no images.
 
     Headers are kept from one time point of a series to the next, as long as their files stay as they are. `named`: the
     header of the file that was named, which has been read.
@@ -227,7 +227,7 @@ def _guesses_of_values(headers: Sequence[Header]) -> list[str]:
 def _chosen(
     frames: Sequence[Frame], losses: Sequence[str], headers: Sequence[Header], request: Request
 ) -> tuple[FrameVolume, int, tuple[float, ...]]:
-    """The volume that is asked for, how many there are, and their times; what was left out may be why it fails."""
+    """The volume that is asked for, the number of volumes, and their times; errors name `losses`, a likely cause."""
     try:
         volumes = volumes_of(frames, request)
         if all(len(volume.frames) == 1 for volume in volumes):
@@ -294,7 +294,7 @@ def _n_bytes(header: Header) -> int:
 
 
 def _is_longer(header: Header) -> bool:
-    """Whether pixels are not compressed and followed by more than the byte that makes their number even."""
+    """Whether uncompressed pixels are followed by more than the byte that makes their number even."""
     data = header.pixel_data
     if data is None or header.transfer_syntax not in NATIVE:
         return False
@@ -302,7 +302,7 @@ def _is_longer(header: Header) -> bool:
 
 
 def _as_they_come(frames: Sequence[Frame], header: Header) -> Stack:
-    """Frames without places: by number, along z."""
+    """A stack of frames without positions: by number, along z."""
     ordered = sorted(frames, key=lambda frame: (frame.instance, frame.file.name, frame.index))
     row, column = (abs(step) if np.isfinite(step) else 1.0 for step in ordered[0].pixel_spacing)
     step = abs(header.slice_step) if np.isfinite(header.slice_step) else column

@@ -1,4 +1,4 @@
-"""Attributes of DICOM frames that tell frames of one place apart: kinds of picture (echo, b-value, ...), and times.
+"""Attributes of DICOM frames that distinguish frames of one position: kinds of picture (echo, b-value, ...) and times.
 
 A table has each attribute with its tags, in the order in which frames are split by them (`dicom_volumes`). An attribute
 lies beside the pixels in classic files, and in functional groups of all frames or of one in enhanced files (DICOM
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 __all__ = ["ATTRIBUTES", "SEQUENCES", "Attribute", "Value", "attributes_of_frames"]
 
-#: A number, a direction, or a text.
+#: Value of an attribute: a number, a direction, or a text.
 Value: TypeAlias = float | tuple[float, ...] | str
 #: Bytes of a value, and whether its low bytes come first.
 Raw: TypeAlias = tuple[bytes, bool]
@@ -38,7 +38,7 @@ class Source:
     encoding: str
     #: Further tags of the components of a direction, or the date that a time belongs to.
     others: tuple[int, ...] = ()
-    #: Private tags: where the block's creator is named, and how the name begins.
+    #: For private tags: the tag that names the block's creator, and the beginning of the name.
     creator: tuple[int, str] | None = None
     count: int = 1
 
@@ -47,12 +47,12 @@ class Source:
 class Attribute:
     """An attribute by which frames may differ."""
 
-    #: What labels call it.
+    #: Name in labels.
     name: str
     unit: str
-    #: The first that is there counts.
+    #: Sources of the value; the first that is there counts.
     sources: tuple[Source, ...]
-    #: Whether it tells when a frame was taken, and how many of its units are a second (0: it counts, and is no time).
+    #: Whether it orders frames in time, and how many of its units are a second (0: it is a count, and no time).
     is_time: bool = False
     units_per_second: float = 0.0
 
@@ -72,7 +72,7 @@ SIEMENS, GE_ACQUISITION, GE_PARAMETERS = (
 )
 PHILIPS, PHILIPS_MR = (0x20010010, "Philips Imaging"), (0x20050010, "Philips MR")
 
-#: In the order in which frames are split by them, the surest first: kinds of picture, identifiers of times, clocks.
+#: Attributes in the order in which they split frames, the surest first: kinds of picture, identifiers of times, clocks.
 ATTRIBUTES = (
     _kind("", Source(0x00089007, "text"), Source(0x00080008, "text")),  # image type: M, P, ...; its own label
     _kind("component", Source(0x00089208, "text")),
@@ -119,7 +119,7 @@ ATTRIBUTES = (
     _time("respiratory delay", Source(0x00209255, "f8"), unit="ms", units_per_second=1000),
     _time("trigger time", Source(0x00181060, "decimal"), unit="ms", units_per_second=1000),
     _time("reference time", Source(0x00541300, "decimal"), unit="ms", units_per_second=1000),
-    # What may also change from slice to slice for other reasons.
+    # Attributes that may also change from slice to slice for other reasons.
     _kind("repetition time", Source(0x00180080, "decimal"), unit="ms"),
     _kind("sequence", Source(0x00180024, "text")),
     _kind("scan options", Source(0x00180022, "text")),
@@ -139,7 +139,7 @@ ATTRIBUTES = (
     _time("content time", Source(0x00080033, "time", (0x00080023,)), unit="s", units_per_second=1),
 )
 
-#: Sequences with such attributes: of frame contents, echoes, timing, modifiers, diffusion and its direction, velocity,
+#: Sequences with attributes: of frame contents, echoes, timing, modifiers, diffusion and its direction, velocity,
 #: spin labelling, heart and breath, temporal position, contrast, X-ray, receive coil, and the types of frames of MR,
 #: CT, PET and X-ray.
 SEQUENCES = frozenset({
@@ -152,7 +152,7 @@ TAGS = frozenset(
     for source in attribute.sources
     for tag in (source.tag, *source.others, *(() if source.creator is None else source.creator[:1]))
 )
-#: Attributes of nuclear medicine: a number for each frame of the file.
+#: Tags of nuclear medicine whose values have a number for each frame of the file.
 VECTORS = (0x00540010, 0x00540020, 0x00540030, 0x00540050, 0x00540060, 0x00540070, 0x00540090, 0x00540100)
 #: Significant digits of numbers, so that those which were rounded differently are equal.
 N_DIGITS = 6
@@ -244,7 +244,7 @@ def _rounded(number: float) -> float:
 
 
 def _seconds(day: str, time: str) -> float | None:
-    """Seconds since the year 1, of the day alone where no date is given: a scan may go on past midnight.
+    """Seconds since the year 1, or since midnight where no date is given: a scan may go on past midnight.
 
     Days as YYYYMMDD, times as HHMMSS.FFFFFF with parts left out at the end, or as HH:MM:SS as before 1993; what
     follows (the offset from UTC, which is one for all frames) is left out.

@@ -1,4 +1,4 @@
-"""Impossible values in DICOM headers: refused with the file's name, or replaced, and told."""
+"""Impossible values in DICOM headers: refused with the file's name, or replaced and reported."""
 
 from __future__ import annotations
 
@@ -15,13 +15,13 @@ from wavesplat.errors import FileError
 
 __all__ = ["check_alike", "check_is_volume", "mended"]
 
-#: By how much directions may differ from unit length, and between frames; and from a right angle between them.
+#: Tolerances of directions: from unit length and between frames; and the cosine of the angle between them.
 DIRECTION, RIGHT_ANGLE = 1e-3, 1e-2
 WHOLE_SLIDE = "1.2.840.10008.5.1.4.1.1.77.1.6"
 
 
 def check_is_volume(headers: Sequence[Header]) -> None:
-    """A `FileError` if frames are tiles of a picture, and no slices."""
+    """Raise a `FileError` if frames are tiles of a picture, and no slices."""
     for header in headers:
         if header.sop_class == WHOLE_SLIDE or header.modality == "SM":
             raise FileError(
@@ -31,7 +31,7 @@ def check_is_volume(headers: Sequence[Header]) -> None:
 
 
 def check_alike(headers: Sequence[Header], frames: Sequence[Frame], request: Request) -> None:
-    """A `FileError` if slices differ in size, direction or distance of pixels."""
+    """Raise a `FileError` if slices differ in size, direction or distance of pixels."""
     first = headers[0]
     for one in headers[1:]:
         if (one.size, one.n_samples) != (first.size, first.n_samples):
@@ -68,7 +68,7 @@ def _check_stack(frames: Sequence[Frame], request: Request, *, may_turn: bool) -
 
 
 def mended(headers: Sequence[Header], request: Request) -> tuple[list[Frame], list[str], list[str]]:
-    """The frames with what can be meant instead of what cannot be, guesses, and warnings.
+    """The frames with impossible values replaced, guesses, and warnings.
 
     A slope of 0 in all frames counts as none, as in NIfTI; in some of them it is refused, since values of the others
     are no stored numbers.

@@ -1,7 +1,7 @@
-"""DICOM files that are packed as a whole: unpacked as far as they are read, and never further.
+"""DICOM files that are packed as a whole (deflated): unpacked as far as they are read, and never further.
 
-Some MB can unpack to as many GB. The header is unpacked up to the pixel data, and of these as many bytes as the header
-says that there are pixels.
+A few MB can unpack to a few GB. The header is unpacked up to the pixel data, and the pixel data only to the size that
+the header gives.
 Format: DICOM PS3.5, A.5. File meta information as it is, and behind it the data set as one raw stream of deflate.
 """
 
@@ -20,7 +20,7 @@ __all__ = ["DEFLATED", "UnpackedStream", "check_unpacked_size", "header_dataset"
 
 #: The transfer syntax of files that are packed as a whole.
 DEFLATED = "1.2.840.10008.1.2.1.99"
-#: Bytes of a header, unpacked: functional groups of ten thousand frames take a tenth of it.
+#: Largest header in bytes, unpacked: functional groups of ten thousand frames take a tenth of it.
 MAX_HEADER_BYTES = 1 << 28
 PIXEL_DATA = {0x7FE00008, 0x7FE00009, 0x7FE00010}
 BLOCK_BYTES = 1 << 20
@@ -55,7 +55,7 @@ class UnpackedStream:
         return self._at
 
     def tell(self) -> int:
-        """The next byte to read."""
+        """Offset of the next byte to read."""
         return self._at
 
     def block(self) -> bytes:
@@ -70,7 +70,7 @@ class UnpackedStream:
 
 
 def header_dataset(file: Path, stream: BinaryIO) -> tuple[Dataset, BinaryIO | UnpackedStream]:
-    """The data set of a file up to its pixel data, and the stream that these follow in."""
+    """The data set of a file up to its pixel data, and the stream, in which these follow."""
     from pydicom import dcmread
     from pydicom.dataset import FileDataset
     from pydicom.filereader import read_dataset
@@ -86,7 +86,7 @@ def header_dataset(file: Path, stream: BinaryIO) -> tuple[Dataset, BinaryIO | Un
 
 
 def unpacked_part(file: Path, offset: int, n_bytes: int) -> bytes:
-    """So many bytes from a byte of the unpacked data set on, fewer where it ends."""
+    """`n_bytes` bytes of the unpacked data set from byte `offset` on, fewer where it ends."""
     content = bytearray()
     with file.open("rb") as stream:
         _meta_of(stream)
@@ -98,7 +98,7 @@ def unpacked_part(file: Path, offset: int, n_bytes: int) -> bytes:
 
 
 def check_unpacked_size(file: Path, n_bytes: int) -> None:
-    """A `FileError` if the data set unpacks to more than so many bytes and those of a header."""
+    """Raise a `FileError` if the data set unpacks to more than `n_bytes` and the largest header."""
     count = 0
     with file.open("rb") as stream:
         _meta_of(stream)
@@ -113,7 +113,7 @@ def check_unpacked_size(file: Path, n_bytes: int) -> None:
 
 
 def _meta_of(stream: BinaryIO) -> FileMetaDataset:
-    """The file meta information, and the stream behind it."""
+    """Read the file meta information; the stream is behind it afterwards."""
     from pydicom.dataset import FileMetaDataset
     from pydicom.filereader import read_dataset, read_preamble
 

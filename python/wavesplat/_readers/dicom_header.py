@@ -55,13 +55,13 @@ NO_IMAGES = {
     "HD": "waveforms (HD)",
     "RWV": "a table of real world values (RWV)",
 }
-#: Dimensions of enhanced files that say where a frame lies, and not by what it differs from others of its place.
+#: Dimensions of enhanced files that say where a frame lies, and not how it differs from others of its position.
 OF_PLACE = {0x00209057, 0x00200032, 0x00209301, 0x00209056, 0x00540080, 0x0062000B}
 #: Functional groups that are read: those with attributes, and of pixels, values, positions, orientations and segments.
 GROUPS = SEQUENCES | {0x0062000A, 0x00289110, 0x00289145, 0x00209113, 0x00209116, 0x0020930E, 0x0020930F}
-#: How attributes are called that enhanced files count frames by.
+#: Prefix of the names of attributes by which enhanced files count frames.
 INDEX = "index of "
-#: Memory that the description of a frame takes, about, beside its pixels.
+#: Approximate memory of the description of a frame, beside its pixels, in bytes.
 FRAME_BYTES = 600
 NONE = float("nan")
 
@@ -71,31 +71,31 @@ class Frame:
     """One 2-D picture of a file; lengths in mm, LPS; NaN where nothing is said."""
 
     file: Path
-    #: Its place in the file, and the file's in the series.
+    #: Number of the frame in the file, and of the file in the series.
     index: int
     instance: int
     position: NDArray[np.float64]
     orientation: NDArray[np.float64]
-    #: Between rows, and between columns.
+    #: Distances between rows, and between columns.
     pixel_spacing: tuple[float, float]
     slope: float
     intercept: float
     stack: str = ""
     #: Number and name of the segment that it is a mask of; 0 of frames that are none.
     segment: tuple[int, str] = (0, "")
-    #: What tells it from other frames of its place, by the names of `dicom_attributes`.
+    #: Attributes that may distinguish it from other frames of its position, by the names of `dicom_attributes`.
     attributes: Mapping[str, Value] = field(default_factory=dict)
     #: Lengths of the two directions of `orientation` in the file, of which it has unit vectors.
     orientation_lengths: tuple[float, float] = (1.0, 1.0)
 
     @property
     def name(self) -> str:
-        """What messages call it."""
+        """Name in messages."""
         return self.file.name if self.index == 0 else f"{self.file.name} (frame {self.index})"
 
     @property
     def normal(self) -> NDArray[np.float64]:
-        """At right angles to it."""
+        """Normal of the frame's plane."""
         return np.cross(self.orientation[:3], self.orientation[3:])
 
     def is_placed(self) -> bool:
@@ -105,7 +105,7 @@ class Frame:
 
 @dataclass(frozen=True)
 class Header:
-    """What is said once for a file."""
+    """Values that a file states once for all of its frames, and the frames."""
 
     file: Path
     sop_class: str
@@ -118,18 +118,18 @@ class Header:
     size: tuple[int, int]
     n_samples: int
     photometric: str
-    #: 1 where colours lie in a plane each.
+    #: PlanarConfiguration: 1 where each colour lies in a plane of its own.
     planes: int
     bits_allocated: int
     bits_stored: int
     high_bit: int
     is_signed: bool
     n_frames: int
-    #: None where it is not known before they are read.
+    #: Place of the pixels; None where it is not known before they are read.
     pixel_data: PixelData | None
     #: The lowest and the highest stored number that stands for pixels outside of the scan.
     padding: tuple[int, int] | None
-    #: Between slices, for frames without positions.
+    #: Distance between slices, for frames without positions.
     slice_step: float
     has_lookup_table: bool
     #: Whether its axes are a patient's, and not those of a probe.
@@ -138,14 +138,14 @@ class Header:
 
 
 def is_dicom(file: Path) -> bool:
-    """Whether a file begins as DICOM does, with its mark, or without it with a first group."""
+    """Whether a file begins as DICOM does: with its mark or, without one, with an element of group 8."""
     with file.open("rb") as stream:
         head = stream.read(132)
     return head[128:] == b"DICM" or (head[:4] in (b"\x08\x00\x05\x00", b"\x08\x00\x00\x00", b"\x08\x00\x08\x00"))
 
 
 def header_of(file: Path) -> Header | None:
-    """The header of a file; None of one that is DICOM and no image. Raises nearly anything if it is damaged."""
+    """The header of a file; None for DICOM that is no image. Raises nearly anything if it is damaged."""
     with file.open("rb") as stream:
         dataset, content = header_dataset(file, stream)
         modality = text(dataset, 0x00080060).upper()
@@ -278,7 +278,7 @@ def _of_frame(
         "orientation": orientation,
         "orientation_lengths": lengths,
         "pixel_spacing": (float(spacing[0]), float(spacing[1])),
-        # Of doses, a scaling instead of a slope.
+        # Doses have a scaling instead of a slope.
         "slope": _factor(groups, dataset, 0x00281053, _factor((), dataset, 0x3004000E, 1.0)),
         "intercept": _factor(groups, dataset, 0x00281052, 0.0),
         "stack": text(content, 0x00209056) if content is not None else "",
@@ -322,7 +322,8 @@ def _placed(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64], tuple[float, float]]:
     """Position and orientation in the patient; else those in the volume of an ultrasound probe; else of a detector.
 
-    The directions of rows and columns are made unit vectors, since distances are those of pixels; and their lengths.
+    The directions of rows and columns are made unit vectors, since distances are those of pixels; the last two numbers
+    are their lengths in the file.
     """
     position = _found(groups, dataset, 0x00209113, 0x00200032, 3)
     orientation = _found(groups, dataset, 0x00209116, 0x00200037, 6)
@@ -348,7 +349,7 @@ def _positions_along_a_line(dataset: Dataset, n_frames: int) -> NDArray[np.float
     offsets = numbers(dataset, 0x3004000C, n_frames)
     slices = whole_numbers(dataset, 0x00540080, "u2")
     if np.isfinite(offsets).all():
-        # Either from the first frame, or places along z.
+        # Offsets are from the first frame, or positions along z.
         offsets = offsets - offsets[0]
     elif len(slices) == n_frames and items(dataset, 0x00540022):
         offsets = (np.array(slices) - 1.0) * _slice_step(dataset)
@@ -365,7 +366,7 @@ def _shared_groups(dataset: Dataset) -> dict[int, Any]:
 
 
 def _in_group(groups: Sequence[Mapping[int, Any]], tag: int) -> Any:
-    """The item of a group, the frame's own first."""
+    """The item of a functional group, the frame's own rather than the shared one."""
     return next((group[tag] for group in groups if tag in group), None)
 
 
@@ -379,6 +380,6 @@ def _found(
 
 
 def _pointer(item: Any) -> int:
-    """The tag that a dimension is of: two shorts, group and element."""
+    """The tag that a dimension points to: two shorts, group and element."""
     group, element = (*whole_numbers(item, 0x00209165, "u2"), 0, 0)[:2]
     return group << 16 | element

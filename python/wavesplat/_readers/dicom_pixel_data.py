@@ -1,6 +1,6 @@
-"""Where the pixel data of a DICOM file lie, and whether they can be as many frames as its header says.
+"""Place and size of a DICOM file's pixel data, and checks that they can hold the frames that its header claims.
 
-Asked before a frame is described or memory is taken: a header of some bytes can promise millions of frames.
+Checked before a frame is described or memory is allocated: a header of some bytes can promise millions of frames.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ __all__ = [
 ]
 
 BIG_ENDIAN = "1.2.840.10008.1.2.2"
-#: Transfer syntaxes whose pixels are not compressed each for itself.
+#: Transfer syntaxes whose frames are not compressed one by one.
 NATIVE = {"1.2.840.10008.1.2", "1.2.840.10008.1.2.1", DEFLATED, BIG_ENDIAN}
 PIXELS, FLOATS, DOUBLES = 0x7FE00010, 0x7FE00008, 0x7FE00009
 UNDEFINED_LENGTH = 0xFFFFFFFF
@@ -45,12 +45,12 @@ class PixelData:
 
     tag: int
     offset: int
-    #: Bytes that are there: of compressed pixels up to the end of the file, of a packed file those that can be there.
+    #: Bytes of the value: of compressed pixels all to the end of the file, of a packed file at most those it can hold.
     n_bytes: int
 
 
 def pixel_data_at(stream: BinaryIO | UnpackedStream, dataset: Dataset, file: Path) -> PixelData | None:
-    """The pixel data of a file that was read up to them; None where only reading them tells how many there are."""
+    """The pixel data of a file that was read up to them; None where only reading them shows how long they are."""
     syntax = str(dataset.file_meta.get("TransferSyntaxUID", "1.2.840.10008.1.2"))
     is_implicit, is_little = dataset.original_encoding
     order = "little" if is_little else "big"
@@ -76,12 +76,12 @@ def n_bits_of(tag: int, header: Header) -> int:
 
 
 def check_enough(header: Header, n_bytes: int, n_bits: int) -> int:
-    """How many bytes pixels take that are not compressed; a `FileError` if there are fewer, or twice as many."""
+    """Number of bytes that uncompressed pixels need; a `FileError` if the file holds fewer, or twice that number."""
     columns, rows = header.size
     shape = (header.n_frames, rows, columns, header.n_samples)
     if n_bits == 0:
         raise FileError(f"the header says 0 bits a pixel (BitsAllocated); copy or export it again: {header.file}")
-    # Of a colour in YBR_FULL_422, two pixels share some.
+    # In YBR_FULL_422 two pixels share their chroma samples.
     n_numbers = header.n_frames * rows * columns * header.n_samples
     if header.n_samples == 3 and header.photometric.endswith("_422"):
         n_numbers = n_numbers * 2 // 3
@@ -102,7 +102,7 @@ def check_enough(header: Header, n_bytes: int, n_bits: int) -> int:
 
 
 def check_n_frames(header: Header) -> None:
-    """A `FileError` if the pixel data cannot be so many frames."""
+    """Raise a `FileError` if the pixel data cannot hold as many frames as the header says."""
     data = header.pixel_data
     if header.transfer_syntax in NATIVE:
         if data is not None:
@@ -124,7 +124,7 @@ def check_n_frames(header: Header) -> None:
 
 
 def _n_fragments(file: Path, data: PixelData) -> int:
-    """Items of compressed pixels, by their heads alone; the first is a table of offsets."""
+    """Number of fragments of compressed pixels, by the heads of items alone; the first item is a table of offsets."""
     count = 0
     with file.open("rb") as stream:
         stream.seek(data.offset)

@@ -1,7 +1,7 @@
 """Stored numbers of DICOM files, frame by frame, without slope and without inversion for display.
 
-What is not compressed is taken from the bytes, which are counted first: there may be too few. RLE is unpacked by
-pydicom, all else by SimpleITK (GDCM), from a copy that says nothing of slopes and displays, so that GDCM applies none.
+Uncompressed pixels are taken from the bytes, which are counted first: there may be too few. RLE is unpacked by pydicom,
+all else by SimpleITK (GDCM), from a copy without slopes and display settings, so that GDCM applies none.
 """
 
 from __future__ import annotations
@@ -33,9 +33,9 @@ from wavesplat.errors import FileError
 __all__ = ["check_syntax", "frames_in", "is_padding_beyond_bits"]
 
 RLE = "1.2.840.10008.1.2.5"
-#: Compressed pixels that GDCM unpacks: JPEG (baseline, extended, lossless), JPEG-LS and JPEG 2000.
+#: Transfer syntaxes that GDCM unpacks: JPEG (baseline, extended, lossless), JPEG-LS and JPEG 2000.
 JPEG = {f"1.2.840.10008.1.2.4.{number}" for number in (50, 51, 57, 70, 80, 81, 90, 91)}
-#: MPEG-2, MPEG-4 and HEVC.
+#: Transfer syntaxes of video: MPEG-2, MPEG-4 and HEVC.
 VIDEO = {f"1.2.840.10008.1.2.4.{number}" for number in range(100, 109)}
 SECONDARY_CAPTURE = "1.2.840.10008.5.1.4.1.1.7"
 ITEM, END_OF_ITEMS = b"\xfe\xff\x00\xe0", b"\xfe\xff\xdd\xe0"
@@ -48,7 +48,7 @@ def frames_in(header: Header) -> NDArray[Any]:
     shape = (header.n_frames, rows, columns)
     size_checks.check_memory(math.prod(shape) * header.n_samples * max(header.bits_allocated // 8, 1), header.file)
     if header.photometric == "PALETTE COLOR":
-        # GDCM looks colours up; what it is given must be there.
+        # GDCM looks colours up; the pixels that it is given must be complete.
         if header.transfer_syntax in NATIVE:
             content = _native_bytes(header)[1]
             if header.transfer_syntax == DEFLATED and header.pixel_data is not None:
@@ -68,7 +68,7 @@ def frames_in(header: Header) -> NDArray[Any]:
 
 
 def _check_bits(n_bits: int, header: Header) -> None:
-    """A `FileError` if unpacked numbers have more bits than the header says, which would be cut."""
+    """Raise a `FileError` if unpacked numbers have more bits than the header says, which would be cut."""
     if n_bits > max(header.bits_allocated, 8):
         raise FileError(
             f"the compressed pixels have {n_bits} bits, the header says {header.bits_allocated} (BitsAllocated); "
@@ -91,7 +91,7 @@ def _jpeg_precision(fragments: bytes) -> int:
 
 
 def check_syntax(header: Header) -> None:
-    """A `FileError` if the pixels are compressed in a way that is not read."""
+    """Raise a `FileError` if the pixels are compressed in a way that is not read."""
     syntax = header.transfer_syntax
     if syntax in NATIVE or syntax in JPEG or syntax == RLE:
         return
@@ -128,7 +128,7 @@ def _native(header: Header, shape: tuple[int, int, int]) -> NDArray[Any]:
 
 
 def is_padding_beyond_bits(header: Header) -> bool:
-    """Whether the bits that count cannot hold the padding, of which they would show some other number."""
+    """Whether the padding value does not fit into the stored bits, which would show another number instead."""
     n_bits = header.bits_stored
     if header.padding is None or not 0 < n_bits < header.bits_allocated:
         return False
@@ -137,7 +137,7 @@ def is_padding_beyond_bits(header: Header) -> bool:
 
 
 def _native_bytes(header: Header) -> tuple[int, bytes]:
-    """The tag of pixels that are not compressed, and their bytes, which are as many as are needed."""
+    """Tag and bytes of uncompressed pixels, exactly as many bytes as the frames need."""
     if (data := header.pixel_data) is not None:
         n_bits = n_bits_of(data.tag, header)
         needed = check_enough(header, data.n_bytes, n_bits)
@@ -157,13 +157,13 @@ def _native_bytes(header: Header) -> tuple[int, bytes]:
 
 
 def _meant(stored: NDArray[Any], header: Header) -> NDArray[Any]:
-    """The bits of a pixel that count, with their sign; the others may hold anything."""
+    """The stored bits of each pixel, with their sign; the other bits may hold anything."""
     n_bits = stored.dtype.itemsize * 8
     unsigned = np.dtype(f"u{stored.dtype.itemsize}")
     signed = np.dtype(f"i{stored.dtype.itemsize}")
     if not 0 < header.bits_stored < n_bits:
         return stored.view(signed if header.is_signed else unsigned)
-    # To the top, where others fall off, and back, which fills with the sign.
+    # Shifted to the top, which drops the bits above, and back, which extends the sign.
     up = max(n_bits - 1 - header.high_bit, 0)
     top = np.left_shift(stored.view(unsigned), unsigned.type(up))
     down = n_bits - header.bits_stored
@@ -196,7 +196,7 @@ def _set_pixels(dataset: Any, fragments: bytes) -> None:
 
 
 def _fragments(header: Header) -> bytes:
-    """Items of compressed pixels, without what ends them, which must be there: else the file was cut.
+    """Items of compressed pixels, without the end mark, which must be there: else the file was cut.
 
     (pydicom would warn and take what there is.)
     """
@@ -215,7 +215,7 @@ def _fragments(header: Header) -> bytes:
 
 
 def _by_neutral_copy(header: Header, shape: tuple[int, int, int], fragments: bytes | None) -> NDArray[Any]:
-    """By GDCM, from a copy of the pixels alone. `fragments`: the compressed pixels; None of others."""
+    """Frames by GDCM, from a copy of the pixels alone. `fragments`: compressed pixels; None for uncompressed ones."""
     from pydicom.dataset import Dataset, FileMetaDataset
     from pydicom.uid import UID
 

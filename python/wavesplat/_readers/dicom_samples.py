@@ -21,7 +21,7 @@ __all__ = ["samples_of"]
 def samples_of(
     stack: Stack, pixels: dict[Path, NDArray[Any]], headers: dict[Path, Header], request: Request
 ) -> tuple[NDArray[Any], str]:
-    """Values of a stack, and what was done to padding; empty if nothing was."""
+    """Values of a stack, and a sentence on changed padding, empty if none was changed."""
     used = [stack.frames[n] for n in sorted({n for a, b, _ in stack.slices for n in (a, b)})]
     first = pixels[used[0].file]
     n_components = first.shape[3] if first.ndim == 4 else 1
@@ -56,7 +56,7 @@ def samples_of(
 def _without_padding(
     samples: NDArray[Any], stack: Stack, pixels: dict[Path, NDArray[Any]], headers: dict[Path, Header]
 ) -> str:
-    """Set padding that is brighter than the darkest of the scan to that, in place, and say so.
+    """Set padding that is brighter than the darkest sample of the scan to that, in place; return a sentence on it.
 
     Padding fills a round field of view up to a square. Mostly it is darker than all else, and is left as it is.
     """
@@ -79,7 +79,7 @@ def _without_padding(
 def _padding(
     stack: Stack, pixels: dict[Path, NDArray[Any]], headers: dict[Path, Header]
 ) -> Iterator[tuple[int, NDArray[np.bool_]]]:
-    """Slices with padding, and where; a slice between two frames has that of both."""
+    """Slices with padding, and its mask; a slice between two frames has the padding of both."""
     for number, (a, b, share) in enumerate(stack.slices):
         if math.isnan(share):
             continue
@@ -91,7 +91,7 @@ def _padding(
 
 
 def _is_padding(stored: NDArray[Any], header: Header) -> NDArray[np.bool_] | None:
-    """The pixels that only fill up; None if the file has none, or names a number that stored bits cannot hold."""
+    """Mask of padding; None if the file has none, or names a number that the type of the stored numbers cannot hold."""
     if header.padding is None or stored.dtype.kind not in "iu":
         return None
     low, high = header.padding
@@ -104,7 +104,7 @@ def _is_padding(stored: NDArray[Any], header: Header) -> NDArray[np.bool_] | Non
 def _type_of_all(
     frames: Sequence[Frame], pixels: dict[Path, NDArray[Any]], headers: dict[Path, Header]
 ) -> np.dtype[Any]:
-    """By what the stored bits can hold, and without a look at the values."""
+    """A type for the values of all frames, by the range of the stored bits, not by the values themselves."""
     types = {pixels[frame.file].dtype for frame in frames}
     scales = {(frame.slope, frame.intercept) for frame in frames}
     if len(types) == 1 and scales == {(1.0, 0.0)}:
@@ -126,7 +126,7 @@ def _type_of_all(
 
 
 def _narrowed(samples: NDArray[Any]) -> NDArray[Any]:
-    """In 16 bits where these hold all values."""
+    """The samples, in 16 bits where these hold all values."""
     if samples.dtype.kind in "iu":
         for dtype in (np.int16, np.uint16):
             if np.iinfo(dtype).min <= samples.min() and samples.max() <= np.iinfo(dtype).max:

@@ -20,21 +20,21 @@ from wavesplat.errors import FileError
 
 __all__ = ["EMPTY", "N_NAMED", "Stack", "stacked"]
 
-#: Part of the slice distance by which a slice may be off its place: positions are rounded by scanners.
+#: Tolerance of slice positions, as a fraction of the slice distance: scanners round positions.
 TOLERANCE = 0.05
-#: More slices than this, for each that is there, are no gap but a stray slice.
+#: Slices for each that is there, at most, after gaps are filled: more mean a stray slice, and no gap.
 MAX_FILLED = 4
-#: Slices of a segmentation with those that it leaves out; no scan has as many.
+#: Slices of a segmentation, those that it leaves out included, at most; no scan has as many.
 MAX_SLICES = 1 << 16
-#: The share of a slice of which nothing is in the file, and which is 0 throughout.
+#: The share that marks a slice that is not in the file, and is 0 throughout.
 EMPTY = float("nan")
-#: Files that a message names.
+#: Files that a message names, at most.
 N_NAMED = 4
 
 
 @dataclass(frozen=True)
 class Stack:
-    """Which frames make each slice: two and the share of the second, or `EMPTY`; and where the slices lie."""
+    """Frames, the two that make each slice with the share of the second (or `EMPTY`), and the affine."""
 
     frames: Sequence[Frame]
     slices: list[tuple[int, int, float]]
@@ -43,7 +43,7 @@ class Stack:
 
 
 def stacked(frames: Sequence[Frame], request: Request, *, is_mask: bool = False) -> Stack:
-    """The frames at even distances, those that are missing filled in from their neighbours.
+    """The frames as a stack at even distances, missing ones filled in from their neighbours.
 
     is_mask : frames of a segmentation, which leaves out slices in which there is nothing of a segment.
     """
@@ -89,7 +89,7 @@ def _world_from_index(first: Frame, step: NDArray[np.float64]) -> NDArray[np.flo
 def _filled(
     frames: Sequence[Frame], positions: NDArray[np.float64], request: Request
 ) -> tuple[list[tuple[int, int, float]], NDArray[np.float64], str]:
-    """Slices at even distances, their step, and what was done."""
+    """Slices at even distances, their step, and a sentence on what was filled or resampled."""
     way = positions[-1] - positions[0]
     length = float(np.linalg.norm(way))
     along = (positions - positions[0]) @ (way / length)
@@ -143,7 +143,7 @@ def _uneven(frames: Sequence[Frame], distances: NDArray[np.float64], listed: str
 
 
 def _off_line(frames: Sequence[Frame], positions: NDArray[np.float64], request: Request) -> str:
-    """Slices that are shifted against each other, by the frame that is off the line through most of the others."""
+    """Message for slices that are shifted: it names the frame farthest from the line through most of the others."""
     steps = np.diff(positions, axis=0)
     usual = np.median(steps / np.linalg.norm(steps, axis=1)[:, None], axis=0)
     usual /= np.linalg.norm(usual)

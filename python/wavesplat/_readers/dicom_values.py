@@ -26,7 +26,7 @@ def raw_value(dataset: Any, tag: int) -> tuple[bytes, bool]:
 
 
 def as_text(raw: tuple[bytes, bool]) -> str:
-    """Bytes as text, without what fills it up."""
+    """Bytes as text, without padding."""
     return raw[0].decode("latin-1").strip(" \0")
 
 
@@ -51,18 +51,18 @@ def text(dataset: Any, tag: int) -> str:
 
 
 def numbers(dataset: Any, tag: int, count: int) -> NDArray[np.float64]:
-    """As many decimal numbers, or NaN."""
+    """`count` decimal numbers of an element; all NaN if it has another count of them."""
     found = as_numbers(raw_value(dataset, tag), "decimal")
     return np.array(found if len(found) == count else [NONE] * count)
 
 
 def whole_numbers(dataset: Any, tag: int, encoding: str) -> tuple[int, ...]:
-    """Whole numbers of 16 ("u2") or 32 bits ("u4")."""
+    """Whole numbers of an element, such as of 16 ("u2") or 32 bits ("u4")."""
     return tuple(int(number) for number in as_numbers(raw_value(dataset, tag), encoding))
 
 
 def integer(dataset: Any, tag: int) -> int:
-    """The first number of 16 bits; 0 where there is none."""
+    """The first number of an element of 16-bit numbers; 0 where there is none."""
     return next(iter(whole_numbers(dataset, tag, "u2")), 0)
 
 

@@ -1,4 +1,4 @@
-"""Volumes of DICOM frames: which frames of each place belong together, and what tells the volumes apart.
+"""Volumes of DICOM frames: which frames of each place belong together, and what distinguishes the volumes.
 
 A series may show every place several times: times, echoes, magnitude and phase, b-values, heart phases. Frames of a
 place are split by the attributes that vary and have the same values at every place; then by numbers and clocks that
@@ -26,22 +26,22 @@ __all__ = ["FrameVolume", "times_of", "volumes_of"]
 
 #: Positions nearer than this, in mm and in parts of the distance of pixels, are one place: headers round them.
 PLACE_MM, PLACE_PIXELS = 0.01, 0.01
-#: Words of image types for the parts of a complex picture, in the order of their volumes.
+#: Words of image types for the parts of a complex image, in the order of their volumes.
 PARTS = {"M": 0, "MAGNITUDE": 0, "P": 1, "PHASE": 1, "R": 2, "REAL": 2, "I": 3, "IMAGINARY": 3}
-#: The attribute of frames that only their numbers tell apart.
+#: The attribute of frames that only their numbers distinguish.
 NUMBER = Attribute("number", "", ())
 
 
 @dataclass(frozen=True)
 class FrameVolume:
-    """The frames of a volume in order along their normal, and what is said of it."""
+    """The frames of a volume in order along their normal, its label, guesses and losses."""
 
     frames: list[Frame]
-    #: What tells it from the others of the series; empty where there are none.
+    #: Attributes that distinguish it from the others of the series; empty where there are none.
     label: str = ""
     #: Whether it differs from the others by when it was taken, and by nothing else.
     is_time: bool = False
-    #: How the frames were told apart, where headers do not say it; whether that is no more than a guess by file names.
+    #: Sentence on how the frames were split, where headers do not say it; whether file names alone decided it.
     guess: str = ""
     is_by_names: bool = False
     #: Slices that other volumes have and this one lacks at its ends, as a sentence.
@@ -50,7 +50,7 @@ class FrameVolume:
 
 @dataclass(frozen=True)
 class _Key:
-    """An attribute that splits frames, with its value for each frame, and what is compared of it."""
+    """An attribute that splits frames, with its value for each frame, and the key that is compared (value or rank)."""
 
     attribute: Attribute
     values: Sequence[Value | None]
@@ -58,7 +58,7 @@ class _Key:
 
 
 def volumes_of(frames: Sequence[Frame], request: Request) -> list[FrameVolume]:
-    """The volumes that frames with places make: those of each stack and segment, in order of their attributes."""
+    """The volumes of frames with positions: those of each stack and segment, in order of their attributes."""
     stacks: dict[Hashable, list[Frame]] = {}
     has_stacks = any(frame.stack for frame in frames)  # else they are classic files, and must be parallel
     for frame in frames:
@@ -79,7 +79,7 @@ def volumes_of(frames: Sequence[Frame], request: Request) -> list[FrameVolume]:
 def times_of(volumes: Sequence[FrameVolume]) -> tuple[float, ...]:
     """When each volume was taken, in seconds after the first, by the first clock that goes on from volume to volume.
 
-    Empty where nothing tells when, or where volumes differ by more than time.
+    Empty where no clock does, or where volumes differ by more than time.
     """
     if len(volumes) < 2 or not all(volume.is_time for volume in volumes):
         return ()
@@ -152,7 +152,7 @@ def _places(frames: Sequence[Frame]) -> list[list[int]]:
 
 
 def _distinguished(frames: Sequence[Frame], places: Sequence[Sequence[int]]) -> tuple[list[int], list[_Key]]:
-    """A number for each frame, equal for those that nothing tells apart, and the attributes that do."""
+    """A code for each frame, equal for frames that no attribute distinguishes, and the attributes that distinguish."""
     codes = [0] * len(frames)
     keys: list[_Key] = []
     known = [attribute for attribute in ATTRIBUTES if _varies(frames, attribute.name)]
@@ -177,9 +177,9 @@ def _varies(frames: Sequence[Frame], name: str) -> bool:
 
 
 def _refined(codes: Sequence[int], values: Sequence[Hashable], places: Sequence[Sequence[int]]) -> list[int] | None:
-    """Codes that also tell these values apart; None if no place has more of them, or they differ from place to place.
+    """Codes that also distinguish these values; None if no place gets more of them, or they differ between places.
 
-    Places with fewer frames than others must have some of the codes of those with all.
+    Places with fewer frames than others must have a subset of the codes of the complete places.
     """
     finer = _joint(codes, values)
     n_most = max(len(place) for place in places)
@@ -203,7 +203,7 @@ def _joint(codes: Sequence[int], values: Sequence[Hashable]) -> list[int]:
 
 
 def _ranks(values: Sequence[Any], codes: Sequence[int], places: Sequence[Sequence[int]]) -> list[int]:
-    """Of each frame, how many smaller values frames of its place and code have."""
+    """Rank of each frame: the number of smaller distinct values among the frames of its place and code."""
     ranks = [0] * len(codes)
     for place in places:
         groups: dict[int, list[int]] = {}
@@ -223,7 +223,7 @@ def _is_unique(codes: Sequence[int], places: Sequence[Sequence[int]]) -> bool:
 def _leading(frames: Sequence[Frame], places: Sequence[Sequence[int]]) -> list[_Key]:
     """Attributes that order volumes before their kinds do: one that counts them all; else the file's own indices.
 
-    Not a clock: it may tell when pictures were computed.
+    Not a clock: it may be the time at which pictures were computed.
     """
     for attribute in ATTRIBUTES:
         if attribute.is_time and not _is_clock(attribute) and _varies(frames, attribute.name):
@@ -270,12 +270,12 @@ def _sort_keys(key: _Key, frames: Sequence[Frame]) -> list[tuple[Any, ...]]:
 
 
 def _is_clock_of(frames: Sequence[Frame], name: str) -> bool:
-    """Whether all frames have this time, and it differs."""
+    """Whether all frames have a number for this attribute, and not all the same."""
     return _varies(frames, name) and all(isinstance(frame.attributes.get(name), float) for frame in frames)
 
 
 def _place_of_part(value: Hashable) -> int:
-    """Magnitude, phase, real and imaginary part in this order, by the first word of an image type that names one."""
+    """Rank of magnitude, phase, real and imaginary part, by the first word of an image type that names one."""
     for word in str(value).split("\\"):
         head = word.partition("_")[0].strip()
         if head in PARTS:
@@ -283,7 +283,7 @@ def _place_of_part(value: Hashable) -> int:
     return len(PARTS)
 
 
-# Numbers, and what is said
+# Numbers, labels and messages
 
 
 def _numbers(frames: Sequence[Frame]) -> list[tuple[Any, ...]]:
@@ -291,7 +291,7 @@ def _numbers(frames: Sequence[Frame]) -> list[tuple[Any, ...]]:
 
 
 def _by_numbers(frames: Sequence[Frame], places: Sequence[Sequence[int]]) -> tuple[str, bool]:
-    """A sentence on frames that only their numbers or names tell apart, and whether it is names."""
+    """A sentence on frames that only their numbers or names distinguish, and whether it is names."""
     if len({frame.file for frame in frames}) == 1:
         return "frames of one place in the order of the file: nothing in it tells which belong together", False
     n = len(places[0])
@@ -307,7 +307,7 @@ def _by_numbers(frames: Sequence[Frame], places: Sequence[Sequence[int]]) -> tup
 
 
 def _labels(keys: Sequence[_Key], frames: Sequence[int]) -> list[str]:
-    """Labels of volumes, of each of which a frame is given: the attributes that tell it from the others."""
+    """Labels of volumes, one for each of these frames: the attributes that distinguish its volume."""
     if [key.attribute for key in keys] == [NUMBER]:
         return [""] * len(frames)
     columns = [_described(key.attribute, [key.values[n] for n in frames]) for key in keys]
@@ -332,7 +332,7 @@ def _described(attribute: Attribute, values: Sequence[Value | None]) -> list[str
 
 
 def _is_clock(attribute: Attribute) -> bool:
-    """Whether it is a time of day."""
+    """Whether an attribute is a time of day."""
     return any(source.encoding in ("time", "datetime") for source in attribute.sources)
 
 
@@ -358,7 +358,7 @@ def _missing_at_ends(slices: Sequence[int | None]) -> str:
 def _missing_or_doubled(
     frames: Sequence[Frame], places: Sequence[Sequence[int]], codes: Sequence[int], request: Request
 ) -> str:
-    """Some places have more frames than others, and attributes do not tell which frames are missing or doubled."""
+    """Message for places with more frames than others, where attributes do not show the missing or doubled ones."""
     counts = [len(place) for place in places]
     place = places[counts.index(max(counts))]
     count = Counter(codes[n] for n in place)

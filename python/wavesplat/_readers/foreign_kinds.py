@@ -1,4 +1,4 @@
-"""Files of kinds that Wavesplat does not read: what they hold, and the way to a volume, for error messages."""
+"""Files of kinds that Wavesplat does not read: their content, and the way to a volume, for error messages."""
 
 from __future__ import annotations
 
@@ -15,7 +15,7 @@ BY_SITK = "give wavesplat.Volume(SimpleITK.ReadImage(path))"
 BY_XARRAY = "give wavesplat.Volume(xarray.open_dataset(path)[name])"
 UNPACK = "unpack it first"
 
-#: Suffix -> what the file holds, and the way.
+#: Suffix -> content of the file, and the way to a volume.
 BY_SUFFIX = {
     ".czi": ("an image of Zeiss' microscopes", BY_OME),
     **dict.fromkeys((".lif", ".lof", ".xlef"), ("images of Leica's microscopes", BY_OME)),
@@ -44,7 +44,7 @@ BY_SUFFIX = {
         ("one picture", "a volume is a folder of TIFF or DICOM slices, or one file of a stack"),
     ),
 }
-#: Suffixes of VTK's other files, and the name of their type.
+#: Suffix of VTK's other files -> the name of their type.
 OF_VTK = {
     ".vtr": "RectilinearGrid",
     ".vts": "StructuredGrid",
@@ -62,7 +62,7 @@ OF_VTK = {
     ".pvd": "Collection",
     ".vtkhdf": "VTKHDF",
 }
-#: First bytes -> what the file holds, and the way. Nothing that is read begins so, but packed files under their names.
+#: First bytes -> content of the file, and the way to a volume. No format that is read begins so, but packed files.
 BY_CONTENT = {
     b"CDF\1": ("netCDF", BY_XARRAY),
     b"CDF\2": ("netCDF", BY_XARRAY),
@@ -85,7 +85,7 @@ MAY_BE_OURS = (".npz", ".gz", ".mgz", ".img", ".raw", ".bin")
 
 
 def foreign_kind(path: Path) -> FileError | None:
-    """The error that tells of a file by its suffix; None where nothing is known of it."""
+    """The error that describes a file by its suffix; None for an unknown suffix."""
     name = path.name.lower()
     for suffix, kind in OF_VTK.items():
         if name.endswith(suffix):
@@ -97,7 +97,7 @@ def foreign_kind(path: Path) -> FileError | None:
 
 
 def foreign_content(path: Path, start: bytes) -> FileError | None:
-    """The error that tells of a file by its first bytes, whatever its name says; None where they may be ours."""
+    """The error that describes a file by its first bytes, whatever its name; None where we may read it."""
     if path.name.lower().endswith(MAY_BE_OURS):
         return None
     head = start.lstrip().lower() if start[:1] in b" \t\r\n<" else start

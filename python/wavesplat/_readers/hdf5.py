@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
 __all__ = ["chosen_dataset", "facts_of", "place_of", "read"]
 
-#: Groups and links on the way to a dataset, at most.
+#: Groups and links on the path to a dataset, at most.
 MAX_STEPS = 100
 
 
@@ -34,7 +34,7 @@ def read(request: Request) -> Grid:
         shape = sorted(dataset.shape)[-3:] if len(index) > 1 else dataset.shape
         size_checks.check_memory(size_checks.n_bytes(shape, dataset.dtype), request.path)
         if not (dataset.external or dataset.is_virtual):
-            # What was never written is not stored, and read as zeros; a few of these are well.
+            # Chunks that were never written are not stored, and read as zeros; the loose ratio allows for a few.
             stored = max(dataset.id.get_storage_size(), request.file.stat().st_size)
             size_checks.check_stored(shape, dataset.dtype, stored, request.path, ratio=size_checks.ANY_RATIO)
         place = place_of(dataset)
@@ -58,7 +58,7 @@ def facts_of(file: h5py.File, place: Place) -> Facts:
 
 
 def chosen_dataset(file: h5py.File, request: Request) -> h5py.Dataset:
-    """The dataset that is asked for, or the only one; a `FileError` if its samples are those of other files."""
+    """The dataset that is asked for, or the only one; a `FileError` if its samples lie in other files."""
     _check_kind(file, request)
     dataset = _dataset(file, request)
     if not request.external_files:
@@ -67,14 +67,14 @@ def chosen_dataset(file: h5py.File, request: Request) -> h5py.Dataset:
 
 
 def _own_names(file: h5py.File) -> set[str]:
-    """Names in the root group that are no links to other names or files: what is opened by these is in the file."""
+    """Names in the root group that are no links to other names or files, so that their objects are in the file."""
     import h5py
 
     return {name for name in file if isinstance(file.get(name, getlink=True), h5py.HardLink)}
 
 
 def _check_kind(file: h5py.File, request: Request) -> None:
-    """A `FileError` for formats on top of HDF5 that say what their numbers mean, which would be lost here."""
+    """Raise a `FileError` for formats on top of HDF5 that say what their numbers mean, which would be lost here."""
     own = _own_names(file)
     if "_NCProperties" in file.attrs or any("_Netcdf4Dimid" in file[name].attrs for name in own):
         raise FileError(
@@ -115,7 +115,7 @@ def _dataset(file: h5py.File, request: Request) -> h5py.Dataset:
 
 
 def _check_own(file: h5py.File, dataset: h5py.Dataset, request: Request, seen: set[str]) -> None:
-    """A `FileError` if samples are those of other files, also by way of other datasets of this file (`seen`)."""
+    """Raise a `FileError` if samples lie in other files, also through other datasets of this file (`seen`)."""
     import h5py
 
     others = [name for name, _, _ in dataset.external or ()]
@@ -134,7 +134,7 @@ def _check_own(file: h5py.File, dataset: h5py.Dataset, request: Request, seen: s
 
 
 def _check_way(file: h5py.File, name: str, request: Request) -> None:
-    """A `FileError` if the way to a dataset leaves the file without leave, or goes round in a circle."""
+    """Raise a `FileError` if the path to a dataset leaves the file without permission, or goes round in a circle."""
     import h5py
 
     place, parts = "/", name.split("/")

@@ -1,4 +1,4 @@
-"""Headers of NRRD and MetaImage files: what SimpleITK leaves out of them, units, anatomy, modality, and zlib streams.
+"""Headers of NRRD and MetaImage files, for what SimpleITK leaves out: units, anatomy, modality, and zlib streams.
 
 NRRD: https://teem.sourceforge.net/nrrd/format.html. Lines are `field: value` or `key:=value`, and only the former are
 the format's own. MetaImage: https://docs.itk.org/en/latest/learn/metaio.html, lines `Field = value`.
@@ -42,15 +42,15 @@ META_TYPES = {
 
 @dataclass(frozen=True)
 class Header:
-    """The fields of a header, names in lower case, and what they say."""
+    """The fields of a header, names in lower case, and their meaning."""
 
     fields: dict[str, str]
     facts: Facts
-    #: What turns lengths along the index axes and along the world's axes into the unit of `facts`.
+    #: Factors that convert lengths along the index axes, and along the world's axes, to the unit of `facts`.
     index_factors: tuple[float, float, float] = (1.0, 1.0, 1.0)
     world_factors: tuple[float, float, float] = (1.0, 1.0, 1.0)
     keys: dict[str, str] = field(default_factory=dict)
-    #: The axis that ITK takes for that of the components of a sample: of values at several times, or of channels.
+    #: The axis that ITK takes for the components of a sample: an axis of times, or of channels.
     listed: ListedAxis | None = None
 
     def in_one_unit(self, world_from_index: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -74,7 +74,7 @@ def of_nrrd(path: Path) -> Header:
         name, colon, value = line.partition(":")
         if line.startswith("#") or not colon:
             continue
-        # Of `key:=value` anything may be a key, also the name of a field.
+        # In `key:=value` anything may be a key, also the name of a field.
         if value.startswith("="):
             keys[name.strip().lower()] = value[1:].strip()
         else:
@@ -87,7 +87,7 @@ def of_nrrd(path: Path) -> Header:
     if unit is None and "space directions" not in fields:
         named = _three_units(fields.get("units", ""))
         unit, index_factors = units.in_one_unit(named)
-    unit = unit or units.canonical(keys.get(UNIT))  # what ITK keeps of a unit: it knows of none
+    unit = unit or units.canonical(keys.get(UNIT))  # ITK has no units, and keeps one as a key
     conventions = []
     if unit is None and is_anatomical:
         unit = "mm"
@@ -134,7 +134,7 @@ def _quoted(text: str) -> list[str]:
 
 
 def _three_units(text: str, without: int | None = None) -> tuple[str | None, str | None, str | None]:
-    """Of `"mm" "mm" "mm"`; where there are more axes, without the one of times, else the last: first are vectors'."""
+    """The units in `"mm" "mm" "mm"`; of four axes those but `without`, else the last: vectors' come first."""
     named = [units.canonical(name) for name in _quoted(text)]
     if without is not None and len(named) == 4:
         del named[without]
@@ -185,6 +185,6 @@ def inflated(path: Path, header: Header, shape: tuple[int, ...]) -> NDArray[Any]
 
 
 def _lines(path: Path) -> list[str]:
-    """Lines of the start of the file, whatever ends them; other control characters are no ends."""
+    """Lines of the start of the file, split at line feeds alone, without carriage returns at their ends."""
     with path.open("rb") as file:
         return [line.rstrip("\r") for line in file.read(N_HEADER_BYTES).decode("latin-1").split("\n")]

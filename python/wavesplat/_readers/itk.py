@@ -1,7 +1,7 @@
 """NRRD and MetaImage, by SimpleITK.
 
 ITK's world is LPS; it is turned into RAS here, once.
-An NRRD file whose `space` is none of a patient says nothing of one: its axes are kept as they are.
+An NRRD file whose `space` is no patient's says nothing of one: its axes are kept as they are.
 """
 
 from __future__ import annotations
@@ -35,7 +35,7 @@ def read(request: Request) -> Grid:
     path = request.file
     with reading("an image", path), muted_stderr():
         reader = sitk.ImageFileReader()
-        # Said, not found out: a file of any other kind under such a name could name further files.
+        # Set, not detected: a file of any other kind under such a name could name further files.
         reader.SetImageIO(_image_io(path))
         places = places_of_samples(path, anywhere=request.external_files, within=request.within)
         header = header_of(path)
@@ -83,7 +83,7 @@ def for_itk(path: Path, header: Header, places: Sequence[tuple[Path, int]]) -> A
 
 
 def _is_of_channels(axis: ListedAxis, request: Request) -> bool:
-    """Whether an axis is one of channels: of which the file does not say it, the one asked for, else the fastest."""
+    """Whether an axis is one of channels: its kind is unsaid, and a channel is asked for, or else it is the fastest."""
     if axis.is_said or request.time is not None:
         return False
     return request.channel is not None or axis.number == 0
@@ -110,7 +110,7 @@ def simple_itk() -> Any:
 
 
 def header_of(path: Path) -> Header:
-    """What the header says that ITK leaves out."""
+    """The header of a file, for what ITK leaves out."""
     return of_meta_image(path) if path.suffix.lower() in (".mha", ".mhd") else of_nrrd(path)
 
 
@@ -149,7 +149,7 @@ def _check_payload(
     shape: Sequence[int],
     dtype: np.dtype[Any],
 ) -> None:
-    """Compare the promised size with the size of the file that holds the samples, if the header names one."""
+    """Compare the size that the header promises with that of the files that hold the samples."""
     for file, _ in places:
         if not file.is_file():
             raise FileError(
@@ -164,7 +164,7 @@ def _check_payload(
         stored = sum(max(file.stat().st_size - offset, 0) for file, offset in dict(places).items())
         size_checks.check_stored(shape, dtype, stored, path, ratio=ratio)
     if ratio == size_checks.DEFLATE_RATIO:
-        # ITK draws what it has of a damaged stream, and does not look at checksums.
+        # ITK returns a part of the samples of a damaged stream, and does not verify checksums.
         skipped = int(header.get("headersize", 0)) if len(places) == 1 and places[0][1] == 0 else 0
         n_lines = int(header.get("line skip", header.get("lineskip", 0)))
         begins = [(file, _after_lines(file, offset + max(skipped, 0), n_lines)) for file, offset in places]
@@ -172,7 +172,7 @@ def _check_payload(
 
 
 def _after_lines(file: Path, offset: int, n_lines: int) -> int:
-    """Where a packed stream begins: NRRD skips lines before it unpacks, and bytes after that."""
+    """Offset of a packed stream: NRRD skips lines before it unpacks, and bytes after that."""
     with file.open("rb") as stream:
         stream.seek(offset)
         skip_lines(stream, n_lines)

@@ -1,8 +1,8 @@
 """Files whose samples are read while they are drawn: from a request to levels of lazy arrays, their places and facts.
 
-Parts can be read of what is stored as it is, or in chunks: .npy, raw, uncompressed NIfTI, NRRD and MetaImage, binary
-legacy VTK, HDF5, TIFF (in one piece, or page by page), Zarr. What is compressed as one stream has to be unpacked, or
-stored in chunks, first.
+Parts can be read of samples that are stored as they are, or in chunks: .npy, raw, uncompressed NIfTI, NRRD and
+MetaImage, binary legacy VTK, HDF5, TIFF (in one piece, or page by page), Zarr. Samples that are compressed as one
+stream have to be unpacked, or stored in chunks, first.
 """
 
 from __future__ import annotations
@@ -39,7 +39,7 @@ INSTEAD = "store the samples in chunks, as a Zarr array"
 
 @dataclass(frozen=True)
 class LazyGrid:
-    """Levels, the finest first, their affines from index (x, y, z) to the world, and what else the file says."""
+    """Levels, the finest first, their affines from index (x, y, z) to the world, and the file's facts."""
 
     levels: list[LazyArray]
     world_from_index: list[Matrix]
@@ -71,7 +71,7 @@ def _one_stream(path: object, what: str) -> FileError:
 
 
 def _unnamed(shape: Sequence[int], request: Request) -> tuple[tuple[int, int, int], list[int | None]]:
-    """The axes z, y, x of an array whose axes have no names, and what is picked of the others."""
+    """The axes z, y, x of an array whose axes have no names, and the index along each of the others."""
     index = index_unnamed_axes(shape, request)
     at = index.index(...)
     picked: list[int | None] = [*index[:at], *[None] * (len(shape) - len(index) + 1), *index[at + 1 :]]
@@ -142,7 +142,7 @@ def _of_nifti(request: Request) -> LazyGrid:
 
 
 def _type_of_scaled(stored: np.dtype[Any], slope: float, intercept: float) -> np.dtype[Any]:
-    """The type of scaled samples, by what their type can hold: their range is not known."""
+    """The type of scaled samples, by the range of their stored type: their own range is not known."""
     if stored.kind in "iu" and slope.is_integer() and intercept.is_integer():
         limits = np.iinfo(stored)
         ends = [int(end) * int(slope) + int(intercept) for end in (limits.min, limits.max)]
@@ -254,7 +254,7 @@ def _of_zarr(request: Request) -> LazyGrid:
         files = chunk_files(level.array, level.picked)
         token = None if files is None else f"Zarr {level.array.store_path}"
         if files is None and not isinstance(request.cache, bool):
-            token = _token_of_url(request, level.path)  # only then is anything kept by what a server says
+            token = _token_of_url(request, level.path)  # only a named folder keeps surveys by a server's marks
         array = SlicedArray(
             level.array,
             name=f"{request.name}/{level.path}" if level.path else request.name,
@@ -267,14 +267,14 @@ def _of_zarr(request: Request) -> LazyGrid:
             check=partial(ome_zarr.check_part, request.safe_path),
         )
         levels.append((array, level.world_from_index, level.facts))
-    # What is assumed of where coarser levels lie is so of the whole.
+    # Guesses about the places of coarser levels belong to the whole volume.
     guesses = dict.fromkeys(guess for _, _, facts in levels for guess in facts.guesses)
     facts = replace(levels[0][2], guesses=tuple(guesses))
     return LazyGrid([one[0] for one in levels], [one[1] for one in levels], facts)
 
 
 def _token_of_url(request: Request, inner: str) -> str | None:
-    """What a server says of the metadata of an array, by which a change would be noticed."""
+    """Token with a server's version mark of an array's metadata, by which a change is noticed; None without a mark."""
     if not request.is_url:
         return None
     for name in ("zarr.json", ".zarray"):

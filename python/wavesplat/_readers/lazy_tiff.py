@@ -1,4 +1,4 @@
-"""TIFF stacks in parts: by place in the file where the samples lie in one piece of it, else page by page.
+"""TIFF stacks read in parts: by offset in the file where the samples lie in one piece of it, else page by page.
 
 A page is read, and unpacked, when it is asked for.
 """
@@ -109,10 +109,10 @@ def _stack(
 
 
 class _Pages:
-    """Slices one after the other, by slicing."""
+    """A stack that is sliced by reading its slices one after the other."""
 
     def page(self, number: int) -> NDArray[Any]:
-        """A slice."""
+        """Read a slice."""
         raise NotImplementedError
 
     def __getitem__(self, index: tuple[slice, slice, slice]) -> NDArray[Any]:
@@ -121,7 +121,7 @@ class _Pages:
 
 
 class _FilePages(_Pages):
-    """Pages of a file. `inside`: what is picked of a page; `turned`: its axes are x, y."""
+    """Pages of a file. `inside`: index into a page; `turned`: its axes are x, y."""
 
     def __init__(self, path: str, numbers: list[int], inside: Sequence[Any], turned: bool) -> None:
         import tifffile
@@ -134,7 +134,7 @@ class _FilePages(_Pages):
         self._lock = Lock()
 
     def page(self, number: int) -> NDArray[Any]:
-        """A slice."""
+        """Read a slice."""
         with self._lock, quiet("tifffile"):
             page: Any = self._pages[self._numbers[number]]
             if page is None:
@@ -144,13 +144,13 @@ class _FilePages(_Pages):
 
 
 class _FolderPages(_Pages):
-    """A file for each slice."""
+    """Slices in a file each."""
 
     def __init__(self, files: list[str], request: Request, shape: tuple[int, ...], dtype: Any) -> None:
         self._files, self._request, self._shape, self._dtype = files, request, shape, dtype
 
     def page(self, number: int) -> NDArray[Any]:
-        """A slice."""
+        """Read a slice."""
         import tifffile
 
         file = Path(self._files[number])

@@ -51,7 +51,7 @@ def first_sample(image: SpatialImage) -> int:
     """Bytes before the samples in their file.
 
     Of a header that says 0, in one file with its samples, nibabel gives the header itself as samples: they begin where
-    the standard allows them first, behind the header and the four bytes that tell of extensions: at 352 in NIfTI-1, at
+    the standard allows them first, behind the header and the four bytes that announce extensions: at 352 in NIfTI-1, at
     544 in NIfTI-2.
     """
     header, proxy = cast("Any", image.header), cast("Any", image.dataobj)
@@ -62,7 +62,7 @@ def first_sample(image: SpatialImage) -> int:
 def loaded(request: Request) -> Any:
     """The image of nibabel, its samples still in the file.
 
-    Asked before, what nibabel would take for other faults: samples that begin inside the header.
+    Checked first: samples that begin inside the header, which nibabel would report as other faults.
     """
     import nibabel
 
@@ -79,7 +79,7 @@ def loaded(request: Request) -> Any:
 
 
 def _check_parts(path: Path, within: Path | None) -> None:
-    """A `FileError` if another part of the image, such as `a.img` of `a.hdr`, or `a.mat`, is a link elsewhere."""
+    """Raise a `FileError` if another part of the image, as `a.img` of `a.hdr`, or `a.mat`, is a link elsewhere."""
     stem = PARTS.sub("", path.name)
     if within is not None and stem != path.name:
         for file in path.parent.iterdir():
@@ -169,9 +169,9 @@ def checked_picks(image: SpatialImage, request: Request) -> tuple[int, int, str 
 
 @contextmanager
 def _stored_bytes(proxy: Any, kept: dict[str, Any] | None) -> Iterator[Any]:
-    """What to read the samples from; a compressed file is read to its end, where its checksum is.
+    """The file to read samples from; a compressed one is read to its end, where its checksum is.
 
-    kept : of a series: the file stays open, so that the next time point is read on from the last one.
+    kept : `Request.kept` of a series: the file stays open, so that the next time point is read on from the last one.
     """
     if not str(proxy.file_like).lower().endswith((".gz", ".mgz")):
         yield proxy.file_like

@@ -1,9 +1,9 @@
 """NRRD files that ITK cannot read as they are, and the header that it is given instead.
 
 An axis of time, or of an unnamed kind, beside three whose place in space is given: ITK takes it for one of space, and
-refuses the file, or takes the wrong one for time. An axis of kind "list" is that of the components of a sample for ITK,
-wherever it stands; so it is handed a header that says so. Samples packed by bzip2: ITK is built without it; they are
-unpacked into a temporary file. A list of files whose last line has no end: ITK leaves that file out.
+refuses the file, or takes the wrong one for time. ITK takes an axis of kind "list" for the components of a sample,
+wherever it stands; so it is handed a header that names this kind. Samples packed by bzip2: ITK is built without it;
+they are unpacked into a temporary file. A list of files whose last line has no end: ITK leaves that file out.
 A name with a percent sign: ITK takes it for a pattern of names.
 
 Format: https://teem.sourceforge.net/nrrd/format.html.
@@ -31,11 +31,11 @@ from wavesplat.errors import FileError
 __all__ = ["ListedAxis", "header_for_itk", "is_bzip2", "listed_axis", "skip_lines"]
 
 BLOCK_BYTES = 1 << 20
-#: How a field of the format begins, and not a key of the same name (`kinds:=...`).
+#: Beginning of a field of the format, and not of a key of the same name (`kinds:=...`).
 FIELD = r"(?i)^[ \t]*{}[ \t]*:(?!=)"
 #: Fields that say where the samples are; "LIST" is followed by lines of names.
 OF_PLACES = ("data ?file", "line ?skip", "byte ?skip")
-#: Kinds that say nothing.
+#: Kinds of axes that say nothing.
 UNSAID = ("???", "none")
 #: The format's names of a type, without blanks -> NumPy's.
 TYPES = {
@@ -62,7 +62,7 @@ class ListedAxis:
 
 
 def listed_axis(fields: dict[str, str]) -> ListedAxis | None:
-    """The one of four axes that is none of space: of kind time or list, or without a kind and a direction.
+    """The one of four axes that is not one of space: of kind time or list, or without a kind and a direction.
 
     A space such as RAS-time has times as its fourth axis, and ITK does as well.
     """
@@ -144,7 +144,7 @@ def _header_lines(path: Path) -> list[str]:
 
 
 def _replace(lines: list[str], name: str, new: list[str]) -> None:
-    """Put other lines where a field is, or behind the sizes, which fields of axes have to follow."""
+    """Replace a field by other lines, or put them behind the sizes, which fields of axes have to follow."""
     at = _line_of(lines, name)
     first, last = (at, at + 1) if at is not None else ((_line_of(lines, "sizes") or 0) + 1,) * 2
     lines[first:last] = new
@@ -155,7 +155,7 @@ def _line_of(lines: list[str], name: str) -> int | None:
 
 
 def _replace_places(lines: list[str], new: list[str]) -> None:
-    """Say anew where the samples are, at the end of the header, where a list of files has to be."""
+    """Replace the fields of places by others, at the end of the header, where a list of files has to be."""
     for name in OF_PLACES:
         at = _line_of(lines, name)
         if at is not None:
@@ -165,7 +165,7 @@ def _replace_places(lines: list[str], new: list[str]) -> None:
 
 
 def _places_of(fields: dict[str, str], places: Sequence[tuple[Path, int]], n_lines: int) -> list[str]:
-    """Fields of places for a header elsewhere: the same files, by their whole names. `n_lines`: of the header."""
+    """Fields of places for a header in another folder: the same files, by absolute paths. `n_lines`: of the header."""
     line_skip = int(fields.get("line skip", fields.get("lineskip", 0)))
     byte_skip = fields.get("byte skip", fields.get("byteskip"))
     named = fields.get("data file", fields.get("datafile"))
@@ -211,7 +211,7 @@ def _unpack(path: Path, fields: dict[str, str], places: Sequence[tuple[Path, int
 
 
 def _unpack_stream(packed: BinaryIO, out: BinaryIO, skipped: int, needed: int) -> int:
-    """Unpack so many bytes, after some that are left out; to the end, where the checksum is. How many there were."""
+    """Unpack `needed` bytes behind `skipped` ones, to the stream's end, for its checksum; return their number."""
     n_written = 0
     with bz2.open(packed) as stream:
         while block := stream.read(BLOCK_BYTES):
@@ -222,7 +222,7 @@ def _unpack_stream(packed: BinaryIO, out: BinaryIO, skipped: int, needed: int) -
 
 
 def skip_lines(file: BinaryIO, n: int) -> None:
-    """Read past so many lines."""
+    """Read past `n` lines."""
     for _ in range(n):
         if not file.readline(MAX_HEADER_BYTES):
             return

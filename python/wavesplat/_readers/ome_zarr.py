@@ -51,7 +51,7 @@ def read(request: Request) -> Grid:
 
 @dataclass(frozen=True)
 class ZarrLevel:
-    """An array, which axes of it are z, y, x, what is picked of the others, and where it lies."""
+    """The array of a level, its axes that are z, y, x, the index along each of the others, and its affine."""
 
     array: Any
     path: str
@@ -87,12 +87,12 @@ def levels_of(request: Request) -> list[ZarrLevel]:
 
 
 def mark_of(request: Request, key: str) -> str | None:
-    """What a server says of the version of a document of metadata."""
+    """A server's mark of the version of a metadata document; None without one."""
     return _location(request).mark(key)
 
 
 def check_part(path: object, array: Any, index: Sequence[int | slice]) -> None:
-    """A `FileError` if a chunk of a part is cut short."""
+    """Raise a `FileError` if a chunk of a part is cut short."""
     check_chunks(array, index, path)
 
 
@@ -102,13 +102,13 @@ def _check_kind(array: Any, request: Request) -> None:
 
 
 def _samples(array: Any, index: Any) -> NDArray[Any]:
-    """The samples that are picked, of which no chunk is read further than it can be long."""
+    """The picked samples; no chunk is read further than it can be long."""
     zarr_metadata.expect_chunks(array)
     return np.asarray(array[index])
 
 
 def _read_later(array: Any) -> None:
-    """The same of chunks that are read as they are drawn; one that the server refuses is told when it is asked for."""
+    """Bound the chunks of an array that is read as it is drawn; a refused one is reported when it is asked for."""
     zarr_metadata.expect_chunks(array)
     place = place_of(array)
     if place is not None:
@@ -136,7 +136,7 @@ def _refused_chunks(array: Any, request: Request) -> tuple[str, ...]:
 def _described_level(
     group: Any, multiscales: dict[str, Any], dataset: dict[str, Any], request: Request
 ) -> ZarrLevel | None:
-    """None where the level is not there, as in a part of a copy."""
+    """The level of a dataset; None where it is not there, as in a partial copy."""
     zarr_metadata.check_codecs(_location(request), f"{request.dataset or ''}/{dataset['path']}")
     array = group.get(dataset["path"])
     if not hasattr(array, "shape"):
@@ -158,7 +158,7 @@ def _no_array(request: Request) -> FileError:
 
 
 def _all_axes(index: tuple[Any, ...], n_axes: int) -> list[int | slice]:
-    """What is picked of each axis, where `...` stands for some."""
+    """The index along each axis, with `...` expanded."""
     at = index.index(...)
     return [*index[:at], *[slice(None)] * (n_axes - len(index) + 1), *index[at + 1 :]]
 
@@ -239,7 +239,7 @@ def _read_level(group: Any, multiscales: dict[str, Any], request: Request) -> Gr
 
 @dataclass(frozen=True)
 class _Place:
-    """Axes of a level's array, what is picked of each, and where the level lies."""
+    """Axes of a level's array, the index along each, and the affine of the level."""
 
     axes: list[str]
     spatial: list[str]
@@ -284,7 +284,7 @@ def _placed(group: Any, array: Any, multiscales: dict[str, Any], dataset: dict[s
 
 
 def _shapes(group: Any, datasets: list[dict[str, Any]], request: Request) -> list[tuple[int, ...]]:
-    """Shapes of all levels; those that are not there, as in a part of a copy, are left out."""
+    """Shapes of all levels; those that are not there, as in a partial copy, are left out."""
     for dataset in datasets:
         zarr_metadata.check_codecs(_location(request), f"{request.dataset or ''}/{dataset['path']}")
     arrays = (group.get(dataset["path"]) for dataset in datasets)
@@ -362,7 +362,7 @@ def _matrix(step: dict[str, Any], n_axes: int, request: Request) -> NDArray[np.f
 
 
 def _numbers(step: dict[str, Any], kind: str, shape: tuple[int, ...], request: Request) -> NDArray[np.float64]:
-    """The numbers of a transformation; a `FileError` for texts, and for another count than that of the axes."""
+    """The numbers of a transformation; a `FileError` for texts, and for another shape than that of the axes."""
     found = np.asarray(step.get(kind), object)
     if found.shape != shape or not all(type(number) in (int, float) for number in found.flat):
         wanted = " x ".join(map(str, shape))
@@ -373,7 +373,7 @@ def _numbers(step: dict[str, Any], kind: str, shape: tuple[int, ...], request: R
 
 
 def _spatial_part(matrix: NDArray[np.float64], xyz: list[int]) -> NDArray[np.float64]:
-    """Rows and columns of x, y, z out of an affine over all axes."""
+    """The affine of x, y, z: their rows and columns of an affine over all axes."""
     part = np.eye(4)
     part[:3, :3] = matrix[np.ix_(xyz, xyz)]
     part[:3, 3] = matrix[xyz, -1]

@@ -1,4 +1,4 @@
-"""What the metadata of an OME-Zarr image say beside where its samples lie: units of axes, channels, times, levels."""
+"""Facts of an OME-Zarr image, by its metadata: units of axes, channels, times, levels."""
 
 from __future__ import annotations
 
@@ -60,7 +60,7 @@ class Axes:
 
 
 def channels_of(attributes: dict[str, Any]) -> tuple[Channel, ...]:
-    """What `omero` says of channels."""
+    """The channels that `omero` describes."""
     omero = attributes.get("omero")
     described = omero.get("channels") if isinstance(omero, dict) else None
     if not isinstance(described, list):
@@ -83,7 +83,7 @@ def _channel(channel: dict[str, Any]) -> Channel:
 
 
 def _hex(text: str) -> tuple[float, float, float] | None:
-    """RRGGBB; some write an alpha behind it."""
+    """The colour RRGGBB, which some follow by an alpha; None for anything else."""
     try:
         red, green, blue = (int(text[i : i + 2], 16) / 255 for i in (0, 2, 4))
     except ValueError:
@@ -100,7 +100,7 @@ def facts_of(
     levels: Sequence[Sequence[int]],
     matrix: NDArray[np.float64],
 ) -> Facts:
-    """The facts of one level. `levels`: shapes of all, as the axes go; `matrix`: world from index over all axes."""
+    """The facts of one level. `levels`: shapes of all, in order of the axes; `matrix`: world from index, all axes."""
     unit, _ = axes.in_one_unit()
     n_times, time_step = 1, None
     if "t" in axes.names:

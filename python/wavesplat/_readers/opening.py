@@ -1,6 +1,6 @@
 """Readers: from a file or folder to a `Volume`, orientation and spacing kept, samples in the type of the file.
 
-One module per family of formats, each with `read(request) -> Grid`; this one finds out which is asked.
+One module per family of formats, each with `read(request) -> Grid`; this one chooses the module.
 The formats themselves are read by well-kept libraries, loaded only when needed.
 """
 
@@ -73,7 +73,7 @@ MAGIC = {
     (0, b"\x89HDF\r\n\x1a\n"): "hdf5",
 }
 N_FIRST_BYTES = 352
-#: Which options mean something to which module; `spacing` and `unit` do to all.
+#: Module -> options that it takes, besides `spacing` and `unit`, which all take.
 OPTIONS = {
     "nifti": {"time", "channel"},
     "itk": {"time", "channel", "external_files"},
@@ -86,9 +86,9 @@ OPTIONS = {
     "hdf5": {"time", "channel", "dataset", "external_files"},
     "ome_zarr": {"time", "channel", "dataset", "level"},
 }
-#: Samples are left in their file where they take more than one part in so many of the memory that is free.
+#: Samples are left in their file where they take more than one part in LARGE_SHARE of the free memory.
 LARGE_SHARE = 4
-#: How guesses begin that `spacing` makes good.
+#: Beginning of the guesses that `spacing` replaces.
 OF_DISTANCES = "distance"
 KINDS = "NIfTI, NRRD, MetaImage, VTK images, DICOM, TIFF, .npy, .npz, raw, HDF5 and OME-Zarr"
 
@@ -122,7 +122,7 @@ def open(
     path : path or URL
         NIfTI (.nii, .nii.gz, .hdr/.img), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), VTK images (.vtk, .vti), a folder
         of DICOM files or one of the files, a TIFF stack (one file or a folder), .npy, .npz, raw, HDF5, OME-Zarr (also
-        under a URL). Or what another library holds, without options: the same as `Volume(it)`.
+        under a URL). Or an object of another library, without options: the same as `Volume(object)`.
     series : str, optional
         DICOM: the Series Instance UID, if the folder holds several series.
     time, channel : int, optional
@@ -151,10 +151,10 @@ def open(
         any that it names. Such a file can name whatever you may read: allow it for files that you trust.
 
     memory : str or number, optional
-        Leave the samples where they are, and read them while they are drawn, holding at once so many bytes of them,
-        such as "2 GB": a `LazyVolume`, as of `Volume.lazy`, of an OME-Zarr image with all its levels. It is what None
-        does too where the samples take more than a quarter of the memory that is free. Not of files that are
-        compressed as one stream, and of DICOM.
+        Leave the samples where they are, and read them while they are drawn, with at most this many bytes in memory,
+        such as "2 GB": a `LazyVolume`, as from `Volume.lazy`, for an OME-Zarr image with all its levels. None does the
+        same where the samples take more than a quarter of the free memory. Not for files that are compressed as one
+        stream, and not for DICOM.
     holes : bool, default False
         With `memory`: samples that cannot be read are left out and reported, instead of an error.
     cache : bool or path, default True
@@ -217,7 +217,7 @@ def open(
 
 
 def _held(thing: VolumeLike, options: Request) -> Volume:
-    """The volume that an object of another library holds."""
+    """The volume of another library's object."""
     if type(thing).__module__ == "builtins":
         raise ArgumentError(f"path is {described(thing)}; give the name of a file or folder, or an image or array")
     volume = as_volume(thing, argument="path")
@@ -232,7 +232,7 @@ def _held(thing: VolumeLike, options: Request) -> Volume:
 
 
 def opened(request: Request, *, stacklevel: int = 2) -> Volume:
-    """The volume that is asked for. `stacklevel`: of warnings."""
+    """The volume of a request. `stacklevel`: that of warnings."""
     family = _family(request)
     _check_options(request, family)
     if family in ("itk", "dicom"):
@@ -248,14 +248,14 @@ def opened(request: Request, *, stacklevel: int = 2) -> Volume:
     return volume
 
 
-#: Formats whose samples lie in one file as they are: its size tells theirs.
+#: Families whose samples lie in one file as they are: its size gives theirs.
 AS_THEY_ARE = ("arrays", "raw", "nifti", "itk", "vtk_legacy")
-#: Formats whose headers tell it.
+#: Families whose headers give the size of their samples.
 IN_CHUNKS = ("hdf5", "ome_zarr", "tiff")
 
 
 def _is_large(request: Request, family: str) -> bool:
-    """Whether the samples take more than a quarter of the memory that there is, and parts of them can be read."""
+    """Whether the samples take more than a quarter of the free memory, and parts of them can be read."""
     free = free_bytes()
     if free is None or request.kept is not None:
         return False
@@ -274,7 +274,7 @@ def _lazily(request: Request, family: str) -> LazyVolume:
     grid = lazy_files.lazy_grid(request, family)
     places = grid.world_from_index
     if request.spacing is not None:
-        # Coarser levels lie in the finest as they did.
+        # Coarser levels keep their place relative to the finest.
         first = affine.with_spacing(places[0], request.spacing)
         places = [first @ np.linalg.inv(places[0]) @ place for place in places]
     name, facts = request.name, _facts(grid.facts, (), request)
@@ -285,7 +285,7 @@ def _lazily(request: Request, family: str) -> LazyVolume:
 
 
 def _facts(said: Facts, losses: Sequence[str], request: Request) -> Facts:
-    """What the file says, and what was given instead."""
+    """The facts of the file, with losses as guesses, and options in place of what it says."""
     guesses = [*said.guesses, *losses]
     if request.spacing is not None:
         guesses = [guess for guess in guesses if not guess.startswith(OF_DISTANCES)]
@@ -305,7 +305,7 @@ def _volume(grid: Grid, request: Request) -> Volume:
 
 
 def _family(request: Request) -> str:
-    """The module that reads what the path names."""
+    """Name of the module that reads a path."""
     if request.shape is not None or request.dtype is not None:
         return "raw"
     if request.is_url:
@@ -346,7 +346,7 @@ def _family_of_folder(folder: Path) -> str:
 
 
 def _names_in(folder: Path) -> list[str]:
-    """What a folder holds; readers of folders open all of it."""
+    """Names in a folder; a pipe or a device is refused, since readers of folders open all entries."""
     try:
         entries = sorted(folder.iterdir())
     except OSError as error:

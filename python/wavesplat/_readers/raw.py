@@ -36,7 +36,7 @@ def read(request: Request) -> Grid:
 def check_size(
     path: Path, shape: tuple[int, ...], dtype: np.dtype[np.generic], offset: int, held: tuple[int, ...]
 ) -> None:
-    """A `FileError` unless the file holds just these samples. `held`: shape of what will be in memory."""
+    """Raise a `FileError` unless the file holds exactly these samples. `held`: shape of the part kept in memory."""
     if offset < 0:
         raise ArgumentError(f"offset={offset}; give the bytes before the first sample, 0 or more")
     stored = path.stat().st_size - offset

@@ -1,4 +1,4 @@
-"""What a reader is asked for, and what it gives."""
+"""Requests to readers, and the grids that they return."""
 
 from __future__ import annotations
 
@@ -42,31 +42,31 @@ __all__ = [
 
 
 class Grid(NamedTuple):
-    """Samples [z, y, x], the affine from their index (x, y, z) to the world, and what else the file says."""
+    """Samples [z, y, x], the affine from their index (x, y, z) to the world, and the file's facts."""
 
     samples: NDArray[Any]
     world_from_index: NDArray[np.float64]
     facts: Facts = Facts()
-    #: What of the file is not there, a sentence each: warnings in Python, and guesses as well.
+    #: Parts of the file that are missing, a sentence each: warnings in Python, and guesses as well.
     losses: tuple[str, ...] = ()
 
 
 class SeveralError(FileError):
-    """The file holds several of something, and none was chosen; `wavesplat info` lists them instead."""
+    """The file holds several volumes or arrays, and none was chosen; `wavesplat info` lists them instead."""
 
     #: The argument of `wavesplat.open` that chooses, and what it may be.
     option: str = ""
     names: tuple[str | int, ...] = ()
-    #: What people read of each; the names themselves if empty.
+    #: Description of each for people; the names themselves if empty.
     described: tuple[str, ...] = ()
-    #: Whether the file says what they are; else it may be another option that chooses.
+    #: Whether the file says what they are; else another option may be the one that chooses.
     is_said: bool = True
 
 
 def several(
     message: str, option: str, names: Sequence[str | int], described: Sequence[str] = (), *, is_said: bool = True
 ) -> SeveralError:
-    """The error that tells of several, and how to choose."""
+    """The error for several volumes or arrays, with the option that chooses one."""
     error = SeveralError(message)
     error.option, error.names, error.described, error.is_said = option, tuple(names), tuple(described), is_said
     return error
@@ -90,14 +90,14 @@ class Request:
     unit: str | None = None
     gaps: str = "fill"
     external_files: bool = False
-    #: Of volumes that are left in their files: bytes that are held at once, whether what cannot be read is left out,
-    #: and where surveys are kept.
+    #: For volumes that are left in their files: bytes that are held at once, whether samples that cannot be read are
+    #: left out, and where surveys are kept.
     memory: float | str | None = None
     holes: bool = False
     cache: bool | str | PathLike[str] = True
-    #: The folder of the document that names the file, which must lie in it; None where the user does.
+    #: The folder of the document that names the file, which must lie in it; None where the user names it.
     within: Path | None = None
-    #: What readers keep from one time point of a file to the next, such as a file that is read on.
+    #: State that readers keep from one time point of a file to the next, such as a file that is read on.
     kept: dict[str, Any] | None = field(default=None, compare=False, repr=False)
 
     @property
@@ -148,13 +148,14 @@ def requested(path: str | PathLike[str], **options: Any) -> Request:
     return request
 
 
-#: Not an argument of functions that open: users have no document. Requests keep it, also of what is read later.
+#: `within` of the requests that are made now. Not an argument of functions that open: users have no document. Requests
+#: keep it, also for later reads.
 NAMED_WITHIN: ContextVar[Path | None] = ContextVar("named_within", default=None)
 
 
 @contextmanager
 def named_within(folder: Path | None) -> Iterator[None]:
-    """Requests that are made here are a document's in `folder`, and reach no further; None: they are the user's."""
+    """Confine the requests made meanwhile to `folder`, that of the document that names files; None: the user does."""
     token = NAMED_WITHIN.set(folder)
     try:
         yield
@@ -163,7 +164,7 @@ def named_within(folder: Path | None) -> Iterator[None]:
 
 
 def _is_same(value: object, default: object) -> bool:
-    """Also of arrays, whose comparison is an array."""
+    """Whether an option has its default; also for arrays, whose comparison is an array."""
     return value is default or (isinstance(value, int | str) and value == default)
 
 
@@ -178,7 +179,7 @@ def quiet(library: str) -> Iterator[None]:
         logger.disabled = before
 
 
-#: Samples of three or four that are colours and their opacity, not channels of something else.
+#: Channels of pixels whose three or four samples are a colour and its opacity.
 COLORS = (
     Channel("red", (1.0, 0.0, 0.0)),
     Channel("green", (0.0, 1.0, 0.0)),
@@ -229,7 +230,7 @@ def index_unnamed_axes(shape: Sequence[int], request: Request) -> tuple[Any, ...
 
 
 def window_of(low: Any, high: Any) -> tuple[float, float] | None:
-    """What a file says of the values that a channel is shown with; None if it is nothing of use."""
+    """The window of values with which a file shows a channel; None if its ends are no two growing numbers."""
     try:
         ends = float(low), float(high)
     except (TypeError, ValueError, OverflowError):
@@ -238,7 +239,7 @@ def window_of(low: Any, high: Any) -> tuple[float, float] | None:
 
 
 def one_volume_of(shape: Sequence[int], request: Request) -> tuple[int, ...]:
-    """Shape of what is read of an array whose axes have no names: of several volumes the one that is asked for."""
+    """Shape of the one volume that is read of an array whose axes have no names."""
     first = 0 if request.time is None or len(shape) < 4 else 1
     return tuple(shape[first : first + 3])
 

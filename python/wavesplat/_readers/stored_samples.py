@@ -31,7 +31,7 @@ def stored_samples(
     """Samples that lie in a file as they are, the last axis fastest."""
     size_checks.check_stored(shape, dtype, max(path.stat().st_size - offset, 0), path, held=(1,))
     z, y, x = (int(shape[axis]) for axis in order)
-    # What is read at once: a slice across the slowest of the three axes.
+    # A chunk is a slice across the slowest of the three axes.
     slowest = min(range(3), key=lambda k: order[k])
     chunks = [1 if k == slowest else n for k, n in enumerate((z, y, x))]
     return SlicedArray(

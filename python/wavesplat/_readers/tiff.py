@@ -54,11 +54,11 @@ def _read_file(path: Path, request: Request) -> Grid:
 
 @dataclass(frozen=True)
 class Described:
-    """What a file says of its first series, before samples are read."""
+    """Layout, place and facts of a file's first series, before samples are read."""
 
     shape: tuple[int, ...]
     page_shape: tuple[int, ...]
-    #: With the byte order of the file.
+    #: Type of the samples, in the byte order of the file.
     dtype: np.dtype[Any]
     #: First byte of the samples where all of them lie in one piece of this file, unpacked; else None.
     offset: int | None
@@ -71,7 +71,7 @@ class Described:
 
 
 def described(path: Path, request: Request) -> Described:
-    """The stack in a file, and what is picked of it."""
+    """Description of the stack in a file, and of the part that is asked for."""
     import tifffile
 
     with tifffile.TiffFile(path) as tiff:
@@ -113,7 +113,7 @@ def _channel_of(facts: Facts, request: Request) -> Channel | None:
 
 
 def _colors(series: Any) -> tuple[Channel, ...]:
-    """Of pixels of three or four samples, which are colours."""
+    """Channels of pixels of three or four samples, which are colours; none for others."""
     sizes = dict(zip(series.axes, series.shape, strict=True))
     return COLORS[: sizes["S"]] if sizes.get("S") in (3, 4) and "C" not in sizes else ()
 
@@ -124,7 +124,7 @@ def _n_times(series: Any) -> int:
 
 
 def _check_named_files(tiff: TiffFile, path: Path, request: Request) -> None:
-    """A `FileError` if the OME metadata name files in other folders."""
+    """Raise a `FileError` if the OME metadata name files in other folders."""
     for name in _named_files(tiff):
         check_named_file(name, path, anywhere=request.external_files, within=request.within)
 
@@ -160,7 +160,7 @@ def _read_folder(folder: Path, request: Request) -> Grid:
     return Grid(stack, np.eye(4), FACTS_OF_FOLDER)
 
 
-#: What is known of a folder of slices.
+#: Facts of a folder of slices.
 FACTS_OF_FOLDER = Facts(guesses=("distances of samples 1, 1, 1: a folder of slices has none",))
 
 
@@ -210,7 +210,7 @@ def _one_stack(
 
 
 def _picked_samples(tiff: TiffFile, picked: tuple[Any, ...], path: Path) -> NDArray[Any]:
-    """Samples of the first series at that index; pages beside it are not read."""
+    """Samples of the first series at the index `picked`; other pages are not read."""
     series: Any = tiff.series[0]
     of_pages = len(series.shape) - len(series.keyframe.shape)
     n_pages = len(series.pages)
@@ -231,7 +231,7 @@ def _picked_samples(tiff: TiffFile, picked: tuple[Any, ...], path: Path) -> NDAr
 
 
 def _check_stored(tiff: TiffFile, path: Path, one: Sequence[int]) -> None:
-    """A `FileError` if a page's data reach past the end of the file. `one`: shape of one volume."""
+    """Raise a `FileError` if a page's data reach past the end of the file. `one`: shape of one volume."""
     size = path.stat().st_size
     series: Any = tiff.series[0]
     size_checks.check_stored(series.shape, series.dtype, size, path, ratio=size_checks.ANY_RATIO, held=one)

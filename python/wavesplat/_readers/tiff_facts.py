@@ -1,4 +1,4 @@
-"""What TIFF files say of distances, units and channels: by OME's XML, or by ImageJ's lines; a bare TIFF says nothing.
+"""Distances, units and channels of TIFF files, by OME's XML or ImageJ's lines; a bare TIFF has none.
 
 OME: https://docs.openmicroscopy.org/ome-model/latest/. ImageJ: the lines `name=value` of its description, its look-up
 tables, and the tags of resolution, which are pixels per unit.
@@ -22,9 +22,9 @@ if TYPE_CHECKING:
 
 __all__ = ["TiffPlace", "place_of"]
 
-#: Nanometres per unit of a wavelength.
+#: A nanometre in metres, for wavelengths.
 NM = 1e-9
-#: How OME says that light of a dye was measured.
+#: OME's names of modes in which the light of a dye is measured.
 FLUORESCENCE = {
     "Fluorescence",
     "LaserScanningConfocalMicroscopy",
@@ -54,11 +54,11 @@ class TiffPlace:
 
 @dataclass(frozen=True)
 class _Said:
-    """What the metadata say; None where they do not."""
+    """Values that the metadata state; None where they do not."""
 
     steps: tuple[float | None, float | None, float | None] = (None, None, None)
     units: tuple[str | None, str | None, str | None] = (None, None, None)
-    #: Values that stand in the place of distances and are none: 0, "nan", "abc".
+    #: Invalid values in the place of distances: 0, "nan", "abc".
     odd: tuple[Any, Any, Any] = (None, None, None)
     facts: Facts = field(default_factory=Facts)
 
@@ -83,7 +83,7 @@ def place_of(tiff: TiffFile, *, has_z: bool = True) -> TiffPlace:
 
 
 def _odd_guesses(said: _Said) -> list[str]:
-    """Guesses for distances that are none, or negative."""
+    """Guesses for distances that are invalid or negative."""
     odd = [(axis, text) for axis, text in zip("xyz", said.odd, strict=True) if text is not None]
     guesses = [f"distance along {axis}: the file says {str(text)[:24]!r}, which is none" for axis, text in odd]
     if mirrored := [axis for axis, step in zip("xyz", said.steps, strict=True) if step is not None and step < 0]:
@@ -125,7 +125,7 @@ def _of_imagej(tiff: TiffFile) -> _Said:
 
 
 def _between_pixels(page: Any, tag: str) -> float | None:
-    """ImageJ writes pixels per unit; it marks an image without a scale by as many as there are units."""
+    """Distance between pixels by a tag of pixels per unit, as ImageJ writes it: 1 for an image without a scale."""
     if tag not in page.tags:
         return None
     n_pixels, n_units = page.tags[tag].value
@@ -139,7 +139,7 @@ def _time_unit(name: Any, step: Any) -> str | None:
 
 
 def _imagej_channels(metadata: dict[str, Any]) -> tuple[Channel, ...]:
-    """Their colours are what the look-up tables end in; a grey one is no colour."""
+    """ImageJ's channels: their colours are the last entries of the look-up tables; grey is no colour."""
     n_channels = int(metadata.get("channels", 1) or 1)
     tables = metadata.get("LUTs") or []
     if len(tables) < n_channels or (n_channels == 1 and str(metadata.get("mode", "")) == "grayscale"):
@@ -152,7 +152,7 @@ def _imagej_channels(metadata: dict[str, Any]) -> tuple[Channel, ...]:
 
 
 def _imagej_windows(metadata: dict[str, Any], n_channels: int) -> list[tuple[float, float] | None]:
-    """The display range of each channel; of a single one in two lines of the description."""
+    """The display range of each channel; for a single one it is in two lines of the description."""
     ranges = list(metadata.get("Ranges") or ())
     if len(ranges) < 2 * n_channels:
         ranges = [metadata.get("min"), metadata.get("max")]
@@ -217,7 +217,7 @@ def _ome_times(pixels: ET.Element, n_times: int) -> tuple[tuple[float, ...], str
 
 
 def _parsed(text: str) -> ET.Element | None:
-    """The XML; without a document type, there are no entities that could grow."""
+    """The parsed XML; None with a document type, whose entities could grow without bound, or if it is damaged."""
     if "<!DOCTYPE" in text or "\0" in text:
         return None
     try:
@@ -245,7 +245,7 @@ def _ome_channel(channel: ET.Element) -> Channel:
 
 
 def _rgba_color(number: int) -> tuple[float, float, float]:
-    """OME's signed 32-bit integer: red, green, blue, alpha, the first the highest byte."""
+    """Colour of OME's signed 32-bit integer: red, green, blue, alpha, the first in the highest byte."""
     red, green, blue = (((number >> shift) & 255) / 255 for shift in (24, 16, 8))
     return red, green, blue
 
@@ -260,7 +260,7 @@ def _ome_modality(channels: list[ET.Element]) -> str | None:
 
 
 def _odd(text: Any) -> Any:
-    """The value where it is no number; None where it is one, or there is nothing."""
+    """The value where it is no number other than zero; None where it is one, or there is nothing."""
     return text if text not in (None, "") and _number(text) is None else None
 
 

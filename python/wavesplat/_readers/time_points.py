@@ -55,12 +55,12 @@ def open_series(
         numbers in their names (t2 before t10). A file of one volume is a series of one.
     series, channel, dataset, level, shape, dtype, spacing, byte_order, offset, unit, gaps, external_files, memory,
     holes, cache :
-        optional. As of `wavesplat.open`, for every time point.
+        optional. As for `wavesplat.open`, for every time point.
 
     Returns
     -------
     Series
-        `series[3]` is a Volume, `len(series)` tells how many there are, `series.times` when they were taken.
+        `series[3]` is a Volume, `len(series)` the number of volumes, `series.times` when they were taken.
 
     Raises
     ------
@@ -110,7 +110,7 @@ def open_series(
 
 
 def _source_of(path: Any, request: Request) -> Source | None:
-    """Where a series comes from, for documents."""
+    """Source of a series, for documents."""
     options = {name: getattr(request, name) for name in request.given()}
     if isinstance(path, str | PathLike):
         return of_series(path, options)
@@ -147,7 +147,7 @@ class _OfOneFile:
         return volume
 
     def times(self) -> tuple[tuple[float, ...], str | None]:
-        """By the file, once a volume of it is read."""
+        """Times and their unit as the file states them, once one of its volumes is read."""
         if self._times is None:
             volume = self._first or self[0]
             self._times = _times_of(volume, self._n)
@@ -156,7 +156,7 @@ class _OfOneFile:
     _times: tuple[tuple[float, ...], str | None] | None = None
 
     def told(self) -> str:
-        """Its path."""
+        """The file, in messages."""
         return f"the file {self.request.safe_path!r}"
 
     def __getstate__(self) -> dict[str, Any]:
@@ -185,11 +185,11 @@ class _OfManyFiles:
             ) from None
 
     def times(self) -> tuple[tuple[float, ...], str | None]:
-        """Files of their own say nothing of each other."""
+        """Numbers 0, 1, 2, ... without a unit: separate files say nothing of each other."""
         return tuple(float(number) for number in range(len(self))), None
 
     def told(self) -> str:
-        """The first and the last one."""
+        """The first and the last file, in messages."""
         return f"the list of files {_name_of_all(self._requests)!r}"
 
 
@@ -207,7 +207,7 @@ def _name_of_all(requests: Sequence[Request]) -> str:
 
 
 def _files(path: Any) -> list[Any]:
-    """The files that are meant, in order."""
+    """The files of a path, a pattern or a list, in order."""
     if isinstance(path, str | PathLike):
         text = fspath(path)
         found = matching_files(text) if isinstance(text, str) else None

@@ -34,7 +34,7 @@ TYPES = {"Float32": "f4", "Float64": "f8"} | {
     f"{kind}{8 * n}": f"{name}{n}" for kind, name in (("Int", "i"), ("UInt", "u")) for n in (1, 2, 4, 8)
 }
 
-#: How blocks are unpacked, at most to a number of bytes, and what the codec shrinks data by at most.
+#: Codec -> function that unpacks a block, to at most a number of bytes, and its largest ratio of compression.
 CODECS: dict[str, tuple[Callable[[bytes, int], bytes], int]] = {
     "vtkZLibDataCompressor": (lambda data, n: zlib.decompressobj().decompress(data, n), size_checks.DEFLATE_RATIO),
     "vtkLZMADataCompressor": (lambda data, n: lzma.LZMADecompressor().decompress(data, n), size_checks.ANY_RATIO),
@@ -83,7 +83,7 @@ def _read(request: Request, stored: _Stored) -> Grid:
 
 
 def _chosen(image: ET.Element, request: Request) -> tuple[bool, str, int]:
-    """Whether the samples are of cells, their name, and how many there are at each place."""
+    """Whether the chosen array is of cells, its name, and its number of components."""
     piece = image.find("Piece")
     points, cells = ([], []) if piece is None else (piece.findall("PointData"), piece.findall("CellData"))
     arrays = [(array, part in cells) for part in (*points, *cells) for array in part.findall("DataArray")]
@@ -109,7 +109,7 @@ def _size(extent: NDArray[np.int64], of_cells: bool) -> tuple[int, int, int]:
 
 
 def _n_cells(extent: NDArray[np.int64]) -> int:
-    """A layer of points counts as one of cells."""
+    """Number of cells; a layer of points counts as one of cells."""
     nx, ny, nz = (max(n, 1) for n in _size(extent, of_cells=True))
     return nx * ny * nz
 
@@ -129,13 +129,13 @@ class _Stored:
     header: ET.Element
     path: Path
     content: mmap.mmap
-    #: Where appended data begin; `None` without any.
+    #: Offset of the appended data; `None` without any.
     appended: int | None
     is_base64: bool
 
     @classmethod
     def of(cls, content: mmap.mmap, path: Path) -> _Stored:
-        """Appended data are no XML: the parser is not shown them."""
+        """Parse a file's XML; appended data are no XML, and the parser is not shown them."""
         at = content.find(b"<AppendedData")
         if at < 0:
             return cls(_parsed(content[:]), path, content, None, is_base64=True)
@@ -151,7 +151,7 @@ class _Stored:
         dtype = np.dtype(TYPES[kind]).newbyteorder(self.byte_order)
         form, text = array.get("format", "ascii"), array.text or ""
         if form == "ascii":
-            # A digit and a space for each.
+            # Each number takes at least a digit and a space.
             size_checks.check_stored(shape, np.dtype("u1"), (len(text) + 1) // 2, self.path)
             return np.array(text.split(), dtype.newbyteorder("=")).reshape(shape)
         if form == "binary":
@@ -202,7 +202,7 @@ class _Stored:
 
 
 def _parsed(text: bytes) -> ET.Element:
-    """Without a document type, there are no entities that could grow."""
+    """The parsed XML; a document type is refused, since its entities could grow without bound."""
     if b"<!DOCTYPE" in text or b"\0" in text:  # a zero byte: of UTF-16, in which it looks otherwise
         raise ValueError("a document type, which VTK does not write")
     return ET.fromstring(text)  # noqa: S314 - see above
@@ -217,12 +217,12 @@ class _Encoded:
     begin: int = 0
 
     def most_bytes(self) -> int:
-        """How many there may be."""
+        """Number of bytes that are left, at most."""
         n = len(self.text) - self.begin
         return n * 3 // 4 if self.is_base64 else n
 
     def take(self, n: int) -> bytes:
-        """The next ones; fewer where the file ends."""
+        """The next `n` bytes; fewer where the file ends."""
         begin, self.begin = self.begin, self.begin + (-(-n // 3) * 4 if self.is_base64 else n)
         part = self.text[begin : self.begin]
         return base64.b64decode(part)[:n] if self.is_base64 else part

@@ -12,7 +12,7 @@ from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["chosen", "other_grid", "world_from_index"]
 
-#: VTK's names of data that are no image -> ours.
+#: VTK's names of data that are no image -> their description.
 GRIDS = {
     "RECTILINEARGRID": "a rectilinear grid, whose samples may be unevenly spaced",
     "STRUCTUREDGRID": "a structured grid, whose samples lie on curves",
@@ -42,7 +42,7 @@ def chosen(names: Sequence[str], scalars: Sequence[str], request: Request) -> in
 def world_from_index(
     direction: ArrayLike, spacing: ArrayLike, origin: ArrayLike, first: ArrayLike, *, of_cells: bool
 ) -> NDArray[np.float64]:
-    """The affine of an image whose samples begin at point `first`. Cells have their samples in their middles."""
+    """The affine of an image whose samples begin at point `first`. Samples of cells lie in their middles."""
     matrix = np.eye(4)
     matrix[:3, :3] = np.reshape(np.asarray(direction, np.float64), (3, 3)) * np.asarray(spacing, np.float64)
     begin = np.asarray(first, np.float64) + (0.5 if of_cells else 0.0)
@@ -51,7 +51,7 @@ def world_from_index(
 
 
 def other_grid(kind: str, path: object) -> FileError:
-    """The error that tells of a sound file of VTK that holds no image."""
+    """The error for a valid VTK file that holds no image."""
     is_parallel = kind.upper().startswith("P") and kind.upper() != "POLYDATA"
     name = kind.upper().replace("_", "").removeprefix("VTK")
     held = GRIDS.get(name.removeprefix("P") if is_parallel else name)

@@ -45,9 +45,9 @@ TYPES = {
     "double": "f8",
     **{f"vtktype{sign}int{8 * n}": f"{sign or 'i'}{n}" for sign in ("", "u") for n in (1, 2, 4, 8)},
 }
-#: Four bytes where they were written on Windows.
+#: Types of eight bytes that have four where they were written on Windows.
 OF_TWO_WIDTHS = ("long", "unsigned_long")
-#: Attributes of a fixed number of components.
+#: Attributes with a fixed number of components -> that number.
 COMPONENTS = {"VECTORS": 3, "NORMALS": 3, "TENSORS": 9, "TENSORS6": 6, "GLOBAL_IDS": 1, "PEDIGREE_IDS": 1}
 BLOCK_BYTES = 1 << 20
 MAX_LINE_BYTES = 1 << 16
@@ -57,7 +57,7 @@ IS_SPACE = np.isin(np.arange(256), list(b" \t\n\r\v\f"))
 
 @dataclass(frozen=True)
 class LegacyArray:
-    """An array of a file: of points or cells, and where its numbers are."""
+    """An array of points or cells in a file, and the offset of its numbers."""
 
     name: str
     of_cells: bool
@@ -65,10 +65,10 @@ class LegacyArray:
     n_components: int
     n_tuples: int
     begin: int
-    #: Whether the numbers are text, bits, or colours: as text these go from 0 to 1, and stand for bytes.
+    #: Whether the numbers are text, bits, or (`is_color`) colours: as text these go from 0 to 1, and stand for bytes.
     is_text: bool
     is_bits: bool
-    #: Whether it is what VTK calls the scalars.
+    #: Whether it is one of VTK's scalars, which are drawn by default.
     is_scalars: bool = False
     is_color: bool = False
 
@@ -141,7 +141,7 @@ def _numbers(content: mmap.mmap, array: LegacyArray, path: Path) -> NDArray[Any]
 
 
 def _numbers_of_text(content: mmap.mmap, begin: int, n: int, dtype: np.dtype[Any]) -> NDArray[Any]:
-    """So many numbers from a byte on, of which the parser has seen that they are there."""
+    """`n` numbers of text from byte `begin` on, which the parser has found to be there."""
     numbers = np.empty(n, dtype.newbyteorder("="))
     at, n_read = begin, 0
     while n_read < n:
@@ -157,7 +157,7 @@ def _numbers_of_text(content: mmap.mmap, begin: int, n: int, dtype: np.dtype[Any
 
 
 def _end_of_words(content: mmap.mmap, begin: int, n: int, path: Path) -> int:
-    """The byte behind so many words of text."""
+    """Offset of the byte behind `n` words of text."""
     at, count, was_space = begin, 0, True
     while count < n and at < len(content):
         block = np.frombuffer(content[at : at + BLOCK_BYTES], np.uint8)
@@ -173,7 +173,7 @@ def _end_of_words(content: mmap.mmap, begin: int, n: int, path: Path) -> int:
 
 
 class _Parser:
-    """The lines of a file, one after the other; numbers of arrays are passed over."""
+    """A parser of a file's lines, one after the other; numbers of arrays are passed over."""
 
     def __init__(self, content: mmap.mmap, path: Path) -> None:
         self._content, self._path, self._at = content, path, 0
@@ -206,7 +206,7 @@ class _Parser:
         return self._image
 
     def _take_place(self, key: str, rest: list[str]) -> bool:
-        """Size or place of the image; whether the line says one of them."""
+        """Take size or place of the image from a line; return whether it states one of them."""
         image = self._image
         if key == "DIMENSIONS":
             image.size = np.array(rest[:3], np.int64)
@@ -222,7 +222,7 @@ class _Parser:
         return True
 
     def _take(self, key: str, rest: list[str]) -> None:
-        """A line that begins with a keyword, and what belongs to it."""
+        """Take a line that begins with a keyword, and the data that belong to it."""
         if key in ("POINT_DATA", "CELL_DATA"):
             self._of_cells, self._n_tuples = key == "CELL_DATA", int(rest[0])
         elif key == "METADATA":
@@ -244,7 +244,7 @@ class _Parser:
             raise ValueError(f"the word {key[:40]!r} where VTK has none")
 
     def _take_field(self, n_arrays: int) -> None:
-        """Arrays that each say how long they are."""
+        """Take the arrays of a field, each of which states its length."""
         for _ in range(n_arrays):
             if self._words(peek=True)[:1] == ["METADATA"]:
                 self._line()
@@ -254,7 +254,7 @@ class _Parser:
             self._add(name, kind, int(n_components), int(n_tuples))
 
     def _add(self, name: str, kind: str, n_components: int, n_tuples: int, **scalars: bool) -> None:
-        """An array whose numbers begin here; those that are not of points or cells are only passed over.
+        """Add an array whose numbers begin here; one that is not of points or cells is only passed over.
 
         scalars : `is_scalars` and `is_color` of `LegacyArray`.
         """
@@ -279,7 +279,7 @@ class _Parser:
             self._image.arrays.append(array)
 
     def _skip(self, kind: str, n: int, described: str = "look-up table") -> np.dtype[Any]:
-        """Pass over so many numbers; their type."""
+        """Pass over `n` numbers; return their type."""
         name = kind.lower()
         if name not in TYPES:
             raise FileError(
@@ -291,7 +291,7 @@ class _Parser:
         if self._is_text:
             # As text identifiers are as wide as they need.
             dtype = np.dtype("i8") if name == "vtkidtype" else dtype
-            # A digit and a space for each.
+            # Each number takes at least a digit and a space.
             size_checks.check_stored([n], np.dtype("u1"), (stored + 1) // 2, self._path, held=[0])
             self._at = _end_of_words(self._content, self._at, n, self._path)
             return dtype

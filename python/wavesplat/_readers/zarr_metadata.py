@@ -1,4 +1,4 @@
-"""What a Zarr store says of its arrays, looked at before zarr is asked, because some of it is a program.
+"""Metadata of Zarr stores, checked before zarr reads them: some codecs run code that the file contains.
 
 The filter `pickle` of numcodecs runs whatever the file says: when a chunk is decoded, and in Zarr v2 already when the
 array is opened, for the fill value. Releases of numcodecs from 0.16.6 on refuse it; older ones, and other codecs that
@@ -25,13 +25,13 @@ DOCUMENTS = (".zarray", "zarr.json", ".zmetadata")
 CODEC_FIELDS = ("filters", "compressor", "codecs", "storage_transformers")
 #: Parts of the names of codecs that make objects by running what the file says.
 UNSAFE = ("pickle", "dill")
-#: Bytes of a sample in the widest type that filters store; of each inner chunk of a shard beside its samples; and that
-#: a chunk may have more anyway.
+#: Bytes of a sample in the widest type that filters store; of overhead for each inner chunk of a shard; and of a margin
+#: for every chunk.
 WIDEST, INNER_BYTES, MARGIN_BYTES = 8, 256, 1 << 16
 
 
 def check_codecs(place: ZarrPlace, inner: str = "") -> None:
-    """A `FileError` if what is stored at `place`, or on the way to `inner` in it, is to be unpickled."""
+    """Raise a `FileError` if an array at `place`, or on the path to `inner` in it, would be unpickled."""
     parts = [part for part in inner.split("/") if part]
     for n in range(len(parts) + 1):
         for document in DOCUMENTS:
@@ -48,14 +48,14 @@ def check_codecs(place: ZarrPlace, inner: str = "") -> None:
 
 
 def check_numbers(array: Any, path: object) -> None:
-    """A `FileError` if the samples are no numbers, or do not fit into memory; nothing is decoded for it."""
+    """Raise a `FileError` if the samples are no numbers, or do not fit into memory; nothing is decoded for it."""
     if array.dtype.kind not in "biufc":
         raise FileError(f"samples of type {array.dtype} are not numbers; store them as integers or floats: {path}")
     size_checks.check_memory(size_checks.n_bytes(sorted(array.shape)[-3:], array.dtype), path)
 
 
 def expect_chunks(array: Any) -> None:
-    """Let no chunk of an array be larger than its samples can be when they do not shrink."""
+    """Bound the size of an array's chunks by that of samples which compression does not shrink."""
     place = place_of(array)
     if place is None:
         return
@@ -69,7 +69,7 @@ def expect_chunks(array: Any) -> None:
 
 
 def names(place: ZarrPlace) -> list[str]:
-    """What lies beside the metadata of a group; empty where a store cannot tell."""
+    """Names beside the metadata of a group; empty where a store cannot list them."""
     found = place.names()
     if found:
         return found
@@ -85,7 +85,7 @@ def names(place: ZarrPlace) -> list[str]:
 
 
 def _codecs(document: Any, is_codec: bool = False) -> Iterator[str]:
-    """Names of all codecs in a document. `is_codec`: it is what a field of codecs holds."""
+    """Names of all codecs in a document. `is_codec`: the document is the value of a field of codecs."""
     if isinstance(document, list):
         for part in document:
             yield from _codecs(part, is_codec)

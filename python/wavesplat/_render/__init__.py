@@ -1,1 +1,1 @@
-"""The renderer's front doors: they take what a user has, and call the compiled module."""
+"""The renderer's front ends: they check what a user gives, and call the compiled module."""

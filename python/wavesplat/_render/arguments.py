@@ -44,10 +44,10 @@ __all__ = [
 ]
 
 DEFAULT_SHADING = Shading()
-#: Of studies, which compare with the light of other renderers.
+#: Default light of studies, which compare with the light of other renderers.
 HEADLIGHT = Shading.headlight()
 
-#: Of threads, more than any machine has processors, and each one is made; of rays in a pixel.
+#: Largest number of threads, more than any machine has processors, since each is created; and of rays in a pixel.
 MAX_COUNT = 4096
 
 
@@ -88,7 +88,7 @@ def chosen_look(
 
 
 def chosen_labels(given: Labels | None, volume: Grid, boxes: Boxes = ()) -> _native.Labels | None:
-    """The labels as the compiled module takes them, if they lie on the volume's samples; without those in the boxes."""
+    """The labels for the compiled module, checked to lie on the volume's samples; none in the boxes."""
     if given is None:
         return None
     if not isinstance(given, Labels):
@@ -139,7 +139,7 @@ def chosen_camera(
 
 
 def cut_open(volume: Volume | WaveletVolume, boxes: Boxes) -> Volume | WaveletVolume:
-    """The volume without what is in the boxes."""
+    """The volume with the boxes cut out of it."""
     if isinstance(volume, WaveletVolume):
         if boxes:
             raise ArgumentError(
@@ -164,7 +164,7 @@ def checked_size(size: Sequence[int]) -> tuple[int, int]:
 
 
 def check_picture_memory(size: tuple[int, int], bytes_per_pixel: float) -> None:
-    """A `LimitError` if a picture takes more memory than there is: the compiled module would end the process."""
+    """Raise a `LimitError` if a picture takes more memory than there is: the compiled module would end the process."""
     width, height = size
     needed = width * height * bytes_per_pixel
     if isnan(needed):
@@ -190,7 +190,7 @@ def checked_count(number: int | None, name: str) -> int | None:
 
 
 def chosen_threads(number: int | None) -> int | None:
-    """How many threads draw, as the compiled module takes it."""
+    """The number of threads that draw, as the compiled module takes it."""
     return checked_count(number, "threads")
 
 

@@ -10,11 +10,11 @@ from wavesplat.errors import ArgumentError
 
 __all__ = ["chosen_device"]
 
-#: What "auto" is to be: for jobs and tests.
+#: Environment variable with the device that "auto" stands for: for jobs and tests.
 DEVICE_VARIABLE = "WAVESPLAT_DEVICE"
 KINDS = ("auto", "cpu", "gpu")
 
-#: Names that were found among the GPUs, which need not be listed again for every picture: drivers take long to do it.
+#: Names known to be among the GPUs, which drivers take long to list: not again for every picture.
 _FOUND: set[str] = set()
 #: The process that imported this: a fork of it may have no access to the GPUs that it lists.
 _PROCESS = os.getpid()

@@ -1,6 +1,6 @@
-"""The camera of a picture for which none is given: the side that the data are usually seen from, as near as they fit.
+"""The default camera of a picture: on the side that data are usually seen from, as near as they fit.
 
-What is framed is what the transfer function shows, not the box of samples around it.
+The camera frames what the transfer function shows, not the box of samples around it.
 """
 
 from __future__ import annotations
@@ -34,15 +34,15 @@ Part: TypeAlias = "tuple[Volume | WaveletVolume, Look]"
 
 EVERYTHING = Clipping()
 
-#: How much of the picture's height, or width, the object fills.
+#: Share of the picture's height, or width, that the object fills.
 FILLED = 0.92
-#: A volume is a thin stack where its thinnest side is so much shorter than the second one; it is seen along that side.
+#: Largest ratio of the thinnest side to the second one of a thin stack, which is seen along its thin side.
 THIN = 0.3
-#: Samples looked at, at most.
+#: Largest number of samples that are looked at.
 N_SAMPLES_MAX = 500_000
-#: A sample is seen where its opacity is at least this share of the largest one, and a voxel at least so opaque.
+#: Least opacity of a visible sample, as a share of the largest one, and least opacity of a visible voxel.
 MIN_SHARE, MIN_OPACITY = 0.02, 2e-4
-#: Samples beyond these percentiles do not count: specks of noise far from the object.
+#: Percentiles of positions beyond which samples do not count: specks of noise far from the object.
 WITHIN = (0.05, 99.95)
 
 
@@ -67,7 +67,7 @@ def framed(
     view_angle: float | None = None,
     aspect: float = 1.0,
 ) -> Camera:
-    """Camera from a side, with all that looks show of volumes just in view.
+    """A camera on one side, with all that looks show of volumes just in view.
 
     parts : volumes and looks; a box in samples is in those of the first.
     """
@@ -101,7 +101,7 @@ def in_view_again(
 
 
 def shown_points(parts: Sequence[Part], clipping: Clipping = EVERYTHING) -> tuple[Grid, NDArray[np.float64] | None]:
-    """A grid around all volumes, and the world positions of what is seen of them; None where that may be all."""
+    """A grid around all volumes, and the world positions of their visible samples; None where all may be visible."""
     first = parts[0][0]
     within = [clipping if volume is first else clipping.in_world(first) for volume, _ in parts]
     seen = [_seen(*part, region) for part, region in zip(parts, within, strict=True)]
@@ -125,11 +125,11 @@ def _around(volumes: Sequence[Volume | WaveletVolume]) -> Grid:
 
 
 def _seen(volume: Volume | WaveletVolume, look: Look, clipping: Clipping) -> NDArray[np.float64] | None:
-    """World positions of samples that are seen; None where all of the volume may be."""
+    """World positions of visible samples; None where all of the volume may be visible."""
     function, crop = look.transfer_function, clipping.crop
     box = _inside(volume, crop)
     if np.array_equal(*box):
-        return None  # The box lies outside of the volume, which the renderer says.
+        return None  # The box lies outside of the volume, which the renderer reports.
     is_whole_box = not clipping.planes and not volume.n_nonfinite
     if is_whole_box and (look.labels is not None or not isinstance(function, TransferFunction)):
         return None if crop is None else _corners(volume, box)
@@ -195,7 +195,7 @@ def _from_both_ends(n: int, step: int) -> NDArray[np.intp]:
 
 
 def _visibility(function: TransferFunction, values: NDArray[np.float64], composite: str) -> NDArray[np.float64]:
-    """How much is seen of values; of projections, how far their colours are from that of the smallest value."""
+    """Visibility of values: opacity; in opaque projections, whether the colour differs from the smallest value's."""
     rgba = function(values)
     if composite in ("over", "first-hit") or np.ptp(rgba[:, 3]) > 0:
         return np.asarray(rgba[:, 3])
@@ -204,7 +204,7 @@ def _visibility(function: TransferFunction, values: NDArray[np.float64], composi
 
 
 def _inside(volume: Volume | WaveletVolume, crop: Crop | None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Index box, as (x, y, z), that is drawn."""
+    """The index box that is drawn, as (x, y, z)."""
     last = np.array([n - 1.0 for n in reversed(volume.shape)])
     if crop is None:
         return np.zeros(3), last

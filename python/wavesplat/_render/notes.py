@@ -1,6 +1,6 @@
-"""Why a picture has one colour all over: nobody should wonder about a black one.
+"""Notes on why a picture has one colour all over: nobody should wonder about a black one.
 
-Notes are for the eye: what differs by less than a step of 8 bits does not show.
+Notes are for the eye: a difference of less than a step of 8 bits does not show.
 """
 
 from __future__ import annotations
@@ -17,9 +17,9 @@ __all__ = ["notes_on_layers", "notes_on_picture", "notes_on_slice"]
 
 Floats = NDArray[np.float32]
 
-#: What does not show in 8 bits.
+#: Least difference that shows in 8 bits.
 STEP = 1 / 255
-#: Smaller pictures may well have one colour.
+#: Least number of pixels of a picture with notes: smaller ones may well have one colour.
 MIN_PIXELS = 64
 
 NOTHING_SHOWS = (
@@ -37,7 +37,7 @@ def notes_on_picture(
     rgba: Floats,
     value: Floats | None,
 ) -> list[str]:
-    """One sentence, or none where something shows."""
+    """Why a picture of one volume shows nothing: one sentence, or none where something shows."""
     if not _has_one_color(rgba):
         return []
     low, high = volume.value_range
@@ -52,12 +52,12 @@ def notes_on_picture(
 
 
 def notes_on_layers(rgba: Floats) -> list[str]:
-    """The same of a picture of several volumes."""
+    """Why a picture of several volumes shows nothing: one sentence, or none where something shows."""
     return [NOTHING_SHOWS] if _has_one_color(rgba) else []
 
 
 def notes_on_slice(rgba: Floats, value: Floats, window: tuple[float, float] | None) -> list[str]:
-    """The same of a slice. `window`: None where colours are a transfer function's."""
+    """Why a slice shows nothing, in one sentence or none. `window`: None where a transfer function colours."""
     if not _has_one_color(rgba):
         return []
     seen = value[np.isfinite(value)]
@@ -88,7 +88,7 @@ def _has_one_color(rgba: Floats) -> bool:
     flat = rgba.reshape(-1, 4)
     if len(flat) < MIN_PIXELS:
         return False
-    # A few tell of nearly all pictures that they show something: spread by the golden ratio, not down one column.
+    # A few pixels suffice for nearly all pictures that show something; the golden ratio spreads them over columns.
     few = flat[np.arange(256) * int(0.618 * len(flat)) % len(flat)]
     return all(bool((np.ptp(pixels, axis=0) < STEP).all()) for pixels in (few, flat))
 

@@ -1,7 +1,7 @@
-"""What projections need and the caller did not give: numbers, and greys for what a view shows.
+"""Arguments of projections that the caller did not give: numbers, and greys for what a view shows.
 
-Maxima are much the same wherever a volume is seen from. What a ray sums up, or misses nowhere, depends on its way, so
-that the greys are chosen as a radiograph is exposed: by a small picture of the same view.
+Maxima are much the same wherever a volume is seen from. Minima, means, sums and x-rays depend on the ray's way through
+the volume, so that their greys are chosen as a radiograph is exposed: by a small picture of the same view.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ from wavesplat._picture.picture import Picture
 
 __all__ = ["Numbers", "absorption", "exposed_by", "numbers", "on"]
 
-#: For a picture whose values are all that is wanted of it, and its longer side.
+#: Transfer function of a picture of which only the values are used, and its longer side, pixels.
 ANY_CURVES = TransferFunction([(0.0, 1.0)], [(0.0, 1.0, 1.0, 1.0)])
 OVERVIEW_PX = 128
 
-#: Where a local maximum begins to count, as a share of the way from the first to the last colour.
+#: Threshold of local maxima, as a share of the way from the first to the last colour.
 LOCAL_THRESHOLD = 0.25
 
 
 class Numbers(TypedDict, total=False):
-    """Arguments of the compiled renderer, and of no operator but their own."""
+    """Arguments of the compiled renderer that belong to one operator each."""
 
     local_threshold: float
     depth_shading: tuple[float, float]
@@ -39,7 +39,7 @@ class Numbers(TypedDict, total=False):
 
 
 def overview_size(width: int, height: int) -> tuple[int, int]:
-    """Of the small picture."""
+    """Size of the small picture, pixels."""
     scale = min(1.0, OVERVIEW_PX / max(width, height, 1))
     return max(1, round(width * scale)), max(1, round(height * scale))
 
@@ -74,7 +74,7 @@ def on(
 
 
 def absorption(operator: XRay, volume: Volume | WaveletVolume) -> tuple[float, float]:
-    """What an x-ray is drawn with, (clear, attenuation)."""
+    """Numbers of an x-ray, (clear, attenuation): given, or fitted to the volume."""
     if operator.clear is not None and operator.attenuation is not None:
         return operator.clear, operator.attenuation
     clear, attenuation = histogram.attenuation(volume)

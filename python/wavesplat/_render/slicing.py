@@ -51,9 +51,9 @@ Array: TypeAlias = NDArray[np.float64]
 
 #: Planes of a slab per sample along its normal, so that no sample lies further than a quarter from a plane.
 PLANES_PER_SAMPLE = 2
-#: The value of a pixel and colours that are worked on in float64; measured.
+#: Bytes of a pixel: its value, and colours that are worked on in float64; measured.
 PIXEL_BYTES = 140
-#: What is as near as this to the edge is not outside, in samples: affines in files are rounded to float32.
+#: Tolerance of the volume's edge, in samples: affines in files are rounded to float32.
 ON_SAMPLE = 1e-6
 
 
@@ -134,7 +134,7 @@ class _Cut:
 
 @dataclass(frozen=True)
 class _Frame:
-    """Where the pixels lie: the centre of the first one, and the distance of neighbours, in the world."""
+    """Places of the pixels: the centre of the first one, and the distance of neighbours, in the world."""
 
     origin: Array
     pixel: float
@@ -143,14 +143,14 @@ class _Frame:
 
 @dataclass(frozen=True)
 class Planes:
-    """The plane of a slice, its pixels in the world, and how thick the slab around it is."""
+    """The plane of a slice, its pixels in the world, and the thickness of the slab around it."""
 
     cut: _Cut
     frame: _Frame
     thickness: float
 
     def offsets_in(self, volume: Grid) -> Array:
-        """Where the planes of the slab lie along the normal, from the middle one: as close as a volume's samples."""
+        """Offsets of the slab's planes along the normal, from the middle one: as close as a volume's samples."""
         return _offsets(volume, self.cut, self.thickness)
 
     def _corners(self, offsets: Array) -> Array:
@@ -163,7 +163,7 @@ class Planes:
     def values_of(
         self, volume: Volume | WaveletVolume, kernel: Kernel, slab: Slab, threads: int | None
     ) -> NDArray[np.float32]:
-        """The values of any volume there, shape (height, width); NaN outside of it."""
+        """The values of any volume on the slice, shape (height, width); NaN outside of it."""
         cut, frame, offsets = self.cut, self.frame, self.offsets_in(volume)
         if not len(offsets):
             return np.full(frame.size[::-1], np.nan, np.float32)
@@ -199,7 +199,7 @@ def _cut(volume: Grid, plane: Plane | tuple[Iterable[float], Iterable[float]], p
         axis = "xyz".index(PLANES[plane][0])
         normal = np.eye(3)[axis]
         if position is None:
-            # A sample, and not what lies half way between two.
+            # The default is a plane of samples, not one half way between two.
             position = float(_middle_sample(volume)[axis])
         offset, what = float(position), f"position of the {plane} plane is {position:g}"
     else:
@@ -234,8 +234,8 @@ def _point_and_normal(plane: Any) -> tuple[Array, Array]:
 
 
 def _shown(normal: Array) -> tuple[Array, Array]:
-    """Right and up of the picture: those of the nearest named plane, turned with the plane."""
-    # Of equally near ones, axial goes before coronal and coronal before sagittal.
+    """Right and up of the picture: the directions of the nearest named plane, turned with the plane."""
+    # Of equally near planes, axial goes before coronal and coronal before sagittal.
     axis = max((2, 1, 0), key=lambda a: round(abs(float(normal[a])), 9))
     _, up_name, eye = next(how for how in PLANES.values() if how[0] == "xyz"[axis])
     to_eye = normal if normal[axis] * eye > 0 else -normal
@@ -254,13 +254,13 @@ def _middle_sample(volume: Grid) -> Array:
 
 
 def _extent(volume: Grid, direction: Array) -> tuple[float, float]:
-    """How far the outermost samples reach along a direction."""
+    """Range of the samples' positions along a direction."""
     along = affine.box_corners(volume.world_from_index, volume.shape) @ direction
     return float(along.min()), float(along.max())
 
 
 def _sample_step(volume: Grid, direction: Array) -> float:
-    """How far one may go along a direction until some index has changed by 1, world units."""
+    """Distance along a direction over which the first index changes by 1, world units."""
     return float(1 / np.abs(np.linalg.solve(volume.world_from_index[:3, :3], direction)).max())
 
 
@@ -291,7 +291,7 @@ def _frame(
 
 
 def _offsets(volume: Grid, cut: _Cut, thickness: float) -> Array:
-    """Where the planes of the slab lie, from the middle one; those outside the volume are left out."""
+    """Offsets of the slab's planes from the middle one; planes outside the volume are left out."""
     if not (isfinite(thickness) and thickness >= 0):
         raise ArgumentError(f"thickness is {thickness}; give 0 for a plane, or a positive number, world units")
     if thickness == 0:
@@ -319,7 +319,7 @@ def _on_background(
 ) -> NDArray[np.float32]:
     red, green, blue, alpha = colors.parse(background) or (0.0, 0.0, 0.0, 0.0)
     picture = np.empty((*shown.shape, 4), np.float32)
-    picture[..., :3] = rgb  # of greys one channel for all
+    picture[..., :3] = rgb  # greys have one channel for all three
     picture[..., 3] = 1
     picture[~shown] = red * alpha, green * alpha, blue * alpha, alpha
     return picture

@@ -31,17 +31,17 @@ Progress = Callable[[float], object]
 
 @dataclass
 class Streaming:
-    """How a picture is streamed."""
+    """Memory and division into blocks and segments of a streamed picture."""
 
     #: Bytes for samples and bounds.
     memory: int
-    #: At least so many blocks of each base plane.
+    #: Least number of blocks of each base plane.
     n_blocks: int = 1
     #: Slices of a segment of the rays, where they are cut into segments.
     segment_slices: int | None = None
 
     def planned(self, layers: Sequence[Any], camera: Any, frame: _native.FrameArguments) -> _native.Stream:
-        """The stream of a frame; a `LimitError` says how much memory would do."""
+        """The stream of a frame; a `LimitError` names the memory that suffices."""
         budget = int(self.memory * FOR_SAMPLES)
         try:
             return _native.Stream(layers, camera, frame, budget, self.n_blocks, self.segment_slices)
@@ -58,16 +58,16 @@ class Streaming:
 
 @dataclass
 class Reading:
-    """Where the samples of each layer are read, and what hears of it."""
+    """Arrays of the layers' samples, and the callback and counts of reading."""
 
     arrays: Sequence[LazyArray]
-    #: What is put where samples of each layer cannot be read; None ends the picture.
+    #: Value in place of each layer's samples that cannot be read; None ends the picture.
     least: Sequence[float] | None
     progress: Progress | None = None
     counts: ReadCounts = field(default_factory=ReadCounts)
 
     def part(self, before: float, share: float) -> Reading:
-        """The same for a part of the work."""
+        """The reading with progress as a part of the work, from `before` on and `share` long."""
         progress = self.progress
         told = None if progress is None else lambda done: progress(before + share * done)
         return replace(self, progress=told)
@@ -90,7 +90,7 @@ def streamed(
 
 
 def draw_block(stream: _native.Stream, block: int, reading: Reading) -> _native.BlockState:
-    """Draws a block through all its segments, and gives the state of its rays."""
+    """Draws a block through all its segments, and returns the state of its rays."""
     n_steps = stream.n_steps(block)
     states = [
         draw_segment(stream, block, steps, reading.part(steps[0] / n_steps, (steps[1] - steps[0]) / n_steps))
@@ -114,7 +114,7 @@ def draw_segment(stream: _native.Stream, block: int, steps: tuple[int, int], rea
             samples = _all(boxes, own.progress)
             waited += time.perf_counter() - before_waiting
             if step + 1 < end:
-                # Asked for by what is known before this step is drawn.
+                # The next reads are chosen by the rays' state before this step, so that they run while it is drawn.
                 ahead = _asked(stream, block, step + 1, is_first=False, state=state, reader=reader)
                 for k, box in enumerate(stream.held(block, step + 1)):
                     joined(samples[k], held[k], ahead[k].samples, box)
@@ -139,12 +139,12 @@ def _asked(
     return [reader.filled(k, box, boxes) for k, (box, boxes) in enumerate(zip(held, reads, strict=True))]
 
 
-#: Seconds after which a wait looks whether the picture is still wanted.
+#: Seconds between checks, in a wait, whether the picture is still wanted.
 LOOK_EVERY = 0.05
 
 
 def _all(pending: Sequence[Pending], progress: Progress | None) -> list[NDArray[Any]]:
-    """The samples, once they are there; asks meanwhile whether to go on."""
+    """Wait for the samples; meanwhile, the callback is asked whether to go on."""
     for one in pending:
         while progress is not None and not one.is_there(LOOK_EVERY):
             if progress(0.0) is False:

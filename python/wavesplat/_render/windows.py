@@ -53,7 +53,7 @@ def limits(
         level, width = _named(window, volume) if isinstance(window, str) else _level_and_width(window)
         return level - width / 2, level + width / 2
     low, high = robust_range(volume)
-    # One that is the same everywhere is black.
+    # A volume that is the same everywhere is black.
     return (low, high) if low < high else (low, low + 1.0)
 
 

@@ -1,1 +1,1 @@
-"""Scenes: what is shown, of how many volumes, and how it becomes a picture, a document, a picture again."""
+"""Scenes of volumes: how they are shown, drawn as pictures, and written and read as documents."""

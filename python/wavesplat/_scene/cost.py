@@ -1,4 +1,4 @@
-"""What a picture of a lazy volume costs, before anything of it is read: boxes, bytes, tasks, memory, time.
+"""Estimated cost of a picture of a lazy volume before it is read: boxes, bytes, tasks, memory, time.
 
     T = T_plan + max(T_read, T_draw) + T_merge + T_tasks,
     T_read = bytes · amplification / (workers · rate),   T_draw = texels · sheets · ns / (workers · cores),
@@ -37,20 +37,20 @@ from wavesplat.errors import ArgumentError
 
 __all__ = ["Cost", "plan"]
 
-#: Blocks of a picture for each worker, as pictures are cut.
+#: Blocks of a picture for each worker.
 BLOCKS_PER_WORKER = 4
 #: Seconds that a scheduler takes for a task, bytes of a texel of a partial picture, and bytes a second between workers.
 TASK_S, PARTIAL_BYTES, MERGE_RATE = 1e-3, 16, 200e6
-#: What is added for blocks that are done last.
+#: Factor of the time for blocks that are done last.
 STRAGGLERS = 1.5
-#: Boxes that are read to measure how fast that goes, and bytes of each.
+#: Number of boxes that are read to measure the rate of reading, and bytes of each.
 N_PROBES, PROBE_BYTES = 4, 8 << 20
 
 
 @public
 @dataclass(frozen=True)
 class Cost:
-    """What a picture costs; numbers are for all of it, or for one worker where they say so.
+    """Estimated cost of a picture; numbers are for all of it, or for one worker where they say so.
 
     Attributes
     ----------
@@ -61,12 +61,12 @@ class Cost:
     blocks, steps, tasks, boxes : int
         Blocks of the picture, steps that all of them take, tasks of a cluster, boxes that are read.
     bytes_stored, bytes_read : int
-        Of the level in memory, and of all reads: neighbouring blocks share chunks, and what shows nothing is not read
-        where bounds are known (`is_known`).
+        Bytes of the level in memory, and of all reads: neighbouring blocks share chunks, and what shows nothing is not
+        read where bounds are known (`is_known`).
     memory : int
         Bytes that a worker holds at once: samples, bounds, rays.
     partial_bytes : int
-        Of partial pictures that are merged; 0 without segments.
+        Bytes of partial pictures that are merged; 0 without segments.
     seconds : dict
         `plan`, `read`, `draw`, `merge`, `tasks` and `whole`.
     rates : dict
@@ -91,7 +91,7 @@ class Cost:
     cores: int
 
     def lines(self) -> list[str]:
-        """For people."""
+        """The cost as lines of text."""
         z, y, x = self.shape
         seconds = ", ".join(f"{name} {value:.3g}" for name, value in self.seconds.items() if name != "whole")
         known = (
@@ -128,13 +128,13 @@ def plan(
     read_rate: float | str | None = None,
     draw_ns: float | None = None,
 ) -> Cost:
-    """What a picture of a lazy volume costs, on this machine or on many, before it is drawn.
+    """Estimate the cost of a picture of a lazy volume, on this machine or on many, before it is drawn.
 
     Parameters
     ----------
     volume : LazyVolume
-        From `open(path, memory=...)` or `Volume.lazy`. Bounds count that were kept of earlier pictures; without them
-        all chunks do.
+        From `open(path, memory=...)` or `Volume.lazy`. Bounds that were kept by earlier pictures leave out chunks that
+        show nothing; without bounds all chunks count.
     size : (width, height), default (512, 512)
         Pixels.
     camera : Camera, optional
@@ -142,7 +142,7 @@ def plan(
     workers, cores : int
         Machines, and cores of each; None is those of this one.
     memory : str or number, optional
-        Of a worker, for samples and bounds; None is the volume's.
+        Memory of a worker for samples and bounds; None is the volume's.
     segments : int, optional
         Slices of a segment, as for `render`.
     read_rate : str or number, optional
@@ -239,12 +239,12 @@ def _segment_blocks(stream: _native.Stream) -> list[int]:
     return [block for block in range(stream.n_blocks) for _ in stream.segments(block)]
 
 
-#: Everything is seen of values from 0 to 1, a little.
+#: Transfer function with which all values from 0 to 1 are faintly visible.
 ALL_SEEN = TransferFunction([(0.0, 0.01), (1.0, 0.01)], [(0.0, 1.0, 1.0, 1.0)])
 
 
 def _core_of(volume: LazyVolume, number: int, level: Level) -> tuple[_native.LazyVolume, bool]:
-    """The level as it is planned with: by what is known of it, else as if all of it were seen."""
+    """The level for the plan, by its known bounds, or as if all of it were visible; and whether bounds are known."""
     known = volume.known_survey(number, "linear")
     shape = level.array.shape
     if known is None:
@@ -272,7 +272,7 @@ def _core_of(volume: LazyVolume, number: int, level: Level) -> tuple[_native.Laz
 
 def _stream(core: _native.LazyVolume, camera: Camera, size: tuple[int, int], streaming: Streaming) -> _native.Stream:
     low, high = core.value_range
-    # Of known bounds what is above their lower tenth counts as seen: air, and the empty field, do not.
+    # With known bounds, values above the lowest tenth of their range count as visible: air and the empty field do not.
     start = low if (low, high) == (0.0, 1.0) else low + 0.1 * (high - low)
     function = TransferFunction([(start, 0.0), (start + 1e-6 * max(high - low, 1e-30), 0.01)], [(low, 1.0, 1.0, 1.0)])
     function = ALL_SEEN if start == low else function

@@ -1,4 +1,4 @@
-"""Which files and addresses a document may name: those in its folder, and public web servers, unless more is allowed.
+"""Files and addresses that a document may name: in its folder, and on public web servers, unless more is allowed.
 
 A document is data: a picture that somebody sent must not make a program read other files of the user, ask servers in
 the user's network, or be given what only the user can give.
@@ -18,14 +18,14 @@ from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["Reach"]
 
-#: Characters of a path that a message quotes.
+#: Largest number of characters of a path that a message quotes.
 MAX_LETTERS = 120
 MEND = "if you trust the document, open it with external_files=True (--external-files)"
 
 
 @dataclass(frozen=True)
 class Reach:
-    """What a document may name.
+    """Files and addresses that a document may name.
 
     folder : absolute; relative paths start there.
     external_files : whether the user allows it to name any file or address, and files to name others.
@@ -40,7 +40,7 @@ class Reach:
         return None if self.external_files else real_place(self.folder)
 
     def options(self, options: dict[str, Any], what: str) -> dict[str, Any]:
-        """How a file is opened, as the document says, its path checked.
+        """Options of opening a file, as the document has them, with the path checked.
 
         Raises
         ------

@@ -1,4 +1,4 @@
-"""From a scene, a camera and options to the call of the compiled module, and from what it gives to a picture.
+"""Drawing of a scene from a camera: the call of the compiled module, and the picture of its result.
 
 "over" and isosurfaces are drawn in one go. Projections of several layers are drawn one after the other, from the same
 camera, and their colours are added as light.
@@ -53,17 +53,17 @@ __all__ = ["Options", "camera_of", "draw"]
 # Drivers do not like processes that end while a GPU is being opened.
 atexit.register(_native.gpu_settle)
 
-#: Colour, depth and value of a pixel, and of a texel, of which there are `oversampling` squared to a pixel; measured.
+#: Bytes of a pixel (colour, depth, value), and of a texel, of which a pixel has `oversampling` squared; measured.
 PIXEL_BYTES, TEXEL_BYTES = 20, 20
-#: Where it does not matter how much more there would be.
+#: Oversampling beyond which the check of memory refuses any picture.
 MAX_OVERSAMPLING = 1e6
-#: What an overview is drawn with.
+#: Sampling of overview pictures.
 COARSE = Sampling(sheets_per_slice=1, quality="draft")
 
 
 @dataclass(frozen=True, kw_only=True)
 class Options:
-    """How a scene is drawn, as `wavesplat.render` and `wavesplat.study` take it."""
+    """Options of drawing a scene, as `wavesplat.render` and `wavesplat.study` take them."""
 
     size: tuple[int, int] = (512, 512)
     quality: Quality | Sampling = "normal"
@@ -78,7 +78,7 @@ class Options:
     early_ray_termination: bool = True
     #: Slices of a segment of the rays; None composites from front to back in one go.
     segments: int | None = None
-    #: Of pictures that many machines draw: what takes the place of drawing here.
+    #: For pictures that many machines draw: the function that draws in place of this process.
     elsewhere: Elsewhere | None = None
     #: Called with a stream and the number of a block of it that was drawn, for pictures that are shown before they are
     #: done.
@@ -87,7 +87,7 @@ class Options:
 
 @dataclass(frozen=True)
 class _Frame:
-    """All that is the same for the layers of a picture."""
+    """Arguments of a picture that all its layers share."""
 
     scene: Scene
     camera: Camera
@@ -176,7 +176,7 @@ def _drawn(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curv
 def _facts(
     frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves], report: dict[str, Any]
 ) -> dict[str, Any]:
-    """What else the report says; of a wanted PSNR the sampling that it took, so that the same can be drawn again."""
+    """Further fields of the report; for a wanted PSNR the sampling that it took, to draw the same again."""
     sampling, psnr = frame.sampling, frame.options.psnr
     if psnr is not None and len(layers) == 1:
         sampling, psnr = Sampling(report["sheets_per_slice"], report["oversampling"]), None
@@ -203,7 +203,7 @@ def _hidden_parts(scene: Scene) -> list[Any]:
 
 
 def _empty(frame: _Frame) -> Picture:
-    """Nothing but the background."""
+    """A picture of the background alone."""
     width, height = frame.size
     if min(frame.size) < 1:
         raise ArgumentError(f"size is {width} x {height} pixels; width and height must be at least 1")
@@ -215,7 +215,7 @@ def _empty(frame: _Frame) -> Picture:
 
 
 def _in_one(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> Picture:
-    """All layers in one call."""
+    """A picture of all layers in one call."""
     opacity = 1.0 if frame.composite == "over" else layers[0].opacity
     result, report = _rendered(frame if opacity == 1 else replace(frame, background=None), layers, functions)
     if opacity != 1:
@@ -244,11 +244,11 @@ def _added(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curv
         options = replace(frame.options, depth=False, progress=_part_of(frame.options.progress, number, len(layers)))
         result, report = _rendered(replace(clear, options=options), [layer], [function])
         shown = np.float32(layer.opacity) * result["rgba"]
-        # In double precision sums of so few do not depend on their order.
+        # In double precision the sum of a few float32 colours does not depend on their order.
         light += shown[..., :3]
         covers.append(1 - shown[..., 3].astype(np.float64))
         reports.append(report | _layer_summary(layer))
-    # Products do, so that they are taken in the order of size.
+    # Products do depend on it, so they are taken in the order of size.
     alpha = 1 - (np.sort(covers, axis=0) if len(covers) > 2 else np.array(covers)).prod(axis=0)
     rgba = np.dstack([light.clip(0, 1), alpha]).astype(np.float32)
     rgba = _over_background(rgba, frame.background)
@@ -269,7 +269,7 @@ def _over_background(rgba: NDArray[np.float32], background: colors.Rgba | None) 
         return rgba
     red, green, blue, alpha = background
     below = np.array([red * alpha, green * alpha, blue * alpha, alpha], np.float32)
-    # Added light can be more than what covers.
+    # Added light can exceed the opacity.
     return np.minimum(rgba + (1 - rgba[..., 3:]) * below, 1).astype(np.float32)
 
 
@@ -295,7 +295,7 @@ def _function(frame: _Frame, layer: DrawnLayer, n_layers: int) -> Curves:
 
 
 def _faded(frame: _Frame, layer: DrawnLayer, function: Curves) -> Curves:
-    """The transfer function with the layer's opacity; of projections it is the light that has it."""
+    """The transfer function with the layer's opacity; for projections it is the added light that is scaled."""
     return layer.faded(function) if frame.composite == "over" else function
 
 
@@ -306,7 +306,7 @@ def _light(scene: Scene, layer: DrawnLayer) -> Shading | None:
 def _rendered(
     frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]
 ) -> tuple[_native.RenderResult, dict[str, Any]]:
-    """What the compiled module gives for layers, and the report of it."""
+    """Result of the compiled module for layers, and its report."""
     options, (width, height), operator = frame.options, frame.size, frame.operator
     lazy = LazyLayers.of(layers, frame.camera, frame.size, options)
     cores = [layer.core for layer in layers] if lazy is None else lazy.cores
@@ -365,7 +365,7 @@ def _sampling(frame: _Frame, drawn: Sequence[tuple[Any, Any, Any]]) -> tuple[flo
 
 
 class _Memory:
-    """What pictures with a wanted PSNR told of their errors, for the next ones that show the same."""
+    """Errors measured for a wanted PSNR, kept for the next pictures that show the same."""
 
     def __init__(self, frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> None:
         self._is_wanted = frame.options.psnr is not None
@@ -385,7 +385,7 @@ class _Memory:
         )
 
     def recalled(self) -> dict[str, Any] | None:
-        """What the last one told; None where there was none, or it showed something else."""
+        """The last picture's measurements; None where there are none, or it showed something else."""
         if not self._is_wanted or self._key not in self._cache.measured:
             return None
         shown, told = self._cache.measured[self._key]
@@ -393,6 +393,6 @@ class _Memory:
         return measured
 
     def remember(self, report: dict[str, Any]) -> None:
-        """Keep what a picture told."""
+        """Keep the measurements in a picture's report."""
         if self._is_wanted and report.get("measured") is not None:
             self._cache.remember(self._key, self._shown, report["measured"])

@@ -1,4 +1,4 @@
-"""What is seen of a scene's layers: their looks, in the operator that all share, and their volumes, cut open.
+"""The visible layers of a scene: their looks, in the operator that all share, and their volumes, cut open.
 
 Layers without a look get one by the kind of their data. Where there are several, channels of fluorescence have colours
 that can be told apart: those of the file, or, where it has none or two are the same, the ones below.
@@ -37,7 +37,7 @@ __all__ = ["Curves", "DrawnLayer", "DrawnLayers", "drawn_layers", "drawn_volumes
 Rgb = tuple[float, float, float]
 Curves: TypeAlias = TransferFunction | TransferFunction2D
 
-#: Green, magenta, cyan, yellow, red, blue, white, orange.
+#: Colours of channels without one: green, magenta, cyan, yellow, red, blue, white, orange.
 CHANNEL_COLORS: tuple[Rgb, ...] = (
     (0.35, 1.0, 0.45),
     (1.0, 0.35, 0.95),
@@ -57,32 +57,32 @@ class DrawnLayer:
     """A layer as it is drawn."""
 
     layer: Layer
-    #: What it is of, and what is left of that where the scene is cut open.
+    #: The layer's volume, and that volume as drawn: on the first one's axes, with the boxes cut out.
     volume: Volume | WaveletVolume
     seen: Volume | WaveletVolume
     look: Look
     is_automatic: bool
-    #: What is taken out of it.
+    #: Boxes that are cut out of it.
     boxes: Boxes
 
     @property
     def core(self) -> _native.Volume | _native.DecodedVolume:
-        """What the compiled module draws."""
+        """The volume for the compiled module."""
         return self.seen._decoded(self.seen.left_out) if isinstance(self.seen, WaveletVolume) else self.seen._core
 
     @property
     def name(self) -> str:
-        """What messages call it."""
+        """Name of the layer in messages."""
         return self.layer.name or self.volume.name
 
     @property
     def opacity(self) -> float:
-        """What its opacities are multiplied by."""
+        """Factor of the layer's opacities; 0 if it is hidden."""
         return self.layer.opacity if self.layer.visible else 0.0
 
     @property
     def identity(self) -> object:
-        """What is another one when its samples are."""
+        """Identity of the layer's samples: another one when they change."""
         return identity_of(self.volume)
 
     def faded(self, function: TransferFunction | TransferFunction2D) -> TransferFunction | TransferFunction2D:
@@ -98,14 +98,14 @@ class DrawnLayer:
 
 
 def identity_of(volume: Volume | WaveletVolume) -> tuple[object, int]:
-    """Equal for the same samples; another one after a change: `Volume.changed` makes the core anew."""
+    """Identity of a volume's samples: another one after a change, since `Volume.changed` makes the core anew."""
     if isinstance(volume, LazyVolume):
         return volume._identity
     return (volume._core if isinstance(volume, Volume) else volume), 0
 
 
 def drawn_volumes(scene: Scene) -> list[Volume | WaveletVolume]:
-    """The volumes of the layers that are seen."""
+    """The volumes of the visible layers."""
     return [layer.drawn for layer in scene.layers if layer.is_shown]
 
 
@@ -123,7 +123,7 @@ def operator_name(looks: Sequence[Look]) -> Composite:
 
 @dataclass(frozen=True)
 class DrawnLayers:
-    """Layers that are seen, the operator that all are drawn with, and the volume whose samples boxes are given in."""
+    """Visible layers, the operator that all are drawn with, and the volume whose samples boxes are given in."""
 
     layers: list[DrawnLayer]
     composite: Composite
@@ -131,17 +131,17 @@ class DrawnLayers:
 
     @property
     def resampled(self) -> list[str]:
-        """Names of layers whose axes were none of the first one's."""
+        """Names of layers that were resampled, since their axes are none of the first one's."""
         return [layer.name for layer in self.layers if is_oblique(layer.volume, self.layers[0].volume)]
 
     @property
     def has_first(self) -> bool:
-        """Whether the scene's first layer is the first that is seen."""
+        """Whether the scene's first layer is the first of these."""
         return bool(self.layers) and self.layers[0].volume is self.first
 
 
 def drawn_layers(scene: Scene, composite: Composite | None) -> DrawnLayers:
-    """What is seen of a scene.
+    """The layers of a scene that are drawn.
 
     The first layer is among them, with an opacity of 0, where it is not seen and the scene has labels, which lie on it.
     """
@@ -151,7 +151,7 @@ def drawn_layers(scene: Scene, composite: Composite | None) -> DrawnLayers:
         if layer.is_shown or (number == 0 and scene.labels is not None)
     ]
     volumes = [layer.drawn for layer in layers]
-    # Before looks are taken that were chosen for the samples as they were.
+    # Changed files are found before kept looks are used, which were chosen for the samples as they were.
     compare(volumes)
     first = volumes[0] if layers and layers[0] is scene.layers[0] else scene.layers[0].drawn
     check_units(volumes)
@@ -173,7 +173,7 @@ def drawn_layers(scene: Scene, composite: Composite | None) -> DrawnLayers:
 
 
 def seen_parts(scene: Scene, look: Look) -> list[Part]:
-    """What is seen of the volumes, and their looks; that of the first layer is given, whatever its own."""
+    """The volumes as drawn, and their looks; the look of the first layer is `look`, whatever its own."""
     layers = drawn_layers(scene, look.composite).layers
     return [(layer.seen, look if number == 0 else layer.look) for number, layer in enumerate(layers)]
 
@@ -183,7 +183,7 @@ def _is_automatic(layer: Layer) -> bool:
 
 
 def _kept_look(scene: Scene, layer: Layer, composite: Composite | None) -> Look:
-    """The layer's look; what is found out of a volume's values is found out once."""
+    """The look of a layer; one that is chosen by a volume's values is chosen once."""
     volume = layer.looked_at
     if not (layer.look is None or isinstance(layer.look, str)):
         return chosen_look(layer.look, volume, composite)
@@ -197,7 +197,7 @@ def _with_distinct_colors(
     looks: Sequence[Look],
     composite: Composite,
 ) -> list[Look]:
-    """Colours of their own for channels of fluorescence and, in projections, for all that have no look."""
+    """The looks with distinct colours for channels of fluorescence and, in projections, for all without a look."""
     made, taken = list(looks), list[Rgb]()
     for k, layer in enumerate(layers):
         if not _is_automatic(layer):
@@ -214,7 +214,7 @@ def _with_distinct_colors(
 
 
 def _colored(volume: Volume | WaveletVolume, look: Look, composite: Composite, color: Rgb) -> Look:
-    """The look that a volume has by itself, in a colour."""
+    """The automatic look of a volume, in a colour."""
     if composite in ("over", "first-hit"):
         return automatic(volume, composite, color)
     return replace(look, transfer_function=tinted(look.transfer_function, color))

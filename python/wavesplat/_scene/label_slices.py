@@ -11,9 +11,9 @@ from wavesplat._render.slicing import Planes
 
 __all__ = ["laid_over"]
 
-#: How opaque the inside of a label is, as a share of its outline: the scan shows through.
+#: Opacity of a label's inside, as a share of its outline's: the scan shows through.
 FILL = 0.4
-#: So that positions, in float64, take little memory.
+#: Pixels that are worked on at once: their positions, in float64, take little memory.
 PIXELS_AT_ONCE = 1 << 18
 
 
@@ -22,7 +22,7 @@ def laid_over(rgba: NDArray[np.float32], planes: Planes, labels: Labels, scan: G
     labels.check_beside(scan)
     codes = _codes_at(planes, labels, scan)
     looks = [labels.labels.get(number) for number in labels.numbers]
-    # The last row is for pixels outside.
+    # The last entry is for pixels outside.
     shares = np.array([0.0 if look is None else max(look.opacity, look.tint) for look in looks] + [0.0])
     colors = np.array([(0.0,) * 3 if look is None else look.color for look in looks] + [(0.0,) * 3])
     edge = np.zeros(codes.shape, bool)
@@ -37,7 +37,7 @@ def laid_over(rgba: NDArray[np.float32], planes: Planes, labels: Labels, scan: G
 
 
 def _codes_at(planes: Planes, labels: Labels, scan: Grid) -> NDArray[np.intp]:
-    """The place of the label's number in `Labels.numbers` for every pixel; one more than the last outside the scan."""
+    """Index of the label's number in `Labels.numbers` for every pixel; one more than the last outside the scan."""
     cut, frame = planes.cut, planes.frame
     to_index = np.linalg.inv(scan.world_from_index)
     first = to_index[:3, :3] @ frame.origin + to_index[:3, 3]

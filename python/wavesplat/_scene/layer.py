@@ -97,12 +97,12 @@ class Layer:
 
     @property
     def is_shown(self) -> bool:
-        """Whether anything of it is seen."""
+        """Whether the layer is visible, with an opacity above 0."""
         return self.visible and self.opacity > 0
 
 
 def drawable(given: object) -> Volume | WaveletVolume:
-    """What is given as something that can be drawn."""
+    """An argument as a volume that can be drawn."""
     return as_volume(given)
 
 

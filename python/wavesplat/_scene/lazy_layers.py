@@ -1,4 +1,4 @@
-"""Layers of a picture of which one at least is lazy: their levels, what is planned with, and how they are drawn."""
+"""Layers of a picture with at least one lazy volume: their levels, the plan of a frame, and its drawing."""
 
 from __future__ import annotations
 
@@ -29,11 +29,11 @@ if TYPE_CHECKING:
 
 __all__ = ["FROM_CACHE", "Elsewhere", "FrameSpec", "LazyLayers", "pixel_in_samples"]
 
-#: What draws a frame instead of this process, and gives its stream with all blocks, and what was read.
+#: Function that draws a frame in place of this process; returns its stream with all blocks, and counts of reads.
 Elsewhere: TypeAlias = "Callable[[FrameSpec], tuple[_native.Stream, ReadCounts]]"
 
 
-#: How the report says that range and bounds were read from a cache folder, without a pass over the samples.
+#: Text of the report where range and bounds were read from a cache folder, without a pass over the samples.
 FROM_CACHE = "from the cache"
 
 
@@ -44,14 +44,14 @@ class LazyLayers:
     volumes: list[LazyVolume]
     levels: list[int]
     options: Options
-    #: How often samples of each volume were found changed before.
+    #: Number of changes of each volume's samples that were found before.
     n_changes: list[int]
 
     @classmethod
     def of(
         cls, layers: Sequence[DrawnLayer], camera: Camera, size: tuple[int, int], options: Options
     ) -> LazyLayers | None:
-        """None where no layer is lazy, and nothing asks for blocks or segments."""
+        """The layers as lazy volumes; None where no layer is lazy, and nothing asks for blocks or segments."""
         volumes = [layer.seen for layer in layers]
         is_asked_for = options.segments is not None or options.elsewhere is not None
         if not is_asked_for and not any(isinstance(volume, LazyVolume) for volume in volumes):
@@ -67,13 +67,13 @@ class LazyLayers:
 
     @property
     def cores(self) -> list[_native.LazyVolume]:
-        """What the compiled module plans with."""
+        """The lazy volumes for the compiled module's plan."""
         kernel = self.options.kernel
         pairs = zip(self.volumes, self.levels, strict=True)
         return [volume.ready(level, kernel) for volume, level in pairs]
 
     def _check_unchanged(self) -> None:
-        """A `FileError` if samples have changed since bounds were taken, as another thread or other machines found."""
+        """Raise a `FileError` if samples changed since bounds were taken, as another thread or machine found."""
         is_read_elsewhere = self.options.elsewhere is not None
         for volume, n_before in zip(self.volumes, self.n_changes, strict=True):
             if volume.n_changes_of_files(now=is_read_elsewhere) != n_before:
@@ -83,19 +83,19 @@ class LazyLayers:
                 )
 
     def _where_surveys_are_from(self) -> list[str]:
-        """Where range and bounds of each layer are from."""
+        """Origin of each layer's range and bounds: the cache, or a pass over the samples."""
         kernel = self.options.kernel
         surveys = [volume.survey(level, kernel) for volume, level in zip(self.volumes, self.levels, strict=True)]
         return [FROM_CACHE if survey.is_from_cache else "computed" for survey in surveys]
 
     @property
     def arrays(self) -> list[LazyArray]:
-        """Where the samples of each layer are read."""
+        """Arrays that the samples of each layer are read from."""
         return [volume.arrays(level) for volume, level in zip(self.volumes, self.levels, strict=True)]
 
     @property
     def least(self) -> list[float] | None:
-        """What is drawn where samples cannot be read; None ends the picture."""
+        """Value in place of each layer's samples that cannot be read; None ends the picture."""
         if not all(volume.holes for volume in self.volumes):
             return None
         kernel = self.options.kernel
@@ -131,37 +131,37 @@ class LazyLayers:
 
 @dataclass
 class FrameSpec:
-    """All that a frame of lazy layers is planned from, in any process: it can be sent to others."""
+    """Specification of a frame of lazy layers, from which any process can plan it: it can be pickled."""
 
     layers: LazyLayers
     #: Transfer functions with the layers' opacities, and lights.
     functions: list[Curves]
     lights: list[Shading | None]
     camera: Camera
-    #: Labels of the first layer, the volume they lie beside, and what is cut out of them.
+    #: Labels of the first layer, and boxes that are cut out of them.
     labels: Labels | None
     boxes: Boxes
     #: The arguments of the compiled module, without labels.
     arguments: dict[str, Any]
     n_blocks: int = 1
     memory: int | None = None
-    #: What is known of the samples, for processes that have not looked through them: pickled, by layer.
+    #: Surveys of the samples, for processes that have not looked through them: pickled, by layer.
     surveys: list[bytes] | None = None
 
     def with_surveys(self) -> FrameSpec:
-        """The same with what is known of the samples."""
+        """The specification with surveys of the samples."""
         kernel = self.layers.options.kernel
         pairs = zip(self.layers.volumes, self.layers.levels, strict=True)
         return replace(self, surveys=[volume.packed_surveys(level, kernel) for volume, level in pairs])
 
     @property
     def arrays(self) -> list[LazyArray]:
-        """Where the samples of each layer are read."""
+        """Arrays that the samples of each layer are read from."""
         return self.layers.arrays
 
     @property
     def least(self) -> list[float] | None:
-        """As of the layers."""
+        """Value in place of each layer's samples that cannot be read, as `LazyLayers.least`."""
         return self.layers.least
 
     @property
@@ -183,7 +183,7 @@ class FrameSpec:
         return streaming.planned(drawn, self.camera._core, arguments)
 
     def __getstate__(self) -> dict[str, Any]:
-        # What a process does beside drawing stays in it.
+        # Callbacks stay in this process.
         plain = replace(self.layers.options, progress=None, elsewhere=None, after_block=None)
         return {**self.__dict__, "layers": replace(self.layers, options=plain)}
 

@@ -1,4 +1,4 @@
-"""Volumes that documents name: opened, or made, and what was done to them done again."""
+"""Volumes that documents name: opened from files or made, and processed again as they were."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from wavesplat.errors import ArgumentError
 __all__ = ["volume_named"]
 
 EXAMPLES = {name: getattr(examples, name) for name in examples.__all__}
-#: What can be done to volumes, by the name in a document.
+#: Steps of processing a volume, by their name in a document.
 STEPS: dict[str, Callable[..., Any]] = {
     "smoothed": Volume.smoothed,
     "largest_body": largest_body,

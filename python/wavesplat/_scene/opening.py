@@ -1,4 +1,4 @@
-"""From a file to a scene: all of its channels as layers, in the file's colours and windows."""
+"""A scene from a file: all of its channels as layers, in the file's colours and windows."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ WHITE = (1.0, 1.0, 1.0)
 
 @dataclass(frozen=True)
 class _Wanted:
-    """A channel that is asked for, and how it is to be shown where that is said."""
+    """A channel to show, with its colour and window where they are given."""
 
     number: int
     color: Rgb | None = None
@@ -75,7 +75,7 @@ def open_scene(
     Parameters
     ----------
     path : path, URL, pattern or list of paths
-        As of `wavesplat.open`; of time points in files of their own as of `wavesplat.open_series`.
+        As for `wavesplat.open`; of time points in files of their own as for `wavesplat.open_series`.
     channels : sequence, optional
         Which ones, by number from 0 or by name: `[0, "DAPI"]`. With a colour and a window of values where the file's
         are not wanted: `[("DAPI", "blue"), (1, "green", (100, 900))]`; None leaves one of them to the file. All, if not
@@ -85,7 +85,7 @@ def open_scene(
     composite : str, default "over"
         Operator that several channels are shown with: "over", or "maximum", whose colours add up.
     series, dataset, level, shape, dtype, spacing, byte_order, offset, unit, gaps, external_files, memory, holes, cache
-        : optional. As of `wavesplat.open`.
+        : optional. As for `wavesplat.open`.
 
     Returns
     -------
@@ -172,17 +172,17 @@ class _Source:
         return self._read[number]
 
     def volume_of(self, number: int) -> Volume:
-        """The volume that its look is made for."""
+        """The volume that a channel's look is made for."""
         return brightest(self.series(number))
 
     def facts(self, number: int) -> Channel:
-        """What the file says of it; any channel that is read tells that of all."""
+        """The file's facts about a channel; any channel that was read has the facts of all."""
         read = next(iter(self._read), number)
         facts = self.series(read)[self.time].facts
         return facts.channels[number] if number < len(facts.channels) else Channel()
 
     def color(self, number: int) -> Rgb | None:
-        """What the file says; white ones of several are no choice, but what is written where there was none."""
+        """The file's colour of a channel; None where several are white, which is written where there was none."""
         own = self.facts(number).color
         is_white = own is not None and _is_same(own, WHITE)
         others = (self.facts(other).color for other in range(self.n) if other != number)
@@ -242,7 +242,7 @@ def _number(which: Any, source: _Source) -> int:
 
 
 def _color(wanted: _Wanted, of_file: Rgb | None, taken: Sequence[Rgb]) -> Rgb:
-    """As wanted, else as the file says, unless another has it, else the next one of the convention."""
+    """The colour of a channel: as wanted, else the file's, unless another has it, else the next of the convention."""
     if wanted.color is not None:
         return wanted.color
     own = [] if of_file is None else [of_file]

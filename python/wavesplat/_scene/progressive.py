@@ -27,10 +27,9 @@ __all__ = ["coarser_scenes", "progressive"]
 
 #: Seconds between two pictures of one level that is not done yet.
 SHOWN_EVERY_S = 0.5
-#: Each level before the wanted one is at least so many levels coarser than the next: those between take time and show
-#: little.
+#: Step in levels from one coarser picture to the next: those between take time and show little.
 LEVELS_BETWEEN = 2
-#: How a first picture of what has no levels is drawn: fewer pixels, and few sheets.
+#: Sampling of the first picture where there are no levels, and share of its sides: few sheets, fewer pixels.
 QUICK, QUICK_SHARE = Sampling(sheets_per_slice=1, quality="draft"), 0.5
 
 
@@ -57,7 +56,7 @@ def progressive(
     Parameters
     ----------
     what : Scene, Volume, or what else `render` takes
-        What is shown.
+        The scene or volume to draw.
     camera, size, quality, kernel, composite, depth, background, threads
         As for `render`.
     progress : callable, optional
@@ -66,7 +65,7 @@ def progressive(
     Yields
     ------
     Picture
-        All of one size. `report["is_final"]` tells the last one. To stop early, leave the loop: what is being read and
+        All of one size. `report["is_final"]` marks the last one. To stop early, leave the loop: what is being read and
         drawn is given up within a tenth of a second.
 
     Raises
@@ -140,7 +139,7 @@ def _marked(picture: Picture, *, is_final: bool = False) -> Picture:
 
 
 def _enlarged(picture: Picture, size: tuple[int, int]) -> Picture:
-    """Every pixel repeated."""
+    """The picture enlarged by repeating its pixels."""
     width, height = size
     rows = np.arange(height) * picture.rgba.shape[0] // height
     columns = np.arange(width) * picture.rgba.shape[1] // width
@@ -190,7 +189,7 @@ def _in_blocks(scene: Scene, camera: Camera, options: Options, coarse: Picture |
 
 
 def _over(rgba: Any, coarse: Picture | None, told: dict[str, Any]) -> Picture:
-    """What is done, and the coarser picture where nothing is yet."""
+    """The pixels that are drawn, and the coarser picture where none are yet."""
     if coarse is None:
         return Picture(rgba, report=dict(told))
     return Picture(np.where(rgba[..., 3:] > 0, rgba, coarse.rgba), report=dict(coarse.report))

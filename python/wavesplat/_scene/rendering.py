@@ -1,4 +1,4 @@
-"""The one-liner: from what a user has to a picture."""
+"""`wavesplat.render`: a picture of volumes or a scene in one call."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a picture's report says beside the numbers of the renderer: what is shown, from where, and how it was drawn.
+"""Fields of a picture's report beside the renderer's numbers: what is shown, from where, and how it was drawn.
 
 The scene in it is a document (`scene_json`) that draws the same picture: looks, camera and sampling as they were found,
 not as they were asked for.
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 __all__ = ["facts_of"]
 
-#: Transfer functions whose fields are kept: those of layers, and of projections one for every view.
+#: Largest number of transfer functions whose fields are kept: those of layers, and one per view of projections.
 MAX_KEPT = 32
 
 
@@ -41,7 +41,7 @@ def facts_of(
     kernel: str,
     operator: Operator,
 ) -> dict[str, Any]:
-    """Fields of the report."""
+    """Fields of the report: version, scene, quality, kernel and operator."""
     quality, composite = scene_json.fields_of_sampling(sampling), scene_json.fields_of_operator(operator)
     looks = {id(layer.layer): _resolved(scene, layer, curves) for layer, curves in zip(layers, functions, strict=True)}
 
@@ -50,7 +50,7 @@ def facts_of(
 
     document = scene_json.document_of(scene, strict=False, look_of=look_of)
     document["camera"] = camera.as_json()
-    # In the looks, with what else was found.
+    # The light is written in the looks, with all else that was found.
     document["shading"] = "look"
     if document["background"] is None and layers:
         document["background"] = layers[0].look.background

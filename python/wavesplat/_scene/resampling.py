@@ -27,14 +27,14 @@ __all__ = ["check_units", "is_oblique", "on_axes_of"]
 
 Array = NDArray[np.float64]
 
-#: Directions that differ by less are the same, and affines in files are rounded to float32.
+#: Largest difference of directions that are the same: affines in files are rounded to float32.
 PARALLEL = 1e-6
-#: A corner that lies so much of a sample beyond the last one needs no further sample.
+#: Part of a sample by which a corner may lie beyond the last one without needing another.
 BEYOND = 1e-6
 
 
 def check_units(grids: list[Volume | WaveletVolume]) -> None:
-    """An `ArgumentError` for volumes whose worlds have different units of length."""
+    """Raise an `ArgumentError` for volumes whose worlds have different units of length."""
     known = [(grid, units.metres(grid.unit)) for grid in grids if units.metres(grid.unit)]
     for grid, size in known[1:]:
         first, its_size = known[0]
@@ -85,7 +85,7 @@ def _directions(grid: Grid) -> Array:
 
 
 def _turned(volume: Volume, order: tuple[int, ...]) -> Volume:
-    """The same samples with the axes in another order."""
+    """The volume with its axes in another order."""
     matrix = np.array(volume.world_from_index)
     matrix[:, :3] = matrix[:, list(order)]
     # Samples are [z, y, x].
@@ -97,13 +97,14 @@ def _turned(volume: Volume, order: tuple[int, ...]) -> Volume:
 def _resampled(volume: Volume, axes: Array) -> Volume:
     """Samples between those of a volume, on axes of these directions."""
     index_from_world = np.linalg.inv(volume.world_from_index[:3, :3])
+    # The distance along each axis over which the index moves by one sample: the volume's own resolution there.
     steps = 1 / np.linalg.norm(index_from_world @ axes, axis=0)
     corners = affine.box_corners(volume.world_from_index, volume.shape) @ np.linalg.inv(axes).T
     lower, upper = corners.min(axis=0), corners.max(axis=0)
     n_x, n_y, n_z = (int(n) for n in np.ceil((upper - lower) / steps - BEYOND).astype(int) + 1)
     what = f"{volume.name!r} on the axes of the first layer"
     check_room(4 * n_x * n_y * n_z, what, "resample it more coarsely first")
-    # As much beyond one end as beyond the other.
+    # The grid reaches as far beyond one end as beyond the other.
     first = (lower + upper) / 2 - steps * (np.array([n_x, n_y, n_z]) - 1) / 2
     matrix = np.eye(4)
     matrix[:3, :3], matrix[:3, 3] = axes * steps, axes @ first

@@ -32,9 +32,9 @@ from wavesplat.errors import ArgumentError
 
 __all__ = ["Cache", "Scene", "as_scene"]
 
-#: Layers of a scene, at most.
+#: Largest number of layers of a scene.
 MAX_LAYERS = 8
-#: Facts and looks that are kept: three for a layer. Kinds of pictures of which it is kept what they told.
+#: Largest numbers of kept facts and looks, three for a layer, and of kinds of pictures with kept measurements.
 MAX_KEPT, MAX_MEASURED = 3 * MAX_LAYERS, 3
 
 T = TypeVar("T")
@@ -42,19 +42,19 @@ T = TypeVar("T")
 
 @dataclass(eq=False)
 class Cache:
-    """What a scene keeps between its pictures."""
+    """Results that a scene keeps between its pictures."""
 
-    #: Looks of layers that were chosen, with what they were chosen for.
+    #: Chosen looks and other facts, each with the identity of the samples that it was found from.
     looks: dict[Any, tuple[Any, Any]] = field(default_factory=dict)
     #: Transfer functions, and their fields in documents.
     documents: dict[int, tuple[Any, Any]] = field(default_factory=dict)
-    #: What the last pictures with a wanted PSNR told, with what they showed.
+    #: Errors measured for a wanted PSNR, by kind of picture, each with what the picture showed.
     measured: dict[Any, tuple[Any, Any]] = field(default_factory=dict)
 
     def get_or_compute(self, key: Any, identity: object, find: Callable[[], T]) -> T:
-        """What `find` gives, found out once for the samples that `identity` stands for.
+        """The result of `find`, computed once for the samples that `identity` stands for.
 
-        Whatever is kept holds samples, so that only a few are.
+        Kept results may hold samples, so only a few are kept.
         """
         found = self.looks.get(key)
         if found is None or found[0] != identity:
@@ -65,7 +65,7 @@ class Cache:
         return value
 
     def remember(self, key: Any, shown: object, told: object) -> None:
-        """Keep what a picture told, and forget that of the oldest kind of picture."""
+        """Cache a picture's measurements; evict those of the oldest kind of picture."""
         self.measured.pop(key, None)
         self.measured[key] = shown, told
         while len(self.measured) > MAX_MEASURED:
@@ -330,10 +330,10 @@ class Scene:
 
         Notes
         -----
-        With `psnr` the first picture of a scene is measured, some tiles of it drawn with several samplings. What that
-        told is believed for the next ones, be they from other sides or with another `psnr`, and they are drawn without
+        With `psnr` the first picture of a scene is measured, some tiles of it drawn with several samplings. The errors
+        found are used for the next ones, be they from other sides or with another `psnr`, and these are drawn without
         measuring anything: for the frames of a turn, say. That promises less, which `expected_psnr_spread_db` in the
-        report tells. Where a picture showed nothing, or pixels are more than 1.5 times as far apart or as close as they
+        report shows. Where a picture showed nothing, or pixels are more than 1.5 times as far apart or as close as they
         were, in samples, the next one is measured all the same. A new `Scene` measures.
 
         Examples

@@ -70,7 +70,7 @@ OPERATORS: dict[str, Any] = {kind.name: kind for kind in (FirstHit, LocalMaximum
 
 @dataclass(frozen=True)
 class Document:
-    """What a document holds: a scene and, if there are any, a camera, and options of pictures, figures and viewers."""
+    """Contents of a document: a scene and, if there are any, a camera, and options of pictures, figures and viewers."""
 
     scene: Scene
     camera: Camera | None
@@ -90,7 +90,7 @@ def write(document: Mapping[str, Any]) -> str:
 def document_of(scene: Scene, *, strict: bool = True, look_of: Callable[[Layer], Any] | None = None) -> dict[str, Any]:
     """The document of a scene, paths absolute.
 
-    strict : an `ArgumentError` for volumes and labels that come from no file; else they have the path null.
+    strict : raise an `ArgumentError` for volumes and labels that come from no file; else their path is null.
     look_of : fields of the look of a layer; None is as it was given.
     """
     layers = [
@@ -100,7 +100,7 @@ def document_of(scene: Scene, *, strict: bool = True, look_of: Callable[[Layer],
             "look": (look_of or given_look)(layer),
             "visible": layer.visible,
             "opacity": layer.opacity,
-            # Of a series that has no source, the volume of its time may have one.
+            # A series without a source is written as the volume of its time, which may have one.
             "time": layer.time if layer.volume._source is not None else 0,
         }
         for number, layer in enumerate(scene.layers)
@@ -160,12 +160,12 @@ def _fields_of_clip(clip: Clip) -> dict[str, Any]:
 
 
 def fields_of_operator(operator: Operator) -> Any:
-    """A name, or an object of one field: the name, and the numbers."""
+    """An operator as JSON: its name, or an object of one field, the name with the numbers."""
     return operator if isinstance(operator, str) else {operator.name: settings(operator)}
 
 
 def fields_of_sampling(sampling: Sampling) -> Any:
-    """The name of a quality, or an object of the numbers."""
+    """A sampling as JSON: the name of a quality, or an object of the numbers."""
     if sampling.sheets_per_slice is None and sampling.oversampling is None:
         return sampling.quality
     return settings(sampling)
@@ -180,7 +180,7 @@ def settings(thing: Any, *, but: Collection[str] = ()) -> dict[str, Any]:
 
 
 def parse(text: str, folder: Path | None, *, external_files: bool = False) -> Document:
-    """What a JSON text describes: a document, or a report that has one.
+    """The contents of a JSON text: a document, or a report that has one.
 
     folder : of the document, where relative paths start, and files must lie; None is the working directory.
     external_files : whether files may lie elsewhere, and name others.
@@ -190,7 +190,7 @@ def parse(text: str, folder: Path | None, *, external_files: bool = False) -> Do
 
 
 def inside(found: Any) -> dict[str, Any]:
-    """The document itself; of a report, and of what `--json` prints, the one that is in it."""
+    """The document itself, or the one in a report, or in the output of `--json`."""
     for _ in range(3):
         if isinstance(found, dict) and found.get("wavesplat") == KIND:
             return found
@@ -274,7 +274,7 @@ def _labels(labels: Any, what: str, reach: Reach) -> Labels | None:
 
 
 def looks_of_labels(labels: Any, what: str) -> dict[int, Label] | None:
-    """The looks by number that fields of labels describe; None: they say none."""
+    """The looks by number that fields of labels describe; None if they have none."""
     _check(labels, what, needed=("volume",), known=LABELS)
     looks = labels.get("labels")
     if not isinstance(looks, dict | None) or not all(isinstance(look, dict) for look in (looks or {}).values()):
@@ -301,7 +301,7 @@ def camera_of(camera: Any) -> Camera | None:
 
 
 def clips_of(document: dict[str, Any]) -> list[Clip]:
-    """What the scene is cut by."""
+    """The clips that the document's field `clip` describes."""
     return [_clip(clip, f"{WHAT}: clip[{number}]") for number, clip in enumerate(_list(document, "clip", WHAT))]
 
 
@@ -388,7 +388,7 @@ def _list(document: dict[str, Any], name: str, what: str) -> list[Any]:
 
 
 def _made(what: str, make: Callable[[], T]) -> T:
-    """What `make` gives; its errors get the place in the document."""
+    """The result of `make`; its errors get the place in the document."""
     try:
         return make()
     except TypeError as error:

@@ -1,4 +1,4 @@
-"""Slices: of a volume, and of others over it in the same places."""
+"""Slices through a volume, and others laid over it at the same places."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ Floats: TypeAlias = NDArray[np.float32]
 #: colour maps that these get instead, in turn.
 MAPPED_KINDS = ("CT", "MR", "PET", "ultrasound", "EM", "field", "scan")
 OVERLAY_MAPS = ("hot", "winter", "summer", "cool")
-#: So that mixing them, in float64, takes little memory.
+#: Pixels that are mixed at once: their colours, in float64, take little memory.
 PIXELS_AT_ONCE = 1 << 18
 
 
@@ -90,7 +90,7 @@ def slice(
     kernel : str
         Reconstruction between samples, as for `render`.
     thickness : float, default 0
-        Of a slab with the plane in its middle, world units. Two planes for every sample across it, and both its faces.
+        Thickness of a slab around the plane, world units. Two planes for every sample across it, and both its faces.
     slab : str
         "maximum", "minimum" or "mean" of the values across the slab.
     window : (level, width) or str, optional
@@ -112,7 +112,7 @@ def slice(
     -------
     Picture
         `value` holds the values, float32, shape (height, width), NaN outside the volume.
-        `report` tells where the pixels lie in the world (`origin`, the centre of the first one, `right`, `down` and
+        `report` says where the pixels lie in the world (`origin`, the centre of the first one, `right`, `down` and
         `pixel`), the letters of the edges (None without anatomy), the window, as `window` (level, width) and `clim`
         (low, high), what was done to the samples (`Facts.processing`), and in `layers` name, opacity, time and
         processing of each layer. `notes` say why a layer does not show. `Picture.annotated` writes on it: letters, a
@@ -195,7 +195,7 @@ def slice(
 
 
 def _facts_of(layer: Layer) -> dict[str, Any]:
-    """What the report says of a layer beside its colours."""
+    """Fields of the report about a layer, beside its colours."""
     return {
         "name": _name_of(layer),
         "opacity": layer.opacity if layer.visible else 0.0,
@@ -240,7 +240,7 @@ def _found_curves(layer: Layer, colormap: str | None) -> TransferFunction:
 
 
 def _laid_over(rgba: Floats, values: Floats, curves: TransferFunction, opacity: float) -> tuple[Floats, bool]:
-    """The colours of values over a picture, and whether they show anywhere."""
+    """The picture with the colours of values laid over it, and whether they show anywhere."""
     most = max(alpha for _, alpha in curves.opacity)
     mixed, is_seen = np.array(rgba), False
     if most == 0:

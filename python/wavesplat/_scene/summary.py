@@ -1,4 +1,4 @@
-"""What a picture's report says of what it shows, for figures: view, layers with their colours, labels."""
+"""Fields of a picture's report for figures: view, layers with their colours, labels."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ __all__ = ["facts_of_layers", "facts_of_picture", "names_of"]
 def facts_of_picture(
     scene: Scene, camera: Camera, size: tuple[int, int], background: Rgba | None, labels: Labels | None
 ) -> dict[str, Any]:
-    """Where it was taken from, what its pixels are, what lies behind, and the names of what is coloured."""
+    """The report's camera, pixels and background, and the names of labels."""
     facts = [layer.drawn.facts for layer in scene.layers]
     view = facts_of_view(camera, size, next((one for one in facts if one.unit is not None), facts[0]))
     return {**view, "background": background, "labels": names_of(labels)}
@@ -43,7 +43,7 @@ def facts_of_layers(
     functions: Sequence[TransferFunction | TransferFunction2D],
     composite: str,
 ) -> dict[str, Any]:
-    """The colours that the layers are drawn with."""
+    """The report's list of visible layers with the colours that they are drawn with."""
     return {
         "shown": [
             shown_layer(layer.layer.name or layer.volume.name, composite, function, _unit(scene, layer))
@@ -54,8 +54,8 @@ def facts_of_layers(
 
 
 def _unit(scene: Scene, layer: DrawnLayer) -> str:
-    """Found out once for all pictures of a scene."""
-    # Of a series by one volume, which is kept anyway.
+    """The unit of a layer's values, found once for all pictures of a scene."""
+    # A series has the unit of one of its volumes, which is kept anyway.
     volume = layer.layer.looked_at
     key: Any = id(volume), "unit"
     return scene._cache.get_or_compute(key, identity_of(volume), lambda: unit_of_values(volume))

@@ -42,7 +42,7 @@ class BrowserLink:
             raise
 
     def open(self) -> bool:
-        """Show it in the browser; whether there is one."""
+        """Show the link in the browser; False if there is none."""
         opened = False
         with contextlib.suppress(webbrowser.Error):
             opened = webbrowser.open(self.path.as_uri())

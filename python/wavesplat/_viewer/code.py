@@ -17,21 +17,21 @@ from wavesplat._viewer.state import ViewerState
 __all__ = ["command_of", "python_of"]
 
 OUTPUT = "picture.png"
-#: How volumes are changed, by the step in their source: as a method, or as a function of `wavesplat`.
+#: Functions of `wavesplat` that change volumes, by the step in their source; other steps are methods.
 FUNCTIONS = {"largest_body": "ws.largest_body", "wavelets": "ws.WaveletVolume.from_volume"}
 
 
 def command_of(state: ViewerState, size: tuple[int, int]) -> str:
-    """A shell command, with the state in it."""
+    """The shell command that draws the picture, with the state in it."""
     text = scene_json.write(state.file_document(size))
     note = "" if _has_sources(state) else '# A volume comes from no file: name one in the field "path".\n'
-    # The files are those that are open here, wherever the command is run.
+    # The command must be allowed to read the files that are open here, wherever it is run.
     allowed = " --external-files" if any(source.get("path") for source in _all_sources(state)) else ""
     return f"{note}wavesplat render --from - -o {OUTPUT}{allowed} <<'END'\n{text}END\n"
 
 
 def python_of(state: ViewerState, size: tuple[int, int]) -> str:
-    """A program."""
+    """The Python program that draws the picture."""
     scene = state.scene
     lines = ["import wavesplat as ws", ""]
     names = []

@@ -26,7 +26,7 @@ HEADER_S = 10.0
 ANSWER_S = 30.0
 #: Seconds without accepting anybody after the process has no descriptor or no memory left.
 PAUSE_S = 1.0
-#: Seconds between two lines of one kind of trouble in the log.
+#: Least seconds between two lines of the log about one kind of trouble.
 LINE_S = 60.0
 
 log = logging.getLogger("tornado.general")
@@ -60,7 +60,7 @@ class BoundedServer(tornado.httpserver.HTTPServer):
     """An HTTP server with at most `MAX_CONNECTIONS`, each of which must send its header within `HEADER_S`."""
 
     def initialize(self, *args: Any, **kwargs: Any) -> None:
-        """As Tornado's; the class is made by it, not by `__init__`."""
+        """Set the limits; Tornado sets up its servers by this method, not by `__init__`."""
         limits = {"max_header_size": 1 << 14, "max_body_size": 0, "idle_connection_timeout": HEADER_S}
         super().initialize(*args, **{**kwargs, **limits})
         self._streams: list[tornado.iostream.IOStream] = []
@@ -99,7 +99,7 @@ class QuietLog(logging.Filter):
             logging.getLogger(name).removeFilter(self)
 
     def filter(self, record: logging.LogRecord) -> bool:
-        """Whether to write a record; its traceback is left out, but for the error."""
+        """Whether to write a record; its traceback is reduced to the error."""
         if record.thread != self._thread:
             return True
         error = record.exc_info[1] if record.exc_info else None

@@ -11,12 +11,12 @@ from wavesplat._picture import picture_files
 
 __all__ = ["jpeg_bytes", "png_bytes"]
 
-#: Behind what is transparent, where a format has no transparency.
+#: Colour behind transparent pixels in a format without transparency.
 PAPER = (0.0, 0.0, 0.0)
 
 
 def jpeg_bytes(rgba: NDArray[np.float32], quality: int, *, subsampled: bool) -> bytes:
-    """`subsampled`: colours at half the resolution (4:2:0), which suits slow lines."""
+    """A picture as a JPEG file. `subsampled`: colours at half the resolution (4:2:0), which suits slow lines."""
     content = io.BytesIO()
     image = picture_files.rgb_image(rgba, PAPER)
     image.save(content, "jpeg", quality=quality, subsampling=2 if subsampled else 0)
@@ -24,5 +24,5 @@ def jpeg_bytes(rgba: NDArray[np.float32], quality: int, *, subsampled: bool) -> 
 
 
 def png_bytes(rgba: NDArray[np.float32]) -> bytes:
-    """Pixels are those of `Picture.save`, 8 bits."""
+    """A picture as a PNG file, with the pixels of `Picture.save`, 8 bits."""
     return picture_files.png_bytes(rgba, 8)

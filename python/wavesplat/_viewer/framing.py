@@ -15,7 +15,7 @@ from wavesplat.errors import ArgumentError
 __all__ = ["MAX_BYTES", "PROTOCOL", "packed", "unpacked"]
 
 PROTOCOL = 1
-#: A message to the server, at most: a state with a large table of colours, or a file of one.
+#: Largest message to the server, bytes: a state with a large table of colours, or a file of one.
 MAX_BYTES = 1 << 20
 LENGTH = struct.Struct("<I")
 
@@ -27,7 +27,7 @@ def packed(header: dict[str, Any], payload: bytes = b"") -> bytes:
 
 
 def unpacked(message: bytes) -> tuple[dict[str, Any], bytes]:
-    """Header and payload.
+    """The header and the payload of a message.
 
     Raises
     ------

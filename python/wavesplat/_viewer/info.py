@@ -1,4 +1,4 @@
-"""What the page is told at first: volumes, presets, operators, standard views."""
+"""The first message to a page: volumes, presets, operators, standard views."""
 
 from __future__ import annotations
 
@@ -25,15 +25,15 @@ from wavesplat._viewer.state import ViewerState
 __all__ = ["fingerprint_of", "welcome_of"]
 
 VIEWS = ("front", "back", "left", "right", "top", "bottom")
-#: At the ends of -x, +x, -y, +y, -z, +z: of bodies, and of other data.
+#: Labels of the ends of -x, +x, -y, +y, -z, +z: for bodies, and for other data.
 BODY_ENDS = ("L", "R", "P", "A", "I", "S")
 AXIS_ENDS = ("-x", "+x", "-y", "+y", "-z", "+z")
-#: Samples that a fingerprint looks at.
+#: Number of samples of a volume that a fingerprint is made of, about.
 N_SAMPLES = 4096
 
 
 def welcome_of(state: ViewerState) -> dict[str, Any]:
-    """The fields of `Welcome` in `web/src/engine/engine.ts`."""
+    """The first message to a page: the fields of `Welcome` in `web/src/engine/engine.ts`."""
     scene = state.scene
     first = scene.layers[0].drawn
     fitting = [{preset.name for preset in presets.fitting(layer.drawn)} for layer in scene.layers]
@@ -65,7 +65,7 @@ def welcome_of(state: ViewerState) -> dict[str, Any]:
 
 
 def fingerprint_of(scene: Scene) -> str:
-    """What tells data apart: shapes, places and some samples of the volumes."""
+    """A hash that distinguishes data: shapes, places and some samples of the volumes."""
     digest = hashlib.sha256()
     for layer in scene.layers:
         volume = layer.drawn

@@ -26,17 +26,17 @@ __all__ = ["bundle_of", "check", "widget_of"]
 
 #: Pixels of the picture that a saved notebook shows.
 STILL_SIZE = (640, 480)
-#: Pages whose widget is gone without a word, at most.
+#: Largest number of pages of a widget: they may go without a message.
 MAX_PAGES = 8
 
 
 def check() -> None:
-    """A `LibraryError` where notebooks cannot be served."""
+    """Raise a `LibraryError` where notebooks cannot be served."""
     library("anywidget", extra="notebook")
 
 
 def bundle_of(viewer: Viewer, **options: Any) -> Any:
-    """What a cell shows: the widget, and a still picture for where notebooks are only read."""
+    """The output of a cell: the widget, and a still picture for where notebooks are only read."""
     if viewer._widget is None:
         viewer._widget = widget_of(viewer._session)
     found = viewer._widget._repr_mimebundle_(**options)
@@ -58,7 +58,7 @@ _CLASSES: dict[str, Any] = {}
 
 
 def _widget_class(anywidget: Any) -> Any:
-    """The class, made when the first one is needed, since the library may be missing."""
+    """The widget's class, made when the first widget is needed, since the library may be missing."""
     if "viewer" not in _CLASSES:
         source = (files("wavesplat") / "_viewer" / "client" / "viewer.js").read_text(encoding="utf-8")
         _CLASSES["viewer"] = type("ViewerWidget", (anywidget.AnyWidget,), {"_esm": source, "__module__": __name__})
@@ -103,7 +103,7 @@ class _Pages:
             self._send(page, {"type": "failed", "id": None, "code": "protocol", "message": message}, b"")
             return
         if client is None:
-            # Pages that went without a word make place.
+            # The oldest pages, which may have gone without a message, make room.
             while len(self._clients) >= MAX_PAGES:
                 self._clients.pop(next(iter(self._clients))).close()
             client = self._clients[page] = self._session.connect(

@@ -1,4 +1,4 @@
-"""How well frames are drawn while something moves, so that they come in time.
+"""Choice of how well frames are drawn while something moves, so that they come in time.
 
 Settings stand in a row, from the best to the cheapest: as at rest, then a wanted PSNR from 45 to 30 dB, then fewer
 pixels. Frames that take longer than the budget move to cheaper ones at once; five that take less than 80 % of it move
@@ -16,13 +16,13 @@ __all__ = ["BUDGETS_MS", "Pace", "Settings", "rungs_of"]
 
 @dataclass(frozen=True)
 class Settings:
-    """How a frame is drawn; `psnr` None is as at rest, `scale` a share of the view's width and height."""
+    """Settings of a frame; `psnr` None is as at rest, `scale` a share of the view's width and height."""
 
     psnr: float | None
     scale: float = 1.0
 
 
-#: For 30 frames a second, less what the line and the page take; and for 15.
+#: Milliseconds to draw a frame: for 30 frames a second, less what the line and the page take; and for 15.
 BUDGETS_MS = {"smooth": 28.0, "balanced": 60.0}
 RUNGS = {
     "smooth": (
@@ -39,11 +39,12 @@ RUNGS = {
     "balanced": (Settings(None), Settings(45.0), Settings(42.0), Settings(39.0), Settings(36.0)),
     "exact": (Settings(None),),
 }
-#: Slices have no wanted PSNR.
+#: Settings of slices, which have no wanted PSNR.
 SLICE_RUNGS = (Settings(None), Settings(None, 0.75), Settings(None, 0.5))
-#: After how many frames that took less than this share of the budget better ones are tried.
+#: Number of frames below this share of the budget after which better settings are tried.
 QUICK_FRAMES, QUICK_SHARE = 5, 0.8
-#: Looks that are remembered; and how fast a measured time is forgotten, so that it is tried again.
+#: Largest number of looks that are remembered; and factor by which a measured time shrinks with each frame of other
+#: settings, so that these settings are tried again.
 MAX_LOOKS, FORGOTTEN = 64, 0.97
 
 
@@ -61,20 +62,20 @@ class _Learnt:
 
 
 class Pace:
-    """What was learnt of the times of frames."""
+    """Measured times of frames, by look, and the settings that they allow."""
 
     def __init__(self) -> None:
         self._looks: dict[Hashable, _Learnt] = {}
         self._last: _Learnt | None = None
 
     def chosen(self, look: Hashable, rungs: tuple[Settings, ...]) -> Settings:
-        """How the next frame of a look is to be drawn."""
+        """The settings of the next frame of a look."""
         return rungs[min(self._learnt(look, rungs).place, len(rungs) - 1)]
 
     def took(
         self, look: Hashable, rungs: tuple[Settings, ...], settings: Settings, *, ms: float, n_px: int, budget_ms: float
     ) -> None:
-        """A frame with these settings took so long; `n_px`: pixels of the whole view."""
+        """Record the time of a frame with these settings; `n_px`: pixels of the whole view."""
         learnt = self._learnt(look, rungs)
         if settings not in rungs:
             return
@@ -98,7 +99,7 @@ class Pace:
             learnt.n_quick = 0
 
     def expected_ms(self, look: Hashable, settings: Settings, n_px: int) -> float | None:
-        """How long a frame will take, if that is known."""
+        """Expected time of a frame; None if it is unknown."""
         learnt = self._looks.get(look)
         per_px = None if learnt is None else learnt.ms_per_px.get(settings)
         return None if per_px is None else per_px * n_px

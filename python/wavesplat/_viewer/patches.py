@@ -14,7 +14,7 @@ from wavesplat.errors import ArgumentError
 
 __all__ = ["patched"]
 
-#: Steps of a path, at most: the deepest field of a state has seven.
+#: Largest number of steps of a path: the deepest field of a state has seven.
 MAX_STEPS = 16
 
 
@@ -24,7 +24,7 @@ def patched(document: Any, operations: Any) -> Any:
     Raises
     ------
     ArgumentError
-        If an operation is none, or its path leads nowhere; the message names both.
+        If an operation is invalid, or its path leads nowhere; the message names both.
     """
     if not isinstance(operations, list | tuple):
         raise ArgumentError(f"patch: the operations are {described(operations)}; give a list of objects")

@@ -49,7 +49,7 @@ def picture_of(
         arguments["quality"] = sampling
     elif psnr is not None:
         arguments["psnr"] = psnr
-    # While something moves, what is read as it is drawn is shown by a copy.
+    # While something moves, lazy volumes are shown by coarse copies in memory.
     scene = state.scene if psnr is None and sampling is None else preview_of(state.scene)
     return scene.render(state.camera, progress=progress, **arguments)
 
@@ -57,6 +57,6 @@ def picture_of(
 def pictures_at_rest(
     state: ViewerState, size: tuple[int, int], progress: Callable[[float], object]
 ) -> Iterator[Picture]:
-    """The picture at rest of what is read as it is drawn: first coarser ones, and parts of it."""
+    """The picture at rest of lazy volumes, after coarser ones and parts of it."""
     arguments = render_arguments(state, size)
     yield from progressive(state.scene, state.camera, progress=progress, **arguments)

@@ -16,7 +16,7 @@ _LAST: list[tuple[Scene, Scene]] = []
 
 
 def has_lazy(scene: Scene) -> bool:
-    """Whether samples are read while it is drawn."""
+    """Whether the scene has lazy volumes, whose samples are read while it is drawn."""
     return any(isinstance(layer.volume, LazyVolume) for layer in scene.layers)
 
 

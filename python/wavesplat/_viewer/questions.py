@@ -1,4 +1,4 @@
-"""What the page asks for beside frames: histograms, values, what is seen at a pixel, presets, files, code.
+"""Answers to the page's questions: histograms, values, the point seen at a pixel, presets, files, code.
 
 Names, arguments and answers are `Questions` in `web/src/engine/engine.ts`.
 """
@@ -35,7 +35,7 @@ Answer: TypeAlias = tuple[dict[str, Any], bytes]
 Progress: TypeAlias = Callable[[float], object] | None
 
 MAX_BINS, MAX_PX, MAX_TEXT = 4096, 8192, 1 << 20
-#: The smaller picture in which is looked for what a pixel shows: so many pixels around it.
+#: Side, pixels, of the small picture around a pixel that finds the depth there.
 PICKED_PX = 3
 QUALITIES = ("draft", "normal", "high")
 
@@ -64,7 +64,7 @@ def state_from_text(state: ViewerState, text: str) -> ViewerState:
     Raises
     ------
     ArgumentError
-        If it is none, or one of other volumes.
+        If it is no state, or one of other volumes.
     """
     if len(text) > MAX_TEXT:
         raise ArgumentError(f"the file has {len(text)} characters, which is more than a state has; choose another one")
@@ -151,7 +151,7 @@ def _value_at(volume: Volume, place: tuple[int, int, int]) -> float:
 
 
 def _sample_at(world_from_index: Any, shape: tuple[int, ...], point: Any) -> tuple[int, int, int] | None:
-    """The nearest sample, [z, y, x]; None outside."""
+    """The index [z, y, x] of the sample nearest to a point; None outside."""
     matrix = np.linalg.inv(world_from_index)
     x, y, z = np.rint(matrix[:3, :3] @ point + matrix[:3, 3]).astype(int).tolist()
     n_z, n_y, n_x = shape
@@ -235,7 +235,7 @@ def _fields_of_preset(state: ViewerState, layer: int, name: str) -> dict[str, An
 def _chosen(state: ViewerState, layer: int, name: str) -> Look:
     volume = state.scene.layers[layer].looked_at
     with warnings.catch_warnings():
-        # Whether a preset fits is told with its name.
+        # The page has been sent which presets fit.
         warnings.simplefilter("ignore", WavesplatWarning)
         return Look.auto(volume) if name.lower() == "auto" else presets.preset(name, volume)
 
@@ -280,7 +280,7 @@ def _picture(state: ViewerState, arguments: Mapping[str, Any], progress: Progres
 
 
 def _figure(state: ViewerState, picture: Picture) -> dict[str, Any]:
-    """What of the overlays a figure can have."""
+    """The overlays that a figure can have, as arguments of `Picture.annotated`."""
     overlays, report = state.view["overlays"], picture.report
     is_parallel = state.camera.view_angle is None
     letters = "letters" if overlays["letters"] and report.get("anatomical") else None

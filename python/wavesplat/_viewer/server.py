@@ -29,16 +29,16 @@ from wavesplat.errors import ArgumentError, WavesplatError
 __all__ = ["Server"]
 
 HOST = "127.0.0.1"
-#: All that is served.
+#: Files that are served, by path.
 FILES = {
     "/": ("index.html", "text/html; charset=utf-8"),
     "/page.js": ("page.js", "text/javascript; charset=utf-8"),
     "/viewer.js": ("viewer.js", "text/javascript; charset=utf-8"),
     "/favicon.svg": ("favicon.svg", "image/svg+xml"),
 }
-#: Seconds in which a page must say who it is; patches a second that are taken from one.
+#: Seconds in which a page must say who it is; largest number of patches a second from one.
 HELLO_S, MAX_PATCHES_PER_S = 5.0, 240
-#: Pages that may be shown the session at once.
+#: Largest number of pages at once.
 MAX_PAGES = 16
 
 
@@ -55,7 +55,7 @@ class Server:
         self.contents = {name: (folder / name).read_bytes() for name, _ in FILES.values()}
         self._session: Session | None = None
         self._failure: str | None = None
-        #: Set when a page was told that the volume could not be opened.
+        #: Set when a page was sent the error with which the volume could not be opened.
         self.has_reported = threading.Event()
         self._progress: dict[str, Any] | None = None
         self._sockets: set[_Socket] = set()
@@ -85,12 +85,12 @@ class Server:
         return f"http://{HOST}:{self.port}/#token={self.tokens.new()}"
 
     def open_in_browser(self) -> bool:
-        """Open a page in the browser; whether there is a browser."""
+        """Open a page in the browser; False if there is no browser."""
         self._handed_over = BrowserLink(self.link)
         return self._handed_over.open()
 
     def is_own(self, host: str) -> bool:
-        """Whether a Host is this server's."""
+        """Whether a Host header names this server."""
         return host in {f"{name}:{self.port}" for name in (HOST, "localhost", "[::1]")}
 
     def show(self, session: Session) -> None:
@@ -99,17 +99,17 @@ class Server:
         self._later(lambda: self._each(lambda page: page.join()))
 
     def tell(self, text: str, part: float | None = None) -> None:
-        """Tell pages how far the volume is open."""
+        """Send pages the progress of opening the volume."""
         self._progress = {"type": "progress", "id": None, "part": part, "text": text}
         self._later(lambda: self._each(lambda page: page.tell(self._progress)))
 
     def fail(self, message: str) -> None:
-        """Tell pages that the volume could not be opened."""
+        """Send pages the error with which the volume could not be opened."""
         self._failure = message
         self._later(lambda: self._each(lambda page: page.fail(message)))
 
     def close(self) -> None:
-        """Answer nobody any more."""
+        """Stop serving."""
         self.forget_handed_over()
         if self._loop.is_closed():
             return
@@ -124,7 +124,7 @@ class Server:
             self._thread.join(timeout=5)
 
     def forget_handed_over(self) -> None:
-        """Delete the file in which the browser was told the link."""
+        """Delete the file that handed the link to the browser."""
         if self._handed_over is not None:
             self._handed_over.remove()
 
@@ -160,7 +160,7 @@ class Server:
 
 
 class _Guarded(tornado.web.RequestHandler):
-    """What all answers have in common."""
+    """Base of the handlers: checks of the request, and headers of security."""
 
     def initialize(self, server: Server) -> None:
         self._server = server
@@ -168,7 +168,7 @@ class _Guarded(tornado.web.RequestHandler):
 
     def _guard(self) -> None:
         port = self._server.port
-        # No names of programs, nothing from elsewhere, in no frame.
+        # The server's name is hidden; the page loads nothing from elsewhere, and no frame shows it.
         self.clear_header("Server")
         policy = (
             "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' blob: data:; "
@@ -201,7 +201,7 @@ class _File(_Guarded):
         self._file = file
 
     async def get(self) -> None:
-        """The content of the file; who does not read it is not waited for."""
+        """Send the content of the file; a client that does not read it is not waited for."""
         name, kind = self._file
         self.set_header("Content-Type", kind)
         written = self.finish(self._server.contents[name])
@@ -218,7 +218,7 @@ class _Nothing(_Guarded):
 
 
 class _Socket(tornado.websocket.WebSocketHandler):
-    """A page."""
+    """The WebSocket of a page."""
 
     def initialize(self, server: Server) -> None:
         self._server = server
@@ -230,36 +230,36 @@ class _Socket(tornado.websocket.WebSocketHandler):
     def prepare(self) -> None:
         if not self._server.is_own(self.request.host):
             raise tornado.web.HTTPError(403, reason="this is not the host that was asked for")
-        # Those that have said who they are: others cannot keep a page out that has the key.
+        # Only pages that have said who they are count: others cannot keep out a page that has the key.
         if sum(page._key is not None for page in self._server._sockets) >= MAX_PAGES:
             raise tornado.web.HTTPError(503, reason="too many pages are open")
 
     def check_origin(self, origin: str) -> bool:
-        """Only pages of this very server."""
+        """Whether an Origin is this very server's: other pages are refused."""
         scheme, _, host = origin.partition("://")
         return scheme == "http" and host == self.request.host and self._server.is_own(host)
 
     async def get(self, *args: Any, **kwargs: Any) -> None:
-        """The upgrade; programs without an Origin are refused too."""
+        """Upgrade to a WebSocket; programs without an Origin are refused too."""
         # Here too, since Tornado lets in what has the same host, whatever the scheme.
         if not self.check_origin(self.request.headers.get("Origin", "")):
             raise tornado.web.HTTPError(403, reason="this is not a page of the viewer")
         await super().get(*args, **kwargs)
 
     def open(self, *_: Any, **__: Any) -> None:
-        """The socket is there; the page has to say who it is."""
+        """Wait for the page to say who it is, now that the socket is there."""
         self._server._sockets.add(self)
         self.set_nodelay(True)
         self._deadline = self._server._loop.call_later(HELLO_S, self._refuse, 4401, "no hello came")
 
     def write_error(self, status_code: int, **_: Any) -> None:
-        """A refusal before there is a socket."""
+        """Send a refusal before there is a socket."""
         self.clear_header("Server")
         self.set_header("Content-Type", "text/plain; charset=utf-8")
         self.finish(f"{status_code}: {self._reason}\n")
 
     def on_message(self, message: str | bytes) -> None:
-        """A message of the page."""
+        """Take a message of the page."""
         if isinstance(message, str):
             self._refuse(4400, "messages are binary")
             return
@@ -275,7 +275,7 @@ class _Socket(tornado.websocket.WebSocketHandler):
             self._refuse(4400, str(error))
 
     def on_close(self) -> None:
-        """The page has gone."""
+        """Let go of a page that has gone."""
         self._server._sockets.discard(self)
         if self._deadline is not None:
             self._deadline.cancel()
@@ -296,12 +296,12 @@ class _Socket(tornado.websocket.WebSocketHandler):
         self._client.welcome(session=self._key)
 
     def tell(self, message: dict[str, Any] | None) -> None:
-        """How far the volume is open."""
+        """Send the progress of opening the volume."""
         if self._key is not None and self._client is None and message is not None:
             self._write(packed(message))
 
     def fail(self, message: str) -> None:
-        """The volume could not be opened."""
+        """Send the error with which the volume could not be opened."""
         if self._key is not None:
             self._write(packed({"type": "failed", "id": None, "code": "open", "message": message}))
             self._server.has_reported.set()
@@ -329,7 +329,7 @@ class _Socket(tornado.websocket.WebSocketHandler):
         return self._n_patches > MAX_PATCHES_PER_S
 
     def _send(self, header: dict[str, Any], payload: bytes) -> None:
-        """From any thread."""
+        """Send a message, from any thread."""
         message = packed(header, payload)
         self._server._later(lambda: self._write(message))
 

@@ -29,21 +29,21 @@ from wavesplat.errors import ArgumentError, CancelledError, WavesplatError
 
 __all__ = ["Client", "Session"]
 
-#: Takes header and payload to a page; called from any thread, and must not wait.
+#: Function that sends header and payload to a page; called from any thread, and must not wait.
 Send = Callable[[dict[str, Any], bytes], None]
 
 #: Seconds without a change after which a picture is at rest, where the page does not say so before.
 REST_S = 0.12
 #: Frames on their way to a page, for each view.
 MAX_IN_FLIGHT = 2
-#: Milliseconds at rest from which on a quick frame goes before.
+#: Milliseconds of a picture at rest from which on a quick frame goes before it.
 SLOW_MS = 100.0
-#: Pixels of a view, along a side and in all; pages; questions that wait.
+#: Largest numbers: pixels of a view, along a side and in all; pages; questions that wait.
 MAX_SIDE, MAX_PIXELS, MAX_CLIENTS, MAX_QUESTIONS = 8192, 1 << 24, 8, 64
 #: JPEG quality, and whether colours have half the resolution, by how long a frame takes to be confirmed, in ms.
 LINKS = ((120.0, 90, False), (400.0, 80, True), (float("inf"), 60, True))
 NO_BUDGET_MS = float("inf")
-#: Coarse settings until the error is known.
+#: Coarse sampling until the error is known.
 GUESS = Sampling(sheets_per_slice=1.0, oversampling=0.75)
 
 
@@ -54,10 +54,10 @@ class _Pane:
     size: tuple[int, int]
     number: int = 0
     in_flight: dict[int, float] = field(default_factory=dict)
-    #: Whether the newest state was not drawn, and not drawn at rest.
+    #: Whether the newest state is yet to be drawn, and to be drawn at rest.
     is_stale: bool = True
     wants_rest: bool = True
-    #: When its newest change came; counts up, so that drawing can tell whether there was another one.
+    #: Time of its newest change, and number of changes, by which drawing notices another one.
     changed_s: float = 0.0
     n_changes: int = 0
 
@@ -73,31 +73,31 @@ class Client:
         #: Milliseconds from sending a frame to its confirmation.
         self.delay_ms = 0.0
         self.is_open = True
-        #: Questions that it wants no answer to any more, and the one that is answered now.
+        #: Questions that need no answer any more, and the one that is being answered.
         self.cancelled: set[int] = set()
         self.answered: int | None = None
 
     def send(self, header: dict[str, Any], payload: bytes = b"") -> None:
-        """A message to the page, if it is still there."""
+        """Send a message to the page, if it is still there."""
         if self.is_open:
             self._send(header, payload)
 
     def welcome(self, **more: Any) -> None:
-        """What a page is told at first."""
+        """Send the first message to the page."""
         self.send({"type": "welcome", **more, **welcome_of(self._session.state)})
 
     def receive(self, header: Mapping[str, Any]) -> None:
-        """A message from the page.
+        """Take a message from the page.
 
         Raises
         ------
         ArgumentError
-            If it is none; the page is broken, or is not ours.
+            If it is no valid message; the page is broken, or is not ours.
         """
         self._session._receive(self, header)
 
     def close(self) -> None:
-        """The page has gone."""
+        """Leave the session: the page has gone."""
         self._session._leave(self)
 
 
@@ -125,7 +125,7 @@ class Session:
         for thread in self._threads:
             thread.start()
 
-    # What others call
+    # Called by others
 
     @property
     def state(self) -> ViewerState:
@@ -134,16 +134,16 @@ class Session:
 
     @property
     def n_clients(self) -> int:
-        """Pages that show it."""
+        """Number of pages that show the session."""
         return len(self._clients)
 
     def connect(self, send: Send) -> Client:
-        """A new page.
+        """Connect a new page.
 
         Raises
         ------
         ArgumentError
-            If there are too many.
+            If there are too many pages.
         """
         with self._changed:
             if not self._is_open:
@@ -155,11 +155,11 @@ class Session:
             return client
 
     def change(self, state: ViewerState) -> None:
-        """Another state, by Python; pages follow."""
+        """Set another state, from Python; pages follow."""
         self._become(state, None, "python")
 
     def close(self) -> None:
-        """No page is answered any more; threads end."""
+        """End the session: no page is answered any more, and threads end."""
         with self._changed:
             self._is_open = False
             for client in self._clients:
@@ -314,7 +314,7 @@ class Session:
                     self._tell(client, error, client.seq)
 
     def _next(self) -> tuple[Client | None, str, _Pane, bool] | None:
-        """What is drawn next: first what moves, then pictures at rest; then errors are measured for the next move."""
+        """The next task: first what moves, then pictures at rest; then errors are measured for the next move."""
         ready = [
             (client, view, pane)
             for client in self._clients
@@ -350,7 +350,7 @@ class Session:
         return max(min(due), 0.001) if due else None
 
     def _look(self, view: str) -> tuple[Any, ...]:
-        """What the time of a frame depends on, besides pixels."""
+        """Key of measured times of frames: all that they depend on besides pixels."""
         state = self._state
         looks = tuple(str(layer["look"]["name"]) for layer in state.document["layers"] if layer["visible"])
         return "3d" if view == "3d" else "slice", looks, str(state.options["composite"]), state.options["kernel"]
@@ -367,13 +367,13 @@ class Session:
         begun = time.monotonic()
 
         def goes_on(_: float) -> bool:
-            # What is drawn at rest is given up for what comes next.
+            # A picture at rest is given up when something changes.
             return not at_rest or (pane.n_changes == n_changes and client.is_open and self._is_open)
 
         try:
             pictures = self._pictures(state, view, size, settings, goes_on, at_rest=at_rest)
             picture = next(pictures)
-            # Of what is read as it is drawn, coarser pictures and parts of the last one go before it.
+            # For lazy volumes, coarser pictures and parts of the last one go before it.
             for better in pictures:
                 self._send_part(client, view, state, seq, picture)
                 picture = better
@@ -434,7 +434,7 @@ class Session:
             yield self._picture(state, view, size, settings, goes_on)
 
     def _send_part(self, client: Client, view: str, state: ViewerState, seq: int, picture: Picture) -> None:
-        """A picture that a better one follows, if the page has shown those before."""
+        """Send a picture that a better one follows, if the page has shown those before."""
         fmt, payload = self._encoded(client, picture, at_rest=False)
         with self._changed:
             pane = client.panes.get(view)
@@ -468,7 +468,7 @@ class Session:
             picture = picture_of(state, view, size, psnr=settings.psnr, scale=settings.scale)
             self._keep_sampling(picture)
             return picture
-        # While a look is changed its error is not known: as the last picture was drawn whose error was.
+        # While a look is being changed its error is unknown: the last sampling whose error was known is used.
         return picture_of(state, view, size, sampling=self._last_sampling, scale=settings.scale)
 
     def _should_measure(self, ready: Sequence[tuple[Client, str, _Pane]]) -> bool:
@@ -477,7 +477,7 @@ class Session:
         return any(view == "3d" and not client.is_moving for client, view, _ in ready)
 
     def _measure(self) -> None:
-        """Draw once with a wanted PSNR, which finds out and keeps what errors the scene's pictures have."""
+        """Draw once with a wanted PSNR, which measures the errors of the scene's pictures and keeps them."""
         with self._changed:
             state = self._state
             pane = next((client.panes["3d"] for client in self._clients if "3d" in client.panes), None)
@@ -493,14 +493,14 @@ class Session:
         except CancelledError:
             return
         except Exception:
-            # Not again; the next frame tells what is wrong.
+            # Errors are not measured again; the next frame reports what is wrong.
             self._measured_scene = state.scene
             raise
         self._keep_sampling(picture)
         self._measured_scene = state.scene
 
     def _keep_sampling(self, picture: Picture) -> None:
-        """How a picture was drawn whose error is known; where nothing is visible nothing is told."""
+        """Keep the sampling of a picture whose error is known; its report has none where nothing is visible."""
         told = picture.report
         if "sheets_per_slice" in told and "oversampling" in told:
             self._last_sampling = Sampling(

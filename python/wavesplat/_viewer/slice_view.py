@@ -49,7 +49,7 @@ def slice_arguments(state: ViewerState, pane: str) -> dict[str, Any]:
 
 
 def geometry_of(state: ViewerState, pane: str, picture: Picture) -> dict[str, Any]:
-    """Where the pixels lie, for the page: `SliceGeometry` of `web/src/engine/engine.ts`."""
+    """Places of the pixels, for the page: `SliceGeometry` of `web/src/engine/engine.ts`."""
     report = picture.report
     volume = state.scene.layers[0].drawn
     _, normal = _plane(state.view["slices"], pane, volume)
@@ -68,7 +68,7 @@ def geometry_of(state: ViewerState, pane: str, picture: Picture) -> dict[str, An
 
 
 def range_along(volume: Grid, normal: Array) -> tuple[float, float]:
-    """How far samples reach along a direction, from the world's origin."""
+    """Range of the samples' positions along a direction, from the world's origin."""
     along = box_corners(volume.world_from_index, volume.shape) @ normal
     return float(along.min()), float(along.max())
 

@@ -31,7 +31,7 @@ from wavesplat.errors import ArgumentError
 __all__ = ["ViewerState", "changes_picture", "changes_slices", "is_same"]
 
 WHAT = scene_json.WHAT
-#: Pixels of the picture that finds out what is not given: looks, operator, camera.
+#: Size of the picture that is drawn to find looks, operator and camera that are not given, pixels.
 FIRST_SIZE = (64, 48)
 #: Fields that change the picture in space.
 PICTURE = ("layers", "labels", "shading", "clip", "background", "camera", "render")
@@ -40,7 +40,7 @@ KNOWN = ("wavesplat", "version", *PICTURE, "view")
 
 @dataclass(frozen=True, eq=False)
 class ViewerState:
-    """What is shown.
+    """The state of a viewer: its document, and the scene, camera and options that the document means.
 
     document : the JSON document, as the page has it.
     scene, camera, options : what `Scene.render` is called with; options are quality, kernel and composite.
@@ -51,13 +51,13 @@ class ViewerState:
     scene: Scene
     camera: Camera
     options: dict[str, Any]
-    #: Of volumes, and of the labels; None where they come from no file.
+    #: Sources of the volumes, and of the labels; None where they come from no file.
     sources: tuple[dict[str, Any], ...]
     label_source: dict[str, Any] | None
 
     @property
     def view(self) -> dict[str, Any]:
-        """What only the viewer has."""
+        """The field `view` of the document, which only the viewer reads."""
         view: dict[str, Any] = self.document["view"]
         return view
 
@@ -88,7 +88,7 @@ class ViewerState:
         label_source = None if labels is None else labels["volume"]
         for layer, source in zip(document["layers"], scene.layers, strict=True):
             if not isinstance(layer["look"], dict):
-                # Of a layer that is hidden, or has labels, nothing was found out.
+                # The report has no look of a layer that is hidden or has labels.
                 layer["look"] = look_json.fields_of(_plain_look(source))
             layer["volume"] = {"path": None, "name": source.volume.name}
             layer["name"] = layer["name"] or source.volume.name
@@ -103,7 +103,7 @@ class ViewerState:
         }
         document["view"] = view_json.checked(view or {}, _middle(scene))
         first = cls({}, scene, Camera((0, 0, 1), (0, 0, 0), (0, 1, 0), parallel_scale=1), {}, sources, label_source)
-        # As the page gives it back: lists for tuples.
+        # In JSON's types, as the page sends it back: lists for tuples.
         return first._with(json.loads(json.dumps(document)))
 
     def patched(self, operations: Sequence[Mapping[str, Any]]) -> ViewerState:
@@ -155,7 +155,7 @@ class ViewerState:
         options = self.options
         if not _same(document, before, "render"):
             options = _options(document["render"])
-            # The size is that of the view.
+            # A viewer's picture has the size of the view.
             document = {**document, "render": {k: v for k, v in document["render"].items() if k != "size"}}
         if not _same(document, before, "view"):
             document = {**document, "view": view_json.checked(document["view"], _middle(self.scene))}
@@ -164,7 +164,7 @@ class ViewerState:
         return ViewerState(document, scene, camera, options, self.sources, self.label_source)
 
     def _changes(self, document: Mapping[str, Any]) -> dict[str, Any]:
-        """What of the scene is another one; volumes are those that are open, whatever the document says of them."""
+        """Scene fields that differ from the current state; volumes stay those that are open, whatever it says."""
         before, changes = self.document, dict[str, Any]()
         layers = _layers(document["layers"], before.get("layers"), self.scene)
         if any(new is not old for new, old in zip(layers, self.scene.layers, strict=True)):
@@ -182,19 +182,19 @@ class ViewerState:
 
 
 def changes_picture(before: ViewerState, after: ViewerState) -> bool:
-    """Whether the picture in space may be another one."""
+    """Whether the picture in space may have changed."""
     return any(before.document[name] is not after.document[name] for name in PICTURE)
 
 
 def changes_slices(before: ViewerState, after: ViewerState) -> bool:
-    """Whether slices may be others."""
+    """Whether slices may have changed."""
     old, new = before.document, after.document
     same = old["layers"] is new["layers"] and old["labels"] is new["labels"]
     return not (same and old["view"]["slices"] == new["view"]["slices"])
 
 
 def _same(document: Mapping[str, Any], before: Mapping[str, Any], name: str) -> bool:
-    """Whether a field is as before, mostly told by its being the same object."""
+    """Whether a field is unchanged: mostly it is the very same object."""
     if name not in before:
         return False
     return is_same(document[name], before[name])
@@ -237,7 +237,7 @@ def _check_document(document: Any) -> None:
 
 
 def _as_of_all_samples(document: dict[str, Any], scene: Scene) -> None:
-    """Makes a document of a coarse copy that of the scene itself: its volumes and clips, with what was found out."""
+    """Makes a document of a coarse copy that of the scene itself: its own volumes and clips, with the looks found."""
     own = scene_json.document_of(scene, strict=False)
     for found, layer in zip(document["layers"], own["layers"], strict=True):
         found["volume"] = layer["volume"]
@@ -265,7 +265,7 @@ def _layers(fields: Any, before: Any, scene: Scene) -> list[Layer]:
             )
         made = scene_json.layer_of(new, what, layer.volume)
         if old is not None and "look" in new and is_same(new["look"], old["look"]):
-            # Kept for what is known of it.
+            # The look stays the same object, for which results are cached.
             made = replace(made, look=layer.look)
         if made.look is None or isinstance(made.look, str):
             raise ArgumentError(f"{what}: field 'look' is {described(new.get('look'))}; here it must be written out")

@@ -11,7 +11,7 @@ import secrets
 
 __all__ = ["Tokens"]
 
-#: Tokens, and keys, that are remembered.
+#: Largest number of tokens, and of keys, that are remembered.
 MAX_KEYS = 64
 
 
@@ -29,7 +29,7 @@ class Tokens:
         return token
 
     def key_for(self, token: object, key: object) -> str | None:
-        """The key of the page that shows a token, which is used up, or the key that it has; None: neither is right."""
+        """The key for a page with a valid token, which is used up, or with a valid key; None if neither is valid."""
         if isinstance(key, str) and _is_in(key, self._keys):
             return key
         if isinstance(token, str) and _is_in(token, self._tokens):
@@ -41,6 +41,6 @@ class Tokens:
 
 
 def _is_in(text: str, known: list[str]) -> bool:
-    # All are compared, so that the time tells nothing.
+    # All are compared, so that the time reveals nothing.
     data = text.encode("utf-8", "replace")
     return sum(hmac.compare_digest(one.encode(), data) for one in known) > 0

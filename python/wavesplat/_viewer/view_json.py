@@ -37,7 +37,7 @@ OVERLAYS = {
 MOVING = ("smooth", "balanced", "exact")
 THEMES = ("system", "dark", "light")
 MEASURES = {"distance": 2, "angle": 3}
-#: Bounds, so that a state stays small.
+#: Largest numbers of measures and panels, so that a state stays small.
 MAX_MEASURES, MAX_PANELS = 1000, 100
 WHAT = "scene: view"
 
@@ -55,7 +55,7 @@ def defaults(crosshair: Iterable[float]) -> dict[str, Any]:
 
 
 def checked(view: Any, crosshair: Iterable[float]) -> dict[str, Any]:
-    """The field with all that it leaves out.
+    """The field, checked, with the defaults of all that it leaves out.
 
     Raises
     ------

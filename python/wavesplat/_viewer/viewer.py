@@ -95,7 +95,7 @@ class Viewer:
 
     @property
     def state(self) -> dict[str, Any]:
-        """What is shown as a document (JSON): that of the scene, with the fields `camera`, `render` and `view`.
+        """The state as a document (JSON): that of the scene, with the fields `camera`, `render` and `view`.
 
         A copy; setting it shows another one, of the same volumes.
         """
@@ -109,7 +109,7 @@ class Viewer:
 
     @property
     def scene(self) -> Scene:
-        """What is shown, with the looks that were chosen; setting it shows another scene, of any volumes."""
+        """The scene with the looks that were chosen; setting it shows another scene, of any volumes."""
         return self._session.state.scene
 
     @scene.setter
@@ -121,7 +121,7 @@ class Viewer:
 
     @property
     def camera(self) -> Camera:
-        """From where it is seen; may be set."""
+        """The camera of the picture in space; may be set."""
         return self._session.state.camera
 
     @camera.setter
@@ -174,7 +174,7 @@ class Viewer:
 
     @takes_its_types
     def save(self, path: str | PathLike[str], *, size: tuple[int, int] = PICTURE_SIZE) -> None:
-        """Write what is shown to a file.
+        """Write the state, or a picture of it, to a file.
 
         Parameters
         ----------
@@ -205,7 +205,7 @@ class Viewer:
             self.picture(size).save(path)
 
     def wait(self) -> None:
-        """Go on only when it is closed, or at Ctrl-C: for scripts, which else end at once, and the page with them.
+        """Wait until the viewer is closed, or Ctrl-C: for scripts, which else end at once, and the page with them.
 
         Examples
         --------
@@ -215,20 +215,20 @@ class Viewer:
         >>> viewer.wait()
         """
         try:
-            # In steps, so that Ctrl-C gets through on all systems.
+            # The wait is cut into steps, so that Ctrl-C gets through on all systems.
             while not self._closed.wait(1.0):
                 pass
         except KeyboardInterrupt:
             self.close()
 
     def close(self) -> None:
-        """Show it no more, and let go of the volumes."""
+        """Close the viewer, and let go of the volumes."""
         self._finalizer()
         self._listeners.clear()
         self._closed.set()
 
     def _repr_mimebundle_(self, **options: Any) -> Any:
-        """In notebooks: the widget, and a picture for where notebooks are only read."""
+        """Output of a notebook's cell: the widget, and a picture for where notebooks are only read."""
         from wavesplat._viewer import notebook
 
         return notebook.bundle_of(self, **options)

@@ -1,4 +1,4 @@
-// How messages get to the session and back: a WebSocket, or the comm of a notebook's widget.
+// The transport of messages to the session and back: a WebSocket, or the comm of a notebook's widget.
 
 import type { Stop } from "../state/store.ts";
 import type { Header, Payload } from "./framing.ts";
@@ -10,9 +10,9 @@ export type ChannelState =
 export interface Channel {
   send(header: Header, payload?: Payload): void;
   onMessage(listener: (header: Header, payload: Payload) => void): Stop;
-  /** `open` each time that a hello is due. */
+  /** Calls back when the state changes: with `open` each time that a hello is due. */
   onState(listener: (state: ChannelState) => void): Stop;
-  /** Tries again now. */
+  /** Tries to connect again now. */
   retry(): void;
   close(): void;
 }

@@ -25,7 +25,7 @@ export function bytesOf(buffer: unknown): Uint8Array<ArrayBuffer> {
   throw new TypeError("the host gave a buffer of an unknown kind");
 }
 
-/** `page`: tells this page's messages from those for other pages of the same widget. */
+/** A channel through a widget's comm. `page` identifies this page's messages among those for other pages of the widget. */
 export function commChannel(model: WidgetModel, page: string): Channel {
   const listeners = new Set<(header: Header, payload: Payload) => void>();
   const states = new Set<(state: ChannelState) => void>();
@@ -39,7 +39,7 @@ export function commChannel(model: WidgetModel, page: string): Channel {
     for (const listener of listeners) listener(header, payload);
   };
   model.on("msg:custom", receive);
-  // Listeners come first.
+  // Opened later, so that the caller can add its listeners first.
   queueMicrotask(open);
   return {
     send(header, payload) {

@@ -5,7 +5,7 @@ import { packed, unpacked, type Header, type Payload } from "./framing.ts";
 
 const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 8000;
-/** The server's own codes: it does not want this page. */
+/** The server's own close codes for a page that it refuses. */
 const REFUSED = [4400, 4401];
 
 export function socketChannel(url: string): Channel {
@@ -38,7 +38,7 @@ export function socketChannel(url: string): Channel {
       wait = Math.min(2 * wait, LONGEST_WAIT_MS);
     };
   };
-  // Listeners come first.
+  // Opened later, so that the caller can add its listeners first.
   queueMicrotask(open);
 
   return {

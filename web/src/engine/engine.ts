@@ -1,4 +1,4 @@
-// What draws the pictures, as the page sees it. There is one so far, `RemoteEngine`; one in the page may follow.
+// The interface of an engine, which draws the pictures. There is one so far, `remoteEngine`; one in the page may follow.
 
 import type { Operation } from "../state/patch.ts";
 import type { Camera, Look, Vec3, ViewName, ViewerState } from "../state/state.ts";
@@ -9,17 +9,17 @@ export interface VolumeInfo {
   /** Samples along x, y, z. */
   readonly shape: Vec3;
   readonly spacing: Vec3;
-  /** Of lengths: "mm", "um", ...; null where the file says none. */
+  /** Unit of lengths: "mm", "um", ...; null where the file names none. */
   readonly unit: string | null;
-  /** Of values: "HU", ...; "" where unknown. */
+  /** Unit of values: "HU", ...; "" where unknown. */
   readonly value_unit: string;
   readonly kind: string;
-  /** Smallest and largest value, and those between which values count. */
+  /** Smallest and largest value; `robust_range`: the values that count as smallest and largest. */
   readonly range: readonly [number, number];
   readonly robust_range: readonly [number, number];
   /** World box: lower and upper corner. */
   readonly bounds: readonly [Vec3, Vec3];
-  /** Whether directions are those of a body, so that letters may be shown. */
+  /** Whether directions are those of a body, so that letters (R, L, ...) may be shown. */
   readonly is_anatomical: boolean;
   readonly n_times: number;
   /** 4 x 4, rows: index (x, y, z) to world. */
@@ -29,7 +29,7 @@ export interface VolumeInfo {
 export interface PresetInfo {
   readonly name: string;
   readonly description: string;
-  /** A kind of data, as `wavesplat presets` groups them. */
+  /** Kind of data, by which `wavesplat presets` groups the presets. */
   readonly kind: string;
   readonly fits: boolean;
   /** The layers whose kind of data it is for. */
@@ -51,11 +51,11 @@ export interface Welcome {
   readonly standard_views: Readonly<Record<string, Camera>>;
   /** Six letters or words at the ends of -x, +x, -y, +y, -z, +z. */
   readonly axis_ends: readonly string[];
-  /** Of the data, for links. */
+  /** Fingerprint of the data, for links. */
   readonly fingerprint: string;
 }
 
-/** Where the pixels of a slice lie in the world: `origin` is the centre of the first one. */
+/** Position of the pixels of a slice in the world: `origin` is the centre of the first one. */
 export interface SliceGeometry {
   readonly origin: Vec3;
   readonly right: Vec3;
@@ -63,7 +63,7 @@ export interface SliceGeometry {
   readonly normal: Vec3;
   readonly pixel: number;
   readonly position: number;
-  /** How far the crosshair can move along `normal`, world units from the origin of the world. */
+  /** Range of the crosshair along `normal`, world units from the origin of the world. */
   readonly range: readonly [number, number];
   readonly letters: { readonly left: string; readonly right: string; readonly top: string; readonly bottom: string } | null;
   /** [level, width] and [low, high] of the greys. */
@@ -85,7 +85,7 @@ export interface Frame {
   /** World units per pixel of the picture; in perspective at the focal point. */
   readonly pixel: number;
   readonly settings: Readonly<Record<string, unknown>>;
-  /** Against the picture at rest; null where nothing is promised. */
+  /** Expected PSNR against the picture at rest, dB; null where nothing is promised. */
   readonly expected_psnr_db: number | null;
   readonly ms: { readonly wait: number; readonly render: number; readonly encode: number };
   readonly notes: readonly string[];
@@ -96,7 +96,7 @@ export interface Problem {
   readonly code: string;
   readonly message: string;
   readonly field?: string;
-  /** How to mend it. */
+  /** Advice on how to mend it. */
   readonly remedy?: string;
 }
 
@@ -112,7 +112,7 @@ export interface Questions {
     question: { layer: number; bins: number; low: number; high: number };
     answer: { counts: number[]; low: number; high: number };
   };
-  /** Values of the layers, null outside, and label and index there. */
+  /** Values of the layers at a world point, null outside of them, and the label and index there. */
   probe: {
     question: { point: Vec3 };
     answer: { values: (number | null)[]; label: { number: number; name: string } | null; index: Vec3 };
@@ -120,11 +120,11 @@ export interface Questions {
   /** The world point that is seen at a pixel of the 3-D view (fractions 0..1 from the top left), or null. */
   pick: { question: { x: number; y: number; width: number; height: number }; answer: { point: Vec3 | null } };
   preset: { question: { layer: number; name: string }; answer: { look: Look } };
-  /** The first layer with a preset from where the camera is; PNG. */
+  /** A small picture of a layer with a preset, from the direction of the camera; PNG. */
   preset_picture: { question: { layer: number; name: string; size: number }; answer: { bytes: Uint8Array<ArrayBuffer> } };
   /** The camera that shows everything from the direction of the one now. */
   fitted: { question: { camera: Camera; width: number; height: number }; answer: { camera: Camera } };
-  /** The picture at rest quality or better, PNG; `annotated` writes the overlays on it. */
+  /** The picture at the quality at rest or better, PNG; `annotated` draws the overlays on it. */
   picture: {
     question: { width: number; height: number; quality: string; transparent: boolean; annotated: boolean };
     answer: { bytes: Uint8Array<ArrayBuffer>; notes: string[] };
@@ -142,12 +142,12 @@ export interface Engine {
   readonly welcome: Promise<Welcome>;
   /** Sends a change; `moving`: more follow at once. Gives its number. */
   patch(operations: readonly Operation[], moving: boolean): number;
-  /** The size of a view in device pixels, or null: it is not shown. Every change of the state redraws it. */
+  /** Sets the size of a view in device pixels; null: it is not shown. Every change of the state redraws a view. */
   show(view: ViewName, size: { readonly width: number; readonly height: number } | null): void;
-  /** Says that a frame is on the screen, which makes place for the next one. */
+  /** Reports that a frame is on the screen, so that the next one may be sent. */
   shown(frame: Frame): void;
   onFrame(listener: (frame: Frame) => void): Stop;
-  /** Changes by others (Python, another window), or the whole state where ours was refused. */
+  /** Calls back with changes by others (Python, another window), or with the whole state where ours was refused. */
   onState(listener: (operations: readonly Operation[]) => void): Stop;
   onConnection(listener: (connection: Connection) => void): Stop;
   onProblem(listener: (problem: Problem) => void): Stop;

@@ -1,4 +1,4 @@
-// The engine behind a channel: the session in Python. Changes are merged, one message in an animation frame.
+// The engine behind a channel: the session in Python. Changes are merged into one message an animation frame.
 
 import { patched, type Operation } from "../state/patch.ts";
 import type { ViewName, ViewerState } from "../state/state.ts";
@@ -8,7 +8,7 @@ import type { Connection, Engine, Frame, Problem, Question, Questions, Welcome }
 import type { Header, Payload } from "./framing.ts";
 
 export interface RemoteOptions {
-  /** What the hello says beside the protocol: a token or the key of the session. */
+  /** Fields of the hello beside the protocol: a token or the key of the session. */
   readonly hello: () => Header;
   /** Called with the key by which the page gets in again. */
   readonly onSession?: (key: string) => void;
@@ -16,7 +16,7 @@ export interface RemoteOptions {
   readonly onOtherData?: () => void;
   /** Calls back in the next animation frame. */
   readonly nextFrame?: (callback: () => void) => void;
-  /** Milliseconds after which a hello without an answer is said again; 0: never, as sockets lose nothing. */
+  /** Milliseconds after which a hello without an answer is sent again; 0: never, as sockets lose nothing. */
   readonly repeatHelloMs?: number;
 }
 
@@ -26,7 +26,7 @@ interface Waiting {
   readonly progress: ((part: number) => void) | undefined;
 }
 
-/** After so many milliseconds without an answer the kernel is busy, or the line is. */
+/** Milliseconds without an answer after which the kernel, or the line, counts as busy. */
 const BUSY_MS = 600;
 
 const LOST: Problem = { code: "lost", message: "the connection was lost" };
@@ -94,7 +94,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
     clearInterval(helloTimer);
     if (typeof header["session"] === "string") options.onSession?.(header["session"]);
     const isFirst = state === null;
-    // Started again with other data: what is shown here is no state of it.
+    // The program was started again with other data, for which the state shown here is invalid.
     if (!isFirst && header["fingerprint"] !== fingerprint) options.onOtherData?.();
     fingerprint = header["fingerprint"];
     isOpen = true;
@@ -104,7 +104,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
     }
     for (const [view, { width, height }] of sizes) channel.send({ type: "view", view, size: [width, height] });
     if (!isFirst && state !== null) {
-      // What was changed while nobody listened.
+      // Changes that were made while there was no connection are sent as the whole state.
       outgoing = [{ op: "replace", path: "", value: state }];
       isMoving = false;
       isScheduled = true;

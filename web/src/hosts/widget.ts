@@ -4,7 +4,7 @@ import { commChannel, type WidgetModel } from "../engine/channel_comm.ts";
 import { remoteEngine } from "../engine/remote.ts";
 import { mountApp } from "../view/app.tsx";
 
-/** Messages that were sent before the kernel listened are lost: a hello is said again until it is answered. */
+/** Interval of repeated hellos, until one is answered: messages that were sent before the kernel listened are lost. */
 const REPEAT_MS = 500;
 const HEIGHT_PX = 520;
 
@@ -12,7 +12,7 @@ export function render({ model, el }: { readonly model: WidgetModel; readonly el
   const page = Array.from(crypto.getRandomValues(new Uint8Array(8)), (byte) => byte.toString(16)).join("");
   const box = document.createElement("div");
   box.style.cssText = `display:block;height:${HEIGHT_PX}px;resize:vertical;overflow:hidden`;
-  // Keys are the viewer's while it has the focus: JupyterLab asks this attribute, others see none of them.
+  // The viewer takes the keys while it has the focus: JupyterLab reads this attribute; other hosts get only those with Ctrl.
   box.dataset["lmSuppressShortcuts"] = "true";
   box.addEventListener("keydown", (event) => {
     if (!event.ctrlKey && !event.metaKey) event.stopPropagation();

@@ -28,7 +28,7 @@ export function axesOf(camera: Camera): { right: Vec3; up: Vec3; back: Vec3 } {
   return { right, up: cross(back, right), back };
 }
 
-/** A vector turned about a unit axis, by the right hand. */
+/** A vector turned about a unit axis, by the right-hand rule (Rodrigues' formula). */
 export function turnedAbout(vector: Vec3, axis: Vec3, angle: number): Vec3 {
   const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
   return add(
@@ -37,7 +37,7 @@ export function turnedAbout(vector: Vec3, axis: Vec3, angle: number): Vec3 {
   );
 }
 
-/** Turned as if the object followed the pointer: a drag to the right shows more of its left side. */
+/** The camera turned as if the object followed the pointer: a drag to the right shows more of its left side. */
 export function turned(camera: Camera, dx: number, dy: number, height: number): Camera {
   const radians = (TURN_DEG * Math.PI) / 180 / height;
   const { right, up } = axesOf(camera);
@@ -49,7 +49,7 @@ export function turned(camera: Camera, dx: number, dy: number, height: number): 
   };
 }
 
-/** Turned about the line of sight; `angle` in radians, the picture turns clockwise. */
+/** The camera turned about the line of sight; `angle` in radians, the picture turns clockwise. */
 export function rolled(camera: Camera, angle: number): Camera {
   const { back, up } = axesOf(camera);
   return { ...camera, view_up: turnedAbout(up, back, angle) };
@@ -62,7 +62,7 @@ export function unitsPerPixel(camera: Camera, height: number, distance?: number)
   return (2 * away * Math.tan((((camera.view_angle ?? 30) / 2) * Math.PI) / 180)) / height;
 }
 
-/** Moved so that the object at the focal point follows the pointer. */
+/** The camera moved so that the object at the focal point follows the pointer. */
 export function panned(camera: Camera, dx: number, dy: number, height: number): Camera {
   const { right, up } = axesOf(camera);
   const pixel = unitsPerPixel(camera, height);
@@ -70,14 +70,14 @@ export function panned(camera: Camera, dx: number, dy: number, height: number): 
   return { ...camera, position: add(camera.position, way), focal_point: add(camera.focal_point, way) };
 }
 
-/** Magnified by a factor: by the scale, or in perspective by coming nearer. */
+/** The camera with a view magnified by a factor: by the scale, or in perspective by coming nearer. */
 export function zoomed(camera: Camera, factor: number): Camera {
   if (camera.parallel_scale !== undefined) return { ...camera, parallel_scale: camera.parallel_scale / factor };
   const away = sub(camera.position, camera.focal_point);
   return { ...camera, position: add(camera.focal_point, scaled(away, 1 / factor)) };
 }
 
-/** The same view by the other kind of lens; `angle` in degrees, undefined is parallel. */
+/** The same view with another lens: a view angle in degrees, or undefined for parallel projection. */
 export function withLens(camera: Camera, angle: number | undefined): Camera {
   const { parallel_scale: _scale, view_angle: _angle, ...place } = camera;
   const { back } = axesOf(camera);
@@ -88,7 +88,7 @@ export function withLens(camera: Camera, angle: number | undefined): Camera {
   return { ...place, position: add(camera.focal_point, scaled(back, away)), view_angle: bounded };
 }
 
-/** Where a world point is in the view, and how far before the eye; null behind it. */
+/** Position of a world point in the view, and its depth before the eye; null for a point behind the eye, in perspective. */
 export function project(camera: Camera, size: CssSize, point: Vec3): { x: number; y: number; depth: number } | null {
   const { right, up, back } = axesOf(camera);
   const away = sub(point, camera.position);
@@ -107,7 +107,7 @@ export function ray(camera: Camera, size: CssSize, x: number, y: number): { orig
   return { origin: camera.position, direction: unit(sub(aside, back)) };
 }
 
-/** Seen from a direction (unit, from the focal point to the eye), at the same distance and scale. */
+/** The camera at a direction (unit, from the focal point to the eye), at the same distance and scale. */
 export function seenFrom(camera: Camera, direction: Vec3, viewUp: Vec3): Camera {
   const away = length(sub(camera.position, camera.focal_point));
   return { ...camera, position: add(camera.focal_point, scaled(direction, away)), view_up: viewUp };

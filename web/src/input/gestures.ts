@@ -1,6 +1,6 @@
-// From pointers, wheels and fingers to gestures. No DOM: events are what is needed of them.
+// Recognition of gestures from events of pointers, wheels and fingers. No DOM: events are plain objects with few fields.
 
-/** What a drag does, by button and modifier keys. */
+/** Kinds of drags; button and modifier keys decide which. */
 export type DragKind = "main" | "pan" | "zoom" | "roll" | "window";
 
 export type Gesture =
@@ -40,7 +40,7 @@ interface Place {
   y: number;
 }
 
-/** Pixels that a pointer may move and still tap; milliseconds between the taps of a double one. */
+/** Largest movement of a tap, in pixels, and largest time between the taps of a double tap, in milliseconds. */
 const TAP_PX = 4;
 const DOUBLE_MS = 400;
 
@@ -147,13 +147,13 @@ function kindOf(event: PointerLike): DragKind {
   return "main";
 }
 
-/** How much a wheel magnifies: notches of 100 pixels, lines or pages by 15 %. */
+/** Factor by which the wheel magnifies: 15 % per notch of 100 pixels or 3 lines, at most 3 notches (or a page) an event. */
 export function wheelFactor(deltaY: number, deltaMode: number): number {
   const pixels = deltaY * (deltaMode === 1 ? 33 : deltaMode === 2 ? 300 : 1);
   return Math.exp((-Math.min(Math.max(pixels, -300), 300) / 100) * Math.log(1.15));
 }
 
-/** Notches of a wheel, with their sign. */
+/** Signed number of notches that the wheel turned, at least one. */
 export function wheelSteps(deltaY: number, deltaMode: number): number {
   const pixels = deltaY * (deltaMode === 1 ? 33 : deltaMode === 2 ? 300 : 1);
   return Math.sign(pixels) * Math.max(1, Math.round(Math.abs(pixels) / 100));

@@ -1,10 +1,10 @@
-// The keys, as data: the table that is shown by `?`, and what the viewer does.
+// The keys, as data: their actions, and their texts in the table that is shown by `?`.
 
 export interface Key {
-  /** As `keyName` gives it. */
+  /** Names of key presses, as `keyName` gives them. */
   readonly keys: readonly string[];
   readonly action: Action;
-  /** For the table. */
+  /** The key as the table shows it. */
   readonly shown: string;
   readonly text: string;
 }
@@ -44,7 +44,7 @@ export const KEYS: readonly Key[] = [
   { keys: ["Escape"], action: "leave", shown: "Esc", text: "End it" },
 ];
 
-/** What the mouse and fingers do, for the table. */
+/** Gestures of mouse and fingers and their effects, for the table. */
 export const GESTURES: readonly (readonly [string, string])[] = [
   ["Drag", "Turn"],
   ["Shift drag, middle button", "Move"],

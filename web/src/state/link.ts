@@ -1,8 +1,8 @@
-// The state in a link: what is shown, never the data; with what tells the data apart.
+// The state in a link: what is shown, never the data; with the fingerprint of the data.
 
 import type { ViewerState } from "./state.ts";
 
-/** Characters of a link that mail programs and browsers take. */
+/** Largest length of a link that mail programs and browsers take, in characters. */
 const MAX_CHARACTERS = 8000;
 
 /** The state as a part of a link, or null where it is too long: a file is better then. */
@@ -16,7 +16,7 @@ export async function linkPart(state: ViewerState, fingerprint: string): Promise
   return part.length > MAX_CHARACTERS ? null : part;
 }
 
-/** What a link says. */
+/** Decodes the part of a link: the state, still unchecked, and the fingerprint of its data. */
 export async function fromLink(part: string): Promise<{ fingerprint: string; state: unknown }> {
   const binary = atob(part.replaceAll("-", "+").replaceAll("_", "/"));
   const bytes = Uint8Array.from(binary, (letter) => letter.charCodeAt(0));

@@ -1,5 +1,5 @@
-// Whether a document is a state of the viewer: the twin of `python/wavesplat/_viewer/state.py`. Both are held to the fixtures
-// in `web/schema`. What only the renderer knows, such as whether points are in order, is left to it.
+// The check that a document is a state of the viewer: the twin of `python/wavesplat/_viewer/state.py`. Both are held to the
+// fixtures in `web/schema`. Checks that only the renderer can make, such as the order of points, are left to it.
 
 import { OVERLAYS, PANES, type ViewerState } from "./state.ts";
 
@@ -39,7 +39,7 @@ const list =
     }
     (value as unknown[]).forEach((one, n) => check(one, `${where}[${n}]`));
   };
-/** An object; fields whose names end in "?" may be left out, "*" stands for all others. */
+/** Check of an object; fields whose names end in "?" may be left out, "*" stands for all others. */
 const fields =
   (known: Readonly<Record<string, Check>>): Check =>
   (value, where) => {
@@ -161,7 +161,7 @@ const state = fields({
   }),
 });
 
-/** The state, or an error that names the field. */
+/** Returns a document as a state, or throws an error that names the field. */
 export function parseViewerState(document: unknown): ViewerState {
   state(document, "");
   return document as ViewerState;

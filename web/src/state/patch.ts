@@ -5,7 +5,7 @@ export type Operation =
   | { readonly op: "add" | "replace"; readonly path: string; readonly value: unknown }
   | { readonly op: "remove"; readonly path: string };
 
-/** The document with all operations done, in their order. What they do not touch is shared with the one before. */
+/** The document with all operations applied, in order. Parts that they do not touch are shared with the old document. */
 export function patched<T>(document: T, operations: readonly Operation[]): T {
   let changed: unknown = document;
   operations.forEach((operation, number) => {
@@ -50,7 +50,7 @@ function done(inside: unknown, op: Operation["op"], steps: readonly string[], va
     return Object.fromEntries(Object.entries(fields).filter(([name]) => name !== step));
   }
   const inner = rest.length > 0 ? done(fields[step], op, rest, value, what) : value;
-  // Not by assignment, which `__proto__` would turn into something else.
+  // Built from entries, since an assignment to `__proto__` would set the prototype.
   return Object.fromEntries([...Object.entries(fields).filter(([name]) => name !== step), [step, inner]]);
 }
 

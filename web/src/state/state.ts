@@ -4,11 +4,11 @@
 export type Vec3 = readonly [number, number, number];
 export type Color = string | readonly number[];
 
-/** One curve of a transfer function: [value, opacity 0..1] points, ascending. */
+/** Point of an opacity curve, [value, opacity 0..1]; values ascend. */
 export type OpacityPoint = readonly [number, number];
-/** [value, red, green, blue] points, ascending; colours 0..1. */
+/** Point of a colour curve, [value, red, green, blue], colours 0..1; values ascend. */
 export type ColorPoint = readonly [number, number, number, number];
-/** [gradient magnitude, factor 0..1] points. */
+/** Point of a gradient curve, [gradient magnitude, factor 0..1]. */
 export type GradientPoint = readonly [number, number];
 
 export interface TransferFunction {
@@ -29,7 +29,7 @@ export interface Light {
   readonly [field: string]: unknown;
 }
 
-/** Phong coefficients and what holds light off; null where there is none. */
+/** Phong coefficients, lights, occlusion and shadows; null in place of it where nothing is shaded. */
 export interface Shading {
   readonly ambient: number;
   readonly diffuse: number;
@@ -46,7 +46,7 @@ export interface Shading {
   readonly shadow: number;
 }
 
-/** In the state every look is written out; presets by name are resolved by the server. */
+/** The look of a layer. The state has every look in full; the server resolves presets by name. */
 export interface Look {
   readonly name: string;
   readonly description: string;
@@ -58,7 +58,7 @@ export interface Look {
 }
 
 export interface Layer {
-  /** Which volume: the page can neither name files nor change this. */
+  /** The volume of the layer; the page can neither name files nor change this. */
   readonly volume: { readonly path: null; readonly name: string };
   readonly name: string;
   readonly look: Look;
@@ -92,7 +92,7 @@ export type Clip =
   | { readonly cut_out: Box }
   | { readonly plane: { readonly point: Vec3; readonly normal: Vec3 } };
 
-/** World units; `parallel_scale` (half the height of the picture) or, in perspective, `view_angle` in degrees. */
+/** A camera, world units: with `parallel_scale` (half the picture's height) or, in perspective, `view_angle` in degrees. */
 export interface Camera {
   readonly version: 1;
   readonly position: Vec3;
@@ -104,7 +104,7 @@ export interface Camera {
 
 export type Composite = string | Readonly<Record<string, Readonly<Record<string, number | null>>>>;
 
-/** How the picture at rest is drawn; its size is the view's. */
+/** Settings of the picture at rest; its size is the view's. */
 export interface Render {
   readonly quality: "draft" | "normal" | "high";
   readonly kernel: string;
@@ -115,7 +115,7 @@ export const PANES = ["axial", "coronal", "sagittal"] as const;
 export type Pane = (typeof PANES)[number];
 export type ViewName = "3d" | Pane;
 
-/** What only the viewer has. */
+/** The part of the state that scenes do not have: layout, slices, measures, overlays, interface. */
 export interface View {
   readonly layout: { readonly name: "3d" | "one-and-three" | "two-by-two" | "single"; readonly main: ViewName };
   readonly slices: {
@@ -125,7 +125,7 @@ export interface View {
     readonly normals?: Readonly<Partial<Record<Pane, Vec3>>>;
     /** [level, width]; absent: the values that count as smallest and largest. */
     readonly window?: readonly [number, number];
-    /** World units; 0 is a plane. */
+    /** Thickness of the slab, world units; 0 is a plane. */
     readonly thickness: number;
     readonly slab: "maximum" | "minimum" | "mean";
     readonly zoom: number;
@@ -140,7 +140,7 @@ export interface View {
 export const OVERLAYS = ["scale_bar", "letters", "cube", "color_bar", "crosshair", "crop_box", "legend"] as const;
 export type Overlay = (typeof OVERLAYS)[number];
 
-/** World points: two for a distance; three for an angle, whose vertex is the second. */
+/** A measure by world points: two for a distance; three for an angle, whose vertex is the second. */
 export interface Measure {
   readonly kind: "distance" | "angle";
   readonly points: readonly Vec3[];

@@ -1,4 +1,4 @@
-// The state in the page, what was undone, and the road to the engine.
+// The state in the page, with undo and redo; changes are sent to the engine.
 
 import type { Engine } from "../engine/engine.ts";
 import { patched, type Operation } from "./patch.ts";
@@ -7,11 +7,11 @@ import type { ViewerState } from "./state.ts";
 export type Stop = () => void;
 
 export interface Store {
-  /** The newest state: what was changed here is in it at once. */
+  /** The newest state: changes made here are in it at once. */
   readonly state: ViewerState;
   /** The number of the newest change, as frames carry it. */
   readonly seq: number;
-  /** Changes the state. All changes with one `gesture` name until `settle` are one step of undo, and the picture moves. */
+  /** Changes the state. Changes of one `gesture` up to `settle` are one step of undo, and are drawn as moving pictures. */
   change(operations: readonly Operation[], gesture?: string): void;
   /** Ends the gesture under way: the picture at rest follows. */
   settle(): void;
@@ -22,10 +22,10 @@ export interface Store {
   subscribe(listener: () => void): Stop;
 }
 
-/** Steps that can be undone. */
+/** Largest number of steps that can be undone. */
 const MAX_STEPS = 200;
 
-/** Fields of the state that are no steps of undo: how the page looks. */
+/** Fields of the state whose changes are no steps of undo: the look of the page itself. */
 const INTERFACE = ["/view/interface", "/view/layout"];
 
 export function createStore(initial: ViewerState, engine: Engine): Store {
@@ -52,7 +52,7 @@ export function createStore(initial: ViewerState, engine: Engine): Store {
   };
 
   engine.onState((operations) => {
-    // By others, or as it is after a change that was refused: no step of ours, and not undone by ours.
+    // A change by others, or the state after a refusal: it is no step of undo, and our steps do not undo it.
     state = patched(state, operations);
     const also = (before: ViewerState): ViewerState => {
       try {

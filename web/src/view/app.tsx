@@ -33,10 +33,10 @@ export interface Host {
   readonly link?: string | undefined;
 }
 
-/** Between announcements, ms. */
+/** Least time between announcements, ms. */
 const ANNOUNCED_MS = 1000;
 
-/** Shows the viewer in an element; what is returned takes it away. */
+/** Shows the viewer in an element, and returns a function that removes it. */
 export function mountApp(parent: HTMLElement, engine: Engine, host: Host): () => void {
   const root = parent.shadowRoot ?? parent.attachShadow({ mode: "open" });
   const sheet = new CSSStyleSheet();
@@ -54,7 +54,7 @@ export function mountApp(parent: HTMLElement, engine: Engine, host: Host): () =>
   };
 }
 
-/** What the page has besides the state, and the loop that draws. */
+/** The viewer's page: its state outside of the document (connection, problems, frames), and the loop that draws it. */
 class App {
   private store: Store | null = null;
   private welcome: Welcome | null = null;

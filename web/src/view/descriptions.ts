@@ -1,4 +1,4 @@
-// What pictures show, in words: for screen readers, titles and announcements.
+// Descriptions of pictures in words: for screen readers, titles and announcements.
 
 import { axesOf, dot } from "../input/camera.ts";
 import type { Composite, Vec3, ViewerState } from "../state/state.ts";
@@ -11,7 +11,7 @@ const SIDES: readonly (readonly [string, Vec3])[] = [
   ["above", [0, 0, 1]],
   ["below", [0, 0, -1]],
 ];
-/** A side is named if the eye is this much on it (cosine). */
+/** Least cosine between a side's direction and the eye's for the side to be named. */
 const NAMED = 0.35;
 
 export function sceneLabel(state: ViewerState): string {
@@ -31,7 +31,7 @@ export function compositeName(composite: Composite): string {
   return typeof composite === "string" ? composite : (Object.keys(composite)[0] ?? "over");
 }
 
-/** A number for people: three digits that count, no more. */
+/** A number for people, with at most three significant digits. */
 export function shortNumber(value: number, digits = 3): string {
   if (value === 0 || !Number.isFinite(value)) return String(value);
   const size = Math.floor(Math.log10(Math.abs(value)));

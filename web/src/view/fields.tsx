@@ -1,4 +1,4 @@
-// Controls of the panels of space and slices, made of those of the look; and a panel.
+// Controls of the panels for the 3-D view and slices, made of the look's controls; and a panel.
 
 import type { ComponentChildren } from "preact";
 
@@ -15,11 +15,11 @@ export function NumberField(props: {
   readonly onSettle: () => void;
 }) {
   const { onInput, onSettle, ...others } = props;
-  // What is typed may lie beyond the slider.
+  // A number that is typed may lie beyond the slider.
   return <SliderField {...others} least={-Infinity} most={Infinity} onValue={onInput} onDone={onSettle} />;
 }
 
-/** One of several. */
+/** A choice of one of several options. */
 export function Choice(props: {
   readonly label: string;
   readonly value: string;

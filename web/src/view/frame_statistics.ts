@@ -1,11 +1,11 @@
-// How quickly frames come: frames a second, time from the event to the picture, bytes. Rings of the last ones.
+// Statistics of frames: frames a second, time from the event to the picture, bytes. Only the latest records are kept.
 
 import type { Frame } from "../engine/engine.ts";
 
 export interface FrameRecord {
-  /** When it was drawn, in ms of `performance.now`. */
+  /** Time when the frame was drawn, in ms of `performance.now`. */
   readonly at: number;
-  /** From the newest event that the frame shows, in ms; null where no event belongs to it. */
+  /** Time from the newest event that the frame shows, in ms; null where no event belongs to it. */
   readonly latency: number | null;
   readonly bytes: number;
   readonly frame: Omit<Frame, "bytes">;

@@ -1,6 +1,6 @@
 // Handles over the views: dragged by the pointer, moved by keys; sliders for those who do not see them.
 
-/** Steps of PageUp and PageDown. */
+/** Number of steps that PageUp and PageDown move by. */
 const COARSE = 10;
 const STEPS: Readonly<Record<string, number>> = {
   ArrowRight: 1,
@@ -11,14 +11,14 @@ const STEPS: Readonly<Record<string, number>> = {
   PageDown: -COARSE,
 };
 
-/** Steps that a key press stands for; the press is then nobody else's. */
+/** Number of steps that a key press stands for, which is then taken; undefined for other keys. */
 export function stepOf(event: KeyboardEvent): number | undefined {
   const step = STEPS[event.key];
   if (step !== undefined) take(event);
   return step;
 }
 
-/** Nobody else gets the event. */
+/** Keeps an event from its default action and from other listeners. */
 export function take(event: Event): void {
   event.preventDefault();
   event.stopPropagation();
@@ -33,7 +33,7 @@ export interface HandleProps {
   readonly y: number;
   readonly color: string;
   readonly round?: boolean;
-  /** Where the pointer is, and how far it went since the last call, in CSS pixels of the view. */
+  /** Called with the pointer's position, and its movement since the last call, in CSS pixels of the view. */
   readonly onDrag: (x: number, y: number, dx: number, dy: number) => void;
   readonly onKey: (event: KeyboardEvent) => void;
   readonly onEnd: () => void;

@@ -1,19 +1,19 @@
-// What every part of the interface is given.
+// The properties that every part of the interface is given.
 
 import type { Engine, Frame, Problem, Questions, Welcome } from "../engine/engine.ts";
 import type { FrameStatistics } from "./frame_statistics.ts";
 import type { Vec3, ViewName } from "../state/state.ts";
 import type { Store } from "../state/store.ts";
 
-/** What a drag with the left button does in the views. */
+/** The tool of a drag with the left button in the views. */
 export type Tool = "turn" | "distance" | "angle" | "window";
 
-/** What is shown and done in this page alone, and is no part of the state. */
+/** State and actions of this page alone, which are no part of the viewer's state. */
 export interface Ui {
   readonly root: ShadowRoot | HTMLElement;
   readonly host: "page" | "widget";
   readonly statistics: FrameStatistics;
-  /** A frame is on the screen. */
+  /** Reports that a frame is on the screen. */
   frameShown(frame: Frame): void;
   /** The frames that are on the screen now. */
   readonly frames: Readonly<Partial<Record<ViewName, Frame>>>;
@@ -22,16 +22,16 @@ export interface Ui {
   /** The layer that the panels of the look are about. */
   readonly layer: number;
   setLayer(layer: number): void;
-  /** The world point under the pointer, as far as it is known. */
+  /** The world point under the pointer, if it is known. */
   readonly probe: Vec3 | null;
   readonly probed: Questions["probe"]["answer"] | null;
   setProbe(point: Vec3 | null, found: Questions["probe"]["answer"] | null): void;
-  /** A point for the measure under way; with its last one it is done. */
+  /** Adds a point to the measure under way, which its last point completes. */
   addPoint(point: Vec3): void;
   readonly points: readonly Vec3[];
-  /** Said to screen readers, politely. */
+  /** Announces a text to screen readers, politely. */
   announce(text: string): void;
-  /** Shows what failed, why, and how to mend it. */
+  /** Shows a problem: what failed, why, and what the user can do. */
   problem(problem: Problem): void;
   download(name: string, content: Uint8Array<ArrayBuffer> | string, type: string): void;
 }

@@ -1,4 +1,4 @@
-// The picture in space: what gestures, wheel and keys do to the camera, and what lies over the picture.
+// The 3-D view: gestures, wheel and keys that move the camera, and the overlay of the picture.
 
 import type { Frame, Problem } from "../engine/engine.ts";
 import * as cameras from "../input/camera.ts";
@@ -12,7 +12,7 @@ import { SceneOverlay } from "./overlay3d/scene_overlay.tsx";
 import type { CssSize, PartProps } from "./part.ts";
 import { Viewport } from "./viewport.tsx";
 
-/** Pixels that a key counts as, and what it magnifies and rolls by. */
+/** Pixels of a drag that a key press stands for, and its factor of zoom and angle of roll. */
 const KEY_PX = 24;
 const KEY_ZOOM = 1.1;
 const KEY_ROLL = Math.PI / 36;
@@ -100,7 +100,7 @@ export function SceneView(props: PartProps) {
   );
 }
 
-/** Everything just in view, from where it is seen now. */
+/** Fits everything into the view, seen from the same direction. */
 export async function fit({ engine, store, ui }: PartProps, { width, height }: CssSize): Promise<void> {
   try {
     const asked = { camera: store.state.camera, width: Math.round(width), height: Math.round(height) };
@@ -110,21 +110,21 @@ export async function fit({ engine, store, ui }: PartProps, { width, height }: C
   }
 }
 
-/** A wheel has no end; a while after the last notch the picture is at rest. */
+/** Timer that ends a turn of the wheel, which has no end of its own: it settles a while after the last notch. */
 let wheelTimer: ReturnType<typeof setTimeout> | undefined;
 export function settleSoon(store: PartProps["store"]): void {
   clearTimeout(wheelTimer);
   wheelTimer = setTimeout(() => store.settle(), 150);
 }
 
-/** Another camera with the kind of lens and the scale of the one now. */
+/** Changes to another camera, with the lens and the scale of the one now. */
 export function showFrom({ store }: PartProps, target: Camera): void {
   const now = store.state.camera;
   const lens = cameras.withLens(target, now.view_angle);
   store.change([set(now.parallel_scale === undefined ? lens : { ...lens, parallel_scale: now.parallel_scale }, "camera")]);
 }
 
-/** What is seen at a place: the crosshair goes there, or the tool under way gets a point. */
+/** Picks the world point seen at a place: the crosshair moves there, or the tool in use gets a point. */
 export async function pick(props: PartProps, x: number, y: number, size: CssSize): Promise<void> {
   const { engine, store, ui } = props;
   const asked = { x, y, width: Math.round(size.width), height: Math.round(size.height) };
@@ -141,7 +141,7 @@ export async function pick(props: PartProps, x: number, y: number, size: CssSize
   }
 }
 
-/** How a frame is moved so that it shows what the newest camera would: exact where only place, scale and roll differ. */
+/** CSS transform of a frame to the newest camera: exact where the cameras differ only in position, scale and roll. */
 export function instant(frame: Frame, camera: Camera, size: CssSize): string {
   const before = frame.camera;
   if (before === undefined || before === camera) return "";
@@ -152,7 +152,7 @@ export function instant(frame: Frame, camera: Camera, size: CssSize): string {
   const [a, b] = [at(before, before.focal_point), at(before, beside)];
   const [A, B] = [at(camera, before.focal_point), at(camera, beside)];
   if (a === null || b === null || A === null || B === null) return "";
-  // A similarity: x -> M x + t with M = [p -q; q p].
+  // A similarity x -> M x + t with M = [p -q; q p], which two points and their images determine.
   const [dx, dy, DX, DY] = [b.x - a.x, b.y - a.y, B.x - A.x, B.y - A.y];
   const square = dx * dx + dy * dy;
   const [p, q] = [(DX * dx + DY * dy) / square, (DY * dx - DX * dy) / square];

@@ -1,4 +1,4 @@
-// How it is drawn and shown: quality at rest and while moving, what lies over the views, lens, theme.
+// The panel of settings: quality at rest and while moving, overlays of the views, lens, theme.
 
 import { withLens } from "../input/camera.ts";
 import { set } from "../state/patch.ts";

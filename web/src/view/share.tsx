@@ -1,4 +1,4 @@
-// Pictures, code, links and files of what is shown.
+// Sharing of what is shown: as pictures, code, links and files.
 
 import { useState } from "preact/hooks";
 

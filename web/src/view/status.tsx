@@ -1,4 +1,4 @@
-// What goes on: opening, connection, problems, notes of the picture, figures of frames.
+// The status of the viewer: opening, connection, problems, notes on the picture, statistics of frames.
 
 import type { Connection, Problem } from "../engine/engine.ts";
 import { ProbeLine } from "./measure_panel.tsx";

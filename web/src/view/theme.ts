@@ -1,4 +1,4 @@
-// Dark or light: as the state says, else as the notebook or the system has it.
+// The theme, dark or light: that of the state, else that of the notebook or the system.
 
 import type { ViewerState } from "../state/state.ts";
 
@@ -10,7 +10,7 @@ export function themeOf(state: ViewerState): Theme {
   return theme === "system" ? surrounding() : theme;
 }
 
-/** As the notebook or the system has it. */
+/** The theme of the notebook or the system. */
 export function surrounding(): Theme {
   const lab = document.body?.dataset["jpThemeLight"];
   if (lab !== undefined) return lab === "true" ? "light" : "dark";

@@ -1,5 +1,5 @@
-// A view: the canvas that frames are drawn on, what lies over it, and what pointers and keys do there.
-// Gestures are passed on; what they mean in space or on a slice is known to the parts that place a viewport.
+// A view: the canvas that frames are drawn on, its overlay, and the events of pointers and keys on it.
+// Gestures are passed on; the parts that place a viewport know what they mean in space or on a slice.
 
 import type { ComponentChildren } from "preact";
 import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
@@ -11,25 +11,25 @@ import type { ViewName } from "../state/state.ts";
 import type { CssSize, PartProps } from "./part.ts";
 
 export interface ViewportHandlers {
-  /** Drags, pinches and taps; `size` is that of the view in CSS pixels. */
+  /** Called with drags, pinches and taps; `size` is that of the view in CSS pixels. */
   readonly onGesture: (gesture: Gesture, size: CssSize) => void;
   readonly onWheel: (wheel: { readonly factor: number; readonly steps: number; readonly ctrl: boolean }) => void;
-  /** True: the key was for this view. */
+  /** Called with the action of a key; returns whether the key was for this view. */
   readonly onAction: (action: Action, shift: boolean, size: CssSize) => boolean;
-  /** Where the pointer is, or null. */
+  /** Called with the pointer's position, or null when it leaves. */
   readonly onHover?: (place: { readonly x: number; readonly y: number } | null, size: CssSize) => void;
-  /** How the frame on the screen is moved until the next one comes, as a CSS transform. */
+  /** CSS transform of the frame on the screen until the next one comes. */
   readonly transform?: (frame: Frame, size: CssSize) => string;
 }
 
 export interface ViewportProps extends PartProps, ViewportHandlers {
   readonly view: ViewName;
-  /** What the picture shows, for those who do not see it. */
+  /** Description of the picture, for screen readers. */
   readonly label: string;
   readonly children?: (frame: Frame, size: CssSize) => ComponentChildren;
 }
 
-/** A picture is asked for when the size has not changed for so many milliseconds. */
+/** Milliseconds for which the size must not change before a picture is asked for. */
 const RESIZED_MS = 60;
 
 export function Viewport(props: ViewportProps) {
@@ -71,7 +71,7 @@ export function Viewport(props: ViewportProps) {
       gestures.down(event, ...place(event));
     };
     const move = (event: PointerEvent): void => {
-      // All places in between, so that what is dragged lags by none.
+      // Every move is passed on at once, so that what is dragged does not lag.
       if (gestures.isActive) gestures.move(event, ...place(event));
       else if (!isHandle(event)) {
         const [x, y] = place(event);
@@ -82,7 +82,7 @@ export function Viewport(props: ViewportProps) {
     const cancel = (event: PointerEvent): void => gestures.up(event, ...place(event), true);
     const leave = (): void => latest.current.onHover?.(null, sizeNow.current);
     const wheel = (event: WheelEvent): void => {
-      // In a notebook the page scrolls, unless the viewer has the focus.
+      // In a notebook the wheel scrolls the page, unless the viewer has the focus.
       const root = element.getRootNode() as Document | ShadowRoot;
       const isFocused = element.contains(root.activeElement);
       if (ui.host === "widget" && !isFocused && !event.ctrlKey) {
@@ -226,7 +226,7 @@ function useFrames(canvas: { current: HTMLCanvasElement | null }, latest: { curr
     };
     const stop = engine.onFrame((frame) => {
       if (frame.view !== view) return;
-      // What was not drawn in time is left out.
+      // Frames that were not drawn in time are left out.
       if (newest !== null) engine.shown(newest);
       newest = frame;
       void next();

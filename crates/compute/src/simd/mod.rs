@@ -1,17 +1,16 @@
 //! SIMD: sixteen numbers at a time, by the widest vectors that this machine has.
 //!
-//! A kernel is written once, over the operations of [`Simd`], and compiled once per level: for AVX-512, AVX2 and SSE2 on
-//! x86-64, for NEON on 64-bit ARM, and for plain arrays on other processors. Plain arrays are no level where there are
-//! vectors, since they would be half of the program; tests compare every operation of the others with theirs. Every
+//! A kernel is written once, over the operations of [`Simd`], and compiled once per level: for AVX-512, AVX2 and SSE2
+//! on x86-64, for NEON on 64-bit ARM, and for plain arrays on other processors. Plain arrays are no level where there
+//! are vectors, since they would be half of the program; tests compare every operation of the others with theirs. Every
 //! level gives the same bits: lanes never mix, nothing is fused, no operation is an approximation of the processor's
 //! own, and the order of operations is the source's. The level is chosen once per picture and passed as a value.
-//!
 //! Two operations are where a renderer's time goes and have a form of their own on each level: [`Simd::take`], the
 //! permutation that spreads samples over texels, and [`Math::look_up`], which reads one table entry per lane as two
 //! neighbouring runs of four numbers and transposes them.
 #![allow(unsafe_code, reason = "intrinsics, and functions that may only be called where the machine has them")]
 
-/// What moves quads where a register holds one: registers change places.
+/// Moves of quads where a register holds one: whole registers change places.
 #[cfg(any(target_arch = "x86_64", target_arch = "aarch64"))]
 macro_rules! per_register {
     () => {
@@ -70,7 +69,7 @@ impl<T: Copy + Default> Default for Lanes<T> {
     }
 }
 
-/// What processors fetch at a time.
+/// Bytes of a cache line, which processors fetch at a time.
 #[cfg(target_arch = "x86_64")]
 const LINE_BYTES: usize = 64;
 
@@ -79,12 +78,12 @@ const LINE_BYTES: usize = 64;
 pub struct Rows<'a> {
     numbers: &'a [f32],
     stride: usize,
-    /// From so many places on there are four rows of sixteen.
+    /// Number of places from which four whole rows of sixteen can be read.
     n_places: usize,
 }
 
 impl<'a> Rows<'a> {
-    /// `stride`: from row to row.
+    /// Rows that lie `stride` numbers apart.
     pub fn new(numbers: &'a [f32], stride: usize) -> Self {
         let n = stride.saturating_mul(3).saturating_add(LANES);
         Self { numbers, stride, n_places: (numbers.len() + 1).saturating_sub(n) }
@@ -96,9 +95,9 @@ pub type Entry = [f32; 4];
 
 /// Arithmetic on many numbers at a time. A value is proof that the machine has the instructions.
 pub trait Math: Copy {
-    /// Many f32.
+    /// Vector of f32.
     type F: Copy;
-    /// As many truths.
+    /// Mask: one truth value per lane.
     type M: Copy;
 
     /// The same number in every lane.
@@ -122,18 +121,19 @@ pub trait Math: Copy {
     fn lt(self, a: Self::F, b: Self::F) -> Self::M;
     /// a ≤ b
     fn le(self, a: Self::F, b: Self::F) -> Self::M;
-    /// Both.
+    /// Lanes where both masks are true.
     fn and(self, a: Self::M, b: Self::M) -> Self::M;
-    /// Either.
+    /// Lanes where either mask is true.
     fn or(self, a: Self::M, b: Self::M) -> Self::M;
     /// a where true, b where not.
     fn select(self, m: Self::M, a: Self::F, b: Self::F) -> Self::F;
 
-    /// The table at a position, linear between entries, number by number. Positions are held inside the table.
+    /// The table at a position, linear between entries, number by number. Positions are clamped to `0..=len − 2`.
     fn look_up(self, table: &[Entry], position: Self::F) -> [Self::F; 4];
-    /// 2^−n where `n + 1.5 · 2^23` is given, `0 ≤ n ≤ 126`.
+    /// 2^−n from `shifted = n + 1.5 · 2^23` ([`ROUND`]), `0 ≤ n ≤ 126`: n stands in its low bits, and becomes an
+    /// exponent.
     fn exp2_neg(self, shifted: Self::F) -> Self::F;
-    /// A number near 1/√a for a > 0: half of its exponent, and a linear guess of the rest.
+    /// First guess of 1/√a for a > 0: half of its exponent, negated, and a linear guess of the rest.
     fn rsqrt_guess(self, a: Self::F) -> Self::F;
 
     /// a + b · c, rounded twice.
@@ -156,18 +156,18 @@ pub trait Math: Copy {
 
 /// The operations of a level, on sixteen numbers.
 pub trait Simd: Math {
-    /// Whether the registers hold the numbers of a kernel for two sixteens at a time ([`Pair`]).
+    /// Whether the registers hold the numbers of a kernel for two vectors at a time ([`Pair`]).
     const HAS_ROOM_FOR_PAIRS: bool = true;
 
     /// Runs a part of a kernel as a function that is not inlined, with the instructions of the level. All else that a
     /// kernel calls is inlined, and the compiler takes minutes for functions of a hundred thousand instructions. The
     /// closure must be `#[inline(always)]`.
     fn outlined<T>(self, part: impl FnOnce() -> T) -> T;
-    /// From memory.
+    /// Loads from memory.
     fn load(self, from: &[f32; LANES]) -> Self::F;
-    /// To memory.
+    /// Stores to memory.
     fn store(self, x: Self::F, to: &mut [f32; LANES]);
-    /// Sixteen neighbouring numbers of each of four rows below each other. Panics where they are not all there.
+    /// Loads sixteen neighbouring numbers of each of four consecutive rows. Panics where they are not all there.
     #[inline(always)]
     fn load_rows(self, rows: &Rows, first: usize) -> [Self::F; 4] {
         assert!(first < rows.n_places, "there are not four rows of sixteen");
@@ -183,45 +183,46 @@ pub trait Simd: Math {
             ]
         }
     }
-    /// Lane `i` as bit `i`.
+    /// Mask as bits: lane `i` as bit `i`.
     fn bits(self, m: Self::M) -> u16;
     /// `row[index]` for each lane, indices taken modulo 16.
     fn take(self, row: &[f32; LANES], index: &Lanes<u32>) -> Self::F;
-    /// Quads, which are four neighbouring lanes, as entries of four rows: rows become columns.
+    /// Transposes quads (four neighbouring lanes) of four rows: quad q of row r becomes quad r of row q.
     fn transpose_quads(self, rows: [Self::F; 4]) -> [Self::F; 4];
-    /// Quads by turns: the first of a, the first of b, the second of a, and so on.
+    /// Interleaves quads: the first of a, the first of b, the second of a, and so on.
     fn interleave_quads(self, a: Self::F, b: Self::F) -> [Self::F; 2];
-    /// The other way: the first and third quads of both, and the second and fourth.
+    /// Undoes [`Simd::interleave_quads`]: the first and third quads of both, then the second and fourth.
     fn deinterleave_quads(self, a: Self::F, b: Self::F) -> [Self::F; 2];
     /// The second and the third quad of both.
     fn middle_quads(self, a: Self::F, b: Self::F) -> Self::F;
-    /// Rows become columns.
+    /// Transposes sixteen rows: rows become columns.
     fn transpose(self, rows: &mut [Lanes; LANES]);
 }
 
-/// One or two sixteens. Two take little more time than one: while one waits for its results, the other computes.
+/// One or two vectors of sixteen. Two take little more time than one: while one waits for its results, the other
+/// computes.
 pub trait Wide: Math {
-    /// The operations on one.
+    /// Operations on one vector.
     type One: Simd;
-    /// How many.
+    /// Number of vectors: 1 or 2.
     const N: usize;
-    /// The operations on one.
+    /// Operations on one vector.
     fn one(self) -> Self::One;
-    /// Puts them together; the second is left out where there is one.
+    /// Joins vectors; the second is ignored where `N` is 1.
     fn join(self, a: <Self::One as Math>::F, b: <Self::One as Math>::F) -> Self::F;
-    /// Takes them apart; the second is the first where there is one.
+    /// Splits into vectors; the second repeats the first where `N` is 1.
     fn part(self, x: Self::F) -> [<Self::One as Math>::F; 2];
-    /// As [`Simd::bits`].
+    /// [`Simd::bits`] of each vector; the second repeats the first where `N` is 1.
     fn all_bits(self, m: Self::M) -> [u16; 2];
 
-    /// From two places in memory.
+    /// Loads from two places in memory.
     #[inline(always)]
     fn load_from(self, from: &[Lanes], places: [usize; 2]) -> Self::F {
         let first = self.one().load(&from[places[0]].0);
         self.join(first, if Self::N == 2 { self.one().load(&from[places[1]].0) } else { first })
     }
 
-    /// To two places in memory.
+    /// Stores to two places in memory.
     #[inline(always)]
     fn store_to(self, x: Self::F, to: &mut [Lanes], places: [usize; 2]) {
         let [first, second] = self.part(x);
@@ -254,7 +255,7 @@ impl<S: Simd> Wide for S {
     }
 }
 
-/// Asks for memory that is read soon, so that it is at hand then. Where processors cannot be asked, nothing is done.
+/// Prefetches memory that is read soon. Does nothing on processors other than x86-64.
 #[inline(always)]
 pub fn prefetch<T>(soon: &[T]) {
     #[cfg(target_arch = "x86_64")]
@@ -266,21 +267,22 @@ pub fn prefetch<T>(soon: &[T]) {
     let _ = soon;
 }
 
-/// 1.5 · 2^23: adding and taking it away rounds to an integer, which then stands in the low bits.
+/// 1.5 · 2^23: adding and taking it away rounds to an integer, which stands in the low bits in between.
 pub const ROUND: f32 = 12_582_912.0;
 
-/// First guess of 1/√a: this less half the bits of a (Kadlec 2010).
+/// Constant of the first guess of 1/√a: this less half the bits of a (Kadlec 2010).
 const RSQRT_MAGIC: u32 = 0x5f1f_fff9;
 
 /// A piece of work over the operations of a level.
 pub trait VectorKernel {
-    /// What it returns.
+    /// Result of the kernel.
     type Output;
-    /// Must be `#[inline(always)]`, and so must all that it calls, else it is compiled for the baseline.
+    /// Runs the kernel. Must be `#[inline(always)]`, and so must all that it calls, else it is compiled for the
+    /// baseline.
     fn run<S: Simd>(self, s: S) -> Self::Output;
 }
 
-/// What the compiler may use. A value is proof that the machine has it: they are only made by [`Level::all`].
+/// Instruction set of kernels. A value is proof that the machine has it: they are only made by [`Level::all`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Level(Width);
 
@@ -298,11 +300,11 @@ enum Width {
     Neon,
 }
 
-/// What [`Level::best`] gives.
+/// The level that [`Level::best`] returns, once it is decided.
 static CHOSEN: OnceLock<Level> = OnceLock::new();
 
 impl Level {
-    /// The level of every processor of this kind.
+    /// The level that every processor of this architecture has.
     #[cfg(target_arch = "x86_64")]
     const NARROWEST: Self = Self(Width::Sse2);
     #[cfg(target_arch = "aarch64")]
@@ -331,11 +333,12 @@ impl Level {
         *CHOSEN.get_or_init(|| *Self::all().last().unwrap_or(&Self::NARROWEST))
     }
 
-    /// Makes the level of a name the one that [`Level::best`] gives from now on. Call it before anything is drawn.
+    /// Makes [`Level::best`] return the level of a name from now on. Call it before anything is drawn.
     ///
     /// # Errors
     ///
-    /// The names that there are, where the name is none of this machine's; or the level that is in use already.
+    /// A message with the names that there are, if this machine has no such level, or with the level in use, if that is
+    /// another.
     pub fn choose(name: &str) -> Result<Self, String> {
         let levels = Self::all();
         let Some(level) = levels.iter().copied().find(|level| level.name() == name) else {
@@ -346,7 +349,7 @@ impl Level {
         if chosen == level { Ok(level) } else { Err(format!("vectors {:?} are in use already", chosen.name())) }
     }
 
-    /// For reports.
+    /// Name of the level, for reports.
     pub fn name(self) -> &'static str {
         match self.0 {
             #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
@@ -490,7 +493,7 @@ mod tests {
         }
     }
 
-    /// What chooses between numbers, on those that no order or sum knows.
+    /// Operations that compare and select, on NaN, infinities and zeros of both signs.
     struct Choices<'a> {
         a: &'a Lanes,
         b: &'a Lanes,

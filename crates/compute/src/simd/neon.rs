@@ -1,20 +1,20 @@
 //! NEON, which every 64-bit ARM has: four registers of four numbers.
 //!
-//! Its own minimum, maximum and reciprocal square root are other operations than those of the other levels (NaN wins, the
-//! estimate has bits of its own), so they are made of comparisons and selections, and of the guess that all share. A
-//! product and a sum stay two instructions: nothing here asks for the fused one, and the compiler fuses nothing by itself.
+//! NEON's own minimum, maximum and reciprocal square root differ from those of the other levels (NaN wins, the estimate
+//! has bits of its own), so comparisons with selections, and the guess that all levels share, replace them. A product
+//! and a sum stay two instructions: nothing here asks for the fused one, and the compiler fuses nothing by itself.
 #![allow(clippy::wildcard_imports, reason = "dozens of intrinsics, all by their own prefix")]
 
 use std::arch::aarch64::*;
 
 use super::{Entry, LANES, Lanes, Math, ROUND, RSQRT_MAGIC, Simd};
 
-/// NEON.
+/// NEON level.
 #[derive(Clone, Copy, Debug)]
 pub struct Neon(pub(super) ());
 
-/// Applies intrinsics to each register, spelled out as those of the other processors are. SAFETY of all uses: every
-/// 64-bit ARM that Rust has a standard library for has NEON; loads and stores stay inside the arrays that they are given.
+/// Applies intrinsics to each register, spelled out as on x86-64. SAFETY of all uses: every 64-bit ARM that Rust has a
+/// standard library for has NEON; loads and stores stay inside the arrays that they are given.
 macro_rules! map {
     ($i:ident => $body:expr) => {
         map!(@ $i $body, 0 1 2 3)
@@ -25,7 +25,7 @@ macro_rules! map {
     };
 }
 
-/// Four rows of four become columns: pairs, then halves.
+/// Transposes four rows of four: pairs, then halves.
 macro_rules! transposed {
     ($a:expr, $b:expr, $c:expr, $d:expr) => {{
         let (a, b, c, d) = ($a, $b, $c, $d);
@@ -150,6 +150,7 @@ impl Simd for Neon {
     fn bits(self, m: Self::M) -> u16 {
         const WEIGHTS: [[u32; 4]; 4] =
             [[1, 2, 4, 8], [16, 32, 64, 128], [256, 512, 1024, 2048], [4096, 8192, 16384, 32768]];
+        // Each true lane leaves a power of two of its own, so that the sum of all is the mask.
         let weighted = map!(i => vandq_u32(m[i], vld1q_u32(WEIGHTS[i].as_ptr())));
         // SAFETY: see `map`.
         let sum =

@@ -2,7 +2,7 @@
 
 use super::{Entry, Math, Simd, Wide};
 
-/// Two sixteens.
+/// Operations on two vectors of sixteen numbers.
 #[derive(Clone, Copy, Debug)]
 pub struct Pair<S>(pub S);
 

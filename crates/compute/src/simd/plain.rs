@@ -1,4 +1,4 @@
-//! Arrays: the level of processors without vectors of their own here, and what the operations of the others are held to.
+//! Plain arrays: the level of processors without vectors here, and the reference for all other levels.
 
 use super::{Entry, LANES, Lanes, Math, ROUND, RSQRT_MAGIC, Simd};
 

@@ -1,17 +1,17 @@
-//! SSE2, AVX2 and AVX-512.
+//! Levels of x86-64: SSE2, AVX2 and AVX-512.
 #![allow(clippy::wildcard_imports, reason = "a hundred intrinsics, all by their own prefix")]
 
 use std::arch::x86_64::*;
 
 use super::{Entry, LANES, Lanes, Math, ROUND, RSQRT_MAGIC, Simd};
 
-/// SSE2, which every x86-64 has.
+/// SSE2 level, which every x86-64 has.
 #[derive(Clone, Copy, Debug)]
 pub struct Sse2(pub(super) ());
-/// AVX2.
+/// AVX2 level.
 #[derive(Clone, Copy, Debug)]
 pub struct Avx2(pub(super) ());
-/// AVX-512 F, BW, DQ and VL.
+/// AVX-512 level: F, BW, DQ and VL.
 #[derive(Clone, Copy, Debug)]
 pub struct Avx512(pub(super) ());
 
@@ -53,7 +53,7 @@ macro_rules! map {
     };
 }
 
-/// The operations that SSE2 and AVX2 write alike: `$n` registers of `$w` numbers.
+/// Arithmetic, which SSE2 and AVX2 write alike, on `$n` registers.
 macro_rules! registers {
     ($n:tt, $register:ty,
      $splat:ident $add:ident $sub:ident $mul:ident $div:ident $min:ident $max:ident
@@ -128,7 +128,7 @@ macro_rules! registers {
     };
 }
 
-/// Memory, alike as well.
+/// Loads, stores and mask bits, which SSE2 and AVX2 write alike, on `$n` registers of `$w` numbers.
 macro_rules! memory {
     ($n:tt, $w:literal, $load:ident $store:ident $bits:ident) => {
         #[inline(always)]
@@ -166,7 +166,7 @@ impl Math for Sse2 {
         _mm_srli_epi32 _mm_set1_epi32,
         _mm_cmplt_ps, _mm_cmple_ps, select_sse2);
 
-    /// A call: every x86-64 has the instructions, and inlined into kernels they would be most of their code.
+    /// Not inlined: every x86-64 has the instructions, and inlined into kernels they would be most of their code.
     #[inline(never)]
     fn look_up(self, table: &[Entry], position: Self::F) -> [Self::F; 4] {
         assert!(table.len() >= 2);
@@ -200,7 +200,7 @@ impl Math for Sse2 {
 }
 
 impl Simd for Sse2 {
-    /// Sixteen numbers are four of sixteen registers.
+    /// A vector of sixteen numbers takes four of the sixteen registers, which leaves no room for pairs.
     const HAS_ROOM_FOR_PAIRS: bool = false;
 
     #[inline(never)]
@@ -288,7 +288,7 @@ impl Simd for Avx2 {
     #[inline(always)]
     fn transpose_quads(self, [a, b, c, d]: [Self::F; 4]) -> [Self::F; 4] {
         let [low, high]: [[Self::F; 2]; 2] = map!(2, i => {
-            // Of register i of each row.
+            // Quads of register i of each row.
             [
                 [_mm256_permute2f128_ps::<0x20>(a[i], b[i]), _mm256_permute2f128_ps::<0x20>(c[i], d[i])],
                 [_mm256_permute2f128_ps::<0x31>(a[i], b[i]), _mm256_permute2f128_ps::<0x31>(c[i], d[i])],
@@ -313,7 +313,7 @@ impl Simd for Avx2 {
     #[inline(always)]
     fn transpose(self, rows: &mut [Lanes; LANES]) {
         let from = *rows;
-        // Four blocks of eight by eight: pairs, fours, halves.
+        // Four blocks of eight by eight, each by pairs, fours, halves.
         for block in 0..4 {
             let (r, c) = (block / 2 * 8, block % 2 * 8);
             // SAFETY: eight numbers of each of eight rows are there.

@@ -1,12 +1,12 @@
-// What a ray has gathered so far: colour and opacity, composited front to back. Twin of
-// crates/splat/src/ray/accumulator.rs.
+// State of a ray: colour and opacity, composited front to back. Twin of crates/splat/src/ray/accumulator.rs.
 
-// Associated colour and opacity; of projections the density, the length of the way, and whether the ray has ended.
+// Associated colour and opacity. Projections: the density or its integral, then the length of the way; a local maximum
+// has 1 there once the ray has ended.
 var<private> gathered: vec4<f32>;
 // Position of opacity 1/2; NONE where it is not reached.
 var<private> s_half: f32;
 
-// A fragment with unassociated colour; opacity grows evenly from `begin` on.
+// Composites a fragment of unassociated colour behind the state; its opacity grows evenly over `length` from `begin`.
 fn add_fragment(rgb: vec3<f32>, alpha: f32, begin: f32, length: f32) {
     let before = gathered.w;
     let weight = (1.0f - before) * alpha;

@@ -1,7 +1,7 @@
-// Classification: colour and optical depth of a density, once per texel, after reconstruction; and the opacity of a slab.
-// Twin of crates/splat/src/optics/classify.rs.
+// Classification: colour and optical depth of a density, once per texel, after reconstruction; and the opacity of a
+// slab. Twin of crates/splat/src/optics/classify.rs.
 
-// An entry of a table, linear between entries.
+// Value of a table at a position, linear between entries.
 fn look_up(first: u32, n_entries: u32, position: f32) -> vec4<f32> {
     let inside = clamp(position, 0.0f, f32(n_entries - 2u));
     let cell = u32(inside);
@@ -20,7 +20,7 @@ fn classify(layer: u32, density: f32) -> vec4<f32> {
     return look_up(places.x, places.w, table_position(layer, density));
 }
 
-// Colour of a density; that of an invisible one is any.
+// Colour of a density; undefined where its opacity is 0.
 fn color_of(layer: u32, density: f32) -> vec3<f32> {
     let only = parameters.layers[layer].only;
     if only.w > 0.0f {
@@ -29,13 +29,14 @@ fn color_of(layer: u32, density: f32) -> vec3<f32> {
     return classify(layer, density).xyz;
 }
 
-// Whether anything is visible of densities from the first to the second.
+// Whether any density from `lo` to `hi` may be visible.
 fn is_visible(layer: u32, lo: f32, hi: f32) -> bool {
     let visible = parameters.layers[layer].visible;
     return visible.x <= hi && lo <= visible.y;
 }
 
-// 1 - exp(-x) for x >= 0, by x = n ln 2 + r and a Taylor series.
+// 1 - exp(-x) for x >= 0, by x = n ln 2 + r and a Taylor series of exp(-r) - 1. The last line forms
+// 1 - 2^-n - 2^-n (exp(-r) - 1), so that nothing cancels for small x, where n = 0. ln 2 is split in two for an exact r.
 fn one_minus_exp_neg(depth: f32) -> f32 {
     let x = min(depth, 80.0f);
     let n = round(x * 1.442695f);

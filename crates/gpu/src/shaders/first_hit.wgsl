@@ -5,7 +5,7 @@ fn march_ray(ray: Ray, block: u32) {
     let first = parameters.frame.slabs.x;
     let end = parameters.frame.slabs.y;
     let iso = parameters.frame.number.x;
-    // Each sheet is made once: behind a slab, then in front of the next.
+    // Each sheet is reconstructed once: as the back of a slab, then as the front of the next.
     var in_front = 0xffffffffu;
     var front = 0.0f;
     var front_missing = 0.0f;

@@ -1,5 +1,5 @@
-// Four fields that lie alike, at once. Twin of `FieldSheets` (crates/splat/src/sheet/field_sheets.rs). A template: SOURCE
-// stands for the number of the source.
+// Reconstruction of four fields on the same grid at once. Twin of `FieldSheets`
+// (crates/splat/src/sheet/field_sheets.rs). A template: SOURCE stands for the number of the source.
 
 fn row_of_four_SOURCE(at: vec3<i32>, x: vec4<f32>) -> vec4<f32> {
     var sum = textureLoad(samples_SOURCE, at.xy, at.z, 0) * x.x;

@@ -1,40 +1,40 @@
-// What a frame is drawn by: its plan as plain numbers. Twin of the structs of `layout.rs`.
+// Plan of a frame as plain numbers. Twin of the structs of `layout.rs`.
 
 struct Frame {
-    // Place of the list of blocks in `words`; how many blocks; workgroups in a row of the dispatch; words of the masks of
-    // occupied slabs, per block and layer.
+    // Offset of the list of blocks in `words`; number of blocks; workgroups in a row of the dispatch; words of the mask
+    // of occupied slabs, per block and layer.
     blocks: vec4<u32>,
-    // First slab of this dispatch and one past its last; all slabs; place of the sheets' s in `words`.
+    // First slab of this dispatch and one past its last; number of all slabs; offset of the sheets' s in `words`.
     slabs: vec4<u32>,
     // The index axis called w; whether this dispatch begins the rays.
     axes: vec4<u32>,
-    // Opacity at which a ray is done, iso-value, threshold, or level: what the operator needs.
+    // Parameter of the operator: opacity at which a ray is done, iso-value, threshold, or level.
     number: vec4<f32>,
     // Colour of the first hit.
     color: vec4<f32>,
-    // The way from slice to slice, world: at texel (0, 0), and its change per texel along u and along v.
+    // World vector along the ray from slice to slice: at texel (0, 0), and its change per texel along u and along v.
     to_next: array<vec4<f32>, 3>,
     // Depth shading along a ray, at s = 0 and per s: at texel (0, 0), and the changes per texel along u and along v.
     fade: array<vec4<f32>, 2>,
     // Strengths of ambient occlusion and of the shadow.
     light: vec4<f32>,
-    // Light on the label medium.
+    // Lighting of the label medium.
     label_lighting: Lighting,
 }
 
 struct Lighting {
     // Ambient, diffuse, specular, exponent.
     coefficients: vec4<f32>,
-    // |n·l| without a normal; squared gradient from which on there is one.
+    // |n.l| where there is no normal; squared gradient above which there is one.
     limits: vec4<f32>,
-    // uu, vv, ww, uv; uw, vw.
+    // Quadratic form of the squared world gradient on index gradients: uu, vv, ww, uv; uw, vw.
     metric: array<vec4<f32>, 2>,
-    // Place in `tables` of the lights, and how many.
+    // Offset in `tables` of the lights, and their number.
     lights: vec4<u32>,
 }
 
 struct Layer {
-    // Places in `tables` of the colours, the segments and the table of gradients; entries of the first two.
+    // Offsets in `tables` of the colours, the segments and the table of gradients; entries of the first two.
     tables: vec4<u32>,
     // Density of the first entry, entries per density, density of the last entry, 1 / opacity unit.
     domain: vec4<f32>,
@@ -42,24 +42,24 @@ struct Layer {
     visible: vec4<f32>,
     // The only colour, and whether there is only one.
     only: vec4<f32>,
-    // Gradients: entries along densities and magnitudes.
+    // Table of gradients: entries along densities and magnitudes.
     joint_size: vec4<u32>,
     // First density, steps per density, first magnitude, steps per magnitude.
     joint: vec4<f32>,
     joint_metric: array<vec4<f32>, 2>,
-    // Towards the eye, as a form on index gradients: at texel (0, 0), and its change per texel along u and along v.
+    // Direction to the eye, a linear form on index gradients: at texel (0, 0), and its change per texel along u and v.
     to_eye: array<vec4<f32>, 3>,
     lighting: Lighting,
 }
 
 struct Source {
-    // Places in `words` of the positions along u, along v, and of the sheets; groups along u.
+    // Offsets in `words` of the positions along u, along v, and of the sheets; groups along u.
     place: vec4<u32>,
-    // Position of the last sample along x, y, z; groups along v.
+    // Index of the last sample along x, y, z; groups along v.
     last: vec4<i32>,
-    // Samples before the first, baked in; place in `words` of the page table.
+    // Samples baked in before the first; offset in `words` of the page table.
     apron: vec4<i32>,
-    // 1 / width and 1 / height of the texture; half distance of differences; taps per width of smoothed gradients.
+    // 1 / width and 1 / height of the texture; offset of differences; 1 / width in samples of the smoothing B-spline.
     texel: vec4<f32>,
     // Pages along x, y, z; texels of a page along each axis, 0 where all samples lie together.
     pages: vec4<u32>,
@@ -79,9 +79,9 @@ struct Parameters {
 @group(0) @binding(5) var<storage, read_write> state: array<vec4<f32>>;
 @group(0) @binding(6) var unfiltered: sampler;
 
-// Fetches of samples, each of a quad, and texels of sheets that were looked at; where they are counted.
+// Quads of samples fetched, and texels of sheets reconstructed, if they are counted.
 var<private> n_fetches: u32;
 var<private> n_texels: u32;
 
-// A number that stands for none.
+// Position of a ray that never reaches opacity 1/2.
 const NONE: f32 = 3.0e38;

@@ -4,14 +4,14 @@ fn gradient_magnitude(layer: u32, gradient: vec3<f32>) -> f32 {
     return sqrt(max(squared_gradient(parameters.layers[layer].joint_metric, gradient), 1e-36f));
 }
 
-// The factor of the optical depth.
+// Factor of the optical depth by gradient magnitude.
 fn gradient_factor(layer: u32, gradient: vec3<f32>) -> f32 {
     let entry = parameters.layers[layer].joint_size;
     let position = gradient_magnitude(layer, gradient) * parameters.layers[layer].joint.w;
     return look_up(parameters.layers[layer].tables.z, entry.x, position).x;
 }
 
-// Colour and optical depth by density and gradient.
+// Colour and optical depth by density and gradient magnitude.
 fn classify_jointly(layer: u32, density: f32, gradient: vec3<f32>) -> vec4<f32> {
     let size = parameters.layers[layer].joint_size;
     let joint = parameters.layers[layer].joint;

@@ -1,6 +1,6 @@
 // The missing share of a place: the weight that the linear kernel gives to missing samples, whatever the kernel of the
-// densities. Twin of `Sheet::missing` (crates/splat/src/sheet/missing.rs). A template: SOURCE stands for the number of the
-// source.
+// densities. Twin of `Sheet::missing` (crates/splat/src/sheet/missing.rs). A template: SOURCE stands for the number of
+// the source.
 
 @group(0) @binding(MASK_BINDING_SOURCE) var holes_SOURCE: texture_2d_array<f32>;
 

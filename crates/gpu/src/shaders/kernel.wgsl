@@ -1,8 +1,8 @@
-// Reconstruction kernels h(x), x in samples. Twin of crates/splat/src/kernel/weights.rs and smoothed.rs, whose heads have
-// the formulas and their sources.
+// Reconstruction kernels h(x), x in samples. Twin of crates/splat/src/kernel/weights.rs and smoothed.rs, whose heads
+// have the formulas and their sources.
 
-// Where a texel lies among samples, along x, y and z: counted from a sample near it, so that f32 holds it well; `last`: the
-// last sample from there.
+// Position of a texel among samples along x, y and z: `base`, a sample near it, plus `at`, which is small, so that f32
+// holds it well. `last`: the volume's last sample, counted from the base.
 struct Place {
     base: vec3<i32>,
     at: vec3<f32>,
@@ -11,7 +11,8 @@ struct Place {
 
 // The samples that reach a position, and their weights along each axis.
 struct Footprint {
-    // Sample that the weights belong to, counted from the base; and how much earlier the first of them is.
+    // Sample below the position (nearest to it, for the quadratic B-spline), counted from the base; and offset of the
+    // first weight's sample from it.
     cell: vec3<i32>,
     first: vec3<i32>,
     x: vec4<f32>,
@@ -40,7 +41,7 @@ fn weights(kernel: u32, t: f32) -> vec4<f32> {
             return vec4<f32>(w0, w1, 1.0f - w0 - w1 - w3, w3);
         }
         case KERNEL_GAUSSIAN: {
-            // As multiples of exp(-2t²), all four are powers of exp(4t).
+            // Divided by exp(-2 t^2), all four are constants times powers of exp(4 t): one exponential does for all.
             let q = exp(4.0f * t);
             let last = select(0.0f, 3.3546263e-4f * q * q, t > 0.0f);
             let w = vec4<f32>(0.13533528f / q, 1.0f, 0.13533528f * q, last);
@@ -53,7 +54,7 @@ fn weights(kernel: u32, t: f32) -> vec4<f32> {
 }
 
 fn footprint_of(kernel: u32, x: vec3<f32>) -> Footprint {
-    // The quadratic B-spline stands around the nearest sample.
+    // The taps of the quadratic B-spline are centred at the nearest sample.
     let below = floor(x + select(0.0f, 0.5f, kernel == KERNEL_BSPLINE2));
     let t = x - below;
     let first = vec3<i32>(select(-1, 0, kernel == KERNEL_LINEAR));
@@ -65,7 +66,7 @@ fn weight_at(weights: vec4<f32>, k: i32) -> f32 {
     return select(select(weights.x, weights.y, k == 1), select(weights.z, weights.w, k == 3), k > 1);
 }
 
-// Sum over 4 × 4 samples of quads side by side.
+// Weighted sum over 4 x 4 samples, given as four quads: a and b in the first two rows, c and d in the last two.
 fn plane_sum(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, d: vec4<f32>, x: vec4<f32>, y: vec4<f32>) -> f32 {
     let rows = vec4<f32>(
         dot(vec4<f32>(a.xy, b.xy), x),
@@ -76,7 +77,7 @@ fn plane_sum(a: vec4<f32>, b: vec4<f32>, c: vec4<f32>, d: vec4<f32>, x: vec4<f32
     return dot(rows, y);
 }
 
-// The cubic B-spline and its derivative.
+// Cubic B-spline and its derivative.
 fn bspline3(x: f32) -> vec2<f32> {
     let r = abs(x);
     let rest = max(2.0f - r, 0.0f);
@@ -86,12 +87,13 @@ fn bspline3(x: f32) -> vec2<f32> {
     return vec2<f32>(value, select(slope, -slope, x < 0.0f));
 }
 
-// The same at a tap of those that count.
+// Widened cubic B-spline and its derivative at a tap; 0 for taps beyond `n_taps`, which only complete a quad.
 fn smoothed_tap(position: f32, tap: i32, n_taps: i32, per_width: f32) -> vec2<f32> {
     return select(vec2<f32>(0.0f), bspline3(position - f32(tap) * per_width), tap < n_taps);
 }
 
-// Sums of the weights of an axis, and of their derivatives: widened B-splines do not sum to 1 everywhere.
+// Sums of the weights of an axis, and of their derivatives, to normalise by: widened B-splines do not sum to 1
+// everywhere.
 fn smoothed_sums(position: f32, n_taps: i32, per_width: f32) -> vec2<f32> {
     var sums = vec2<f32>(0.0f);
     for (var tap = 0; tap < n_taps; tap++) {

@@ -1,11 +1,12 @@
-// One of several layers. Twin of crates/splat/src/ray/over_layers.rs. A template: LAYER stands for the number of the layer.
+// One of several layers. Twin of crates/splat/src/ray/over_layers.rs. A template: LAYER stands for the number of the
+// layer.
 
 fn interval_LAYER(block: u32, texel: vec2<u32>) -> vec2<f32> {
     let ray = block * 128u + (texel.y & 7u) * 16u + (texel.x & 15u);
     return intervals[(LAYERu + 1u) * parameters.frame.blocks.y * 128u + ray];
 }
 
-// Whether the layer has something in a slab.
+// Whether the layer occupies a slab.
 fn has_LAYER(block: u32, slab: u32) -> bool {
     return ((occupied_word(LAYERu, block, slab / 32u) >> (slab & 31u)) & 1u) == 1u;
 }
@@ -66,7 +67,8 @@ fn add_sheet_LAYER(ray: Ray, block: u32, sheet: u32, ends: bool, begin: f32, end
     return any;
 }
 
-// By a function of two dimensions: it has no integral, so what it is on both sheets counts, linear in between.
+// Passage by a transfer function of two dimensions, which has no integral table: the optical depths on both sheets
+// count, linear in between.
 fn joint_passage_LAYER(front: vec4<f32>, back: vec4<f32>, cuts: vec3<f32>) -> Passage {
     let middles = (cuts.xy + cuts.yz) * 0.5f;
     let depths = (vec2<f32>(front.w) + middles * (back.w - front.w)) * (cuts.yz - cuts.xy);
@@ -91,7 +93,8 @@ fn add_slab_LAYER(ray: Ray, block: u32, slab: u32, mixture: ptr<function, Mixtur
     if part.y <= 0.0f {
         return;
     }
-    // The shares of the way between which the layer is drawn, and the parts of these.
+    // Shares of the way where the layer's drawn part begins and ends, and where it is cut in two: in the middle of the
+    // slab.
     let begin = (part.x - s_front) / way;
     let end = begin + part.y / way;
     let cuts = vec3<f32>(begin, clamp(0.5f, begin, end), end);
@@ -122,7 +125,7 @@ fn add_slab_LAYER(ray: Ray, block: u32, slab: u32, mixture: ptr<function, Mixtur
         } else {
             passage = preintegrate_parts(LAYERu, front, back, cuts);
         }
-        // What holds in the middle of what is visible.
+        // Factors at the middle of the visible part stand for the whole of it.
         let middle = (passage.first + passage.last) * 0.5f;
         var length = whole_length * known_share(missing + middle * more_missing);
         if IS_FIRST_LAYER && HAS_SCAN {
@@ -131,7 +134,7 @@ fn add_slab_LAYER(ray: Ray, block: u32, slab: u32, mixture: ptr<function, Mixtur
         if BY_GRADIENT_LAYER == BY_FACTOR {
             length *= gradient_factor(LAYERu, mix3(front_gradient, back_gradient, middle));
         }
-        // Where the mean of the layer's own light comes from.
+        // Mean position that the layer's own light comes from; it colours the layer.
         let depths = passage.depths * length;
         let near = one_minus_exp_neg(depths.x);
         let far = (1.0f - near) * one_minus_exp_neg(depths.y);

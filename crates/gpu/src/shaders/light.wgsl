@@ -1,14 +1,14 @@
-// Light that is held off, and labels. Twin of crates/splat/src/optics/modifiers.rs. The functions that read fields are made
-// for those that there are.
+// Ambient occlusion, shadow, and labels. Twin of crates/splat/src/optics/modifiers.rs. The functions that read fields
+// are generated for the fields of the scene (`permutation.rs`).
 
 const LEAST: f32 = 1e-20f;
 
-// What fields are at a point.
+// Values of the fields at a point.
 struct FieldValues {
-    // What is left of all light, and of that of the first light, before their strengths.
+    // Share of all light that occlusion leaves, and of the first light that shadow leaves, at full strength.
     openness: f32,
     shadow: f32,
-    // What labels leave of the scan's optical depth, and tint of it with which colour.
+    // Share of the scan's optical depth that labels leave; share of it that they tint, and tint colour times that.
     scan: f32,
     tint: vec4<f32>,
     // Optical depth of the label medium, and its colour times that.
@@ -29,13 +29,13 @@ fn mix_exact(a: f32, b: f32, share: f32) -> f32 {
     return a + (b - a) * share;
 }
 
-// Factors of all light and of that of the first light.
+// Factors of all light and of the first light.
 fn light_at(fields: FieldValues) -> vec2<f32> {
     let strengths = parameters.frame.light.xy;
     return max(vec2<f32>(1.0f) - strengths * (vec2<f32>(1.0f) - vec2<f32>(fields.openness, fields.shadow)), vec2<f32>(0.0f));
 }
 
-// The scan's colour with the tint of labels, which are shares of what is left of the scan.
+// The scan's colour, tinted by labels; the tint is divided by the share of the scan that is left.
 fn tinted(rgb: vec3<f32>, fields: FieldValues) -> vec3<f32> {
     if !HAS_TINT {
         return rgb;

@@ -1,7 +1,7 @@
 // Compositing by over, front to back: sheets that stand for slabs, or slabs of linear density, pre-integrated. Twin of
 // crates/splat/src/ray/over.rs.
 
-// The densities and gradients of a sheet, made when they are asked for.
+// A texel of a sheet: density, and gradient and fields, which are reconstructed when first needed.
 struct Sheet {
     place: Place,
     density: f32,
@@ -34,14 +34,14 @@ fn with_gradient(sheet: ptr<function, Sheet>) {
 }
 
 fn with_fields(sheet: ptr<function, Sheet>, ray: Ray, number: u32) {
-    // Label media is looked for on every sheet.
+    // With a label medium, every sheet has its fields already.
     if HAS_FIELDS && !HAS_LABEL_MEDIUM && !(*sheet).has_fields {
         (*sheet).fields = fields_at(ray.texel, number);
         (*sheet).has_fields = true;
     }
 }
 
-// Mixes the label medium into what the scan has in the same space: colour and opacity; `scan_depth`: its optical
+// Mixes the label medium into the scan's colour and opacity in the same space; `scan_depth`: the scan's optical
 // depth. Colours mix by extinction: where both are opaque, opacities would say half and half.
 fn with_label_medium(
     scan: vec4<f32>,
@@ -59,7 +59,7 @@ fn with_label_medium(
     return vec4<f32>(scan.xyz + share * (color - scan.xyz), scan.w + own - scan.w * own);
 }
 
-// Composites a sheet as it is from one position to another.
+// Composites a sheet, taken as constant from position `begin` to `end`.
 fn add_sheet(ray: Ray, number: u32, begin: f32, end: f32) {
     var sheet = sheet_at(ray, number);
     let sees_scan = is_visible(0u, sheet.density, sheet.density);
@@ -106,7 +106,7 @@ fn scan_color(rgb: vec3<f32>, gradient: vec3<f32>, fields: FieldValues, eye: vec
     return lit(parameters.layers[0].lighting, IS_SHADED_0, tinted(rgb, fields), gradient, eye, light_at(fields));
 }
 
-// Composites the space between two sheets with a density that is linear in between.
+// Composites the slab between two sheets, with a density that is linear in between.
 fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, number: u32) {
     let lo = min((*front).density, (*back).density);
     let hi = max((*front).density, (*back).density);
@@ -132,7 +132,7 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
     let missing = (*front).missing;
     let more_missing = (*back).missing - missing;
     let full_length = part.y * thickness(0u, ray);
-    // The share is linear: its mean over a part is that in the middle.
+    // The known share is linear: its mean over a part is its value in the middle.
     let whole_length = full_length * known_share(missing + (begin + 0.5f * share) * more_missing);
     let eye = to_eye(0u, ray);
     var color = vec4<f32>(0.0f);
@@ -145,14 +145,15 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
         with_gradient(front);
         with_gradient(back);
         if BY_GRADIENT_0 == BY_FACTOR {
-            // What holds in the middle of what is visible.
+            // Factors at the middle of the visible part stand for the whole of it.
             length *= gradient_factor(0u, mix3((*front).gradient, (*back).gradient, visible_middle));
         }
         if HAS_SCAN {
             length *= between_fields((*front).fields, (*back).fields, visible_middle).scan;
         }
-        // Part by part, how much light comes from there; and where the mean of it comes from: the middle of a thin part, the
-        // front of an opaque one.
+        // Light of each half, and the mean position that it comes from: the middle of a thin half, the front of an
+        // opaque one. 1 / (2 + 0.75 depth) approximates that position for even extinction, as a share of the half's
+        // length: 1/depth - 1/(exp(depth) - 1).
         var alpha = 0.0f;
         var moment = 0.0f;
         for (var k = 0u; k < 2u; k++) {
@@ -195,7 +196,7 @@ fn is_done() -> bool {
     return gathered.w >= parameters.frame.number.x;
 }
 
-// Rays through the slabs that have something. Twin of `TileJob::run_slabs` (crates/splat/src/render/tile.rs).
+// Marches a ray through the occupied slabs. Twin of `TileJob::run_slabs` (crates/splat/src/render/tile.rs).
 fn march_ray(ray: Ray, block: u32) {
     let first = parameters.frame.slabs.x;
     let end = parameters.frame.slabs.y;
@@ -223,7 +224,7 @@ fn march_ray(ray: Ray, block: u32) {
         }
         return;
     }
-    // Each sheet is made once: behind a slab, then in front of the next.
+    // Each sheet is reconstructed once: as the back of a slab, then as the front of the next.
     var front: Sheet;
     var in_front = 0xffffffffu;
     for (var word = first / 32u; word * 32u < end + 1u; word++) {

@@ -1,22 +1,22 @@
 // Compositing of several layers: at a point of space extinctions add, and colours mix by extinction. Twin of
-// crates/splat/src/ray/over_layers.rs. What is done with each layer stands in `layer.wgsl`, once per layer.
+// crates/splat/src/ray/over_layers.rs. The functions of a layer are in `layer.wgsl`, once per layer.
 
 const MIN_DEPTH: f32 = 1e-20f;
 const MAX_DEPTH: f32 = 1e30f;
 
-// Sums over layers: extinction times colour, and extinction.
+// Sum over layers of extinction times colour, and of extinction, with one more medium.
 fn with_medium(sum: vec4<f32>, rgb: vec3<f32>, depth: f32) -> vec4<f32> {
     let own = min(depth, MAX_DEPTH);
     return sum + vec4<f32>(rgb * own, own);
 }
 
-// Colour and opacity of a sum.
+// Colour and opacity of a sum over layers.
 fn mixed(sum: vec4<f32>) -> vec4<f32> {
     return vec4<f32>(sum.xyz / max(sum.w, MIN_DEPTH), one_minus_exp_neg(sum.w));
 }
 
-// What the layers have in the space between two sheets, in two parts of it; and of the last of them that is seen, colour,
-// opacity, where it begins and how far it extends.
+// Sums over layers in the space between two sheets, for its front half `near` and its back half `far`; and colour,
+// opacity and extent of the last visible layer, which is composited by itself where it is the only one.
 struct Mixture {
     near: vec4<f32>,
     far: vec4<f32>,
@@ -29,7 +29,7 @@ fn mix3(a: vec3<f32>, b: vec3<f32>, share: f32) -> vec3<f32> {
     return a + (b - a) * share;
 }
 
-// Composites a sheet: layers that go on behind it (0), or end at it (1).
+// Composites a sheet. `ends`: the layers that end at it, else the layers that go on behind it.
 fn add_sheets(ray: Ray, block: u32, sheet: u32, ends: bool, begin: f32, end: f32) {
     var sum = vec4<f32>(0.0f);
     var any = false;
@@ -53,7 +53,7 @@ fn add_slabs(ray: Ray, block: u32, slab: u32) {
         add_fragment(mixture.only.xyz, mixture.only.w, s_front, mixture.only_extent);
         return;
     }
-    // The parts, front to back; and the mean place that light comes from.
+    // Both halves, front to back; and the mean position that light comes from.
     let near = mixed(mixture.near);
     let far = mixed(mixture.far);
     let share = (1.0f - near.w) * far.w;
@@ -68,7 +68,7 @@ fn is_done() -> bool {
     return gathered.w >= parameters.frame.number.x;
 }
 
-// Slabs of a word in which any layer has something; and the sheets behind those.
+// Slabs of a word that any layer occupies, and the sheets behind them.
 fn any_occupied(block: u32, word: u32) -> vec2<u32> {
     var slabs = 0u;
     var sheets = 0u;

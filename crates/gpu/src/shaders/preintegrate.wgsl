@@ -16,12 +16,12 @@ fn integral(layer: u32, density: f32) -> vec3<f32> {
     return vec3<f32>(found.x + under * depth_lo + over * depth_hi, above, below);
 }
 
-// What rays meet on their way from one density to another.
+// Visible part of the way from one density to another.
 struct Passage {
-    // Shares of the way where the first visible density is met, and the last is left.
+    // Shares of the way where the first visible density is met, and where the last one is left.
     first: f32,
     last: f32,
-    // Optical depth per opacity unit of the whole way's length, of the two halves of what is visible.
+    // Optical depths of the two halves of the visible part, for a way of one opacity unit.
     depths: vec2<f32>,
 }
 
@@ -29,7 +29,7 @@ fn preintegrate(layer: u32, begin: f32, end: f32) -> Passage {
     let change = end - begin;
     let domain = parameters.layers[layer].domain;
     if abs(change) < LEVEL / domain.y {
-        // Densities as good as equal: the optical depth in the middle.
+        // Nearly equal densities, whose difference of integrals would cancel: the optical depth in the middle.
         let depth = classify(layer, (begin + end) * 0.5f).w * 0.5f;
         return Passage(0.0f, 1.0f, vec2<f32>(depth));
     }
@@ -44,7 +44,7 @@ fn preintegrate(layer: u32, begin: f32, end: f32) -> Passage {
     return Passage(first, last, max(depths, vec2<f32>(0.0f)));
 }
 
-// The same in two parts of the way, cut at shares that rise.
+// Passage in two parts of the way, cut at the three rising shares `cuts`.
 fn preintegrate_parts(layer: u32, begin: f32, end: f32, cuts: vec3<f32>) -> Passage {
     let change = end - begin;
     let domain = parameters.layers[layer].domain;

@@ -1,4 +1,4 @@
-// Asks a device for what the pictures stand on: samples as they are stored, and the exponential. See `self_test.rs`.
+// Probe of a device: reads samples back as they were stored, and evaluates the exponential. See `self_test.rs`.
 
 @compute @workgroup_size(64)
 fn stage(@builtin(global_invocation_id) id: vec3<u32>) {

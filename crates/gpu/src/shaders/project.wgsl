@@ -1,19 +1,19 @@
-// Projections: one density per ray, by maximum, minimum or integral, of a density that is linear between sheets. Twin of
-// crates/splat/src/ray/project.rs and local_maximum.rs.
+// Projections: one density per ray, by maximum, minimum or integral, of a density that is linear between sheets. Twin
+// of crates/splat/src/ray/project.rs and local_maximum.rs.
 
 // The drawn part of a slab.
 struct Segment {
-    // Densities where it begins and ends.
+    // Densities where the part begins and ends.
     near: f32,
     far: f32,
-    // Positions there.
+    // Positions s where it begins and ends.
     s_near: f32,
     s_far: f32,
-    // 0 where nothing is drawn.
+    // Length in opacity units; 0 where nothing is drawn.
     length: f32,
 }
 
-// `missing`: the missing shares on both sheets.
+// Drawn part of a slab. `missing`: the missing shares on both sheets.
 fn segment(ray: Ray, front: f32, back: f32, s_front: f32, s_back: f32, missing: vec2<f32>) -> Segment {
     let way = s_back - s_front;
     let known = known_part(missing.x, missing.y);
@@ -32,12 +32,12 @@ fn segment(ray: Ray, front: f32, back: f32, s_front: f32, s_back: f32, missing: 
     return Segment(near, far, s_near, s_far, length);
 }
 
-// What is above a level, times a factor.
+// Density whose excess over a level is multiplied by a factor.
 fn dimmed(density: f32, level: f32, factor: f32) -> f32 {
     return select(density, level + (density - level) * factor, density > level);
 }
 
-// Mean of what is positive of a density that goes evenly from one value to another.
+// Mean of max(density, 0) for a density that goes evenly from one value to another.
 fn mean_above(near: f32, far: f32) -> f32 {
     let lo = min(near, far);
     let hi = max(max(near, far), 0.0f);
@@ -47,7 +47,7 @@ fn mean_above(near: f32, far: f32) -> f32 {
     return 0.5f * hi * hi / max(hi - lo, 1e-30f);
 }
 
-// One end of a segment on the way to a local maximum.
+// Takes the density at one end of a segment on the way to a local maximum; a drop of more than rounding ends the ray.
 fn climb(density: f32) {
     if gathered.y > 0.0f {
         return;
@@ -98,7 +98,7 @@ fn add_segment(ray: Ray, part: Segment) {
 fn march_ray(ray: Ray, block: u32) {
     let first = parameters.frame.slabs.x;
     let end = parameters.frame.slabs.y;
-    // Each sheet is made once: behind a slab, then in front of the next.
+    // Each sheet is reconstructed once: as the back of a slab, then as the front of the next.
     var in_front = 0xffffffffu;
     var front = 0.0f;
     var front_missing = 0.0f;

@@ -25,7 +25,7 @@ fn plane_SOURCE(at: vec3<i32>, x: vec4<f32>, y: vec4<f32>) -> f32 {
     return plane_sum(a, b, c, d, x, y);
 }
 
-// The density at a place, shifted; positions beyond the first and the last sample stop there.
+// Density at a place plus a shift; positions are clamped to the first and the last sample.
 fn value_SOURCE(place: Place, shift: vec3<f32>) -> f32 {
     let first = -vec3<f32>(place.base);
     let x = clamp(clamp(place.at, first, place.last) + shift, first, place.last);
@@ -50,7 +50,7 @@ fn value_SOURCE(place: Place, shift: vec3<f32>) -> f32 {
 // Derivatives along u, v and w, per index step.
 fn gradient_SOURCE(place: Place) -> vec3<f32> {
     if GRADIENT_SOURCE == GRADIENT_DIFFERENCE {
-        // One call of a large function, in a loop: compilers take long for six.
+        // One call of a large function in a loop, since six calls take compilers long.
         var sum = vec3<f32>(0.0f);
         for (var k = 0; k < 6; k++) {
             let along = select(vec3<f32>(0.0f), vec3<f32>(1.0f), vec3<i32>(k >> 1u) == vec3<i32>(0, 1, 2));
@@ -66,7 +66,7 @@ fn gradient_SOURCE(place: Place) -> vec3<f32> {
     let position = (x - nearest + before) * per_width;
     let cell = place.base + vec3<i32>(nearest);
     let at = cell + origin_SOURCE(cell) - BEFORE_SOURCE;
-    // Sums of samples times values along all axes, and times the derivative along one of them.
+    // Sums of samples times weights along all axes, and with the weight's derivative along one of them.
     var value = 0.0f;
     var slope = vec3<f32>(0.0f);
     for (var k = 0; k < N_SMOOTHED_SOURCE; k++) {

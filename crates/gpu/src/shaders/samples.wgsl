@@ -1,12 +1,13 @@
 // Samples of a source, exact: fetched as they are stored, decoded to whole numbers, never filtered by the hardware.
-// Twin of `Slices::combine` (crates/splat/src/source/slices.rs). A template: SOURCE stands for the number of the source.
+// Twin of `Slices::combine` (crates/splat/src/source/slices.rs). A template: SOURCE stands for the number of the
+// source.
 
 @group(0) @binding(BINDING_SOURCE) var samples_SOURCE: texture_2d_array<f32>;
 
-// What is to be added to the index of a sample near `cell` to find it in the texture.
+// Offset from the index of a sample near `cell` to its texel.
 fn origin_SOURCE(cell: vec3<i32>) -> vec3<i32> {
     let apron = parameters.sources[SOURCE].apron;
-    // No constant: whole and in pages, the shader is the same, and so are the bytes.
+    // Not a constant: the shader is the same for whole and paged volumes, and so are the bytes of the picture.
     let side = i32(parameters.sources[SOURCE].pages.w);
     if side == 0 {
         return apron.xyz;
@@ -18,7 +19,7 @@ fn origin_SOURCE(cell: vec3<i32>) -> vec3<i32> {
     return corner + apron.xyz - (page << vec3<u32>(6u));
 }
 
-// Densities of (0, 0), (1, 0), (0, 1) and (1, 1) from a place of the texture.
+// Densities of a quad of samples: (0, 0), (1, 0), (0, 1) and (1, 1) from a texel on.
 fn quad_SOURCE(at: vec3<i32>) -> vec4<f32> {
     if FORMAT_SOURCE == FORMAT_FLOAT {
         return channel_SOURCE(at, 0u);
@@ -35,7 +36,8 @@ fn channel_SOURCE(at: vec3<i32>, channel: u32) -> vec4<f32> {
         n_fetches += 1u;
     }
     if GATHER {
-        // Aimed at the corner that the four texels share, half a texel from where another quad begins.
+        // Aim at the corner that the four texels share: half a texel away from any other quad, so that rounding cannot
+        // choose that one.
         let corner = (vec2<f32>(at.xy) + 1.0f) * parameters.sources[SOURCE].texel.xy;
         if channel == 0u {
             return textureGather(0, samples_SOURCE, unfiltered, corner, at.z).wzxy;

@@ -5,7 +5,7 @@ fn squared_gradient(metric: array<vec4<f32>, 2>, g: vec3<f32>) -> f32 {
     return sums.x + sums.y + sums.z + metric[0].w * g.x * g.y + metric[1].x * g.x * g.z + metric[1].y * g.y * g.z;
 }
 
-// Repeated squaring where the exponent is whole.
+// Power of a base from 0 to 1; by repeated squaring where the exponent is an integer.
 fn raise(base: f32, power: f32) -> f32 {
     if fract(power) != 0.0f {
         return select(0.0f, pow(max(base, 1e-30f), power), base > 1e-30f);
@@ -19,7 +19,8 @@ fn raise(base: f32, power: f32) -> f32 {
     return result;
 }
 
-// `to_eye`: a form on gradients. `first`: how much of the first light gets there.
+// Colour in the light of all lights. `to_eye`: a linear form on gradients. `first`: share of the first light that
+// arrives.
 fn shade(lighting: Lighting, rgb: vec3<f32>, gradient: vec3<f32>, to_eye: vec3<f32>, first: f32) -> vec3<f32> {
     let squared = squared_gradient(lighting.metric, gradient);
     let exists = squared > lighting.limits.y;

@@ -1,11 +1,11 @@
-// Slabs of a block that have something, as bits: made on the CPU by `BasePlaneArrays::tile`
+// Occupied slabs of a block as bit masks, made on the CPU by `BasePlaneArrays::tile`
 // (crates/splat/src/render/plan_arrays.rs).
 
 fn occupied_word(layer: u32, block: u32, word: u32) -> u32 {
     return occupied[(layer * parameters.frame.blocks.y + block) * parameters.frame.blocks.w + word];
 }
 
-// The sheets behind the slabs of a word, `own`, and behind the last slab of the word before.
+// Mask of the sheets behind the slabs of a word, `own`, and behind the last slab of the word before.
 fn behind(layer: u32, block: u32, word: u32, own: u32) -> u32 {
     var carried = 0u;
     if word > 0u {
@@ -14,15 +14,15 @@ fn behind(layer: u32, block: u32, word: u32, own: u32) -> u32 {
     return (own << 1u) | carried;
 }
 
-// The sheets of a word in front of and behind the slabs of a layer from `first` to before `end`; and which of them are behind
-// one.
+// Masks of a word: the sheets in front of or behind the layer's slabs from `first` to before `end`, and the sheets
+// behind a slab.
 fn sheets_around(layer: u32, block: u32, word: u32, first: u32, end: u32) -> vec2<u32> {
     let own = occupied_word(layer, block, word);
     let slabs_behind = behind(layer, block, word, own);
     return vec2<u32>(within(own, word, first, end) | within(slabs_behind, word, first + 1u, end + 1u), slabs_behind);
 }
 
-// The bits of a word that stand for numbers from `first` to before `end`.
+// Bits of a word that stand for numbers from `first` to before `end`.
 fn within(bits: u32, word: u32, first: u32, end: u32) -> u32 {
     var kept = bits;
     let start = word * 32u;

@@ -26,7 +26,7 @@ pub fn gpu() -> Option<&'static Gpu> {
     GPU.get_or_init(|| open(DEFAULT_BUDGET_BYTES)).as_ref()
 }
 
-/// The same, opened anew with a budget.
+/// The device of the tests, opened anew with a budget.
 pub fn open(budget_bytes: usize) -> Option<Gpu> {
     let asked = std::env::var("WAVESPLAT_TEST_GPU").ok();
     let choice = Choice::Named(asked.clone().unwrap_or_else(|| "llvmpipe".to_owned()));
@@ -40,7 +40,7 @@ pub fn open(budget_bytes: usize) -> Option<Gpu> {
     }
 }
 
-/// What samples are stored as.
+/// Sample type of a scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Stored {
     U8,
@@ -85,10 +85,10 @@ pub struct Case {
     /// Opacity by density, 0 to 255.
     pub opacity: Vec<(f64, f64)>,
     pub gradient: Vec<(f64, f64)>,
-    /// A function of two dimensions in place of the curves.
+    /// Whether a function of two dimensions takes the place of the curves.
     pub is_joint: bool,
     pub composite: Composite,
-    /// Direction to the eye, and its distance from the middle; none for parallel rays.
+    /// Direction to the eye.
     pub from: DVec3,
     pub eye: Option<f64>,
     pub shading: Option<Shading>,
@@ -124,7 +124,7 @@ impl Default for Case {
     }
 }
 
-/// What was drawn of a scene.
+/// Picture of a scene, and the report of the GPU that drew it.
 pub struct Drawn {
     pub picture: Picture,
     pub report: Option<GpuReport>,
@@ -142,7 +142,7 @@ fn signal(index: DVec3, size: [usize; 3]) -> f64 {
 }
 
 impl Case {
-    /// Samples, and how a sample is made of a density of 0 to 255.
+    /// Samples, and offset and scale from a density of 0 to 255 to a sample.
     fn owned(&self) -> (Owned, f64, f64) {
         let [nx, ny, nz] = self.size;
         let at = |i: usize| {
@@ -188,7 +188,7 @@ impl Case {
         tf.with_gradient_opacity(nodes.collect()).unwrap()
     }
 
-    /// Draws it on a GPU, cut as a schedule says.
+    /// Draws the scene on a GPU, cut by a schedule.
     pub fn draw_by(&self, gpu: &Gpu, schedule: Schedule) -> Drawn {
         let mut result = None;
         self.with_plan(&mut |plan, layers| {
@@ -198,7 +198,7 @@ impl Case {
         result.unwrap()
     }
 
-    /// Draws it, on a GPU or on the CPU.
+    /// Draws the scene on a GPU or on the CPU.
     pub fn draw(&self, gpu: Option<&Gpu>) -> Drawn {
         if let Some(gpu) = gpu {
             return self.draw_by(gpu, Schedule::default());
@@ -276,7 +276,7 @@ impl Case {
     }
 }
 
-/// How two pictures differ, in grey levels of 255.
+/// Difference of two pictures, in grey levels of 255.
 #[derive(Debug)]
 pub struct Difference {
     /// Share of pixels within one level.
@@ -289,7 +289,7 @@ pub struct Difference {
     pub of_values: f64,
 }
 
-/// Compares pictures.
+/// Compares two pictures.
 pub fn difference(got: &Picture, want: &Picture) -> Difference {
     let pixel = |(a, b): (&[f32; 4], &[f32; 4])| {
         (0..4)
@@ -319,7 +319,7 @@ pub fn difference(got: &Picture, want: &Picture) -> Difference {
     }
 }
 
-/// Where a crop box and an oblique plane cut the scenes.
+/// Crop box and oblique clip plane of the scenes.
 pub fn cuts() -> (Crop, Vec<ClipPlane>) {
     let crop = Crop::Index { lo: DVec3::new(2.3, 1.0, 3.7), hi: DVec3::new(22.0, 18.4, 16.0) };
     let plane = ClipPlane { origin: DVec3::new(12.0, 12.0, 9.0), normal: DVec3::new(-0.4, 0.7, 0.6) };

@@ -1,4 +1,4 @@
-//! Pyramids of wavelet levels, and what both tests look at them with.
+//! Pyramids of wavelet levels, and helpers of both tests.
 
 use std::sync::Arc;
 
@@ -27,14 +27,14 @@ pub fn all(decoder: &CoarseLevel) -> Vec<f32> {
     all
 }
 
-/// Blue below 30, red from 40 on; as opaque as the nodes say.
+/// Transfer function with opacity through the nodes, blue below 30, red from 40 on.
 pub fn curve(nodes: &[(f64, f64)]) -> TransferFunction {
     let opacity = nodes.iter().map(|&(value, opacity)| OpacityNode { value, opacity }).collect();
     let color = vec![ColorNode { value: 30.0, rgb: [0.0, 0.0, 1.0] }, ColorNode { value: 40.0, rgb: [1.0, 0.0, 0.0] }];
     TransferFunction::new(opacity, color, None).unwrap()
 }
 
-/// Enough for any volume here.
+/// Memory budget that is enough for any volume here.
 pub const BUDGET: usize = 1 << 30;
 
 pub fn histogram_of(volume: &Arc<WaveletVolume>, level: usize) -> LevelHistogram {
@@ -43,7 +43,8 @@ pub fn histogram_of(volume: &Arc<WaveletVolume>, level: usize) -> LevelHistogram
     LevelHistogram::new(&fine, &coarse, &grid, [1.0; 3], fine.range().map(f64::from), BUDGET)
 }
 
-/// Interpolated samples of a level at the places of all samples, and `per_sample - 1` between them.
+/// Interpolated samples of a level at the positions of the finest samples, and at `per_sample - 1` positions between
+/// neighbours.
 pub fn coarse_values(volume: &Arc<WaveletVolume>, level: usize, per_sample: usize) -> Vec<f64> {
     let (grid, coarse) = level_of(volume, level);
     let samples = all(&coarse);

@@ -16,32 +16,32 @@ use crate::kernel::slice_taps::SliceTaps;
 use crate::kernel::smoothed::{self, width_of};
 use crate::kernel::weights::{MAX_TAPS, mirror_index, n_taps, near_taps, reach, taps};
 
-/// Taps of a difference footprint, at most.
+/// Largest number of taps of a difference footprint.
 pub const MAX_DIFFERENCE_TAPS: usize = 3 * MAX_TAPS;
 
-/// The tables of one axis for a run of positions.
+/// Footprint tables of one axis for a run of positions.
 #[derive(Clone, Debug, Default)]
 pub struct AxisFootprints {
-    /// The kernel.
+    /// Weights of the kernel.
     pub value: Footprint,
-    /// Derivative for gradients; empty where none is wanted.
+    /// Weights of the derivative, for gradients; empty where none is wanted.
     pub difference: Footprint,
-    /// Across the derivatives of other axes; empty where that is the kernel.
+    /// Weights along this axis for the derivatives along other axes; empty where these are the kernel's.
     pub smooth: Footprint,
-    /// First and last sample that is reached, before folding.
+    /// First and last sample that the tables reach, before folding.
     pub window: [i64; 2],
-    /// The groups that the tables are made for, as bits.
+    /// Bit mask of the groups that the tables are made for.
     groups: u32,
-    /// What the tables for gradients are still to be made of.
+    /// Recipe of the tables for gradients that are still to be made.
     pending: Option<Pending>,
 }
 
-/// How the tables for gradients follow from that of the kernel.
+/// Recipe of the tables for gradients, from the kernel's table.
 #[derive(Clone, Copy, Debug)]
 enum Pending {
-    /// Differences over whole samples, by half their distance.
+    /// Differences over whole samples; half their distance.
     Shifted(usize),
-    /// B-splines around `origin + i · step`, held inside by the position of the `last` sample.
+    /// B-splines around `origin + i · step`, clamped to the volume, which ends at the position of the `last` sample.
     Smoothed { origin: f64, step: f64, last: f64, width: f64, margin: usize },
 }
 
@@ -55,19 +55,19 @@ impl Pending {
     }
 }
 
-/// What a footprint is built from.
+/// Kernel, length and gradient of an axis, from which footprints are built.
 #[derive(Clone, Copy, Debug)]
 pub struct Axis {
     /// Reconstruction kernel.
     pub kernel: Kernel,
     /// Samples along the axis.
     pub n_samples: usize,
-    /// How gradients are estimated, in samples; `None` where none is wanted.
+    /// Estimator of gradients, in samples; `None` where none is wanted.
     pub gradient: Option<Gradient>,
 }
 
 impl Axis {
-    /// Taps of the footprints of the gradient.
+    /// Number of taps of the gradient's footprints.
     pub fn n_gradient_taps(&self) -> usize {
         match self.gradient {
             None => 0,
@@ -93,7 +93,7 @@ impl Axis {
         (self.n_samples - 1) as f64
     }
 
-    /// `[V(x + d) − V(x − d)] / 2d` as taps.
+    /// Taps of `[V(x + d) − V(x − d)] / 2d`.
     fn difference(&self, x: f64, offset: f64) -> (i64, [f64; MAX_DIFFERENCE_TAPS]) {
         let extent = 2.0 * offset;
         let [(first_lo, lo), (first_hi, hi)] =
@@ -113,7 +113,7 @@ impl Axis {
         self.folded(first, &weights)
     }
 
-    /// As [`Axis::slice_taps`] for the derivative through the sheet.
+    /// Like [`Axis::slice_taps`], for the derivative through the sheet.
     pub fn slice_difference_taps(&self, w: f64) -> SliceTaps {
         let w = w.clamp(0.0, self.last());
         match self.gradient {
@@ -129,7 +129,7 @@ impl Axis {
         }
     }
 
-    /// As [`Axis::slice_taps`] for the derivatives along the sheet; `None` where these are of the kernel's own values.
+    /// Like [`Axis::slice_taps`], for the derivatives along the sheet; `None` where these use the kernel's own values.
     pub fn slice_smooth_taps(&self, w: f64) -> Option<SliceTaps> {
         let Some(Gradient::Smoothed(deviation)) = self.gradient else { return None };
         let (first, [weights, _]) = smoothed::taps(self.kernel, w.clamp(0.0, self.last()), deviation);
@@ -146,8 +146,8 @@ impl Axis {
     }
 }
 
-/// The sample from which the positions `origin + i · step` of a group are counted, so that f32 holds them well, and where
-/// the first of them is from there. `last`: position of the last sample.
+/// Sample near the positions `origin + i · step` of a group, and the first position relative to it, so that f32
+/// resolves them well. `last`: position of the last sample.
 #[inline(always)]
 pub fn group_base([origin, step]: [f64; 2], group: usize, last: f64) -> (f64, f32) {
     let first = origin + step * (group * LANES) as f64;
@@ -156,8 +156,8 @@ pub fn group_base([origin, step]: [f64; 2], group: usize, last: f64) -> (f64, f3
 }
 
 impl AxisFootprints {
-    /// Rebuilds the tables for the positions `origin + i · step`, in samples, in those of `n_groups` groups that are
-    /// `wanted`, as bits. After it, differences are ready when [`AxisFootprints::make_difference`] was called. Runs at the
+    /// Rebuilds the tables for the positions `origin + i · step`, in samples, for those of `n_groups` groups whose bits
+    /// are set in `wanted`. Tables for gradients are ready after [`AxisFootprints::make_difference`]. Runs at the SIMD
     /// level of the caller.
     #[inline(always)]
     pub fn build(&mut self, axis: &Axis, [origin, step]: [f64; 2], n_groups: usize, wanted: u32) {
@@ -189,8 +189,8 @@ impl AxisFootprints {
         let offset = if let Some(Gradient::Difference(offset)) = axis.gradient { offset } else { 0.0 };
         let end = origin + step * (n_groups * LANES - 1) as f64;
         let (lo, hi) = (origin.min(end), origin.max(end));
-        // A whole offset moves the taps by whole samples, and away from the faces nothing stops there. With the linear
-        // kernel stopping at a face is the same as going on with its sample repeated.
+        // A whole offset moves the taps by whole samples, and away from the faces no position is clamped. With the
+        // linear kernel clamping a position to a face equals repeating the face's sample.
         let inside = axis.kernel == Kernel::Linear || (lo >= offset && hi + offset <= axis.last());
         self.window = if inside && offset.fract() == 0.0 && has_polynomial {
             self.pending = axis.gradient.is_some().then_some(Pending::Shifted(offset as usize));
@@ -200,7 +200,7 @@ impl AxisFootprints {
         };
     }
 
-    /// Takes over the tables of an axis that has the same weights at the same positions.
+    /// Copies the tables of an axis that has the same weights at the same positions.
     pub fn copy(&mut self, axis: &Axis, other: &Self) {
         self.window = other.window;
         self.groups = other.groups;
@@ -230,7 +230,7 @@ impl AxisFootprints {
         reached
     }
 
-    /// Makes the tables for gradients, if that is still to be done. Runs at the level of the caller.
+    /// Makes the tables for gradients, if that is still to be done. Runs at the SIMD level of the caller.
     #[inline(always)]
     pub fn make_difference(&mut self) {
         match self.pending.take() {
@@ -242,7 +242,8 @@ impl AxisFootprints {
         }
     }
 
-    /// The taps of the kernel with `margin` more on either side, weighted by B-splines of a width.
+    /// Makes the tables of smoothed gradients: the kernel's taps and `margin` more on either side, weighted by
+    /// B-splines.
     #[inline(always)]
     fn make_smoothed(&mut self, [origin, step]: [f64; 2], last: f64, width: f64, margin: usize) {
         let n = self.difference.n_taps;
@@ -254,7 +255,7 @@ impl AxisFootprints {
                 footprint.spans[g] = self.value.spans[g];
                 footprint.far[g] = self.value.far[g];
             }
-            // In widths of the B-spline, from the first tap.
+            // Position from the first tap, in widths of the B-spline.
             let mut position = Lanes::default();
             for i in 0..LANES {
                 let x = (origin + step * (g * LANES + i) as f64).clamp(0.0, last);
@@ -290,8 +291,8 @@ impl AxisFootprints {
         }
     }
 
-    /// f32 positions, counted from a sample near each group, so that the compiler can use whole vectors. Firsts are
-    /// counted from the window's first sample, which is returned with the last one.
+    /// Builds the tables from f32 positions, counted from a sample near each group, so that the compiler can use whole
+    /// vectors. First samples are counted from the window's first sample, which is returned with the last one.
     #[inline(always)]
     fn build_inside(&mut self, axis: &Axis, [origin, step]: [f64; 2], n_groups: usize, offset: usize) -> [i64; 2] {
         let last = axis.last();
@@ -338,7 +339,7 @@ impl AxisFootprints {
         [lowest, highest]
     }
 
-    /// Any position, kernel and offset.
+    /// Builds the tables for any position, kernel and offset.
     fn build_anywhere(&mut self, axis: &Axis, [origin, step]: [f64; 2], n_groups: usize) -> [i64; 2] {
         let n = n_groups * LANES;
         let mut window = [i64::MAX, i64::MIN];
@@ -389,7 +390,7 @@ mod tests {
         Axis { kernel, n_samples: 12, gradient: Some(Gradient::Difference(offset)) }
     }
 
-    /// All tables.
+    /// Builds the tables of all groups.
     fn build(tables: &mut AxisFootprints, axis: &Axis, places: [f64; 2], n_groups: usize) {
         tables.build(axis, places, n_groups, (1 << n_groups) - 1);
         tables.make_difference();
@@ -438,7 +439,7 @@ mod tests {
         }
     }
 
-    /// A group's tables do not depend on which others are made, nor what is reached on whether differences are.
+    /// A group's tables do not depend on which other groups are made, nor its reach on whether differences are made.
     #[test]
     fn groups_are_made_one_by_one() {
         for (_, kernel) in Kernel::NAMES {
@@ -495,7 +496,7 @@ mod tests {
         }
     }
 
-    /// A difference is that of the values at its ends, which stop at the faces.
+    /// A difference is taken between the values at its ends, which stop at the faces.
     #[test]
     fn differences_are_of_the_values_at_their_ends() {
         for (_, kernel) in Kernel::NAMES {

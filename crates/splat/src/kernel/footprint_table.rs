@@ -11,11 +11,11 @@ pub struct Footprint {
     pub(super) base: Vec<u32>,
     /// First sample of each position, counted from its group's base.
     pub(super) index: Vec<Lanes<u32>>,
-    /// How far each group's `index` reach.
+    /// Number of vectors that each group's `index` spans.
     pub(super) spans: Vec<Span>,
-    /// 1 where `index` is not below [`LANES`], of groups that span two vectors.
+    /// 1 where `index` is at least [`LANES`], for groups that span two vectors.
     pub(super) far: Vec<Lanes>,
-    /// `n_taps` of them per group.
+    /// Weights, `n_taps` vectors per group.
     pub(super) weights: Vec<Lanes>,
 }
 
@@ -29,7 +29,7 @@ impl Footprint {
         self.weights.resize(n_groups * n_taps, Lanes::default());
     }
 
-    /// Samples of a group, counted from its base.
+    /// Sets the first samples of a group, counted from its base.
     #[inline(always)]
     pub(super) fn set_index(&mut self, g: usize, index: Lanes<u32>) {
         self.index[g] = index;
@@ -65,21 +65,21 @@ impl Footprint {
     }
 }
 
-/// How many vectors of samples hold the first ones of a group.
+/// Number of vectors of samples that hold the first samples of a group.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub enum Span {
     /// All indices are below [`LANES`].
     One,
-    /// Below twice that.
+    /// All indices are below twice [`LANES`].
     Two,
-    /// Beyond.
+    /// Some index is at least twice [`LANES`].
     #[default]
     Many,
 }
 
 impl Span {
     fn of(index: &Lanes<u32>) -> Self {
-        // Positions rise or fall.
+        // Positions are monotonic, so that the largest index is at one end.
         let last = index.0[0].max(index.0[LANES - 1]) as usize;
         if last < LANES {
             Self::One
@@ -98,15 +98,15 @@ pub struct Group<'a> {
     pub base: usize,
     /// First sample of each lane, counted from `base`.
     pub index: &'a Lanes<u32>,
-    /// How far `index` reach.
+    /// Number of vectors that `index` spans.
     pub span: Span,
-    /// 1 where `index` is not below [`LANES`]; of groups that span two vectors.
+    /// 1 where `index` is at least [`LANES`], for groups that span two vectors.
     pub far: &'a Lanes,
     /// Weights, tap by tap.
     pub weights: &'a [Lanes],
 }
 
-/// The places of a mask's ones, from the lowest on.
+/// Positions of a mask's set bits, from the lowest on.
 #[inline(always)]
 pub fn bits(mask: impl Into<u32>) -> impl Iterator<Item = usize> + Clone {
     let mut mask = mask.into();

@@ -3,9 +3,10 @@
 //! One causal and one anticausal first-order recursion per axis with pole `z` (degree 2: `√8 − 3`, degree 3: `√3 − 2`)
 //! and whole-sample mirror boundaries. Source: Unser, Aldroubi, Eden, "B-spline signal processing", 1993.
 //!
-//! A recursion reaches from one end of a line to the other, but what is a few samples away hardly counts. Lines of volumes
-//! are filtered in segments of [`SEGMENT`] samples, each from its own samples and [`MARGIN`] on either side alone, so
-//! that a coefficient is a function of a bounded neighbourhood: any box of a volume gives the bits of the whole.
+//! A recursion reaches from one end of a line to the other, but samples a few places away hardly count. Lines of
+//! volumes are filtered in segments of [`SEGMENT`] samples, each from its own samples and [`MARGIN`] on either side
+//! alone, so that a coefficient is a function of a bounded neighbourhood: any box of a volume gives the bits of the
+//! whole.
 
 use std::ops::Range;
 
@@ -50,21 +51,21 @@ pub fn prefilter_line(line: &mut [f64], z: f64) {
     }
 }
 
-/// Samples of a line whose coefficients are found together; segments begin at multiples of this, counted from the
-/// volume's first sample.
+/// Length of the segments of a line, whose coefficients are computed together; they begin at multiples of this, counted
+/// from the volume's first sample.
 pub const SEGMENT: usize = 32;
 
-/// Samples around a segment that its coefficients are made from: the pole to this power is below f32.
+/// Samples on either side of a segment that its coefficients depend on: the pole to this power is below f32.
 pub const MARGIN: usize = 14;
 
-/// The samples along an axis of `n` that the coefficients of some are made from.
+/// The samples along an axis of `n` that the coefficients of `samples` depend on.
 pub fn needed(samples: &Range<usize>, n: usize) -> Range<usize> {
     let first = samples.start / SEGMENT * SEGMENT;
     let end = samples.end.div_ceil(SEGMENT) * SEGMENT;
     first.saturating_sub(MARGIN)..(end + MARGIN).min(n)
 }
 
-/// The segments of a run of samples that begins at `origin`: which of the run they are, and which they are made from.
+/// The segments of `n` samples from `origin` on: the part of the run in each, and the part that it is computed from.
 fn segments(origin: usize, n: usize) -> impl Iterator<Item = [Range<usize>; 2]> {
     (origin / SEGMENT..(origin + n).div_ceil(SEGMENT)).map(move |k| {
         let within = |position: usize| position.clamp(origin, origin + n) - origin;
@@ -73,7 +74,7 @@ fn segments(origin: usize, n: usize) -> impl Iterator<Item = [Range<usize>; 2]> 
     })
 }
 
-/// Samples that the first causal value takes: the mirrored signal's whole history, summed until it is below rounding.
+/// Number of samples in the first causal value: the mirrored signal's whole history, until it is below rounding.
 fn horizon(z: f64) -> usize {
     ((1e-17_f64.ln() / z.abs().ln()).ceil() as usize).max(2)
 }
@@ -86,7 +87,7 @@ pub fn prefilter_volume(grid: &mut [f32], size: [usize; 3], z: f64) {
     prefilter_z(grid, size, z);
 }
 
-/// Along x and y.
+/// Prefilters a slice along x and y, in place.
 fn prefilter_slice(slice: &mut [f32], origin: [usize; 2], nx: usize, z: f64) {
     let mut line = Vec::new();
     let mut filtered = vec![0.0; nx];
@@ -100,8 +101,8 @@ fn prefilter_slice(slice: &mut [f32], origin: [usize; 2], nx: usize, z: f64) {
     );
 }
 
-/// The same of a box of a volume that begins at `origin`, on one thread. To the bit what the whole volume has, where the
-/// box holds all that is [`needed`].
+/// Prefilters a box of a volume that begins at `origin`, on one thread. Coefficients equal the whole volume's to the
+/// bit where the box holds all samples that are [`needed`].
 pub fn prefilter_box(grid: &mut [f32], origin: [usize; 3], [nx, ny, nz]: [usize; 3], z: f64) {
     for slice in grid.chunks_exact_mut(nx * ny) {
         prefilter_slice(slice, [origin[0], origin[1]], nx, z);
@@ -144,7 +145,7 @@ fn filter_across(
     }
 }
 
-/// [`prefilter_line`] of as many lines as a row is long, all at a time.
+/// [`prefilter_line`] of `row_len` lines at a time, one per column of `rows`.
 #[inline(always)]
 fn prefilter_rows(rows: &mut [f64], row_len: usize, z: f64) {
     let n = rows.len() / row_len;
@@ -185,10 +186,10 @@ fn prefilter_rows(rows: &mut [f64], row_len: usize, z: f64) {
     }
 }
 
-/// Rows of each slice that are filtered along z before they are put back: what they take is small beside the volume.
+/// Rows of each slice that are filtered along z before they are put back: their copy is small beside the volume.
 const N_ROWS_ALONG_Z: usize = 16;
 
-/// The same along z. Rows of all slices that lie behind each other are independent of others.
+/// Prefilters a volume along z, in place. Lines of one row are independent of other rows.
 fn prefilter_z(grid: &mut [f32], [nx, ny, nz]: [usize; 3], z: f64) {
     for first in (0..ny).step_by(N_ROWS_ALONG_Z) {
         let n = N_ROWS_ALONG_Z.min(ny - first);
@@ -265,7 +266,7 @@ mod tests {
         }
     }
 
-    /// Line by line, in segments; and as one recursion each.
+    /// Prefilters line by line, in segments or, if `is_whole`, as one recursion each.
     fn plain(grid: &mut [f32], size: [usize; 3], z: f64, is_whole: bool) {
         let strides = [1, size[0], size[0] * size[1]];
         for axis in 0..3 {
@@ -296,7 +297,7 @@ mod tests {
                 prefilter_box(&mut small, [0; 3], size, z);
                 assert_eq!(volume, want, "{kernel:?} {size:?}");
                 assert_eq!(small, want, "{kernel:?} {size:?}");
-                // What is beyond the margins counts less than rounding to f32 does: coefficients are up to 1000.
+                // Samples beyond the margins count less than rounding to f32 does: coefficients are up to 1000.
                 let furthest = exact.iter().zip(&want).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
                 assert!(furthest < 2e-4, "{kernel:?} {size:?}: {furthest}");
             }

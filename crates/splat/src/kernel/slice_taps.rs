@@ -7,7 +7,7 @@ use crate::kernel::footprint::MAX_DIFFERENCE_TAPS;
 /// One tap along the sheet axis: folded slice index and weight.
 pub type SliceTap = (usize, f32);
 
-/// Slices with their weights.
+/// The slices that reach a sheet, with their weights.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct SliceTaps {
     pub(super) taps: [SliceTap; MAX_DIFFERENCE_TAPS],

@@ -1,16 +1,16 @@
 //! Smoothed gradients: the derivative of the samples under a cubic B-spline that is widened to a standard deviation.
 //!
-//! Along an axis the derivative of the B-spline, across it the B-spline itself. Widened ones do not sum to 1 everywhere, so
-//! the weights are those of the normalised sum and of its derivative. Differences see the steps of voxels on smooth
-//! surfaces as rings; this does not.
+//! Samples are weighted by the B-spline's derivative along the axis of a derivative, and by the B-spline itself across
+//! it. Widened B-splines do not sum to 1 everywhere, so the weights are those of the normalised sum and of its
+//! derivative, by the quotient rule. Differences show the steps of voxels on smooth surfaces as rings; this does not.
 
 use wavesplat_compute::simd::{LANES, Lanes};
 use wavesplat_core::Kernel;
 
 use crate::kernel::footprint::MAX_DIFFERENCE_TAPS;
 
-/// Samples per unit of the cubic B-spline with a standard deviation, in samples of the volume. Prefiltered coefficients are
-/// sharper than the samples; what they lack is added.
+/// Width of the cubic B-spline with a standard deviation, in samples per unit of its argument. Prefiltered coefficients
+/// are sharper than the samples by the variance of their kernel, which is added.
 pub fn width_of(kernel: Kernel, deviation: f64) -> f64 {
     let of_coefficients = match kernel {
         Kernel::Bspline2 => 3.0 / 12.0,
@@ -21,7 +21,7 @@ pub fn width_of(kernel: Kernel, deviation: f64) -> f64 {
     (3.0 * (deviation * deviation + of_coefficients)).sqrt()
 }
 
-/// Smoothed value and derivative at a position as taps, the first of which may be beyond the border.
+/// Taps of the smoothed value and derivative at a position; the first may lie beyond the border.
 pub fn taps(kernel: Kernel, x: f64, deviation: f64) -> (i64, [[f64; MAX_DIFFERENCE_TAPS]; 2]) {
     let width = width_of(kernel, deviation);
     let first = (x - 2.0 * width).floor() as i64 + 1;
@@ -38,7 +38,8 @@ pub fn taps(kernel: Kernel, x: f64, deviation: f64) -> (i64, [[f64; MAX_DIFFEREN
     (first, [value, derivative])
 }
 
-/// Weights of smoothed values and of derivatives, tap by tap, for positions counted from the first tap in widths.
+/// Writes the weights of smoothed values and of derivatives, tap by tap, for positions counted from the first tap in
+/// widths.
 #[inline(always)]
 pub fn fill(position: &Lanes, per_width: f32, values: &mut [Lanes], slopes: &mut [Lanes]) {
     let [mut sum, mut slope] = [Lanes::<f32>::default(); 2];
@@ -74,7 +75,7 @@ fn bspline3(x: f64) -> [f64; 2] {
     [value, if x < 0.0 { -slope } else { slope }]
 }
 
-/// The same without branches.
+/// [`bspline3`] in f32, without branches.
 #[inline(always)]
 fn bspline3_f32(x: f32) -> [f32; 2] {
     let r = x.abs();

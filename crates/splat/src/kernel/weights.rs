@@ -7,13 +7,13 @@
 //! | bspline2, bspline3 | centred B-splines of degree 2 and 3 | 1.5, 2 | Unser, Aldroubi, Eden 1993 |
 //! | gaussian | `exp(−2x²)`, cut off and normalised to unit sum | 2 | Westover 1990 |
 //!
-//! The B-splines become interpolating through the prefilter of the samples ([`crate::kernel::prefilter`]). Beyond the first
-//! and the last sample the taps repeat the edge sample; prefiltered coefficients are mirrored, as the prefilter
+//! The B-splines become interpolating through the prefilter of the samples ([`crate::kernel::prefilter`]). Beyond the
+//! first and the last sample the taps repeat the edge sample; prefiltered coefficients are mirrored, as the prefilter
 //! assumes, else they would not interpolate at the faces.
 
 use wavesplat_core::Kernel;
 
-/// Most taps any kernel has.
+/// Largest number of taps of any kernel.
 pub const MAX_TAPS: usize = 4;
 
 /// Distance beyond which h is 0, samples.
@@ -46,7 +46,7 @@ pub fn weight(kernel: Kernel, x: f64) -> f64 {
     }
 }
 
-/// How much a reconstructed value can leave the range of its samples, as a share of that range.
+/// Largest overshoot of a reconstructed value beyond the range of its samples, as a fraction of that range.
 ///
 /// Non-negative weights of sum 1 stay inside. Catmull-Rom has absolute sum at most 5/4 per axis, so at most
 /// (125/64 − 1) / 2 on either side for three axes.
@@ -86,7 +86,7 @@ pub fn taps(kernel: Kernel, x: f64) -> (i64, [f64; MAX_TAPS]) {
             const E2: f64 = 0.135_335_283_236_612_7;
             const E8: f64 = 3.354_626_279_025_118_5e-4;
             let q = (4.0 * t).exp();
-            // Two samples away it is cut off.
+            // Two samples away the kernel is cut off.
             let last = if t > 0.0 { E8 * q * q } else { 0.0 };
             let w = [E2 / q, 1.0, E2 * q, last];
             let share = 1.0 / (w[0] + w[1] + w[2] + w[3]);
@@ -95,7 +95,7 @@ pub fn taps(kernel: Kernel, x: f64) -> (i64, [f64; MAX_TAPS]) {
     }
 }
 
-/// Samples between a position and the first tap.
+/// Number of taps before the sample that [`near_taps`] returns.
 pub fn reach(kernel: Kernel) -> usize {
     (n_taps(kernel) - 1) / 2
 }
@@ -130,7 +130,7 @@ pub fn near_taps(kernel: Kernel, x: f32) -> Option<(u32, [f32; MAX_TAPS])> {
     }
 }
 
-/// Index of the sample that stands at `index` beyond the faces of an axis of `n` samples.
+/// Index of the sample that is used at `index`, which may lie beyond the faces of an axis of `n` samples.
 #[inline]
 pub fn mirror_index(kernel: Kernel, index: i64, n: usize) -> usize {
     let last = n as i64 - 1;

@@ -23,7 +23,7 @@ const MIN_ENTRIES: usize = 2048;
 const MAX_ENTRIES: usize = 1 << 16;
 const ENTRIES_PER_SEGMENT: f64 = 16.0;
 
-/// Share of the extent of the nodes by which a table begins before a step at the first of them: some entries.
+/// Share of the nodes' extent by which a table begins before a step at the first node: a few entries.
 const BEFORE_STEP: f64 = 4.0 / MIN_ENTRIES as f64;
 
 /// A transfer function tabulated over densities.
@@ -31,7 +31,7 @@ const BEFORE_STEP: f64 = 4.0 / MIN_ENTRIES as f64;
 pub struct Classifier {
     /// Red, green, blue, optical depth per `opacity_unit`.
     pub(super) table: Vec<Entry>,
-    /// Integral of the optical depth; nearest visible density above and below.
+    /// Integral of the optical depth; nearest visible density above and below; optical depth, capped.
     pub(super) segments: Vec<Entry>,
     pub(super) lo: f32,
     pub(super) hi: f32,
@@ -40,19 +40,19 @@ pub struct Classifier {
     pub(super) visible_range: [f32; 2],
     /// The colour of all that is visible, where there is only one.
     pub(super) only_color: Option<[f32; 3]>,
-    /// `visible[i]`: how many of the places before `i` have an opacity, where the places are entry 0, the cell from it to
-    /// entry 1, entry 1, and so on.
+    /// Number of visible places before each place: entry 0, the cell from it to entry 1, entry 1, and so on. A range
+    /// has an opacity if the numbers at its ends differ.
     visible: Vec<u32>,
     /// Least and largest density of the samples.
     pub(super) range: [f32; 2],
 }
 
-/// A transfer function as plain arrays, linear between their entries: what another backend takes.
+/// A transfer function as plain arrays, linear between their entries, for other backends.
 #[derive(Clone, Copy, Debug)]
 pub struct TransferTables<'a> {
     /// Red, green, blue, optical depth per `opacity_unit`; the last entry stands twice.
     pub colors: &'a [Entry],
-    /// For pre-integration: integral of the optical depth; nearest visible density above and below; optical depth, capped.
+    /// For pre-integration: ∫ of the optical depth; nearest visible density above and below; optical depth, capped.
     pub segments: &'a [Entry],
     /// Density of the first entry.
     pub first: f32,
@@ -69,7 +69,7 @@ pub struct TransferTables<'a> {
 impl Classifier {
     /// Tabulates over the densities that can occur: `range` widened by a quarter for kernels that overshoot.
     /// `density_from_sample` is `(offset, scale)` as in [`wavesplat_core::Grid::density_from_sample`].
-    /// `slab_thickness`: that of a typical slab, in `opacity_unit`s, which tells what counts as opaque.
+    /// `slab_thickness`: thickness of a typical slab, in `opacity_unit`s, which decides what counts as opaque.
     pub fn new(tf: &TransferFunction, density_from_sample: (f64, f64), range: [f32; 2], slab_thickness: f64) -> Self {
         let (offset, scale) = density_from_sample;
         let density = |value: f64| (value - offset) * scale;
@@ -80,7 +80,7 @@ impl Classifier {
         let [min, max] = range.map(f64::from);
         let widened = 0.25 * (max - min);
         // Beyond the outer nodes the curves are constant, so the table need not go there; but a step at the first node
-        // belongs to its upper side, and what is below it begins before.
+        // belongs to its upper side, so that the table begins before it, on the lower side.
         let begins_with_step = has_step_at(values[0], tf.opacity_nodes().iter().map(|n| n.value))
             || has_step_at(values[0], tf.color_nodes().iter().map(|n| n.value));
         let extent = nodes[nodes.len() - 1] - nodes[0];
@@ -95,7 +95,8 @@ impl Classifier {
         let entries = (ENTRIES_PER_SEGMENT * (hi - lo) / narrowest).ceil();
         let n = (entries.min(MAX_ENTRIES as f64) as usize).max(MIN_ENTRIES);
         let step = (hi - lo) / n as f64;
-        // The ends are the outer nodes themselves: a value that rounding puts beside one would make all beyond it visible.
+        // The ends are the outer nodes themselves: a value that rounding puts beside one would make all beyond it
+        // visible.
         let value_at = |end: f64, node: usize| if end == nodes[node] { values[node] } else { end / scale + offset };
         let (first_value, last_value) = (value_at(lo, 0), value_at(hi, nodes.len() - 1));
         let mut rgba = tf.rgba_in_turn();
@@ -131,7 +132,7 @@ impl Classifier {
         let integral = DepthIntegral::new(tf.opacity_nodes(), opaque);
         let mut up_to = integral.in_turn();
         let integrals: Vec<f64> = (0..=n).chain([n]).map(|i| scale * up_to(value(i))).collect();
-        // Exact, be what is visible narrower than a cell.
+        // By exact integrals, so that nothing is too narrow to be seen.
         let mut seen: Vec<bool> = integrals.windows(2).map(|pair| pair[0] < pair[1]).collect();
         seen.push(false);
         let is_visible = |cell: usize| seen[cell] || table[cell][3] > 0.0 || table[cell + 1][3] > 0.0;
@@ -162,7 +163,7 @@ impl Classifier {
         Self { table, segments, lo, hi, per_density, visible_range, only_color, visible, range }
     }
 
-    /// How much associated colour and opacity of a slab change in all from the least density to the greatest.
+    /// Total variation of a slab's associated colour and opacity from the least density to the greatest.
     /// `slab_thickness`: in `opacity_unit`s.
     pub fn variation(&self, slab_thickness: f64) -> f32 {
         let slab = |&[r, g, b, depth]: &Entry| {
@@ -229,7 +230,7 @@ impl Classifier {
         s.look_up(&self.table, self.position_of(s, density))
     }
 
-    /// Colour of densities; that of an invisible one is any.
+    /// Colour of densities; undefined where opacity is 0.
     #[inline(always)]
     pub fn color<S: Math>(&self, s: S, density: S::F) -> [S::F; 3] {
         if let Some(color) = self.only_color {
@@ -250,7 +251,7 @@ fn has_step_at(value: f64, values: impl Iterator<Item = f64>) -> bool {
     values.filter(|other| *other == value).count() > 1
 }
 
-/// The colour that all entries have.
+/// The colour that all entries have; `None` where they differ.
 fn only_color<'a>(entries: impl Iterator<Item = &'a [Entry]>) -> Option<[f32; 3]> {
     let mut only = None;
     for &[r, g, b, _] in entries.flatten() {
@@ -264,7 +265,7 @@ fn only_color<'a>(entries: impl Iterator<Item = &'a [Entry]>) -> Option<[f32; 3]
 /// `1 − exp(−x)` for `x ≥ 0`, to about 1e-7 relative.
 ///
 /// Split `x = n ln 2 + r`, `|r| ≤ ln 2 / 2`; then `exp(−x) − 1 = 2^−n (exp(−r) − 1) + (2^−n − 1)`, the bracket by its
-/// Taylor series.
+/// Taylor series. Thin slabs have `n = 0`: only the series is left, and nothing cancels.
 #[inline(always)]
 pub fn one_minus_exp_neg<S: Math>(s: S, x: S::F) -> S::F {
     // ln 2 in two parts, so that n · high is exact.

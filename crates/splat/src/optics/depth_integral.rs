@@ -3,19 +3,19 @@
 //!
 //! A table that adds up entries misses what is narrower than an entry, and one entry on a node of opacity 1, where the
 //! logarithm is infinite, counts for the whole space to its neighbours. The integral has a closed form instead: with
-//! `u = 1 − a`, `∫ −ln u du = u − u ln u`, which is finite down to `u = 0`. So a peak that touches opacity 1 at one value
-//! weighs hardly more than one of 0.999. A range of values of opacity 1 is opaque however fast rays pass it: its integral
-//! is as large as f32 sums of it bear.
+//! `u = 1 − a`, `∫ −ln u du = u − u ln u`, which is finite down to `u = 0`. So a peak that touches opacity 1 at one
+//! value weighs hardly more than one of 0.999. A range of values of opacity 1 is opaque however fast rays pass it: its
+//! integral is finite, but large enough for that (`Opaque`).
 
 use wavesplat_core::OpacityNode;
 
-/// Relative change of `1 − a` below which the closed form is mostly rounding, and Simpson's rule exact to it.
+/// Relative change of `1 − a` below which the closed form is mostly rounding, and Simpson's rule as good as exact.
 const NEARLY_LEVEL: f64 = 1e-3;
 
 /// Optical depth that counts as opaque.
 const OPAQUE_SLAB: f64 = 32.0;
 
-/// What the infinite optical depth of opacity 1 is replaced with. It is no larger than it must be: the sums of all
+/// Finite stand-in for the infinite optical depth of opacity 1. It is no larger than it must be: the sums of all
 /// densities above it lose as much precision.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Opaque {
@@ -31,25 +31,25 @@ impl Opaque {
         OPAQUE_SLAB / self.slab_thickness
     }
 
-    /// The same in a range of values of opacity 1, so wide: the narrower, the larger, so that a slab that passes all of the
-    /// range is opaque.
+    /// Optical depth per `opacity_unit` in a range of values of opacity 1 that is `width` wide: the narrower, the
+    /// larger, so that a slab that passes all of the range is opaque.
     fn within(&self, width: f64) -> f64 {
         OPAQUE_SLAB / self.slab_thickness * (0.5 * self.largest_change / width).max(1.0)
     }
 }
 
-/// The integral up to each node, and how to go on from there.
+/// The integral up to each node, and the optical depths that continue it from there.
 pub(super) struct DepthIntegral<'a> {
     nodes: &'a [OpacityNode],
     /// Integral from the first node to each.
     sums: Vec<f64>,
-    /// Optical depth between each node and the next, where it is level.
+    /// Optical depth between each node and the next; `None` where it changes.
     levels: Vec<Option<f64>>,
     opaque: Opaque,
 }
 
 impl<'a> DepthIntegral<'a> {
-    /// `nodes`: at least one, in order of value.
+    /// Integrates the curve of `nodes`: at least one, in order of value.
     pub fn new(nodes: &'a [OpacityNode], opaque: Opaque) -> Self {
         let last = nodes.len() - 1;
         let mut levels = Vec::with_capacity(last);
@@ -63,14 +63,14 @@ impl<'a> DepthIntegral<'a> {
             let next = integral.sums[k] + integral.within(k, nodes[k + 1].value);
             integral.sums.push(next);
         }
-        // What is opaque below all others must not cost these their precision.
+        // A range that is opaque below all others must not cost these their precision: sums count from behind it.
         let start = nodes.iter().position(|node| node.opacity < 1.0).map_or(0.0, |first| integral.sums[first]);
         integral.sums.iter_mut().for_each(|sum| *sum -= start);
         integral
     }
 
-    /// The integral up to one value after another, from where the curve is first below 1: fast where each is near the one
-    /// before.
+    /// Function that returns the integral up to a value, from where the curve is first below 1: fast where each value
+    /// is near the one before.
     pub fn in_turn(&self) -> impl FnMut(f64) -> f64 {
         let mut n_below = 0;
         move |value| {
@@ -91,7 +91,7 @@ impl<'a> DepthIntegral<'a> {
         }
     }
 
-    /// Optical depth beyond the outer nodes.
+    /// Optical depth of an opacity that holds beyond an outer node.
     pub fn level_of(&self, opacity: f64) -> f64 {
         if opacity < 1.0 { depth_of(opacity) } else { self.opaque.beyond() }
     }
@@ -106,8 +106,8 @@ impl<'a> DepthIntegral<'a> {
         if let Some(level) = self.levels[k] {
             return level * width;
         }
-        // What is left of 1 is interpolated, not the opacity: behind a node of opacity 1 it may be less than opacities can
-        // tell from 1, and it must not be 0 there, where the integral is infinite.
+        // `1 − a` is interpolated, not `a`: near a node of opacity 1 it may be less than the spacing of floats below 1,
+        // and it must not round to 0 there, where `−ln u` is infinite.
         let share = (width / (to.value - from.value)).min(1.0);
         let [left_from, left_to] = [1.0 - from.opacity, 1.0 - to.opacity];
         width * mean_depth(left_from, left_from + (left_to - left_from) * share)
@@ -119,7 +119,7 @@ fn depth_of(opacity: f64) -> f64 {
     -(-opacity).ln_1p()
 }
 
-/// Mean of `−ln u` where `u`, what is left of opacity 1, goes evenly from one value to another, not both 0.
+/// Mean of `−ln u` where `u = 1 − a` goes evenly from one value to another, not both 0.
 fn mean_depth(from: f64, to: f64) -> f64 {
     if from.min(to) > 0.0 && (from - to).abs() <= NEARLY_LEVEL * from.min(to) {
         return -(from.ln() + 4.0 * (0.5 * (from + to)).ln() + to.ln()) / 6.0;

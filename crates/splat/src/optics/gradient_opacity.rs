@@ -1,12 +1,13 @@
-//! Gradient opacity, and transfer functions of two dimensions: what the gradient magnitude decides beside shading.
+//! Gradient opacity, and transfer functions of two dimensions: effects of the gradient magnitude beside shading.
 //!
 //! Gradient opacity is a factor of the optical depth by the magnitude of the gradient, so that boundaries stand out and
-//! what is homogeneous recedes (Levoy, *Display of surfaces from volume data*, 1988; the curve is that of VTK's volume
+//! homogeneous regions recede (Levoy, *Display of surfaces from volume data*, 1988; the curve is that of VTK's volume
 //! properties and of 3D Slicer). The factor scales the extinction, not the opacity of a slab, so that the picture does
-//! not depend on the number of sheets: opacity `α` per unit becomes `1 − (1 − α)^f`, which for faint functions is `f · α`.
+//! not depend on the number of sheets: opacity `α` per unit becomes `1 − (1 − α)^f`,
+//! which for faint functions is `f · α`.
 //!
-//! A function of two dimensions ([`wavesplat_core::TransferFunction2D`]) is tabulated over densities and magnitudes, evenly along
-//! both, and looked up bilinearly.
+//! A function of two dimensions ([`wavesplat_core::TransferFunction2D`]) is tabulated over densities and magnitudes,
+//! evenly along both, and looked up bilinearly.
 
 use glam::DMat3;
 use wavesplat_compute::simd::{ROUND, Wide};
@@ -24,7 +25,7 @@ const MIN_SIDE: usize = 128;
 const MAX_SIDE: usize = 512;
 const ENTRIES_PER_SEGMENT: f64 = 16.0;
 
-/// A squared gradient below which the magnitude counts as 0.
+/// Squared gradient below which the magnitude counts as 0.
 const LEAST: f32 = 1e-36;
 
 /// Tables over the magnitude of the world gradient of densities.
@@ -38,14 +39,14 @@ pub struct GradientOpacity {
 enum Kind {
     /// Factors of the optical depth.
     Factor { table: Vec<Entry>, per_magnitude: f32 },
-    /// Colour and optical depth by both.
+    /// Colour and optical depth by density and magnitude.
     Both(Table),
 }
 
-/// What the gradient decides as plain arrays: what another backend takes.
+/// Tables over the gradient magnitude as plain arrays, for other backends.
 #[derive(Clone, Copy, Debug)]
 pub enum GradientTables<'a> {
-    /// Factors of the optical depth, first of each entry, the last of which stands twice.
+    /// Factors of the optical depth, the first number of each entry; the last entry stands twice.
     Factor {
         /// Entries, from magnitude 0 on.
         table: &'a [Entry],
@@ -56,7 +57,7 @@ pub enum GradientTables<'a> {
     Both {
         /// Rows of densities, one row per magnitude; the last entry stands twice.
         entries: &'a [Entry],
-        /// Entries, first, and step, of densities and of magnitudes.
+        /// Number of entries, first value and step: of densities, and of magnitudes.
         along: [(usize, f64, f64); 2],
     },
 }
@@ -73,7 +74,7 @@ impl GradientOpacity {
         (self.metric.numbers(), tables)
     }
 
-    /// `None` where the gradient decides nothing. `density_from_sample`: as of the grid.
+    /// Tabulates `tf`; `None` where gradients have no effect. `density_from_sample`: offset and scale of the grid.
     pub fn new(
         tf: &TransferFunction,
         world_from_index: DMat3,
@@ -96,12 +97,12 @@ impl GradientOpacity {
         Some(Self { metric: Metric::new(world_from_index, family), kind })
     }
 
-    /// Whether colour and opacity are those of both, so that those of the density alone are only bounds.
+    /// Whether density and magnitude decide colour and opacity together, so that tables by density are only bounds.
     pub fn decides_color(&self) -> bool {
         matches!(self.kind, Kind::Both(_))
     }
 
-    /// Colour and optical depth of densities with their index gradients along u, v, w, from those of the density alone.
+    /// Colour and optical depth of densities with index gradients along u, v, w. `of_density`: without their gradients.
     #[inline(always)]
     pub fn classify<W: Wide>(&self, w: W, density: W::F, gradient: [W::F; 3], of_density: [W::F; 4]) -> [W::F; 4] {
         let [r, g, b, depth] = of_density;
@@ -142,11 +143,11 @@ struct Side {
 }
 
 impl Side {
-    /// From the first node to the last. `scale`: densities per sample unit.
+    /// Even entries from the first node to the last.
     fn new(nodes: &[f64]) -> Self {
         let (mut first, last) = (nodes[0], nodes[nodes.len() - 1]);
         if nodes.get(1) == Some(&first) {
-            // A step belongs to its upper side: what is below it begins before.
+            // A step belongs to its upper side: the table begins before it, on the lower side.
             first -= (last - first) / MIN_SIDE as f64;
         }
         let extent = last - first;
@@ -176,7 +177,7 @@ impl Table {
         Self { entries, along: [densities, gradients] }
     }
 
-    /// The cell that holds a position along an axis, and how far in it.
+    /// The cell that holds a position along an axis, and the fraction of the way through it.
     #[inline(always)]
     fn cell<W: Wide>(w: W, side: Side, position: W::F) -> [W::F; 2] {
         // Added and taken off again, ROUND leaves the nearest whole number.
@@ -189,7 +190,8 @@ impl Table {
         [below, w.sub(x, below)]
     }
 
-    /// Four entries at whole positions: between two of them an f32 could not tell places of a large table apart.
+    /// Bilinear look-up of four entries at whole places. Fractions are kept apart: a place in a table of up to 2^18
+    /// entries leaves an f32 only 6 bits for them.
     #[inline(always)]
     fn look_up<W: Wide>(&self, w: W, density: W::F, magnitude: W::F) -> [W::F; 4] {
         let [along_row, t] = Self::cell(w, self.along[0], density);

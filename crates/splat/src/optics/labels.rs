@@ -21,7 +21,7 @@ use crate::source::slices::Slices;
 pub enum Codes {
     /// Up to 256 looks.
     U8(Arc<[u8]>),
-    /// More.
+    /// More than 256 looks.
     U16(Arc<[u16]>),
 }
 
@@ -35,15 +35,15 @@ impl Codes {
     }
 }
 
-/// Optical depth that stands for opacity 1: coverage 1 % of it is faint, and a unit of it lets 1e-7 through.
+/// Optical depth that stands for opacity 1: 1 % coverage of it is faint, and a unit of it lets 1e-7 through.
 const OPAQUE_LABEL_DEPTH: f64 = 16.0;
 
-/// Half distance of the differences for the gradient of the label medium, voxels; and where stairs are to be smoothed: wide
-/// enough for the normals to see several of them.
+/// Half distances of the differences for the label medium's gradient, voxels: as a rule, and where stairs are to be
+/// smoothed, wide enough for the normals to see several of them.
 const GRADIENT_OFFSET: f64 = 1.0;
 const SMOOTH_GRADIENT_OFFSET: f64 = 2.5;
 
-/// Codes, looks and what is made of them.
+/// Labels of a volume, their looks, and the fields made of them.
 pub struct Labels {
     /// Label of every sample, `[z][y][x]`.
     pub codes: Codes,
@@ -55,19 +55,19 @@ pub struct Labels {
     terms: LabelTerms,
 }
 
-/// Which fields hold what; none where no label needs it.
+/// Places of the label fields; `None` where no label needs one.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LabelTerms {
-    /// What is left of the scan.
+    /// Share of the scan's optical depth that is left.
     pub scan: Option<usize>,
-    /// What is tinted of it; red, green and blue follow.
+    /// Tinted share of the scan's optical depth; red, green and blue follow.
     pub tint: Option<usize>,
     /// Optical depth of the label medium; red, green and blue follow.
     pub medium: Option<usize>,
 }
 
 impl LabelTerms {
-    /// The same where other fields come first.
+    /// The places after `n_fields` other fields.
     #[must_use]
     pub fn after(self, n_fields: usize) -> Self {
         let later = |field: Option<usize>| field.map(|field| field + n_fields);
@@ -81,7 +81,7 @@ pub fn own_depth(look: &LabelLook) -> f64 {
 }
 
 impl Labels {
-    /// Of the volume on `grid`. `kernel` has non-negative weights. At most about `budget_bytes` of fields are kept.
+    /// Labels of the volume on `grid`. `kernel`: non-negative weights. At most about `budget_bytes` of fields are kept.
     pub fn new(codes: Codes, looks: Vec<LabelLook>, grid: &Grid, kernel: Kernel, budget_bytes: usize) -> Result<Self> {
         let mut tables: Vec<Vec<f32>> = Vec::new();
         let mut add = |of: &dyn Fn(&LabelLook) -> f64| tables.push(looks.iter().map(|look| of(look) as f32).collect());
@@ -118,7 +118,7 @@ impl Labels {
         Ok(Self { codes, looks, kernel, channels, terms })
     }
 
-    /// Which of the fields hold what.
+    /// Places of the fields among [`Labels::fields`].
     pub fn terms(&self) -> LabelTerms {
         self.terms
     }
@@ -128,7 +128,7 @@ impl Labels {
         if self.kernel == Kernel::Linear { GRADIENT_OFFSET } else { SMOOTH_GRADIENT_OFFSET }
     }
 
-    /// The fields.
+    /// The fields, at the places of [`Labels::terms`].
     pub fn fields(&self) -> Vec<Field<'static>> {
         let field = |(i, channel): (usize, &Slices<'static>)| {
             let gradient = (self.terms.medium == Some(i)).then(|| Gradient::Difference(self.gradient_offset()));
@@ -138,7 +138,7 @@ impl Labels {
     }
 }
 
-/// A number for every label, in place of the labels.
+/// Decoder that replaces the label of every sample by a number.
 struct Channel {
     codes: Codes,
     size: [usize; 3],

@@ -1,9 +1,9 @@
 //! Optional per-texel terms: gradient opacity, ambient occlusion and shadow, labels.
 //!
 //! Light: the colour is multiplied by the openness of the place, and what the first light adds by how much of it gets
-//! there ([`crate::optics::occlusion`]). Labels: of the scan's optical depth the share `Σ c_l f_l` is left, its colour is mixed with
-//! that of the labels that tint it, and labels with an opacity of their own add the medium `Σ c_l τ_l`, with `c_l` the
-//! coverage of label `l` ([`crate::optics::labels`]).
+//! there ([`crate::optics::occlusion`]). Labels: of the scan's optical depth the share `Σ c_l f_l` is left, its colour
+//! is mixed with that of the labels that tint it, and labels with an opacity of their own add the medium `Σ c_l τ_l`,
+//! with `c_l` the coverage of label `l` ([`crate::optics::labels`]).
 
 use wavesplat_compute::simd::Wide;
 
@@ -13,35 +13,35 @@ use crate::optics::occlusion::LightTerms;
 use crate::optics::shade::Shader;
 use crate::sheet::field_sheets::FieldPoint;
 
-/// All of it; none as a rule.
+/// Optional terms of a layer; none as a rule.
 #[derive(Clone, Default)]
 pub struct Modifiers {
-    /// What the gradient decides.
+    /// Gradient opacity, or a transfer function of two dimensions.
     pub by_gradient: Option<GradientOpacity>,
-    /// Which fields hold the light, and how much they count.
+    /// Fields that hold light, with their strengths.
     pub light: Option<LightTerms>,
-    /// Which fields hold the labels.
+    /// Fields that hold the effects of labels.
     pub labels: Option<LabelTerms>,
-    /// Shades the label medium, where there is light.
+    /// Shader of the label medium, where the picture is shaded.
     pub label_shader: Option<Shader>,
 }
 
-/// Colours below this depth do not matter.
+/// Optical depth below which colours do not matter; keeps divisions finite.
 const LEAST: f32 = 1e-20;
 
 impl Modifiers {
-    /// Whether there is any.
+    /// Whether there is any term.
     pub fn any(&self) -> bool {
         self.by_gradient.is_some() || self.light.is_some() || self.labels.is_some()
     }
 
-    /// The field of the label medium.
+    /// The field of the label medium's optical depth.
     #[inline(always)]
     pub fn label_medium_field(&self) -> Option<usize> {
         self.labels.as_ref().and_then(|labels| labels.medium)
     }
 
-    /// The fields that the scan needs, and those that the label medium needs beside its optical depth.
+    /// Fields for the scan, if `scan`, and for the label medium beside its optical depth, if `medium`.
     #[inline(always)]
     pub fn fields(&self, scan: bool, medium: bool) -> impl Iterator<Item = usize> + use<> {
         let labels = self.labels.unwrap_or_default();
@@ -66,7 +66,7 @@ impl Modifiers {
     pub fn tint<W: Wide>(&self, w: W, rgb: [W::F; 3], point: &FieldPoint<W>) -> [W::F; 3] {
         let Some(labels) = &self.labels else { return rgb };
         let Some(tint) = labels.tint else { return rgb };
-        // Shares of what is left of the scan.
+        // Tints relative to what labels leave of the scan.
         let of_scan = w.div(w.splat(1.0), w.max(self.scan_share(w, point), w.splat(LEAST)));
         let kept = w.sub(w.splat(1.0), w.mul(point.value(w, tint), of_scan));
         let mut tinted = rgb;
@@ -89,7 +89,7 @@ impl Modifiers {
         Some((depth, color))
     }
 
-    /// Factors of all light and of that of the first light.
+    /// Factors of all light, and of the first light.
     #[inline(always)]
     pub fn light<W: Wide>(&self, w: W, point: &FieldPoint<W>) -> [Option<W::F>; 2] {
         let Some(light) = &self.light else { return [None; 2] };
@@ -97,7 +97,7 @@ impl Modifiers {
     }
 }
 
-/// What a field leaves of light.
+/// Factor of light by a field: 1 less `strength` times the share of light that is held off.
 #[inline(always)]
 fn factor<W: Wide>(w: W, term: Option<(usize, f32)>, point: &FieldPoint<W>) -> Option<W::F> {
     let (field, strength) = term?;

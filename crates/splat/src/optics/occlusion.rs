@@ -23,19 +23,19 @@ use crate::source::slices::Slices;
 use crate::source::strided::light_steps;
 use wavesplat_core::Kernel;
 
-/// Directions that openness is the mean of, and parts that those along each axis are in, which may run at once.
+/// Number of directions that openness averages, and of the parts, which may run at once, of those along each axis.
 const N_DIRECTIONS: usize = 32;
 const N_PARTS: usize = 3;
 
-/// Mean opacity that counts as opaque.
+/// Largest mean opacity of a cell, which keeps its extinction finite.
 const OPAQUE_OPACITY: f64 = 0.9999;
 
-/// Which fields hold the light, and how much they count, `0..=1`.
+/// Fields that hold light, each with its strength, `0..=1`.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct LightTerms {
-    /// Openness.
+    /// Openness of a place.
     pub openness: Option<(usize, f32)>,
-    /// Share of the first light.
+    /// Share of the first light that gets to a place.
     pub shadow: Option<(usize, f32)>,
 }
 
@@ -49,13 +49,14 @@ pub struct ExtinctionGrid {
 }
 
 impl ExtinctionGrid {
-    /// Of what a classifier shows. `opacity_unit`: world units.
+    /// Averages the extinction of a classified volume over coarse cells. `opacity_unit`: world units.
     pub fn new(slices: &Slices, classifier: &Classifier, opacity_unit: f64, labels: Option<&Labels>) -> Result<Self> {
         let grid = slices.grid();
         let size @ [nx, ny, nz] = grid.size();
         let (per_cell, skip) = light_steps(grid);
         let n = [0, 1, 2].map(|a| size[a].div_ceil(per_cell[a]));
-        // Opacities of a sample's own length are averaged, not optical depths: of a wall only its area counts.
+        // Averages opacities of a sample's own length, not optical depths: an opaque wall then counts by its area
+        // alone.
         let length = grid.mean_spacing();
         let per_unit = (length / opacity_unit) as f32;
         let looks: Vec<[f32; 2]> = labels
@@ -108,7 +109,7 @@ impl ExtinctionGrid {
         }
     }
 
-    /// Extinction at a position, trilinear; none half a cell outside.
+    /// Extinction at a position, trilinear; 0 from half a cell outside on.
     fn at(&self, position: DVec3) -> f32 {
         let size = self.grid.size();
         let last = self.grid.last_index();
@@ -155,11 +156,12 @@ impl ExtinctionGrid {
         let [x, y, z] = &lying;
         self.cell_by_cell(|cell| {
             let sum = sums[0][x.place(cell)] + sums[1][y.place(cell)] + sums[2][z.place(cell)];
+            // Twice the mean: a flat face sees half of the directions, and counts as open.
             (sum * (2.0 / N_DIRECTIONS as f32)).min(1.0)
         })
     }
 
-    /// A number for every cell, `[z][y][x]`.
+    /// Evaluates `number` for every cell, `[z][y][x]`.
     fn cell_by_cell(&self, number: impl Fn([usize; 3]) -> f32 + Sync + Send) -> Vec<f32> {
         let [nx, ny, nz] = self.grid.size();
         let mut numbers = vec![0.0; nx * ny * nz];
@@ -173,7 +175,7 @@ impl ExtinctionGrid {
         numbers
     }
 
-    /// The way of light along a world direction; with a radius it comes back over that distance.
+    /// Sweep of light along a world direction; with a radius, dimmed light comes back over that distance.
     fn way(&self, direction: DVec3, radius: Option<f64>) -> SweepOrder {
         let along = self.grid.index_from_world().matrix3 * direction;
         let axis = (0..3).fold(0, |best, a| if along[a].abs() > along[best].abs() { a } else { best });
@@ -189,7 +191,7 @@ impl ExtinctionGrid {
         }
     }
 
-    /// Numbers of every cell as a field.
+    /// A field from one number per cell.
     pub fn field(&self, numbers: Vec<f32>) -> Result<Field<'static>> {
         let (size, world_from_index) = (self.grid.size(), self.grid.world_from_index());
         let statistics = wavesplat_core::Statistics { min: 0.0, max: 1.0, n_nonfinite: 0 };
@@ -203,20 +205,20 @@ impl ExtinctionGrid {
     }
 }
 
-/// How light travels.
+/// Direction of a sweep of light through the coarse volume.
 struct SweepOrder {
-    /// The axis that it runs most along, and whether upwards.
+    /// Axis that light runs most along, and whether upwards.
     axis: usize,
     ascending: bool,
-    /// Cells that it moves across per slice, along the other two axes.
+    /// Cells that light moves per slice along the other two axes: at most 1 either way.
     slope: [f64; 2],
     /// World length per slice.
     length: f32,
-    /// What is left of a shadow after a slice.
+    /// Share of a shadow that is left after a slice; 1 where no light comes back.
     kept: f32,
 }
 
-/// The axes across one.
+/// The two other axes.
 fn across(axis: usize) -> [usize; 2] {
     [[1, 2], [0, 2], [0, 1]][axis]
 }
@@ -225,14 +227,14 @@ fn across(axis: usize) -> [usize; 2] {
 struct CellLayout {
     /// Cells along the rows, across them, and along the axis.
     n: [usize; 3],
-    /// From row to row.
+    /// Numbers from row to row.
     stride: usize,
-    /// From cell to cell along x, y, z.
+    /// Numbers from cell to cell along x, y, z.
     strides: [usize; 3],
     extinction: Vec<f32>,
 }
 
-/// Cells around a slice that light comes from.
+/// Border of cells around a slice: light comes from a cell away at most, and is mixed from two cells.
 const MARGIN: usize = 2;
 
 impl CellLayout {
@@ -257,20 +259,21 @@ impl CellLayout {
         Self { n, stride, strides, extinction }
     }
 
-    /// Where a cell lies.
+    /// Place of a cell in the layout.
     #[inline(always)]
     fn place(&self, [x, y, z]: [usize; 3]) -> usize {
         x * self.strides[0] + y * self.strides[1] + z * self.strides[2]
     }
 
-    /// Adds the share of what enters that gets to each cell, without what the cell itself keeps off.
+    /// Adds the share of the entering light that gets to each cell, before the cell itself dims it.
     fn add_share(&self, way: &SweepOrder, sum: &mut [f32]) {
         let [_, n_v, n_w] = self.n;
         let wide = self.stride + 2 * MARGIN;
         // Light from beyond the sides is not dimmed.
         let mut leaving = vec![1.0; wide * (n_v + 2 * MARGIN)];
         let mut next = leaving.clone();
-        // From where light comes, a texel back: the lower one of the two, and the upper one's share.
+        // Where light comes from in the slice before, along both axes: the lower one of two cells, and the upper one's
+        // weight.
         let back = way.slope.map(|slope| {
             let below = (-slope).floor();
             ((MARGIN as i64 + below as i64) as usize, (-slope - below) as f32)
@@ -292,11 +295,11 @@ impl CellLayout {
     }
 }
 
-/// Light passes a slice.
+/// Kernel that passes light through one slice.
 struct SweepPass<'a> {
     extinction: &'a [f32],
     sum: &'a mut [f32],
-    /// What left the slice before, and what leaves this one, with [`MARGIN`].
+    /// Light that left the slice before, and that leaves this one, each with a border of [`MARGIN`].
     leaving: &'a [f32],
     next: &'a mut [f32],
     stride: usize,
@@ -330,13 +333,13 @@ impl VectorKernel for SweepPass<'_> {
     }
 }
 
-/// Part of the way from `a` to `b`.
+/// Linear interpolation from `a` to `b`.
 #[inline(always)]
 fn mixed<S: Simd>(s: S, t: f32, a: S::F, b: S::F) -> S::F {
     s.add_mul(s.mul(s.splat(1.0 - t), a), s.splat(t), b)
 }
 
-/// Numbers from a place on; none where there are not enough.
+/// Loads numbers from a place on; zeros where there are not enough.
 #[inline(always)]
 fn load<S: Simd>(s: S, from: &[f32], i: usize) -> S::F {
     match from.get(i..).and_then(|from| from.first_chunk()) {
@@ -345,7 +348,7 @@ fn load<S: Simd>(s: S, from: &[f32], i: usize) -> S::F {
     }
 }
 
-/// Numbers to a place, where there is room.
+/// Stores numbers to a place, where there is room.
 #[inline(always)]
 fn store<S: Simd>(s: S, x: S::F, to: &mut [f32], i: usize) {
     if let Some(to) = to.get_mut(i..).and_then(|to| to.first_chunk_mut()) {
@@ -353,7 +356,7 @@ fn store<S: Simd>(s: S, x: S::F, to: &mut [f32], i: usize) {
     }
 }
 
-/// Evenly spread directions: a spiral of equal areas (Fibonacci lattice).
+/// One of [`N_DIRECTIONS`] evenly spread directions: a spiral of equal areas (Fibonacci lattice).
 fn direction(i: usize) -> DVec3 {
     let z = 1.0 - (2 * i + 1) as f64 / N_DIRECTIONS as f64;
     let angle = std::f64::consts::PI * (3.0 - 5.0_f64.sqrt()) * i as f64;

@@ -1,14 +1,15 @@
 //! Pre-integration: opacity and colour of a ray segment between two densities, by integrals of one dimension.
 //!
-//! Between two sheets the density is taken as linear, so all that a ray meets there lies between two densities: the mean
-//! optical depth is a difference of the integral `T(d) = ∫ τ` (the integral form of pre-integration; Engel, Kraus, Ertl
-//! 2001). Tables of one dimension build in the time that it takes to read them.
+//! Between two sheets the density is taken as linear, so all that a ray meets there lies between two densities: the
+//! mean optical depth is a difference of the integral `T(d) = ∫ τ`, divided by the difference of the densities (the
+//! integral form of pre-integration; Engel, Kraus, Ertl 2001). Tables of one dimension are built in the time that it
+//! takes to read them.
 
 use crate::optics::classify::{Classifier, Entry};
 use wavesplat_compute::simd::{Math, Wide};
 
 impl Classifier {
-    /// How far densities are below and above the table: at most 0, at least 0.
+    /// Distance of densities below the table (at most 0) and above it (at least 0).
     #[inline(always)]
     fn beyond<S: Math>(&self, s: S, density: S::F) -> [S::F; 2] {
         let zero = s.splat(0.0);
@@ -28,7 +29,7 @@ impl Classifier {
         [integral, above, below]
     }
 
-    /// What rays meet between two densities, where the density is linear in between.
+    /// Visible part and optical depths of a segment, on which the density is linear between two densities.
     #[inline(always)]
     pub fn preintegrate<S: Wide>(&self, s: S, from: S::F, to: S::F) -> SegmentOpacity<S> {
         let [integral_from, above_from, below_from] = self.integral(s, from);
@@ -36,13 +37,14 @@ impl Classifier {
         let change = s.sub(to, from);
         let rises = s.lt(s.splat(0.0), change);
         let inverse = s.div(s.splat(1.0), change);
-        // What is seen first and last: the nearest visible densities inwards from both ends.
+        // The first and last visible densities: the nearest ones inwards from both ends.
         let first = s.select(rises, above_from, below_from);
         let last = s.select(rises, below_to, above_to);
         let (zero, one) = (s.splat(0.0), s.splat(1.0));
         let first = s.min(s.max(s.mul(s.sub(first, from), inverse), zero), one);
         let last = s.min(s.max(s.mul(s.sub(last, from), inverse), zero), one);
-        // Densities as good as equal: the optical depth in the middle.
+        // Where densities are nearly equal, a difference of integrals is mostly rounding: the optical depth in the
+        // middle.
         let is_level = s.lt(s.abs(change), s.splat(LEVEL / self.per_density));
         let level = if s.all_bits(is_level) == [0; 2] {
             zero
@@ -69,8 +71,8 @@ impl Classifier {
         SegmentOpacity { first, last, depths }
     }
 
-    /// What rays meet in parts of the way between two densities, where the density is linear in between. `cuts`: shares of
-    /// the way, rising, between which the parts lie.
+    /// Visible part of a segment, as [`Classifier::preintegrate`], and optical depths of parts of it. `cuts`: rising
+    /// fractions of the segment, between which the parts lie.
     #[inline(always)]
     pub fn preintegrate_parts<S: Wide>(&self, s: S, from: S::F, to: S::F, cuts: [S::F; N_CUTS]) -> PartOpacities<S> {
         let change = s.sub(to, from);
@@ -103,10 +105,10 @@ impl Classifier {
     }
 }
 
-/// Ends of the parts that a slab of several layers is cut into: between them, what lies in front hides what is behind.
+/// Number of ends of the parts of a slab of several layers: what lies in one part hides what is in the next.
 pub const N_CUTS: usize = 3;
 
-/// What rays meet in parts of the way from one density to another.
+/// Visible part of a segment between two densities, and optical depths of parts of it.
 pub struct PartOpacities<S: Math> {
     /// Share of the way where the first visible density is met.
     pub first: S::F,
@@ -119,10 +121,10 @@ pub struct PartOpacities<S: Math> {
 /// Difference of densities, in table entries, below which a difference of integrals is mostly rounding.
 pub const LEVEL: f32 = 0.25;
 
-/// Equal parts that the visible part of a segments is cut into, to see where its light comes from.
+/// Number of equal parts of the visible part of a segment, which show where its light comes from.
 pub const N_PARTS: usize = 2;
 
-/// What rays meet on their way from one density to another.
+/// Visible part of a segment between two densities, and its optical depths.
 pub struct SegmentOpacity<S: Math> {
     /// Share of the way where the first visible density is met.
     pub first: S::F,
@@ -132,8 +134,8 @@ pub struct SegmentOpacity<S: Math> {
     pub depths: [S::F; N_PARTS],
 }
 
-/// `(∫ τ, nearest visible density above, nearest below, τ)` at each entry of a table. `integrals`: of each entry; `seen`:
-/// which cells have something visible, each from its entry to the next.
+/// Table of `(∫ τ, nearest visible density above, nearest below, τ)`. `integrals`: ∫ τ up to each entry; `seen`:
+/// whether each cell, from its entry to the next, has anything visible.
 pub(super) fn segment_table(
     integrals: &[f64],
     depths: impl Fn(usize) -> f64,

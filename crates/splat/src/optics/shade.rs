@@ -1,10 +1,9 @@
 //! Phong shading with the reflection vector, two-sided.
 //!
 //! `colour · (ambient + Σ diffuse · |n·l| · light) + Σ specular · max(0, r·v)^power · light`, with the normal `n` along
-//! the world gradient, `l` to the light, `v` to the eye and `r = 2 (n·l) n − l`. Two-sided: `r` is the same for `n`
-//! and `−n`, so only the diffuse term needs the magnitude. Where the gradient vanishes `|n·l|` is a number of
-//! the shading, 0 with the headlight of other renderers, and there is no highlight.
-//! The world gradient is the index-space difference times the inverse transpose of `world_from_index`.
+//! the world gradient, `l` to the light, `v` to the eye and `r = 2 (n·l) n − l`. Two-sided: `r` is the same for `n` and
+//! `−n`, so only the diffuse term needs the magnitude. Where the gradient vanishes, `|n·l|` is a parameter of the
+//! shading, 0 with the headlight of other renderers, and there is no highlight.
 
 use glam::DMat3;
 use wavesplat_compute::simd::{LANES, Simd, Wide};
@@ -13,12 +12,12 @@ use wavesplat_core::{Camera, Projection, Shading};
 use crate::view::family::Family;
 use crate::view::index_frame::{light_direction, world_gradient_from_index};
 
-/// `|world gradient|² = Σ metric · products of the index gradient`: uu, vv, ww, 2uv, 2uw, 2vw.
+/// Coefficients of `|world gradient|² = Σ metric · products of the index gradient`: uu, vv, ww, 2uv, 2uw, 2vw.
 #[derive(Clone, Copy, Debug)]
 pub struct Metric([f32; 6]);
 
 impl Metric {
-    /// For index gradients along u, v, w.
+    /// The metric of index gradients along u, v, w.
     pub fn new(world_from_index: DMat3, family: &Family) -> Self {
         let on_gradient = world_gradient_from_index(world_from_index, family);
         let metric = on_gradient.transpose() * on_gradient;
@@ -43,7 +42,7 @@ impl Metric {
     }
 }
 
-/// Lights and coefficients with everything turned into world space and f32.
+/// Lights and coefficients, converted to world space and f32.
 #[derive(Clone, Debug)]
 pub struct Shader {
     ambient: f32,
@@ -64,24 +63,24 @@ pub struct Shader {
 struct WorldLight {
     /// The light's direction as a form on index gradients: `n · l`.
     on_gradient: [f32; 3],
-    /// The same on view directions as [`Shader::on_gradient`] gives them: `v · l`.
+    /// The light's direction as a form on view directions, which are forms on gradients themselves: `v · l`.
     on_view: [f32; 3],
     rgb: [f32; 3],
-    /// Whether all rays run along it.
+    /// Whether all rays run along the light.
     is_at_eye: bool,
 }
 
-/// Densities are f32 sums of a few products: differences below this share of their magnitude are rounding.
+/// Relative rounding of differences: densities are f32 sums of a few products.
 const GRADIENT_NOISE: f64 = 4e-6;
 
-/// Squared world gradient that counts as none: `GRADIENT_NOISE` of the largest density per mean voxel.
+/// Squared world gradient that counts as 0: `GRADIENT_NOISE` of the largest density per mean voxel.
 pub fn vanishing_gradient_squared(world_from_index: DMat3, range: [f32; 2]) -> f64 {
     let magnitude = f64::from(range[0].abs().max(range[1].abs()));
     let per_world = world_from_index.determinant().abs().cbrt().recip();
     (GRADIENT_NOISE * magnitude * per_world).powi(2).max(1e-36)
 }
 
-/// Lights and coefficients as plain numbers: what another backend takes.
+/// Lights and coefficients as plain numbers, for other backends.
 #[derive(Clone, Debug)]
 pub struct ShaderNumbers {
     /// Weights of the colour without light, under light, and of the highlight.
@@ -92,7 +91,7 @@ pub struct ShaderNumbers {
     pub unoriented: f32,
     /// Squared world gradients from which on there is a normal.
     pub vanishing: f32,
-    /// As of [`Metric::numbers`].
+    /// Coefficients of the squared world gradient ([`Metric::numbers`]).
     pub metric: [f32; 6],
     /// The lights.
     pub lights: Vec<LightNumbers>,
@@ -101,18 +100,18 @@ pub struct ShaderNumbers {
 /// A light as plain numbers.
 #[derive(Clone, Copy, Debug)]
 pub struct LightNumbers {
-    /// Its direction as a form on index gradients along u, v, w.
+    /// The light's direction as a form on index gradients along u, v, w.
     pub on_gradient: [f32; 3],
-    /// The same on view directions as forms.
+    /// The light's direction as a form on view directions, which are forms on gradients themselves.
     pub on_view: [f32; 3],
-    /// Its colour.
+    /// Colour of the light.
     pub rgb: [f32; 3],
-    /// Whether all rays run along it.
+    /// Whether all rays run along the light.
     pub is_at_eye: bool,
 }
 
 impl Shader {
-    /// As plain numbers.
+    /// The lights and coefficients as plain numbers.
     pub fn numbers(&self) -> ShaderNumbers {
         let light = |light: &WorldLight| {
             let WorldLight { on_gradient, on_view, rgb, is_at_eye } = *light;
@@ -128,7 +127,7 @@ impl Shader {
         }
     }
 
-    /// `range` bounds the densities.
+    /// Converts a shading for a camera and a slice family. `range` bounds the densities.
     pub fn new(shading: &Shading, camera: &Camera, world_from_index: DMat3, family: &Family, range: [f32; 2]) -> Self {
         let on_gradient = world_gradient_from_index(world_from_index, family);
         let is_parallel = matches!(camera.projection(), Projection::Orthographic { .. });
@@ -154,7 +153,7 @@ impl Shader {
         }
     }
 
-    /// Shades. `gradient`: per index along u, v, w; `to_eye`: unit world vectors towards the eye, as a form on
+    /// Shades colours. `gradient`: per index along u, v, w; `to_eye`: unit world vectors towards the eye, as a form on
     /// gradients ([`world_gradient_from_index`]).
     #[inline(always)]
     pub fn shade<S: Wide>(&self, s: S, rgb: [S::F; 3], gradient: [S::F; 3], to_eye: [S::F; 3]) -> [S::F; 3] {
@@ -176,7 +175,7 @@ impl Shader {
         shaded
     }
 
-    /// As [`Shader::shade`], where only a share of the first light gets there.
+    /// Like [`Shader::shade`], with only a share of the first light.
     #[inline(always)]
     pub fn shade_in_shadow<S: Wide>(
         &self,
@@ -200,7 +199,7 @@ impl Shader {
         (exists, inverse, n_v)
     }
 
-    /// The sum over all lights; of the first only a share, where one is given.
+    /// Sums the terms of all lights; those of the first times a share, where one is given.
     #[inline(always)]
     fn sum_lights<S: Wide>(
         &self,
@@ -264,7 +263,7 @@ fn dot<S: Wide>(s: S, form: [f32; 3], x: [S::F; 3]) -> S::F {
     s.add(s.add(s.mul(s.splat(form[0]), x[0]), s.mul(s.splat(form[1]), x[1])), s.mul(s.splat(form[2]), x[2]))
 }
 
-/// Raises numbers to one power: repeated squaring where it is a whole number, the library's power else.
+/// Raises numbers to a power: by repeated squaring if it is a whole number, else by the library.
 #[inline(always)]
 fn raise<S: Wide>(s: S, mut x: S::F, power: f32) -> S::F {
     if power.fract() != 0.0 {

@@ -1,61 +1,63 @@
-//! Whether a transfer function needs pre-integration: whether opacity or colour can change by a visible amount from sheet
+//! Need of a transfer function for pre-integration: whether opacity or colour can change by a visible amount from sheet
 //! to sheet, or sheets can miss a visible amount of what is between them.
 
 use wavesplat_core::{Grid, TransferFunction};
 
 use crate::optics::classify::Classifier;
 
-/// Change of a slab's opacity or colour, over all densities, from which slabs are pre-integrated.
+/// Total variation of a slab's opacity or colour, over all densities, from which slabs are pre-integrated.
 const STEEP: f32 = 0.35;
 
-/// Opacity that sheets may miss or exaggerate: two and a half of 255 grey levels; on a coarser level, which has lost more
-/// than that itself, five.
+/// Opacity that sheets may miss or exaggerate: two and a half of 255 grey levels; on a coarser level, which has lost
+/// more than that itself, five.
 const MISSED: f64 = 0.01;
 const MISSED_ON_LEVELS: f64 = 0.02;
 
-/// Slices that densities are taken to need from the least to the greatest, on rays along which they grow evenly; and at
-/// least of a single slab: what changes faster is an edge, which few texels see.
+/// Numbers of slices over which rays are assumed to cross all densities, evenly; and the fewest that are assumed for a
+/// single slab: what changes faster is an edge, which few texels see.
 const SLICES_ACROSS: [usize; 8] = [8, 12, 16, 24, 32, 48, 64, 96];
 const MIN_SLICES_OF_SLAB: f64 = 24.0;
 
-/// Places of the sheets that are tried: even ones, of a single slab and within a slice, and the first tops and gaps of the
-/// function.
+/// Numbers of sheet places that are tried: even ones, over all densities for a single slab and within a slice for all
+/// slabs, and the first tops and gaps of the function.
 const N_EVEN_DENSITIES: usize = 512;
 const N_EVEN_PLACES: usize = 32;
 const N_TURNS: usize = 64;
 
-/// Whether a transfer function can change opacity or colour by a visible amount within a voxel, or has peaks and gaps that
-/// sheets can miss; of a coarser level, within one of the finest: its pictures are smaller, and a smooth function is as
-/// smooth on it.
+/// Whether a transfer function needs pre-integration.
+///
+/// It does if opacity or colour can change by a visible amount within a voxel, or if it has peaks and gaps that sheets
+/// can miss. On a coarser level, a voxel of the finest counts: pictures of the level are smaller, and a smooth function
+/// is as smooth on it.
 pub fn needs_preintegration(grid: &Grid, tf: &TransferFunction) -> bool {
     let thickness = slab_of_the_finest(grid, tf);
     let classifier = Classifier::new(tf, grid.density_from_sample(), grid.density_range(), thickness);
     varies(&classifier, thickness) || has_thin_parts(&classifier, grid, tf)
 }
 
-/// Whether opacity or colour of slabs of a thickness, in `opacity_unit`s, change by a visible amount.
+/// Whether the opacity or colour of slabs of a thickness, in `opacity_unit`s, varies visibly with the density.
 pub(super) fn varies(classifier: &Classifier, slab_thickness: f64) -> bool {
     classifier.variation(slab_thickness) >= STEEP
 }
 
-/// Whether sheets can miss, or exaggerate, a visible amount of what is between them, be there one a slice, as of quality
-/// draft: so that the answer, and the way a picture is drawn, is the same at every quality.
+/// Whether sheets can miss, or exaggerate, a visible amount of what is between them. One sheet per slice is assumed, as
+/// at quality draft, so that the answer, and the way a picture is drawn, is the same at every quality.
 pub(super) fn has_thin_parts(classifier: &Classifier, grid: &Grid, tf: &TransferFunction) -> bool {
     let of_one_slice = 2.0 * slab_of_the_finest(grid, tf);
-    // The function of a coarser level is noisy: not every little top of it is one.
+    // The function of a coarser level is noisy: its little tops mean nothing.
     if grid.coarseness() > 1.0 {
         return missed(classifier, of_one_slice, false) >= MISSED_ON_LEVELS;
     }
     missed(classifier, of_one_slice, true) >= MISSED
 }
 
-/// Thickness of a slab of two sheets a slice, of a coarser level one of the finest, in `opacity_unit`s.
+/// Thickness of a slab at two sheets per slice of the finest level, in `opacity_unit`s.
 pub(super) fn slab_of_the_finest(grid: &Grid, tf: &TransferFunction) -> f64 {
     0.5 * grid.default_opacity_unit() / tf.opacity_unit().unwrap_or(grid.default_opacity_unit())
 }
 
-/// How much opacity at most is missed, or is too much, where a slab gets the mean of what is on the sheets before and
-/// behind it in place of what is between them: of one slab, or of all on the way from the least density to the greatest.
+/// Largest opacity that is missed, or is too much, where a slab gets the mean of what is on the sheets before and
+/// behind it in place of what is between them: of one slab, or of all slabs from the least density to the greatest.
 /// `slab_thickness`: in `opacity_unit`s. `with_combs`: also where a sheet lies on every top.
 fn missed(classifier: &Classifier, slab_thickness: f64, with_combs: bool) -> f64 {
     let [min, max] = classifier.range.map(f64::from);
@@ -77,7 +79,7 @@ fn missed(classifier: &Classifier, slab_thickness: f64, with_combs: bool) -> f64
         [between(0) + (position - inside) / per_density * depth, depth]
     };
     let opacity = |depth: f64| -(-depth * slab_thickness).exp_m1();
-    // Optical depths by both sheets, and of what is between them.
+    // Mean optical depth by both sheets, and of what is between them.
     let depths = |from: f64, step: f64| {
         let ([before, near], [after, far]) = (at(from), at(from + step));
         [0.5 * (near + far), (after - before) / step]
@@ -108,7 +110,7 @@ fn missed(classifier: &Classifier, slab_thickness: f64, with_combs: bool) -> f64
     turns.truncate(N_TURNS);
     let even = (0..=N_EVEN_DENSITIES).map(|k| min + (max - min) * k as f64 / N_EVEN_DENSITIES as f64);
     let beside = |d: f64| of_slab(d, step).max(of_slab(d - step, step));
-    // A sheet on a top is in the slab before it and in that behind.
+    // A sheet on a top counts in the slab before it and in the one behind it.
     let of_combs = if with_combs { turns.iter().map(|d| 2.0 * beside(*d)).sum() } else { 0.0 };
     let of_slabs = even.chain(turns.iter().copied()).map(beside);
     let of_all = SLICES_ACROSS.iter().flat_map(|&n_slices| {
@@ -172,7 +174,7 @@ mod tests {
         for wide in [&[(0.0, 0.0), (100.0, 0.2)][..], &[(30.0, 0.0), (60.0, 0.05), (100.0, 0.2)], &[(0.0, 0.9)]] {
             assert!(missed_by(wide) < 0.008, "{wide:?}: {}", missed_by(wide));
         }
-        // As little as there is of it.
+        // No more is missed than there is.
         assert!(missed_by(&[(49.0, 0.0), (50.0, 0.002), (51.0, 0.0)]) < 0.006);
     }
 }

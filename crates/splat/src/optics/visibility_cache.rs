@@ -1,6 +1,6 @@
-//! What a transfer function shows of a volume: the function tabulated, and which ranges of density are visible.
+//! Visibility of a volume: a transfer function tabulated, and the ranges of density that it makes visible.
 //!
-//! Both depend on neither camera nor picture, and one frame after the other asks for the same: a [`VisibilityCache`] keeps
+//! Neither depends on the camera or the picture, and frame after frame asks for the same: a [`VisibilityCache`] keeps
 //! the last few.
 
 use std::ops::Deref;
@@ -15,29 +15,28 @@ use crate::source::field::Field;
 use crate::source::min_max_bricks::{Bricks, VisibleRanges};
 use crate::source::slices::Slices;
 
-/// Radius, and the numbers of other layers.
+/// Key of an openness field: its radius, and the numbers of the other layers.
 type OpennessKey = (f64, Vec<u64>);
 
-/// What a transfer function shows of a volume.
+/// A tabulated transfer function, and the ranges of a volume that it makes visible.
 pub struct Visibility {
     classifier: Classifier,
-    /// Ranges that have an opacity, where that was asked for.
+    /// Visible ranges, once they have been asked for.
     visible_ranges: OnceLock<VisibleRanges>,
-    /// Whether slabs of as many thicknesses as were asked for change visibly, with these: one, and of a level one of the
-    /// finest.
+    /// Results of `varies`, each with its slab thickness: one, and on a coarser level that of the finest.
     varying: Mutex<Vec<(f64, bool)>>,
-    /// Whether there are peaks or gaps that sheets can miss.
+    /// Whether there are peaks or gaps that sheets can miss, once that has been asked for.
     has_thin_parts: OnceLock<bool>,
-    /// How open places are, by the radius and the other layers that were asked for last.
+    /// The openness field that was asked for last, with its key.
     openness: Mutex<Option<(OpennessKey, Field<'static>)>>,
-    /// Its own number: none is used twice.
+    /// Unique number of this table.
     id: u64,
 }
 
 static NEXT_ID: AtomicU64 = AtomicU64::new(0);
 
 impl Visibility {
-    /// That of `slices` by slabs of `slab_thickness`, as of [`Classifier::new`].
+    /// Tabulates `tf` for `slices` and slabs of `slab_thickness`, in `opacity_unit`s ([`Classifier::new`]).
     pub fn new(slices: &Slices, tf: &TransferFunction, slab_thickness: f64) -> Self {
         let classifier = Classifier::new(tf, slices.grid().density_from_sample(), slices.range(), slab_thickness);
         Self {
@@ -50,13 +49,13 @@ impl Visibility {
         }
     }
 
-    /// Its own number: none is used twice.
+    /// Unique number of this table.
     pub fn id(&self) -> u64 {
         self.id
     }
 
-    /// Whether slabs of a thickness, in `opacity_unit`s, need pre-integration; of a coarser level, those of the finest too.
-    /// `grid`, `tf`: of the slices and of this.
+    /// Whether slabs of a thickness, in `opacity_unit`s, need pre-integration: they vary visibly (on a coarser level,
+    /// slabs of the finest too), or sheets can miss thin parts. `grid`: of the slices; `tf`: of this table.
     pub fn needs_preintegration(&self, grid: &Grid, tf: &TransferFunction, slab_thickness: f64) -> bool {
         (self.varies(slab_thickness) && (grid.coarseness() <= 1.0 || self.varies(slab_of_the_finest(grid, tf))))
             || *self.has_thin_parts.get_or_init(|| has_thin_parts(&self.classifier, grid, tf))
@@ -72,7 +71,7 @@ impl Visibility {
         varies
     }
 
-    /// The openness of places with a radius, beside other layers (their numbers): what `make` gives, or what it gave before.
+    /// The openness field of a radius, beside other layers (their numbers): kept from the last call, or made by `make`.
     pub fn openness(
         &self,
         radius: f64,
@@ -91,7 +90,7 @@ impl Visibility {
         }
     }
 
-    /// Which ranges of density have an opacity somewhere, by the bricks of the same slices.
+    /// Visible ranges of density, by the bricks of the same slices.
     pub fn visible_ranges(&self, bricks: &Bricks) -> &VisibleRanges {
         self.visible_ranges.get_or_init(|| bricks.visible_ranges(|[lo, hi]| self.classifier.any_opacity(lo, hi)))
     }
@@ -105,11 +104,11 @@ impl Deref for Visibility {
     }
 }
 
-/// What was asked for last, the latest first.
+/// The tables that were asked for last, the latest first.
 #[derive(Default)]
 pub struct VisibilityCache(Mutex<Vec<(Key, Arc<Visibility>)>>);
 
-/// What is tabulated.
+/// Key of a table: the arguments that it depends on.
 #[derive(Debug, PartialEq)]
 struct Key {
     slices: u64,
@@ -118,11 +117,11 @@ struct Key {
     slab_thickness: f64,
 }
 
-/// As many are kept: those of a picture and of its pilot tiles, and of others beside it.
+/// Number of tables that are kept: those of a picture and of its pilot tiles, and of others beside it.
 const N_LATEST: usize = 8;
 
 impl VisibilityCache {
-    /// As [`Visibility::new`], or what was made before of the same.
+    /// Like [`Visibility::new`], but returns a kept table where the arguments are the same.
     pub fn get(&self, slices: &Slices, tf: &TransferFunction, slab_thickness: f64) -> Arc<Visibility> {
         let density_from_sample = slices.grid().density_from_sample();
         let is_known = |key: &Key| {

@@ -9,23 +9,23 @@ use crate::view::base_plane::BasePlane;
 /// Texels that share an entry of [`BasePicture::drawn_cells`], along u and v.
 pub const CELL: [usize; 2] = [LANES, 8];
 
-/// Empty texels on all sides, as many as the filter that reads them reaches from what is empty.
+/// Width of the empty margin on all sides, in texels: the reach of the filter from an empty position.
 pub const MARGIN: usize = 3;
 
 /// A finished base plane.
 pub struct BasePicture {
-    /// Its layout.
+    /// Layout of the texels.
     pub plane: BasePlane,
     /// Rows of texels, the margin included: associated RGBA; projections: density, length of the path, 0, coverage.
     texels: Vec<[f32; 4]>,
-    /// w of opacity ½ of each texel, NaN where it is not reached; empty where no depth is wanted.
+    /// w at which each texel's ray reaches opacity ½, NaN where it does not; empty where no depth is wanted.
     pub w_half: Vec<f32>,
-    /// As [`BasePicture::drawn_cells`].
+    /// The flags of [`BasePicture::drawn_cells`].
     drawn: Vec<bool>,
 }
 
 impl BasePicture {
-    /// Nothing drawn.
+    /// An empty picture.
     pub fn new(plane: BasePlane, with_depth: bool) -> Self {
         let [n_u, n_v] = plane.size;
         let cells = n_cells(&plane);
@@ -39,17 +39,18 @@ impl BasePicture {
         }
     }
 
-    /// Whether nothing is seen in it.
+    /// Whether nothing can be seen in the picture.
     pub fn is_empty(&self) -> bool {
         !self.drawn.contains(&true)
     }
 
-    /// All texels, row by row, with [`MARGIN`] on all sides; and how many a row has.
+    /// All texels, row by row, with [`MARGIN`] on all sides; and the number of texels per row.
     pub fn with_margin(&self) -> (&[[f32; 4]], usize) {
         (&self.texels, self.pitch())
     }
 
-    /// Rows of cells of [`CELL`] texels that have been drawn in, or have a neighbour that was; and how many a row has.
+    /// Flags of the cells of [`CELL`] texels, row by row: drawn in, or next to a cell that was; and the number of cells
+    /// per row.
     pub fn drawn_cells(&self) -> (&[bool], usize) {
         (&self.drawn, n_cells(&self.plane)[0])
     }
@@ -114,7 +115,7 @@ impl BasePicture {
         }
     }
 
-    /// A cell and its neighbours have been drawn in: the filter reaches two texels further.
+    /// Marks a cell and its neighbours as drawn: the filter reaches two texels further.
     fn mark_drawn(&mut self, u: usize, v: usize) {
         let [n_cells_u, n_cells_v] = n_cells(&self.plane);
         for v in v.saturating_sub(1)..(v + 2).min(n_cells_v) {
@@ -122,8 +123,8 @@ impl BasePicture {
         }
     }
 
-    /// Puts the texels of a chunk, with `w_half`, in their place; those beyond the base plane are left out, and so is
-    /// a chunk of which nothing is seen.
+    /// Writes the texels of a chunk, with `w_half`, from `(i, j)` on; texels beyond the base plane are skipped, and so
+    /// is a chunk without opacity.
     pub fn put(&mut self, i: usize, j: usize, chunk: &[[f32; 4]; LANES], w_half: Option<&[f32; LANES]>) {
         if chunk.iter().all(|rgba| rgba[3] == 0.0) {
             return;
@@ -140,7 +141,7 @@ impl BasePicture {
 
     /// w of opacity ½ at a texel position: linear where the four texels around it lie on one surface.
     pub fn w_half(&self, position: DVec2) -> f32 {
-        /// Slice distances within which neighbouring texels count as one surface.
+        /// Largest difference of w, in slices, within which neighbouring texels lie on one surface.
         const ONE_SURFACE: f32 = 2.0;
         let [n_u, n_v] = self.plane.size;
         let floor = position.floor();
@@ -167,14 +168,14 @@ impl BasePicture {
 #[derive(Default)]
 pub struct TileTexels<'a> {
     rows: Vec<&'a mut [[f32; 4]]>,
-    /// As of [`BasePicture::w_half`]; empty where no depth is wanted.
+    /// Rows of [`BasePicture::w_half`]; empty where no depth is wanted.
     w_half: Vec<&'a mut [f32]>,
-    /// Cells of the tile that were drawn in, more than once each.
+    /// Cells of the tile that were drawn in, with repetitions.
     drawn: Vec<[usize; 2]>,
 }
 
 impl TileTexels<'_> {
-    /// As [`BasePicture::put`], by columns and rows of the tile.
+    /// Like [`BasePicture::put`], with the column and row of the tile.
     pub fn put(&mut self, i: usize, j: usize, chunk: &[[f32; 4]; LANES], w_half: Option<&[f32; LANES]>) {
         let Some(texels) = self.rows.get_mut(j).and_then(|row| row.get_mut(i..)) else { return };
         if texels.is_empty() || chunk.iter().all(|rgba| rgba[3] == 0.0) {

@@ -15,7 +15,7 @@ pub fn color_projection(rgba: &mut [[f32; 4]], grid: &Grid, tf: &TransferFunctio
         // A sum of densities lacks the offset once per unit of length.
         let length = if composite == Composite::Sum { f64::from(pixel[1]) / coverage } else { 1.0 };
         let value = match composite {
-            // What is above the clear value has no offset.
+            // The offset cancels in differences from the clear value.
             Composite::XRay { attenuation, .. } => (-attenuation * density / scale).exp(),
             _ => density / scale + offset * length,
         };

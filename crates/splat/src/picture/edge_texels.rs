@@ -1,5 +1,5 @@
-//! Texels around a read of a pixel with an edge ([`crate::picture::edges`]): what their rays met, how far these ran, and
-//! their mean as if all had run as far as the read's.
+//! Texels around a read of a pixel with an edge ([`crate::picture::edges`]): what their rays met, how far these ran,
+//! and their mean as if all had run as far as the read's.
 
 use wavesplat_compute::simd::{LANES, Simd};
 
@@ -8,10 +8,10 @@ use crate::picture::base_picture::BasePicture;
 use crate::picture::edges::Scaling;
 use crate::view::silhouette::{LENGTH_TOLERANCE, Met, PlaneSilhouette};
 
-/// Length of a texel's ray, by that of a read's, below which it does not give the colour there.
+/// Smallest length of a texel's ray, relative to the read's, with which the texel contributes.
 const MIN_LENGTH_RATIO: f64 = 0.1;
 
-/// Length of a texel's ray, in slices, below which it gives no colour.
+/// Smallest length of a texel's ray, in slices, with which the texel contributes.
 const MIN_LENGTH_SLICES: f64 = 0.02;
 
 /// The sixteen texels around a position.
@@ -19,24 +19,24 @@ const MIN_LENGTH_SLICES: f64 = 0.02;
 pub(super) struct Taps {
     rgba: [[f32; 4]; LANES],
     pub(super) weight: [f32; LANES],
-    /// Whether the ray of a texel says something about the read's.
+    /// Whether the texel contributes to the read.
     is_used: [bool; LANES],
-    /// Whether it meets the same regions.
+    /// Whether its ray meets the same regions as the read's.
     is_alike: [bool; LANES],
-    /// Whether it meets any.
+    /// Whether its ray meets any region.
     is_met: [bool; LANES],
-    /// Of opacity, the optical depth along a ray as long as the read's; of sums, the factor.
+    /// For opacity, the optical depth along a ray as long as the read's; for sums, the ratio of lengths.
     depth: [f32; LANES],
-    /// Whether its length differs from the read's.
+    /// Whether its ray's length differs from the read's.
     is_other: [bool; LANES],
-    /// Whether it may have stopped on the way.
+    /// Whether its ray may have stopped on the way.
     is_opaque: [bool; LANES],
 }
 
-/// The four of sixteen texels that are nearest.
+/// The four of sixteen texels that are nearest to the position.
 const MIDDLE: [usize; 4] = [5, 6, 9, 10];
 
-/// Weights that sum to less are not those of a mean.
+/// Smallest sum of weights that is normalised to a mean.
 const MIN_WEIGHT: f32 = 0.4;
 
 impl Taps {
@@ -58,13 +58,14 @@ impl Taps {
         self.is_opaque[k] = strip.is_opaque[lane];
     }
 
-    /// The weighted mean, between the nearest, no colour brighter than its opacity lets it be.
+    /// The weighted mean, clamped to the nearest texels, no colour brighter than its opacity allows.
     #[inline(always)]
     pub(super) fn mean<S: Simd>(mut self, s: S, scaling: Scaling, t: [f32; 2], peak: f32) -> [f32; 4] {
         if self.is_used == [false; LANES] {
             self.is_used = self.is_alike;
         }
-        // Where boxes of layers overlap in less than a texel, no texel meets the same of them: others are nearer than nothing.
+        // Where boxes of layers overlap in less than a texel, no texel meets the same regions: any that meets a region
+        // will do.
         if self.is_used == [false; LANES] {
             self.is_used = self.is_met;
         }
@@ -100,7 +101,7 @@ impl Taps {
         mean
     }
 
-    /// The nearest texel that is used, where too few are for a mean.
+    /// The nearest texel that is used, where the weights do not suffice for a mean.
     #[inline(never)]
     fn nearest(&self, t: [f32; 2]) -> [f32; 4] {
         let distance = |k: &usize| {
@@ -111,8 +112,8 @@ impl Taps {
         used.min_by(|a, b| distance(a).total_cmp(&distance(b))).map_or([0.0; 4], |k| self.rgba[k])
     }
 
-    /// Opaque texels give only a lower bound of the extinction: the largest that is known nearby is taken, or the largest
-    /// of all where none is.
+    /// Opaque texels give only a lower bound of the extinction: the largest that is known nearby is taken, or the
+    /// largest of all where none is.
     #[inline(always)]
     fn estimate_opaque(&mut self) {
         if self.is_opaque == [false; LANES] {
@@ -131,7 +132,7 @@ impl Taps {
         }
     }
 
-    /// Brings the texels to the length of the read's ray.
+    /// Rescales the texels to the length of the read's ray.
     #[inline(always)]
     fn scale<S: Simd>(&mut self, s: S, scaling: Scaling) {
         if self.is_other == [false; LANES] {
@@ -164,25 +165,25 @@ pub(super) struct Strip {
     rgba: [[f32; 4]; LANES],
     met: [u8; LANES],
     length: [f64; LANES],
-    /// What all of them meet, if it is the same.
+    /// Regions and length of all sixteen rays, where they agree.
     pub(super) level: Option<Met>,
     /// Optical depth per slice.
     depth: [f32; LANES],
-    /// Whether there may be more than that.
+    /// Whether the optical depth is only a lower bound.
     is_opaque: [bool; LANES],
 }
 
-/// Opacity of rays that may have stopped on the way.
+/// Smallest opacity of a ray that may have stopped on the way.
 const OPAQUE: f32 = 1.0 - 2e-4;
 
 /// Smallest opacity from which extinction is estimated.
 const MIN_RELIABLE_OPACITY: f32 = 0.3;
 
-/// An optical depth that is opaque, whatever it is multiplied with.
+/// Optical depth of a texel that is wholly opaque.
 const MAX_DEPTH: f32 = 1e6;
 
 impl Strip {
-    /// `place`: of the strip along u, and the row.
+    /// The strip with a number along u, in row `j` of the base plane.
     pub(super) fn new(plane: &PlaneSilhouette, picture: &BasePicture, scaling: Scaling, [strip, j]: [i64; 2]) -> Self {
         let i = strip * LANES as i64;
         let (mut met, length) = plane.rendered(i as f64, j as f64);
@@ -207,8 +208,8 @@ impl Strip {
     }
 }
 
-/// `−ln(1 − opacity)`, by the series of the inverse hyperbolic tangent: with sums and products alone, so that every
-/// processor gives the same bits.
+/// Optical depth `−ln(1 − opacity)`, by the series of the inverse hyperbolic tangent: with sums and products alone, so
+/// that every processor gives the same bits.
 fn optical_depth(opacity: f32) -> f64 {
     let rest = 1.0 - f64::from(opacity.max(0.0));
     // rest = m · 2^e with m from √½ to √2, ln m = 2 artanh((m − 1) / (m + 1)).
@@ -223,11 +224,11 @@ fn optical_depth(opacity: f32) -> f64 {
     -(2.0 * s * series + f64::from(exponent) * std::f64::consts::LN_2)
 }
 
-/// Strips that were made last, by their place.
+/// Direct-mapped cache of strips, by base plane and place.
 #[derive(Default)]
 pub(super) struct Strips(Vec<Option<([i64; 3], Strip)>>);
 
-/// Places of strips along u and v, powers of two.
+/// Cache entries along u and v, powers of two.
 const N_PLACES: [i64; 2] = [4, 16];
 
 impl Strips {

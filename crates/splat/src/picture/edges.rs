@@ -1,11 +1,12 @@
 //! Pixels through which a wall passes: of the volume's box, a crop box, a clip plane, or a layer's box.
 //!
-//! Such a pixel is the mean of reads on a grid, as many rays would give, and each read counts by where its own ray enters
-//! and leaves what is drawn, which is known exactly: it is nothing where the ray misses it, and else the texels around it,
-//! each brought from the length of its ray to that of the read's. The mean extinction along a ray goes on smoothly where
-//! its length does not. Texels just beyond a wall are there for this ([`crate::view::silhouette`]).
+//! Such a pixel is the mean of reads on a grid, like many rays. Where the ray of each read enters and leaves the drawn
+//! region is known exactly: the read is empty where its ray misses the region, and else the mean of the texels around
+//! it, each rescaled from the length of its own ray to that of the read's. This works because the mean extinction along
+//! a ray continues smoothly across a wall, where its length does not. Texels just beyond a wall are drawn for this
+//! ([`crate::view::silhouette`]).
 //!
-//! All other pixels stay as the warp has drawn them, and what lies beyond the walls is taken away.
+//! All other pixels stay as the warp has drawn them, but for those beyond the walls, which are cleared.
 
 use glam::DVec2;
 use wavesplat_compute::simd::{LANES, Level, Simd, VectorKernel};
@@ -18,58 +19,59 @@ use crate::view::region::Passage;
 use crate::view::scattered::scattered_position;
 use crate::view::silhouette::{Coverage, Met, PixelGrid, PlaneSilhouette, Silhouette};
 
-/// How a texel depends on the length of its ray.
+/// Dependence of a texel on the length L of its ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Scaling {
-    /// `1 − exp(−τ L)`.
+    /// Opacity of an extinction τ, `1 − exp(−τ L)`.
     Opacity,
-    /// Proportional to it.
+    /// Proportional to L.
     Sum,
-    /// Not at all.
+    /// Independent of L.
     None,
 }
 
-/// What the warp is told of edges.
+/// Input of the edge pass.
 #[derive(Clone, Copy)]
 pub struct Edges<'a> {
-    /// What rays meet.
+    /// The silhouette of the drawn regions.
     pub silhouette: &'a Silhouette,
-    /// How texels depend on the lengths of rays.
+    /// Dependence of texels on the lengths of rays.
     pub scaling: Scaling,
-    /// Whether texels are values of a projection: a pixel whose middle ray is inside shows that ray's, to the bit.
+    /// Whether texels are values of a projection: a pixel whose middle ray is inside shows that ray's value, to the
+    /// bit.
     pub is_projection: bool,
 }
 
-/// Cells of a pixel with an edge along x and along y, each of which has a read, at every quality: so a pixel that a wall
-/// covers in part has the same share of it in all of them.
+/// Reads of a pixel with an edge per axis, one in each cell of a grid; the same at every quality, so that a pixel's
+/// share of a wall does not depend on it.
 const READS_PER_AXIS: usize = 4;
 
 /// Reads of a pixel with an edge.
 const N_READS: usize = READS_PER_AXIS * READS_PER_AXIS;
 
-/// Pixels per side of the squares in which edges are looked for.
+/// Side of the squares in which edges are looked for, in pixels.
 const SQUARE_PX: usize = 8;
 
-/// The pass over a warped picture.
+/// The edge pass over a warped picture.
 pub struct EdgePass<'a> {
     edges: Edges<'a>,
     resamplers: &'a [Resampler<'a>],
-    /// As each base plane sees them.
+    /// The silhouette on each base plane.
     planes: Vec<PlaneSilhouette<'a>>,
     rays: &'a IndexRays,
     peak: f32,
     level: Level,
     is_parallel: bool,
-    /// Positions in a pixel.
+    /// Positions of the reads in a pixel, from 0 to 1.
     reads: [[f64; 2]; N_READS],
-    /// Distance of the texels that are read from a pixel, in pixels.
+    /// Largest size of a texel, in pixels.
     reach_px: f64,
-    /// Distance from a pixel at which texels may follow another wall than within it, in pixels.
+    /// Width of the border around a pixel in which texels may end at other walls than the pixel does, in pixels.
     guard_px: f64,
 }
 
 impl<'a> EdgePass<'a> {
-    /// `None` where nothing was drawn.
+    /// The pass over base planes; `None` where there are none.
     pub fn new(
         edges: Edges<'a>,
         resamplers: &'a [Resampler<'a>],
@@ -87,8 +89,8 @@ impl<'a> EdgePass<'a> {
         Some(Self { edges, resamplers, planes, rays, peak, level, is_parallel, reads, reach_px, guard_px })
     }
 
-    /// Draws the pixels of a rectangle that have edges. `first`: its first column and row; `pixels`: from that pixel on,
-    /// `pitch` from row to row.
+    /// Draws the pixels of a rectangle that have edges. `first`: its first column and row; `pixels`: the picture from
+    /// that pixel on, with `pitch` pixels per row.
     pub fn draw(&self, first: [usize; 2], size: [usize; 2], pixels: &mut [[f32; 4]], pitch: usize) {
         let mut passages = Vec::new();
         match self.coverage(first, size, &mut passages) {
@@ -139,7 +141,7 @@ impl<'a> EdgePass<'a> {
         })
     }
 
-    /// What a rectangle of pixels shows.
+    /// Coverage of a rectangle of pixels by the silhouette.
     fn coverage(&self, first: [usize; 2], size: [usize; 2], passages: &mut Vec<Vec<Passage>>) -> Coverage {
         let corner = first.map(|px| px as f64 - self.guard_px);
         let sides = size.map(|px| px as f64 + 2.0 * self.guard_px);
@@ -161,7 +163,7 @@ impl<'a> EdgePass<'a> {
         passages: &mut Vec<Vec<Passage>>,
         strips: &mut Strips,
     ) {
-        // Corners are those of neighbours as well, but where pixels are looked at with what is beside them.
+        // Without a border, neighbouring pixels share corners, whose passages are computed once.
         let is_shared = self.guard_px == 0.0;
         if is_shared {
             let grid = PixelGrid { first: first.map(|px| px as f64), distance: [1.0; 2], n: size.map(|n| n + 1) };
@@ -171,7 +173,8 @@ impl<'a> EdgePass<'a> {
             for x in 0..size[0] {
                 let at = [first[0] + x, first[1] + y];
                 let pixel = &mut pixels[(at[1] - origin[1]) * pitch + at[0] - origin[0]];
-                // The middle of a pixel may lie beyond a wall, and all the texels that the warp reads there, but not all of it.
+                // A pixel that the warp left empty may have an edge: its middle may lie beyond a wall, but not all of
+                // it.
                 if pixel[3] == 0.0 && self.is_empty(at, [1, 1]) {
                     continue;
                 }
@@ -195,7 +198,7 @@ impl<'a> EdgePass<'a> {
         }
     }
 
-    /// A pixel. `before`: as the warp has drawn it.
+    /// Colour of a pixel with an edge. `before`: the colour that the warp gave it.
     #[inline(always)]
     fn pixel<S: Simd>(&self, s: S, [x, y]: [usize; 2], before: [f32; 4], strips: &mut Strips) -> [f32; 4] {
         let mut hits = Hits::default();
@@ -213,8 +216,8 @@ impl<'a> EdgePass<'a> {
             let rgba = if self.edges.scaling == Scaling::None { before } else { self.read(s, &middle, strips) };
             return rgba.map(|c| c * share);
         }
-        // Where the same walls are met at the same distance all around, colours change slowly, and the one in the middle of
-        // the reads is their mean.
+        // Where all rays run equally far in the same regions, colours change slowly, and the one in the middle of the
+        // reads is their mean.
         if self.is_level(&hits, strips) {
             let rgba = if hits.n == N_READS { before } else { self.read(s, &hits.middle(), strips) };
             return rgba.map(|c| c * share);
@@ -250,7 +253,7 @@ impl<'a> EdgePass<'a> {
         })
     }
 
-    /// Where a position of the picture is read, if its ray hits anything.
+    /// The read at a position of the picture; `None` where its ray misses everything.
     #[inline(always)]
     fn hit(&self, [x_px, y_px]: [f64; 2]) -> Option<Read> {
         let plane = if self.is_parallel {
@@ -271,7 +274,7 @@ impl<'a> EdgePass<'a> {
         strips.get(plane, place, || Strip::new(&self.planes[plane], picture, self.edges.scaling, place))
     }
 
-    /// The texels around a position, each as if its ray were as long as the read's.
+    /// The mean of the texels around a position, each rescaled to the length of the read's ray.
     #[inline(always)]
     fn read<S: Simd>(&self, s: S, read: &Read, strips: &mut Strips) -> [f32; 4] {
         let floor = read.at.floor();
@@ -299,11 +302,11 @@ impl<'a> EdgePass<'a> {
     }
 }
 
-/// A pixel with an edge, drawn by the vectors of a level.
+/// Vector kernel that draws a pixel with an edge.
 struct DrawPixel<'a, 'b> {
     pass: &'a EdgePass<'a>,
     at: [usize; 2],
-    /// As the warp has drawn it.
+    /// The colour that the warp gave it.
     before: [f32; 4],
     strips: &'b mut Strips,
 }
@@ -317,14 +320,14 @@ impl VectorKernel for DrawPixel<'_, '_> {
     }
 }
 
-/// Where a picture is read.
+/// A read of a base plane.
 #[derive(Clone, Copy, Default)]
 struct Read {
-    /// Which base plane.
+    /// Index of the base plane.
     plane: usize,
     /// Texel position.
     at: DVec2,
-    /// What its ray meets.
+    /// Regions that its ray meets, and the length in them.
     met: Met,
 }
 
@@ -348,20 +351,20 @@ impl Hits {
         self.reads[..self.n].iter()
     }
 
-    /// The mean position of reads of which all meet the same.
+    /// The read at the mean position; all reads meet the same regions.
     fn middle(&self) -> Read {
         let sum: DVec2 = self.iter().map(|read| read.at).sum();
         Read { at: sum / self.n as f64, ..self.reads[0] }
     }
 }
 
-/// Pixels per texel, at most, in the middle of the pixels that a base plane serves.
+/// Size of a texel in the middle of a base plane, in pixels; at most 10.
 fn texel_px(plane: &BasePlane, rays: &IndexRays) -> f64 {
     let per_px = plane.texels_per_pixel(rays);
     1.0 / per_px.max(0.1)
 }
 
-/// Takes away what lies beyond the walls.
+/// Clears a rectangle of pixels beyond the walls.
 fn clear(origin: [usize; 2], first: [usize; 2], size: [usize; 2], pixels: &mut [[f32; 4]], pitch: usize) {
     let [x, y] = [first[0] - origin[0], first[1] - origin[1]];
     for row in y..y + size[1] {

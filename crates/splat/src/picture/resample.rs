@@ -1,8 +1,8 @@
 //! Bicubic resampling of a base plane between its texels.
 //!
-//! By the Catmull-Rom cubic (Keys 1981), which keeps what the base plane resolves, clamped to the texels around the
-//! position so that edges do not ring, and to the brightest colour that its opacity can have. Where nothing was drawn,
-//! nothing is read: a summed-area table (Crow 1984) counts what was.
+//! The filter is the Catmull-Rom cubic (Keys 1981), which keeps what the base plane resolves, clamped to the texels
+//! around the position so that edges do not ring, and to the brightest colour that its opacity can have. Where nothing
+//! was drawn, nothing is read: a summed-area table (Crow 1984) counts the cells that were drawn in.
 
 use std::ops::Range;
 
@@ -11,22 +11,23 @@ use wavesplat_compute::simd::{LANES, Lanes, Math, ROUND, Rows, Simd};
 
 use crate::picture::base_picture::{BasePicture, CELL, MARGIN};
 
-/// Positions may be so far from their base, and a base from the base plane; further away they are beyond any base plane.
+/// Largest distance of a position from its base, and of a base from the base plane, in texels; anything further is
+/// outside.
 pub const FAR: f32 = (1 << 22) as f32;
 
-/// Pixels whose numbers fill the lanes.
+/// Pixels whose four channels fill the lanes.
 pub const QUAD: usize = 4;
 
-/// Sixteen pixels, four a vector.
+/// Sixteen pixels, four per vector.
 pub type Quads<S> = [<S as Math>::F; LANES / QUAD];
 
-/// Which lane holds the opacity of the pixel that a lane's number belongs to.
+/// Lane of the opacity of each lane's pixel.
 const OPACITY: Lanes<u32> = Lanes([3, 3, 3, 3, 7, 7, 7, 7, 11, 11, 11, 11, 15, 15, 15, 15]);
 
-/// One where a lane holds an opacity.
+/// Indicator of the lanes that hold an opacity.
 const IS_OPACITY: [f32; LANES] = [0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 0.0, 1.0];
 
-/// Which pixel of sixteen a lane's number belongs to, for each quad of pixels.
+/// Number of each lane's pixel among sixteen, for each quad of pixels.
 const PIXEL: [Lanes<u32>; LANES / QUAD] = [
     Lanes([0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3]),
     Lanes([4, 4, 4, 4, 5, 5, 5, 5, 6, 6, 6, 6, 7, 7, 7, 7]),
@@ -37,18 +38,18 @@ const PIXEL: [Lanes<u32>; LANES / QUAD] = [
 /// Slope of the cubic of Catmull and Rom.
 const CATMULL_ROM: f32 = -0.5;
 
-/// Reads a finished base plane.
+/// Reader of a finished base plane.
 pub struct Resampler<'a> {
-    /// What is read.
+    /// The base plane.
     pub picture: &'a BasePicture,
-    /// How many cells have been drawn in that are before a column and a row of cells; one column and one row more than
+    /// Summed-area table: number of drawn cells before a column and a row of cells; one column and one row more than
     /// there are cells.
     n_drawn: Vec<u32>,
     n_cells: [usize; 2],
 }
 
 impl<'a> Resampler<'a> {
-    /// Reads a base plane that is finished.
+    /// A reader of a finished base plane.
     pub fn new(picture: &'a BasePicture) -> Self {
         let (cells, n_u) = picture.drawn_cells();
         let mut n_drawn = vec![0; n_u + 1];
@@ -64,10 +65,10 @@ impl<'a> Resampler<'a> {
         Self { picture, n_drawn, n_cells: [n_u, cells.len() / n_u] }
     }
 
-    /// What is at sixteen texel positions, four of them a vector; `None` where nothing can be seen. `peak`: no colour is
-    /// brighter. `base`: whole texels,
-    /// which the positions count from. `lanes`: those that are wanted, whose positions go one way; of others only those
-    /// that are far away are sure to be empty. `look`: whether it is not known that something is there.
+    /// Colours at sixteen texel positions, four per vector; `None` where nothing can be seen. `peak`: largest
+    /// unassociated colour. `base`: whole texels that the positions count from. `lanes`: the lanes that are wanted,
+    /// whose positions are monotonic; other lanes are undefined, or empty where their positions are far away. `look`:
+    /// whether to check first that anything has been drawn there.
     #[inline(always)]
     pub fn read<S: Simd>(
         &self,
@@ -81,13 +82,13 @@ impl<'a> Resampler<'a> {
         let mut first_read = [Lanes([0; LANES]); 2];
         let mut shares = [s.splat(0.0); 2];
         for axis in 0..2 {
-            // What is beyond the base plane reads the margin. What is not a number is beyond it, too.
+            // Positions beyond the base plane, and NaN, read the margin.
             let [lo, hi] = [-1.5, self.picture.plane.size[axis] as f32 + 0.5].map(|end| end - base[axis] as f32);
             let x = s.max(s.min(positions[axis], s.splat(hi)), s.splat(lo));
-            // A whole position may count as the end of the texel before, which reads the same.
+            // A whole position may count as the end (t = 1) of the texel before, where the cubic gives the same value.
             let shifted = s.add(s.sub(x, s.splat(0.5)), s.splat(ROUND));
             shares[axis] = s.sub(x, s.sub(shifted, s.splat(ROUND)));
-            // The whole number stands in the last bits.
+            // After the addition of ROUND the low bits of the float hold the whole number.
             let mut texels = Lanes([0.0_f32; LANES]);
             s.store(shifted, &mut texels.0);
             let to_first_read = base[axis] - ROUND.to_bits() as i32 + MARGIN as i32 - 1;
@@ -128,14 +129,14 @@ impl<'a> Resampler<'a> {
         Some(quads)
     }
 
-    /// What has been drawn that can be seen at positions between two, texels.
+    /// Drawn cells that the filter may read at positions between two texel positions.
     pub fn drawn_between(&self, lo: DVec2, hi: DVec2) -> Drawn {
         let size = self.picture.plane.size;
         let first_read = |x: f64, axis: usize| (x.clamp(-2.0, size[axis] as f64) + (MARGIN - 1) as f64) as u32;
         self.cells([[first_read(lo.x, 0), first_read(hi.x, 0)], [first_read(lo.y, 1), first_read(hi.y, 1)]])
     }
 
-    /// What has been drawn where the filter reads, by the ranges of what it reads first.
+    /// Drawn cells that the filter reads, by the ranges of the first texels that it reads.
     #[inline(always)]
     fn cells(&self, [[first_i, last_i], [first_j, last_j]]: [[u32; 2]; 2]) -> Drawn {
         let [n_u, n_v] = self.n_cells;
@@ -151,7 +152,7 @@ impl<'a> Resampler<'a> {
     }
 }
 
-/// Cells of a base plane, and how many of them have been drawn in.
+/// Number of cells in a rectangle of a base plane, and of those that have been drawn in.
 #[derive(Clone, Copy, Debug)]
 pub struct Drawn {
     n_drawn: u32,
@@ -159,18 +160,18 @@ pub struct Drawn {
 }
 
 impl Drawn {
-    /// None of them.
+    /// Whether no cell has been drawn in.
     pub fn is_empty(self) -> bool {
         self.n_drawn == 0
     }
 
-    /// All of them.
+    /// Whether all cells have been drawn in.
     pub fn is_full(self) -> bool {
         self.n_drawn == self.n_cells
     }
 }
 
-/// What is at the positions of four of sixteen pixels. `places`: of what is read first.
+/// Colours at four of sixteen positions. `places`: offsets of the first texel that each position reads.
 #[inline(always)]
 fn read_quad<S: Simd>(
     s: S,
@@ -183,7 +184,7 @@ fn read_quad<S: Simd>(
     let (mut columns, mut least, mut most) = ([s.splat(0.0); 4], [s.splat(0.0); 4], [s.splat(0.0); 4]);
     for k in 0..QUAD {
         let at = quad * QUAD + k;
-        // Four texels of a row are sixteen numbers: first down the columns, then across.
+        // Four texels of a row are sixteen channels: the filter runs down the columns first, then across.
         let [first, second, third, fourth] = s.load_rows(rows, 4 * places.0[at] as usize);
         let (w1, w2) = (s.splat(weights_v[1].0[at]), s.splat(weights_v[2].0[at]));
         let (w0, w3) = (s.splat(weights_v[0].0[at]), s.splat(weights_v[3].0[at]));
@@ -196,13 +197,13 @@ fn read_quad<S: Simd>(
     let (w1, w2) = (s.take(&weights_u[1].0, pixel), s.take(&weights_u[2].0, pixel));
     let (w0, w3) = (s.take(&weights_u[0].0, pixel), s.take(&weights_u[3].0, pixel));
     let sum = s.add(s.add_mul(s.mul(w0, a), w1, b), s.add_mul(s.mul(w2, c), w3, d));
-    // Of the two texels in the middle: of two reads in one vector, then of four.
+    // Extremes of the two texels in the middle: of two reads in one vector, then of four.
     let least = s.deinterleave_quads(s.middle_quads(least[0], least[1]), s.middle_quads(least[2], least[3]));
     let most = s.deinterleave_quads(s.middle_quads(most[0], most[1]), s.middle_quads(most[2], most[3]));
     held(s, sum, [s.min(least[0], least[1]), s.max(most[0], most[1])], peaks(s, peak))
 }
 
-/// Four pixels held between what lies around them, no colour brighter than its opacity lets it be. `peak`: of [`peaks`].
+/// Four pixels clamped to the texels around them, no colour brighter than its opacity allows. `peak`: from [`peaks`].
 #[inline(always)]
 fn held<S: Simd>(s: S, quad: S::F, [least, most]: [S::F; 2], peak: S::F) -> S::F {
     let color = s.min(s.max(quad, least), most);
@@ -211,15 +212,15 @@ fn held<S: Simd>(s: S, quad: S::F, [least, most]: [S::F; 2], peak: S::F) -> S::F
     s.min(color, s.mul(peak, s.take(&numbers.0, &OPACITY)))
 }
 
-/// The largest share of its opacity that each number of four pixels may have. `peak`: that of a colour.
+/// Largest ratio to its pixel's opacity of each channel of four pixels. `peak`: the ratio of a colour.
 #[inline(always)]
 fn peaks<S: Simd>(s: S, peak: f32) -> S::F {
     let is_opacity = s.lt(s.splat(0.5), s.load(&IS_OPACITY));
     s.select(is_opacity, s.splat(1.0), s.splat(peak))
 }
 
-/// Weights of the four values around positions `t` of the way from the second to the third, by a cubic with some slope one
-/// value away from its middle (Keys 1981, who calls it a).
+/// Weights of four neighbouring values at the fraction `t` from the second to the third, by the cubic of the given
+/// slope parameter (a of Keys 1981).
 #[inline(always)]
 fn cubic<S: Simd>(s: S, slope: f32, t: S::F) -> [S::F; 4] {
     let (one, a) = (s.splat(1.0), s.splat(slope));
@@ -229,7 +230,7 @@ fn cubic<S: Simd>(s: S, slope: f32, t: S::F) -> [S::F; 4] {
     [w0, w1, s.sub(s.sub(s.sub(one, w0), w1), w3), w3]
 }
 
-/// The same of one position, by the same operations in the same order.
+/// Weights of the Catmull-Rom cubic at one position, by the same operations in the same order.
 #[inline(always)]
 pub fn cubic_weights(t: f32) -> [f32; 4] {
     let a = CATMULL_ROM;
@@ -372,7 +373,7 @@ mod tests {
         }
     }
 
-    /// Chunks here and there: what is left out has nothing in it, and something is left out.
+    /// Scattered chunks: everything that is skipped is empty, and something is skipped.
     #[test]
     fn only_what_is_empty_is_left_out() {
         let size = [150, 90];

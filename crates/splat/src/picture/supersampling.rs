@@ -1,13 +1,13 @@
-//! Supersampling: of how many reads of the base plane a pixel is the mean.
+//! Supersampling: the number of reads of the base plane that a pixel is the mean of.
 
 use wavesplat_core::Composite;
 
-/// Texels per pixel along each axis that a single read does for, but for what is as good as none.
+/// Largest number of texels per pixel along each axis for which a single read suffices.
 const MAX_OF_ONE_READ: f64 = 1.05;
 
-/// Reads of a pixel along x, and as many along y: about one per texel, so that a pixel is the mean over its area.
-/// Projections show samples to the bit where rays run through them: their pixels are read once. Where a wall passes
-/// through a pixel, `edges` reads it.
+/// Reads of a pixel per axis: about one per texel, so that a pixel is the mean over its area. Projections show samples
+/// to the bit where rays run through them: their pixels are read once. Where a wall passes through a pixel, `edges`
+/// reads it.
 pub fn reads_per_axis(composite: Composite, oversampling: f64) -> usize {
     if composite.is_projection() { 1 } else { (oversampling + 1.0 - MAX_OF_ONE_READ).ceil().max(1.0) as usize }
 }

@@ -1,7 +1,7 @@
 //! The warp of shear-warp, the one final resampling: base planes -> picture.
 //!
-//! Each pixel is served by the family of its own ray. Where the base plane is denser than the pixels, a pixel is the mean
-//! of several reads, as many rays per pixel would give: supersampling with a box filter.
+//! Each pixel is served by the family of its own ray. Where the base plane is denser than the pixels, a pixel is the
+//! mean of several reads, like several rays per pixel: supersampling with a box filter.
 
 use std::ops::Range;
 
@@ -15,16 +15,16 @@ use crate::picture::resample::{FAR, Quads, Resampler};
 use crate::view::base_plane::BasePlane;
 use crate::view::family::{Family, IndexRays};
 
-/// A pixel of the warped picture: colour, and (base plane, w) of opacity ½.
+/// The warped picture: colours, and the depth of opacity ½ where it is wanted.
 pub struct Warped {
-    /// As [`BasePicture::texels`].
+    /// Pixels in the layout of [`BasePicture::texels`].
     pub rgba: Vec<[f32; 4]>,
-    /// Index-space position along the pixel's ray of opacity ½, as the ray's parameter; NaN where not reached.
+    /// Ray parameter, along each pixel's ray in index space, of opacity ½; NaN where not reached.
     pub ray_parameter: Option<Vec<f32>>,
 }
 
-/// Draws the picture. `peak`: largest unassociated colour. `edges`: where walls cut what is seen, if texels go on beyond
-/// them.
+/// Draws the picture. `peak`: largest unassociated colour. `edges`: the walls that cut the picture, if texels go on
+/// beyond them.
 #[expect(clippy::too_many_arguments, reason = "base planes, pixels, and how these are read")]
 pub fn warp(
     level: Level,
@@ -54,15 +54,15 @@ pub fn warp(
     Warped { rgba, ray_parameter: parameters }
 }
 
-/// Rows of pixels that are drawn together, so many columns at a time: rows of pixels mostly lie aslant in the base
-/// plane, and what one has read is near when the next one wants it.
+/// Side of the blocks of pixels that are drawn together: rows of pixels are mostly oblique in the base plane, and
+/// texels that one row has read are still in the cache when the next one reads them.
 const BAND: usize = 32;
 
-/// What is read.
+/// Input of the warp.
 struct Warping<'a> {
     resamplers: &'a [Resampler<'a>],
     rays: &'a IndexRays,
-    /// Reads of a pixel along x and along y; it is their mean.
+    /// Reads of a pixel along x and along y; the pixel is their mean.
     reads_per_axis: usize,
     /// Largest unassociated colour.
     peak: f32,
@@ -99,7 +99,7 @@ impl<'a> Warping<'a> {
         }
     }
 
-    /// Draws pixels that one base plane serves; tells whether anything of it can be seen.
+    /// Draws pixels that one base plane serves; returns whether any texel that they read has been drawn.
     fn draw_one<M: Map>(&self, level: Level, rectangle: Rectangle<'_>, resampler: &Resampler<'_>, map: &M) -> bool {
         let [first, others @ ..] = rectangle.corners().map(|[x, y]| map.texel(x, y));
         let (lo, hi) = others.into_iter().fold((first, first), |(lo, hi), at| (lo.min(at), hi.max(at)));
@@ -111,26 +111,26 @@ impl<'a> Warping<'a> {
         !drawn.is_empty()
     }
 
-    /// What serves a family, where it has anything.
+    /// The reader of a family's base plane; `None` where the family has none.
     fn resampler(&self, family: Family) -> Option<&'a Resampler<'a>> {
         self.resamplers.iter().find(|r| r.picture.plane.family == family)
     }
 }
 
-/// Some columns of some rows of pixels.
+/// A rectangle of pixels, in some rows of the picture.
 struct Rectangle<'a> {
-    /// Which columns.
+    /// Columns of the rectangle.
     columns: Range<usize>,
-    /// The row of the picture that is the first here.
+    /// Row of the picture at which `pixels` begins.
     first_row: usize,
-    /// The rows.
+    /// Whole rows of pixels.
     pixels: &'a mut [[f32; 4]],
-    /// Pixels from a row to the next.
+    /// Pixels per row.
     width_px: usize,
 }
 
 impl Rectangle<'_> {
-    /// Its corners, as pixel positions.
+    /// Corners of the rectangle, as pixel positions.
     fn corners(&self) -> [[f64; 2]; 4] {
         let n_rows = self.pixels.len() / self.width_px;
         let [x, last_x] = [self.columns.start, self.columns.end].map(|edge| edge as f64);
@@ -139,7 +139,7 @@ impl Rectangle<'_> {
     }
 }
 
-/// Draws a rectangle.
+/// Vector kernel that draws a rectangle.
 struct Draw<'a, R> {
     warping: &'a Warping<'a>,
     source: R,
@@ -162,7 +162,7 @@ impl<R: PixelSource> VectorKernel for Draw<'_, R> {
     }
 }
 
-/// Draws pixels as means of `per_axis` reads along x and as many along y.
+/// Draws pixels as means of `per_axis` by `per_axis` reads.
 #[inline(always)]
 fn draw_means<S: Simd>(
     s: S,
@@ -182,7 +182,7 @@ fn draw_means<S: Simd>(
     }
 }
 
-/// The mean of the reads of sixteen pixels of a row; `None` where nothing can be seen. `n`: how many of them there are.
+/// The mean of the reads of sixteen pixels of a row; `None` where nothing can be seen. `n`: the pixels that are wanted.
 #[inline(always)]
 fn mean<S: Simd>(
     s: S,
@@ -204,7 +204,7 @@ fn mean<S: Simd>(
     sum
 }
 
-/// Writes as many of sixteen pixels as there is room for.
+/// Writes the first of sixteen pixels, up to the length of `pixels`.
 #[inline(always)]
 fn put<S: Simd>(s: S, quads: &Quads<S>, pixels: &mut [[f32; 4]]) {
     let mut some = [[0.0; 4]; LANES];
@@ -217,7 +217,7 @@ fn put<S: Simd>(s: S, quads: &Quads<S>, pixels: &mut [[f32; 4]]) {
     }
 }
 
-/// A sum of reads with a share of one more.
+/// A sum of reads plus one more read times `share`.
 #[inline(always)]
 fn add<S: Simd>(s: S, sum: Option<Quads<S>>, share: S::F, read: Option<Quads<S>>) -> Option<Quads<S>> {
     let Some(mut quads) = read else { return sum };
@@ -230,18 +230,18 @@ fn add<S: Simd>(s: S, sum: Option<Quads<S>>, share: S::F, read: Option<Quads<S>>
     Some(quads)
 }
 
-/// Where pixels are read from.
+/// Source of the pixels of a row.
 trait PixelSource {
-    /// Sixteen pixels of a row, the first of them at a picture position; `None` where nothing can be seen. `n`: how many
-    /// of them there are.
+    /// Sixteen pixels of a row, the first of them at a picture position; `None` where nothing can be seen. `n`: the
+    /// pixels that are wanted.
     fn read<S: Simd>(&self, s: S, at: [f64; 2], n: usize, peak: f32) -> Option<Quads<S>>;
 }
 
-/// One base plane serves all pixels.
+/// Source of pixels that one base plane serves.
 struct OnePlane<'a, M> {
     resampler: &'a Resampler<'a>,
     map: &'a M,
-    /// Whether something may not be there.
+    /// Whether parts of the base plane may be empty, so that reads check for it.
     look: bool,
 }
 
@@ -253,7 +253,7 @@ impl<M: Map> PixelSource for OnePlane<'_, M> {
     }
 }
 
-/// Every pixel is served by the base plane of its own ray.
+/// Source of pixels that are served by the base planes of their own rays.
 struct Mixed<'a> {
     warping: &'a Warping<'a>,
 }
@@ -272,7 +272,7 @@ impl PixelSource for Mixed<'_> {
             let Some(resampler) = warping.resampler(family) else { continue };
             let texels = resampler.picture.plane.texels_from_pixels(warping.rays, [x, y]);
             let base = base_of(DVec2::new(texels[0][lanes.start], texels[1][lanes.start]));
-            // Those of other base planes see nothing of this one.
+            // Lanes of other base planes get positions far outside this one, and read nothing.
             let mut positions = [[FAR; LANES]; 2];
             for axis in 0..2 {
                 for lane in lanes.clone() {
@@ -286,17 +286,17 @@ impl PixelSource for Mixed<'_> {
     }
 }
 
-/// Texel positions of pixel positions.
+/// Map from pixel positions to texel positions.
 trait Map {
-    /// Of one.
+    /// Texel position of one pixel position.
     fn texel(&self, x: f64, y: f64) -> DVec2;
-    /// Of sixteen from one on along x, counted from whole texels.
+    /// Texel positions of sixteen pixel positions of a row, relative to a base of whole texels.
     fn positions<S: Simd>(&self, s: S, at: [f64; 2]) -> ([i32; 2], [S::F; 2]);
 }
 
-/// Those of parallel rays.
+/// The map of parallel rays, which is affine.
 struct Affine {
-    /// Of the first pixel's middle.
+    /// Texel position of the first pixel's middle.
     origin: DVec2,
     per_x: DVec2,
     per_y: DVec2,
@@ -328,7 +328,7 @@ impl Map for Affine {
     }
 }
 
-/// Those of rays from an eye.
+/// The map of rays from an eye, which is projective.
 struct Slopes<'a> {
     plane: &'a BasePlane,
     rays: &'a IndexRays,
@@ -356,19 +356,20 @@ impl Map for Slopes<'_> {
 /// The number of each lane.
 const NUMBERS: [f32; LANES] = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0, 6.0, 7.0, 8.0, 9.0, 10.0, 11.0, 12.0, 13.0, 14.0, 15.0];
 
-/// The texel before a position, or one that is as far away as it gets.
+/// The texel before a position, clamped to ±[`FAR`].
 fn base_of(at: DVec2) -> [i32; 2] {
     let limit = f64::from(FAR);
     [at.x, at.y].map(|x| x.floor().clamp(-limit, limit) as i32)
 }
 
-/// A position on a texel, but for rounding, is on it, so that the texel is read to the bit: multiples of 2^−30 texels.
+/// Rounds to multiples of 2^−30 texels: a position on a texel, but for rounding, is then on it, and reads it to the
+/// bit.
 fn snapped(texels: DVec2) -> DVec2 {
     const PER_TEXEL: f64 = (1 << 30) as f64;
     (texels * PER_TEXEL).round() / PER_TEXEL
 }
 
-/// `t` of `origin + t · direction` at opacity ½.
+/// Ray parameter `t` of `origin + t · direction` at opacity ½; NaN where it is not reached.
 fn ray_parameter(resamplers: &[Resampler<'_>], rays: &IndexRays, edges: Option<Edges>, x: f64, y: f64) -> f32 {
     let family = Family::of(rays.direction(x, y));
     let serving = resamplers.iter().find(|r| r.picture.plane.family == family);

@@ -1,9 +1,9 @@
-//! Error model: what is known of the errors and costs of samplings.
+//! Error model: predicts the errors and the costs of samplings.
 //!
-//! [`Errors`] are those along the rays with two numbers of sheets and those across them with three numbers of texels, as
-//! `probe.rs` measures them. Between these the logarithm of the error is linear in that of the number; beyond them it is
-//! extrapolated, which tells where to measure next. Before anything is measured, and where nothing is seen, there is the
-//! prior, on which no promise depends.
+//! [`Errors`] holds errors along the rays with two numbers of sheets, and errors across them with three numbers of
+//! texels, as `probe.rs` measures them. Between these, the logarithm of the error is linear in that of the number;
+//! beyond them it is extrapolated, which shows where to measure next. Before anything is measured, and where nothing is
+//! seen, there is the prior, on which no promise depends.
 
 use wavesplat_core::{Camera, Composite, RenderOptions};
 
@@ -13,7 +13,7 @@ use crate::quality::framing::Framing;
 use crate::render::layer::Layer;
 use crate::view::base_plane::MAX_TEXELS;
 
-/// How finely a picture is drawn.
+/// Sampling of a picture: how finely it is drawn.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Sampling {
     /// Sheets per slice distance.
@@ -22,39 +22,40 @@ pub struct Sampling {
     pub oversampling: f64,
 }
 
-/// Samplings that are chosen from. A texel on every pixel is not among them: an edge of the volume that lies along the
-/// texels is then as jagged as with many more texels that are read once.
+/// Samplings to choose from. One texel per pixel is not among them: an edge of the volume that lies along the texels is
+/// then as jagged as with many more texels that are read once.
 const SHEETS: [f64; 11] = [0.7, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 12.0];
 const OVERSAMPLINGS: [f64; 10] = [0.5, 0.6, 0.8, 1.2, 4.0 / 3.0, 1.5, 2.0, 8.0 / 3.0, 3.0, 4.0];
 
-/// Those that are measured, with half of the sheets, and with two thirds and half of the texels. Where colours along a ray
-/// do not change smoothly, how good sheets between slices are depends on how they lie to the samples, and whether slabs
-/// are pre-integrated on how thick they are: only these sheets and half of them are chosen.
+/// Samplings to measure, along with half of the sheets, and two thirds and half of the texels. Where colours along a
+/// ray do not change smoothly, the error of sheets between slices depends on how they lie to the samples, and whether
+/// slabs are pre-integrated depends on their thickness: only these numbers of sheets and half of them are chosen there.
 const MEASURED_SHEETS: [f64; 5] = [2.0, 4.0, 6.0, 8.0, 12.0];
 const MEASURED_OVERSAMPLINGS: [f64; 4] = [1.2, 2.0, 3.0, 4.0];
 
-/// Where no sampling reaches what is wanted, the cheapest is taken with nearly the least error.
+/// Factor on the least error: where no sampling reaches the target, the cheapest one within it is taken.
 const ACCEPT_RATIO: f64 = 1.1;
 
 /// Mean square errors of a picture with a sampling and with coarser ones.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Errors {
-    /// Along the rays, with half the sheets and with all; each of pixels that are one read, and that are the mean of as
-    /// many as the texels ask for.
+    /// Errors along the rays, with half the sheets and with all; each for pixels of a single read, and for pixels that
+    /// are the mean of as many reads as the texels ask for.
     pub along: [[f64; 2]; 2],
-    /// Across the rays, with half the texels along each axis, two thirds, and all.
+    /// Errors across the rays, with half the texels along each axis, two thirds, and all.
     pub across: [f64; 3],
     /// Relative standard deviation of all these.
     pub deviation: f64,
 }
 
-/// Beyond what was measured, errors fall with twice the sheets or texels to this share at least and at most.
+/// Least and largest factor by which errors change when sheets or texels double, beyond what was measured.
 const DECAYS: [f64; 2] = [0.06, 0.7];
 
 impl Errors {
-    /// By differences from what stands for the converged picture: three times the sheets, and twice the texels. That has
-    /// errors of its own, be they of one kind with those that are measured or another. Across the rays errors are not
-    /// believed to fall faster than those of straight edges under a regular grid of reads, with the cube of its number.
+    /// Errors from differences to a stand-in for the converged picture: three times the sheets, and twice the texels.
+    /// The stand-in has errors of its own, which may or may not be of the same kind as the measured ones. Across the
+    /// rays, errors are not believed to fall faster than those of straight edges under a regular grid of reads: with
+    /// the cube of its number.
     pub(crate) fn measured(along: [[f64; 2]; 2], across: [f64; 3], deviation: f64) -> Self {
         let decay = |before: f64, after: f64| (after / before.max(f64::MIN_POSITIVE)).min(0.35);
         let [half, all] = along.map(|[single, mean]| single + mean);
@@ -72,8 +73,8 @@ impl Errors {
     }
 }
 
-/// Linear in logarithms through points, the number against the error. Before them as by the first two; beyond them as by
-/// the outermost, since the last two can be closer by chance.
+/// Error at a number of sheets or texels: linear in logarithms between points of number and error. Before the points it
+/// follows the first two; beyond them it follows the outermost two, since the last two can be closer by chance.
 fn interpolated(points: &[(f64, f64)], number: f64) -> f64 {
     let (first, last) = (points[0], points[points.len() - 1]);
     let is_before = |pair: &[(f64, f64)]| number <= pair[1].0;
@@ -91,60 +92,60 @@ fn interpolated(points: &[(f64, f64)], number: f64) -> f64 {
     }
 }
 
-/// No error is less.
+/// Least error: no prediction starts from less, so ratios stay finite.
 const MIN_ERROR: f64 = 1e-14;
 
-/// What a picture told of its error, for those of the same that are drawn next.
+/// Measured errors of a picture, for the next pictures of the same volume and transfer function.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measured {
-    /// Errors with some sampling.
+    /// Errors with the sampling `at` and with coarser ones.
     pub errors: Errors,
-    /// This sampling.
+    /// Sampling at which the errors were measured.
     pub at: Sampling,
-    /// How it framed the volume.
+    /// How the picture framed the volume.
     pub framing: Framing,
     /// Whether colours along a ray changed smoothly.
     pub is_smooth: bool,
 }
 
-/// What is known of errors and costs.
+/// Model of the errors and the costs of samplings, for one picture.
 #[derive(Clone, Copy, Debug)]
 pub struct ErrorModel {
     errors: Errors,
     at: Sampling,
-    /// What is uncertain beside the errors that were measured, dB.
+    /// Standard deviation besides that of the measured errors, dB.
     other_spread_db: f64,
     is_smooth: bool,
     composite: Composite,
     framing: Framing,
-    /// More would make base planes too large.
+    /// Largest oversampling: more would make base planes too large.
     most_oversampling: f64,
 }
 
-/// Standard deviations, dB: of the prior, of a model of another picture, of one that was measured, and per octave beyond
+/// Standard deviations, dB: of the prior, of a model from another picture, of a measured model, and per octave beyond
 /// what was measured.
 const PRIOR_SPREAD_DB: f64 = 5.0;
 const LIKE_SPREAD_DB: f64 = 2.0;
 const MODEL_SPREAD_DB: f64 = 0.5;
 const SPREAD_PER_OCTAVE_DB: f64 = 1.5;
 
-/// A sampling is chosen so that the picture is better than it must be by so many standard deviations.
+/// Safety margin of a choice: standard deviations by which the expected error is below the target.
 const DEVIATIONS: f64 = 1.0;
 
-/// What is so little beyond what was measured, in octaves, need not be measured: 0.5 texels a pixel instead of 0.6.
+/// Octaves beyond what was measured that need no new measurement: 0.5 texels a pixel instead of 0.6.
 const CLOSE_OCTAVES: f64 = 0.3;
 
-/// Of smooth functions, so many times the sheets are measured that are chosen: more or fewer may do.
+/// Ratio of the sheets that are measured to those that are chosen, for smooth functions: more or fewer may do.
 const SHEET_MARGIN: f64 = 1.4;
 
-/// Power of the distance of pixels by which the texels grow that leave as much error.
+/// Exponent of growth at equal error: texels grow with this power of the distance of pixels.
 const DISTANCE_EXPONENT: f64 = 0.25;
 
-/// Errors of another picture are believed if its pixels are farther apart or closer by this factor at most.
+/// Largest factor by which the distance of pixels may differ for the errors of another picture to be used.
 const MAX_FARTHER: f64 = 1.5;
 
 impl ErrorModel {
-    /// Of pictures like those of `make bench BENCH="--only psnr"`: a casting, a CT, an MRI.
+    /// Prior model, from pictures like those of `make bench BENCH="--only psnr"`: a casting, a CT, an MRI.
     pub fn prior(layers: &[Layer], camera: &Camera, options: &RenderOptions) -> Self {
         let composite = options.composite;
         let has_steps = |layer: &Layer| {
@@ -166,26 +167,26 @@ impl ErrorModel {
         Self { errors, at, other_spread_db: PRIOR_SPREAD_DB, is_smooth, composite, framing, most_oversampling }
     }
 
-    /// With errors that were measured on this picture.
+    /// The same model with errors that were measured on this picture.
     #[must_use]
     pub fn with(&self, errors: Errors, at: Sampling) -> Self {
         Self { errors, at, other_spread_db: MODEL_SPREAD_DB, ..*self }
     }
 
-    /// What was measured, for the next pictures.
+    /// Measured errors, for the next pictures.
     pub fn measured(&self) -> Measured {
         Measured { errors: self.errors, at: self.at, framing: self.framing, is_smooth: self.is_smooth }
     }
 
-    /// With the errors of another picture of the same, be it from a little nearer or farther or from another side; `None`
-    /// where they tell too little of this one.
+    /// Model from the errors of another picture of the same volume, from a little nearer or farther or from another
+    /// side; `None` where they say too little about this one.
     pub fn like(&self, other: &Measured) -> Option<Self> {
         let (own, others) = (&self.framing, &other.framing);
         let farther = own.pixel_in_samples / others.pixel_in_samples;
         if self.is_smooth != other.is_smooth || !(1.0 / MAX_FARTHER..=MAX_FARTHER).contains(&farther) {
             return None;
         }
-        // Sheets and texels that leave as much error in what is seen, and how much more is seen.
+        // Sampling that leaves the same error in the visible part, and the ratio of the sizes of the visible parts.
         let at = Sampling {
             sheets_per_slice: other.at.sheets_per_slice * (own.slice_in_samples / others.slice_in_samples),
             oversampling: other.at.oversampling * farther.powf(DISTANCE_EXPONENT),
@@ -195,7 +196,7 @@ impl ErrorModel {
         let along = along.map(|errors| errors.map(|e| more * e));
         let errors = Errors { along, across: across.map(|e| more * e), ..other.errors };
         let model = Self { errors, at, other_spread_db: LIKE_SPREAD_DB, ..*self };
-        // Numbers that come from elsewhere may be any.
+        // These numbers come from the caller and may be anything.
         let all = errors.along.as_flattened().iter().chain(&errors.across);
         let is_sound = all.chain([&errors.deviation]).all(|e| e.is_finite() && *e >= 0.0)
             && model.error(&at).is_finite()
@@ -203,13 +204,13 @@ impl ErrorModel {
         is_sound.then_some(model)
     }
 
-    /// The sampling to measure at, of which a chosen one is, or is close to, one of the coarser ones.
+    /// Sampling to measure at: `chosen` is then close to it, or to a coarser one that is measured along with it.
     pub fn to_measure(&self, chosen: &Sampling) -> Sampling {
         let first = |all: &[f64], least: f64| all.iter().copied().find(|n| *n >= least).unwrap_or(all[all.len() - 1]);
         let most = self.most_oversampling.max(MEASURED_OVERSAMPLINGS[0]);
         let sheets = chosen.sheets_per_slice;
         Sampling {
-            // Half of the sheets are to lie as evenly.
+            // Half of the sheets must lie as evenly to the slices.
             sheets_per_slice: if self.is_smooth {
                 (SHEET_MARGIN * sheets).min(12.0)
             } else {
@@ -219,17 +220,17 @@ impl ErrorModel {
         }
     }
 
-    /// Whether a sampling is among those that were measured, or close to them.
+    /// Whether a sampling is among the measured ones, or close to them.
     pub fn covers(&self, sampling: &Sampling) -> bool {
         self.octaves_beyond(sampling).iter().all(|octaves| *octaves <= CLOSE_OCTAVES)
     }
 
-    /// The cheapest sampling that promises an error, or else nearly the least.
+    /// Cheapest sampling that promises an error; if none does, the cheapest one with nearly the least error.
     pub fn cheapest(&self, error: f64) -> Sampling {
         self.cheapest_of(error, |_| true)
     }
 
-    /// The same of those that were measured.
+    /// Cheapest sampling like [`ErrorModel::cheapest`], among those that were measured.
     pub fn cheapest_measured(&self, error: f64) -> Sampling {
         self.cheapest_of(error, |sampling| self.covers(sampling))
     }
@@ -246,7 +247,7 @@ impl ErrorModel {
         enough.min_by(|a, b| self.cost(a).total_cmp(&self.cost(b))).unwrap_or(self.at)
     }
 
-    /// The mean square error with a sampling: along and across the rays.
+    /// Mean square error with a sampling: the sum of that along the rays and that across them.
     pub fn error(&self, new: &Sampling) -> f64 {
         let reads = usize::from(reads_per_axis(self.composite, new.oversampling) > 1);
         let Errors { along, across, .. } = self.errors;
@@ -258,7 +259,7 @@ impl ErrorModel {
         along + interpolated(&points, new.oversampling)
     }
 
-    /// The standard deviation of the error with a sampling, dB.
+    /// Standard deviation of the error with a sampling, dB.
     pub fn spread_db(&self, new: &Sampling) -> f64 {
         let [sheets, texels] = self.octaves_beyond(new);
         let measured = 10.0 / std::f64::consts::LN_10 * self.errors.deviation;
@@ -269,14 +270,14 @@ impl ErrorModel {
             .sqrt()
     }
 
-    /// By how many octaves the sheets and the texels are beyond what was measured.
+    /// Octaves by which the sheets and the texels are beyond what was measured.
     fn octaves_beyond(&self, new: &Sampling) -> [f64; 2] {
         let beyond = |ratio: f64| (ratio.log2()).max(-1.0 - ratio.log2()).max(0.0);
         [beyond(new.sheets_per_slice / self.at.sheets_per_slice), beyond(new.oversampling / self.at.oversampling)]
     }
 
-    /// How long a picture takes, in no unit. Much of a sheet's work is for samples, not for texels; of a hard surface
-    /// much is done whatever the number of sheets.
+    /// Relative time that a picture takes. Much of a sheet's work is per sample, not per texel; for a hard surface,
+    /// much does not depend on the number of sheets.
     fn cost(&self, sampling: &Sampling) -> f64 {
         let texels_per_sample = sampling.oversampling / self.framing.pixel_in_samples;
         let (per_picture, per_sample) = if self.is_smooth { (0.0, 1.1) } else { (1.5, 2.2) };
@@ -292,7 +293,7 @@ impl ErrorModel {
     }
 }
 
-/// Of a PSNR, peak 1.
+/// Mean square error of a PSNR, peak 1.
 pub fn mean_square_of(psnr_db: f64) -> f64 {
     10.0_f64.powf(-0.1 * psnr_db)
 }

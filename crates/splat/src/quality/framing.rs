@@ -1,17 +1,18 @@
-//! How a picture frames a volume: what errors of one view say of another depends on it.
+//! Framing of a volume by a picture: decides what the errors of one view say about another.
 
 use wavesplat_core::{Camera, Grid, RenderOptions};
 
 use crate::view::family::{Family, IndexRays};
 
-/// How a picture frames a volume: its rays beside the samples, in the middle of the volume.
+/// Framing of a volume by a picture: distances of the rays and of the slices, in the middle of the volume.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Framing {
-    /// How far apart rays of neighbouring pixels are, in samples: 0.01 to 100.
+    /// Distance between rays of neighbouring pixels, in samples: 0.01 to 100.
     pub pixel_in_samples: f64,
-    /// How many samples a ray runs from slice to slice: 1 to 1.9.
+    /// Length of a ray from slice to slice, in samples: 1 to 1.9.
     pub slice_in_samples: f64,
-    /// The share of the pixels that a ball as long as the volume would cover, `0..=1`: how much is seen, from any side.
+    /// Share of the pixels that a square as wide as the volume's diagonal would cover, `0..=1`: how much is seen, from
+    /// any side.
     pub covered: f64,
 }
 

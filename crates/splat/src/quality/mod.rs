@@ -1,4 +1,4 @@
-//! Pictures of a wanted PSNR: an a-posteriori error estimate from pilot tiles, and an error model to choose by.
+//! Pictures of a target PSNR: an a-posteriori error estimate from pilot tiles, and an error model to choose by.
 
 pub mod error_model;
 pub mod framing;

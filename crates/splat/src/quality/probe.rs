@@ -1,12 +1,14 @@
 //! A-posteriori error estimate: pilot tiles drawn with several samplings, compared after the warp.
 //!
-//! The error of a picture is that along the rays, of the sheets, plus that across them, of the texels and of the pixels
-//! as means of few reads. Both are measured on a few tiles of this very picture: with half the sheets and three times as
-//! many, and with subsets of the texels of a tile that has twice as many along each axis. What is compared are pixels.
+//! The error of a picture is the sum of that along the rays, from the sheets, and that across them, from the texels and
+//! from pixels that are means of few reads. Both are measured on a few tiles of this very picture: with half the sheets
+//! and with three times the sheets, and with subsets of the texels of a tile that has twice the texels along each axis.
+//! Pixels are compared, not texels.
 //!
-//! Where the tiles lie is chosen by a coarse overview of the picture, with a probability by local contrast, and the error
-//! of the whole picture is a ratio estimate: squares of errors per contrast, times the contrast of the picture (Cochran,
-//! *Sampling Techniques*, 1977, ch. 6). How much the tiles differ from each other tells how sure it is.
+//! The places of the tiles are chosen by a coarse overview of the picture, with a probability by local contrast, and
+//! the error of the whole picture is a ratio estimate: squares of errors per contrast, times the contrast of the
+//! picture (Cochran, *Sampling Techniques*, 1977, ch. 6). The spread among the tiles gives the uncertainty of the
+//! estimate.
 //!
 //! Errors are mean square errors of the colours over black, peak 1, of the whole picture.
 
@@ -24,32 +26,32 @@ use crate::view::base_plane::BasePlane;
 use crate::view::family::{Family, IndexRays};
 
 /// Texels of a pilot tile, along u and v, at twice the oversampling that is measured: whole tiles of a base plane. The
-/// wider, the less of it is margin.
+/// wider a tile, the smaller the share of its margin.
 const TILE: [usize; 2] = [TILE_U, 2 * TILE_V];
 
-/// Pilot tiles take about this share of what the picture takes, but there are so many at least and at most.
+/// Share of the picture's work that the pilot tiles take, approximately; and least and largest number of tiles.
 const BUDGET: f64 = 0.2;
 const N_TILES: [usize; 2] = [12, 48];
 
-/// Sheets of the pilot tiles that stand for the converged picture, by those that are measured.
+/// Sheets of the stand-in for the converged picture, as a multiple of those that are measured.
 const FINER_SHEETS: f64 = 3.0;
 
-/// Pixels of a cell of the overview along each side, at least, and cells along the longer side, at most.
+/// Least side of a cell of the overview in pixels, and maximum number of cells along the longer side.
 const MIN_CELL_PX: usize = 4;
 const MAX_CELLS: usize = 128;
 
-/// A cell without contrast counts as much as others with this share of the mean.
+/// Weight of a visible cell without contrast, as a share of the mean contrast.
 const CONTRAST_FLOOR: f64 = 0.2;
 
-/// Multiples of these, less their whole parts, fill a square evenly (Roberts 2018, *R2 sequence*).
+/// Generators of the *R2 sequence* (Roberts 2018): the fractional parts of their multiples fill a square evenly.
 const PLASTIC: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3];
 
-/// Where something is seen in a picture, and how much contrast it has there.
+/// Overview of a picture: where something is seen, and how much contrast it has there.
 pub(crate) struct Overview {
     cell_px: usize,
     /// Cells along x and y.
     n: [usize; 2],
-    /// Of each cell, row by row: its contrast and a bit; zero where nothing is seen.
+    /// Weight per cell, row by row: its contrast and a floor; zero where nothing is seen.
     weights: Vec<f64>,
 }
 
@@ -87,24 +89,24 @@ impl Overview {
         Ok((n_seen > 0).then_some(Self { cell_px, n, weights }))
     }
 
-    /// How many pixels show something.
+    /// Number of pixels that show something.
     fn n_seen_px(&self) -> f64 {
         let n_seen = self.weights.iter().filter(|weight| **weight > 0.0).count();
         (n_seen * self.cell_px * self.cell_px) as f64
     }
 
-    /// The weight of the cell of a pixel.
+    /// Weight of the cell of a pixel.
     fn weight(&self, [x, y]: [usize; 2]) -> f64 {
         self.weights[y / self.cell_px * self.n[0] + x / self.cell_px]
     }
 
-    /// The mean weight of all cells.
+    /// Mean weight of all cells.
     fn mean_weight(&self) -> f64 {
         self.weights.iter().sum::<f64>() / self.weights.len() as f64
     }
 
-    /// Pixels, as many as asked for, evenly spread over the weight, row by row and there and back; anywhere in their cells,
-    /// so that an edge along the cells is met as often as any other.
+    /// Chooses `n` pixels, evenly spread over the cumulative weight of the cells, row by row, there and back. They lie
+    /// anywhere in their cells, so that an edge along the cells is met as often as any other.
     fn choose(&self, n: usize) -> Vec<[usize; 2]> {
         let [n_x, n_y] = self.n;
         let cells = (0..n_y).flat_map(|y| (0..n_x).map(move |x| [if y % 2 == 0 { x } else { n_x - 1 - x }, y]));
@@ -122,12 +124,12 @@ impl Overview {
     }
 }
 
-/// Squares of errors of a tile, by the sum of its weights.
+/// Squared errors of a tile, divided by the sum of its weights.
 #[derive(Clone, Copy, Debug)]
 struct TileErrors {
-    /// As [`Errors::along`].
+    /// Errors along the rays, laid out as [`Errors::along`].
     along: [[f64; 2]; 2],
-    /// As [`Errors::across`].
+    /// Errors across the rays, laid out as [`Errors::across`].
     across: [f64; 3],
 }
 
@@ -155,35 +157,35 @@ pub(crate) fn errors(
     let n = ((BUDGET * of_picture / per_tile) as usize).clamp(N_TILES[0], N_TILES[1]);
     let tiles: Vec<PilotTile> =
         overview.choose(n).into_iter().filter_map(|px| PilotTile::around(px, frame, &planes, rays)).collect();
-    // Each draws two pieces of fine texels, and one of coarser ones twice.
+    // Each draws two tiles of fine texels, and one tile of coarser ones twice.
     let progress = Progress::new(callback, 4 * tiles.len());
     let measured = parallel::map(tiles.len(), |k| tiles[k].measure(&frames, overview, &progress));
     let per_weight: Vec<TileErrors> = measured.into_iter().collect::<Result<Vec<_>>>()?.into_iter().flatten().collect();
     Ok((!per_weight.is_empty()).then(|| summary(&per_weight, overview.mean_weight())))
 }
 
-/// A part of a base plane and the pixels that it serves.
+/// Pilot tile: a part of a base plane, and the pixels that it serves.
 struct PilotTile {
-    /// With twice the texels that are measured.
+    /// The part, with twice the measured texels along each axis.
     plane: BasePlane,
     pixels: PixelRectangle,
-    /// Of these, row by row, those whose reads lie within the tile at every level.
+    /// Per pixel of the rectangle, row by row: do its reads lie within the tile at every level?
     is_served: Vec<bool>,
 }
 
-/// Texels from the edge of a tile that are needed around a read: by the cubic.
+/// Distance in texels that a read must keep from the edge of a tile: what the cubic needs around it.
 const READ_TEXELS: f64 = 1.01;
 
 impl PilotTile {
-    /// The tile around a pixel; `None` where that is beyond all base planes, or the tile serves no pixel as a whole.
+    /// Tile around a pixel; `None` where the pixel is beyond all base planes, or the tile serves no pixel as a whole.
     fn around([x, y]: [usize; 2], frame: &SampledFrame, planes: &[&BasePlane], rays: &IndexRays) -> Option<Self> {
         let [x, y] = [x.min(frame.options.width_px - 1), y.min(frame.options.height_px - 1)];
         let middle = [x, y].map(|px| px as f64 + 0.5);
         let family = Family::of(rays.direction(middle[0], middle[1]));
         let plane = planes.iter().find(|plane| plane.family == family)?;
         let center = plane.texel_from_pixel(rays, middle[0], middle[1]);
-        // Every second, third and fourth texel are those that the picture would have: where pixels and texels lie alike,
-        // so do they in the tile.
+        // The tile begins a multiple of 12 of its texels from the first pixel's: every second, third and fourth texel
+        // are then those that the picture would have, and lie to the pixels as they do there.
         let first_px = plane.texel_from_pixel(rays, 0.5, 0.5);
         let anchor = if first_px.is_finite() { first_px.round() } else { glam::DVec2::ZERO };
         let first = [0, 1].map(|axis| {
@@ -191,7 +193,7 @@ impl PilotTile {
             (anchor[axis] + 6.0 * ((first - anchor[axis]) / 6.0).round()) as i64
         });
         let plane = plane.window(first, 2, 4, TILE);
-        // A box around the pixels that the tile can serve, which are as many as its texels at most.
+        // A box around the pixels that the tile can serve: at most as many as it has texels.
         let reach = TILE[0].max(TILE[1]);
         let columns = x.saturating_sub(reach)..(x + reach).min(frame.options.width_px);
         let rows = y.saturating_sub(reach)..(y + reach).min(frame.options.height_px);
@@ -217,7 +219,8 @@ impl PilotTile {
         Some(Self { plane, pixels: PixelRectangle { first: lo, size }, is_served })
     }
 
-    /// The squares of its errors by the weights of the overview; `None` where these are none. `frames`: with half the sheets, with those that are measured, and with more.
+    /// Measures the squared errors of the tile, divided by its weights in the overview; `None` where these are 0.
+    /// `frames`: with half the measured sheets, with all of them, and with more.
     fn measure(
         &self,
         frames: &[SampledFrame; 3],
@@ -230,7 +233,7 @@ impl PilotTile {
         };
         let [half, own, finer] = frames;
         let coarser = self.plane.every(2, 0);
-        // A sheet a slice does across the rays.
+        // One sheet per slice is enough across the rays.
         let fine_has_half = half.options.sheets_per_slice >= 1.0;
         let fine = draw(&self.plane, if fine_has_half { half } else { own })?;
         let other = draw(&coarser, if fine_has_half { own } else { half })?;
@@ -260,7 +263,7 @@ impl PilotTile {
         Ok((weights > 0.0).then_some(TileErrors { along, across }))
     }
 
-    /// The pixels that it serves: their numbers in its rectangle, and in the picture.
+    /// Pixels that the tile serves: their number in its rectangle, and their place in the picture.
     fn served(&self) -> impl Iterator<Item = (usize, [usize; 2])> {
         let PixelRectangle { first, size } = self.pixels;
         let served = self.is_served.iter().enumerate().filter(|(_, is_served)| **is_served);
@@ -268,17 +271,17 @@ impl PilotTile {
     }
 }
 
-/// The mean square difference of two colours over black.
+/// Mean square difference of two colours over black.
 fn difference(a: &[f32; 4], b: &[f32; 4]) -> f32 {
     (0..3).map(|c| (a[c].clamp(0.0, 1.0) - b[c].clamp(0.0, 1.0)).powi(2)).sum::<f32>() / 3.0
 }
 
-/// Errors of the picture by those of the tiles, each per weight.
+/// Errors of the picture, from those of the tiles, which are per weight.
 fn summary(tiles: &[TileErrors], mean_weight: f64) -> Errors {
     let mean = |of: &dyn Fn(&TileErrors) -> f64| tiles.iter().map(of).sum::<f64>() / tiles.len() as f64;
     let along = [0, 1].map(|level| [0, 1].map(|reads| mean_weight * mean(&|tile| tile.along[level][reads])));
     let across = [0, 1, 2].map(|level| mean_weight * mean(&|tile| tile.across[level]));
-    // How much tiles differ: in the middle of what is measured.
+    // Spread among the tiles, in the middle of what is measured: all sheets, two thirds of the texels.
     let total = |tile: &TileErrors| tile.along[1][1] + tile.across[1];
     let whole = mean(&total);
     let variance = mean(&|tile| (total(tile) - whole).powi(2));

@@ -5,18 +5,18 @@ use wavesplat_core::{RenderOptions, Result};
 use crate::render::layer::Layer;
 use crate::render::plan::Plan;
 
-/// A frame that can be had in other sizes and samplings.
+/// A planned frame that can be planned again in other sizes and samplings.
 pub(crate) struct SampledFrame<'a> {
-    /// What is drawn.
+    /// Layers that are drawn.
     pub layers: &'a [Layer<'a>],
-    /// How.
+    /// Options, with size and sampling.
     pub options: RenderOptions,
-    /// The plan of just these options.
+    /// Plan of the frame with these options.
     pub plan: Plan,
 }
 
 impl SampledFrame<'_> {
-    /// The same with other options of size and sampling; light and labels are kept.
+    /// The same frame with other options of size and sampling; light and labels are kept.
     pub fn with_options(&self, options: RenderOptions) -> Result<Self> {
         let plan = self.plan.resampled(self.layers, &options)?;
         Ok(Self { layers: self.layers, options, plan })

@@ -1,11 +1,12 @@
-//! A picture of a wanted PSNR: pilot tiles tell how its error depends on the sampling, one is chosen, and it is drawn once.
+//! Pictures of a target PSNR: pilot tiles show how the error depends on the sampling; one is chosen, and drawn once.
 //!
-//! The tiles (`probe.rs`) are drawn with a sampling that mostly does. Where the error model that they give (`error_model.rs`)
-//! chooses one far from that, they are drawn there once more.
+//! The tiles (`probe.rs`) are drawn with a sampling that mostly suffices. Where the resulting error model
+//! (`error_model.rs`) chooses one far from it, they are drawn there once more.
 //!
-//! What was measured is handed on ([`Measured`]): the next picture of the same is drawn without pilot tiles.
+//! The measured errors are returned ([`Measured`]): with them, the next picture of the same volume and transfer
+//! function is drawn without pilot tiles.
 //!
-//! PSNR is that of the colours over black against the converged picture with many rays a pixel, peak 1; projections, which
+//! PSNR compares the colours over black with the converged picture with many rays a pixel, peak 1; projections, which
 //! end abruptly where the volume does, are compared with one ray a pixel.
 
 use std::ops::ControlFlow;
@@ -28,42 +29,42 @@ use crate::source::slices::Slices;
 pub use crate::quality::error_model::{Errors, Measured, Sampling};
 pub use crate::quality::framing::Framing;
 
-/// What is wanted of a picture.
+/// Target of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Wanted {
-    /// Between 20 and 80 dB.
+    /// PSNR to reach, between 20 and 80 dB.
     pub psnr_db: f64,
-    /// What a picture of the same volume and transfer function told of its error, if that is to do.
+    /// Measured errors of a picture of the same volume and transfer function, to use instead of pilot tiles.
     pub like: Option<Measured>,
 }
 
-/// How a picture was drawn and what it reaches.
+/// Sampling with which a picture was drawn, and the PSNR that it reaches.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Estimate {
-    /// How finely it was drawn.
+    /// Sampling of the picture.
     pub sampling: Sampling,
     /// Expected PSNR, dB: less than what was asked for where the finest sampling does not reach it.
     pub psnr_db: f64,
-    /// Its standard deviation, dB.
+    /// Standard deviation of the PSNR, dB.
     pub spread_db: f64,
-    /// What the picture told of its error, or the one like which it was drawn; `None` where nothing is seen.
+    /// Measured errors of the picture, or those passed as `like`; `None` where nothing is seen.
     pub measured: Option<Measured>,
 }
 
-/// So often pilot tiles are drawn at most.
+/// Maximum number of times that pilot tiles are drawn.
 const MAX_PILOTS: usize = 3;
 
-/// The share of the progress that the overview and the pilot tiles are.
+/// Share of the progress that the overview and the pilot tiles take.
 const PILOT_PROGRESS: f32 = 0.3;
 
-/// What draws the base planes of a plan, as [`draw_base_planes`] does.
+/// Function that draws the base planes of a plan, as [`draw_base_planes`] does.
 ///
 /// [`draw_base_planes`]: crate::render::frame::draw_base_planes
 pub type DrawBasePlanes<'a> =
     dyn Fn(&Plan, &[&Slices], &dyn ProgressCallback) -> Result<(Vec<BasePicture>, Report)> + Sync + 'a;
 
-/// Draws layers with the cheapest sampling known to reach a PSNR. The options' own sampling is not used. `draw`: what draws
-/// the picture once that is known.
+/// Draws layers with the cheapest sampling known to reach a PSNR. The options' own sampling is not used. `draw`: draws
+/// the base planes once the sampling is known.
 pub fn render_to_psnr(
     layers: &[Layer],
     camera: &Camera,
@@ -106,7 +107,7 @@ pub fn render_to_psnr(
     })
 }
 
-/// The error model of a picture by pilot tiles; `None` where nothing is seen.
+/// Measures the error model of a picture with pilot tiles; `None` where nothing is seen.
 fn pilot(
     prior: &ErrorModel,
     layers: &[Layer],
@@ -149,7 +150,7 @@ fn psnr_of(mean_square: f64) -> f64 {
     -10.0 * mean_square.max(1e-12).log10()
 }
 
-/// A part of the work that a callback is told of.
+/// Part of the work of a frame, whose progress is passed on as a range of the whole.
 struct Share<'a> {
     of: &'a dyn ProgressCallback,
     from: f32,

@@ -1,4 +1,4 @@
-//! What rays have gathered so far: colour and opacity, composited front to back, and early ray termination.
+//! Accumulated colour and opacity of rays, composited front to back, and early ray termination.
 //!
 //! *over* with associated colour (Porter & Duff 1984): `C += (1 − A) c α`, `A += (1 − A) α`.
 
@@ -20,10 +20,10 @@ pub struct Accumulator {
     done: Vec<bool>,
 }
 
-/// One chunk, or two; then both are of one block.
+/// One chunk (twice), or two chunks of the same block.
 pub type Chunks = [Chunk; 2];
 
-/// A fragment of the chunks' rays, ready to be composited.
+/// One fragment per ray of the chunks, ready to be composited.
 pub struct Fragment<W: Wide> {
     /// Unassociated colour.
     pub rgb: [W::F; 3],
@@ -36,8 +36,8 @@ pub struct Fragment<W: Wide> {
 }
 
 impl Accumulator {
-    /// Goes on from a state; `None`: nothing is drawn yet. `opaque`: opacity from which a ray is done. `with_depth`: whether
-    /// `s_half` is wanted.
+    /// Continues from `state`; `None`: nothing is drawn yet. `opaque`: opacity from which a ray is done. `with_depth`:
+    /// whether `s_half` is wanted.
     pub fn new(opaque: f32, with_depth: bool, state: Option<TileState>) -> Self {
         let state = state.unwrap_or_else(|| TileState {
             rgba: TileState::per_chunk([Lanes::splat(0.0); 4]),
@@ -59,12 +59,12 @@ impl Accumulator {
         Texels::new(&self.rgba[chunk.index()], self.s_half.get(chunk.index()))
     }
 
-    /// What another piece of the same tile goes on from.
+    /// The state that the next piece of the tile continues from.
     pub fn into_state(self) -> TileState {
         TileState { rgba: self.rgba, s_half: self.s_half, done: self.done, ..TileState::default() }
     }
 
-    /// Composites a fragment behind what there is.
+    /// Composites a fragment behind all earlier ones.
     #[inline(always)]
     pub fn add_fragment<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, fragment: &Fragment<W>) {
         let places = [chunks[0].index(), chunks[1].index()];
@@ -86,7 +86,7 @@ impl Accumulator {
             s.store(alpha[k], &mut a.0);
         }
         if self.with_depth {
-            // Inside the fragment opacity is taken to grow evenly.
+            // Opacity is taken to grow evenly along the fragment.
             let half = w.splat(0.5);
             let share = w.div(w.sub(half, before), weight);
             let crossed = w.and(w.lt(before, half), w.le(half, after));
@@ -101,7 +101,7 @@ impl Accumulator {
         }
     }
 
-    /// Whether any ray of each chunk that is not done is among some.
+    /// Per chunk: is a live ray in `visible`?
     #[inline(always)]
     pub fn see_where<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, visible: W::M) -> [bool; 2] {
         let [first, second] = [&self.rgba[chunks[0].index()][3].0, &self.rgba[chunks[1].index()][3].0];
@@ -112,7 +112,7 @@ impl Accumulator {
     }
 }
 
-/// A colour in light of which a part is held off: all of it, and that of the first light.
+/// A colour as lit where all light is dimmed to the share `open`, and the first light to `first`.
 #[inline(always)]
 pub fn lit<W: Wide>(
     w: W,
@@ -139,14 +139,14 @@ fn scaled<W: Wide>(w: W, [x, y, z]: [W::F; 3], factor: W::F) -> [W::F; 3] {
     [w.mul(x, factor), w.mul(y, factor), w.mul(z, factor)]
 }
 
-/// Part of the way from one vector to another.
+/// Linear interpolation between two vectors.
 #[inline(always)]
 pub fn between<W: Wide>(w: W, from: [W::F; 3], to: [W::F; 3], share: W::F) -> [W::F; 3] {
     let ([a, b, c], [d, e, f]) = (from, to);
     [w.add_mul(a, share, w.sub(d, a)), w.add_mul(b, share, w.sub(e, b)), w.add_mul(c, share, w.sub(f, c))]
 }
 
-/// Where the drawn part of each ray's `[from, to]` begins, and its length.
+/// Start and length of the part of `[from, to]` that each ray draws.
 #[inline(always)]
 pub fn extent<W: Wide>(w: W, chunks: Chunks, rays: &Rays, [from, to]: [f32; 2]) -> (W::F, W::F) {
     if rays.all_draw(chunks[0], from, to) && rays.all_draw(chunks[1], from, to) {

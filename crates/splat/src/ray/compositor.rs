@@ -1,4 +1,4 @@
-//! What a composite operator is: how the sheets of a tile become one value per ray, slab by slab, front to back.
+//! Interface of composite operators: from the sheets of a tile to one value per ray, slab by slab, front to back.
 //!
 //! Positions are `s`, the slice coordinate w with the sign that makes it grow along the ray.
 
@@ -17,34 +17,34 @@ pub struct Slab<'a, 'b> {
     pub s: [f32; 2],
     /// The sheets of the first layer, mostly the only one.
     pub first: &'a mut LayerSheets<'b>,
-    /// Those of further layers.
+    /// The sheets of further layers.
     pub more: &'a mut [LayerSheets<'b>],
-    /// The fields on the sheet in front and on that behind, and where they lie.
+    /// The fields' sheets at the positions of the front and the back sheet.
     pub fields: [&'a mut FieldSheets; 2],
-    /// For reconstructing chunks of fields.
+    /// Geometry of each field, for reconstructing its chunks.
     pub field_geometries: &'a [SheetGeometry<'b>],
-    /// Samples that the sheets of fields are made of.
+    /// Samples that the fields' sheets are made of.
     pub field_panels: &'a FieldSlices,
 }
 
 /// Densities of a chunk on both sheets.
 pub struct Ends {
-    /// On the sheet in front.
+    /// Densities on the front sheet.
     pub front: [f32; LANES],
-    /// On the sheet behind.
+    /// Densities on the back sheet.
     pub back: [f32; LANES],
-    /// Missing shares on both, of volumes with missing samples.
+    /// Missing shares on both sheets; `None` for volumes without missing samples.
     pub missing: Option<[[f32; LANES]; 2]>,
 }
 
 impl Ends {
-    /// Of a slab in which densities are ready.
+    /// Reads a chunk on both sheets of a slab, whose densities must be ready.
     #[inline(always)]
     pub fn new<S: Simd>(s: S, chunk: Chunk, slab: &mut Slab) -> Self {
         let (mut front, mut back) = ([0.0; LANES], [0.0; LANES]);
         s.store(slab.first.front.density(s, [chunk; 2]), &mut front);
         s.store(slab.first.back.density(s, [chunk; 2]), &mut back);
-        // A closure would not be inlined, and call every vector instruction.
+        // No closure: it would not be inlined, and every vector instruction would become a call.
         let mut missing = None;
         if slab.first.geometry.slices.has_mask() {
             let mut shares = [[0.0; LANES]; 2];
@@ -61,12 +61,12 @@ impl Ends {
 pub struct Texels {
     /// Associated RGBA; projections: density, length of the path, 0, coverage.
     pub rgba: [[f32; 4]; LANES],
-    /// Position of opacity ½, NaN where it is not reached; only of operators that have a surface, where it is wanted.
+    /// Position of opacity ½; NaN where it is not reached. Only from operators that find a surface, where it is wanted.
     pub s_half: Option<[f32; LANES]>,
 }
 
 impl Texels {
-    /// Colours, and where opacity is ½.
+    /// Texels from lanes of red, green, blue and opacity, and of positions of opacity ½.
     pub fn new(rgba: &[Lanes; 4], s_half: Option<&Lanes>) -> Self {
         let [r, g, b, a] = rgba;
         Self { rgba: std::array::from_fn(|i| [r.0[i], g.0[i], b.0[i], a.0[i]]), s_half: s_half.map(|s| s.0) }
@@ -75,21 +75,21 @@ impl Texels {
 
 /// An operator at work on one tile.
 pub trait Compositor {
-    /// Whether the sheet behind is looked at too, even if another slab follows.
+    /// Whether a slab reads its back sheet too, even if another slab follows.
     fn looks_behind(&self) -> bool {
         true
     }
     /// Whether no ray of the chunk can change any more.
     fn is_done(&self, chunk: Chunk) -> bool;
-    /// Adds the space between two sheets, front to back, to a chunk. Densities are ready on those sheets that are looked
-    /// at. Spaces in which nothing is visible may be left out. `#[inline(always)]`.
+    /// Adds the slab between two sheets to a chunk. Slabs come front to back, with densities ready on the sheets that
+    /// are read; slabs in which nothing is visible may be left out. Must be `#[inline(always)]`.
     fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab);
-    /// The same for those chunks of a block that are neither done nor missed.
+    /// Adds a slab to those chunks of a block that are neither done nor missed.
     #[inline(always)]
     fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
         self.add_one_by_one(s, block, rays, slab);
     }
-    /// Chunk by chunk.
+    /// Adds a slab to a block chunk by chunk: the default of [`Compositor::add`].
     #[inline(always)]
     fn add_one_by_one<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
         for chunk in block.chunks() {
@@ -100,6 +100,6 @@ pub trait Compositor {
     }
     /// The result of a chunk.
     fn finish(&self, chunk: Chunk) -> Texels;
-    /// What another piece of the same tile goes on from.
+    /// The state that the next piece of the tile continues from.
     fn into_state(self) -> TileState;
 }

@@ -12,7 +12,7 @@ use crate::sheet::tile_layout::Chunk;
 use crate::sheet::tile_rays::Rays;
 use crate::source::nonfinite::MISSING;
 
-/// The first surface of one density.
+/// The first crossing of one iso-value along each ray of a tile.
 pub struct FirstHit<'a> {
     iso: f32,
     rgb: [f32; 3],
@@ -24,7 +24,7 @@ pub struct FirstHit<'a> {
 }
 
 impl<'a> FirstHit<'a> {
-    /// Goes on from a state; `None`: nothing is drawn yet. `iso` is a density.
+    /// Continues from `state`; `None`: nothing is drawn yet. `iso` is a density.
     pub fn new(iso: f32, classifier: &Classifier, shader: Option<&'a Shader>, state: Option<TileState>) -> Self {
         let state = state.unwrap_or_else(|| TileState {
             rgba: TileState::per_chunk([Lanes::splat(0.0); 4]),

@@ -1,8 +1,8 @@
-//! Local maximum intensity projection: the first one along a ray that reaches a threshold, and the global one where none does.
+//! Local maximum intensity projection: the first maximum along a ray that reaches a threshold, else the global one.
 //!
-//! What is near and bright enough hides what is brighter behind it, which a maximum projection cannot show. A ray keeps
-//! the largest density so far; once that has reached the threshold, the first density below it ends the ray. Source:
-//! Sato et al., *Local maximum intensity projection (LMIP)*, J. Computer Assisted Tomography 22(6), 1998.
+//! A near maximum that is bright enough hides brighter ones behind it, which a maximum projection cannot show. A ray
+//! keeps the largest density so far; once that has reached the threshold, the first density below it ends the ray.
+//! Source: Sato et al., *Local maximum intensity projection (LMIP)*, J. Computer Assisted Tomography 22(6), 1998.
 
 use wavesplat_compute::simd::{LANES, Lanes, Simd};
 
@@ -13,13 +13,13 @@ use crate::ray::state::TileState;
 use crate::sheet::tile_layout::Chunk;
 use crate::sheet::tile_rays::Rays;
 
-/// Densities that differ by less, relative to their size, are the same: reconstruction rounds to f32 a few times, and a
+/// Relative difference of densities below which they count as equal: reconstruction rounds to f32 a few times, and a
 /// plateau on the way up must not look like a maximum.
 pub const ROUNDING: f32 = 1e-6;
 
-/// The rays of a tile.
+/// Local maxima along the rays of a tile.
 pub struct LocalMaximum {
-    /// A density.
+    /// Threshold, as a density.
     threshold: f32,
     /// The largest density so far; −∞ where nothing was drawn.
     highest: Vec<Lanes>,
@@ -29,7 +29,7 @@ pub struct LocalMaximum {
 }
 
 impl LocalMaximum {
-    /// Goes on from a state; `None`: nothing is drawn yet. `threshold` is a density.
+    /// Continues from `state`; `None`: nothing is drawn yet. `threshold` is a density.
     pub fn new(threshold: f32, state: Option<TileState>) -> Self {
         let state = state.unwrap_or_else(|| TileState {
             value: TileState::per_chunk(Lanes::splat(f32::NEG_INFINITY)),

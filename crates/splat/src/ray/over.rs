@@ -1,13 +1,13 @@
 //! Compositing by *over*, front to back (Porter and Duff 1984), with early ray termination.
 //!
-//! *over*, front to back with associated colour (Porter & Duff 1984): `C += (1 − A) c α`, `A += (1 − A) α`. Each sheet
-//! stands for the slab half way to its neighbours. Where the transfer function is steep, so that opacity or colour can
-//! change by a visible amount from sheet to sheet, the space between two sheets is one slab of linear density instead,
-//! pre-integrated (Engel, Kraus, Ertl 2001), with colour and gradient from where most of its light comes from: a hard
-//! surface is found, and shaded, where it is, and few sheets give what many did.
+//! With associated colour: `C += (1 − A) c α`, `A += (1 − A) α`. Each sheet stands for the slab half way to its
+//! neighbours. Where the transfer function is steep, so that opacity or colour can change by a visible amount from
+//! sheet to sheet, the space between two sheets is one slab of linear density instead, pre-integrated (Engel, Kraus,
+//! Ertl 2001), with colour and gradient from where most of its light comes from: a hard surface is found, and shaded,
+//! at its exact place, and few sheets do the work of many.
 //!
-//! Projections ([`crate::ray::project`]) keep one density per ray, *first hit* ([`crate::ray::first_hit`]) looks for the first
-//! crossing of an iso-value and shades there; both take the density as linear between sheets.
+//! Projections ([`crate::ray::project`]) keep one density per ray; *first hit* ([`crate::ray::first_hit`]) looks for
+//! the first crossing of an iso-value and shades there. Both take the density as linear between sheets.
 //!
 //! Positions here are `s`, the slice coordinate w with the sign that makes it grow along the ray.
 
@@ -28,12 +28,14 @@ use crate::sheet::tile_layout::Chunk;
 use crate::sheet::tile_rays::Rays;
 use crate::source::nonfinite::{known_between, known_share};
 
-/// Emission and absorption. `MODIFIED`: with what few pictures have; a constant, so that the others do not pay for it.
+/// Compositing of one volume's emission and absorption.
+///
+/// `MODIFIED`: with [`Modifiers`], which few pictures have; a constant, so that the others do not pay for them.
 pub struct Over<'a, const MODIFIED: bool> {
     classifier: &'a Classifier,
     shader: Option<&'a Shader>,
     modifiers: &'a Modifiers,
-    /// The fields on the sheet in front and on that behind, where they were read last.
+    /// Field values on the front and the back sheet, at the chunks that were read last.
     here: [FieldValues; 2],
     /// Whether slabs are pre-integrated.
     needs_preintegration: bool,
@@ -41,8 +43,8 @@ pub struct Over<'a, const MODIFIED: bool> {
 }
 
 impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
-    /// Goes on from a state; `None`: nothing is drawn yet. `needs_preintegration`: pre-integrate the slabs. `opaque`: opacity from which a ray is done.
-    /// `with_depth`: whether `s_half` is wanted.
+    /// Continues from `state`; `None`: nothing is drawn yet. `opaque`: opacity from which a ray is done. `with_depth`:
+    /// whether `s_half` is wanted.
     pub fn new(
         classifier: &'a Classifier,
         shader: Option<&'a Shader>,
@@ -56,7 +58,7 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
         Self { classifier, shader, modifiers, here: Default::default(), needs_preintegration, so_far }
     }
 
-    /// Composites the sheet in front (0) or that behind (1) as it is from one position to another.
+    /// Composites the front (0) or back (1) sheet as a slab of constant density between two positions.
     #[inline(always)]
     fn add_sheet<W: Wide>(
         &mut self,
@@ -145,13 +147,14 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
         let begin = w.mul(w.sub(from, w.splat(s_front)), per_s);
         let end = w.add_mul(begin, extent, per_s);
         let passage = self.classifier.preintegrate(w, w.add_mul(front, begin, change), w.add_mul(front, end, change));
-        // Part by part, how much light comes from there; and where the mean of it comes from: the middle of a thin part,
-        // the front of an opaque one.
+        // Opacity part by part, and the mean place that light comes from. In a part of even extinction and depth τ that
+        // place is `1/τ − 1/(e^τ − 1)` of its length, which `1 / (2 + ¾ τ)` approximates to 0.06: the middle of a thin
+        // part, the front of an opaque one.
         let mut whole_length = w.mul(extent, rays.thickness(w, chunks));
         let mut length = whole_length;
         if geometry.slices.has_mask() {
             let missing = Some([slab.first.front.missing(w, chunks), slab.first.back.missing(w, chunks)]);
-            // In the middle of what is visible; of all for the label medium.
+            // At the middle of the visible range for the scan, of the whole range for the label medium.
             let middle = w.mul(w.add(passage.first, passage.last), w.splat(0.5));
             let (of_scan, of_all) = (
                 known_between(w, missing, w.add_mul(begin, middle, w.mul(extent, per_s))),
@@ -161,7 +164,7 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
             whole_length = w.mul(whole_length, of_all);
         }
         if MODIFIED {
-            // What holds in the middle of what is visible.
+            // The factors at the middle of the visible range.
             let middle = w.mul(w.add(passage.first, passage.last), w.splat(0.5));
             let at = w.add_mul(begin, middle, w.mul(extent, per_s));
             if let Some(by_gradient) = &self.modifiers.by_gradient {
@@ -204,6 +207,7 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
         } else {
             [w.splat(0.0); 3]
         };
+        // Opacity is taken to grow evenly along a fragment: its middle is put at the mean place of its light.
         let mut visible = (
             w.add_mul(from, passage.first, extent),
             w.mul(w.mul(w.sub(passage.last, passage.first), extent), w.mul(w.splat(2.0), mean)),
@@ -220,8 +224,8 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
         self.so_far.add_fragment(w, chunks, rays, &Fragment { rgb, alpha, from, extent });
     }
 
-    /// Reads what of the fields the scan and the label medium need that are not read yet, on the sheets in front
-    /// (0) and behind (1).
+    /// Reads the fields that the scan and the label medium need (except its optical depth, which was read before) on
+    /// the front (0) and back (1) sheets `which`.
     #[inline(always)]
     fn read_fields<W: Wide>(
         &mut self,
@@ -245,7 +249,7 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
         }
     }
 
-    /// The scan's colour in the light that gets to a point.
+    /// The scan's colour, tinted and lit at a point.
     #[inline(always)]
     fn shade<W: Wide>(
         &self,
@@ -265,8 +269,8 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
         lit(w, rgb, self.shader.zip(gradient), to_eye, self.modifiers.light(w, point))
     }
 
-    /// Whether any ray that is not done can see label media on the sheets in front (0) and behind (1), which is
-    /// read.
+    /// Whether any live ray can see the label medium on the front (0) and back (1) sheets `which`. Reads its optical
+    /// depth.
     #[inline(always)]
     fn see_label_medium<W: Wide>(
         &mut self,
@@ -286,8 +290,8 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
         self.so_far.see_where(w, chunks, rays, w.lt(w.splat(0.0), most)) != [false; 2]
     }
 
-    /// Mixes the label medium into what the scan has in the same space: colour, opacity and optical depth. Colours
-    /// mix by extinction: where both are opaque, opacities would say half and half.
+    /// Mixes the label medium into the scan's colour and opacity in the same space. Colours mix by extinction: where
+    /// both media are opaque, opacities would weigh them equally.
     #[inline(always)]
     fn add_label_medium<W: Wide>(
         &self,
@@ -311,14 +315,14 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
         (mixed, w.sub(w.add(alpha, own), w.mul(alpha, own)))
     }
 
-    /// Whether any ray of each chunk that is not done can see something of densities from the first to the second.
+    /// Per chunk: can a live ray see any density from `lo` to `hi`?
     #[inline(always)]
     fn see<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, [lo, hi]: [W::F; 2]) -> [bool; 2] {
         let [least, most] = self.classifier.visible_range();
         self.so_far.see_where(w, chunks, rays, w.and(w.le(w.splat(least), hi), w.le(lo, w.splat(most))))
     }
 
-    /// Whether any ray of each chunk that is not done can see something of the space between two sheets.
+    /// Per chunk: can a live ray see anything in the space between the two sheets?
     #[inline(always)]
     fn see_slab<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, slab: &Slab) -> [bool; 2] {
         let (front, back) = (slab.first.front.density(w, chunks), slab.first.back.density(w, chunks));
@@ -383,7 +387,7 @@ impl<const MODIFIED: bool> Compositor for Over<'_, MODIFIED> {
         }
         for [first, second] in block.pairs() {
             let (one, other) = (!rays.none(first) && !self.is_done(first), !rays.none(second) && !self.is_done(second));
-            // Of a hard surface one of them often sees nothing; label media is looked for later.
+            // At a hard surface one of the two chunks often sees nothing. The label medium is looked for later.
             let has_label_medium = MODIFIED && self.modifiers.label_medium_field().is_some();
             let seen = if one && other && self.needs_preintegration && !has_label_medium {
                 self.see_slab(Pair(s), [first, second], rays, slab)

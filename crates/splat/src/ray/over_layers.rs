@@ -1,12 +1,13 @@
 //! Compositing of several layers: emission and absorption of several media in one space.
 //!
-//! At a point of space extinctions add, `τ = Σ τ_l`, and colours mix by extinction, `c = Σ τ_l c_l / τ`, each shaded by its own
-//! gradient; what is mixed is composited as that of one volume is ([`crate::ray::over`]). So layers hide each other by their
-//! depth, and their order means nothing. Layers may have grids of their own: each has its sheets at the same texels, and
-//! its box, beyond which it is empty.
+//! At a point of space extinctions add, `τ = Σ τ_l`, and colours mix by extinction, `c = Σ τ_l c_l / τ`, each shaded by
+//! its own gradient; the mixture is composited like a single volume ([`crate::ray::over`]). So layers hide each other
+//! by their depth, and their order means nothing. Layers may have grids of their own: each has its sheets at the same
+//! texels, and its box, beyond which it is empty.
 //!
-//! Where a function is steep, the space between two sheets is pre-integrated: cut into a few parts, in each of which the
-//! depths of the layers are exact, so that surfaces that lie close together hide each other in their order.
+//! Where a transfer function is steep, the space between two sheets is pre-integrated: cut into a few parts, in each of
+//! which the optical depths of the layers are exact, so that surfaces that lie close together hide each other in their
+//! order.
 
 use wavesplat_compute::simd::{Simd, Wide};
 
@@ -24,35 +25,35 @@ use crate::sheet::tile_layout::Chunk;
 use crate::sheet::tile_rays::Rays;
 use crate::source::nonfinite::{known_between, known_share};
 
-/// What a layer makes of densities.
+/// Optics of a layer: from density to colour and optical depth.
 #[derive(Clone, Copy)]
 pub struct LayerOptics<'a> {
     /// Colour and optical depth by density.
     pub classifier: &'a Classifier,
     /// Lights and coefficients; `None` without shading.
     pub shader: Option<&'a Shader>,
-    /// Gradient opacity, light that is held off, labels.
+    /// Gradient opacity, occlusion and shadow, labels.
     pub modifiers: &'a Modifiers,
 }
 
 /// Emission and absorption of several layers.
 pub struct OverLayers<'a> {
     media: Vec<LayerOptics<'a>>,
-    /// The fields on the sheet in front and on that behind, where they were read last.
+    /// Field values on the front and the back sheet, at the chunks that were read last.
     here: [FieldValues; 2],
     /// Whether slabs are pre-integrated.
     needs_preintegration: bool,
     so_far: Accumulator,
 }
 
-/// Sums over layers: extinction times colour, and extinction.
+/// Sums over layers: optical depth times colour, and optical depth.
 #[derive(Clone, Copy)]
 struct MediaSum<W: Wide>([W::F; 3], W::F);
 
-/// An optical depth that is opaque, whatever it is multiplied with.
+/// Cap of optical depths: opaque, yet finite when multiplied and summed over layers.
 const MAX_DEPTH: f32 = 1e30;
 
-/// Below this optical depth colours do not matter.
+/// Optical depth below which colours do not matter; keeps divisions finite.
 const MIN_DEPTH: f32 = 1e-20;
 
 impl<W: Wide> MediaSum<W> {
@@ -71,7 +72,7 @@ impl<W: Wide> MediaSum<W> {
         self.1 = w.add(self.1, depth);
     }
 
-    /// Colour and opacity.
+    /// Colour and opacity of the mixture.
     #[inline(always)]
     fn fragment(&self, w: W) -> ([W::F; 3], W::F) {
         let inverse = w.div(w.splat(1.0), w.max(self.1, w.splat(MIN_DEPTH)));
@@ -87,8 +88,8 @@ fn sheets<'s, 'b>(slab: &'s mut Slab<'_, 'b>, layer: usize) -> &'s mut LayerShee
 }
 
 impl<'a> OverLayers<'a> {
-    /// Goes on from a state; `None`: nothing is drawn yet. `needs_preintegration`: pre-integrate the slabs. `opaque`: opacity from which
-    /// a ray is done. `with_depth`: whether `s_half` is wanted.
+    /// Continues from `state`; `None`: nothing is drawn yet. `opaque`: opacity from which a ray is done. `with_depth`:
+    /// whether `s_half` is wanted.
     pub fn new(
         media: Vec<LayerOptics<'a>>,
         needs_preintegration: bool,
@@ -104,7 +105,7 @@ impl<'a> OverLayers<'a> {
         }
     }
 
-    /// Whether any ray of each chunk that is not done can see something of a medium between two densities.
+    /// Whether a live ray of any chunk can see a medium at a density from `lo` to `hi`.
     #[inline(always)]
     fn see<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, medium: &LayerOptics, [lo, hi]: [W::F; 2]) -> bool {
         let [least, most] = medium.classifier.visible_range();
@@ -112,7 +113,7 @@ impl<'a> OverLayers<'a> {
         self.so_far.see_where(w, chunks, rays, visible) != [false; 2]
     }
 
-    /// Reads what of the fields a medium needs on a sheet.
+    /// Reads the fields that a layer's medium needs on a sheet.
     #[inline(always)]
     fn read_fields<W: Wide>(&mut self, w: W, chunks: Chunks, slab: &mut Slab, which: usize, layer: usize) {
         let from = (slab.field_geometries, slab.field_panels);
@@ -121,7 +122,7 @@ impl<'a> OverLayers<'a> {
         }
     }
 
-    /// Whether any ray that is not done can see label media on a sheet.
+    /// Whether any live ray can see the label medium on a sheet. Reads its optical depth.
     #[inline(always)]
     fn see_label_medium<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab, which: usize) -> bool {
         let Some(field) = self.media[0].modifiers.label_medium_field() else { return false };
@@ -131,7 +132,7 @@ impl<'a> OverLayers<'a> {
         self.so_far.see_where(w, chunks, rays, w.lt(w.splat(0.0), depth)) != [false; 2]
     }
 
-    /// Reads the rest of what the label medium needs on a sheet, after [`OverLayers::see_label_medium`].
+    /// Reads the label medium's other fields, and its gradient if shaded, after [`OverLayers::see_label_medium`].
     #[inline(always)]
     fn read_label_medium<W: Wide>(&mut self, w: W, chunks: Chunks, slab: &mut Slab, which: usize) {
         let modifiers = self.media[0].modifiers;
@@ -159,7 +160,7 @@ impl<'a> OverLayers<'a> {
         );
     }
 
-    /// Composites the sheet in front (0) or that behind (1) as it is from one position to another.
+    /// Composites the front (0) or back (1) sheet of every layer as a slab of constant density between two positions.
     #[inline(always)]
     fn add_sheet<W: Wide>(
         &mut self,
@@ -233,7 +234,7 @@ impl<'a> OverLayers<'a> {
         let (way, per_s) = (w.splat(s_back - s_front), w.splat(1.0 / (s_back - s_front)));
         let (zero, one) = (w.splat(0.0), w.splat(1.0));
         let mut parts = [MediaSum::none(w); N_PARTS];
-        // What is seen of the only medium that is, as it mostly is; there is nothing to mix then.
+        // The fragment of the only medium that is visible: the usual case, in which there is nothing to mix.
         let (mut only, mut mixes) = (None, false);
         for layer in 0..self.media.len() {
             let own = sheets(slab, layer);
@@ -253,7 +254,7 @@ impl<'a> OverLayers<'a> {
             if own.geometry.slices.has_mask() {
                 missing = Some([own.front.missing(w, chunks), own.back.missing(w, chunks)]);
             }
-            // The shares of the way between which the layer is drawn, and the parts of these.
+            // Fractions of the slab at which the layer's drawn part begins and ends, and the cuts in between.
             let begin = w.mul(w.sub(from, w.splat(s_front)), per_s);
             let end = w.add_mul(begin, extent, per_s);
             let mut cuts = [begin; N_CUTS];
@@ -278,7 +279,7 @@ impl<'a> OverLayers<'a> {
                     Some((joint, gradients)) => joint_parts(w, joint, [front, back], gradients, cuts),
                     None => (medium.classifier.preintegrate_parts(w, front, back, cuts), None),
                 };
-                // What holds in the middle of what is visible.
+                // The factors at the middle of the visible range.
                 let middle = w.mul(w.add(first, last), half);
                 let mut length = w.mul(length, known_between(w, missing, middle));
                 length = w.mul(length, medium.modifiers.scan_share(w, &FieldPoint::between(&self.here, middle)));
@@ -287,7 +288,7 @@ impl<'a> OverLayers<'a> {
                 {
                     length = w.mul(length, by_gradient.factor(w, between(w, g_front, g_back, middle)));
                 }
-                // Where the mean of the layer's own light comes from.
+                // The mean place that the layer's own light comes from, as in [`crate::ray::over`].
                 let (mut alpha, mut moment) = (zero, zero);
                 for k in 0..N_PARTS {
                     depths[k] = w.mul(depths[k], length);
@@ -335,7 +336,7 @@ impl<'a> OverLayers<'a> {
             }
             return;
         }
-        // The parts, front to back; and the mean place that light comes from.
+        // Composites the parts front to back, and finds the mean place that light comes from.
         let (mut rgb, mut alpha, mut moment) = ([zero; 3], zero, zero);
         for (k, part) in parts.iter().enumerate() {
             let (color, opacity) = part.fragment(w);
@@ -356,8 +357,8 @@ impl<'a> OverLayers<'a> {
     }
 }
 
-/// Parts of the way between two sheets by a function of two dimensions, and its colour there: it has no integral, so what it
-/// is on both sheets counts, linear in between.
+/// Part opacities and colour of a two-dimensional transfer function between two sheets. It has no integral over
+/// density, so its values on both sheets count, linear in between.
 #[inline(always)]
 fn joint_parts<W: Wide>(
     w: W,
@@ -380,7 +381,7 @@ fn joint_parts<W: Wide>(
     (parts, Some(between(w, [r, g, b], [r2, g2, b2], share)))
 }
 
-/// A medium's colour in the light that gets to a point.
+/// A medium's colour, tinted and lit at a point.
 #[inline(always)]
 fn shaded<W: Wide>(
     w: W,
@@ -394,7 +395,7 @@ fn shaded<W: Wide>(
     lit(w, rgb, medium.shader.zip(gradient), to_eye, medium.modifiers.light(w, point))
 }
 
-/// Colour and optical depth of the label medium.
+/// Lit colour and optical depth of the label medium at a point; `None` without one.
 #[inline(always)]
 fn label_medium<W: Wide>(
     w: W,

@@ -1,4 +1,4 @@
-//! Projections (MIP, minimum, mean, sum, X-ray): one number per ray of the densities along it.
+//! Projections (MIP, minimum, mean, sum, X-ray): one number per ray from the densities along it.
 //!
 //! Densities are linear between two sheets, so extremes are looked for on the sheets and where rays enter and leave;
 //! integrals of a slab are exact. Formulas and sources: [`Composite`].
@@ -21,19 +21,19 @@ pub struct DrawnSegment {
     pub far: [f32; LANES],
     /// Its length, in the unit of the rays' thickness; 0 where nothing is drawn.
     pub length: [f32; LANES],
-    /// The shares of the way through the slab where it begins and ends, of volumes with missing samples.
+    /// Begin and end as fractions of the slab; only for volumes with missing samples.
     part: Option<[[f32; LANES]; 2]>,
 }
 
 impl DrawnSegment {
-    /// Of a slab in which densities are ready.
+    /// Clips a slab to the intervals of a chunk's rays. Its densities must be ready.
     #[inline(always)]
     pub fn new<S: Simd>(s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) -> Self {
         let Ends { front, back, missing } = Ends::new(s, chunk, slab);
         let thickness = &rays.directions(chunk).thickness.0;
         let [s_front, s_back] = slab.s;
         let mut segment = Self { near: front, far: back, length: [0.0; LANES], part: None };
-        // Most of them.
+        // Most segments span the whole slab.
         if missing.is_none() && rays.all_draw(chunk, s_front, s_back) {
             for i in 0..LANES {
                 segment.length[i] = (s_back - s_front) * thickness[i];
@@ -53,7 +53,7 @@ impl DrawnSegment {
             }
             let slope = back[i] - front[i];
             segment.near[i] = front[i] + from * slope;
-            // The back sheet to the bit where all is drawn.
+            // Exactly the back sheet's density where the segment ends on it.
             segment.far[i] = if to == 1.0 { back[i] } else { front[i] + to * slope };
             segment.length[i] = if to > from { (to - from) * (s_back - s_front) * thickness[i] } else { 0.0 };
         }
@@ -64,14 +64,14 @@ impl DrawnSegment {
 /// All projections but the local maximum ([`crate::ray::local_maximum`]).
 pub struct Project {
     operator: Composite,
-    /// The density that is dimmed towards, or above which x-rays are absorbed.
+    /// Density towards which depth shading dims, or above which X-rays are absorbed.
     level: f32,
     value: Vec<Lanes>,
     length: Vec<Lanes>,
 }
 
 impl Project {
-    /// Goes on from a state; `None`: nothing is drawn yet. `level`: as of [`Project::level`].
+    /// Continues from `state`; `None`: nothing is drawn yet. `level`: see [`Project::level`].
     pub fn new(operator: Composite, level: f32, state: Option<TileState>) -> Self {
         let nothing = match operator {
             Composite::Maximum | Composite::DepthShadedMaximum { .. } => f32::NEG_INFINITY,
@@ -86,7 +86,7 @@ impl Project {
         Self { operator, level, value: state.value, length: state.length }
     }
 
-    /// The density that an operator dims towards, or above which x-rays are absorbed. `density`: that of a sample value.
+    /// Density towards which an operator dims, or above which X-rays are absorbed. `density` maps sample values.
     pub fn level(operator: Composite, density: impl Fn(f64) -> f32) -> f32 {
         match operator {
             Composite::DepthShadedMaximum { black, .. } => density(black),
@@ -96,13 +96,13 @@ impl Project {
     }
 }
 
-/// What is above a level, times a factor.
+/// The density with its excess over a level scaled by `factor`.
 #[inline(always)]
 fn dimmed(density: f32, level: f32, factor: f32) -> f32 {
     if density > level { level + (density - level) * factor } else { density }
 }
 
-/// Mean of what is positive of a density that goes evenly from one value to another.
+/// Mean of the positive part of a density that changes linearly; of a line through 0 the triangle above it counts.
 #[inline(always)]
 fn mean_above(near: f32, far: f32) -> f32 {
     let (lo, hi) = (near.min(far), near.max(far).max(0.0));

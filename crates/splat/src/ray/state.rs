@@ -1,13 +1,15 @@
-//! The state of a tile's rays between two sheets: what compositing goes on from.
+//! The state of a tile's rays between two sheets, from which compositing can be continued.
 //!
-//! A picture can be cut into pieces by tiles and by sheets: a piece takes a state and gives the next, as plain arrays, by
-//! [`Chunk`], so that they may be kept, sent to another process, or uploaded.
+//! A picture can be cut into pieces by tiles and by sheets: a piece takes a state and returns the next, as plain arrays
+//! by [`Chunk`], so that states can be kept, sent to another process, or uploaded.
 
 use wavesplat_compute::simd::{LANES, Lanes};
 
 use crate::sheet::tile_layout::Chunk;
 
-/// What is known of the rays of a tile, chunk by chunk ([`Chunk::index`]). Arrays that an operator does not need are empty.
+/// State of the rays of a tile, chunk by chunk ([`Chunk::index`]).
+///
+/// Arrays that an operator does not need are empty.
 #[derive(Clone, Debug, Default)]
 pub struct TileState {
     /// Premultiplied colour and opacity (over, first hit).
@@ -18,15 +20,17 @@ pub struct TileState {
     pub length: Vec<Lanes>,
     /// Position of opacity 1/2, or of the surface, along the ray; NaN where it is not reached.
     pub s_half: Vec<Lanes>,
-    /// Rays that have found what they look for, as bits (first hit, local maximum).
+    /// Rays that have found their surface or maximum, as bits (first hit, local maximum).
     pub found: Vec<u16>,
-    /// Chunks of which no ray can change any more: opaque, or found.
+    /// Chunks in which no ray can change any more: all are opaque, or have found.
     pub done: Vec<bool>,
 }
 
 impl TileState {
-    /// As bytes, little-endian: six lengths of arrays, then the arrays in the order of the fields. [`TileState::from_bytes`]
-    /// reads them back.
+    /// Serialises the state, little-endian.
+    ///
+    /// The lengths of the six arrays, then the arrays in the order of the fields. [`TileState::from_bytes`] reads them
+    /// back.
     pub fn to_bytes(&self) -> Vec<u8> {
         let Self { rgba, value, length, s_half, found, done } = self;
         let mut bytes =
@@ -43,7 +47,7 @@ impl TileState {
         bytes
     }
 
-    /// What [`TileState::to_bytes`] wrote; `None` where the bytes are not those of a state.
+    /// Reads the output of [`TileState::to_bytes`]; `None` where the bytes are not a state.
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
         let (head, rest) = bytes.split_at_checked(24)?;
         let (head, _) = head.as_chunks::<4>();
@@ -68,7 +72,7 @@ impl TileState {
         Some(Self { rgba, value, length, s_half, found, done: done.iter().map(|done| *done != 0).collect() })
     }
 
-    /// An array with an entry for every chunk.
+    /// An array with `value` for every chunk.
     pub fn per_chunk<T: Clone>(value: T) -> Vec<T> {
         vec![value; Chunk::N]
     }

@@ -1,5 +1,5 @@
-//! Ablation study: the choices of high-resolution splatting, each with the form that it improves on, so that a study can
-//! show what each of them buys. The default is the method as it is.
+//! Ablation study: the choices of high-resolution splatting, each with the form that it improves on, so that a study
+//! can show what each of them buys. The default is the method as it is.
 //!
 //! | choice | on, or default | off, or other |
 //! | --- | --- | --- |
@@ -12,18 +12,18 @@
 
 use wavesplat_core::{Error, MAX_GRADIENT_OFFSET, Result};
 
-/// Where the differences for the gradient are taken; `d` is that of [`wavesplat_core::Gradient::Difference`].
+/// Placement of the differences for the gradient; `d` is the offset of [`wavesplat_core::Gradient::Difference`].
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum GradientScheme {
-    /// `[V(x + d) − V(x − d)] / 2d` along the index axes at every texel, by footprints.
+    /// Central differences `[V(x + d) − V(x − d)] / 2d` along the index axes at every texel, by footprints.
     #[default]
     Footprint,
-    /// `[V(x + d) − V(x)] / d`, towards larger indices, by footprints.
+    /// Forward differences `[V(x + d) − V(x)] / d`, towards larger indices, by footprints.
     FootprintForward,
-    /// As [`GradientScheme::Footprint`], but of the texels and sheets that there are: `d` becomes the nearest whole number
+    /// Like [`GradientScheme::Footprint`], but between existing texels and sheets: `d` becomes the nearest whole number
     /// of texels along x and y and of sheets along z, at least one.
     SheetCentral,
-    /// As [`GradientScheme::FootprintForward`], of texels and sheets.
+    /// Like [`GradientScheme::FootprintForward`], between existing texels and sheets.
     SheetForward,
 }
 
@@ -41,12 +41,12 @@ impl GradientScheme {
         find("gradient", name, &Self::NAMES)
     }
 
-    /// Whether differences are those of texels and sheets.
+    /// Whether differences are taken between existing texels and sheets.
     pub fn is_of_sheets(self) -> bool {
         matches!(self, Self::SheetCentral | Self::SheetForward)
     }
 
-    /// Both ends of a difference, counted from its position. `offset`: `d`; `step`: distance of the texels or sheets.
+    /// Both ends of a difference, relative to its position. `offset`: `d`; `step`: distance of the texels or sheets.
     pub fn ends(self, offset: f64, step: f64) -> [f64; 2] {
         let end = if self.is_of_sheets() { whole_steps(offset, step) } else { offset };
         let is_forward = matches!(self, Self::FootprintForward | Self::SheetForward);
@@ -57,12 +57,12 @@ impl GradientScheme {
 /// The whole number of steps, at least one, nearest to an offset; as an offset, at most [`MAX_GRADIENT_OFFSET`].
 fn whole_steps(offset: f64, step: f64) -> f64 {
     let step = step.abs();
-    // Where a sheet passes the eye all its texels are one.
+    // Where a sheet passes the eye all its texels coincide.
     let whole = if step > 0.0 { (offset / step).round().max(1.0) * step } else { offset };
     whole.min(MAX_GRADIENT_OFFSET)
 }
 
-/// Where the weights of a footprint come from.
+/// Source of the weights of a footprint.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum FootprintTable {
     /// The kernel itself.
@@ -73,7 +73,8 @@ pub enum FootprintTable {
         /// Entries per sample distance.
         per_sample: u32,
     },
-    /// The same with every sample of a sheet displaced by up to half an entry, which turns the stairs into grain.
+    /// The nearest entry, with every sample of a sheet displaced by up to half an entry, which turns the stairs into
+    /// grain.
     NearestNoise {
         /// Entries per sample distance.
         per_sample: u32,
@@ -92,16 +93,16 @@ impl FootprintTable {
     }
 }
 
-/// Which part of the method is left out or changed.
+/// Choice of the parts of the method that are left out or changed.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Ablation {
     /// Off: a sheet stands for `dz` of a ray at any angle.
     pub view_angle_correction: bool,
     /// Off: a sheet holds the samples of the nearest slice, so that sheets between two slices repeat them.
     pub kernel_slicing: bool,
-    /// Where gradients come from.
+    /// Placement of the differences for gradients.
     pub gradient: GradientScheme,
-    /// Where weights within a sheet come from.
+    /// Source of the weights within a sheet.
     pub footprint: FootprintTable,
 }
 
@@ -120,7 +121,7 @@ impl Ablation {
         footprint: FootprintTable::Exact,
     };
 
-    /// Checks ranges.
+    /// Checks the range of the number of table entries.
     pub fn validate(&self) -> Result<()> {
         let (FootprintTable::Nearest { per_sample } | FootprintTable::NearestNoise { per_sample }) = self.footprint
         else {

@@ -1,4 +1,4 @@
-//! Empty space of the ray caster.
+//! Empty-space skipping of the ray caster.
 
 use glam::DVec3;
 use wavesplat_compute::parallel;
@@ -6,11 +6,12 @@ use wavesplat_compute::parallel;
 use super::raycast::Sampler;
 use crate::kernel::weights::{mirror_index, overshoot, radius};
 
-/// Cells per side of the blocks that are skipped where nothing in them is visible.
+/// Side of the blocks that are skipped where nothing in them is visible, in cells.
 const BLOCK: usize = 4;
 
-/// Which blocks of cells can hold a visible density: exact, since kernels with non-negative weights stay inside the
-/// range of the samples they reach; for Catmull-Rom the range is widened by its largest overshoot in 3-D.
+/// Flags of the blocks of cells that can hold a visible density. Skipping the others is exact, since kernels with
+/// non-negative weights stay inside the range of the samples they reach; for Catmull-Rom the range is widened by its
+/// largest overshoot in 3-D.
 pub(super) struct ActiveBlocks {
     active: Vec<bool>,
     n: [usize; 3],

@@ -1,6 +1,6 @@
-//! What a ray of the reference meets at a point, of one volume or several.
+//! Medium at a point of a ray of the reference, of one volume or several.
 
-/// What is at a point of a ray: extinction per world unit, and colour in the light.
+/// Medium at a point of a ray: extinction per world unit, and colour after shading.
 pub(super) struct Medium {
     pub extinction: f64,
     pub color: [f64; 3],
@@ -9,8 +9,8 @@ pub(super) struct Medium {
 impl Medium {
     pub const NONE: Self = Self { extinction: 0.0, color: [0.0; 3] };
 
-    /// Together with another: extinctions add, colours mix by extinction. Of what is opaque at any thickness, infinite, the
-    /// first counts.
+    /// Mixture with another medium: extinctions add, colours mix by extinction. A medium that is opaque at any
+    /// thickness (infinite extinction) decides the colour alone; two of them mix evenly.
     pub fn and(&self, other: &Self) -> Self {
         let extinction = self.extinction + other.extinction;
         if extinction <= 0.0 {

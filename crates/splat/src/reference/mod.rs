@@ -1,9 +1,9 @@
 //! The literal, slow, double-precision twins of the renderer: the oracle of its tests and of the quality study.
 //!
-//! [`raycast`] is the converged picture; [`splat`] is high-resolution splatting by the method's pseudo-code, also without
-//! one of its parts ([`ablation`]), by [`sampled_footprint`] tables for one, and [`original`] its
-//! published form; [`project`] are projections by their
-//! definitions; `standard` is standard splatting, sample by sample. None is on the fast path.
+//! [`raycast`] is the converged picture; [`splat`] is high-resolution splatting by the method's pseudo-code, also with
+//! single parts left out or changed ([`ablation`]; [`sampled_footprint`] has the tables for one of them), and
+//! [`original`] is its published form; [`project`] has projections by their definitions; `standard` is standard
+//! splatting, sample by sample. None is on the fast path.
 
 pub mod ablation;
 mod active_blocks;

@@ -1,5 +1,5 @@
-//! The method as it was published: one buffer layout for all sheets, the gradient from three consecutive sheet buffers, and
-//! every sheet resampled on its way to the picture as a texture on its polygon. Shares the splatting with
+//! The method as it was published: one buffer layout for all sheets, the gradient from three consecutive sheet buffers,
+//! and every sheet resampled on its way to the picture as a texture on its polygon. Shares the splatting with
 //! [`super::splat`]. Source: "High Resolution Image Splatting", IJACEN 2(7), 2014.
 
 use glam::DVec3;
@@ -17,7 +17,8 @@ use crate::view::base_plane::{BasePlane, base_planes};
 use crate::view::family::{Family, IndexRays};
 use crate::view::region::Region;
 
-/// The method's original form, for parallel rays: three sheet buffers, and every sheet warped as a texture.
+/// A picture by the method's original form, for parallel rays: three sheet buffers, and every sheet warped as a
+/// texture.
 ///
 /// Sheet buffers have `options.oversampling` texels per pixel. Perspective cameras, crop and clip planes are drawn as
 /// well, each pixel composited from the sheets of its own ray.
@@ -161,7 +162,7 @@ impl ShadedSheet<'_> {
         (0..4).for_each(|c| pixel[c] += through * texture[c]);
     }
 
-    /// x and y from neighbouring texels, z from the sheets before and after, all scaled to index steps.
+    /// Gradient at a texel: x and y from neighbouring texels, z from the sheets before and after, all per index step.
     fn gradient(&self, i: usize, j: usize) -> DVec3 {
         let at = |buffer: &[f64], i: usize, j: usize| buffer[j * self.size[0] + i];
         let [iu, jv] = self.size;

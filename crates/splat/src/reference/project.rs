@@ -1,7 +1,7 @@
 //! Projections, ray by ray, in double precision, by their definitions ([`Composite`]).
 //!
-//! A ray is cut where it meets the sheets; between two of them the density is linear. Extremes are those of the ends of
-//! these pieces, integrals are exact.
+//! A ray is cut where it meets the sheets; between two of them the density is linear. Extremes are taken over the ends
+//! of these pieces, integrals are exact.
 
 use glam::DVec3;
 use wavesplat_core::{Camera, Composite, Projection, RenderOptions, Result, TransferFunction, Volume};
@@ -47,7 +47,8 @@ pub fn base_plane(
     Ok((0..plane.size[0] * plane.size[1]).map(texel).collect())
 }
 
-/// `share` of the way from the nearest to the farthest point of what is drawn.
+/// Projected value of the pieces of a ray. `share`: fraction of the way from the nearest to the farthest corner of the
+/// region.
 fn project(operator: Composite, pieces: &[RayPiece], share: impl Fn(DVec3) -> f64) -> f64 {
     let ends = || pieces.iter().flat_map(|piece| piece.values.into_iter().zip(piece.ends));
     let values = || ends().map(|(value, _)| value);
@@ -68,7 +69,7 @@ fn project(operator: Composite, pieces: &[RayPiece], share: impl Fn(DVec3) -> f6
         Composite::LocalMaximum { threshold } => {
             let values: Vec<f64> = values().collect();
             let falls = |k: &usize| {
-                // Less than what f32 tells apart is not a fall.
+                // A difference below the resolution of f32 is not a fall.
                 let top = values[..*k].iter().copied().fold(f64::NEG_INFINITY, f64::max);
                 top >= threshold && values[*k] < top - 1e-6 * top.abs()
             };
@@ -94,7 +95,7 @@ fn project(operator: Composite, pieces: &[RayPiece], share: impl Fn(DVec3) -> f6
     }
 }
 
-/// Distances along the view of the nearest and the farthest corner of what is drawn.
+/// Distances along the view of the nearest and the farthest corner of the region.
 fn depths(camera: &Camera, volume: &Volume, region: &Region) -> [f64; 2] {
     let [lo, hi] = region.bounds;
     let corner = |x: f64, y: f64, z: f64| {
@@ -125,8 +126,8 @@ struct ProjectionCaster<'a> {
 }
 
 impl ProjectionCaster<'_> {
-    /// The pieces of a ray, front to back, without what is missing: where linear weights of missing samples, linear between
-    /// sheets too, come to half or more.
+    /// The pieces of a ray, front to back, without the missing parts: those where the weights of missing samples,
+    /// linear within sheets and between them, come to half or more.
     fn pieces(&self, ray: &TexelRay) -> Vec<RayPiece> {
         let [lo, hi] = self.region.drawn_interval(self.plane, ray);
         let family = self.plane.family;

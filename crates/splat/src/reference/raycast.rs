@@ -1,8 +1,8 @@
 //! The converged picture: an image-order ray caster in double precision.
 //!
 //! Steps along each ray, evaluates the kernel at every step (8 samples for trilinear), classifies, shades and
-//! composites, with the exact curves of the transfer function. Model: emission and absorption, where a node of opacity 1 is
-//! opaque to rays that stay at its value, and has no length for those that pass it; central differences
+//! composites, with the exact curves of the transfer function. Model: emission and absorption, where a node of opacity
+//! 1 is opaque to rays that stay at its value, and has no length for those that pass it; central differences
 //! `[V(x + d) − V(x − d)] / 2d` along the index axes for the gradient, which with the linear kernel and d = 1 is the
 //! trilinearly interpolated central difference of the usual ray caster.
 
@@ -27,22 +27,23 @@ use crate::view::index_frame::light_direction;
 use crate::view::region::{HalfSpace, Region};
 use crate::view::scattered::scattered_position;
 
-/// How the reference samples.
+/// Sampling of the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RaycastOptions {
     /// Reconstruction kernel.
     pub kernel: Kernel,
     /// Distance of samples along the ray, in units of the smallest spacing.
     pub step: f64,
-    /// Rays per pixel, a square number: in the middle of the cells of a square grid; where a wall of what is drawn passes
-    /// through the pixel, where the renderer counts shares as well ([`crate::view::scattered`]).
+    /// Rays per pixel, a square number: through the middles of the cells of a square grid, or, where a wall of the
+    /// region passes through the pixel, through the positions at which the renderer counts shares
+    /// ([`crate::view::scattered`]).
     pub rays_per_pixel: usize,
 }
 
-/// Rays stop below this transmittance.
+/// Transmittance below which rays stop.
 const TRANSPARENT: f64 = 1e-7;
 
-/// Pixels that a thread draws at a time: few, so that nobody waits long for the last ones when the picture is cancelled.
+/// Pixels that a thread draws at a time: few, so that a cancelled picture does not wait long for the last ones.
 const N_PIXELS: usize = 8;
 
 /// A volume as the ray caster draws it, beside others or alone.
@@ -50,7 +51,7 @@ const N_PIXELS: usize = 8;
 pub struct CastLayer<'a> {
     /// The samples.
     pub volume: &'a Volume<'a>,
-    /// What values look like.
+    /// Opacity and colour of the samples.
     pub transfer_function: &'a TransferFunction,
     /// Lights and coefficients.
     pub shading: Option<&'a Shading>,
@@ -71,9 +72,9 @@ pub fn raycast(
     raycast_layers(&[layer], camera, options, sampling, monitor)
 }
 
-/// As [`raycast`], of several volumes that may lie in any way, with a segmentation beside each: at every step extinctions
-/// add, and colours mix by extinction. Their light is what counts, not that of the options. Index positions of a crop box
-/// are those of the first volume.
+/// Like [`raycast`], for several volumes in any positions, with a segmentation beside each: at every step extinctions
+/// add, and colours mix by extinction. The layers' shading is used, not that of the options. Index positions of a crop
+/// box are those of the first volume.
 pub fn raycast_layers(
     layers: &[CastLayer],
     camera: &Camera,
@@ -170,15 +171,15 @@ impl<'a> Sampler<'a> {
         }
     }
 
-    /// Density at an index position, clamped to the volume; missing samples are what they were filled with.
+    /// Density at an index position, clamped to the volume; missing samples have the values that they were filled with.
     pub fn density(&self, position: DVec3) -> f64 {
         let mut sum = 0.0;
         for_each_tap(self.slices.kernel(), self.size, position, |at, weight| sum += weight * self.slices.at(at));
         sum
     }
 
-    /// The missing share at an index position: the weight that the linear kernel gives to missing samples there, whatever
-    /// the kernel of the densities ([`crate::source::nonfinite`]).
+    /// The missing share at an index position: the weight that the linear kernel gives to missing samples there,
+    /// whatever the kernel of the densities ([`crate::source::nonfinite`]).
     pub fn missing(&self, position: DVec3) -> f64 {
         let mut sum = 0.0;
         if self.slices.has_mask() {
@@ -189,7 +190,7 @@ impl<'a> Sampler<'a> {
         sum
     }
 
-    /// 1 less the missing share, or 0.
+    /// Known share at an index position: 1 less the missing share, or 0 where that is below `MIN_KNOWN`.
     pub fn known(&self, position: DVec3) -> f64 {
         let known = 1.0 - self.missing(position);
         if known < f64::from(MIN_KNOWN) { 0.0 } else { known }
@@ -265,7 +266,7 @@ impl<'a> Sampler<'a> {
         self.tf.has_gradient() || self.shading.is_some()
     }
 
-    /// How the gradient is estimated.
+    /// Estimator of the gradient.
     pub fn gradient_spec(&self) -> Gradient {
         self.shading.map_or_else(|| Shading::default().gradient, |s| s.gradient)
     }
@@ -281,7 +282,7 @@ impl<'a> Sampler<'a> {
         self.light(self.unshaded(density, index_gradient), index_gradient, to_eye, self.vanishing)
     }
 
-    /// A colour in the light on an index-space gradient, which is none where its square in the world is at most
+    /// A colour shaded with an index-space gradient, which counts as none where its square in the world is at most
     /// `vanishing`.
     fn light(&self, rgb: [f64; 3], index_gradient: DVec3, to_eye: DVec3, vanishing: f64) -> [f64; 3] {
         let Some(shading) = self.shading else { return rgb };
@@ -334,20 +335,20 @@ fn for_each_tap(kernel: Kernel, size: [usize; 3], position: DVec3, mut work: imp
     }
 }
 
-/// What labels make of a place.
+/// Effect of the labels at a position.
 #[derive(Default)]
 struct Mixture {
-    /// Share of the scan that is left, and of that with the tint.
+    /// Share of the scan that is left; `tint` is the tinted part of it.
     scan: f64,
     tint: f64,
     tint_rgb: [f64; 3],
-    /// Optical depth of the label medium, and its colour times it.
+    /// Optical depth of the label medium; `own_rgb` is its colour times that.
     own: f64,
     own_rgb: [f64; 3],
 }
 
 impl Mixture {
-    /// By the coverage of every label at an index position.
+    /// The mixture by the coverage of every label at an index position.
     fn new(labels: &Labels, size: [usize; 3], position: DVec3) -> Self {
         let mut mixture = Self::default();
         for_each_tap(labels.kernel, size, position, |[x, y, z], weight| {
@@ -374,12 +375,12 @@ struct RayCaster<'a> {
     perspective: bool,
 }
 
-/// A volume on the way of a ray.
+/// A volume that rays pass through.
 struct CastVolume<'a> {
     sampler: Sampler<'a>,
     labels: Option<&'a Labels>,
     size: [usize; 3],
-    /// In its own index positions.
+    /// The drawn region, in the volume's own index positions.
     region: Region,
     own_from_first: DAffine3,
     world_from_index: DMat3,
@@ -387,7 +388,7 @@ struct CastVolume<'a> {
 }
 
 impl CastVolume<'_> {
-    /// A ray in its own index positions.
+    /// A ray in the volume's own index positions.
     fn own_ray(&self, origin: DVec3, direction: DVec3) -> (DVec3, DVec3) {
         (self.own_from_first.transform_point3(origin), self.own_from_first.matrix3 * direction)
     }
@@ -402,7 +403,8 @@ impl<'a> RayCaster<'a> {
         step: f64,
     ) -> Result<Self> {
         let first = layers[0].volume.grid();
-        // In index positions it is a box of the first volume alone; in the world it is one for all.
+        // A crop box in index positions of the first volume is kept apart; one in the world is part of every layer's
+        // region.
         let (crop, in_world) = match options.crop {
             Some(Crop::Index { lo, hi }) => (index_box(lo, hi), None),
             in_world => (Vec::new(), in_world),
@@ -437,7 +439,7 @@ impl<'a> RayCaster<'a> {
         })
     }
 
-    /// Ray parameters between which a ray is in each layer; the first is not below the second where it is not.
+    /// Interval of ray parameters of a ray in each layer; empty where the first is not below the second.
     fn drawn(&self, origin: DVec3, direction: DVec3) -> Vec<[f64; 2]> {
         let start = if self.perspective { 0.0 } else { f64::NEG_INFINITY };
         let of_crop = Region { half_spaces: self.crop.clone(), bounds: [DVec3::ZERO; 2] };
@@ -449,7 +451,7 @@ impl<'a> RayCaster<'a> {
         self.layers.iter().map(of_layer).collect()
     }
 
-    /// Whether a ray meets each layer.
+    /// Flags of the layers that a ray meets.
     fn met(&self, origin: DVec3, direction: DVec3) -> Vec<bool> {
         self.drawn(origin, direction).iter().map(|[t_in, t_out]| t_in < t_out).collect()
     }
@@ -484,7 +486,8 @@ impl<'a> RayCaster<'a> {
             let t = t_in + (s as f64 + 0.5) * dt;
             let mut mixture = mixture_at(t);
             if mixture.extinction.is_infinite() {
-                // A single value of opacity 1 is met at a point, which has no length; a range of them all around.
+                // A single value of opacity 1 is met at a point, which has no length; a range of such values fills both
+                // points beside.
                 mixture = mixture_at(t - 0.25 * dt).mean(&mixture_at(t + 0.25 * dt));
             }
             if mixture.extinction <= 0.0 {
@@ -504,7 +507,7 @@ impl<'a> RayCaster<'a> {
 }
 
 impl CastVolume<'_> {
-    /// What is at an index position: the scan, and the label medium.
+    /// Medium at an index position: the scan, and the label medium.
     fn medium(&self, position: DVec3, to_eye: DVec3) -> Medium {
         let sampler = &self.sampler;
         let mixture = self.labels.map(|labels| Mixture::new(labels, self.size, position));
@@ -524,7 +527,8 @@ impl CastVolume<'_> {
         let mut depth = sampler.optical_depth(density, gradient);
         let mut rgb = sampler.unshaded(density, gradient);
         if let Some(Mixture { scan, tint, tint_rgb, .. }) = &mixture {
-            // Opacity 1 is infinite; where nothing is left of it, it is clear.
+            // Opacity 1 has infinite depth, of which a share of 0 is NaN: where nothing is left of the scan, it is
+            // clear.
             depth = if *scan > 0.0 { depth * scan } else { 0.0 };
             if *scan > 0.0 {
                 rgb = [0, 1, 2].map(|c| rgb[c] * (1.0 - tint / scan) + tint_rgb[c] / scan);

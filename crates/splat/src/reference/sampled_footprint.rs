@@ -4,17 +4,17 @@
 //! entry nearest to it, `h(round(n (x − l)) / n)`: what lies between two entries gets the value of one of them, so that
 //! slopes become stairs, which beat with the texels (aliasing).
 //!
-//! *Noise on the samples.* The samples of a sheet are displaced by up to half an entry, which turns the stairs into grain.
-//! Sample `(k, l)` gives the texel at `(x, y)` the weight
+//! *Noise on the samples.* The samples of a sheet are displaced by up to half an entry, which turns the stairs into
+//! grain. Sample `(k, l)` gives the texel at `(x, y)` the weight
 //!
 //! ```text
 //! h(round(n (x − k) − i) / n) · h(round(n (y − l) − j) / n),   |i|, |j| ≤ ½
 //! ```
 //!
 //! whose mean over the noise `(i, j)` is the kernel, taken as linear between its entries. The weights of a texel are
-//! scaled to sum 1, else what is flat would be covered with grain as large as its density. Samples that do not reach the
-//! texel stay out of reach. The noise is a hash of the sample's place in its slice and of the sheet, so that pictures do
-//! not depend on threads. Such weights are not separable.
+//! scaled to sum 1, else flat regions would be covered with grain as large as their density. Samples that do not reach
+//! the texel stay out of reach. The noise is a hash of the sample's place in its slice and of the sheet, so that
+//! pictures do not depend on threads. Such weights are not separable.
 //!
 //! *Nearest slice.* Across the slices, the samples of the nearest one alone.
 //!
@@ -25,31 +25,32 @@ use wavesplat_core::Kernel;
 use crate::kernel::prefilter;
 use crate::kernel::weights::{MAX_TAPS, n_taps, taps, weight};
 
-/// What gives back the nearest sample: its own weight alone, or, of spline coefficients, the weights on it. As [`taps`].
+/// Taps that give the nearest sample, as [`taps`] do: its own weight alone, or, for spline coefficients, the weights on
+/// it.
 pub fn nearest_sample(kernel: Kernel, x: f64) -> (i64, [f64; MAX_TAPS]) {
     let nearest = (x + 0.5).floor();
     if prefilter::pole(kernel).is_some() { taps(kernel, nearest) } else { (nearest as i64, [1.0, 0.0, 0.0, 0.0]) }
 }
 
-/// The taps of a table with `per_sample` entries per sample distance, as [`taps`].
+/// The taps of a table with `per_sample` entries per sample distance, in the form of [`taps`].
 pub fn table_taps(kernel: Kernel, x: f64, per_sample: u32) -> (i64, [f64; MAX_TAPS]) {
     let (first, _) = taps(kernel, x);
     let mut weights = [0.0; MAX_TAPS];
     for (t, w) in weights[..n_taps(kernel)].iter_mut().enumerate() {
         *w = entry(kernel, x - (first + t as i64) as f64, per_sample, 0.0);
     }
-    // 1 but for the Gaussian, which is normalised everywhere.
+    // The sum is 1 but for the Gaussian, which is normalised everywhere.
     let sum: f64 = weights.iter().sum();
     (first, weights.map(|w| w / sum))
 }
 
-/// Weight of the entry nearest to a distance. `noise`: how far the sample is displaced, in entries.
+/// Weight of the entry nearest to a distance. `noise`: displacement of the sample, in entries.
 fn entry(kernel: Kernel, distance: f64, per_sample: u32, noise: f64) -> f64 {
     let per_sample = f64::from(per_sample);
     weight(kernel, (distance * per_sample - noise + 0.5).floor() / per_sample)
 }
 
-/// Where chance leaves weights with a smaller sum, which takes negative ones, there is no noise.
+/// Smallest sum of noisy weights: where negative weights leave less by chance, there is no noise.
 const MIN_SUM: f64 = 0.25;
 
 /// The samples that reach a texel and their weights, row by row along v.
@@ -62,7 +63,7 @@ pub struct NoisyTaps {
 }
 
 impl NoisyTaps {
-    /// At a position, both coordinates `≥ 0`, of the sheet with a [`sheet_number`].
+    /// Taps at a position, both coordinates `≥ 0`, of the sheet with a [`sheet_number`].
     pub fn new(kernel: Kernel, at: [f64; 2], per_sample: u32, sheet: i64) -> Self {
         let (mut noisy, mut sum) = Self::not_scaled(kernel, at, per_sample, |sample| displacement(sheet, sample));
         if sum < MIN_SUM {
@@ -94,9 +95,9 @@ impl NoisyTaps {
     }
 }
 
-/// The number that noise tells the sheet at `w` by.
+/// Number by which the noise distinguishes the sheet at `w`.
 pub fn sheet_number(w: f64) -> i64 {
-    // Many per sheet, however close they lie.
+    // 4096 numbers per slice distance, so that sheets differ however close they lie.
     (w * 4096.0).round() as i64
 }
 
@@ -127,7 +128,7 @@ mod tests {
         (0..700).map(|i| [0.613, 0.377].map(|k| (f64::from(i) * k).fract() * 11.0))
     }
 
-    /// At its entries the table is the kernel; between them it is that of one of them.
+    /// At its entries the table is the kernel; between two entries it has the value of one of them.
     #[test]
     fn tables_are_the_kernel_at_their_entries() {
         for (name, kernel) in Kernel::NAMES {
@@ -188,7 +189,7 @@ mod tests {
         assert!(weights.iter().zip(&want).all(|(got, want)| (got - want).abs() < 1e-15), "{weights:?}");
     }
 
-    /// What is flat stays flat, and nothing leaves the range of the samples where the kernel has no negative weights.
+    /// Flat regions stay flat, and no value leaves the range of the samples where the kernel has no negative weights.
     #[test]
     fn noisy_weights_have_sum_1_and_the_signs_of_their_kernel() {
         for (name, kernel) in Kernel::NAMES {
@@ -199,7 +200,8 @@ mod tests {
                     assert!((weights.iter().sum::<f64>() - 1.0).abs() < 1e-12, "{name} at {at:?}");
                     assert!(overshoot(kernel) > 0.0 || weights.iter().all(|w| *w >= 0.0), "{name} at {at:?}");
                     let (_, sum) = NoisyTaps::not_scaled(kernel, at, per_sample, |s| displacement(sheet, s));
-                    // The Gaussian is not scaled to sum 1 here, and Catmull-Rom can lose more: it falls back to no noise.
+                    // The Gaussian is not scaled to sum 1 here, and Catmull-Rom can lose more: it falls back to no
+                    // noise.
                     assert!(
                         overshoot(kernel) > 0.0 || sum >= MIN_SUM || kernel == Kernel::Gaussian,
                         "{name} at {at:?}: {sum}"
@@ -224,7 +226,8 @@ mod tests {
             let values: Vec<f64> = (0..n).map(value).collect();
             let mean = values.iter().sum::<f64>() / n as f64;
             let deviation = (values.iter().map(|v| (v - mean).powi(2)).sum::<f64>() / n as f64).sqrt();
-            // Not exactly the kernel, since weights are scaled by their sum; chance leaves a deviation of 0.5 / √n = 0.004.
+            // Not exactly the kernel, since weights are scaled by their sum; chance leaves a deviation of 0.5 / √n =
+            // 0.004.
             assert!((mean - at[0]).abs() < 0.05 && deviation > 0.1, "{at:?}: {mean}, {deviation}");
         }
     }

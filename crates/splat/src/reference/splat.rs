@@ -12,12 +12,12 @@
 //! ```
 //!
 //! The sums are the pseudo-code's, in another order: slices are weighted first, since a weight is the same for a whole
-//! slice, and texels gather the samples that reach them, so that rows of texels can be made in parallel. Texels that are
-//! outside of what is drawn or behind what is opaque are left out, and gradients where nothing can be seen.
+//! slice, and texels gather the samples that reach them, so that rows of texels can be made in parallel. Texels that
+//! are outside of what is drawn or behind what is opaque are left out, and gradients where nothing can be seen.
 //!
 //! Two forms. [`base_plane`] has the texels of the fast path (those of each sheet on the same rays) and takes the
-//! gradient from difference footprints, or from the texels and sheet buffers beside each, with any [`Ablation`]: without
-//! one the fast path must equal it to rounding. [`picture`] warps it as the fast path does. [`super::original`]
+//! gradient from difference footprints, or from the texels and sheet buffers beside each, with any [`Ablation`]:
+//! without one the fast path must equal it to rounding. [`picture`] warps it as the fast path does. [`super::original`]
 //! has the method as it was published. Source: "High Resolution Image Splatting", IJACEN 2(7), 2014.
 
 use glam::{DMat3, DVec3};
@@ -45,22 +45,22 @@ use crate::view::family::IndexRays;
 use crate::view::region::Region;
 use crate::view::silhouette::Silhouette;
 
-/// One density per texel, row by row.
+/// A sheet buffer: one density per texel, row by row.
 pub(super) type SheetBuffer = Vec<f64>;
 
-/// Where the texels of a sheet lie: index coordinate of texel 0 and change per texel, along u and v.
+/// Positions of the texels of a sheet: index coordinate of texel 0 and change per texel, along u and v.
 pub(super) type Layout = [(f64, f64); 2];
 
-/// Which footprint is splatted along one axis.
+/// Footprint that is splatted along one axis.
 #[derive(Clone, Copy, PartialEq)]
 pub(super) enum LiteralFootprint {
-    /// h(x − l)
+    /// The kernel, h(x − l).
     Value,
-    /// [h(x + b − l) − h(x + a − l)] / (b − a)
+    /// A difference of the kernel, [h(x + b − l) − h(x + a − l)] / (b − a).
     Difference([f64; 2]),
     /// The cubic B-spline of a standard deviation, normalised.
     Smooth(f64),
-    /// Its derivative.
+    /// The derivative of that B-spline.
     SmoothSlope(f64),
 }
 
@@ -71,9 +71,9 @@ use LiteralFootprint::{Difference, Smooth, SmoothSlope, Value};
 pub(super) struct BufferTexels<'a> {
     pub(super) layout: Layout,
     pub(super) size: [usize; 2],
-    /// Tells the noise of this sheet from that of others.
+    /// Number that distinguishes the noise of this sheet from that of others.
     pub(super) sheet: i64,
-    /// Those that are wanted; `None`: all.
+    /// Mask of the texels that are wanted; `None` for all.
     pub(super) wanted: Option<&'a [bool]>,
 }
 
@@ -121,8 +121,8 @@ impl Splatter<'_> {
         }
     }
 
-    /// The slices that reach the sheet at `w`, weighted and added: rows of samples along u. Missing samples are what they
-    /// were filled with.
+    /// The slices that reach the sheet at `w`, weighted and added: rows of samples along u. Missing samples have the
+    /// values that they were filled with.
     pub(super) fn sliced(&self, w: f64, footprint: LiteralFootprint) -> Vec<f64> {
         let [u, v, through] = self.axes;
         let slices = self.weights(through, w, footprint);
@@ -204,8 +204,8 @@ impl Splatter<'_> {
         density
     }
 
-    /// Derivatives along u, v, w at every texel of the sheet at `w`, per index step. `samples`: the slices there; `step`:
-    /// slice distances between sheets.
+    /// Derivatives along u, v, w at every texel of the sheet at `w`, per index step. `samples`: the slices there;
+    /// `step`: slice distances between sheets.
     fn gradient(
         &self,
         samples: &[f64],
@@ -231,7 +231,7 @@ impl Splatter<'_> {
                 footprints[c] = Difference([a, b]);
                 return self.splat(samples, texels, footprints);
             }
-            // The buffer as its texels lie when moved along an axis: the same one some texels on, or another sheet's.
+            // The buffer moved along an axis: the same sheet some texels on, or another sheet.
             let moved = |by: f64| {
                 if c == 2 {
                     return self.splat(&self.sliced(w + by, Value), texels, [Value; 2]);
@@ -249,7 +249,7 @@ pub(super) fn sheet_spacing(volume: &Volume, plane: &BasePlane, options: &Render
     SheetSpacing::new(volume.grid().size()[plane.family.axes[2]], options.sheets_per_slice)
 }
 
-/// World length that a slab one slice distance thick stands for, where rays go `along` per slice.
+/// World length of a ray that a slab one slice distance thick stands for. `along`: change of the ray per slice.
 pub(super) fn slice_length(world_from_index: DMat3, axes: [usize; 3], along: DVec3, ablation: &Ablation) -> f64 {
     if ablation.view_angle_correction {
         return (world_from_index * along).length();
@@ -261,9 +261,9 @@ pub(super) fn slice_length(world_from_index: DMat3, axes: [usize; 3], along: DVe
 
 /// The ray of a texel.
 struct TexelPath {
-    /// The part of w that is drawn.
+    /// Interval of w that is drawn.
     drawn: [f64; 2],
-    /// What a slab one slice distance thick stands for, in `opacity_unit`s.
+    /// Length that a slab one slice distance thick stands for, in `opacity_unit`s.
     slice_thickness: f64,
     to_eye: DVec3,
 }
@@ -321,7 +321,7 @@ pub fn picture(
     })
 }
 
-/// A base plane as the warp takes it.
+/// A base plane in the form that the warp reads.
 fn base_picture(plane: BasePlane, texels: &[[f64; 4]]) -> BasePicture {
     let n_u = plane.size[0];
     let mut picture = BasePicture::new(plane, false);
@@ -334,7 +334,7 @@ fn base_picture(plane: BasePlane, texels: &[[f64; 4]]) -> BasePicture {
     picture
 }
 
-/// What all base planes of a picture share.
+/// Inputs that all base planes of a picture share.
 struct LiteralSplatting<'a> {
     volume: &'a Volume<'a>,
     slices: &'a Slices<'a>,
@@ -363,7 +363,7 @@ impl LiteralSplatting<'_> {
         }
     }
 
-    /// Associated RGBA of every texel.
+    /// Draws a base plane: associated RGBA of every texel.
     fn draw(&self, plane: &BasePlane, progress: &Progress) -> Result<Vec<[f64; 4]>> {
         let Self { volume, slices, sampler, ablation, .. } = self;
         let axes = plane.family.axes;
@@ -385,7 +385,7 @@ impl LiteralSplatting<'_> {
         let mut image = vec![[0.0; 4]; n_texels];
         for k in 0..=spacing.n_slabs {
             let w = spacing.w(if plane.family.ascending { k } else { spacing.n_slabs - k });
-            // Slice distances of the ray that the sheet stands for.
+            // Length of the ray that the sheet stands for, in slice distances.
             let extent = |path: &TexelPath| {
                 let [lo, hi] = path.drawn;
                 (w + 0.5 * spacing.step).min(hi) - (w - 0.5 * spacing.step).max(lo)
@@ -429,12 +429,12 @@ impl LiteralSplatting<'_> {
     }
 }
 
-/// How gradients are estimated, where they are wanted.
+/// Estimator of gradients; `None` where none are wanted.
 fn wanted_gradient(sampler: &Sampler) -> Option<Gradient> {
     sampler.needs_gradient().then(|| sampler.gradient_spec())
 }
 
-/// Shortcuts change how differences are taken, so that there must be differences.
+/// Checks options. Shortcuts change how differences are taken, so that gradients must be differences.
 fn validate_with(options: &RenderOptions, ablation: &Ablation) -> Result<()> {
     options.validate()?;
     ablation.validate()?;

@@ -10,7 +10,7 @@
 //!     clamp, and composite it into the picture (over)
 //! ```
 //!
-//! What the sheet buffers are, and the choices that the sources leave open, are those of [`crate::standard`].
+//! The sheet buffers, and the choices that the sources leave open, are those of [`crate::standard`].
 //! Source: Westover, *Footprint evaluation for volume rendering* (1990).
 
 use glam::{DVec2, DVec3};
@@ -24,7 +24,7 @@ use crate::standard::{Buffer, NEAREST_SLAB, NEAREST_SLICE, SliceDistance, Standa
 use crate::view::base_plane::BasePlane;
 use crate::view::region::Region;
 
-/// Samples, and what is looked up and shaded at each.
+/// Samples, with the inputs of classification and shading.
 struct LiteralSamples<'a> {
     volume: &'a Volume<'a>,
     slices: &'a Slices<'a>,
@@ -106,7 +106,7 @@ impl<'a> LiteralSamples<'a> {
         let density = self.slices.at(index);
         let gradient = self.gradient(index);
         let depth = self.sampler.optical_depth(density, gradient);
-        // Not a number: infinite depth times 0, which is clear.
+        // NaN is infinite depth times 0, which is clear.
         if depth.is_nan() || depth <= 0.0 {
             return [0.0; 4];
         }
@@ -115,7 +115,7 @@ impl<'a> LiteralSamples<'a> {
         [alpha * r, alpha * g, alpha * b, alpha]
     }
 
-    /// Clamps a sheet buffer to what colours may be, and composites it.
+    /// Clamps a sheet buffer to valid colours, and composites it.
     fn composite(&self, image: &mut [[f64; 4]], sheet: &[[f64; 4]]) {
         for (pixel, sum) in image.iter_mut().zip(sheet) {
             let through = 1.0 - pixel[3];
@@ -147,7 +147,7 @@ pub fn base_plane(
             continue;
         }
         let layout = plane.sheet(slice as f64);
-        // How much a sample counts for a texel along an axis (0: u, 1: v).
+        // Weight of a sample at a texel along an axis (0: u, 1: v).
         let footprint = |axis: usize, texel: usize, sample: usize| {
             let (origin, step) = layout[axis];
             let x = origin + step * texel as f64;
@@ -233,10 +233,10 @@ pub fn view_picture(
     Ok(image)
 }
 
-/// Where a sample lies in the picture, and how its kernel lies around it.
+/// Place of a sample in the picture, and the ellipse of its kernel.
 struct Seen {
     at: DVec2,
-    /// Main axes in the picture, unit length, and samples per pixel along them.
+    /// Main axes of the ellipse, of unit length, and samples per pixel along them.
     axes: [(DVec2, f64); 2],
     weight: f64,
 }
@@ -252,7 +252,7 @@ impl Seen {
         let offset = source.world(index) - camera.position();
         let [right, up] = [camera.right(), camera.up()].map(|axis| axis.dot(offset) / half_height);
         let at = DVec2::new(0.5 * (width + height * right), 0.5 * (height - height * up));
-        // Index offsets of a pixel's step, less what lies along the ray.
+        // Index offsets of a pixel's step, less the part along the ray.
         let pixel = 2.0 * half_height / height;
         let into = source.grid().index_from_world();
         let ray = into.transform_vector3(source.ray(index)).normalize();
@@ -273,13 +273,14 @@ impl Seen {
         Self { at, axes, weight: volume / (slab * pixel * pixel) * axes[0].1 * axes[1].1 }
     }
 
-    /// Squared distance of a pixel's ray, in samples.
+    /// Squared distance of a pixel's ray from the sample, in samples.
     fn squared(&self, pixel: DVec2) -> f64 {
         self.axes.iter().map(|(axis, per_pixel)| (axis.dot(pixel - self.at) * per_pixel).powi(2)).sum()
     }
 }
 
-/// What is left of the kernel along a ray at a squared distance from its middle, not normalised.
+/// Integral of the kernel along a ray at a squared distance from its middle, not normalised; of Catmull-Rom, the
+/// kernel.
 fn footprint(kernel: Kernel, squared: f64) -> f64 {
     if squared >= radius(kernel).powi(2) {
         return 0.0;

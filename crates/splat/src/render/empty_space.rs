@@ -8,19 +8,19 @@ use crate::render::tile::{LayerJob, TileJob};
 use crate::sheet::spacing::SheetSpacing;
 use crate::sheet::tile_layout::{BLOCK_V, BlockMask, N_BLOCKS_V, N_STRIPS, TILE_U, TILE_V, rows_mask};
 
-/// A slab of a tile and the blocks that are looked at in it.
+/// A slab of a tile, and the blocks in which it is drawn.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ActiveSlab {
-    /// Its number in the order of the rays.
+    /// Number of the slab in the order of the rays.
     pub place: usize,
-    /// The sheets in front of it and behind it, as the rays meet them.
+    /// Numbers of the sheets in front of the slab and behind it, as the rays meet them.
     pub sheets: [usize; 2],
-    /// The blocks in which something may be visible.
+    /// Blocks in which something may be visible.
     pub blocks: BlockMask,
 }
 
 impl TileJob<'_> {
-    /// The blocks that the picture needs.
+    /// Blocks of a tile, given by its first texel, that the picture needs.
     pub(super) fn needed_blocks(&self, [i0, j0]: [usize; 2]) -> BlockMask {
         let plane = &self.family.plane;
         let mut blocks = 0;
@@ -39,8 +39,8 @@ impl TileJob<'_> {
 }
 
 impl LayerJob<'_> {
-    /// Where texels `from..=to` lie among the samples on two sheets, along u and along v. Those that are drawn beyond the
-    /// walls show the samples there.
+    /// Functions from texels `from..=to` to the range of sample positions that they span on two sheets, along u and
+    /// along v. Texels that are drawn beyond the walls show the samples at the wall.
     fn hulls(&self, w: [f64; 2]) -> [impl Fn([usize; 2]) -> [f64; 2]; 2] {
         let [a, b] = w.map(|w| self.geometry.sheet(w).0);
         [0, 1].map(|axis| {
@@ -59,7 +59,8 @@ impl LayerJob<'_> {
         })
     }
 
-    /// Which layers of bricks have something below the tile; a single one where everything counts.
+    /// Per layer of bricks along w: is any of its bricks below the tile occupied? A single `true` if every brick
+    /// counts.
     pub(super) fn active_layers(&self, [i0, j0]: [usize; 2]) -> Vec<bool> {
         let n_cells = self.geometry.axes[2].n_samples - 1;
         let Some(occupied) = &self.family.occupancy else { return vec![true] };
@@ -75,8 +76,8 @@ impl LayerJob<'_> {
         (0..n_cells.div_ceil(side)).map(layer_is_active).collect()
     }
 
-    /// The slabs among `wanted`, counted in the order of the rays, between the sheets of a range that have something in
-    /// blocks that are alive, in that order.
+    /// Slabs among `wanted` in which something may be visible in blocks of `alive`, in the order of the rays. `wanted`
+    /// counts slabs in that order; `range`: sheets between which the slabs lie; `layers`: from `active_layers`.
     pub(super) fn active_slabs(
         &self,
         spacing: &SheetSpacing,

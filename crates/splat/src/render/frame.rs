@@ -1,4 +1,4 @@
-//! A frame: planned, drawn tile by tile, warped. The CPU's schedule over pieces.
+//! Schedule of a frame on the CPU: planned, drawn piece by piece, one per tile, and warped.
 
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -22,7 +22,7 @@ use crate::source::slices::Slices;
 
 /// Draws a volume.
 ///
-/// `slices`: keep them for the next picture; with [`render_layers`] also what is made of the transfer function.
+/// Keep `slices` for the next picture; [`render_layers`] also takes a cache of the transfer function's tables.
 pub fn render(
     slices: &Slices,
     tf: &TransferFunction,
@@ -35,8 +35,8 @@ pub fn render(
     render_layers(&[layer], camera, options, callback)
 }
 
-/// As [`render`], of several volumes, with labels, and with what was kept of frames before. Their light is what counts,
-/// not that of the options.
+/// Draws several volumes, with labels, and with the caches of earlier frames. The shading of the layers counts, not
+/// that of the options.
 pub fn render_layers(
     layers: &[Layer],
     camera: &Camera,
@@ -61,7 +61,7 @@ pub fn render_base_planes(
     render_base_planes_at(Level::best(), slices, tf, camera, options, callback)
 }
 
-/// As [`render_base_planes`], with the vectors of a level; all levels give the same bits.
+/// Draws the base planes with the vectors of a SIMD level; all levels give the same bits.
 pub fn render_base_planes_at(
     level: Level,
     slices: &Slices,
@@ -77,12 +77,12 @@ pub fn render_base_planes_at(
     })
 }
 
-/// The samples of layers, in their order.
+/// Samples of the layers, in their order.
 pub fn slices_of<'a>(layers: &[Layer<'a>]) -> Vec<&'a Slices<'a>> {
     layers.iter().map(|layer| layer.slices).collect()
 }
 
-/// Draws the base planes of a plan, tile by tile, each through all its sheets. `slices`: of each layer.
+/// Draws the base planes of a plan, tile by tile, each through all its sheets. `slices`: per layer.
 pub fn draw_base_planes(
     plan: &Plan,
     slices: &[&Slices],
@@ -127,7 +127,7 @@ pub(crate) fn draw_base_plane(
     Ok((picture, Work { n_texels: n_texels.into_inner(), n_skipped: n_skipped.into_inner() }))
 }
 
-/// The picture of finished base planes: warped, coloured, over the background.
+/// Makes the picture from drawn base planes: warped, coloured, over the background.
 pub fn finish(plan: &Plan, base_pictures: &[BasePicture]) -> Picture {
     let whole = PixelRectangle { first: [0; 2], size: plan.size_px };
     let mut picture = warped(plan, base_pictures, whole, plan.reads_per_axis, plan.with_depth);
@@ -136,17 +136,17 @@ pub fn finish(plan: &Plan, base_pictures: &[BasePicture]) -> Picture {
     picture
 }
 
-/// Pixels of a picture.
+/// A rectangle of pixels of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct PixelRectangle {
-    /// Column and row of the first.
+    /// Column and row of the first pixel.
     pub first: [usize; 2],
-    /// Columns and rows.
+    /// Number of columns and rows.
     pub size: [usize; 2],
 }
 
-/// A rectangle of the picture, of base planes that hold what it needs; depth as parameters of the rays. `reads`: of a pixel
-/// along x, and as many along y.
+/// Warps a rectangle of the picture from base planes that hold what it needs; depth is in parameters of the rays.
+/// `reads`: per pixel along x, and the same number along y.
 pub(crate) fn warped(
     plan: &Plan,
     base_pictures: &[BasePicture],
@@ -172,7 +172,7 @@ pub(crate) fn warped(
     picture
 }
 
-/// Depth as a length.
+/// Converts depth from parameters of the rays to world lengths.
 fn depth_as_length(camera: &Camera, picture: &mut Picture) {
     let size = [picture.width_px, picture.height_px];
     for (i, depth) in picture.depth.iter_mut().flatten().enumerate() {

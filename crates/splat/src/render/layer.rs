@@ -1,4 +1,4 @@
-//! A volume and its look, as a frame draws it, beside others or alone.
+//! Layer of a frame: a volume and its look.
 
 use wavesplat_core::{Shading, TransferFunction};
 
@@ -6,20 +6,20 @@ use crate::optics::labels::Labels;
 use crate::optics::visibility_cache::VisibilityCache;
 use crate::source::slices::Slices;
 
-/// A volume and its look.
+/// A volume and its look; a frame draws one or several.
 ///
-/// At a point of space the extinctions of layers add, and their colours, each shaded by its own gradient, mix by extinction:
-/// the emission-absorption model with several media.
+/// At a point in space, the extinctions of the layers add, and their colours, each shaded by its own gradient, mix by
+/// extinction: the emission-absorption model with several media.
 #[derive(Clone, Copy)]
 pub struct Layer<'a> {
     /// The samples, ready for the kernel that they are drawn with.
     pub slices: &'a Slices<'a>,
-    /// What values look like.
+    /// Colour and opacity by value.
     pub transfer_function: &'a TransferFunction,
     /// Lights and coefficients; `None` draws the colours as given.
     pub shading: Option<&'a Shading>,
-    /// A segmentation beside the volume, of the first layer; only drawn with `Composite::Over`.
+    /// A segmentation of the volume; only the first layer's is drawn, and only with `Composite::Over`.
     pub labels: Option<&'a Labels>,
-    /// What is kept of the transfer function from frame to frame.
+    /// Cache of tables made from the transfer function, kept from frame to frame.
     pub cache: &'a VisibilityCache,
 }

@@ -1,4 +1,4 @@
-//! A frame: the one place that knows the order of the stages.
+//! Stages of a frame: the one place that knows their order.
 
 pub mod empty_space;
 pub mod frame;

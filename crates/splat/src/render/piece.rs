@@ -1,7 +1,7 @@
-//! Pieces of a picture: some tiles of a base plane through some consecutive sheets, from a state to the next.
+//! Pieces of a picture: some tiles of a base plane through some consecutive sheets, from one state to the next.
 //!
-//! A frame, a stream of boxes, a cluster and a GPU are schedules over pieces. Cuts run along tiles and sheets, never along
-//! walls through the data: there are no seams, and any cuts give the same bytes as none.
+//! A frame, a stream of boxes, a cluster and a GPU are schedules over pieces. Cuts run along tiles and sheets, never
+//! along walls through the data: there are no seams, and any cuts give the same bytes as none.
 
 use std::ops::Range;
 
@@ -26,10 +26,11 @@ use wavesplat_core::{Error, Result};
 
 /// Draws some tiles of a base plane through some consecutive slabs, on all threads.
 ///
-/// `family`: which base plane of the plan. `tiles`: their numbers along u and v. `slabs`: spaces between two sheets, counted
-/// in the order in which rays meet them. `slices`: of each layer, the whole volume, or a box with what [`samples_of`] tells. `states`: of
-/// these tiles after the slabs before, from the first one on without gaps; `None` where nothing has been seen yet. Returns
-/// the states after these slabs. `callback` hears how many of the tiles are done, and may cancel ([`Error::Cancelled`]).
+/// `family`: number of the base plane in the plan. `tiles`: their numbers along u and v. `slabs`: spaces between two
+/// sheets, counted in the order in which rays meet them. `slices`: per layer, the whole volume, or a box with the
+/// samples that [`samples_of`] returns. `states`: states of these tiles after all slabs before, without gaps; `None`
+/// where nothing has been seen yet. Returns the states after these slabs. `callback` receives the fraction of the tiles
+/// that are done, and may cancel ([`Error::Cancelled`]).
 pub fn draw_piece(
     plan: &Plan,
     family: usize,
@@ -60,7 +61,7 @@ pub fn draw_piece(
     Ok((drawn.into_iter().map(|(state, _)| state).collect(), work))
 }
 
-/// Index ranges, along x, y and z, of the samples of a layer that a piece is made of; `None` where there are no tiles.
+/// Index ranges, along x, y and z, of the samples of a layer that a piece needs; `None` where there are no tiles.
 /// `slices`: of all layers.
 pub fn samples_of(
     plan: &Plan,
@@ -89,19 +90,19 @@ pub fn samples_of(
     reached.map(|reached| needed_samples(&reached, &plan.layers[layer].grid, slices[layer].kernel()))
 }
 
-/// All tiles of a base plane, row by row.
+/// Numbers along u and v of all tiles of a base plane, row by row.
 pub fn tiles_of(plan: &Plan, family: usize) -> Vec<[usize; 2]> {
     let [n_u, n_v] = n_tiles(&plan.families[family].plane);
     (0..n_u * n_v).map(|k| [k % n_u, k / n_u]).collect()
 }
 
-/// Puts the texels of a tile that is done in their place.
+/// Writes the texels of a finished tile, given its state.
 pub fn finish_tile(plan: &Plan, family: usize, state: TileState, texels: &mut TileTexels) {
     let family = &plan.families[family];
     with_operator(plan, family, Resume { state, finish: WriteTexels { texels, sign: family.sign() } });
 }
 
-/// Draws a tile through all its slabs and puts its texels in their place.
+/// Draws a piece of a tile and writes the tile's texels.
 pub(super) fn draw_tile(plan: &Plan, job: &TileJob, piece: &Piece, texels: &mut TileTexels) -> Work {
     let mut work = Work::default();
     let put = WriteTexels { texels, sign: job.family.sign() };
@@ -109,7 +110,7 @@ pub(super) fn draw_tile(plan: &Plan, job: &TileJob, piece: &Piece, texels: &mut 
     work
 }
 
-/// Calls `work` with what makes the compositor of a plan's operator.
+/// Calls `work` with the constructor of the compositor for a plan's operator.
 fn with_operator<U: WithCompositor>(plan: &Plan, family: &FamilyPlan, work: U) -> U::Output {
     let media = plan.layers.iter().zip(&family.layers).map(|(layer, of_family)| LayerOptics {
         classifier: &layer.tables,
@@ -135,13 +136,13 @@ fn with_operator<U: WithCompositor>(plan: &Plan, family: &FamilyPlan, work: U) -
     }
 }
 
-/// Work that is written once for all operators.
+/// Work that is generic over the compositor: written once for all operators.
 trait WithCompositor {
     type Output;
     fn call<C: Compositor>(self, new: impl FnOnce(Option<TileState>) -> C) -> Self::Output;
 }
 
-/// Runs a piece of a tile.
+/// Composites a piece of a tile, then finishes the compositor.
 struct Run<'a, 'b, T> {
     job: &'a TileJob<'b>,
     piece: &'a Piece,
@@ -158,7 +159,7 @@ impl<T: Finish> WithCompositor for Run<'_, '_, T> {
     }
 }
 
-/// Takes up what was done before.
+/// Finishes a tile from a state that was composited before.
 struct Resume<T> {
     state: TileState,
     finish: T,
@@ -172,7 +173,7 @@ impl<T: Finish> WithCompositor for Resume<T> {
     }
 }
 
-/// What becomes of a compositor.
+/// Final step of a compositor: it becomes a state, or writes texels.
 trait Finish {
     type Output;
     fn end<C: Compositor>(self, compositor: C) -> Self::Output;
@@ -190,7 +191,7 @@ impl Finish for IntoState {
 
 struct WriteTexels<'a, 'b> {
     texels: &'a mut TileTexels<'b>,
-    /// Positions along rays and along w differ by this.
+    /// Ratio of positions along rays to positions along w: 1 or -1.
     sign: f32,
 }
 

@@ -1,9 +1,9 @@
-//! The plan of a frame: all that is decided once, in f64, before samples are read.
+//! Plan of a frame: all decisions that are taken once, in f64, before samples are read.
 //!
-//! Slice families and their base planes, sheet positions, footprints, tables of the transfer function, what is occupied,
-//! intervals of rays, lights, and how pixels are read. A plan owns its numbers, mostly as plain arrays, and knows neither
-//! the samples nor threads: the CPU draws by it piece by piece ([`crate::render::piece`]), and so can a GPU, a stream of
-//! boxes, or many machines. No decision is taken twice, so they cannot drift.
+//! These are slice families and their base planes, sheet positions, footprints, tables of the transfer function,
+//! occupancy, intervals of rays, lights, and how pixels are read. A plan owns its numbers, mostly as plain arrays, and
+//! knows neither the samples nor threads: the CPU draws by it piece by piece ([`crate::render::piece`]), and so can a
+//! GPU, a stream of boxes, or many machines. No decision is taken twice, so the backends cannot drift apart.
 
 use std::sync::Arc;
 
@@ -35,41 +35,41 @@ use crate::view::index_frame::light_direction;
 use crate::view::region::Region;
 use crate::view::silhouette::Silhouette;
 
-/// Early ray termination: a ray stops when less than this share of light comes through, a tenth of a grey level of 1024.
+/// Early ray termination: opacity from which a ray stops. The rest is a tenth of a grey level of 1024.
 const OPAQUE_ENOUGH: f32 = 1.0 - 1e-4;
 
-/// The same where rays are to go on until nothing can be seen: an eighth of a 16-bit grey level.
+/// Opacity from which a ray stops without early termination. The rest is an eighth of a 16-bit grey level.
 const OPAQUE_TO_THE_END: f32 = 1.0 - 2e-6;
 
-/// All that is decided of a frame.
+/// Plan of a frame.
 pub struct Plan {
-    /// Vectors that the CPU uses.
+    /// SIMD level that the CPU uses.
     pub simd: Level,
-    /// The index space of rays, sheets and texels: that of the volume, or one that holds all layers.
+    /// Grid in whose index space rays, sheets and texels lie: the volume's own, or one that holds all layers.
     pub grid: Grid,
     /// The view.
     pub camera: Camera,
-    /// Width and height.
+    /// Width and height of the picture.
     pub size_px: [usize; 2],
     /// The viewing ray of every pixel, in index space.
     pub rays: IndexRays,
-    /// What is drawn: half spaces.
+    /// Part of space that is drawn: an intersection of half spaces.
     pub region: Region,
-    /// The regions of all layers, as rays meet them.
+    /// Silhouette of the regions of all layers.
     pub silhouette: Silhouette,
-    /// How the sheets become one value per ray.
+    /// Composite operator: how the sheets become one value per ray.
     pub operator: Operator,
-    /// The volumes; one as a rule.
+    /// Plans of the layers; mostly one.
     pub layers: Vec<LayerPlan>,
-    /// Depth shading, where it is wanted.
+    /// Depth shading, if it is wanted.
     pub depth_cue: Option<DepthCue>,
-    /// Light and labels, as fields on grids of their own beside the first layer's; and which of them holds what.
+    /// Light and labels as fields, on grids of their own beside the first layer's, and which field holds which.
     pub fields: Arc<FieldPlan>,
-    /// Sheets per slice distance, about.
+    /// Sheets per slice distance, approximately.
     pub sheets_per_slice: f64,
-    /// Base planes: one for parallel rays, up to six in perspective.
+    /// Plans of the base planes: one for parallel rays, up to six in perspective.
     pub families: Vec<FamilyPlan>,
-    /// Reads of a pixel along x and along y; it is their mean.
+    /// Reads of the base planes per pixel, along x and along y each; the pixel is their mean.
     pub reads_per_axis: usize,
     /// Largest unassociated colour.
     pub peak: f32,
@@ -79,27 +79,27 @@ pub struct Plan {
     pub background: Option<[f32; 4]>,
 }
 
-/// What is decided of a layer.
+/// Plan of a layer.
 pub struct LayerPlan {
-    /// Where its samples lie, and the range of their densities.
+    /// Grid of the layer's samples, with the range of their densities.
     pub grid: Grid,
-    /// Where its samples lie in the index space of the frame.
+    /// Map from index positions of the frame to those of the layer.
     pub map: IndexMap,
-    /// What is drawn of it, in the index space of the frame.
+    /// Part of the layer that is drawn, in the index space of the frame.
     pub region: Region,
-    /// World length that opacities, or the lengths of projections, belong to.
+    /// World length that opacities refer to, and the unit of the lengths of projections.
     pub opacity_unit: f64,
     /// Tables of the transfer function: colour and optical depth by density, integrals, visible ranges.
     pub tables: Arc<Visibility>,
-    /// For the colours of projections, after the warp.
+    /// Transfer function: colours projections after the warp, and gives gradient opacity.
     pub transfer_function: TransferFunction,
-    /// Lights and coefficients, in the frame that they are given in; `None` of projections, and without shading.
+    /// Lights and coefficients, in the frame that they are given in; `None` for projections, and without shading.
     pub shading: Option<Shading>,
-    /// Bounds of the densities, or spline coefficients.
+    /// Least and largest density, or spline coefficient.
     pub density_range: [f32; 2],
 }
 
-/// How the sheets become one value per ray.
+/// Composite operator: how the sheets become one value per ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Operator {
     /// Emission and absorption.
@@ -111,25 +111,25 @@ pub enum Operator {
     },
     /// The first crossing of a density, shaded there.
     FirstHit {
-        /// The density.
+        /// Density of the surface.
         iso: f32,
     },
     /// The first maximum that reaches a density.
     LocalMaximum {
-        /// The density.
+        /// Density that a maximum must reach.
         threshold: f32,
     },
     /// All other projections.
     Project {
-        /// Which.
+        /// The projection.
         composite: Composite,
-        /// As of [`Project::level`].
+        /// Density that values are dimmed towards, or above which X-rays are absorbed ([`Project::level`]).
         level: f32,
     },
 }
 
 impl Operator {
-    /// The projection that it is, whose values are coloured after the warp.
+    /// The projection, whose values are coloured after the warp; `None` for other operators.
     pub fn projection(self) -> Option<Composite> {
         match self {
             Self::Over { .. } | Self::FirstHit { .. } => None,
@@ -139,49 +139,49 @@ impl Operator {
     }
 }
 
-/// Scalar quantities beside the density that a picture needs.
+/// Scalar fields beside the density that a picture needs.
 #[derive(Default)]
 pub struct FieldPlan {
-    /// Their samples: of light, then of labels.
+    /// The fields: light first, then labels.
     pub fields: Vec<Field<'static>>,
-    /// Which hold ambient occlusion and shadow.
+    /// Numbers of the fields that hold ambient occlusion and shadow.
     pub light: Option<LightTerms>,
-    /// Which hold the labels.
+    /// Numbers of the fields that hold the labels.
     pub labels: Option<LabelTerms>,
 }
 
-/// What is decided of a base plane.
+/// Plan of a base plane.
 #[derive(Clone)]
 pub struct FamilyPlan {
-    /// Where the texels of every sheet lie.
+    /// Base plane: where the texels of every sheet lie.
     pub plane: BasePlane,
-    /// Where the sheets lie.
+    /// Positions of the sheets along w.
     pub spacing: SheetSpacing,
-    /// Of each layer.
+    /// Plans of the layers on this base plane.
     pub layers: Vec<FamilyLayer>,
 }
 
-/// What is decided of a layer on a base plane.
+/// Plan of a layer on a base plane.
 #[derive(Clone)]
 pub struct FamilyLayer {
-    /// How gradients are estimated, voxels; `None` where none is wanted.
+    /// Gradient estimator, lengths in voxels; `None` where no gradient is needed.
     pub gradient: Option<Gradient>,
-    /// Bricks that change anything, for empty-space skipping; `None`: all do.
+    /// Bricks in which something may be visible, for empty-space skipping; `None`: all count.
     pub occupancy: Option<Arc<OccupancyGrid>>,
     /// Lights and coefficients; `None` without shading.
     pub shader: Option<Shader>,
-    /// Gradient opacity, light that is held off, labels.
+    /// Gradient opacity, occlusion of light, labels.
     pub modifiers: Modifiers,
 }
 
 impl Plan {
-    /// Plans a frame of layers; several of them with `Composite::Over` alone. Reads the samples for ambient occlusion and
-    /// shadows alone.
+    /// Plans a frame of layers; only `Composite::Over` takes several. Reads samples only for ambient occlusion and
+    /// shadows.
     pub fn new(simd: Level, layers: &[Layer], camera: &Camera, options: &RenderOptions) -> Result<Self> {
         Self::with_fields(simd, layers, camera, options, None)
     }
 
-    /// The same frame in another size or sampling; light and labels are kept.
+    /// Plans the same frame in another size or sampling; light and labels are kept.
     pub(crate) fn resampled(&self, layers: &[Layer], options: &RenderOptions) -> Result<Self> {
         Self::with_fields(self.simd, layers, &self.camera, options, Some(self.fields.clone()))
     }
@@ -258,7 +258,7 @@ impl Plan {
         Ok(plan)
     }
 
-    /// What is decided of a base plane, be it one of another size.
+    /// Plans a base plane of the frame, or a part of one at another resolution.
     pub(crate) fn family(&self, plane: BasePlane, layers: &[Layer]) -> FamilyPlan {
         let spacing = SheetSpacing::new(self.grid.size()[plane.family.axes[2]], self.sheets_per_slice);
         let layers = (0..layers.len()).map(|k| self.family_layer(k, &plane, layers[k].slices.bricks())).collect();
@@ -276,7 +276,7 @@ impl Plan {
         if matches!(self.operator, Operator::Over { .. }) {
             let map = layer.grid.density_from_sample();
             modifiers.by_gradient = GradientOpacity::new(&layer.transfer_function, steps, &plane.family, map);
-            // What has no light of its own is not dimmed by what holds light off from others.
+            // A further layer without shading has no light that could be occluded.
             modifiers.light = self.fields.light.filter(|_| k == 0 || layer.shading.is_some());
             if k == 0 {
                 modifiers.labels = self.fields.labels;
@@ -322,14 +322,15 @@ impl Plan {
             && !self.layers.iter().any(|layer| layer.transfer_function.has_gradient())
     }
 
-    /// The light of the picture, whose shoulder its highlights get: that of the first layer that has one.
+    /// Shading whose shoulder compresses the highlights of the picture: that of the first layer that has one.
     pub fn shading(&self) -> Option<&Shading> {
         self.layers.iter().find_map(|layer| layer.shading.as_ref())
     }
 }
 
 impl LayerPlan {
-    /// `slab_length`: world length of a typical slab. `is_alone`: its box is that of the region already.
+    /// Plans a layer. `slab_length`: world length of a typical slab. `is_alone`: it is the only layer, so `region` is
+    /// its region.
     fn new(
         layer: &Layer,
         map: IndexMap,
@@ -357,7 +358,7 @@ impl LayerPlan {
 }
 
 impl FamilyPlan {
-    /// What the rays of all its tiles share, for a layer.
+    /// Geometry that the rays of all tiles share, for a layer.
     pub(super) fn ray_geometry<'a>(&'a self, plan: &'a Plan, layer: &'a LayerPlan) -> RayGeometry<'a> {
         RayGeometry {
             plane: &self.plane,
@@ -371,13 +372,13 @@ impl FamilyPlan {
         }
     }
 
-    /// Positions along rays grow with w, or fall: 1 or -1.
+    /// Sign of w along the rays: 1 where w grows away from the eye, -1 where it falls.
     pub fn sign(&self) -> f32 {
         if self.plane.family.ascending { 1.0 } else { -1.0 }
     }
 }
 
-/// Most layers of a picture.
+/// Maximum number of layers of a picture.
 pub const MAX_LAYERS: usize = 8;
 
 // The layers that a ray hits are bits of a byte (`view::silhouette::Met`).
@@ -398,7 +399,7 @@ fn check_layers(layers: &[Layer], composite: Composite) -> Result<()> {
     Ok(())
 }
 
-/// The crop box, whose index positions are the first layer's, in the frame's.
+/// Crop box in the index space of the frame; the options give it in the first layer's.
 fn in_common(options: &RenderOptions, map: &IndexMap) -> Option<Crop> {
     Some(match options.crop? {
         Crop::Index { lo, hi } => Crop::Index { lo: from_layer(map, lo), hi: from_layer(map, hi) },
@@ -426,7 +427,8 @@ fn operator(options: &RenderOptions, grid: &Grid, needs_preintegration: impl Fn(
 }
 
 impl FieldPlan {
-    /// Ambient occlusion and the shadow of the first light, where the first layer's light wants them, and labels.
+    /// Computes ambient occlusion and the shadow of the first light, where the first layer's shading asks for them, and
+    /// adds the fields of labels.
     fn new(layers: &[Layer], plans: &[LayerPlan], camera: &Camera) -> Result<Self> {
         let mut plan = Self::default();
         let first = &layers[0];
@@ -448,7 +450,7 @@ impl FieldPlan {
                 let radius = shading.occlusion_radius.unwrap_or(0.1 * sides.max_element());
                 terms.openness = Some((plan.fields.len(), shading.ambient_occlusion));
                 let openness = || extinction().and_then(|grid: ExtinctionGrid| grid.field(grid.openness(radius)));
-                // Labels are not among what it is kept by.
+                // The cache's key does not contain labels.
                 let kept = first.labels.is_none();
                 let others = plans[1..].iter().map(|other| other.tables.id()).collect();
                 let tables = &plans[0].tables;
@@ -469,7 +471,7 @@ impl FieldPlan {
     }
 }
 
-/// Largest colour that shading makes of white.
+/// Largest colour that shading makes of white, at least 1.
 pub(crate) fn brightest(shading: &Shading) -> f32 {
     let channel = |c: usize| shading.lights.iter().map(|l| l.rgb[c]).sum::<f32>();
     let light = (0..3).map(channel).fold(0.0, f32::max);

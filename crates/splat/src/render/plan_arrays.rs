@@ -1,6 +1,6 @@
-//! The plan of a base plane as plain arrays: what a backend that does not share the CPU's code takes.
+//! Plan of a base plane as plain arrays, for backends that do not share the CPU's code.
 //!
-//! The CPU asks for the same numbers tile by tile as it goes ([`crate::render::tile`]).
+//! The CPU computes the same numbers tile by tile as it goes ([`crate::render::tile`]).
 
 use wavesplat_compute::simd::LANES;
 use wavesplat_core::Kernel;
@@ -14,15 +14,16 @@ use crate::sheet::tile_rays::{DirectionForms, Rays};
 use crate::source::geometry::SheetGeometry;
 use crate::source::slices::Slices;
 
-/// The footprints of a tile on a sheet.
+/// Footprints of a tile on a sheet.
 pub struct TileFootprints {
-    /// Of its texel columns along u and rows along v, with the difference footprints of gradients.
+    /// Footprints of the texel columns along u and of the rows along v, with the difference footprints of gradients.
     pub axes: [AxisFootprints; 2],
-    /// Slices that the sheet is made of, with their weights.
+    /// Slices whose weighted sum is the sheet, with their weights.
     pub slices: Vec<SliceTap>,
-    /// The same for the derivative through the sheet.
+    /// Slices and weights for the derivative through the sheet.
     pub slice_differences: Vec<SliceTap>,
-    /// The same for the derivatives along the sheet of smoothed gradients; empty where these are of the kernel's own values.
+    /// Slices and weights for the derivatives along the sheet, for smoothed gradients; empty where gradients are of the
+    /// kernel's own values.
     pub slice_smooth: Vec<SliceTap>,
 }
 
@@ -32,7 +33,7 @@ impl FamilyPlan {
         (0..=self.spacing.n_slabs).map(|sheet| self.spacing.w(sheet)).collect()
     }
 
-    /// The footprints of a tile on the sheet at `w`, in a layer's samples.
+    /// Footprints of a tile on the sheet at `w`, in a layer's samples.
     pub fn footprints(&self, plan: &Plan, layer: usize, kernel: Kernel, tile: [usize; 2], w: f64) -> TileFootprints {
         let (size, map) = (plan.layers[layer].grid.size(), plan.layers[layer].map);
         let axis = |a: usize| Axis { kernel, n_samples: size[a], gradient: self.layers[layer].gradient };
@@ -53,8 +54,8 @@ impl FamilyPlan {
         TileFootprints { axes, slices: slices.to_vec(), slice_differences: differences.to_vec(), slice_smooth }
     }
 
-    /// The interval that each ray of a tile draws of a layer, row by row: first and last position along the ray (slice coordinate w,
-    /// with the sign that makes it grow away from the eye); first >= last where it draws nothing.
+    /// Interval of each ray of a tile in which it draws a layer, row by row: first and last position along the ray
+    /// (slice coordinate w, with the sign that makes it grow away from the eye); first >= last where it draws nothing.
     pub fn ray_intervals(&self, plan: &Plan, layer: usize, tile: [usize; 2]) -> Vec<[f32; 2]> {
         let geometry = self.ray_geometry(plan, &plan.layers[layer]);
         let (rays, _) = Rays::new(&geometry, plan.simd, [tile[0] * TILE_U, tile[1] * TILE_V]);
@@ -62,51 +63,50 @@ impl FamilyPlan {
     }
 }
 
-/// A base plane and its samples, told tile by tile.
+/// Arrays of a base plane and its samples, computed tile by tile.
 pub struct BasePlaneArrays<'a> {
     plan: &'a Plan,
     job: TileJob<'a>,
 }
 
-/// What of a tile is drawn.
+/// Blocks, ray intervals and slabs of a tile that are drawn.
 pub struct TileArrays {
-    /// Blocks that the picture needs, and of which a ray meets something.
+    /// Blocks that the picture needs, and in which a ray may see something.
     pub blocks: BlockMask,
-    /// The interval of s that each ray draws, row by row: of all layers together, then, where there are several, of each;
-    /// first >= last where it draws nothing.
+    /// Interval of s that each ray draws, row by row: of all layers together, then, if there are several, of each
+    /// layer; first >= last where it draws nothing.
     pub intervals: Vec<Vec<[f32; 2]>>,
-    /// Of each layer, the slabs that have something, by their number in the order of the rays, and the blocks in which they
-    /// do.
+    /// Per layer: the active slabs, by their number in the order of the rays, and the blocks in which they are active.
     pub slabs: Vec<Vec<(usize, BlockMask)>>,
 }
 
 impl<'a> BasePlaneArrays<'a> {
-    /// `slices`: of each layer.
+    /// Arrays of base plane `family` of a plan. `slices`: per layer.
     pub fn new(plan: &'a Plan, family: usize, slices: &[&'a Slices<'a>]) -> Self {
         Self { plan, job: TileJob::new(plan, &plan.families[family], slices) }
     }
 
-    /// Tiles along u and v.
+    /// Number of tiles along u and v.
     pub fn n_tiles(&self) -> [usize; 2] {
         n_tiles(&self.job.family.plane)
     }
 
-    /// Where a layer's samples lie on sheets.
+    /// Geometry of a layer: where its samples lie on the sheets.
     pub fn layer(&self, layer: usize) -> &SheetGeometry<'a> {
         &self.job.layers[layer].geometry
     }
 
-    /// Where a field's samples lie on sheets.
+    /// Geometry of a field: where its samples lie on the sheets.
     pub fn field(&self, field: usize) -> &SheetGeometry<'a> {
         &self.job.fields[field]
     }
 
-    /// Directions of the rays, whose lengths are to be taken in the layer's opacity unit.
+    /// Directions of the rays; their lengths are to be divided by the layer's opacity unit.
     pub fn direction_forms(&self, layer: usize) -> DirectionForms {
         self.job.layers[layer].rays.direction_forms()
     }
 
-    /// What of a tile is drawn.
+    /// Computes the arrays of a tile.
     pub fn tile(&self, tile: [usize; 2]) -> TileArrays {
         let job = &self.job;
         let spacing = &job.family.spacing;

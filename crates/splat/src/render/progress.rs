@@ -1,11 +1,11 @@
-//! Progress of a frame, told to a callback that may cancel it.
+//! Progress of a frame, reported to a callback that may cancel it.
 
 use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 /// Called from worker threads with the progress of a frame; may cancel it.
 pub trait ProgressCallback: Sync {
-    /// `fraction` of the work that is done, `0..=1`. `Break` stops; the result is then
+    /// Receives the `fraction` of the work that is done, `0..=1`. `Break` stops the frame; the result is then
     /// [`wavesplat_core::Error::Cancelled`].
     fn progress(&self, fraction: f32) -> ControlFlow<()>;
 }
@@ -26,7 +26,7 @@ pub(crate) struct Progress<'a> {
 }
 
 impl<'a> Progress<'a> {
-    /// Of this many tiles.
+    /// Progress over `n_all` tiles, none done yet.
     pub(crate) fn new(callback: &'a dyn ProgressCallback, n_all: usize) -> Self {
         Self { callback, n_done: AtomicUsize::new(0), n_all, stopped: AtomicBool::new(false) }
     }
@@ -36,7 +36,7 @@ impl<'a> Progress<'a> {
         self.stopped.load(Ordering::Relaxed)
     }
 
-    /// Asks the callback in the middle of a tile that takes long; whether it asked to stop.
+    /// Calls the callback in the middle of a slow tile; returns whether it asked to stop.
     #[cfg(feature = "reference")]
     pub(crate) fn ask(&self) -> bool {
         let done = self.n_done.load(Ordering::Relaxed);
@@ -46,7 +46,7 @@ impl<'a> Progress<'a> {
         self.is_stopped()
     }
 
-    /// One more is done.
+    /// Counts one more tile as done and calls the callback.
     pub(crate) fn tile_done(&self) {
         let done = self.n_done.fetch_add(1, Ordering::Relaxed) + 1;
         if self.callback.progress(done as f32 / self.n_all as f32).is_break() {

@@ -1,32 +1,32 @@
-//! What a frame took: counts of texels, sheets, base planes, and how it was drawn.
+//! Report of a frame: counts of texels, sheets and base planes, and how it was drawn.
 
 use wavesplat_compute::parallel;
 
 use crate::render::plan::{FamilyPlan, Plan};
 
-/// What a picture took.
+/// Counts of the work that a picture took, and how it was drawn.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Report {
-    /// Texels that were reconstructed, all sheets.
+    /// Texels that were reconstructed, summed over all sheets.
     pub n_texels: u64,
-    /// Sheets of tiles left out because nothing in them is visible.
+    /// Sheets of tiles that were skipped because nothing in them is visible.
     pub n_skipped_sheets: u64,
     /// Base planes drawn: one for parallel rays, up to six for perspective.
     pub n_base_planes: usize,
-    /// Texels of the base planes.
+    /// Texels of all base planes.
     pub n_base_texels: u64,
     /// Sheets of each base plane.
     pub n_sheets: Vec<usize>,
     /// Samples drawn as empty because they are NaN or infinite.
     pub n_nonfinite_samples: usize,
-    /// Threads that worked.
+    /// Threads that were used.
     pub n_threads: usize,
-    /// Vectors that were used.
+    /// Name of the SIMD level that was used.
     pub simd: &'static str,
 }
 
 impl Report {
-    /// What a plan tells before anything is drawn.
+    /// Report of a planned frame, before anything is drawn.
     pub fn of(plan: &Plan) -> Self {
         let n_base_texels = |family: &FamilyPlan| family.plane.size.iter().product::<usize>() as u64;
         Self {

@@ -1,9 +1,10 @@
-//! Folding segments of rays, front to back: what several machines composited on their own, as one state.
+//! Fold of ray segments, front to back: states that several machines composited on their own become one.
 //!
-//! Each segment began with nothing seen and stopped by its own opacity. *over* with associated colour is associative (Porter
-//! & Duff 1984), but for rounding and for where rays stop: the order of the fold, from the front to the back, and where
-//! segments are cut are part of the definition of the picture, so that it does not depend on who drew what when. What lies
-//! behind a ray that is done is ignored. Extremes, integrals and first hits are exact in any grouping.
+//! Each segment starts with nothing seen and stops by its own opacity. *over* with associated colour is associative
+//! (Porter & Duff 1984), except for rounding and for where rays stop. So the order of the fold, from front to back, and
+//! the places where segments are cut are part of the definition of the picture, which then does not depend on which
+//! machine drew which segment, or when. Everything behind a ray that is done is ignored. Extremes, integrals and first
+//! hits are exact in any grouping.
 
 use wavesplat_compute::simd::{LANES, Lanes};
 use wavesplat_core::Composite;
@@ -11,7 +12,7 @@ use wavesplat_core::Composite;
 use crate::ray::state::TileState;
 use crate::render::plan::Operator;
 
-/// Whether segments of an operator can be folded: not of those that must know what is in front.
+/// Whether segments of an operator can be folded: not if it must know what is in front of a segment.
 pub fn can_fold(operator: Operator, with_depth: bool) -> bool {
     match operator {
         Operator::Over { .. } => !with_depth,
@@ -20,7 +21,7 @@ pub fn can_fold(operator: Operator, with_depth: bool) -> bool {
     }
 }
 
-/// The state of a tile's rays after the segment in front and the one behind it; `None`: nothing is seen in it.
+/// State of a tile's rays after a front segment and the segment behind it; `None`: nothing is seen.
 pub fn fold(operator: Operator, front: Option<TileState>, back: Option<TileState>) -> Option<TileState> {
     let (mut front, back) = match (front, back) {
         (Some(front), Some(back)) => (front, back),
@@ -68,7 +69,7 @@ pub fn fold(operator: Operator, front: Option<TileState>, back: Option<TileState
     Some(front)
 }
 
-/// `C += (1 − A) C'`, `A += (1 − A) A'`, where the ray in front is not done.
+/// Composites `far` behind `near` where the front ray is not done: `C += (1 − A) C'`, `A += (1 − A) A'`.
 fn over(near: &mut [Lanes; 4], far: &[Lanes; 4], opaque: f32) {
     for i in 0..LANES {
         let alpha = near[3].0[i];

@@ -1,11 +1,12 @@
 //! Streaming: the schedule of a frame whose samples are read while it is drawn, within a memory budget.
 //!
-//! A base plane is cut into blocks of tiles, and each block is drawn front to back in steps. A step reads the next layer of
-//! the file's chunks, keeps the few slices of the step before that footprints still reach, and draws the slabs that all
-//! samples are there for. The order of the sheets is known, so is that of the reads: each chunk is read once per block, and
-//! chunks from which nothing visible is drawn are not read. Blocks are as large as the budget allows; neighbours share chunks.
+//! A base plane is cut into blocks of tiles, and each block is drawn front to back in steps. A step reads the next
+//! layer of the file's chunks, keeps the few slices of the step before that footprints still reach, and draws the slabs
+//! whose samples are all there. The order of the sheets is known, and so is that of the reads: each chunk is read once
+//! per block, and chunks from which nothing visible is drawn are not read. Blocks are as large as the budget allows;
+//! neighbouring blocks share chunks.
 //!
-//! Pieces are cut at tiles and at sheets, so the picture is, to the bit, that of one piece.
+//! Pieces are cut at tiles and at sheets, so the picture is bit for bit the one that a single piece gives.
 
 use std::ops::Range;
 
@@ -23,10 +24,10 @@ use wavesplat_core::{Error, Result};
 /// A box of samples: ranges along x, y, z.
 pub type IndexBox = [Range<usize>; 3];
 
-/// How the samples of a layer are stored.
+/// Storage layout of the samples of a layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Storage {
-    /// Samples along x, y, z that are read at once.
+    /// Size of a chunk, which is read at once: samples along x, y, z.
     pub chunk: [usize; 3],
     /// Bytes of a sample.
     pub sample_bytes: usize,
@@ -35,57 +36,57 @@ pub struct Storage {
 /// A part of a base plane that is drawn front to back on its own.
 #[derive(Clone, Debug)]
 pub struct StreamBlock {
-    /// Which base plane.
+    /// Number of the base plane.
     pub family: usize,
-    /// Tiles along u and along v.
+    /// Ranges of the tiles along u and along v.
     pub tiles: [Range<usize>; 2],
-    /// What is drawn one after the other.
+    /// Steps, drawn one after the other.
     pub steps: Vec<StreamStep>,
-    /// Steps that begin a segment of the rays; the first one at least.
+    /// Numbers of the steps that begin a segment of the rays; at least the first step.
     pub segment_starts: Vec<usize>,
-    /// Chunks of rays of each tile, row by row, that may see something, as bits ([`Chunk::index`]).
+    /// Per tile, row by row: chunks of rays that may see something, as bits ([`Chunk::index`]).
     seen: Vec<u128>,
 }
 
-/// Slabs that are drawn from what has been read so far.
+/// A step of a block: consecutive slabs, and the samples they are drawn from.
 #[derive(Clone, Debug)]
 pub struct StreamStep {
     /// Spaces between two sheets, counted in the order in which rays meet them.
     pub slabs: Range<usize>,
-    /// Of each layer, the samples that the slabs are drawn from.
+    /// Per layer: box of samples in memory, from which the slabs are drawn.
     pub held: Vec<IndexBox>,
-    /// Of each layer, which of them the step before had not; of those some need not be read ([`StreamPlan::reads`]).
+    /// Per layer: parts of `held` that the step before did not hold; some need not be read ([`StreamPlan::reads`]).
     pub new: Vec<Vec<IndexBox>>,
-    /// Of each layer, the end of the slabs that are drawn from what is held, be it in later steps.
+    /// Per layer: end of the slabs that can be drawn from `held`, including those of later steps.
     pub served: Vec<usize>,
 }
 
-/// The blocks of all base planes, and how they are read.
+/// Plan of a stream: the blocks of all base planes, and their reads.
 #[derive(Clone, Debug)]
 pub struct StreamPlan {
-    /// In the order in which they are best drawn.
+    /// Blocks, in the order in which they are best drawn.
     pub blocks: Vec<StreamBlock>,
     storage: Vec<Storage>,
 }
 
-/// Slices that a step has at least, where chunks are thinner and the budget allows it.
+/// Slices of a step, approximately, where chunks are thinner and the budget allows it.
 const MIN_DEPTH: usize = 32;
 
 impl StreamBlock {
-    /// Whether a ray of its `k`th tile can still change after a state.
+    /// Whether any ray of the block's `k`th tile can still change after `state`.
     pub fn is_alive(&self, k: usize, state: Option<&TileState>) -> bool {
         let done = state.filter(|state| !state.done.is_empty());
         let is_open = |chunk: usize| !done.is_some_and(|state| state.done[chunk]);
         (0..Chunk::N).any(|chunk| self.seen[k] >> chunk & 1 == 1 && is_open(chunk))
     }
 
-    /// Its tiles, row by row.
+    /// Tiles of the block, row by row.
     pub fn all_tiles(&self) -> Vec<[usize; 2]> {
         let [us, vs] = self.tiles.clone();
         vs.flat_map(|v| us.clone().map(move |u| [u, v])).collect()
     }
 
-    /// Bytes of samples that are held at most: those of a step, and those that the next one reads meanwhile.
+    /// Largest number of bytes of samples in memory: those of a step, and those that the next one reads meanwhile.
     pub fn most_bytes(&self, storage: &[Storage]) -> usize {
         let bytes = |boxes: &[IndexBox]| {
             let each = boxes.iter().zip(storage).map(|(held, own)| volume_of(held) * own.sample_bytes);
@@ -98,9 +99,9 @@ impl StreamBlock {
 }
 
 impl StreamPlan {
-    /// For a plan; `slices` and `storage`: of each layer. At most `budget_bytes` of samples are held at once. `n_blocks`:
-    /// at least so many blocks in each base plane, where there are as many tiles. `segment_slices`: steps end where segments
-    /// of so many slices do.
+    /// Plans the stream of a frame. `slices` and `storage`: per layer. At most `budget_bytes` of samples are in memory
+    /// at once. `n_blocks`: least number of blocks of each base plane, if it has that many tiles. `segment_slices`:
+    /// length of a segment in slices; no step crosses the end of a segment.
     pub fn new(
         plan: &Plan,
         slices: &[&Slices],
@@ -118,7 +119,7 @@ impl StreamPlan {
         Ok(Self { blocks, storage: storage.to_vec() })
     }
 
-    /// The least budget that [`StreamPlan::new`] can do with, bytes.
+    /// Smallest budget that [`StreamPlan::new`] accepts, bytes.
     pub fn smallest_budget(
         plan: &Plan,
         slices: &[&Slices],
@@ -132,15 +133,16 @@ impl StreamPlan {
         plan.families.iter().map(of_family).max().unwrap_or(0)
     }
 
-    /// The steps of each segment of a block.
+    /// Ranges of steps, one per segment of a block.
     pub fn segments(&self, block: usize) -> Vec<Range<usize>> {
         let StreamBlock { steps, segment_starts: starts, .. } = &self.blocks[block];
         let ends = starts.iter().skip(1).copied().chain([steps.len()]);
         starts.iter().zip(ends).map(|(from, to)| *from..to).collect()
     }
 
-    /// The boxes of a layer that a step of a block reads: of those that are new (all that is held, where it `is_first`),
-    /// chunks that something visible is drawn from. `alive`: tiles of the block whose rays are not all done, or all.
+    /// Boxes of a layer that a step of a block reads: the chunks of its new samples (of all held ones, if it
+    /// `is_first`) from which something visible is drawn. `states`: of the tiles of the block; tiles whose rays are all
+    /// done need no samples.
     #[expect(clippy::too_many_arguments, reason = "the plan, and which step of it")]
     pub fn reads(
         &self,
@@ -182,24 +184,24 @@ impl StreamPlan {
         new.iter().flat_map(|part| runs_of_chunks(part, chunk, &is_read)).collect()
     }
 
-    /// How the samples of each layer are stored.
+    /// Storage layout of the samples of each layer.
     pub fn storage(&self) -> &[Storage] {
         &self.storage
     }
 
-    /// Samples that the reads of all steps would be, without regard to what is visible; of a layer.
+    /// Number of samples of a layer that all steps would read if everything were visible.
     pub fn n_samples(&self, layer: usize) -> usize {
         let steps = self.blocks.iter().flat_map(|block| &block.steps);
         steps.flat_map(|step| &step.new[layer]).map(volume_of).sum()
     }
 }
 
-/// Samples of a box.
+/// Number of samples of a box.
 pub fn volume_of(part: &IndexBox) -> usize {
     part.iter().map(ExactSizeIterator::len).product()
 }
 
-/// The hull of tiles.
+/// Bounding rectangle of tiles; `None` where there are none.
 fn hull_of(tiles: impl Iterator<Item = (usize, [usize; 2])>) -> Option<[Range<usize>; 2]> {
     tiles.fold(None, |hull: Option<[Range<usize>; 2]>, (_, tile)| {
         Some(match hull {
@@ -209,7 +211,7 @@ fn hull_of(tiles: impl Iterator<Item = (usize, [usize; 2])>) -> Option<[Range<us
     })
 }
 
-/// The chunks of a box that pass a test, put together along x.
+/// Chunks of a box that pass a test, merged along x, then along y.
 fn runs_of_chunks(part: &IndexBox, chunk: [usize; 3], test: &impl Fn(&IndexBox) -> bool) -> Vec<IndexBox> {
     let cells = |a: usize| {
         let range = part[a].clone();
@@ -234,7 +236,8 @@ fn runs_of_chunks(part: &IndexBox, chunk: [usize; 3], test: &impl Fn(&IndexBox) 
     merged(runs, 1)
 }
 
-/// Boxes that lie beside each other along an axis and are alike along the others, put together.
+/// Merges boxes that adjoin along an axis and are equal along the others. Looks back at 64 boxes at most, so that the
+/// time stays linear.
 fn merged(boxes: Vec<IndexBox>, axis: usize) -> Vec<IndexBox> {
     let mut out: Vec<IndexBox> = Vec::new();
     for part in boxes {
@@ -249,14 +252,14 @@ fn merged(boxes: Vec<IndexBox>, axis: usize) -> Vec<IndexBox> {
     out
 }
 
-/// How a base plane reads.
+/// Reader of a base plane: cuts it into blocks and steps, by the samples that they need.
 struct Reader<'a> {
     plan: &'a Plan,
     family: &'a FamilyPlan,
     job: &'a TileJob<'a>,
     storage: &'a [Storage],
     segment_slices: Option<usize>,
-    /// Chunks of rays of each tile of the base plane that may see something, row by row.
+    /// Per tile of the base plane, row by row: chunks of rays that may see something.
     seen: Vec<u128>,
 }
 
@@ -277,7 +280,7 @@ impl<'a> Reader<'a> {
         &self.family.spacing
     }
 
-    /// Cuts the base plane into blocks that fit.
+    /// Cuts the base plane into blocks whose samples fit the budget.
     fn cut(&self, family: usize, n_blocks: usize, budget: usize, blocks: &mut Vec<StreamBlock>) -> Result<()> {
         let n = n_tiles(&self.family.plane);
         let mut cuts = [1, 1];
@@ -301,8 +304,8 @@ impl<'a> Reader<'a> {
                 let [needed_mib, limit_mib] = [least, budget].map(|bytes| bytes.div_ceil(1 << 20) as u64);
                 return Err(Error::TooLarge { what: "the samples of the smallest step", needed_mib, limit_mib, mend });
             }
-            // First smaller blocks, as long as they are no smaller than what chunks and shear add to them; then fewer layers;
-            // then smaller blocks still; and at last parts of layers, which are read several times then.
+            // In this order: smaller blocks, while they are larger than the margin that chunks and shear add to them;
+            // fewer layers of chunks; still smaller blocks; at last parts of layers, which are then read several times.
             let is_small = (0..2).all(|a| cuts[a] >= n[a].div_ceil(SMALL_BLOCK[a]));
             if depth > chunk && is_small {
                 depth = (depth / 2 / chunk).max(1) * chunk;
@@ -314,15 +317,15 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Bytes that the smallest blocks and thinnest steps hold.
+    /// Bytes of samples that the smallest blocks need with the thinnest steps.
     fn smallest(&self) -> usize {
         let n = n_tiles(&self.family.plane);
         let blocks = self.blocks(0, n, n, 1);
         blocks.iter().map(|block| block.most_bytes(self.storage)).max().unwrap_or(0)
     }
 
-    /// More parts along the longer side of the blocks; along v where they are alike, so that rows of samples stay long.
-    /// `ratio`: by how much they are too large.
+    /// Cuts the blocks into more parts along v, or along u if they are more than twice as long there, so that rows of
+    /// samples stay long. `ratio`: bytes that the blocks need by bytes of the budget.
     fn cut_once_more(cuts: &mut [usize; 2], n: [usize; 2], ratio: f64) {
         let length = [n[0] * TILE_U / cuts[0], n[1] * TILE_V / cuts[1]];
         let axis = usize::from(2 * length[1] >= length[0] && cuts[1] < n[1] || cuts[0] >= n[0]);
@@ -345,12 +348,13 @@ impl<'a> Reader<'a> {
         made.into_iter().flatten().collect()
     }
 
-    /// The steps of a block, slabs up to where layers of chunks of the first layer end or a segment does; and which begin one.
+    /// Steps of a block, and the numbers of those that begin a segment. A step ends where a layer of chunks of the
+    /// first layer (`depth` slices) or a segment ends.
     fn steps(&self, tiles: &[Range<usize>; 2], depth: usize) -> (Vec<StreamStep>, Vec<usize>) {
         let all = self.drawn_slabs();
         let axis = self.family.plane.family.axes[2];
         let (per_step, size) = (depth, self.plan.layers[0].grid.size()[axis]);
-        // Where a step ends: the samples that slabs need of the first layer lie before the end of a layer of chunks.
+        // A step ends with the last slab whose samples of the first layer lie before the end of a layer of chunks.
         let (_, per_w) = self.plan.layers[0].map[axis];
         let ascends = self.family.plane.family.ascending == (per_w > 0.0);
         let mut steps: Vec<StreamStep> = Vec::new();
@@ -366,7 +370,7 @@ impl<'a> Reader<'a> {
             };
             let fits = |own: &Range<usize>| if ascends { own.end <= limit } else { own.start >= limit };
             let mut end = start + 1;
-            // Needs only grow: the last slab that fits is found by halving.
+            // The needed samples only move on along the rays, so the last slab that fits is found by bisection.
             let mut beyond = segment_end + 1;
             while beyond - end > 1 {
                 let middle = usize::midpoint(end, beyond);
@@ -393,7 +397,7 @@ impl<'a> Reader<'a> {
         (steps, starts)
     }
 
-    /// The end of the segment that a slab belongs to: segments begin at the sheets of every `segment_slices`th slice of the
+    /// End of the segment that a slab belongs to. Segments begin at the sheets of every `segment_slices`th slice of the
     /// frame, counted from the first one, from whichever side rays come.
     fn segment_end(&self, slab: usize, end: usize) -> usize {
         let Some(slices) = self.segment_slices else { return end };
@@ -418,7 +422,7 @@ impl<'a> Reader<'a> {
         }
     }
 
-    /// Slabs between which rays meet what is drawn.
+    /// Range of the slabs in which rays may meet the drawn region.
     fn drawn_slabs(&self) -> Range<usize> {
         let spacing = self.spacing();
         let axis = self.family.plane.family.axes[2];
@@ -431,7 +435,7 @@ impl<'a> Reader<'a> {
         if self.family.plane.family.ascending { first..last } else { spacing.n_slabs - last..spacing.n_slabs - first }
     }
 
-    /// What slabs are drawn from, of a layer.
+    /// Box of the samples of a layer that slabs need.
     fn needed(&self, tiles: &[Range<usize>; 2], slabs: &Range<usize>, layer: usize) -> IndexBox {
         let geometry = self.geometry(layer);
         let [from, to] = texels_of(tiles);
@@ -439,8 +443,9 @@ impl<'a> Reader<'a> {
         needed_samples(&reached, &self.plan.layers[layer].grid, geometry.slices.kernel())
     }
 
-    /// The same, and what is read with it: of the first layer whole layers of chunks along w; and across it what later slabs
-    /// need of these. And the end of the slabs that are drawn from it.
+    /// Box of the samples of a layer that a step holds, and the end of the slabs that it serves. Along w it is rounded
+    /// to whole layers of chunks for the first layer; across w it holds what all slabs need that are drawn from these
+    /// slices.
     fn held(
         &self,
         tiles: &[Range<usize>; 2],
@@ -474,7 +479,8 @@ impl<'a> Reader<'a> {
         (held, end)
     }
 
-    /// How far from an occupied brick texels that are looked at lie, and what they are made of, samples along x, y, z.
+    /// Margin around an occupied brick that holds all samples needed to draw it, along x, y, z: the extent of a block,
+    /// the shear of a slab, the footprint, and the samples that densities are computed from.
     fn margins(&self, tiles: &[Range<usize>; 2], slabs: &Range<usize>, layer: usize) -> [usize; 3] {
         let geometry = self.geometry(layer);
         let [from, to] = texels_of(tiles);
@@ -492,7 +498,7 @@ impl<'a> Reader<'a> {
         let axis = self.family.plane.family.axes[2];
         let [a, b] = ends.map(|w| geometry.own_w(w));
         margins[axis] = ((b - a).abs() / n_slabs).ceil() as usize + 1;
-        // What a footprint of one texel reaches beside it.
+        // The reach of a footprint, and the samples that the density or coefficient of a single one is computed from.
         let middle = geometry.slices.grid().size().map(|n| n / 2);
         let here = middle.map(|m| m..m + 1);
         let reach = geometry.reach();
@@ -504,7 +510,7 @@ impl<'a> Reader<'a> {
         &self.job.layers[layer].geometry
     }
 
-    /// Where slabs begin and end along w.
+    /// Positions along w of the first and the last sheet of slabs.
     fn ends(&self, slabs: &Range<usize>) -> [f64; 2] {
         let spacing = self.spacing();
         [slabs.start, slabs.end].map(|k| {
@@ -514,17 +520,17 @@ impl<'a> Reader<'a> {
     }
 }
 
-/// Tiles along u and v of blocks that are no longer cut before steps are thinner.
+/// Tiles along u and v of a block that is not cut further before steps get thinner.
 const SMALL_BLOCK: [usize; 2] = [8, 16];
 
-/// First and last texel of tiles.
+/// First and last texel of a rectangle of tiles.
 fn texels_of(tiles: &[Range<usize>; 2]) -> [[usize; 2]; 2] {
     let [us, vs] = tiles;
     [[us.start * TILE_U, vs.start * TILE_V], [us.end * TILE_U - 1, vs.end * TILE_V - 1]]
 }
 
-/// What of a box lies beyond another along an axis. Across it the other has all that is drawn from: it holds what any later
-/// slab needs of its slices ([`StreamStep::served`]).
+/// Parts of a box that lie beyond another along an axis. Across that axis the other box has all that is needed: it
+/// holds what any later slab needs of its slices ([`StreamStep::served`]).
 fn beyond_along(axis: usize, whole: &IndexBox, before: &IndexBox) -> Vec<IndexBox> {
     let (own, held) = (whole[axis].clone(), before[axis].clone());
     let parts = [own.start..own.end.min(held.start), own.start.max(held.end)..own.end];

@@ -1,7 +1,7 @@
 //! One tile of a base plane: consecutive sheets, front to back, without leaving the cache.
 //!
-//! Bricks of the volume that nothing is seen of are left out (`empty_space.rs`), and so are blocks whose rays are all opaque
-//! (early ray termination). What is left is reconstructed chunk by chunk as the compositor asks for it.
+//! Bricks in which nothing is visible are skipped (`empty_space.rs`), and so are blocks whose rays are all opaque
+//! (early ray termination). The rest is reconstructed chunk by chunk as the compositor asks for it.
 
 use std::ops::Range;
 
@@ -24,7 +24,7 @@ use crate::view::base_plane::BasePlane;
 /// Blocks of a tile, and the slabs through which they are drawn.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Piece {
-    /// The tile's number along u and along v.
+    /// Number of the tile along u and along v.
     pub tile: [usize; 2],
     /// Blocks of the tile.
     pub blocks: BlockMask,
@@ -33,52 +33,52 @@ pub struct Piece {
 }
 
 impl Piece {
-    /// All of a tile.
+    /// All blocks and slabs of a tile.
     pub fn whole(tile: [usize; 2]) -> Self {
         Self { tile, blocks: BlockMask::MAX, slabs: 0..usize::MAX }
     }
 
-    /// All tiles of a base plane, row by row.
+    /// One whole piece per tile of a base plane, row by row.
     pub fn all(plane: &BasePlane) -> Vec<Self> {
         let [n_u, n_v] = n_tiles(plane);
         (0..n_u * n_v).map(|k| Self::whole([k % n_u, k / n_u])).collect()
     }
 }
 
-/// Tiles of a base plane along u and v.
+/// Number of tiles of a base plane along u and v.
 pub fn n_tiles(plane: &BasePlane) -> [usize; 2] {
     [plane.size[0].div_ceil(TILE_U), plane.size[1].div_ceil(TILE_V)]
 }
 
-/// Numbers for the report.
+/// Counts of the work that a piece took, for the report.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Work {
-    /// Texels that were looked at, all sheets.
+    /// Texels of the blocks that were composited, summed over all sheets.
     pub n_texels: u64,
-    /// Slabs of tiles left out because nothing in them is visible.
+    /// Slabs of tiles that were skipped because nothing in them is visible.
     pub n_skipped: u64,
 }
 
 impl Work {
-    /// With that of another piece.
+    /// Adds the counts of another piece.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         Self { n_texels: self.n_texels + other.n_texels, n_skipped: self.n_skipped + other.n_skipped }
     }
 }
 
-/// A base plane and the samples it is drawn from: what its tiles share.
+/// Data that all tiles of a base plane share: its plan and the samples it is drawn from.
 pub(super) struct TileJob<'a> {
     pub family: &'a FamilyPlan,
     pub layers: Vec<LayerJob<'a>>,
-    /// The rays of all layers together.
+    /// Geometry of the rays through all layers together.
     pub rays: RayGeometry<'a>,
     level: Level,
-    /// Where the fields lie.
+    /// Geometry of the fields: where their samples lie on the sheets.
     pub fields: Vec<SheetGeometry<'a>>,
 }
 
-/// A layer on a base plane.
+/// A layer on a base plane: its samples, plan and rays.
 pub(super) struct LayerJob<'a> {
     pub geometry: SheetGeometry<'a>,
     pub family: &'a FamilyLayer,
@@ -86,7 +86,8 @@ pub(super) struct LayerJob<'a> {
 }
 
 impl<'a> TileJob<'a> {
-    /// `slices`: of each layer, the volume, or a box of it with all that the pieces reach.
+    /// Job of a base plane. `slices`: per layer, the volume, or a box of it that holds all samples that the pieces
+    /// need.
     pub fn new(plan: &'a Plan, family: &'a FamilyPlan, slices: &[&'a Slices<'a>]) -> Self {
         let plane = &family.plane;
         let map = &plan.layers[0].map;
@@ -107,7 +108,7 @@ impl<'a> TileJob<'a> {
         Self { family, layers, rays, level: plan.simd, fields: plan.fields.fields.iter().map(of_field).collect() }
     }
 
-    /// Chunks of the rays of a tile, by its first texel, that may see something anywhere, as bits ([`Chunk::index`]).
+    /// Chunks of rays of a tile, given by its first texel, that may see something, as bits ([`Chunk::index`]).
     pub fn chunks_that_see(&self, first: [usize; 2]) -> u128 {
         let needed = self.needed_blocks(first);
         if needed == 0 || !self.layers.iter().any(|layer| layer.active_layers(first).contains(&true)) {
@@ -123,7 +124,8 @@ impl<'a> TileJob<'a> {
         seen
     }
 
-    /// Runs a piece of a tile from a state on; `None` where nothing has been seen, in this piece and before it.
+    /// Composites a piece of a tile, starting from a state; `None` where nothing has been seen, neither in this piece
+    /// nor before it.
     pub fn run<C: Compositor>(
         &self,
         piece: &Piece,
@@ -146,7 +148,7 @@ impl<'a> TileJob<'a> {
         if let Some(state) = state.as_ref().filter(|state| !state.done.is_empty()) {
             alive &= blocks_with(|chunk| !rays.none(chunk) && !state.done[chunk.index()]);
         }
-        // One slab more, which tells whether the last sheet here is the front of another slab.
+        // One slab more, to know whether the last sheet here is the front of another slab.
         let wanted = piece.slabs.start..piece.slabs.end.saturating_add(1);
         let is_mixed = self.layers.len() > 1;
         let (mut runs, mut sheets) = (Vec::new(), Vec::new());
@@ -177,7 +179,7 @@ impl<'a> TileJob<'a> {
         Some(compositor)
     }
 
-    /// Composites slabs that have something, front to back.
+    /// Composites active slabs, front to back.
     #[expect(clippy::too_many_arguments, reason = "a tile, its slabs and rays, and where they go")]
     fn run_slabs<'s, C: Compositor>(
         &'s self,
@@ -191,7 +193,7 @@ impl<'a> TileJob<'a> {
     ) {
         let spacing = &self.family.spacing;
         let sign = self.family.sign();
-        // What is drawn, and so what is read, lies between these.
+        // All sheets that are drawn, and so all samples that are read, lie between these positions.
         let ends = [places[0].sheets[0], places[places.len() - 1].sheets[1]].map(|sheet| spacing.w(sheet));
         let (mut front_fields, mut back_fields) = (FieldSheets::default(), FieldSheets::default());
         let mut in_front = None;
@@ -245,20 +247,20 @@ impl<'a> TileJob<'a> {
     }
 }
 
-/// A layer of a tile on the way through its slabs.
+/// State of a layer of a tile on the way through its active slabs.
 struct LayerRun {
-    /// Those that have something of it, front to back.
+    /// Active slabs of the layer, front to back.
     slabs: Vec<ActiveSlab>,
-    /// The one behind them that has something, if it follows at once.
+    /// Slab that directly follows the piece, if it is active too.
     behind: Option<ActiveSlab>,
-    /// The next of them.
+    /// Index in `slabs` of the next slab.
     next: usize,
-    /// The sheet that is in front, if it is made.
+    /// Number of the sheet that the front buffer holds, if any.
     in_front: Option<usize>,
 }
 
 impl LayerRun {
-    /// Makes the sheets of a slab ready, if there is something of the layer in it.
+    /// Prepares the layer's sheets on both sides of a slab, if the layer is active in it.
     fn prepare(
         &mut self,
         sheets: &mut LayerSheets,
@@ -283,7 +285,7 @@ impl LayerRun {
         if *in_front != Some(slab.sheets[0]) {
             sheets.front.combine(sheets.geometry, &sheets.transposed, w[0], first, blocks);
         }
-        // What is behind this slab is in front of the next, be it one of another piece.
+        // The sheet behind this slab is in front of the next one, which may belong to another piece.
         let follows = |next: &ActiveSlab| next.sheets[0] == slab.sheets[1];
         let of = |next: Option<ActiveSlab>| next.filter(follows).map_or(0, |next| next.blocks & alive);
         let next_here = of(slabs.get(k + 1).copied());
@@ -294,7 +296,7 @@ impl LayerRun {
         sheets.last = blocks & !next;
     }
 
-    /// Leaves a slab behind.
+    /// Moves on from a slab: its back sheet becomes the front sheet.
     fn go_on(&mut self, sheets: &mut LayerSheets, slab: &ActiveSlab) {
         if sheets.blocks != 0 {
             std::mem::swap(&mut sheets.front, &mut sheets.back);
@@ -306,7 +308,7 @@ impl LayerRun {
     }
 }
 
-/// The slabs that have something of any layer, front to back, with the blocks of all.
+/// Slabs that are active in any layer, front to back, each with the union of the layers' blocks.
 fn places(runs: &[LayerRun]) -> Vec<ActiveSlab> {
     if let [only] = runs {
         return only.slabs.clone();
@@ -323,7 +325,8 @@ fn places(runs: &[LayerRun]) -> Vec<ActiveSlab> {
     places
 }
 
-/// Tells the texels that are wanted of slabs from the `k`th on, as long as they are served.
+/// Function that returns the bounding box of the texels that slab `k`, and the slabs that the window still covers,
+/// need.
 fn texels_ahead<'a>(
     spacing: &'a SheetSpacing,
     slabs: &'a [ActiveSlab],
@@ -338,8 +341,8 @@ fn texels_ahead<'a>(
     }
 }
 
-/// The first and the last texel of what is drawn of the sheets of slabs, as long as they are served, and of the one after
-/// them: the last sheet is prepared for it too. `before`: the slab in front, whose sheet may still be in use.
+/// First and last texel that the served slabs, and the one after them, need: the last sheet is prepared for that one
+/// too. `before`: the slab in front, whose sheet may still be in use.
 fn texels_served(
     slabs: &[ActiveSlab],
     before: Option<ActiveSlab>,
@@ -361,7 +364,7 @@ fn texels_served(
     ]
 }
 
-/// Adds the space between two sheets to the rays of a block; whether all of them are done.
+/// Composites a slab onto the rays of a block; returns whether all of them are done.
 struct AddBlock<'a, 'b, C> {
     compositor: &'a mut C,
     rays: &'a Rays,

@@ -2,11 +2,12 @@
 //!
 //! Separable: slices are combined along w at sample resolution, then rows along u, then columns along v, so a tricubic
 //! kernel costs 4 + 4 + 4 taps per texel at most, and less where texels are denser than samples. The gradient comes
-//! from difference footprints along each axis; through the sheet it needs no neighbouring sheet. A smoothed gradient has
-//! footprints of its own across these, so that slices are combined once more for it, and rows upsampled.
+//! from difference footprints along each axis; through the sheet it needs no neighbouring sheet. A smoothed gradient
+//! also smooths across each derivative, with footprints of its own: slices are combined, and rows upsampled, once more
+//! for it.
 //!
-//! A tile is cut into strips of [`LANES`] texels along u; a strip's row is what kernels work on at once, a *chunk*.
-//! Chunks are reconstructed when they are first asked for, their gradient only where something is seen.
+//! A tile is cut into strips of [`LANES`] texels along u; a strip's row, a *chunk*, is what kernels work on at once.
+//! Chunks are reconstructed when they are first needed, their gradient only where something is seen.
 
 use std::ops::Range;
 use wavesplat_compute::simd::{LANES, Lanes, Simd, Wide};
@@ -20,7 +21,7 @@ use crate::source::geometry::SheetGeometry;
 use crate::source::transposed::TransposedSlices;
 use crate::source::window::Window;
 
-/// Numbers that combined slices are padded with, so that whole vectors can be read from any sample on.
+/// Numbers that pad each row of combined slices, so that whole vectors can be read from any sample on.
 pub(super) const PADDING: usize = LANES + 12;
 
 /// Work space and result of one tile's sheet. Made once per tile, reused for all its sheets.
@@ -38,28 +39,29 @@ pub struct Sheet {
     pub(super) through: Vec<f32>,
     pub(super) smooth: Vec<f32>,
     pub(super) has_through: bool,
-    /// The same upsampled along u, strip by strip, and the derivative along u.
+    /// Combined slices upsampled along u, strip by strip, and the derivative along u.
     pub(super) density_u: Vec<Lanes>,
     pub(super) along_u: Vec<Lanes>,
     pub(super) through_u: Vec<Lanes>,
     pub(super) smooth_u: Vec<Lanes>,
-    /// Of volumes with missing samples.
+    /// Missing shares, of volumes with missing samples.
     missing: MissingShares,
-    /// Which of those rows every row of texels is made of, for values, for derivatives along v, and across smoothed ones.
+    /// Taps of every row of texels on the upsampled rows: for values, derivatives along v, and across smoothed
+    /// derivatives.
     rows: Vec<RowTaps>,
     difference_rows: Vec<RowTaps>,
     smooth_rows: Vec<RowTaps>,
     /// Sample rows that have been upsampled: densities, derivatives.
     pub(super) has_density_u: Vec<bool>,
     pub(super) has_gradient_u: Vec<bool>,
-    /// Blocks that it is made for.
+    /// Blocks that the sheet is combined for.
     pub(super) blocks: BlockMask,
     /// Blocks whose sample rows have been upsampled.
     pub(super) has_density: BlockMask,
     pub(super) has_gradient: BlockMask,
 }
 
-/// The footprint of a row of texels, as blending reads it: in one place.
+/// Footprint of a row of texels, contiguous in memory for blending.
 #[derive(Clone, Copy, Default)]
 struct RowTaps {
     first: usize,
@@ -67,7 +69,7 @@ struct RowTaps {
 }
 
 impl RowTaps {
-    /// Those of the rows of blocks.
+    /// Fills in the taps of the rows of `blocks`.
     fn fill(rows: &mut Vec<Self>, footprint: &Footprint, blocks: BlockMask) {
         rows.resize(TILE_V, Self::default());
         for b in block_rows(blocks) {
@@ -100,7 +102,7 @@ impl Sheet {
         self.combine_with(geometry, transposed, None, w, first, blocks);
     }
 
-    /// As [`Sheet::combine`], with the weights of a sheet at the same place ([`SheetGeometry::has_weights_of`]).
+    /// Like [`Sheet::combine`], with the weights of a sheet at the same place ([`SheetGeometry::has_weights_of`]).
     pub fn combine_with(
         &mut self,
         geometry: &SheetGeometry,
@@ -144,7 +146,7 @@ impl Sheet {
         }
         self.density.resize(self.stride * self.n_v, 0.0);
         self.has_through = false;
-        // Positions rise or fall with the texel.
+        // Positions rise or fall with the texel, so that the ends of strips and blocks reach furthest.
         let columns = strips.clone().flat_map(|s| [s * LANES, s * LANES + LANES - 1]);
         let rows_of_texels = rows.clone().flat_map(|b| [b * BLOCK_V, b * BLOCK_V + BLOCK_V - 1]);
         let part = SampleRectangle { u: reached(&self.u, columns), v: reached(&self.v, rows_of_texels) };
@@ -165,7 +167,7 @@ impl Sheet {
         RowTaps::fill(&mut self.rows, &self.v.value, blocks);
     }
 
-    /// First number and samples of a part.
+    /// Offset of a part in the combined slices, and its window of samples.
     fn place(&self, part: &SampleRectangle) -> (usize, Window) {
         let window = |axis: &AxisFootprints, range: &Range<usize>| {
             [axis.window[0] + range.start as i64, axis.window[0] + range.end as i64 - 1]
@@ -195,7 +197,8 @@ impl Sheet {
         }
     }
 
-    /// By itself, so that compositing stays small: compilers keep more of what it works on in registers.
+    /// Makes the gradient of a block. Not inlined, so that compositing stays small and keeps more of its data in
+    /// registers.
     #[inline(never)]
     fn make_gradient(&mut self, geometry: &SheetGeometry, transposed: &TransposedSlices, block: Block) {
         let blocks = block.mask();
@@ -252,7 +255,7 @@ impl Sheet {
         ]
     }
 
-    /// The derivative through the sheet at sample resolution, and what smoothed gradients along the sheet are made of.
+    /// Combines slices for the derivative through the sheet, and for smoothed gradients along it.
     fn combine_through(&mut self, geometry: &SheetGeometry, transposed: &TransposedSlices) {
         let Some(part) = self.part.clone() else { return };
         self.has_through = true;
@@ -273,7 +276,7 @@ impl Sheet {
     }
 }
 
-/// Samples that the value and the difference of any of the positions reach.
+/// Samples that the value and difference footprints of any of the positions reach.
 pub(super) fn reached(axis: &AxisFootprints, positions: impl Iterator<Item = usize>) -> Range<usize> {
     let (mut start, mut end) = (usize::MAX, 0);
     for i in positions {
@@ -283,7 +286,7 @@ pub(super) fn reached(axis: &AxisFootprints, positions: impl Iterator<Item = usi
     start.min(end)..end
 }
 
-/// One chunk or two out of the sample rows that reach them. `taps`: of every row of texels, and how many of them count.
+/// Blends the sample rows that reach one chunk or two. `taps`: taps of every row of texels, and their number.
 #[inline(always)]
 fn blend_rows<W: Wide>(w: W, rows: &[Lanes], taps: (&[RowTaps], usize), chunks: [Chunk; 2]) -> W::F {
     let first = blend_row(w.one(), rows, taps, chunks[0].row);

@@ -1,8 +1,8 @@
-//! Fields: what else is known at a texel beside the density, such as how much light gets there, or how much of it is a
-//! label.
+//! Sheets of fields: scalar quantities beside the density, such as how much light gets to a texel, or how much of it is
+//! a label.
 //!
-//! A field has samples of its own, on the volume's grid or an evenly coarser one along the same axes, and is reconstructed
-//! in sheets at the same texels, so that it costs a fraction of what a gather at every texel would.
+//! A field has samples of its own, on the volume's grid or an evenly coarser one along the same axes, and is
+//! reconstructed in sheets at the same texels, so that it costs a fraction of what a gather at every texel would.
 
 use wavesplat_compute::simd::{Lanes, Wide};
 
@@ -15,9 +15,9 @@ use crate::source::transposed::TransposedSlices;
 #[derive(Default)]
 pub struct FieldSheets {
     sheets: Vec<Sheet>,
-    /// Which of them are there.
+    /// Which of the sheets are made.
     made: Vec<bool>,
-    /// Position, first texel of the tile and blocks.
+    /// Position of the sheets, first texel of the tile, and blocks that may be read.
     place: (f64, [usize; 2], BlockMask),
 }
 
@@ -25,12 +25,12 @@ pub struct FieldSheets {
 pub struct FieldSlices(Vec<TransposedSlices>);
 
 impl FieldSlices {
-    /// Nothing loaded yet.
+    /// Samples of `n_fields` fields, none loaded yet.
     pub fn new(n_fields: usize) -> Self {
         Self((0..n_fields).map(|_| TransposedSlices::default()).collect())
     }
 
-    /// As [`TransposedSlices::cover`], for every field.
+    /// Calls [`TransposedSlices::cover`] for every field.
     pub fn cover(
         &mut self,
         geometries: &[SheetGeometry],
@@ -45,7 +45,7 @@ impl FieldSlices {
 }
 
 impl FieldSheets {
-    /// They lie at `w`; what is read of them are `blocks` of the tile whose first texel is `first`.
+    /// Moves the sheets to `w`, to be made anew; `blocks` of the tile whose first texel is `first` may then be read.
     pub fn place(&mut self, n_fields: usize, w: f64, first: [usize; 2], blocks: BlockMask) {
         self.place = (w, first, blocks);
         self.sheets.resize_with(n_fields, Sheet::default);
@@ -53,20 +53,20 @@ impl FieldSheets {
         self.made.resize(n_fields, false);
     }
 
-    /// Combines the slices of a field.
+    /// Combines the slices of a field at the place of the sheets.
     #[inline(never)]
     fn make(&mut self, (geometries, transposed): (&[SheetGeometry], &FieldSlices), field: usize) {
         self.made[field] = true;
         let (w, first, blocks) = self.place;
         let (before, rest) = self.sheets.split_at_mut(field);
         let Some((sheet, _)) = rest.split_first_mut() else { return };
-        // Most fields lie alike, and have the same weights.
+        // Most fields have the same grid, and so the same weights.
         let alike = (0..field).find(|&k| self.made[k] && geometries[k].has_weights_of(&geometries[field]));
         let weights = alike.map(|k| &before[k]);
         sheet.combine_with(&geometries[field], &transposed.0[field], weights, w, first, blocks);
     }
 
-    /// Reads the value of a field at chunks. After [`FieldSheets::place`] with their block.
+    /// Reads the value of a field at one chunk or two. After [`FieldSheets::place`] with their block.
     #[inline(always)]
     pub fn read<W: Wide>(
         &mut self,
@@ -104,7 +104,7 @@ impl FieldSheets {
     }
 }
 
-/// What fields are at one chunk or two. In memory, since there may be any number of fields.
+/// Values of fields at one chunk or two: in memory, since there may be any number of fields.
 #[derive(Default)]
 pub struct FieldValues {
     values: Vec<[Lanes; 2]>,
@@ -126,26 +126,26 @@ impl FieldValues {
     }
 }
 
-/// Where fields are read: on a sheet, or part of the way to the next one.
+/// A place to read fields at: on a sheet, or part of the way to the next one.
 pub struct FieldPoint<'a, W: Wide> {
     front: &'a FieldValues,
     back: Option<(&'a FieldValues, W::F)>,
 }
 
 impl<'a, W: Wide> FieldPoint<'a, W> {
-    /// On a sheet.
+    /// A place on a sheet.
     #[inline(always)]
     pub fn on(sheet: &'a FieldValues) -> Self {
         Self { front: sheet, back: None }
     }
 
-    /// A share of the way from one sheet to the next.
+    /// A place at a fraction of the way from one sheet to the next.
     #[inline(always)]
     pub fn between([front, back]: &'a [FieldValues; 2], share: W::F) -> Self {
         Self { front, back: Some((back, share)) }
     }
 
-    /// Value of a field there.
+    /// Value of a field at this place.
     #[inline(always)]
     pub fn value(&self, w: W, field: usize) -> W::F {
         let front = self.front.value(w, field);
@@ -155,7 +155,7 @@ impl<'a, W: Wide> FieldPoint<'a, W> {
         }
     }
 
-    /// The gradient that was read, there.
+    /// The gradient that was read, at this place.
     #[inline(always)]
     pub fn gradient(&self, w: W) -> [W::F; 3] {
         let mut gradient = self.front.gradient(w);

@@ -1,4 +1,4 @@
-//! The sheets of a layer as a tile goes from slab to slab: the one in front, the one behind, and what they are made of.
+//! The sheets of a layer as a tile goes from slab to slab: the front one, the back one, and their samples.
 
 use crate::sheet::buffer::Sheet;
 use crate::sheet::tile_layout::{Block, BlockMask};
@@ -8,7 +8,7 @@ use crate::source::transposed::TransposedSlices;
 
 /// The sheets of a layer on both sides of a slab.
 pub struct LayerSheets<'a> {
-    /// Where they lie among the layer's samples.
+    /// Position of the sheets among the layer's samples.
     pub geometry: &'a SheetGeometry<'a>,
     /// Samples that both sheets are made of.
     pub transposed: TransposedSlices,
@@ -16,16 +16,16 @@ pub struct LayerSheets<'a> {
     pub front: Sheet,
     /// The sheet behind.
     pub back: Sheet,
-    /// What of the rays lies in the layer; of a volume alone they are those of the tile.
+    /// Rays clipped to the layer's own box; `None` where they are the tile's, as for a single volume.
     pub rays: Option<Rays>,
     /// Blocks of the slab in which something of the layer may be visible.
     pub blocks: BlockMask,
-    /// Blocks of these in which no slab follows whose front the sheet behind would be.
+    /// Blocks, among `blocks`, whose back sheet is not the front of another slab.
     pub last: BlockMask,
 }
 
 impl<'a> LayerSheets<'a> {
-    /// Nothing made yet.
+    /// Sheets of a layer, none made yet.
     pub fn new(geometry: &'a SheetGeometry<'a>, rays: Option<Rays>) -> Self {
         Self {
             geometry,
@@ -38,14 +38,14 @@ impl<'a> LayerSheets<'a> {
         }
     }
 
-    /// Makes the gradient of a block ready on the sheet in front (0) or that behind (1).
+    /// Makes the gradient of a block ready on the front (0) or back (1) sheet.
     #[inline(always)]
     pub fn prepare_gradient(&mut self, which: usize, block: Block) {
         let sheet = if which == 0 { &mut self.front } else { &mut self.back };
         sheet.prepare_gradient(self.geometry, &self.transposed, block);
     }
 
-    /// The sheet in front (0) or that behind (1).
+    /// The front (0) or back (1) sheet.
     #[inline(always)]
     pub fn sheet(&self, which: usize) -> &Sheet {
         if which == 0 { &self.front } else { &self.back }

@@ -1,5 +1,5 @@
-//! Missing shares at the texels of a sheet ([`crate::source::nonfinite`]): the mask of missing samples, reconstructed with
-//! the linear kernel beside densities that may have another.
+//! Missing shares at the texels of a sheet ([`crate::source::nonfinite`]): the mask of missing samples, reconstructed
+//! with the linear kernel, whatever the kernel of the densities.
 
 use std::ops::Range;
 use wavesplat_compute::simd::{LANES, Lanes, Simd, VectorKernel, Wide};
@@ -13,7 +13,7 @@ use crate::sheet::upsample::{reached_by, upsample};
 use crate::source::geometry::SheetGeometry;
 use crate::source::window::Window;
 
-/// Missing shares of the sheet of a tile. Made for volumes with missing samples alone.
+/// Missing shares of a tile's sheet. Only made for volumes with missing samples.
 #[derive(Default)]
 pub(super) struct MissingShares {
     u: AxisFootprints,
@@ -22,16 +22,16 @@ pub(super) struct MissingShares {
     n_v: usize,
     /// Combined slices at sample resolution.
     slices: Vec<f32>,
-    /// The same upsampled along u, strip by strip.
+    /// Combined slices upsampled along u, strip by strip.
     rows: Vec<Lanes>,
     has_row: Vec<bool>,
-    /// At the texels, chunk by chunk: read by compositors, whose code is large enough without the sums over rows.
+    /// Shares at the texels, chunk by chunk; blended ahead, since the code of compositors is large enough without that.
     texels: Vec<Lanes>,
 }
 
 impl MissingShares {
-    /// Combines the slices around the sheet at `w`, a position among the samples, for texels at `places`: position of the
-    /// tile's first texel and change per texel, along u and v.
+    /// Combines the slices around the sheet at `w`, a position among the samples, for texels at `places`: position of
+    /// the tile's first texel and change per texel, along u and v.
     pub(super) fn combine(
         &mut self,
         geometry: &SheetGeometry,
@@ -90,7 +90,7 @@ impl MissingShares {
     }
 }
 
-/// Upsamples the rows of blocks along u, where that is not done yet, and blends them at the texels.
+/// Kernel that upsamples the rows of blocks along u, where that is not done yet, and blends them at the texels.
 struct UpsampleShares<'a> {
     shares: &'a mut MissingShares,
     blocks: BlockMask,

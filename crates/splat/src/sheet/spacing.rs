@@ -1,32 +1,33 @@
-//! Where the sheets of a slice family lie: evenly spaced, the first on the first slice and the last on the last.
+//! Positions of the sheets of a slice family: evenly spaced, the first on the first slice and the last on the last.
 
 use std::ops::Range;
 
-/// Where the sheets of a family lie: `n + 1` sheets from the first slice to the last, evenly spaced.
+/// Spacing of a family's sheets: `n_slabs + 1` sheets from the first slice to the last, evenly spaced.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SheetSpacing {
-    /// Slabs between the sheets.
+    /// Number of slabs between the sheets.
     pub n_slabs: usize,
     /// Slice distances between sheets.
     pub step: f64,
-    /// The last slice.
+    /// Position of the last slice.
     last: f64,
 }
 
 impl SheetSpacing {
-    /// About `sheets_per_slice` sheets per slice distance, with one on the first and one on the last slice.
+    /// Spacing with about `sheets_per_slice` sheets per slice distance, with one on the first and one on the last
+    /// slice.
     pub fn new(n_slices: usize, sheets_per_slice: f64) -> Self {
         let last = (n_slices - 1) as f64;
         let n_slabs = (last * sheets_per_slice).round().max(1.0);
         Self { n_slabs: n_slabs as usize, step: last / n_slabs, last }
     }
 
-    /// Position of a sheet; one that lies on a slice lies on it exactly.
+    /// Position of a sheet, exact for sheets that lie on a slice.
     pub fn w(&self, sheet_idx: usize) -> f64 {
         sheet_idx as f64 * self.last / self.n_slabs as f64
     }
 
-    /// Sheets from the last one before an interval of w to the first one after it.
+    /// Range of sheets from the last one before an interval of w to the first one after it.
     pub fn range(&self, [lo, hi]: [f64; 2]) -> Range<usize> {
         if lo >= hi {
             return 0..0;

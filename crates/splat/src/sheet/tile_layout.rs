@@ -1,10 +1,10 @@
-//! How a tile of a base plane is divided: strips of vector width, blocks of rows, and chunks, what a kernel works on.
+//! Division of a base plane's tile: strips of vector width, blocks of rows, and chunks, which kernels work on.
 
 use std::ops::Range;
 
 use wavesplat_compute::simd::LANES;
 
-/// Strips of a tile.
+/// Number of strips of a tile.
 pub const N_STRIPS: usize = 4;
 
 /// Texels of a tile along u.
@@ -13,16 +13,16 @@ pub const TILE_U: usize = N_STRIPS * LANES;
 /// Texels of a tile along v.
 pub const TILE_V: usize = 32;
 
-/// Rows of a block: a strip's rows are looked at, and left out, in blocks.
+/// Rows of a block: a strip's rows are examined, and left out, in blocks.
 pub const BLOCK_V: usize = 8;
 
-/// Blocks of a tile, strip by strip, as bits.
+/// Mask of the blocks of a tile, strip by strip, as bits.
 pub type BlockMask = u16;
 
-/// Blocks along v.
+/// Blocks of a tile along v.
 pub const N_BLOCKS_V: usize = TILE_V / BLOCK_V;
 
-/// A strip's row.
+/// A row of a strip: [`LANES`] texels.
 #[derive(Clone, Copy, Debug)]
 pub struct Chunk {
     /// Strip of the tile.
@@ -32,10 +32,10 @@ pub struct Chunk {
 }
 
 impl Chunk {
-    /// Chunks of a tile.
+    /// Number of chunks of a tile.
     pub const N: usize = N_STRIPS * TILE_V;
 
-    /// The block that it belongs to.
+    /// The block that the chunk belongs to.
     #[inline(always)]
     pub fn block(self) -> Block {
         Block { strip: self.strip, row: self.row / BLOCK_V * BLOCK_V }
@@ -48,12 +48,12 @@ impl Chunk {
     }
 }
 
-/// Rows of a strip that are looked at together.
+/// [`BLOCK_V`] rows of a strip, which are examined together.
 #[derive(Clone, Copy, Debug)]
 pub struct Block {
     /// Strip of the tile.
     pub strip: usize,
-    /// First row of the tile.
+    /// First row of the block, counted from the tile's first.
     pub row: usize,
 }
 
@@ -69,19 +69,19 @@ impl Block {
         self.strip * N_BLOCKS_V + self.row / BLOCK_V
     }
 
-    /// It alone, as a mask.
+    /// The mask of this block alone.
     #[inline(always)]
     pub fn mask(self) -> BlockMask {
         1 << self.place()
     }
 
-    /// Its chunks.
+    /// Chunks of the block.
     #[inline(always)]
     pub fn chunks(self) -> impl Iterator<Item = Chunk> {
         (self.row..self.row + BLOCK_V).map(move |row| Chunk { strip: self.strip, row })
     }
 
-    /// Its chunks, two by two.
+    /// Chunks of the block, two by two.
     #[inline(always)]
     pub fn pairs(self) -> impl Iterator<Item = [Chunk; 2]> {
         let chunk = move |row| Chunk { strip: self.strip, row };
@@ -94,12 +94,12 @@ impl Block {
     }
 }
 
-/// Rows of blocks that have any of a mask.
+/// Rows of blocks that contain any block of a mask.
 pub fn block_rows(blocks: BlockMask) -> impl Iterator<Item = usize> + Clone {
     (0..N_BLOCKS_V).filter(move |b| blocks & (rows_mask() << b) != 0)
 }
 
-/// The first block row of every strip.
+/// Mask of the first block of every strip.
 pub const fn rows_mask() -> BlockMask {
     let mut mask = 0;
     let mut strip = 0;
@@ -110,7 +110,7 @@ pub const fn rows_mask() -> BlockMask {
     mask
 }
 
-/// The blocks that have a chunk that is alive.
+/// Mask of the blocks that contain a live chunk.
 pub fn blocks_with(is_alive: impl Fn(Chunk) -> bool) -> BlockMask {
     let mut blocks = 0;
     for strip in 0..N_STRIPS {

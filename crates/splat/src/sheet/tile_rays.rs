@@ -1,4 +1,4 @@
-//! Rays of a tile: intervals inside the volume, directions, and the thickness of slabs along them (view-angle correction).
+//! Rays of a tile: intervals inside the volume, directions, and slab thickness along them (view-angle correction).
 //!
 //! Positions along rays are `s`: the slice coordinate w with the sign that makes it grow away from the eye.
 
@@ -14,15 +14,15 @@ use crate::view::silhouette::Silhouette;
 
 /// Rays of the texels of a tile, chunk by chunk.
 pub struct Rays {
-    /// Interval of s that is drawn; empty where lo ≥ hi.
+    /// Interval of s that each ray draws; empty where lo ≥ hi.
     intervals: Vec<[Lanes; 2]>,
-    /// The part of s that all rays of a chunk draw.
+    /// Interval of s that all rays of a chunk draw.
     common: Vec<[f32; 2]>,
     /// Rays that draw nothing, as bits.
     missed: Vec<u16>,
-    /// Directions; one for all where rays are parallel.
+    /// Directions by chunk; a single entry where rays are parallel.
     directions: Vec<Directions>,
-    /// Depth shading along each ray: the factor at s = 0, and its change per s; empty where none is wanted.
+    /// Depth shading along each ray: the factor at s = 0, and its change per s; empty without a depth cue.
     fades: Vec<[Lanes; 2]>,
 }
 
@@ -35,28 +35,29 @@ pub struct Directions {
     pub to_eye: [Lanes; 3],
 }
 
-/// What the rays of all tiles of a base plane share.
+/// Geometry that the rays of all tiles of a base plane share.
 pub struct RayGeometry<'a> {
     /// Texel layout.
     pub plane: &'a BasePlane,
-    /// What is drawn.
+    /// The region that is drawn.
     pub region: &'a Region,
-    /// The same for rays that miss everything: its walls stand further out ([`crate::view::silhouette`]).
+    /// The region for rays that miss everything, its walls further out ([`crate::view::silhouette`]).
     pub widened: Region,
     /// The regions of all layers.
     pub silhouette: &'a Silhouette,
     /// World position of an index position.
     pub world_from_index: DAffine3,
-    /// World steps of the samples that gradients are differences of.
+    /// World steps, by column, between the samples whose differences make gradients.
     pub gradient_steps: DMat3,
-    /// World length that opacities belong to.
+    /// World length that opacities refer to.
     pub opacity_unit: f64,
     /// Depth shading, where it is wanted.
     pub depth_cue: Option<DepthCue>,
 }
 
 impl Rays {
-    /// The rays of a tile whose first texel is `(i0, j0)`, and the interval of w that any of them draws.
+    /// The rays of a tile whose first texel is `(i0, j0)`, and the smallest interval of w that holds all that they
+    /// draw.
     pub fn new(geometry: &RayGeometry, level: Level, [i0, j0]: [usize; 2]) -> (Self, [f64; 2]) {
         let plane = geometry.plane;
         let mut rays = Self {
@@ -106,12 +107,13 @@ impl Rays {
         (rays, span)
     }
 
-    /// `n`: texels of the chunk that belong to the base plane.
+    /// Sets the intervals of a chunk, and widens `span` by them. `n`: texels of the chunk that belong to the base
+    /// plane.
     #[inline(always)]
     fn set(&mut self, chunk: Chunk, plane: &BasePlane, [lo, hi]: [[f64; LANES]; 2], n: usize, span: &mut [f64; 2]) {
         let (mut near, mut far) = (Lanes::splat(0.0), Lanes::splat(0.0));
         let (from, to) = if plane.family.ascending { (lo, hi) } else { (hi.map(|w| -w), lo.map(|w| -w)) };
-        // Nothing is handed from texel to texel, so that the loop becomes vectors.
+        // No value is carried from texel to texel, so that the loop becomes vectors.
         let (mut first, mut last) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
         let mut missed_bits = [0_u16; LANES];
         for i in 0..LANES {
@@ -130,13 +132,13 @@ impl Rays {
         self.missed[chunk.index()] = missed;
     }
 
-    /// Interval of s that is drawn; empty where lo ≥ hi.
+    /// Interval of s that each ray draws; empty where lo ≥ hi.
     #[inline(always)]
     pub fn lanes(&self, chunk: Chunk) -> &[Lanes; 2] {
         &self.intervals[chunk.index()]
     }
 
-    /// Interval of s that is drawn; empty where lo ≥ hi.
+    /// Interval of s that each ray draws; empty where lo ≥ hi.
     #[inline(always)]
     pub fn interval<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> [W::F; 2] {
         let ([lo_a, hi_a], [lo_b, hi_b]) = (self.lanes(chunks[0]), self.lanes(chunks[1]));
@@ -164,7 +166,7 @@ impl Rays {
         ]
     }
 
-    /// Whether all rays of a chunk draw all between two positions.
+    /// Whether all rays of a chunk draw the whole way between two positions.
     #[inline(always)]
     pub fn all_draw(&self, chunk: Chunk, from: f32, to: f32) -> bool {
         let [lo, hi] = self.common[chunk.index()];
@@ -183,7 +185,7 @@ impl Rays {
         self.missed(chunk) == u16::MAX
     }
 
-    /// Depth shading of a chunk's rays: the factor at s = 0, and its change per s. Where the geometry has a fade.
+    /// Depth shading of a chunk's rays: the factor at s = 0, and its change per s. Only where there is a depth cue.
     #[inline(always)]
     pub fn fade(&self, chunk: Chunk) -> &[Lanes; 2] {
         &self.fades[chunk.index()]
@@ -196,7 +198,7 @@ impl Rays {
     }
 }
 
-/// All lanes in one: half of them with the other half, and so on.
+/// Reduces all lanes to one value: combines one half with the other, until one lane is left.
 #[inline(always)]
 fn halved<T: Copy>(mut lanes: [T; LANES], both: impl Fn(T, T) -> T) -> T {
     let mut n = LANES / 2;
@@ -211,14 +213,14 @@ fn halved<T: Copy>(mut lanes: [T; LANES], both: impl Fn(T, T) -> T) -> T {
 
 /// Directions of rays, affine in the texel: at texel (0, 0), and the change per texel along u and along v.
 pub struct DirectionForms {
-    /// The way from slice to slice along w, world.
+    /// World vector along the ray from a slice to the next along w.
     pub to_next: [DVec3; 3],
-    /// Towards the eye, as a form on index gradients, times the length of that way.
+    /// Vector towards the eye as a form on index gradients, as long as `to_next`, not a unit vector.
     pub to_eye: [DVec3; 3],
 }
 
 impl RayGeometry<'_> {
-    /// The intervals of w that a run of texels from `(i, j)` on draws; empty where lo ≥ hi.
+    /// Intervals of w that [`LANES`] texels from `(i, j)` on draw; empty where lo ≥ hi.
     #[inline(always)]
     fn intervals(&self, i: f64, j: f64) -> [[f64; LANES]; 2] {
         let mut own = self.region.texel_intervals(self.plane, i, j);
@@ -233,7 +235,7 @@ impl RayGeometry<'_> {
         own
     }
 
-    /// The directions of all rays.
+    /// Directions of all rays of the base plane.
     pub fn direction_forms(&self) -> DirectionForms {
         let family = &self.plane.family;
         let columns = family.axes.map(|a| self.world_from_index.matrix3.col(a));

@@ -8,7 +8,8 @@ use crate::sheet::tile_layout::{Block, BlockMask};
 use wavesplat_compute::simd::{LANES, Simd, VectorKernel};
 
 impl Sheet {
-    /// `N_VECTORS`: of samples that hold those of a tap for a chunk; 0 if more than two.
+    /// Upsamples the rows of a block. `N_VECTORS`: vectors that hold the samples of a tap for a chunk, 1 or 2; 0 if
+    /// more.
     #[inline(always)]
     fn upsample<S: Simd, const N_VECTORS: usize, const GRADIENT: bool>(&mut self, s: S, block: Block) {
         let strip = block.strip;
@@ -60,7 +61,7 @@ impl Sheet {
     }
 }
 
-/// Upsamples the sample rows of blocks along u, where that is not done yet: densities, or what gradients need.
+/// Kernel that upsamples the sample rows of blocks along u where that is not done yet: for densities or gradients.
 pub struct Upsample<'a, const GRADIENT: bool> {
     pub sheet: &'a mut Sheet,
     pub blocks: BlockMask,
@@ -76,7 +77,7 @@ impl<const GRADIENT: bool> VectorKernel for Upsample<'_, GRADIENT> {
             let footprints = &sheet.u;
             let span = footprints.value.group(block.strip).span;
             let is_alike = !GRADIENT || footprints.difference.group(block.strip).span == span;
-            // One loop per span, so that nothing is asked per tap.
+            // One loop per span, so that no tap branches on it.
             match span {
                 Span::One if is_alike => sheet.upsample::<S, 1, GRADIENT>(s, block),
                 Span::Two if is_alike => sheet.upsample::<S, 2, GRADIENT>(s, block),
@@ -86,7 +87,7 @@ impl<const GRADIENT: bool> VectorKernel for Upsample<'_, GRADIENT> {
     }
 }
 
-/// A row of samples becomes a chunk.
+/// Upsamples a row of samples to a chunk of texels.
 #[inline(always)]
 pub(super) fn upsample<S: Simd, const N_VECTORS: usize>(s: S, samples: &[f32], group: &Group) -> S::F {
     let mut sum = s.splat(0.0);
@@ -102,22 +103,23 @@ pub(super) fn upsample<S: Simd, const N_VECTORS: usize>(s: S, samples: &[f32], g
     sum
 }
 
-/// `samples[index]` where all are in one vector. Rows are padded, so that they always hold two vectors more.
+/// Gathers `samples[index]` where all are in one vector. Rows are padded, so that two whole vectors can be read
+/// anywhere.
 #[inline(always)]
 fn take_near<S: Simd>(s: S, samples: &[f32], group: &Group) -> S::F {
     s.take(samples.first_chunk().unwrap_or(&[0.0; LANES]), group.index)
 }
 
-/// `samples[index]` where all are in two vectors.
+/// Gathers `samples[index]` where all are in two vectors.
 #[inline(always)]
 fn take_near_or_far<S: Simd>(s: S, samples: &[f32], group: &Group) -> S::F {
     let (near, far) = samples.split_at(LANES.min(samples.len()));
-    // Indices are taken modulo the lanes.
+    // `take` reads indices modulo the lanes, so that the same ones serve both vectors.
     let is_far = s.lt(s.splat(0.0), s.load(&group.far.0));
     s.select(is_far, take_near(s, far, group), take_near(s, near, group))
 }
 
-/// `samples[index]` anywhere.
+/// Gathers `samples[index]` wherever they are.
 #[inline(always)]
 fn take_one_by_one<S: Simd>(s: S, samples: &[f32], group: &Group) -> S::F {
     let mut out = [0.0; LANES];
@@ -127,10 +129,10 @@ fn take_one_by_one<S: Simd>(s: S, samples: &[f32], group: &Group) -> S::F {
     s.load(&out)
 }
 
-/// Sample rows that the texel rows reach.
+/// Sample rows that the footprints of the texel rows reach.
 #[inline(always)]
 pub(super) fn reached_by(footprint: &Footprint, rows: Range<usize>) -> Range<usize> {
-    // Positions rise or fall with the row.
+    // Positions rise or fall with the row, so that the first and the last row reach furthest.
     let (a, b) = (footprint.first(rows.start), footprint.first(rows.end - 1));
     a.min(b)..a.max(b) + footprint.n_taps
 }

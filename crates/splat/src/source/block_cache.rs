@@ -1,8 +1,7 @@
-//! Densities of a volume that is decoded: all of them, or, as it is looked at, blocks of 32 x 32 x 32, the latest of
-//! which are kept.
+//! Cache of the densities of a volume that is decoded: all of them, or blocks of 32 x 32 x 32, decoded on demand.
 //!
-//! What is kept of blocks stays below a budget, so volumes larger than memory can be drawn; the block that was not
-//! asked for the longest goes first. Blocks hold what the kernel works on: densities, or spline coefficients.
+//! The cached blocks stay below a budget, so volumes larger than memory can be drawn; the least recently used blocks
+//! are evicted first. Blocks hold the values that the kernel works on: densities, or spline coefficients.
 
 use std::ops::Range;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};
@@ -12,19 +11,19 @@ use wavesplat_core::{Decoder, Grid, Kernel};
 
 use crate::kernel::prefilter;
 
-/// Sides of a block.
+/// Side of a block, in samples.
 pub const BLOCK: usize = 32;
 
 /// Bytes of a block.
 const BLOCK_BYTES: usize = BLOCK * BLOCK * BLOCK * size_of::<f32>();
 
-/// Sides of the boxes in which a volume is looked through, about.
+/// Samples along x, y, z, approximately, of the boxes that [`samples_every`] decodes.
 const PIECE: [usize; 3] = [64, 64, 32];
 
 /// A box of densities, `[z][y][x]`.
 #[derive(Clone, Debug, Default)]
 pub struct DensityBox {
-    /// Its first sample.
+    /// Index of its first sample.
     pub lo: [usize; 3],
     /// Samples along x, y, z.
     pub size: [usize; 3],
@@ -33,7 +32,7 @@ pub struct DensityBox {
 }
 
 impl DensityBox {
-    /// From `lo` to before `hi`, densities to be filled in.
+    /// Sets the box to `lo..hi`; its densities are to be filled in.
     fn resize(&mut self, lo: [usize; 3], hi: [usize; 3]) {
         self.lo = lo;
         self.size = [0, 1, 2].map(|a| hi[a] - lo[a]);
@@ -49,10 +48,10 @@ impl DensityBox {
     }
 }
 
-/// Blocks of a volume, for one kernel.
+/// Cache of decoded blocks of a volume, for one kernel.
 pub struct Blocks {
     decoder: Arc<dyn Decoder>,
-    /// `(offset, scale)` of densities.
+    /// Map from samples to densities: `(offset, scale)` of `(sample − offset) · scale`.
     map: (f64, f64),
     pole: Option<f64>,
     size: [usize; 3],
@@ -67,7 +66,7 @@ type CachedBlock = Arc<OnceLock<Vec<f32>>>;
 struct Held {
     slots: Vec<Slot>,
     n_blocks: usize,
-    /// Counts requests.
+    /// Number of requests so far.
     now: u64,
 }
 
@@ -78,7 +77,7 @@ struct Slot {
 }
 
 impl Blocks {
-    /// Nothing is decoded yet.
+    /// Empty cache: nothing is decoded yet.
     pub fn new(decoder: Arc<dyn Decoder>, grid: &Grid, kernel: Kernel, budget_bytes: usize) -> Self {
         let size = grid.size();
         let n = size.map(|n| n.div_ceil(BLOCK));
@@ -92,7 +91,7 @@ impl Blocks {
         self.size
     }
 
-    /// Decodes a box, without a look at what is kept.
+    /// Decodes a box, bypassing the cache.
     pub fn decode(&self, lo: [usize; 3], hi: [usize; 3], part: &mut DensityBox) {
         part.resize(lo, hi);
         let Some(z) = self.pole else {
@@ -117,7 +116,7 @@ impl Blocks {
         }
     }
 
-    /// Fills a box, from the blocks that are kept and those that must be decoded.
+    /// Fills a box from cached blocks, decoding those that are missing.
     pub fn load(&self, lo: [usize; 3], hi: [usize; 3], part: &mut DensityBox) {
         part.resize(lo, hi);
         let touched = [0, 1, 2].map(|a| lo[a] / BLOCK..hi[a].div_ceil(BLOCK));
@@ -148,12 +147,12 @@ impl Blocks {
         }
     }
 
-    /// Samples of the block that begins at `lo`.
+    /// Samples along x, y, z of the block that begins at `lo`.
     fn block_size(&self, lo: [usize; 3]) -> [usize; 3] {
         [0, 1, 2].map(|a| BLOCK.min(self.size[a] - lo[a]))
     }
 
-    /// The blocks of a box, z slowest; those that are new are empty. Others may go for them.
+    /// Blocks by their ranges along x, y, z, z slowest; new ones are empty. May evict others.
     fn request(&self, [xs, ys, zs]: [Range<usize>; 3]) -> Vec<CachedBlock> {
         let mut held = self.held.lock().unwrap_or_else(PoisonError::into_inner);
         held.now += 1;
@@ -179,7 +178,7 @@ impl Blocks {
 }
 
 impl Held {
-    /// Leaves so many blocks.
+    /// Evicts down to `n_left` blocks, the least recently used first.
     fn drop_oldest(&mut self, n_left: usize) {
         let mut times: Vec<u64> = self.slots.iter().filter(|s| s.block.is_some()).map(|s| s.last_used).collect();
         let n_gone = times.len().saturating_sub(n_left);
@@ -193,16 +192,17 @@ impl Held {
     }
 }
 
-/// Every `step`-th sample along each axis, `[z][y][x]`, and how many along x, y, z. Everything is decoded once.
+/// Decodes every `step`-th sample along each axis; returns how many there are along x, y, z, and the samples,
+/// `[z][y][x]`. No sample is decoded twice.
 pub fn samples_every(decoder: &dyn Decoder, step: usize) -> ([usize; 3], Vec<f32>) {
     let size = decoder.size();
     let n @ [nx, ny, _] = size.map(|n| n.div_ceil(step));
-    // Wanted samples of a piece of an axis.
+    // Range of the wanted samples in the `k`th piece of an axis.
     let piece = |a: usize, k: usize| (k * PIECE[a]).div_ceil(step)..((k + 1) * PIECE[a]).div_ceil(step).min(n[a]);
     let n_pieces = [0, 1, 2].map(|a| size[a].div_ceil(PIECE[a]));
     let mut all = vec![0.0; n.iter().product()];
     let mut rest = all.as_mut_slice();
-    // A layer of pieces at a time, so that next to nothing is held twice.
+    // Layer by layer of pieces, so that hardly anything is in memory twice.
     for layer in 0..n_pieces[2] {
         let zs = piece(2, layer);
         let pieces = parallel::map(n_pieces[0] * n_pieces[1], |p| {
@@ -224,7 +224,7 @@ pub fn samples_every(decoder: &dyn Decoder, step: usize) -> ([usize; 3], Vec<f32
     (n, all)
 }
 
-/// The box of wanted ranges of every `step`-th sample.
+/// Decodes a box of every `step`-th sample. `wanted`: its ranges, counted in steps.
 fn decoded_every(decoder: &dyn Decoder, step: usize, wanted: &[Range<usize>; 3]) -> Vec<f32> {
     if wanted.iter().any(Range::is_empty) {
         return Vec::new();
@@ -245,12 +245,12 @@ fn decoded_every(decoder: &dyn Decoder, step: usize, wanted: &[Range<usize>; 3])
     out
 }
 
-/// What all densities of a volume of this size take.
+/// Bytes that all densities of a volume of this size take.
 pub fn bytes_of_all(size: [usize; 3]) -> usize {
     size.iter().product::<usize>() * size_of::<f32>()
 }
 
-/// All densities, `[z][y][x]`.
+/// Decodes all densities, `[z][y][x]`.
 pub fn all_densities(decoder: &dyn Decoder, grid: &Grid) -> Vec<f32> {
     let (_, mut densities) = samples_every(decoder, 1);
     let [nx, ny, _] = grid.size();
@@ -271,7 +271,7 @@ mod tests {
     use std::sync::atomic::{AtomicUsize, Ordering};
     use wavesplat_core::Statistics;
 
-    /// A different number for every sample; counts what it was asked for.
+    /// Decoder with a different number for every sample; counts its calls.
     struct Numbers(AtomicUsize);
 
     const SIZE: [usize; 3] = [70, 40, 65];

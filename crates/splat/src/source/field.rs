@@ -1,4 +1,4 @@
-//! Fields: scalar quantities beside the density, such as how much light gets to a point, or how much of it is a label.
+//! Fields: scalar quantities beside the density, such as the light that reaches a point, or the share of a label there.
 //!
 //! A field has samples of its own, on the volume's grid or an evenly coarser one along the same axes.
 
@@ -6,13 +6,13 @@ use wavesplat_core::Gradient;
 
 use crate::source::slices::Slices;
 
-/// Samples of a field and where they lie.
+/// A field: its samples, and where they lie.
 #[derive(Clone)]
 pub struct Field<'a> {
-    /// Their values are densities.
+    /// Samples of the field; their densities are its values.
     pub slices: Slices<'a>,
-    /// Index position in the field of index position 0 of the volume, along x, y and z, and per index step of it.
+    /// Position in the field of index position 0 of the volume, and change per index step of the volume, along x, y, z.
     pub from_index: [(f64, f64); 3],
-    /// How its gradient is estimated, field samples; `None` where that is not wanted.
+    /// Gradient estimator, lengths in field samples; `None` where no gradient is needed.
     pub gradient: Option<Gradient>,
 }

@@ -1,4 +1,4 @@
-//! Where the texels of the sheets of a base plane lie among the samples, and the footprints of its three axes.
+//! Geometry of the sheets of a base plane: where their texels lie among the samples, and footprints of the three axes.
 
 use std::ops::Range;
 
@@ -12,35 +12,36 @@ use crate::view::common_grid::{IndexMap, SAME};
 use wavesplat_compute::simd::Level;
 use wavesplat_core::Gradient;
 
-/// Sheet-wide facts of one base plane.
+/// Geometry of the sheets of one base plane, over the samples of a volume or field.
 pub struct SheetGeometry<'a> {
-    /// Texel layout.
+    /// Base plane: the layout of the texels.
     pub plane: &'a BasePlane,
-    /// Samples.
+    /// Samples of the volume or field.
     pub slices: &'a Slices<'a>,
     /// Axes u, v, w with kernel and gradient offset.
     pub axes: [Axis; 3],
-    /// Vectors to use.
+    /// SIMD level to use.
     pub level: Level,
-    /// Position among the samples of index position 0, along u, v, w, and per index step: fields may be coarser.
+    /// Sample position of index position 0, and change per index step, along u, v, w: fields may be coarser.
     from_index: [(f64, f64); 3],
 }
 
 impl<'a> SheetGeometry<'a> {
-    /// `gradient`: how it is estimated, voxels; `None` where none is wanted.
+    /// Geometry over samples that lie on the grid of the base plane. `gradient`: its estimator, lengths in voxels;
+    /// `None` where no gradient is needed.
     pub fn new(level: Level, plane: &'a BasePlane, slices: &'a Slices<'a>, gradient: Option<Gradient>) -> Self {
         let size = slices.grid().size();
         let axis = |a: usize| Axis { kernel: slices.kernel(), n_samples: size[a], gradient };
         Self { plane, slices, axes: plane.family.axes.map(axis), level, from_index: SAME }
     }
 
-    /// The same for samples that lie elsewhere: `map`, of index positions of the base plane.
+    /// The same geometry for samples that lie elsewhere; `map`: their positions by index position of the base plane.
     #[must_use]
     pub fn placed(self, map: &IndexMap) -> Self {
         Self { from_index: self.plane.family.axes.map(|a| map[a]), ..self }
     }
 
-    /// The same texels over the samples of a field beside a volume that lies at `map`.
+    /// Geometry of the same texels over the samples of a field; `map`: where the field's volume lies.
     pub fn of_field(level: Level, plane: &'a BasePlane, field: &'a Field<'a>, map: &IndexMap) -> Self {
         let through = |((origin, per_index), (first, per_step)): ((f64, f64), (f64, f64))| {
             (origin + per_index * first, per_index * per_step)
@@ -49,19 +50,19 @@ impl<'a> SheetGeometry<'a> {
         Self::new(level, plane, &field.slices, field.gradient).placed(&placed)
     }
 
-    /// A position along w as one of the samples.
+    /// Sample position along w of an index position `w` of the base plane.
     pub fn own_w(&self, w: f64) -> f64 {
         let (origin, per_w) = self.from_index[2];
         origin + per_w * w
     }
 
-    /// The position along w at which the samples have one of theirs.
+    /// Index position along w, in the base plane, of a sample position: the inverse of [`SheetGeometry::own_w`].
     pub fn w_of_own(&self, own: f64) -> f64 {
         let (origin, per_w) = self.from_index[2];
         (own - origin) / per_w
     }
 
-    /// Whether its sheets have the same weights as those of another geometry of the same base plane, or more.
+    /// Whether the sheets have the weights of another geometry of the same base plane, or more.
     pub fn has_weights_of(&self, other: &Self) -> bool {
         let is_alike = |a: &Axis, b: &Axis| {
             (a.kernel, a.n_samples) == (b.kernel, b.n_samples) && (b.gradient.is_none() || a.gradient == b.gradient)
@@ -69,8 +70,8 @@ impl<'a> SheetGeometry<'a> {
         self.from_index == other.from_index && self.axes.iter().zip(&other.axes).all(|(a, b)| is_alike(a, b))
     }
 
-    /// Where the texels of the sheet at an index position w lie among the samples: position of texel 0 and change per
-    /// texel, along u and v, and position along w.
+    /// Sample positions of the texels of the sheet at an index position `w`: position of texel 0 and change per texel,
+    /// along u and v, and position along w.
     pub fn sheet(&self, w: f64) -> ([(f64, f64); 2], f64) {
         let [u, v] = self.plane.sheet(w);
         let [of_u, of_v, (origin_w, per_w)] = self.from_index;
@@ -78,7 +79,7 @@ impl<'a> SheetGeometry<'a> {
         ([inside(u, of_u), inside(v, of_v)], origin_w + per_w * w)
     }
 
-    /// The first slice that the rays meet behind some.
+    /// First slice that the rays meet behind the slices of some taps; `None` where there is none.
     pub fn slice_behind(&self, slices: &SliceTaps) -> Option<usize> {
         let (_, per_w) = self.from_index[2];
         let slices = slices.iter().map(|(slice, _)| *slice);
@@ -89,8 +90,8 @@ impl<'a> SheetGeometry<'a> {
         }
     }
 
-    /// Index ranges, along x, y and z, of the samples that texels `from..=to` of the sheets between two positions are made
-    /// of, border folded back; also of what is transposed for them.
+    /// Index ranges, along x, y and z, of the samples that texels `from..=to` of the sheets between two positions need,
+    /// border folded back; includes the samples that are transposed for them.
     pub fn reached(&self, from: [usize; 2], to: [usize; 2], w: [f64; 2]) -> [Range<usize>; 3] {
         let [axis_u, axis_v, axis_w] = &self.axes;
         let ends =
@@ -104,7 +105,7 @@ impl<'a> SheetGeometry<'a> {
         ranges
     }
 
-    /// Samples that the footprint of a texel reaches on either side of it, at most, along any axis.
+    /// Maximum number of samples that the footprint of a texel reaches to either side of it, along any axis.
     pub fn reach(&self) -> usize {
         let of = |axis: &Axis| {
             let [from, to] = window(axis, [0.0, 0.0]);
@@ -113,7 +114,8 @@ impl<'a> SheetGeometry<'a> {
         self.axes.iter().map(of).max().unwrap_or(0)
     }
 
-    /// Positions among the samples between which texels lie, along u (0) or v (1), on the sheets between two positions.
+    /// Range of the sample positions of texels, along u (0) or v (1), on the sheets between two positions. Positions
+    /// are linear in the texel and in w, so the extremes lie at the ends of both.
     pub fn hull(&self, k: usize, texels: [usize; 2], w: [f64; 2]) -> [f64; 2] {
         let mut hull = [f64::INFINITY, f64::NEG_INFINITY];
         for w in w {
@@ -127,7 +129,7 @@ impl<'a> SheetGeometry<'a> {
     }
 }
 
-/// The samples that indices from `lo` to `hi` stand for, what lies outside folded back.
+/// Range of the samples that indices from `lo` to `hi` stand for, with indices outside folded back.
 fn folded(axis: &Axis, lo: i64, hi: i64) -> Range<usize> {
     let end = axis.n_samples as i64;
     let inside = lo.max(0)..(hi + 1).min(end);
@@ -140,7 +142,7 @@ fn folded(axis: &Axis, lo: i64, hi: i64) -> Range<usize> {
     first..last + 1
 }
 
-/// First and last sample that footprints of texels in an interval hold a weight for, be it 0.
+/// First and last sample that the footprints of texels in an interval have a weight for, even if it is 0.
 pub fn window(axis: &Axis, [lo, hi]: [f64; 2]) -> [i64; 2] {
     let [from, to] = reached(axis, [lo, hi]);
     let Some(Gradient::Difference(offset)) = axis.gradient else { return [from, to] };
@@ -149,8 +151,8 @@ pub fn window(axis: &Axis, [lo, hi]: [f64; 2]) -> [i64; 2] {
     [from, to.max(first + axis.n_gradient_taps() as i64)]
 }
 
-/// First and last sample that values and differences at the positions of an interval reach, with one to spare for
-/// positions in f32.
+/// First and last sample that values and differences at the positions of an interval reach, with one to spare for the
+/// rounding of positions in f32.
 pub fn reached(axis: &Axis, [lo, hi]: [f64; 2]) -> [i64; 2] {
     let margin = axis.gradient_margin() as i64;
     let before = reach(axis.kernel) as i64 + margin + 1;

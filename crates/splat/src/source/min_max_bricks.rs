@@ -1,10 +1,10 @@
-//! Which parts of the volume can be seen: least and largest density of every brick of 4 x 4 x 4 cells (2 x 2 x 2 of
+//! Min-max bricks, for empty-space skipping: least and largest density of every brick of 4 x 4 x 4 cells (2 x 2 x 2 in
 //! small volumes, 8 x 8 x 8 where memory is short).
 //!
-//! The bounds are built once per volume and kernel, at memory speed, and take 1/16 of a byte per sample, of small
-//! volumes half a byte. For a transfer function they become one bit per brick, and "is anything visible below this part
-//! of this sheet" is a question of a few words. Bounds hold for all positions inside a brick: they cover the samples
-//! that the kernel reaches from there, widened where the kernel overshoots. They are kept in 4096 levels of the volume's
+//! The bounds are built once per volume and kernel, at memory speed, and take 1/16 of a byte per sample, in small
+//! volumes half a byte. For a transfer function they become one bit per brick, and a few words answer whether anything
+//! is visible below a part of a sheet. Bounds hold for all positions inside a brick: they cover the samples that the
+//! kernel reaches from there, widened where the kernel overshoots. They are stored as 4096 levels of the volume's
 //! range, rounded outwards.
 
 use std::ops::Range;
@@ -18,36 +18,38 @@ use crate::kernel::weights::{overshoot, radius};
 use crate::source::block_cache::{BLOCK, Blocks, DensityBox};
 use crate::source::occupancy::OccupancyGrid;
 
-/// Cells of a brick along each axis: of small volumes, as a rule, and where the bounds would take too much memory.
+/// Cells of a brick along each axis: in small volumes, as a rule, and where the bounds would take too much memory.
 const SMALL_SIDE: usize = 2;
 const SIDE: usize = 4;
 const LARGE_SIDE: usize = 8;
 
-/// Bounds of the smallest bricks: those of 129 samples along each axis.
+/// Maximum bytes of the bounds of the smallest bricks: reached by 129 samples along each axis.
 const MAX_BYTES_OF_SMALL: usize = 1 << 20;
 
-/// Bounds of a volume whose samples are there: those of 800 samples along each axis.
+/// Maximum bytes of the bounds of a volume in memory: enough for 800 samples along each axis.
 pub const MAX_BYTES: usize = 32 << 20;
 
-/// Levels of the density range.
+/// Number of levels of the density range.
 const N_LEVELS: usize = 4096;
 
-/// Least and largest density of every brick, `[z][y][x]`.
+/// Bounds of a volume: least and largest density of every brick, `[z][y][x]`.
 #[derive(Debug)]
 pub struct Bricks {
     side: usize,
     n: [usize; 3],
     range: [f32; 2],
     bounds: Vec<[u16; 2]>,
-    /// What was asked for last, for the most part by one frame after the other.
+    /// Latest results of [`Bricks::occupied`]: successive frames mostly ask for the same ones.
     latest: Mutex<Vec<Latest>>,
 }
 
-/// Ranges of density that pass a test: how many steps from level to level below each level do.
+/// Ranges of density that pass a test, as prefix sums: how many levels below each level pass.
+///
+/// A range of levels then passes if the sums at its two ends differ.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VisibleRanges(Vec<u16>);
 
-/// Bricks that passed a test.
+/// A cached result: the bricks that passed a test.
 #[derive(Debug)]
 struct Latest {
     axes: [usize; 3],
@@ -55,20 +57,20 @@ struct Latest {
     occupied: Arc<OccupancyGrid>,
 }
 
-/// As many are kept as a volume has axes to look along.
+/// Maximum number of cached results: one per axis that a volume is looked along.
 const N_LATEST: usize = 3;
 
-/// Where a kernel reads samples: of a grid of `size`, the row of `nx` samples that begins at an index, as densities.
+/// Rows of samples of a grid, as densities.
 pub trait DensityRows: Sync {
-    /// Writes the lesser (larger) of `lo` (`hi`) and the row's densities.
+    /// Widens the bounds `lo..=hi` of each column by the densities of the row that begins at the index `start`.
     fn widen(&self, start: usize, lo: &mut [f32], hi: &mut [f32]);
 }
 
-/// Rows of densities.
+/// Rows of densities in f32.
 pub struct FloatRows<'a> {
     /// All densities.
     pub densities: &'a [f32],
-    /// Vectors to use.
+    /// SIMD level to use.
     pub level: Level,
 }
 
@@ -81,7 +83,8 @@ impl DensityRows for FloatRows<'_> {
     }
 }
 
-/// The lesser (larger) of `lo` (`hi`) and the densities of a row.
+/// Widens the bounds `lo..=hi` of each column by the densities of a row. NaN changes nothing: comparisons with it are
+/// false.
 #[inline(always)]
 pub fn widen<T: Copy>(row: &[T], lo: &mut [f32], hi: &mut [f32], density: impl Fn(T) -> f32) {
     for ((lo, hi), s) in lo.iter_mut().zip(hi).zip(row) {
@@ -91,7 +94,7 @@ pub fn widen<T: Copy>(row: &[T], lo: &mut [f32], hi: &mut [f32], density: impl F
     }
 }
 
-/// Bounds to levels of a range, rounded outwards.
+/// Function from bounds to levels of a range, rounded outwards.
 fn level_in(range: [f32; 2]) -> impl Fn([f32; 2]) -> [u16; 2] + Copy + Send + Sync {
     let extent = range[1] - range[0];
     let per_density = if extent > 0.0 { (N_LEVELS - 1) as f32 / extent } else { 0.0 };
@@ -99,7 +102,7 @@ fn level_in(range: [f32; 2]) -> impl Fn([f32; 2]) -> [u16; 2] + Copy + Send + Sy
     move |[lo, hi]| [level(lo).floor() as u16, level(hi).ceil() as u16]
 }
 
-/// Cells of a brick along each axis, so that bounds take no more than so many bytes, if that can be.
+/// Smallest side of a brick, in cells, whose bounds fit the budget; the largest side if none do.
 fn side_within(budget_bytes: usize, size: [usize; 3]) -> usize {
     let fits = |side: usize, most_bytes: usize| {
         n_bricks(side, size).iter().product::<usize>() * size_of::<[u16; 2]>() <= most_bytes
@@ -113,50 +116,51 @@ fn side_within(budget_bytes: usize, size: [usize; 3]) -> usize {
     }
 }
 
-/// Bricks along each axis.
+/// Number of bricks along each axis.
 pub(super) fn n_bricks(side: usize, size: [usize; 3]) -> [usize; 3] {
     size.map(|n| (n - 1).div_ceil(side))
 }
 
-/// Which samples count for a brick.
+/// Samples that the bounds of a brick cover.
 #[derive(Clone, Copy)]
 pub(super) struct Reach {
     side: usize,
-    /// Samples of the volume.
+    /// Samples of the volume along x, y, z.
     size: [usize; 3],
-    /// Samples that positions inside a brick reach: from so many before its first to so many after its last.
+    /// Number of samples that positions inside a brick reach before its first one, and after the last of its own.
     before: usize,
     after: usize,
-    /// How far the kernel leaves the range of its samples.
+    /// Overshoot of the kernel beyond the range of its samples, as a part of that range.
     overshoot: f32,
 }
 
 impl Reach {
     pub fn new(side: usize, size: [usize; 3], kernel: Kernel) -> Self {
-        // Positions are between a brick's first sample and its last: half a radius reaches on to the next one.
+        // Positions lie between a brick's first sample and the next brick's first one; samples within the radius of
+        // them count.
         let after = radius(kernel).ceil() as usize;
         Self { side, size, before: after - 1, after, overshoot: overshoot(kernel) }
     }
 
-    /// Bricks along each axis.
+    /// Number of bricks along each axis.
     pub fn n(&self) -> [usize; 3] {
         n_bricks(self.side, self.size)
     }
 
-    /// Samples that count for a brick along an axis.
+    /// Range of the samples that the bounds of a brick cover, along an axis.
     fn samples(&self, axis: usize, brick: usize) -> Range<usize> {
         let first = brick * self.side;
         first.saturating_sub(self.before)..(first + self.side + self.after).min(self.size[axis])
     }
 
-    /// Bricks for which any sample of a range of an axis counts.
+    /// Range of the bricks whose bounds cover any sample of a range, along an axis.
     pub fn bricks(&self, axis: usize, samples: Range<usize>) -> Range<usize> {
         let n = self.n()[axis];
         let first = samples.start.saturating_sub(self.side + self.after - 1).div_ceil(self.side);
         first.min(n)..((samples.end - 1 + self.before) / self.side + 1).min(n)
     }
 
-    /// Bounds of bricks, `[z][y][x]`, from rows of the samples of a box, which begins at `lo`; widened where the kernel
+    /// Bounds of bricks, `[z][y][x]`, from rows of the samples of a box that begins at `lo`; widened where the kernel
     /// overshoots.
     fn bounds(
         &self,
@@ -172,14 +176,14 @@ impl Reach {
         bounds
     }
 
-    /// What the kernel may make of densities.
+    /// Bounds of the densities that the kernel may reconstruct from densities within bounds.
     fn widened(&self, [lo, hi]: [f32; 2]) -> [f32; 2] {
         let over = self.overshoot * (hi - lo);
         [lo - over, hi + over]
     }
 
-    /// Least and largest density of bricks, `[z][y][x]`, from rows of those samples that lie in a box, which begins at `lo`;
-    /// infinite where there are none.
+    /// Least and largest density of bricks, `[z][y][x]`, from rows of those samples that lie in a box that begins at
+    /// `lo`; infinite where there are none.
     pub fn bounds_within(
         &self,
         rows: &impl DensityRows,
@@ -217,8 +221,8 @@ impl Reach {
 }
 
 impl Bricks {
-    /// Reads every row about 1.6 times, of small volumes 2.3 times. `range` bounds the densities. Bricks are larger
-    /// where their bounds took more than `budget_bytes`.
+    /// Builds the bricks; reads every row about 1.6 times, in small volumes 2.3 times. `range` bounds the densities.
+    /// Bricks are larger where their bounds would take more than `budget_bytes`.
     pub fn new(
         rows: &impl DensityRows,
         size: [usize; 3],
@@ -238,7 +242,8 @@ impl Bricks {
         Self { side, n, range, bounds, latest: Mutex::default() }
     }
 
-    /// From least and largest value of every brick, `[z][y][x]`, infinite where it has none; `density`: of a value.
+    /// Bricks from the least and largest value of each, `[z][y][x]`, infinite where it has none; `density` converts a
+    /// value.
     pub(super) fn of_bounds(
         side: usize,
         size: [usize; 3],
@@ -253,7 +258,7 @@ impl Bricks {
         let mut bounds = vec![[0; 2]; n.iter().product()];
         parallel::for_each_chunk(&mut bounds, n[0] * n[1], |bz, layer| {
             for (kept, [lo, hi]) in layer.iter_mut().zip(&values[bz * n[0] * n[1]..]) {
-                // Nothing is drawn where no sample is finite: any value will do that is among those that are.
+                // Nothing is drawn where no sample is finite: any value within the range will do.
                 let known = if lo <= hi { [density(*lo), density(*hi)] } else { [range[0]; 2] };
                 *kept = level(reach.widened(known));
             }
@@ -261,7 +266,8 @@ impl Bricks {
         Self { side, n, range, bounds, latest: Mutex::default() }
     }
 
-    /// Decodes all blocks. `range` bounds the densities; where it is not known, as of spline coefficients, it is found.
+    /// Builds the bricks of a volume that is decoded, decoding all of it. `range` bounds the densities; `None` where it
+    /// is not known, as for spline coefficients: it is computed.
     pub fn of_blocks(
         level: Level,
         blocks: &Blocks,
@@ -309,7 +315,7 @@ impl Bricks {
         Self { side, n, range, bounds, latest: Mutex::default() }
     }
 
-    /// Least and largest density there can be.
+    /// Least and largest possible density.
     pub fn range(&self) -> [f32; 2] {
         self.range
     }
@@ -319,9 +325,9 @@ impl Bricks {
         self.range[0] + level as f32 / (N_LEVELS - 1) as f32 * (self.range[1] - self.range[0])
     }
 
-    /// Which ranges of density pass a test, which must hold for a range when it holds for a part of it.
+    /// Ranges of density that pass a test; the test must hold for a range if it holds for a part of it.
     pub fn visible_ranges(&self, test: impl Fn([f32; 2]) -> bool) -> VisibleRanges {
-        // The outer levels stand for all beyond them.
+        // The outermost levels stand for all densities beyond them.
         let mut passing = vec![0_u16; N_LEVELS + 1];
         for level in 0..N_LEVELS {
             let from = if level == 0 { f32::NEG_INFINITY } else { self.density(level - 1) };
@@ -332,7 +338,7 @@ impl Bricks {
         VisibleRanges(passing)
     }
 
-    /// The bricks whose range of densities passes, laid out for sheets along `axes` (u, v, w).
+    /// Occupancy of the bricks whose range of densities passes, laid out for sheets along `axes` (u, v, w).
     pub fn occupied(&self, axes: [usize; 3], passing: &VisibleRanges) -> Arc<OccupancyGrid> {
         let mut latest = self.latest.lock().unwrap_or_else(PoisonError::into_inner);
         if let Some(known) = latest.iter().find(|known| (known.axes, &known.passing) == (axes, passing)) {
@@ -344,7 +350,7 @@ impl Bricks {
         occupied
     }
 
-    /// The bricks that pass, by how many steps of the range do before each level.
+    /// Occupancy of the bricks that pass. `passing`: prefix sums of passing levels ([`VisibleRanges`]).
     fn passed(&self, axes: [usize; 3], passing: &[u16]) -> OccupancyGrid {
         let n = axes.map(|a| self.n[a]);
         let n_words = n[0].div_ceil(64);
@@ -439,7 +445,7 @@ mod tests {
         let other = above([0, 1, 2], 2.0);
         assert_ne!(other.bits, first[0].bits);
         assert!(Arc::ptr_eq(&above([0, 1, 2], 2.0), &other));
-        // The oldest has gone.
+        // The oldest was evicted.
         let again = above([0, 1, 2], 5.0);
         assert!(!Arc::ptr_eq(&again, &first[0]) && again.bits == first[0].bits);
     }

@@ -2,16 +2,16 @@
 //!
 //! The *missing share* m of a point is the weight that the linear kernel gives to missing samples there, whatever the
 //! kernel of the densities. Matter is drawn with its extinction times the *known share* 1 − m, so that a lone missing
-//! sample takes away one cell of matter: the linear kernel integrates to 1. What is no more than a sample away from every
-//! known sample has m = 1 and is empty. The share is continuous, and linear between sheets, so any number of sheets, and
-//! any step of a ray caster, comes to the same hole. The densities' own kernel would not do: reaches differ from kernel to
-//! kernel, and weights of either sign, or the tails of a prefilter, mean nothing as shares. What needs a yes or no
-//! (projections, first hits, slices) takes a point for missing where m is at least [`MISSING`].
+//! sample takes away one cell of matter: the linear kernel integrates to 1. A point that is at least a sample away from
+//! every known sample has m = 1 and is empty. The share is continuous, and linear between sheets, so any number of
+//! sheets, and any step of a ray caster, gives the same hole. The densities' own kernel would not do: reaches differ
+//! from kernel to kernel, and weights of either sign, or the tails of a prefilter, mean nothing as shares. Operators
+//! that need a yes or no (projections, first hits, slices) take a point for missing where m is at least [`MISSING`].
 //!
-//! The densities of such points come from the fill: each missing sample takes the nearest known density along one of the
-//! axes. So what is drawn beside a hole goes on evenly into it, and wide kernels, gradients and the prefilter of B-splines
-//! see no edge there, which would ring. The fill is a function of a bounded neighbourhood ([`REACH`]), further than any
-//! kernel and gradient reach, and a box of a volume gives the bits of the whole.
+//! The densities of such points come from the fill: each missing sample takes the nearest known density along one of
+//! the axes. So densities beside a hole continue evenly into it, and wide kernels, gradients and the prefilter of
+//! B-splines see no edge there, which would ring. The fill is a function of a bounded neighbourhood ([`REACH`]), which
+//! extends further than any kernel and gradient, and a box of a volume gives the bits of the whole.
 
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::Wide;
@@ -19,19 +19,21 @@ use wavesplat_compute::simd::Wide;
 /// Missing share from which a point counts as missing.
 pub const MISSING: f32 = 0.5;
 
-/// Known shares below this are none: what rounding leaves of 1 − m times the extinction of opacity 1 would be opaque.
+/// Least known share; smaller ones count as 0. A rounding error of 1 − m times the extinction of opacity 1 would be
+/// opaque.
 pub const MIN_KNOWN: f32 = 1e-3;
 
-/// 1 − m, or 0.
+/// Known share: 1 − m, or 0 below [`MIN_KNOWN`].
 #[inline(always)]
 pub fn known_share<W: Wide>(w: W, missing: W::F) -> W::F {
     let known = w.sub(w.splat(1.0), missing);
     w.select(w.lt(known, w.splat(MIN_KNOWN)), w.splat(0.0), known)
 }
 
-/// The known share at a part of the way between two sheets, by the missing shares on both; 1 where no sample is missing.
+/// Known share at a place between two sheets, from the missing shares on both; 1 where no sample is missing.
 ///
-/// The share is linear between sheets, so its mean over a part of the way is that in the middle of the part.
+/// `at`: the place, from 0 on the front sheet to 1 on the back sheet. The share is linear between sheets, so its mean
+/// over a part of the way is its value in the middle of the part.
 #[inline(always)]
 pub fn known_between<W: Wide>(w: W, missing: Option<[W::F; 2]>, at: W::F) -> W::F {
     match missing {
@@ -40,8 +42,8 @@ pub fn known_between<W: Wide>(w: W, missing: Option<[W::F; 2]>, at: W::F) -> W::
     }
 }
 
-/// The shares of the way between two sheets between which points are known, by the missing shares on both, linear in
-/// between; the first is not below the second where none is.
+/// Part of the way between two sheets on which points are known, from the missing shares on both: its start and end,
+/// from 0 in front to 1 behind. The share is linear in between; the start is not below the end where no point is known.
 #[inline(always)]
 pub fn known_part(front: f32, back: f32) -> [f32; 2] {
     let crossing = (MISSING - front) / (back - front);
@@ -53,21 +55,21 @@ pub fn known_part(front: f32, back: f32) -> [f32; 2] {
     }
 }
 
-/// Samples along an axis beyond which no fill is looked for.
+/// Largest distance along an axis, in samples, from which a missing sample is filled.
 const STEP: usize = 8;
 
-/// Samples along each axis that the fill of one depends on: it may come from a sample that was filled itself.
+/// Distance along each axis, in samples, that the fill of a sample depends on: its source may have been filled itself.
 pub const REACH: usize = 2 * STEP;
 
-/// How a sample got its density: 0 it is known, else one more than the distance to the known sample it was taken from.
+/// Origin of a sample's density: 0 if it is known, else one more than the distance to the sample it was taken from.
 type Origin = u8;
 
 const KNOWN: Origin = 0;
 const UNFILLED: Origin = u8::MAX;
 
-/// Replaces what is not finite by the nearest finite density along x, y or z within `STEP`, of equally near ones along
-/// the first of these axes; then, where there is none, by what was filled so in its column, or its line through the
-/// slices; then by `otherwise`.
+/// Replaces samples that are not finite by the nearest finite density along x, y or z within `STEP`, among equally near
+/// ones along the first of these axes; if there is none, by the nearest density that was filled in this way in the
+/// column, or in the line through the slices; else by `otherwise`.
 pub fn fill_holes(grid: &mut [f32], [nx, ny, nz]: [usize; 3], otherwise: f32) {
     let mut origins: Vec<Origin> =
         grid.iter().map(|density| if density.is_finite() { KNOWN } else { UNFILLED }).collect();
@@ -91,7 +93,7 @@ pub fn fill_holes(grid: &mut [f32], [nx, ny, nz]: [usize; 3], otherwise: f32) {
     }
 }
 
-/// Fills the samples of a line that are not sources from the nearest of these, if they have nothing nearer. The line: its
+/// Fills samples of a line from their nearest source, unless they are sources or have a nearer origin. The line: its
 /// first sample, the distance between samples, and how many there are.
 fn fill_line(
     grid: &mut [f32],

@@ -1,10 +1,12 @@
-//! Occupancy, for empty-space skipping: which min-max bricks a transfer function shows, one bit each, laid out for a
-//! slice family.
+//! Occupancy, for empty-space skipping: one bit per min-max brick, set if a transfer function shows it.
+//!
+//! The bits are laid out for a slice family.
 
-/// One bit per brick, in runs along u.
+/// Occupancy grid: one bit per brick, in rows along u.
 #[derive(Clone, Debug)]
 pub struct OccupancyGrid {
-    /// Logarithm of the cells of a brick along each axis: every sheet of every tile asks, and a shift is cheap.
+    /// Binary logarithm of the cells of a brick along each axis: every sheet of every tile needs it, and a shift is
+    /// cheap.
     pub(super) log_side: u32,
     pub(super) n: [usize; 3],
     pub(super) n_words: usize,
@@ -12,7 +14,7 @@ pub struct OccupancyGrid {
 }
 
 impl OccupancyGrid {
-    /// The bricks of both; `None` where they are not the same bricks.
+    /// Union of two occupancies; `None` where they are not of the same bricks.
     pub fn or(&self, other: &Self) -> Option<Self> {
         if (self.log_side, self.n) != (other.log_side, other.n) {
             return None;
@@ -21,13 +23,14 @@ impl OccupancyGrid {
         Some(Self { bits, ..*self })
     }
 
-    /// Layer of bricks that a cell lies in.
+    /// Layer of bricks in which a cell lies.
     #[inline(always)]
     pub fn layer(&self, cell: usize) -> usize {
         cell >> self.log_side
     }
 
-    /// Bricks along u, v, w; 64-bit words of a row of bricks along u; and the words, `[w][v][u / 64]`, lowest bit first.
+    /// Number of bricks along u, v, w; 64-bit words per row of bricks along u; and the words, `[w][v][u / 64]`, lowest
+    /// bit first.
     pub fn arrays(&self) -> ([usize; 3], usize, &[u64]) {
         (self.n, self.n_words, &self.bits)
     }
@@ -37,16 +40,17 @@ impl OccupancyGrid {
         1 << self.log_side
     }
 
-    /// First and last brick that positions of an axis (0: u, 1: v), in samples, touch; `None` outside the volume.
+    /// First and last brick that an interval of sample positions touches, along an axis (0: u, 1: v); `None` outside
+    /// the volume.
     #[inline(always)]
     pub fn touched(&self, axis: usize, [lo, hi]: [f64; 2]) -> Option<[usize; 2]> {
         let n = self.n[axis];
-        // Comparisons that are false for NaN count as outside.
+        // Comparisons with NaN are false, so it counts as outside.
         let touches = hi >= 0.0 && lo <= (n << self.log_side) as f64;
         touches.then(|| [self.layer(lo.max(0.0) as usize).min(n - 1), self.layer(hi as usize).min(n - 1)])
     }
 
-    /// Runs of bricks along u; `None`: outside the volume, where there is none.
+    /// Runs of bricks along u, for [`OccupancyGrid::any_of`]; `None`: outside the volume, where there is no brick.
     #[inline(always)]
     pub fn runs<const N: usize>(&self, u: [Option<[usize; 2]>; N]) -> Runs<N> {
         let first = u.iter().flatten().map(|[from, _]| from / 64).min().unwrap_or(0);
@@ -63,13 +67,13 @@ impl OccupancyGrid {
         runs
     }
 
-    /// Whether any of the bricks of each run is occupied in the rows `v[0]..=v[1]` of the layers `w[0]..=w[1]`.
+    /// Per run: is any of its bricks occupied in the rows `v[0]..=v[1]` of the layers `w[0]..=w[1]`?
     #[inline(always)]
     pub fn any_of<const N: usize>(&self, runs: &Runs<N>, v: [usize; 2], w: [usize; 2]) -> [bool; N] {
         if let Some(u) = runs.long {
             return u.map(|u| u.is_some_and(|u| self.any(u, v, w)));
         }
-        // What runs have in common is looked at once.
+        // The words that the runs share are read once, combined over rows and layers, and masked for each run.
         let (mut near, mut far) = (0, 0);
         let second = (runs.first + 1).min(self.n_words - 1);
         for layer in w[0]..=w[1].min(self.n[2] - 1) {
@@ -92,6 +96,7 @@ impl OccupancyGrid {
                 for k in first..=last {
                     let before = if k == first { u[0] % 64 } else { 0 };
                     let after = if k == last { 63 - u[1] % 64 } else { 0 };
+                    // The shifts drop the bricks of the word after the run and before it.
                     if words[k] << after >> after >> before != 0 {
                         return true;
                     }
@@ -102,12 +107,12 @@ impl OccupancyGrid {
     }
 }
 
-/// Runs of bricks along u.
+/// Runs of bricks along u, as masks of two words.
 pub struct Runs<const N: usize> {
-    /// The first word that any of them lies in.
+    /// Index of the first word in which any run lies.
     first: usize,
-    /// Which bricks of that word and the next belong to each.
+    /// Per run: its bricks in that word and in the next, as bits.
     masks: [[u64; 2]; N],
-    /// The runs, where they are in more words than two.
+    /// The runs themselves, if they lie in more than two words.
     pub(super) long: Option<[Option<[usize; 2]>; N]>,
 }

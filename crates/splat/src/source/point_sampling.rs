@@ -2,18 +2,18 @@
 
 use crate::kernel::weights::MAX_TAPS;
 
-/// What the value at one position is made of: folded indices and weights along x, y and z.
+/// Taps of one position: folded indices and weights along x, y and z.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct PointTaps {
-    /// Of samples or coefficients.
+    /// Folded indices of samples or coefficients.
     pub index: [[usize; MAX_TAPS]; 3],
-    /// 0 beyond the taps that the kernel has.
+    /// Weights of the taps; 0 beyond those that the kernel has.
     pub weight: [[f64; MAX_TAPS]; 3],
-    /// The samples at both ends of the cell, and the weights that the linear kernel gives them.
+    /// Samples at both ends of the cell, and the weights that the linear kernel gives them.
     pub cell: [[(usize, f64); 2]; 3],
 }
 
-/// Sums over the taps of points, from a grid or a box of it.
+/// Weighted sums over the taps of points, from a grid or a box of it.
 pub(super) struct PointSums {
     pub(super) n_taps: usize,
     pub(super) lo: [usize; 3],
@@ -21,7 +21,7 @@ pub(super) struct PointSums {
 }
 
 impl PointSums {
-    /// First and one past the last index of any tap.
+    /// First and one past the last index of any tap, along x, y, z.
     pub(super) fn reached(&self, points: &[PointTaps]) -> Option<([usize; 3], [usize; 3])> {
         let ends = |axis: usize| {
             let all = points.iter().flat_map(|point| &point.index[axis][..self.n_taps]);
@@ -35,7 +35,7 @@ impl PointSums {
         self.write_at(points, out, |i| sample(grid[i]));
     }
 
-    /// As [`PointSums::write`], of samples by their places in the grid.
+    /// Writes the sum of each point, like [`PointSums::write`]; `sample` takes a place in the grid.
     pub(super) fn write_at(&self, points: &[PointTaps], out: &mut [f64], sample: impl Fn(usize) -> f64) {
         for (point, out) in points.iter().zip(out) {
             let mut sum = 0.0;
@@ -44,7 +44,7 @@ impl PointSums {
         }
     }
 
-    /// Place in the grid and linear weight of each corner of a cell that counts.
+    /// Calls `work` with the place in the grid and the linear weight of each corner of a cell whose weight is not 0.
     pub(super) fn for_each_cell_tap(&self, point: &PointTaps, mut work: impl FnMut(usize, f64)) {
         let [nx, ny, _] = self.size;
         let taps = |axis: usize| {
@@ -59,7 +59,8 @@ impl PointSums {
         }
     }
 
-    /// Place in the grid and weight of each tap that counts: a sample of weight 0 may be NaN.
+    /// Calls `work` with the place in the grid and the weight of each tap, except weights of 0: their samples may be
+    /// NaN.
     #[inline(always)]
     pub(super) fn for_each_tap(&self, point: &PointTaps, mut work: impl FnMut(usize, f64)) {
         let [nx, ny, _] = self.size;

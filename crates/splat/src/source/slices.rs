@@ -1,11 +1,11 @@
-//! The slice source: samples, or spline coefficients, of any rectangle of any slices as densities in f32.
+//! Slice source: densities in f32, samples or spline coefficients, of any window of any slices.
 //!
 //! Narrow samples stay in their own type and are converted in the innermost loop. Two cases need a float copy: the
-//! B-spline kernels (their coefficients are not the samples), and float data with NaN or infinity. There the holes
-//! are filled from their neighbours, and a mask says where they are ([`crate::source::nonfinite`]).
+//! B-spline kernels (their coefficients are not the samples), and float data with NaN or infinity. There the holes are
+//! filled from their neighbours, and a mask records where they are ([`crate::source::nonfinite`]).
 //!
-//! Volumes that are decoded become such a float copy where it fits into the memory they may take. Where it does not
-//! ([`crate::source::block_cache`]), a box of them is loaded first, then it is the same.
+//! A volume that is decoded becomes such a float copy if that fits its memory budget. Otherwise
+//! ([`crate::source::block_cache`]) a box of it is loaded first, and then read in the same way.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -36,16 +36,16 @@ pub struct Slices<'a> {
 #[derive(Clone)]
 pub(super) enum SampleSource<'a> {
     Samples(Samples<'a>),
-    /// A volume without samples; its blocks where its densities are not all prepared.
+    /// A volume without samples in memory; its block cache, if its densities are not all prepared.
     Decoded(Option<Arc<Blocks>>),
-    /// A volume of which boxes are read elsewhere: frames are planned with it, and drawn from the boxes.
+    /// A volume whose boxes are read elsewhere: frames are planned with it, and drawn from the boxes.
     Surveyed(Arc<StridedSamples>),
 }
 
 /// Samples of a box of a volume, `[z][y][x]`.
 #[derive(Clone, Copy)]
 pub struct VolumeBox<'a> {
-    /// Its first sample.
+    /// Index of its first sample.
     pub lo: [usize; 3],
     /// Samples along x, y, z.
     pub size: [usize; 3],
@@ -53,8 +53,10 @@ pub struct VolumeBox<'a> {
     pub samples: Samples<'a>,
 }
 
-/// The samples that must be there for the densities, or spline coefficients, of a box to be those of the whole volume:
-/// `reached` and what the fill of non-finite samples and the prefilter need around it.
+/// Box of the samples that the densities, or spline coefficients, of the box `reached` are computed from.
+///
+/// It adds what the fill of non-finite samples and the prefilter need around `reached` for the same values as in the
+/// whole volume.
 pub fn needed_samples(reached: &[Range<usize>; 3], grid: &Grid, kernel: Kernel) -> [Range<usize>; 3] {
     let size = grid.size();
     [0, 1, 2].map(|a| {
@@ -69,30 +71,30 @@ pub fn needed_samples(reached: &[Range<usize>; 3], grid: &Grid, kernel: Kernel) 
     })
 }
 
-/// What is computed once from the samples for a kernel; worth keeping between pictures.
+/// Data computed once from the samples for a kernel; worth keeping between pictures.
 pub struct Prepared {
     kernel: Kernel,
     size: [usize; 3],
-    /// The box of the volume that is held: its first sample and how many there are along x, y, z; mostly all.
+    /// Box of the volume that is in memory, mostly all of it: its first sample, and its size along x, y, z.
     lo: [usize; 3],
     held: [usize; 3],
     /// Densities or spline coefficients, where the samples are not used as they are.
     pub(super) densities: Option<Vec<f32>>,
     pub(super) mask: Option<Vec<bool>>,
     range: [f32; 2],
-    /// Bounds of the densities; `None` of a box of a volume, which is drawn by those of the whole.
+    /// Bounds of the densities; `None` for a box of a volume, which is drawn with the bounds of the whole.
     bricks: Option<Bricks>,
-    /// Tells it from all others, for what is kept beside it.
+    /// Unique number: the key of caches of data that is derived from it.
     id: u64,
-    /// What is decoded of a volume without samples; `None` where there are densities.
+    /// Block cache of a volume without samples; `None` where there are densities.
     blocks: Option<Arc<Blocks>>,
 }
 
-/// Share of the memory for decoded blocks that the bounds of bricks may take in addition.
+/// Divisor of the memory for decoded blocks: the bounds of bricks may take this part of it in addition.
 const BOUNDS_SHARE: usize = 8;
 
 impl Prepared {
-    /// Coefficients where the kernel needs them, and the bounds of every brick.
+    /// Prepares a volume: coefficients where the kernel needs them, filled holes, and the bounds of every brick.
     pub fn new(volume: &Volume, kernel: Kernel) -> Self {
         let grid = volume.grid();
         let (size, map) = (grid.size(), grid.density_from_sample());
@@ -113,7 +115,7 @@ impl Prepared {
         Self { mask, ..Self::of_densities(densities, size, kernel, range, MAX_BYTES) }
     }
 
-    /// Of a box of a volume: what a piece of a picture is drawn from. `range` bounds the densities of the whole.
+    /// Prepares a box of a volume, from which a piece of a picture is drawn. `range` bounds the densities of the whole.
     fn of_box(samples: &VolumeBox, grid: &Grid, kernel: Kernel, range: [f32; 2]) -> Self {
         static N_BOXES: AtomicU64 = AtomicU64::new(u64::MAX / 2);
         let VolumeBox { lo, size: held, samples } = *samples;
@@ -145,7 +147,7 @@ impl Prepared {
         Self { densities: Some(densities), ..prepared }
     }
 
-    /// Of densities that are all finite. Their bounds are to take at most `bounds_bytes`.
+    /// Prepares densities that are all finite. Their bounds are to take at most `bounds_bytes`.
     fn of_densities(
         mut densities: Vec<f32>,
         size: [usize; 3],
@@ -163,7 +165,7 @@ impl Prepared {
         Self { densities: Some(densities), ..Self::of_parts(kernel, size, range, bricks) }
     }
 
-    /// Of samples that are used as they are.
+    /// Data of samples that are used as they are.
     fn of_parts(kernel: Kernel, size: [usize; 3], range: [f32; 2], bricks: Bricks) -> Self {
         static N_MADE: AtomicU64 = AtomicU64::new(0);
         let id = N_MADE.fetch_add(1, Ordering::Relaxed);
@@ -181,8 +183,8 @@ impl Prepared {
         }
     }
 
-    /// Of a volume that is decoded as it is drawn; its grid tells the range of its samples. Everything is decoded once
-    /// for the bounds of the bricks. At most about `budget_bytes` of densities are kept: all of them, if they fit.
+    /// Prepares a volume that is decoded as it is drawn; its grid holds the range of its samples. Everything is decoded
+    /// once for the bounds of the bricks. At most about `budget_bytes` of densities are kept: all of them, if they fit.
     fn of_decoder(decoder: Arc<dyn Decoder>, grid: &Grid, kernel: Kernel, budget_bytes: usize) -> Self {
         let (size, range, bounds_bytes) = (grid.size(), grid.density_range(), budget_bytes / BOUNDS_SHARE);
         if bytes_of_all(size) <= budget_bytes {
@@ -203,26 +205,26 @@ impl<'a> Slices<'a> {
         Self::with_prepared(volume, Arc::new(Prepared::new(volume, kernel)))
     }
 
-    /// The same, with what was prepared before from the same samples.
+    /// Uses data that was prepared before from the same samples.
     pub fn with_prepared(volume: &Volume<'a>, prepared: Arc<Prepared>) -> Self {
         Self { source: SampleSource::Samples(*volume.samples()), grid: volume.grid().clone(), prepared }
     }
 
-    /// A volume that is decoded as it is drawn; its grid tells the range of its samples. Everything is decoded once for the
-    /// bounds of the bricks. At most about `budget_bytes` of densities are kept: all of them, if they fit.
+    /// Prepares a volume that is decoded as it is drawn; its grid holds the range of its samples. Everything is decoded
+    /// once for the bounds of the bricks. At most about `budget_bytes` of densities are kept: all of them, if they fit.
     pub fn of_decoder(decoder: Arc<dyn Decoder>, grid: &Grid, kernel: Kernel, budget_bytes: usize) -> Self {
         let prepared = Arc::new(Prepared::of_decoder(decoder, grid, kernel, budget_bytes));
         Self { source: SampleSource::Decoded(prepared.blocks.clone()), grid: grid.clone(), prepared }
     }
 
-    /// Densities that are all finite, `[z][y][x]` of `grid`, whose statistics bound them.
+    /// Slices of densities that are all finite, `[z][y][x]` of `grid`, whose statistics bound them.
     pub fn of_densities(densities: Vec<f32>, grid: &Grid, kernel: Kernel) -> Self {
         let prepared = Prepared::of_densities(densities, grid.size(), kernel, grid.density_range(), MAX_BYTES);
         Self { source: SampleSource::Decoded(None), grid: grid.clone(), prepared: Arc::new(prepared) }
     }
 
-    /// A volume of which boxes are read elsewhere ([`crate::source::survey`]): for plans, not to be drawn from. `range`
-    /// bounds the densities, or spline coefficients; `strided`: those that light needs ([`light_steps`]).
+    /// Slices of a volume whose boxes are read elsewhere ([`crate::source::survey`]): for plans, not to be drawn from.
+    /// `range` bounds the densities, or spline coefficients; `strided`: the samples that light needs ([`light_steps`]).
     ///
     /// [`light_steps`]: crate::source::strided::light_steps
     pub(super) fn of_survey(
@@ -236,12 +238,13 @@ impl<'a> Slices<'a> {
         Self { source: SampleSource::Surveyed(Arc::new(strided)), grid: grid.clone(), prepared }
     }
 
-    /// Whether its samples are read elsewhere, box by box.
+    /// Whether the samples are read elsewhere, box by box.
     pub fn is_surveyed(&self) -> bool {
         matches!(self.source, SampleSource::Surveyed(_))
     }
 
-    /// Densities, or coefficients, of every n-th sample of the slice `z`, row by row; `z` is a multiple of the step too.
+    /// Writes densities, or coefficients, of every n-th sample of the slice `z`, row by row; `z` is a multiple of the
+    /// step too.
     pub fn strided_slice(&self, z: usize, step: [usize; 3], out: &mut Vec<f32>) {
         out.clear();
         let [nx, ny, _] = self.grid.size();
@@ -255,7 +258,7 @@ impl<'a> Slices<'a> {
         (0..ny).step_by(step[1]).for_each(|y| out.extend(slice[y * nx..][..nx].iter().step_by(step[0])));
     }
 
-    /// Adds a row of densities, or coefficients, of a box that was prepared, to what there is.
+    /// Appends a row of densities, or coefficients, of a prepared box to `out`.
     pub(super) fn push_prepared_row(&self, xs: Range<usize>, y: usize, z: usize, out: &mut Vec<f32>) {
         let from = self.linear_index([xs.start, y, z]);
         match &self.prepared.densities {
@@ -264,39 +267,39 @@ impl<'a> Slices<'a> {
         }
     }
 
-    /// A box of a volume that lies on `grid`, ready for a kernel. `range` bounds the densities, or spline coefficients, of
-    /// the whole, as [`Slices::range`] of it has them.
+    /// Prepares a box of a volume that lies on `grid` for a kernel. `range` bounds the densities, or spline
+    /// coefficients, of the whole volume: its [`Slices::range`].
     pub fn of_box(samples: &VolumeBox<'a>, grid: &Grid, kernel: Kernel, range: [f32; 2]) -> Self {
         let prepared = Arc::new(Prepared::of_box(samples, grid, kernel, range));
         Self { source: SampleSource::Samples(samples.samples), grid: grid.clone(), prepared }
     }
 
-    /// Where the samples lie.
+    /// Grid of the whole volume.
     pub fn grid(&self) -> &Grid {
         &self.grid
     }
 
-    /// The kernel that the densities are for.
+    /// Kernel that the densities are for.
     pub fn kernel(&self) -> Kernel {
         self.prepared.kernel
     }
 
-    /// Smallest and largest finite density.
+    /// Smallest and largest density, or spline coefficient, of the whole volume.
     pub fn range(&self) -> [f32; 2] {
         self.prepared.range
     }
 
-    /// Bounds of the densities, brick by brick; `None` of a box of a volume.
+    /// Bounds of the densities, brick by brick; `None` for a box of a volume.
     pub fn bricks(&self) -> Option<&Bricks> {
         self.prepared.bricks.as_ref()
     }
 
-    /// Tells what was prepared from all others: a key for what is kept beside it.
+    /// Unique number of the prepared data: the key of caches of data that is derived from it.
     pub fn id(&self) -> u64 {
         self.prepared.id
     }
 
-    /// Whether there are samples that are drawn as empty.
+    /// Whether any sample is drawn as empty.
     pub fn has_mask(&self) -> bool {
         self.prepared.mask.is_some()
     }
@@ -306,7 +309,7 @@ impl<'a> Slices<'a> {
         index[0] - lo[0] + size[0] * (index[1] - lo[1] + size[1] * (index[2] - lo[2]))
     }
 
-    /// Density (or coefficient) at an index position, in f64: the slow door for the reference.
+    /// Density (or coefficient) at an index position, in f64; slow, for the reference.
     pub fn at(&self, index: [usize; 3]) -> f64 {
         let i = self.linear_index(index);
         match (&self.prepared.densities, &self.source) {
@@ -331,10 +334,10 @@ impl<'a> Slices<'a> {
         self.prepared.mask.as_ref().is_some_and(|m| m[self.linear_index(index)])
     }
 
-    /// `out[i] = Σ weight · sample`, in sample units, at each point; NaN where missing samples make up half of
+    /// Writes `out[i] = Σ weight · sample`, in sample units, at each point; NaN where missing samples make up half of
     /// the linear kernel's weight, or more.
     ///
-    /// Of a volume that is decoded, the box around all points is loaded.
+    /// For a volume that is decoded, the box around all points is loaded.
     pub fn sums(&self, points: &[PointTaps], out: &mut [f64]) {
         let kernel = self.prepared.kernel;
         let (offset, scale) = self.grid.density_from_sample();
@@ -344,7 +347,7 @@ impl<'a> Slices<'a> {
             (Some(coefficients), _) if prefilter::pole(kernel).is_some() => {
                 whole.write(coefficients, points, out, sample);
             }
-            // Samples in their own type; those that are missing as they were filled.
+            // Samples in their own type; missing ones take the value that they were filled with.
             (filled, SampleSource::Samples(samples)) => match (filled, &self.prepared.mask) {
                 (Some(filled), Some(mask)) => {
                     let at = |i: usize, own: f64| if mask[i] { sample(filled[i]) } else { own };
@@ -371,8 +374,8 @@ impl<'a> Slices<'a> {
         }
     }
 
-    /// `out[v · stride + u] = Σ weight · density` over the slices of `taps`; `axes` are the index axes called u, v, w.
-    /// `soon`: a slice of which the same window is wanted next.
+    /// Writes `out[v · stride + u] = Σ weight · density` over the slices of `taps`; `axes` are the index axes called u,
+    /// v, w. `soon`: a slice of which the same window is needed next, to be prefetched.
     #[expect(clippy::too_many_arguments, reason = "what is read, what comes next, and where it goes")]
     pub fn combine(
         &self,
@@ -410,12 +413,13 @@ impl<'a> Slices<'a> {
         }
     }
 
-    /// Whether boxes must be loaded before they are read.
+    /// Whether boxes must be loaded, from decoded blocks, before they are read.
     pub fn must_load(&self) -> bool {
         matches!(self.source, SampleSource::Decoded(Some(_)))
     }
 
-    /// Loads what a window reaches in the slices from the first to the last of `slices`, where that must be.
+    /// Loads the box that a window reaches in the slices from the first to the last of `slices`, if boxes must be
+    /// loaded.
     pub fn load(&self, axes: [usize; 3], window: Window, slices: [usize; 2], part: &mut DensityBox) {
         let SampleSource::Decoded(Some(blocks)) = &self.source else { return };
         let size = self.prepared.size;
@@ -431,7 +435,7 @@ impl<'a> Slices<'a> {
         blocks.load(lo, hi, part);
     }
 
-    /// As [`Slices::combine`], from a box that was loaded.
+    /// Combines slices like [`Slices::combine`], from a box that was loaded.
     #[expect(clippy::too_many_arguments, reason = "the box, and what `combine` takes")]
     pub fn combine_part(
         &self,
@@ -455,10 +459,10 @@ impl<'a> Slices<'a> {
         SliceRectangle::new(kernel, size, axes, window, stride).inside(axes, lo, held)
     }
 
-    /// `out[slice · plane + v · stride + u] = density` for the sixteen slices from `first` on, which lie across x; u and
-    /// v are y and z. Slices behind the last one repeat it. `stride` is a multiple of sixteen.
+    /// Writes `out[slice · plane + v · stride + u] = density` for the sixteen slices from `first` on, which lie across
+    /// x; u and v are y and z. Slices beyond the last one are not written. `stride` is a multiple of sixteen.
     ///
-    /// `part`: the box with all of that, where it has been loaded.
+    /// `part`: the loaded box that holds the window, if boxes must be loaded.
     #[expect(clippy::too_many_arguments, reason = "the box, and which part of it goes where")]
     pub fn turn(
         &self,
@@ -491,7 +495,7 @@ impl<'a> Slices<'a> {
         }
     }
 
-    /// As [`Slices::combine`] for the mask: what missing samples have of the weights.
+    /// Combines the mask like [`Slices::combine`]: writes the weight of the missing samples.
     pub fn combine_mask(
         &self,
         level: Level,
@@ -511,7 +515,7 @@ impl<'a> Slices<'a> {
     }
 }
 
-/// Whether samples are densities as they are.
+/// Whether samples are densities as they are: offset 0 and scale 1.
 pub(super) fn is_identity(density_from_sample: (f64, f64)) -> bool {
     density_from_sample == (0.0, 1.0)
 }

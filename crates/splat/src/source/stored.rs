@@ -1,4 +1,4 @@
-//! The samples as they are stored: what a backend with memory of its own copies.
+//! Samples as they are stored, for backends that copy them into memory of their own.
 
 use wavesplat_compute::simd::Level;
 use wavesplat_core::Samples;
@@ -7,7 +7,7 @@ use crate::source::slices::{SampleSource, Slices, is_identity};
 use crate::source::window::Window;
 
 impl<'a> Slices<'a> {
-    /// The samples in their own type, where they are the densities; `None` where these are computed.
+    /// Samples in their own type, if they are the densities; `None` where densities are computed from them.
     pub fn own_samples(&self) -> Option<Samples<'a>> {
         match &self.source {
             SampleSource::Samples(samples)
@@ -19,7 +19,7 @@ impl<'a> Slices<'a> {
         }
     }
 
-    /// Densities, or coefficients, of a slice along z with those around it that the kernel folds back, row by row.
+    /// Writes densities, or coefficients, of a slice along z, row by row, with the border that the kernel folds back.
     /// `window`: columns and rows, before folding.
     pub fn density_slice(&self, z: usize, window: Window, out: &mut Vec<f32>) {
         let stride = window.n_u();
@@ -28,7 +28,7 @@ impl<'a> Slices<'a> {
         self.combine(Level::best(), [0, 1, 2], &[(z, 1.0)], None, window, out, stride);
     }
 
-    /// Samples that are drawn as empty, `[z][y][x]`, where there are some.
+    /// Mask of the samples that are drawn as empty, `[z][y][x]`; `None` where there are none.
     pub fn holes(&self) -> Option<&[bool]> {
         self.prepared.mask.as_deref()
     }

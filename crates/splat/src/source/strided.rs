@@ -1,26 +1,26 @@
-//! Every n-th sample along each axis: what is known of a volume whose samples are not in memory, for what needs no more.
+//! Strided samples: every n-th along each axis of a volume that is not in memory, for uses that need no more.
 
 use wavesplat_core::Grid;
 
 /// Densities of every n-th sample along each axis.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StridedSamples {
-    /// Samples from one to the next, along x, y, z.
+    /// Step from one to the next, in samples of the volume, along x, y, z.
     pub step: [usize; 3],
-    /// How many there are along x, y, z.
+    /// Number of strided samples along x, y, z.
     pub size: [usize; 3],
     /// The densities, `[z][y][x]`.
     pub densities: Vec<f32>,
 }
 
 impl StridedSamples {
-    /// Of a volume of `size`, to be filled in.
+    /// Strided samples of a volume of `size`, to be filled in.
     pub fn new(size: [usize; 3], step: [usize; 3]) -> Self {
         let own = [0, 1, 2].map(|a| size[a].div_ceil(step[a]));
         Self { step, size: own, densities: vec![0.0; own.iter().product()] }
     }
 
-    /// Takes what there is of them in a box of densities, `[z][y][x]`, of `n` from `lo` on.
+    /// Copies the strided samples that lie in a box of `n` densities, `[z][y][x]`, that begins at `lo`.
     pub fn take(&mut self, densities: impl Fn(usize) -> f32, lo: [usize; 3], n: [usize; 3]) {
         let range = |a: usize| lo[a].div_ceil(self.step[a])..(lo[a] + n[a]).div_ceil(self.step[a]).min(self.size[a]);
         let [xs, ys, zs] = [range(0), range(1), range(2)];
@@ -35,17 +35,17 @@ impl StridedSamples {
         }
     }
 
-    /// The row of densities of the samples whose y and z are these.
+    /// Row of densities at `y` and `z`, which are indices of the volume.
     pub fn row(&self, y: usize, z: usize) -> &[f32] {
         &self.densities[self.size[0] * (y / self.step[1] + self.size[1] * (z / self.step[2]))..][..self.size[0]]
     }
 }
 
-/// Cells of the coarse volume that light is swept through, along its longest side, at most.
+/// Maximum number of cells, along the longest side, of the coarse volume that light is swept through.
 const MAX_CELLS: f64 = 96.0;
 
-/// Samples per cell of the coarse volume that light is swept through, and the step from one that is looked at to the next:
-/// a part of the samples tells enough.
+/// Samples per cell of the coarse volume that light is swept through, and the step between samples that are read: a
+/// part of the samples is enough.
 pub fn light_steps(grid: &Grid) -> ([usize; 3], [usize; 3]) {
     let (size, spacing) = (grid.size(), grid.spacing().to_array());
     let longest = (0..3).map(|a| spacing[a] * size[a] as f64).fold(0.0, f64::max);

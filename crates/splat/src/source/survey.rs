@@ -1,9 +1,10 @@
-//! What one pass over the samples of a volume tells that is not in memory: their range, how many are not finite, bounds of
-//! bricks, and every n-th sample; box by box, in any order.
+//! Survey of a volume that is not in memory, made by one pass over its samples, box by box, in any order.
 //!
-//! With it a frame is planned before a sample is read. Bounds and strided samples are sample values of the kernels that use
-//! samples as they are; of volumes with holes, and for the B-spline kernels, they are those of filled samples and of
-//! coefficients, which a second pass finds once the range is known.
+//! It holds their range, how many are not finite, bounds of bricks, and every n-th sample.
+//!
+//! With it, a frame is planned before a sample is read. Bounds and strided samples are sample values for the kernels
+//! that use samples as they are; for volumes with holes, and for the B-spline kernels, they are of filled samples and
+//! of coefficients, which a second pass computes once the range is known.
 
 use std::ops::Range;
 
@@ -15,23 +16,23 @@ use crate::source::min_max_bricks::{Bricks, DensityRows, FloatRows, Reach, n_bri
 use crate::source::slices::{Slices, VolumeBox};
 use crate::source::strided::StridedSamples;
 
-/// Cells of a brick along each axis, from small to large.
+/// Sides of a brick to choose from, in cells, from small to large.
 const SIDES: [usize; 5] = [4, 8, 16, 32, 64];
 
-/// The survey of a volume, as far as its boxes were added.
+/// Survey of the boxes of a volume that were added so far.
 pub struct Survey {
     size: [usize; 3],
     kernel: Kernel,
     side: usize,
     statistics: Statistics,
-    /// Least and largest value of every brick, `[z][y][x]`; infinite where there is none.
+    /// Least and largest value of every brick, `[z][y][x]`; infinite where no sample is finite.
     bounds: Vec<[f32; 2]>,
     strided: Vec<StridedSamples>,
 }
 
 impl Survey {
-    /// Of a volume of `size` samples, for a kernel. Bricks are as small as bounds of `bounds_bytes` allow. `steps`: of strided
-    /// samples, along x, y, z.
+    /// Empty survey of a volume of `size` samples, for a kernel. Bricks are the smallest whose bounds fit in
+    /// `bounds_bytes`, or the largest. `steps`: of strided samples, along x, y, z.
     pub fn new(size: [usize; 3], kernel: Kernel, bounds_bytes: usize, steps: &[[usize; 3]]) -> Self {
         let takes = |side: usize| n_bricks(side, size).iter().product::<usize>() * size_of::<[f32; 2]>();
         let side = SIDES.into_iter().find(|side| takes(*side) <= bounds_bytes).unwrap_or(SIDES[SIDES.len() - 1]);
@@ -45,7 +46,7 @@ impl Survey {
         }
     }
 
-    /// The same of what was kept: `None` where the numbers do not fit together.
+    /// Survey from stored parts; `None` where their sizes do not fit together.
     pub fn from_parts(
         size: [usize; 3],
         kernel: Kernel,
@@ -60,27 +61,27 @@ impl Survey {
         fits.then_some(Self { size, kernel, side, statistics, bounds, strided })
     }
 
-    /// Range and number of samples that are not finite, of all boxes so far.
+    /// Range of all boxes so far, and number of samples that are not finite.
     pub fn statistics(&self) -> Statistics {
         self.statistics
     }
 
-    /// Cells of a brick along each axis, and least and largest value of every brick, `[z][y][x]`.
+    /// Side of a brick in cells, and least and largest value of every brick, `[z][y][x]`.
     pub fn bounds(&self) -> (usize, &[[f32; 2]]) {
         (self.side, &self.bounds)
     }
 
-    /// Lets go of the bounds, which take most of the memory: what was made of them stays.
+    /// Drops the bounds, which take most of the memory; bricks that were made from them stay.
     pub fn forget_bounds(&mut self) {
         self.bounds = Vec::new();
     }
 
-    /// The strided samples.
+    /// Strided samples, one set per step.
     pub fn strided(&self) -> &[StridedSamples] {
         &self.strided
     }
 
-    /// Adds the samples of a box; no sample twice.
+    /// Adds the samples of a box; boxes must not overlap.
     pub fn add(&mut self, part: &VolumeBox) {
         let own = Statistics::of(&part.samples);
         let all = &mut self.statistics;
@@ -95,8 +96,8 @@ impl Survey {
         });
     }
 
-    /// Adds densities, or coefficients, of the part `inner` of a box, which holds what they need around it. Its
-    /// statistics become those of densities.
+    /// Adds densities, or coefficients, of the part `inner` of a box, which also holds the samples that they need
+    /// around it. The statistics of the survey become those of densities.
     pub fn add_prepared(&mut self, slices: &Slices, inner: &[Range<usize>; 3]) {
         let (lo, n) = (inner.each_ref().map(|r| r.start), inner.each_ref().map(Range::len));
         let mut densities = Vec::with_capacity(n.iter().product());
@@ -128,14 +129,14 @@ impl Survey {
         });
     }
 
-    /// The bounds of bricks, as densities of a grid; of a survey of densities as they are.
+    /// Bricks of the survey, with bounds as densities. `density` converts a value; the identity for a survey of
+    /// densities.
     pub fn bricks(&self, density: impl Fn(f32) -> f32 + Sync, range: [f32; 2]) -> Bricks {
         Bricks::of_bounds(self.side, self.size, self.kernel, range, &self.bounds, density)
     }
 
-    /// The slices that a frame is planned with, from the samples as they are. `grid`: with the statistics of this survey.
-    /// `prepared`: the survey of densities, where the kernel or holes need one. `light`: which of the strided samples are for
-    /// light.
+    /// Slices that a frame is planned with. `grid`: with the statistics of this survey. `prepared`: the survey of
+    /// densities, where the kernel or holes need one. `light`: number of the set of strided samples that is for light.
     pub fn slices(&self, grid: &Grid, prepared: Option<&Self>, light: usize) -> Slices<'static> {
         let (offset, scale) = grid.density_from_sample();
         let to_density = move |s: f32| ((f64::from(s) - offset) * scale) as f32;
@@ -152,12 +153,12 @@ impl Survey {
     }
 }
 
-/// Rows of samples; those that are not finite count as none.
+/// Rows of samples for the bounds of bricks; samples that are not finite are left out.
 struct SampleRows<'a>(Samples<'a>, Level);
 
 impl DensityRows for SampleRows<'_> {
     fn widen(&self, start: usize, lo: &mut [f32], hi: &mut [f32]) {
-        /// NaN is neither less nor more than anything.
+        /// NaN for values that are not finite: it compares neither less nor more than any bound.
         #[inline(always)]
         fn finite(value: f32) -> f32 {
             if value.is_finite() { value } else { f32::NAN }
@@ -193,7 +194,7 @@ mod tests {
         part[2].clone().flat_map(|z| part[1].clone().flat_map(move |y| row(y, z))).collect()
     }
 
-    /// Ranges that divide nothing and cover all.
+    /// Boxes that cover the volume, cut off the borders of bricks.
     fn cuts(size: [usize; 3]) -> Vec<[Range<usize>; 3]> {
         let of = |a: usize, k: usize| if k == 0 { 0..size[a] / 3 } else { size[a] / 3..size[a] };
         (0..8).rev().map(|k| [of(0, k & 1), of(1, k >> 1 & 1), of(2, k >> 2)]).collect()

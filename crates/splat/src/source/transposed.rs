@@ -1,8 +1,8 @@
-//! Transposed slices: samples of a tile for a run of slices across x, so that they lie side by side along u.
+//! Transposed slices: samples of a tile for a run of slices across x, laid out side by side along u.
 //!
 //! Slices across x have their samples a whole row apart in memory; read sheet by sheet, every sample costs a cache
-//! line. A panel reads each row of x once for a dozen slices, where the line is at hand, and turns it. Of volumes that
-//! are decoded in blocks it loads what the dozen slices need, whichever way they lie.
+//! line. A panel reads each row of x once for a dozen slices, while the cache line is at hand, and transposes it. For
+//! volumes that are decoded in blocks it loads the box that these slices need, whichever way they lie.
 
 use wavesplat_compute::simd::LANES;
 
@@ -14,18 +14,18 @@ use crate::source::geometry::reached;
 use crate::source::geometry::window;
 use crate::source::window::{Window, sum_slices};
 
-/// Densities of a box of samples, slice by slice.
+/// Panel: densities of a box of samples, slice by slice.
 pub struct TransposedSlices {
-    /// Positions of sheets that it serves, among the samples; none at first.
+    /// Range of the sheets that the panel serves, as sample positions along w; empty at first.
     run: [f64; 2],
     /// The first of [`LANES`] slices.
     first: usize,
     window: Option<Window>,
     stride: usize,
     densities: Vec<f32>,
-    /// The box, where it had to be loaded.
+    /// The loaded box, if boxes must be loaded.
     part: DensityBox,
-    /// Whether the densities are in the box and not turned.
+    /// Whether the densities are read from the loaded box, not transposed.
     is_part: bool,
 }
 
@@ -44,9 +44,10 @@ impl Default for TransposedSlices {
 }
 
 impl TransposedSlices {
-    /// Makes sure that the slices that reach the sheets at `w` are there, if the slices lie across the rows of samples.
-    /// `ends`: the first and the last sheet that are drawn; nothing beyond them is read. `texels` tells the first and the last
-    /// texel that is wanted of all sheets that are served.
+    /// Makes sure that the panel has the slices that the sheets at `w` need, if they lie across the rows of samples or
+    /// must be loaded. `ends`: the first and the last sheet that are drawn; nothing beyond them is read. `texels`
+    /// returns the first and the last texel that all served sheets need; it is passed a function that returns whether
+    /// the sheet at a position is served.
     pub fn cover(
         &mut self,
         geometry: &SheetGeometry,
@@ -59,7 +60,8 @@ impl TransposedSlices {
         if !across && !geometry.slices.must_load() {
             return;
         }
-        // Beyond the first and the last slice, where other layers go on, the nearest one counts at places of the sheet's own.
+        // Beyond the first and the last slice, where other layers go on, a sheet shows the nearest slice at texel
+        // positions of its own: the panel does not serve it.
         if !w.iter().all(|w| (0.0..=axis_w.last()).contains(&geometry.own_w(*w))) {
             *self = Self::default();
             return;
@@ -101,7 +103,8 @@ impl TransposedSlices {
         }
     }
 
-    /// `out[v · stride + u] = Σ weight · density` over the slices of `taps`, or `false` if they are not here.
+    /// Writes `out[v · stride + u] = Σ weight · density` over the slices of `taps`; returns `false` if the panel does
+    /// not have them.
     pub fn combine(
         &self,
         geometry: &SheetGeometry,

@@ -1,6 +1,6 @@
-//! Rectangles of slices, read from wherever the samples are: slices combined into one, or transposed.
+//! Windows of slices, read from wherever the samples are: several slices combined into one, or slices transposed.
 //!
-//! Both read beyond the border what the kernel folds back there. Samples keep their own type until they are summed.
+//! Indices beyond the border are folded back as the kernel requires. Samples keep their own type until they are summed.
 
 use wavesplat_compute::simd::{LANES, Lanes, Simd, VectorKernel, prefetch};
 use wavesplat_core::Kernel;
@@ -43,14 +43,15 @@ pub struct SliceRectangle {
 }
 
 impl SliceRectangle {
-    /// `axes`: the index axes called u, v, w. `out_stride`: from a row that is written to the next.
+    /// Window of a whole grid of `size`. `axes`: the index axes called u, v, w. `out_stride`: elements from an output
+    /// row to the next.
     pub fn new(kernel: Kernel, size: [usize; 3], axes: [usize; 3], window: Window, out_stride: usize) -> Self {
         let all = [1, size[0], size[0] * size[1]];
         let (stride, n) = (axes.map(|a| all[a]), axes.map(|a| size[a]));
         Self { kernel, stride, n, origin: [0; 3], end_w: n[2], window, out_stride }
     }
 
-    /// The same in a box of the grid that begins at `lo`.
+    /// The same window, read from a box of the grid that begins at `lo`.
     #[must_use]
     pub fn inside(self, axes: [usize; 3], lo: [usize; 3], size: [usize; 3]) -> Self {
         let all = [1, size[0], size[0] * size[1]];
@@ -58,14 +59,14 @@ impl SliceRectangle {
         Self { stride: axes.map(|a| all[a]), origin: axes.map(|a| lo[a]), end_w, ..self }
     }
 
-    /// Place of a sample along one axis (0, 1: u, v), folded back.
+    /// Offset of a sample along one axis (0, 1: u, v), folded back.
     #[inline(always)]
     fn place(&self, axis: usize, i: i64) -> usize {
         (mirror_index(self.kernel, i, self.n[axis]) - self.origin[axis]) * self.stride[axis]
     }
 
-    /// `out[v · stride + u] = Σ weight · density` over the slices of `taps`. `soon`: a slice that is combined soon, whose
-    /// rows are asked for as those above or below them are read.
+    /// Writes `out[v · stride + u] = Σ weight · density` over the slices of `taps`. `soon`: a slice that is combined
+    /// soon; each of its rows is prefetched while the same row of the taps is summed.
     #[inline(always)]
     pub fn combine<T: Copy>(
         &self,
@@ -88,7 +89,7 @@ impl SliceRectangle {
         for r in 0..self.window.n_v() {
             let line = self.place(1, v_lo + r as i64);
             let from = |slice: usize| (slice - first_w) * sw + line + (inner_lo as usize - first_u) * su;
-            // What lies between the rows is anything, so that whole vectors can be written.
+            // The gap between output rows may be overwritten, so that whole vectors can be written.
             let row = &mut out[r * self.out_stride..];
             let n_room = self.out_stride.min(row.len());
             if su == 1 {
@@ -117,8 +118,8 @@ impl SliceRectangle {
     }
 }
 
-/// `out = Σ weight · density` over slices whose `n` samples lie side by side, each from its own place on. What `out` has
-/// beyond them may be overwritten.
+/// Writes `out = Σ weight · density` over slices whose `n` samples are contiguous; `from` returns where those of a
+/// slice begin. `out` may be overwritten beyond `n`.
 #[inline(always)]
 pub fn sum_slices<T: Copy>(
     grid: &[T],
@@ -128,7 +129,7 @@ pub fn sum_slices<T: Copy>(
     n: usize,
     density: &impl Fn(T) -> f32,
 ) {
-    // The usual numbers of slices, unrolled.
+    // The usual numbers of taps, unrolled.
     match taps.len() {
         1 => sum_rows::<1, _>(grid, taps, from, out, n, density),
         2 => sum_rows::<2, _>(grid, taps, from, out, n, density),
@@ -147,8 +148,8 @@ pub fn sum_slices<T: Copy>(
     }
 }
 
-/// `out = Σ weight · density` over `N` slices, one pass, a vector at a time: rows of a tile are short, and whole vectors
-/// read and write on beyond them.
+/// Writes `out = Σ weight · density` over `N` slices, in one pass, a vector at a time. Rows of a tile are short, so
+/// whole vectors are read and written beyond the end of a row where there is room.
 #[inline(always)]
 fn sum_rows<const N: usize, T: Copy>(
     grid: &[T],
@@ -167,7 +168,7 @@ fn sum_rows<const N: usize, T: Copy>(
         weights[k] = taps[k].1;
         n_room = n_room.min(rows[k].len());
     }
-    // All ends are checked before the first sample is read: compilers make vectors of what no branch interrupts.
+    // All bounds are checked before the first sample is read: compilers vectorise only loops that no branch interrupts.
     let n_whole = if n.next_multiple_of(LANES) <= n_room { n.next_multiple_of(LANES) } else { n / LANES * LANES };
     let rows = rows.map(|row| &row[..n_room]);
     for i in (0..n_whole).step_by(LANES) {
@@ -186,17 +187,17 @@ fn sum_rows<const N: usize, T: Copy>(
     }
 }
 
-/// Turns [`LANES`] slices by as many samples at a time.
+/// Transposes [`LANES`] slices that lie across the rows of samples, `LANES` x `LANES` samples at a time.
 pub struct Turn<'a, T, F> {
-    /// Its w runs along the rows of samples.
+    /// Window to read; its w runs along the rows of samples.
     pub region: SliceRectangle,
-    /// What is read.
+    /// Samples to read.
     pub grid: &'a [T],
-    /// The first slice.
+    /// First of the slices.
     pub first: usize,
-    /// As of [`crate::source::slices::Slices::turn`].
+    /// Output, laid out as in [`crate::source::slices::Slices::turn`].
     pub out: &'a mut [f32],
-    /// Of a sample.
+    /// Density of a sample.
     pub density: F,
 }
 

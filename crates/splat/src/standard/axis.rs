@@ -1,5 +1,5 @@
-//! Sheet buffers parallel to the slices: one per slice, texels on the rays of a base plane ([`crate::view::base_plane`]), so
-//! that mapping all of them to the view plane is one warp at the end.
+//! Sheet buffers parallel to the slices: one per slice, texels on the rays of a base plane
+//! ([`crate::view::base_plane`]), so that mapping all of them to the view plane is one warp at the end.
 //!
 //! The footprint `h(u) h(v)` is separable, so the samples of a row are splatted along u together, and the row along v.
 //! Work is cut into tiles, each with all its sheets front to back; chunks are rows of 16 texels.
@@ -19,18 +19,18 @@ use crate::render::progress::Progress;
 use crate::sheet::tile_layout::{Chunk, N_STRIPS, TILE_U, TILE_V};
 use crate::view::base_plane::BasePlane;
 
-/// A ray stops when less than this share of light comes through: a tenth of a grey level of 1024.
+/// Opacity at which a ray stops: what is left is a tenth of a grey level of 1024.
 pub const OPAQUE_ENOUGH: f32 = 1.0 - 1e-4;
 
-/// Slice distances from the eye within which nothing is drawn.
+/// Distance from the eye within which nothing is drawn, in slices.
 pub const NEAREST: f64 = 0.5;
 
-/// Tiles of a base plane.
+/// Number of tiles of a base plane.
 pub fn n_tiles(plane: &BasePlane) -> usize {
     plane.size[0].div_ceil(TILE_U) * plane.size[1].div_ceil(TILE_V)
 }
 
-/// Draws a base plane; how many samples were splatted.
+/// Draws a base plane; returns it with the number of samples that were splatted.
 pub fn draw_plane(family: &FamilyScene, plane: &BasePlane, progress: &Progress) -> Result<(BasePicture, u64)> {
     let table = KernelTable::new(family.scene.standard.kernel);
     let all = Mutex::new((BasePicture::new(plane.clone(), false), 0));
@@ -64,12 +64,12 @@ pub fn draw_plane(family: &FamilyScene, plane: &BasePlane, progress: &Progress) 
 /// Associated colour and opacity of a tile, chunk by chunk.
 struct AxisTile {
     rgba: Vec<[Lanes; 4]>,
-    /// Chunks that nothing can change any more.
+    /// Chunks that are opaque or beyond the base plane.
     done: Vec<bool>,
 }
 
 impl AxisTile {
-    /// Nothing drawn; chunks beyond the base plane are done.
+    /// An empty tile; chunks beyond the base plane are done.
     fn new(plane: &BasePlane, [i0, j0]: [usize; 2]) -> Self {
         let mut tile = Self { rgba: vec![[Lanes::splat(0.0); 4]; Chunk::N], done: vec![false; Chunk::N] };
         for strip in 0..N_STRIPS {
@@ -87,7 +87,7 @@ impl AxisTile {
     }
 }
 
-/// Draws the tile whose first texel is given; `None` where nothing is seen.
+/// Draws the tile whose first texel is given, and counts its splats; `None` where nothing is seen.
 fn draw_tile(
     family: &FamilyScene,
     plane: &BasePlane,
@@ -124,7 +124,7 @@ fn draw_tile(
             },
         );
         densities.cover(family, &layers, k);
-        // Texels may lie a kernel's radius beyond the samples, read vectors from there, and end as far on the other side.
+        // Texels may lie a kernel's radius beyond the samples on either side, and read whole vectors there.
         let n_splats_here = shaded.fill(family, &densities, layer, 2 * sheet.u.n_taps + LANES);
         if n_splats_here == 0 {
             continue;
@@ -170,7 +170,7 @@ impl VectorKernel for CompositeChunks<'_> {
         rows.resize(n_rows, [Lanes::default(); 4]);
         is_visible.resize(n_rows, false);
         for strip in 0..N_STRIPS {
-            // Rows that the texel rows which still count reach.
+            // Sample rows that the unfinished rows of texels reach.
             let alive = |row: &usize| !tile.done[Chunk { strip, row: *row }.index()];
             let firsts = (0..TILE_V).filter(alive).map(|row| v.first(row) - origin[1]);
             let hull = |[lo, hi]: [i64; 2], first: i64| [lo.min(first), hi.max(first + v.n_taps as i64)];
@@ -219,7 +219,7 @@ impl VectorKernel for CompositeChunks<'_> {
     }
 }
 
-/// Clamps sums of splats to what a colour may be, and composites them; whether all of the chunk is opaque.
+/// Clamps sums of splats to valid colours, and composites them; returns whether all of the chunk is opaque.
 #[inline(always)]
 fn over<S: Simd>(s: S, rgba: &mut [Lanes; 4], sums: [S::F; 4], peak: f32) -> bool {
     let zero = s.splat(0.0);

@@ -1,28 +1,28 @@
-//! Footprint tables: how much a sample counts at a texel.
+//! Footprint tables: the weight of a sample at a texel.
 //!
-//! Buffers parallel to the slices need the kernel `h` along u and along v, since `∫ h(w) dw = 1`: a table of its weights
-//! at 256 places between two samples ([`KernelTable`]) serves all texels of all sheets ([`AxisFootprint`]), read with
-//! linear interpolation, since the nearest entry aliases.
+//! Buffers parallel to the slices need the kernel `h` along u and along v, since `∫ h(w) dw = 1`: a table of its
+//! weights at 256 places between two samples ([`KernelTable`]) serves all texels of all sheets ([`AxisFootprint`]),
+//! read with linear interpolation, since the nearest entry aliases.
 //!
-//! Buffers parallel to the view plane need what the kernel leaves when it is integrated along a ray. As Westover has it,
-//! the kernel is taken as radially symmetric, so that one table over the squared distance from the ray serves every view
+//! Buffers parallel to the view plane need the integral of the kernel along a ray. As in Westover's paper, the kernel
+//! is taken as radially symmetric, so that one table over the squared distance from the ray serves every view
 //! ([`RadialFootprint`]): `F(ρ) = 2 ∫ h(√(ρ² + t²)) dt`, normalised to unit integral over the plane. Catmull-Rom is an
 //! exception: its second moment vanishes, which makes it accurate along an axis, and with it the integral
-//! `4π ∫ h(r) r² dr` of its radial form, which then cannot be normalised; its footprint is `h(ρ)` itself. For the Gaussian
-//! both are the same.
+//! `4π ∫ h(r) r² dr` of its radial form, which then cannot be normalised; its footprint is `h(ρ)` itself. For the
+//! Gaussian both are the same.
 
 use wavesplat_compute::simd::{LANES, Lanes, Simd};
 use wavesplat_core::Kernel;
 
 use crate::kernel::weights::{radius, weight};
 
-/// Places between two samples: linear interpolation between them is good to 1e-5.
+/// Table entries between two samples: linear interpolation between them is good to 1e-5.
 const N_PHASES: usize = 256;
 
-/// Most samples that a footprint is widened to, in radii of the kernel.
+/// Largest factor by which a footprint is widened.
 const MAX_WIDENING: f64 = 64.0;
 
-/// Weights of the samples around a position, by its place between two samples.
+/// Weights of the samples around a position, tabulated by its place between two samples.
 pub struct KernelTable {
     kernel: Kernel,
     n_taps: usize,
@@ -30,7 +30,7 @@ pub struct KernelTable {
 }
 
 impl KernelTable {
-    /// Weights of sum 1.
+    /// The table of a kernel, with weights of sum 1.
     pub fn new(kernel: Kernel) -> Self {
         let n_taps = if kernel == Kernel::Linear { 2 } else { 4 };
         let before = n_taps / 2 - 1;
@@ -40,7 +40,7 @@ impl KernelTable {
             let sum: f64 = weights.iter().sum();
             weights.map(|w| (w / sum) as f32)
         };
-        // One more, so that the last cell has an upper end at its very end.
+        // One entry more, for interpolation at the very end of the last cell.
         Self { kernel, n_taps, entries: (0..=N_PHASES).chain([N_PHASES]).map(entry).collect() }
     }
 
@@ -60,12 +60,12 @@ impl KernelTable {
     }
 }
 
-/// How many times as wide as the kernel a footprint is where texels are `step` samples apart.
+/// Factor by which a footprint is wider than the kernel, where texels are `step` samples apart.
 pub fn widening(step: f64) -> f64 {
     step.abs().clamp(1.0, MAX_WIDENING)
 }
 
-/// How far a footprint reaches where texels are `step` samples apart, samples.
+/// Reach of a footprint where texels are `step` samples apart, in samples.
 pub fn reach(kernel: Kernel, step: f64) -> f64 {
     radius(kernel) * widening(step)
 }
@@ -79,13 +79,13 @@ pub struct AxisFootprint {
     base: Vec<i64>,
     /// First sample of each texel, counted from its group's base.
     index: Vec<Lanes<u32>>,
-    /// `n_taps` of them per group.
+    /// Weights, `n_taps` vectors per group.
     weights: Vec<Lanes>,
 }
 
 impl AxisFootprint {
-    /// Of the texels at `origin + i · step`, in samples. Texels that no sample of the `n_samples` reaches are moved to where
-    /// none does either, but not far away. Runs at the level of the caller.
+    /// Builds the weights of the texels at `origin + i · step`, in samples. Texels out of reach of all `n_samples`
+    /// samples are moved nearer, but stay out of reach. Runs at the SIMD level of the caller.
     #[inline(always)]
     pub fn build(&mut self, table: &KernelTable, origin: f64, step: f64, n_groups: usize, n_samples: usize) {
         let widening = widening(step);
@@ -130,13 +130,13 @@ impl AxisFootprint {
         self.weights[i / LANES * self.n_taps + t].0[i % LANES]
     }
 
-    /// First and last sample that counts for a group.
+    /// First and last sample that reaches a group.
     pub fn reached(&self, g: usize) -> [i64; 2] {
         let last = self.index[g].0.iter().fold(0, |last, index| last.max(*index));
         [self.base[g], self.base[g] + i64::from(last) + self.n_taps as i64 - 1]
     }
 
-    /// `Σ weight · sample` at the texels of a group; `origin` is the sample that `row` begins with.
+    /// The sum `Σ weight · sample` at the texels of a group; `origin` is the sample that `row` begins with.
     #[inline(always)]
     pub fn sum<S: Simd>(&self, s: S, g: usize, row: &[f32], origin: i64) -> S::F {
         let index = &self.index[g];
@@ -160,7 +160,7 @@ impl AxisFootprint {
     }
 }
 
-/// Weights of a kernel that is wider than its samples, `x` samples behind the first one.
+/// Writes the weights of a widened kernel at `x` samples behind the first tap.
 fn widened(kernel: Kernel, x: f64, widening: f64, lane: usize, weights: &mut [Lanes]) {
     let at = |t: usize| weight(kernel, (x - t as f64) / widening);
     let sum: f64 = (0..weights.len()).map(at).sum();
@@ -169,23 +169,23 @@ fn widened(kernel: Kernel, x: f64, widening: f64, lane: usize, weights: &mut [La
     }
 }
 
-/// Cells of the table over the squared distance; a power of two.
+/// Number of cells of the table over the squared distance; a power of two.
 const N_CELLS: usize = 1024;
 
-/// Adding it to a number below rounds that to a whole number, which then stands in the low bits.
+/// 2²³: its addition rounds a smaller number to a whole number, which then is in the low bits of the f32.
 const ROUND: f32 = 8_388_608.0;
 
 /// The footprint of a radially symmetric kernel, over the squared distance from the ray, in samples.
 pub struct RadialFootprint {
-    /// Squared distance beyond which nothing is left.
+    /// Squared distance beyond which the footprint is 0.
     pub radius_squared: f64,
-    /// Value and slope at whole cells; twice as many as there are, so that no index is beyond.
+    /// Value and slope at whole cells; twice the number of cells, so that an index modulo the length is always valid.
     cells: [[f32; 2]; 2 * N_CELLS],
     per_squared: f32,
 }
 
 impl RadialFootprint {
-    /// Of unit integral over the plane.
+    /// The footprint of a kernel, of unit integral over the plane.
     pub fn new(kernel: Kernel) -> Self {
         let radius_squared = radius(kernel).powi(2);
         let step = radius_squared / N_CELLS as f64;
@@ -202,7 +202,7 @@ impl RadialFootprint {
         Self { radius_squared, cells, per_squared: (1.0 / step) as f32 }
     }
 
-    /// Weight per area of one sample, at a squared distance of at most that of the radius.
+    /// Weight per area of one sample, at a squared distance of at most `radius_squared`.
     #[inline(always)]
     pub fn weight(&self, squared: f32) -> f32 {
         let place = squared * self.per_squared;
@@ -212,7 +212,7 @@ impl RadialFootprint {
     }
 }
 
-/// `∫ h(√(ρ² + t²)) dt` along a ray that passes the sample at the distance ρ; not normalised.
+/// The integral `∫ h(√(ρ² + t²)) dt` along a ray that passes the sample at the distance ρ; not normalised.
 pub(crate) fn line_integral(kernel: Kernel, squared: f64) -> f64 {
     const N_STEPS: usize = 128;
     if kernel == Kernel::CatmullRom {

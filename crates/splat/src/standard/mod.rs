@@ -3,33 +3,34 @@
 //!
 //! Every sample is classified and shaded first, with its own value, the central difference of its neighbours, and the
 //! opacity of a slab one slice distance thick. Its associated colour and its opacity are then splatted with a footprint
-//! into a sheet buffer, and the sheet buffers are composited with *over*, front to back. It is fast and simple, and it is
-//! what the method of this crate is judged against: colours are blended after classification, so edges blur, and what a
-//! kernel spreads across a surface was coloured before it was known to be a surface.
+//! into a sheet buffer, and the sheet buffers are composited with *over*, front to back. It is fast and simple, and it
+//! is what the method of this crate is judged against: colours are blended after classification, so edges blur, and
+//! what a kernel spreads across a surface was coloured before it was known to be a surface.
 //!
 //! Two sheet buffers ([`Buffer`]):
 //!
 //! - *axis*: parallel to the slices across the axis nearest to the view, one per slice, then mapped to the view plane.
-//!   There a separable kernel integrates analytically: the footprint is `h(u) h(v)`, and along w the integral of h is 1.
-//! - *view*: parallel to the view plane. The samples are sorted by depth into slabs as thick as the distance from slice to
-//!   slice along the view, and each is drawn whole, with a radially symmetric footprint, into the buffer of the slab that
-//!   its centre lies in (Mueller and Crawfis 1998 have such sheets). A sphere in index space is an ellipse in the picture:
-//!   footprints follow any grid, and in perspective the depth of each sample.
+//!   There a separable kernel integrates analytically: the footprint is `h(u) h(v)`, since `∫ h(w) dw = 1`.
+//! - *view*: parallel to the view plane. The samples are sorted by depth into slabs as thick as the distance from slice
+//!   to slice along the view, and each is drawn whole, with a radially symmetric footprint, into the buffer of the slab
+//!   that its centre lies in (Mueller and Crawfis 1998 have such sheets). A sphere in index space is an ellipse in the
+//!   picture: footprints follow any grid, and in perspective the depth of each sample.
 //!
 //! Two thicknesses ([`StandardOptions::view_angle_correction`]). From slice to slice a ray that meets the slices at the
-//! angle `θ` to their normal runs `dz / cos θ`. With the correction, opacities are those of that length. Without it they
-//! are those of `dz` from everywhere, as if the slices were seen head-on: in buffers parallel to the slices oblique views
-//! come out too clear, and in buffers parallel to the view plane, where the footprints of samples packed closer by
-//! `1 / cos θ` add up, too opaque and too bright.
+//! angle `θ` to their normal runs `dz / cos θ`. With the correction, opacities are those of that length. Without it
+//! they are those of `dz` from everywhere, as if the slices were seen head-on: in buffers parallel to the slices
+//! oblique views come out too clear, and in buffers parallel to the view plane, where the footprints of samples packed
+//! closer by `1 / cos θ` add up, too opaque and too bright.
 //!
 //! Choices that the sources leave open:
 //!
-//! - B-spline kernels are not prefiltered: what is splatted are colours, and the coefficients of colours would be neither
-//!   colours nor opacities. They smooth, as Westover's Gaussian does. Weights are normalised to sum 1 at every texel
-//!   (*axis*; in front of the outermost samples they fade out, since splats are drawn whole) or on average (*view*).
-//! - The sum of footprints over classified samples can leave what a colour may be: buffers parallel to the view plane hold
-//!   uneven numbers of samples, and Catmull-Rom has negative weights. Before compositing, opacity is clamped to `0..=1`,
-//!   and every colour channel to between 0 and what that opacity can show.
+//! - B-spline kernels are not prefiltered: what is splatted are colours, and the coefficients of colours would be
+//!   neither colours nor opacities. They smooth, as Westover's Gaussian does. Weights are normalised to sum 1 at every
+//!   texel (*axis*; in front of the outermost samples they fade out, since splats are drawn whole) or on average
+//!   (*view*).
+//! - The sum of footprints over classified samples can leave the range of a colour: buffers parallel to the view plane
+//!   hold uneven numbers of samples, and Catmull-Rom has negative weights. Before compositing, opacity is clamped to
+//!   `0..=1`, and every colour channel to between 0 and the largest that opacity allows.
 //! - Where texels are wider apart than samples, footprints are widened to a texel, so that no sample falls between them
 //!   (Swan et al., *An anti-aliasing technique for splatting*, 1997).
 //! - Crop boxes and clip planes keep the samples whose centres are inside. NaN and infinite samples are empty.
@@ -39,8 +40,8 @@
 //! composited (`axis.rs`, `view.rs`) with tables of the kernel (`footprint.rs`). The literal twin is
 //! `reference::standard`.
 //!
-//! Sources: Westover, *Footprint evaluation for volume rendering* (1990); Mueller, Crawfis, *Eliminating popping artifacts
-//! in sheet buffer-based splatting* (1998).
+//! Sources: Westover, *Footprint evaluation for volume rendering* (1990); Mueller, Crawfis, *Eliminating popping
+//! artifacts in sheet buffer-based splatting* (1998).
 
 mod axis;
 mod footprint;
@@ -78,7 +79,7 @@ use shaded::Sight;
 #[cfg(feature = "reference")]
 pub(crate) use {axis::NEAREST as NEAREST_SLICE, footprint::widening, view::NEAREST as NEAREST_SLAB};
 
-/// Where the sheet buffers lie.
+/// Orientation of the sheet buffers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Buffer {
     /// Parallel to the slices across the axis nearest to the view.
@@ -89,10 +90,10 @@ pub enum Buffer {
 }
 
 impl Buffer {
-    /// Both with their public names.
+    /// Both orientations with their public names.
     pub const NAMES: [(&'static str, Self); 2] = [("axis", Self::Axis), ("view", Self::View)];
 
-    /// The buffer with a public name.
+    /// The orientation with a public name.
     pub fn from_name(name: &str) -> Result<Self> {
         let found = Self::NAMES.iter().find(|(known, _)| *known == name).map(|(_, buffer)| *buffer);
         found.ok_or_else(|| Error::UnknownName {
@@ -103,14 +104,14 @@ impl Buffer {
     }
 }
 
-/// What standard splatting has to choose.
+/// Options of standard splatting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct StandardOptions {
-    /// Where the sheet buffers lie.
+    /// Orientation of the sheet buffers.
     pub buffer: Buffer,
-    /// Whether opacities are those of the length that a ray runs from slice to slice, or of the slice distance.
+    /// Whether opacities belong to the length of a ray from slice to slice, or to the slice distance.
     pub view_angle_correction: bool,
-    /// What colours are splatted with, not prefiltered.
+    /// Kernel that colours are splatted with, not prefiltered.
     pub kernel: Kernel,
 }
 
@@ -120,27 +121,26 @@ impl Default for StandardOptions {
     }
 }
 
-/// What a picture took.
+/// Statistics of a picture.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StandardReport {
     /// Samples that were splatted, once for every tile of the picture that they were splatted into.
     pub n_splats: u64,
-    /// Sheet buffers: of each base plane, or of the picture.
+    /// Number of sheet buffers of each base plane, or of the picture.
     pub n_sheets: Vec<usize>,
     /// Samples drawn as empty because they are NaN or infinite.
     pub n_nonfinite_samples: usize,
-    /// Threads that worked.
+    /// Number of threads that worked.
     pub n_threads: usize,
-    /// Vectors that were used.
+    /// Name of the SIMD level.
     pub simd: &'static str,
 }
 
 /// Draws a volume by standard splatting.
 ///
-/// `slices` are those of a kernel that works on the samples as they are, such as [`wavesplat_core::Kernel::Linear`],
+/// `slices` must be prepared with a kernel that needs no prefilter, such as [`wavesplat_core::Kernel::Linear`],
 /// whatever the kernel of `standard`. Of the options, `sheets_per_slice`, `pre_integration` and `early_ray_termination`
-/// have no meaning here and are not used.
-/// The picture does not depend on the number of threads.
+/// have no meaning here and are not used. The picture does not depend on the number of threads.
 pub fn render(
     slices: &Slices,
     tf: &TransferFunction,
@@ -180,7 +180,7 @@ pub fn render_base_planes(
     scene.draw_base_planes(&(), &mut scene.report())
 }
 
-/// The base planes that a picture needs: splats reach further than the samples.
+/// The base planes that a picture needs, with room for splats, which reach beyond the samples.
 pub(crate) fn planes(
     camera: &Camera,
     grid: &Grid,
@@ -195,7 +195,7 @@ pub(crate) fn planes(
     base_planes(camera, &rays, size, options.oversampling, [lo - reach, hi + reach])
 }
 
-/// Checks what the ranges of [`RenderOptions`] leave open.
+/// Checks the options, and refuses those that standard splatting does not have.
 pub(crate) fn validate(options: &RenderOptions) -> Result<()> {
     options.validate()?;
     let refuse = |what: &str, value: String, allowed, mend| Err(Error::out_of_range(what, value, allowed, mend));
@@ -225,7 +225,7 @@ pub(crate) fn validate(options: &RenderOptions) -> Result<()> {
     Ok(())
 }
 
-/// Distances of slices, world units.
+/// Distances of neighbouring slices, in world units.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct SliceDistance {
     /// Along the normal of the slices.
@@ -235,7 +235,7 @@ pub(crate) struct SliceDistance {
 }
 
 impl SliceDistance {
-    /// Of the slices that a view direction runs most through.
+    /// The distances of the slices across the axis that a view direction runs most along.
     pub fn new(grid: &Grid, forward: DVec3) -> Self {
         let direction = grid.index_from_world().transform_vector3(forward);
         let family = Family::of(direction);
@@ -244,7 +244,7 @@ impl SliceDistance {
     }
 }
 
-/// Everything that does not depend on the axis that rays run along.
+/// Parts of a scene that do not depend on the axis that rays run along.
 struct StandardScene<'a> {
     level: Level,
     grid: &'a Grid,
@@ -260,7 +260,7 @@ struct StandardScene<'a> {
     peak: f32,
 }
 
-/// What belongs to an axis that rays run along.
+/// Parts of a scene that depend on the axis that rays run along.
 struct FamilyScene<'a> {
     scene: &'a StandardScene<'a>,
     family: Family,
@@ -344,7 +344,7 @@ impl<'a> FamilyScene<'a> {
         }
     }
 
-    /// Whether samples need those around them.
+    /// Whether samples need gradients, and so their neighbours.
     fn needs_gradient(&self) -> bool {
         self.shader.is_some() || self.by_gradient.is_some()
     }

@@ -1,5 +1,5 @@
-//! A picture of one size as one of another: pixels are the means of what they cover where it is denser, and linear
-//! between its texels where it is coarser.
+//! Resampling of a picture to another size: a pixel is the mean of the texels that it covers, or, where texels are
+//! larger than pixels, linear between them.
 
 use wavesplat_compute::parallel;
 
@@ -26,7 +26,7 @@ fn weights(n_from: usize, n_to: usize) -> Vec<(usize, Vec<f32>)> {
     (0..n_to).map(taps).collect()
 }
 
-/// `from`: rows of `size` texels.
+/// Resamples a picture. `from`: its texels, row by row.
 pub fn resample(from: &[[f32; 4]], [n_u, n_v]: [usize; 2], [width_px, height_px]: [usize; 2]) -> Vec<[f32; 4]> {
     let (across, down) = (weights(n_u, width_px), weights(n_v, height_px));
     let mut picture = vec![[0.0; 4]; width_px * height_px];

@@ -19,8 +19,8 @@ pub struct SampleLayer {
     pub window: Window,
 }
 
-/// The layers of a tile that have something visible, front to back. `hull`: where the positions along u and v lie that the
-/// tile shows of a slice, in samples; `None` where it shows nothing.
+/// The layers of a tile that may have something visible, front to back. `hull`: ranges of u and v, in samples, that the
+/// tile shows of a slice; `None` where it shows nothing.
 pub fn visible_layers(family: &FamilyScene, hull: impl Fn(f64) -> Option<[[f64; 2]; 2]>) -> Vec<SampleLayer> {
     let [n_u, n_v, n_w] = family.size();
     let occupied = &family.occupied;
@@ -44,20 +44,20 @@ fn inside([lo, hi]: [f64; 2], n: usize) -> Option<[i64; 2]> {
     (lo <= hi && hi >= 0.0 && lo <= last).then(|| [lo.max(0.0).floor() as i64, hi.min(last).ceil() as i64])
 }
 
-/// Samples that a box may hold where slices lie along the rows of samples, about: a share of the second-level cache.
+/// Approximate size of a box of samples where slices run along rows of memory: a share of the second-level cache.
 const BOX_SAMPLES: usize = 1 << 18;
 
 /// Densities of a box of samples, slice by slice; with a border where gradients are wanted.
 pub struct Densities {
-    /// Slices that are served.
+    /// First and last slice that the box serves.
     served: [usize; 2],
-    /// The first slice that is there.
+    /// First slice of the box.
     first: usize,
-    /// Samples that are there, beyond the volume repeated.
+    /// Samples of the box along u and v; beyond the volume, its edge is repeated.
     window: Window,
     stride: usize,
     values: Vec<f32>,
-    /// Above 0 at samples that are drawn as empty; empty where there are none.
+    /// Above 0 at samples that are drawn as empty; no elements where there are none.
     holes: Vec<f32>,
     part: DensityBox,
 }
@@ -77,7 +77,7 @@ impl Default for Densities {
 }
 
 impl Densities {
-    /// Makes sure that the layer at place `k` is there, and reads ahead.
+    /// Loads the layer at place `k`, unless the box has it, and reads ahead.
     pub fn cover(&mut self, family: &FamilyScene, layers: &[SampleLayer], k: usize) {
         let slice = layers[k].slice;
         if self.served[0] <= slice && slice <= self.served[1] {
@@ -85,7 +85,7 @@ impl Densities {
         }
         let border = usize::from(family.needs_gradient());
         let n_w = family.size()[2];
-        // As many slices as are turned at once, or as the cache holds.
+        // At most the slices that are turned at once, or that the cache holds.
         let area = (layers[k].window.n_u() + 2) * (layers[k].window.n_v() + 2);
         let across = family.family.axes[0] != 0;
         let most = if across { LANES - 2 * border } else { (BOX_SAMPLES / area).clamp(1, LANES - 2 * border) };
@@ -101,7 +101,7 @@ impl Densities {
         let widened = |[lo, hi]: [i64; 2]| [lo - border as i64, hi + border as i64];
         self.window = Window { u: widened(window.u), v: widened(window.v) };
         self.first = self.served[0].saturating_sub(border);
-        // Slices that are turned are turned all.
+        // Slices across x are turned `LANES` at a time.
         let last = if across { self.first + LANES - 1 } else { self.served[1] + border };
         let last = last.min(n_w - 1);
         self.stride = self.window.n_u().next_multiple_of(LANES);
@@ -113,7 +113,7 @@ impl Densities {
         let plane = self.stride * self.window.n_v();
         let across = axes[0] != 0;
         let n_planes = if across { LANES } else { last + 1 - self.first };
-        // Vectors are read from any sample on.
+        // Vectors may be read from any sample on.
         self.values.resize(plane * n_planes + LANES, 0.0);
         let (window, stride) = (self.window, self.stride);
         slices.load(axes, window, [self.first, last], &mut self.part);
@@ -139,7 +139,7 @@ impl Densities {
         }
     }
 
-    /// Place of a sample; that along v is [`Densities::stride`] further, along w [`Densities::plane`].
+    /// Offset of a sample; neighbours along v are [`Densities::stride`] apart, along w [`Densities::plane`].
     #[inline(always)]
     pub fn place(&self, slice: usize, u: i64, v: i64) -> usize {
         (slice - self.first) * self.plane()
@@ -147,27 +147,27 @@ impl Densities {
             + (u - self.window.u[0]) as usize
     }
 
-    /// Numbers from a row to the next.
+    /// Values per row.
     #[inline(always)]
     pub fn stride(&self) -> usize {
         self.stride
     }
 
-    /// Numbers from a slice to the next.
+    /// Values per slice.
     #[inline(always)]
     pub fn plane(&self) -> usize {
         self.stride * self.window.n_v()
     }
 
-    /// Densities from a place on.
+    /// Densities of [`LANES`] samples from a place on.
     #[inline(always)]
     pub fn at(&self, place: usize) -> &[f32; LANES] {
         const NONE: &[f32; LANES] = &[f32::NAN; LANES];
-        // There are vectors behind every sample.
+        // A vector of padding follows the last sample.
         self.values[place..].first_chunk().unwrap_or(NONE)
     }
 
-    /// Which of the samples from a place on are drawn as empty, as bits.
+    /// Bit mask of the samples from a place on that are drawn as empty.
     #[inline(always)]
     pub fn holes(&self, place: usize) -> u16 {
         let Some(holes) = self.holes.get(place..).and_then(|holes| holes.first_chunk::<LANES>()) else { return 0 };

@@ -1,8 +1,8 @@
 //! Classification and shading of the samples of a slice, before anything is splatted.
 //!
-//! The colour and the optical depth `τ` per `opacity_unit` belong to the sample's own value; its opacity is that of a slab
-//! one slice distance thick, `α = 1 − exp(−τ s)`; the gradient is the central difference of the neighbours, which stops at
-//! the faces. What is kept is associated: `(α r, α g, α b, α)`.
+//! The colour and the optical depth `τ` per `opacity_unit` belong to the sample's own value; its opacity is that of a
+//! slab one slice distance thick, `α = 1 − exp(−τ s)`; the gradient is the central difference of the neighbours, which
+//! stops at the faces. What is kept is associated: `(α r, α g, α b, α)`.
 
 use glam::DVec3;
 use wavesplat_compute::simd::{LANES, Lanes, Simd, VectorKernel};
@@ -14,12 +14,12 @@ use crate::optics::classify::one_minus_exp_neg;
 use crate::source::window::Window;
 use crate::view::family::Family;
 
-/// How samples are seen: from which side, and how far rays run through their slab.
+/// View of samples: the direction to the eye, and the length of rays through a slab.
 pub struct Sight {
     from: From,
-    /// Length along the ray, in `opacity_unit`s: of all samples; or per length from the eye and `depth`.
+    /// Length of rays through a slab, in `opacity_unit`s: of all samples, or a factor of it where there is a `depth`.
     thickness: f32,
-    /// Form on the offset from the eye, along u, v, w: the length is `thickness · |offset| / |depth · offset|`.
+    /// Linear form on the offset from the eye, along u, v, w: the length is `thickness · |offset| / |depth · offset|`.
     depth: Option<[f32; 3]>,
 }
 
@@ -94,7 +94,7 @@ fn dot<S: Simd>(s: S, form: [f32; 3], x: [S::F; 3]) -> S::F {
 #[derive(Default)]
 pub struct Shaded {
     window: Option<Window>,
-    /// Zeros on both sides of every row.
+    /// Number of zeros on either side of every row.
     padding: usize,
     stride: usize,
     channels: [Vec<f32>; 4],
@@ -107,7 +107,8 @@ pub struct Shaded {
 const NOTHING: [usize; 2] = [1, 0];
 
 impl Shaded {
-    /// Classifies and shades the layer; how many samples are visible. Rows begin after at least `padding` zeros.
+    /// Classifies and shades the layer; returns the number of visible samples. Rows begin after at least `padding`
+    /// zeros.
     pub fn fill(&mut self, family: &FamilyScene, densities: &Densities, layer: &SampleLayer, padding: usize) -> usize {
         let window = layer.window;
         self.window = Some(window);
@@ -122,7 +123,8 @@ impl Shaded {
         family.scene.level.dispatch(Fill { shaded: self, family, densities, layer })
     }
 
-    /// First and last visible sample of a row of the window, counted from the window's first; `None` where there is none.
+    /// First and last visible sample of a row of the window, counted from the window's first; `None` where there is
+    /// none.
     #[inline(always)]
     pub fn span(&self, row: usize) -> Option<[usize; 2]> {
         let [first, last] = self.spans[row];
@@ -135,7 +137,7 @@ impl Shaded {
         &self.channels[channel][row * self.stride..(row + 1) * self.stride]
     }
 
-    /// Zeros before and after a row.
+    /// Number of zeros before and after a row.
     #[inline(always)]
     pub fn padding(&self) -> usize {
         self.padding
@@ -214,15 +216,15 @@ impl VectorKernel for Fill<'_, '_> {
     }
 }
 
-/// Whether something of the volume is cut away.
+/// Whether a crop box or a clip plane cuts the volume.
 fn is_cut(options: &RenderOptions) -> bool {
     options.crop.is_some() || !options.clip_planes.is_empty()
 }
 
-/// Samples that rounding puts on the wrong side of a face that they lie on, in samples.
+/// Tolerance of the rounding of samples that lie on a face, in samples.
 const ON_A_FACE: f64 = 1e-6;
 
-/// Clears the bits of samples whose centres lie outside of what is drawn.
+/// Clears the bits of samples whose centres lie outside the drawn region.
 fn cut(bits: &mut [u16], family: &FamilyScene, [u_lo, v, w]: [i64; 3]) {
     let start = family.position([0.0, v as f64, w as f64]);
     let along = family.position([1.0, 0.0, 0.0]);
@@ -237,7 +239,8 @@ fn cut(bits: &mut [u16], family: &FamilyScene, [u_lo, v, w]: [i64; 3]) {
     }
 }
 
-/// Associated colour and opacity of the samples from a place on, 0 where a bit is not set; and which are visible.
+/// Associated colour and opacity of the samples from a place on, 0 where a bit is not set; and the mask of the visible
+/// ones.
 #[inline(always)]
 fn shade<S: Simd>(
     s: S,
@@ -254,7 +257,8 @@ fn shade<S: Simd>(
         let [_, _, n_w] = family.size();
         let (row, plane) = (densities.stride(), densities.plane());
         let slice = uvw[2] as usize;
-        // Beyond the faces of a slice the border repeats; beyond the first and the last slice there is none.
+        // The box has a border beyond the faces of a slice, which repeats the edge, but none beyond the first and the
+        // last slice.
         let before = if slice > 0 { place - plane } else { place };
         let after = if slice + 1 < n_w { place + plane } else { place };
         let gradient = [

@@ -1,11 +1,11 @@
 //! Sheet buffers parallel to the view plane: samples sorted by depth into slabs, each slab a buffer.
 //!
-//! A sample at `p` lies at the picture position `x(p)`, and its kernel, a sphere of index space, is an ellipse around it:
-//! a texel `d` away passes the sample at the index distance `ρ² = dᵀ Q d`, where Q is the part of the metric of the texel
-//! steps at the sample's depth that is perpendicular to its ray. (In perspective that is exact to first order around the
-//! sample.) Its weight is `V √det Q / (s a) · F(ρ²)` with the footprint `F` of unit mass, the volume `V` of a sample, the
-//! thickness `s` of a slab and the area `a` of a texel at that depth: on average over a slab, weights sum to 1. Where
-//! samples are closer than texels, Q is held to at most one sample per texel.
+//! A sample at `p` lies at the picture position `x(p)`, and its kernel, a sphere of index space, is an ellipse around
+//! it: a texel `d` away passes the sample at the index distance `ρ² = dᵀ Q d`, where Q is the part of the metric of the
+//! texel steps at the sample's depth that is perpendicular to its ray. (In perspective that is exact to first order
+//! around the sample.) Its weight is `V √det Q / (s a) · F(ρ²)` with the footprint `F` of unit mass, the volume `V` of
+//! a sample, the thickness `s` of a slab and the area `a` of a texel at that depth: on average over a slab, weights sum
+//! to 1. Where samples are closer than texels, Q is limited to at most one sample per texel.
 //!
 //! Work is cut into tiles of the picture. A tile goes through its samples slice by slice, front to back, keeps what is
 //! visible in the bin of its slab, and composites a slab when no slice to come can add to it.
@@ -26,19 +26,20 @@ use crate::render::progress::{Progress, ProgressCallback};
 use crate::source::window::Window;
 use crate::view::family::{Family, IndexRays};
 
-/// Texels of a tile along each side.
+/// Side of a tile, in texels.
 const TILE: usize = 64;
 
-/// Slabs nearer to the eye than this are left out.
+/// Smallest depth that is drawn in perspective, in slabs.
 pub const NEAREST: f64 = 1.0;
 
-/// Depths within this share of a slab of a border belong to the slab behind it, however they are rounded.
+/// Tolerance at the border of a slab, in slabs: depths this close to it belong to the slab behind, however they are
+/// rounded.
 const ON_A_BORDER: f64 = 1e-6;
 
-/// Most texels of the picture: 16 bytes each, 4 GiB in all.
+/// Largest number of texels of the picture: 16 bytes each, 4 GiB in all.
 const MAX_TEXELS: f64 = (1 << 28) as f64;
 
-/// Associated RGBA of the picture.
+/// Draws the picture, as associated RGBA.
 pub fn draw(
     scene: &StandardScene,
     monitor: &dyn ProgressCallback,
@@ -90,16 +91,16 @@ pub fn draw(
     Ok(if size == pixels { texels } else { resample(&texels, size, pixels) })
 }
 
-/// Where samples lie in the picture, and in which slab.
+/// Map from samples to their places in the picture, and to slabs.
 struct View {
     size: [usize; 2],
     rays: IndexRays,
     /// Pixels per texel along x and y.
     per_texel: [f64; 2],
     is_parallel: bool,
-    /// Index position from which offsets are taken: the eye, or where the first texel's corner is.
+    /// Index position from which offsets are taken: the eye, or the place of the first texel's corner.
     origin: DVec3,
-    /// Index offset to (x, y, depth), texels and world units; in perspective, x and y times the depth.
+    /// Map from index offsets to (x, y, depth), in texels and world units; in perspective, x and y times the depth.
     picture_from_index: DMat3,
     /// Index steps from texel to texel; in perspective, at a depth of 1.
     steps: [DVec3; 2],
@@ -111,20 +112,22 @@ struct View {
     /// World area of a texel; in perspective, at a depth of 1. World volume of a sample.
     texel_area: f64,
     sample_volume: f64,
-    /// Weights for opacities of the slice distance, where the view angle is not corrected for.
+    /// Factor of the weights: not 1 where the view angle is not corrected for, so that opacities are of the slice
+    /// distance.
     packing: f64,
     footprint: RadialFootprint,
 }
 
-/// A kernel as it lies in the picture: `ρ² = xx dx² + 2 xy dx dy + yy dy²`, and what drawing it needs.
+/// A kernel's ellipse in the picture: `ρ² = xx dx² + 2 xy dx dy + yy dy²`, with the numbers for drawing it row by row.
 #[derive(Clone, Copy, Debug)]
 struct Ellipse {
     xx: f32,
     twice_xy: f32,
     yy: f32,
-    /// How far it reaches along x and y.
+    /// Largest distance from the middle along x and y.
     reach: [f32; 2],
-    /// Along a row: the middle is `shear · dy` further, half the width `√(width − narrowing · dy²)`.
+    /// In the row `dy` from the middle, the row's middle is `shear · dy` further, and half its width is
+    /// `√(width − narrowing · dy²)`.
     shear: f32,
     width: f32,
     narrowing: f32,
@@ -192,12 +195,12 @@ impl View {
         Family::of(self.ray(x, y)[1])
     }
 
-    /// Slab of a depth.
+    /// Number of the slab at a depth.
     fn slab(&self, depth: f64) -> i64 {
         ((depth - self.slab_origin) / self.slab + 0.5 + ON_A_BORDER).floor() as i64
     }
 
-    /// The kernel of the sample at an index position whose depth is known.
+    /// The ellipse of the sample at an index position whose depth is known.
     #[inline(always)]
     fn ellipse(&self, position: DVec3, depth: f64) -> Ellipse {
         let (direction, scale) = if self.is_parallel { (self.direction, 1.0) } else { (position - self.origin, depth) };
@@ -213,9 +216,9 @@ impl View {
         Ellipse::new([xx, xy, yy], self.footprint.radius_squared, weight)
     }
 
-    /// Where the samples lie, along u and v on the slice at `w`, that a tile shows.
+    /// Ranges of u and v of the samples on the slice at `w` that a tile may show; `None` behind the eye.
     fn hull(&self, family: &Family, first: [usize; 2], w: f64) -> Option<[[f64; 2]; 2]> {
-        /// Slopes beyond which the rays of a tile do not belong to one family.
+        /// Largest slope of the rays of a tile at which the ranges are bounded.
         const STEEPEST: f64 = 8.0;
         let sign = if family.ascending { 1.0 } else { -1.0 };
         let everything = [[f64::NEG_INFINITY, f64::INFINITY]; 2];
@@ -239,8 +242,8 @@ impl View {
         if !self.is_parallel && sign * (w - eye_w) <= 0.0 {
             return None;
         }
-        // A cylinder around a ray, cut by the slice; and as far as a widened footprint reaches. In perspective it is a cone,
-        // and the ellipses are those of the samples, not of the texels.
+        // Reach of a cylinder around a ray, cut by the slice, and of a widened footprint. In perspective the cylinder
+        // is a cone, and the ellipses are those of the samples, not of the texels.
         let radius = self.footprint.radius_squared.sqrt();
         let (factor, spare) = if self.is_parallel { (1.0, 1e-6) } else { (1.3, 0.5) };
         for c in 0..2 {
@@ -263,7 +266,7 @@ impl View {
     }
 }
 
-/// Holds the quadratic form of an ellipse to at most one sample per texel in every direction: its eigenvalues to 1.
+/// Limits the quadratic form of an ellipse to at most one sample per texel in every direction: its eigenvalues to 1.
 #[inline(always)]
 fn widen(xx: f64, xy: f64, yy: f64) -> (f64, f64, f64) {
     let (mean, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
@@ -272,7 +275,7 @@ fn widen(xx: f64, xy: f64, yy: f64) -> (f64, f64, f64) {
         return (xx, xy, yy);
     }
     let (large, small) = (1.0, (mean - apart).min(1.0));
-    // The same axes with other lengths.
+    // The ellipse keeps its axes, with other lengths.
     let (mean_new, factor) = (0.5 * (large + small), if apart > 0.0 { 0.5 * (large - small) / apart } else { 0.0 });
     (mean_new + factor * half, factor * xy, mean_new - factor * half)
 }
@@ -293,10 +296,10 @@ struct ViewTile {
     size: [usize; 2],
     rgba: Vec<Vec4>,
     sheet: Vec<Vec4>,
-    /// Texels that are not opaque yet.
+    /// Number of texels that are not opaque yet.
     n_open: usize,
     n_splats: u64,
-    /// First and last slab.
+    /// Numbers of the first and the last slab.
     slabs: [i64; 2],
 }
 
@@ -318,7 +321,7 @@ impl ViewTile {
         }
     }
 
-    /// Draws all slabs; whether there are any.
+    /// Draws all slabs; returns whether there are any.
     fn draw(&mut self, view: &View, family: &FamilyScene) -> bool {
         let layers = visible_layers(family, |w| view.hull(&family.family, self.first, w));
         let depths: Vec<[f64; 2]> = layers.iter().map(|layer| view.depths(family, layer)).collect();
@@ -329,7 +332,7 @@ impl ViewTile {
             return false;
         }
         self.slabs = [view.slab(lo.max(nearest)), view.slab(hi)];
-        // The first slab that any slice from this one on adds to.
+        // First slab that this slice or a later one adds to.
         let mut from = i64::MAX;
         let mut open_from: Vec<i64> = depths
             .iter()
@@ -422,7 +425,7 @@ impl ViewTile {
         }
     }
 
-    /// Adds splats to the sheet buffer; the part of it that they reach. Runs at the level of the caller.
+    /// Adds splats to the sheet buffer; returns the part of it that they reach. Runs at the SIMD level of the caller.
     #[inline(always)]
     fn splat(&mut self, splats: &[Splat], footprint: &RadialFootprint) -> TexelRectangle {
         let [n_x, n_y] = self.size;
@@ -459,7 +462,7 @@ impl ViewTile {
         part
     }
 
-    /// Clamps the sums of the sheet buffer to what a colour may be, composites them, and clears them.
+    /// Clamps the sums of the sheet buffer to valid colours, composites them, and clears them.
     #[inline(always)]
     fn composite(&mut self, [[from_x, to_x], [from_y, to_y]]: TexelRectangle, peak: f32) {
         if from_x > to_x || from_y > to_y {

@@ -2,8 +2,8 @@
 //!
 //! A ray belongs to the index axis `w` it runs most along ([`Family`]). For parallel rays there is one such axis and
 //! the base coordinates `(p, q)` are the index position where the ray crosses the slice `w = 0`; sheet `w` is that grid
-//! shifted by the shear `w · (du/dw, dv/dw)`. For perspective the rays form up to six families (three axes, two signs) and
-//! `(p, q)` are the slopes `(du/dw, dv/dw)`, at most 1.1 in magnitude; sheet `w` is that grid scaled by `w − eye.w`
+//! shifted by the shear `w · (du/dw, dv/dw)`. For perspective the rays form up to six families (three axes, two signs)
+//! and `(p, q)` are the slopes `(du/dw, dv/dw)`, at most 1.1 in magnitude; sheet `w` is that grid scaled by `w − eye.w`
 //! about the eye. Either way a sheet's texels stay axis-aligned and uniform, so the kernel stays separable.
 //!
 //! Source: the shear-warp factorisation (Lacroute & Levoy 1994), here with the sheets reconstructed, not resampled.
@@ -32,7 +32,7 @@ pub struct BasePlane {
     pixel_from_base: DMat3,
     /// Size of the picture.
     size_px: DVec2,
-    /// Texels that miss what is drawn by so many at most are drawn as well, as if its walls stood further out.
+    /// Texels by which walls are moved outwards for rays that miss the region, so that the filter finds texels there.
     pub beyond: f64,
 }
 
@@ -66,15 +66,16 @@ impl BasePlane {
         })
     }
 
-    /// A rectangle of it, from texel `first` on (which may lie beyond it), with `finer` times the texels along each axis;
-    /// every `finer`th texel is one of its own. As much is drawn beyond walls as every `coarsest`th of its texels needs.
+    /// A rectangle of the base plane from texel `first` on (which may lie outside it), `finer` times as dense along
+    /// each axis; every `finer`th texel coincides with one of the plane's. `beyond` suffices for reading every
+    /// `coarsest`th texel alone.
     #[must_use]
     pub fn window(&self, first: [i64; 2], finer: usize, coarsest: usize, size: [usize; 2]) -> Self {
         let origin = self.origin + self.step * DVec2::from_array(first.map(|i| i as f64));
         Self { origin, step: self.step / finer as f64, size, beyond: BEYOND * coarsest as f64, ..self.clone() }
     }
 
-    /// The same with every `k`th texel along u and along v, from the `first`th on.
+    /// The base plane thinned to every `k`th texel along u and along v, from the `first`th on.
     #[must_use]
     pub fn every(&self, k: usize, first: usize) -> Self {
         let origin = self.origin + self.step * first as f64;
@@ -95,15 +96,15 @@ impl BasePlane {
         self.eye_w().is_some_and(|w| near <= w && w <= far)
     }
 
-    /// `normal · eye + offset`, in index coordinates; 0 for parallel rays.
+    /// Signed distance of the eye from a wall, `normal · eye + offset`, in index coordinates; 0 for parallel rays.
     pub fn eye_distance(&self, normal: DVec3, offset: f64) -> f64 {
         let RayModel::Perspective { eye } = self.model else { return 0.0 };
         let [u, v, w] = self.family.uvw(normal);
         u * eye[0] + v * eye[1] + w * eye[2] + offset
     }
 
-    /// Whether the picture may need any of the texels `from..=to`. A base plane is a box around what it needs: where the
-    /// picture or the family's part of it lies aslant in it, corners are left over.
+    /// Whether the picture may need any of the texels `from..=to`. A base plane is the bounding box of the texels that
+    /// it needs: where the picture, or the family's part of it, is oblique to u and v, its corners are not needed.
     pub fn is_needed(&self, from: [usize; 2], to: [usize; 2]) -> bool {
         let [from, to] = [from, to].map(|[i, j]| DVec2::new(i as f64, j as f64));
         let [lo, hi] = [from - MARGIN_TEXELS, to + MARGIN_TEXELS].map(|texel| self.origin + self.step * texel);
@@ -122,7 +123,7 @@ impl BasePlane {
         max.cmpge(DVec2::ZERO).all() && min.cmple(self.size_px).all()
     }
 
-    /// Texel positions, along u and along v, of pixel positions from one on along x; for rays from an eye.
+    /// Texel positions, along u and along v, of `LANES` neighbouring pixel positions of a row; for rays from an eye.
     #[inline(always)]
     pub fn texels_from_pixels(&self, rays: &IndexRays, [x_px, y_px]: [f64; 2]) -> [[f64; LANES]; 2] {
         let first = self.family.uvw(rays.direction(x_px, y_px));
@@ -139,7 +140,8 @@ impl BasePlane {
         texels
     }
 
-    /// Texels per pixel, at least, in the middle of what it serves; not more than there are along one axis.
+    /// Texels per pixel in the middle of the base plane, along the axis of the picture that has fewer; 1 where
+    /// undefined.
     pub fn texels_per_pixel(&self, rays: &IndexRays) -> f64 {
         let middle = self.pixel_from_base * (self.origin + 0.5 * self.step * self.size_as_vector()).extend(1.0);
         let [x, y] = (middle.truncate() / middle.z).to_array();
@@ -162,13 +164,13 @@ impl BasePlane {
 /// Texels beyond the outermost pixel centre, for the warp's filter.
 const MARGIN_TEXELS: f64 = 4.0;
 
-/// Texels beyond a wall that are read with those inside: by the cubic.
+/// Texels beyond a wall that the warp's cubic filter reads together with those inside.
 const BEYOND: f64 = 2.0;
 
-/// Texels closer than this, in samples, would feel the lattice.
+/// Smallest distance of texels that is rounded to the lattice, in samples: rounding would distort finer ones.
 const MIN_STEP_ON_LATTICE: f64 = 1e-3;
 
-/// Most texels of a base plane: 16 bytes each, 4 GiB in all.
+/// Largest number of texels of a base plane: 16 bytes each, 4 GiB in all.
 pub(crate) const MAX_TEXELS: f64 = (1 << 28) as f64;
 
 /// The base planes that a picture needs, at `oversampling` texels per pixel along each axis. `shown`: corners of a box
@@ -205,7 +207,7 @@ pub fn base_planes(
         let anchor = if on_lattice { snapped(anchor) } else { anchor };
         let origin = anchor + ((lo - anchor) / step).floor() * step;
         let size = ((hi - origin) / step).ceil() + 1.0;
-        // False too where sizes are not numbers, as in views from farther than f64 can tell places apart.
+        // False for NaN as well, as in views from so far away that f64 cannot resolve positions.
         let fits = size.min_element() >= 1.0 && size.x * size.y <= MAX_TEXELS;
         if !fits {
             return Err(Error::TooLarge {
@@ -264,7 +266,8 @@ mod tests {
     #[test]
     fn planes_without_a_size_are_refused() {
         let (focal, size) = (DVec3::new(10.0, 9.0, 8.0), [64, 48]);
-        // So large that the box is a place between two numbers, and so small that its ratio to a texel is none.
+        // Extreme scales: the box vanishes between two neighbouring f64 numbers, or is out of all proportion to a
+        // texel.
         for parallel_scale in [1e-300, 1e-160, 1e300] {
             let projection = Projection::Orthographic { parallel_scale };
             let camera = Camera::new(focal + DVec3::Y * 50.0, focal, DVec3::Z, projection).unwrap();
@@ -330,7 +333,7 @@ mod tests {
         }
     }
 
-    /// Texels that the filter reads are needed, some others are not, and on the whole there are as many as pixels.
+    /// Check that texels that the filter reads are needed, that some others are not, and the ratio of texels to pixels.
     fn check_needs(projection: Projection, position: DVec3, roll: DVec3, [least, most]: [f64; 2]) {
         let focal = DVec3::splat(20.0);
         let camera = Camera::new(position, focal, roll, projection).unwrap();

@@ -1,37 +1,40 @@
 //! The index space that the layers of a picture share: rays, sheets and texels are counted in it.
 //!
-//! Its axes are those of the first layer, its spacing along each the finest that any layer has, and its box holds all of
-//! them. One volume alone has its own grid. Each layer lies in it by a shift and a scale along every axis, so that it is
-//! reconstructed on the same sheets, by footprints of its own.
+//! Its axes are those of the first layer, its spacing along each the finest that any layer has, and its box holds all
+//! of them. One volume alone has its own grid. Each layer lies in it by a shift and a scale along every axis, so that
+//! it is reconstructed on the same sheets, by footprints of its own.
 
 use glam::DVec3;
 use wavesplat_core::{Error, Grid, Result, Statistics};
 
-/// A layer's index position of index position 0 of the common grid, along x, y and z, and its change per index step of it.
+/// Map from the common grid to a layer's samples, for x, y and z: the layer's index position at position 0 of the
+/// common grid, and its change per step of the common grid.
 pub type IndexMap = [(f64, f64); 3];
 
-/// The map of a layer that lies as the common grid does.
+/// The identity map: the layer lies as the common grid does.
 pub const SAME: IndexMap = [(0.0, 1.0); 3];
 
-/// The grid that layers share, and where each lies in it.
+/// The grid that layers share, and the map from it to each layer.
 #[derive(Clone, Debug)]
 pub struct CommonGrid {
-    /// Its statistics are none of a volume's.
+    /// The common grid; its statistics are placeholders, not those of a volume.
     pub grid: Grid,
-    /// In the order of the layers.
+    /// Maps to the layers, in their order.
     pub layers: Vec<IndexMap>,
 }
 
-/// Cosines and shares of a step that count as none.
+/// Largest deviation of an axis from the first layer's, as a fraction of its step, that counts as parallel.
 const PARALLEL: f64 = 1e-6;
 
-/// Steps and shifts that differ from whole ones by less are these: affines in files are rounded to f32.
+/// Tolerance within which steps and shifts are rounded to whole numbers: affines in files are rounded to f32.
 const WHOLE: f64 = 1e-6;
 
-/// Most steps of the common grid along an axis.
+/// Largest number of steps of the common grid along an axis.
 const MAX_STEPS: f64 = 1e6;
 
 impl CommonGrid {
+    /// The common grid of the layers' grids.
+    ///
     /// # Errors
     ///
     /// [`Error::OutOfRange`] where axes are not parallel to those of the first layer, or the layers are too far apart.
@@ -96,7 +99,7 @@ impl CommonGrid {
     }
 }
 
-/// A whole number where it is one but for rounding.
+/// `x`, rounded where it is within [`WHOLE`] of a whole number.
 fn whole(x: f64) -> f64 {
     if (x - x.round()).abs() <= WHOLE { x.round() } else { x }
 }

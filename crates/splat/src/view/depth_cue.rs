@@ -1,7 +1,8 @@
-//! Depth shading (depth cueing): a factor that falls along the view, so that what is near looks brighter.
+//! Depth shading (depth cueing): a factor that falls along the view, so that near parts look brighter.
 //!
 //! `1 − strength · (z − near) / (far − near)`, where z is the distance along the view direction, and near and far are
-//! those of the nearest and the farthest corner of what is drawn. On every ray that is linear in the slice coordinate.
+//! those of the nearest and the farthest corner of the drawn region. Along every ray it is linear in the slice
+//! coordinate.
 
 use glam::DVec3;
 use wavesplat_compute::simd::{LANES, Lanes};
@@ -17,7 +18,7 @@ pub struct DepthCue {
 }
 
 impl DepthCue {
-    /// `strength`: what is taken at the farthest corner of the box `bounds`, index positions.
+    /// Shading that takes away the fraction `strength` at the farthest corner of the box `[lo, hi]`, index positions.
     pub fn new(strength: f64, camera: &Camera, grid: &Grid, [lo, hi]: [DVec3; 2]) -> Self {
         let world_from_index = grid.world_from_index();
         let per_index = world_from_index.matrix3.transpose() * camera.forward();
@@ -38,8 +39,8 @@ impl DepthCue {
         self.at_origin + self.per_index.dot(index)
     }
 
-    /// The factor on the rays of a base plane, as of [`DepthCue::along`]: at texel (0, 0), and the changes per texel along u
-    /// and along v, in which it is affine.
+    /// The coefficients of [`DepthCue::along`] as affine functions of the texel: at texel (0, 0), and the changes per
+    /// texel along u and along v.
     pub fn forms(&self, plane: &BasePlane) -> [[f64; 3]; 2] {
         let [per_u, per_v, per_w] = plane.family.uvw(self.per_index);
         let sign = if plane.family.ascending { 1.0 } else { -1.0 };

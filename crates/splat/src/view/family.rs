@@ -1,7 +1,7 @@
 //! Slice families: viewing rays in index space, and which of the volume's axes serves them.
 //!
-//! A ray belongs to the axis `w` that it runs most along: across its slices rays are steep, and a sheet parallel to them
-//! is seen from the front. Rays from an eye form up to six families.
+//! A ray belongs to the axis `w` that it runs most along: across its slices rays are steep, and a sheet parallel to
+//! them is seen from the front. Rays from an eye form up to six families.
 
 use glam::{DAffine3, DVec2, DVec3};
 use wavesplat_core::Camera;
@@ -10,7 +10,7 @@ use wavesplat_core::Camera;
 #[derive(Clone, Copy, Debug)]
 pub struct IndexRays {
     origin: [DVec3; 3],
-    /// Of the corner of the picture, and its change per pixel along x and along y; not normalised.
+    /// Direction at the corner of the picture, and its change per pixel along x and along y; not normalised.
     pub(crate) direction: [DVec3; 3],
 }
 
@@ -47,7 +47,8 @@ impl IndexRays {
         }
     }
 
-    /// How far apart the rays of neighbouring pixels are, in samples, where that of a pixel position is nearest to a point.
+    /// Distance of neighbouring pixels' rays, in samples, at the place where the ray of a pixel position is nearest to
+    /// `point`.
     pub fn distance_at(&self, point: DVec3, [x_px, y_px]: [f64; 2]) -> f64 {
         let (origin, direction) = (self.origin(x_px, y_px), self.direction(x_px, y_px));
         let t = (point - origin).dot(direction) / direction.length_squared();
@@ -66,14 +67,14 @@ impl IndexRays {
         self.direction[0] + self.direction[1] * x_px + self.direction[2] * y_px
     }
 
-    /// The family of all rays between pixel positions, if they are of one.
+    /// The family of all rays between the pixel positions `corners`; `None` where there may be several.
     pub fn family_of_all(&self, corners: &[[f64; 2]]) -> Option<Family> {
         let mut directions = corners.iter().map(|[x_px, y_px]| self.direction(*x_px, *y_px));
         let family = Family::of(directions.clone().next()?);
         directions.all(|d| Family::of(d) == family && family.is_convex_at(d)).then_some(family)
     }
 
-    /// The family of a pixel position's ray, and how many of the `n` positions from there on along x are of it in turn.
+    /// The family of a pixel position's ray, and the number of consecutive positions along x, up to `n`, that share it.
     #[inline(always)]
     pub fn families_along_x(&self, [x_px, y_px]: [f64; 2], n: usize) -> (Family, usize) {
         let at = |k: usize| self.direction(x_px + k as f64, y_px);
@@ -91,7 +92,7 @@ impl IndexRays {
 /// contiguous.
 pub const MAX_SLOPE: f64 = 1.1;
 
-/// Which axis rays run along, and which way: one of six.
+/// A slice family, one of six: the index axis that rays run along, and the direction.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Family {
     /// Index axes called u, v, w.
@@ -101,8 +102,8 @@ pub struct Family {
 }
 
 impl Family {
-    /// The family of a ray by its index-space direction: the axis that it runs most along, or one that it runs nearly as
-    /// much along and whose slices lie better in memory.
+    /// The family of a ray by its index-space direction: the axis that it runs most along, or one that it runs nearly
+    /// as much along and whose slices lie better in memory.
     pub fn of(direction: DVec3) -> Self {
         let d = direction.to_array();
         let a = direction.abs();
@@ -112,7 +113,8 @@ impl Family {
         Self { axes, ascending: d[w] > 0.0 }
     }
 
-    /// Whether a ray of the family is in a part of it that has all that lies between any two rays of that part.
+    /// Whether a ray of the family is in a convex part of it: all rays between two rays of that part are of the family.
+    /// Only the family of y is not convex itself, since its bound on |z| is by the larger of |x| and |y|.
     #[inline(always)]
     fn is_convex_at(&self, direction: DVec3) -> bool {
         let a = direction.abs();
@@ -126,7 +128,7 @@ impl Family {
         let least = DVec2::select(lo.cmple(DVec2::ZERO) & hi.cmpge(DVec2::ZERO), DVec2::ZERO, lo.abs().min(hi.abs()));
         match self.axes[2] {
             2 => least.max_element() <= MAX_SLOPE,
-            // Along y, where z is less than much: the longest of the three is x or y.
+            // Family of y: |z| is less than the largest component / MAX_SLOPE, and that component is x or y.
             1 => least.x <= MAX_SLOPE && least.y < most.x.clamp(1.0, MAX_SLOPE) / MAX_SLOPE,
             _ => least.max_element() < 1.0 / MAX_SLOPE,
         }
@@ -204,7 +206,7 @@ mod tests {
                     assert!(families.iter().all(|f| *f == family));
                     n_whole += 1;
                 }
-                // Few that are of one family are not told to be.
+                // Few runs of one family are not recognised as such.
                 None => n_untold += usize::from(families.iter().all(|f| *f == families[0])),
             }
         }

@@ -8,7 +8,7 @@ use wavesplat_compute::parallel;
 use crate::view::family::{Family, IndexRays, MAX_SLOPE};
 use crate::view::ray_model::RayModel;
 
-/// The pixels that a family of rays serves, in base coordinates.
+/// Extent and pitch of the pixels that a family of rays serves, in base coordinates.
 pub struct PixelSpacing {
     pub family: Family,
     pub model: RayModel,
@@ -17,7 +17,7 @@ pub struct PixelSpacing {
     distance: PixelDistance,
 }
 
-/// How far apart pixels are in base coordinates.
+/// Distance of neighbouring pixels in base coordinates: the finest, and the sum over `n` pixels.
 #[derive(Clone, Copy)]
 struct PixelDistance {
     finest: DVec2,
@@ -25,13 +25,13 @@ struct PixelDistance {
     n: f64,
 }
 
-/// Squares of so many pixels count as one where they are of one family: how far apart pixels are changes smoothly.
+/// Side of the squares of pixels that are measured together where they are of one family: the pitch changes smoothly.
 const SQUARE_PX: usize = 8;
 
-/// Where pixels are finest, texels are coarser than they by this at most.
+/// Largest ratio of the chosen pitch to that of the finest pixels.
 const COARSER: f64 = std::f64::consts::SQRT_2;
 
-/// The pixels of each family, whatever is drawn in it: a texel stays where it is as a volume is cut.
+/// The pixel spacing of each family, whatever is drawn in it: a texel stays where it is as a volume is cut.
 pub fn pixel_spacings(rays: &IndexRays, size_px: [usize; 2], is_parallel: bool) -> Vec<PixelSpacing> {
     let mut spacings = Vec::new();
     if is_parallel {
@@ -58,7 +58,7 @@ pub fn pixel_spacings(rays: &IndexRays, size_px: [usize; 2], is_parallel: bool) 
     spacings
 }
 
-/// Those of some rows of pixels, of rays from an eye.
+/// Pixel spacings of the families in some rows of pixels, for rays from an eye.
 fn spacings_of_rows(rays: &IndexRays, rows: Range<usize>, width_px: usize) -> Vec<PixelSpacing> {
     let mut spacings = Vec::new();
     for x in (0..width_px).step_by(SQUARE_PX) {
@@ -72,7 +72,7 @@ fn spacings_of_rows(rays: &IndexRays, rows: Range<usize>, width_px: usize) -> Ve
             let [first, .., last] = corners;
             let center = [0, 1].map(|axis| 0.5 * (first[axis] + last[axis]));
             spacing.add(rays, center, (columns.len() * rows.len()) as f64);
-            // Towards one of the corners they are closest.
+            // Pixels are closest at one of the corners.
             for corner in corners {
                 spacing.add(rays, corner, 0.0);
             }
@@ -105,7 +105,7 @@ fn middle(pixel: [usize; 2]) -> [f64; 2] {
     pixel.map(|i| i as f64 + 0.5)
 }
 
-/// The entry of a family.
+/// The entry of a family, appended where it is missing.
 fn spacing_of<'a>(
     spacings: &'a mut Vec<PixelSpacing>,
     rays: &IndexRays,
@@ -127,7 +127,7 @@ fn spacing_of<'a>(
 }
 
 impl PixelSpacing {
-    /// Adds how far apart pixels are at a position, for `n` of them.
+    /// Adds the pixel distance at a position, weighted by `n` pixels.
     fn add(&mut self, rays: &IndexRays, [x_px, y_px]: [f64; 2], n: f64) {
         // Largest change of p and of q per pixel, in any direction of the picture.
         let [dx, dy] = self.model.base_per_pixel(&self.family, rays, x_px, y_px);
@@ -136,8 +136,8 @@ impl PixelSpacing {
         self.distance.merge(&distance);
     }
 
-    /// Adds the pixels between edges along x and along y, as a whole: a pixel may be the mean of reads anywhere in it.
-    /// What of a pixel belongs to another family is beyond the slopes of this one.
+    /// Extends the range by the pixels between edges along x and along y, as a whole: a pixel may be the mean of reads
+    /// anywhere in it. The part of a pixel that belongs to another family is beyond the slopes of this one.
     fn widen(&mut self, rays: &IndexRays, edges_x: [usize; 2], edges_y: [usize; 2]) {
         for [x_px, y_px] in edges_x.into_iter().flat_map(|x| edges_y.map(|y| [x as f64, y as f64])) {
             let here = self.model.base_from_pixel(&self.family, rays, x_px, y_px);
@@ -155,10 +155,10 @@ impl PixelSpacing {
         self.distance.merge(&other.distance);
     }
 
-    /// How far apart pixels are, along p and along q.
+    /// Pixel pitch along p and along q.
     ///
-    /// Parallel rays have one such distance. In perspective it grows with the slope of the rays, to the double within a
-    /// family: texels lie as pixels do on the whole, so that they are as many.
+    /// It is constant for parallel rays. In perspective it grows with the slope of the rays, up to twofold within a
+    /// family; the mean is taken, so that there are about as many texels as pixels.
     pub fn pixel_distance(&self) -> DVec2 {
         let PixelDistance { finest, sum, n } = self.distance;
         if n > 0.0 { (sum / n).clamp(finest, COARSER * finest) } else { finest }
@@ -168,7 +168,7 @@ impl PixelSpacing {
 impl PixelDistance {
     const NONE: Self = Self { finest: DVec2::INFINITY, sum: DVec2::ZERO, n: 0.0 };
 
-    /// That of `n` pixels.
+    /// The distance of `n` pixels that are equally far apart.
     fn of(distance: DVec2, n: f64) -> Self {
         Self { finest: distance, sum: distance * n, n }
     }

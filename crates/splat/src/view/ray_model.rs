@@ -1,7 +1,7 @@
 //! Parallel and perspective rays of a slice family, and their base coordinates `(p, q)`.
 //!
-//! Parallel rays: `(p, q)` is the index position where the ray crosses the slice `w = 0`; in perspective it is the slopes
-//! `(du/dw, dv/dw)`, at most 1.1 in magnitude.
+//! Parallel rays: `(p, q)` is the index position where the ray crosses the slice `w = 0`; in perspective it is the
+//! slopes `(du/dw, dv/dw)`, at most 1.1 in magnitude.
 
 use glam::{DMat3, DVec2, DVec3};
 
@@ -23,7 +23,7 @@ pub enum RayModel {
 }
 
 impl RayModel {
-    /// That of a family.
+    /// The rays of a slice family.
     pub fn new(family: &Family, rays: &IndexRays, is_parallel: bool) -> Self {
         if is_parallel {
             let [du, dv, dw] = family.uvw(rays.direction(0.0, 0.0));
@@ -67,7 +67,8 @@ impl RayModel {
         }
     }
 
-    /// The inverse, as [`BasePlane::pixel_from_base`] has it.
+    /// Inverse of [`RayModel::base_from_pixel`]: pixel position of `(p, q, 1)`, times a number that is positive ahead
+    /// of the eye.
     pub fn pixel_from_base(&self, family: &Family, rays: &IndexRays) -> DMat3 {
         match self {
             Self::Parallel { .. } => {
@@ -84,7 +85,7 @@ impl RayModel {
         }
     }
 
-    /// Bounds of a box in base coordinates; `None` where the eye is not clear of it.
+    /// Bounds of a box in base coordinates; `None` where the box is not wholly ahead of the eye.
     pub fn projected_bounds(&self, family: &Family, [lo, hi]: [DVec3; 2]) -> Option<[DVec2; 2]> {
         let (mut min, mut max) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         for corner in 0..8 {
@@ -108,9 +109,9 @@ impl RayModel {
     }
 }
 
-/// Positions of parallel rays are multiples of this, in samples: texels that lie on samples, but for the rounding of
-/// camera and affine, then lie on them exactly, and show them to the bit. Over a picture of 16384 pixels a ray is off by
-/// 5e-7 samples at most.
+/// Lattice constant of the positions of parallel rays, in samples: texels that lie on samples, but for the rounding of
+/// camera and affine, then lie on them exactly, and show them to the bit. Over a picture of 16384 pixels a ray is off
+/// by 5e-7 samples at most.
 pub const LATTICE: f64 = 1.0 / (1_u64 << 34) as f64;
 
 /// The nearest position on the lattice.

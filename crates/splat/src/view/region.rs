@@ -1,6 +1,6 @@
-//! Clipping: the volume's box, crop boxes, clip planes and the eye are half spaces, so on a
-//! ray they leave one interval of w, which is what is drawn of it. Slabs count by the share of them inside it, which is clean at any sub-voxel
-//! position and makes thickness exact (Beer-Lambert) where rays enter through the side of the volume.
+//! Clipping: the volume's box, crop boxes, clip planes and the eye are half spaces, which leave one interval of w of a
+//! ray to be drawn. Slabs are weighted by the share of them inside it, which is clean at any sub-voxel position and
+//! makes thickness exact (Beer-Lambert) where rays enter through the side of the volume.
 
 use glam::{DAffine3, DVec3};
 use wavesplat_compute::simd::LANES;
@@ -8,21 +8,21 @@ use wavesplat_core::{Crop, Error, Grid, RenderOptions, Result};
 
 use crate::view::base_plane::{BasePlane, TexelRay};
 
-/// `normal · position + offset ≥ 0`, in index coordinates.
+/// The half space `normal · position + offset ≥ 0`, in index coordinates.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HalfSpace {
-    /// Points inside; of length 1.
+    /// Inward normal, of length 1.
     pub normal: DVec3,
-    /// Distance of the origin inside, samples.
+    /// Signed distance of the origin from the wall, positive inside, in samples.
     pub offset: f64,
 }
 
-/// Where a ray enters and leaves a region.
+/// Entry and exit of a ray through a region.
 #[derive(Clone, Copy, Debug)]
 pub struct Passage {
     /// Ray parameters; the ray misses the region where the first is not less than the second.
     pub ends: [f64; 2],
-    /// The half spaces that these are of; `usize::MAX` where the ray itself begins or ends.
+    /// The half spaces at which the ends lie; `usize::MAX` where the ray itself begins or ends.
     pub walls: [usize; 2],
 }
 
@@ -33,17 +33,17 @@ impl Passage {
     }
 }
 
-/// What is drawn: an intersection of half spaces, and index-space bounds of it.
+/// The part of the volume that is drawn: an intersection of half spaces, and its index-space bounds.
 #[derive(Clone, Debug)]
 pub struct Region {
-    /// All must hold.
+    /// Half spaces whose intersection the region is.
     pub half_spaces: Vec<HalfSpace>,
     /// Corners of an index-aligned box around the region.
     pub bounds: [DVec3; 2],
 }
 
 impl Region {
-    /// Volume box, crop and clip planes.
+    /// The intersection of volume box, crop and clip planes.
     pub fn new(grid: &Grid, options: &RenderOptions) -> Result<Self> {
         let [first, last] = grid.bounds();
         let world_from_index = grid.world_from_index();
@@ -93,7 +93,7 @@ impl Region {
         }
     }
 
-    /// What of it lies in an index-aligned box.
+    /// Intersection with an index-space box.
     #[must_use]
     pub fn within(&self, lo: DVec3, hi: DVec3) -> Self {
         let mut region = self.clone();
@@ -107,9 +107,10 @@ impl Region {
         self.half_spaces.iter().all(|h| h.normal.dot(index) + h.offset >= 0.0)
     }
 
-    /// Where the part of a ray between two ray parameters enters and leaves it, and through which walls.
+    /// Entry and exit of the part of a ray between two ray parameters, and the walls at which they lie.
     pub fn passage(&self, origin: DVec3, direction: DVec3, part: [f64; 2]) -> Passage {
-        // Directions of length about 1, so that what counts as parallel to a wall does not depend on the unit of lengths.
+        // Directions of length about 1, so that what counts as parallel to a wall does not depend on the unit of
+        // lengths.
         let scale = direction.abs().max_element();
         let direction = direction / scale;
         let mut passage = Passage { ends: part.map(|end| end * scale), walls: [usize::MAX; 2] };
@@ -127,7 +128,8 @@ impl Region {
         passage
     }
 
-    /// The same with every wall so many texels of a base plane further out along the plane; walls parallel to it stay.
+    /// The region with every wall moved outwards by `texels` texels along a base plane; walls parallel to the plane
+    /// stay.
     #[must_use]
     pub fn widened(&self, plane: &BasePlane, texels: f64) -> Self {
         let [axis_u, axis_v, axis_w] = plane.family.axes;
@@ -149,7 +151,7 @@ impl Region {
         region
     }
 
-    /// Interval of w of one texel's ray; empty where lo ≥ hi.
+    /// Interval of w of one texel's ray inside the region; empty where lo ≥ hi.
     pub fn texel_interval(&self, plane: &BasePlane, ray: &TexelRay) -> [f64; 2] {
         let [mut lo, mut hi] = [f64::NEG_INFINITY, f64::INFINITY];
         if let Some(eye_w) = plane.eye_w() {
@@ -163,20 +165,21 @@ impl Region {
         [lo, hi]
     }
 
-    /// The same of a ray alone in its base plane: where it misses the region, as if the walls stood further out.
+    /// Interval of w that is drawn of one texel's ray: inside the region, or inside the widened region if the ray
+    /// misses it.
     pub fn drawn_interval(&self, plane: &BasePlane, ray: &TexelRay) -> [f64; 2] {
         let [lo, hi] = self.texel_interval(plane, ray);
         if lo < hi { [lo, hi] } else { self.widened(plane, plane.beyond).texel_interval(plane, ray) }
     }
 
-    /// Intervals of w of the rays of a run of texels that begins at `(i, j)`; empty where lo ≥ hi.
+    /// Intervals of w inside the region, of the rays of `LANES` texels from `(i, j)` on; empty where lo ≥ hi.
     #[inline(always)]
     pub fn texel_intervals(&self, plane: &BasePlane, i: f64, j: f64) -> [[f64; LANES]; 2] {
         let (mut lo, mut hi) = ([f64::NEG_INFINITY; LANES], [f64::INFINITY; LANES]);
         if let Some(eye_w) = plane.eye_w() {
             *if plane.family.ascending { &mut lo } else { &mut hi } = [eye_w; LANES];
         }
-        // Along a row of texels, rays change evenly.
+        // Position and slope of the rays are affine along a row of texels.
         let (ray, next) = (plane.ray(i, j), plane.ray(i + 1.0, j));
         for h in &self.half_spaces {
             let [nu, nv, nw] = plane.family.uvw(h.normal);

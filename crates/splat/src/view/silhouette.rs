@@ -1,8 +1,8 @@
 //! The silhouette of what is drawn: which rays meet it, how far they run in it, and where in the picture that changes.
 //!
-//! A ray that misses everything by a few texels is drawn as if the walls stood further out. So what is seen goes on
-//! smoothly beyond a wall, the filter that reads texels meets no jump there, and the wall is applied where the picture is
-//! made, at exact places ([`crate::picture::edges`]).
+//! A ray that misses everything by a few texels is drawn as if the walls stood further out. So the picture continues
+//! smoothly beyond a wall, the filter that reads texels meets no jump there, and the wall is applied at exact places as
+//! the picture is made ([`crate::picture::edges`]).
 
 use glam::DVec3;
 use wavesplat_compute::simd::LANES;
@@ -11,25 +11,25 @@ use crate::view::base_plane::{BasePlane, TexelRay};
 use crate::view::family::IndexRays;
 use crate::view::region::{Passage, Region};
 
-/// The regions that are drawn: one, or those of layers whose boxes differ.
+/// The distinct regions that are drawn: one, or several where the boxes of layers differ.
 #[derive(Clone, Debug)]
 pub struct Silhouette {
     regions: Vec<Region>,
 }
 
-/// Which regions a ray meets, as bits, and how far it runs in them, along w.
+/// Regions that a ray meets, and the length of the ray in them, along w.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Met {
-    /// The regions, as bits.
+    /// Bit k: the ray meets region k.
     pub regions: u8,
     /// Length inside, in slices; of several regions the sum.
     pub length: f64,
 }
 
-/// What a rectangle of the picture shows of the silhouette.
+/// Coverage of a rectangle of the picture by the silhouette.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Coverage {
-    /// Every ray meets the same regions, and the next one runs about as far in them.
+    /// Every ray meets the same regions, and neighbouring rays run about equally far in them.
     Inside,
     /// No ray meets anything.
     Outside,
@@ -38,7 +38,7 @@ pub enum Coverage {
 }
 
 impl Silhouette {
-    /// Of the regions of all layers.
+    /// The silhouette of the regions of all layers; equal ones are merged.
     pub fn new<'a>(regions: impl Iterator<Item = &'a Region>) -> Self {
         let mut different: Vec<Region> = Vec::new();
         for region in regions {
@@ -54,7 +54,7 @@ impl Silhouette {
         self.regions.len() > 1
     }
 
-    /// Which of the rays of a run of texels that begins at `(i, j)` miss everything. `own`: their intervals in a region,
+    /// Mask of the rays of `LANES` texels from `(i, j)` on that miss everything. `own`: their intervals in a region,
     /// which is the only one as a rule.
     #[inline(always)]
     pub fn missed(&self, plane: &BasePlane, own: &[[f64; LANES]; 2], i: f64, j: f64) -> [bool; LANES] {
@@ -76,7 +76,7 @@ impl Silhouette {
         missed
     }
 
-    /// What the ray through a texel position meets.
+    /// The regions that the ray through a texel position meets, and the length in them.
     pub fn met(&self, plane: &BasePlane, ray: &TexelRay) -> Met {
         let mut met = Met::default();
         for (k, region) in self.regions.iter().enumerate() {
@@ -91,7 +91,7 @@ impl Silhouette {
         self.regions.iter().any(|region| region.passage(origin, direction, whole(is_parallel)).length() > 0.0)
     }
 
-    /// Of each region, the passages of rays from `first` on, `distance` pixels apart, so many along x and y, row by row.
+    /// Passages of a grid of rays, row by row; one list for each region.
     pub fn passages(&self, rays: &IndexRays, is_parallel: bool, grid: &PixelGrid, into: &mut Vec<Vec<Passage>>) {
         into.resize_with(self.regions.len(), Vec::new);
         for (region, passages) in self.regions.iter().zip(into) {
@@ -103,9 +103,10 @@ impl Silhouette {
         }
     }
 
-    /// Whether a wall is nearly parallel to rays of a base plane, so that it is seen as a strip no wider than the filter.
+    /// Whether a wall is nearly parallel to rays of a base plane, so that it is seen as a strip no wider than the
+    /// filter.
     pub fn has_narrow_walls(&self, plane: &BasePlane) -> bool {
-        /// Texels that count as none, and that are read well as they are.
+        /// Widths of a strip, in texels, below which it is invisible and above which the filter resolves it.
         const NARROW: [f64; 2] = [0.02, 4.0];
         let [axis_u, axis_v, axis_w] = plane.family.axes;
         self.regions.iter().any(|region| {
@@ -129,25 +130,25 @@ impl Silhouette {
         })
     }
 
-    /// The silhouette as the texels of a base plane see it.
+    /// The silhouette on the texels of a base plane.
     pub fn on<'a>(&'a self, plane: &'a BasePlane) -> PlaneSilhouette<'a> {
         let widened = self.regions.iter().map(|region| region.widened(plane, plane.beyond)).collect();
         PlaneSilhouette { silhouette: self, plane, widened }
     }
 }
 
-/// The ray parameters of rays of the picture, which begin at the eye or nowhere.
+/// Range of ray parameters of a picture's ray: from the eye on, or unbounded for parallel rays.
 fn whole(is_parallel: bool) -> [f64; 2] {
     [if is_parallel { f64::NEG_INFINITY } else { 0.0 }, f64::INFINITY]
 }
 
-/// Positions of the picture, evenly spaced.
+/// A regular grid of pixel positions.
 pub struct PixelGrid {
     /// The first position.
     pub first: [f64; 2],
-    /// Pixels from one to the next, along x and y.
+    /// Distance of neighbouring positions along x and y, in pixels.
     pub distance: [f64; 2],
-    /// How many, along x and y.
+    /// Number of positions along x and y.
     pub n: [usize; 2],
 }
 
@@ -163,7 +164,7 @@ impl PixelGrid {
     }
 }
 
-/// Lengths that differ by less, relatively, count as the same: about what float32 tells apart.
+/// Relative tolerance within which lengths count as equal: about the resolution of float32.
 pub const LENGTH_TOLERANCE: f64 = 1e-6;
 
 impl Met {
@@ -182,11 +183,12 @@ impl Met {
 }
 
 impl Coverage {
-    /// Of a rectangle by the passages of the rays of its corners, of one region. `size_px`: its shorter side. `reach_px`:
-    /// of a texel, in pixels.
+    /// Coverage of a rectangle by one region, from the passages of the rays of its corners. `size_px`: its shorter
+    /// side. `reach_px`: size of a texel, in pixels.
     ///
-    /// Where rays enter and leave through the same walls at all corners they do everywhere between: which wall is the last
-    /// to be entered and the first to be left is decided by linear functions of the position (of 1/t for rays from an eye).
+    /// Where rays enter and leave through the same walls at all corners, they do so everywhere between: linear
+    /// functions of the position (of 1/t for rays from an eye) decide which wall is the last to be entered and the
+    /// first to be left.
     pub fn of_region(corners: [&Passage; 4], size_px: f64, reach_px: f64) -> Self {
         let lengths = corners.map(Passage::length);
         let n_met = lengths.iter().filter(|length| **length > 0.0).count();
@@ -199,11 +201,11 @@ impl Coverage {
         }
         let least = lengths.into_iter().fold(f64::INFINITY, f64::min);
         let most = lengths.into_iter().fold(0.0, f64::max);
-        // No way ends among the texels that are read from beside it, two on each side.
+        // No ray's length falls to 0 within the two texels that the filter reads on each side.
         if least >= 2.0 * reach_px * (most - least) / size_px { Self::Inside } else { Self::Edge }
     }
 
-    /// Of several regions together.
+    /// Coverage by several regions together.
     #[must_use]
     pub fn and(self, other: Self) -> Self {
         match (self, other) {
@@ -214,18 +216,18 @@ impl Coverage {
     }
 }
 
-/// A silhouette as the texels of a base plane see it.
+/// A silhouette on the texels of a base plane.
 pub struct PlaneSilhouette<'a> {
     silhouette: &'a Silhouette,
     /// The base plane.
     pub plane: &'a BasePlane,
-    /// The regions as texels see them that miss everything.
+    /// The regions with walls moved outwards, for texels that miss everything.
     widened: Vec<Region>,
 }
 
 impl PlaneSilhouette<'_> {
-    /// The regions and lengths that the texels of a run from `(i, j)` on were rendered with: for rays that miss everything,
-    /// those of the widened walls.
+    /// The regions and lengths that `LANES` texels from `(i, j)` on were rendered with: for rays that miss everything,
+    /// those of the widened regions.
     #[inline(always)]
     pub fn rendered(&self, i: f64, j: f64) -> ([u8; LANES], [f64; LANES]) {
         let (mut met, mut length) = self.intervals(&self.silhouette.regions, i, j);
@@ -254,7 +256,7 @@ impl PlaneSilhouette<'_> {
         (met, length)
     }
 
-    /// What the ray through a texel position meets.
+    /// The regions that the ray through a texel position meets, and the length in them.
     pub fn met(&self, [u, v]: [f64; 2]) -> Met {
         self.silhouette.met(self.plane, &self.plane.ray(u, v))
     }

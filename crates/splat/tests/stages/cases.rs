@@ -27,12 +27,13 @@ pub fn fixtures() -> Vec<Fixture> {
 pub const FORMULAS: &str =
     "formulas in f64 (crates/splat/tests/stages/formulas.rs), which call nothing of the renderer";
 
-/// How far other backends may be off, as a rule; the absolute part is f32's rounding of sums of numbers of about 1.
+/// Usual tolerance of other backends, relative and absolute; the absolute part is f32's rounding of sums of numbers of
+/// about 1.
 pub const TOLERANCE: [f64; 2] = [1e-5, 2e-6];
 
 const KERNELS: [&str; 5] = ["linear", "catmull-rom", "bspline2", "bspline3", "gaussian"];
 
-/// Numbers without a visible pattern, `0..1`, of few digits.
+/// Source of numbers without a visible pattern, `0..1`, of few digits.
 pub struct Random(pub u64);
 
 impl Random {
@@ -171,7 +172,7 @@ fn sheet() -> Fixture {
                         formulas::weights(kernel, at[k], n[k])
                     }
                 });
-                // Which of u, v, w each of x, y, z is.
+                // Weights along x, y, z, from those along u, v, w.
                 let [x, y, z] = [0, 1, 2].map(|a| &along[axes.iter().position(|b| *b == a).expect("an axis")][..]);
                 formulas::sum3([x, y, z], &coefficients)
             };
@@ -210,7 +211,7 @@ fn sheet() -> Fixture {
 fn look_up() -> Fixture {
     let mut random = Random(5);
     let mut table: Vec<[f64; 4]> = (0..9).map(|_| [0; 4].map(|_| random.next())).collect();
-    // So that the last cell has an upper end at its very end.
+    // One entry more, for interpolation at the very end of the last cell.
     table.push(table[8]);
     let positions = [-3.0, 0.0, 0.25, 0.5, 1.0, 1.75, 2.125, 3.0, 3.875, 4.5, 5.0, 6.625, 7.5, 7.9375, 8.0, 1000.0];
     let at = |position: f64, c: usize| {
@@ -371,7 +372,7 @@ fn shade() -> Fixture {
         for i in 0..16 {
             let rgb = [0; 3].map(|_| random.next());
             let gradient = [0; 3].map(|_| random.next() - 0.5);
-            // None, and one that is mere rounding.
+            // A gradient of 0, and one that is mere rounding.
             let gradient = if i < 2 { gradient.map(|g| g * [0.0, 1e-9][i]) } else { gradient };
             let towards = [random.next() - 0.5, random.next() - 0.5, -0.5 - random.next()];
             let length = formulas::dot(towards, towards).sqrt();

@@ -13,13 +13,13 @@ pub type Arrays = BTreeMap<&'static str, Vec<f32>>;
 #[derive(Debug)]
 pub struct Fixture {
     pub stage: &'static str,
-    /// What goes in and what comes out, with units and the order of the axes.
+    /// Inputs and answers, with units and the order of the axes.
     pub what: &'static str,
-    /// Where the answers come from.
+    /// Source of the answers.
     pub made_from: &'static str,
-    /// How far other backends may be off: relative to the answer, and absolute.
+    /// Tolerance of other backends: relative to the answer, and absolute.
     pub tolerance: [f64; 2],
-    /// Answers that are whole numbers, which must be met.
+    /// Names of the answers that are whole numbers, which must be met exactly.
     pub exact: &'static [&'static str],
     pub cases: Vec<Case>,
 }
@@ -37,26 +37,26 @@ impl Case {
         Self { name: name.into(), ..Self::default() }
     }
 
-    /// With a text.
+    /// Adds a text.
     pub fn with_text(mut self, name: &str, text: &str) -> Self {
         self.inputs.insert(name.to_owned(), json!(text));
         self
     }
 
-    /// With a number.
+    /// Adds a number.
     pub fn with(mut self, name: &str, number: f64) -> Self {
         self.inputs.insert(name.to_owned(), number_of(number));
         self
     }
 
-    /// With an array, rounded to f32, which is what formulas are to be given: [`Case::numbers`].
+    /// Adds an array, rounded to f32; formulas must get the rounded numbers, from [`Case::numbers`].
     pub fn with_array(mut self, name: &str, numbers: impl IntoIterator<Item = f64>) -> Self {
         let numbers: Vec<Value> = numbers.into_iter().map(number_of).collect();
         self.inputs.insert(name.to_owned(), Value::Array(numbers));
         self
     }
 
-    /// With an answer.
+    /// Adds an answer.
     pub fn answer(mut self, name: &str, numbers: impl IntoIterator<Item = f64>) -> Self {
         self.outputs.insert(name.to_owned(), numbers.into_iter().map(|x| x as f32).collect());
         self
@@ -106,7 +106,7 @@ impl Fixture {
         folder().join(format!("{}.json", self.stage))
     }
 
-    /// An array a line, so that a change shows where it is.
+    /// Writes the file, an array per line, so that a change shows where it is.
     pub fn write(&self) {
         let mut text = String::from("{\n");
         let mut line = |key: &str, value: &Value| writeln!(text, "\"{key}\": {value},").expect("a line");
@@ -150,7 +150,7 @@ impl Fixture {
         file["cases"].as_array().expect("cases").iter().map(case).collect()
     }
 
-    /// Holds arrays to the answers of a case; says where they are off.
+    /// Compares arrays with the answers of a case; the error says where they are off.
     pub fn check(&self, case: &Case, got: &Arrays, by: &str) -> Result<(), String> {
         let at = format!("{} of {}, {by}", case.name, self.stage);
         let names = |names: &mut dyn Iterator<Item = &str>| names.map(str::to_owned).collect::<Vec<_>>();
@@ -175,7 +175,7 @@ impl Fixture {
         Ok(())
     }
 
-    /// Holds the stored cases to those that the formulas give now.
+    /// Compares the stored cases with those that the formulas give now.
     pub fn check_stored(&self) {
         let stored = self.stored();
         assert_eq!(stored.len(), self.cases.len(), "{}", self.stage);
@@ -191,7 +191,7 @@ impl Fixture {
     }
 }
 
-/// Bytes of all files.
+/// Size of all files, in bytes.
 pub fn n_bytes() -> u64 {
     let files = std::fs::read_dir(folder()).expect("the folder of fixtures");
     files.map(|file| file.and_then(|file| file.metadata()).map_or(0, |file| file.len())).sum()

@@ -1,4 +1,4 @@
-//! What each stage is to compute, in f64 and from the definitions: nothing here calls the renderer.
+//! Formulas of the stages, in f64 and from the definitions: nothing here calls the renderer.
 
 /// A reconstruction kernel at a distance, samples.
 pub fn kernel(name: &str, x: f64) -> f64 {
@@ -32,7 +32,7 @@ fn bspline(degree: i32, x: f64) -> f64 {
     ((half + x) * bspline(degree - 1, x + 0.5) + (half - x) * bspline(degree - 1, x - 0.5)) / f64::from(degree)
 }
 
-/// Taps of a kernel, and the first of them at a position: those within its radius.
+/// Number of taps of a kernel; with [`first_tap`], the samples within its radius.
 pub fn n_taps(name: &str) -> usize {
     match name {
         "linear" => 2,
@@ -55,7 +55,7 @@ pub fn weight(name: &str, x: f64, k: f64) -> f64 {
     kernel(name, x - k) / all
 }
 
-/// Which of `n` samples stands at `k`: beyond the faces the last one, or for splines its mirror image.
+/// Index of the sample, of `n`, that is used at `k`: beyond the faces the last one, or for splines its mirror image.
 fn folded(name: &str, k: i64, n: usize) -> usize {
     let last = n as i64 - 1;
     if !name.starts_with("bspline") {
@@ -79,14 +79,14 @@ pub fn weights(name: &str, x: f64, n: usize) -> Vec<f64> {
     weights
 }
 
-/// `[V(x + d) − V(x − d)] / 2d` as weights.
+/// Weights of `[V(x + d) − V(x − d)] / 2d`.
 pub fn difference(name: &str, x: f64, d: f64, n: usize) -> Vec<f64> {
     let x = x.clamp(0.0, (n - 1) as f64);
     let (hi, lo) = (weights(name, x + d, n), weights(name, x - d, n));
     hi.iter().zip(lo).map(|(hi, lo)| (hi - lo) / (2.0 * d)).collect()
 }
 
-/// `Σ u[x] v[y] w[z] sample[z][y][x]`.
+/// The sum `Σ u[x] v[y] w[z] sample[z][y][x]`.
 pub fn sum3([us, vs, ws]: [&[f64]; 3], samples: &[f64]) -> f64 {
     let mut sum = 0.0;
     for (z, w) in ws.iter().enumerate() {
@@ -149,10 +149,11 @@ impl Curves {
         ends.windows(2).map(|pair| piece(pair[0], pair[1])).sum()
     }
 
-    /// Where, looking up or down from a density, something can be seen first; `None` where nothing can.
+    /// The first visible density, looking up or down from a density; `None` where nothing is visible.
     fn visible_from(&self, density: f64, up: bool) -> Option<f64> {
         let mut best: Option<f64> = None;
-        // What has an opacity between two densities, and at which of them: an end without one is in sight from one side.
+        // Takes densities from `lo` to `hi` that have an opacity, or not at an end: such an end is in sight from one
+        // side only.
         let mut offer = |lo: f64, hi: f64, at_ends: [bool; 2]| {
             let (found, is_ahead) = if up {
                 (density.max(lo), density < hi || (density == hi && at_ends[1]))
@@ -177,7 +178,7 @@ impl Curves {
     }
 
     /// Pre-integration: on the way from one density to another, the share where something is seen first and last, and
-    /// the optical depth of the first and of the second half of what is in between, per length of the whole way.
+    /// the optical depth of the first and of the second half between these, per length of the whole way.
     pub fn segment(&self, from: f64, to: f64, level_below: f64) -> ([f64; 2], [f64; 2]) {
         if (to - from).abs() < level_below {
             return ([0.0, 1.0], [0.5 * self.depth(0.5 * (from + to)); 2]);
@@ -190,7 +191,7 @@ impl Curves {
         let last = share(self.visible_from(to, !rises), 0.0);
         let at = |share: f64| from + share * (to - from);
         let ends = [at(first), at(0.5 * (first + last)), to];
-        // Nothing is seen before the first and after the last.
+        // Nothing is visible before the first and after the last density.
         let between = |a: f64, b: f64| self.integral(a.min(b), a.max(b)) / (to - from).abs();
         ([first, last], [between(ends[0], ends[1]), between(ends[1], ends[2])])
     }
@@ -220,7 +221,7 @@ pub fn world_gradient(columns: [[f64; 3]; 3], per_index: [f64; 3]) -> [f64; 3] {
     std::array::from_fn(|c| (0..3).map(|a| per_index[a] * rows[a][c]).sum())
 }
 
-/// A directional light, and what of it comes back.
+/// Phong's coefficients, and directional lights.
 pub struct Phong {
     pub ambient: f64,
     pub diffuse: f64,
@@ -231,7 +232,7 @@ pub struct Phong {
 }
 
 impl Phong {
-    /// Two-sided, with the reflection vector; the ambient term alone where there is no gradient.
+    /// Colour after shading, two-sided, with the reflection vector; the ambient term alone where there is no gradient.
     pub fn shade(&self, rgb: [f64; 3], world_gradient: [f64; 3], to_eye: [f64; 3]) -> [f64; 3] {
         let normal = normalised(world_gradient);
         let mut shaded = rgb.map(|c| c * self.ambient);
@@ -251,13 +252,13 @@ impl Phong {
 /// The space between two sheets, as far as a ray draws it.
 #[derive(Clone, Copy)]
 pub struct Drawn {
-    /// Positions where it begins and ends.
+    /// Positions at which it begins and ends.
     pub s: [f64; 2],
     /// Densities there.
     pub density: [f64; 2],
 }
 
-/// What a ray draws of the spaces between sheets at s = 0, 1, 2, ...
+/// The parts of the spaces between sheets, at s = 0, 1, 2, ..., that a ray draws.
 pub fn drawn(densities: &[f64], [lo, hi]: [f64; 2]) -> Vec<Drawn> {
     let parts = densities.windows(2).enumerate().map(|(k, pair)| {
         let s = [lo.max(k as f64), hi.min(k as f64 + 1.0)];
@@ -277,7 +278,7 @@ impl Light {
         Self { rgba: [0.0; 4], s_half: f64::NAN }
     }
 
-    /// Porter and Duff's *over*, front to back. Opacity grows evenly through the fragment.
+    /// Adds a fragment by Porter and Duff's *over*, front to back. Opacity grows evenly through the fragment.
     fn add(&mut self, rgb: [f64; 3], alpha: f64, [from, to]: [f64; 2]) {
         let before = self.rgba[3];
         for c in 0..3 {
@@ -290,7 +291,7 @@ impl Light {
     }
 }
 
-/// *Over* of sheets, each of which stands for what is nearer to it than to others.
+/// *Over* of sheets, each of which stands for the part of the ray that is nearer to it than to others.
 pub fn over(curves: &Curves, densities: &[f64], [lo, hi]: [f64; 2], per_s: f64) -> Light {
     let mut light = Light::none();
     for (k, density) in densities.iter().enumerate() {
@@ -303,7 +304,7 @@ pub fn over(curves: &Curves, densities: &[f64], [lo, hi]: [f64; 2], per_s: f64) 
     light
 }
 
-/// *Over* of the spaces between sheets, pre-integrated: the colour is that of where the light comes from on the mean.
+/// *Over* of the spaces between sheets, pre-integrated: the colour is that of the mean place that the light comes from.
 pub fn over_segments(curves: &Curves, densities: &[f64], interval: [f64; 2], per_s: f64, level_below: f64) -> Light {
     let mut light = Light::none();
     for Drawn { s: [from, to], density: [near, far] } in drawn(densities, interval) {
@@ -326,7 +327,7 @@ pub fn over_segments(curves: &Curves, densities: &[f64], interval: [f64; 2], per
     light
 }
 
-/// A projection: the extreme or the integral along the ray, and the length of its way. `parts`: spaces that it draws.
+/// A projection: the extreme or the integral along the ray, and the drawn length. `parts`: the drawn parts of spaces.
 pub fn project(operator: &str, parts: &[Drawn], per_s: f64, level: f64, fade: impl Fn(f64) -> f64) -> [f64; 2] {
     let length = parts.iter().map(|part| (part.s[1] - part.s[0]) * per_s).sum();
     let ends = || parts.iter().flat_map(|part| [0, 1].map(|end| (part.s[end], part.density[end])));
@@ -334,7 +335,7 @@ pub fn project(operator: &str, parts: &[Drawn], per_s: f64, level: f64, fade: im
         parts.iter().map(|part| of(part.density[0], part.density[1]) * (part.s[1] - part.s[0]) * per_s).sum()
     };
     let dimmed = |(s, d): (f64, f64)| if d > level { level + (d - level) * fade(s) } else { d };
-    // Of a line from a to b, the part above 0: a triangle where it crosses 0.
+    // The part above 0 of a line from a to b: a triangle where it crosses 0.
     let above = |a: f64, b: f64| {
         let (a, b) = (a - level, b - level);
         if a.min(b) >= 0.0 {
@@ -359,7 +360,7 @@ pub fn project(operator: &str, parts: &[Drawn], per_s: f64, level: f64, fade: im
 pub fn local_maximum(parts: &[Drawn], threshold: f64) -> [f64; 2] {
     let mut highest = f64::NEG_INFINITY;
     for density in parts.iter().flat_map(|part| part.density) {
-        // What differs by rounding is a plateau.
+        // Densities that differ by rounding are a plateau.
         if highest >= threshold && density < highest - 1e-6 * highest.abs() {
             return [highest, 1.0];
         }
@@ -377,8 +378,8 @@ pub fn first_hit(densities: &[f64], [lo, hi]: [f64; 2], iso: f64) -> f64 {
     crossings.into_iter().find(|s| lo <= *s && *s <= hi).unwrap_or(f64::NAN)
 }
 
-/// A picture of `n_u` columns between its texels, by Keys' cubic, empty beyond, held between the nearest four texels, and no
-/// brighter than its opacity times `peak`.
+/// A picture of `n_u` columns between its texels, by Keys' cubic, empty beyond, clamped to the nearest four texels, and
+/// no brighter than its opacity times `peak`.
 pub fn resampled(texels: &[[f64; 4]], n_u: usize, [u, v]: [f64; 2], peak: f64) -> [f64; 4] {
     let n_v = texels.len() / n_u;
     let (i, j) = (u.floor(), v.floor());
@@ -404,7 +405,7 @@ pub fn resampled(texels: &[[f64; 4]], n_u: usize, [u, v]: [f64; 2], peak: f64) -
     rgba
 }
 
-/// Least and largest density that there can be in each brick of `side` cells, `[z][y][x]`, of samples along an axis `n`.
+/// Bounds of the density in each brick of `side` cells, `[z][y][x]`, of samples along an axis `n`.
 pub fn brick_bounds(name: &str, samples: &[f64], [nx, ny, nz]: [usize; 3], side: usize) -> Vec<[f64; 2]> {
     let reached = |brick: usize, n: usize| {
         let [lo, hi] = [brick * side, ((brick + 1) * side).min(n - 1)];
@@ -428,8 +429,7 @@ pub fn brick_bounds(name: &str, samples: &[f64], [nx, ny, nz]: [usize; 3], side:
                         }
                     }
                 }
-                // Catmull-Rom leaves the range of its samples by so much at most on each side: weights sum to 5/4 in
-                // magnitude along each axis.
+                // Largest overshoot of Catmull-Rom on each side: weights sum to 5/4 in magnitude along each axis.
                 let over = if name == "catmull-rom" { 0.5 * (1.25_f64.powi(3) - 1.0) * (own[1] - own[0]) } else { 0.0 };
                 bounds.push([own[0] - over, own[1] + over]);
             }

@@ -1,5 +1,5 @@
 //! Stage by stage: small inputs with answers from formulas, which every backend is held to, and this one at every SIMD
-//! level. The files are in `crates/splat/fixtures`; the format is told in `docs/design/012-stage-fixtures.md`.
+//! level. The files are in `crates/splat/fixtures`; the format is described in `docs/design/012-stage-fixtures.md`.
 
 mod cases;
 mod fixture;
@@ -9,14 +9,14 @@ mod run;
 
 use wavesplat_compute::simd::Level;
 
-/// Bytes of all fixtures together, at most.
+/// Largest size of all fixtures together, in bytes.
 const MAX_BYTES: u64 = 300 << 10;
 
 #[test]
 fn fixtures_are_what_the_formulas_give() {
     for fixture in cases::fixtures() {
         if std::env::var_os("WAVESPLAT_WRITE_FIXTURES").is_some() {
-            // `make fixtures`.
+            // Run by `make fixtures`.
             fixture.write();
         }
         fixture.check_stored();

@@ -74,7 +74,7 @@ pub fn over() -> Fixture {
                colour is that of the place where the light comes from on the mean. The transfer function is as in \
                classify.",
         made_from: FORMULAS,
-        // Of a place: rounding of opacities near 1/2, divided by what is gathered there.
+        // Tolerance of a position: rounding of opacities near 1/2, divided by the opacity that is gathered there.
         tolerance: [1e-5, 4e-5],
         exact: &[],
         cases,
@@ -88,7 +88,7 @@ pub fn project() -> Fixture {
         for (rays, interval, per_s) in RAYS {
             let densities = ray_densities(&mut random);
             let (level, strength) = (if operator == "x-ray" { 96.0 } else { 16.0 }, 0.75);
-            // From the nearest point that is drawn to the farthest.
+            // Fades from the nearest point that is drawn to the farthest.
             let fade = |s: f64| 1.0 - strength * (s - interval[0]) / (interval[1] - interval[0]);
             let answers: Vec<[f64; 2]> = (0..N_RAYS)
                 .map(|ray| {

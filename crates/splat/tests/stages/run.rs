@@ -31,7 +31,7 @@ use wavesplat_testkit::Phantom;
 
 use crate::fixture::{Arrays, Case};
 
-/// What a stage makes of a case.
+/// Output of a stage for a case.
 pub fn run(stage: &str, level: Level, case: &Case) -> Arrays {
     match stage {
         "footprint" => footprint(level, case),
@@ -184,13 +184,13 @@ fn stored<S: Simd>(s: S, x: S::F) -> [f32; LANES] {
     out
 }
 
-/// A function of some numbers, lane by lane.
+/// A function of `IN` numbers, lane by lane.
 trait LaneFunction<const IN: usize, const OUT: usize> {
-    /// `#[inline(always)]`.
+    /// Result for sixteen lanes; implementations are `#[inline(always)]`.
     fn call<S: Simd>(&self, s: S, x: [S::F; IN]) -> [S::F; OUT];
 }
 
-/// A function of sixteen times some numbers.
+/// Vector kernel that calls a function on sixteen lanes.
 struct Call<'a, F, const IN: usize, const OUT: usize>(&'a F, [[f32; LANES]; IN]);
 
 impl<const IN: usize, const OUT: usize, F: LaneFunction<IN, OUT>> VectorKernel for Call<'_, F, IN, OUT> {
@@ -202,7 +202,7 @@ impl<const IN: usize, const OUT: usize, F: LaneFunction<IN, OUT>> VectorKernel f
     }
 }
 
-/// A function of arrays of one length.
+/// Calls a function on arrays of one length.
 fn map_lanes<const IN: usize, const OUT: usize>(
     level: Level,
     function: &impl LaneFunction<IN, OUT>,
@@ -219,7 +219,7 @@ fn map_lanes<const IN: usize, const OUT: usize>(
     all
 }
 
-/// Every `n`th number from one on.
+/// Every `n`th number from `first` on.
 fn column(numbers: &[f32], n: usize, first: usize) -> Vec<f32> {
     numbers.iter().skip(first).step_by(n).copied().collect()
 }
@@ -244,7 +244,7 @@ fn look_up(level: Level, case: &Case) -> Arrays {
     Arrays::from([("r", r), ("g", g), ("b", b), ("depth", depth)])
 }
 
-/// `opacity_unit`: a length of 1.
+/// The transfer function of a case, with an `opacity_unit` of 1.
 fn transfer_function(case: &Case) -> TransferFunction {
     let node = |&[value, opacity]: &[f64; 2]| OpacityNode { value, opacity };
     let opacity = case.numbers("opacity_nodes").as_chunks().0.iter().map(node).collect();
@@ -396,7 +396,7 @@ fn over(level: Level, case: &Case) -> Arrays {
     Arrays::from([("r", r), ("g", g), ("b", b), ("a", a), ("s_half", lanes(&state.s_half))])
 }
 
-/// One that projections do not look at.
+/// A transfer function that projections do not look at.
 fn any_transfer_function() -> TransferFunction {
     wavesplat_testkit::opacity_ramp(&[(0.0, 0.0), (255.0, 1.0)], None)
 }

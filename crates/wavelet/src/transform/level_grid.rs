@@ -1,8 +1,8 @@
-//! Sample grid of a coarser level: where the low-pass coefficients of a level lie among the samples.
+//! Sample grid of a coarser level: positions of its low-pass coefficients among the samples.
 //!
-//! A low-pass coefficient of a family by lifting lies on every second sample, one of [`WaveletFamily::Haar`] between
-//! two. Where the first or last one lies short of the volume's end, one more repeats it, as the mirrored boundary has
-//! it, so that every level fills the same box.
+//! The low-pass coefficients of a family by lifting lie on every second sample, those of [`WaveletFamily::Haar`]
+//! between two samples. Where the first or last coefficient lies short of the volume's end, one more sample repeats it,
+//! as the mirrored boundary does, so that every level fills the same box.
 
 use wavesplat_core::LevelGrid;
 
@@ -10,9 +10,9 @@ use super::plan::TransformPlan;
 use crate::family::WaveletFamily;
 
 impl TransformPlan {
-    /// The grid of a level; level 0 is the finest grid itself. `None` where low-pass coefficients are not samples: at
-    /// further levels of the semi-orthogonal families, where they are not evenly spaced either, and of
-    /// [`WaveletFamily::Spline4`], where they are those of a cubic spline.
+    /// Sample grid of a level; level 0 is the finest grid itself. `None` where low-pass coefficients are not samples:
+    /// above level 0 of the semi-orthogonal families, where they are not evenly spaced either, and of
+    /// [`WaveletFamily::Spline4`], where they are the coefficients of a cubic spline.
     ///
     /// # Panics
     /// Where `level` exceeds [`TransformPlan::n_levels`].

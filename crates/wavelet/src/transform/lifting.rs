@@ -1,5 +1,5 @@
 //! Lifting scheme: biorthogonal wavelets. Each step adds to the samples of one parity a weighted sum of neighbours of
-//! the other, so undoing it is subtracting the same.
+//! the other parity, so subtracting the same sum undoes it.
 //!
 //! Even positions become low-pass coefficients, odd ones details. Beyond the ends the signal is mirrored about its
 //! first and its last sample (whole-point symmetry), which the symmetric steps keep at every stage: any size, nothing
@@ -52,13 +52,13 @@ const fn odd(reach: isize, weight: f64) -> LiftingStep {
 pub(crate) struct LiftingScheme {
     lifts: &'static [LiftingStep],
     gain: Option<[f64; 2]>,
-    /// Whether the signal is mirrored at its ends; else a target without a neighbour is left alone.
+    /// Whether the signal is mirrored at its ends; else a target without a neighbour is left unchanged.
     mirrored: bool,
 }
 
 static HAAR: LiftingScheme = LiftingScheme {
     lifts: &[
-        // Twice the one neighbour, half the weight.
+        // The only neighbour is given twice, with half the weight.
         LiftingStep { parity: 1, offsets: [-1, -1], weight: -0.5 },
         LiftingStep { parity: 0, offsets: [1, 1], weight: 0.25 },
     ],
@@ -87,7 +87,7 @@ static SPLINE4: LiftingScheme = LiftingScheme {
 };
 
 impl LiftingScheme {
-    /// The steps of a family; `None` for the semi-orthogonal ones.
+    /// Lifting scheme of a family; `None` for the semi-orthogonal ones.
     pub(crate) fn of(family: WaveletFamily) -> Option<&'static Self> {
         match family {
             WaveletFamily::Haar => Some(&HAAR),
@@ -156,7 +156,8 @@ impl LiftingScheme {
         taps
     }
 
-    /// Follows sample `i` back through the steps, the first of which synthesis undoes last.
+    /// Follows sample `i` back through the lifting steps, the first of which synthesis undoes last, and adds the weight
+    /// of every coefficient to `row`.
     fn unfold(&self, i: usize, n: usize, factor: f64, lifts: &[LiftingStep], row: &mut BTreeMap<usize, f64>) {
         let Some((lift, later)) = lifts.split_first() else {
             *row.entry(i).or_insert(0.0) += factor;
@@ -173,7 +174,7 @@ impl LiftingScheme {
     }
 }
 
-/// The sample that stands at position `i` beyond the ends of a line of `n ≥ 2`.
+/// Index of the sample that stands at position `i`, which may be beyond the ends of a line of `n ≥ 2`.
 #[inline(always)]
 pub(crate) fn mirror(i: isize, n: usize) -> usize {
     if (0..n as isize).contains(&i) {
@@ -194,7 +195,7 @@ fn scale<T: Real>(rows: &mut [LineRow<T>], gain: [f64; 2]) {
     }
 }
 
-/// Rows of a line in which its coefficients are found, low-pass ones first.
+/// Row of each coefficient in a bundle, low-pass coefficients first.
 pub(crate) fn order(n: usize) -> Vec<usize> {
     (0..n).step_by(2).chain((1..n).step_by(2)).collect()
 }

@@ -1,19 +1,19 @@
-//! Line bundles: how a 1-D transform runs along x, y and z of a volume, many lines at once.
+//! Line bundles: a 1-D transform runs along x, y and z of a volume on many lines at once.
 //!
-//! A transform along one axis works on many lines at once: row `i` of a bundle holds sample `i` of [`LANES`]
-//! neighbouring lines, so that every operation is one on whole vectors, whatever the axis. Along y and z the rows are
-//! pieces of the volume's own rows; along x they are turned. Bundles are independent, and the arithmetic of a lane does
-//! not depend on its neighbours: the result depends neither on the number of threads nor on the width of the vectors.
+//! Row `i` of a bundle holds sample `i` of [`LANES`] neighbouring lines, so that every operation works on whole
+//! vectors, whatever the axis. Along y and z the rows are pieces of the volume's own rows; along x they are transposed.
+//! Bundles are independent, and the arithmetic of a lane does not depend on its neighbours: the result depends neither
+//! on the number of threads nor on the width of the vectors.
 
 use wavesplat_compute::{parallel, simd};
 
-/// Lines in a bundle. Two cache lines of f32; 256 rows just fit into the first cache of today's processors.
+/// Lines in a bundle: two cache lines of f32; 256 rows just fit into the L1 cache of today's processors.
 pub const LANES: usize = 32;
 
 /// One sample of each line of a bundle.
 pub type LineRow<T> = [T; LANES];
 
-/// A bundle, and room for another of its size.
+/// A bundle, and scratch space of its size.
 pub struct LineBundle<T> {
     pub rows: Vec<LineRow<T>>,
     pub spare: Vec<LineRow<T>>,
@@ -40,8 +40,9 @@ pub enum TransformDirection {
     Synthesis,
 }
 
-/// Row of the bundle of each sample or coefficient of a line. Transforms work in place with low-pass and detail
-/// coefficients interleaved; in the volume low-pass coefficients come first. `None`: in the order of the line.
+/// Row in the bundle of each sample or coefficient of a line, on loading and on storing. Transforms work in place with
+/// low-pass and detail coefficients interleaved; in the volume low-pass coefficients come first. `None`: the order of
+/// the line.
 #[derive(Clone, Copy)]
 struct RowOrders<'a> {
     load: Option<&'a [usize]>,
@@ -69,8 +70,8 @@ pub struct LowBox {
     pub size: [usize; 3],
 }
 
-/// Runs `analyse(axis, bundle)` or `synthesise(axis, bundle)`, as the direction says, on all lines of a box along all
-/// axes that have an order: the row of the bundle in which each coefficient is found. Axes without one are left alone.
+/// Runs `analyse(axis, bundle)` or `synthesise(axis, bundle)`, by direction, on all lines of a box along all axes that
+/// have an order, the row in the bundle of each coefficient. Axes without an order are left unchanged.
 pub fn transform<T: Copy + Default + Send + Sync>(
     data: &mut [T],
     corner: LowBox,
@@ -132,7 +133,7 @@ fn on_lines<T: Copy + Default + Send + Sync>(
     };
     let across_slices = |slices: &mut [T]| {
         let Some(orders) = row_orders[2] else { return };
-        // The rows of all slices by their y: each list is a piece of work of its own.
+        // The rows of all slices by their y: each list is one job.
         let mut rows_by_y: Vec<Vec<&mut [T]>> = (0..ny).map(|_| Vec::with_capacity(nz)).collect();
         for slice in slices.chunks_mut(slice_len) {
             for (rows, row) in rows_by_y.iter_mut().zip(slice.chunks_mut(row_len)) {
@@ -159,7 +160,7 @@ fn on_lines<T: Copy + Default + Send + Sync>(
     }
 }
 
-/// Lines that run along the given rows, at most [`LANES`] of them.
+/// Runs `work` on the lines along the given rows, at most [`LANES`] of them.
 #[inline(always)]
 fn along<T: Copy + Default>(
     rows: &mut [&mut [T]],
@@ -182,7 +183,7 @@ fn along<T: Copy + Default>(
     }
 }
 
-/// Lines that run across the given rows, of `n_lines` samples each.
+/// Runs `work` on the lines across the given rows, of `n_lines` samples each.
 #[inline(always)]
 fn across<T: Copy + Default>(
     rows: &mut [&mut [T]],

@@ -1,11 +1,11 @@
 //! Norms of wavelet basis functions: amplitudes, which make coefficients comparable across levels, subbands and
 //! families.
 //!
-//! A coefficient `c` stands for `c · f` with f the function that synthesis makes of it. Its size is `|c|` times a norm
-//! of f: [`Norm::L2`], the root of the sum of squares over the finest grid (for B-splines the root of the integral,
-//! with the finest spacing 1), by which an error in a coefficient counts in the mean square; or [`Norm::Peak`], the
+//! A coefficient `c` stands for `c · f` with its basis function f, which synthesis makes of a single 1. Its amplitude
+//! is `|c|` times a norm of f: [`Norm::L2`], the root of the sum of squares over the finest grid (for B-splines the
+//! root of the integral, with the finest spacing 1), which weights its error in the mean square; or [`Norm::Peak`], the
 //! largest value of |f|. f is a product over the axes, and so are its norms. They are exact for every coefficient,
-//! boundary functions included, but for peaks of B-splines, which are looked for at every eighth of a knot interval.
+//! boundary functions included, but for peaks of B-splines, which are sampled at every eighth of a knot interval.
 
 use std::ops::Range;
 
@@ -41,8 +41,8 @@ struct BandNorms {
 }
 
 impl TransformPlan {
-    /// Norms along one axis, one per coefficient in the order in which they lie: of the wavelets of a level (`detail`),
-    /// or of the scaling functions of its low-pass box. A coefficient's own is the product over its axes: in
+    /// Norms along one axis, one per coefficient in the order of the data: of the wavelets of a level (`detail`), or of
+    /// the scaling functions of its low-pass box. The norm of a coefficient in space is the product over the axes: in
     /// [`TransformPlan::subband`] of `level`, details of `level` where the band's bit is set and scaling functions of
     /// `level + 1` where not.
     ///
@@ -57,8 +57,8 @@ impl TransformPlan {
         if detail { &bands.high[level] } else { &bands.low[level] }
     }
 
-    /// The factor from the coefficients in the middle of a subband to their amplitudes; boundary functions differ. 0
-    /// where the band is empty.
+    /// Factor from the coefficients in the middle of a subband to their amplitudes; boundary functions differ. 0 where
+    /// the band is empty.
     ///
     /// # Panics
     /// Where `level` is not below [`TransformPlan::n_levels`].
@@ -73,10 +73,10 @@ impl TransformPlan {
     }
 }
 
-/// Multiplies every coefficient by the norm of its function: `|amplitude|` is what thresholds are compared with.
+/// Multiplies every coefficient by the norm of its function; thresholds apply to the absolute value of the result.
 ///
 /// # Panics
-/// Where the coefficients are not as many as the plan's samples.
+/// Where the number of coefficients is not that of the plan's samples.
 pub fn to_amplitudes<T: Real>(plan: &TransformPlan, norm: Norm, coefficients: &mut [T]) {
     scale(plan, norm, coefficients, |factor| factor);
 }
@@ -84,7 +84,7 @@ pub fn to_amplitudes<T: Real>(plan: &TransformPlan, norm: Norm, coefficients: &m
 /// Undoes [`to_amplitudes`], to rounding.
 ///
 /// # Panics
-/// Where the amplitudes are not as many as the plan's samples.
+/// Where the number of amplitudes is not that of the plan's samples.
 pub fn from_amplitudes<T: Real>(plan: &TransformPlan, norm: Norm, amplitudes: &mut [T]) {
     scale(plan, norm, amplitudes, f64::recip);
 }
@@ -111,8 +111,8 @@ pub(crate) fn for_each_row<T: Send>(
     });
 }
 
-/// Calls `work` for every row of every subband in slice `z` of the coefficients: with its first position in the slice,
-/// and the norms of its coefficients' functions.
+/// Calls `work` for every row of every subband in slice `z` of the coefficients, with the row's first position in the
+/// slice and the norms of its coefficients' functions.
 pub(crate) fn for_each_row_of_slice(
     plan: &TransformPlan,
     norm: Norm,
@@ -147,7 +147,7 @@ pub(crate) struct RowNorms<'a> {
 }
 
 impl<'a> RowNorms<'a> {
-    /// One for each coefficient.
+    /// Norm of each coefficient's function.
     #[inline(always)]
     pub fn iter(self) -> impl Iterator<Item = f64> + 'a {
         let Self { along_x, y, z } = self;
@@ -160,7 +160,7 @@ impl<'a> RowNorms<'a> {
 }
 
 impl AxisNorms {
-    /// Follows every function down to the finest grid.
+    /// Computes the norms of all basis functions, synthesised to the finest grid.
     pub fn new(family: WaveletFamily, n: usize, steps: &[LevelStep]) -> Self {
         let measure = FunctionMeasure::new(family, n);
         let mut norms = Self::default();
@@ -201,7 +201,7 @@ impl AxisNorms {
     }
 }
 
-/// How the norms of functions on the finest grid are found: from samples, or from spline coefficients.
+/// Computes norms of functions on the finest grid, from samples or from spline coefficients.
 enum FunctionMeasure {
     Samples,
     Splines {

@@ -1,8 +1,8 @@
-//! Transform plan: the steps along each axis of one size, and where the subbands lie.
+//! Transform plan: the steps along each axis for one size, and the layout of the subbands.
 //!
 //! Each level splits the low-pass box (LLL) along x, y and z (Mallat's non-standard decomposition). The result has the
-//! size of the data: the low-pass box of a level lies in the first corner of that of the level before, details beside
-//! it. Level 0 is the finest; its low-pass box is all the data, and level `k`'s is what `k` steps leave.
+//! size of the data: the low-pass box of a level lies in the first corner of the box of the level before, details
+//! beside it. Level 0 is the finest: its low-pass box is all the data, and level `k`'s is left after `k` steps.
 
 use std::ops::Range;
 
@@ -13,7 +13,7 @@ use super::step::LevelStep;
 use crate::error::WaveletError;
 use crate::family::WaveletFamily;
 
-/// A family at a size and a number of levels. Axes in the order x, y, z; data in the order `[z][y][x]`.
+/// Transform of a family at a size and a number of levels. Axes in the order x, y, z; data in the order `[z][y][x]`.
 #[derive(Clone, Debug)]
 pub struct TransformPlan {
     family: WaveletFamily,
@@ -29,8 +29,8 @@ pub(crate) struct AxisPlan {
 }
 
 impl TransformPlan {
-    /// The plan for a volume of `size` samples along x, y, z. `n_levels`: all that the longest axis has where `None`;
-    /// more than that are left out. Axes that are split up before the others stay as they are.
+    /// Plan for a volume of `size` samples along x, y, z. `n_levels`: at most as the longest axis has; `None`: all of
+    /// these. Axes that cannot be split any more stay as they are at further levels.
     pub fn new(family: WaveletFamily, size: [usize; 3], n_levels: Option<usize>) -> Result<Self, WaveletError> {
         n_samples_of(size)?;
         let most = max_levels(family, size);
@@ -46,7 +46,7 @@ impl TransformPlan {
         Ok(Self { family, size, axes: [x, y, z] })
     }
 
-    /// The plan for lines of `n` samples.
+    /// Plan for lines of `n` samples.
     pub fn line(family: WaveletFamily, n: usize, n_levels: Option<usize>) -> Result<Self, WaveletError> {
         Self::new(family, [n, 1, 1], n_levels)
     }
@@ -61,12 +61,12 @@ impl TransformPlan {
         self.size
     }
 
-    /// Samples in all.
+    /// Number of samples.
     pub fn n_samples(&self) -> usize {
         self.size.iter().product()
     }
 
-    /// Levels of details.
+    /// Number of levels of details.
     pub fn n_levels(&self) -> usize {
         self.axes[0].steps.len()
     }
@@ -82,8 +82,8 @@ impl TransformPlan {
         })
     }
 
-    /// Where a subband of a level, `0..n_levels`, lies, along x, y, z. Bit 0, 1, 2 of `band`: details along x, y, z;
-    /// band 0 is the low-pass box of the next level. Bands of axes that were not split are empty.
+    /// Ranges of a subband of a level, `0..n_levels`, along x, y, z. Bit 0, 1, 2 of `band`: details along x, y, z; band
+    /// 0 is the low-pass box of the next level. Bands of axes that were not split are empty.
     ///
     /// # Panics
     /// Where `level` is not below [`TransformPlan::n_levels`].
@@ -94,7 +94,7 @@ impl TransformPlan {
         })
     }
 
-    /// The step from the low-pass box of a level to that of the next along an axis (0, 1, 2 for x, y, z).
+    /// Step from the low-pass box of a level to the next level's, along an axis (0, 1, 2 for x, y, z).
     ///
     /// # Panics
     /// Where `level` is not below [`TransformPlan::n_levels`].
@@ -114,20 +114,20 @@ impl TransformPlan {
     }
 }
 
-/// Samples of a volume.
+/// Number of samples of a volume.
 pub(crate) fn n_samples_of(size: [usize; 3]) -> Result<usize, WaveletError> {
     let n = size.iter().try_fold(1_usize, |n, &m| n.checked_mul(m));
     n.filter(|n| *n > 0).ok_or(WaveletError::VolumeSize { size })
 }
 
-/// Levels after which no axis can be split any more.
+/// Number of levels after which no axis can be split any more.
 pub fn max_levels(family: WaveletFamily, size: [usize; 3]) -> usize {
     size.into_iter().map(|n| family.max_levels(n)).max().unwrap_or(0)
 }
 
 impl AxisPlan {
     fn new(family: WaveletFamily, n: usize, n_levels: usize) -> Self {
-        // Break points of the splines; only the semi-orthogonal families have them.
+        // Break points of the splines, for semi-orthogonal families.
         let order = family.semi_orthogonal_order();
         let mut breaks: Vec<f64> = (0..(n + 2).saturating_sub(order.unwrap_or(0))).map(|i| i as f64).collect();
         let mut steps: Vec<LevelStep> = Vec::with_capacity(n_levels);

@@ -8,7 +8,7 @@ mod sealed {
     impl SealedReal for f64 {}
 }
 
-/// `f32` or `f64`. Weights are made in f64 and rounded once.
+/// Number type of a transform: `f32` or `f64`. Weights are computed in f64 and rounded once.
 pub trait Real:
     sealed::SealedReal
     + Copy

@@ -13,8 +13,8 @@ use super::lines::{self, LANES, LineRow, LowBox, TransformDirection};
 use super::plan::TransformPlan;
 use crate::family::WaveletFamily;
 
-/// Samples -> coefficients, all levels of a plan of [`WaveletFamily::Cdf53`], whose layout they have. Along each axis
-/// the coefficients are those of [`crate::analyse`] to about one unit.
+/// Samples -> coefficients in the layout of a plan of [`WaveletFamily::Cdf53`], all levels. Along each axis the
+/// coefficients equal those of [`crate::analyse`] to about one unit.
 ///
 /// # Panics
 /// Where the plan is of another family, or of another size than the data.
@@ -65,7 +65,7 @@ fn run_level(plan: &TransformPlan, level: usize, data: &mut [i32], direction: Tr
     );
 }
 
-/// Changes the rows of one parity by the sum of their neighbours.
+/// Updates the rows of one parity by the sum of their neighbours.
 #[inline(always)]
 fn lift(rows: &mut [LineRow<i32>], parity: usize, change: impl Fn(i32, i32) -> i32) {
     let n = rows.len();

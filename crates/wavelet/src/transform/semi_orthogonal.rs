@@ -1,4 +1,4 @@
-//! Semi-orthogonal B-spline wavelets on an interval (Chui & Wang), with knots that let splines end on their last
+//! Semi-orthogonal B-spline wavelets on an interval (Chui & Wang), with knots for which splines end on their last
 //! coefficient.
 //!
 //! The samples are taken as coefficients of B-splines of order m on the knots `0, 1, .. n − m + 1`, the first and the
@@ -9,18 +9,18 @@
 //!
 //! - Size: any. With an odd number of intervals the last one is not halved; it stays shorter than the others until a
 //!   later level merges it.
-//! - Ends: no signal is assumed beyond them; boundary wavelets are those of shortest support, found as the null space
+//! - Ends: no signal is assumed beyond them; boundary wavelets have the shortest support, found as the null space
 //!   of a window of `Pᵀ G`. Inside they are the wavelets of Chui & Wang, with 3m − 1 taps.
-//! - Normalisation: scaling functions have sum 1, so low-pass coefficients of a constant are that constant. The largest tap
-//!   of each wavelet is 1; of two largest of opposite sign (quadratic splines) the first.
-//! - Polynomials of degree below m, given by their spline coefficients, have no details, at the ends neither.
+//! - Normalisation: scaling functions have sum 1, so low-pass coefficients of a constant are that constant. The largest
+//!   tap of each wavelet is 1; of two largest of opposite sign (quadratic splines) the first.
+//! - Polynomials of degree below m, given by their spline coefficients, have no details, not even at the ends.
 //!
 //! Sources: Chui & Wang, "On compactly supported spline wavelets and a duality principle", 1992; Chui & Quak, "Wavelets
 //! on a bounded interval", 1992; Stollnitz, `DeRose`, Salesin, *Wavelets for Computer Graphics*, 1996, ch. 7.
 
 use super::spline::{MAX_ORDER, SparseColumn, gram, refine};
 
-/// One level: the coarse break points, scaling functions `P` and wavelets `Q` as fine coefficients.
+/// One level of a split: coarse break points, and scaling functions `P` and wavelets `Q` as fine coefficients.
 #[derive(Debug)]
 pub(crate) struct SplineSplit {
     pub breaks: Vec<f64>,
@@ -28,7 +28,7 @@ pub(crate) struct SplineSplit {
     pub wavelets: Vec<SparseColumn>,
 }
 
-/// Splits the splines of an order on at least two intervals.
+/// Splits the spline space of an order on at least two intervals into coarse splines and wavelets.
 pub(crate) fn split(breaks: &[f64], order: usize) -> SplineSplit {
     let n_intervals = breaks.len() - 1;
     let last = breaks[n_intervals];
@@ -61,19 +61,19 @@ fn products(scaling: &[SparseColumn], gram: &[[f64; MAX_ORDER]], order: usize) -
     scaling.iter().map(row).collect()
 }
 
-/// The shortest window of fine functions that holds wavelet `k` of `n_wavelets`, the one spline in it that is
-/// orthogonal to all coarse functions.
+/// Shortest window of fine functions that holds wavelet `k` of `n_wavelets`: the only spline in it that is orthogonal
+/// to all coarse functions.
 fn window(k: usize, n_wavelets: usize, n: usize, order: usize, odd: usize) -> [usize; 2] {
-    // Inside a window starts at 2k − m + 1; towards an end it is as short as the functions there allow.
+    // Away from the ends a window starts at 2k − m + 1; towards an end it is as short as the functions there allow.
     let start = |k: usize, odd: usize| k.max((2 * k + 1 + odd).saturating_sub(order));
     [start(k, 0), n - start(n_wavelets - 1 - k, odd)]
 }
 
-/// All vectors on `first..end` whose products with every row are 0: Gauss-Jordan elimination with full pivoting.
+/// All vectors on `first..end` that are orthogonal to every row, by Gauss-Jordan elimination with full pivoting.
 fn null_space(rows: &[SparseColumn], first: usize, end: usize) -> Vec<SparseColumn> {
     let n = end - first;
     let rows = &rows[rows.partition_point(|row| row.end() <= first)..rows.partition_point(|row| row.first < end)];
-    // Columns at a common size: functions next to a short last interval are small.
+    // Columns are scaled to a common size: functions next to a short last interval are small.
     let scale: Vec<f64> =
         (first..end).map(|i| rows.iter().fold(0.0_f64, |a, row| a.max(row.at(i).abs())).recip()).collect();
     let mut matrix: Vec<Vec<f64>> =
@@ -85,7 +85,7 @@ fn null_space(rows: &[SparseColumn], first: usize, end: usize) -> Vec<SparseColu
         let Some((i, j)) = candidates.max_by(|a, b| matrix[a.0][a.1].abs().total_cmp(&matrix[b.0][b.1].abs())) else {
             break;
         };
-        // Columns are scaled to 1; what is left of dependent rows is rounding.
+        // Columns are scaled to 1: a smaller pivot is the rounding error of dependent rows.
         if matrix[i][j].abs() < 1e-11 {
             break;
         }
@@ -113,7 +113,7 @@ fn null_space(rows: &[SparseColumn], first: usize, end: usize) -> Vec<SparseColu
 
 fn normalise(wavelet: SparseColumn) -> SparseColumn {
     let largest = wavelet.values.iter().fold(0.0_f64, |a, b| a.max(b.abs()));
-    // The first of equals, whatever rounding says.
+    // The first of equal peaks, independent of rounding.
     let peak = wavelet.values.iter().copied().find(|x| x.abs() > largest * (1.0 - 1e-6)).unwrap_or(1.0);
     SparseColumn { first: wavelet.first, values: wavelet.values.into_iter().map(|x| x / peak).collect() }
 }

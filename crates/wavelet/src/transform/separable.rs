@@ -22,7 +22,7 @@ pub fn synthesise<T: Real>(plan: &TransformPlan, data: &mut [T]) {
     synthesise_at(simd::Level::best(), plan, data);
 }
 
-/// One level of [`analyse`]: the low-pass box of `level`, in its place, becomes that of the next level and its details.
+/// One level of [`analyse`]: splits the low-pass box of `level`, in place, into the next level's and its details.
 ///
 /// # Panics
 /// Where the data have another size than the plan, or the plan has no such level.
@@ -40,8 +40,8 @@ pub fn synthesise_level<T: Real>(plan: &TransformPlan, level: usize, data: &mut 
     run_level(simd::Level::best(), plan, level, data, pitch(plan.size()), TransformDirection::Synthesis);
 }
 
-/// The volume at a coarser level: the low-pass box of `level`, at its own size, from the coefficients of all coarser
-/// levels. Low-pass coefficients of a constant are that constant, so it has the data's own range.
+/// Volume at a coarser level: the low-pass box of `level`, at its own size, from the coefficients of all coarser
+/// levels. Low-pass coefficients of a constant are that constant, so the result has the data's own units.
 ///
 /// # Panics
 /// Where the coefficients have another size than the plan, or the plan has no such level.

@@ -1,4 +1,4 @@
-//! Banded linear systems: LU factors with row exchanges, made once in f64 and applied to whole bundles of lines.
+//! Banded linear systems: LU factors with row exchanges, computed once in f64 and applied to whole bundles of lines.
 //!
 //! Gaussian elimination with partial pivoting keeps the rows inside the band, as LAPACK's `gbtrf` does.
 
@@ -10,7 +10,7 @@ use super::taps::{Tap, TapRows, accumulate};
 /// A square matrix factored into `P A = L U`.
 #[derive(Clone, Debug)]
 pub struct BandedSolver {
-    /// Row `i` of the factors is row `source[i]` of the matrix.
+    /// Permutation P: row `i` of the factors is row `source[i]` of the matrix.
     source: Vec<usize>,
     /// L without its diagonal of ones.
     lower: TapRows,
@@ -25,7 +25,7 @@ impl BandedSolver {
         let n = columns.len();
         let mut rows = rows_of(columns);
         let largest = columns.iter().flat_map(|c| &c.values).fold(0.0_f64, |a, b| a.max(b.abs()));
-        // Entries below the diagonal reach this far, and row exchanges do not change that.
+        // Number of entries of a column below the diagonal, at most; row exchanges do not increase it.
         let reach = columns.iter().enumerate().map(|(j, c)| c.end().saturating_sub(j + 1)).max().unwrap_or(0);
         let mut source: Vec<usize> = (0..n).collect();
         let mut lower = vec![Vec::new(); n];
@@ -91,7 +91,7 @@ fn rows_of(columns: &[SparseColumn]) -> Vec<SparseColumn> {
     rows
 }
 
-/// Row `i` less `weight` times row `j` from column `j` on; its entry there becomes 0 exactly.
+/// Subtracts `weight` times row `j` from row `i`, from column `j` on; the entry in column `j` becomes 0 exactly.
 fn subtract(rows: &mut [SparseColumn], i: usize, weight: f64, j: usize) {
     let pivot_row = rows[j].clone();
     let row = &mut rows[i];

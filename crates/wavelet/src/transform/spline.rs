@@ -1,17 +1,17 @@
 //! B-splines on an interval with open-uniform knots: values, Gram matrix, knot insertion.
 //!
 //! A space is given by its break points, ascending; the first and the last are knots of full multiplicity, so the first
-//! and the last function reach 1 there and the spline ends on its first and last coefficient. With `m` the order
+//! and the last function reach 1 there and a spline's end values are its first and last coefficient. With `m` the order
 //! (degree plus one), `n` break intervals carry `n + m − 1` functions of sum 1.
 //!
 //! Sources: de Boor, *A Practical Guide to Splines* (values by the stable recurrence); Cohen, Lyche, Riesenfeld,
 //! "Discrete B-splines and subdivision techniques", 1980 (the Oslo algorithm: the same recurrence at several fine
 //! knots).
 
-/// Largest order.
+/// Largest order of a spline.
 pub const MAX_ORDER: usize = 4;
 
-/// A column of a banded matrix: its terms from `first` on, 0 elsewhere.
+/// A column of a banded matrix: entries from `first` on, 0 elsewhere.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SparseColumn {
     pub first: usize,
@@ -28,13 +28,13 @@ impl SparseColumn {
     }
 }
 
-/// The knots of a space: its break points, the first and the last repeated.
+/// Knots of a space: its break points, the first and the last repeated.
 pub fn knots(breaks: &[f64], order: usize) -> Vec<f64> {
     let ends = |b: f64| std::iter::repeat_n(b, order - 1);
     ends(breaks[0]).chain(breaks.iter().copied()).chain(ends(breaks[breaks.len() - 1])).collect()
 }
 
-/// The functions that live between knots `span` and `span + 1`, of which function `span + 1 − order` is the first. The
+/// Values of the functions that are not 0 between knots `span` and `span + 1`, function `span + 1 − order` first. The
 /// recurrence goes from order r to r + 1 at `x(r)`: one point for values, successive fine knots for refinement.
 fn recurrence(knots: &[f64], order: usize, span: usize, x: impl Fn(usize) -> f64) -> [f64; MAX_ORDER] {
     let mut b = [1.0, 0.0, 0.0, 0.0];
@@ -53,7 +53,7 @@ fn recurrence(knots: &[f64], order: usize, span: usize, x: impl Fn(usize) -> f64
     b
 }
 
-/// Values at `x` of the `order` functions that live on a break interval; function `interval` is the first.
+/// Values at `x` of the `order` functions that are not 0 on a break interval; function `interval` is the first.
 pub fn values(knots: &[f64], order: usize, interval: usize, x: f64) -> [f64; MAX_ORDER] {
     recurrence(knots, order, interval + order - 1, |_| x)
 }
@@ -85,7 +85,7 @@ pub fn gram(breaks: &[f64], order: usize) -> Vec<[f64; MAX_ORDER]> {
     gram
 }
 
-/// Every function of a coarse space as a sum of functions of a fine one, whose breaks include the coarse ones.
+/// Functions of a coarse space as sums of functions of a fine one, whose breaks include the coarse ones.
 pub fn refine(coarse: &[f64], fine: &[f64], order: usize) -> Vec<SparseColumn> {
     let (coarse_knots, fine_knots) = (knots(coarse, order), knots(fine, order));
     let mut columns = vec![SparseColumn { first: 0, values: Vec::new() }; coarse.len() + order - 2];
@@ -101,7 +101,7 @@ pub fn refine(coarse: &[f64], fine: &[f64], order: usize) -> Vec<SparseColumn> {
                 if column.values.is_empty() {
                     column.first = i;
                 }
-                // Functions that start late have no gaps: a discrete B-spline is positive on its support.
+                // There are no gaps: a discrete B-spline is positive on its support.
                 column.values.resize(i - column.first, 0.0);
                 column.values.push(weight);
             }

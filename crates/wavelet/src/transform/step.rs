@@ -9,12 +9,12 @@ use super::spline::SparseColumn;
 use super::taps::{Tap, TapRows, accumulate};
 use crate::family::WaveletFamily;
 
-/// One level of `n` numbers along one axis: `n_low` low-pass coefficients, then `n − n_low` details.
+/// One level of a transform of `n` numbers along one axis: `n_low` low-pass coefficients, then `n − n_low` details.
 #[derive(Clone, Debug)]
 pub struct LevelStep {
-    /// Numbers before.
+    /// Samples, or low-pass coefficients of the level before.
     pub n: usize,
-    /// Low-pass coefficients after.
+    /// Low-pass coefficients of the next level.
     pub n_low: usize,
     synthesis: TapRows,
     order: Vec<usize>,
@@ -26,7 +26,8 @@ enum StepMethod {
     /// Nothing left to split.
     Copy,
     Lifting(&'static LiftingScheme),
-    /// A banded solve; coefficients are interleaved by the middle of their functions, which keeps the system banded.
+    /// A banded solve; coefficients are sorted by the middle of their functions' supports, which keeps the system
+    /// banded.
     Solve {
         analysis: BandedSolver,
         synthesis: TapRows,
@@ -71,12 +72,12 @@ impl LevelStep {
         self.synthesis.row(i)
     }
 
-    /// The basis function of every coefficient as samples: the columns of synthesis.
+    /// Basis function of every coefficient as samples: the columns of synthesis.
     pub(crate) fn functions(&self) -> Vec<Vec<Tap>> {
         self.synthesis.columns(self.n)
     }
 
-    /// Rows of a bundle in which the coefficients are found; `None` where there is nothing to do.
+    /// Row of each coefficient in a bundle; `None` where there is nothing to do.
     pub(crate) fn order(&self) -> Option<&[usize]> {
         if matches!(self.method, StepMethod::Copy) { None } else { Some(&self.order) }
     }

@@ -6,13 +6,13 @@ use super::real::Real;
 /// One term of a weighted sum.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tap {
-    /// Position of the number that is weighted.
+    /// Index of the number that is weighted.
     pub index: usize,
-    /// Its factor.
+    /// Factor of the number.
     pub weight: f64,
 }
 
-/// The rows of a sparse matrix.
+/// Sparse matrix by rows.
 #[derive(Clone, Debug, Default)]
 pub struct TapRows {
     ends: Vec<usize>,
@@ -35,7 +35,7 @@ impl TapRows {
         self.ends.len()
     }
 
-    /// The columns of the matrix, as the terms in which each number occurs.
+    /// Columns of the matrix: for each, its entries by row.
     pub fn columns(&self, n_columns: usize) -> Vec<Vec<Tap>> {
         let mut columns = vec![Vec::new(); n_columns];
         for i in 0..self.n_rows() {
@@ -47,7 +47,7 @@ impl TapRows {
     }
 }
 
-/// `start − Σ weight · row`, or `+` where `weight_sign` is 1.
+/// `start + weight_sign · Σ weight · row`, summed in the order of the taps.
 #[inline(always)]
 pub fn accumulate<T: Real>(start: LineRow<T>, weight_sign: f64, taps: &[Tap], rows: &[LineRow<T>]) -> LineRow<T> {
     let mut sum = start;

@@ -1,11 +1,12 @@
-//! Samples about an offset: what is transformed, so that samples far from 0 keep their digits.
+//! Samples less an offset, as they are transformed, so that samples far from 0 keep their digits.
 //!
-//! A transform in f32 rounds to about 1e-7 of the largest sample, whatever the range: of samples from 10 000 to 10 001
-//! it would leave errors of a thousandth. So their middle is taken off first, in f64, and added to what is decoded.
+//! A transform in f32 rounds to about 1e-7 of the largest sample, whatever the range: for samples from 10 000 to 10 001
+//! the error would be a thousandth of the range. So their middle is subtracted first, in f64, and added to the decoded
+//! samples.
 
 use wavesplat_core::{Sample as _, Samples, Statistics, with_samples};
 
-/// An offset is taken off where the largest sample is more than this many ranges from 0. Elsewhere it would win less than
+/// Largest magnitude, in ranges of the samples, above which an offset is subtracted. Below, it would win less than
 /// three bits, and lose the zeros of empty space, which cost no coefficients.
 const MIN_DISTANCE: f64 = 8.0;
 
@@ -15,7 +16,7 @@ pub struct CenteredSamples {
     pub(super) values: Vec<f32>,
     /// An f32, so that `offset + value` in f32 is the nearest one to the exact sum.
     pub(super) offset: f32,
-    /// Smallest and largest sample, before.
+    /// Smallest and largest sample, before the offset is subtracted.
     pub(super) range: [f64; 2],
 }
 

@@ -1,35 +1,35 @@
 //! Level of detail: a level of a wavelet volume as a volume of its own.
 //!
 //! Its samples are the low-pass coefficients, on [`level_grid`](crate::TransformPlan::level_grid); at an end that these
-//! do not reach, one more repeats the last.
+//! do not reach, one more sample repeats the last.
 
 use wavesplat_core::{Decoder, LevelGrid};
 
 use super::decode::CoefficientDecoder;
 use crate::error::WaveletError;
 
-/// Decodes the samples of a level.
+/// Decoder of the samples of a level.
 pub struct CoarseLevel {
     decoder: CoefficientDecoder,
     grid: LevelGrid,
-    /// Samples along each axis that repeat the first one, 1 or 0.
+    /// Number of samples along each axis that repeat the first coefficient, 1 or 0.
     n_before: [usize; 3],
 }
 
 impl CoarseLevel {
-    /// The decoder's level. Fails where its low-pass coefficients are no samples, as [`TransformPlan::level_grid`]
-    /// says.
+    /// Makes a volume of the decoder's level. Fails where its low-pass coefficients are not samples, see
+    /// [`TransformPlan::level_grid`].
     ///
     /// [`TransformPlan::level_grid`]: crate::TransformPlan::level_grid
     pub fn new(decoder: CoefficientDecoder) -> Result<Self, WaveletError> {
         let (plan, level) = (decoder.plan(), decoder.level());
         let grid = plan.level_grid(level).ok_or(WaveletError::NoSampleGrid { family: plan.family(), level })?;
-        // Low-pass coefficients start at 0 or beyond; before the first sample lies only what repeats the first of them.
+        // Low-pass coefficients start at 0 or beyond: a sample before 0 repeats the first of them.
         let n_before = grid.origin.map(|first| usize::from(first < 0.0));
         Ok(Self { decoder, grid, n_before })
     }
 
-    /// Where the samples lie.
+    /// Sample grid of the level.
     pub fn grid(&self) -> LevelGrid {
         self.grid
     }

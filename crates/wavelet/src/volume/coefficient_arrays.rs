@@ -1,4 +1,4 @@
-//! Serialisation: a wavelet volume as plain arrays, and back with checks, since what is read may be damaged.
+//! Serialisation: a wavelet volume as plain arrays, and back with checks, since a file may be damaged.
 
 use std::sync::OnceLock;
 
@@ -12,28 +12,28 @@ use crate::transform::plan::{TransformPlan, max_levels, n_samples_of};
 /// box of the last level.
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoefficientArrays {
-    /// The family.
+    /// Wavelet family.
     pub family: WaveletFamily,
     /// Samples along x, y, z.
     pub size: [usize; 3],
-    /// Levels of details.
+    /// Number of levels of details.
     pub n_levels: usize,
-    /// The amplitude below which coefficients were dropped.
+    /// Amplitude below which coefficients were dropped.
     pub threshold: f64,
-    /// Offset, added to the samples that the coefficients stand for.
+    /// Offset that is added to the synthesised samples.
     pub offset: f32,
-    /// For each block of 8 x 8 x 8 coefficients whether it keeps any, 0 or 1.
+    /// Per block of 8 x 8 x 8 coefficients: 1 where it keeps any, else 0.
     pub has_block: Vec<u8>,
-    /// For each block that does eight words, one per slice: a bit per coefficient, x first.
+    /// Significance map: eight words per non-empty block, one per slice, with a bit per coefficient, x first.
     pub masks: Vec<u64>,
-    /// The coefficients, in the order of the bits.
+    /// Coefficients in the order of the bits.
     pub values: Vec<f32>,
-    /// Smallest and largest sample that they stand for, where that is known: else everything is decoded to find it.
+    /// Smallest and largest decoded sample, if known; otherwise the first query decodes the volume.
     pub range: Option<[f32; 2]>,
 }
 
 impl WaveletVolume {
-    /// As plain arrays.
+    /// The volume as plain arrays.
     pub fn to_arrays(&self) -> CoefficientArrays {
         let all = || self.bands.iter();
         CoefficientArrays {
@@ -49,7 +49,7 @@ impl WaveletVolume {
         }
     }
 
-    /// From plain arrays; says what does not fit together.
+    /// A volume from plain arrays; the error names arrays that do not fit together.
     pub fn from_arrays(arrays: CoefficientArrays) -> Result<Self, WaveletError> {
         arrays.check_numbers()?;
         let CoefficientArrays { family, size, n_levels, threshold, offset, has_block, masks, values, range } = arrays;
@@ -66,7 +66,7 @@ impl WaveletVolume {
         for subband in subbands {
             let mut band = RetainedBand { subband, blocks: Vec::new(), kept: Vec::new(), values: Vec::new() };
             let mut start = 0;
-            // Counted above: there is one entry for each block, and masks for each that keeps something.
+            // Checked above: there is one entry per block, and masks for each block that is not empty.
             for ([xs, ys, zs], (block, has)) in blocks_of(&band.subband.ranges).zip(has_block.by_ref()) {
                 if has == 0 {
                     band.blocks.push(EMPTY);
@@ -107,8 +107,7 @@ impl WaveletVolume {
 }
 
 impl CoefficientArrays {
-    /// Checks all that can be checked before anything of the volume's size is made: what is said of the size may be
-    /// wrong.
+    /// Checks the numbers before anything of the volume's size is allocated, since the size may be damaged.
     fn check_numbers(&self) -> Result<(), WaveletError> {
         let Self { family, size, n_levels, offset, ref has_block, ref values, range, .. } = *self;
         let least = n_samples_of(size)?.div_ceil(BLOCK * BLOCK * BLOCK);

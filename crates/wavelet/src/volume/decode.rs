@@ -1,11 +1,11 @@
 //! Decoder of a wavelet volume: samples of any box of a level, straight from the retained coefficients.
 //!
 //! A sample at level `k` is a sum over the axes' synthesis taps of low-pass samples of level `k + 1` and details of
-//! level `k`. So a box needs a box of low-pass samples half as large and a few samples wider, and that one the next, up to a
-//! level small enough to be held as a whole.
+//! level `k`. So a box needs a box of low-pass samples half as large and a few samples wider, and so on recursively, up
+//! to a level small enough to be held as a whole.
 //!
-//! Each sample is summed in the order of its taps, so it does not depend on the box. To rounding it is that of
-//! [`crate::synthesise`], which goes by lifting.
+//! Each sample is summed in the order of its taps, so it does not depend on the box. It equals the result of
+//! [`crate::synthesise`], which works by lifting, up to rounding.
 
 use std::cell::RefCell;
 use std::ops::Range;
@@ -20,27 +20,28 @@ use super::wavelet_volume::WaveletVolume;
 use crate::error::WaveletError;
 use crate::transform::plan::TransformPlan;
 
-/// So many levels above the decoder's own low-pass samples are held in memory: they are a 512th of its samples.
+/// Number of levels from the decoder's own to the low-pass samples held in memory, which are a 512th of its samples.
 const LEVELS_ABOVE: usize = 3;
 
-/// Sides of the boxes that a whole level is decoded in.
+/// Side of the boxes in which a whole level is decoded.
 const SIDE: usize = 32;
 
-/// Decodes one level of a wavelet volume, with a weight for each level's details.
+/// Decoder of one level of a wavelet volume, with a weight for each level's details.
 pub struct CoefficientDecoder {
     volume: Arc<WaveletVolume>,
     weights: Vec<f32>,
     level: usize,
-    /// Low-pass samples of a coarser level that are held in memory, and that level.
+    /// Low-pass samples of `held_level`, a coarser level.
     held: Vec<f32>,
     held_level: usize,
-    /// Added to every sample.
+    /// Offset that is added to every sample.
     offset: f32,
 }
 
 impl CoefficientDecoder {
-    /// `level` 0 gives the samples, each further one the low-pass samples at half the resolution. `weights`: a factor for
-    /// each level's details, the finest first, and for the coarsest low-pass box; those beyond the slice are 1.
+    /// Decoder of a level: level 0 gives the samples, each further level the low-pass samples at half the resolution.
+    /// `weights`: a factor for each level's details, the finest first, and for the coarsest low-pass box; weights
+    /// beyond the end of the slice are 1.
     pub fn new(volume: Arc<WaveletVolume>, level: usize, weights: &[f32]) -> Result<Self, WaveletError> {
         let coarsest = volume.plan().n_levels();
         if level > coarsest {
@@ -57,12 +58,12 @@ impl CoefficientDecoder {
             decoder.held_level = decoder.level;
         }
         decoder.level = level;
-        // After the coarser levels, which are held without it.
+        // Set last: the coarser levels are held without the offset.
         decoder.offset = decoder.volume.weighted_offset(&decoder.weights);
         Ok(decoder)
     }
 
-    /// The transform of the volume.
+    /// Transform plan of the volume.
     pub(super) fn plan(&self) -> &TransformPlan {
         self.volume.plan()
     }
@@ -133,7 +134,7 @@ impl CoefficientDecoder {
         })
     }
 
-    /// Decodes the box of a level into the first scratch; the coarser ones use those after it.
+    /// Decodes the box of a level into the first scratch; coarser levels use the following ones.
     fn run(&self, level: usize, ranges: &[Range<usize>; 3], scratch: &mut [LevelScratch]) {
         let Some((own, above)) = scratch.split_first_mut() else { return };
         if level == self.held_level {

@@ -1,8 +1,8 @@
 //! Sparse subband: its retained coefficients in blocks of 8 x 8 x 8.
 //!
-//! A block that keeps something has one bit per coefficient (a significance map), a word per slice, and its
-//! coefficients in the order of the bits; a block that keeps nothing is an empty entry. So the memory is proportional
-//! to what is kept, and which coefficients a slice of a band has is a look-up.
+//! A non-empty block has a significance map, one bit per coefficient and one word per slice, and its coefficients in
+//! the order of the bits; an empty block is a single entry. So the memory is proportional to the number of kept
+//! coefficients, and a slice of a band finds its coefficients by look-up.
 
 use std::ops::Range;
 
@@ -11,17 +11,17 @@ use crate::transform::plan::TransformPlan;
 /// Coefficients along each side of a block.
 pub const BLOCK: usize = 8;
 
-/// A block without coefficients.
+/// Entry of a block without coefficients.
 pub const EMPTY: u32 = u32::MAX;
 
 /// A subband of a transform.
 #[derive(Clone, Debug)]
 pub struct Subband {
-    /// Its level; the low-pass box of the coarsest level counts as one level more than the last details.
+    /// Level; the low-pass box of the coarsest level counts as one level more than the last details.
     pub level: usize,
-    /// Its number, as in [`TransformPlan::subband`].
+    /// Number of the band, as in [`TransformPlan::subband`].
     pub number: usize,
-    /// Where it lies among the coefficients, along x, y, z.
+    /// Ranges among the coefficients, along x, y, z.
     pub ranges: [Range<usize>; 3],
 }
 
@@ -38,13 +38,13 @@ pub struct RetainedBand {
 /// Retained coefficients of a block.
 #[derive(Clone, Debug)]
 pub struct RetainedBlock {
-    /// A bit per coefficient, x first; a word per slice.
+    /// Significance map: a word per slice, with a bit per coefficient, x first.
     pub masks: [u64; BLOCK],
-    /// Position of its first value.
+    /// Index of the block's first value in [`RetainedBand::values`].
     pub start: usize,
 }
 
-/// Subbands 1 to 7 of each level, the finest first, then the low-pass box of the last level; those that are not empty.
+/// Non-empty subbands: 1 to 7 of each level, the finest first, then the low-pass box of the last level.
 pub fn subbands(plan: &TransformPlan) -> Vec<Subband> {
     let details = |level| (1..8).map(move |number| Subband { level, number, ranges: plan.subband(level, number) });
     let coarsest = plan.n_levels();
@@ -53,13 +53,13 @@ pub fn subbands(plan: &TransformPlan) -> Vec<Subband> {
     all.filter(|subband| subband.ranges.iter().all(|range| !range.is_empty())).collect()
 }
 
-/// The ranges of the blocks along an axis.
+/// Ranges of the blocks along an axis.
 fn block_ranges(range: &Range<usize>) -> impl Iterator<Item = Range<usize>> + Clone {
     let Range { start, end } = *range;
     (start..end).step_by(BLOCK).map(move |first| first..(first + BLOCK).min(end))
 }
 
-/// The blocks of a band, `[z][y][x]`.
+/// Ranges of the blocks of a band, `[z][y][x]`.
 pub fn blocks_of([xs, ys, zs]: &[Range<usize>; 3]) -> impl Iterator<Item = [Range<usize>; 3]> {
     let (xs, ys) = (block_ranges(xs), block_ranges(ys));
     block_ranges(zs).flat_map(move |z| {
@@ -72,7 +72,7 @@ pub fn blocks_of([xs, ys, zs]: &[Range<usize>; 3]) -> impl Iterator<Item = [Rang
 }
 
 impl RetainedBand {
-    /// Keeps all coefficients of a subband that are not 0. `size`: of the volume.
+    /// Keeps all coefficients of a subband that are not 0. The size is the volume's.
     pub fn new(subband: Subband, coefficients: &[f32], [nx, ny, _]: [usize; 3]) -> Self {
         let mut band = Self { subband, blocks: Vec::new(), kept: Vec::new(), values: Vec::new() };
         for [xs, ys, zs] in blocks_of(&band.subband.ranges) {
@@ -97,13 +97,13 @@ impl RetainedBand {
         band
     }
 
-    /// Calls `found` with position, counted from the first of `ranges`, and value of every coefficient there. `ranges`
-    /// count from the subband's first coefficient.
+    /// Calls `found` with position and value of every kept coefficient in `ranges`. The ranges count from the subband's
+    /// first coefficient, positions from the first of the ranges.
     #[inline(always)]
     pub fn for_each(&self, ranges: &[Range<usize>; 3], mut found: impl FnMut([usize; 3], f32)) {
         let n_blocks = [0, 1, 2].map(|a| self.subband.ranges[a].len().div_ceil(BLOCK));
         let blocks = [0, 1, 2].map(|a| ranges[a].start / BLOCK..ranges[a].end.div_ceil(BLOCK));
-        // The part of a block along an axis, in its own coordinates.
+        // Part of a block in the ranges along an axis, counted from the block's first coefficient.
         let inside = |a: usize, block: usize| {
             let first = block * BLOCK;
             ranges[a].start.saturating_sub(first)..(ranges[a].end - first).min(BLOCK)
@@ -114,6 +114,8 @@ impl RetainedBand {
                     let block_idx = (bz * n_blocks[1] + by) * n_blocks[0] + bx;
                     let Some(block) = self.kept.get(self.blocks[block_idx] as usize) else { continue };
                     let [xs, ys] = [inside(0, bx), inside(1, by)];
+                    // Masks of the wanted columns and rows: bit `x + 8 y` is coefficient (x, y) of a slice, and the
+                    // product repeats the byte of one row in all eight.
                     let columns = (0xff << xs.start & 0xff >> (BLOCK - xs.end)) * 0x0101_0101_0101_0101_u64;
                     let rows = u64::MAX << (BLOCK * ys.start) & u64::MAX >> (BLOCK * (BLOCK - ys.end));
                     let zs = inside(2, bz);
@@ -125,6 +127,8 @@ impl RetainedBand {
                         while wanted != 0 {
                             let bit = wanted.trailing_zeros() as usize;
                             wanted &= wanted - 1;
+                            // Values are in the order of the bits, so the number of lower bits is the index in the
+                            // slice.
                             let rank = (mask & ((1 << bit) - 1)).count_ones() as usize;
                             let (x, y) = (bx * BLOCK + bit % BLOCK, by * BLOCK + bit / BLOCK);
                             let at = [x - ranges[0].start, y - ranges[1].start, bz * BLOCK + z - ranges[2].start];
@@ -145,7 +149,7 @@ impl RetainedBand {
             + self.values.len() * size_of::<f32>()
     }
 
-    /// Writes the coefficients, times `weight`, to where they lie among all. `size`: of the volume.
+    /// Writes the coefficients, times `weight`, into the array of all coefficients. The size is the volume's.
     pub fn unpack(&self, weight: f32, coefficients: &mut [f32], [nx, ny, _]: [usize; 3]) {
         for ([xs, ys, zs], kept_idx) in blocks_of(&self.subband.ranges).zip(&self.blocks) {
             let Some(block) = self.kept.get(*kept_idx as usize) else { continue };

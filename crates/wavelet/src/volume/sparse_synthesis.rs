@@ -1,8 +1,8 @@
-//! Sparse synthesis: one level of a box from low-pass samples and the details that were kept.
+//! Sparse synthesis: one level of a box from low-pass samples and the kept details.
 //!
-//! The axes follow each other: along x every kept detail adds its basis function to a row, and rows that nothing is
-//! added to are left out of all that follows; then rows are combined along y, and planes along z. At the shares that
-//! are worth storing most rows have no detail, and the work is that of interpolating the low-pass samples.
+//! One axis follows the other: along x every kept detail adds its basis function to a row, and rows without any are
+//! skipped from then on; then rows are combined along y, and planes along z. When few coefficients are kept most rows
+//! have no detail, and the work is little more than interpolating the low-pass samples.
 
 use std::ops::Range;
 
@@ -11,7 +11,7 @@ use wavesplat_compute::simd::LANES;
 use super::wavelet_volume::WaveletVolume;
 use crate::transform::step::LevelStep;
 
-/// A box of samples, rows padded to whole vectors.
+/// A box of samples, with rows padded to whole vectors.
 #[derive(Default)]
 pub struct DecodedBox {
     pub n: [usize; 3],
@@ -39,7 +39,7 @@ impl DecodedBox {
         self.values[..n].iter_mut().for_each(|value| *value += offset);
     }
 
-    /// Copies a box out of all samples of a level of `size`.
+    /// Copies a box out of all samples of a level.
     pub fn copy(&mut self, all: &[f32], [nx, ny, _]: [usize; 3], ranges: &[Range<usize>; 3]) {
         self.resize([0, 1, 2].map(|a| ranges[a].len()));
         for (k, z) in ranges[2].clone().enumerate() {
@@ -51,18 +51,17 @@ impl DecodedBox {
     }
 }
 
-/// Synthesis taps of one axis of a box. Coefficients are counted from the first that is reached: low-pass ones, then
-/// details.
+/// Synthesis taps of one axis of a box. Coefficients are counted from the first one needed: low-pass, then details.
 #[derive(Default)]
 pub struct AxisTaps {
     /// Positions of the samples.
     out: Range<usize>,
-    /// Low-pass coefficients that are reached, and details, counted from the first of each.
+    /// Range of low-pass coefficients that the samples need.
     pub low: Range<usize>,
     high: Range<usize>,
-    /// For each sample the end of its taps.
+    /// End of each sample's taps.
     ends: Vec<usize>,
-    /// Coefficient and weight.
+    /// Coefficient and weight of each tap.
     taps: Vec<(usize, f32)>,
 }
 
@@ -91,7 +90,7 @@ impl AxisTaps {
         self.out = out;
     }
 
-    /// Coefficients that are reached.
+    /// Number of coefficients that the samples need.
     fn n(&self) -> usize {
         self.low.len() + self.high.len()
     }
@@ -108,23 +107,23 @@ impl AxisTaps {
 pub struct LevelScratch {
     pub axes: [AxisTaps; 3],
     columns: BasisColumns,
-    /// Rows after synthesis along x: `[coefficient z][coefficient y]`, and which of them hold anything.
+    /// Rows after synthesis along x, `[coefficient z][coefficient y]`; `has_row`: whether a row is not empty.
     rows: Vec<f32>,
     has_row: Vec<bool>,
-    /// Rows after synthesis along y: `[coefficient z][y]`, and which planes hold anything.
+    /// Rows after synthesis along y, `[coefficient z][y]`; `has_plane`: whether a plane is not empty.
     planes: Vec<f32>,
     has_plane: Vec<bool>,
     pub samples: DecodedBox,
 }
 
-/// Basis functions of the coefficients along x: vectors of weights from an output on.
+/// Basis functions of the coefficients along x, as vectors of weights.
 #[derive(Default)]
 struct BasisColumns {
-    /// For each vector of outputs and each low-pass coefficient that reaches it.
+    /// Weights for each vector of outputs and each low-pass coefficient that it needs.
     low: Vec<[f32; LANES]>,
-    /// For each vector of outputs its low-pass coefficients.
+    /// Low-pass coefficients that each vector of outputs needs.
     reached: Vec<Range<usize>>,
-    /// For each coefficient the first output of its function, and the function.
+    /// First output of each coefficient's function, and the function from there on.
     own: Vec<(usize, [f32; LANES])>,
 }
 
@@ -225,7 +224,7 @@ impl LevelScratch {
         }
     }
 
-    /// Synthesis along y of the rows that hold anything.
+    /// Synthesis along y of the rows that are not empty.
     #[inline(always)]
     pub fn along_y(&mut self) {
         let [_, y, z] = &self.axes;
@@ -249,7 +248,7 @@ impl LevelScratch {
         }
     }
 
-    /// Synthesis along z of the planes that hold anything.
+    /// Synthesis along z of the planes that are not empty.
     #[inline(always)]
     pub fn along_z(&mut self) {
         let [_, y, z] = &self.axes;
@@ -263,7 +262,8 @@ impl LevelScratch {
     }
 }
 
-/// `out = Σ weight · rows[index]`, over the rows that hold anything; rows begin `pitch` apart, from `first` on.
+/// `out = Σ weight · rows[index]` over the rows that are not empty (`holds`); rows begin `pitch` apart, from `first`
+/// on.
 #[inline(always)]
 fn sum_rows(rows: &[f32], pitch: usize, first: usize, taps: &[(usize, f32)], holds: &[bool], out: &mut [f32]) {
     for (c, out) in out.chunks_exact_mut(LANES).enumerate() {

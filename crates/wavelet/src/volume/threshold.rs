@@ -1,4 +1,4 @@
-//! Wavelet thresholding: which amplitude is the least that stays, by share or by PSNR.
+//! Wavelet thresholding: the smallest amplitude that is kept, by share of the coefficients or by PSNR.
 //!
 //! Coefficients whose amplitude ([`Norm`]) is below the threshold become 0 (hard thresholding).
 
@@ -8,16 +8,16 @@ use crate::transform::norm::{Norm, for_each_row, for_each_row_of_slice};
 use crate::transform::plan::TransformPlan;
 use crate::transform::separable::synthesise;
 
-/// Bisection steps of the search for a threshold: from 17 in the logarithm to a thousandth.
+/// Bisection steps of the search for a threshold: they narrow an interval of 17 in the logarithm to a thousandth.
 const N_BISECTIONS: usize = 14;
 
-/// Bits of half a number.
+/// Bits of half an f32.
 const HALF: u32 = 16;
 
-/// Runs of slices that amplitudes are gathered in, all of which may run at once.
+/// Number of runs of slices over which amplitudes are gathered in parallel.
 const N_RUNS: usize = 16;
 
-/// Zeros in place of coefficients whose amplitude is below a threshold.
+/// Sets coefficients to 0 whose amplitude is below a threshold.
 pub fn drop_below(plan: &TransformPlan, norm: Norm, threshold: f64, coefficients: &mut [f32]) {
     for_each_row(plan, norm, coefficients, |row, norms| {
         for (c, norm) in row.iter_mut().zip(norms.iter()) {
@@ -32,7 +32,7 @@ fn amplitude(coefficient: f32, norm: f64) -> f32 {
     (coefficient * norm as f32).abs()
 }
 
-/// What `add` gathers of all amplitudes, for each of some runs of slices.
+/// Folds all amplitudes by `add`, one result per run of slices.
 fn over_amplitudes<T: Send>(
     plan: &TransformPlan,
     norm: Norm,
@@ -54,8 +54,8 @@ fn over_amplitudes<T: Send>(
     })
 }
 
-/// The amplitude that this share of the coefficients reaches. Amplitudes stand in the order of their bits: counting
-/// gives the upper half of them, and counting those with that half gives the lower.
+/// Amplitude that this share of the coefficients reaches. f32 of 0 or more have the order of their bits, so this is a
+/// radix selection: a histogram gives the upper half of the bits, and one of the amplitudes with that half the lower.
 pub fn threshold_of_fraction(plan: &TransformPlan, norm: Norm, coefficients: &[f32], fraction: f64) -> f64 {
     let n_kept = (fraction * coefficients.len() as f64).round() as usize;
     if n_kept == 0 {
@@ -88,15 +88,15 @@ pub fn threshold_of_fraction(plan: &TransformPlan, norm: Norm, coefficients: &[f
     f64::from(f32::from_bits(bits))
 }
 
-/// A threshold, and the PSNR of the samples that are left, dB.
+/// A threshold, and the PSNR of the samples from the coefficients it keeps, dB.
 #[derive(Clone, Copy, Debug)]
 pub struct ThresholdOfPsnr {
     pub threshold: f64,
     pub psnr_db: f64,
 }
 
-/// The largest amplitude, to a thousandth, that may be dropped for a PSNR; 0, and what that gives, where none may.
-/// `offset`: added to the samples when they are decoded, which rounds them.
+/// Largest threshold, to a thousandth, that reaches a PSNR; 0, and the PSNR it gives, where none does. `offset`: added
+/// to the samples when they are decoded, which rounds them.
 pub fn threshold_of_psnr(
     plan: &TransformPlan,
     norm: Norm,

@@ -1,7 +1,7 @@
-//! Wavelet volume: a volume kept as its wavelet coefficients of large amplitude, and no others.
+//! Wavelet volume: a volume of which only the wavelet coefficients of large amplitude are kept.
 //!
-//! What is dropped: coefficients whose amplitude ([`Norm`]) is below a threshold. With [`Norm::L2`] that leaves, for an
-//! orthogonal family, the least mean square error of all choices of as many; the others come near.
+//! Coefficients whose amplitude ([`Norm`]) is below a threshold are dropped. With [`Norm::L2`] and an orthogonal family
+//! the mean square error is the least for the number of coefficients; the other families come near.
 
 use std::ops::Range;
 use std::sync::OnceLock;
@@ -17,14 +17,14 @@ use crate::transform::norm::Norm;
 use crate::transform::plan::{TransformPlan, n_samples_of};
 use crate::transform::separable::{analyse, synthesise};
 
-/// Rule of thresholding: which coefficients are kept. Zeros are never stored.
+/// Rule by which coefficients are kept. Zeros are never stored.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Keep {
-    /// Those whose amplitude is at least this, in the units of the samples; 0: all.
+    /// Coefficients of at least this amplitude, in the units of the samples; 0: all.
     Amplitude(f64),
-    /// The largest amplitudes, this share of all coefficients, `0..=1`; equal ones stay together.
+    /// This share of all coefficients, `0..=1`, with the largest amplitudes; equal ones are kept or dropped together.
     Fraction(f64),
-    /// As few as give the samples back with this PSNR, dB; its peak is the range of the samples.
+    /// The fewest coefficients that reproduce the samples with this PSNR, dB; its peak is the range of the samples.
     Psnr(f64),
 }
 
@@ -33,20 +33,20 @@ pub enum Keep {
 pub struct WaveletVolume {
     pub(super) plan: TransformPlan,
     pub(super) threshold: f64,
-    /// Added to the samples that the coefficients stand for.
+    /// Offset that is added to the synthesised samples.
     pub(super) offset: f32,
-    /// The PSNR of the samples that the coefficients stand for, dB, where it was found: by [`Keep::Psnr`].
+    /// PSNR of the decoded samples, dB, where [`Keep::Psnr`] has computed it.
     pub(super) psnr_db: Option<f64>,
-    /// In the order of [`subbands`].
+    /// Bands in the order of [`subbands`].
     pub(super) bands: Vec<RetainedBand>,
-    /// Smallest and largest sample, once they are known.
+    /// Smallest and largest decoded sample, once known.
     pub(super) range: OnceLock<[f32; 2]>,
 }
 
 impl WaveletVolume {
-    /// Analyses samples `[z][y][x]`, in place, and keeps what is asked for. `n_levels`: as many as there are where
-    /// `None`. Takes no more memory than the samples in f32 and what is kept, but for [`Keep::Psnr`], which takes three
-    /// times the samples.
+    /// Analyses samples `[z][y][x]`, in place, and keeps coefficients by a rule. `n_levels`: `None` for all levels.
+    /// Takes no more memory than the samples in f32 and the kept coefficients; [`Keep::Psnr`] takes three times the
+    /// samples.
     ///
     /// Fails where a PSNR is asked for that samples in f32 cannot have.
     pub fn new(
@@ -71,7 +71,7 @@ impl WaveletVolume {
             Keep::Fraction(fraction) => (threshold_of_fraction(&plan, norm, &coefficients, fraction), None),
             Keep::Psnr(psnr_db) => {
                 let found = threshold_of_psnr(&plan, norm, &coefficients, &wanted, offset, psnr_db);
-                // A constant has no range to measure errors by; it comes back to rounding.
+                // A constant has no range to measure errors by; it is reproduced up to rounding.
                 if found.psnr_db < psnr_db && range[0] < range[1] {
                     let [lo, hi] = range;
                     return Err(WaveletError::PsnrOutOfReach { psnr_db, reached_db: found.psnr_db, lo, hi });
@@ -87,43 +87,43 @@ impl WaveletVolume {
         Ok(Self { plan, threshold, offset, psnr_db, bands, range: OnceLock::new() })
     }
 
-    /// The transform: family, size, levels.
+    /// Transform plan: family, size, levels.
     pub fn plan(&self) -> &TransformPlan {
         &self.plan
     }
 
-    /// The amplitude below which coefficients were dropped.
+    /// Amplitude below which coefficients were dropped.
     pub fn threshold(&self) -> f64 {
         self.threshold
     }
 
-    /// Offset, added to the samples that the coefficients stand for, times the weight of the coarsest low-pass box.
+    /// Offset that is added to the synthesised samples, times the weight of the coarsest low-pass box.
     pub fn offset(&self) -> f32 {
         self.offset
     }
 
-    /// The PSNR that [`Keep::Psnr`] found, dB; infinite where the samples come back exactly. `None` for other rules, and
-    /// of volumes made [from arrays](WaveletVolume::from_arrays).
+    /// PSNR that [`Keep::Psnr`] reached, dB; infinite where the samples are reproduced exactly. `None` for other rules,
+    /// and for volumes made [from arrays](WaveletVolume::from_arrays).
     pub fn psnr_db(&self) -> Option<f64> {
         self.psnr_db
     }
 
-    /// Smallest and largest sample that the coefficients stand for, found by `find` once.
+    /// Smallest and largest decoded sample, computed by `find` once.
     pub(crate) fn range(&self, find: impl FnOnce() -> [f32; 2]) -> [f32; 2] {
         *self.range.get_or_init(find)
     }
 
-    /// Coefficients that are kept.
+    /// Number of kept coefficients.
     pub fn n_kept(&self) -> usize {
         self.bands.iter().map(|band| band.values.len()).sum()
     }
 
-    /// Bytes held.
+    /// Bytes of memory.
     pub fn n_bytes(&self) -> usize {
         self.bands.iter().map(RetainedBand::n_bytes).sum()
     }
 
-    /// Coefficients that are kept of each level's details, the finest first, and of the coarsest low-pass box.
+    /// Number of kept coefficients of each level's details, the finest first, and of the coarsest low-pass box.
     pub fn n_kept_by_level(&self) -> Vec<usize> {
         let mut n = vec![0; self.plan.n_levels() + 1];
         for band in &self.bands {
@@ -132,8 +132,8 @@ impl WaveletVolume {
         n
     }
 
-    /// All coefficients in the layout of the plan, zeros where nothing is kept. `weights`: a factor for each level's
-    /// details, the finest first, and for the coarsest low-pass box; those beyond the slice are 1. They stand for the
+    /// All coefficients in the layout of the plan, 0 where dropped. `weights`: a factor for each level's details, the
+    /// finest first, and for the coarsest low-pass box; weights beyond the end of the slice are 1. Synthesis gives the
     /// samples less the [offset](WaveletVolume::offset).
     pub fn coefficients(&self, weights: &[f32]) -> Vec<f32> {
         let mut coefficients = vec![0.0; self.plan.n_samples()];
@@ -146,8 +146,8 @@ impl WaveletVolume {
         coefficients
     }
 
-    /// Calls `found` with position and value of every kept coefficient of a subband of a level that lies in `ranges`.
-    /// Both count from the first coefficient there: `ranges` from the subband's, the position from that of `ranges`.
+    /// Calls `found` with position and value of every kept coefficient of a subband that lies in `ranges`. The ranges
+    /// count from the subband's first coefficient, positions from the first of the ranges.
     #[inline(always)]
     pub(crate) fn for_each_kept(
         &self,
@@ -177,7 +177,7 @@ impl WaveletVolume {
         });
     }
 
-    /// The samples, `[z][y][x]`, that the coefficients stand for, weighted as in [`WaveletVolume::coefficients`].
+    /// Synthesises all samples, `[z][y][x]`, with weights as in [`WaveletVolume::coefficients`].
     pub fn to_samples(&self, weights: &[f32]) -> Vec<f32> {
         let mut samples = self.coefficients(weights);
         synthesise(&self.plan, &mut samples);

@@ -1,11 +1,12 @@
-//! Damaged coefficient arrays: what a broken file may hold, and what must hold of it. Shared by a test and by fuzzing.
+//! Damaged coefficient arrays, as in a broken file, and checks of volumes made from them. Shared by a test and by
+//! fuzzing.
 
 use std::sync::{Arc, LazyLock};
 
 use wavesplat_core::Decoder as _;
 use wavesplat_wavelet::{CoarseLevel, CoefficientArrays, CoefficientDecoder, Keep, Norm, WaveletFamily, WaveletVolume};
 
-/// Choices are made by bytes, zeros after the last: a fuzzer changes bytes to see more of the code.
+/// Source of choices: bytes, and zeros after the last. A fuzzer changes bytes to reach more of the code.
 pub struct Bytes<'a>(pub &'a [u8]);
 
 impl Bytes<'_> {
@@ -19,7 +20,7 @@ impl Bytes<'_> {
         (0..8).fold(0, |word, _| word << 8 | u64::from(self.byte()))
     }
 
-    /// Less than `n`, or 0.
+    /// A number below `n`, or 0.
     fn below(&mut self, n: usize) -> usize {
         usize::from(u16::from_be_bytes([self.byte(), self.byte()])) % n.max(1)
     }
@@ -29,7 +30,7 @@ impl Bytes<'_> {
         if self.byte().is_multiple_of(2) { f32::from(self.byte()) - 128.0 } else { f32::from_bits(self.word() as u32) }
     }
 
-    /// A length along an axis, seldom one that nobody has memory for.
+    /// A length along an axis, seldom too large for any memory.
     fn length(&mut self) -> usize {
         match self.byte() {
             255 => self.word() as usize,
@@ -39,7 +40,7 @@ impl Bytes<'_> {
     }
 }
 
-/// Sound arrays to begin with: every family, and shapes with axes that are split up early.
+/// Sound arrays of every family, with shapes some of whose axes are split up early.
 static SOUND: LazyLock<Vec<CoefficientArrays>> = LazyLock::new(|| {
     let sizes = [[11, 9, 10], [17, 1, 2], [1, 1, 1], [8, 16, 5]];
     let volume = |family, size: [usize; 3]| {
@@ -50,13 +51,13 @@ static SOUND: LazyLock<Vec<CoefficientArrays>> = LazyLock::new(|| {
     WaveletFamily::NAMES.iter().flat_map(|(_, family)| sizes.map(|size| volume(*family, size))).collect()
 });
 
-/// Sound arrays, damaged in some places as the bytes say.
+/// Sound arrays with damage that the bytes choose.
 pub fn damaged(bytes: &mut Bytes) -> CoefficientArrays {
     let mut arrays = SOUND[bytes.below(SOUND.len())].clone();
     for _ in 0..bytes.below(7) {
         damage(&mut arrays, bytes);
     }
-    // Lengths that fit let damage through to what reads the contents.
+    // With lengths that fit, damage gets as far as the checks of the contents.
     if bytes.byte().is_multiple_of(2) {
         let n_blocks = arrays.has_block.iter().filter(|has| **has != 0).count();
         arrays.masks.resize(8 * n_blocks, 0);
@@ -95,11 +96,10 @@ fn change<T: Copy>(array: &mut [T], bytes: &mut Bytes, new: impl Fn(T, &mut Byte
     }
 }
 
-/// Arrays are refused, or they come back as they were and decode the same whichever box is asked for. Whether they were
-/// accepted.
+/// Whether arrays are accepted; then the volume must return the same arrays, and decode the same samples in every box.
 ///
 /// # Panics
-/// Where neither holds.
+/// Where an accepted volume returns other arrays or samples.
 pub fn check(arrays: &CoefficientArrays, bytes: &mut Bytes) -> bool {
     let Ok(volume) = WaveletVolume::from_arrays(arrays.clone()) else { return false };
     let back = volume.to_arrays();

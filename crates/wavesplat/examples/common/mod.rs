@@ -1,4 +1,4 @@
-//! What the examples share: a head, made from a formula, a camera, and where pictures go.
+//! Helpers of the examples: a head phantom made from a formula, a camera, a look, and saving of pictures.
 
 use std::path::PathBuf;
 
@@ -8,10 +8,10 @@ use wavesplat::{Camera, ColorNode, Frame, OpacityNode, PngBits, Projection, Tran
 /// Samples along each axis.
 pub const N: usize = 96;
 
-/// The head phantom of Shepp and Logan in three dimensions (Kak and Slaney 1988, with the contrast of Toft 1996), 0..255,
-/// x fastest.
+/// Samples of the head phantom of Shepp and Logan in three dimensions (Kak and Slaney 1988, with the contrast of Toft
+/// 1996), 0..255, x fastest.
 pub fn head() -> Vec<u8> {
-    // Additive value, semi-axes, middle, turn about z in degrees.
+    // Additive value, semi-axes, centre, rotation about z in degrees.
     const ELLIPSOIDS: [(f64, [f64; 3], [f64; 3], f64); 10] = [
         (1.0, [0.69, 0.92, 0.81], [0.0, 0.0, 0.0], 0.0),
         (-0.8, [0.6624, 0.874, 0.78], [0.0, -0.0184, 0.0], 0.0),
@@ -33,7 +33,7 @@ pub fn head() -> Vec<u8> {
         };
         ELLIPSOIDS.iter().filter(|ellipsoid| inside(ellipsoid)).map(|(value, ..)| value).sum::<f64>()
     };
-    // The mean of eight places in each voxel, as a scanner would see it.
+    // Mean of eight positions in each voxel, as a scanner would measure it.
     let at = |i: usize| {
         let index = DVec3::new((i % N) as f64, (i / N % N) as f64, (i / (N * N)) as f64);
         let sum: f64 = (0..8)
@@ -47,19 +47,19 @@ pub fn head() -> Vec<u8> {
     (0..N * N * N).map(at).collect()
 }
 
-/// Two millimetres from sample to sample.
+/// Affine with two millimetres from sample to sample.
 pub fn world_from_index() -> DAffine3 {
     DAffine3::from_scale(DVec3::splat(2.0))
 }
 
-/// From the front, the right and above.
+/// Camera that looks from the front, the right and above.
 pub fn camera() -> wavesplat::Result<Camera> {
     let middle = world_from_index().transform_point3(DVec3::splat((N - 1) as f64 / 2.0));
     let projection = Projection::Perspective { view_angle_rad: 0.5 };
     Camera::new(middle + DVec3::new(-260.0, -330.0, 170.0), middle, DVec3::Z, projection)
 }
 
-/// Straight lines through opacities and colours.
+/// Transfer function that is linear between opacities and colours.
 pub fn look(opacity: &[(f64, f64)], color: &[(f64, [f64; 3])]) -> wavesplat::Result<TransferFunction> {
     let opacity = opacity.iter().map(|&(value, opacity)| OpacityNode { value, opacity }).collect();
     let color = color.iter().map(|&(value, rgb)| ColorNode { value, rgb }).collect();

@@ -54,7 +54,7 @@ KINDS_FOR: dict[Kind, tuple[str, ...]] = {
     "labels": (),
     "scan": ("mr", "microscopy", "simulation"),
 }
-#: Names that are offered where one is unknown, at most.
+#: Largest number of names that are offered for an unknown one, and least similarity of a near one.
 N_OFFERED = 6
 CLOSE = 0.5
 
@@ -102,26 +102,26 @@ def preset(name: str, volume: Volume | WaveletVolume | None) -> Look:
 
 
 def fitting(volume: Volume | WaveletVolume) -> list[Preset]:
-    """Those of ours that fit the kind of data a volume seems to hold; where that is not known, a few more."""
+    """Our presets that fit the kind of data that a volume seems to hold; where it is uncertain, a few more."""
     known = evidence(volume)
     kinds = _kinds(known)
     low, high = volume.value_range
-    # Nothing is on the other side of zero, or on the side that has logarithms.
+    # Left out where no value is negative, or where none is positive and has a logarithm.
     out = {"signed"} if low >= 0 else set()
     out |= {"log"} if high <= 0 else set()
-    # A dark background would be a black box.
+    # Left out where a dark background would show as a black box.
     out |= {"em"} if known.kind != "EM" else set()
     return [preset for preset in catalogue().values() if preset.kind in kinds and preset.name not in out]
 
 
 def _kinds(known: Evidence) -> tuple[str, ...]:
     fitting = (*KINDS_FOR[known.kind], "any")
-    # Of a patient, but nobody says from what machine.
+    # A patient's scan, from an unknown machine.
     return ("mr", "pet", "any") if known.kind in ("MR", "PET") and known.is_guess else fitting
 
 
 def warn_of_other_units(what: str, volume: Volume | WaveletVolume) -> None:
-    """Warn if what is for Hounsfield units meets values that are none: by modality, or without air and soft tissue."""
+    """Warn if a look for Hounsfield units meets other values: by modality, or without air and soft tissue."""
     modality = volume.modality
     if modality == "CT" or (not modality and is_hounsfield(volume)):
         return
@@ -136,7 +136,7 @@ def warn_of_other_units(what: str, volume: Volume | WaveletVolume) -> None:
 
 
 def plain(name: str) -> str:
-    """A name without what does not matter."""
+    """A name without differences that do not matter: case and kinds of separators."""
     return re.sub(r"[\s_-]+", "-", name.strip().lower())
 
 
@@ -149,7 +149,7 @@ def _read(name: str) -> Preset:
 
 
 def _in_words(one: slicer_files.VolumeProperty) -> str:
-    """Slicer has no descriptions; where its presets are not clear, and whether they are lit."""
+    """A description of a preset of Slicer, which has none: from what value on it shows, and whether it is lit."""
     low = next((at for (at, _), (_, after) in pairwise(one.opacity) if after > 0), one.opacity[0][0])
     lit = "lit" if one.shade else "without light"
     return f"Shows what is above {low:g}, {lit}."

@@ -1,8 +1,8 @@
-// The axis of values under a histogram: what part of it is seen, its ticks, and numbers for people.
+// The axis of values under a histogram: its visible range, its ticks, and numbers for people.
 
 import { clamped, type Curve, type Range } from "./curves.ts";
 
-/** No closer than this share of the whole. */
+/** Least width of the visible range, as a share of the whole. */
 const CLOSEST = 1e-4;
 
 /** The whole axis: all values of the data, and all points of the curves, with a little room. */
@@ -12,7 +12,7 @@ export function wholeOf(data: Range, points: Range): Range {
   return [low - room, high + room];
 }
 
-/** Nearer by a factor above 1, the value at `centre` staying in its place; never beyond the whole. */
+/** The visible range zoomed (in for a factor above 1), with the value `centre` in its place; never beyond the whole. */
 export function zoomed(seen: Range, factor: number, centre: number, whole: Range): Range {
   const most = whole[1] - whole[0];
   const width = clamped((seen[1] - seen[0]) / factor, CLOSEST * most, most);
@@ -20,14 +20,14 @@ export function zoomed(seen: Range, factor: number, centre: number, whole: Range
   return within([centre - share * width, centre + (1 - share) * width], whole);
 }
 
-/** Moved back inside, as wide as it is or as the whole. */
+/** The range moved into the whole, its width kept or cut to that of the whole. */
 export function within([low, high]: Range, whole: Range): Range {
   const width = Math.min(high - low, whole[1] - whole[0]);
   const start = clamped(low, whole[0], whole[1] - width);
   return [start, start + width];
 }
 
-/** Round values along a range, about as many as asked. */
+/** Round values along a range, about `n` of them. */
 export function ticks([low, high]: Range, n = 5): number[] {
   const step = roundStep((high - low) / n);
   // Quotients that rounding leaves a hair beside a whole number count as whole.
@@ -36,20 +36,20 @@ export function ticks([low, high]: Range, n = 5): number[] {
   return Array.from({ length: Math.max(0, Math.min(count, 50)) }, (_, k) => tidy((first + k) * step, step));
 }
 
-/** The value as people write it where `span` is what is seen: no more digits than a thousandth of it. */
+/** The value rounded for people where a range of width `span` is visible: to a power of ten, at most a thousandth of it. */
 export function rounded(value: number, span: number): number {
   const step = 10 ** Math.floor(Math.log10(Math.max(Math.abs(span), Number.MIN_VALUE) / 1000));
   return Number.isFinite(step) && step > 0 ? tidy(Math.round(value / step) * step, step) : value;
 }
 
-/** Text of a number: real numbers, at most six digits, no exponent where it can be helped. */
+/** Text of a number, with at most six digits, and an exponent only for very large and very small ones. */
 export function numberText(value: number): string {
   const size = Math.abs(value);
   if (size !== 0 && (size >= 1e7 || size < 1e-4)) return value.toExponential(2).replace(/\.?0+e/, "e");
   return String(Number(value.toPrecision(6)));
 }
 
-/** How many points lie below and above what is seen. */
+/** Counts of points below and above the visible range. */
 export function outOfSight(curve: Curve, [low, high]: Range): { readonly below: number; readonly above: number } {
   const values = curve.map(([value]) => value ?? 0);
   return { below: values.filter((value) => value < low).length, above: values.filter((value) => value > high).length };
@@ -68,12 +68,12 @@ export function heights(counts: readonly number[], isLog: boolean): number[] {
   return counts.map((count) => (isLog ? Math.log1p(count) / Math.log1p(most) : count / most));
 }
 
-/** A step for arrow keys: `fine` a two-hundredth, else a twentieth of what is seen, round. */
+/** A round step for keys: if `fine` about a two-hundredth of the visible range, else about a twentieth. */
 export function keyStep([low, high]: Range, fine: boolean): number {
   return roundStep((high - low) / (fine ? 200 : 20));
 }
 
-/** 1, 2 or 5 times a power of ten, not less than what is asked. */
+/** The smallest of 1, 2 and 5 times powers of ten that is not less than `least`. */
 export function roundStep(least: number): number {
   if (!(least > 0) || !Number.isFinite(least)) return 1;
   const power = 10 ** Math.floor(Math.log10(least));
@@ -81,7 +81,7 @@ export function roundStep(least: number): number {
   return factor * power;
 }
 
-/** Without the last bits that multiplying by a step leaves. */
+/** The value without the rounding errors that multiplying by a step leaves. */
 function tidy(value: number, step: number): number {
   const places = Math.max(0, Math.min(12, 1 - Math.floor(Math.log10(step))));
   return Number(value.toFixed(places)) + 0;

@@ -18,7 +18,7 @@ export interface ColorStripProps {
   readonly seen: Range;
   readonly unit: string;
   readonly curve: Curve<ColorPoint>;
-  /** The curve as it is now: keys can come more often than the page is drawn. */
+  /** Returns the curve as it is now: keys can come more often than the page is drawn. */
   latest(): Curve<ColorPoint>;
   readonly selected: number | null;
   onSelect(index: number): void;

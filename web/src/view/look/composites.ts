@@ -22,29 +22,29 @@ export const KERNEL_NAMES: Readonly<Record<string, string>> = {
   gaussian: "Gaussian",
 };
 
-/** Strength of dimming where none is said, as `wavesplat.DepthShadedMaximum`. */
+/** Default strength of dimming, that of `wavesplat.DepthShadedMaximum`. */
 export const DIMMING = 0.6;
 
-/** The operators in which surfaces have shading. */
+/** The operators that shade surfaces. */
 export const SHADED: readonly string[] = ["over", "first-hit"];
 
 export function nameOf(composite: Composite): string {
   return typeof composite === "string" ? composite : (Object.keys(composite)[0] ?? "over");
 }
 
-/** A number of an operator; null where it is left to the program. */
+/** A parameter of an operator; null where the program chooses it. */
 export function numberOf(composite: Composite, field: string): number | null {
   return typeof composite === "string" ? null : (composite[nameOf(composite)]?.[field] ?? null);
 }
 
-/** The operator with a number. */
+/** The operator with a parameter set. */
 export function withNumber(composite: Composite, field: string, value: number | null): Composite {
   const name = nameOf(composite);
   const before = typeof composite === "string" ? {} : (composite[name] ?? {});
   return { [name]: { ...before, [field]: value } };
 }
 
-/** An operator to begin with; only the isosurface cannot be without its number. */
+/** The operator of a name, with default parameters; only the isosurface needs one, its value. */
 export function compositeNamed(name: string, isoValue: number): Composite {
   return name === "first-hit" ? { "first-hit": { iso_value: isoValue } } : name;
 }

@@ -25,14 +25,14 @@ const TEXT = {
 
 const KEYS = "Arrows move, Page up and down move far, Delete removes, Insert adds, Enter goes to the number";
 
-/** Around the drawing, CSS pixels. */
+/** Margins around the drawing, CSS pixels. */
 export const MARGIN = { left: 34, right: 12, top: 12, bottom: 20 };
 const DOT_PX = 6;
-/** Half of what a finger or pointer can hit. */
+/** Half the side of the area of a point that pointers and fingers hit. */
 const REACH_PX = 13;
-/** Low opacities are magnified by this power. */
+/** Exponent of the magnified scale: heights are opacities to this power, so that low ones are seen. */
 const ROOT = 1 / 3;
-/** A bent line is drawn in so many pieces. */
+/** Number of straight pieces in which a line is drawn that the scale bends. */
 const PIECES = 16;
 const WHEEL_ZOOM = 1.2;
 const N_TICKS = 5;
@@ -44,27 +44,27 @@ export interface Histogram {
 
 export interface CurvePlotProps {
   readonly label: string;
-  /** Name of what a point has beside its value. */
+  /** Name of the second coordinate of a point, beside its value. */
   readonly what: string;
   readonly height: number;
   readonly seen: Range;
   readonly whole: Range;
   readonly unit: string;
   readonly curve: Curve<OpacityPoint>;
-  /** The curve as it is now: keys can come more often than the page is drawn. */
+  /** Returns the curve as it is now: keys can come more often than the page is drawn. */
   latest(): Curve<OpacityPoint>;
   readonly colors: Curve<ColorPoint> | null;
   readonly histogram: Histogram | null;
   readonly isMagnified: boolean;
   readonly selected: number | null;
-  /** Values may not be below this. */
+  /** Least value of a point. */
   readonly least?: number;
   onSelect(index: number): void;
   onCurve(curve: Curve<OpacityPoint>, index: number | null): void;
   onDone(): void;
   onSeen(seen: Range): void;
   onShowPoints(): void;
-  /** The number of the selected point is to be typed. */
+  /** Called when the user wants to type the number of the selected point. */
   onType(): void;
   readonly children?: ComponentChildren;
 }
@@ -115,7 +115,7 @@ export function CurvePlot(props: CurvePlotProps) {
     const latest = props.latest();
     const point = latest[index];
     if (point === undefined) return;
-    // Of magnified opacities a press is a share, so that it is seen.
+    // On the magnified scale a key press changes an opacity by a share of it, so that the change is seen.
     const rise = isMagnified ? Math.max(0.0005, 0.1 * point[1]) : 0.01;
     const key = pointKey(event.key, event.shiftKey, seen, rise);
     if (key === null || (key.does === "remove" && latest.length === 1)) return;
@@ -133,7 +133,7 @@ export function CurvePlot(props: CurvePlotProps) {
   );
   const hidden = outOfSight(curve, seen);
   const marks = isMagnified ? [0, 0.01, 0.1, 0.5, 1] : [0, 0.25, 0.5, 0.75, 1];
-  // The unit stands where the first number would.
+  // The unit takes the place of the first number.
   const marked = ticks(seen, N_TICKS).filter((value) => unit === "" || xOf(value) > MARGIN.left + 14);
   return (
     <svg
@@ -368,7 +368,7 @@ export function Fill({
   );
 }
 
-/** The width of an element in CSS pixels, followed. */
+/** The width of an element in CSS pixels, kept up to date. */
 export function useWidth<E extends Element>(): [{ current: E | null }, number] {
   const element = useRef<E>(null);
   const [width, setWidth] = useState(310);

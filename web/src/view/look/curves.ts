@@ -1,5 +1,5 @@
-// What is done to the curves of a transfer function. A curve is a list of points, [value, ...rest], in order of value;
-// straight between them, constant beyond its ends. Two points at one value make a step. No curve becomes empty.
+// Operations on the curves of a transfer function. A curve is a list of points, [value, ...rest], in order of value;
+// it is straight between them, and constant beyond its ends. Two points at one value make a step. No curve becomes empty.
 
 import type { ColorPoint, Look, OpacityPoint, TransferFunction, TransferFunction2D } from "../../state/state.ts";
 
@@ -7,13 +7,13 @@ export type Point = readonly number[];
 export type Curve<P extends Point = Point> = readonly P[];
 export type Range = readonly [number, number];
 
-/** A curve, and where in it the point stands that was added or moved. */
+/** A curve, and the index of the point that was added or moved. */
 export interface Edited<P extends Point> {
   readonly curve: Curve<P>;
   readonly index: number;
 }
 
-/** Pixels of a drag that widen by e, and that move by the whole range. */
+/** Pixels of a drag that widens by a factor of e, and of one that moves by the whole range. */
 const WIDTH_PX = 250;
 const LEVEL_PX = 500;
 
@@ -21,7 +21,7 @@ export function isEditable(curves: TransferFunction | TransferFunction2D): curve
   return !("rgba" in curves);
 }
 
-/** All but the value, where a curve is looked up. Of a step, what lies above it. */
+/** The curve at a value, without the value itself: opacity or colour. At a step it is that of the upper side. */
 export function at(curve: Curve, value: number): number[] {
   const next = curve.findIndex((point) => valueOf(point) > value);
   const right = next < 0 ? curve.length - 1 : next;
@@ -32,19 +32,19 @@ export function at(curve: Curve, value: number): number[] {
   return a.slice(1).map((start, k) => start + share * ((b[k + 1] ?? start) - start));
 }
 
-/** The curve with one point more, after those of the same value. */
+/** The curve with a point added, after those of the same value. */
 export function withPoint<P extends Point>(curve: Curve<P>, point: P): Edited<P> {
   const next = curve.findIndex((other) => valueOf(other) > valueOf(point));
   const index = next < 0 ? curve.length : next;
   return { curve: [...curve.slice(0, index), point, ...curve.slice(index)], index };
 }
 
-/** One point more that changes nothing of the curve's form. */
+/** The curve with a point added on it, so that its form does not change. */
 export function withPointOn<P extends Point>(curve: Curve<P>, value: number): Edited<P> {
   return withPoint(curve, [value, ...at(curve, value)] as Point as P);
 }
 
-/** One point more in the middle between a point and the next one, or the one before at the end. */
+/** The curve with a point added in the middle between a point and the next one, or at the end the one before. */
 export function withPointBeside<P extends Point>(curve: Curve<P>, index: number, span: Range): Edited<P> {
   const here = valueOf(curve[index] ?? [middle(span)]);
   const [next, before] = [curve[index + 1], curve[index - 1]];
@@ -53,7 +53,7 @@ export function withPointBeside<P extends Point>(curve: Curve<P>, index: number,
   return withPointOn(curve, here + 0.1 * (span[1] - span[0]));
 }
 
-/** A point elsewhere: never beyond its neighbours, all but the value within 0..1. */
+/** The curve with a point moved: never beyond its neighbours, and all but the value kept within 0..1. */
 export function withMoved<P extends Point>(curve: Curve<P>, index: number, point: P): Curve<P> {
   const least = index > 0 ? valueOf(curve[index - 1] ?? []) : -Infinity;
   const most = index < curve.length - 1 ? valueOf(curve[index + 1] ?? []) : Infinity;
@@ -61,7 +61,7 @@ export function withMoved<P extends Point>(curve: Curve<P>, index: number, point
   return curve.map((other, k) => (k === index ? (moved as Point as P) : other));
 }
 
-/** Without a point; the last one stays. */
+/** The curve without a point; the only point of a curve stays. */
 export function without<P extends Point>(curve: Curve<P>, index: number): Curve<P> {
   return curve.length > 1 ? curve.filter((_, k) => k !== index) : curve;
 }
@@ -72,12 +72,12 @@ export function spanOf(...curves: readonly Curve[]): Range {
   return [Math.min(...values), Math.max(...values)];
 }
 
-/** Smallest and largest value of all points of a function of the value. */
+/** Smallest and largest value of all points of a transfer function of the value. */
 export function spanOfFunction(curves: TransferFunction): Range {
   return spanOf(curves.opacity, curves.color);
 }
 
-/** Values v become centre + factor * (v - centre) + shift; a negative factor turns the order round. */
+/** The curve with each value v replaced by centre + factor * (v - centre) + shift; a negative factor reverses the order. */
 export function mapped<P extends Point>(curve: Curve<P>, factor: number, centre: number, shift = 0): Curve<P> {
   const points = curve.map((point) => {
     const value = centre + factor * (valueOf(point) - centre) + shift;
@@ -90,23 +90,23 @@ export function shifted(curves: TransferFunction, shift: number): TransferFuncti
   return onValues(curves, 1, 0, shift);
 }
 
-/** All values further from their middle, or nearer to it. */
+/** The curves with all values further from their middle by a factor, or nearer to it. */
 export function widened(curves: TransferFunction, factor: number): TransferFunction {
   return onValues(curves, factor, middle(spanOfFunction(curves)), 0);
 }
 
-/** All opacities by a factor; none above 1. */
+/** The curves with all opacities times a factor, and at most 1. */
 export function withOpacities(curves: TransferFunction, factor: number): TransferFunction {
   const opacity = curves.opacity.map(([value, alpha]): OpacityPoint => [value, clamped(factor * alpha, 0, 1)]);
   return { ...curves, opacity };
 }
 
-/** Turned round: what was at the smallest value is at the largest one. */
+/** The curve mirrored about the middle of its values. */
 export function mirrored<P extends Point>(curve: Curve<P>): Curve<P> {
   return mapped(curve, -1, middle(spanOf(curve)));
 }
 
-/** Level and width by a drag, in pixels: to the right wider, up higher. A function of two dimensions stays as it is. */
+/** The look with level and width changed by a drag, in pixels: right is wider, up is higher. Tables stay as they are. */
 export function windowed(look: Look, dx: number, dy: number, range: Range): Look {
   const curves = look.transfer_function;
   if (!isEditable(curves)) return look;
@@ -114,7 +114,7 @@ export function windowed(look: Look, dx: number, dy: number, range: Range): Look
   return { ...look, transfer_function: shifted(wide, (-dy / LEVEL_PX) * (range[1] - range[0])) };
 }
 
-/** A gradient curve to begin with: boundaries count, even matter fades. `scale`: a gradient that is strong here. */
+/** A gradient curve to begin with: boundaries stay, even matter fades. `scale`: a strong gradient of this volume. */
 export function firstGradientCurve(scale: number): Curve<OpacityPoint> {
   return [
     [0, 0],
@@ -122,7 +122,7 @@ export function firstGradientCurve(scale: number): Curve<OpacityPoint> {
   ];
 }
 
-/** The value from which on a surface stands out: where the opacity reaches half of its largest one. */
+/** A value for an isosurface: the first at which the opacity reaches half of its maximum. */
 export function surfaceValue(curves: TransferFunction | TransferFunction2D, range: Range): number {
   if (!isEditable(curves)) return middle(range);
   const half = Math.max(...curves.opacity.map(([, alpha]) => alpha)) / 2;

@@ -14,13 +14,13 @@ export interface NumberFieldProps {
   readonly unit?: string;
   readonly disabled?: boolean;
   readonly id?: string;
-  /** Each number while it is typed or stepped. */
+  /** Called with each number while it is typed or stepped. */
   onValue(value: number): void;
-  /** The end of the gesture. */
+  /** Called at the end of the gesture. */
   onDone(): void;
 }
 
-/** A number alone, named for screen readers. What is typed stays as typed until the field is left. */
+/** A number alone, named for screen readers. The text stays as typed until the field is left. */
 export function NumberField(props: NumberFieldProps) {
   const { label, value, min, max, step = "any", unit = "", disabled = false, id } = props;
   const [typed, setTyped] = useState<string | null>(null);
@@ -72,11 +72,11 @@ export function NamedNumber(props: NumberFieldProps & { readonly shown?: string 
 }
 
 export interface SliderFieldProps extends NumberFieldProps {
-  /** What is written before the slider, where the label would be too long; "" is nothing. */
+  /** Text before the slider, where the label would be too long; "" is none. */
   readonly shown?: string;
   readonly min: number;
   readonly max: number;
-  /** Numbers that may be typed beyond the slider. */
+  /** Least and largest number that may be typed, where it may lie beyond the slider. */
   readonly least?: number;
   readonly most?: number;
 }
@@ -117,14 +117,14 @@ export function SliderField(props: SliderFieldProps) {
 
 export interface RelativeSliderProps {
   readonly label: string;
-  /** At the ends of the slider, which are at -1 and 1; `value` is what the number field is for. */
+  /** Amount of change at a position of the slider, whose ends are at -1 and 1; `position` is the inverse. */
   amount(position: number): number;
   position(amount: number): number;
-  /** No change. */
+  /** Amount of no change: 0 of a shift, 1 of a factor. */
   readonly neutral: number;
   readonly unit?: string;
   readonly disabled?: boolean;
-  /** By how much against the state at the begin of the gesture. */
+  /** Called with the amount of change from the state at the begin of the gesture. */
   onAmount(amount: number): void;
   onDone(): void;
 }
@@ -223,7 +223,7 @@ export function CheckField({
 
 export interface ColorFieldProps {
   readonly label: string;
-  /** #rrggbb */
+  /** The colour, #rrggbb. */
   readonly value: string;
   onColor(hex: string): void;
   onDone(): void;
@@ -248,7 +248,7 @@ export function ColorField({ label, value, onColor, onDone }: ColorFieldProps) {
   );
 }
 
-/** A button of a few words. */
+/** A button with a text. */
 export function Button(props: {
   readonly children: ComponentChildren;
   readonly label?: string;

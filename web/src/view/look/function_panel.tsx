@@ -57,9 +57,9 @@ const TEXT = {
 };
 const BINS = 256;
 const PLOT_PX = 190;
-/** The histogram is asked for when the axis has been still for so long. */
+/** Milliseconds for which the axis must be still before its histogram is asked for. */
 const STILL_MS = 120;
-/** At the ends of the sliders: opacities by this factor, widths by that. */
+/** Factors of opacity and of width at the ends of the sliders. */
 const MAX_OPACITY = 10;
 const MAX_WIDTH = 4;
 
@@ -89,7 +89,7 @@ export function FunctionPanel(props: PartProps) {
   );
 }
 
-/** Which layer the panels of the look are about, where there are several. */
+/** A choice of the layer that the panels of the look are about, where there are several. */
 export function LayerChoice({ store, ui }: PartProps) {
   const { layers } = store.state;
   if (layers.length < 2) return null;
@@ -318,7 +318,7 @@ function GlobalOpacity({ store, ui }: PartProps) {
   );
 }
 
-/** The histogram of what is seen; while it is on its way the one before stays, in its place. */
+/** The histogram of the visible range; while it is on its way the old one stays, in its place. */
 function useHistogram({ engine, store, ui }: PartProps, seen: Range, isLog: boolean): Histogram | null {
   const [found, setFound] = useState<{ readonly counts: readonly number[]; readonly range: Range } | null>(null);
   const time = store.state.layers[ui.layer]?.time;
@@ -343,7 +343,7 @@ function useHistogram({ engine, store, ui }: PartProps, seen: Range, isLog: bool
   return found === null ? null : { heights: heights(found.counts, isLog), range: found.range };
 }
 
-/** The point before the widest gap. */
+/** Index of the point before the widest gap. */
 function widestGap(curve: Curve): number {
   const gaps = curve.slice(1).map((point, k) => (point[0] ?? 0) - (curve[k]?.[0] ?? 0));
   return gaps.length === 0 ? 0 : gaps.indexOf(Math.max(...gaps));

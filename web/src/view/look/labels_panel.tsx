@@ -22,9 +22,9 @@ const TEXT = {
   solo: "Solo",
   soloThis: (name: string) => `Solo: show ${name} alone, or all again`,
 };
-/** A longer list is filtered, not scrolled. */
+/** Largest number of rows: a longer list is filtered, not scrolled. */
 const MAX_ROWS = 150;
-/** From so many labels on there is a filter. */
+/** Number of labels from which on there is a filter. */
 const FILTERED_FROM = 9;
 
 export function LabelsPanel({ store }: PartProps) {

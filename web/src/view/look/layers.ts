@@ -1,12 +1,12 @@
-// What toggles of layers and labels change.
+// Operations that show and hide layers and labels.
 
 import { set, type Operation } from "../../state/patch.ts";
 import type { LabelLook, Layer } from "../../state/state.ts";
 
-/** A label without an opacity of its own has this one: as `wavesplat.Label`. */
+/** Default opacity of a label, that of `wavesplat.Label`. */
 export const LABEL_OPACITY = 0.8;
 
-/** Only one layer is shown. */
+/** Whether a layer is the only one that is shown. */
 export function isSolo(layers: readonly Layer[], index: number): boolean {
   return layers.every((layer, k) => layer.visible === (k === index));
 }
@@ -25,7 +25,7 @@ export interface LabelRow {
   readonly isShown: boolean;
 }
 
-/** Labels in order of their numbers, those whose name or number has the text. */
+/** Rows of the labels in order of their numbers; with a filter, those whose name contains it or whose number it is. */
 export function labelRows(labels: Readonly<Record<string, LabelLook>>, filter = ""): LabelRow[] {
   const wanted = filter.trim().toLowerCase();
   return Object.entries(labels)
@@ -46,14 +46,14 @@ export function labelRows(labels: Readonly<Record<string, LabelLook>>, filter = 
 interface Matter {
   readonly opacity: number;
   readonly tint: number;
-  /** How much of the scan is left inside. */
+  /** Share of the scan that is left inside of the label. */
   readonly scan: number;
 }
 
-/** Labels that the page hid: what they had before, by number. */
+/** Opacity, tint and scan of the labels that the page hid, by number, as they were before. */
 export type Hidden = Map<string, Matter>;
 
-/** A label that is not there: the scan is as if there were none. */
+/** Settings of a hidden label: the scan is drawn as if there were no label. */
 const NOTHING: Matter = { opacity: 0, tint: 0, scan: 1 };
 const USUAL: Matter = { opacity: LABEL_OPACITY, tint: 0, scan: 0 };
 

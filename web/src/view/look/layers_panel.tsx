@@ -1,4 +1,4 @@
-// The volumes of the scene: which are shown, how strongly, and which one the panels of the look are about.
+// The list of the scene's volumes: their visibility and opacity, and which one the panels of the look are about.
 
 import { set } from "../../state/patch.ts";
 import type { Layer } from "../../state/state.ts";

@@ -1,4 +1,4 @@
-// Where the first light comes from: a ball seen from the front, on which the bright spot is moved.
+// The control of the first light's direction: a ball seen from the front, on which the bright spot is moved.
 
 import { useRef } from "preact/hooks";
 import type { Vec3 } from "../../state/state.ts";
@@ -20,7 +20,7 @@ const RADIUS_PX = 40;
 
 export interface LightPadProps {
   readonly direction: Vec3;
-  /** As it is now: keys can come more often than the page is drawn. */
+  /** Returns the direction as it is now: keys can come more often than the page is drawn. */
   latest(): Vec3;
   onDirection(direction: Vec3): void;
   onDone(): void;
@@ -138,7 +138,7 @@ function Angle(props: { label: string; value: number; most: number; onValue(angl
   );
 }
 
-/** -180 to 180. */
+/** The angle in the range from -180 to 180 degrees. */
 function wrapped(degrees: number): number {
   return ((((degrees + 180) % 360) + 360) % 360) - 180;
 }

@@ -1,4 +1,4 @@
-// How rays become colours: the operator with its numbers, light, and the kernel of reconstruction.
+// The panel of compositing: the operator with its parameters, light, and the kernel of reconstruction.
 
 import { useRef } from "preact/hooks";
 import type { Problem } from "../../engine/engine.ts";
@@ -52,10 +52,10 @@ const TEXT = {
   world: "The light stands still in the world.",
   reset: "Reset light to the look's",
 };
-/** Deviations of the smoothing of gradients, voxels, as `wavesplat.Shading` takes them. */
+/** Least and largest standard deviation of gradient smoothing, voxels, as `wavesplat.Shading` takes them. */
 const SMOOTHING: readonly [number, number] = [0.5, 1.25];
 const SMOOTH = 0.8;
-/** Of Hounsfield units and millimetres: water at 60 keV, as `wavesplat.XRay`. */
+/** Attenuation of water at 60 keV per Hounsfield unit and millimetre, the default of `wavesplat.XRay`. */
 const WATER = 2.059e-5;
 
 export function LightPanel(props: PartProps) {
@@ -102,7 +102,7 @@ function Operator({ store, ui, welcome }: PartProps) {
       onDone={() => store.settle()}
     />
   );
-  /** A number that the program chooses until it is set. */
+  /** A field for a parameter that the program chooses until it is set. */
   const optional = (label: string, field: string, first: number, min: number, max: number, unit = "") => {
     const value = numberOf(render.composite, field);
     return (
@@ -117,7 +117,7 @@ function Operator({ store, ui, welcome }: PartProps) {
     );
   };
   const unit = volume?.value_unit ?? "";
-  // Through the whole volume of usual values little light comes.
+  // Little light passes: exp(-3) of it, 5 %, along the longest side through the largest value.
   const attenuation = unit === "HU" ? WATER : 3 / ((high - low || 1) * longestSide(volume?.bounds));
   return (
     <>

@@ -1,11 +1,11 @@
-// Looks of layers: how one is chosen, where its light stands in the state, and what it was when it was chosen.
+// Looks of layers: choosing one, the path of its light in the state, and the look as it was when it was chosen.
 
 import type { Engine, Welcome } from "../../engine/engine.ts";
 import { set, type Operation } from "../../state/patch.ts";
 import type { Color, Composite, Light, Look, Shading, ViewerState } from "../../state/state.ts";
 import { ownPreset } from "./own_presets.ts";
 
-/** The light of pictures where nothing is said: as `wavesplat.Shading()`. */
+/** Default shading, that of `wavesplat.Shading()`. */
 export const DEFAULT_SHADING: Shading = {
   ambient: 0.22,
   diffuse: 1,
@@ -22,7 +22,7 @@ export const DEFAULT_SHADING: Shading = {
   shadow: 0,
 };
 
-/** What an empty list of lights means: a key light and a fill light. */
+/** Lights that an empty list of lights stands for: a key light and a fill light. */
 export const DEFAULT_LIGHTS: readonly Light[] = [
   { direction: [-0.55, 0.65, 1], color: [1, 1, 1], frame: "camera" },
   { direction: [0, 0, 1], color: [0.3, 0.3, 0.3], frame: "camera" },
@@ -31,14 +31,14 @@ export const DEFAULT_LIGHTS: readonly Light[] = [
 const DEFAULT_BACKGROUND = "black";
 
 /**
- * What choosing a look changes: the look, light and, with a single layer, the operator; the background as far as it was
- * that of the look before. One step of undo. `composite`: the operator with its numbers, which a look does not hold.
+ * Operations that choose a look: they set the look, light and, with a single layer, the operator; the background too if
+ * it was that of the old look. One step of undo. `composite`: the operator with its numbers, which a look does not hold.
  */
 export function chosen(state: ViewerState, layer: number, look: Look, composite?: Composite): Operation[] {
   const before = state.layers[layer]?.look;
   const operations: Operation[] = [set(look, "layers", layer, "look")];
   if (state.shading !== "look" && state.layers.length === 1) operations.push(set("look", "shading"));
-  // The isosurface cannot be had by its name alone.
+  // The isosurface needs a value, so its name alone is no operator.
   const named = look.composite === "first-hit" ? "over" : look.composite;
   if (state.layers.length === 1) operations.push(set(composite ?? named, "render", "composite"));
   const [old, now] = [before?.background ?? DEFAULT_BACKGROUND, look.background ?? DEFAULT_BACKGROUND];
@@ -46,13 +46,13 @@ export function chosen(state: ViewerState, layer: number, look: Look, composite?
   return operations;
 }
 
-/** The light of a layer, and where in the state it stands. */
+/** The light of a layer, and its path in the state. */
 export function shadingOf(state: ViewerState, layer: number): { shading: Shading | null; path: (string | number)[] } {
   if (state.shading !== "look") return { shading: state.shading, path: ["shading"] };
   return { shading: state.layers[layer]?.look.shading ?? null, path: ["layers", layer, "look", "shading"] };
 }
 
-/** The look of this name as it is offered; of a name that is not offered, as the layer had it at first. */
+/** The preset of this name, the user's own or one that is offered; for other names the look that the layer had at first. */
 export async function lookAsChosen(
   engine: Engine,
   welcome: Welcome,
@@ -72,7 +72,7 @@ export function lookText(look: Look): string {
   return `${JSON.stringify({ version: 1, ...look }, null, 2)}\n`;
 }
 
-/** A look from such a text. The server checks it closely. */
+/** A look from the JSON text of `lookText`. The server checks it closely. */
 export function lookFromText(text: string): Look {
   const found: unknown = JSON.parse(text);
   if (typeof found !== "object" || found === null || !("transfer_function" in found)) {

@@ -5,13 +5,13 @@ import type { Composite, Look } from "../../state/state.ts";
 export interface OwnPreset {
   readonly name: string;
   readonly look: Look;
-  /** The operator with its numbers, where it is not the look's. */
+  /** The operator with its parameters, where it is not the look's. */
   readonly composite?: Composite;
   /** A data URL, or "" where there was no picture. */
   readonly picture: string;
 }
 
-/** What is needed of `localStorage`. */
+/** The part of `localStorage` that is used. */
 export interface Keeper {
   getItem(key: string): string | null;
   setItem(key: string, value: string): void;
@@ -19,7 +19,7 @@ export interface Keeper {
 
 const KEY = "wavesplat.presets";
 
-/** Null where the browser keeps nothing for this page. */
+/** The browser's storage; null where it keeps nothing for this page. */
 export function keeper(): Keeper | null {
   try {
     return globalThis.localStorage ?? null;
@@ -41,7 +41,7 @@ export function ownPreset(name: string, kept: Keeper | null = keeper()): OwnPres
   return ownPresets(kept).find((preset) => preset.name === name);
 }
 
-/** Keeps one; an older one of that name goes. Throws where the browser does not keep it. */
+/** Keeps a preset, in place of an older one of that name. Throws where the browser does not keep it. */
 export function keepPreset(preset: OwnPreset, kept: Keeper | null = keeper()): readonly OwnPreset[] {
   return write([...ownPresets(kept).filter(({ name }) => name !== preset.name), preset], kept);
 }
@@ -60,7 +60,7 @@ export function renamePreset(from: string, to: string, kept: Keeper | null = kee
   return write(renamed, kept);
 }
 
-/** Why a name cannot be, or null. */
+/** A sentence on why a name cannot be taken, or null. */
 export function nameProblem(name: string, taken: readonly string[]): string | null {
   if (name === "") return "Give the preset a name.";
   if (name.length > 100) return "The name is longer than 100 characters; give a shorter one.";

@@ -159,7 +159,7 @@ export function OwnPresets({ store, ui, welcome, own, onOwn, onTake }: OwnPreset
   );
 }
 
-/** The middle of a frame, small, as a data URL. */
+/** A small picture of the middle of a frame, as a data URL. */
 async function pictureOf(frame: Frame | undefined): Promise<string> {
   if (frame === undefined) return "";
   const picture = await createImageBitmap(new Blob([frame.bytes], { type: `image/${frame.format}` }));

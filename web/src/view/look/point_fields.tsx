@@ -75,7 +75,7 @@ interface PointProps<P extends CurvePoint> {
   onCurve(curve: Curve<P>, index: number): void;
   onSelect(selected: Selected | null): void;
   onDone(): void;
-  /** What else the point has beside its value. */
+  /** Fields of the point's other coordinates, opacity or colour. */
   children(move: (point: P) => void): ComponentChildren;
 }
 

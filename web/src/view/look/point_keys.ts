@@ -1,4 +1,4 @@
-// What keys do to a point of a curve, for both editors: arrows fine (with Shift finer), Page up and down coarse.
+// Keys that edit a point of a curve, for both editors: arrows fine (with Shift finer), Page up and down coarse.
 
 import { keyStep } from "./axis.ts";
 import type { Range } from "./curves.ts";
@@ -7,7 +7,7 @@ export type PointKey =
   | { readonly does: "move"; readonly value: number; readonly rise: number }
   | { readonly does: "remove" | "insert" | "type" };
 
-/** `rise`: how much one press moves up or down. Null: the key is for others. */
+/** The edit that a key stands for; null for other keys. `rise`: how much one press moves up or down. */
 export function pointKey(key: string, isShifted: boolean, seen: Range, rise: number): PointKey | null {
   const share = isShifted ? 0.2 : 1;
   const fine = share * keyStep(seen, true);

@@ -2,11 +2,11 @@
 
 import type { Engine, Problem } from "../../engine/engine.ts";
 
-/** Pixels of a picture; twice those of the page, for dense screens. */
+/** Side of a picture in pixels, twice that on the page, for dense screens. */
 const SIZE_PX = 192;
-/** Pictures wait until nothing has been changed for so long. */
+/** Milliseconds without a change before a picture is drawn. */
 const STILL_MS = 350;
-/** After the connection was lost. */
+/** Milliseconds before a new try, after the connection was lost. */
 const RETRY_MS = 2000;
 
 export class PresetPictures {

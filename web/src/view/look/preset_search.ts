@@ -1,6 +1,6 @@
-// Which presets a search finds.
+// The search for presets.
 
-/** Those that have all words, in their name before others; else in the order given. */
+/** Presets that contain all words: those with all in the name first, and otherwise in the order given. */
 export function matching<T extends { readonly name: string; readonly description: string }>(
   presets: readonly T[],
   search: string,

@@ -8,7 +8,7 @@ const TEXT = { noPicture: "No picture" };
 export interface Tile {
   readonly name: string;
   readonly description: string;
-  /** Where it is not drawn by the engine. */
+  /** Address of the picture, where it is not drawn by the engine. */
   readonly picture?: string;
 }
 

@@ -28,7 +28,7 @@ const TEXT = {
   alone: "This look is made for a layer alone: with others it is drawn as a volume, which may hide them.",
 };
 
-/** Cosine of an angle that is hardly seen in a small picture. */
+/** Cosine of a turn that is hardly seen in a small picture. */
 const ALIKE = 0.996;
 
 export function PresetsPanel(props: PartProps) {
@@ -125,7 +125,7 @@ export function PresetsPanel(props: PartProps) {
   );
 }
 
-/** The pictures show everything, from where the camera is: only its directions count. */
+/** Whether two cameras give the same small pictures: these are fitted to the whole, so only directions count. */
 function looksAlike(a: Camera, b: Camera): boolean {
   const [one, other] = [axesOf(a), axesOf(b)];
   return Math.min(dot(one.back, other.back), dot(one.up, other.up)) > ALIKE;

@@ -1,8 +1,8 @@
-// When playing a series goes on: at a set rate, and never before the frame of the step before is on the screen.
+// The timing of playing a series: a set rate, but no step before the frame of the last one is on the screen.
 
 import { PANES, type View, type ViewName } from "../../state/state.ts";
 
-/** The views of a layout. */
+/** The views that a layout shows. */
 export function shownViews({ name, main }: View["layout"]): readonly ViewName[] {
   if (name === "single") return [main];
   return name === "3d" ? ["3d"] : ["3d", ...PANES];

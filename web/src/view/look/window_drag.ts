@@ -6,7 +6,7 @@ import { isEditable, windowed } from "./curves.ts";
 
 const TEXT = { table: "The function of this layer is a table; it has no window" };
 
-/** One step of such a drag, in pixels since the step before. Whoever sees the drag end settles the store. */
+/** Applies one step of such a drag, in pixels since the last step. The caller settles the store when the drag ends. */
 export function windowDrag({ store, ui, welcome }: PartProps, dx: number, dy: number): void {
   const layer = store.state.layers[ui.layer];
   const range = welcome.volumes[ui.layer]?.robust_range;

@@ -14,7 +14,7 @@ export const FACES: readonly Face[] = ([0, 1, 2] as const).flatMap((axis) => [
   { axis, side: "upper" as const },
 ]);
 
-/** Corners by their bits: x, y, z at the upper end. */
+/** The eight corners; bit a of a corner's index is set where it lies at the upper end of axis a. */
 export function corners(box: Box): Vec3[] {
   return [...Array(8).keys()].map(
     (bits) => [0, 1, 2].map((axis) => ((bits >> axis) & 1 ? box.upper : box.lower)[axis]) as unknown as Vec3,
@@ -52,14 +52,14 @@ export function isHidden(box: Box, edge: (typeof EDGES)[number], camera: Camera)
     });
 }
 
-/** How far a point on an axis goes if its picture goes by (dx, dy): the least distance in the picture. World units. */
+/** Distance, in world units, to move a point along an axis so that its picture comes nearest to a move by (dx, dy). */
 export function alongAxis(camera: Camera, size: CssSize, from: Vec3, axis: Vec3, dx: number, dy: number): number {
   const here = project(camera, size, from);
   const there = project(camera, size, add(from, axis));
   if (here === null || there === null) return 0;
   const [ux, uy] = [there.x - here.x, there.y - here.y];
   const square = ux * ux + uy * uy;
-  // Seen from its end an axis has no length.
+  // An axis that is seen end-on has no length in the picture.
   return square < 1e-6 ? 0 : (dx * ux + dy * uy) / square;
 }
 
@@ -84,7 +84,7 @@ export function movedBy(box: Box, by: Vec3, bounds: readonly [Vec3, Vec3]): Box 
   return { ...box, lower: add(box.lower, clamped), upper: add(box.upper, clamped) };
 }
 
-/** How far, in the plane of the picture, a point goes with the pointer. World units. */
+/** World vector, parallel to the plane of the picture, by which a point moves with the pointer. */
 export function inPicture(camera: Camera, size: CssSize, from: Vec3, dx: number, dy: number): Vec3 {
   const here = project(camera, size, from);
   if (here === null) return [0, 0, 0];
@@ -94,7 +94,7 @@ export function inPicture(camera: Camera, size: CssSize, from: Vec3, dx: number,
   return sub(add(moved.origin, scaled(moved.direction, depth)), from);
 }
 
-/** The place of the kept box, or the one that is cut out, in the list of clips; -1 if there is none. */
+/** Index of the box that is kept, or of the one that is cut out, in the list of clips; -1 if there is none. */
 export const placeOfBox = (clips: readonly Clip[], kind: "keep" | "cut_out"): number =>
   clips.findIndex((clip) => kind in clip && !isIndexed(boxOf(clip)));
 

@@ -5,11 +5,11 @@ import type { Camera, Vec3 } from "../../state/state.ts";
 import type { PartProps } from "../part.ts";
 import { showFrom } from "../scene_view.tsx";
 
-/** Pixels: half an edge, and where the middle is from the corner of the view. */
+/** Half an edge, and the distance of the middle from the corner of the view, in pixels. */
 const HALF = 24;
 const MARGIN = 54;
 
-/** In the order of `axis_ends`: -x, +x, -y, +y, -z, +z; with the view that looks at the face. */
+/** Faces in the order of `axis_ends`: -x, +x, -y, +y, -z, +z; each with the view that looks at it. */
 const SIDES: readonly { readonly outward: Vec3; readonly view: string }[] = [
   { outward: [-1, 0, 0], view: "left" },
   { outward: [1, 0, 0], view: "right" },

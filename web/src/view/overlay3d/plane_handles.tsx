@@ -9,7 +9,7 @@ import type { CssSize, PartProps } from "../part.ts";
 import { alongAxis } from "./box.ts";
 
 const COLOR = "#8be0d4";
-/** Pixels of the square that stands for the plane, to each side; steps of keys: shares of the volume, degrees. */
+/** Pixels from the middle of the plane's square to its sides; steps of keys: a share of the volume, and degrees. */
 const ARM_PX = 90;
 const STEP_SHARE = 0.01;
 const STEP_DEG = 2;
@@ -32,7 +32,7 @@ export function PlaneHandles(
   const now = (): Plane => (store.state.clip[place] as { plane: Plane } | undefined)?.plane ?? plane;
   const change = (next: Plane, gesture: string): void => store.change([set({ plane: next }, "clip", place)], gesture);
   const { right, up } = axesOf(camera);
-  // Two directions in the plane, as upright in the picture as they can be.
+  // Two directions in the plane, the first as upright in the picture as it can be.
   const first = unit(Math.abs(dot(up, normal)) < 0.99 ? sub(up, scaled(normal, dot(up, normal))) : sub(right, scaled(normal, dot(right, normal))));
   const second = cross(normal, first);
   const ends = [add(plane.point, scaled(first, arm)), add(plane.point, scaled(second, arm))] as const;

@@ -1,4 +1,4 @@
-// What lies over the picture in space, drawn with the camera of the frame, so that it never swims against it.
+// The overlay of the 3-D view, drawn with the camera of the frame, so that it never swims against the picture.
 
 import type { Frame } from "../../engine/engine.ts";
 import { axesOf, dot, project, scaled, unitsPerPixel } from "../../input/camera.ts";
@@ -13,7 +13,7 @@ import { Cube } from "./cube.tsx";
 import { PlaneHandles } from "./plane_handles.tsx";
 
 const DIRECTIONS: readonly Vec3[] = [[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]];
-/** How much of the picture's width or height a direction must have to be named at an edge. */
+/** Least cosine between a direction and the way to an edge of the picture for its name to stand there. */
 const NAMED = 0.5;
 
 export function SceneOverlay(props: PartProps & { readonly frame: Frame; readonly size: CssSize }) {
@@ -106,7 +106,7 @@ function ScaleBar({ welcome, camera, size }: PartProps & { camera: Camera; size:
   );
 }
 
-/** The colours of the values that a projection, or a look, shows. */
+/** A bar of the colours of values, for a projection or a look. */
 function ColorBar({ store, welcome, ui }: PartProps) {
   const layer = store.state.layers[ui.layer];
   const info = welcome.volumes[ui.layer];

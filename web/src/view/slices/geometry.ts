@@ -31,7 +31,7 @@ export function worldAt({ geometry, size, width, height }: SliceFrame, x: number
   return add(geometry.origin, add(across, scaled(geometry.down, row * geometry.pixel)));
 }
 
-/** Where a world point is in the view, in CSS pixels, and how far from the plane it lies. */
+/** Position of a world point in the view, in CSS pixels, and its distance from the plane, `away`, in world units. */
 export function placeOf(frame: SliceFrame, point: Vec3): { x: number; y: number; away: number } {
   const { geometry, size, width, height } = frame;
   const from = sub(point, geometry.origin);
@@ -53,22 +53,22 @@ export function lineOf(frame: SliceFrame, other: Vec3): { dx: number; dy: number
   return norm < 1e-9 ? null : { dx: dx / norm, dy: dy / norm };
 }
 
-/** Another plane's normal so that its line in the slice has a direction, given in CSS pixels. */
+/** Another plane's normal, turned so that its line in the slice has the direction (dx, dy), in CSS pixels. */
 export function tilted(frame: SliceFrame, other: Vec3, dx: number, dy: number): Vec3 {
   const before = lineOf(frame, other);
   if (before === null || (dx === 0 && dy === 0)) return other;
   const { right, down, normal } = frame.geometry;
   let angle = Math.atan2(dy, dx) - Math.atan2(before.dy, before.dx);
-  // A line has no direction: the smaller turn.
+  // A line runs both ways, so the smaller of both turns is taken.
   if (angle > Math.PI / 2) angle -= Math.PI;
   if (angle < -Math.PI / 2) angle += Math.PI;
-  // Clockwise in the picture is about the axis that right and down make by the right hand.
+  // Angles grow clockwise in the picture: a right-handed turn about the cross product of right and down.
   const axis = unit(cross(right, down));
   const sign = Math.sign(dot(axis, normal)) || 1;
   return unit(turnedAbout(other, scaled(normal, sign), angle * (Math.sign(dot(axis, scaled(normal, sign))) || 1)));
 }
 
-/** The crosshair moved along a pane's normal by a distance, kept in the volume. */
+/** The crosshair moved along a pane's normal by a distance, and kept within the range. */
 export function stepped(state: ViewerState, pane: Pane, distance: number, range: readonly [number, number]): Vec3 {
   const normal = normalOf(state, pane);
   const { crosshair } = state.view.slices;
@@ -77,7 +77,7 @@ export function stepped(state: ViewerState, pane: Pane, distance: number, range:
   return add(crosshair, scaled(normal, next - now));
 }
 
-/** The distance of samples along a direction, world units: the step of a slice. */
+/** Distance of sample planes along a direction, by the index axis nearest to it, in world units: the step of a slice. */
 export function sampleStep(affine: readonly (readonly number[])[], direction: Vec3): number {
   const column = (axis: number): Vec3 => [0, 1, 2].map((row) => affine[row]?.[axis] ?? 0) as unknown as Vec3;
   const shares = [0, 1, 2].map((axis) => {
@@ -89,7 +89,7 @@ export function sampleStep(affine: readonly (readonly number[])[], direction: Ve
   return best.size * best.share;
 }
 
-/** A round length for a scale bar: 1, 2 or 5 times a power of ten, at most so long. */
+/** A round length for a scale bar: the largest of 1, 2 and 5 times powers of ten that is at most `longest`. */
 export function barLength(longest: number): number {
   const power = 10 ** Math.floor(Math.log10(longest));
   const lead = longest / power;

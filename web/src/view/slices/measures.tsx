@@ -11,7 +11,7 @@ import { angleDeg, distance, placeOf, worldAt, type SliceFrame } from "./geometr
 
 const COLOR = "#7df0ff";
 
-/** What a measure says: "12.3 mm", "45.0°". */
+/** Text of a measure: "12.3 mm", "45.0°". */
 export function measured(measure: Measure, unit: string): string {
   return measure.kind === "distance" ? `${shortNumber(distance(measure.points), 4)} ${unit}` : `${angleDeg(measure.points).toFixed(1)}°`;
 }
@@ -90,7 +90,7 @@ export function MeasuresOnSlice(props: PartProps & { readonly on: SliceFrame }) 
       placed={(point) => placeOf(on, point)}
       moved={(point, dx, dy) => {
         const { x, y } = placeOf(on, point);
-        // At right angles to the slice it stays where it is.
+        // The point keeps its distance from the slice.
         return add(point, sub(worldAt(on, x + dx, y + dy), worldAt(on, x, y)));
       }}
       isNear={(points) => points.every((point) => placeOf(on, point).away <= thickness)}
@@ -110,6 +110,6 @@ export function Measures3d(props: PartProps & { readonly camera: Camera; readonl
   );
 }
 
-/** Whether points tell something: not all the same. */
+/** Whether points make a measure: no two successive ones are the same. */
 export const isMeasure = (points: readonly Vec3[]): boolean =>
   points.every((point, n) => n === 0 || length(sub(point, scaled(points[n - 1] as Vec3, 1))) > 0);

@@ -18,18 +18,18 @@ import {
 import { MeasuresOnSlice } from "./measures.tsx";
 
 export const PANE_COLORS: Readonly<Record<Pane, string>> = { axial: "#ff6b6b", coronal: "#6bd46b", sagittal: "#6ba8ff" };
-/** Names of planes: of bodies as radiology has them, else by the axis across them. */
+/** Names of planes: radiology's for bodies, else the axis across the plane. */
 const BODY: Readonly<Record<Pane, string>> = { axial: "Axial", coronal: "Coronal", sagittal: "Sagittal" };
 const AXIS: typeof BODY = { axial: "z", coronal: "y", sagittal: "x" };
 const nameOf = ({ welcome }: PartProps, pane: Pane): string => (welcome.volumes[0]?.is_anatomical ? BODY : AXIS)[pane];
-/** Slices that a key with Shift, or PageUp, moves by. */
+/** Number of slices that a key with Shift, or PageUp, moves by. */
 const COARSE = 10;
-/** Between questions for the value under the pointer, ms. */
+/** Least time between questions for the value under the pointer, ms. */
 const PROBE_MS = 40;
 
 export function SlicePane(props: PartProps & { readonly pane: Pane }) {
   const { pane, store, ui, welcome } = props;
-  // The newest, whenever something is done: it may have come since this was drawn.
+  // Handlers take the newest frame, which may have come since this was drawn.
   const frame = (): Frame | undefined => ui.frames[pane];
   const slices = () => store.state.view.slices;
   const step = (): number => sampleStep(welcome.volumes[0]?.affine ?? [], normalOf(store.state, pane));
@@ -213,7 +213,7 @@ function CrosshairLine(props: PartProps & { pane: Pane; on: SliceFrame; other: P
         y={at.y - line.dy * far * 0.55}
         color={color}
         onDrag={(_x, _y, dx, dy) => {
-          // Along the normal, as it runs in the picture.
+          // The plane moves by the part of the drag that lies along its normal.
           const { geometry } = on;
           const per = (geometry.pixel * on.width) / size.width;
           const way = add(scaled(geometry.right, dx * per), scaled(geometry.down, dy * per));
@@ -251,7 +251,7 @@ function rangeOf([lower, upper]: readonly [Vec3, Vec3], normal: Vec3): readonly 
 
 let probeTimer: ReturnType<typeof setTimeout> | undefined;
 
-/** Ask for the values under the pointer, the newest place alone. */
+/** Asks for the values under the pointer, only for its newest place. */
 function probe(props: PartProps, on: SliceFrame | null, place: { x: number; y: number } | null): void {
   const { engine, ui } = props;
   clearTimeout(probeTimer);

@@ -54,7 +54,7 @@ export class Gestures {
 
   constructor(private readonly emit: (gesture: Gesture, timeStamp: number) => void) {}
 
-  /** Whether anything is pressed. */
+  /** Whether a button or finger is down. */
   get isActive(): boolean {
     return this.pointers.size > 0;
   }

@@ -18,13 +18,13 @@ export class FrameStatistics {
   readonly records: FrameRecord[] = [];
   private events: { readonly seq: number; readonly at: number }[] = [];
 
-  /** A change with this number came from an event at this time. */
+  /** Records the time of the event that a change came from. */
   event(seq: number, at: number): void {
     this.events.push({ seq, at });
     if (this.events.length > MAX_EVENTS) this.events.shift();
   }
 
-  /** A frame is on the canvas. */
+  /** Records that a frame is on the canvas. */
   drawn(frame: Frame, at: number): void {
     const shown = this.events.filter((event) => event.seq <= frame.seq).at(-1);
     if (shown !== undefined) this.events = this.events.filter((event) => event.seq > frame.seq);
@@ -33,7 +33,7 @@ export class FrameStatistics {
     if (this.records.length > MAX_RECORDS) this.records.shift();
   }
 
-  /** Of the moving frames of the last so many milliseconds. */
+  /** Statistics of the moving frames of the last `span` milliseconds. */
   recent(now: number, span = 2000): { framesPerSecond: number; latency: number | null; kilobytes: number } | null {
     const moving = this.records.filter((record) => record.at > now - span && !record.frame.at_rest);
     const first = moving[0];

@@ -1717,12 +1717,12 @@ var MAX_EVENTS = 1e3;
 var FrameStatistics = class {
   records = [];
   events = [];
-  /** A change with this number came from an event at this time. */
+  /** Records the time of the event that a change came from. */
   event(seq, at2) {
     this.events.push({ seq, at: at2 });
     if (this.events.length > MAX_EVENTS) this.events.shift();
   }
-  /** A frame is on the canvas. */
+  /** Records that a frame is on the canvas. */
   drawn(frame, at2) {
     const shown = this.events.filter((event) => event.seq <= frame.seq).at(-1);
     if (shown !== void 0) this.events = this.events.filter((event) => event.seq > frame.seq);
@@ -1730,7 +1730,7 @@ var FrameStatistics = class {
     this.records.push({ at: at2, latency: shown === void 0 ? null : at2 - shown.at, bytes: bytes.length, frame: header });
     if (this.records.length > MAX_RECORDS) this.records.shift();
   }
-  /** Of the moving frames of the last so many milliseconds. */
+  /** Statistics of the moving frames of the last `span` milliseconds. */
   recent(now, span = 2e3) {
     const moving = this.records.filter((record) => record.at > now - span && !record.frame.at_rest);
     const first = moving[0];
@@ -3441,29 +3441,29 @@ var PresetPictures = class {
   drawing = null;
   lastChange = -Infinity;
   isClosed = false;
-  /** The address of a picture, where there is one. */
+  /** Address of a picture; undefined where it is not drawn. */
   get(name) {
     return this.urls.get(name);
   }
-  /** Why there is none. */
+  /** The reason why a picture is missing. */
   reason(name) {
     return this.reasons.get(name);
   }
-  /** Asks for a picture, if it is not there. */
+  /** Requests a picture, unless it is drawn. */
   want(name) {
     if (this.urls.has(name) || this.reasons.has(name) || this.wanted.includes(name) || name === this.drawing) return;
     this.wanted.push(name);
     void this.next();
   }
-  /** It has left the screen before its turn. */
+  /** Cancels a request whose tile has left the screen. */
   leave(name) {
     this.wanted = this.wanted.filter((other) => other !== name);
   }
-  /** Something in the picture is being changed: no pictures for a moment. */
+  /** Pauses for a moment, as something in the picture is being changed. */
   pause() {
     this.lastChange = performance.now();
   }
-  /** All pictures are drawn anew, as they are seen. */
+  /** Forgets all pictures; each is drawn anew when it is seen. */
   clear() {
     const before = [...this.urls.keys(), ...this.reasons.keys()];
     this.reasons.clear();
@@ -4410,7 +4410,7 @@ var Gestures = class {
   isDragging = false;
   isPinching = false;
   lastTap = { at: -Infinity, x: 0, y: 0 };
-  /** Whether anything is pressed. */
+  /** Whether a button or finger is down. */
   get isActive() {
     return this.pointers.size > 0;
   }

@@ -24,34 +24,34 @@ export class PresetPictures {
     private readonly changed: () => void,
   ) {}
 
-  /** The address of a picture, where there is one. */
+  /** Address of a picture; undefined where it is not drawn. */
   get(name: string): string | undefined {
     return this.urls.get(name);
   }
 
-  /** Why there is none. */
+  /** The reason why a picture is missing. */
   reason(name: string): string | undefined {
     return this.reasons.get(name);
   }
 
-  /** Asks for a picture, if it is not there. */
+  /** Requests a picture, unless it is drawn. */
   want(name: string): void {
     if (this.urls.has(name) || this.reasons.has(name) || this.wanted.includes(name) || name === this.drawing) return;
     this.wanted.push(name);
     void this.next();
   }
 
-  /** It has left the screen before its turn. */
+  /** Cancels a request whose tile has left the screen. */
   leave(name: string): void {
     this.wanted = this.wanted.filter((other) => other !== name);
   }
 
-  /** Something in the picture is being changed: no pictures for a moment. */
+  /** Pauses for a moment, as something in the picture is being changed. */
   pause(): void {
     this.lastChange = performance.now();
   }
 
-  /** All pictures are drawn anew, as they are seen. */
+  /** Forgets all pictures; each is drawn anew when it is seen. */
   clear(): string[] {
     const before = [...this.urls.keys(), ...this.reasons.keys()];
     this.reasons.clear();

@@ -58,7 +58,7 @@ def main() -> None:
         file = PICTURES / f"{one.name}.png"
         command = f"wavesplat render {one.command}"
         subprocess.run(  # noqa: S603 - our own
-            [*shlex.split(command), "--size", f"{SIZE_PX}x{SIZE_PX}", "-q", "--no-tell", "-o", str(file)],
+            [*shlex.split(command), "--size", f"{SIZE_PX}x{SIZE_PX}", "-q", "--no-embed-scene", "-o", str(file)],
             cwd=DATA,
             check=True,
         )

@@ -250,7 +250,7 @@ def test_a_figure_is_drawn_again_with_what_is_on_it(wavesplat, folder):
 
 
 def test_the_command_line_need_not_tell(wavesplat, folder):
-    done = wavesplat("render", folder / "noise.npy", "-o", folder / "a.png", "--size", "9x9", "--no-tell")
+    done = wavesplat("render", folder / "noise.npy", "-o", folder / "a.png", "--size", "9x9", "--no-embed-scene")
     assert done.returncode == 0
     assert text_in((folder / "a.png").read_bytes(), "wavesplat") is None
 

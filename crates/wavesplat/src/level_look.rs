@@ -95,15 +95,15 @@ impl LevelLooks {
         {
             return Ok((known.tf.clone(), known.needs_preintegration));
         }
-        let given_is_steep = needs_preintegration(grid, tf);
+        let given_needs_preintegration = needs_preintegration(grid, tf);
         let own = if let Some((histogram, spacing)) = &self.brightness {
             let unit = tf.opacity_unit().unwrap_or(grid.default_opacity_unit());
-            histogram.filter(tf, (*spacing / unit).to_array(), shading, given_is_steep)?
+            histogram.filter(tf, (*spacing / unit).to_array(), shading, given_needs_preintegration)?
         } else {
             tf.clone()
         };
         // A smooth function may need so much extinction on the level that it becomes steep there.
-        let needs_preintegration = given_is_steep || needs_preintegration(grid, &own);
+        let needs_preintegration = given_needs_preintegration || needs_preintegration(grid, &own);
         *latest = Some(LevelLook { of: tf.clone(), shading: shading.cloned(), tf: own.clone(), needs_preintegration });
         Ok((own, needs_preintegration))
     }

@@ -47,7 +47,7 @@ class FigureOptions:
     ] = None
     font: Annotated[Path | None, typer.Option(metavar="FILE.ttf", help="For signs that the usual font lacks.")] = None
     ink: Annotated[
-        Any, typer.Option(metavar="COLOR", parser=parsers.color, help="Of what is written; else black or white.")
+        Any, typer.Option(metavar="COLOR", parser=parsers.color, help="Text colour; black or white by default.")
     ] = None
 
     @property

@@ -231,7 +231,7 @@ def times_of(text: str, n: int) -> list[int]:
             raise ArgumentError(f"--times is {text!r}, whose step is 0; give another one")
         found = list(range(n))[slice(*numbers)]
         if not found:
-            raise ArgumentError(f"--times is {text!r}, and the file holds {n} time points; none of them is meant")
+            raise ArgumentError(f"--times is {text!r}, which selects none of the time points 0..{n - 1}")
         return found
     for number in numbers:
         if number is None or not -n <= number < n:

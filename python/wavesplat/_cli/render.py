@@ -66,8 +66,8 @@ def render(
     lighting: LightOptions,
     bits: Bits = 8,
     figure: FigureOptions,
-    tells: Annotated[
-        bool, typer.Option("--tell/--no-tell", help="Whether a PNG file says how it was made, for --from.")
+    embed_scene: Annotated[
+        bool, typer.Option("--embed-scene/--no-embed-scene", help="Write the scene into a PNG file, for --from.")
     ] = True,
     report: Annotated[Path | None, typer.Option(metavar="FILE.json", help="Write how the picture was made.")] = None,
     reader: ReaderOptions,
@@ -109,7 +109,7 @@ def render(
         input,
         figure=figure,
         bits=bits,
-        tells=tells,
+        embed_scene=embed_scene,
         quiet=quiet,
         size=size,
         composite=operator,
@@ -142,7 +142,7 @@ def _drawn_all(
     *,
     figure: FigureOptions,
     bits: int,
-    tells: bool,
+    embed_scene: bool,
     quiet: bool,
     **options: Any,
 ) -> list[dict[str, Any]]:
@@ -153,7 +153,7 @@ def _drawn_all(
         if not quiet:
             print_notes(picture)
         picture = annotated(picture, figure, quiet=quiet)
-        picture.save(path, bits=bits, dpi=figure.dpi, scene=tells)
+        picture.save(path, bits=bits, dpi=figure.dpi, scene=embed_scene)
         made.append({"picture": str(path), "size": list(picture.size), "input": input, "report": picture.report})
     return made
 

@@ -69,7 +69,7 @@ class ColorOptions:
             "width.",
         ),
     ] = None
-    log: Annotated[bool, typer.Option("--log", help="Colours even in the logarithm of the values.")] = False
+    log: Annotated[bool, typer.Option("--log", help="Map colours to the logarithm of the values.")] = False
     opacity: Annotated[
         Any,
         typer.Option(
@@ -78,7 +78,7 @@ class ColorOptions:
             help="Over the range: linear, sigmoid, sqrt, a number, or numbers, 0..1.",
         ),
     ] = None
-    gamma: Annotated[float, typer.Option(metavar="G", help="Less than 1 brightens what is between.")] = 1.0
+    gamma: Annotated[float, typer.Option(metavar="G", help="Less than 1 brightens mid-tones.")] = 1.0
 
     def are_given(self) -> bool:
         """Whether any of these options is set."""
@@ -116,7 +116,7 @@ class LookOptions:
     ] = None
     surfaces: Annotated[
         float | None,
-        typer.Option(metavar="0..1", help="How much of the materials' opacity only their boundaries have."),
+        typer.Option(metavar="0..1", help="Share of the materials' opacity that lies at their boundaries."),
     ] = None
 
     composite: Annotated[Any, parsers.choice((*get_args(Composite), *COMPOSITE_SYNONYMS))] = None

@@ -66,8 +66,8 @@ class CacheFolder:
         except (OSError, ValueError):
             return None
         found = os.fstat(handle)
-        is_foreign = self._is_ours and hasattr(os, "geteuid") and found.st_uid != os.geteuid()
-        if is_foreign or not stat.S_ISREG(found.st_mode):
+        is_of_another_user = self._is_ours and hasattr(os, "geteuid") and found.st_uid != os.geteuid()
+        if is_of_another_user or not stat.S_ISREG(found.st_mode):
             os.close(handle)
             return None
         with suppress(OSError):  # of another user, or read-only

@@ -47,7 +47,7 @@ class Label:
     color : colour
         (r, g, b), "#rrggbb" or a name.
     opacity : float, default 0.8
-        0..1, of the label's own matter, `opacity_unit` thick (that of the transfer function). 0: it has none.
+        0..1, of the label's own medium over a thickness of `opacity_unit` of the transfer function. 0: it has none.
     name : str, optional
         Such as "liver".
     scan : float, optional

@@ -191,7 +191,7 @@ class TransferFunction:
             Opacity of a slab one `opacity_unit` thick: "linear", "sigmoid" or "sqrt" from 0 at low to 1 at high; one
             number everywhere; numbers evenly over the range; or nodes in sample values. Numbers are 0..1.
         log : bool
-            Colours even in the logarithm of the values.
+            Map colours to the logarithm of the values.
         gamma : float, default 1
             Colours and opacities go with ((value - low) / (high - low)) ** gamma: less than 1 brightens.
         opacity_unit : float, optional

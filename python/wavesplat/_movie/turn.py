@@ -89,7 +89,7 @@ class Turn:
         if not (self.start is None or isinstance(self.start, Camera | str)):
             raise ArgumentError(f"start of the turn is {described(self.start)}; give a Camera or the name of a view")
         if isinstance(self.start, Camera) and self.view_angle is not None:
-            raise ArgumentError("the start of the turn is a camera, which has a lens; leave out view_angle")
+            raise ArgumentError("start of the turn is a camera, which has a view angle already; leave out view_angle")
 
     @property
     def angles(self) -> list[float]:

@@ -261,7 +261,7 @@ class Picture:
         quality : int, default 95
             Quality of JPEG and WebP files, 1 to 100; a WebP file of 100 loses nothing.
         scene : bool
-            Whether a PNG file says how it was made, so that `Scene.load` reads the scene from it, and
+            Whether the scene is written into a PNG file, so that `Scene.load` reads it from there, and
             `wavesplat render --from` draws it again. It then holds names of files.
 
         Raises

@@ -10,7 +10,7 @@
 use wavesplat_core::OpacityNode;
 
 /// Relative change of `1 − a` below which the closed form is mostly rounding, and Simpson's rule as good as exact.
-const NEARLY_LEVEL: f64 = 1e-3;
+const NEARLY_EVEN: f64 = 1e-3;
 
 /// Optical depth that counts as opaque.
 const OPAQUE_SLAB: f64 = 32.0;
@@ -121,7 +121,7 @@ fn depth_of(opacity: f64) -> f64 {
 
 /// Mean of `−ln u` where `u = 1 − a` goes evenly from one value to another, not both 0.
 fn mean_depth(from: f64, to: f64) -> f64 {
-    if from.min(to) > 0.0 && (from - to).abs() <= NEARLY_LEVEL * from.min(to) {
+    if from.min(to) > 0.0 && (from - to).abs() <= NEARLY_EVEN * from.min(to) {
         return -(from.ln() + 4.0 * (0.5 * (from + to)).ln() + to.ln()) / 6.0;
     }
     let antiderivative = |u: f64| if u > 0.0 { u - u * u.ln() } else { 0.0 };

@@ -97,10 +97,10 @@ impl Modifiers {
     }
 }
 
-/// Factor of light by a field: 1 less `strength` times the share of light that is held off.
+/// Factor of light by a field: 1 less `strength` times the share of light that is blocked.
 #[inline(always)]
 fn factor<W: Wide>(w: W, term: Option<(usize, f32)>, point: &FieldPoint<W>) -> Option<W::F> {
     let (field, strength) = term?;
-    let held_off = w.sub(w.splat(1.0), point.value(w, field));
-    Some(w.max(w.sub(w.splat(1.0), w.mul(w.splat(strength), held_off)), w.splat(0.0)))
+    let blocked = w.sub(w.splat(1.0), point.value(w, field));
+    Some(w.max(w.sub(w.splat(1.0), w.mul(w.splat(strength), blocked)), w.splat(0.0)))
 }

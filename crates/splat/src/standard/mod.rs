@@ -217,8 +217,7 @@ pub(crate) fn validate(options: &RenderOptions) -> Result<()> {
     if let Some(shading) = &options.shading
         && (shading.ambient_occlusion != 0.0 || shading.shadow != 0.0)
     {
-        let mend =
-            "samples are shaded before they are splatted; draw light that is held off by high-resolution splatting";
+        let mend = "samples are shaded before they are splatted; draw ambient occlusion and shadows by high-resolution splatting";
         let value = format!("ambient_occlusion {}, shadow {}", shading.ambient_occlusion, shading.shadow);
         return refuse("light of standard splatting", value, "without occlusion and shadow", mend);
     }

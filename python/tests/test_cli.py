@@ -13,7 +13,7 @@ import pytest
 
 import wavesplat as ws
 from wavesplat import _cli
-from wavesplat._model.clips import checked_clip
+from wavesplat._model.clips import combined_clips
 from wavesplat._render.arguments import chosen_camera
 from wavesplat.errors import WavesplatWarning
 
@@ -73,7 +73,7 @@ def test_the_command_line_makes_the_picture_of_the_api(wavesplat, ramp_file, tmp
     expected = ws.render(
         volume,
         look,
-        chosen_camera(None, [(volume, look)], checked_clip(crop), 40 / 30, turned=(30, 20), zoom=1.5, view_angle=40),
+        chosen_camera(None, [(volume, look)], combined_clips(crop), 40 / 30, turned=(30, 20), zoom=1.5, view_angle=40),
         size=(40, 30),
         kernel="bspline3",
         quality="draft",

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import wavesplat as ws
-from wavesplat._model.clips import checked_clip
+from wavesplat._model.clips import combined_clips
 from wavesplat._model.cutting import taken_out
 from wavesplat._render.framing import framed
 from wavesplat.errors import ArgumentError
@@ -241,7 +241,7 @@ def test_views_fit_what_is_left():
     look = ws.Look(transfer_function=SOLID)
     whole = framed([(volume, look)], 0, 0).parallel_scale
     middle = (19.5, 9.5, 9.5)
-    clipping = checked_clip([ws.ClipPlane((29, 0, 0), (1, 0, 0)), ws.ClipPlane(middle, (0, 0, 1))])
+    clipping = combined_clips([ws.ClipPlane((29, 0, 0), (1, 0, 0)), ws.ClipPlane(middle, (0, 0, 1))])
     clipped = framed([(volume, look)], 0, 0, clipping=clipping)
     assert clipped.parallel_scale < 0.6 * whole
     assert clipped.focal_point[0] == pytest.approx(34, abs=1)

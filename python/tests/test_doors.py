@@ -10,7 +10,7 @@ from importlib.resources import files
 import pytest
 
 import wavesplat as ws
-from wavesplat._model.clips import checked_clip
+from wavesplat._model.clips import combined_clips
 from wavesplat._render.arguments import chosen_camera
 
 SIZE = (64, 48)
@@ -23,7 +23,7 @@ def _drawn(volume, look, azimuth, elevation=0, *, crop=None, lens=None, **option
     clip = () if crop is None else crop
     parts = [(volume, look)]
     lens = {"turned": (azimuth, elevation), **(lens or {})}
-    camera = chosen_camera(None, parts, checked_clip(clip), 64 / 48, **lens)
+    camera = chosen_camera(None, parts, combined_clips(clip), 64 / 48, **lens)
     return ws.render(volume, look, camera, clip=clip, size=SIZE, **options)
 
 

@@ -253,8 +253,8 @@ def test_windows_of_values_see_spots_and_leave_noise():
 def test_a_window_of_all_values_of_a_type_tells_nothing():
     volume = ws.Volume(cells(1)[0, 0])
     for high, nothing in ((65535, True), (4095, True), (4096, False), (255, False), (450, False)):
-        assert channels.tells_nothing((0, high), volume) == nothing
-    assert not channels.tells_nothing((10, 65535), volume)
+        assert channels.is_full_range_window((0, high), volume) == nothing
+    assert not channels.is_full_range_window((10, 65535), volume)
 
 
 def test_no_colour_is_refused():

@@ -12,7 +12,7 @@ from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.camera import Camera
-from wavesplat._model.clips import Clip, Clipping, checked_clip
+from wavesplat._model.clips import Clip, Clipping, combined_clips
 from wavesplat._model.options import Kernel
 from wavesplat._model.volume import Volume
 from wavesplat._model.volume_like import VolumeLike, as_volume
@@ -72,7 +72,7 @@ def raycast(
     """
     if isinstance(what, Scene):
         scene = what
-        if transfer_function is not None or labels is not None or checked_clip(clip) != checked_clip(()):
+        if transfer_function is not None or labels is not None or combined_clips(clip) != combined_clips(()):
             raise ArgumentError("a scene has its own looks, labels and clipping; leave these arguments out")
     else:
         volume = _checked_samples(what)

@@ -16,7 +16,7 @@ from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.camera import Camera
-from wavesplat._model.clips import Clip, checked_clip
+from wavesplat._model.clips import Clip, combined_clips
 from wavesplat._model.cutting import without
 from wavesplat._model.options import Buffer, Kernel
 from wavesplat._model.volume import Volume
@@ -223,7 +223,7 @@ def splat(
     if shading is not None and (shading.ambient_occlusion > 0 or shading.shadow > 0):
         raise ArgumentError("the study knows no ambient_occlusion and no shadow; give a Shading without them")
     width, height = arguments.checked_size(size)
-    clipping = checked_clip(clip)
+    clipping = combined_clips(clip)
     look = arguments.chosen_look(transfer_function, volume, "over")
     volume = without(volume, clipping.boxes)
     rgba = _native.splat_ablated(
@@ -349,7 +349,7 @@ def standard(
     chosen = standard or StandardSplatting()
     volume = as_volume(volume)
     width, height = arguments.checked_size(size)
-    clipping = checked_clip(clip)
+    clipping = combined_clips(clip)
     look = arguments.chosen_look(transfer_function, volume, "over")
     volume = arguments.cut_open(volume, clipping.boxes)
     result = _native.render_standard(

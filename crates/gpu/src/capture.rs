@@ -45,7 +45,7 @@ pub struct CapturedTexture {
 pub fn capture(plan: &Plan, slices: &[&Slices]) -> GpuResult<Capture> {
     let permutation = permutation_of(plan, slices, true)?;
     let [family] = &plan.families[..] else {
-        return Err(Failure::NotOnGpu("a capture has one base plane".to_owned()));
+        return Err(Failure::DrawnByCpu("a capture has one base plane".to_owned()));
     };
     let arrays = BasePlaneArrays::new(plan, 0, slices);
     let sources = sources_of(plan, slices);
@@ -73,7 +73,7 @@ pub fn capture(plan: &Plan, slices: &[&Slices]) -> GpuResult<Capture> {
         textures.extend(holes.map(|bytes| texture(permutation.holes_binding(k), "r8unorm", bytes)));
     }
     let bands = bands(family, &arrays, plan.layers.len(), true);
-    let [band] = &bands[..] else { return Err(Failure::NotOnGpu("a capture has one band".to_owned())) };
+    let [band] = &bands[..] else { return Err(Failure::DrawnByCpu("a capture has one band".to_owned())) };
     let n_blocks = band.blocks.len();
     let (mut frame, words) = numbers.of_band(family, band, n_blocks);
     (frame.slabs[0], frame.slabs[1], frame.axes[1]) = (band.slabs[0] as u32, family.spacing.n_slabs as u32, 1);

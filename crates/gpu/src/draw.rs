@@ -18,7 +18,7 @@ use crate::band::{Band, bands};
 use crate::buffers::{Buffers, bind_group, read_buffer};
 use crate::device::OpenDevice;
 use crate::failure::{Failure, GpuResult};
-use crate::layout::{N_BLOCK, NO_PLACE};
+use crate::layout::{N_BLOCK, NO_POSITION};
 use crate::numbers::{Numbers, is_mean};
 use crate::pages::{PagedRange, n_pages, page_side, pages_by_slab, ranges};
 use crate::permutation::Permutation;
@@ -59,7 +59,7 @@ impl Default for Schedule {
 
 /// Pipelines, volumes and buffers kept between frames.
 #[derive(Default)]
-pub(crate) struct KeptWork {
+pub(crate) struct GpuCache {
     pub pipelines: HashMap<Permutation, Arc<Pipeline>>,
     /// Uploaded volumes.
     pub volumes: Volumes,
@@ -84,7 +84,7 @@ impl Job<'_> {
     /// Draws all base planes.
     pub fn draw_all(
         &self,
-        work: &mut KeptWork,
+        work: &mut GpuCache,
         callback: &dyn ProgressCallback,
         counts: &mut Counts,
     ) -> GpuResult<Vec<BasePicture>> {
@@ -105,7 +105,7 @@ impl Job<'_> {
         &self,
         family: &FamilyPlan,
         arrays: &BasePlaneArrays,
-        work: &mut KeptWork,
+        work: &mut GpuCache,
         counts: &mut Counts,
         told: &dyn Fn(f32) -> GpuResult<()>,
     ) -> GpuResult<BasePicture> {
@@ -157,7 +157,7 @@ impl Job<'_> {
     }
 
     /// Makes the pages of a range resident.
-    fn hold(&self, range: &PagedRange, numbers: &Numbers, work: &KeptWork, counts: &mut Counts) -> GpuResult<()> {
+    fn hold(&self, range: &PagedRange, numbers: &Numbers, work: &GpuCache, counts: &mut Counts) -> GpuResult<()> {
         for (k, pages) in range.pages.iter().enumerate() {
             let volume = &self.volumes[k];
             let (Some(mut held), Some(words)) = (volume.pages(), &work.buffers.words.0) else { continue };
@@ -177,7 +177,7 @@ impl Job<'_> {
         numbers: &Numbers,
         band: &Band,
         ranges: &[PagedRange],
-        work: &mut KeptWork,
+        work: &mut GpuCache,
         counts: &mut Counts,
         told: &dyn Fn(f32) -> GpuResult<()>,
     ) -> GpuResult<()> {
@@ -238,7 +238,7 @@ impl Job<'_> {
         numbers: &Numbers,
         band: &Band,
         words: &[u32],
-        work: &mut KeptWork,
+        work: &mut GpuCache,
         counts: &mut Counts,
     ) -> BindGroup {
         let device = self.device;
@@ -269,7 +269,7 @@ impl Job<'_> {
         &self,
         band: &Band,
         family: &FamilyPlan,
-        work: &mut KeptWork,
+        work: &mut GpuCache,
         counts: &mut Counts,
         picture: &mut BasePicture,
     ) -> GpuResult<()> {
@@ -305,7 +305,7 @@ impl Job<'_> {
 }
 
 fn w_of(s: f32, sign: f32) -> f32 {
-    if s < NO_PLACE { s * sign } else { f32::NAN }
+    if s < NO_POSITION { s * sign } else { f32::NAN }
 }
 
 /// Texel of a ray's accumulated state. Twin of the `finish` of the compositors of `crates/splat/src/ray`.
@@ -313,7 +313,7 @@ fn finished(operator: Operator, gathered: [f32; 4]) -> [f32; 4] {
     let [value, length, _, _] = gathered;
     match operator {
         Operator::Over { .. } | Operator::FirstHit { .. } => gathered,
-        Operator::LocalMaximum { .. } if value > -NO_PLACE => [value, 0.0, 0.0, 1.0],
+        Operator::LocalMaximum { .. } if value > -NO_POSITION => [value, 0.0, 0.0, 1.0],
         Operator::Project { .. } if length > 0.0 => {
             [if is_mean(operator) { value / length } else { value }, length, 0.0, 1.0]
         }

@@ -10,7 +10,7 @@ pub enum Failure {
     /// A device was opened and did not draw what the CPU draws.
     Untrusted(String),
     /// The CPU draws this frame: the GPU does not support the scene, or is not used at this time.
-    NotOnGpu(String),
+    DrawnByCpu(String),
     /// The frame needs more memory than the budget or the device's limits allow.
     Memory(String),
     /// The driver refused memory.
@@ -28,7 +28,7 @@ impl fmt::Display for Failure {
         match self {
             Self::NoAdapter(why)
             | Self::Untrusted(why)
-            | Self::NotOnGpu(why)
+            | Self::DrawnByCpu(why)
             | Self::Memory(why)
             | Self::Allocation(why) => f.write_str(why),
             Self::Lost(why) => write!(f, "the device was lost: {why}"),

@@ -11,7 +11,7 @@ use wavesplat_splat::source::slices::Slices;
 
 use crate::adapter::{Adapter, Choice};
 use crate::device::OpenDevice;
-use crate::draw::{Job, KeptWork, Schedule};
+use crate::draw::{GpuCache, Job, Schedule};
 use crate::failure::{Failure, GpuResult};
 use crate::numbers::Numbers;
 use crate::permutation::Permutation;
@@ -39,7 +39,7 @@ impl Drawing {
     fn begin() -> GpuResult<Self> {
         if IS_DRAWING.replace(true) {
             let why = "a picture that is drawn while the same thread draws another one is drawn by the CPU";
-            return Err(Failure::NotOnGpu(why.to_owned()));
+            return Err(Failure::DrawnByCpu(why.to_owned()));
         }
         Ok(Self)
     }
@@ -57,8 +57,8 @@ pub struct Gpu {
     gather: bool,
     budget_bytes: AtomicUsize,
     /// Upper bound of the budget, lowered after the driver has refused memory.
-    most_bytes: AtomicUsize,
-    work: Mutex<KeptWork>,
+    peak_bytes: AtomicUsize,
+    work: Mutex<GpuCache>,
 }
 
 impl Gpu {
@@ -75,12 +75,12 @@ impl Gpu {
             device,
             gather,
             budget_bytes: AtomicUsize::new(budget_bytes),
-            most_bytes: AtomicUsize::new(usize::MAX),
+            peak_bytes: AtomicUsize::new(usize::MAX),
             work: Mutex::default(),
         };
         let draw = |plan: &Plan, slices: &[&Slices]| gpu.draw_base_planes(plan, slices, &()).map(|drawn| drawn.0);
         test_picture(&gpu.adapter().name, draw)?;
-        *gpu.work() = KeptWork::default();
+        *gpu.work() = GpuCache::default();
         Ok(gpu)
     }
 
@@ -126,7 +126,7 @@ impl Gpu {
         self.device.lost()
     }
 
-    fn work(&self) -> MutexGuard<'_, KeptWork> {
+    fn work(&self) -> MutexGuard<'_, GpuCache> {
         self.work.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
@@ -156,7 +156,7 @@ impl Gpu {
         let n_textures = permutation.sources.iter().map(|source| 1 + usize::from(source.has_holes)).sum::<usize>();
         let most = self.device.limits.max_sampled_textures_per_shader_stage as usize;
         if n_textures > most {
-            return Err(Failure::NotOnGpu(format!(
+            return Err(Failure::DrawnByCpu(format!(
                 "{n_textures} volumes and fields are more than the {most} of this GPU"
             )));
         }
@@ -164,15 +164,15 @@ impl Gpu {
         let work = &mut *self.work();
         let sources = sources_of(plan, slices);
         let fields: Vec<usize> = sources.iter().filter_map(|source| source.field).collect();
-        let budget = self.budget_bytes().min(self.most_bytes.load(Ordering::Relaxed));
+        let budget = self.budget_bytes().min(self.peak_bytes.load(Ordering::Relaxed));
         let mut placed =
             work.volumes.place_all(&self.device, &permutation, &sources, plan.layers.len(), budget, schedule.is_paged);
         if matches!(placed, Err(Failure::Refused(_) | Failure::Allocation(_))) {
             // How much memory other programs use is unknown: try half the budget, which stays the limit from now on.
-            *work = KeptWork::default();
+            *work = GpuCache::default();
             self.device.queue.submit([]);
             self.device.wait()?;
-            self.most_bytes.store(budget / 2, Ordering::Relaxed);
+            self.peak_bytes.store(budget / 2, Ordering::Relaxed);
             let half = budget / 2;
             placed = work.volumes.place_all(&self.device, &permutation, &sources, plan.layers.len(), half, true);
         }
@@ -203,7 +203,7 @@ impl Gpu {
         let drawn = self.device.guarded(|| job.draw_all(work, callback, &mut counts));
         if drawn.as_ref().is_err_and(|failure| *failure != Failure::Cancelled) {
             // A resource that the device refused may be kept as if it were valid.
-            *work = KeptWork::default();
+            *work = GpuCache::default();
         }
         let pictures = drawn?;
         let report = self.device.guarded(|| counts.report(&self.device))?;

@@ -105,7 +105,7 @@ impl Gpus {
     }
 
     /// Makes the self-tests of GPUs that are opened from now on fail, or pass again; for tests of faulty devices.
-    pub fn set_fails(&self, fails: bool) {
+    pub fn set_self_test_fails(&self, fails: bool) {
         self.fails.store(fails, Ordering::Relaxed);
     }
 
@@ -139,7 +139,7 @@ impl Gpus {
     ) -> GpuResult<DrawnOnGpu> {
         let budget_bytes = self.budget_bytes();
         let (choice, gpu) = match choice {
-            DeviceChoice::Cpu => return Err(Failure::NotOnGpu("the CPU was asked for".to_owned())),
+            DeviceChoice::Cpu => return Err(Failure::DrawnByCpu("the CPU was asked for".to_owned())),
             DeviceChoice::Auto => (&Choice::Best, self.open_beside(&Choice::Best)?),
             DeviceChoice::Gpu(choice) => (choice, self.open(choice)?),
         };
@@ -163,7 +163,7 @@ impl Gpus {
     /// Opens a GPU, or returns the one that is open.
     pub fn open(&self, choice: &Choice) -> GpuResult<Arc<Gpu>> {
         if self.is_forked_child() {
-            return Err(Failure::NotOnGpu("a process that was made by forking draws on the CPU".to_owned()));
+            return Err(Failure::DrawnByCpu("a process that was made by forking draws on the CPU".to_owned()));
         }
         match self.slot(choice) {
             Some(Opened::Open(gpu)) => Ok(gpu),
@@ -176,7 +176,7 @@ impl Gpus {
     /// Opens and tests a GPU of its own, beside one that may be open.
     pub fn tested(&self, choice: &Choice) -> GpuResult<Gpu> {
         if self.is_forked_child() {
-            return Err(Failure::NotOnGpu("a process that was made by forking draws on the CPU".to_owned()));
+            return Err(Failure::DrawnByCpu("a process that was made by forking draws on the CPU".to_owned()));
         }
         std::panic::catch_unwind(|| Gpu::open(choice, self.budget_bytes()))
             .unwrap_or_else(|_| Err(Failure::Refused("opening the GPU ended in a panic".to_owned())))
@@ -228,7 +228,7 @@ impl Gpus {
             }
             None if is_first => {
                 let why = "the first frame of a process is drawn by the CPU; a GPU is opened beside the next";
-                return Err(Failure::NotOnGpu(why.to_owned()));
+                return Err(Failure::DrawnByCpu(why.to_owned()));
             }
             None => {
                 self.set(choice, Opened::Opening);
@@ -240,7 +240,7 @@ impl Gpus {
                 }
             }
         }
-        Err(Failure::NotOnGpu("the GPU is being opened; the CPU draws meanwhile".to_owned()))
+        Err(Failure::DrawnByCpu("the GPU is being opened; the CPU draws meanwhile".to_owned()))
     }
 
     fn slot(&self, choice: &Choice) -> Option<Opened> {

@@ -99,4 +99,4 @@ pub const N_BLOCK: usize = BLOCK[0] * BLOCK[1];
 pub const FIRST_TEXTURE: u32 = 8;
 
 /// Bound of |s|: greater values, such as `NONE` of `frame.wgsl`, mean that there is no position or density.
-pub const NO_PLACE: f32 = 1e38;
+pub const NO_POSITION: f32 = 1e38;

@@ -307,7 +307,7 @@ impl Permutation {
         add("HAS_SCAN", "bool", &fields.scan.is_some());
         add("HAS_TINT", "bool", &fields.tint.is_some());
         add("HAS_LABEL_MEDIUM", "bool", &fields.medium.is_some());
-        add("MATTER_SHADED", "bool", &fields.label_medium_is_shaded);
+        add("LABEL_MEDIUM_SHADED", "bool", &fields.label_medium_is_shaded);
         text
     }
 

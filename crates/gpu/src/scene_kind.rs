@@ -55,12 +55,12 @@ pub(crate) fn sources_of<'a>(plan: &'a Plan, slices: &[&'a Slices<'a>]) -> Vec<S
 /// Permutation of a plan. `gather`: whether the device fetches four samples at once.
 pub(crate) fn permutation_of(plan: &Plan, slices: &[&Slices], gather: bool) -> GpuResult<Permutation> {
     if slices.iter().any(|slices| slices.is_surveyed()) {
-        return Err(Failure::NotOnGpu("lazy volumes are drawn by the CPU".to_owned()));
+        return Err(Failure::DrawnByCpu("lazy volumes are drawn by the CPU".to_owned()));
     }
     if slices.iter().any(|slices| slices.must_load()) {
-        return Err(Failure::NotOnGpu("a level that is decoded block by block is drawn by the CPU".to_owned()));
+        return Err(Failure::DrawnByCpu("a level that is decoded block by block is drawn by the CPU".to_owned()));
     }
-    let family = plan.families.first().ok_or_else(|| Failure::NotOnGpu("nothing is in view".to_owned()))?;
+    let family = plan.families.first().ok_or_else(|| Failure::DrawnByCpu("nothing is in view".to_owned()))?;
     let operator = match plan.operator {
         Operator::Over { pre_integrated, .. } => GpuOperator::Over { pre_integrated },
         Operator::FirstHit { .. } => GpuOperator::FirstHit,

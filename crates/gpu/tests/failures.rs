@@ -107,7 +107,7 @@ struct DrawsAnother<'a>(&'a Gpu);
 impl ProgressCallback for DrawsAnother<'_> {
     fn progress(&self, _: f32) -> ControlFlow<()> {
         let why = failure(self.0, &Case { size: [4, 4, 4], ..Case::default() }, &());
-        assert!(matches!(why, Failure::NotOnGpu(_)), "{why}");
+        assert!(matches!(why, Failure::DrawnByCpu(_)), "{why}");
         ControlFlow::Continue(())
     }
 }

@@ -20,7 +20,7 @@ use crate::probe_rays::{N_COSINES, ProbeRay, ProbeRays, step_lengths};
 const MAX_FACTOR: f64 = 20.0;
 
 /// Factor from which on a level may still be too dark; this share of the brightness is then bright enough.
-const OUT_OF_REACH: f64 = 0.9 * MAX_FACTOR;
+const SUSPECT_FACTOR: f64 = 0.9 * MAX_FACTOR;
 const BRIGHT_ENOUGH: f64 = 0.93;
 
 /// Largest change of the unshaded brightness, up or down, that is accepted to match the shaded one: more matter without
@@ -69,7 +69,7 @@ impl ProbeRays {
         if got != bounded {
             factor = self.factor_for(bounded, coarse, needs_preintegration, &unlit, lengths);
         }
-        let is_out_of_reach = got != bounded || factor >= OUT_OF_REACH;
+        let is_out_of_reach = got != bounded || factor >= SUSPECT_FACTOR;
         let gain = if is_out_of_reach { wanted_lit / coarse_brightness(factor, &lit) } else { 1.0 };
         [factor, if gain > 1.0 { gain.min(MAX_COLOR_GAIN) } else { 1.0 }]
     }
@@ -83,7 +83,7 @@ impl ProbeRays {
         lengths: [f64; 3],
         needs_preintegration: bool,
     ) -> bool {
-        if factor < OUT_OF_REACH {
+        if factor < SUSPECT_FACTOR {
             return true;
         }
         let unlit = phong_table(None);

@@ -10,7 +10,7 @@ use numpy::{
 };
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use wavesplat::{Grid, Kernel, LazyVolume, LevelLooks, LevelPart, Statistics, Storage, Survey};
+use wavesplat::{Grid, Kernel, LazyVolume, LevelBrightness, LevelPart, Statistics, Storage, Survey};
 use wavesplat_splat::source::slices::{Slices, VolumeBox, needed_samples};
 use wavesplat_splat::source::strided::{StridedSamples, light_steps};
 
@@ -261,13 +261,13 @@ impl PyLazyVolume {
                 Ok(LevelPart { lo: xyz(lo), size: [nx, ny, nz], samples: array.as_slice()?.to_vec() })
             };
             looks = Some(match brightness {
-                None => LevelLooks::new(level, None),
+                None => LevelBrightness::new(level, None),
                 Some((finer, fine, coarse, (lo, hi))) => {
                     let finer = affine(&finer)?;
                     let in_finer = LazyVolume::level_in(&grid, finer);
                     let spacing = DVec3::new(0.0, 1.0, 2.0).map(|a| finer.matrix3.col(a as usize).length());
                     let parts = [part(fine)?, part(coarse)?];
-                    py.detach(|| LevelLooks::of_parts(level, in_finer, parts, spacing, [lo, hi]))
+                    py.detach(|| LevelBrightness::of_parts(level, in_finer, parts, spacing, [lo, hi]))
                 }
             });
         }

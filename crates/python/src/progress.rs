@@ -21,7 +21,7 @@ pub(crate) struct PyProgress {
 
 struct ProgressState {
     told: Option<Instant>,
-    looked_out: Instant,
+    checked_at: Instant,
     error: Option<PyErr>,
 }
 
@@ -34,7 +34,7 @@ const SIGNALS_EVERY: Duration = Duration::from_millis(100);
 
 impl PyProgress {
     pub(crate) fn new(callback: Option<Py<PyAny>>) -> Self {
-        let state = Mutex::new(ProgressState { told: None, looked_out: Instant::now(), error: None });
+        let state = Mutex::new(ProgressState { told: None, checked_at: Instant::now(), error: None });
         Self { callback, state, caller: thread::current().id(), interrupted: AtomicBool::new(false) }
     }
 
@@ -51,14 +51,14 @@ impl PyProgress {
             return;
         }
         let Ok(mut state) = self.state.try_lock() else { return };
-        if state.looked_out.elapsed() >= SIGNALS_EVERY {
+        if state.checked_at.elapsed() >= SIGNALS_EVERY {
             #[expect(clippy::redundant_closure_for_method_calls, reason = "the method alone is not general enough")]
             let signals = Python::attach(|py| py.check_signals());
             if let Err(error) = signals {
                 state.error = Some(error);
                 self.interrupted.store(true, Ordering::Relaxed);
             }
-            state.looked_out = Instant::now();
+            state.checked_at = Instant::now();
         }
     }
 

@@ -220,7 +220,7 @@ pub fn picture_and_report(py: Python<'_>, frame: Frame) -> PyResult<Bound<'_, Py
         numbers.set_item("seconds", seconds)?;
     }
     numbers.set_item("n_texels", report.n_texels)?;
-    numbers.set_item("n_skipped_sheets", report.n_skipped_sheets)?;
+    numbers.set_item("n_skipped_slabs", report.n_skipped_slabs)?;
     numbers.set_item("n_base_planes", report.n_base_planes)?;
     numbers.set_item("n_base_texels", report.n_base_texels)?;
     numbers.set_item("n_sheets", report.n_sheets)?;

@@ -59,7 +59,7 @@ pub fn render_standard<'py>(
     let watched = PyProgress::new(progress);
     let result = volume.with_volume(py, |subject| {
         let curves = subject.look(&transfer_function.0, Composite::Over, None).map_err(to_py)?;
-        let options = RenderOptions { crop: options.crop.map(|crop| subject.own_crop(crop)), ..options };
+        let options = RenderOptions { crop: options.crop.map(|crop| subject.crop_on_level(crop)), ..options };
         watched.watch(py, || {
             // Samples themselves are splatted with any kernel, so slices prepared for the linear one serve.
             let slices = with_threads(options.n_threads, || subject.slices(Kernel::Linear));

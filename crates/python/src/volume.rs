@@ -1,4 +1,4 @@
-//! Samples borrowed from NumPy arrays.
+//! Samples borrowed from `NumPy` arrays.
 
 use std::sync::Arc;
 

@@ -224,7 +224,7 @@ impl Scene<'_> {
             oversampling,
             pre_integration: options.pre_integration,
             early_ray_termination: options.early_ray_termination,
-            crop: self.crop.map(|crop| self.layers.first().map_or(crop, |first| first.volume.own_crop(crop))),
+            crop: self.crop.map(|crop| self.layers.first().map_or(crop, |first| first.volume.crop_on_level(crop))),
             clip_planes: self.clip_planes.clone(),
             background: self.background,
             with_depth: options.with_depth,

@@ -7,7 +7,7 @@ use wavesplat_splat::render::stream::Storage;
 use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::source::survey::Survey;
 
-use crate::level_look::LevelLooks;
+use crate::level_look::LevelBrightness;
 use crate::volume_cache::VolumeCache;
 
 /// A lazy volume for one kernel: grid, survey of its samples, and layout of their storage.
@@ -17,7 +17,7 @@ pub struct LazyVolume {
     slices: Slices<'static>,
     cache: VolumeCache,
     /// Looks and grid within the finest level; `None` where the volume is no coarser level.
-    level: Option<LevelLooks>,
+    level: Option<LevelBrightness>,
 }
 
 impl LazyVolume {
@@ -34,7 +34,7 @@ impl LazyVolume {
         survey: &Survey,
         prepared: Option<&Survey>,
         light: usize,
-        level: Option<LevelLooks>,
+        level: Option<LevelBrightness>,
     ) -> Result<Self> {
         if prepared.is_none() && Self::needs_prepared(&grid, kernel) {
             let mend = "look through the coefficients first";
@@ -94,7 +94,7 @@ impl LazyVolume {
         &self.cache.visibility
     }
 
-    /// Transfer function of this level, as in [`LevelLooks::look`]; at the finest level the function itself.
+    /// Transfer function of this level, as in [`LevelBrightness::look`]; at the finest level the function itself.
     pub(crate) fn look(&self, tf: &TransferFunction, shading: Option<&Shading>) -> Result<(TransferFunction, bool)> {
         match &self.level {
             Some(level) => level.look(&self.grid, tf, shading),

@@ -8,7 +8,7 @@ use wavesplat_lod::LevelHistogram;
 use wavesplat_splat::needs_preintegration;
 
 /// Brightness matching of a level to the finest one, and its latest result.
-pub struct LevelLooks {
+pub struct LevelBrightness {
     level: LevelGrid,
     /// Histogram of the level and a finer one, and sample spacing of the finer one, world units.
     brightness: Option<(LevelHistogram, DVec3)>,
@@ -48,7 +48,7 @@ struct LevelLook {
     needs_preintegration: bool,
 }
 
-impl LevelLooks {
+impl LevelBrightness {
     /// Looks of a level that lies on `level` in the finest one. `brightness`: histogram of the level and a finer one,
     /// and sample spacing of the finer one, world units; without it functions stay as they are.
     pub fn new(level: LevelGrid, brightness: Option<(LevelHistogram, DVec3)>) -> Self {

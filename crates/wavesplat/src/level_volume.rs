@@ -11,13 +11,13 @@ use wavesplat_splat::source::slices::Slices;
 use wavesplat_wavelet::{CoarseLevel, CoefficientDecoder, WaveletError, WaveletVolume};
 
 use crate::error::LevelError;
-use crate::level_look::LevelLooks;
+use crate::level_look::LevelBrightness;
 
 /// A level of a volume, with its caches between frames.
 pub struct LevelVolume {
     grid: Grid,
     /// Transfer functions of the level.
-    looks: LevelLooks,
+    looks: LevelBrightness,
     decoder: Arc<dyn Decoder>,
     cache_bytes: usize,
     /// Slices for the latest kernel.
@@ -77,7 +77,7 @@ impl LevelVolume {
         let cache_bytes = cache_bytes.min(bytes_of_all(grid.size()));
         Ok(Self {
             grid,
-            looks: LevelLooks::new(level_grid, brightness),
+            looks: LevelBrightness::new(level_grid, brightness),
             decoder: Arc::new(decoder),
             cache_bytes,
             slices: Mutex::default(),
@@ -105,7 +105,7 @@ impl LevelVolume {
         self.looks.level_from_finest(index)
     }
 
-    /// Transfer function of the level, see [`LevelLooks::look`].
+    /// Transfer function of the level, see [`LevelBrightness::look`].
     pub(crate) fn look(&self, tf: &TransferFunction, shading: Option<&Shading>) -> Result<(TransferFunction, bool)> {
         self.looks.look(&self.grid, tf, shading)
     }

@@ -74,7 +74,7 @@ pub use device::{Device, DrawnBy};
 pub use error::LevelError;
 pub use frame::{Frame, FrameOptions, StageTimes};
 pub use lazy_volume::LazyVolume;
-pub use level_look::{LevelLooks, LevelPart};
+pub use level_look::{LevelBrightness, LevelPart};
 pub use level_volume::LevelVolume;
 pub use png::{PngBits, encode_png, png_of_rgba};
 pub use quality::{Effort, Quality};

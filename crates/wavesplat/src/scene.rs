@@ -106,7 +106,7 @@ impl<'a> SceneVolume<'a> {
     }
 
     /// Crop box in index positions of this volume, from index positions of the finest level.
-    pub fn own_crop(&self, crop: Crop) -> Crop {
+    pub fn crop_on_level(&self, crop: Crop) -> Crop {
         match (self, crop) {
             (Self::Level(level), Crop::Index { lo, hi }) => {
                 Crop::Index { lo: level.level_from_finest(lo), hi: level.level_from_finest(hi) }

@@ -231,7 +231,7 @@ impl Stream {
 
     /// Most bytes of samples that are held while a block is drawn.
     pub fn bytes_held(&self, block: usize) -> u64 {
-        self.steps.blocks[block].most_bytes(self.steps.storage()) as u64
+        self.steps.blocks[block].peak_bytes(self.steps.storage()) as u64
     }
 
     /// Texels of a block over all slabs.
@@ -307,7 +307,7 @@ impl Stream {
             }
         });
         self.report.n_texels += state.work.n_texels;
-        self.report.n_skipped_sheets += state.work.n_skipped;
+        self.report.n_skipped_slabs += state.work.n_skipped;
     }
 
     /// Picture of all blocks that were put.

@@ -99,10 +99,10 @@ fn every_failure_ends_in_a_right_picture_and_a_reason() {
 
     // A self-test that fails.
     gpus.forget(&choice);
-    gpus.set_fails(true);
+    gpus.set_self_test_fails(true);
     let frame = draw(named(), &());
     assert!(is_right(&frame, &by_cpu) && frame.drawn_by.reason.unwrap().contains("self-test"));
-    gpus.set_fails(false);
+    gpus.set_self_test_fails(false);
     gpus.forget(&choice);
     assert!(draw(named(), &()).drawn_by.gpu.is_some());
 }

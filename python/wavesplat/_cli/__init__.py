@@ -129,7 +129,7 @@ def _explained(error: BaseException) -> tuple[str, int]:
     if isinstance(error, WavesplatError):
         return str(error), EXIT_USAGE if isinstance(error, ArgumentError) else EXIT_FAILED
     if isinstance(error, CommandLineError) and hasattr(error, "possibilities"):
-        return _of_unknown_option(error), EXIT_USAGE
+        return _unknown_option_message(error), EXIT_USAGE
     if isinstance(error, CommandLineError):
         return error.format_message().rstrip(".") + "; see wavesplat --help", EXIT_USAGE
     if isinstance(error, MemoryError):
@@ -140,7 +140,7 @@ def _explained(error: BaseException) -> tuple[str, int]:
     return f"{what}; this is a mistake of wavesplat: report it, with the command and the volume", EXIT_FAILED
 
 
-def _of_unknown_option(error: Any) -> str:
+def _unknown_option_message(error: Any) -> str:
     """The message for an unknown option."""
     from wavesplat._cli.option_hints import hint
 

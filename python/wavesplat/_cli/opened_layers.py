@@ -10,7 +10,7 @@ from wavesplat._cli.layer_options import CHANNEL, ChannelText, LayerOptions, cha
 from wavesplat._cli.option_groups import given
 from wavesplat._cli.printing import message, warnings_as_notes
 from wavesplat._cli.processing_options import ProcessingOptions, changed_samples, changed_series, processed
-from wavesplat._cli.reader_options import ReaderOptions, tell_guesses
+from wavesplat._cli.reader_options import ReaderOptions, print_guesses
 from wavesplat.errors import ArgumentError, FileWarning
 
 if TYPE_CHECKING:
@@ -115,7 +115,7 @@ def _series(path: str, reader: ReaderOptions, processing: ProcessingOptions, *, 
         series = open_series(path, channel=reader.channel, **_options(reader))
         first = series[0]
     if not quiet:
-        tell_guesses([first])
+        print_guesses([first])
     return changed_series(series, processing)
 
 
@@ -151,7 +151,7 @@ def _channels(
                 raise
             raise ArgumentError(f"{error} (--channel is {CHANNEL})") from None
     if not quiet:
-        tell_guesses([_volume(layer) for layer in scene.layers])
+        print_guesses([_volume(layer) for layer in scene.layers])
         times = scene.layers[0].volume
         if isinstance(times, Series) and not keeps_times and reader.time is None:
             message(f"note: the file holds {len(times)} time points; this is --time 0")

@@ -17,7 +17,7 @@ __all__ = ["check_outputs", "write_report"]
 def check_outputs(input: str, output: Path, kind: Kind, report: Path | None = None) -> None:
     """Raise if a result cannot be written, or would replace the input or another result."""
     from wavesplat._files.output import check_output, check_writable
-    from wavesplat._files.paths import expanded, real_place
+    from wavesplat._files.paths import expanded, real_path
 
     check_output(output, kind)
     places = {"INPUT": expanded(input), "--output": output}
@@ -26,7 +26,7 @@ def check_outputs(input: str, output: Path, kind: Kind, report: Path | None = No
         places["--report"] = report
     owners: dict[Path, str] = {}
     for name, path in places.items():
-        owner = owners.setdefault(real_place(path), name)
+        owner = owners.setdefault(real_path(path), name)
         if owner != name:
             raise ArgumentError(f"{owner} and {name} are the same file, which would be lost; change a name: {path}")
 

@@ -26,9 +26,9 @@ __all__ = [
     "ReaderOptions",
     "open_any",
     "open_samples",
+    "print_guesses",
     "takes_reader_options",
     "takes_reader_options_but_channel",
-    "tell_guesses",
 ]
 
 InputOrNone = Annotated[
@@ -121,11 +121,11 @@ def open_samples(path: str, reader: ReaderOptions, *, quiet: bool = False) -> Vo
         warnings.simplefilter("ignore", FileWarning)
         volume = open_volume(path, **vars(reader))
     if not quiet:
-        tell_guesses([volume])
+        print_guesses([volume])
     return volume
 
 
-def tell_guesses(volumes: Iterable[Volume]) -> None:
+def print_guesses(volumes: Iterable[Volume]) -> None:
     """Print a note for each guess about volumes, each once."""
     for guess in dict.fromkeys(guess for volume in volumes for guess in volume.guesses):
         message(f"note: {guess}")

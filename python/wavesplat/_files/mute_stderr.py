@@ -12,7 +12,7 @@ __all__ = ["muted_stderr"]
 STDERR = 2
 
 
-class _Silence:
+class _MutedStream:
     """The standard error stream, muted from the first user to the last: threads overlap in any order."""
 
     def __init__(self) -> None:
@@ -57,9 +57,9 @@ def _redirected() -> int | None:
     return stream
 
 
-_SILENCE = _Silence()
+_STREAM = _MutedStream()
 if hasattr(os, "register_at_fork"):
-    os.register_at_fork(after_in_child=_SILENCE.begin_anew)
+    os.register_at_fork(after_in_child=_STREAM.begin_anew)
 
 
 @contextmanager
@@ -68,8 +68,8 @@ def muted_stderr() -> Iterator[None]:
 
     Text that other threads write there meanwhile is hidden as well.
     """
-    _SILENCE.begin()
+    _STREAM.begin()
     try:
         yield
     finally:
-        _SILENCE.end()
+        _STREAM.end()

@@ -23,10 +23,10 @@ __all__ = [
     "NUMBERS",
     "SUFFIXES",
     "Kind",
+    "as_file_errors",
     "check_output",
     "check_writable",
     "removed_when_terminated",
-    "telling_why_not",
     "write_atomically",
 ]
 
@@ -78,7 +78,7 @@ def _named(path: str | PathLike[str]) -> Path:
 def check_writable(path: str | PathLike[str]) -> Path:
     """The path, if a file can be written there; else a `FileError`."""
     target = _named(path)
-    with telling_why_not(target):
+    with as_file_errors(target):
         folder = target.parent
         if not folder.is_dir():
             raise FileError(f"cannot write: the folder does not exist; make it first, or change the name: {target}")
@@ -96,7 +96,7 @@ def check_writable(path: str | PathLike[str]) -> Path:
 
 
 @contextmanager
-def telling_why_not(target: Path) -> Iterator[None]:
+def as_file_errors(target: Path) -> Iterator[None]:
     """Turn the system's errors about names, folders and disks into a `FileError`."""
     try:
         yield
@@ -117,7 +117,7 @@ def write_atomically(path: str | PathLike[str], write: Callable[[Path], object])
     target = check_writable(path)
     # Not with the name in it, which may be as long as names can be; threads may write the same file at once.
     part = target.with_name(f".{os.getpid()}-{next(NUMBERS)}.part{target.suffix}")
-    with telling_why_not(target), removed_when_terminated(part):
+    with as_file_errors(target), removed_when_terminated(part):
         try:
             write(part)
             part.replace(target)

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["check_no_pipe", "check_text", "expanded", "lies_in", "printable", "read_text", "real_place"]
+__all__ = ["check_no_pipe", "check_text", "expanded", "lies_in", "printable", "read_text", "real_path"]
 
 #: Largest text file, in bytes; a transfer function or a table of labels has a few thousand.
 MAX_TEXT_BYTES = 1 << 26
@@ -24,7 +24,7 @@ def expanded(path: str | PathLike[str]) -> Path:
         raise ArgumentError(f"path is a {type(path).__name__}; give the name of a file or folder") from None
 
 
-def real_place(path: Path) -> Path:
+def real_path(path: Path) -> Path:
     """The real path, links followed as far as they go."""
     try:
         return Path(os.path.realpath(path))
@@ -34,7 +34,7 @@ def real_place(path: Path) -> Path:
 
 def lies_in(path: str, folder: Path) -> bool:
     """Whether a path leads into a folder, links followed. `folder`: its real path."""
-    return real_place(Path(path)).is_relative_to(folder)
+    return real_path(Path(path)).is_relative_to(folder)
 
 
 def check_no_pipe(path: Path) -> None:

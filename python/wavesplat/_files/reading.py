@@ -60,7 +60,7 @@ def reading(kind: str, path: object) -> Iterator[None]:
     except Exception as error:
         if isinstance(error, MemoryError) or NO_MEMORY.search(str(error)):
             raise LimitError(_memory_line(kind, path)) from error
-        raise FileError(f"cannot read as {kind}: {_telling_line(error)}; {_advice(error)}: {path}") from error
+        raise FileError(f"cannot read as {kind}: {_informative_line(error)}; {_advice(error)}: {path}") from error
 
 
 def _advice(error: Exception) -> str:
@@ -86,7 +86,7 @@ def _memory_line(kind: str, path: object) -> str:
     return f"reading {kind} takes more memory than there is{has}; use a smaller or coarser file: {path}"
 
 
-def _telling_line(error: BaseException) -> str:
+def _informative_line(error: BaseException) -> str:
     """The first line of an error's message that says something, or its type.
 
     ITK begins with a line of its own source and goes from the general to the particular: of it, the last.

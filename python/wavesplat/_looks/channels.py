@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["CHANNEL_COLORS", "Rgb", "channel_look", "ramp", "tells_nothing", "window_of_values"]
+__all__ = ["CHANNEL_COLORS", "Rgb", "channel_look", "is_full_range_window", "ramp", "window_of_values"]
 
 Rgb = tuple[float, float, float]
 
@@ -63,7 +63,7 @@ def channel_look(
     if window is not None:
         low, high = _window(window)
         reason = f"a channel in {said}, from {low:g} to {high:g}"
-    elif channel is not None and channel.window is not None and not tells_nothing(channel.window, volume):
+    elif channel is not None and channel.window is not None and not is_full_range_window(channel.window, volume):
         low, high = channel.window
         reason = f"a channel in {said}, from {low:g} to {high:g}, as the file says"
     else:
@@ -84,7 +84,7 @@ def channel_look(
     )
 
 
-def tells_nothing(window: tuple[float, float], volume: Volume | WaveletVolume) -> bool:
+def is_full_range_window(window: tuple[float, float], volume: Volume | WaveletVolume) -> bool:
     """Whether a file's window spans all possible values, so that nobody chose it."""
     low, high = window
     return low == 0 and high in WHOLE_RANGES and not volume.value_range[1] > high

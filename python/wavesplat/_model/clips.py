@@ -17,7 +17,7 @@ from wavesplat._model.vectors import Vector, vector
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Clip", "ClipPlane", "Clipping", "CutOut", "checked_clip", "clip_tuple"]
+__all__ = ["Clip", "ClipPlane", "Clipping", "CutOut", "clip_tuple", "combined_clips"]
 
 
 @public
@@ -148,7 +148,7 @@ MEND = (
 )
 
 
-def checked_clip(given: object) -> Clipping:
+def combined_clips(given: object) -> Clipping:
     """The clips combined: boxes are intersected within each space, and those of a second space become planes."""
     clips = clip_tuple(given)
     crops = [clip for clip in clips if isinstance(clip, Crop)]

@@ -41,7 +41,7 @@ from wavesplat.errors import ArgumentError, FileError, WavesplatError
 __all__ = [
     "ComputedArray",
     "LazyArray",
-    "LazyTaken",
+    "LazyConverted",
     "SlicedArray",
     "lazy_array",
 ]
@@ -106,7 +106,7 @@ class LazyArray(Protocol):
 
 
 @dataclass(frozen=True)
-class LazyTaken:
+class LazyConverted:
     """The levels of an object, the finest first, their affines where it has them, facts, and a name."""
 
     levels: list[LazyArray]
@@ -343,16 +343,16 @@ def _is_in_worker() -> bool:
     return True
 
 
-def lazy_array(thing: Any, *, argument: str = "samples") -> LazyTaken:
+def lazy_array(thing: Any, *, argument: str = "samples") -> LazyConverted:
     """The lazy array of another library's object, or one for each of a list of levels, the finest first."""
     if isinstance(thing, list | tuple) and thing:
         found = [lazy_array(level, argument=argument) for level in thing]
         places = [one.world_from_index for one in found]
         levels = [level for one in found for level in one.levels]
         known = [place[0] for place in places if place is not None]
-        return LazyTaken(levels, known if len(known) == len(levels) else None, found[0].facts, found[0].name)
+        return LazyConverted(levels, known if len(known) == len(levels) else None, found[0].facts, found[0].name)
     if hasattr(thing, "read") and hasattr(thing, "read_many") and hasattr(thing, "token"):
-        return LazyTaken([thing], name=thing.name)
+        return LazyConverted([thing], name=thing.name)
     if is_labelled(thing):
         return _of_labelled(thing)
     libraries = {base.__module__.partition(".")[0] for base in type(thing).__mro__}
@@ -371,7 +371,7 @@ def lazy_array(thing: Any, *, argument: str = "samples") -> LazyTaken:
         array: LazyArray = ComputedArray(
             thing, name=name, chunks=[chunks[a] for a in order], order=order, picked=picked, token=f"dask {thing.name}"
         )
-        return LazyTaken([array])
+        return LazyConverted([array])
     if "zarr" in libraries:
         chunks = list(thing.shards or thing.chunks) if getattr(thing, "shards", None) else list(thing.chunks)
         files = chunk_files(thing, picked)
@@ -385,11 +385,11 @@ def lazy_array(thing: Any, *, argument: str = "samples") -> LazyTaken:
             files=files,
             check=partial(_check_zarr, name),
         )
-        return LazyTaken([made], name=name)
+        return LazyConverted([made], name=name)
     if isinstance(thing, np.ndarray):
-        return LazyTaken([_of_numpy(thing, name, order, picked)])
+        return LazyConverted([_of_numpy(thing, name, order, picked)])
     chunks = checked_chunks(thing, name)
-    return LazyTaken(
+    return LazyConverted(
         [SlicedArray(thing, name=name, chunks=[chunks[a] for a in order], order=order, picked=picked)], name=name
     )
 
@@ -435,7 +435,7 @@ def _of_numpy(array: NDArray[Any], name: str, order: Shape, picked: Sequence[int
     return SlicedArray(array, name=name, chunks=rows, order=order, picked=picked, opened=opened, token=token)
 
 
-def _of_hdf5(dataset: Any) -> LazyTaken:
+def _of_hdf5(dataset: Any) -> LazyConverted:
     place, name = place_of(dataset), str(dataset.name).rpartition("/")[2]
     order, picked = _spatial(dataset.shape, name)
     zyx = (order[place.zyx[0]], order[place.zyx[1]], order[place.zyx[2]])
@@ -453,7 +453,7 @@ def _of_hdf5(dataset: Any) -> LazyTaken:
         token=f"HDF5 {path} {dataset.name}" if is_own else None,
         files=files_of_dataset(dataset) if is_own else None,
     )
-    return LazyTaken([array], [place.world_from_index], place.facts, name)
+    return LazyConverted([array], [place.world_from_index], place.facts, name)
 
 
 class _Labelled:
@@ -467,7 +467,7 @@ class _Labelled:
         return np.asarray(self._array[index])
 
 
-def _of_labelled(array: Any) -> LazyTaken:
+def _of_labelled(array: Any) -> LazyConverted:
     found = in_order(array, has_place=False)
     ordered = found.samples
     own = getattr(ordered, "data", None) if getattr(ordered, "chunks", None) else None

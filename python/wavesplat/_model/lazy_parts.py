@@ -18,7 +18,7 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._model.lazy_volume import LazyVolume, Level
 
-__all__ = ["MAX_OVERVIEW", "nearest_every", "part_of", "place_of_level", "preview_of", "read_box"]
+__all__ = ["MAX_OVERVIEW", "level_in_finest", "nearest_every", "part_of", "preview_of", "read_box"]
 
 #: Samples of a finer level from which its brightness is learnt, and the ratio of its spacing, both at most.
 MAX_PART, MAX_FINER = 1 << 22, 4.5
@@ -106,7 +106,7 @@ def preview_of(volume: LazyVolume, number: int) -> Volume:
     return Volume(samples, world_from_index=matrix, name=volume.name, facts=volume.facts)
 
 
-def place_of_level(volume: LazyVolume, number: int) -> tuple[Any, Any, Any] | None:
+def level_in_finest(volume: LazyVolume, number: int) -> tuple[Any, Any, Any] | None:
     """Place of a level in the finest one, and the same box of it and of a finer one, to match their brightness."""
     if number == 0:
         return None

@@ -449,7 +449,7 @@ class LazyVolume(Volume):
         key = level, kernel
         core: _native.LazyVolume | None = self._known.ready.pop(key, None)
         if core is None:
-            from wavesplat._model.lazy_parts import place_of_level
+            from wavesplat._model.lazy_parts import level_in_finest
 
             own, survey = self._levels[level], self.survey(level, kernel, progress)
             if not survey.core.has_bounds:  # an earlier `_native.LazyVolume` took them
@@ -466,7 +466,7 @@ class LazyVolume(Volume):
                 light=0,
                 chunk=own.array.chunks,
                 sample_bytes=own.array.dtype.itemsize,
-                level=place_of_level(self, level),
+                level=level_in_finest(self, level),
             )
             survey.forget_bounds()
         self._known.ready[key] = core

@@ -17,7 +17,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from wavesplat._files.addresses import checked, is_address, is_web
-from wavesplat._files.paths import expanded, lies_in, real_place
+from wavesplat._files.paths import expanded, lies_in, real_path
 from wavesplat.errors import WavesplatWarning
 
 __all__ = ["Source", "absolute", "beside", "of_file", "of_series", "then", "warn_of_elsewhere"]
@@ -86,7 +86,7 @@ def warn_of_elsewhere(document: Any, path: str | os.PathLike[str], *, stacklevel
     elsewhere: list[str] = []
 
     def look(named: str) -> str:
-        if not (is_web(named) if is_address(named) else lies_in(str(folder / named), real_place(folder))):
+        if not (is_web(named) if is_address(named) else lies_in(str(folder / named), real_path(folder))):
             elsewhere.append(named)
         return named
 

@@ -24,7 +24,7 @@ from wavesplat._render.arguments import checked_size
 from wavesplat._scene.scene import Scene, as_scene
 from wavesplat.errors import ArgumentError, CancelledError
 
-__all__ = ["drawn_elsewhere", "render_frames"]
+__all__ = ["drawn_by_client", "render_frames"]
 
 #: Frames submitted for each one that is drawn at once: pictures are large, and are yielded in their order.
 AHEAD = 3
@@ -87,7 +87,7 @@ def render_frames(
     chosen = [camera_of(scene, camera, composite, width / max(height, 1)) for camera in given]
     scene, _ = with_settled_looks(scene, composite, chosen[0], (width, height))
     options = {"size": size, "quality": quality, "kernel": kernel, "composite": composite, "depth": depth}
-    return _reporting(drawn_elsewhere([(scene, camera) for camera in chosen], options, client), len(chosen), progress)
+    return _reporting(drawn_by_client([(scene, camera) for camera in chosen], options, client), len(chosen), progress)
 
 
 def _reporting(pictures: Iterator[Picture], n: int, progress: Callable[[float], object] | None) -> Iterator[Picture]:
@@ -97,7 +97,7 @@ def _reporting(pictures: Iterator[Picture], n: int, progress: Callable[[float], 
             raise CancelledError("rendering was cancelled by the progress callback")
 
 
-def drawn_elsewhere(shots: Sequence[tuple[Scene, Any]], options: dict[str, Any], client: Any) -> Iterator[Picture]:
+def drawn_by_client(shots: Sequence[tuple[Scene, Any]], options: dict[str, Any], client: Any) -> Iterator[Picture]:
     """Pictures of scenes from cameras, in their order, drawn by the workers of a client, or here if it is None."""
     if client is None:
         for scene, camera in shots:

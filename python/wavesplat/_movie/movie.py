@@ -18,7 +18,7 @@ from wavesplat._model.composites import Operator
 from wavesplat._model.options import Kernel, Quality
 from wavesplat._model.sampling import Sampling
 from wavesplat._movie import encoding, png_sequence
-from wavesplat._movie.frames import drawn_elsewhere
+from wavesplat._movie.frames import drawn_by_client
 from wavesplat._movie.key_frame import KeyFrame
 from wavesplat._movie.pipeline import MAX_AT_ONCE, Progress, made_ahead, work_beside
 from wavesplat._movie.seen import camera_of, with_settled_looks
@@ -39,7 +39,7 @@ T = TypeVar("T")
 MAX_PIXELS_AT_ONCE = 8_000_000
 
 #: Default sampling of frames: the detail that it loses hardly shows in compressed frames that move.
-OF_MOVIES = Sampling(sheets_per_slice=1, oversampling=0.6)
+MOVIE_SAMPLING = Sampling(sheets_per_slice=1, oversampling=0.6)
 
 #: Path of a movie: a turn, cameras of single frames, or key frames.
 Along: TypeAlias = Turn | Sequence[Camera] | Sequence[KeyFrame]
@@ -135,7 +135,7 @@ def movie(
     scene = as_scene(what, look, labels=None, shading="look", clip=(), background=background)
     shots = _shots(scene, Turn() if along is None else along, fps, composite, (width, height))
     if quality is None:
-        quality = OF_MOVIES if psnr is None else "normal"
+        quality = MOVIE_SAMPLING if psnr is None else "normal"
     options: dict[str, Any] = {"quality": quality, "psnr": psnr, "kernel": kernel, "composite": composite}
     if client is not None and psnr is not None:
         raise ArgumentError("with psnr frames are drawn by what the one before told, so not by a client; leave out one")
@@ -159,7 +159,7 @@ def movie(
         return png_sequence.Frame(png_sequence.frame_path(pattern, number), picture.rgba, marks.of(shots[number]))
 
     missing = _missing(pattern, shots, marks, told) if resume else range(len(shots))
-    part = png_sequence.part_beside(pattern)
+    part = png_sequence.temporary_path(pattern)
     with removed_when_terminated(part):
         work_beside(lambda come: png_sequence.write_frames(part, come), draw.all(missing, frame))
     return pattern
@@ -179,7 +179,7 @@ class _Drawing:
             yield from made_ahead(lambda number: made(number, self(number)), numbers, self.at_once, self._progress)
             return
         wanted = list(numbers)
-        pictures = drawn_elsewhere([self._shots[number] for number in wanted], self._options, self._client)
+        pictures = drawn_by_client([self._shots[number] for number in wanted], self._options, self._client)
         for number, picture in zip(wanted, pictures, strict=True):
             self._progress.finish(number)
             self._progress.tell()

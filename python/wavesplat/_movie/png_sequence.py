@@ -21,7 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat import _native
-from wavesplat._files.output import NUMBERS, check_writable, telling_why_not
+from wavesplat._files.output import NUMBERS, as_file_errors, check_writable
 from wavesplat._looks import look_json
 from wavesplat._looks.look import Look
 from wavesplat._model.wavelet_volume import WaveletVolume
@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from wavesplat._movie.timeline import Shot
     from wavesplat._scene.layer import Layer
 
-__all__ = ["Frame", "Marks", "frame_path", "has_mark", "make_folder", "part_beside", "pattern_of", "write_frames"]
+__all__ = ["Frame", "Marks", "frame_path", "has_mark", "make_folder", "pattern_of", "temporary_path", "write_frames"]
 
 KEYWORD = b"wavesplat:frame"
 #: Length of the signature and the first chunk, after which others may stand.
@@ -46,14 +46,14 @@ def pattern_of(path: Path) -> Path | None:
     """The pattern that frames are named by, if that is what a path stands for: a folder, or a name with "%04d.png"."""
     if re.fullmatch(r"[^%]*%0?\d{0,2}d[^%]*\.png", path.name, re.IGNORECASE):
         return path
-    with telling_why_not(path):
+    with as_file_errors(path):
         return path / USUAL if path.suffix == "" or path.is_dir() else None
 
 
 def make_folder(pattern: Path) -> None:
     """Make the folder of frames, in one that exists, if it is not there."""
     folder = pattern.parent
-    with telling_why_not(folder):
+    with as_file_errors(folder):
         is_there = folder.is_dir()
     if is_there:
         check_writable(frame_path(pattern, 0))
@@ -78,7 +78,7 @@ class Frame(NamedTuple):
     mark: str
 
 
-def part_beside(pattern: Path) -> Path:
+def temporary_path(pattern: Path) -> Path:
     """Temporary file of a frame until it is whole."""
     return pattern.with_name(f".{os.getpid()}-{next(NUMBERS)}.part.png")
 
@@ -89,7 +89,7 @@ def write_frames(part: Path, frames: Iterator[Frame]) -> None:
         content = png_bytes(rgba, 8)
         data = b"tEXt" + KEYWORD + b"\0" + mark.encode("ascii")
         chunk = struct.pack(">I", len(data) - 4) + data + struct.pack(">I", zlib.crc32(data))
-        with telling_why_not(path):
+        with as_file_errors(path):
             try:
                 part.write_bytes(content[:HEADER_BYTES] + chunk + content[HEADER_BYTES:])
                 part.replace(path)

@@ -27,8 +27,8 @@ from wavesplat._model.volume import Volume
 from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._public import public
 from wavesplat._readers import lazy_files
-from wavesplat._readers.foreign_kinds import foreign_content, foreign_kind
 from wavesplat._readers.request import Grid, Request, requested
+from wavesplat._readers.unsupported_formats import foreign_content, foreign_kind
 from wavesplat.errors import ArgumentError, FileError, FileWarning, WavesplatError
 
 __all__ = ["open", "opened"]
@@ -249,7 +249,7 @@ def opened(request: Request, *, stacklevel: int = 2) -> Volume:
 
 
 #: Families whose samples lie in one file as they are: its size gives theirs.
-AS_THEY_ARE = ("arrays", "raw", "nifti", "itk", "vtk_legacy")
+UNCOMPRESSED = ("arrays", "raw", "nifti", "itk", "vtk_legacy")
 #: Families whose headers give the size of their samples.
 IN_CHUNKS = ("hdf5", "ome_zarr", "tiff")
 
@@ -259,9 +259,9 @@ def _is_large(request: Request, family: str) -> bool:
     free = free_bytes()
     if free is None or request.kept is not None:
         return False
-    if family in AS_THEY_ARE and request.file.stat().st_size <= free // LARGE_SHARE:
+    if family in UNCOMPRESSED and request.file.stat().st_size <= free // LARGE_SHARE:
         return False
-    if family not in (*AS_THEY_ARE, *IN_CHUNKS):
+    if family not in (*UNCOMPRESSED, *IN_CHUNKS):
         return False
     try:
         return lazy_files.n_stored_bytes(lazy_files.lazy_grid(request, family)) > free // LARGE_SHARE

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from wavesplat._files.addresses import checked, is_address, is_web, safe_address
-from wavesplat._files.paths import lies_in, real_place
+from wavesplat._files.paths import lies_in, real_path
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError, FileError
 
@@ -37,7 +37,7 @@ class Reach:
     @property
     def within(self) -> Path | None:
         """The folder that files must lie in; None where any may be named."""
-        return None if self.external_files else real_place(self.folder)
+        return None if self.external_files else real_path(self.folder)
 
     def options(self, options: dict[str, Any], what: str) -> dict[str, Any]:
         """Options of opening a file, as the document has them, with the path checked.
@@ -73,7 +73,7 @@ class Reach:
         return place
 
     def _check(self, place: str, path: str, what: str) -> None:
-        if "\0" in place or not lies_in(place, real_place(self.folder)):
+        if "\0" in place or not lies_in(place, real_path(self.folder)):
             raise FileError(
                 f"{what} names {path[:MAX_LETTERS]!r}, which lies outside of the document's folder, {self.folder}; "
                 f"{MEND}, or put the file into that folder"

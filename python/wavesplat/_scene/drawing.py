@@ -294,7 +294,7 @@ def _function(frame: _Frame, layer: DrawnLayer, n_layers: int) -> Curves:
     return function
 
 
-def _faded(frame: _Frame, layer: DrawnLayer, function: Curves) -> Curves:
+def _with_opacity(frame: _Frame, layer: DrawnLayer, function: Curves) -> Curves:
     """The transfer function with the layer's opacity; for projections it is the added light that is scaled."""
     return layer.faded(function) if frame.composite == "over" else function
 
@@ -310,7 +310,7 @@ def _rendered(
     options, (width, height), operator = frame.options, frame.size, frame.operator
     lazy = LazyLayers.of(layers, frame.camera, frame.size, options)
     cores = [layer.core for layer in layers] if lazy is None else lazy.cores
-    faded = [_faded(frame, layer, function) for layer, function in zip(layers, functions, strict=True)]
+    faded = [_with_opacity(frame, layer, function) for layer, function in zip(layers, functions, strict=True)]
     lights = [_light(frame.scene, layer) for layer in layers]
     drawn = [
         (core, function._core, None if light is None else light._core)

@@ -18,7 +18,7 @@ from wavesplat._looks.labels import Labels
 from wavesplat._looks.shading import Shading
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.camera import Camera
-from wavesplat._model.clips import Clip, Clipping, checked_clip, clip_tuple
+from wavesplat._model.clips import Clip, Clipping, clip_tuple, combined_clips
 from wavesplat._model.composites import Operator
 from wavesplat._model.convert_from import is_rows
 from wavesplat._model.options import Kernel, Quality
@@ -142,7 +142,7 @@ class Scene:
             "shading": shading,
             "clip": clips,
             "background": background if background is None or isinstance(background, str) else tuple(background),
-            "_clipping": checked_clip(clips),
+            "_clipping": combined_clips(clips),
             "_cache": Cache(),
         }
         for name, value in values.items():

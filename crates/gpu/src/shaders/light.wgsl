@@ -55,5 +55,5 @@ fn lit(lighting: Lighting, is_shaded: bool, rgb: vec3<f32>, gradient: vec3<f32>,
 // Colour of the label medium, with its gradient.
 fn label_medium_color(fields: FieldValues, gradient: vec3<f32>, eye: vec3<f32>) -> vec3<f32> {
     let rgb = fields.medium.yzw / max(fields.medium.x, LEAST);
-    return lit(parameters.frame.label_lighting, MATTER_SHADED, rgb, gradient, eye, light_at(fields));
+    return lit(parameters.frame.label_lighting, LABEL_MEDIUM_SHADED, rgb, gradient, eye, light_at(fields));
 }

@@ -52,12 +52,12 @@ pub struct Labels {
     /// Reconstruction of coverages.
     pub kernel: Kernel,
     channels: Vec<Slices<'static>>,
-    terms: LabelTerms,
+    terms: LabelFields,
 }
 
 /// Places of the label fields; `None` where no label needs one.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct LabelTerms {
+pub struct LabelFields {
     /// Share of the scan's optical depth that is left.
     pub scan: Option<usize>,
     /// Tinted share of the scan's optical depth; red, green and blue follow.
@@ -66,7 +66,7 @@ pub struct LabelTerms {
     pub medium: Option<usize>,
 }
 
-impl LabelTerms {
+impl LabelFields {
     /// The places after `n_fields` other fields.
     #[must_use]
     pub fn after(self, n_fields: usize) -> Self {
@@ -85,7 +85,7 @@ impl Labels {
     pub fn new(codes: Codes, looks: Vec<LabelLook>, grid: &Grid, kernel: Kernel, budget_bytes: usize) -> Result<Self> {
         let mut tables: Vec<Vec<f32>> = Vec::new();
         let mut add = |of: &dyn Fn(&LabelLook) -> f64| tables.push(looks.iter().map(|look| of(look) as f32).collect());
-        let mut terms = LabelTerms::default();
+        let mut terms = LabelFields::default();
         let mut n = 0;
         let mut take = |count: usize| {
             n += count;
@@ -119,7 +119,7 @@ impl Labels {
     }
 
     /// Places of the fields among [`Labels::fields`].
-    pub fn terms(&self) -> LabelTerms {
+    pub fn terms(&self) -> LabelFields {
         self.terms
     }
 

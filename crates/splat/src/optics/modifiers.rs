@@ -8,8 +8,8 @@
 use wavesplat_compute::simd::Wide;
 
 use crate::optics::gradient_opacity::GradientOpacity;
-use crate::optics::labels::LabelTerms;
-use crate::optics::occlusion::LightTerms;
+use crate::optics::labels::LabelFields;
+use crate::optics::occlusion::LightFields;
 use crate::optics::shade::Shader;
 use crate::sheet::field_sheets::FieldPoint;
 
@@ -19,9 +19,9 @@ pub struct Modifiers {
     /// Gradient opacity, or a transfer function of two dimensions.
     pub by_gradient: Option<GradientOpacity>,
     /// Fields that hold light, with their strengths.
-    pub light: Option<LightTerms>,
+    pub light: Option<LightFields>,
     /// Fields that hold the effects of labels.
-    pub labels: Option<LabelTerms>,
+    pub labels: Option<LabelFields>,
     /// Shader of the label medium, where the picture is shaded.
     pub label_shader: Option<Shader>,
 }

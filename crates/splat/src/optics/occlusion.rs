@@ -32,7 +32,7 @@ const OPAQUE_OPACITY: f64 = 0.9999;
 
 /// Fields that hold light, each with its strength, `0..=1`.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct LightTerms {
+pub struct LightFields {
     /// Openness of a place.
     pub openness: Option<(usize, f32)>,
     /// Share of the first light that gets to a place.
@@ -140,7 +140,7 @@ impl ExtinctionGrid {
 
     /// Openness of each cell: 1 where nothing is near on one side at least. `radius`: world units.
     pub fn openness(&self, radius: f64) -> Vec<f32> {
-        let ways: Vec<SweepOrder> = (0..N_DIRECTIONS).map(|i| self.way(direction(i), Some(radius))).collect();
+        let ways: Vec<SweepDirection> = (0..N_DIRECTIONS).map(|i| self.way(direction(i), Some(radius))).collect();
         let lying = [0, 1, 2].map(|axis| CellLayout::new(self, axis));
         let mut parts = parallel::map(3 * N_PARTS, |part| {
             let lying = &lying[part % 3];
@@ -176,13 +176,13 @@ impl ExtinctionGrid {
     }
 
     /// Sweep of light along a world direction; with a radius, dimmed light comes back over that distance.
-    fn way(&self, direction: DVec3, radius: Option<f64>) -> SweepOrder {
+    fn way(&self, direction: DVec3, radius: Option<f64>) -> SweepDirection {
         let along = self.grid.index_from_world().matrix3 * direction;
         let axis = (0..3).fold(0, |best, a| if along[a].abs() > along[best].abs() { a } else { best });
         let per_slice = along[axis].abs();
         let length = direction.length() / per_slice;
         let kept = radius.map_or(1.0, |radius| (-length / radius).exp() as f32);
-        SweepOrder {
+        SweepDirection {
             axis,
             ascending: along[axis] > 0.0,
             slope: across(axis).map(|a| along[a] / per_slice),
@@ -206,7 +206,7 @@ impl ExtinctionGrid {
 }
 
 /// Direction of a sweep of light through the coarse volume.
-struct SweepOrder {
+struct SweepDirection {
     /// Axis that light runs most along, and whether upwards.
     axis: usize,
     ascending: bool,
@@ -266,7 +266,7 @@ impl CellLayout {
     }
 
     /// Adds the share of the entering light that gets to each cell, before the cell itself dims it.
-    fn add_share(&self, way: &SweepOrder, sum: &mut [f32]) {
+    fn add_share(&self, way: &SweepDirection, sum: &mut [f32]) {
         let [_, n_v, n_w] = self.n;
         let wide = self.stride + 2 * MARGIN;
         // Light from beyond the sides is not dimmed.
@@ -281,7 +281,7 @@ impl CellLayout {
         let plane = self.stride * n_v;
         for k in 0..n_w {
             let first = if way.ascending { k } else { n_w - 1 - k } * plane;
-            Level::best().dispatch(SweepPass {
+            Level::best().dispatch(SliceSweep {
                 extinction: &self.extinction[first..first + plane],
                 sum: &mut sum[first..first + plane],
                 leaving: &leaving,
@@ -296,7 +296,7 @@ impl CellLayout {
 }
 
 /// Kernel that passes light through one slice.
-struct SweepPass<'a> {
+struct SliceSweep<'a> {
     extinction: &'a [f32],
     sum: &'a mut [f32],
     /// Light that left the slice before, and that leaves this one, each with a border of [`MARGIN`].
@@ -304,10 +304,10 @@ struct SweepPass<'a> {
     next: &'a mut [f32],
     stride: usize,
     back: [(usize, f32); 2],
-    way: &'a SweepOrder,
+    way: &'a SweepDirection,
 }
 
-impl VectorKernel for SweepPass<'_> {
+impl VectorKernel for SliceSweep<'_> {
     type Output = ();
 
     #[inline(always)]

@@ -22,7 +22,7 @@ pub(super) struct Taps {
     /// Whether the texel contributes to the read.
     is_used: [bool; LANES],
     /// Whether its ray meets the same regions as the read's.
-    is_alike: [bool; LANES],
+    meets_same_regions: [bool; LANES],
     /// Whether its ray meets any region.
     is_met: [bool; LANES],
     /// For opacity, the optical depth along a ray as long as the read's; for sums, the ratio of lengths.
@@ -45,10 +45,10 @@ impl Taps {
         let length = strip.length[lane];
         let is_scaled = scaling != Scaling::None;
         self.rgba[k] = strip.rgba[lane];
-        self.is_alike[k] = strip.met[lane] == met.regions;
+        self.meets_same_regions[k] = strip.met[lane] == met.regions;
         self.is_met[k] = strip.met[lane] != 0;
         let is_long = length > MIN_LENGTH_SLICES && length >= MIN_LENGTH_RATIO * met.length;
-        self.is_used[k] = self.is_alike[k] && (is_long || !is_scaled);
+        self.is_used[k] = self.meets_same_regions[k] && (is_long || !is_scaled);
         self.is_other[k] = is_scaled && (length - met.length).abs() > LENGTH_TOLERANCE * met.length;
         self.depth[k] = match scaling {
             Scaling::Opacity => strip.depth[lane] * met.length as f32,
@@ -62,7 +62,7 @@ impl Taps {
     #[inline(always)]
     pub(super) fn mean<S: Simd>(mut self, s: S, scaling: Scaling, t: [f32; 2], peak: f32) -> [f32; 4] {
         if self.is_used == [false; LANES] {
-            self.is_used = self.is_alike;
+            self.is_used = self.meets_same_regions;
         }
         // Where boxes of layers overlap in less than a texel, no texel meets the same regions: any that meets a region
         // will do.
@@ -203,8 +203,8 @@ impl Strip {
             }
         }
         let first = Met { regions: met[0], length: length[0] };
-        let is_level = (1..LANES).all(|k| first.is_like(&Met { regions: met[k], length: length[k] }));
-        Self { rgba, met, length, level: is_level.then_some(first), depth, is_opaque }
+        let is_uniform = (1..LANES).all(|k| first.is_like(&Met { regions: met[k], length: length[k] }));
+        Self { rgba, met, length, level: is_uniform.then_some(first), depth, is_opaque }
     }
 }
 

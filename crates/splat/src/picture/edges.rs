@@ -67,7 +67,7 @@ pub struct EdgePass<'a> {
     /// Largest size of a texel, in pixels.
     reach_px: f64,
     /// Width of the border around a pixel in which texels may end at other walls than the pixel does, in pixels.
-    guard_px: f64,
+    border_px: f64,
 }
 
 impl<'a> EdgePass<'a> {
@@ -83,10 +83,10 @@ impl<'a> EdgePass<'a> {
         let planes: Vec<_> = resamplers.iter().map(|r| edges.silhouette.on(&r.picture.plane)).collect();
         let reach_px = resamplers.iter().map(|r| texel_px(&r.picture.plane, rays)).fold(0.0, f64::max);
         let narrow = resamplers.iter().any(|r| edges.silhouette.has_narrow_walls(&r.picture.plane));
-        let guard_px = if narrow || edges.silhouette.is_mixed() { reach_px } else { 0.0 };
+        let border_px = if narrow || edges.silhouette.is_mixed() { reach_px } else { 0.0 };
         let is_parallel = first.eye_w().is_none();
         let reads = std::array::from_fn(|k| scattered_position(k, READS_PER_AXIS));
-        Some(Self { edges, resamplers, planes, rays, peak, level, is_parallel, reads, reach_px, guard_px })
+        Some(Self { edges, resamplers, planes, rays, peak, level, is_parallel, reads, reach_px, border_px })
     }
 
     /// Draws the pixels of a rectangle that have edges. `first`: its first column and row; `pixels`: the picture from
@@ -143,8 +143,8 @@ impl<'a> EdgePass<'a> {
 
     /// Coverage of a rectangle of pixels by the silhouette.
     fn coverage(&self, first: [usize; 2], size: [usize; 2], passages: &mut Vec<Vec<Passage>>) -> Coverage {
-        let corner = first.map(|px| px as f64 - self.guard_px);
-        let sides = size.map(|px| px as f64 + 2.0 * self.guard_px);
+        let corner = first.map(|px| px as f64 - self.border_px);
+        let sides = size.map(|px| px as f64 + 2.0 * self.border_px);
         self.edges.silhouette.passages(self.rays, self.is_parallel, &PixelGrid::corners(corner, sides), passages);
         let of = |corners: &Vec<Passage>| {
             Coverage::of_region(std::array::from_fn(|k| &corners[k]), sides[0].min(sides[1]), self.reach_px)
@@ -164,7 +164,7 @@ impl<'a> EdgePass<'a> {
         strips: &mut Strips,
     ) {
         // Without a border, neighbouring pixels share corners, whose passages are computed once.
-        let is_shared = self.guard_px == 0.0;
+        let is_shared = self.border_px == 0.0;
         if is_shared {
             let grid = PixelGrid { first: first.map(|px| px as f64), distance: [1.0; 2], n: size.map(|n| n + 1) };
             self.edges.silhouette.passages(self.rays, self.is_parallel, &grid, passages);
@@ -218,7 +218,7 @@ impl<'a> EdgePass<'a> {
         }
         // Where all rays run equally far in the same regions, colours change slowly, and the one in the middle of the
         // reads is their mean.
-        if self.is_level(&hits, strips) {
+        if self.is_uniform(&hits, strips) {
             let rgba = if hits.n == N_READS { before } else { self.read(s, &hits.middle(), strips) };
             return rgba.map(|c| c * share);
         }
@@ -234,7 +234,7 @@ impl<'a> EdgePass<'a> {
 
     /// Whether all rays that hit, and the texels that they read, run equally far in the same regions.
     #[inline(always)]
-    fn is_level(&self, hits: &Hits, strips: &mut Strips) -> bool {
+    fn is_uniform(&self, hits: &Hits, strips: &mut Strips) -> bool {
         let Some(first) = hits.iter().next() else { return true };
         let (mut lo, mut hi) = (first.at, first.at);
         for hit in hits.iter() {

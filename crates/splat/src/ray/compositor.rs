@@ -76,7 +76,7 @@ impl Texels {
 /// An operator at work on one tile.
 pub trait Compositor {
     /// Whether a slab reads its back sheet too, even if another slab follows.
-    fn looks_behind(&self) -> bool {
+    fn reads_back_sheet(&self) -> bool {
         true
     }
     /// Whether no ray of the chunk can change any more.

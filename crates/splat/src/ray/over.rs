@@ -366,7 +366,7 @@ impl<const MODIFIED: bool> Over<'_, MODIFIED> {
 }
 
 impl<const MODIFIED: bool> Compositor for Over<'_, MODIFIED> {
-    fn looks_behind(&self) -> bool {
+    fn reads_back_sheet(&self) -> bool {
         self.needs_preintegration
     }
 

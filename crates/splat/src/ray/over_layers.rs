@@ -409,7 +409,7 @@ fn label_medium<W: Wide>(
 }
 
 impl Compositor for OverLayers<'_> {
-    fn looks_behind(&self) -> bool {
+    fn reads_back_sheet(&self) -> bool {
         self.needs_preintegration
     }
 

@@ -42,13 +42,13 @@ impl GradientScheme {
     }
 
     /// Whether differences are taken between existing texels and sheets.
-    pub fn is_of_sheets(self) -> bool {
+    pub fn uses_texel_steps(self) -> bool {
         matches!(self, Self::SheetCentral | Self::SheetForward)
     }
 
     /// Both ends of a difference, relative to its position. `offset`: `d`; `step`: distance of the texels or sheets.
     pub fn ends(self, offset: f64, step: f64) -> [f64; 2] {
-        let end = if self.is_of_sheets() { whole_steps(offset, step) } else { offset };
+        let end = if self.uses_texel_steps() { whole_steps(offset, step) } else { offset };
         let is_forward = matches!(self, Self::FootprintForward | Self::SheetForward);
         [if is_forward { 0.0 } else { -end }, end]
     }

@@ -222,11 +222,11 @@ impl Splatter<'_> {
         let is_noisy = matches!(self.ablation.footprint, FootprintTable::NearestNoise { .. });
         std::array::from_fn(|c| {
             let [a, b] = scheme.ends(offset, if c < 2 { texels.layout[c].1 } else { step });
-            if c == 2 && (is_noisy || !scheme.is_of_sheets()) {
+            if c == 2 && (is_noisy || !scheme.uses_texel_steps()) {
                 let difference = self.sliced(w, Difference([a, b]));
                 return self.splat(&difference, texels, [Value; 2]);
             }
-            if !scheme.is_of_sheets() && !is_noisy {
+            if !scheme.uses_texel_steps() && !is_noisy {
                 let mut footprints = [Value; 2];
                 footprints[c] = Difference([a, b]);
                 return self.splat(samples, texels, footprints);

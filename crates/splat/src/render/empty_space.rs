@@ -6,7 +6,7 @@ use wavesplat_compute::simd::LANES;
 
 use crate::render::tile::{LayerJob, TileJob};
 use crate::sheet::spacing::SheetSpacing;
-use crate::sheet::tile_layout::{BLOCK_V, BlockMask, N_BLOCKS_V, N_STRIPS, TILE_U, TILE_V, rows_mask};
+use crate::sheet::tile_layout::{BLOCK_V, BlockMask, N_BLOCKS_V, N_STRIPS, TILE_U, TILE_V, first_row_mask};
 
 /// A slab of a tile, and the blocks in which it is drawn.
 #[derive(Clone, Copy, Debug)]
@@ -116,7 +116,7 @@ impl LayerJob<'_> {
                 let runs = occupied.runs(u);
                 blocks = 0;
                 for block in 0..N_BLOCKS_V {
-                    if alive & (rows_mask() << block) == 0 {
+                    if alive & (first_row_mask() << block) == 0 {
                         continue;
                     }
                     let j = j0 + block * BLOCK_V;

@@ -95,7 +95,7 @@ pub fn draw_base_planes(
     for family in &plan.families {
         let (picture, work) = draw_base_plane(plan, family, slices, &progress)?;
         report.n_texels += work.n_texels;
-        report.n_skipped_sheets += work.n_skipped;
+        report.n_skipped_slabs += work.n_skipped;
         pictures.push(picture);
     }
     Ok((pictures, report))

@@ -14,9 +14,9 @@ use wavesplat_core::{
 };
 
 use crate::optics::gradient_opacity::GradientOpacity;
-use crate::optics::labels::LabelTerms;
+use crate::optics::labels::LabelFields;
 use crate::optics::modifiers::Modifiers;
-use crate::optics::occlusion::{ExtinctionGrid, LightTerms};
+use crate::optics::occlusion::{ExtinctionGrid, LightFields};
 use crate::optics::shade::Shader;
 use crate::optics::visibility_cache::Visibility;
 use crate::picture::supersampling::reads_per_axis;
@@ -145,9 +145,9 @@ pub struct FieldPlan {
     /// The fields: light first, then labels.
     pub fields: Vec<Field<'static>>,
     /// Numbers of the fields that hold ambient occlusion and shadow.
-    pub light: Option<LightTerms>,
+    pub light: Option<LightFields>,
     /// Numbers of the fields that hold the labels.
-    pub labels: Option<LabelTerms>,
+    pub labels: Option<LabelFields>,
 }
 
 /// Plan of a base plane.
@@ -444,7 +444,7 @@ impl FieldPlan {
                 parts.try_for_each(|part| part.map(|part| sum.add(&part)))?;
                 Ok(sum)
             };
-            let mut terms = LightTerms::default();
+            let mut terms = LightFields::default();
             if shading.ambient_occlusion > 0.0 {
                 let sides = grid.spacing() * DVec3::from_array(grid.size().map(|n| n as f64));
                 let radius = shading.occlusion_radius.unwrap_or(0.1 * sides.max_element());

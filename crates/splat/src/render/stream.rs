@@ -87,7 +87,7 @@ impl StreamBlock {
     }
 
     /// Largest number of bytes of samples in memory: those of a step, and those that the next one reads meanwhile.
-    pub fn most_bytes(&self, storage: &[Storage]) -> usize {
+    pub fn peak_bytes(&self, storage: &[Storage]) -> usize {
         let bytes = |boxes: &[IndexBox]| {
             let each = boxes.iter().zip(storage).map(|(held, own)| volume_of(held) * own.sample_bytes);
             each.sum::<usize>()
@@ -293,7 +293,7 @@ impl<'a> Reader<'a> {
         let mut smallest = None;
         loop {
             let made = self.blocks(family, cuts, n, depth);
-            let most = made.iter().map(|block| block.most_bytes(self.storage)).max().unwrap_or(0);
+            let most = made.iter().map(|block| block.peak_bytes(self.storage)).max().unwrap_or(0);
             if most <= budget {
                 blocks.extend(made);
                 return Ok(());
@@ -321,7 +321,7 @@ impl<'a> Reader<'a> {
     fn smallest(&self) -> usize {
         let n = n_tiles(&self.family.plane);
         let blocks = self.blocks(0, n, n, 1);
-        blocks.iter().map(|block| block.most_bytes(self.storage)).max().unwrap_or(0)
+        blocks.iter().map(|block| block.peak_bytes(self.storage)).max().unwrap_or(0)
     }
 
     /// Cuts the blocks into more parts along v, or along u if they are more than twice as long there, so that rows of

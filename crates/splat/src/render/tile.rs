@@ -201,10 +201,10 @@ impl<'a> TileJob<'a> {
         for (k, slab) in places.iter().enumerate() {
             let blocks = slab.blocks & alive;
             for (run, sheets) in runs.iter_mut().zip(sheets.iter_mut()) {
-                run.prepare(sheets, spacing, slab, first, alive, compositor.looks_behind());
+                run.prepare(sheets, spacing, slab, first, alive, compositor.reads_back_sheet());
             }
             if blocks == 0 {
-                runs.iter_mut().zip(sheets.iter_mut()).for_each(|(run, sheets)| run.go_on(sheets, slab));
+                runs.iter_mut().zip(sheets.iter_mut()).for_each(|(run, sheets)| run.advance(sheets, slab));
                 continue;
             }
             let w = slab.sheets.map(|sheet| spacing.w(sheet));
@@ -220,7 +220,7 @@ impl<'a> TileJob<'a> {
             }
             let [of_first, more @ ..] = &mut *sheets else { return };
             for block in bits(blocks) {
-                let done = self.level.dispatch(AddBlock {
+                let done = self.level.dispatch(CompositeBlock {
                     compositor: &mut *compositor,
                     rays,
                     slab: Slab {
@@ -239,7 +239,7 @@ impl<'a> TileJob<'a> {
                 }
             }
             for (run, sheets) in runs.iter_mut().zip(sheets.iter_mut()) {
-                run.go_on(sheets, slab);
+                run.advance(sheets, slab);
             }
             std::mem::swap(&mut front_fields, &mut back_fields);
             in_front = Some(slab.sheets[1]);
@@ -268,7 +268,7 @@ impl LayerRun {
         slab: &ActiveSlab,
         first: [usize; 2],
         alive: BlockMask,
-        looks_behind: bool,
+        reads_back_sheet: bool,
     ) {
         let Self { slabs, behind, next, in_front } = self;
         let k = *next;
@@ -292,12 +292,12 @@ impl LayerRun {
         let next = if k + 1 == slabs.len() { of(*behind) } else { next_here };
         sheets.back.combine(sheets.geometry, &sheets.transposed, w[1], first, blocks | next_here);
         sheets.front.prepare(sheets.geometry, blocks);
-        sheets.back.prepare(sheets.geometry, if looks_behind { blocks } else { blocks & !next });
+        sheets.back.prepare(sheets.geometry, if reads_back_sheet { blocks } else { blocks & !next });
         sheets.last = blocks & !next;
     }
 
     /// Moves on from a slab: its back sheet becomes the front sheet.
-    fn go_on(&mut self, sheets: &mut LayerSheets, slab: &ActiveSlab) {
+    fn advance(&mut self, sheets: &mut LayerSheets, slab: &ActiveSlab) {
         if sheets.blocks != 0 {
             std::mem::swap(&mut sheets.front, &mut sheets.back);
             self.in_front = Some(slab.sheets[1]);
@@ -365,14 +365,14 @@ fn texels_served(
 }
 
 /// Composites a slab onto the rays of a block; returns whether all of them are done.
-struct AddBlock<'a, 'b, C> {
+struct CompositeBlock<'a, 'b, C> {
     compositor: &'a mut C,
     rays: &'a Rays,
     slab: Slab<'a, 'b>,
     block: Block,
 }
 
-impl<C: Compositor> VectorKernel for AddBlock<'_, '_, C> {
+impl<C: Compositor> VectorKernel for CompositeBlock<'_, '_, C> {
     type Output = bool;
 
     #[inline(always)]

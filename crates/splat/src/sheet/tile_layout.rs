@@ -96,11 +96,11 @@ impl Block {
 
 /// Rows of blocks that contain any block of a mask.
 pub fn block_rows(blocks: BlockMask) -> impl Iterator<Item = usize> + Clone {
-    (0..N_BLOCKS_V).filter(move |b| blocks & (rows_mask() << b) != 0)
+    (0..N_BLOCKS_V).filter(move |b| blocks & (first_row_mask() << b) != 0)
 }
 
 /// Mask of the first block of every strip.
-pub const fn rows_mask() -> BlockMask {
+pub const fn first_row_mask() -> BlockMask {
     let mut mask = 0;
     let mut strip = 0;
     while strip < N_STRIPS {

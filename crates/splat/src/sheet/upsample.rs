@@ -76,11 +76,11 @@ impl<const GRADIENT: bool> VectorKernel for Upsample<'_, GRADIENT> {
         for block in bits(blocks).map(Block::new) {
             let footprints = &sheet.u;
             let span = footprints.value.group(block.strip).span;
-            let is_alike = !GRADIENT || footprints.difference.group(block.strip).span == span;
+            let meets_same_regions = !GRADIENT || footprints.difference.group(block.strip).span == span;
             // One loop per span, so that no tap branches on it.
             match span {
-                Span::One if is_alike => sheet.upsample::<S, 1, GRADIENT>(s, block),
-                Span::Two if is_alike => sheet.upsample::<S, 2, GRADIENT>(s, block),
+                Span::One if meets_same_regions => sheet.upsample::<S, 1, GRADIENT>(s, block),
+                Span::Two if meets_same_regions => sheet.upsample::<S, 2, GRADIENT>(s, block),
                 _ => sheet.upsample::<S, 0, GRADIENT>(s, block),
             }
         }

@@ -64,10 +64,10 @@ impl<'a> SheetGeometry<'a> {
 
     /// Whether the sheets have the weights of another geometry of the same base plane, or more.
     pub fn has_weights_of(&self, other: &Self) -> bool {
-        let is_alike = |a: &Axis, b: &Axis| {
+        let meets_same_regions = |a: &Axis, b: &Axis| {
             (a.kernel, a.n_samples) == (b.kernel, b.n_samples) && (b.gradient.is_none() || a.gradient == b.gradient)
         };
-        self.from_index == other.from_index && self.axes.iter().zip(&other.axes).all(|(a, b)| is_alike(a, b))
+        self.from_index == other.from_index && self.axes.iter().zip(&other.axes).all(|(a, b)| meets_same_regions(a, b))
     }
 
     /// Sample positions of the texels of the sheet at an index position `w`: position of texel 0 and change per texel,

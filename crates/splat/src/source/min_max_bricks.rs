@@ -104,8 +104,8 @@ fn level_in(range: [f32; 2]) -> impl Fn([f32; 2]) -> [u16; 2] + Copy + Send + Sy
 
 /// Smallest side of a brick, in cells, whose bounds fit the budget; the largest side if none do.
 fn side_within(budget_bytes: usize, size: [usize; 3]) -> usize {
-    let fits = |side: usize, most_bytes: usize| {
-        n_bricks(side, size).iter().product::<usize>() * size_of::<[u16; 2]>() <= most_bytes
+    let fits = |side: usize, peak_bytes: usize| {
+        n_bricks(side, size).iter().product::<usize>() * size_of::<[u16; 2]>() <= peak_bytes
     };
     if fits(SMALL_SIDE, budget_bytes.min(MAX_BYTES_OF_SMALL)) {
         SMALL_SIDE

@@ -8,13 +8,11 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use wavesplat::{
-    ClipPlane, Composite, Crop, DrawnBy, Effort, Frame, FrameOptions, Kernel, Measured, Picture, PngBits, Sampling,
-    Scene, SceneLayer, StageTimes, Wanted, png_of_rgba,
+    ClipPlane, Composite, Crop, DrawnBy, Effort, Frame, FrameOptions, Kernel, Measured, Picture, Plane, PngBits,
+    Reduction, Sampling, Scene, SceneLayer, StageTimes, ThickSlab, Wanted, png_of_rgba,
 };
-use wavesplat_core::{CompositeNumbers, RenderOptions};
+use wavesplat_core::CompositeNumbers;
 use wavesplat_splat::quality::target_psnr::{Errors, Framing};
-use wavesplat_splat::slice_plane::{Plane, Reduction, ThickSlab, plane_values};
-use wavesplat_splat::with_threads;
 
 use crate::arguments::{PyCamera, PyShading, PyTransferFunction, Triple, vector};
 use crate::errors::to_py;
@@ -259,18 +257,12 @@ pub fn plane<'py>(
     threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyArray2<f32>>> {
     let kernel = Kernel::from_name(kernel).map_err(to_py)?;
-    let size = RenderOptions { width_px: width, height_px: height, n_threads: threads, ..RenderOptions::default() };
-    size.validate().map_err(to_py)?;
     let (across, down) = (vector(across), vector(down));
     let plane = Plane { origin: vector(origin), across, down, width_px: width, height_px: height };
     let slab = ThickSlab { reduction: Reduction::from_name(slab).map_err(to_py)?, n_planes, step: vector(step) };
     let watched = PyProgress::new(None);
-    let values = volume.with_volume(py, |subject| {
-        watched.watch(py, || {
-            let slices = with_threads(threads, || subject.slices(kernel));
-            plane_values(&slices, &plane, &slab, threads, &watched)
-        })
-    })?;
+    let values = volume
+        .with_volume(py, |subject| watched.watch(py, || subject.slice(&plane, &slab, kernel, threads, &watched)))?;
     values.map_err(to_py)?.into_pyarray(py).reshape([height, width])
 }
 

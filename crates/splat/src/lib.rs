@@ -41,6 +41,6 @@ pub mod view;
 pub use optics::steepness::needs_preintegration;
 pub use render::frame::{render, render_base_planes, render_base_planes_at, render_layers};
 pub use render::layer::Layer;
-pub use render::progress::ProgressCallback;
+pub use render::progress::{ProgressCallback, ProgressPart};
 pub use render::report::Report;
 pub use wavesplat_compute::parallel::with_threads;

@@ -5,7 +5,7 @@
 //!
 //! ```
 //! use wavesplat::{Camera, ColorNode, FrameOptions, OpacityNode, Projection, Samples, Scene, TransferFunction, Volume};
-//! use glam::{DAffine3, DVec3};
+//! use wavesplat::glam::{DAffine3, DVec3};
 //!
 //! # fn main() -> wavesplat::Result<()> {
 //! // Samples of any type, x fastest, and the affine that takes their indices into the world.
@@ -40,11 +40,13 @@
 //! - [`Composite`]: *over*, first hit of an isosurface, and projections (MIP and others).
 //! - [`Shading`]: Phong, lights, ambient occlusion, shadows. [`Labels`]: a segmentation beside the scan.
 //! - [`Crop`] boxes and [`ClipPlane`]s; [`Kernel`]s between samples, from trilinear to cubic B-splines.
+//! - [`SceneVolume::slice`]: values on a plane, or of a slab of planes.
 //! - [`Effort`]: a named quality, a sampling, or a wanted PSNR.
 //! - [`LevelVolume`]: a level of detail, or a band, of a volume of wavelet coefficients.
+//! - [`SampleReader`]: volumes larger than memory, read while they are drawn ([`Scene::stream`]).
 //!
-//! The examples of this crate (`cargo run -p wavesplat --example head`) draw a head, a projection, labels, and a coarse
-//! level.
+//! The examples of this crate (`cargo run -p wavesplat --example head`) draw a head, a projection, labels, a coarse
+//! level, and a raw file that is larger than the memory it may take.
 //!
 //! # What it does not do
 //!
@@ -64,7 +66,9 @@ mod level_look;
 mod level_volume;
 mod png;
 mod quality;
+mod sample_reader;
 mod scene;
+mod slice;
 mod stream;
 mod volume_cache;
 
@@ -78,6 +82,7 @@ pub use level_look::{LevelBrightness, LevelPart};
 pub use level_volume::LevelVolume;
 pub use png::{PngBits, encode_png, png_of_rgba};
 pub use quality::{Effort, Quality};
+pub use sample_reader::{SampleBuffer, SampleReader, StreamError};
 pub use scene::{Scene, SceneLayer, SceneVolume};
 pub use stream::{Stream, StreamOptions};
 pub use volume_cache::VolumeCache;
@@ -93,6 +98,8 @@ pub fn use_simd(name: &str) -> std::result::Result<(), String> {
     wavesplat_compute::simd::Level::choose(name).map(|_| ())
 }
 
+/// Vectors and matrices of this crate's interface.
+pub use glam;
 pub use wavesplat_compute::parallel::after_fork;
 pub use wavesplat_core::{
     Camera, ClipPlane, ColorNode, Composite, Crop, Error, Gradient, GradientNode, Grid, Kernel, LabelLook, LevelGrid,
@@ -105,6 +112,7 @@ pub use wavesplat_splat::optics::labels::{Codes, Labels};
 pub use wavesplat_splat::quality::error_model::Sampling;
 pub use wavesplat_splat::quality::target_psnr::{Estimate, Measured, Wanted};
 pub use wavesplat_splat::render::stream::{IndexBox, Storage};
+pub use wavesplat_splat::slice_plane::{Plane, Reduction, ThickSlab};
 pub use wavesplat_splat::source::survey::Survey;
-pub use wavesplat_splat::{ProgressCallback, Report};
+pub use wavesplat_splat::{ProgressCallback, ProgressPart, Report};
 pub use wavesplat_wavelet::{Keep, Norm, WaveletFamily, WaveletVolume};

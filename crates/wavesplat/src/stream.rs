@@ -155,6 +155,11 @@ struct Planned {
 }
 
 impl Stream {
+    /// Number of layers.
+    pub fn n_layers(&self) -> usize {
+        self.slices.len()
+    }
+
     /// Number of blocks.
     pub fn n_blocks(&self) -> usize {
         self.steps.blocks.len()

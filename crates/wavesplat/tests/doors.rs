@@ -5,8 +5,8 @@
 
 use glam::{DAffine3, DVec3};
 use wavesplat::{
-    Camera, ColorNode, Composite, FrameOptions, OpacityNode, PngBits, Projection, Samples, Scene, SceneLayer,
-    SceneVolume, TransferFunction, Volume, encode_png,
+    Camera, ColorNode, Composite, Error, FrameOptions, Kernel, OpacityNode, Plane, PngBits, Projection, Reduction,
+    Samples, Scene, SceneLayer, SceneVolume, ThickSlab, TransferFunction, Volume, encode_png,
 };
 
 const N: usize = 20;
@@ -65,4 +65,21 @@ fn times_are_told_where_there_is_a_clock() {
     let options = FrameOptions { clock: Some(|| 1.5), ..FrameOptions::default() };
     assert_eq!(scene.render(&camera(), [8, 8], &options).unwrap().times, Some(wavesplat::StageTimes::default()));
     assert_eq!(scene.render(&camera(), [8, 8], &FrameOptions::default()).unwrap().times, None);
+}
+
+#[test]
+fn a_slice_through_samples_has_their_values() {
+    let samples = samples();
+    let volume = Volume::new("door", Samples::U8(&samples), [N; 3], DAffine3::IDENTITY).unwrap();
+    let scene = Scene::new(volume, look());
+    let plane = Plane { origin: DVec3::Z * 8.0, across: DVec3::X, down: DVec3::Y, width_px: N, height_px: N };
+    let slice = |n_planes, reduction| {
+        let slab = ThickSlab { reduction, n_planes, step: DVec3::Z };
+        scene.layers[0].volume.slice(&plane, &slab, Kernel::Linear, None, &())
+    };
+    let of_layer = |z: usize| samples[z * N * N..(z + 1) * N * N].iter().map(|s| f32::from(*s)).collect::<Vec<_>>();
+    assert_eq!(slice(1, Reduction::Mean).unwrap(), of_layer(8));
+    let largest: Vec<f32> = of_layer(8).iter().zip(of_layer(9)).map(|(a, b)| a.max(b)).collect();
+    assert_eq!(slice(2, Reduction::Maximum).unwrap(), largest);
+    assert!(matches!(slice(0, Reduction::Mean), Err(Error::OutOfRange { .. })));
 }

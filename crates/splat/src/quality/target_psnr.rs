@@ -22,7 +22,7 @@ use crate::quality::sampled::SampledFrame;
 use crate::render::frame::{finish, slices_of};
 use crate::render::layer::Layer;
 use crate::render::plan::Plan;
-use crate::render::progress::ProgressCallback;
+use crate::render::progress::{ProgressCallback, ProgressPart};
 use crate::render::report::Report;
 use crate::source::slices::Slices;
 
@@ -92,7 +92,7 @@ pub fn render_to_psnr(
         let sampling = if is_measured { known.cheapest_measured(wanted) } else { known.cheapest(wanted) };
         let measured = like.or(model.map(|model| model.measured()));
         let with_sampling = options_with(options, sampling);
-        let drawing = Share { of: callback, from, to: 1.0 };
+        let drawing = ProgressPart { of: callback, from, to: 1.0 };
         let plan = Plan::new(Level::best(), layers, camera, &with_sampling)?;
         let (base_pictures, report) = draw(&plan, &slices_of(layers), &drawing)?;
         let picture = finish(&plan, &base_pictures);
@@ -121,13 +121,13 @@ fn pilot(
     let plan = Plan::new(Level::best(), layers, camera, &options)?;
     let frame = SampledFrame { layers, options, plan };
     let to = |part: usize| PILOT_PROGRESS * part as f32 / (MAX_PILOTS + 1) as f32;
-    let Some(overview) = Overview::draw(&frame, &Share { of: callback, from: 0.0, to: to(1) })? else {
+    let Some(overview) = Overview::draw(&frame, &ProgressPart { of: callback, from: 0.0, to: to(1) })? else {
         return Ok(None);
     };
     let mut model = None;
     let mut at = first;
     for part in 1..=MAX_PILOTS {
-        let progress = Share { of: callback, from: to(part), to: to(part + 1) };
+        let progress = ProgressPart { of: callback, from: to(part), to: to(part + 1) };
         let Some(errors) = probe::errors(&frame, &overview, at, &progress)? else { break };
         let measured = prior.with(errors, at);
         model = Some(measured);
@@ -148,17 +148,4 @@ fn options_with(options: &RenderOptions, sampling: Sampling) -> RenderOptions {
 
 fn psnr_of(mean_square: f64) -> f64 {
     -10.0 * mean_square.max(1e-12).log10()
-}
-
-/// Part of the work of a frame, whose progress is passed on as a range of the whole.
-struct Share<'a> {
-    of: &'a dyn ProgressCallback,
-    from: f32,
-    to: f32,
-}
-
-impl ProgressCallback for Share<'_> {
-    fn progress(&self, fraction: f32) -> ControlFlow<()> {
-        self.of.progress(self.from + (self.to - self.from) * fraction)
-    }
 }

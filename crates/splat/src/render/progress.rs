@@ -17,6 +17,22 @@ impl ProgressCallback for () {
     }
 }
 
+/// Progress of a part of the work, reported as a range of the whole.
+pub struct ProgressPart<'a> {
+    /// Callback of the whole work.
+    pub of: &'a dyn ProgressCallback,
+    /// Progress of the whole when the part begins.
+    pub from: f32,
+    /// Progress of the whole when the part ends.
+    pub to: f32,
+}
+
+impl ProgressCallback for ProgressPart<'_> {
+    fn progress(&self, fraction: f32) -> ControlFlow<()> {
+        self.of.progress(self.from + (self.to - self.from) * fraction)
+    }
+}
+
 /// Counts tiles that are done, calls the callback, and remembers that it asked to stop.
 pub(crate) struct Progress<'a> {
     callback: &'a dyn ProgressCallback,

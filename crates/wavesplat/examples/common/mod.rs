@@ -10,6 +10,7 @@ pub const N: usize = 96;
 
 /// Samples of the head phantom of Shepp and Logan in three dimensions (Kak and Slaney 1988, with the contrast of Toft
 /// 1996), 0..255, x fastest.
+#[allow(dead_code, reason = "one example reads another volume from a file")]
 pub fn head() -> Vec<u8> {
     // Additive value, semi-axes, centre, rotation about z in degrees.
     const ELLIPSOIDS: [(f64, [f64; 3], [f64; 3], f64); 10] = [

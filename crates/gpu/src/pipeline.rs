@@ -17,7 +17,7 @@ pub(crate) struct Pipeline {
 }
 
 impl Pipeline {
-    /// Pipeline of a picture.
+    /// Compiles the pipeline that marches the rays of all pictures of one shader variant.
     pub fn new(device: &OpenDevice, permutation: &Permutation) -> GpuResult<Self> {
         Self::of(device, permutation, permutation.text(), "march")
     }

@@ -74,9 +74,9 @@ impl ProbeRays {
         [factor, if gain > 1.0 { gain.min(MAX_COLOR_GAIN) } else { 1.0 }]
     }
 
-    /// Whether the factor that [`ProbeRays::brightness_factors`] found makes the coarse table about as bright, without
-    /// shading.
-    pub fn is_bright_enough(
+    /// Whether the factor that [`ProbeRays::brightness_factors`] found makes the coarse table nearly as bright as the fine
+    /// one, or brighter, without shading. `lengths`: as there.
+    pub fn is_nearly_as_bright(
         &self,
         [fine, coarse]: [&GrayTable; 2],
         factor: f64,

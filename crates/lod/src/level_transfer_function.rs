@@ -61,12 +61,12 @@ impl LevelHistogram {
             let rgba = self.averages(&means, rgba_of(tf), length, rare);
             let tables = [&own, &gray(&rgba)];
             let factors = self.rays.brightness_factors(tables, shading, spacing, needs_preintegration);
-            let is_bright_enough = self.rays.is_bright_enough(tables, factors[0], spacing, needs_preintegration);
-            (rgba, factors, is_bright_enough)
+            let is_nearly_as_bright = self.rays.is_nearly_as_bright(tables, factors[0], spacing, needs_preintegration);
+            (rgba, factors, is_nearly_as_bright)
         };
-        let (mut rgba, mut factors, is_bright_enough) = with(TRIMMED_SHARE);
+        let (mut rgba, mut factors, is_nearly_as_bright) = with(TRIMMED_SHARE);
         // Where most visible values are rare, trimming would drop them.
-        if !is_bright_enough {
+        if !is_nearly_as_bright {
             (rgba, factors, _) = with(0.0);
         }
         let [factor, gain] = factors;

@@ -143,9 +143,9 @@ impl PyStream {
     }
 
     /// Most bytes of samples that are held while a block is drawn.
-    fn bytes_held(&self, block: usize) -> PyResult<u64> {
+    fn peak_sample_bytes(&self, block: usize) -> PyResult<u64> {
         self.check(block, None)?;
-        Ok(self.locked().bytes_held(block))
+        Ok(self.locked().peak_sample_bytes(block))
     }
 
     /// Box of samples that a step is drawn from, per layer.

@@ -58,7 +58,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     scene.background = Some([0.0, 0.0, 0.0, 1.0]);
     let options = StreamOptions { budget_bytes: BUDGET_BYTES, ..StreamOptions::default() };
     let mut stream = scene.stream(&common::camera()?, [512, 512], &FrameOptions::default(), &options)?;
-    let held = (0..stream.n_blocks()).map(|block| stream.bytes_held(block)).max().unwrap_or(0);
+    let held = (0..stream.n_blocks()).map(|block| stream.peak_sample_bytes(block)).max().unwrap_or(0);
     println!("{} blocks; at most {held} bytes of the {} are held", stream.n_blocks(), N * N * N);
     let frame = stream.read_and_draw(&[&reader], &())?;
     common::save(&frame, "streamed.png")?;

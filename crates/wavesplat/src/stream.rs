@@ -235,7 +235,7 @@ impl Stream {
     }
 
     /// Most bytes of samples that are held while a block is drawn.
-    pub fn bytes_held(&self, block: usize) -> u64 {
+    pub fn peak_sample_bytes(&self, block: usize) -> u64 {
         self.steps.blocks[block].peak_bytes(self.steps.storage()) as u64
     }
 

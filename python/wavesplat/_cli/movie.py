@@ -28,9 +28,9 @@ from wavesplat._cli.shared_options import Json, Quiet, Size
 from wavesplat._cli.transfer_function_options import ColorOptions, takes_color_options
 from wavesplat._cli.view_options import (
     ViewOptions,
+    camera_for,
     check_view_options,
     given_camera,
-    seen_from,
     takes_view_options,
 )
 from wavesplat.errors import ArgumentError
@@ -171,5 +171,5 @@ def _along(
     if series is None:
         raise ArgumentError("--times makes a movie of time points, and the file holds one; leave it out for a turn")
     numbers = list(times_of(times, len(series)))
-    camera = seen_from([chosen.scene.at_time(number) for number in numbers], chosen.look, viewing, size)
+    camera = camera_for([chosen.scene.at_time(number) for number in numbers], chosen.look, viewing, size)
     return [KeyFrame(k / fps, camera=camera, time=number) for k, number in enumerate(numbers)]

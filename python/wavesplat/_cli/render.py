@@ -22,7 +22,7 @@ from wavesplat._cli.scene_options import SceneOptions, check_scene_options, chos
 from wavesplat._cli.several_inputs import takes_several_inputs
 from wavesplat._cli.shared_options import Bits, Json, PictureOutput, Quiet, Size
 from wavesplat._cli.transfer_function_options import ColorOptions, takes_color_options
-from wavesplat._cli.view_options import ViewOptions, check_view_options, seen_from, takes_view_options
+from wavesplat._cli.view_options import ViewOptions, camera_for, check_view_options, takes_view_options
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -102,7 +102,7 @@ def render(
         quiet=quiet,
     )
     pictures = _pictures(scene, layering.times, input, output)
-    camera = seen_from([one for one, _ in pictures], look, viewing, size)
+    camera = camera_for([one for one, _ in pictures], look, viewing, size)
     made = _drawn_all(
         pictures,
         camera,

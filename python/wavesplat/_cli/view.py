@@ -20,7 +20,7 @@ from wavesplat._cli.reader_options import InputOrNone, ReaderOptions, takes_read
 from wavesplat._cli.scene_options import SceneOptions, check_scene_options, chosen_scene, takes_scene_options
 from wavesplat._cli.shared_options import Kernel, Quiet
 from wavesplat._cli.transfer_function_options import ColorOptions, takes_color_options
-from wavesplat._cli.view_options import ViewOptions, check_view_options, seen_from, takes_view_options
+from wavesplat._cli.view_options import ViewOptions, camera_for, check_view_options, takes_view_options
 from wavesplat._files.addresses import is_address
 from wavesplat._model.options import Quality
 from wavesplat.errors import ArgumentError, WavesplatError
@@ -169,7 +169,7 @@ def _opened(
     if example is not None:
         return _of_example(example, showing, viewing, colors, options)
     chosen = chosen_scene(str(input), showing, colors=colors, all_times=True, **others)
-    camera = seen_from([chosen.scene], chosen.look, viewing, FIRST_SIZE)
+    camera = camera_for([chosen.scene], chosen.look, viewing, FIRST_SIZE)
     return ViewerState.of(chosen.scene, camera, {**options, "composite": chosen.operator})
 
 
@@ -183,7 +183,7 @@ def _of_example(
     volume = getattr(examples, name)()
     look = showing.look(volume, name, colors, quiet=True)
     scene = Scene(volume, look, background=showing.background or look.background or "black")
-    camera = seen_from([scene], look, viewing, FIRST_SIZE)
+    camera = camera_for([scene], look, viewing, FIRST_SIZE)
     return ViewerState.of(scene, camera, {**options, "composite": showing.operator or look.composite})
 
 

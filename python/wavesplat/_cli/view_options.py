@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from wavesplat._model.camera import Camera
     from wavesplat._scene.scene import Scene
 
-__all__ = ["ViewOptions", "check_view_options", "given_camera", "seen_from", "takes_view_options"]
+__all__ = ["ViewOptions", "camera_for", "check_view_options", "given_camera", "takes_view_options"]
 
 
 @dataclass(frozen=True)
@@ -72,8 +72,8 @@ def given_camera(viewing: ViewOptions) -> Camera | None:
     return turned if viewing.zoom == 1 else turned.zoomed(viewing.zoom)
 
 
-def seen_from(scenes: Sequence[Scene], look: Look, viewing: ViewOptions, size: tuple[int, int]) -> Camera:
-    """The camera of a view, turned by the angles; without a view, of the side that suits the data.
+def camera_for(scenes: Sequence[Scene], look: Look, viewing: ViewOptions, size: tuple[int, int]) -> Camera:
+    """The camera of the view that is named, or of a side chosen from the data, turned by the angles.
 
     Several scenes are time points; the camera frames the first, the middle and the last. `look`: of the first layer.
     """

@@ -16,7 +16,7 @@ from typing import ParamSpec, TypeVar
 from wavesplat._files.json_text import is_text
 from wavesplat.errors import ArgumentError
 
-__all__ = ["check_text", "described", "is_number_below", "takes_its_types", "text_of"]
+__all__ = ["check_text", "described", "is_whole_number_below", "takes_its_types", "text_of"]
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -48,7 +48,7 @@ def described(value: object, *, lists: bool = False) -> str:
     return f"a {type(value).__name__}"
 
 
-def is_number_below(value: object, n: int) -> bool:
+def is_whole_number_below(value: object, n: int) -> bool:
     """Whether a value is one of the whole numbers from 0 to n - 1."""
     try:
         return 0 <= index(value) < n  # type: ignore[arg-type]

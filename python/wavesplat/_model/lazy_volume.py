@@ -22,7 +22,7 @@ from wavesplat._files.byte_sizes import byte_size, bytes_of
 from wavesplat._files.file_states import SourceFiles
 from wavesplat._files.memory import free_bytes
 from wavesplat._model import affine
-from wavesplat._model.argument_types import described, is_number_below
+from wavesplat._model.argument_types import described, is_whole_number_below
 from wavesplat._model.crop import Crop
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
@@ -299,7 +299,7 @@ class LazyVolume(Volume):
             If there is no such level.
         """
         n = len(self._levels)
-        if level is not None and not is_number_below(level, n):
+        if level is not None and not is_whole_number_below(level, n):
             raise ArgumentError(
                 f"level is {described(level)}; {self.name!r} has {n} levels, so give 0 to {n - 1}, or None"
             )
@@ -359,7 +359,7 @@ class LazyVolume(Volume):
     def _checked(self, level: int | None) -> int:
         if level is None:
             return self._at or 0
-        if not is_number_below(level, len(self._levels)):
+        if not is_whole_number_below(level, len(self._levels)):
             raise ArgumentError(f"level is {described(level)}; there are {len(self._levels)} levels, 0 is the finest")
         return level
 

@@ -207,7 +207,7 @@ class Volume(Grid):
         facts: Facts | None = None,
     ) -> None:
         name = printable((found.name or "volume") if name is None else text_of(name, "name of the volume"))
-        self._samples = _renderable(found.samples, name)
+        self._samples = _as_renderable(found.samples, name)
         n_z, n_y, n_x = self._samples.shape
         if spacing is None and world_from_index is None:
             world_from_index = found.world_from_index
@@ -446,7 +446,7 @@ class Volume(Grid):
         self._source = source
 
 
-def _renderable(array: NDArray[Any], name: str) -> NDArray[Any]:
+def _as_renderable(array: NDArray[Any], name: str) -> NDArray[Any]:
     """A read-only, C-contiguous, native-endian 3-D array of a type the renderer takes; shared where possible."""
     check_shape(array.shape, name)
     if isinstance(array, np.ma.MaskedArray):

@@ -213,7 +213,7 @@ def plan(
     longest = max(seconds["read"], seconds["draw"]) * (STRAGGLERS if workers > 1 else 1.0)
     seconds["whole"] = seconds["plan"] + longest + seconds["merge"] + seconds["tasks"]
     n_chunks = math.prod(-(-n // c) for n, c in zip(level.array.shape, level.array.chunks, strict=True))
-    held = max(stream.bytes_held(block) for block in range(stream.n_blocks))
+    held = max(stream.peak_sample_bytes(block) for block in range(stream.n_blocks))
     rays = 20 * max(stream.n_rays(block) for block in range(stream.n_blocks))
     return Cost(
         shape=level.array.shape,

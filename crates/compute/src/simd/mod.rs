@@ -143,7 +143,7 @@ pub trait Math: Copy {
     }
 
     /// 1/√a to 1e-6 relative, for a > 0: a guess, a step of Newton's form with constants that make the most of the
-    /// guess (Kadlec, *Improving the fast inverse square root*, 2010), and one of Newton's iteration.
+    /// guess (Kadlec, *Improving the fast inverse square root*, 2010), and a plain Newton step.
     #[inline(always)]
     fn rsqrt(self, a: Self::F) -> Self::F {
         let y = self.rsqrt_guess(a);

@@ -101,18 +101,19 @@ fn prefilter_slice(slice: &mut [f32], origin: [usize; 2], nx: usize, z: f64) {
     );
 }
 
-/// Prefilters a box of a volume that begins at `origin`, on one thread. Coefficients equal the whole volume's to the
+/// Turns the samples of a box of a volume into B-spline coefficients, in place, on one thread. The box begins at
+/// `origin`; `pole` is the kernel's ([`pole`]). Coefficients equal the whole volume's to the
 /// bit where the box holds all samples that are [`needed`].
-pub fn prefilter_box(grid: &mut [f32], origin: [usize; 3], [nx, ny, nz]: [usize; 3], z: f64) {
+pub fn prefilter_box(grid: &mut [f32], origin: [usize; 3], [nx, ny, nz]: [usize; 3], pole: f64) {
     for slice in grid.chunks_exact_mut(nx * ny) {
-        prefilter_slice(slice, [origin[0], origin[1]], nx, z);
+        prefilter_slice(slice, [origin[0], origin[1]], nx, pole);
     }
     let mut rows = Vec::new();
     Level::best().run(
         #[inline(always)]
         || {
             for y in 0..ny {
-                filter_across(&mut grid[y * nx..], nx * ny, nx, (origin[2], nz), z, &mut rows);
+                filter_across(&mut grid[y * nx..], nx * ny, nx, (origin[2], nz), pole, &mut rows);
             }
         },
     );

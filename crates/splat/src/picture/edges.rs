@@ -65,7 +65,7 @@ pub struct EdgePass<'a> {
     /// Positions of the reads in a pixel, from 0 to 1.
     reads: [[f64; 2]; N_READS],
     /// Largest size of a texel, in pixels.
-    reach_px: f64,
+    texel_size_px: f64,
     /// Width of the border around a pixel in which texels may end at other walls than the pixel does, in pixels.
     border_px: f64,
 }
@@ -81,12 +81,12 @@ impl<'a> EdgePass<'a> {
     ) -> Option<Self> {
         let first = &resamplers.first()?.picture.plane;
         let planes: Vec<_> = resamplers.iter().map(|r| edges.silhouette.on(&r.picture.plane)).collect();
-        let reach_px = resamplers.iter().map(|r| texel_px(&r.picture.plane, rays)).fold(0.0, f64::max);
+        let texel_size_px = resamplers.iter().map(|r| texel_px(&r.picture.plane, rays)).fold(0.0, f64::max);
         let narrow = resamplers.iter().any(|r| edges.silhouette.has_narrow_walls(&r.picture.plane));
-        let border_px = if narrow || edges.silhouette.is_mixed() { reach_px } else { 0.0 };
+        let border_px = if narrow || edges.silhouette.is_mixed() { texel_size_px } else { 0.0 };
         let is_parallel = first.eye_w().is_none();
         let reads = std::array::from_fn(|k| scattered_position(k, READS_PER_AXIS));
-        Some(Self { edges, resamplers, planes, rays, peak, level, is_parallel, reads, reach_px, border_px })
+        Some(Self { edges, resamplers, planes, rays, peak, level, is_parallel, reads, texel_size_px, border_px })
     }
 
     /// Draws the pixels of a rectangle that have edges. `first`: its first column and row; `pixels`: the picture from
@@ -147,7 +147,7 @@ impl<'a> EdgePass<'a> {
         let sides = size.map(|px| px as f64 + 2.0 * self.border_px);
         self.edges.silhouette.passages(self.rays, self.is_parallel, &PixelGrid::corners(corner, sides), passages);
         let of = |corners: &Vec<Passage>| {
-            Coverage::of_region(std::array::from_fn(|k| &corners[k]), sides[0].min(sides[1]), self.reach_px)
+            Coverage::of_region(std::array::from_fn(|k| &corners[k]), sides[0].min(sides[1]), self.texel_size_px)
         };
         passages.iter().map(of).reduce(Coverage::and).unwrap_or(Coverage::Outside)
     }
@@ -181,7 +181,7 @@ impl<'a> EdgePass<'a> {
                 let coverage = if is_shared {
                     let corner = y * (size[0] + 1) + x;
                     let corners = [corner, corner + 1, corner + size[0] + 1, corner + size[0] + 2];
-                    let of = |of: &Vec<Passage>| Coverage::of_region(corners.map(|k| &of[k]), 1.0, self.reach_px);
+                    let of = |of: &Vec<Passage>| Coverage::of_region(corners.map(|k| &of[k]), 1.0, self.texel_size_px);
                     passages.iter().map(of).reduce(Coverage::and).unwrap_or(Coverage::Outside)
                 } else {
                     self.coverage(at, [1, 1], passages)

@@ -93,7 +93,7 @@ pub trait Compositor {
     #[inline(always)]
     fn add_one_by_one<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
         for chunk in block.chunks() {
-            if !rays.none(chunk) && !self.is_done(chunk) {
+            if !rays.draws_nothing(chunk) && !self.is_done(chunk) {
                 self.add_chunk(s, chunk, rays, slab);
             }
         }

@@ -386,7 +386,10 @@ impl<const MODIFIED: bool> Compositor for Over<'_, MODIFIED> {
             return self.add_one_by_one(s, block, rays, slab);
         }
         for [first, second] in block.pairs() {
-            let (one, other) = (!rays.none(first) && !self.is_done(first), !rays.none(second) && !self.is_done(second));
+            let (one, other) = (
+                !rays.draws_nothing(first) && !self.is_done(first),
+                !rays.draws_nothing(second) && !self.is_done(second),
+            );
             // At a hard surface one of the two chunks often sees nothing. The label medium is looked for later.
             let has_label_medium = MODIFIED && self.modifiers.label_medium_field().is_some();
             let seen = if one && other && self.needs_preintegration && !has_label_medium {

@@ -179,7 +179,7 @@ impl<'a> OverLayers<'a> {
                 continue;
             }
             let own_rays = own.rays.as_ref().unwrap_or(rays);
-            if own_rays.none(chunks[0]) {
+            if own_rays.draws_nothing(chunks[0]) {
                 continue;
             }
             let medium = self.media[layer];
@@ -242,7 +242,7 @@ impl<'a> OverLayers<'a> {
                 continue;
             }
             let own_rays = own.rays.as_ref().unwrap_or(rays);
-            if own_rays.none(chunks[0]) {
+            if own_rays.draws_nothing(chunks[0]) {
                 continue;
             }
             let medium = self.media[layer];

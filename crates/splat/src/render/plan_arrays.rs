@@ -118,14 +118,14 @@ impl<'a> BasePlaneArrays<'a> {
         }
         let is_mixed = job.layers.len() > 1;
         let (rays, span) = Rays::new(&job.rays, self.plan.simd, first);
-        let alive = needed & blocks_with(|chunk| !rays.none(chunk));
+        let alive = needed & blocks_with(|chunk| !rays.draws_nothing(chunk));
         let (mut intervals, mut slabs, mut blocks) = (vec![intervals_of(&rays)], Vec::new(), 0);
         for layer in &job.layers {
             let (mut range, mut own_alive) = (spacing.range(span), alive);
             if is_mixed {
                 let (own, span) = Rays::new(&layer.rays, self.plan.simd, first);
                 range = spacing.range(span);
-                own_alive &= blocks_with(|chunk| !own.none(chunk));
+                own_alive &= blocks_with(|chunk| !own.draws_nothing(chunk));
                 intervals.push(intervals_of(&own));
             }
             let bricks = layer.active_layers(first);

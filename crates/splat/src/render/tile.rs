@@ -117,7 +117,7 @@ impl<'a> TileJob<'a> {
         let (rays, _) = Rays::new(&self.rays, self.level, first);
         let mut seen = 0;
         for block in bits(needed) {
-            for chunk in Block::new(block).chunks().filter(|chunk| !rays.none(*chunk)) {
+            for chunk in Block::new(block).chunks().filter(|chunk| !rays.draws_nothing(*chunk)) {
                 seen |= 1 << chunk.index();
             }
         }
@@ -144,9 +144,9 @@ impl<'a> TileJob<'a> {
             return state.map(|state| compositor(Some(state)));
         }
         let (rays, span) = Rays::new(&self.rays, self.level, first);
-        let mut alive = needed & blocks_with(|chunk| !rays.none(chunk));
+        let mut alive = needed & blocks_with(|chunk| !rays.draws_nothing(chunk));
         if let Some(state) = state.as_ref().filter(|state| !state.done.is_empty()) {
-            alive &= blocks_with(|chunk| !rays.none(chunk) && !state.done[chunk.index()]);
+            alive &= blocks_with(|chunk| !rays.draws_nothing(chunk) && !state.done[chunk.index()]);
         }
         // One slab more, to know whether the last sheet here is the front of another slab.
         let wanted = piece.slabs.start..piece.slabs.end.saturating_add(1);
@@ -157,7 +157,7 @@ impl<'a> TileJob<'a> {
             if is_mixed && bricks.contains(&true) {
                 let (rays, span) = Rays::new(&layer.rays, self.level, first);
                 range = spacing.range(span);
-                own_alive &= blocks_with(|chunk| !rays.none(chunk));
+                own_alive &= blocks_with(|chunk| !rays.draws_nothing(chunk));
                 own_rays = Some(rays);
             }
             let mut slabs = if bricks.contains(&true) {
@@ -378,6 +378,6 @@ impl<C: Compositor> VectorKernel for CompositeBlock<'_, '_, C> {
     #[inline(always)]
     fn run<S: Simd>(mut self, s: S) -> bool {
         self.compositor.add(s, self.block, self.rays, &mut self.slab);
-        self.block.chunks().all(|chunk| self.rays.none(chunk) || self.compositor.is_done(chunk))
+        self.block.chunks().all(|chunk| self.rays.draws_nothing(chunk) || self.compositor.is_done(chunk))
     }
 }

@@ -176,7 +176,8 @@ impl Sheet {
         (first, Window { u: window(&self.u, &part.u), v: window(&self.v, &part.v) })
     }
 
-    /// Makes the densities of blocks ready. After [`Sheet::combine`] for them.
+    /// Upsamples the slices that [`Sheet::combine`] combined to the densities of all texels of blocks, where they are not
+    /// there yet.
     pub fn prepare(&mut self, geometry: &SheetGeometry, blocks: BlockMask) {
         let blocks = blocks & !self.has_density;
         if blocks == 0 {
@@ -189,7 +190,8 @@ impl Sheet {
         }
     }
 
-    /// Makes the gradient of a block ready. After [`Sheet::prepare`].
+    /// Computes the gradient at all texels of a block, where it is not there yet. Needs the densities of
+    /// [`Sheet::prepare`].
     #[inline(always)]
     pub fn prepare_gradient(&mut self, geometry: &SheetGeometry, transposed: &TransposedSlices, block: Block) {
         if self.has_gradient & block.mask() == 0 {

@@ -181,7 +181,7 @@ impl Rays {
 
     /// Whether no ray of a chunk draws anything.
     #[inline(always)]
-    pub fn none(&self, chunk: Chunk) -> bool {
+    pub fn draws_nothing(&self, chunk: Chunk) -> bool {
         self.missed(chunk) == u16::MAX
     }
 

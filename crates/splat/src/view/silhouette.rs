@@ -184,12 +184,12 @@ impl Met {
 
 impl Coverage {
     /// Coverage of a rectangle by one region, from the passages of the rays of its corners. `size_px`: its shorter
-    /// side. `reach_px`: size of a texel, in pixels.
+    /// side. `texel_px`: size of a texel, in pixels.
     ///
     /// Where rays enter and leave through the same walls at all corners, they do so everywhere between: linear
     /// functions of the position (of 1/t for rays from an eye) decide which wall is the last to be entered and the
     /// first to be left.
-    pub fn of_region(corners: [&Passage; 4], size_px: f64, reach_px: f64) -> Self {
+    pub fn of_region(corners: [&Passage; 4], size_px: f64, texel_px: f64) -> Self {
         let lengths = corners.map(Passage::length);
         let n_met = lengths.iter().filter(|length| **length > 0.0).count();
         if n_met == 0 {
@@ -202,7 +202,7 @@ impl Coverage {
         let least = lengths.into_iter().fold(f64::INFINITY, f64::min);
         let most = lengths.into_iter().fold(0.0, f64::max);
         // No ray's length falls to 0 within the two texels that the filter reads on each side.
-        if least >= 2.0 * reach_px * (most - least) / size_px { Self::Inside } else { Self::Edge }
+        if least >= 2.0 * texel_px * (most - least) / size_px { Self::Inside } else { Self::Edge }
     }
 
     /// Coverage by several regions together.

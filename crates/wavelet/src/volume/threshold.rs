@@ -33,7 +33,7 @@ fn amplitude(coefficient: f32, norm: f64) -> f32 {
 }
 
 /// Folds all amplitudes by `add`, one result per run of slices.
-fn over_amplitudes<T: Send>(
+fn fold_amplitudes<T: Send>(
     plan: &TransformPlan,
     norm: Norm,
     coefficients: &[f32],
@@ -64,7 +64,7 @@ pub fn threshold_of_fraction(plan: &TransformPlan, norm: Norm, coefficients: &[f
     let mut left = n_kept.min(coefficients.len());
     let mut bits = 0;
     for shift in [HALF, 0] {
-        let counts = over_amplitudes(
+        let counts = fold_amplitudes(
             plan,
             norm,
             coefficients,
@@ -116,7 +116,7 @@ pub fn threshold_of_psnr(
         let square: f64 = kept.iter().zip(samples).map(|pair| error(pair).powi(2)).sum();
         if square == 0.0 { f64::INFINITY } else { 10.0 * (square_range * samples.len() as f64 / square).log10() }
     };
-    let largest = over_amplitudes(plan, norm, coefficients, || 0.0_f32, |all, a| *all = all.max(a));
+    let largest = fold_amplitudes(plan, norm, coefficients, || 0.0_f32, |all, a| *all = all.max(a));
     let largest = largest.into_iter().fold(0.0_f32, f32::max);
     // In the logarithm, since amplitudes span many orders.
     let (mut below, mut above) = (1e-7_f64.ln(), 2.0_f64.ln());

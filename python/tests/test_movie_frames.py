@@ -122,7 +122,7 @@ def test_what_no_key_frame_says_is_the_scenes():
     assert len({frames[k].camera for k in range(11)}) == 1
     assert frames[0].scene.layers[0].look == SOFT
     assert frames[10].scene.layers[0].look == HARD
-    assert frames[5].scene._kept is frames[0].scene._kept
+    assert frames[5].scene._cache is frames[0].scene._cache
 
 
 def test_tracks_rest_before_their_first_and_after_their_last_key():

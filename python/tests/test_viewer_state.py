@@ -80,7 +80,7 @@ def test_what_a_patch_does_not_touch_is_shared(pelvis):
     faded = pelvis.patched([{"op": "replace", "path": "/layers/0/opacity", "value": 0.5}])
     assert faded.scene.layers[0].look is pelvis.scene.layers[0].look
     assert faded.scene.layers[0].volume is pelvis.scene.layers[0].volume
-    assert faded.scene._kept is pelvis.scene._kept
+    assert faded.scene._cache is pelvis.scene._cache
     moved = pelvis.patched([{"op": "replace", "path": "/view/slices/crosshair", "value": [1, 2, 3]}])
     assert moved.scene is pelvis.scene
     assert not changes_picture(pelvis, moved)

@@ -196,8 +196,8 @@ fn boxes_of(size: [usize; 3], chunk: [usize; 3], max_samples: usize) -> Vec<Inde
 
 impl LazyVolume {
     /// A volume from one pass over all samples, or two: B-spline kernels, and holes (samples that are not finite), need
-    /// a second one. `memory_bytes`: budget: boxes of samples take a quarter, or
-    /// one chunk where that is more, and bounds of bricks another. The second pass reads a margin around each box.
+    /// a second one, which reads a margin around each box. `memory_bytes`: budget of which a box of samples takes a
+    /// quarter, or a chunk where that is larger, and bounds of bricks another quarter.
     ///
     /// # Errors
     ///

@@ -4,9 +4,10 @@ Each scene (`generator.py`) is drawn at 28 x 24 pixels and compared with `wavesp
 pixel and a step of 0.1 voxels. PSNR = 10 log10(1 / mean squared error) over all pixels and the four channels of the
 picture as it is, associated and transparent, peak 1; an empty picture that is right counts as 99 dB.
 
-A scene below 28 dB is drawn again by 16 sheets a slice and 8 x 8 texels a pixel. Where that has 35 dB, the picture
-converges, and the reason is its sampling: hard functions whose surfaces are smaller than a texel. Where it has not,
-something is drawn wrong.
+A scene below 28 dB is excused by its sampling alone: quality normal has about one texel per pixel, so the reference is
+cast again with one exact ray per pixel. Where that is better by at most a decibel, and 16 sheets a slice with 8 x 8
+texels a pixel have 35 dB, what is missing is rays. Converging alone is no excuse: gaps that only coarse texels have
+converge as well.
 
 Exit code 1 if fewer than nine of ten scenes have 35 dB, or one has less than 28 dB without that reason.
 """
@@ -31,6 +32,8 @@ GOAL_DB, MIN_DB = 35.0, 28.0
 SHARE = 0.9
 HIGHEST_DB = 99.0
 FINEST = ws.Sampling(16, 8)
+#: Margin by which one exact ray per pixel may be better than a scene that is excused.
+MARGIN_DB = 1.0
 
 
 def psnr_db(got: NDArray[np.float64], want: NDArray[np.float64]) -> float:
@@ -66,8 +69,10 @@ def main() -> int:
         found.append((db, number, drawn.traits))
         if db < MIN_DB:
             finer_db = psnr_db(drawn.draw(FINEST), want)
-            print(f"scene {number}: {db:.1f} dB, converging to {finer_db:.1f} dB: {', '.join(drawn.traits)}")
-            if not ("hard" in drawn.traits and finer_db >= GOAL_DB):
+            one_ray_db = psnr_db(drawn.cast(rays_per_pixel=1), want)
+            print(f"scene {number}: {db:.1f} dB, one exact ray a pixel {one_ray_db:.1f}, many texels {finer_db:.1f} dB: "
+                  f"{', '.join(drawn.traits)}")  # fmt: skip
+            if one_ray_db > db + MARGIN_DB or finer_db < GOAL_DB:
                 unexplained.append(number)
     found.sort()
     values = np.array([db for db, *_ in found])
@@ -85,7 +90,7 @@ def main() -> int:
         print(f"{db:6.1f} dB  --seed {given.seed} --first {number} --n 1: {', '.join(traits)}")
     n_good = int((values >= GOAL_DB).sum())
     print(f"{n_good} of {len(found)} have {GOAL_DB:g} dB; {int((values < MIN_DB).sum())} have less than {MIN_DB:g}, "
-          f"of which {len(unexplained)} do not converge")  # fmt: skip
+          f"of which {len(unexplained)} are not explained by sampling")  # fmt: skip
     return int(n_good < SHARE * len(found) or bool(unexplained))
 
 

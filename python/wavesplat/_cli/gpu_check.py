@@ -101,7 +101,7 @@ def _lines(facts: dict[str, Any]) -> list[str]:
     """The table of results, in Markdown."""
     lines = [f"wavesplat {facts['version']}, {facts['system']}"]
     if not facts["gpus"]:
-        return [*lines, "no GPU: no driver for Vulkan, Metal or DX12 tells of one, so the CPU draws"]
+        return [*lines, "no GPU: no driver for Vulkan, Metal or DX12 reports one, so the CPU draws"]
     for number, adapter in enumerate(facts["gpus"]):
         tested = adapter["self_test"]
         ids = f"{adapter['vendor_id']:#06x}:{adapter['device_id']:#06x}"

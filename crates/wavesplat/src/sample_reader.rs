@@ -7,7 +7,7 @@ use std::io;
 use std::ops::Range;
 
 use glam::DAffine3;
-use wavesplat_core::{Error, Grid, Kernel, Samples, Statistics};
+use wavesplat_core::{Error, Grid, Kernel, Samples, Statistics, with_samples};
 use wavesplat_splat::render::stream::{IndexBox, Storage, volume_of};
 use wavesplat_splat::source::slices::{Slices, VolumeBox, needed_samples};
 use wavesplat_splat::source::strided::light_steps;
@@ -33,22 +33,6 @@ pub enum SampleBuffer {
     F64(Vec<f64>),
 }
 
-/// Runs `$body` with `$s` bound to the typed vector.
-macro_rules! with_buffer {
-    ($buffer:expr, $s:ident => $body:expr) => {
-        match $buffer {
-            SampleBuffer::U8($s) => $body,
-            SampleBuffer::I8($s) => $body,
-            SampleBuffer::U16($s) => $body,
-            SampleBuffer::I16($s) => $body,
-            SampleBuffer::U32($s) => $body,
-            SampleBuffer::I32($s) => $body,
-            SampleBuffer::F32($s) => $body,
-            SampleBuffer::F64($s) => $body,
-        }
-    };
-}
-
 impl SampleBuffer {
     /// The samples, borrowed.
     pub fn samples(&self) -> Samples<'_> {
@@ -66,7 +50,7 @@ impl SampleBuffer {
 
     /// Number of samples.
     pub fn len(&self) -> usize {
-        with_buffer!(self, s => s.len())
+        self.samples().len()
     }
 
     /// Whether there is no sample.
@@ -79,7 +63,7 @@ impl SampleBuffer {
         fn size_of_one<T>(_: &[T]) -> usize {
             size_of::<T>()
         }
-        with_buffer!(self, s => size_of_one(s))
+        with_samples!(self.samples(), s => size_of_one(s))
     }
 
     /// `n` zeros of the same type.

@@ -1,8 +1,9 @@
 """Frames on a GPU, beside our CPU path and VTK's GPU mapper: `make bench-gpu`.
 
 What is drawn are the cases of the group "goals" of `cases.toml`, at quality "normal", on the device that is named, or
-the best there is. Of a GPU: its own time by timestamps and the wall time with reading back, both medians of turned
-frames after a first one; bytes of samples and bytes moved. Beside it our CPU path in the same run, and, where VTK is
+the best there is. Of a GPU: its own time by timestamps, the wall time with reading back, and the parts of the wall time
+between plan and warp, all medians of turned frames after a first one; bytes of samples and bytes moved. GPUs that were
+idle raise their clock only after some tenths of a second, and take up to six times as long until then. Beside it our CPU path in the same run, and, where VTK is
 installed, its `vtkOpenGLGPUVolumeRayCastMapper` with the coarsest step that has our PSNR, or the finest that is tried.
 Of a program on the processor no times are told: they say nothing of GPUs. Counts are: quads of samples that were
 fetched, texels of sheets, bytes, and how far the pictures are from the CPU's.
@@ -24,6 +25,8 @@ from wavesplat import _native
 
 #: Frames that are timed, and how far the view turns from one to the next, degrees.
 N_FRAMES, TURN = 15, 0.3
+#: Parts of the wall time in the report of a picture that a GPU drew.
+PARTS = ("prepare_seconds", "march_seconds", "read_back_seconds")
 #: Steps of VTK's rays that are tried, in voxels, coarsest first.
 VTK_STEPS = (1.0, 0.5, 0.25, 0.125)
 
@@ -82,35 +85,38 @@ def _counts(name: str) -> list[str]:
 def _times(name: str, *, with_vtk: bool) -> list[str]:
     """Times of each case, of the GPU, of our CPU path, and of VTK on the same GPU."""
     lines = [
-        "| case | GPU ms | wall ms | CPU ms | PSNR, dB | MB of samples | MB moved | VTK ms | its PSNR | its step |",
-        "| --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |",
+        "| case | GPU ms | wall ms | of it preparing, marching, reading back | CPU ms | PSNR, dB | MB of samples | "
+        "MB moved | VTK ms | its PSNR | its step |",
+        "| --- | ---: | ---: | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |",
     ]
     for case in _cases():
         ours, told = _timed(case, name), _drawn(case, name).report["device"]
         by_cpu = _timed(case, "cpu")
         psnr, _ = scenes.errors(scenes.over_black(_drawn(case, name).rgba), scenes.converged(case))
         vtk_wall, vtk_psnr, step = _vtk(case, psnr) if with_vtk else ("-", "-", "-")
-        gpu_ms = "-" if ours[1] is None else f"{ours[1]:.2f}"
+        wall, *parts, on_gpu = ours
+        gpu_ms = "-" if on_gpu is None else f"{on_gpu:.2f}"
         lines.append(
-            f"| {case.label} | {gpu_ms} | {ours[0]:.2f} | {by_cpu[0]:.2f} | {psnr:.1f} | "
+            f"| {case.label} | {gpu_ms} | {wall:.2f} | {', '.join(f'{part:.2f}' for part in parts)} | "
+            f"{by_cpu[0]:.2f} | {psnr:.1f} | "
             f"{told['sample_bytes'] / 1e6:.1f} | {told['moved_bytes'] / 1e6:.1f} | {vtk_wall} | {vtk_psnr} | {step} |"
         )
     return lines
 
 
-def _timed(case: scenes.Case, device: str) -> tuple[float, float | None]:
-    """Median wall time and GPU time of a frame, ms."""
+def _timed(case: scenes.Case, device: str) -> list[float | None]:
+    """Median times of a frame, ms: wall time, its parts ``PARTS``, and by the GPU's clock (None where not known)."""
     kept = scenes.scene(case)
     _drawn(case, device, kept=kept)
-    wall, own = [], []
+    rows = []
     for frame in range(N_FRAMES):
         begun = time.perf_counter()
         picture = _drawn(case, device, TURN * (frame + 1), kept)
-        wall.append(1e3 * (time.perf_counter() - begun))
-        seconds = picture.report["device"].get("seconds")
-        if seconds is not None:
-            own.append(1e3 * seconds)
-    return statistics.median(wall), statistics.median(own) if own else None
+        wall = time.perf_counter() - begun
+        told = picture.report["device"]
+        rows.append([wall, *(told.get(part) for part in PARTS), told.get("seconds")])
+    columns = [[seconds for seconds in column if seconds is not None] for column in zip(*rows, strict=True)]
+    return [1e3 * statistics.median(column) if column else None for column in columns]
 
 
 def _vtk(case: scenes.Case, wanted_db: float) -> tuple[str, str, str]:

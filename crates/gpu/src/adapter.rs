@@ -46,6 +46,11 @@ impl Adapter {
         self.kind == "software"
     }
 
+    /// Whether the adapter is a GPU with memory of its own.
+    pub fn is_discrete(&self) -> bool {
+        self.kind == "discrete"
+    }
+
     /// Sort key: lower is preferred.
     fn rank(&self) -> usize {
         let of_kind = ["discrete", "integrated", "virtual", "other"].iter().position(|kind| *kind == self.kind);

@@ -3,16 +3,20 @@
 use std::ops::Range;
 
 use wavesplat_compute::parallel;
-use wavesplat_compute::simd::LANES;
 use wavesplat_splat::render::plan::FamilyPlan;
 use wavesplat_splat::render::plan_arrays::{BasePlaneArrays, TileArrays};
-use wavesplat_splat::sheet::tile_layout::{BLOCK_V, N_BLOCKS_V, N_STRIPS, TILE_U};
+use wavesplat_splat::render::tile::n_tiles;
+use wavesplat_splat::sheet::tile_layout::{N_BLOCKS_V, N_STRIPS};
 
 use crate::layout::N_BLOCK;
 
 /// Most blocks that are drawn at once: 1 M texels, so that no binding exceeds what every device has, and a weak device
 /// takes a few hundredths of a second for a slab of them.
 const MAX_BLOCKS: usize = 1 << 13;
+
+/// Tiles that are computed at once, on all threads: those of a row would keep few threads busy, and those of a large
+/// base plane would take much memory.
+const N_TILES: usize = 512;
 
 /// Blocks of a base plane that are drawn together.
 #[derive(Default)]
@@ -38,15 +42,16 @@ pub(crate) fn bands(family: &FamilyPlan, arrays: &BasePlaneArrays, n_layers: usi
     // Several layers have an interval each, and one for all.
     let most = MAX_BLOCKS / if n_layers > 1 { n_layers + 1 } else { 1 };
     let mut bands = vec![Band::default()];
-    for row in 0..n_tiles_v {
-        let tiles = parallel::map(n_tiles_u, |column| arrays.tile([column, row]));
-        for (column, tile) in tiles.iter().enumerate() {
-            let n = tile.blocks.count_ones() as usize;
-            if bands.last().is_some_and(|band| band.blocks.len() + n > most) {
-                bands.push(Band::default());
-            }
-            if let Some(band) = bands.last_mut() {
-                band.add(family, tile, [column, row], n_layers);
+    let n_tiles = n_tiles_u * n_tiles_v;
+    for first in (0..n_tiles).step_by(N_TILES) {
+        let tiles = parallel::map(N_TILES.min(n_tiles - first), |k| {
+            let tile = [(first + k) % n_tiles_u, (first + k) / n_tiles_u];
+            Band::of_tile(family, &arrays.tile(tile), tile, n_layers)
+        });
+        for tile in tiles.into_iter().filter(|tile| !tile.blocks.is_empty()) {
+            match bands.last_mut() {
+                Some(band) if band.blocks.len() + tile.blocks.len() <= most => band.append(tile),
+                _ => bands.push(tile),
             }
         }
     }
@@ -65,6 +70,20 @@ impl Band {
         let words = &self.occupied[layer];
         let n_words = words.len() / self.blocks.len();
         words[block * n_words + slab / 32] >> (slab % 32) & 1 == 1
+    }
+
+    /// For each tile of the base plane, row by row, the places of its blocks in the band.
+    pub fn by_tile(&self, family: &FamilyPlan) -> Vec<Range<usize>> {
+        let n_tiles = n_tiles(&family.plane);
+        let tile = |[strip, row]: [usize; 2]| row / N_BLOCKS_V * n_tiles[0] + strip / N_STRIPS;
+        let mut places = vec![0..0; n_tiles[0] * n_tiles[1]];
+        let mut first = 0;
+        // The blocks of a tile lie side by side.
+        for own in self.blocks.chunk_by(|a, b| tile(*a) == tile(*b)) {
+            places[tile(own[0])] = first..first + own.len();
+            first += own.len();
+        }
+        places
     }
 
     /// Marks all slabs of all blocks as occupied.
@@ -97,32 +116,46 @@ impl Band {
         }
     }
 
-    fn add(&mut self, family: &FamilyPlan, tile: &TileArrays, [column, row]: [usize; 2], n_layers: usize) {
+    /// The drawn blocks of a tile.
+    fn of_tile(family: &FamilyPlan, tile: &TileArrays, [column, row]: [usize; 2], n_layers: usize) -> Self {
+        let mut band = Self::default();
         if tile.blocks == 0 {
+            return band;
+        }
+        let n_words = n_mask_words(family);
+        let drawn = || (0..N_STRIPS * N_BLOCKS_V).filter(|block| tile.blocks >> block & 1 == 1);
+        let n_blocks = tile.blocks.count_ones() as usize;
+        band.slabs = [usize::MAX, 0];
+        band.blocks.extend(drawn().map(|block| {
+            let [strip, first_row] = [block / N_BLOCKS_V, block % N_BLOCKS_V];
+            [column * N_STRIPS + strip, row * N_BLOCKS_V + first_row]
+        }));
+        band.intervals.extend(tile.intervals.iter().map(|all| {
+            let mut own = Vec::with_capacity(n_blocks * N_BLOCK);
+            drawn().for_each(|block| own.extend_from_slice(&all[block * N_BLOCK..][..N_BLOCK]));
+            own
+        }));
+        band.occupied.resize_with(n_layers, || vec![0; n_blocks * n_words]);
+        for (words, slabs) in band.occupied.iter_mut().zip(&tile.slabs) {
+            for (slab, blocks) in slabs {
+                band.slabs = [band.slabs[0].min(*slab), band.slabs[1].max(slab + 1)];
+                for (k, _) in drawn().enumerate().filter(|(_, block)| blocks >> block & 1 == 1) {
+                    words[k * n_words + slab / 32] |= 1 << (slab % 32);
+                }
+            }
+        }
+        band
+    }
+
+    /// Adds the blocks of another band of the same base plane.
+    fn append(&mut self, mut other: Self) {
+        if self.blocks.is_empty() {
+            *self = other;
             return;
         }
-        if self.blocks.is_empty() {
-            self.slabs = [usize::MAX, 0];
-        }
-        self.intervals.resize_with(tile.intervals.len(), Vec::new);
-        self.occupied.resize_with(n_layers, Vec::new);
-        let n_words = n_mask_words(family);
-        for block in (0..N_STRIPS * N_BLOCKS_V).filter(|block| tile.blocks >> block & 1 == 1) {
-            let [strip, first_row] = [block / N_BLOCKS_V, block % N_BLOCKS_V];
-            self.blocks.push([column * N_STRIPS + strip, row * N_BLOCKS_V + first_row]);
-            for (all, own) in self.intervals.iter_mut().zip(&tile.intervals) {
-                for v in first_row * BLOCK_V..(first_row + 1) * BLOCK_V {
-                    all.extend_from_slice(&own[v * TILE_U + strip * LANES..][..LANES]);
-                }
-            }
-            for (all, slabs) in self.occupied.iter_mut().zip(&tile.slabs) {
-                let first = all.len();
-                all.resize(first + n_words, 0);
-                for (place, _) in slabs.iter().filter(|(_, blocks)| blocks >> block & 1 == 1) {
-                    all[first + place / 32] |= 1 << (place % 32);
-                    self.slabs = [self.slabs[0].min(*place), self.slabs[1].max(place + 1)];
-                }
-            }
-        }
+        self.blocks.append(&mut other.blocks);
+        self.intervals.iter_mut().zip(&mut other.intervals).for_each(|(all, own)| all.append(own));
+        self.occupied.iter_mut().zip(&mut other.occupied).for_each(|(all, own)| all.append(own));
+        self.slabs = [self.slabs[0].min(other.slabs[0]), self.slabs[1].max(other.slabs[1])];
     }
 }

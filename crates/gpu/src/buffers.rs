@@ -43,11 +43,16 @@ impl GrowingBuffer {
         })
     }
 
-    /// The buffer, filled with `bytes`; their number is added to `moved`.
-    pub fn with(&mut self, device: &OpenDevice, bytes: &[u8], usage: BufferUsages, moved: &mut u64) -> &Buffer {
-        let buffer = self.of(device, bytes.len(), usage | BufferUsages::COPY_DST);
-        device.queue.write_buffer(buffer, 0, bytes);
-        *moved += bytes.len() as u64;
+    /// The buffer, filled with parts, one behind the other; the number of their bytes is added to `moved`.
+    pub fn with(&mut self, device: &OpenDevice, parts: &[&[u8]], usage: BufferUsages, moved: &mut u64) -> &Buffer {
+        let n_bytes = parts.iter().map(|part| part.len()).sum();
+        let buffer = self.of(device, n_bytes, usage | BufferUsages::COPY_DST);
+        let mut offset = 0;
+        for part in parts {
+            device.queue.write_buffer(buffer, offset, part);
+            offset += part.len() as u64;
+        }
+        *moved += offset;
         buffer
     }
 }

@@ -75,14 +75,14 @@ pub fn capture(plan: &Plan, slices: &[&Slices]) -> GpuResult<Capture> {
     let bands = bands(family, &arrays, plan.layers.len(), true);
     let [band] = &bands[..] else { return Err(Failure::DrawnByCpu("a capture has one band".to_owned())) };
     let n_blocks = band.blocks.len();
-    let (mut frame, words) = numbers.of_band(family, band, n_blocks);
+    let (mut frame, blocks) = numbers.of_band(family, band, n_blocks);
     (frame.slabs[0], frame.slabs[1], frame.axes[1]) = (band.slabs[0] as u32, family.spacing.n_slabs as u32, 1);
     let bytes = |words: &[u32]| bytemuck::cast_slice(words).to_vec();
     Ok(Capture {
         shader: permutation.text(),
         buffers: [
             numbers.parameters(&frame),
-            bytes(&words),
+            [bytes(&numbers.words), bytes(&blocks)].concat(),
             bytemuck::cast_slice(&numbers.tables).to_vec(),
             bytemuck::cast_slice(&band.intervals.concat()).to_vec(),
             bytes(&band.occupied.concat()),

@@ -10,7 +10,7 @@ use wavesplat_splat::picture::base_picture::BasePicture;
 use wavesplat_splat::render::plan::{FamilyPlan, Operator, Plan};
 use wavesplat_splat::render::plan_arrays::BasePlaneArrays;
 use wavesplat_splat::render::progress::ProgressCallback;
-use wavesplat_splat::sheet::tile_layout::BLOCK_V;
+use wavesplat_splat::sheet::tile_layout::{BLOCK_V, N_BLOCKS_V, N_STRIPS, TILE_U, TILE_V};
 use wavesplat_splat::source::slices::Slices;
 use wgpu::{BindGroup, BufferUsages, CommandEncoderDescriptor, ComputePassDescriptor};
 
@@ -34,9 +34,10 @@ const AIM_SECONDS: f64 = 0.02;
 /// Largest ratio of the slabs of a dispatch to those of the dispatch before.
 const MAX_GROWTH: usize = 4;
 
-/// Assumed rate of the first dispatch of a frame in texels of sheets per second, for a GPU and for a software renderer:
-/// the rate of the frame before says little, since its rays may all have ended early.
-const FIRST_RATES: [f64; 2] = [5e8, 1e6];
+/// Assumed rate of the first dispatch of a frame in texels of sheets per second, for a discrete GPU, for other GPUs and
+/// for a software renderer: the rate of the frame before says little, since its rays may all have ended early. A GPU
+/// of a fiftieth of the rate ends the first dispatch within 1 s, half of what systems allow; an H200 has twice the rate.
+const FIRST_RATES: [f64; 3] = [5e9, 5e8, 1e6];
 
 /// Partition of a frame into dispatches and pages; the picture does not depend on it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -109,6 +110,7 @@ impl Job<'_> {
         counts: &mut Counts,
         told: &dyn Fn(f32) -> GpuResult<()>,
     ) -> GpuResult<BasePicture> {
+        let begun = Instant::now();
         let mut numbers = Numbers::new(self.plan, family, arrays, self.fields);
         for (source, volume) in numbers.sources.iter_mut().zip(self.volumes) {
             source.lies_in(volume.samples.size, volume.apron.low);
@@ -124,6 +126,7 @@ impl Job<'_> {
         counts.base_texels += family.plane.size.iter().product::<usize>() as u64;
         let mut bands = bands(family, arrays, self.plan.layers.len(), self.schedule.skips);
         bands.reverse();
+        counts.wall.prepare += begun.elapsed().as_secs_f64();
         let mut n_done = 0;
         while let Some(band) = bands.pop() {
             let n_all = n_done + bands.len() + 1;
@@ -136,8 +139,12 @@ impl Job<'_> {
                 bands.extend([second, first]);
                 continue;
             };
+            let begun = Instant::now();
             self.draw_band(family, &numbers, &band, &ranges, work, counts, &of_band)?;
+            counts.wall.march += begun.elapsed().as_secs_f64();
+            let begun = Instant::now();
             self.read_back(&band, family, work, counts, &mut picture)?;
+            counts.wall.read_back += begun.elapsed().as_secs_f64();
             n_done += 1;
         }
         Ok(picture)
@@ -184,8 +191,8 @@ impl Job<'_> {
         let n_blocks = band.blocks.len();
         let most_groups = self.device.limits.max_compute_workgroups_per_dimension as usize;
         let per_row = n_blocks.min(most_groups);
-        let (mut frame, words) = numbers.of_band(family, band, per_row);
-        let group = self.bind(numbers, band, &words, work, counts);
+        let (mut frame, blocks) = numbers.of_band(family, band, per_row);
+        let group = self.bind(numbers, band, &blocks, work, counts);
         let n_texels: u64 = band.occupied.iter().flatten().map(|word| u64::from(word.count_ones())).sum();
         counts.texels += n_texels * N_BLOCK as u64;
         let [first, end] = band.slabs;
@@ -193,7 +200,9 @@ impl Job<'_> {
         let mut from = first;
         let mut ranges = ranges.iter();
         let mut range_end = first;
-        let mut rate = FIRST_RATES[usize::from(self.device.adapter.is_software())];
+        let kind =
+            if self.device.adapter.is_discrete() { 0 } else { 1 + usize::from(self.device.adapter.is_software()) };
+        let mut rate = FIRST_RATES[kind];
         let mut most = usize::MAX;
         while from < end {
             if from == range_end {
@@ -209,7 +218,7 @@ impl Job<'_> {
             (frame.slabs[0], frame.slabs[1]) = (from as u32, last as u32);
             frame.axes[1] = u32::from(from == first);
             let bytes = numbers.parameters(&frame);
-            work.buffers.parameters.with(self.device, &bytes, BufferUsages::UNIFORM, &mut counts.bytes_moved);
+            work.buffers.parameters.with(self.device, &[&bytes], BufferUsages::UNIFORM, &mut counts.bytes_moved);
             let started = Instant::now();
             let mut encoder = self.device.device.create_command_encoder(&CommandEncoderDescriptor::default());
             {
@@ -237,24 +246,25 @@ impl Job<'_> {
         &self,
         numbers: &Numbers,
         band: &Band,
-        words: &[u32],
+        blocks: &[u32],
         work: &mut GpuCache,
         counts: &mut Counts,
     ) -> BindGroup {
         let device = self.device;
         let n_rays = band.blocks.len() * N_BLOCK;
-        let intervals = band.intervals.concat();
-        let occupied = band.occupied.concat();
+        let intervals: Vec<&[u8]> = band.intervals.iter().map(|own| bytemuck::cast_slice(own)).collect();
+        let occupied: Vec<&[u8]> = band.occupied.iter().map(|own| bytemuck::cast_slice(own)).collect();
+        let words = [&*numbers.words, blocks].map(bytemuck::cast_slice);
         let n_parameters = size_of_val(&numbers.frame) + size_of_val(&*numbers.layers) + size_of_val(&*numbers.sources);
         let (buffers, moved) = (&mut work.buffers, &mut counts.bytes_moved);
         let storage = BufferUsages::STORAGE;
         let state_usage = storage | BufferUsages::COPY_SRC;
         let resources = [
             buffers.parameters.of(device, n_parameters, BufferUsages::UNIFORM | BufferUsages::COPY_DST),
-            buffers.words.with(device, bytemuck::cast_slice(words), storage, moved),
-            buffers.tables.with(device, bytemuck::cast_slice(&numbers.tables), storage, moved),
-            buffers.intervals.with(device, bytemuck::cast_slice(&intervals), storage, moved),
-            buffers.occupied.with(device, bytemuck::cast_slice(&occupied), storage, moved),
+            buffers.words.with(device, &words, storage, moved),
+            buffers.tables.with(device, &[bytemuck::cast_slice(&numbers.tables)], storage, moved),
+            buffers.intervals.with(device, &intervals, storage, moved),
+            buffers.occupied.with(device, &occupied, storage, moved),
             buffers.state.of(device, 16 * self.permutation.n_state() * n_rays, state_usage),
         ];
         let textures = self.volumes.iter().enumerate().flat_map(|(k, volume)| {
@@ -281,23 +291,26 @@ impl Job<'_> {
         counts.bytes_moved += n_bytes as u64;
         let view = read_buffer(self.device, state, read, n_bytes)?;
         let texels: &[[f32; 4]] = bytemuck::cast_slice(&view);
-        let sign = family.sign();
-        for ([strip, row], own) in band.blocks.iter().zip(texels.chunks_exact(n_state * N_BLOCK)) {
-            for (v, chunk) in own.chunks_exact(n_state * LANES).enumerate() {
-                let rgba = std::array::from_fn(|i| finished(self.plan.operator, chunk[n_state * i]));
-                let w_half = std::array::from_fn(|i| w_of(chunk[n_state * i + n_state - 1][0], sign));
-                if self.permutation.counted {
-                    for extra in chunk.chunks_exact(n_state).map(|state| state[1]) {
-                        counts.counted[0] += extra[1] as u64;
-                        counts.counted[1] += extra[2] as u64;
-                    }
-                }
-                let j = row * BLOCK_V + v;
-                if j < family.plane.size[1] {
-                    picture.put(strip * LANES, j, &rgba, self.plan.with_depth.then_some(&w_half));
-                }
+        if self.permutation.counted {
+            for extra in texels.chunks_exact(n_state).map(|state| state[1]) {
+                counts.counted[0] += extra[1] as u64;
+                counts.counted[1] += extra[2] as u64;
             }
         }
+        let sign = family.sign();
+        let blocks_of_tiles = band.by_tile(family);
+        picture.fill_tiles([TILE_U, TILE_V], |tile, own| {
+            for k in blocks_of_tiles[tile].clone() {
+                let [strip, row] = band.blocks[k];
+                let block = &texels[k * n_state * N_BLOCK..][..n_state * N_BLOCK];
+                for (v, chunk) in block.chunks_exact(n_state * LANES).enumerate() {
+                    let rgba = std::array::from_fn(|i| finished(self.plan.operator, chunk[n_state * i]));
+                    let w_half = std::array::from_fn(|i| w_of(chunk[n_state * i + n_state - 1][0], sign));
+                    let place = [strip % N_STRIPS * LANES, row % N_BLOCKS_V * BLOCK_V + v];
+                    own.put(place[0], place[1], &rgba, self.plan.with_depth.then_some(&w_half));
+                }
+            }
+        });
         drop(view);
         read.unmap();
         Ok(())

@@ -65,13 +65,13 @@ impl Numbers {
         numbers
     }
 
-    /// Frame and words of a band; `per_row`: workgroups in a row of the dispatch.
+    /// Frame of a band, and the words of its blocks, which follow those of the base plane; `per_row`: workgroups in a
+    /// row of the dispatch.
     pub(crate) fn of_band(&self, family: &FamilyPlan, band: &Band, per_row: usize) -> (GpuFrame, Vec<u32>) {
         let mut frame = self.frame;
         frame.blocks = [self.words.len(), band.blocks.len(), per_row, n_mask_words(family)].map(|n| n as u32);
-        let mut words = self.words.clone();
-        words.extend(band.blocks.iter().map(|[strip, row]| (strip | row << 16) as u32));
-        (frame, words)
+        let words = band.blocks.iter().map(|[strip, row]| (strip | row << 16) as u32);
+        (frame, words.collect())
     }
 
     /// The parameters of a dispatch as bytes.

@@ -27,6 +27,19 @@ pub struct GpuReport {
     pub counted: Option<[u64; 2]>,
     /// Seconds on the GPU's clock, where passes can be timed.
     pub seconds: Option<f64>,
+    /// Seconds of the parts of the frame.
+    pub wall: WallSeconds,
+}
+
+/// Wall-clock seconds of the parts of a frame that lie between its plan and its warp.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WallSeconds {
+    /// On the CPU: intervals of rays, masks of occupied slabs, and tables.
+    pub prepare: f64,
+    /// Uploads, and dispatches with the wait for each.
+    pub march: f64,
+    /// Copying texels from the GPU into base planes.
+    pub read_back: f64,
 }
 
 /// Running counts of a frame.
@@ -40,6 +53,7 @@ pub(crate) struct Counts {
     pub counted: [u64; 2],
     pub page_bytes: u64,
     pub timer: Option<Timer>,
+    pub wall: WallSeconds,
 }
 
 impl Counts {
@@ -60,6 +74,7 @@ impl Counts {
             n_page_bytes: self.page_bytes,
             counted: (self.counted[1] > 0).then_some(self.counted),
             seconds,
+            wall: self.wall,
             ..GpuReport::default()
         })
     }

@@ -43,9 +43,9 @@ impl Stage<'_> {
             mapped_at_creation: false,
         });
         let buffers = [
-            uniform.with(device, &parameters, BufferUsages::UNIFORM, moved),
-            words.with(device, bytemuck::cast_slice(&self.numbers.words), storage, moved),
-            tables.with(device, bytemuck::cast_slice(&self.numbers.tables), storage, moved),
+            uniform.with(device, &[&parameters], BufferUsages::UNIFORM, moved),
+            words.with(device, &[bytemuck::cast_slice(&self.numbers.words)], storage, moved),
+            tables.with(device, &[bytemuck::cast_slice(&self.numbers.tables)], storage, moved),
             intervals.of(device, 0, storage),
             occupied.of(device, 0, storage),
             &state,

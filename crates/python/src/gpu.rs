@@ -37,6 +37,9 @@ pub fn report_of<'py>(py: Python<'py>, adapter: &Adapter, report: &GpuReport) ->
     fields.set_item("page_bytes", report.n_page_bytes)?;
     fields.set_item("moved_bytes", report.n_bytes_moved)?;
     fields.set_item("seconds", report.seconds)?;
+    fields.set_item("prepare_seconds", report.wall.prepare)?;
+    fields.set_item("march_seconds", report.wall.march)?;
+    fields.set_item("read_back_seconds", report.wall.read_back)?;
     if let Some([n_fetches, n_texels]) = report.counted {
         fields.set_item("fetches", n_fetches)?;
         fields.set_item("texels", n_texels)?;

@@ -54,7 +54,7 @@ impl FamilyPlan {
         TileFootprints { axes, slices: slices.to_vec(), slice_differences: differences.to_vec(), slice_smooth }
     }
 
-    /// Interval of each ray of a tile in which it draws a layer, row by row: first and last position along the ray
+    /// Interval of each ray of a tile in which it draws a layer, block by block: first and last position along the ray
     /// (slice coordinate w, with the sign that makes it grow away from the eye); first >= last where it draws nothing.
     pub fn ray_intervals(&self, plan: &Plan, layer: usize, tile: [usize; 2]) -> Vec<[f32; 2]> {
         let geometry = self.ray_geometry(plan, &plan.layers[layer]);
@@ -73,8 +73,8 @@ pub struct BasePlaneArrays<'a> {
 pub struct TileArrays {
     /// Blocks that the picture needs, and in which a ray may see something.
     pub blocks: BlockMask,
-    /// Interval of s that each ray draws, row by row: of all layers together, then, if there are several, of each
-    /// layer; first >= last where it draws nothing.
+    /// Interval of s that each ray draws, block by block and in a block row by row: of all layers together, then, if
+    /// there are several, of each layer; first >= last where it draws nothing.
     pub intervals: Vec<Vec<[f32; 2]>>,
     /// Per layer: the active slabs, by their number in the order of the rays, and the blocks in which they are active.
     pub slabs: Vec<Vec<(usize, BlockMask)>>,
@@ -142,10 +142,12 @@ impl<'a> BasePlaneArrays<'a> {
 }
 
 fn intervals_of(rays: &Rays) -> Vec<[f32; 2]> {
-    let interval = |k: usize| {
-        let (column, row) = (k % TILE_U, k / TILE_U);
-        let [from, to] = rays.lanes(Chunk { strip: column / LANES, row });
-        [from.0[column % LANES], to.0[column % LANES]]
-    };
-    (0..TILE_U * TILE_V).map(interval).collect()
+    let mut intervals = Vec::with_capacity(TILE_U * TILE_V);
+    for strip in 0..N_STRIPS {
+        for row in 0..TILE_V {
+            let [from, to] = rays.lanes(Chunk { strip, row });
+            intervals.extend(from.0.iter().zip(&to.0).map(|(from, to)| [*from, *to]));
+        }
+    }
+    intervals
 }

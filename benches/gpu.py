@@ -2,11 +2,11 @@
 
 What is drawn are the cases of the group "goals" of `cases.toml`, at quality "normal", on the device that is named, or
 the best there is. Of a GPU: its own time by timestamps, the wall time with reading back, and the parts of the wall time
-between plan and warp, all medians of turned frames after a first one; bytes of samples and bytes moved. GPUs that were
-idle raise their clock only after some tenths of a second, and take up to six times as long until then. Beside it our CPU path in the same run, and, where VTK is
-installed, its `vtkOpenGLGPUVolumeRayCastMapper` with the coarsest step that has our PSNR, or the finest that is tried.
-Of a program on the processor no times are told: they say nothing of GPUs. Counts are: quads of samples that were
-fetched, texels of sheets, bytes, and how far the pictures are from the CPU's.
+between plan and warp, all medians of turned frames after a first one; bytes of samples and bytes moved. A GPU that was
+idle raises its clock only after some tenths of a second, and takes up to six times as long until then. Beside it our
+CPU path in the same run, and, where VTK is installed, its `vtkOpenGLGPUVolumeRayCastMapper` with the coarsest step that
+has our PSNR, or the finest that is tried. For a software device no times are given: they say nothing of GPUs. Counts
+are: quads of samples that were fetched, texels of sheets, bytes, and how far the pictures are from the CPU's.
 """
 
 from __future__ import annotations
@@ -85,8 +85,8 @@ def _counts(name: str) -> list[str]:
 def _times(name: str, *, with_vtk: bool) -> list[str]:
     """Times of each case, of the GPU, of our CPU path, and of VTK on the same GPU."""
     lines = [
-        "| case | GPU ms | wall ms | of it preparing, marching, reading back | CPU ms | PSNR, dB | MB of samples | "
-        "MB moved | VTK ms | its PSNR | its step |",
+        "| case | GPU ms | wall ms | preparing, marching, reading back | CPU ms | PSNR | MB samples | MB moved | VTK ms "
+        + "| its PSNR | its step |",
         "| --- | ---: | ---: | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |",
     ]
     for case in _cases():

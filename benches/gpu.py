@@ -85,8 +85,7 @@ def _counts(name: str) -> list[str]:
 def _times(name: str, *, with_vtk: bool) -> list[str]:
     """Times of each case, of the GPU, of our CPU path, and of VTK on the same GPU."""
     lines = [
-        "| case | GPU ms | wall ms | preparing, marching, reading back | CPU ms | PSNR | MB samples | MB moved | VTK ms "
-        + "| its PSNR | its step |",
+        "| case | GPU ms | wall ms | prepare, march, read back | CPU ms | dB | MB there | moved | VTK ms | dB | step |",
         "| --- | ---: | ---: | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: |",
     ]
     for case in _cases():

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
-from dataclasses import dataclass, field, fields
+from dataclasses import dataclass, field
 from operator import index
-from typing import Any, Literal, TypeAlias, get_args
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias, get_args
 
 from wavesplat import _native
 from wavesplat._looks import colors
@@ -18,16 +18,21 @@ from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.camera import Camera
 from wavesplat._model.clips import Clip, combined_clips
 from wavesplat._model.cutting import without
+from wavesplat._model.option_lists import takes_options
 from wavesplat._model.options import Buffer, Kernel
 from wavesplat._model.volume import Volume
 from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture.picture import Picture
 from wavesplat._render import arguments
-from wavesplat._scene.drawing import Options, draw
+from wavesplat._render.options import DrawOptions, RenderOptions
+from wavesplat._scene.drawing import draw
 from wavesplat._scene.layer import AnyLook
 from wavesplat._scene.scene import as_scene
 from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 __all__ = ["Ablation", "StandardSplatting", "render", "splat", "standard"]
 
@@ -108,6 +113,7 @@ def _rebuild(settings: dict[str, Any]) -> Ablation:
 
 
 @takes_its_types
+@takes_options(RenderOptions, DrawOptions)
 def render(
     what: Any,
     look: AnyLook | Sequence[AnyLook] = None,
@@ -119,13 +125,15 @@ def render(
     shading: Shading | Literal["look"] | None = "look",
     clip: Clip | Iterable[Clip] = (),
     background: str | Sequence[float] | None = None,
-    **options: Any,
+    **options: Unpack[RenderOptions],
 ) -> Picture:
     """The picture of `wavesplat.render`, with what makes it fast or sharp left out.
 
     Parameters
     ----------
-    what, look, camera, labels, shading, clip, background, options
+    what, look, camera, labels, shading, clip, background
+        As for `wavesplat.render`.
+    **options : RenderOptions
         As for `wavesplat.render`.
     pre_integration : bool
         Pre-integrate the space between sheets where the transfer function is steep, so that hard surfaces are found and
@@ -154,11 +162,7 @@ def render(
     (8, 8)
     """
     scene = as_scene(what, look, labels=labels, shading=shading, clip=clip, background=background)
-    known = {field.name for field in fields(Options)}
-    unknown = sorted(set(options) - known)
-    if unknown:
-        raise TypeError(f"render() got an unexpected keyword argument {unknown[0]!r}")
-    how = Options(pre_integration=pre_integration, early_ray_termination=early_ray_termination, **options)
+    how = DrawOptions(pre_integration=pre_integration, early_ray_termination=early_ray_termination, **options)
     return draw(scene, camera, how)
 
 

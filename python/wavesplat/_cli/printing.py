@@ -95,7 +95,7 @@ def warnings_as_notes(*, quiet: bool = False) -> Iterator[None]:
 
 def print_notes(picture: Picture) -> None:
     """Print the notes in a picture's report, such as why it is black."""
-    from wavesplat._scene.lazy_layers import FROM_CACHE
+    from wavesplat._render.lazy_layers import FROM_CACHE
 
     for note in picture.report.get("notes", ()):
         message(f"note: {note}")

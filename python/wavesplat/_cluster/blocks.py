@@ -17,7 +17,7 @@ import pickle
 import threading
 import time
 from collections import OrderedDict
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -28,10 +28,11 @@ from wavesplat._cluster.machines import MAX_TASKS, machines_of
 from wavesplat._files.libraries import library
 from wavesplat._model.lazy_array import ComputedArray
 from wavesplat._model.read_ahead import ReadCounts
+from wavesplat._render.lazy_layers import FrameSpec
 from wavesplat._render.streaming import Progress, Reading, draw_segment
 from wavesplat.errors import ArgumentError, CancelledError
 
-__all__ = ["on_machines"]
+__all__ = ["drawn_on_machines"]
 
 #: Retries of a task: a read may fail for once.
 N_RETRIES = 3
@@ -42,34 +43,33 @@ MAX_STREAMS = 2
 Drawn = tuple[bytes, int, int, list[str]]
 
 
-def on_machines(client: Any, progress: Progress | None) -> Callable[[Any], tuple[_native.Stream, ReadCounts]]:
-    """A function that draws a frame on the workers of a client, or in threads of this process if it is "threads"."""
+def drawn_on_machines(spec: FrameSpec, client: Any, progress: Progress | None) -> tuple[_native.Stream, ReadCounts]:
+    """The stream of a frame with all blocks, and counts of what was read.
 
-    def draw(spec: Any) -> tuple[_native.Stream, ReadCounts]:
-        machines = machines_of(client)
-        memory = min(machines.memory, spec.layers.memory)
-        arguments = {**spec.arguments, "threads": machines.threads}
-        spec = replace(spec, n_blocks=machines.n_blocks, memory=memory, arguments=arguments).with_surveys()
-        stream = spec.stream()
-        counts = ReadCounts()
-        begun = time.perf_counter()
-        plan = _Tasks(spec, stream)
-        for block, drawn in plan.done(client, progress):
-            state, n_bytes, n_boxes, holes = drawn
-            stream.put(block, _native.BlockState.from_bytes(state))
-            counts.n_bytes += n_bytes
-            counts.n_boxes += n_boxes
-            counts.holes += holes
-        counts.seconds = time.perf_counter() - begun
-        return stream, counts
-
-    return draw
+    client : a Dask client on whose workers the blocks are drawn; "threads" is Dask's scheduler in this process.
+    """
+    machines = machines_of(client)
+    memory = min(machines.memory, spec.layers.memory)
+    arguments = {**spec.arguments, "threads": machines.threads}
+    spec = replace(spec, n_blocks=machines.n_blocks, memory=memory, arguments=arguments).with_surveys()
+    stream = spec.stream()
+    counts = ReadCounts()
+    begun = time.perf_counter()
+    plan = _Tasks(spec, stream)
+    for block, drawn in plan.done(client, progress):
+        state, n_bytes, n_boxes, holes = drawn
+        stream.put(block, _native.BlockState.from_bytes(state))
+        counts.n_bytes += n_bytes
+        counts.n_boxes += n_boxes
+        counts.holes += holes
+    counts.seconds = time.perf_counter() - begun
+    return stream, counts
 
 
 class _Tasks:
     """The tasks of a frame."""
 
-    def __init__(self, spec: Any, stream: _native.Stream) -> None:
+    def __init__(self, spec: FrameSpec, stream: _native.Stream) -> None:
         self._stream = stream
         self._packed = pickle.dumps(spec)
         self._token = hashlib.sha256(self._packed).hexdigest()[:16]
@@ -162,11 +162,11 @@ class _Tasks:
         return needed
 
 
-_STREAMS: OrderedDict[str, tuple[Any, _native.Stream]] = OrderedDict()
+_STREAMS: OrderedDict[str, tuple[FrameSpec, _native.Stream]] = OrderedDict()
 _LOCK = threading.Lock()
 
 
-def _planned(packed: bytes, token: str) -> tuple[Any, _native.Stream]:
+def _planned(packed: bytes, token: str) -> tuple[FrameSpec, _native.Stream]:
     """The frame and its stream, planned once in a process."""
     with _LOCK:
         found = _STREAMS.pop(token, None)
@@ -184,9 +184,10 @@ def _draw(packed: bytes, token: str, block: int, steps: tuple[int, int] | None, 
     spec, stream = _planned(packed, token)
     arrays = list(spec.arrays)
     for layer, own in enumerate(chunks or ()):
-        if own is not None:
+        array = arrays[layer]
+        if own is not None and isinstance(array, ComputedArray):
             numbers, samples = own
-            arrays[layer] = arrays[layer].held(dict(zip(numbers, samples, strict=True)))
+            arrays[layer] = array.held(dict(zip(numbers, samples, strict=True)))
     reading = Reading(arrays, spec.least)
     state = draw_segment(stream, block, steps or (0, stream.n_steps(block)), reading)
     counts = reading.counts

@@ -83,7 +83,7 @@ class Volume(Grid):
     #: `_cut`: the boxes that were last taken out for a picture, and the volume without them (`_model.cutting`).
     #: `_resampled`: the axes it was last resampled on, and the resampled volume (`_scene.resampling`).
     #: `_source`: its source for documents, None if unknown (`_model.sources`).
-    #: `_lazily`: the volume as a lazy one, for pictures with lazy volumes (`_scene.lazy_layers`).
+    #: `_lazily`: the volume as a lazy one, for pictures with lazy volumes (`_render.lazy_layers`).
     __slots__ = ("_core", "_cut", "_lazily", "_resampled", "_samples", "_source")
 
     _cut: tuple[tuple[Crop, ...], Volume] | None

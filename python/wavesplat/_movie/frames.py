@@ -7,24 +7,26 @@ import pickle
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from wavesplat._cluster.machines import Machines, machines_of
 from wavesplat._files.libraries import library
 from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
-from wavesplat._model.composites import Operator
 from wavesplat._model.lazy_volume import LazyVolume
-from wavesplat._model.options import Kernel, Quality
-from wavesplat._model.sampling import Sampling
+from wavesplat._model.option_lists import takes_options
 from wavesplat._movie.seen import camera_of, with_settled_looks
 from wavesplat._picture.picture import Picture
 from wavesplat._public import public
 from wavesplat._render.arguments import checked_size
+from wavesplat._render.options import DrawOptions, FrameOptions
 from wavesplat._scene.scene import Scene, as_scene
 from wavesplat.errors import ArgumentError, CancelledError
 
-__all__ = ["drawn_by_client", "render_frames"]
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
+__all__ = ["check_client", "drawn_by_client", "render_frames"]
 
 #: Frames submitted for each one that is drawn at once: pictures are large, and are yielded in their order.
 AHEAD = 3
@@ -33,18 +35,15 @@ N_RETRIES = 3
 
 
 @public
+@takes_options(FrameOptions, DrawOptions)
 def render_frames(
     what: Any,
     cameras: Sequence[Camera | str],
     *,
     client: Any = None,
-    size: tuple[int, int] = (512, 512),
-    quality: Quality | Sampling = "normal",
-    kernel: Kernel = "linear",
-    composite: Operator | None = None,
     depth: bool = False,
     background: str | Sequence[float] | None = None,
-    progress: Callable[[float], object] | None = None,
+    **options: Unpack[FrameOptions],
 ) -> Iterator[Picture]:
     """Pictures of a scene from several cameras, one after the other, drawn here or each by a worker of a cluster.
 
@@ -56,10 +55,10 @@ def render_frames(
         One for each picture.
     client : dask.distributed.Client or "threads", optional
         Where to draw; None is this process, one frame after the other.
-    size, quality, kernel, composite, depth, background
-        As for `render`. What is chosen by the data, looks and greys, is chosen once here.
-    progress : callable, optional
-        Called with the part done, 0..1; returning False stops.
+    depth, background
+        As for `wavesplat.render`. What is chosen by the data, looks and greys, is chosen once here.
+    **options : FrameOptions
+        As for `wavesplat.render`; with a client its workers' threads, no `psnr`, and `device` "auto" is the CPU.
 
     Yields
     ------
@@ -80,14 +79,23 @@ def render_frames(
     >>> [picture.size for picture in ws.render_frames(scene, ["front", "left"], size=(32, 24), client="threads")]
     [(32, 24), (32, 24)]
     """
+    progress = options.pop("progress", None)
+    size, composite = options.setdefault("size", (512, 512)), options.get("composite")
+    check_client(client, options.get("psnr"))
     scene = as_scene(what, None, labels=None, shading="look", clip=(), background=background)
     width, height = checked_size(size)
     if isinstance(cameras, Camera | str) or not (given := list(cameras)):
         raise ArgumentError(f"cameras is {described(cameras)}; give a list with a camera, or a view, for each picture")
     chosen = [camera_of(scene, camera, composite, width / max(height, 1)) for camera in given]
     scene, _ = with_settled_looks(scene, composite, chosen[0], (width, height))
-    options = {"size": size, "quality": quality, "kernel": kernel, "composite": composite, "depth": depth}
-    return _reporting(drawn_by_client([(scene, camera) for camera in chosen], options, client), len(chosen), progress)
+    shots = [(scene, camera) for camera in chosen]
+    return _reporting(drawn_by_client(shots, {**options, "depth": depth}, client), len(chosen), progress)
+
+
+def check_client(client: Any, psnr: float | None) -> None:
+    """Raise an `ArgumentError` where frames are for a client, and each needs what the one before measured."""
+    if client is not None and psnr is not None:
+        raise ArgumentError("with psnr frames are drawn by what the one before told, so not by a client; leave out one")
 
 
 def _reporting(pictures: Iterator[Picture], n: int, progress: Callable[[float], object] | None) -> Iterator[Picture]:
@@ -105,7 +113,8 @@ def drawn_by_client(shots: Sequence[tuple[Scene, Any]], options: dict[str, Any],
         return
     machines = machines_of(client)
     # Some workers may have GPUs and others not: the CPU draws, so that frames do not differ.
-    own = {"device": "cpu", **options, "threads": machines.threads}
+    device = options.get("device", "auto")
+    own = {**options, "device": "cpu" if device == "auto" else device, "threads": machines.threads}
     if isinstance(client, str):
         yield from _by_threads(shots, own, machines)
         return

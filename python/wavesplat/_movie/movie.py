@@ -8,17 +8,17 @@ from __future__ import annotations
 from collections.abc import Callable, Generator, Iterable, Sequence
 from os import PathLike
 from pathlib import Path
-from typing import Any, TypeAlias, TypeVar
+from typing import TYPE_CHECKING, Any, TypeAlias, TypeVar
 
 from wavesplat._files.output import check_output, removed_when_terminated, write_atomically
 from wavesplat._looks.look import Look
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.camera import Camera
 from wavesplat._model.composites import Operator
-from wavesplat._model.options import Kernel, Quality
+from wavesplat._model.option_lists import takes_options
 from wavesplat._model.sampling import Sampling
 from wavesplat._movie import encoding, png_sequence
-from wavesplat._movie.frames import drawn_by_client
+from wavesplat._movie.frames import check_client, drawn_by_client
 from wavesplat._movie.key_frame import KeyFrame
 from wavesplat._movie.pipeline import MAX_AT_ONCE, Progress, made_ahead, work_beside
 from wavesplat._movie.seen import camera_of, with_settled_looks
@@ -27,9 +27,13 @@ from wavesplat._movie.turn import Turn, cameras_of
 from wavesplat._picture.picture import Picture
 from wavesplat._public import public
 from wavesplat._render.arguments import checked_size
+from wavesplat._render.options import DrawOptions, FrameOptions
 from wavesplat._scene.layer import AnyLook
 from wavesplat._scene.scene import Scene, as_scene
 from wavesplat.errors import ArgumentError, FileError
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 __all__ = ["Along", "check_movie", "movie"]
 
@@ -47,6 +51,7 @@ Along: TypeAlias = Turn | Sequence[Camera] | Sequence[KeyFrame]
 
 @public
 @takes_its_types
+@takes_options(FrameOptions, DrawOptions, quality=None)
 def movie(
     what: Any,
     path: str | PathLike[str],
@@ -54,18 +59,11 @@ def movie(
     look: AnyLook | Sequence[AnyLook] = None,
     *,
     fps: float = 30.0,
-    size: tuple[int, int] = (512, 512),
-    quality: Quality | Sampling | None = None,
-    psnr: float | None = None,
-    kernel: Kernel = "linear",
-    composite: Operator | None = None,
     background: str | Sequence[float] | None = None,
     crf: int | None = None,
     resume: bool = False,
-    threads: int | None = None,
-    device: str = "auto",
-    progress: Callable[[float], object] | None = None,
     client: Any = None,
+    **options: Unpack[FrameOptions],
 ) -> Path:
     """A movie of a volume or a scene: a turn, a flight along cameras, or what changes between key frames.
 
@@ -83,23 +81,19 @@ def movie(
         How values are shown, as for `render`. What is chosen by the data is chosen once, for all frames.
     fps : float, default 30
         Frames a second.
-    size : (width, height), default (512, 512)
-        Pixels. Videos have even sides: a row or column is repeated at an odd one.
-    quality : str or Sampling, optional
-        As for `render`. None is one sheet a slice and 0.6 texels a pixel: on frames of the bundled CT 31 to 35 dB,
-        where "normal" has 35 to 37 and takes four times as long.
-    psnr, kernel, composite, threads, device
-        As for `render`. With `psnr` the first frame is measured, and later ones where the view differs much.
     background : colour, optional
         None is the scene's own, or black. Only PNG and WebP files can be transparent.
     crf : int, optional
         Constant rate factor of videos: less loses less, in a larger file; 18 of H.264 and 24 of VP9 look clean.
     resume : bool
         For PNG files: keep frames that are there and show what they must, and draw the others.
-    progress : callable, optional
-        Called with the part done, 0..1; returning False stops.
     client : dask.distributed.Client or "threads", optional
         Draw frames on the workers of a Dask cluster, as `render_frames`; not with `psnr`.
+    **options : FrameOptions
+        As for `wavesplat.render`. `quality` None is one sheet a slice and 0.6 texels a pixel: on frames of the bundled
+        CT 31 to 35 dB, where "normal" has 35 to 37 and takes four times as long. With `psnr` the first frame is
+        measured, and later ones where the view differs much. Videos have even sides: a row or column of an odd `size`
+        is repeated.
 
     Returns
     -------
@@ -129,21 +123,24 @@ def movie(
     """
     pattern = check_movie(path, fps=fps, crf=crf, resume=resume)
     target = Path(path)
-    width, height = checked_size(size)
+    values = DrawOptions(**{"quality": None, **options})  # type: ignore[arg-type]
+    width, height = checked_size(values.size)
     if min(width, height) < 1:
         raise ArgumentError(f"size is {width} x {height} pixels; width and height must be at least 1")
+    check_client(client, values.psnr)
     scene = as_scene(what, look, labels=None, shading="look", clip=(), background=background)
-    shots = _shots(scene, Turn() if along is None else along, fps, composite, (width, height))
+    shots = _shots(scene, Turn() if along is None else along, fps, values.composite, (width, height))
+    quality = values.quality
     if quality is None:
-        quality = MOVIE_SAMPLING if psnr is None else "normal"
-    options: dict[str, Any] = {"quality": quality, "psnr": psnr, "kernel": kernel, "composite": composite}
-    if client is not None and psnr is not None:
-        raise ArgumentError("with psnr frames are drawn by what the one before told, so not by a client; leave out one")
-    told = Progress(progress, len(shots))
-    if client is not None and device == "auto":
-        # As `render_frames` does.
-        device = "cpu"
-    draw = _Drawing(shots, told, threads, client, size=(width, height), device=device, **options)
+        quality = MOVIE_SAMPLING if values.psnr is None else "normal"
+    same: dict[str, Any] = {
+        "quality": quality,
+        "psnr": values.psnr,
+        "kernel": values.kernel,
+        "composite": values.composite,
+    }
+    told = Progress(values.progress, len(shots))
+    draw = _Drawing(shots, told, values.threads, client, size=(width, height), device=values.device, **same)
     if pattern is None:
         frames = draw.all(range(len(shots)), lambda _, picture: picture.rgba)
         settings: Any = {"fps": fps, "size": (width, height), "crf": crf}
@@ -153,7 +150,7 @@ def movie(
         )
         return target
     png_sequence.make_folder(pattern)
-    marks = png_sequence.Marks((width, height), **options)
+    marks = png_sequence.Marks((width, height), **same)
 
     def frame(number: int, picture: Picture) -> png_sequence.Frame:
         return png_sequence.Frame(png_sequence.frame_path(pattern, number), picture.rgba, marks.of(shots[number]))

@@ -31,8 +31,8 @@ from wavesplat._model.volume import Volume
 from wavesplat._public import public
 from wavesplat._render.arguments import checked_count, checked_size
 from wavesplat._render.framing import natural_view
+from wavesplat._render.lazy_layers import pixel_in_samples
 from wavesplat._render.streaming import Streaming
-from wavesplat._scene.lazy_layers import pixel_in_samples
 from wavesplat.errors import ArgumentError
 
 __all__ = ["Cost", "plan"]
@@ -325,12 +325,13 @@ def _draw_ns() -> float:
     samples = (127 * (1 + np.sin(9 * x + 5 * z) * np.cos(7 * y))).astype(np.uint8)
     volume = Volume(samples, name="probe")
     look = TransferFunction([(0, 0.0), (255, 0.05)], [(0, 1.0, 1.0, 1.0)])
-    from wavesplat._scene.drawing import Options, draw
+    from wavesplat._render.options import DrawOptions
+    from wavesplat._scene.drawing import draw
     from wavesplat._scene.scene import Scene
 
     scene = Scene(volume, look, shading=Shading())
     camera = Camera.orbit(volume, 30, 20)
-    options = Options(size=(2 * n, 2 * n), threads=1, device="cpu")
+    options = DrawOptions(size=(2 * n, 2 * n), threads=1, device="cpu")
     draw(scene, camera, options)
     begun = time.perf_counter()
     picture = draw(scene, camera, options)

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat import _native
+from wavesplat._cluster.blocks import drawn_on_machines
 from wavesplat._looks import colors
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.shading import Shading
@@ -24,13 +25,14 @@ from wavesplat._model.clips import Clipping
 from wavesplat._model.composites import FirstHit, Operator, XRay, checked_operator, name_of
 from wavesplat._model.forked import drawing
 from wavesplat._model.lazy_changes import comparing_once
-from wavesplat._model.options import BY_VIEW, Kernel, Quality
+from wavesplat._model.options import BY_VIEW
 from wavesplat._model.sampling import Sampling, checked_quality
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture.picture import Picture
 from wavesplat._render import projection
 from wavesplat._render.arguments import (
     check_picture_memory,
+    checked_count,
     checked_size,
     chosen_camera,
     chosen_labels,
@@ -38,9 +40,10 @@ from wavesplat._render.arguments import (
     region,
 )
 from wavesplat._render.devices import chosen_device
+from wavesplat._render.lazy_layers import FrameSpec, LazyLayers
 from wavesplat._render.notes import notes_on_layers, notes_on_picture
+from wavesplat._render.options import DrawOptions
 from wavesplat._scene.drawn_layers import Curves, DrawnLayer, DrawnLayers, drawn_layers, drawn_volumes
-from wavesplat._scene.lazy_layers import Elsewhere, FrameSpec, LazyLayers
 from wavesplat._scene.reporting import facts_of
 from wavesplat._scene.summary import facts_of_layers, facts_of_picture
 from wavesplat.errors import ArgumentError
@@ -48,7 +51,7 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._scene.scene import Scene
 
-__all__ = ["Options", "camera_of", "draw"]
+__all__ = ["camera_of", "draw"]
 
 # Drivers do not like processes that end while a GPU is being opened.
 atexit.register(_native.gpu_settle)
@@ -59,30 +62,6 @@ PIXEL_BYTES, TEXEL_BYTES = 20, 20
 MAX_OVERSAMPLING = 1e6
 #: Sampling of overview pictures.
 COARSE = Sampling(sheets_per_slice=1, quality="draft")
-
-
-@dataclass(frozen=True, kw_only=True)
-class Options:
-    """Options of drawing a scene, as `wavesplat.render` and `wavesplat.study` take them."""
-
-    size: tuple[int, int] = (512, 512)
-    quality: Quality | Sampling = "normal"
-    psnr: float | None = None
-    kernel: Kernel = "linear"
-    composite: Operator | None = None
-    depth: bool = False
-    threads: int | None = None
-    device: str = "auto"
-    progress: Callable[[float], object] | None = None
-    pre_integration: bool = True
-    early_ray_termination: bool = True
-    #: Slices of a segment of the rays; None composites from front to back in one go.
-    segments: int | None = None
-    #: For pictures that many machines draw: the function that draws in place of this process.
-    elsewhere: Elsewhere | None = None
-    #: Called with a stream and the number of a block of it that was drawn, for pictures that are shown before they are
-    #: done.
-    after_block: Callable[[Any, int], object] | None = None
 
 
 @dataclass(frozen=True)
@@ -97,22 +76,23 @@ class _Frame:
     clipping: Clipping
     labels: Labels | None
     background: colors.Rgba | None
-    options: Options
+    options: DrawOptions
 
     @property
     def composite(self) -> str:
         return name_of(self.operator)
 
 
-def draw(scene: Scene, camera: Camera | str | None, options: Options) -> Picture:
+def draw(scene: Scene, camera: Camera | str | None, options: DrawOptions) -> Picture:
     """See `wavesplat.render`."""
+    options = replace(options, segments=checked_count(options.segments, "segments"))
     with comparing_once(drawn_volumes(scene)):
         return _drawn_scene(scene, camera, options)
 
 
-def _drawn_scene(scene: Scene, camera: Camera | str | None, options: Options) -> Picture:
+def _drawn_scene(scene: Scene, camera: Camera | str | None, options: DrawOptions) -> Picture:
     size = checked_size(options.size)
-    sampling = checked_quality(options.quality)
+    sampling = checked_quality("normal" if options.quality is None else options.quality)
     if options.psnr is not None and (sampling.sheets_per_slice is not None or sampling.oversampling is not None):
         raise ArgumentError("psnr chooses sheets_per_slice and oversampling; leave out either psnr or the Sampling")
     asked = checked_operator(options.composite)
@@ -143,7 +123,7 @@ def _drawn_scene(scene: Scene, camera: Camera | str | None, options: Options) ->
     return picture
 
 
-def camera_of(scene: Scene, camera: Camera | str | None, options: Options) -> Camera:
+def camera_of(scene: Scene, camera: Camera | str | None, options: DrawOptions) -> Camera:
     """The camera that `draw` takes."""
     size = checked_size(options.size)
     asked = checked_operator(options.composite)
@@ -283,7 +263,7 @@ def _function(frame: _Frame, layer: DrawnLayer, n_layers: int) -> Curves:
     if layer.is_automatic and composite in BY_VIEW and n_layers == 1:
 
         def overview(curves: TransferFunction, at: Camera, of: tuple[int, int]) -> Picture:
-            options = Options(kernel="linear", threads=frame.options.threads, device="cpu")
+            options = DrawOptions(kernel="linear", threads=frame.options.threads, device="cpu")
             small = replace(frame, camera=at, size=of, sampling=COARSE, background=None, options=options)
             result, _ = _rendered(small, [layer], [curves])
             return Picture(result["rgba"], value=result["value"])
@@ -308,7 +288,7 @@ def _rendered(
 ) -> tuple[_native.RenderResult, dict[str, Any]]:
     """Result of the compiled module for layers, and its report."""
     options, (width, height), operator = frame.options, frame.size, frame.operator
-    lazy = LazyLayers.of(layers, frame.camera, frame.size, options)
+    lazy = LazyLayers.of([layer.seen for layer in layers], frame.camera, frame.size, options)
     cores = [layer.core for layer in layers] if lazy is None else lazy.cores
     faded = [_with_opacity(frame, layer, function) for layer, function in zip(layers, functions, strict=True)]
     lights = [_light(frame.scene, layer) for layer in layers]
@@ -349,7 +329,12 @@ def _rendered(
             of_frame: Any = {**arguments, "labels": chosen_labels(labels, layers[0].volume, boxes)}
             result = _native.render(drawn, frame.camera._core, of_frame, options.progress)
         else:
-            result = lazy.rendered(FrameSpec(lazy, faded, lights, frame.camera, labels, boxes, arguments))
+            spec = FrameSpec(lazy, faded, lights, frame.camera, labels, boxes, arguments)
+            if options.client is None:
+                drawn_stream = lazy.streamed(spec)
+            else:
+                drawn_stream = drawn_on_machines(spec, options.client, options.progress)
+            result = lazy.finished(*drawn_stream)
     memory.remember(result["report"])
     return result, result["report"] | numbers
 

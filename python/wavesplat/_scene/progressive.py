@@ -5,23 +5,26 @@ from __future__ import annotations
 import queue
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from wavesplat._model.camera import Camera
-from wavesplat._model.composites import Operator
 from wavesplat._model.lazy_volume import LazyVolume
-from wavesplat._model.options import Kernel, Quality
+from wavesplat._model.option_lists import takes_options
 from wavesplat._model.sampling import Sampling
 from wavesplat._picture.picture import Picture
 from wavesplat._public import public
-from wavesplat._scene.drawing import Options, camera_of, draw
-from wavesplat._scene.lazy_layers import pixel_in_samples
+from wavesplat._render.lazy_layers import pixel_in_samples
+from wavesplat._render.options import DrawOptions, FrameOptions
+from wavesplat._scene.drawing import camera_of, draw
 from wavesplat._scene.scene import Scene, as_scene
 from wavesplat._scene.summary import facts_of_picture
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 __all__ = ["coarser_scenes", "progressive"]
 
@@ -34,18 +37,14 @@ QUICK, QUICK_SHARE = Sampling(sheets_per_slice=1, quality="draft"), 0.5
 
 
 @public
+@takes_options(FrameOptions, DrawOptions)
 def progressive(
     what: Any,
     camera: Camera | str | None = None,
     *,
-    size: tuple[int, int] = (512, 512),
-    quality: Quality | Sampling = "normal",
-    kernel: Kernel = "linear",
-    composite: Operator | None = None,
     depth: bool = False,
     background: Any = None,
-    threads: int | None = None,
-    progress: Callable[[float], object] | None = None,
+    **options: Unpack[FrameOptions],
 ) -> Iterator[Picture]:
     """Pictures of one view, each better than the one before.
 
@@ -57,10 +56,11 @@ def progressive(
     ----------
     what : Scene, Volume, or what else `render` takes
         The scene or volume to draw.
-    camera, size, quality, kernel, composite, depth, background, threads
-        As for `render`.
-    progress : callable, optional
-        Called with the part of the last picture that is done, 0..1, from a thread of its own; returning False stops.
+    camera, depth, background
+        As for `wavesplat.render`.
+    **options : FrameOptions
+        As for `wavesplat.render`. `progress` is of the last picture, and called from a thread of its own; `psnr` is
+        for the last picture.
 
     Yields
     ------
@@ -83,13 +83,10 @@ def progressive(
     [False, True]
     """
     scene = as_scene(what, None, labels=None, shading="look", clip=(), background=background)
-    options = Options(
-        size=size, quality=quality, kernel=kernel, composite=composite, depth=depth, threads=threads, progress=progress
-    )
-    return _refined(scene, camera, options)
+    return _refined(scene, camera, DrawOptions(depth=depth, **options))
 
 
-def _refined(scene: Scene, camera: Camera | str | None, options: Options) -> Iterator[Picture]:
+def _refined(scene: Scene, camera: Camera | str | None, options: DrawOptions) -> Iterator[Picture]:
     coarse: Picture | None = None
     # One camera for all, or levels would be framed each on its own.
     eye = camera_of(scene, camera, options)
@@ -99,7 +96,7 @@ def _refined(scene: Scene, camera: Camera | str | None, options: Options) -> Ite
     yield from _in_blocks(scene, eye, options, coarse)
 
 
-def _first(scene: Scene, camera: Camera, options: Options) -> Iterator[Picture]:
+def _first(scene: Scene, camera: Camera, options: DrawOptions) -> Iterator[Picture]:
     """Pictures from coarser levels, or a quick one."""
     quiet = replace(options, progress=None)
     coarser = coarser_scenes(scene, options.size, camera)
@@ -107,7 +104,7 @@ def _first(scene: Scene, camera: Camera, options: Options) -> Iterator[Picture]:
         if any(isinstance(layer.volume, LazyVolume) for layer in scene.layers):
             return
         width, height = (max(1, round(QUICK_SHARE * n)) for n in options.size)
-        quick = draw(scene, camera, replace(quiet, size=(width, height), quality=QUICK))
+        quick = draw(scene, camera, replace(quiet, size=(width, height), quality=QUICK, psnr=None))
         yield _enlarged(quick, options.size)
         return
     for one in coarser:
@@ -148,7 +145,7 @@ def _enlarged(picture: Picture, size: tuple[int, int]) -> Picture:
     return Picture(picture.rgba[index], depth, value, dict(picture.report))
 
 
-def _in_blocks(scene: Scene, camera: Camera, options: Options, coarse: Picture | None) -> Iterator[Picture]:
+def _in_blocks(scene: Scene, camera: Camera, options: DrawOptions, coarse: Picture | None) -> Iterator[Picture]:
     """The wanted picture, shown now and then as its blocks are done, over the coarser one."""
     made: queue.Queue[Any] = queue.Queue()
     told = facts_of_picture(scene, camera, options.size, None, scene.labels)

@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
 from os import PathLike
-from typing import Any, Literal, TypeVar
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,16 +19,18 @@ from wavesplat._looks.shading import Shading
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.camera import Camera
 from wavesplat._model.clips import Clip, Clipping, clip_tuple, combined_clips
-from wavesplat._model.composites import Operator
 from wavesplat._model.convert_from import is_rows
-from wavesplat._model.options import Kernel, Quality
-from wavesplat._model.sampling import Sampling
+from wavesplat._model.option_lists import takes_options
 from wavesplat._model.series import Series
 from wavesplat._model.sources import beside, warn_of_elsewhere
 from wavesplat._picture.picture import Picture
 from wavesplat._public import public
+from wavesplat._render.options import DrawOptions, RenderOptions
 from wavesplat._scene.layer import AnyLook, Layer
 from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 __all__ = ["Cache", "Scene", "as_scene"]
 
@@ -301,23 +303,20 @@ class Scene:
         return scene_files.load(path, external_files=external_files).scene
 
     @takes_its_types
+    @takes_options(RenderOptions, DrawOptions)
     def render(
         self,
         camera: Camera | str | None = None,
-        *,
-        size: tuple[int, int] = (512, 512),
-        quality: Quality | Sampling = "normal",
-        psnr: float | None = None,
-        kernel: Kernel = "linear",
-        composite: Operator | None = None,
-        depth: bool = False,
-        threads: int | None = None,
-        device: str = "auto",
-        progress: Callable[[float], object] | None = None,
-        client: Any = None,
-        segments: int | None = None,
+        **options: Unpack[RenderOptions],
     ) -> Picture:
-        """A picture of the scene; `wavesplat.render` says what the options mean.
+        """A picture of the scene.
+
+        Parameters
+        ----------
+        camera : Camera or str, optional
+            As for `wavesplat.render`.
+        **options : RenderOptions
+            As for `wavesplat.render`.
 
         Raises
         ------
@@ -344,24 +343,9 @@ class Scene:
         >>> frames[0].report["expected_psnr_spread_db"] < frames[1].report["expected_psnr_spread_db"]
         True
         """
-        from wavesplat._cluster.blocks import on_machines
-        from wavesplat._render.arguments import checked_count
-        from wavesplat._scene.drawing import Options, draw
+        from wavesplat._scene.drawing import draw
 
-        options = Options(
-            size=size,
-            quality=quality,
-            psnr=psnr,
-            kernel=kernel,
-            composite=composite,
-            depth=depth,
-            threads=threads,
-            device=device,
-            progress=progress,
-            segments=checked_count(segments, "segments"),
-            elsewhere=None if client is None else on_machines(client, progress),
-        )
-        return draw(self, camera, options)
+        return draw(self, camera, DrawOptions(**options))
 
     def __reduce__(self) -> tuple[Any, ...]:
         how = {name: getattr(self, name) for name in ("labels", "shading", "clip", "background")}

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -23,15 +23,12 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._looks.labels import Labels
     from wavesplat._looks.shading import Shading
+    from wavesplat._looks.transfer_function import TransferFunction
+    from wavesplat._looks.transfer_function_2d import TransferFunction2D
     from wavesplat._model.cutting import Boxes
-    from wavesplat._scene.drawing import Options
-    from wavesplat._scene.drawn_layers import Curves, DrawnLayer
+    from wavesplat._render.options import DrawOptions
 
-__all__ = ["FROM_CACHE", "Elsewhere", "FrameSpec", "LazyLayers", "pixel_in_samples"]
-
-#: Function that draws a frame in place of this process; returns its stream with all blocks, and counts of reads.
-Elsewhere: TypeAlias = "Callable[[FrameSpec], tuple[_native.Stream, ReadCounts]]"
-
+__all__ = ["FROM_CACHE", "FrameSpec", "LazyLayers", "pixel_in_samples"]
 
 #: Text of the report where range and bounds were read from a cache folder, without a pass over the samples.
 FROM_CACHE = "from the cache"
@@ -43,17 +40,20 @@ class LazyLayers:
 
     volumes: list[LazyVolume]
     levels: list[int]
-    options: Options
+    options: DrawOptions
     #: Number of changes of each volume's samples that were found before.
     n_changes: list[int]
 
     @classmethod
     def of(
-        cls, layers: Sequence[DrawnLayer], camera: Camera, size: tuple[int, int], options: Options
+        cls,
+        volumes: Sequence[Volume | WaveletVolume],
+        camera: Camera,
+        size: tuple[int, int],
+        options: DrawOptions,
     ) -> LazyLayers | None:
-        """The layers as lazy volumes; None where no layer is lazy, and nothing asks for blocks or segments."""
-        volumes = [layer.seen for layer in layers]
-        is_asked_for = options.segments is not None or options.elsewhere is not None
+        """Volumes as lazy ones; None where none is lazy, and nothing asks for blocks or segments."""
+        is_asked_for = options.segments is not None or options.client is not None
         if not is_asked_for and not any(isinstance(volume, LazyVolume) for volume in volumes):
             return None
         if options.psnr is not None:
@@ -74,7 +74,7 @@ class LazyLayers:
 
     def _check_unchanged(self) -> None:
         """Raise a `FileError` if samples changed since bounds were taken, as another thread or machine found."""
-        is_read_elsewhere = self.options.elsewhere is not None
+        is_read_elsewhere = self.options.client is not None
         for volume, n_before in zip(self.volumes, self.n_changes, strict=True):
             if volume.n_changes_of_files(now=is_read_elsewhere) != n_before:
                 raise FileChangedError(
@@ -106,14 +106,14 @@ class LazyLayers:
         """Bytes for samples and bounds: what the volume with the least allows."""
         return min(volume.memory for volume in self.volumes)
 
-    def rendered(self, spec: FrameSpec) -> _native.RenderResult:
-        """The picture of the layers, as `_native.render` gives it."""
-        if self.options.elsewhere is not None:
-            stream, counts = self.options.elsewhere(spec)
-        else:
-            stream = spec.stream()
-            reading = Reading(spec.arrays, spec.least, self.options.progress)
-            counts = streamed(stream, reading, self.options.after_block)
+    def streamed(self, spec: FrameSpec) -> tuple[_native.Stream, ReadCounts]:
+        """The stream of a frame with all blocks, drawn by this process, and counts of what was read."""
+        stream = spec.stream()
+        reading = Reading(spec.arrays, spec.least, self.options.progress)
+        return stream, streamed(stream, reading, self.options.after_block)
+
+    def finished(self, stream: _native.Stream, counts: ReadCounts) -> _native.RenderResult:
+        """The picture of a stream with all blocks, as `_native.render` gives it."""
         self._check_unchanged()
         result = stream.picture()
         result["report"]["lazy"] = {
@@ -135,7 +135,7 @@ class FrameSpec:
 
     layers: LazyLayers
     #: Transfer functions with the layers' opacities, and lights.
-    functions: list[Curves]
+    functions: list[TransferFunction | TransferFunction2D]
     lights: list[Shading | None]
     camera: Camera
     #: Labels of the first layer, and boxes that are cut out of them.
@@ -183,8 +183,8 @@ class FrameSpec:
         return streaming.planned(drawn, self.camera._core, arguments)
 
     def __getstate__(self) -> dict[str, Any]:
-        # Callbacks stay in this process.
-        plain = replace(self.layers.options, progress=None, elsewhere=None, after_block=None)
+        # Callbacks and connections stay in this process.
+        plain = replace(self.layers.options, progress=None, client=None, after_block=None)
         return {**self.__dict__, "layers": replace(self.layers, options=plain)}
 
 

@@ -1,0 +1,103 @@
+"""Options of drawing: names, types, defaults and meaning, once for all functions that draw."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, TypedDict
+
+from wavesplat._model.composites import Operator
+from wavesplat._model.options import Kernel, Quality
+from wavesplat._model.sampling import Sampling
+from wavesplat._public import public
+
+__all__ = ["DrawOptions", "FrameOptions", "RenderOptions"]
+
+
+class FrameOptions(TypedDict, total=False):
+    """Options of every function that draws pictures of a volume; `RenderOptions` documents them."""
+
+    size: tuple[int, int]
+    quality: Quality | Sampling | None
+    psnr: float | None
+    kernel: Kernel
+    composite: Operator | None
+    threads: int | None
+    device: str
+    progress: Callable[[float], object] | None
+
+
+@public
+class RenderOptions(FrameOptions, total=False):
+    """Options of a picture, as `render` and `Scene.render` take them.
+
+    Parameters
+    ----------
+    size : (width, height), default (512, 512)
+        Pixels.
+    quality : str or Sampling
+        "draft", "normal" or "high", which takes more sheets where the transfer function is steep; or how many sheets
+        and texels there are. None is the function's usual one. The report holds what was used.
+    psnr : float, optional
+        Instead of `quality`: choose the sampling for this PSNR against the converged picture with 16 rays a pixel, in
+        dB, 20 to 80; 40 is good, 50 can hardly be told from it. Some tiles of the picture are drawn with several
+        samplings to measure its error, then all of it is drawn once, with the cheapest sampling that promises enough.
+        The report has that as `sheets_per_slice` and `oversampling`, and an estimate as `expected_psnr_db`, with its
+        standard deviation as `expected_psnr_spread_db`: less than what was asked for where nothing reaches that.
+        Projections are compared with one ray a pixel. Of a scene only the first picture is measured (`Scene.render`).
+    kernel : str
+        Reconstruction between samples: "linear", the sharper "catmull-rom", the smooth interpolating "bspline2" and
+        "bspline3", or the blurring "gaussian".
+    composite : str or object, optional
+        None is the look's own. "over": emission and absorption. `FirstHit(iso_value)`: an isosurface. The others
+        are projections: one number per ray, `Picture.value`, which is then coloured. "maximum" (MIP), "minimum",
+        "mean" and "sum" (the integral) of the values; "depth-shaded-maximum", "local-maximum" and "x-ray", which are
+        `DepthShadedMaximum`, `LocalMaximum` and `XRay` with what is usual. On a light background greys that are chosen
+        here are inverted: black is much. Of several layers each is projected, and their colours are added as light;
+        there is no value then.
+    threads : int, optional
+        Worker threads; None uses all cores. The picture does not depend on it.
+    device : str
+        "cpu", "gpu", or part of the name of a GPU of this machine (`wavesplat.gpu.adapters`); another name is an error.
+        "auto" is a GPU where one has passed its self-test, from the second picture of a process on. Pictures are the
+        same within one grey level of 255; for the same bytes everywhere give "cpu". What a GPU cannot do, the CPU does;
+        `report["device"]` says who drew, and why.
+    progress : callable, optional
+        Called with the part done, 0..1; returning False stops.
+    depth : bool
+        Also give `Picture.depth`.
+    client : dask.distributed.Client or "threads", optional
+        Draw blocks of the picture on the workers of a Dask cluster, each of which opens the files itself; the bytes are
+        those of this machine. "threads" is Dask's scheduler in this process.
+    segments : int, optional
+        Composite rays in segments of so many slices, which are folded from front to back: with `client` a task each,
+        for data in workers' memory. The picture is the same wherever it is drawn, and differs from that in one go by
+        where rays stop, at most 2e-4 of full light. Not with `depth`, and not of a local maximum.
+    """
+
+    depth: bool
+    client: Any
+    segments: int | None
+
+
+@dataclass(frozen=True, kw_only=True)
+class DrawOptions:
+    """The values of `RenderOptions`, and of what `wavesplat.study` and pictures in progress need besides."""
+
+    size: tuple[int, int] = (512, 512)
+    quality: Quality | Sampling | None = "normal"
+    psnr: float | None = None
+    kernel: Kernel = "linear"
+    composite: Operator | None = None
+    threads: int | None = None
+    device: str = "auto"
+    progress: Callable[[float], object] | None = None
+    depth: bool = False
+    client: Any = None
+    segments: int | None = None
+    #: Of `wavesplat.study.render`.
+    pre_integration: bool = True
+    early_ray_termination: bool = True
+    #: Called with a stream and the number of a block of it that was drawn, for pictures that are shown before they are
+    #: done.
+    after_block: Callable[[Any, int], object] | None = None

@@ -47,7 +47,9 @@ if TYPE_CHECKING:
     from wavesplat._native import __version__
     from wavesplat._picture.picture import Picture
     from wavesplat._readers.opening import open
+    from wavesplat._readers.options import OpenOptions
     from wavesplat._readers.time_points import open_series
+    from wavesplat._render.options import RenderOptions
     from wavesplat._scene.cost import Cost, plan
     from wavesplat._scene.layer import Layer
     from wavesplat._scene.opening import open_scene
@@ -78,7 +80,9 @@ __all__ = [
     "Material",
     "Materials",
     "Mesh",
+    "OpenOptions",
     "Picture",
+    "RenderOptions",
     "Sampling",
     "Scene",
     "Series",
@@ -132,7 +136,9 @@ _HOMES = {
     "Material": "_looks.materials",
     "Materials": "_looks.materials",
     "Mesh": "_mesh.meshing",
+    "OpenOptions": "_readers.options",
     "Picture": "_picture.picture",
+    "RenderOptions": "_render.options",
     "Sampling": "_model.sampling",
     "Scene": "_scene.scene",
     "Series": "_model.series",

@@ -85,7 +85,8 @@ def _documentation(text: str | None, listed: type, *, in_full: bool) -> str | No
     if in_full:
         while end < len(lines) and lines[end].startswith(" "):
             end += 1
-        entries = inspect.cleandoc(listed.__doc__).split("----------\n", 1)[1].splitlines()
+        section = inspect.cleandoc(listed.__doc__).split("----------\n", 1)[1]
+        entries = section.split("\n\nExamples\n", 1)[0].splitlines()
     else:
         entries = textwrap.wrap(", ".join(listed.__annotations__), WIDTH)
     return "\n".join([*lines[:begin], *entries, *lines[end:]])

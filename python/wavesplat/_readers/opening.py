@@ -12,7 +12,7 @@ from dataclasses import replace
 from importlib import import_module
 from os import PathLike
 from pathlib import Path
-from typing import Literal
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,13 +23,18 @@ from wavesplat._model import affine, sources
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.facts import Facts
 from wavesplat._model.lazy_volume import LazyVolume, lazily
+from wavesplat._model.option_lists import takes_options
 from wavesplat._model.volume import Volume
 from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._public import public
 from wavesplat._readers import lazy_files
+from wavesplat._readers.options import OpenOptions
 from wavesplat._readers.request import Grid, Request, requested
 from wavesplat._readers.unsupported_formats import foreign_content, foreign_kind
 from wavesplat.errors import ArgumentError, FileError, FileWarning, WavesplatError
+
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
 
 __all__ = ["open", "opened"]
 
@@ -95,25 +100,10 @@ KINDS = "NIfTI, NRRD, MetaImage, VTK images, DICOM, TIFF, .npy, .npz, raw, HDF5 
 
 @public
 @takes_its_types
+@takes_options(OpenOptions, Request, in_full=True)
 def open(
     path: str | PathLike[str] | VolumeLike,
-    *,
-    series: str | None = None,
-    time: int | None = None,
-    channel: int | None = None,
-    dataset: str | None = None,
-    level: int | None = None,
-    shape: Sequence[int] | None = None,
-    dtype: np.typing.DTypeLike | None = None,
-    spacing: Sequence[float] | None = None,
-    byte_order: Literal["little", "big"] | None = None,
-    offset: int = 0,
-    unit: str | None = None,
-    gaps: Literal["fill", "refuse"] = "fill",
-    external_files: bool = False,
-    memory: float | str | None = None,
-    holes: bool = False,
-    cache: bool | str | PathLike[str] = True,
+    **options: Unpack[OpenOptions],
 ) -> Volume:
     """The volume in a file or folder, in the RAS world frame if the format has one.
 
@@ -123,43 +113,8 @@ def open(
         NIfTI (.nii, .nii.gz, .hdr/.img), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), VTK images (.vtk, .vti), a folder
         of DICOM files or one of the files, a TIFF stack (one file or a folder), .npy, .npz, raw, HDF5, OME-Zarr (also
         under a URL). Or an object of another library, without options: the same as `Volume(object)`.
-    series : str, optional
-        DICOM: the Series Instance UID, if the folder holds several series.
-    time, channel : int, optional
-        Which time point and which channel, from 0, if the file holds several. DICOM: which volume of a series, such as
-        an echo, or magnitude or phase.
-        In arrays without named axes (.npy, raw, HDF5), time is the first axis and channel the last.
-    dataset : str, optional
-        HDF5, .npz, .vti, .vtk, Zarr: the name of the array, if there are several.
-    level : int, optional
-        OME-Zarr: the level of detail; 0, the default, is the finest.
-    shape, dtype : optional
-        Raw: number of samples (z, y, x) and their type, such as "uint8".
-    spacing : three numbers (x, y, z), optional
-        Distances between neighbouring samples, instead of what the file says, in its unit or in `unit`.
-    byte_order : "little" or "big", optional
-        Raw: of samples wider than a byte; little by default.
-    offset : int, default 0
-        Raw: bytes before the first sample.
-    unit : str, optional
-        The world's unit of length, "mm", "um", "nm", "m", ..., instead of what the file says; numbers stay as they are.
-    gaps : "fill" or "refuse", default "fill"
-        DICOM: slices that are missing, or not evenly spaced, are filled in from their neighbours with a warning, or an
-        error.
-    external_files : bool, default False
-        NRRD, MetaImage, OME-TIFF, HDF5: also read samples from files that this one names in other folders; HDF5: from
-        any that it names. Such a file can name whatever you may read: allow it for files that you trust.
-
-    memory : str or number, optional
-        Leave the samples where they are, and read them while they are drawn, with at most this many bytes in memory,
-        such as "2 GB": a `LazyVolume`, as from `Volume.lazy`, for an OME-Zarr image with all its levels. None does the
-        same where the samples take more than a quarter of the free memory. Not for files that are compressed as one
-        stream, and not for DICOM.
-    holes : bool, default False
-        With `memory`: samples that cannot be read are left out and reported, instead of an error.
-    cache : bool or path, default True
-        With `memory`: where range and bounds of the samples are kept, as for `Volume.lazy`: the user's cache folder, a
-        folder of that name, or nowhere.
+    **options : OpenOptions
+        What to read of the file, and how.
 
     Returns
     -------
@@ -190,30 +145,8 @@ def open(
     (2, 3, 4)
     """
     if not isinstance(path, str | PathLike):
-        options = Request(
-            ".", series, time, channel, dataset, level, shape, dtype, spacing, byte_order, offset, unit, gaps
-        )
-        return _held(path, replace(options, memory=memory))
-    request = requested(
-        path,
-        series=series,
-        time=time,
-        channel=channel,
-        dataset=dataset,
-        level=level,
-        shape=shape,
-        dtype=dtype,
-        spacing=spacing,
-        byte_order=byte_order,
-        offset=offset,
-        unit=unit,
-        gaps=gaps,
-        external_files=external_files,
-        memory=memory,
-        holes=holes,
-        cache=cache,
-    )
-    return opened(request, stacklevel=4)
+        return _held(path, Request(".", **options))
+    return opened(requested(path, **options), stacklevel=5)
 
 
 def _held(thing: VolumeLike, options: Request) -> Volume:

@@ -9,7 +9,7 @@ from contextvars import ContextVar
 from dataclasses import dataclass, field, fields
 from os import PathLike, fspath
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, Literal, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -74,7 +74,7 @@ def several(
 
 @dataclass(frozen=True)
 class Request:
-    """The arguments of `wavesplat.open`."""
+    """The arguments of `wavesplat.open`: a path, and the values of `OpenOptions`."""
 
     path: str | PathLike[str]
     series: str | None = None
@@ -85,10 +85,10 @@ class Request:
     shape: Sequence[int] | None = None
     dtype: DTypeLike | None = None
     spacing: Sequence[float] | None = None
-    byte_order: str | None = None
+    byte_order: Literal["little", "big"] | None = None
     offset: int = 0
     unit: str | None = None
-    gaps: str = "fill"
+    gaps: Literal["fill", "refuse"] = "fill"
     external_files: bool = False
     #: For volumes that are left in their files: bytes that are held at once, whether samples that cannot be read are
     #: left out, and where surveys are kept.

@@ -5,44 +5,34 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from os import PathLike, fspath
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from wavesplat._files.patterns import matching_files
 from wavesplat._model.argument_types import described, takes_its_types
+from wavesplat._model.option_lists import takes_options
 from wavesplat._model.series import Series
 from wavesplat._model.sources import Source, of_series
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
 from wavesplat._readers.opening import opened
+from wavesplat._readers.options import FileOptions
 from wavesplat._readers.request import Request, SeveralError, requested
 from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
-    import numpy as np
+    from typing_extensions import Unpack
 
 __all__ = ["open_series"]
 
 
 @public
 @takes_its_types
+@takes_options(FileOptions, Request)
 def open_series(
     path: str | PathLike[str] | Sequence[str | PathLike[str]],
     *,
-    series: str | None = None,
     channel: int | None = None,
-    dataset: str | None = None,
-    level: int | None = None,
-    shape: Sequence[int] | None = None,
-    dtype: np.typing.DTypeLike | None = None,
-    spacing: Sequence[float] | None = None,
-    byte_order: Literal["little", "big"] | None = None,
-    offset: int = 0,
-    unit: str | None = None,
-    gaps: Literal["fill", "refuse"] = "fill",
-    external_files: bool = False,
-    memory: float | str | None = None,
-    holes: bool = False,
-    cache: bool | str | PathLike[str] = True,
+    **options: Unpack[FileOptions],
 ) -> Series:
     """The time points of a file, or files of one time point each, read when they are asked for.
 
@@ -53,9 +43,10 @@ def open_series(
         ImageJ, DICOM; arrays without named axes (.npy, raw, HDF5), whose first axis is time. Or files of one time point
         each, in order: a list, or a pattern such as "frames/t*.nii.gz", whose files are taken in the order of the
         numbers in their names (t2 before t10). A file of one volume is a series of one.
-    series, channel, dataset, level, shape, dtype, spacing, byte_order, offset, unit, gaps, external_files, memory,
-    holes, cache :
-        optional. As for `wavesplat.open`, for every time point.
+    channel : int, optional
+        As for `wavesplat.open`.
+    **options : FileOptions
+        As for `wavesplat.open`, for every time point.
 
     Returns
     -------
@@ -77,30 +68,13 @@ def open_series(
     >>> len(series), series[-1].shape, series[1:3]
     (5, (8, 8, 8), <Series 'beating.npy': 2 time points>)
     """
-    options = {
-        "series": series,
-        "channel": channel,
-        "dataset": dataset,
-        "level": level,
-        "shape": shape,
-        "dtype": dtype,
-        "spacing": spacing,
-        "byte_order": byte_order,
-        "offset": offset,
-        "unit": unit,
-        "gaps": gaps,
-        "external_files": external_files,
-        "memory": memory,
-        "holes": holes,
-        "cache": cache,
-    }
     paths = _files(path)
     if len(paths) == 1 and isinstance(path, str | PathLike):
-        points: Any = _OfOneFile(requested(paths[0], **options))
+        points: Any = _OfOneFile(requested(paths[0], channel=channel, **options))
         made = Series(points, name=points.request.name)
         made._source = _source_of(path, points.request)
         return made
-    requests = [requested(one, **options) for one in paths]
+    requests = [requested(one, channel=channel, **options) for one in paths]
     for request in requests:
         if not (request.is_url or request.file.exists()):
             raise FileError(f"no such file or folder; check the name: {request.safe_path}")

@@ -73,6 +73,14 @@ class RenderOptions(FrameOptions, total=False):
         Composite rays in segments of so many slices, which are folded from front to back: with `client` a task each,
         for data in workers' memory. The picture is the same wherever it is drawn, and differs from that in one go by
         where rays stop, at most 2e-4 of full light. Not with `depth`, and not of a local maximum.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> scene = ws.Scene(ws.examples.ripples(16))
+    >>> small: ws.RenderOptions = {"size": (48, 32), "quality": "draft"}
+    >>> [scene.render(view, **small).size for view in ("front", "left")]
+    [(48, 32), (48, 32)]
     """
 
     depth: bool

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from operator import index
 from os import PathLike
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from wavesplat._files.addresses import safe_address
 from wavesplat._looks.channels import CHANNEL_COLORS, Rgb
@@ -16,18 +16,20 @@ from wavesplat._looks.look import Look
 from wavesplat._looks.over_time import brightest
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.facts import Channel
+from wavesplat._model.option_lists import takes_options
 from wavesplat._model.options import Composite
 from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
-from wavesplat._readers.request import SeveralError
+from wavesplat._readers.options import FileOptions
+from wavesplat._readers.request import Request, SeveralError
 from wavesplat._readers.time_points import open_series
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import MAX_LAYERS, Scene
 from wavesplat.errors import ArgumentError, WavesplatWarning
 
 if TYPE_CHECKING:
-    import numpy as np
+    from typing_extensions import Unpack
 
 __all__ = ["open_scene"]
 
@@ -49,26 +51,14 @@ class _Wanted:
 
 @public
 @takes_its_types
+@takes_options(FileOptions, Request)
 def open_scene(
     path: str | PathLike[str] | Sequence[str | PathLike[str]],
     *,
     channels: Sequence[Any] | None = None,
     time: int = 0,
     composite: Composite = "over",
-    series: str | None = None,
-    dataset: str | None = None,
-    level: int | None = None,
-    shape: Sequence[int] | None = None,
-    dtype: np.typing.DTypeLike | None = None,
-    spacing: Sequence[float] | None = None,
-    byte_order: Literal["little", "big"] | None = None,
-    offset: int = 0,
-    unit: str | None = None,
-    gaps: Literal["fill", "refuse"] = "fill",
-    external_files: bool = False,
-    memory: float | str | None = None,
-    holes: bool = False,
-    cache: bool | str | PathLike[str] = True,
+    **options: Unpack[FileOptions],
 ) -> Scene:
     """A scene of all channels in a file, in the file's colours and windows.
 
@@ -84,8 +74,8 @@ def open_scene(
         Which time point, if the file holds several. The scene keeps all of them: `scene.at_time(3)`.
     composite : str, default "over"
         Operator that several channels are shown with: "over", or "maximum", whose colours add up.
-    series, dataset, level, shape, dtype, spacing, byte_order, offset, unit, gaps, external_files, memory, holes, cache
-        : optional. As for `wavesplat.open`.
+    **options : FileOptions
+        As for `wavesplat.open`.
 
     Returns
     -------
@@ -118,22 +108,6 @@ def open_scene(
     >>> scene, scene.render(size=(32, 32)).rgba.shape
     (<Scene: 'channel 0', 'channel 1'>, (32, 32, 4))
     """
-    options = {
-        "series": series,
-        "dataset": dataset,
-        "level": level,
-        "shape": shape,
-        "dtype": dtype,
-        "spacing": spacing,
-        "byte_order": byte_order,
-        "offset": offset,
-        "unit": unit,
-        "gaps": gaps,
-        "external_files": external_files,
-        "memory": memory,
-        "holes": holes,
-        "cache": cache,
-    }
     source = _Source(path, options, time)
     wanted = _all_of(source) if channels is None else [_wanted(one, source) for one in channels]
     if not 1 <= len(wanted) <= MAX_LAYERS:
@@ -151,7 +125,7 @@ def open_scene(
 class _Source:
     """The channels of a file, each read once, when it is first asked for."""
 
-    def __init__(self, path: Any, options: dict[str, Any], time: int) -> None:
+    def __init__(self, path: Any, options: FileOptions, time: int) -> None:
         self.path, self.options, self.time = path, options, time
         self._read: dict[int, Series] = {}
         self.n, self._names = 1, tuple[str, ...]()
@@ -204,7 +178,7 @@ def _all_of(source: _Source) -> list[_Wanted]:
         f"the file holds {source.n} channels, a scene at most {MAX_LAYERS}: {listed} are taken; choose others with "
         f"channels= (--channel): {safe_address(source.path)}",
         WavesplatWarning,
-        stacklevel=4,
+        stacklevel=5,
     )
     return [_Wanted(number) for number in taken]
 

@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from wavesplat._movie.turn import Turn
     from wavesplat._native import __version__
     from wavesplat._picture.picture import Picture
+    from wavesplat._picture.report import Report
     from wavesplat._readers.opening import open
     from wavesplat._readers.options import OpenOptions
     from wavesplat._readers.time_points import open_series
@@ -83,6 +84,7 @@ __all__ = [
     "OpenOptions",
     "Picture",
     "RenderOptions",
+    "Report",
     "Sampling",
     "Scene",
     "Series",
@@ -139,6 +141,7 @@ _HOMES = {
     "OpenOptions": "_readers.options",
     "Picture": "_picture.picture",
     "RenderOptions": "_render.options",
+    "Report": "_picture.report",
     "Sampling": "_model.sampling",
     "Scene": "_scene.scene",
     "Series": "_model.series",

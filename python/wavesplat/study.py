@@ -24,6 +24,7 @@ from wavesplat._model.volume import Volume
 from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture.picture import Picture
+from wavesplat._picture.report import Report
 from wavesplat._render import arguments
 from wavesplat._render.options import DrawOptions, RenderOptions
 from wavesplat._scene.drawing import draw
@@ -372,4 +373,4 @@ def standard(
         threads=arguments.chosen_threads(threads),
         progress=progress,
     )
-    return Picture(result["rgba"], result["depth"], result["value"], result["report"])
+    return Picture(result["rgba"], result["depth"], result["value"], Report(result["report"]))

@@ -70,7 +70,9 @@ def json_text(facts: dict[str, Any]) -> str:
     """Facts as JSON; NaN and infinity, which JSON lacks, become null."""
     import json
 
-    return json.dumps(_finite(facts), indent=2, allow_nan=False, default=float)
+    from wavesplat._picture.report import finite
+
+    return json.dumps(finite(facts), indent=2, allow_nan=False, default=float)
 
 
 def message(text: str) -> None:
@@ -123,14 +125,6 @@ def _as_bytes(error: UnicodeError) -> tuple[bytes | str, int]:
     letter = ord(error.object[error.start])
     is_byte = 0xDC80 <= letter <= 0xDCFF  # as Python keeps bytes of names (PEP 383)
     return bytes([letter - 0xDC00]) if is_byte else f"\\u{letter:04x}", error.start + 1
-
-
-def _finite(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {name: _finite(part) for name, part in value.items()}
-    if isinstance(value, list | tuple):
-        return [_finite(part) for part in value]
-    return None if isinstance(value, float) and value - value != 0 else value
 
 
 def _give_up_stdout() -> None:

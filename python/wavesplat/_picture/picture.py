@@ -13,6 +13,7 @@ from numpy.typing import DTypeLike, NDArray
 
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._picture.marks import Canvas
+from wavesplat._picture.report import Report
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
@@ -41,21 +42,21 @@ class Picture:
         World units along the ray to where it is half absorbed; NaN where it never is.
     value : float32 array, shape (height, width), or None
         For projections and slices: the value, in sample units (sum: times world units); NaN outside the volume.
-    report : dict
-        How the picture was made: sheets, texels, threads. What it shows, as JSON has it: `camera`, `pixel`, `unit`,
-        `anatomical`, `background`, `shown` (layers and their colours), `labels`. `notes`, a list of sentences, where it
-        has one colour all over. Of `render` also `seconds`, the times of its stages: `prepare` (bounds of bricks,
-        spline coefficients; next to nothing after the first frame), `plan`, `draw` and `warp`.
+    report : Report
+        How the picture was made, and what it shows.
     """
 
     rgba: NDArray[np.float32]
     depth: NDArray[np.float32] | None = None
     value: NDArray[np.float32] | None = None
-    report: dict[str, Any] = field(default_factory=dict)
+    report: Report = field(default_factory=Report)
     #: Canvas that `annotated` drew: the rendering and the marks on it, for files that hold vectors.
     _canvas: Canvas | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
+        report: object = self.report
+        if not isinstance(report, Report):
+            object.__setattr__(self, "report", Report(report))  # type: ignore[call-overload]
         rgba: object = self.rgba
         if not isinstance(rgba, np.ndarray):
             raise ArgumentError(f"rgba of the picture is {described(rgba)}; give a float32 array (height, width, 4)")
@@ -125,7 +126,7 @@ class Picture:
                 f"a picture of {self.size[0]} x {self.size[1]} pixels cannot lie over one of {below.size[0]} x "
                 f"{below.size[1]}; draw both in one size"
             )
-        return Picture(self.rgba + (1 - self.rgba[..., 3:]) * below.rgba, report={"over": self.report})
+        return Picture(self.rgba + (1 - self.rgba[..., 3:]) * below.rgba, report=Report(over=self.report))
 
     @takes_its_types
     def annotated(
@@ -230,7 +231,7 @@ class Picture:
         if isinstance(self.report.get("scene"), dict):
             # So that the document of the picture has the figure too.
             told = told | {"scene": self.report["scene"] | {"figure": wanted.as_json()}}
-        made = Picture(raster.drawn(canvas), report=self.report | told)
+        made = Picture(raster.drawn(canvas), report=Report(self.report | told))
         object.__setattr__(made, "_canvas", canvas)
         return made
 

@@ -33,6 +33,7 @@ from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture import orientation
 from wavesplat._picture.picture import Picture
+from wavesplat._picture.report import Report
 from wavesplat._picture.report_facts import shown_layer
 from wavesplat._render import windows
 from wavesplat._render.arguments import (
@@ -118,7 +119,7 @@ def sliced(
     picture = _on_background(rgb, shown, background)
     if notes := notes_on_slice(picture, values, report.get("clim")):
         report["notes"] = notes
-    return Picture(picture, value=values, report=report), planes
+    return Picture(picture, value=values, report=Report(report)), planes
 
 
 @dataclass(frozen=True)

@@ -29,6 +29,7 @@ from wavesplat._model.options import BY_VIEW
 from wavesplat._model.sampling import Sampling, checked_quality
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture.picture import Picture
+from wavesplat._picture.report import Report
 from wavesplat._render import projection
 from wavesplat._render.arguments import (
     check_picture_memory,
@@ -191,7 +192,7 @@ def _empty(frame: _Frame) -> Picture:
     rgba = _over_background(np.zeros((height, width, 4), np.float32), frame.background)
     device = {"name": "cpu", "reason": "nothing is drawn"}
     report = {"n_texels": 0, "device": device, "layers": [], "notes": ["no layer of the scene is visible"]}
-    return Picture(rgba, report=report)
+    return Picture(rgba, report=Report(report))
 
 
 def _in_one(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> Picture:
@@ -213,7 +214,7 @@ def _in_one(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Cur
         notes = notes_on_layers(rgba)
     if notes:
         report["notes"] = notes
-    return Picture(rgba, result["depth"], value, report)
+    return Picture(rgba, result["depth"], value, Report(report))
 
 
 def _added(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> Picture:
@@ -237,7 +238,7 @@ def _added(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curv
     report |= {"processing": list(layers[0].volume.facts.processing), "layers": reports}
     if notes := notes_on_layers(rgba):
         report["notes"] = notes
-    return Picture(rgba, report=report)
+    return Picture(rgba, report=Report(report))
 
 
 def _part_of(progress: Callable[[float], object] | None, number: int, n: int) -> Callable[[float], object] | None:

@@ -16,6 +16,7 @@ from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.option_lists import takes_options
 from wavesplat._model.sampling import Sampling
 from wavesplat._picture.picture import Picture
+from wavesplat._picture.report import Report
 from wavesplat._public import public
 from wavesplat._render.lazy_layers import pixel_in_samples
 from wavesplat._render.options import DrawOptions, FrameOptions
@@ -142,7 +143,7 @@ def _enlarged(picture: Picture, size: tuple[int, int]) -> Picture:
     columns = np.arange(width) * picture.rgba.shape[1] // width
     index = np.ix_(rows, columns)
     depth, value = (None if plane is None else plane[index] for plane in (picture.depth, picture.value))
-    return Picture(picture.rgba[index], depth, value, dict(picture.report))
+    return Picture(picture.rgba[index], depth, value, Report(picture.report))
 
 
 def _in_blocks(scene: Scene, camera: Camera, options: DrawOptions, coarse: Picture | None) -> Iterator[Picture]:
@@ -188,5 +189,5 @@ def _in_blocks(scene: Scene, camera: Camera, options: DrawOptions, coarse: Pictu
 def _over(rgba: Any, coarse: Picture | None, told: dict[str, Any]) -> Picture:
     """The pixels that are drawn, and the coarser picture where none are yet."""
     if coarse is None:
-        return Picture(rgba, report=dict(told))
-    return Picture(np.where(rgba[..., 3:] > 0, rgba, coarse.rgba), report=dict(coarse.report))
+        return Picture(rgba, report=Report(told))
+    return Picture(np.where(rgba[..., 3:] > 0, rgba, coarse.rgba), report=Report(coarse.report))

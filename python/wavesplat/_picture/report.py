@@ -1,0 +1,165 @@
+"""The report of a picture: how it was made, and what it shows. Every field stands in `FIELDS`, and nowhere else."""
+
+from __future__ import annotations
+
+import json
+import math
+from typing import Any, NamedTuple
+
+from wavesplat._public import public
+
+__all__ = ["FIELDS", "Report", "finite"]
+
+NUMBER, WHOLE, TEXT, FLAG, OBJECT = ({"type": name} for name in ("number", "integer", "string", "boolean", "object"))
+TEXTS = {"type": "array", "items": TEXT}
+THREE = {"type": "array", "items": NUMBER, "minItems": 3, "maxItems": 3}
+TWO = {"type": "array", "items": NUMBER, "minItems": 2, "maxItems": 2}
+PIXELS = {"type": "array", "items": WHOLE, "minItems": 2, "maxItems": 2}
+OBJECTS = {"type": "array", "items": OBJECT}
+
+
+def _or_none(schema: dict[str, Any]) -> dict[str, Any]:
+    return {"anyOf": [schema, {"type": "null"}]}
+
+
+class Field(NamedTuple):
+    """A field of a report: its JSON schema, and what it says."""
+
+    schema: dict[str, Any]
+    text: str
+
+
+#: Fields by name. A report has those that its picture has something to say about.
+FIELDS: dict[str, Field] = {
+    # What is shown.
+    "size": Field(PIXELS, "Width and height, pixels."),
+    "pixel": Field(
+        _or_none(NUMBER), "Distance of neighbouring pixels, world units; in perspective in the focal plane."
+    ),
+    "unit": Field(_or_none(TEXT), "Unit of the world's lengths; none where unknown."),
+    "anatomical": Field(FLAG, "Whether the world's axes are a patient's: x to the left ear, y to the back, z up."),
+    "camera": Field(OBJECT, "The camera, as `Camera.from_json` takes it; slices have none."),
+    "background": Field(
+        _or_none({"anyOf": [{"type": "array", "items": NUMBER}, TEXT]}), "Colour behind all; none is transparent."
+    ),
+    "look": Field(OBJECT, "Name of the first layer's look, and the reason why it was chosen."),
+    "layers": Field(OBJECTS, "Of several layers a report each; of slices name, opacity, time and processing of each."),
+    "shown": Field(OBJECTS, "The visible layers: name, unit of values, operator, and the colours of values."),
+    "labels": Field(OBJECTS, "Names and colours of the labels that show."),
+    "processing": Field(TEXTS, "What was done to the samples before, a sentence each (`Facts.processing`)."),
+    "resampled": Field(TEXTS, "Names of layers that were resampled onto the first one's axes."),
+    "notes": Field(TEXTS, "What a user should know, a sentence each: why nothing shows, or why the CPU drew."),
+    "scene": Field(OBJECT, "The scene as a document that draws the same picture (`Scene.from_json`)."),
+    "version": Field(TEXT, "Version of Wavesplat that drew the picture."),
+    # How it was drawn.
+    "quality": Field({"type": ["string", "object"]}, "Quality that was asked for; of a PSNR the sampling it took."),
+    "kernel": Field(TEXT, "Reconstruction between samples."),
+    "composite": Field(TEXT, "Operator along the rays."),
+    "local_threshold": Field(NUMBER, "Of local maxima: the value from which a maximum counts."),
+    "depth_shading": Field(
+        TWO, "Of depth-shaded maxima: share of light that is lost at the back; value that is black."
+    ),
+    "attenuation": Field(TWO, "Of X-rays: value that is clear; optical depth per unit of value and of the world."),
+    "sheets_per_slice": Field(NUMBER, "Sheets for each distance of slices."),
+    "oversampling": Field(NUMBER, "Texels for each pixel, along each side."),
+    "expected_psnr_db": Field(NUMBER, "With `psnr`: estimated PSNR against the converged picture, dB."),
+    "expected_psnr_spread_db": Field(NUMBER, "With `psnr`: standard deviation of that estimate, dB."),
+    "measured": Field(_or_none(OBJECT), "With `psnr`: errors that were measured, for the next pictures."),
+    "device": Field(OBJECT, "What drew: `name`, and `reason` why it was the CPU; of a GPU also what it took."),
+    # What it took.
+    "seconds": Field(
+        OBJECT,
+        "Times of the stages: `prepare` (bounds of bricks, spline coefficients; next to nothing after the first "
+        "picture), `plan`, `draw` and `warp`.",
+    ),
+    "n_texels": Field(WHOLE, "Texels of sheets that were looked at."),
+    "n_skipped_slabs": Field(WHOLE, "Slabs of tiles that were left out because nothing is seen in them."),
+    "n_base_planes": Field(WHOLE, "Base planes: one, or up to three in perspective."),
+    "n_base_texels": Field(WHOLE, "Texels of the base planes."),
+    "n_sheets": Field({"type": "array", "items": WHOLE}, "Sheets of each base plane."),
+    "n_planes": Field(WHOLE, "Of a slice: planes that were combined; 1 unless it is a slab."),
+    "n_splats": Field(WHOLE, "Of standard splatting: samples that were splatted."),
+    "n_nonfinite_samples": Field(WHOLE, "Samples that are no numbers, or infinite."),
+    "n_threads": Field(WHOLE, "Threads that drew."),
+    "simd": Field(TEXT, "Vector instructions of the processor that were used."),
+    "lazy": Field(OBJECT, "Of lazy volumes: levels, origin of bounds, bytes read, blocks, seconds and waiting."),
+    "holes": Field(TEXTS, "Samples that could not be read, a sentence each."),
+    "is_final": Field(FLAG, "Of `wavesplat.progressive`: whether it is the last picture."),
+    # Slices.
+    "position": Field(NUMBER, "Of a slice: where the plane crosses its axis, world units."),
+    "normal": Field(THREE, "Of a slice: unit vector at right angles to the plane."),
+    "origin": Field(THREE, "Of a slice: world position of the centre of the first pixel."),
+    "right": Field(THREE, "Of a slice: unit vector of the world along the rows of pixels."),
+    "down": Field(THREE, "Of a slice: unit vector of the world down the columns of pixels."),
+    "letters": Field(_or_none(OBJECT), "Of a slice: the patient's sides at the edges; none without anatomy."),
+    "window": Field(TWO, "Of a slice: level and width of the values that are shown."),
+    "clim": Field(TWO, "Of a slice: the values shown as black and as white."),
+    # Figures, and pictures over each other.
+    "scale_bar": Field(OBJECT, "Of a figure: length, pixels and text of its scale bar."),
+    "over": Field(OBJECT, "Of a picture over another: the report of the upper one."),
+    # Studies.
+    "method": Field(TEXT, "Of studies: the method that drew."),
+    "buffer": Field(TEXT, "Of standard splatting: how its sheets lie."),
+    "view_angle_correction": Field(FLAG, "Of studies: whether opacities are corrected for the angle of the view."),
+}
+
+
+@public
+class Report(dict[str, Any]):
+    """How a picture was made, and what it shows: a dictionary whose fields are attributes too.
+
+    `docs/report.md` lists the fields. One that a picture has nothing to say about is not among the keys, and None as an
+    attribute.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> report = ws.render(ws.examples.ripples(8), size=(24, 16), device="cpu").report
+    >>> report["size"], report.kernel, report.device["name"], report.scale_bar
+    ([24, 16], 'linear', 'cpu', None)
+    >>> report.to_json()[:21]
+    '{"sheets_per_slice": '
+    """
+
+    def __getattr__(self, name: str) -> Any:
+        if name in FIELDS:
+            return self.get(name)
+        raise AttributeError(f"a report has no field {name!r}; Report.fields() has those that there are")
+
+    def __dir__(self) -> list[str]:
+        return [*super().__dir__(), *FIELDS]
+
+    def to_json(self, indent: int | None = None) -> str:
+        """The report as JSON text, of the schema `schema()`.
+
+        Parameters
+        ----------
+        indent : int, optional
+            Columns by which inner lines are moved in; None writes one line.
+        """
+        return json.dumps(finite(self), indent=indent, allow_nan=False, default=float)
+
+    @classmethod
+    def fields(cls) -> dict[str, str]:
+        """Names of all fields, and what each says."""
+        return {name: field.text for name, field in FIELDS.items()}
+
+    @classmethod
+    def schema(cls) -> dict[str, Any]:
+        """The JSON schema (draft 2020-12) of reports."""
+        return {
+            "$schema": "https://json-schema.org/draft/2020-12/schema",
+            "title": "Report of a picture of Wavesplat",
+            "type": "object",
+            "properties": {name: {**field.schema, "description": field.text} for name, field in FIELDS.items()},
+            "additionalProperties": False,
+        }
+
+
+def finite(value: Any) -> Any:
+    """A value whose numbers that JSON cannot hold are None."""
+    if isinstance(value, dict):
+        return {key: finite(one) for key, one in value.items()}
+    if isinstance(value, list | tuple):
+        return [finite(one) for one in value]
+    return None if isinstance(value, float) and not math.isfinite(value) else value

@@ -1,13 +1,14 @@
 """Checks of arguments against a function's annotations; the error names the argument and what it takes.
 
-Only annotations whose parts, joined by `|`, are all in `KINDS` (or `Callable`) are checked; others where they are used.
+An annotation is one or several types, joined by `|`. Each of them is in `KINDS`, which says how it is checked, or in
+`CHECKED_BY_FUNCTIONS`; any other is an error when the function is defined. Arguments with a type of the second list are
+checked by the function itself.
 """
 
 from __future__ import annotations
 
 import inspect
 import os
-import re
 from collections.abc import Callable, Iterable
 from functools import wraps
 from operator import index
@@ -94,29 +95,35 @@ def takes_its_types(function: Callable[P, R]) -> Callable[P, R]:
 
 
 def _check(annotation: str) -> Callable[[str, object], None] | None:
-    """A checker of values against an annotation; None for annotations with parts that are not in `KINDS`."""
-    if annotation == "Volume":
+    """A checker of values against an annotation; None for one that the function checks itself."""
+    words = [annotation] if annotation in KINDS else _alternatives(annotation)
+    for word in words:
+        if word not in KINDS and word.partition("[")[0] not in CHECKED_BY_FUNCTIONS:
+            raise TypeError(f"annotation {annotation!r}: add {word!r} to KINDS or CHECKED_BY_FUNCTIONS")
+    if annotation == "Volume" or not all(word in KINDS for word in words):
         return None  # functions that take only samples say what to do with coefficients
-    words = [annotation] if annotation in KINDS else re.split(r" \| (?![^\[]*\])", annotation)
-    kinds = [_kind(word) for word in words]
-    if not all(kinds):
-        return None
-    forms = list(dict.fromkeys(form for kind in kinds if kind and (form := kind[1])))
+    kinds = [KINDS[word] for word in words]
+    forms = list(dict.fromkeys(form for _, form in kinds if form))
 
     def check(name: str, value: object) -> None:
         if TEXT in kinds:
             check_text(value, name)
-        if not any(kind and kind[0](value) for kind in kinds):
+        if not any(fits(value) for fits, _ in kinds):
             raise ArgumentError(f"{name} is {described(value)}; give {' or '.join(forms)}")
 
     return check
 
 
-def _kind(word: str) -> tuple[Callable[[object], bool], str] | None:
-    """Test for one part of an annotation, and its form in messages; None for an unknown part."""
-    if word in KINDS:
-        return KINDS[word]
-    return (callable, "a function") if word.startswith("Callable[") else None
+def _alternatives(annotation: str) -> list[str]:
+    """The types of an annotation that are joined by `|` outside of brackets."""
+    words, depth = [""], 0
+    for letter in annotation.replace(" | ", "|"):
+        depth += (letter == "[") - (letter == "]")
+        if letter == "|" and depth == 0:
+            words.append("")
+        else:
+            words[-1] += letter
+    return words
 
 
 def _is_number(value: object) -> bool:
@@ -182,4 +189,14 @@ KINDS: dict[str, tuple[Callable[[object], bool], str]] = {
     "TransferFunction2D": (_is_a("TransferFunction2D"), "a TransferFunction2D"),
     "Materials": (_is_a("Materials"), "Materials"),
     "Crop": (_is_a("Crop"), "a wavesplat.Crop(lower, upper, space=...)"),
+    "Callable[[float], object]": (callable, "a function"),
 }
+
+#: Types whose values the functions check themselves, since they take them in several forms, or say what to do instead.
+CHECKED_BY_FUNCTIONS = frozenset(
+    {
+        *("Any", "object", "VolumeLike", "Scene", "Labels", "AnyLook", "Sampling", "Operator", "Opacity"),
+        *("Camera", "Clip", "Along", "Plane", "Orientation", "Corner", "Side", "Fit", "Ablation", "StandardSplatting"),
+        *("tuple", "Iterable", "Sequence", "Mapping", "Literal", "PathLike", "ArrayLike", "DTypeLike"),
+    }
+)

@@ -253,7 +253,7 @@ def test_nothing_is_told_before_a_hello(server):
 def test_pages_that_wait_are_told_how_far_it_is_and_why_it_failed():
     server = Server()
     try:
-        server.tell("Opening scan.nii", 0.5)
+        server.send_progress("Opening scan.nii", 0.5)
         server.fail("scan.nii is no volume")
         (failed, progress), _ = talk(server, hello(server), n=2)
         assert failed == {"type": "failed", "id": None, "code": "open", "message": "scan.nii is no volume"}

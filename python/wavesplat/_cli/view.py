@@ -100,7 +100,7 @@ def view(
             _tell_how_to_reach(server.port)
         if browser:
             server.open_in_browser()
-        server.tell(f"Opening {_name(input, state, example)}")
+        server.send_progress(f"Opening {_name(input, state, example)}")
         try:
             first = _opened(
                 input,

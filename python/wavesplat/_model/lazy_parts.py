@@ -53,7 +53,7 @@ def read_box(array: LazyArray, box: Box) -> NDArray[Any]:
     n = math.prod(b - a for a, b in zip(*box, strict=True))
     check_room(n * array.dtype.itemsize, "the samples", "read a smaller box, or a coarser level")
     with BoxReader([array]) as reader:
-        return reader.filled(0, box, [box]).result()
+        return reader.begin(0, box, [box]).result()
 
 
 def _index_box(volume: LazyVolume, level: Level, crop: Crop) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -42,8 +42,8 @@ __all__ = ["LazyVolume", "default_memory"]
 
 #: Default budget: one part in SHARE of the free memory, at most MAX_DEFAULT bytes.
 SHARE, MAX_DEFAULT = 4, 4 * 10**9
-#: Entries of `Known.ready` that are kept, at most.
-MAX_READY = 4
+#: Entries of `LazyCache.derived` that are kept, at most.
+MAX_DERIVED = 4
 #: Samples of the level that looks and cameras are made from, at most: SMALL, and one in OVERVIEW_SHARE of the finest
 #: level's, since a first picture from afar must not wait for samples that it does not show.
 SMALL, OVERVIEW_SHARE = 1 << 21, 64
@@ -69,7 +69,7 @@ class Level:
         return x, y, z
 
 
-class Known:
+class LazyCache:
     """Cache of the lazy volumes that read the same levels with the same budget: surveys, and data made of them.
 
     n_changes : number of changes found in the files so far.
@@ -81,12 +81,12 @@ class Known:
         self.generation = 0
         #: Surveys by level and kernel, and data made of them, the latest last.
         self.surveys: dict[tuple[int, str], Survey] = {}
-        self.ready: dict[Any, Any] = {}
+        self.derived: dict[Any, Any] = {}
 
     def forget(self) -> None:
         """Drop everything: the samples have changed."""
         self.surveys.clear()
-        self.ready.clear()
+        self.derived.clear()
         self.generation += 1
 
 
@@ -121,7 +121,7 @@ class LazyVolume(Volume):
     True
     """
 
-    __slots__ = ("_at", "_holes", "_keep", "_known", "_levels", "_memory")
+    __slots__ = ("_at", "_cache", "_holes", "_keep", "_levels", "_memory")
 
     _levels: list[Level]
     #: The level that is drawn; None for the one that a picture needs.
@@ -130,7 +130,7 @@ class LazyVolume(Volume):
     _keep: bool | str | PathLike[str]
     _holes: bool
     #: Shared by the volumes that `at_level` makes.
-    _known: Known
+    _cache: LazyCache
 
     @classmethod
     def _made(
@@ -156,7 +156,7 @@ class LazyVolume(Volume):
         volume._keep = keep
         volume._holes = holes
         volume._at = None
-        volume._known = Known(volume.n_changes_of_files())
+        volume._cache = LazyCache(volume.n_changes_of_files())
         volume._source = None
         volume._cut = None
         volume._resampled = None
@@ -191,13 +191,13 @@ class LazyVolume(Volume):
         arrays in folders that were written to are noticed at the next picture without it, and so are other files,
         which must be opened again.
         """
-        self._known.forget()
+        self._cache.forget()
         self._source = None
 
     @property
     def _identity(self) -> tuple[object, int]:
         """Key that is equal for the same samples, and another one after a change."""
-        return self._known, self._known.generation
+        return self._cache, self._cache.generation
 
     def notice_changes(self) -> None:
         """Drop everything made from the samples if their files have changed; in a picture only at its start.
@@ -210,9 +210,9 @@ class LazyVolume(Volume):
         for files in self._files():
             look_again(files)
         n_changes = self.n_changes_of_files()
-        if n_changes != self._known.n_changes:
-            self._known.n_changes = n_changes
-            self._known.forget()
+        if n_changes != self._cache.n_changes:
+            self._cache.n_changes = n_changes
+            self._cache.forget()
 
     def _files(self) -> list[SourceFiles]:
         """The files of all levels."""
@@ -225,7 +225,7 @@ class LazyVolume(Volume):
         return sum(files.n_changes for files in self._files())
 
     def _renew(self) -> None:
-        self._known.ready.clear()
+        self._cache.derived.clear()
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
         """All samples, read into memory, as `numpy.asarray(volume)` asks for them."""
@@ -276,7 +276,7 @@ class LazyVolume(Volume):
         level = self._surveyed_level()
         if math.prod(self._levels[level].array.shape) <= SMALL:
             return True
-        return self.known_survey(level, "linear") is not None or (level, "linear") in self._known.surveys
+        return self.known_survey(level, "linear") is not None or (level, "linear") in self._cache.surveys
 
     def _surveyed_level(self) -> int:
         """The level that ranges and looks are made from: the finest of few samples (`SMALL`, `OVERVIEW_SHARE`)."""
@@ -318,14 +318,14 @@ class LazyVolume(Volume):
         other = self._copy()
         other._memory = bytes_of(memory)
         # Bounds are as fine as the budget allows.
-        other._known = Known(self._known.n_changes)
+        other._cache = LazyCache(self._cache.n_changes)
         return other
 
     def _copy(self) -> LazyVolume:
         made = LazyVolume._made(
             self._levels, self.name, self.facts, memory=self._memory, keep=self._keep, holes=self._holes
         )
-        made._at, made._source, made._known = self._at, self._source, self._known
+        made._at, made._source, made._cache = self._at, self._source, self._cache
         return made
 
     def read(self, crop: Crop | None = None, *, level: int | None = None) -> Volume:
@@ -367,9 +367,9 @@ class LazyVolume(Volume):
         """A coarse copy in memory, of some millions of samples at most, for pictures that must come at once."""
         from wavesplat._model.lazy_parts import preview_of
 
-        found: Volume | None = self._known.ready.get("preview")
+        found: Volume | None = self._cache.derived.get("preview")
         if found is None:
-            found = self._known.ready["preview"] = preview_of(self, self._surveyed_level())
+            found = self._cache.derived["preview"] = preview_of(self, self._surveyed_level())
         return found
 
     # Data for pictures.
@@ -377,7 +377,7 @@ class LazyVolume(Volume):
     def survey(self, level: int, kernel: str, progress: Callable[[float], object] | None = None) -> Survey:
         """The survey of a level, by one pass over its samples; made once."""
         self.notice_changes()
-        found = self._known.surveys.get((level, kernel))
+        found = self._cache.surveys.get((level, kernel))
         if found is None:
             own = self._levels[level]
             found = surveyed(
@@ -389,13 +389,13 @@ class LazyVolume(Volume):
                 holes=self._holes,
                 progress=progress,
             )
-            self._known.surveys[level, kernel] = found
+            self._cache.surveys[level, kernel] = found
         return found
 
     def known_survey(self, level: int, kernel: str) -> Survey | None:
         """The survey of a level, bounds included, if it is there without reading samples; else None."""
         self.notice_changes()
-        found = self._known.surveys.get((level, kernel))
+        found = self._cache.surveys.get((level, kernel))
         if found is None or not found.core.has_bounds:
             found = kept_survey(
                 self._levels[level].array, self._levels[level].world_from_index, kernel, self._memory, self._keep
@@ -408,7 +408,7 @@ class LazyVolume(Volume):
         for own in {kernel, "linear"} if level > 0 else {kernel}:
             survey = self.survey(level, own)
             if not survey.core.has_bounds:
-                self._known.surveys.pop((level, own))
+                self._cache.surveys.pop((level, own))
                 survey = self.survey(level, own)
             found[level, own] = survey
         return pickle.dumps(found)
@@ -416,8 +416,8 @@ class LazyVolume(Volume):
     def take_surveys(self, packed: bytes) -> None:
         """Add the surveys that `packed_surveys` pickled."""
         for key, survey in pickle.loads(packed).items():  # noqa: S301 - from our own process
-            if key not in self._known.surveys:
-                self._known.surveys[key] = survey
+            if key not in self._cache.surveys:
+                self._cache.surveys[key] = survey
 
     def _every(self, step: int) -> NDArray[Any]:
         """Every n-th sample along each axis, [z, y, x]; of a pyramid the nearest samples of a coarser level."""
@@ -435,25 +435,25 @@ class LazyVolume(Volume):
         """All samples of a small level."""
         from wavesplat._model.lazy_parts import read_box
 
-        found: NDArray[Any] | None = self._known.ready.get(("overview", level))
+        found: NDArray[Any] | None = self._cache.derived.get(("overview", level))
         if found is None:
             array = self._levels[level].array
             if array.files is not None:
                 array.files.begin()
-            found = self._known.ready["overview", level] = read_box(array, ((0, 0, 0), array.shape))
+            found = self._cache.derived["overview", level] = read_box(array, ((0, 0, 0), array.shape))
         return found
 
-    def ready(self, level: int, kernel: str, progress: Callable[[float], object] | None = None) -> _native.LazyVolume:
+    def core_of(self, level: int, kernel: str, progress: Callable[[float], object] | None = None) -> _native.LazyVolume:
         """The compiled module's `LazyVolume` of a level, which plans frames."""
         self.notice_changes()
         key = level, kernel
-        core: _native.LazyVolume | None = self._known.ready.pop(key, None)
+        core: _native.LazyVolume | None = self._cache.derived.pop(key, None)
         if core is None:
             from wavesplat._model.lazy_parts import level_in_finest
 
             own, survey = self._levels[level], self.survey(level, kernel, progress)
             if not survey.core.has_bounds:  # an earlier `_native.LazyVolume` took them
-                self._known.surveys.pop((level, kernel))
+                self._cache.surveys.pop((level, kernel))
                 survey = self.survey(level, kernel, progress)
             core = _native.LazyVolume(
                 self.name,
@@ -469,9 +469,9 @@ class LazyVolume(Volume):
                 level=level_in_finest(self, level),
             )
             survey.forget_bounds()
-        self._known.ready[key] = core
-        while len(self._known.ready) > MAX_READY:
-            self._known.ready.pop(next(iter(self._known.ready)), None)
+        self._cache.derived[key] = core
+        while len(self._cache.derived) > MAX_DERIVED:
+            self._cache.derived.pop(next(iter(self._cache.derived)), None)
         return core
 
     def level_for(self, pixel: Callable[[Level], float]) -> int:
@@ -492,9 +492,9 @@ class LazyVolume(Volume):
         n_bytes = math.prod(array.shape) * array.dtype.itemsize
         if level == 0 or array.is_in_memory or n_bytes > self._memory // COPY_SHARE:
             return array
-        copy: LazyArray | None = self._known.ready.get(("copy", level))
+        copy: LazyArray | None = self._cache.derived.get(("copy", level))
         if copy is None:
-            copy = self._known.ready["copy", level] = lazy_array(self._overview(level)).levels[0]
+            copy = self._cache.derived["copy", level] = lazy_array(self._overview(level)).levels[0]
         return copy
 
     @property

@@ -22,7 +22,7 @@ from wavesplat._files.file_states import FileChangedError
 from wavesplat._model.lazy_array import LazyArray
 from wavesplat.errors import FileError
 
-__all__ = ["Box", "BoxReader", "ReadCounts", "cells", "joined"]
+__all__ = ["Box", "BoxReader", "ReadCounts", "cells", "copy_overlap"]
 
 #: First index and end of a box along z, y, x.
 Box = tuple[tuple[int, int, int], tuple[int, int, int]]
@@ -59,7 +59,7 @@ class BoxReader:
         self._stopped = False
         self.counts = ReadCounts()
 
-    def filled(self, which: int, held: Box, boxes: Sequence[Box]) -> Pending:
+    def begin(self, which: int, held: Box, boxes: Sequence[Box]) -> Pending:
         """Begin to read some boxes into the samples of the box `held` of array `which`, which are 0 elsewhere."""
         array = self._arrays[which]
         low, high = held
@@ -182,7 +182,7 @@ def cells(box: Box, chunks: Sequence[int], most: int) -> list[Box]:
     return [((z[0], y[0], x[0]), (z[1], y[1], x[1])) for z in ranges[0] for y in ranges[1] for x in ranges[2]]
 
 
-def joined(before: NDArray[Any], of: Box, samples: NDArray[Any], held: Box) -> None:
+def copy_overlap(before: NDArray[Any], of: Box, samples: NDArray[Any], held: Box) -> None:
     """Copy the intersection of the boxes `of` and `held` from `before`, the samples of `of`, to those of `held`."""
     low = [max(a, b) for a, b in zip(of[0], held[0], strict=True)]
     high = [min(a, b) for a, b in zip(of[1], held[1], strict=True)]

@@ -204,11 +204,11 @@ def _read_all(
     boxes = _steps(array, memory)
     with BoxReader([array], holes=[0.0] if holes else None) as reader:
         ahead = max(2, array.n_readers)
-        pending = [reader.filled(0, box, [box]) for box in boxes[:ahead]]
+        pending = [reader.begin(0, box, [box]) for box in boxes[:ahead]]
         for k, box in enumerate(boxes):
             samples = pending.pop(0).result()
             if k + ahead < len(boxes):
-                pending.append(reader.filled(0, boxes[k + ahead], [boxes[k + ahead]]))
+                pending.append(reader.begin(0, boxes[k + ahead], [boxes[k + ahead]]))
             add(samples, box)
             _report(progress, (k + 1) / len(boxes))
         return len(reader.counts.holes)
@@ -227,12 +227,12 @@ def _read_prepared(
     boxes = _steps(array, memory)
     with BoxReader([array], holes=[0.0] if holes else None) as reader:
         held = around(boxes[0])
-        pending = reader.filled(0, held, [held])
+        pending = reader.begin(0, held, [held])
         for k, box in enumerate(boxes):
             samples, own = pending.result(), held
             if k + 1 < len(boxes):
                 held = around(boxes[k + 1])
-                pending = reader.filled(0, held, [held])
+                pending = reader.begin(0, held, [held])
             add(samples, box, own)
             _report(progress, (k + 1) / len(boxes))
 

@@ -70,7 +70,7 @@ class LazyLayers:
         """The lazy volumes for the compiled module's plan."""
         kernel = self.options.kernel
         pairs = zip(self.volumes, self.levels, strict=True)
-        return [volume.ready(level, kernel) for volume, level in pairs]
+        return [volume.core_of(level, kernel) for volume, level in pairs]
 
     def _check_unchanged(self) -> None:
         """Raise a `FileError` if samples changed since bounds were taken, as another thread or machine found."""

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from wavesplat import _native
 from wavesplat._files.byte_sizes import byte_size
 from wavesplat._model.lazy_array import LazyArray
-from wavesplat._model.read_ahead import Box, BoxReader, Pending, ReadCounts, joined
+from wavesplat._model.read_ahead import Box, BoxReader, Pending, ReadCounts, copy_overlap
 from wavesplat.errors import CancelledError, LimitError
 
 __all__ = ["Progress", "Reading", "Streaming", "draw_block", "draw_segment", "streamed"]
@@ -117,7 +117,7 @@ def draw_segment(stream: _native.Stream, block: int, steps: tuple[int, int], rea
                 # The next reads are chosen by the rays' state before this step, so that they run while it is drawn.
                 ahead = _asked(stream, block, step + 1, is_first=False, state=state, reader=reader)
                 for k, box in enumerate(stream.held(block, step + 1)):
-                    joined(samples[k], held[k], ahead[k].samples, box)
+                    copy_overlap(samples[k], held[k], ahead[k].samples, box)
             state = stream.draw(block, step, samples, state, own.progress)
             if stream.is_done(block, state):
                 break
@@ -136,7 +136,7 @@ def _asked(
 ) -> list[Pending]:
     held = stream.held(block, step)
     reads: Iterable[list[Box]] = stream.reads(block, step, is_first, state)
-    return [reader.filled(k, box, boxes) for k, (box, boxes) in enumerate(zip(held, reads, strict=True))]
+    return [reader.begin(k, box, boxes) for k, (box, boxes) in enumerate(zip(held, reads, strict=True))]
 
 
 #: Seconds between checks, in a wait, whether the picture is still wanted.

@@ -299,7 +299,7 @@ def _rendered(
     ]
     absorbs = projection.absorption(operator, layers[0].volume) if isinstance(operator, XRay) else None
     numbers = projection.numbers(operator, functions[0], absorbs)
-    memory = _Memory(frame, layers, functions)
+    errors = _MeasuredErrors(frame, layers, functions)
     with drawing(*(layer.volume for layer in layers)):
         sheets_per_slice, oversampling = _sampling(frame, drawn)
         texels = 1 if options.psnr is not None else min(abs(oversampling), MAX_OVERSAMPLING) ** 2
@@ -316,7 +316,7 @@ def _rendered(
             "sheets_per_slice": sheets_per_slice,
             "oversampling": oversampling,
             "psnr": None if options.psnr is None else float(options.psnr),
-            "like": memory.recalled(),
+            "like": errors.recalled(),
             **region(frame.clipping),
             "background": frame.background,
             "threads": chosen_threads(options.threads),
@@ -336,7 +336,7 @@ def _rendered(
             else:
                 drawn_stream = drawn_on_machines(spec, options.client, options.progress)
             result = lazy.finished(*drawn_stream)
-    memory.remember(result["report"])
+    errors.remember(result["report"])
     return result, result["report"] | numbers
 
 
@@ -350,7 +350,7 @@ def _sampling(frame: _Frame, drawn: Sequence[tuple[Any, Any, Any]]) -> tuple[flo
     )
 
 
-class _Memory:
+class _MeasuredErrors:
     """Errors measured for a wanted PSNR, kept for the next pictures that show the same."""
 
     def __init__(self, frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> None:

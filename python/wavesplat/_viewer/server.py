@@ -98,10 +98,10 @@ class Server:
         self._session = session
         self._later(lambda: self._each(lambda page: page.join()))
 
-    def tell(self, text: str, part: float | None = None) -> None:
+    def send_progress(self, text: str, part: float | None = None) -> None:
         """Send pages the progress of opening the volume."""
         self._progress = {"type": "progress", "id": None, "part": part, "text": text}
-        self._later(lambda: self._each(lambda page: page.tell(self._progress)))
+        self._later(lambda: self._each(lambda page: page.send_progress(self._progress)))
 
     def fail(self, message: str) -> None:
         """Send pages the error with which the volume could not be opened."""
@@ -295,7 +295,7 @@ class _Socket(tornado.websocket.WebSocketHandler):
             return
         self._client.welcome(session=self._key)
 
-    def tell(self, message: dict[str, Any] | None) -> None:
+    def send_progress(self, message: dict[str, Any] | None) -> None:
         """Send the progress of opening the volume."""
         if self._key is not None and self._client is None and message is not None:
             self._write(packed(message))
@@ -319,7 +319,7 @@ class _Socket(tornado.websocket.WebSocketHandler):
         self._server.forget_handed_over()
         if self._server._failure is not None:
             self.fail(self._server._failure)
-        self.tell(self._server._progress)
+        self.send_progress(self._server._progress)
         self.join()
 
     def _is_too_fast(self) -> bool:

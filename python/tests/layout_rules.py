@@ -53,6 +53,31 @@ def circle_of_rooms(imports: Imports) -> list[str]:
     return []
 
 
+def circles_of_modules(imports: Imports) -> list[list[str]]:
+    """Groups of modules that import each other, directly or by way of others, imports inside functions counted."""
+    direct = {module: {_module_of(name, imports) for name in imported} - {None} for module, imported in imports.items()}
+    reached = {module: _reached_from(module, direct) for module in imports}
+    groups = {frozenset(b for b in reached[a] if a in reached[b]) for a in imports if a in reached[a]}
+    return sorted(sorted(group) for group in groups if len(group) > 1)
+
+
+def _module_of(name: str, modules: Collection[str]) -> str | None:
+    """The module that an imported name is of: the longest of its beginnings that is one."""
+    parts = name.split(".")
+    beginnings = (".".join(parts[:n]) for n in range(len(parts), 0, -1))
+    return next((one for one in beginnings if one in modules), None)
+
+
+def _reached_from(module: str, direct: Mapping[str, Collection[str | None]]) -> set[str]:
+    reached: set[str] = set()
+    waiting = list(direct[module])
+    while waiting:
+        if (one := waiting.pop()) is not None and one not in reached:
+            reached.add(one)
+            waiting += direct[one]
+    return reached
+
+
 def check_exceptions(found: Mapping[str, str], exceptions: Mapping[str, str]) -> list[str]:
     """Return a line per fault: findings that are not excepted, and exceptions that are no longer needed.
 

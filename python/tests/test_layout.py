@@ -100,6 +100,24 @@ LEAVES = {
     "crates/wavesplat/src": ["lib"],
 }
 
+#: Modules of Python that import each other, some of them inside functions: a class, and the files that its methods are
+#: written in. No other module may join them.
+CIRCLES = [
+    ["_looks.automatic", "_looks.channels", "_looks.colormaps", "_looks.histogram", "_looks.look", "_looks.look_files"]
+    + ["_looks.look_json", "_looks.paraview_files", "_looks.presets", "_looks.slicer_files", "_looks.transfer_function"]
+    + ["_looks.transfer_function_json", "_looks.value_scale"],
+    ["_looks.materials", "_looks.materials_fit", "_looks.materials_json", "_looks.materials_surface"],
+    ["_model.camera", "_model.camera_fit", "_model.camera_json", "_model.camera_path", "_model.camera_vtk"],
+    ["_model.crop", "_model.lazy_making", "_model.lazy_parts", "_model.lazy_volume", "_model.volume"]
+    + ["_model.volume_like", "_model.wavelet_volume"],
+    ["_picture.annotating", "_picture.pdf", "_picture.picture", "_picture.picture_files", "_picture.showing"]
+    + ["_picture.svg"],
+    ["_readers.dicom_header", "_readers.dicom_pixel_data"],
+    ["_scene.drawing", "_scene.drawn_layers", "_scene.reporting", "_scene.scene", "_scene.scene_files"]
+    + ["_scene.scene_json", "_scene.summary"],
+    ["_viewer.notebook", "_viewer.viewer"],
+]
+
 MAX_LINES = 600
 FOLDERS = ("crates", "python", "benches", "studies", "docs")
 #: Files that may be longer, for now, and why.
@@ -134,6 +152,10 @@ def test_rooms_import_only_from_those_before_them(imports):
 
 def test_no_rooms_import_each_other_in_a_circle(imports):
     assert layout_rules.circle_of_rooms(imports[1]) == []
+
+
+def test_no_module_joins_a_circle():
+    assert layout_rules.circles_of_modules(layout_rules.python_imports(ROOT / "python/wavesplat")) == CIRCLES
 
 
 def test_files_are_short():
@@ -196,6 +218,11 @@ def test_imports_in_order_are_right():
 def test_circles_are_found():
     circle = layout_rules.circle_of_rooms({"a.x": ["b"], "b.y": ["c.x", "b.z"], "c": ["a.z"]})
     assert sorted(circle[1:]) == ["a", "b", "c"]
+
+
+def test_circles_of_modules_are_found():
+    imports = {"a.x": ["a.y.Name"], "a.y": ["a.z"], "a.z": ["a.x.f"], "b": ["a.x"], "c": ["c"]}
+    assert layout_rules.circles_of_modules(imports) == [["a.x", "a.y", "a.z"]]
 
 
 def test_long_files_and_old_exceptions_are_found():

@@ -60,10 +60,8 @@ class FrameArguments(TypedDict):
     height: int
     kernel: str
     composite: str
-    iso_value: float | None
-    local_threshold: float | None
-    depth_shading: tuple[float, float] | None
-    attenuation: tuple[float, float] | None
+    #: Of the operator, in the order of the fields of `Composite` (crates/core/src/composite.rs).
+    numbers: Sequence[float]
     sheets_per_slice: float
     oversampling: float
     psnr: float | None

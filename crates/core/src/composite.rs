@@ -20,7 +20,6 @@
 //! digitally reconstructed radiograph.
 
 use crate::error::{Error, Result};
-use crate::options::find;
 
 /// Composite operator along the rays.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -61,52 +60,7 @@ pub enum Composite {
     },
 }
 
-/// Parameters of all operators; NaN where one is not given.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct CompositeNumbers {
-    /// First hit: iso-value.
-    pub iso_value: f64,
-    /// Local maximum: threshold.
-    pub local_threshold: f64,
-    /// Depth-shaded maximum: strength and black.
-    pub depth_shading: [f64; 2],
-    /// X-ray: clear and attenuation.
-    pub attenuation: [f64; 2],
-}
-
-impl CompositeNumbers {
-    /// No parameter is given.
-    pub const NONE: Self = Self {
-        iso_value: f64::NAN,
-        local_threshold: f64::NAN,
-        depth_shading: [f64::NAN; 2],
-        attenuation: [f64::NAN; 2],
-    };
-}
-
 impl Composite {
-    /// Operator of a public name, with its parameters; [`Composite::validate`] refuses those that are not given.
-    pub fn from_name(name: &str, numbers: &CompositeNumbers) -> Result<Self> {
-        find("composite", name, &Self::named(numbers))
-    }
-
-    /// All operators with their public names.
-    pub fn named(numbers: &CompositeNumbers) -> [(&'static str, Self); 9] {
-        let CompositeNumbers { iso_value, local_threshold, depth_shading, attenuation } = *numbers;
-        let ([strength, black], [clear, attenuation]) = (depth_shading, attenuation);
-        [
-            ("over", Self::Over),
-            ("maximum", Self::Maximum),
-            ("depth-shaded-maximum", Self::DepthShadedMaximum { strength, black }),
-            ("local-maximum", Self::LocalMaximum { threshold: local_threshold }),
-            ("minimum", Self::Minimum),
-            ("mean", Self::Mean),
-            ("sum", Self::Sum),
-            ("x-ray", Self::XRay { clear, attenuation }),
-            ("first-hit", Self::FirstHit { iso_value }),
-        ]
-    }
-
     /// Whether the result is one number per pixel, coloured at the end.
     pub fn is_projection(self) -> bool {
         !matches!(self, Self::Over | Self::FirstHit { .. })
@@ -120,29 +74,27 @@ impl Composite {
         };
         match self {
             Self::FirstHit { iso_value } => {
-                let mend = "pass iso_value, the sample value of the surface";
-                finite("iso_value of composite \"first-hit\"", iso_value, mend)
+                finite("iso value of a first hit", iso_value, "give the sample value of the surface")
             }
             Self::LocalMaximum { threshold } => {
-                let mend = "pass local_threshold, the least sample value of a maximum that is shown";
-                finite("local_threshold of composite \"local-maximum\"", threshold, mend)
+                let mend = "give the least sample value of a maximum that is shown";
+                finite("threshold of local maxima", threshold, mend)
             }
             Self::DepthShadedMaximum { strength, black } => {
                 if !(0.0..=1.0).contains(&strength) {
-                    let mend = "pass 0 to dim nothing, 1 to dim the farthest point to black";
-                    let what = "depth_shading of composite \"depth-shaded-maximum\"";
+                    let mend = "0 dims nothing, 1 dims the farthest point to black";
+                    let what = "strength of depth shading";
                     return Err(Error::out_of_range(what, strength, "between 0 and 1", mend));
                 }
-                let mend = "pass the sample value that values are dimmed towards";
-                finite("black of composite \"depth-shaded-maximum\"", black, mend)
+                finite("black of depth shading", black, "give the sample value that values are dimmed towards")
             }
             Self::XRay { clear, attenuation } => {
-                let mend = "pass (clear, attenuation): a sample value that absorbs nothing, -1000 for Hounsfield units";
-                finite("clear value of the attenuation of composite \"x-ray\"", clear, mend)?;
+                let mend = "give a sample value that absorbs nothing, -1000 for Hounsfield units";
+                finite("clear value of an x-ray", clear, mend)?;
                 if !(attenuation.is_finite() && attenuation > 0.0) {
-                    let mend = "pass (clear, attenuation): absorption per world length and sample unit, \
-                                2e-5 for Hounsfield units and millimetres";
-                    let what = "attenuation of composite \"x-ray\"";
+                    let mend = "give the absorption per world length and sample unit, 2e-5 for Hounsfield units and \
+                                millimetres";
+                    let what = "attenuation of an x-ray";
                     return Err(Error::out_of_range(what, attenuation, "a positive number", mend));
                 }
                 Ok(())
@@ -157,38 +109,33 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_give_operators_and_unknown_ones_list_the_known() {
-        let numbers = CompositeNumbers {
-            iso_value: 1.0,
-            local_threshold: 2.0,
-            depth_shading: [0.5, 3.0],
-            attenuation: [-1000.0, 2e-5],
-        };
-        for (name, operator) in Composite::named(&numbers) {
-            assert_eq!(Composite::from_name(name, &numbers), Ok(operator));
-            assert_eq!(operator.validate(), Ok(()));
-            assert_eq!(operator.is_projection(), name != "over" && name != "first-hit");
-        }
-        let message = Composite::from_name("add", &numbers).unwrap_err().to_string();
-        assert!(message.contains("add") && message.contains("maximum, depth-shaded-maximum"), "{message}");
+    fn over_and_first_hits_draw_colours_and_all_others_are_projections() {
+        assert!(!Composite::Over.is_projection() && !Composite::FirstHit { iso_value: 1.0 }.is_projection());
+        let projections = [
+            Composite::Maximum,
+            Composite::DepthShadedMaximum { strength: 0.5, black: 3.0 },
+            Composite::LocalMaximum { threshold: 2.0 },
+            Composite::Minimum,
+            Composite::Mean,
+            Composite::Sum,
+            Composite::XRay { clear: -1000.0, attenuation: 2e-5 },
+        ];
+        assert!(projections.iter().all(|operator| operator.is_projection() && operator.validate().is_ok()));
     }
 
     #[test]
-    fn numbers_that_are_missing_or_cannot_work_are_named() {
-        let check = |numbers: CompositeNumbers, name: &str, word: &str| {
-            let message = Composite::from_name(name, &numbers).unwrap().validate().unwrap_err().to_string();
-            assert!(message.contains(word) && message.contains(name), "{message}");
+    fn numbers_that_cannot_work_are_named() {
+        let check = |operator: Composite, words: [&str; 2]| {
+            let message = operator.validate().unwrap_err().to_string();
+            assert!(words.iter().all(|word| message.contains(word)), "{message}");
         };
-        let none = CompositeNumbers::NONE;
-        check(none, "first-hit", "iso_value");
-        check(none, "local-maximum", "local_threshold");
-        check(CompositeNumbers { local_threshold: f64::INFINITY, ..none }, "local-maximum", "inf");
-        check(none, "depth-shaded-maximum", "depth_shading");
-        check(CompositeNumbers { depth_shading: [1.5, 0.0], ..none }, "depth-shaded-maximum", "between 0 and 1");
-        check(CompositeNumbers { depth_shading: [1.0, f64::NAN], ..none }, "depth-shaded-maximum", "black");
-        check(none, "x-ray", "clear");
+        check(Composite::FirstHit { iso_value: f64::NAN }, ["iso value", "surface"]);
+        check(Composite::LocalMaximum { threshold: f64::INFINITY }, ["threshold", "inf"]);
+        check(Composite::DepthShadedMaximum { strength: 1.5, black: 0.0 }, ["strength", "between 0 and 1"]);
+        check(Composite::DepthShadedMaximum { strength: 1.0, black: f64::NAN }, ["black", "dimmed"]);
+        check(Composite::XRay { clear: f64::NAN, attenuation: 1.0 }, ["clear", "Hounsfield"]);
         for attenuation in [0.0, -1.0, f64::NAN, f64::INFINITY] {
-            check(CompositeNumbers { attenuation: [0.0, attenuation], ..none }, "x-ray", "positive");
+            check(Composite::XRay { clear: 0.0, attenuation }, ["attenuation", "positive"]);
         }
     }
 }

@@ -18,7 +18,7 @@ mod transfer_function_2d;
 mod volume;
 
 pub use camera::{Camera, Projection, Ray};
-pub use composite::{Composite, CompositeNumbers};
+pub use composite::Composite;
 pub use decoder::Decoder;
 pub use error::{Error, ErrorKind, Result};
 pub use grid::Grid;

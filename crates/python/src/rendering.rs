@@ -11,7 +11,6 @@ use wavesplat::{
     ClipPlane, Composite, Crop, DrawnBy, Effort, Frame, FrameOptions, Kernel, Measured, Picture, Plane, PngBits,
     Reduction, Sampling, Scene, SceneLayer, StageTimes, ThickSlab, Wanted, png_of_rgba,
 };
-use wavesplat_core::CompositeNumbers;
 use wavesplat_splat::quality::target_psnr::{Errors, Framing};
 
 use crate::arguments::{PyCamera, PyShading, PyTransferFunction, Triple, vector};
@@ -27,6 +26,22 @@ pub type Corners = Option<(Triple, Triple)>;
 pub(crate) fn crop(index: Corners, world: Corners) -> Option<Crop> {
     let index = index.map(|(lo, hi)| Crop::Index { lo: vector(lo), hi: vector(hi) });
     index.or(world.map(|(lo, hi)| Crop::World { lo: vector(lo), hi: vector(hi) }))
+}
+
+/// Operator of a name, with its numbers in the order of its fields.
+fn composite(name: &str, numbers: &[f64]) -> PyResult<Composite> {
+    Ok(match (name, numbers) {
+        ("over", []) => Composite::Over,
+        ("maximum", []) => Composite::Maximum,
+        ("depth-shaded-maximum", &[strength, black]) => Composite::DepthShadedMaximum { strength, black },
+        ("local-maximum", &[threshold]) => Composite::LocalMaximum { threshold },
+        ("minimum", []) => Composite::Minimum,
+        ("mean", []) => Composite::Mean,
+        ("sum", []) => Composite::Sum,
+        ("x-ray", &[clear, attenuation]) => Composite::XRay { clear, attenuation },
+        ("first-hit", &[iso_value]) => Composite::FirstHit { iso_value },
+        _ => return Err(PyValueError::new_err(format!("no composite {name:?} of the numbers {numbers:?}"))),
+    })
 }
 
 pub(crate) fn clip_planes(planes: Vec<(Triple, Triple)>) -> Vec<ClipPlane> {
@@ -114,10 +129,7 @@ pub struct PyFrame<'py> {
     pub height: usize,
     kernel: String,
     composite: String,
-    iso_value: Option<f64>,
-    local_threshold: Option<f64>,
-    depth_shading: Option<(f64, f64)>,
-    attenuation: Option<(f64, f64)>,
+    numbers: Vec<f64>,
     sheets_per_slice: f64,
     oversampling: f64,
     psnr: Option<f64>,
@@ -136,13 +148,6 @@ pub struct PyFrame<'py> {
 impl PyFrame<'_> {
     /// Options of the frame that do not belong to the scene.
     pub fn options(&self) -> PyResult<FrameOptions> {
-        let none = CompositeNumbers::NONE;
-        let numbers = CompositeNumbers {
-            iso_value: self.iso_value.unwrap_or(none.iso_value),
-            local_threshold: self.local_threshold.unwrap_or(none.local_threshold),
-            depth_shading: self.depth_shading.map_or(none.depth_shading, <[f64; 2]>::from),
-            attenuation: self.attenuation.map_or(none.attenuation, <[f64; 2]>::from),
-        };
         let effort = match self.psnr {
             Some(psnr_db) => Effort::Psnr(Wanted { psnr_db, like: self.like.map(Measured::from) }),
             None => {
@@ -151,7 +156,7 @@ impl PyFrame<'_> {
         };
         Ok(FrameOptions {
             kernel: Kernel::from_name(&self.kernel).map_err(to_py)?,
-            composite: Composite::from_name(&self.composite, &numbers).map_err(to_py)?,
+            composite: composite(&self.composite, &self.numbers)?,
             effort,
             with_depth: self.depth,
             pre_integration: self.pre_integration,

@@ -98,3 +98,10 @@ def numbers(
     if isinstance(operator, DepthShadedMaximum):
         return {"depth_shading": (operator.strength, first)}
     return {} if absorbs is None else {"attenuation": absorbs}
+
+
+def in_order(named: Numbers) -> list[float]:
+    """The numbers of an operator as the compiled module takes them, without their names."""
+    if "local_threshold" in named:
+        return [named["local_threshold"]]
+    return [*named.get("depth_shading", ()), *named.get("attenuation", ())]

@@ -104,8 +104,8 @@ test-arm: ## lint and test the vector kernels on 64-bit ARM, emulated by qemu; m
 		{ echo "test-arm needs an emulator and a linker: apt-get install $(ARM_PACKAGES)" >&2; exit 1; }
 	cargo clippy --locked --target $(ARM) -p wavesplat-compute --all-targets -- -D warnings
 	cargo test --locked --target $(ARM) -p wavesplat-compute
-	cargo test --locked --target $(ARM) --no-fail-fast -p wavesplat-splat --test twins --test extras -- \
-		every_simd_level every_processor
+	cargo test --locked --target $(ARM) --no-fail-fast -p wavesplat-splat -p wavesplat-study \
+		--test consistency --test extras -- every_simd_level every_processor
 
 wasm-check: ## compile for browsers, without threads; needs rustup's target, which it adds where it can
 	@rustup target list --installed 2>/dev/null | grep -qx $(WASM) || rustup target add $(WASM) >/dev/null 2>&1 || \
@@ -167,8 +167,6 @@ rust-lint: $(STAMPS)/venv
 	cargo fmt --all --check
 	cargo clippy --locked --workspace --all-targets -- -D warnings
 	cargo clippy --locked -p wavesplat-splat --no-default-features -- -D warnings
-	cargo clippy --locked -p wavesplat-splat --no-default-features --features standard -- -D warnings
-	cargo clippy --locked -p wavesplat-splat --no-default-features --features reference -- -D warnings
 	cargo clippy --locked -p wavesplat-wavelet -p wavesplat-lod -p wavesplat --no-default-features -- -D warnings
 
 docs: $(STAMPS)/tools

@@ -43,8 +43,8 @@ ROOMS = {
         "picture",
         "render",
         "quality",
-        "standard",  # the method that ours is judged against; `reference` has its literal twin
     ],
+    "crates/study/src": ["standard"],  # the method that ours is judged against; `reference` has its literal twin
     "crates/gpu/src": [
         "failure",
         "adapter",
@@ -93,7 +93,8 @@ ROOMS = {
 LEAVES = {
     "python/wavesplat": ["__init__", "__main__"],
     "crates/compute/src": ["lib"],
-    "crates/splat/src": ["reference", "slice_plane", "lib"],
+    "crates/splat/src": ["slice_plane", "lib"],
+    "crates/study/src": ["reference", "lib"],
     "crates/gpu/src": ["lib"],
     "crates/wavelet/src": ["lib"],
     "crates/lod/src": ["lib"],
@@ -193,6 +194,12 @@ def _twice(places):
         for name in names:
             homes.setdefault(name, []).append(place)
     return {name: f"defined in {', '.join(where)}" for name, where in homes.items() if len(where) > 1}
+
+
+def test_only_the_bindings_depend_on_what_the_renderer_is_compared_with():
+    manifests = {path.parent.name: path.read_text(encoding="utf-8") for path in (ROOT / "crates").glob("*/Cargo.toml")}
+    depend = [crate for crate, manifest in manifests.items() if "\nwavesplat-study" in manifest]
+    assert depend == ["python"]
 
 
 # Tests that each check can fail.

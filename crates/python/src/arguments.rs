@@ -7,7 +7,7 @@ use wavesplat_core::{
     Camera, ColorNode, Error, Gradient, GradientNode, Light, LightFrame, OpacityNode, Projection, Shading,
     TransferFunction, TransferFunction2D,
 };
-use wavesplat_splat::reference::ablation::{Ablation, FootprintTable, GradientScheme};
+use wavesplat_study::reference::ablation::{Ablation, FootprintTable, GradientScheme};
 
 use crate::errors::to_py;
 

@@ -3,8 +3,8 @@
 use numpy::PyArray3;
 use pyo3::prelude::*;
 use wavesplat_core::{Kernel, RenderOptions};
-use wavesplat_splat::reference;
-use wavesplat_splat::reference::raycast::{CastLayer, RaycastOptions, raycast_layers};
+use wavesplat_study::reference;
+use wavesplat_study::reference::raycast::{CastLayer, RaycastOptions, raycast_layers};
 
 use crate::arguments::{PyCamera, PyShading, PyTransferFunction, Triple};
 use crate::errors::to_py;

@@ -4,9 +4,9 @@ use numpy::PyArray3;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
 use wavesplat_core::{Composite, Kernel, RenderOptions};
-use wavesplat_splat::reference::splat;
-use wavesplat_splat::standard::{self, Buffer, StandardOptions};
 use wavesplat_splat::with_threads;
+use wavesplat_study::reference::splat;
+use wavesplat_study::standard::{self, Buffer, StandardOptions};
 
 use crate::arguments::{PyAblation, PyCamera, PyShading, PyTransferFunction, Triple};
 use crate::errors::to_py;

@@ -7,9 +7,8 @@
 //! `view` (camera, base planes) -> `kernel` (footprints) -> `source` (slices) -> `sheet` -> `optics` (classify, shade)
 //! -> `ray` (composite) -> `picture` (warp) -> `render` (the one place that knows the order) -> `quality`.
 //!
-//! Beside them stand [`slice_plane`], and, each behind a feature of its name, `standard` (standard splatting) and
-//! `reference` (the literal double-precision twins, and ablations of the method). Source of the method: "High
-//! Resolution Image Splatting", IJACEN 2(7), 2014.
+//! Beside them stands [`slice_plane`]. The literal twins and the older technique that pictures are compared with are the
+//! crate `wavesplat-study`. Source of the method: "High Resolution Image Splatting", IJACEN 2(7), 2014.
 //!
 //! This crate is the engine; its modules are public for tests and for the crates built on it, but are no stable
 //! interface. To draw, use the crate `wavesplat`.
@@ -24,8 +23,6 @@ pub mod picture;
 pub mod quality;
 #[doc(hidden)]
 pub mod ray;
-#[cfg(feature = "reference")]
-pub mod reference;
 #[doc(hidden)]
 pub mod render;
 #[doc(hidden)]
@@ -33,8 +30,6 @@ pub mod sheet;
 pub mod slice_plane;
 #[doc(hidden)]
 pub mod source;
-#[cfg(feature = "standard")]
-pub mod standard;
 #[doc(hidden)]
 pub mod view;
 

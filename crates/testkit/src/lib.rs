@@ -6,4 +6,4 @@ mod compare;
 mod phantom;
 
 pub use compare::{max_difference, mean_brightness, psnr_db};
-pub use phantom::{Phantom, camera_towards, opacity_ramp, ripples_signal};
+pub use phantom::{PROJECTIONS, Phantom, camera_towards, opacity_ramp, ripples_signal};

@@ -1,7 +1,18 @@
 //! Phantoms: volumes whose pictures are known, or can be computed.
 
-use glam::{DAffine3, DVec3};
-use wavesplat_core::{Camera, ColorNode, OpacityNode, Projection, Samples, TransferFunction, Volume};
+use glam::{DAffine3, DMat3, DVec3};
+use wavesplat_core::{Camera, ColorNode, Composite, OpacityNode, Projection, Samples, TransferFunction, Volume};
+
+/// Every projection, with parameters that suit [`Phantom::sheared_waves`].
+pub const PROJECTIONS: [Composite; 7] = [
+    Composite::Maximum,
+    Composite::DepthShadedMaximum { strength: 0.7, black: 60.0 },
+    Composite::LocalMaximum { threshold: 150.0 },
+    Composite::Minimum,
+    Composite::Mean,
+    Composite::Sum,
+    Composite::XRay { clear: 90.0, attenuation: 0.004 },
+];
 
 /// An owned volume of f32 samples.
 #[derive(Clone, Debug)]
@@ -46,6 +57,15 @@ impl Phantom {
     pub fn ripples(n: usize) -> Self {
         let scale = 2.0 / (n - 1) as f64;
         Self::sample([n; 3], DAffine3::IDENTITY, |p| 255.0 * ripples_signal(p * scale - 1.0))
+    }
+
+    /// Waves of values 10 to 230 on a small grid that is sheared, anisotropic and off the origin.
+    pub fn sheared_waves() -> Self {
+        let shear = DMat3::from_cols(DVec3::new(1.1, 0.0, 0.1), DVec3::new(0.0, 0.9, 0.0), DVec3::new(0.1, 0.2, 1.4));
+        let affine = DAffine3 { matrix3: shear, translation: DVec3::new(3.0, -2.0, 7.0) };
+        Self::sample([11, 10, 9], affine, |p| {
+            120.0 + 60.0 * (p.x * 0.8).sin() * (p.y * 0.6).cos() + 50.0 * (p.z * 0.5 + p.x * 0.3).sin()
+        })
     }
 
     /// The phantom as a volume.

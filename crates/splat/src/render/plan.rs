@@ -472,7 +472,7 @@ impl FieldPlan {
 }
 
 /// Largest colour that shading makes of white, at least 1.
-pub(crate) fn brightest(shading: &Shading) -> f32 {
+pub fn brightest(shading: &Shading) -> f32 {
     let channel = |c: usize| shading.lights.iter().map(|l| l.rgb[c]).sum::<f32>();
     let light = (0..3).map(channel).fold(0.0, f32::max);
     (shading.ambient + (shading.diffuse + shading.specular) * light).max(1.0)

@@ -33,8 +33,8 @@ impl ProgressCallback for ProgressPart<'_> {
     }
 }
 
-/// Counts tiles that are done, calls the callback, and remembers that it asked to stop.
-pub(crate) struct Progress<'a> {
+/// Counter of the tiles of a frame that are done, which calls the callback and remembers that it asked to stop.
+pub struct Progress<'a> {
     callback: &'a dyn ProgressCallback,
     n_done: AtomicUsize,
     n_all: usize,
@@ -43,18 +43,17 @@ pub(crate) struct Progress<'a> {
 
 impl<'a> Progress<'a> {
     /// Progress over `n_all` tiles, none done yet.
-    pub(crate) fn new(callback: &'a dyn ProgressCallback, n_all: usize) -> Self {
+    pub fn new(callback: &'a dyn ProgressCallback, n_all: usize) -> Self {
         Self { callback, n_done: AtomicUsize::new(0), n_all, stopped: AtomicBool::new(false) }
     }
 
     /// Whether the callback asked to stop.
-    pub(crate) fn is_stopped(&self) -> bool {
+    pub fn is_stopped(&self) -> bool {
         self.stopped.load(Ordering::Relaxed)
     }
 
     /// Calls the callback in the middle of a slow tile; returns whether it asked to stop.
-    #[cfg(feature = "reference")]
-    pub(crate) fn ask(&self) -> bool {
+    pub fn ask(&self) -> bool {
         let done = self.n_done.load(Ordering::Relaxed);
         if self.callback.progress(done as f32 / self.n_all as f32).is_break() {
             self.stopped.store(true, Ordering::Relaxed);
@@ -63,7 +62,7 @@ impl<'a> Progress<'a> {
     }
 
     /// Counts one more tile as done and calls the callback.
-    pub(crate) fn tile_done(&self) {
+    pub fn tile_done(&self) {
         let done = self.n_done.fetch_add(1, Ordering::Relaxed) + 1;
         if self.callback.progress(done as f32 / self.n_all as f32).is_break() {
             self.stopped.store(true, Ordering::Relaxed);

@@ -26,24 +26,24 @@ use wavesplat_compute::simd::{LANES, Level};
 use wavesplat_core::{
     Camera, Composite, Error, Gradient, Kernel, Picture, RenderOptions, Result, TransferFunction, Volume,
 };
+use wavesplat_splat::kernel::smoothed;
+use wavesplat_splat::kernel::weights::{mirror_index, n_taps, taps};
+use wavesplat_splat::picture::base_picture::BasePicture;
+use wavesplat_splat::picture::edges::{Edges, Scaling};
+use wavesplat_splat::picture::supersampling::reads_per_axis;
+use wavesplat_splat::picture::warp::warp;
+use wavesplat_splat::render::plan::brightest;
+use wavesplat_splat::render::progress::{Progress, ProgressCallback};
+use wavesplat_splat::sheet::spacing::SheetSpacing;
+use wavesplat_splat::source::slices::Slices;
+use wavesplat_splat::view::base_plane::{BasePlane, base_planes};
+use wavesplat_splat::view::family::IndexRays;
+use wavesplat_splat::view::region::Region;
+use wavesplat_splat::view::silhouette::Silhouette;
 
 use super::ablation::{Ablation, FootprintTable};
 use super::raycast::Sampler;
 use super::sampled_footprint::{NoisyTaps, nearest_sample, sheet_number, table_taps};
-use crate::kernel::smoothed;
-use crate::kernel::weights::{mirror_index, n_taps, taps};
-use crate::picture::base_picture::BasePicture;
-use crate::picture::edges::{Edges, Scaling};
-use crate::picture::supersampling::reads_per_axis;
-use crate::picture::warp::warp;
-use crate::render::plan::brightest;
-use crate::render::progress::{Progress, ProgressCallback};
-use crate::sheet::spacing::SheetSpacing;
-use crate::source::slices::Slices;
-use crate::view::base_plane::{BasePlane, base_planes};
-use crate::view::family::IndexRays;
-use crate::view::region::Region;
-use crate::view::silhouette::Silhouette;
 
 /// A sheet buffer: one density per texel, row by row.
 pub(super) type SheetBuffer = Vec<f64>;

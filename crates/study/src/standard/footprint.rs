@@ -13,8 +13,7 @@
 
 use wavesplat_compute::simd::{LANES, Lanes, Simd};
 use wavesplat_core::Kernel;
-
-use crate::kernel::weights::{radius, weight};
+use wavesplat_splat::kernel::weights::{radius, weight};
 
 /// Table entries between two samples: linear interpolation between them is good to 1e-5.
 const N_PHASES: usize = 256;

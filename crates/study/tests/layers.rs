@@ -9,13 +9,13 @@ use wavesplat_core::{
 use wavesplat_splat::optics::labels::{Codes, Labels};
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
 use wavesplat_splat::picture::base_picture::BasePicture;
-use wavesplat_splat::reference::raycast::{CastLayer, RaycastOptions, raycast_layers};
 use wavesplat_splat::render::frame::draw_base_planes;
 use wavesplat_splat::render::piece::{draw_piece, finish_tile, tiles_of};
 use wavesplat_splat::render::plan::Plan;
 use wavesplat_splat::sheet::tile_layout::{TILE_U, TILE_V};
 use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::{Layer, Report, render_layers, with_threads};
+use wavesplat_study::reference::raycast::{CastLayer, RaycastOptions, raycast_layers};
 use wavesplat_testkit::{Phantom, camera_towards, psnr_db};
 
 const SAMPLING: RaycastOptions = RaycastOptions { kernel: Kernel::Linear, step: 0.08, rays_per_pixel: 9 };

@@ -5,17 +5,17 @@
 use glam::DVec3;
 use wavesplat_compute::parallel;
 use wavesplat_core::{Camera, Error, Kernel, Picture, RenderOptions, Result, TransferFunction, Volume};
+use wavesplat_splat::render::progress::{Progress, ProgressCallback};
+use wavesplat_splat::sheet::spacing::SheetSpacing;
+use wavesplat_splat::source::slices::Slices;
+use wavesplat_splat::view::base_plane::{BasePlane, base_planes};
+use wavesplat_splat::view::family::{Family, IndexRays};
+use wavesplat_splat::view::region::Region;
 
 use super::ablation::Ablation;
 use super::raycast::Sampler;
 use super::splat::LiteralFootprint::Value;
 use super::splat::{BufferTexels, Layout, SheetBuffer, Splatter, from_uvw, over, sheet_spacing, slice_length};
-use crate::render::progress::{Progress, ProgressCallback};
-use crate::sheet::spacing::SheetSpacing;
-use crate::source::slices::Slices;
-use crate::view::base_plane::{BasePlane, base_planes};
-use crate::view::family::{Family, IndexRays};
-use crate::view::region::Region;
 
 /// A picture by the method's original form, for parallel rays: three sheet buffers, and every sheet warped as a
 /// texture.

@@ -5,11 +5,11 @@ use wavesplat_core::{
     Camera, ClipPlane, Composite, Crop, Kernel, Picture, Projection, RenderOptions, TransferFunction,
 };
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
-use wavesplat_splat::reference::raycast::{CastLayer, RaycastOptions, raycast, raycast_layers};
 use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::view::family::IndexRays;
 use wavesplat_splat::view::region::Region;
 use wavesplat_splat::{Layer, render, render_layers};
+use wavesplat_study::reference::raycast::{CastLayer, RaycastOptions, raycast, raycast_layers};
 use wavesplat_testkit::{Phantom, camera_towards, opacity_ramp, psnr_db};
 
 const SAMPLING: RaycastOptions = RaycastOptions { kernel: Kernel::Linear, step: 0.2, rays_per_pixel: 16 };

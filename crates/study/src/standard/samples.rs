@@ -4,11 +4,11 @@
 //! are turned together, and volumes that are decoded give a box as quickly as a slice.
 
 use wavesplat_compute::simd::{LANES, Level};
+use wavesplat_splat::source::block_cache::DensityBox;
+use wavesplat_splat::source::slices::Slices;
+use wavesplat_splat::source::window::Window;
 
 use super::FamilyScene;
-use crate::source::block_cache::DensityBox;
-use crate::source::slices::Slices;
-use crate::source::window::Window;
 
 /// Samples of one slice that a tile shows.
 #[derive(Clone, Copy, Debug)]

@@ -7,12 +7,12 @@
 use glam::DVec3;
 use wavesplat_compute::simd::{LANES, Lanes, Simd, VectorKernel};
 use wavesplat_core::RenderOptions;
+use wavesplat_splat::optics::classify::one_minus_exp_neg;
+use wavesplat_splat::source::window::Window;
+use wavesplat_splat::view::family::Family;
 
 use super::samples::{Densities, SampleLayer};
 use super::{Buffer, FamilyScene, SliceDistance, StandardScene};
-use crate::optics::classify::one_minus_exp_neg;
-use crate::source::window::Window;
-use crate::view::family::Family;
 
 /// View of samples: the direction to the eye, and the length of rays through a slab.
 pub struct Sight {

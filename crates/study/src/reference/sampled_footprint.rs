@@ -21,9 +21,8 @@
 //! Source: "High Resolution Image Splatting", IJACEN 2(7), 2014.
 
 use wavesplat_core::Kernel;
-
-use crate::kernel::prefilter;
-use crate::kernel::weights::{MAX_TAPS, n_taps, taps, weight};
+use wavesplat_splat::kernel::prefilter;
+use wavesplat_splat::kernel::weights::{MAX_TAPS, n_taps, taps, weight};
 
 /// Taps that give the nearest sample, as [`taps`] do: its own weight alone, or, for spline coefficients, the weights on
 /// it.
@@ -118,7 +117,7 @@ fn mix(number: u64) -> u64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernel::weights::overshoot;
+    use wavesplat_splat::kernel::weights::overshoot;
 
     fn along() -> impl Iterator<Item = f64> {
         (0..=997).map(|i| 3.0 + f64::from(i) * 0.003)

@@ -2,7 +2,7 @@
 //!
 //! [`raycast`] is the converged picture; [`splat`] is high-resolution splatting by the method's pseudo-code, also with
 //! single parts left out or changed ([`ablation`]; [`sampled_footprint`] has the tables for one of them), and
-//! [`original`] is its published form; [`project`] has projections by their definitions; `standard` is standard
+//! [`original`] is its published form; [`project`] has projections by their definitions; [`standard`] is standard
 //! splatting, sample by sample. None is on the fast path.
 
 pub mod ablation;
@@ -13,5 +13,4 @@ pub mod project;
 pub mod raycast;
 pub mod sampled_footprint;
 pub mod splat;
-#[cfg(feature = "standard")]
 pub mod standard;

@@ -5,12 +5,12 @@
 
 use glam::DVec3;
 use wavesplat_core::{Camera, Composite, Projection, RenderOptions, Result, TransferFunction, Volume};
+use wavesplat_splat::sheet::spacing::SheetSpacing;
+use wavesplat_splat::source::slices::Slices;
+use wavesplat_splat::view::base_plane::{BasePlane, TexelRay};
+use wavesplat_splat::view::region::Region;
 
 use super::raycast::Sampler;
-use crate::sheet::spacing::SheetSpacing;
-use crate::source::slices::Slices;
-use crate::view::base_plane::{BasePlane, TexelRay};
-use crate::view::region::Region;
 
 /// A piece of a ray between two sheets: sample values and world positions of its ends.
 struct RayPiece {

@@ -15,14 +15,14 @@
 
 use glam::{DVec2, DVec3};
 use wavesplat_core::{Camera, Grid, Kernel, Projection, RenderOptions, Result, Shading, TransferFunction, Volume};
+use wavesplat_splat::kernel::weights::{radius, weight};
+use wavesplat_splat::source::slices::Slices;
+use wavesplat_splat::view::base_plane::BasePlane;
+use wavesplat_splat::view::region::Region;
 
 use super::raycast::Sampler;
-use crate::kernel::weights::{radius, weight};
-use crate::source::slices::Slices;
 use crate::standard::widening;
 use crate::standard::{Buffer, NEAREST_SLAB, NEAREST_SLICE, SliceDistance, StandardOptions, planes, validate};
-use crate::view::base_plane::BasePlane;
-use crate::view::region::Region;
 
 /// Samples, with the inputs of classification and shading.
 struct LiteralSamples<'a> {

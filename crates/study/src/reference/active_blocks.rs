@@ -2,9 +2,9 @@
 
 use glam::DVec3;
 use wavesplat_compute::parallel;
+use wavesplat_splat::kernel::weights::{mirror_index, overshoot, radius};
 
 use super::raycast::Sampler;
-use crate::kernel::weights::{mirror_index, overshoot, radius};
 
 /// Side of the blocks that are skipped where nothing in them is visible, in cells.
 const BLOCK: usize = 4;

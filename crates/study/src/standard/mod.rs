@@ -4,8 +4,8 @@
 //! Every sample is classified and shaded first, with its own value, the central difference of its neighbours, and the
 //! opacity of a slab one slice distance thick. Its associated colour and its opacity are then splatted with a footprint
 //! into a sheet buffer, and the sheet buffers are composited with *over*, front to back. It is fast and simple, and it
-//! is what the method of this crate is judged against: colours are blended after classification, so edges blur, and
-//! what a kernel spreads across a surface was coloured before it was known to be a surface.
+//! is what the method of `wavesplat_splat` is judged against: colours are blended after classification, so edges blur,
+//! and what a kernel spreads across a surface was coloured before it was known to be a surface.
 //!
 //! Two sheet buffers ([`Buffer`]):
 //!
@@ -38,7 +38,7 @@
 //!
 //! The stages: densities of a tile's samples (`samples.rs`), classified and shaded (`shaded.rs`), splatted and
 //! composited (`axis.rs`, `view.rs`) with tables of the kernel (`footprint.rs`). The literal twin is
-//! `reference::standard`.
+//! [`crate::reference::standard`].
 //!
 //! Sources: Westover, *Footprint evaluation for volume rendering* (1990); Mueller, Crawfis, *Eliminating popping
 //! artifacts in sheet buffer-based splatting* (1998).
@@ -58,25 +58,24 @@ use wavesplat_compute::simd::Level;
 use wavesplat_core::{
     Camera, Composite, Error, Gradient, Grid, Kernel, Picture, Projection, RenderOptions, Result, TransferFunction,
 };
+use wavesplat_splat::kernel::prefilter;
+use wavesplat_splat::kernel::weights::radius;
+use wavesplat_splat::optics::gradient_opacity::GradientOpacity;
+use wavesplat_splat::optics::shade::Shader;
+use wavesplat_splat::optics::visibility_cache::Visibility;
+use wavesplat_splat::picture::base_picture::BasePicture;
+use wavesplat_splat::picture::warp::warp;
+use wavesplat_splat::render::plan::brightest;
+use wavesplat_splat::render::progress::{Progress, ProgressCallback};
+use wavesplat_splat::source::occupancy::OccupancyGrid;
+use wavesplat_splat::source::slices::Slices;
+use wavesplat_splat::view::base_plane::{BasePlane, base_planes};
+use wavesplat_splat::view::family::{Family, IndexRays};
+use wavesplat_splat::view::index_frame::world_gradient_from_index;
+use wavesplat_splat::view::region::Region;
 
-use crate::kernel::prefilter;
-use crate::kernel::weights::radius;
-use crate::optics::gradient_opacity::GradientOpacity;
-use crate::optics::shade::Shader;
-use crate::optics::visibility_cache::Visibility;
-use crate::picture::base_picture::BasePicture;
-use crate::picture::warp::warp;
-use crate::render::plan::brightest;
-use crate::render::progress::{Progress, ProgressCallback};
-use crate::source::occupancy::OccupancyGrid;
-use crate::source::slices::Slices;
-use crate::view::base_plane::{BasePlane, base_planes};
-use crate::view::family::{Family, IndexRays};
-use crate::view::index_frame::world_gradient_from_index;
-use crate::view::region::Region;
 use shaded::Sight;
 
-#[cfg(feature = "reference")]
 pub(crate) use {axis::NEAREST as NEAREST_SLICE, footprint::widening, view::NEAREST as NEAREST_SLAB};
 
 /// Orientation of the sheet buffers.

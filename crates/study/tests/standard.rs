@@ -8,11 +8,12 @@ use wavesplat_core::{
     Camera, ClipPlane, ColorNode, Composite, Crop, Decoder, Error, Gradient, GradientNode, Kernel, Light, LightFrame,
     OpacityNode, Picture, Projection, RenderOptions, Samples, Shading, TransferFunction, Volume,
 };
+use wavesplat_splat::ProgressCallback;
 use wavesplat_splat::kernel::weights::{radius, weight};
-use wavesplat_splat::reference::standard as literal;
 use wavesplat_splat::source::slices::Slices;
-use wavesplat_splat::standard::{Buffer, StandardOptions, render, render_base_planes};
-use wavesplat_splat::{ProgressCallback, reference};
+use wavesplat_study::reference;
+use wavesplat_study::reference::standard as literal;
+use wavesplat_study::standard::{Buffer, StandardOptions, render, render_base_planes};
 use wavesplat_testkit::{Phantom, camera_towards, max_difference, opacity_ramp, psnr_db};
 
 const ORTHOGRAPHIC: Projection = Projection::Orthographic { parallel_scale: 9.0 };

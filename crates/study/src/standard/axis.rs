@@ -1,5 +1,5 @@
 //! Sheet buffers parallel to the slices: one per slice, texels on the rays of a base plane
-//! ([`crate::view::base_plane`]), so that mapping all of them to the view plane is one warp at the end.
+//! ([`wavesplat_splat::view::base_plane`]), so that mapping all of them to the view plane is one warp at the end.
 //!
 //! The footprint `h(u) h(v)` is separable, so the samples of a row are splatted along u together, and the row along v.
 //! Work is cut into tiles, each with all its sheets front to back; chunks are rows of 16 texels.
@@ -9,15 +9,15 @@ use std::sync::{Mutex, PoisonError};
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::{LANES, Lanes, Simd, VectorKernel};
 use wavesplat_core::{Error, Result};
+use wavesplat_splat::picture::base_picture::BasePicture;
+use wavesplat_splat::render::progress::Progress;
+use wavesplat_splat::sheet::tile_layout::{Chunk, N_STRIPS, TILE_U, TILE_V};
+use wavesplat_splat::view::base_plane::BasePlane;
 
 use super::FamilyScene;
 use super::footprint::{AxisFootprint, KernelTable, reach};
 use super::samples::{Densities, visible_layers};
 use super::shaded::Shaded;
-use crate::picture::base_picture::BasePicture;
-use crate::render::progress::Progress;
-use crate::sheet::tile_layout::{Chunk, N_STRIPS, TILE_U, TILE_V};
-use crate::view::base_plane::BasePlane;
 
 /// Opacity at which a ray stops: what is left is a tenth of a grey level of 1024.
 pub const OPAQUE_ENOUGH: f32 = 1.0 - 1e-4;

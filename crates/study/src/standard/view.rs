@@ -15,6 +15,9 @@ use std::sync::{Mutex, PoisonError};
 use glam::{DMat3, DVec3, Vec4};
 use wavesplat_compute::parallel;
 use wavesplat_core::{Error, Result};
+use wavesplat_splat::render::progress::{Progress, ProgressCallback};
+use wavesplat_splat::source::window::Window;
+use wavesplat_splat::view::family::{Family, IndexRays};
 
 use super::axis::OPAQUE_ENOUGH;
 use super::footprint::RadialFootprint;
@@ -22,9 +25,6 @@ use super::resample::resample;
 use super::samples::{Densities, SampleLayer, visible_layers};
 use super::shaded::Shaded;
 use super::{FamilyScene, SliceDistance, StandardReport, StandardScene};
-use crate::render::progress::{Progress, ProgressCallback};
-use crate::source::window::Window;
-use crate::view::family::{Family, IndexRays};
 
 /// Side of a tile, in texels.
 const TILE: usize = 64;

@@ -11,21 +11,21 @@ use wavesplat_compute::parallel;
 use wavesplat_core::{
     Camera, Crop, Error, Gradient, Kernel, Picture, RenderOptions, Result, Shading, TransferFunction, Volume,
 };
+use wavesplat_splat::kernel::footprint::MAX_DIFFERENCE_TAPS;
+use wavesplat_splat::kernel::smoothed;
+use wavesplat_splat::kernel::weights::{MAX_TAPS, mirror_index, n_taps, taps};
+use wavesplat_splat::optics::labels::{Labels, own_depth};
+use wavesplat_splat::optics::shade::vanishing_gradient_squared;
+use wavesplat_splat::render::progress::{Progress, ProgressCallback};
+use wavesplat_splat::source::nonfinite::MIN_KNOWN;
+use wavesplat_splat::source::slices::Slices;
+use wavesplat_splat::view::family::IndexRays;
+use wavesplat_splat::view::index_frame::light_direction;
+use wavesplat_splat::view::region::{HalfSpace, Region};
+use wavesplat_splat::view::scattered::scattered_position;
 
 use super::active_blocks::ActiveBlocks;
-use crate::kernel::footprint::MAX_DIFFERENCE_TAPS;
-use crate::kernel::smoothed;
-use crate::kernel::weights::{MAX_TAPS, mirror_index, n_taps, taps};
-use crate::optics::labels::{Labels, own_depth};
-use crate::optics::shade::vanishing_gradient_squared;
-use crate::reference::medium::Medium;
-use crate::render::progress::{Progress, ProgressCallback};
-use crate::source::nonfinite::MIN_KNOWN;
-use crate::source::slices::Slices;
-use crate::view::family::IndexRays;
-use crate::view::index_frame::light_direction;
-use crate::view::region::{HalfSpace, Region};
-use crate::view::scattered::scattered_position;
+use super::medium::Medium;
 
 /// Sampling of the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -36,7 +36,7 @@ pub struct RaycastOptions {
     pub step: f64,
     /// Rays per pixel, a square number: through the middles of the cells of a square grid, or, where a wall of the
     /// region passes through the pixel, through the positions at which the renderer counts shares
-    /// ([`crate::view::scattered`]).
+    /// ([`wavesplat_splat::view::scattered`]).
     pub rays_per_pixel: usize,
 }
 
@@ -179,7 +179,7 @@ impl<'a> Sampler<'a> {
     }
 
     /// The missing share at an index position: the weight that the linear kernel gives to missing samples there,
-    /// whatever the kernel of the densities ([`crate::source::nonfinite`]).
+    /// whatever the kernel of the densities ([`wavesplat_splat::source::nonfinite`]).
     pub fn missing(&self, position: DVec3) -> f64 {
         let mut sum = 0.0;
         if self.slices.has_mask() {

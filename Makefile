@@ -28,7 +28,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
 .PHONY: help demo test check fmt quality edges random-functions random-scenes looks looks-beside-vtk study study-wavelets study-lod bench bench-gpu bench-layers scene-hashes roofline instructions gallery golden pictures \
-	clean fuzz fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
+	clean wheel fuzz fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
 	rust-test python-test test-arm rust-lint python-lint stubs spelling licences docs readme
 
 help: ## list the recipes
@@ -152,8 +152,13 @@ pictures: $(STAMPS)/package ## draw the nine pictures of the README from the vol
 golden: $(STAMPS)/package ## draw the golden pictures of the tests anew; GOLDEN="labels maximum" draws those two
 	python python/tools/make_goldens.py $(GOLDEN)
 
+wheel: $(STAMPS)/venv ## build dist/*.whl for Linux with glibc 2.28 or newer (zig links it), symbols beside it
+	$(BIN)/pip install --quiet 'ziglang>=0.15,<1' 'wheel>=0.45,<1'
+	rm -rf dist && maturin build --release --locked --zig --compatibility manylinux_2_28 -o dist
+	python python/tools/strip_wheel.py dist/*.whl
+
 clean: ## remove all that the recipes made
-	rm -rf .venv target .cache out python/wavesplat/_native*.so
+	rm -rf .venv target .cache out dist python/wavesplat/_native*.so
 
 # Parts of `test` and `check`; each runs alone.
 

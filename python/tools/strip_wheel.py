@@ -2,8 +2,8 @@
 
     python python/tools/strip_wheel.py dist/wavesplat-*.whl
 
-Names and lines are 38 % of the wheel (13.3 MB with them, 8.2 without). They are written to a file of the module's name and `.debug`, which debuggers
-find by the build's identifier (`add-symbol-file`, or a folder of debug files).
+Names and lines are 38 % of the wheel (13.3 MB with them, 8.2 without). They are written to a file of the wheel's name
+and `.debug`, which debuggers find by the build's identifier (`add-symbol-file`, or a folder of debug files).
 """
 
 from __future__ import annotations
@@ -31,7 +31,7 @@ def main(wheels: list[str]) -> None:
 
 
 def _run(*command: str) -> None:
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)  # noqa: S603 - commands of this file
 
 
 if __name__ == "__main__":

@@ -196,10 +196,13 @@ def _twice(places):
     return {name: f"defined in {', '.join(where)}" for name, where in homes.items() if len(where) > 1}
 
 
-def test_only_the_bindings_depend_on_what_the_renderer_is_compared_with():
+def test_the_bindings_depend_on_the_facade_and_they_alone_on_what_it_is_compared_with():
     manifests = {path.parent.name: path.read_text(encoding="utf-8") for path in (ROOT / "crates").glob("*/Cargo.toml")}
     depend = [crate for crate, manifest in manifests.items() if "\nwavesplat-study" in manifest]
     assert depend == ["python"]
+    own = [line.partition(".")[0].partition(" ")[0] for line in manifests["python"].splitlines()]
+    # The bindings know the renderer by the interface that Rust users have.
+    assert [name for name in own if name.startswith("wavesplat")] == ["wavesplat", "wavesplat-study"]
 
 
 # Tests that each check can fail.

@@ -3,7 +3,7 @@
 use glam::DVec3;
 use numpy::{IntoPyArray, PyArray2, PyReadonlyArray1};
 use pyo3::prelude::*;
-use wavesplat_core::{
+use wavesplat::{
     Camera, ColorNode, Error, Gradient, GradientNode, Light, LightFrame, OpacityNode, Projection, Shading,
     TransferFunction, TransferFunction2D,
 };

@@ -1,7 +1,7 @@
 //! Conversion of Rust errors to Python exceptions, by who can mend them.
 
 use pyo3::PyErr;
-use wavesplat_core::{Error, ErrorKind};
+use wavesplat::{Error, ErrorKind};
 
 mod exceptions {
     #![allow(missing_docs, reason = "the classes are documented in wavesplat/errors.py")]

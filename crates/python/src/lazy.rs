@@ -10,9 +10,8 @@ use numpy::{
 };
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
+use wavesplat::boxes::{Slices, StridedSamples, VolumeBox, light_steps, needed_samples};
 use wavesplat::{Grid, Kernel, LazyVolume, LevelBrightness, LevelPart, Statistics, Storage, Survey};
-use wavesplat_splat::source::slices::{Slices, VolumeBox, needed_samples};
-use wavesplat_splat::source::strided::{StridedSamples, light_steps};
 
 use crate::errors::to_py;
 use crate::volume::{NumpySamples, affine};

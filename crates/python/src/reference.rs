@@ -2,7 +2,8 @@
 
 use numpy::PyArray3;
 use pyo3::prelude::*;
-use wavesplat_core::{Kernel, RenderOptions};
+use wavesplat::Kernel;
+use wavesplat_study::RenderOptions;
 use wavesplat_study::reference;
 use wavesplat_study::reference::raycast::{CastLayer, RaycastOptions, raycast_layers};
 

@@ -8,10 +8,9 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use wavesplat::{
-    ClipPlane, Composite, Crop, DrawnBy, Effort, Frame, FrameOptions, Kernel, Measured, Picture, Plane, PngBits,
-    Reduction, Sampling, Scene, SceneLayer, StageTimes, ThickSlab, Wanted, png_of_rgba,
+    ClipPlane, Composite, Crop, DrawnBy, Effort, Frame, FrameOptions, Framing, Kernel, Measured, MeasuredErrors,
+    Picture, Plane, PngBits, Reduction, Sampling, Scene, SceneLayer, StageTimes, ThickSlab, Wanted, png_of_rgba,
 };
-use wavesplat_splat::quality::target_psnr::{Errors, Framing};
 
 use crate::arguments::{PyCamera, PyShading, PyTransferFunction, Triple, vector};
 use crate::errors::to_py;
@@ -71,7 +70,7 @@ pub struct PyMeasured {
 impl From<PyMeasured> for Measured {
     fn from(told: PyMeasured) -> Self {
         Self {
-            errors: Errors { along: told.along, across: told.across, deviation: told.deviation },
+            errors: MeasuredErrors { along: told.along, across: told.across, deviation: told.deviation },
             at: Sampling { sheets_per_slice: told.sheets_per_slice, oversampling: told.oversampling },
             framing: Framing {
                 pixel_in_samples: told.pixel_in_samples,

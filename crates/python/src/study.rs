@@ -3,8 +3,8 @@
 use numpy::PyArray3;
 use pyo3::prelude::*;
 use pyo3::types::PyDict;
-use wavesplat_core::{Composite, Kernel, RenderOptions};
-use wavesplat_splat::with_threads;
+use wavesplat::{Composite, Kernel, with_threads};
+use wavesplat_study::RenderOptions;
 use wavesplat_study::reference::splat;
 use wavesplat_study::standard::{self, Buffer, StandardOptions};
 

@@ -5,8 +5,10 @@ use std::sync::Arc;
 use numpy::{IntoPyArray, PyArray1, PyArray3, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2};
 use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
-use wavesplat::{Keep, LevelError, LevelVolume, Norm, Statistics, WaveletFamily, WaveletVolume};
-use wavesplat_wavelet::{CoefficientArrays, CoefficientDecoder, WaveletError};
+use wavesplat::{
+    CoefficientArrays, CoefficientDecoder, Keep, LevelError, LevelVolume, Norm, Statistics, WaveletError,
+    WaveletFamily, WaveletVolume,
+};
 
 use crate::errors::to_py;
 use crate::volume::{PyVolume, affine};

@@ -8,3 +8,5 @@
 
 pub mod reference;
 pub mod standard;
+
+pub use wavesplat_core::RenderOptions;

@@ -102,17 +102,25 @@ pub fn use_simd(name: &str) -> std::result::Result<(), String> {
 pub use glam;
 pub use wavesplat_compute::parallel::after_fork;
 pub use wavesplat_core::{
-    Camera, ClipPlane, ColorNode, Composite, Crop, Error, Gradient, GradientNode, Grid, Kernel, LabelLook, LevelGrid,
-    Light, LightFrame, OpacityNode, Picture, Projection, Result, Samples, Shading, Statistics, TransferFunction,
-    Volume,
+    Camera, ClipPlane, ColorNode, Composite, Crop, Error, ErrorKind, Gradient, GradientNode, Grid, Kernel, LabelLook,
+    LevelGrid, Light, LightFrame, OpacityNode, Picture, Projection, Result, Samples, Shading, Statistics,
+    TransferFunction, TransferFunction2D, Volume,
 };
 #[cfg(feature = "gpu")]
 pub use wavesplat_gpu as gpu;
 pub use wavesplat_splat::optics::labels::{Codes, Labels};
 pub use wavesplat_splat::quality::error_model::Sampling;
-pub use wavesplat_splat::quality::target_psnr::{Estimate, Measured, Wanted};
+pub use wavesplat_splat::quality::target_psnr::{Errors as MeasuredErrors, Estimate, Framing, Measured, Wanted};
 pub use wavesplat_splat::render::stream::{IndexBox, Storage};
 pub use wavesplat_splat::slice_plane::{Plane, Reduction, ThickSlab};
 pub use wavesplat_splat::source::survey::Survey;
-pub use wavesplat_splat::{ProgressCallback, ProgressPart, Report};
-pub use wavesplat_wavelet::{Keep, Norm, WaveletFamily, WaveletVolume};
+pub use wavesplat_splat::{ProgressCallback, ProgressPart, Report, with_threads};
+pub use wavesplat_wavelet::{
+    CoefficientArrays, CoefficientDecoder, Keep, Norm, WaveletError, WaveletFamily, WaveletVolume,
+};
+
+/// Boxes of volumes that are too large for memory, for surveys and light beside [`Stream`], which reads its own.
+pub mod boxes {
+    pub use wavesplat_splat::source::slices::{Slices, VolumeBox, needed_samples};
+    pub use wavesplat_splat::source::strided::{StridedSamples, light_steps};
+}

@@ -162,6 +162,23 @@ def test_no_module_joins_a_circle():
     assert found == sorted([f"{room}.{name}" for name in names] for room in CIRCLES for names in CIRCLES[room])
 
 
+#: Modules of Rust that name each other: a type, and the files that its methods are written in.
+CIRCLES_OF_RUST = [
+    ["lazy", "volume", "wavelet"],
+    ["optics.classify", "optics.preintegrate"],
+    ["picture.edge_texels", "picture.edges"],
+    ["reference.active_blocks", "reference.raycast"],
+    ["render.empty_space", "render.tile"],
+    ["sheet.buffer", "sheet.missing", "sheet.upsample"],
+    ["transform.norm", "transform.plan"],
+]
+
+
+def test_no_module_of_rust_joins_a_circle():
+    crates = [layout_rules.rust_imports(layout_rules.rust_sources(src)) for src in (ROOT / "crates").glob("*/src")]
+    assert sorted(circle for one in crates for circle in layout_rules.circles_of_modules(one)) == CIRCLES_OF_RUST
+
+
 def test_files_are_short():
     lengths = {
         path.relative_to(ROOT).as_posix(): len(path.read_text(encoding="utf-8").splitlines())

@@ -3,7 +3,7 @@
 use glam::{DAffine3, DMat3, DVec3};
 
 use crate::error::{Error, Result};
-use crate::volume::Statistics;
+use crate::samples::Statistics;
 
 /// Shape, position and range of a volume, independent of the storage of its samples. Always consistent.
 #[derive(Clone, Debug, PartialEq)]

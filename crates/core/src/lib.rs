@@ -13,6 +13,7 @@ mod label;
 mod level_grid;
 mod options;
 mod picture;
+mod samples;
 mod transfer_function;
 mod transfer_function_2d;
 mod volume;
@@ -29,6 +30,7 @@ pub use options::{
     quality_settings,
 };
 pub use picture::Picture;
+pub use samples::{Sample, Samples, Statistics};
 pub use transfer_function::{ColorNode, GradientNode, OpacityNode, TransferFunction};
 pub use transfer_function_2d::TransferFunction2D;
-pub use volume::{Sample, Samples, Statistics, Volume};
+pub use volume::Volume;

@@ -14,10 +14,7 @@ use wavesplat_core::{Gradient, Kernel};
 use crate::kernel::footprint_table::{Footprint, bits};
 use crate::kernel::slice_taps::SliceTaps;
 use crate::kernel::smoothed::{self, width_of};
-use crate::kernel::weights::{MAX_TAPS, mirror_index, n_taps, near_taps, reach, taps};
-
-/// Largest number of taps of a difference footprint.
-pub const MAX_DIFFERENCE_TAPS: usize = 3 * MAX_TAPS;
+use crate::kernel::weights::{MAX_DIFFERENCE_TAPS, MAX_TAPS, mirror_index, n_taps, near_taps, reach, taps};
 
 /// Footprint tables of one axis for a run of positions.
 #[derive(Clone, Debug, Default)]

@@ -2,7 +2,7 @@
 
 use std::ops::Deref;
 
-use crate::kernel::footprint::MAX_DIFFERENCE_TAPS;
+use crate::kernel::weights::MAX_DIFFERENCE_TAPS;
 
 /// One tap along the sheet axis: folded slice index and weight.
 pub type SliceTap = (usize, f32);

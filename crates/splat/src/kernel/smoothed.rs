@@ -7,7 +7,7 @@
 use wavesplat_compute::simd::{LANES, Lanes};
 use wavesplat_core::Kernel;
 
-use crate::kernel::footprint::MAX_DIFFERENCE_TAPS;
+use crate::kernel::weights::MAX_DIFFERENCE_TAPS;
 
 /// Width of the cubic B-spline with a standard deviation, in samples per unit of its argument. Prefiltered coefficients
 /// are sharper than the samples by the variance of their kernel, which is added.

@@ -16,6 +16,9 @@ use wavesplat_core::Kernel;
 /// Largest number of taps of any kernel.
 pub const MAX_TAPS: usize = 4;
 
+/// Largest number of taps of a difference footprint.
+pub const MAX_DIFFERENCE_TAPS: usize = 3 * MAX_TAPS;
+
 /// Distance beyond which h is 0, samples.
 pub fn radius(kernel: Kernel) -> f64 {
     match kernel {

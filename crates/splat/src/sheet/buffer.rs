@@ -12,8 +12,9 @@
 use std::ops::Range;
 use wavesplat_compute::simd::{LANES, Lanes, Simd, Wide};
 
-use crate::kernel::footprint::{AxisFootprints, MAX_DIFFERENCE_TAPS};
+use crate::kernel::footprint::AxisFootprints;
 use crate::kernel::footprint_table::Footprint;
+use crate::kernel::weights::MAX_DIFFERENCE_TAPS;
 use crate::sheet::missing::MissingShares;
 use crate::sheet::tile_layout::{BLOCK_V, Block, BlockMask, Chunk, N_BLOCKS_V, N_STRIPS, TILE_V, block_rows};
 use crate::sheet::upsample::Upsample;

@@ -11,9 +11,8 @@ use wavesplat_compute::parallel;
 use wavesplat_core::{
     Camera, Crop, Error, Gradient, Kernel, Picture, RenderOptions, Result, Shading, TransferFunction, Volume,
 };
-use wavesplat_splat::kernel::footprint::MAX_DIFFERENCE_TAPS;
 use wavesplat_splat::kernel::smoothed;
-use wavesplat_splat::kernel::weights::{MAX_TAPS, mirror_index, n_taps, taps};
+use wavesplat_splat::kernel::weights::{MAX_DIFFERENCE_TAPS, MAX_TAPS, mirror_index, n_taps, taps};
 use wavesplat_splat::optics::labels::{Labels, own_depth};
 use wavesplat_splat::optics::shade::vanishing_gradient_squared;
 use wavesplat_splat::render::progress::{Progress, ProgressCallback};

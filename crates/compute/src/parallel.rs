@@ -105,6 +105,8 @@ fn call_helper<'a>(scope: &rayon::Scope<'a>, k: usize, n: usize, work_off: &'a (
 #[derive(Clone)]
 struct Threads {
     n: usize,
+    /// Number of forks of the process when they were started.
+    n_forks: usize,
     /// Pool of `n - 1` threads; `None` where that is 0.
     helpers: Option<Arc<rayon::ThreadPool>>,
 }
@@ -121,13 +123,15 @@ pub fn with_threads<T>(n_threads: Option<usize>, work: impl FnOnce() -> T) -> T 
     #[cfg(feature = "threads")]
     if let Some(n) = n_threads
         && n != self::n_threads()
-        && let Some(own) = Threads::new(n)
+        && let Some(own) = Threads::kept(n).or_else(|| Threads::new(n))
     {
-        /// Restores the caller's threads, after a panic too.
+        /// Restores the caller's threads, after a panic too, and keeps those that the work had for the next call.
         struct Before(Option<Threads>);
         impl Drop for Before {
             fn drop(&mut self) {
-                OWN.set(self.0.take());
+                if let Some(own) = OWN.replace(self.0.take()) {
+                    own.keep();
+                }
             }
         }
         let _before = Before(OWN.replace(Some(own)));
@@ -137,13 +141,46 @@ pub fn with_threads<T>(n_threads: Option<usize>, work: impl FnOnce() -> T) -> T 
     work()
 }
 
+/// Threads that no call uses at present: to start some takes as long as to draw a small picture.
+#[cfg(feature = "threads")]
+static KEPT: Mutex<Vec<Threads>> = Mutex::new(Vec::new());
+
+/// Most calls whose threads are kept.
+#[cfg(feature = "threads")]
+const MAX_KEPT: usize = 4;
+
 #[cfg(feature = "threads")]
 impl Threads {
+    /// `n` kept threads, for one call alone; `None` where there are none. Another thread's lock is not waited for: in a
+    /// forked process nobody would open it.
+    fn kept(n: usize) -> Option<Self> {
+        let mut kept = KEPT.try_lock().ok()?;
+        let n_forks = N_FORKS.load(Ordering::Relaxed);
+        let place = kept.iter().position(|own| own.n_forks == n_forks && own.n == n)?;
+        Some(kept.swap_remove(place))
+    }
+
+    /// Keeps the threads for the next call.
+    fn keep(self) {
+        let n_forks = N_FORKS.load(Ordering::Relaxed);
+        if self.n_forks != n_forks {
+            // Threads of the process that this one was forked from, which are not here: their end would be waited for.
+            std::mem::forget(self);
+            return;
+        }
+        let Ok(mut kept) = KEPT.try_lock() else { return };
+        kept.extract_if(.., |own| own.n_forks != n_forks).for_each(std::mem::forget);
+        if kept.len() >= MAX_KEPT {
+            kept.remove(0);
+        }
+        kept.push(self);
+    }
+
     /// Starts the pool threads; `None` where the system refuses them.
     fn new(n: usize) -> Option<Self> {
         let helpers =
             if n > 1 { Some(Arc::new(rayon::ThreadPoolBuilder::new().num_threads(n - 1).build().ok()?)) } else { None };
-        Some(Self { n, helpers })
+        Some(Self { n, n_forks: N_FORKS.load(Ordering::Relaxed), helpers })
     }
 }
 
@@ -176,6 +213,37 @@ mod tests {
             assert_eq!(panic.unwrap_err().downcast_ref::<&str>(), Some(&"thirty"));
         }
         assert_eq!(n_threads(), n);
+    }
+
+    #[test]
+    fn threads_are_kept_for_the_next_call_and_never_shared_by_two() {
+        // No other test asks for as many.
+        let ids = || {
+            let barrier = std::sync::Barrier::new(7);
+            let mut ids = map(7, |_| {
+                barrier.wait();
+                std::thread::current().id()
+            });
+            let own = std::thread::current().id();
+            ids.retain(|id| *id != own);
+            ids.sort_by_key(|id| format!("{id:?}"));
+            ids
+        };
+        let first = with_threads(Some(7), ids);
+        assert_eq!(first.len(), 6);
+        assert_eq!(with_threads(Some(7), ids), first);
+        let both_in = std::sync::Barrier::new(2);
+        let call = || {
+            with_threads(Some(7), || {
+                both_in.wait();
+                ids()
+            })
+        };
+        let [one, other] = std::thread::scope(|scope| {
+            let other = scope.spawn(call);
+            [call(), other.join().unwrap()]
+        });
+        assert!(one.iter().all(|id| !other.contains(id)));
     }
 
     #[test]

@@ -300,7 +300,7 @@ fn streamed(plan: &Plan, slices: &Slices, data: &Data, streaming: &Streaming) ->
         });
         let states: Vec<_> = all.unwrap().into_iter().map(std::sync::Mutex::new).collect();
         let n_tiles_u = plan.families[block.family].plane.size[0].div_ceil(TILE_U);
-        pictures[block.family].fill_tiles([TILE_U, TILE_V], |k, texels| {
+        pictures[block.family].fill_tiles([TILE_U, TILE_V], None, |k, texels| {
             let place = tiles.iter().position(|tile| *tile == [k % n_tiles_u, k / n_tiles_u]);
             if let Some(state) = place.and_then(|place| states[place].lock().unwrap().take()) {
                 finish_tile(plan, block.family, state, texels);
@@ -362,7 +362,7 @@ fn in_pieces(plan: &Plan, slices: &Slices, data: &Data, random: &mut Random) -> 
         }
         let mut picture = BasePicture::new(family.plane.clone(), plan.with_depth);
         let states: Vec<_> = states.into_iter().map(std::sync::Mutex::new).collect();
-        picture.fill_tiles([TILE_U, TILE_V], |k, texels| {
+        picture.fill_tiles([TILE_U, TILE_V], None, |k, texels| {
             if let Some(state) = states[k].lock().unwrap().take() {
                 finish_tile(plan, f, state, texels);
             }

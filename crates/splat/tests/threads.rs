@@ -40,19 +40,25 @@ fn draw(tile: usize, texels: &mut TileTexels) {
 fn many_threads_draw_what_one_draws() {
     // Tiles that are cut off at both ends, too.
     for size in [[333, 141], [32, 16], [5, 300]] {
-        let picture = |n_threads: usize| {
+        let picture = |n_threads: usize, order: Option<&[usize]>| {
             let mut picture = BasePicture::new(plane(size), true);
-            with_threads(Some(n_threads), || picture.fill_tiles(TILE, draw));
+            with_threads(Some(n_threads), || picture.fill_tiles(TILE, order, draw));
             picture
         };
-        let alone = picture(1);
+        let alone = picture(1, None);
+        // Any order of the tiles: here the last ones first, even ones before odd ones.
+        let n_tiles = size[0].div_ceil(TILE[0]) * size[1].div_ceil(TILE[1]);
+        let mut order: Vec<usize> = (0..n_tiles).rev().collect();
+        order.sort_by_key(|k| k % 2);
         assert!(!alone.is_empty());
         let bits = |picture: &BasePicture| picture.w_half.iter().map(|w| w.to_bits()).collect::<Vec<_>>();
         for n_threads in [8, 16] {
-            let together = picture(n_threads);
-            assert!(together.texels() == alone.texels(), "{size:?} on {n_threads} threads");
-            assert!(bits(&together) == bits(&alone), "{size:?} on {n_threads} threads");
-            assert_eq!(together.drawn_cells(), alone.drawn_cells(), "{size:?} on {n_threads} threads");
+            for order in [None, Some(&*order)] {
+                let together = picture(n_threads, order);
+                assert!(together.texels() == alone.texels(), "{size:?} on {n_threads} threads");
+                assert!(bits(&together) == bits(&alone), "{size:?} on {n_threads} threads");
+                assert_eq!(together.drawn_cells(), alone.drawn_cells(), "{size:?} on {n_threads} threads");
+            }
         }
     }
 }
@@ -85,7 +91,7 @@ fn as_many_tiles_are_worked_on_at_once_as_there_are_threads() {
         let meeting = MeetingPoint::new(n);
         let mut picture = BasePicture::new(plane([TILE[0] * n / 4, TILE[1] * 4]), false);
         with_threads(Some(n), || {
-            picture.fill_tiles(TILE, |tile, texels| {
+            picture.fill_tiles(TILE, None, |tile, texels| {
                 // Half done, all wait for all.
                 texels.put(0, 0, &[[0.5; 4]; LANES], None);
                 meeting.wait();

@@ -305,7 +305,7 @@ impl Stream {
             states.extend(state.map(|state| (v * n_tiles_u + u, std::sync::Mutex::new(Some(state)))));
         }
         let plan = &self.plan;
-        self.pictures[own.family].fill_tiles([TILE_U, TILE_V], |k, texels| {
+        self.pictures[own.family].fill_tiles([TILE_U, TILE_V], None, |k, texels| {
             let state = states.get(&k).and_then(|state| state.lock().ok()?.take());
             if let Some(state) = state {
                 finish_tile(plan, own.family, state, texels);

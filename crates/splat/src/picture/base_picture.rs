@@ -84,10 +84,16 @@ impl BasePicture {
         coarser
     }
 
-    /// Calls `work` with the number of every tile of `tile_size` texels, row by row, and its texels, on all threads.
+    /// Calls `work` with the number of every tile of `tile_size` texels, counted row by row, and its texels, on all
+    /// threads. `order`: the numbers in the order in which tiles are begun; `None`: row by row.
     ///
     /// Tiles are disjoint, so no thread waits for another.
-    pub fn fill_tiles(&mut self, tile_size: [usize; 2], work: impl Fn(usize, &mut TileTexels) + Sync + Send) {
+    pub fn fill_tiles(
+        &mut self,
+        tile_size: [usize; 2],
+        order: Option<&[usize]>,
+        work: impl Fn(usize, &mut TileTexels) + Sync + Send,
+    ) {
         let [n_u, n_v] = self.plane.size;
         let [tile_u, tile_v] = tile_size;
         let n_tiles_u = n_u.div_ceil(tile_u);
@@ -105,9 +111,13 @@ impl BasePicture {
                 tile.w_half.push(places);
             }
         }
-        parallel::for_each_chunk(&mut tiles, 1, |k, tile| work(k, &mut tile[0]));
-        let cells: Vec<Vec<[usize; 2]>> = tiles.into_iter().map(|tile| tile.drawn).collect();
-        for (k, cells) in cells.into_iter().enumerate() {
+        let mut tiles: Vec<(usize, TileTexels)> = match order {
+            None => tiles.into_iter().enumerate().collect(),
+            Some(order) => order.iter().map(|k| (*k, std::mem::take(&mut tiles[*k]))).collect(),
+        };
+        parallel::for_each_chunk(&mut tiles, 1, |_, tile| work(tile[0].0, &mut tile[0].1));
+        let cells: Vec<(usize, Vec<[usize; 2]>)> = tiles.into_iter().map(|(k, tile)| (k, tile.drawn)).collect();
+        for (k, cells) in cells {
             let first = [k % n_tiles_u * tile_u / CELL[0], k / n_tiles_u * tile_v / CELL[1]];
             for [u, v] in cells {
                 self.mark_drawn(first[0] + u, first[1] + v);

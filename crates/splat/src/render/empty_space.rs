@@ -20,6 +20,17 @@ pub(super) struct ActiveSlab {
 }
 
 impl TileJob<'_> {
+    /// Estimated cost of a tile: its needed blocks, times the layers of bricks below it in which something is visible.
+    pub(super) fn cost(&self, [tile_u, tile_v]: [usize; 2]) -> usize {
+        let first = [tile_u * TILE_U, tile_v * TILE_V];
+        let n_blocks = self.needed_blocks(first).count_ones() as usize;
+        if n_blocks == 0 {
+            return 0;
+        }
+        let n_layers = |layer: &LayerJob| layer.active_layers(first).iter().filter(|is_active| **is_active).count();
+        n_blocks * self.layers.iter().map(n_layers).sum::<usize>()
+    }
+
     /// Blocks of a tile, given by its first texel, that the picture needs.
     pub(super) fn needed_blocks(&self, [i0, j0]: [usize; 2]) -> BlockMask {
         let plane = &self.family.plane;

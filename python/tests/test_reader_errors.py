@@ -2,15 +2,18 @@
 
 from __future__ import annotations
 
+import pickle
 import re
 import struct
+import tracemalloc
+import warnings
 
 import numpy as np
 import pytest
 from vti_files import save_vti
 
 import wavesplat as ws
-from wavesplat.errors import ArgumentError, FileError, LimitError
+from wavesplat.errors import ArgumentError, FileError, FileWarning, LimitError
 
 NOISE = np.random.default_rng(5).integers(0, 60000, (20, 30, 40)).astype(np.uint16)
 
@@ -335,6 +338,51 @@ def test_a_legacy_vtk_file_that_is_cut_short(tmp_path, is_text):
     for cut in (1, 2, 5, 20, 100, 400):
         path.write_bytes(header.encode() + content[: -2 * cut if is_text else -cut])
         fails(path, "truncated")
+
+
+def test_what_a_terminal_would_obey_is_escaped(tmp_path):
+    path = tmp_path / "a.vtk"
+    path.write_bytes(b"# vtk DataFile Version 3.0\na\nBINARY\nDATASET \x1b[2J\x9b\n")
+    line = fails(path, r"VTK's \\x1b\[2J")
+    assert line.isprintable()
+    warning = FileWarning(f"\x1b[2J: a\u00a0b\u202e: {path}")
+    assert str(warning) == f"\\x1b[2J: a\u00a0b\\u202e: {path}"  # blanks of other widths stay
+
+
+def test_the_middle_of_a_long_message_is_left_out():
+    error = FileError(f"the name is {'a' * 100_000}; write it again: a.nii")
+    assert len(str(error)) < 4100
+    assert str(error).startswith("the name is aaa")
+    assert str(error).endswith("aaa; write it again: a.nii")
+    assert str(pickle.loads(pickle.dumps(error))) == str(error)  # noqa: S301 - our own
+
+
+@pytest.mark.parametrize("options", [{}, {"memory": "50 MB"}])
+def test_no_more_memory_is_asked_for_than_a_header_can_have(tmp_path, options):
+    path = tmp_path / "a.npy"
+    path.write_bytes(b"\x93NUMPY\x02\x00" + struct.pack("<I", 1 << 31) + bytes(100))
+    fails(path, **options)
+    tracemalloc.start()
+    fails(path, **options)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 10e6
+
+
+def test_extensions_that_look_wrong_say_nothing(tmp_path):
+    import nibabel
+
+    image = nibabel.Nifti1Image(NOISE.T, np.eye(4))
+    image.header.extensions.append(nibabel.nifti1.Nifti1Extension(6, b"comment"))
+    nibabel.save(image, tmp_path / "a.nii")
+    content = bytearray((tmp_path / "a.nii").read_bytes())
+    content[352:356] = struct.pack("<i", 15)
+    (tmp_path / "a.nii").write_bytes(content)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        np.testing.assert_array_equal(ws.open(tmp_path / "a.nii").samples, NOISE)
+        ws.Labels.open(tmp_path / "a.nii")
+    assert said == []
 
 
 @pytest.mark.parametrize("name", KINDS)

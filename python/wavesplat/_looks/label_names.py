@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import csv
 import re
+import warnings
 from collections.abc import Iterable
 from html import unescape
 from os import PathLike
@@ -85,7 +86,9 @@ def _nifti_labels(path: Path) -> dict[int, Named]:
     import nibabel
 
     try:
-        image = nibabel.load(path)
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", module="nibabel")
+            image = nibabel.load(path)
         extensions = list(getattr(image.header, "extensions", []))
     except Exception:  # noqa: BLE001 - nibabel raises anything on a damaged extension; the samples may be sound
         return {}

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files import size_checks
+from wavesplat._files.bounded_file import BoundedFile
 from wavesplat._files.npz import check_members, npy_header
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
@@ -32,7 +33,7 @@ def _from_npy(request: Request) -> NDArray[Any]:
     path = request.file
     if request.dataset is not None:
         raise ArgumentError(f"dataset= has no meaning for a .npy file, which holds one array; leave it out: {path}")
-    with path.open("rb") as file:
+    with BoundedFile(path) as file:
         shape, dtype = npy_header(file)
         size_checks.check_stored(
             shape, dtype, path.stat().st_size - file.tell(), path, held=one_volume_of(shape, request)

@@ -253,3 +253,19 @@ def test_the_command_line_takes_them_all(wavesplat, ramp_file, saved, tmp_path):
         assert done.stderr == ""
     done = wavesplat("render", ramp_file, "-o", out, "--tf", tmp_path / "scene.xml")
     assert "name one of: One, Two" in done.stderr
+
+
+@pytest.mark.parametrize("number", ["", "red", "0,5"])
+def test_points_of_paraview_that_are_no_numbers(tmp_path, number):
+    path = tmp_path / "a.xml"
+    path.write_text(f'<ColorMaps><ColorMap><Point x="0" r="{number}" g="0" b="0" o="1"/></ColorMap></ColorMaps>')
+    with pytest.raises(ArgumentError, match="'r' of a <Point> is .*it must be a number: .*a.xml$"):
+        ws.Look.load(path)
+
+
+@pytest.mark.parametrize("name", [5, ["a"], {"a": 1}])
+def test_the_name_of_a_look_is_a_text(tmp_path, name):
+    path = tmp_path / "a.json"
+    path.write_text(json.dumps({"version": 1, "opacity": [[0, 0], [1, 1]], "color": [[0, 1, 1, 1]], "name": name}))
+    with pytest.raises(ArgumentError, match="name.* is .*; give a text: .*a.json$"):
+        ws.Look.load(path)

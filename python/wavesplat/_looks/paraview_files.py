@@ -53,10 +53,7 @@ def from_xml(root: Element) -> list[dict[str, Any]]:
     """The maps of an XML file, in the form of those of a JSON file."""
     found = []
     for element in root.iter(TAG):
-        points = [
-            [float(point.get(name, "nan")) for name in ("x", "r", "g", "b")] + [float(point.get("o", "nan"))]
-            for point in element.iter("Point")
-        ]
+        points = [[_number(point, name) for name in ("x", "r", "g", "b", "o")] for point in element.iter("Point")]
         if not points:
             raise ArgumentError(f"{WHAT}: {element.get('name', '')!r} has no <Point>")
         document: dict[str, Any] = {
@@ -72,6 +69,14 @@ def from_xml(root: Element) -> list[dict[str, Any]]:
     if not found:
         raise ArgumentError(f"{WHAT}: the file has no <{TAG}>")
     return found
+
+
+def _number(point: Element, name: str) -> float:
+    """A number of a point; not a number where it has none."""
+    try:
+        return float(point.get(name, "nan"))
+    except ValueError:
+        raise ArgumentError(f"{WHAT}: {name!r} of a <Point> is {point.get(name)!r}; it must be a number") from None
 
 
 def look(document: dict[str, Any], volume: Volume | WaveletVolume | None) -> Look:

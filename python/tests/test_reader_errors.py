@@ -5,8 +5,10 @@ from __future__ import annotations
 import pickle
 import re
 import struct
+import sys
 import tracemalloc
 import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -113,8 +115,6 @@ def test_unknown_kind(tmp_path):
 
 
 def test_unreadable(tmp_path, monkeypatch):
-    from pathlib import Path
-
     path = save(tmp_path / "a.nii")
 
     def refuse(*_, **__):
@@ -383,6 +383,50 @@ def test_extensions_that_look_wrong_say_nothing(tmp_path):
         np.testing.assert_array_equal(ws.open(tmp_path / "a.nii").samples, NOISE)
         ws.Labels.open(tmp_path / "a.nii")
     assert said == []
+
+
+@pytest.mark.parametrize("options", [{}, {"memory": "50 MB"}])
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (b"sizes: 40 30 20", b"sizes: " + b"1 " * 1000),
+        (b"sizes:", b"sizes" + b"x" * 3000 + b":"),
+        (b"endian: little", b"endian: " + b"a" * 70_000),
+        (b"endian: little", b"#" * 70_000 + b"\nendian: " + b"a" * 3000),
+    ],
+)
+def test_fields_that_itk_has_no_room_for(tmp_path, old, new, options):
+    path = save(tmp_path / "a.nrrd")
+    whole = path.read_bytes()
+    assert old in whole
+    path.write_bytes(whole.replace(old, new, 1))
+    fails(path, "a wrong header: its line .* bytes, and fields have 500 at most; mend it", **options)
+    # What is no field of the format may be as long as it likes.
+    path.write_bytes(
+        whole.replace(
+            old, b"content: " + b"a" * 9000 + b"\n#" + b"b" * 9000 + b"\nkey:=" + b"c" * 9000 + b"\n" + old, 1
+        )
+    )
+    np.testing.assert_array_equal(ws.open(path).samples, NOISE)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="has no paths as long")
+def test_a_path_that_itk_has_no_room_for(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    folder = Path(*["d" * 200] * 14)
+    folder.mkdir(parents=True)
+    content = save(tmp_path / "a.nrrd").read_bytes().replace(b"encoding: raw", b"encoding: rax")
+    (folder / "a.nrrd").write_bytes(content)
+    with pytest.raises(FileError, match="the path is longer than 1000 bytes, which ITK cannot hold; move the file"):
+        ws.open(folder / "a.nrrd")
+
+
+@pytest.mark.parametrize("options", [{}, {"memory": "50 MB"}])
+@pytest.mark.parametrize("number", ["-1", "11", "100", "4294967296", "1e308", "", "3\nNDims = 100"])
+def test_dimensions_that_itk_has_no_room_for(tmp_path, number, options):
+    path = save(tmp_path / "a.mha")
+    path.write_bytes(path.read_bytes().replace(b"NDims = 3", f"NDims = {number}".encode(), 1))
+    fails(path, "a wrong header: its line NDims must be there once, and give 1 to 10 dimensions; mend it", **options)
 
 
 @pytest.mark.parametrize("name", KINDS)

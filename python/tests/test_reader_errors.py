@@ -216,6 +216,15 @@ def test_degenerate_affine_in_a_file(tmp_path, row):
     fails(path, "world_from_index")
 
 
+@pytest.mark.parametrize("number", ["nan", "inf"])
+def test_a_place_that_is_not_finite_in_a_file_read_in_parts(tmp_path, number):
+    path = save(tmp_path / "a.nii")
+    content = bytearray(path.read_bytes())
+    content[280:284] = struct.pack("<f", float(number))
+    path.write_bytes(content)
+    fails(path, "world_from_index.*not finite", memory="50 MB")
+
+
 def test_nothing_finite_in_a_file(tmp_path):
     np.save(tmp_path / "a.npy", np.full((3, 3, 3), np.nan))
     fails(tmp_path / "a.npy", "none of its 27 samples is finite")

@@ -133,7 +133,7 @@ def _bids(text: str) -> dict[int, Named]:
         code = (row.get("color") or "").lstrip("#")
         is_code = re.fullmatch(r"[0-9a-fA-F]{6}", code) is not None
         numbers = [float(int(code[i : i + 2], 16)) for i in (0, 2, 4)] if is_code else []
-        found[int(row["index"])] = (row["name"], _color(numbers, 255.0))
+        found[int(row["index"])] = (row["name"] or row["index"], _color(numbers, 255.0))
     return found
 
 

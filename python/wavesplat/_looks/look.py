@@ -10,6 +10,7 @@ from dataclasses import dataclass, field
 from os import PathLike
 from typing import TYPE_CHECKING
 
+from wavesplat._looks import colors
 from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
@@ -72,6 +73,7 @@ class Look:
                 raise ArgumentError(f"{name} of the look is {described(getattr(self, name))}; give a text")
         for name in ("view", "background", "name", "reason"):
             check_text(getattr(self, name), f"{name} of the look")
+        colors.parse(self.background)
 
     def __repr__(self) -> str:
         rest = [self.composite, *([] if self.shading else ["no shading"]), *([self.view] if self.view else [])]

@@ -83,6 +83,7 @@ def look(document: dict[str, Any], volume: Volume | WaveletVolume | None) -> Loo
     """The look of one map; see the head of this file."""
     name = str(document.get("Name", ""))
     space = document.get("ColorSpace", "RGB")
+    space = str(space)
     space = "HSVWrap" if space == "HSV" and document.get("HSVWrap") else space
     if space not in color_spaces.SPACES:
         raise ArgumentError(f"{WHAT}: {name!r} is in the space {space!r}; read are {', '.join(color_spaces.SPACES)}")
@@ -120,6 +121,6 @@ def _table(numbers: Any, n_each: int, what: str) -> list[tuple[float, ...]]:
         flat: Sequence[float] = [float(number) for number in numbers]
     except (TypeError, ValueError, OverflowError):
         flat = []
-    if not flat or len(flat) % n_each:
-        raise ArgumentError(f'{WHAT}: "{what}" must be numbers, {n_each} for every point')
+    if not flat or len(flat) % n_each or not np.isfinite(flat).all():
+        raise ArgumentError(f'{WHAT}: "{what}" must be finite numbers, {n_each} for every point')
     return [tuple(flat[start : start + n_each]) for start in range(0, len(flat), n_each)]

@@ -13,7 +13,7 @@ from wavesplat._files.bounded_file import BoundedFile
 from wavesplat._files.npz import check_members, npy_header
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
-from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, one_volume_of, several
+from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, one_volume_of, several, unwarned
 from wavesplat.errors import ArgumentError
 
 __all__ = ["read"]
@@ -22,7 +22,7 @@ __all__ = ["read"]
 def read(request: Request) -> Grid:
     """The array in a .npy or .npz file."""
     path = request.file
-    with reading("a NumPy file", path):
+    with reading("a NumPy file", path), unwarned("numpy"):
         array = _from_npz(request) if zipfile.is_zipfile(path) else _from_npy(request)
         samples = array[index_unnamed_axes(array.shape, request)]
         samples = np.array(samples) if isinstance(array, np.memmap) else samples

@@ -191,7 +191,7 @@ class TooLong(BaseException):
 
 
 def check(load, *names):
-    """What `load()` gives; None where it is refused, in one line that has one of the names.
+    """The result of `load()`; None where it is refused, in one line that has one of the names.
 
     Any other error, a warning that is not ours, and more time or memory than any small file needs fail the test.
     """

@@ -162,8 +162,8 @@ def test_scenes(tmp_path, suffix):
         text = damaged_json(document, changes)
         content = with_text(plain, KEYWORD, text) if suffix == ".png" else text.encode()
         path.write_bytes(damaged(content, of_bytes, len(plain)) if of_bytes else content)
-        # Errors of the files that it names have their names.
-        check(load, path.name, "a.npy", "labels.npy", tmp_path.name)
+        # Errors of the files that it names have their names, and presets are looked up when the scene is drawn.
+        check(load, path.name, "a.npy", "labels.npy", tmp_path.name, "unknown preset")
 
     path.write_bytes(
         with_text(plain, KEYWORD, json.dumps(document)) if suffix == ".png" else json.dumps(document).encode()

@@ -225,6 +225,17 @@ def test_a_place_that_is_not_finite_in_a_file_read_in_parts(tmp_path, number):
     fails(path, "world_from_index.*not finite", memory="50 MB")
 
 
+@pytest.mark.parametrize("options", [{}, {"memory": "50 MB"}])
+def test_pages_of_tiff_in_a_circle(tmp_path, options):
+    path = save(tmp_path / "a.tif")
+    content = bytearray(path.read_bytes())
+    (first,) = struct.unpack_from("<I", content, 4)
+    (n,) = struct.unpack_from("<H", content, first)
+    content[first + 2 + 12 * n : first + 6 + 12 * n] = struct.pack("<I", first)
+    path.write_bytes(content)
+    fails(path, "damaged: its pages lead in a circle", **options)
+
+
 def test_nothing_finite_in_a_file(tmp_path):
     np.save(tmp_path / "a.npy", np.full((3, 3, 3), np.nan))
     fails(tmp_path / "a.npy", "none of its 27 samples is finite")

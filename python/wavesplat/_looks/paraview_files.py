@@ -87,7 +87,10 @@ def look(document: dict[str, Any], volume: Volume | WaveletVolume | None) -> Loo
     space = "HSVWrap" if space == "HSV" and document.get("HSVWrap") else space
     if space not in color_spaces.SPACES:
         raise ArgumentError(f"{WHAT}: {name!r} is in the space {space!r}; read are {', '.join(color_spaces.SPACES)}")
-    color = _color(_table(document["RGBPoints"], 4, "RGBPoints"), space)
+    nodes = _table(document["RGBPoints"], 4, "RGBPoints")
+    if not all(0 <= channel <= 1 for node in nodes for channel in node[1:]):
+        raise ArgumentError(f'{WHAT}: {name!r} has a colour in "RGBPoints" that is not of three numbers 0..1')
+    color = _color(nodes, space)
     low, high = color[0][0], color[-1][0]
     points = document.get("Points")
     opacity = vtk_curves.line_nodes(_table(points, 4, "Points")) if points else [(low, 0.0), (high, 1.0)]

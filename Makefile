@@ -5,12 +5,13 @@ PYTHON ?= python3
 OUT ?= out
 BENCH_DATA ?= ../shared/data
 CARGO_DENY_VERSION := 0.20.2
-FUZZ_SECONDS ?= 60
+FUZZ_SECONDS ?= 100
 SEED ?= 1
 N ?= 100
 BALLS ?= 3
 WASM := wasm32-unknown-unknown
 ARM := aarch64-unknown-linux-gnu
+MEMCHECK := valgrind --quiet --error-exitcode=99 --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite
 ARM_PACKAGES := qemu-user gcc-aarch64-linux-gnu libc6-dev-arm64-cross
 
 BIN := .venv/bin
@@ -28,7 +29,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
 .PHONY: help demo test check fmt quality edges random-functions random-scenes looks looks-beside-vtk study study-wavelets study-lod bench bench-gpu bench-layers scene-hashes roofline instructions gallery golden pictures \
-	clean wheel fuzz fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
+	clean wheel fuzz memcheck miri fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
 	rust-test python-test test-arm rust-lint python-lint stubs spelling licences docs readme
 
 help: ## list the recipes
@@ -133,8 +134,9 @@ bench-viewer: $(STAMPS)/tools web/node_modules ## drag in Chromium before a serv
 viewer-pictures: $(STAMPS)/tools web/node_modules ## photograph the viewer: dark, light, narrow, magnified
 	cd web && node browser/photographs.mjs ../docs/pictures
 
-fuzz: ## feed damaged volumes to all that reads them, FUZZ_SECONDS for each target (60)
-	FUZZ_SECONDS=$(FUZZ_SECONDS) fuzz/run.sh
+fuzz: $(STAMPS)/tools ## feed damaged files, documents and messages to all that reads them, FUZZ_SECONDS for each of 68 targets (100, an hour); FUZZ="-k dicom" are some
+	FUZZ_SECONDS=$(FUZZ_SECONDS) pytest python/tests/test_fuzzed_files.py python/tests/test_fuzzed_documents.py $(FUZZ)
+	$(if $(FUZZ),,FUZZ_SECONDS=$(FUZZ_SECONDS) fuzz/run.sh)
 
 fixtures: ## write the fixtures of the stages anew, from their formulas
 	WAVESPLAT_WRITE_FIXTURES=1 cargo test --locked -p wavesplat-splat --test stages -- fixtures_are
@@ -142,6 +144,19 @@ fixtures: ## write the fixtures of the stages anew, from their formulas
 instructions: ## count the instructions per texel with valgrind; INSTRUCTIONS=--record keeps the counts
 	cargo build --locked --release -p wavesplat-splat --example frames
 	python3 benches/instructions.py $(INSTRUCTIONS)
+
+# Valgrind has no AVX-512: the tests find that it is missing, and try all other levels.
+memcheck: ## run the unit tests of the vector kernels, where the unsafe code is, in valgrind's memcheck; seconds
+	@command -v valgrind >/dev/null || { echo "memcheck needs valgrind: apt-get install valgrind" >&2; exit 1; }
+	CARGO_TARGET_X86_64_UNKNOWN_LINUX_GNU_RUNNER="$(MEMCHECK)" CARGO_TARGET_AARCH64_UNKNOWN_LINUX_GNU_RUNNER="$(MEMCHECK)" \
+		cargo test --locked -p wavesplat-compute --lib
+
+# Without the tests of large pages, which are of the system. Miri has SSE2, and no wider vectors that it could detect.
+miri: ## run the same in Miri, which also checks what the language allows; needs a nightly compiler, 10 minutes
+	@cargo +nightly miri --version >/dev/null 2>&1 || \
+		{ echo "miri needs a nightly compiler: rustup toolchain install nightly -c miri -c rust-src" >&2; exit 1; }
+	MIRIFLAGS="-Zmiri-disable-isolation -Zmiri-tree-borrows -Zmiri-permissive-provenance" \
+		cargo +nightly miri test --locked -p wavesplat-compute --lib -- --skip pages::
 
 gallery: $(STAMPS)/tools ## draw the pictures of docs/gallery.md, each with the command that drew it
 	python docs/gallery.py

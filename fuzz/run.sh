@@ -1,10 +1,10 @@
 #!/bin/sh
-# Runs every fuzz target for FUZZ_SECONDS (60): by cargo-fuzz, with its address sanitizer, where that and a nightly
+# Runs every fuzz target for FUZZ_SECONDS (100): by cargo-fuzz, with its address sanitizer, where that and a nightly
 # compiler are installed; else by the stable compiler, whose own passes count which branches were taken. Inputs that were
 # new are kept in fuzz/corpus, those that fail in fuzz/artifacts.
 set -eu
 cd "$(dirname "$0")"
-seconds="${FUZZ_SECONDS:-60}"
+seconds="${FUZZ_SECONDS:-100}"
 targets=$(sed -n 's/^name = "\(.*\)"$/\1/p' Cargo.toml | grep -v '^wavesplat-fuzz$')
 
 if cargo fuzz --version >/dev/null 2>&1 && cargo +nightly --version >/dev/null 2>&1; then

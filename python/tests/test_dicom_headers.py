@@ -15,6 +15,18 @@ from dicom_files import base, enhanced, random, save, sequence, slice_at
 import wavesplat as ws
 from wavesplat.errors import FileError, FileWarning
 
+# Lengths
+
+
+def test_no_more_is_read_than_there_is(tmp_path):
+    folder = save(tmp_path / "ct", [slice_at(random(1)[0], 0)])
+    whole = (folder / "000.dcm").read_bytes()
+    # An element of a kind whose length has four bytes.
+    at = whole.index(b"\xe0\x7f\x10\x00OW")
+    (folder / "000.dcm").write_bytes(whole[:at] + b"\x09\x00\x10\x10UN\0\0\xf0\xff\xff\xff" + whole[at:])
+    check_refused_at_once(folder, "cannot be read|single slice")
+
+
 # Numbers of frames
 
 

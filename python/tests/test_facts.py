@@ -130,3 +130,21 @@ def test_wavelets_of_before_have_no_facts(tmp_path):
     with (tmp_path / "a.wavelets").open("wb") as file:
         np.savez(file, **arrays)
     assert ws.WaveletVolume.load(tmp_path / "a.wavelets").facts == ws.Facts()
+
+
+@pytest.mark.parametrize(
+    "document",
+    [
+        None,
+        [],
+        "facts",
+        {"channel": 5},
+        {"channel": {"hue": 1}},
+        {"channels": 5},
+        {"channels": [None]},
+        {"channels": [{"": 0}]},
+    ],
+)
+def test_documents_that_are_no_facts_are_refused(document):
+    with pytest.raises(ArgumentError, match="^facts: .*; give"):
+        ws.Facts.from_json(document)

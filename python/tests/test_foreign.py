@@ -178,6 +178,15 @@ OBJECTS = {
 }
 
 
+def test_the_place_of_freesurfers_images_is_kept(tmp_path):
+    for thing in _mgh(tmp_path):
+        volume = ws.Volume(thing) if isinstance(thing, nibabel.MGHImage) else ws.open(thing)
+        np.testing.assert_allclose(volume.world_from_index, PLACE, atol=1e-5)
+        assert volume.facts.is_anatomical
+        assert volume.facts.unit == "mm"
+        assert volume.facts.guesses == ()
+
+
 @pytest.mark.parametrize("kind", OBJECTS)
 def test_an_object_is_what_the_reader_makes_of_its_file(tmp_path, kind):
     path, held = OBJECTS[kind](tmp_path)

@@ -224,8 +224,8 @@ def test_our_own_files_load_too(saved):
         ("[]", 'none has "RGBPoints"'),
         ("[1, 2]", 'none has "RGBPoints"'),
         ('{"volumeProperties": [{}]}', "not as its schema"),
-        ('{"RGBPoints": [0, 1, 2]}', '"RGBPoints" must be numbers, 4 for'),
-        ('{"RGBPoints": "none"}', '"RGBPoints" must be numbers'),
+        ('{"RGBPoints": [0, 1, 2]}', '"RGBPoints" must be finite numbers, 4 for'),
+        ('{"RGBPoints": "none"}', '"RGBPoints" must be finite numbers'),
         ('{"RGBPoints": [0, 1, 1, 1], "ColorSpace": "Munsell"}', "'Munsell'; read are RGB"),
         ("<a>", "not XML"),
         ("<a/>", "no <VolumeProperty>"),
@@ -253,3 +253,42 @@ def test_the_command_line_takes_them_all(wavesplat, ramp_file, saved, tmp_path):
         assert done.stderr == ""
     done = wavesplat("render", ramp_file, "-o", out, "--tf", tmp_path / "scene.xml")
     assert "name one of: One, Two" in done.stderr
+
+
+@pytest.mark.parametrize("number", ["", "red", "0,5"])
+def test_points_of_paraview_that_are_no_numbers(tmp_path, number):
+    path = tmp_path / "a.xml"
+    path.write_text(f'<ColorMaps><ColorMap><Point x="0" r="{number}" g="0" b="0" o="1"/></ColorMap></ColorMaps>')
+    with pytest.raises(ArgumentError, match="'r' of a <Point> is .*it must be a number: .*a.xml$"):
+        ws.Look.load(path)
+
+
+@pytest.mark.parametrize("name", [5, ["a"], {"a": 1}])
+def test_the_name_of_a_look_is_a_text(tmp_path, name):
+    path = tmp_path / "a.json"
+    path.write_text(json.dumps({"version": 1, "opacity": [[0, 0], [1, 1]], "color": [[0, 1, 1, 1]], "name": name}))
+    with pytest.raises(ArgumentError, match="name.* is .*; give a text: .*a.json$"):
+        ws.Look.load(path)
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"ColorSpace": ["Lab"]},
+        {"RGBPoints": [0, 0, 0, 1, 1, float("nan"), 0, 0]},
+        {"Points": [0, 0, 0.5, 0, 1, 1, 0.5, 1e999]},
+    ],
+)
+def test_maps_of_paraview_that_cannot_be(tmp_path, changed):
+    path = tmp_path / "a.json"
+    path.write_text(json.dumps([{"Name": "a", "ColorSpace": "Lab", "RGBPoints": [0, 0, 0, 1, 1, 1, 0, 0], **changed}]))
+    with pytest.raises(ArgumentError, match="is in the space|must be finite numbers"):
+        ws.Look.load(path)
+
+
+def test_the_background_of_a_look_is_a_colour(tmp_path):
+    path = tmp_path / "a.json"
+    curves = {"opacity": [[0, 0], [1, 1]], "color": [[0, 1, 1, 1]]}
+    path.write_text(json.dumps({"version": 1, "transfer_function": curves, "background": "paper"}))
+    with pytest.raises(ArgumentError, match="color is 'paper'.*a.json$"):
+        ws.Look.load(path)

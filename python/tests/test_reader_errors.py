@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+import pickle
 import re
 import struct
+import sys
+import tracemalloc
+import warnings
+from pathlib import Path
 
 import numpy as np
 import pytest
 from vti_files import save_vti
 
 import wavesplat as ws
-from wavesplat.errors import ArgumentError, FileError, LimitError
+from wavesplat.errors import ArgumentError, FileError, FileWarning, LimitError
 
 NOISE = np.random.default_rng(5).integers(0, 60000, (20, 30, 40)).astype(np.uint16)
 
@@ -110,8 +115,6 @@ def test_unknown_kind(tmp_path):
 
 
 def test_unreadable(tmp_path, monkeypatch):
-    from pathlib import Path
-
     path = save(tmp_path / "a.nii")
 
     def refuse(*_, **__):
@@ -211,6 +214,26 @@ def test_degenerate_affine_in_a_file(tmp_path, row):
     content[280:296] = struct.pack("<4f", *row)  # srow_x
     path.write_bytes(content)
     fails(path, "world_from_index")
+
+
+@pytest.mark.parametrize("number", ["nan", "inf"])
+def test_a_place_that_is_not_finite_in_a_file_read_in_parts(tmp_path, number):
+    path = save(tmp_path / "a.nii")
+    content = bytearray(path.read_bytes())
+    content[280:284] = struct.pack("<f", float(number))
+    path.write_bytes(content)
+    fails(path, "world_from_index.*not finite", memory="50 MB")
+
+
+@pytest.mark.parametrize("options", [{}, {"memory": "50 MB"}])
+def test_pages_of_tiff_in_a_circle(tmp_path, options):
+    path = save(tmp_path / "a.tif")
+    content = bytearray(path.read_bytes())
+    (first,) = struct.unpack_from("<I", content, 4)
+    (n,) = struct.unpack_from("<H", content, first)
+    content[first + 2 + 12 * n : first + 6 + 12 * n] = struct.pack("<I", first)
+    path.write_bytes(content)
+    fails(path, "damaged: its pages lead in a circle", **options)
 
 
 def test_nothing_finite_in_a_file(tmp_path):
@@ -335,6 +358,95 @@ def test_a_legacy_vtk_file_that_is_cut_short(tmp_path, is_text):
     for cut in (1, 2, 5, 20, 100, 400):
         path.write_bytes(header.encode() + content[: -2 * cut if is_text else -cut])
         fails(path, "truncated")
+
+
+def test_what_a_terminal_would_obey_is_escaped(tmp_path):
+    path = tmp_path / "a.vtk"
+    path.write_bytes(b"# vtk DataFile Version 3.0\na\nBINARY\nDATASET \x1b[2J\x9b\n")
+    line = fails(path, r"VTK's \\x1b\[2J")
+    assert line.isprintable()
+    warning = FileWarning(f"\x1b[2J: a\u00a0b\u202e: {path}")
+    assert str(warning) == f"\\x1b[2J: a\u00a0b\\u202e: {path}"  # blanks of other widths stay
+
+
+def test_the_middle_of_a_long_message_is_left_out():
+    error = FileError(f"the name is {'a' * 100_000}; write it again: a.nii")
+    assert len(str(error)) < 4100
+    assert str(error).startswith("the name is aaa")
+    assert str(error).endswith("aaa; write it again: a.nii")
+    assert str(pickle.loads(pickle.dumps(error))) == str(error)  # noqa: S301 - our own
+
+
+@pytest.mark.parametrize("options", [{}, {"memory": "50 MB"}])
+def test_no_more_memory_is_asked_for_than_a_header_can_have(tmp_path, options):
+    path = tmp_path / "a.npy"
+    path.write_bytes(b"\x93NUMPY\x02\x00" + struct.pack("<I", 1 << 31) + bytes(100))
+    fails(path, **options)
+    tracemalloc.start()
+    fails(path, **options)
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 10e6
+
+
+def test_extensions_that_look_wrong_say_nothing(tmp_path):
+    import nibabel
+
+    image = nibabel.Nifti1Image(NOISE.T, np.eye(4))
+    image.header.extensions.append(nibabel.nifti1.Nifti1Extension(6, b"comment"))
+    nibabel.save(image, tmp_path / "a.nii")
+    content = bytearray((tmp_path / "a.nii").read_bytes())
+    content[352:356] = struct.pack("<i", 15)
+    (tmp_path / "a.nii").write_bytes(content)
+    with warnings.catch_warnings(record=True) as said:
+        warnings.simplefilter("always")
+        np.testing.assert_array_equal(ws.open(tmp_path / "a.nii").samples, NOISE)
+        ws.Labels.open(tmp_path / "a.nii")
+    assert said == []
+
+
+@pytest.mark.parametrize("options", [{}, {"memory": "50 MB"}])
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (b"sizes: 40 30 20", b"sizes: " + b"1 " * 1000),
+        (b"sizes:", b"sizes" + b"x" * 3000 + b":"),
+        (b"endian: little", b"endian: " + b"a" * 70_000),
+        (b"endian: little", b"#" * 70_000 + b"\nendian: " + b"a" * 3000),
+    ],
+)
+def test_fields_that_itk_has_no_room_for(tmp_path, old, new, options):
+    path = save(tmp_path / "a.nrrd")
+    whole = path.read_bytes()
+    assert old in whole
+    path.write_bytes(whole.replace(old, new, 1))
+    fails(path, "a wrong header: its line .* bytes, and fields have 500 at most; mend it", **options)
+    # What is no field of the format may be as long as it likes.
+    path.write_bytes(
+        whole.replace(
+            old, b"content: " + b"a" * 9000 + b"\n#" + b"b" * 9000 + b"\nkey:=" + b"c" * 9000 + b"\n" + old, 1
+        )
+    )
+    np.testing.assert_array_equal(ws.open(path).samples, NOISE)
+
+
+@pytest.mark.skipif(sys.platform != "linux", reason="has no paths as long")
+def test_a_path_that_itk_has_no_room_for(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    folder = Path(*["d" * 200] * 14)
+    folder.mkdir(parents=True)
+    content = save(tmp_path / "a.nrrd").read_bytes().replace(b"encoding: raw", b"encoding: rax")
+    (folder / "a.nrrd").write_bytes(content)
+    with pytest.raises(FileError, match="the path is longer than 1000 bytes, which ITK cannot hold; move the file"):
+        ws.open(folder / "a.nrrd")
+
+
+@pytest.mark.parametrize("options", [{}, {"memory": "50 MB"}])
+@pytest.mark.parametrize("number", ["-1", "11", "100", "4294967296", "1e308", "", "3\nNDims = 100"])
+def test_dimensions_that_itk_has_no_room_for(tmp_path, number, options):
+    path = save(tmp_path / "a.mha")
+    path.write_bytes(path.read_bytes().replace(b"NDims = 3", f"NDims = {number}".encode(), 1))
+    fails(path, "a wrong header: its line NDims must be there once, and give 1 to 10 dimensions; mend it", **options)
 
 
 @pytest.mark.parametrize("name", KINDS)

@@ -51,6 +51,13 @@ def test_a_probe_tells_the_sample_there(pelvis):
     assert outside["values"] == [None]
 
 
+@pytest.mark.filterwarnings("error")
+@pytest.mark.parametrize("far", [1e29, -1e29, 9.3e18])
+def test_a_probe_beyond_whole_numbers_lies_outside(pelvis, far):
+    told, _ = questions.answer(pelvis, "probe", {"point": [far, 0, 0]})
+    assert told["values"] == [None]
+
+
 def test_a_probe_names_the_label():
     scan = viewer_fakes.ball(12)
     numbers = (scan.samples > 100).astype(np.uint8) * 7

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import csv
 import re
+import warnings
 from collections.abc import Iterable
 from html import unescape
 from os import PathLike
@@ -85,7 +86,9 @@ def _nifti_labels(path: Path) -> dict[int, Named]:
     import nibabel
 
     try:
-        image = nibabel.load(path)
+        with warnings.catch_warnings():
+            warnings.filterwarnings("ignore", module="nibabel")
+            image = nibabel.load(path)
         extensions = list(getattr(image.header, "extensions", []))
     except Exception:  # noqa: BLE001 - nibabel raises anything on a damaged extension; the samples may be sound
         return {}
@@ -130,7 +133,7 @@ def _bids(text: str) -> dict[int, Named]:
         code = (row.get("color") or "").lstrip("#")
         is_code = re.fullmatch(r"[0-9a-fA-F]{6}", code) is not None
         numbers = [float(int(code[i : i + 2], 16)) for i in (0, 2, 4)] if is_code else []
-        found[int(row["index"])] = (row["name"], _color(numbers, 255.0))
+        found[int(row["index"])] = (row["name"] or row["index"], _color(numbers, 255.0))
     return found
 
 

@@ -192,7 +192,10 @@ class Labels:
         given = None if table is None else label_names.in_table(table)
         segmentation = open_volume(path)
         named = label_names.in_file(path) if given is None else given
-        labels = cls(segmentation, smooth=smooth)
+        try:
+            labels = cls(segmentation, smooth=smooth)
+        except ArgumentError as error:
+            raise ArgumentError(f"{error}: {path}") from None
         looks = dict(labels.labels)
         for number, (name, color) in named.items():
             if number in looks:

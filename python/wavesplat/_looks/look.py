@@ -10,13 +10,15 @@ from dataclasses import dataclass, field
 from os import PathLike
 from typing import TYPE_CHECKING
 
+from wavesplat._looks import colors
 from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
-from wavesplat._model.argument_types import check_text, takes_its_types
+from wavesplat._model.argument_types import check_text, described, takes_its_types
 from wavesplat._model.options import Composite
 from wavesplat._model.volume_like import VolumeLike, as_volume, volume_or_none
 from wavesplat._public import public
+from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._looks.labels import Labels
@@ -66,8 +68,12 @@ class Look:
     reason: str = ""
 
     def __post_init__(self) -> None:
+        for name in ("name", "reason"):
+            if not isinstance(getattr(self, name), str):
+                raise ArgumentError(f"{name} of the look is {described(getattr(self, name))}; give a text")
         for name in ("view", "background", "name", "reason"):
             check_text(getattr(self, name), f"{name} of the look")
+        colors.parse(self.background)
 
     def __repr__(self) -> str:
         rest = [self.composite, *([] if self.shading else ["no shading"]), *([self.view] if self.view else [])]

@@ -53,10 +53,7 @@ def from_xml(root: Element) -> list[dict[str, Any]]:
     """The maps of an XML file, in the form of those of a JSON file."""
     found = []
     for element in root.iter(TAG):
-        points = [
-            [float(point.get(name, "nan")) for name in ("x", "r", "g", "b")] + [float(point.get("o", "nan"))]
-            for point in element.iter("Point")
-        ]
+        points = [[_number(point, name) for name in ("x", "r", "g", "b", "o")] for point in element.iter("Point")]
         if not points:
             raise ArgumentError(f"{WHAT}: {element.get('name', '')!r} has no <Point>")
         document: dict[str, Any] = {
@@ -74,14 +71,26 @@ def from_xml(root: Element) -> list[dict[str, Any]]:
     return found
 
 
+def _number(point: Element, name: str) -> float:
+    """A number of a point; not a number where it has none."""
+    try:
+        return float(point.get(name, "nan"))
+    except ValueError:
+        raise ArgumentError(f"{WHAT}: {name!r} of a <Point> is {point.get(name)!r}; it must be a number") from None
+
+
 def look(document: dict[str, Any], volume: Volume | WaveletVolume | None) -> Look:
     """The look of one map; see the head of this file."""
     name = str(document.get("Name", ""))
     space = document.get("ColorSpace", "RGB")
+    space = str(space)
     space = "HSVWrap" if space == "HSV" and document.get("HSVWrap") else space
     if space not in color_spaces.SPACES:
         raise ArgumentError(f"{WHAT}: {name!r} is in the space {space!r}; read are {', '.join(color_spaces.SPACES)}")
-    color = _color(_table(document["RGBPoints"], 4, "RGBPoints"), space)
+    nodes = _table(document["RGBPoints"], 4, "RGBPoints")
+    if not all(0 <= channel <= 1 for node in nodes for channel in node[1:]):
+        raise ArgumentError(f'{WHAT}: {name!r} has a colour in "RGBPoints" that is not of three numbers 0..1')
+    color = _color(nodes, space)
     low, high = color[0][0], color[-1][0]
     points = document.get("Points")
     opacity = vtk_curves.line_nodes(_table(points, 4, "Points")) if points else [(low, 0.0), (high, 1.0)]
@@ -115,6 +124,6 @@ def _table(numbers: Any, n_each: int, what: str) -> list[tuple[float, ...]]:
         flat: Sequence[float] = [float(number) for number in numbers]
     except (TypeError, ValueError, OverflowError):
         flat = []
-    if not flat or len(flat) % n_each:
-        raise ArgumentError(f'{WHAT}: "{what}" must be numbers, {n_each} for every point')
+    if not flat or len(flat) % n_each or not np.isfinite(flat).all():
+        raise ArgumentError(f'{WHAT}: "{what}" must be finite numbers, {n_each} for every point')
     return [tuple(flat[start : start + n_each]) for start in range(0, len(flat), n_each)]

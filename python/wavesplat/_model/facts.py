@@ -170,13 +170,22 @@ class Facts:
         ArgumentError
             If a value cannot be right.
         """
+        if not isinstance(document, Mapping):
+            raise ArgumentError(f"facts: this is {described(document)}; give an object, as of Facts.as_json")
         given = {field.name: document[field.name] for field in fields(cls) if field.name in document}
         for name, value in given.items():
             if name == "channel" and value is not None:
-                given[name] = Channel(**value)
+                given[name] = _channel(value)
             elif name == "channels":
-                given[name] = tuple(Channel(**channel) for channel in value)
+                given[name] = tuple(map(_channel, _listed(value, name)))
         return cls(**given)
+
+
+def _channel(document: object) -> Channel:
+    known = {field.name for field in fields(Channel)}
+    if not isinstance(document, Mapping) or not known.issuperset(document):
+        raise ArgumentError(f"facts: a channel is {described(document)}; give an object of {', '.join(sorted(known))}")
+    return Channel(**document)
 
 
 def _listed(things: object, name: str) -> tuple[Any, ...]:

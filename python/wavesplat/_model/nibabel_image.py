@@ -98,10 +98,12 @@ def _has_units(image: SpatialImage) -> bool:
 
 def _has_orientation(image: SpatialImage) -> bool:
     """Whether the image says how its axes lie in the world; Analyze never does, other formats always."""
+    from nibabel.analyze import AnalyzeHeader
+
     header: Any = image.header
     if _has_units(image):
         return bool(header["sform_code"] > 0 or header["qform_code"] > 0)
-    return not hasattr(header, "default_x_flip")
+    return not isinstance(header, AnalyzeHeader)
 
 
 def facts_of(image: SpatialImage) -> Facts:
@@ -120,7 +122,8 @@ def facts_of(image: SpatialImage) -> Facts:
     ours = "mm" if unit in MM_PER_UNIT else None
     if ours is None and is_anatomical:
         ours = "mm"
-        conventions.append("unit mm: the file names none; programs that read NIfTI take millimetres")
+        programs = "read NIfTI" if _has_units(image) else "read such files"
+        conventions.append(f"unit mm: the file names none; programs that {programs} take millimetres")
     zooms = header.get_zooms()
     step = float(zooms[3]) if n_times > 1 and len(zooms) > 3 and zooms[3] > 0 else None
     return Facts(

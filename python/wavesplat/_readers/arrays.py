@@ -9,10 +9,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files import size_checks
+from wavesplat._files.bounded_file import BoundedFile
 from wavesplat._files.npz import check_members, npy_header
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
-from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, one_volume_of, several
+from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, one_volume_of, several, unwarned
 from wavesplat.errors import ArgumentError
 
 __all__ = ["read"]
@@ -21,7 +22,7 @@ __all__ = ["read"]
 def read(request: Request) -> Grid:
     """The array in a .npy or .npz file."""
     path = request.file
-    with reading("a NumPy file", path):
+    with reading("a NumPy file", path), unwarned("numpy"):
         array = _from_npz(request) if zipfile.is_zipfile(path) else _from_npy(request)
         samples = array[index_unnamed_axes(array.shape, request)]
         samples = np.array(samples) if isinstance(array, np.memmap) else samples
@@ -32,7 +33,7 @@ def _from_npy(request: Request) -> NDArray[Any]:
     path = request.file
     if request.dataset is not None:
         raise ArgumentError(f"dataset= has no meaning for a .npy file, which holds one array; leave it out: {path}")
-    with path.open("rb") as file:
+    with BoundedFile(path) as file:
         shape, dtype = npy_header(file)
         size_checks.check_stored(
             shape, dtype, path.stat().st_size - file.tell(), path, held=one_volume_of(shape, request)

@@ -6,6 +6,7 @@ own parsers do, and anything that they could take for something else is refused.
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 
@@ -19,6 +20,11 @@ MAX_HEADER_BYTES = 1 << 24
 #: Files that a header may name, at most: no series has as many.
 MAX_FILES = 1 << 16
 
+#: Longest field of an NRRD header, longest path of one, and largest number of dimensions of a MetaImage: half of ITK's
+#: buffers, two thirds of the shortest path with which it crashed, and the size of its arrays.
+MAX_FIELD_BYTES, MAX_PATH_BYTES, MAX_DIMENSIONS = 500, 1000, 10
+
+N_DIMENSIONS = re.compile(rb"(?:\A|\n)[ \t]*NDims[ \t]*[=:][ \t]*(\d{1,2})[ \t\r]*(?:\n|\Z)")
 META_IMAGE = re.compile(rb"(?:\A|\n)[ \t]*ElementDataFile[ \t]*[=:]([^\n]*)(?:\n|\Z)")
 #: The field "data file"; `key:=value` is no field, even if the key has the name of one.
 NRRD = re.compile(rb"(?:\A|\n)[ \t]*data ?file[ \t]*:(?!=)([^\n]*)", re.IGNORECASE)
@@ -34,10 +40,42 @@ def places_of_samples(path: Path, *, anywhere: bool, within: Path | None = None)
         start = file.read(MAX_HEADER_BYTES)
     is_nrrd = start.startswith(b"NRRD")
     names = _named_by_nrrd(start, path) if is_nrrd else _named_by_meta_image(start, path)
+    (_check_nrrd if is_nrrd else _check_meta_image)(start, path)
     for name in names:
         check_named_file(name, path, anywhere=anywhere, within=within)
     header = _header_of_nrrd(start) if is_nrrd else _header_of_meta_image(start)
     return [(path.parent / name, 0) for name in names] or [(path, len(header or b""))]
+
+
+def _check_nrrd(start: bytes, path: Path) -> None:
+    """Raise a `FileError` for a field or a path that is so long that a message of it would overwrite memory in ITK.
+
+    Its parser writes the lines that it does not understand into buffers of some 1024 bytes, and ends the process.
+    """
+    if len(os.fsencode(path.absolute())) > MAX_PATH_BYTES:
+        raise FileError(f"the path is longer than {MAX_PATH_BYTES} bytes, which ITK cannot hold; move the file: {path}")
+    header = _header_of_nrrd(start)
+    if len(header) == MAX_HEADER_BYTES:
+        raise FileError(f"the header has no end in {MAX_HEADER_BYTES >> 20} MiB; copy or export it again: {path}")
+    for line in header.split(b"\n"):
+        name, _, value = line.partition(b":")
+        is_text = line.startswith(b"#") or value.startswith(b"=") or name.strip().lower() == b"content"
+        if len(line) > MAX_FIELD_BYTES and not is_text:
+            raise FileError(
+                f"a wrong header: its line {line[:30].decode('latin-1')!r}... has {len(line)} bytes, and fields have "
+                f"{MAX_FIELD_BYTES} at most; mend it, or export the file again: {path}"
+            )
+
+
+def _check_meta_image(start: bytes, path: Path) -> None:
+    """Raise a `FileError` for a number of dimensions that ITK has no room for: it would write beyond its arrays."""
+    header = _header_of_meta_image(start) or start
+    found = N_DIMENSIONS.search(header)
+    if header.count(b"NDims") != 1 or not found or not 1 <= int(found[1]) <= MAX_DIMENSIONS:
+        raise FileError(
+            f"a wrong header: its line NDims must be there once, and give 1 to {MAX_DIMENSIONS} dimensions; "
+            f"mend it, or export the file again: {path}"
+        )
 
 
 def _header_of_meta_image(start: bytes) -> bytes | None:

@@ -26,7 +26,7 @@ from wavesplat._readers.dicom_pixels import frames_in, is_padding_beyond_bits
 from wavesplat._readers.dicom_samples import samples_of
 from wavesplat._readers.dicom_stack import N_NAMED, Stack, stacked
 from wavesplat._readers.dicom_volumes import FrameVolume, times_of, volumes_of
-from wavesplat._readers.request import COLORS, Grid, Request, SeveralError, choose, quiet, several
+from wavesplat._readers.request import COLORS, Grid, Request, SeveralError, choose, quiet, several, unwarned
 from wavesplat.errors import ArgumentError, FileError, LimitError
 
 __all__ = ["read"]
@@ -41,7 +41,7 @@ MOSAIC = "MOSAIC"
 
 def read(request: Request) -> Grid:
     """The volume of a DICOM series."""
-    with reading("DICOM", request.path), quiet("pydicom"):
+    with reading("DICOM", request.path), quiet("pydicom"), unwarned("pydicom"):
         path = request.file
         if path.is_dir():
             return _read_series(path, request.series, request)

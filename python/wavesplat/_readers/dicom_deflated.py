@@ -11,6 +11,7 @@ import zlib
 from pathlib import Path
 from typing import TYPE_CHECKING, BinaryIO, cast
 
+from wavesplat._files.bounded_file import BoundedFile
 from wavesplat.errors import FileError
 
 if TYPE_CHECKING:
@@ -88,7 +89,7 @@ def header_dataset(file: Path, stream: BinaryIO) -> tuple[Dataset, BinaryIO | Un
 def unpacked_part(file: Path, offset: int, n_bytes: int) -> bytes:
     """`n_bytes` bytes of the unpacked data set from byte `offset` on, fewer where it ends."""
     content = bytearray()
-    with file.open("rb") as stream:
+    with BoundedFile(file) as stream:
         _meta_of(stream)
         unpacked = UnpackedStream(stream, file)
         while len(content) < n_bytes and (block := unpacked.block()):
@@ -100,7 +101,7 @@ def unpacked_part(file: Path, offset: int, n_bytes: int) -> bytes:
 def check_unpacked_size(file: Path, n_bytes: int) -> None:
     """Raise a `FileError` if the data set unpacks to more than `n_bytes` and the largest header."""
     count = 0
-    with file.open("rb") as stream:
+    with BoundedFile(file) as stream:
         _meta_of(stream)
         unpacked = UnpackedStream(stream, file)
         while block := unpacked.block():

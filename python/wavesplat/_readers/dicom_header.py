@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files import size_checks
+from wavesplat._files.bounded_file import BoundedFile
 from wavesplat._readers.dicom_attributes import SEQUENCES, Value, attributes_of_frames
 from wavesplat._readers.dicom_deflated import header_dataset
 from wavesplat._readers.dicom_pixel_data import PixelData, check_n_frames, pixel_data_at
@@ -146,7 +147,7 @@ def is_dicom(file: Path) -> bool:
 
 def header_of(file: Path) -> Header | None:
     """The header of a file; None for DICOM that is no image. Raises nearly anything if it is damaged."""
-    with file.open("rb") as stream:
+    with BoundedFile(file) as stream:
         dataset, content = header_dataset(file, stream)
         modality = text(dataset, 0x00080060).upper()
         rows, columns = integer(dataset, 0x00280010), integer(dataset, 0x00280011)
@@ -197,7 +198,7 @@ def header_of(file: Path) -> Header | None:
 
 def content_of(file: Path) -> str:
     """The content of a DICOM file without an image, in words."""
-    with file.open("rb") as stream:
+    with BoundedFile(file) as stream:
         dataset, _ = header_dataset(file, stream)
     if 0x00041220 in dataset or _is_directory(dataset):
         return "a directory of other files (DICOMDIR)"

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files import size_checks
+from wavesplat._files.bounded_file import BoundedFile
 from wavesplat._files.mute_stderr import muted_stderr
 from wavesplat._readers.dicom_deflated import DEFLATED, check_unpacked_size, unpacked_part
 from wavesplat._readers.dicom_header import Header
@@ -150,7 +151,8 @@ def _native_bytes(header: Header) -> tuple[int, bytes]:
             return data.tag, stream.read(needed)
     from pydicom import dcmread
 
-    dataset = dcmread(header.file, force=True)
+    with BoundedFile(header.file) as stream:
+        dataset = dcmread(stream, force=True)
     tag = next((tag for tag in (PIXELS, FLOATS, DOUBLES) if tag in dataset), PIXELS)
     content = bytes(dataset.get_item(tag).value or b"") if tag in dataset else b""
     return tag, content[: check_enough(header, len(content), n_bits_of(tag, header))]
@@ -175,7 +177,8 @@ def _unpacked_rle(header: Header) -> NDArray[Any]:
     from pydicom import dcmread
     from pydicom.pixels import decoders
 
-    dataset = dcmread(header.file, stop_before_pixels=True, force=True)
+    with BoundedFile(header.file) as stream:
+        dataset = dcmread(stream, stop_before_pixels=True, force=True)
     _set_pixels(dataset, _fragments(header))
     of_all: Any = decoders
     try:

@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files import size_checks
+from wavesplat._files.bounded_file import BoundedFile
 from wavesplat._files.file_states import StoredFiles
 from wavesplat._files.mute_stderr import muted_stderr
 from wavesplat._files.npz import npy_header
@@ -83,7 +84,7 @@ def _of_npy(request: Request) -> LazyGrid:
     path = request.file
     if path.suffix.lower() == ".npz":
         raise FileError(f"an .npz file is an archive, so parts of its arrays cannot be read; save them as .npy: {path}")
-    with path.open("rb") as file:
+    with BoundedFile(path) as file:
         shape, dtype = npy_header(file)
         file.seek(0)
         version = np.lib.format.read_magic(file)

@@ -21,6 +21,7 @@ from wavesplat._model.lazy_array import SlicedArray
 from wavesplat._readers import tiff
 from wavesplat._readers.request import Request, quiet
 from wavesplat._readers.stored_samples import stored_samples
+from wavesplat._readers.tiff_pages import check_pages
 from wavesplat.errors import FileError
 
 __all__ = ["stack_of"]
@@ -72,6 +73,7 @@ def _of_folder(request: Request) -> tuple[SlicedArray, NDArray[np.float64], Fact
 
     folder = request.file
     files = tiff.files_in(folder, request)
+    check_pages(files[0])
     first = tiff.slice_of(tifffile.imread(files[0]), files[0], request)
     array = _stack(
         partial(_FolderPages, [str(file) for file in files], request, first.shape, first.dtype),
@@ -154,6 +156,7 @@ class _FolderPages(_Pages):
         import tifffile
 
         file = Path(self._files[number])
+        check_pages(file)
         with quiet("tifffile"):
             one = tiff.slice_of(tifffile.imread(file), file, self._request)
         if (one.shape, one.dtype) != (self._shape, self._dtype):

@@ -24,7 +24,7 @@ from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
 from wavesplat._model.nibabel_image import facts_of as facts_of_image
 from wavesplat._model.nibabel_image import scaled, world_from_index
-from wavesplat._readers.request import Grid, Request, choose, quiet
+from wavesplat._readers.request import Grid, Request, choose, quiet, unwarned
 from wavesplat.errors import FileError
 
 if TYPE_CHECKING:
@@ -69,7 +69,8 @@ def loaded(request: Request) -> Any:
     path = request.file
     _check_parts(path, request.within)
     _check_first_sample(path)
-    image: Any = nibabel.load(path)
+    with unwarned("nibabel"):
+        image: Any = nibabel.load(path)
     if getattr(image, "affine", None) is None:
         raise FileError(
             f"the file holds a {type(image).__name__}, values on surfaces and of single voxels, and no image; "

@@ -315,7 +315,10 @@ def _composed(
     steps = [*dataset.get("coordinateTransformations", ()), *multiscales.get("coordinateTransformations", ())]
     matrix = np.eye(n_axes + 1)
     for step in steps:
-        matrix = _matrix(step, n_axes, request) @ matrix
+        made = _matrix(step, n_axes, request)
+        if not np.isfinite(made).all():
+            raise FileError(f"coordinateTransformations has a number that is not finite; mend it: {request.safe_path}")
+        matrix = made @ matrix
     return matrix
 
 

@@ -206,6 +206,12 @@ def _lazily(request: Request, family: str) -> LazyVolume:
     """The volume whose samples stay in the file."""
     grid = lazy_files.lazy_grid(request, family)
     places = grid.world_from_index
+    if not np.isfinite(places).all():
+        # The file is to blame, not the caller; at once, before anything calculates with it.
+        raise FileError(
+            f"a wrong header: the place of the samples (world_from_index) has a number that is not finite; "
+            f"mend it, or export the file again: {request.safe_path}"
+        )
     if request.spacing is not None:
         # Coarser levels keep their place relative to the finest.
         first = affine.with_spacing(places[0], request.spacing)

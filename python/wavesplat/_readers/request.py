@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
@@ -37,6 +38,7 @@ __all__ = [
     "quiet",
     "requested",
     "several",
+    "unwarned",
     "window_of",
 ]
 
@@ -177,6 +179,14 @@ def quiet(library: str) -> Iterator[None]:
         yield
     finally:
         logger.disabled = before
+
+
+@contextmanager
+def unwarned(library: str) -> Iterator[None]:
+    """Keep a library from warning about what we report ourselves; not for threads, which share the filters."""
+    with warnings.catch_warnings():
+        warnings.filterwarnings("ignore", module=library)
+        yield
 
 
 #: Channels of pixels whose three or four samples are a colour and its opacity.

@@ -24,6 +24,7 @@ from wavesplat._files.reading import reading
 from wavesplat._model.facts import Channel, Facts
 from wavesplat._readers.request import COLORS, Grid, Request, choose, quiet
 from wavesplat._readers.tiff_facts import place_of
+from wavesplat._readers.tiff_pages import check_pages
 from wavesplat.errors import FileError
 
 if TYPE_CHECKING:
@@ -80,6 +81,7 @@ def described(path: Path, request: Request) -> Described:
 
 
 def _described(tiff: TiffFile, path: Path, request: Request, *, in_memory: bool = True) -> Described:
+    check_pages(path)
     _check_named_files(tiff, path, request)
     series: Any = tiff.series[0]
     others = "TCS" if "Z" in series.axes else "CS"
@@ -144,11 +146,13 @@ def _read_folder(folder: Path, request: Request) -> Grid:
     import tifffile
 
     files = files_in(folder, request)
+    check_pages(files[0])
     first = slice_of(tifffile.imread(files[0]), files[0], request)
     size_checks.check_memory(first.nbytes * len(files), folder)
     stack = np.empty((len(files), *first.shape), first.dtype)
     for number, file in enumerate(files):
         with reading("TIFF", file):
+            check_pages(file)
             one = slice_of(tifffile.imread(file), file, request)
         if (one.shape, one.dtype) != (first.shape, first.dtype):
             raise FileError(

@@ -153,9 +153,11 @@ def _value_at(volume: Volume, place: tuple[int, int, int]) -> float:
 def _sample_at(world_from_index: Any, shape: tuple[int, ...], point: Any) -> tuple[int, int, int] | None:
     """The index [z, y, x] of the sample nearest to a point; None outside."""
     matrix = np.linalg.inv(world_from_index)
-    x, y, z = np.rint(matrix[:3, :3] @ point + matrix[:3, 3]).astype(int).tolist()
-    n_z, n_y, n_x = shape
-    return (z, y, x) if 0 <= x < n_x and 0 <= y < n_y and 0 <= z < n_z else None
+    index = np.rint(matrix[:3, :3] @ point + matrix[:3, 3])[::-1]
+    if not all(0 <= at < n for at, n in zip(index, shape, strict=True)):
+        return None  # also what is beyond whole numbers
+    z, y, x = (int(at) for at in index)
+    return z, y, x
 
 
 def _pick(state: ViewerState, arguments: Mapping[str, Any], progress: Progress) -> Answer:

@@ -129,7 +129,7 @@ pub(crate) fn draw_base_plane(
 }
 
 /// Fewest threads for which tiles are begun in the order of their cost: with fewer, none waits long for the last tile.
-const MIN_THREADS_TO_ORDER: usize = 4;
+const MIN_THREADS_TO_ORDER: usize = 8;
 
 /// Numbers of the tiles, the dearest first, so that no thread is left alone with a dear one at the end; `None` where row
 /// by row is as good.

@@ -23,7 +23,7 @@ use crate::numbers::{Numbers, is_mean};
 use crate::pages::{PagedRange, n_pages, page_side, pages_by_slab, ranges};
 use crate::permutation::Permutation;
 use crate::pipeline::Pipeline;
-use crate::report::Counts;
+use crate::report::FrameCounts;
 use crate::timer::Timer;
 use crate::volumes::{GpuVolume, Volumes};
 
@@ -68,7 +68,7 @@ pub(crate) struct GpuCache {
 }
 
 /// Inputs of a frame.
-pub(crate) struct Job<'a> {
+pub(crate) struct FrameJob<'a> {
     pub device: &'a OpenDevice,
     pub plan: &'a Plan,
     /// Slices of each layer.
@@ -81,13 +81,13 @@ pub(crate) struct Job<'a> {
     pub schedule: Schedule,
 }
 
-impl Job<'_> {
+impl FrameJob<'_> {
     /// Draws all base planes.
     pub fn draw_all(
         &self,
         work: &mut GpuCache,
         callback: &dyn ProgressCallback,
-        counts: &mut Counts,
+        counts: &mut FrameCounts,
     ) -> GpuResult<Vec<BasePicture>> {
         let n = self.plan.families.len() as f32;
         let mut pictures = Vec::new();
@@ -107,7 +107,7 @@ impl Job<'_> {
         family: &FamilyPlan,
         arrays: &BasePlaneArrays,
         work: &mut GpuCache,
-        counts: &mut Counts,
+        counts: &mut FrameCounts,
         told: &dyn Fn(f32) -> GpuResult<()>,
     ) -> GpuResult<BasePicture> {
         let begun = Instant::now();
@@ -164,7 +164,7 @@ impl Job<'_> {
     }
 
     /// Makes the pages of a range resident.
-    fn hold(&self, range: &PagedRange, numbers: &Numbers, work: &GpuCache, counts: &mut Counts) -> GpuResult<()> {
+    fn hold(&self, range: &PagedRange, numbers: &Numbers, work: &GpuCache, counts: &mut FrameCounts) -> GpuResult<()> {
         for (k, pages) in range.pages.iter().enumerate() {
             let volume = &self.volumes[k];
             let (Some(mut held), Some(words)) = (volume.pages(), &work.buffers.words.0) else { continue };
@@ -185,7 +185,7 @@ impl Job<'_> {
         band: &Band,
         ranges: &[PagedRange],
         work: &mut GpuCache,
-        counts: &mut Counts,
+        counts: &mut FrameCounts,
         told: &dyn Fn(f32) -> GpuResult<()>,
     ) -> GpuResult<()> {
         let n_blocks = band.blocks.len();
@@ -248,7 +248,7 @@ impl Job<'_> {
         band: &Band,
         blocks: &[u32],
         work: &mut GpuCache,
-        counts: &mut Counts,
+        counts: &mut FrameCounts,
     ) -> BindGroup {
         let device = self.device;
         let n_rays = band.blocks.len() * N_BLOCK;
@@ -280,7 +280,7 @@ impl Job<'_> {
         band: &Band,
         family: &FamilyPlan,
         work: &mut GpuCache,
-        counts: &mut Counts,
+        counts: &mut FrameCounts,
         picture: &mut BasePicture,
     ) -> GpuResult<()> {
         let n_state = self.permutation.n_state();

@@ -11,12 +11,12 @@ use wavesplat_splat::source::slices::Slices;
 
 use crate::adapter::{Adapter, Choice};
 use crate::device::OpenDevice;
-use crate::draw::{GpuCache, Job, Schedule};
+use crate::draw::{FrameJob, GpuCache, Schedule};
 use crate::failure::{Failure, GpuResult};
 use crate::numbers::Numbers;
 use crate::permutation::Permutation;
 use crate::pipeline::Pipeline;
-use crate::report::{Counts, GpuReport};
+use crate::report::{FrameCounts, GpuReport};
 use crate::scene_kind::{permutation_of, sources_of};
 use crate::self_test::{test_picture, test_samples};
 use crate::stage::Stage;
@@ -189,8 +189,8 @@ impl Gpu {
         };
         let n_sample_bytes = volumes.iter().map(|volume| volume.n_bytes() as u64).sum();
         let is_paged = volumes.iter().any(|volume| volume.pages.is_some());
-        let mut counts = self.device.guarded(|| Ok(Counts::new(&self.device)))?;
-        let job = Job {
+        let mut counts = self.device.guarded(|| Ok(FrameCounts::new(&self.device)))?;
+        let job = FrameJob {
             device: &self.device,
             plan,
             slices,

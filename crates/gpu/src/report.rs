@@ -44,7 +44,7 @@ pub struct WallSeconds {
 
 /// Running counts of a frame.
 #[derive(Default)]
-pub(crate) struct Counts {
+pub(crate) struct FrameCounts {
     pub base_texels: u64,
     pub texels: u64,
     pub dispatches: u64,
@@ -56,7 +56,7 @@ pub(crate) struct Counts {
     pub wall: WallSeconds,
 }
 
-impl Counts {
+impl FrameCounts {
     /// Zero counts, with a timer where the device has one.
     pub fn new(device: &OpenDevice) -> Self {
         Self { timer: Timer::new(device), ..Self::default() }

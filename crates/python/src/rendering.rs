@@ -9,7 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use wavesplat::{
     ClipPlane, Composite, Crop, DrawnBy, Effort, Frame, FrameOptions, Framing, Kernel, Measured, MeasuredErrors,
-    Picture, Plane, PngBits, Reduction, Sampling, Scene, SceneLayer, StageTimes, ThickSlab, Wanted, png_of_rgba,
+    Picture, Plane, PngBits, PsnrTarget, Reduction, Sampling, Scene, SceneLayer, StageTimes, ThickSlab, png_of_rgba,
 };
 
 use crate::arguments::{PyCamera, PyShading, PyTransferFunction, Triple, vector};
@@ -148,7 +148,7 @@ impl PyFrame<'_> {
     /// Options of the frame that do not belong to the scene.
     pub fn options(&self) -> PyResult<FrameOptions> {
         let effort = match self.psnr {
-            Some(psnr_db) => Effort::Psnr(Wanted { psnr_db, like: self.like.map(Measured::from) }),
+            Some(psnr_db) => Effort::Psnr(PsnrTarget { psnr_db, like: self.like.map(Measured::from) }),
             None => {
                 Effort::Fixed(Sampling { sheets_per_slice: self.sheets_per_slice, oversampling: self.oversampling })
             }

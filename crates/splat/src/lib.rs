@@ -33,7 +33,7 @@ pub mod source;
 #[doc(hidden)]
 pub mod view;
 
-pub use optics::steepness::needs_preintegration;
+pub use optics::slab_variation::needs_preintegration;
 pub use render::frame::{render, render_base_planes, render_base_planes_at, render_layers};
 pub use render::layer::Layer;
 pub use render::progress::{ProgressCallback, ProgressPart};

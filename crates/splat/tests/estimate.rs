@@ -6,7 +6,7 @@ use std::sync::Mutex;
 use glam::DVec3;
 use wavesplat_core::{Camera, Composite, Error, Kernel, Picture, Projection, RenderOptions, TransferFunction};
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
-use wavesplat_splat::quality::target_psnr::{Errors, Estimate, Measured, Sampling, Wanted, render_to_psnr};
+use wavesplat_splat::quality::target_psnr::{Errors, Estimate, Measured, PsnrTarget, Sampling, render_to_psnr};
 use wavesplat_splat::render::frame::draw_base_planes;
 use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::{Layer, ProgressCallback, render};
@@ -41,8 +41,8 @@ fn hard() -> TransferFunction {
 }
 
 /// A wanted PSNR, without a picture before.
-fn wanted(psnr_db: f64) -> Wanted {
-    Wanted { psnr_db, like: None }
+fn wanted(psnr_db: f64) -> PsnrTarget {
+    PsnrTarget { psnr_db, like: None }
 }
 
 fn psnr_db(a: &Picture, b: &Picture) -> f64 {
@@ -156,7 +156,7 @@ fn pictures_like_one_that_was_measured_are_drawn_without_pilot_tiles_and_promise
     let options = options(Composite::Over);
     for (tf, all_wanted) in [(soft(), [38.0, 44.0]), (hard(), [28.0, 33.0])] {
         let draw = |camera: &Camera, psnr_db: f64, like: Option<Measured>| {
-            let wanted = Wanted { psnr_db, like };
+            let wanted = PsnrTarget { psnr_db, like };
             let (picture, _, told) = render_to_psnr(
                 &layer(&slices, &tf, &options, &VisibilityCache::default()),
                 camera,

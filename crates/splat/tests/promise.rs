@@ -3,7 +3,7 @@
 use glam::{DAffine3, DVec3};
 use wavesplat_core::{Camera, Kernel, Picture, Projection, RenderOptions, TransferFunction};
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
-use wavesplat_splat::quality::target_psnr::{Estimate, Wanted, render_to_psnr};
+use wavesplat_splat::quality::target_psnr::{Estimate, PsnrTarget, render_to_psnr};
 use wavesplat_splat::render::frame::draw_base_planes;
 use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::{Layer, render};
@@ -84,7 +84,7 @@ impl Case<'_> {
         render(self.slices, self.tf, &self.camera, &options, &()).unwrap().0
     }
 
-    fn wanted(&self, wanted: Wanted) -> (Picture, Estimate) {
+    fn wanted(&self, wanted: PsnrTarget) -> (Picture, Estimate) {
         let cache = VisibilityCache::default();
         let layer = Layer {
             slices: self.slices,
@@ -126,7 +126,7 @@ fn each(every: usize, mut of_picture: impl FnMut(&str, f64, f64, &Estimate)) {
                 let case = Case { slices: &slices, tf: &tf, camera: camera(&phantom, at), options };
                 let finest = case.fixed(24.0, 8.0);
                 for wanted_db in [30.0, 40.0, 50.0] {
-                    let (picture, told) = case.wanted(Wanted { psnr_db: wanted_db, like: None });
+                    let (picture, told) = case.wanted(PsnrTarget { psnr_db: wanted_db, like: None });
                     of_picture(&format!("{name} {function} view {view}"), wanted_db, psnr_db(&picture, &finest), &told);
                 }
             }

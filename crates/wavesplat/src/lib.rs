@@ -110,7 +110,7 @@ pub use wavesplat_core::{
 pub use wavesplat_gpu as gpu;
 pub use wavesplat_splat::optics::labels::{Codes, Labels};
 pub use wavesplat_splat::quality::error_model::Sampling;
-pub use wavesplat_splat::quality::target_psnr::{Errors as MeasuredErrors, Estimate, Framing, Measured, Wanted};
+pub use wavesplat_splat::quality::target_psnr::{Errors as MeasuredErrors, Estimate, Framing, Measured, PsnrTarget};
 pub use wavesplat_splat::render::stream::{IndexBox, Storage};
 pub use wavesplat_splat::slice_plane::{Plane, Reduction, ThickSlab};
 pub use wavesplat_splat::source::survey::Survey;

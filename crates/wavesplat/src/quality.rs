@@ -2,7 +2,7 @@
 
 use wavesplat_core::{Camera, Grid, Result, TransferFunction, quality_settings};
 use wavesplat_splat::quality::error_model::Sampling;
-use wavesplat_splat::quality::target_psnr::Wanted;
+use wavesplat_splat::quality::target_psnr::PsnrTarget;
 
 /// Effort for a picture: a quality, a sampling, or a PSNR.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,7 +12,7 @@ pub enum Effort {
     /// A number of sheets per slice and of texels per pixel.
     Fixed(Sampling),
     /// The cheapest sampling that is expected to reach a PSNR.
-    Psnr(Wanted),
+    Psnr(PsnrTarget),
 }
 
 /// Named qualities.

@@ -8,5 +8,5 @@ pub mod modifiers;
 pub mod occlusion;
 pub mod preintegrate;
 pub mod shade;
-pub mod steepness;
+pub mod slab_variation;
 pub mod visibility_cache;

@@ -25,7 +25,7 @@ use wavesplat_core::Kernel;
 
 /// Number of directions that openness averages, and of the parts, which may run at once, of those along each axis.
 const N_DIRECTIONS: usize = 32;
-const N_PARTS: usize = 3;
+const N_AXIS_PARTS: usize = 3;
 
 /// Largest mean opacity of a cell, which keeps its extinction finite.
 const OPAQUE_OPACITY: f64 = 0.9999;
@@ -142,11 +142,11 @@ impl ExtinctionGrid {
     pub fn openness(&self, radius: f64) -> Vec<f32> {
         let ways: Vec<SweepDirection> = (0..N_DIRECTIONS).map(|i| self.way(direction(i), Some(radius))).collect();
         let lying = [0, 1, 2].map(|axis| CellLayout::new(self, axis));
-        let mut parts = parallel::map(3 * N_PARTS, |part| {
+        let mut parts = parallel::map(3 * N_AXIS_PARTS, |part| {
             let lying = &lying[part % 3];
             let mut sum = vec![0.0; lying.extinction.len()];
             let along = ways.iter().filter(|way| way.axis == part % 3);
-            along.skip(part / 3).step_by(N_PARTS).for_each(|way| lying.add_share(way, &mut sum));
+            along.skip(part / 3).step_by(N_AXIS_PARTS).for_each(|way| lying.add_share(way, &mut sum));
             sum
         });
         let (sums, rest) = parts.split_at_mut(3);

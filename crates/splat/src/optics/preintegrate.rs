@@ -50,16 +50,16 @@ impl Classifier {
             zero
         } else {
             let [_, _, _, level] = self.look_up(s, s.mul(s.add(from, to), s.splat(0.5)));
-            s.mul(level, s.splat(1.0 / N_PARTS as f32))
+            s.mul(level, s.splat(1.0 / N_VISIBLE_PARTS as f32))
         };
         let first = s.select(is_level, zero, first);
         let last = s.select(is_level, one, last);
-        let part = s.mul(s.mul(s.sub(last, first), s.splat(1.0 / N_PARTS as f32)), change);
+        let part = s.mul(s.mul(s.sub(last, first), s.splat(1.0 / N_VISIBLE_PARTS as f32)), change);
         let begin = s.add_mul(from, first, change);
         let mut before = integral_from;
-        let mut depths = [level; N_PARTS];
+        let mut depths = [level; N_VISIBLE_PARTS];
         for (k, depth) in depths.iter_mut().enumerate() {
-            let integral = if k + 1 == N_PARTS {
+            let integral = if k + 1 == N_VISIBLE_PARTS {
                 integral_to
             } else {
                 let [integral, _, _] = self.integral(s, s.add_mul(begin, part, s.splat((k + 1) as f32)));
@@ -122,7 +122,7 @@ pub struct PartOpacities<S: Math> {
 pub const LEVEL: f32 = 0.25;
 
 /// Number of equal parts of the visible part of a segment, which show where its light comes from.
-pub const N_PARTS: usize = 2;
+pub const N_VISIBLE_PARTS: usize = 2;
 
 /// Visible part of a segment between two densities, and its optical depths.
 pub struct SegmentOpacity<S: Math> {
@@ -131,7 +131,7 @@ pub struct SegmentOpacity<S: Math> {
     /// Share of the way where the last visible density is left.
     pub last: S::F,
     /// Optical depth per `opacity_unit` of the whole way's length, of each of the visible part's equal parts.
-    pub depths: [S::F; N_PARTS],
+    pub depths: [S::F; N_VISIBLE_PARTS],
 }
 
 /// Table of `(∫ τ, nearest visible density above, nearest below, τ)`. `integrals`: ∫ τ up to each entry; `seen`:

@@ -10,7 +10,7 @@ use std::sync::{Arc, Mutex, OnceLock, PoisonError};
 use wavesplat_core::{Grid, Result, TransferFunction};
 
 use crate::optics::classify::Classifier;
-use crate::optics::steepness::{has_thin_parts, slab_of_the_finest, varies};
+use crate::optics::slab_variation::{has_thin_parts, slab_of_the_finest, varies};
 use crate::source::field::Field;
 use crate::source::min_max_bricks::{Bricks, VisibleRanges};
 use crate::source::slices::Slices;
@@ -19,7 +19,7 @@ use crate::source::slices::Slices;
 type OpennessKey = (f64, Vec<u64>);
 
 /// A tabulated transfer function, and the ranges of a volume that it makes visible.
-pub struct Visibility {
+pub struct TabulatedFunction {
     classifier: Classifier,
     /// Visible ranges, once they have been asked for.
     visible_ranges: OnceLock<VisibleRanges>,
@@ -35,7 +35,7 @@ pub struct Visibility {
 
 static NEXT_ID: AtomicU64 = AtomicU64::new(0);
 
-impl Visibility {
+impl TabulatedFunction {
     /// Tabulates `tf` for `slices` and slabs of `slab_thickness`, in `opacity_unit`s ([`Classifier::new`]).
     pub fn new(slices: &Slices, tf: &TransferFunction, slab_thickness: f64) -> Self {
         let classifier = Classifier::new(tf, slices.grid().density_from_sample(), slices.range(), slab_thickness);
@@ -96,7 +96,7 @@ impl Visibility {
     }
 }
 
-impl Deref for Visibility {
+impl Deref for TabulatedFunction {
     type Target = Classifier;
 
     fn deref(&self) -> &Classifier {
@@ -106,7 +106,7 @@ impl Deref for Visibility {
 
 /// The tables that were asked for last, the latest first.
 #[derive(Default)]
-pub struct VisibilityCache(Mutex<Vec<(Key, Arc<Visibility>)>>);
+pub struct VisibilityCache(Mutex<Vec<(Key, Arc<TabulatedFunction>)>>);
 
 /// Key of a table: the arguments that it depends on.
 #[derive(Debug, PartialEq)]
@@ -121,8 +121,8 @@ struct Key {
 const N_LATEST: usize = 8;
 
 impl VisibilityCache {
-    /// Like [`Visibility::new`], but returns a kept table where the arguments are the same.
-    pub fn get(&self, slices: &Slices, tf: &TransferFunction, slab_thickness: f64) -> Arc<Visibility> {
+    /// Like [`TabulatedFunction::new`], but returns a kept table where the arguments are the same.
+    pub fn get(&self, slices: &Slices, tf: &TransferFunction, slab_thickness: f64) -> Arc<TabulatedFunction> {
         let density_from_sample = slices.grid().density_from_sample();
         let is_known = |key: &Key| {
             (key.slices, key.density_from_sample, key.slab_thickness)
@@ -134,7 +134,7 @@ impl VisibilityCache {
             latest[..=k].rotate_right(1);
             return latest[0].1.clone();
         }
-        let visibility = Arc::new(Visibility::new(slices, tf, slab_thickness));
+        let visibility = Arc::new(TabulatedFunction::new(slices, tf, slab_thickness));
         let key = Key { slices: slices.id(), tf: tf.clone(), density_from_sample, slab_thickness };
         latest.insert(0, (key, visibility.clone()));
         latest.truncate(N_LATEST);

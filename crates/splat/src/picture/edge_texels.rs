@@ -6,7 +6,7 @@ use wavesplat_compute::simd::{LANES, Simd};
 use crate::optics::classify::one_minus_exp_neg;
 use crate::picture::base_picture::BasePicture;
 use crate::picture::edges::Scaling;
-use crate::view::silhouette::{LENGTH_TOLERANCE, Met, PlaneSilhouette};
+use crate::view::silhouette::{LENGTH_TOLERANCE, PlaneSilhouette, RayHits};
 
 /// Smallest length of a texel's ray, relative to the read's, with which the texel contributes.
 const MIN_LENGTH_RATIO: f64 = 0.1;
@@ -41,7 +41,7 @@ const MIN_WEIGHT: f32 = 0.4;
 
 impl Taps {
     #[inline(always)]
-    pub(super) fn set(&mut self, k: usize, strip: &Strip, lane: usize, met: &Met, scaling: Scaling) {
+    pub(super) fn set(&mut self, k: usize, strip: &Strip, lane: usize, met: &RayHits, scaling: Scaling) {
         let length = strip.length[lane];
         let is_scaled = scaling != Scaling::None;
         self.rgba[k] = strip.rgba[lane];
@@ -166,7 +166,7 @@ pub(super) struct Strip {
     met: [u8; LANES],
     length: [f64; LANES],
     /// Regions and length of all sixteen rays, where they agree.
-    pub(super) level: Option<Met>,
+    pub(super) level: Option<RayHits>,
     /// Optical depth per slice.
     depth: [f32; LANES],
     /// Whether the optical depth is only a lower bound.
@@ -202,8 +202,8 @@ impl Strip {
                 depth[lane] = (optical_depth(opacity.min(OPAQUE)) / length[lane].max(f64::MIN_POSITIVE)) as f32;
             }
         }
-        let first = Met { regions: met[0], length: length[0] };
-        let is_uniform = (1..LANES).all(|k| first.is_like(&Met { regions: met[k], length: length[k] }));
+        let first = RayHits { regions: met[0], length: length[0] };
+        let is_uniform = (1..LANES).all(|k| first.is_like(&RayHits { regions: met[k], length: length[k] }));
         Self { rgba, met, length, level: is_uniform.then_some(first), depth, is_opaque }
     }
 }

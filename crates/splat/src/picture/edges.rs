@@ -17,7 +17,7 @@ use crate::view::base_plane::BasePlane;
 use crate::view::family::{Family, IndexRays};
 use crate::view::region::Passage;
 use crate::view::scattered::scattered_position;
-use crate::view::silhouette::{Coverage, Met, PixelGrid, PlaneSilhouette, Silhouette};
+use crate::view::silhouette::{Coverage, PixelGrid, PlaneSilhouette, RayHits, Silhouette};
 
 /// Dependence of a texel on the length L of its ray.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -328,7 +328,7 @@ struct Read {
     /// Texel position.
     at: DVec2,
     /// Regions that its ray meets, and the length in them.
-    met: Met,
+    met: RayHits,
 }
 
 /// The reads of a pixel whose rays hit anything.

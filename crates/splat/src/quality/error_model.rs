@@ -7,7 +7,7 @@
 
 use wavesplat_core::{Camera, Composite, RenderOptions};
 
-use crate::optics::steepness::needs_preintegration;
+use crate::optics::slab_variation::needs_preintegration;
 use crate::picture::supersampling::reads_per_axis;
 use crate::quality::framing::Framing;
 use crate::render::layer::Layer;

@@ -31,7 +31,7 @@ pub use crate::quality::framing::Framing;
 
 /// Target of a picture.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Wanted {
+pub struct PsnrTarget {
     /// PSNR to reach, between 20 and 80 dB.
     pub psnr_db: f64,
     /// Measured errors of a picture of the same volume and transfer function, to use instead of pilot tiles.
@@ -69,11 +69,11 @@ pub fn render_to_psnr(
     layers: &[Layer],
     camera: &Camera,
     options: &RenderOptions,
-    wanted: &Wanted,
+    wanted: &PsnrTarget,
     draw: &DrawBasePlanes,
     callback: &dyn ProgressCallback,
 ) -> Result<(Picture, Report, Estimate)> {
-    let Wanted { psnr_db, like } = *wanted;
+    let PsnrTarget { psnr_db, like } = *wanted;
     if !(20.0..=80.0).contains(&psnr_db) {
         let mend = "pass 40 for a good picture, 50 for one that cannot be told from the converged one";
         return Err(Error::out_of_range("psnr", psnr_db, "between 20 and 80 dB", mend));

@@ -48,7 +48,7 @@ pub struct OverLayers<'a> {
 
 /// Sums over layers: optical depth times colour, and optical depth.
 #[derive(Clone, Copy)]
-struct MediaSum<W: Wide>([W::F; 3], W::F);
+struct OpticalSum<W: Wide>([W::F; 3], W::F);
 
 /// Cap of optical depths: opaque, yet finite when multiplied and summed over layers.
 const MAX_DEPTH: f32 = 1e30;
@@ -56,7 +56,7 @@ const MAX_DEPTH: f32 = 1e30;
 /// Optical depth below which colours do not matter; keeps divisions finite.
 const MIN_DEPTH: f32 = 1e-20;
 
-impl<W: Wide> MediaSum<W> {
+impl<W: Wide> OpticalSum<W> {
     #[inline(always)]
     fn none(w: W) -> Self {
         Self([w.splat(0.0); 3], w.splat(0.0))
@@ -171,7 +171,7 @@ impl<'a> OverLayers<'a> {
         (which, ends): (usize, [f32; 2]),
     ) {
         let block = chunks[0].block();
-        let mut mixture = MediaSum::none(w);
+        let mut mixture = OpticalSum::none(w);
         let mut any = false;
         for layer in 0..self.media.len() {
             let own = sheets(slab, layer);
@@ -233,7 +233,7 @@ impl<'a> OverLayers<'a> {
         let [s_front, s_back] = slab.s;
         let (way, per_s) = (w.splat(s_back - s_front), w.splat(1.0 / (s_back - s_front)));
         let (zero, one) = (w.splat(0.0), w.splat(1.0));
-        let mut parts = [MediaSum::none(w); N_PARTS];
+        let mut parts = [OpticalSum::none(w); N_PARTS];
         // The fragment of the only medium that is visible: the usual case, in which there is nothing to mix.
         let (mut only, mut mixes) = (None, false);
         for layer in 0..self.media.len() {

@@ -18,7 +18,7 @@ use crate::optics::labels::LabelFields;
 use crate::optics::modifiers::Modifiers;
 use crate::optics::occlusion::{ExtinctionGrid, LightFields};
 use crate::optics::shade::Shader;
-use crate::optics::visibility_cache::Visibility;
+use crate::optics::visibility_cache::TabulatedFunction;
 use crate::picture::supersampling::reads_per_axis;
 use crate::ray::project::Project;
 use crate::render::layer::Layer;
@@ -90,7 +90,7 @@ pub struct LayerPlan {
     /// World length that opacities refer to, and the unit of the lengths of projections.
     pub opacity_unit: f64,
     /// Tables of the transfer function: colour and optical depth by density, integrals, visible ranges.
-    pub tables: Arc<Visibility>,
+    pub tables: Arc<TabulatedFunction>,
     /// Transfer function: colours projections after the warp, and gives gradient opacity.
     pub transfer_function: TransferFunction,
     /// Lights and coefficients, in the frame that they are given in; `None` for projections, and without shading.
@@ -381,7 +381,7 @@ impl FamilyPlan {
 /// Maximum number of layers of a picture.
 pub const MAX_LAYERS: usize = 8;
 
-// The layers that a ray hits are bits of a byte (`view::silhouette::Met`).
+// The layers that a ray hits are bits of a byte (`view::silhouette::RayHits`).
 const _: () = assert!(MAX_LAYERS <= u8::BITS as usize);
 
 fn check_layers(layers: &[Layer], composite: Composite) -> Result<()> {

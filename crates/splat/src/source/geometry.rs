@@ -8,7 +8,7 @@ use crate::kernel::weights::{mirror_index, n_taps, reach};
 use crate::source::field::Field;
 use crate::source::slices::Slices;
 use crate::view::base_plane::BasePlane;
-use crate::view::common_grid::{IndexMap, SAME};
+use crate::view::common_grid::{IDENTITY_MAP, IndexMap};
 use wavesplat_compute::simd::Level;
 use wavesplat_core::Gradient;
 
@@ -32,7 +32,7 @@ impl<'a> SheetGeometry<'a> {
     pub fn new(level: Level, plane: &'a BasePlane, slices: &'a Slices<'a>, gradient: Option<Gradient>) -> Self {
         let size = slices.grid().size();
         let axis = |a: usize| Axis { kernel: slices.kernel(), n_samples: size[a], gradient };
-        Self { plane, slices, axes: plane.family.axes.map(axis), level, from_index: SAME }
+        Self { plane, slices, axes: plane.family.axes.map(axis), level, from_index: IDENTITY_MAP }
     }
 
     /// The same geometry for samples that lie elsewhere; `map`: their positions by index position of the base plane.

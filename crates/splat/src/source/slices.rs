@@ -23,7 +23,7 @@ use crate::source::min_max_bricks::{Bricks, DensityRows, FloatRows, MAX_BYTES, w
 use crate::source::nonfinite::{self, MISSING, fill_holes};
 use crate::source::point_sampling::{PointSums, PointTaps};
 use crate::source::strided::StridedSamples;
-use crate::source::window::{SliceRectangle, Turn, Window};
+use crate::source::window::{SliceRectangle, Transpose, Window};
 
 /// Densities of a volume, ready for one kernel.
 #[derive(Clone)]
@@ -464,7 +464,7 @@ impl<'a> Slices<'a> {
     ///
     /// `part`: the loaded box that holds the window, if boxes must be loaded.
     #[expect(clippy::too_many_arguments, reason = "the box, and which part of it goes where")]
-    pub fn turn(
+    pub fn write_transposed(
         &self,
         level: Level,
         axes: [usize; 3],
@@ -476,21 +476,21 @@ impl<'a> Slices<'a> {
     ) {
         let region = self.region(axes, window, stride);
         if let Some(grid) = &self.prepared.densities {
-            return level.dispatch(Turn { region, grid, first, out, density: |d: f32| d });
+            return level.dispatch(Transpose { region, grid, first, out, density: |d: f32| d });
         }
         let SampleSource::Samples(samples) = self.source else {
             let region = region.inside(axes, part.lo, part.size);
-            return level.dispatch(Turn { region, grid: &part.densities, first, out, density: |d: f32| d });
+            return level.dispatch(Transpose { region, grid: &part.densities, first, out, density: |d: f32| d });
         };
         let (offset, scale) = self.grid.density_from_sample();
         if is_identity((offset, scale)) {
             with_samples!(samples, grid => {
-                level.dispatch(Turn { region, grid, first, out, density: Sample::to_f32 });
+                level.dispatch(Transpose { region, grid, first, out, density: Sample::to_f32 });
             });
         } else {
             with_samples!(samples, grid => {
                 let density = |s| (Sample::to_f64(s) - offset) * scale;
-                level.dispatch(Turn { region, grid, first, out, density: |s| density(s) as f32 });
+                level.dispatch(Transpose { region, grid, first, out, density: |s| density(s) as f32 });
             });
         }
     }

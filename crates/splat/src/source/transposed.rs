@@ -99,7 +99,7 @@ impl TransposedSlices {
         if across {
             self.densities.resize(self.stride * window.n_v() * LANES, 0.0);
             let (level, part) = (geometry.level, &self.part);
-            geometry.slices.turn(level, axes, self.first, window, part, &mut self.densities, self.stride);
+            geometry.slices.write_transposed(level, axes, self.first, window, part, &mut self.densities, self.stride);
         }
     }
 

@@ -188,7 +188,7 @@ fn sum_rows<const N: usize, T: Copy>(
 }
 
 /// Transposes [`LANES`] slices that lie across the rows of samples, `LANES` x `LANES` samples at a time.
-pub struct Turn<'a, T, F> {
+pub struct Transpose<'a, T, F> {
     /// Window to read; its w runs along the rows of samples.
     pub region: SliceRectangle,
     /// Samples to read.
@@ -201,7 +201,7 @@ pub struct Turn<'a, T, F> {
     pub density: F,
 }
 
-impl<T: Copy, F: Fn(T) -> f32> VectorKernel for Turn<'_, T, F> {
+impl<T: Copy, F: Fn(T) -> f32> VectorKernel for Transpose<'_, T, F> {
     type Output = ();
 
     #[inline(always)]

@@ -12,7 +12,7 @@ use wavesplat_core::{Error, Grid, Result, Statistics};
 pub type IndexMap = [(f64, f64); 3];
 
 /// The identity map: the layer lies as the common grid does.
-pub const SAME: IndexMap = [(0.0, 1.0); 3];
+pub const IDENTITY_MAP: IndexMap = [(0.0, 1.0); 3];
 
 /// The grid that layers share, and the map from it to each layer.
 #[derive(Clone, Debug)]
@@ -42,7 +42,7 @@ impl CommonGrid {
         let first = grids[0];
         let is_same = |grid: &&Grid| (grid.size(), grid.world_from_index()) == (first.size(), first.world_from_index());
         if grids.iter().all(is_same) {
-            return Ok(Self { grid: first.clone(), layers: vec![SAME; grids.len()] });
+            return Ok(Self { grid: first.clone(), layers: vec![IDENTITY_MAP; grids.len()] });
         }
         let index_from_world = first.index_from_world();
         let mut placed = Vec::new();
@@ -128,7 +128,7 @@ mod tests {
     fn one_volume_has_its_own_grid() {
         let own = grid([5, 6, 7], DVec3::new(1.0, 2.0, 3.0), DVec3::splat(0.3));
         let common = CommonGrid::new(&[&own, &own]).unwrap();
-        assert_eq!((common.grid, common.layers), (own, vec![SAME; 2]));
+        assert_eq!((common.grid, common.layers), (own, vec![IDENTITY_MAP; 2]));
     }
 
     #[test]

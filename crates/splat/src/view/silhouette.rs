@@ -19,7 +19,7 @@ pub struct Silhouette {
 
 /// Regions that a ray meets, and the length of the ray in them, along w.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Met {
+pub struct RayHits {
     /// Bit k: the ray meets region k.
     pub regions: u8,
     /// Length inside, in slices; of several regions the sum.
@@ -77,8 +77,8 @@ impl Silhouette {
     }
 
     /// The regions that the ray through a texel position meets, and the length in them.
-    pub fn met(&self, plane: &BasePlane, ray: &TexelRay) -> Met {
-        let mut met = Met::default();
+    pub fn met(&self, plane: &BasePlane, ray: &TexelRay) -> RayHits {
+        let mut met = RayHits::default();
         for (k, region) in self.regions.iter().enumerate() {
             met.add(k, region.texel_interval(plane, ray));
         }
@@ -167,7 +167,7 @@ impl PixelGrid {
 /// Relative tolerance within which lengths count as equal: about the resolution of float32.
 pub const LENGTH_TOLERANCE: f64 = 1e-6;
 
-impl Met {
+impl RayHits {
     /// Whether another ray meets the same regions for the same length.
     #[inline(always)]
     pub fn is_like(&self, other: &Self) -> bool {
@@ -257,7 +257,7 @@ impl PlaneSilhouette<'_> {
     }
 
     /// The regions that the ray through a texel position meets, and the length in them.
-    pub fn met(&self, [u, v]: [f64; 2]) -> Met {
+    pub fn met(&self, [u, v]: [f64; 2]) -> RayHits {
         self.silhouette.met(self.plane, &self.plane.ray(u, v))
     }
 }

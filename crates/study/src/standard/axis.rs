@@ -23,7 +23,7 @@ use super::shaded::Shaded;
 pub const OPAQUE_ENOUGH: f32 = 1.0 - 1e-4;
 
 /// Distance from the eye within which nothing is drawn, in slices.
-pub const NEAREST: f64 = 0.5;
+pub const NEAREST_SLICE: f64 = 0.5;
 
 /// Number of tiles of a base plane.
 pub fn n_tiles(plane: &BasePlane) -> usize {
@@ -98,7 +98,7 @@ fn draw_tile(
     let [n_u, n_v, _] = family.size();
     let is_ahead = |w: f64| {
         let sign = if family.family.ascending { 1.0 } else { -1.0 };
-        plane.eye_w().is_none_or(|eye| sign * (w - eye) >= NEAREST)
+        plane.eye_w().is_none_or(|eye| sign * (w - eye) >= NEAREST_SLICE)
     };
     let layers = visible_layers(family, |w| {
         let [(u0, du), (v0, dv)] = plane.sheet(w);

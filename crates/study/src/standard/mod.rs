@@ -62,7 +62,7 @@ use wavesplat_splat::kernel::prefilter;
 use wavesplat_splat::kernel::weights::radius;
 use wavesplat_splat::optics::gradient_opacity::GradientOpacity;
 use wavesplat_splat::optics::shade::Shader;
-use wavesplat_splat::optics::visibility_cache::Visibility;
+use wavesplat_splat::optics::visibility_cache::TabulatedFunction;
 use wavesplat_splat::picture::base_picture::BasePicture;
 use wavesplat_splat::picture::warp::warp;
 use wavesplat_splat::render::plan::brightest;
@@ -76,7 +76,7 @@ use wavesplat_splat::view::region::Region;
 
 use shaded::Sight;
 
-pub(crate) use {axis::NEAREST as NEAREST_SLICE, footprint::widening, view::NEAREST as NEAREST_SLAB};
+pub(crate) use {axis::NEAREST_SLICE, footprint::widening, view::NEAREST_SLAB};
 
 /// Orientation of the sheet buffers.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -251,7 +251,7 @@ struct StandardScene<'a> {
     camera: &'a Camera,
     options: &'a RenderOptions,
     standard: StandardOptions,
-    classifier: Visibility,
+    classifier: TabulatedFunction,
     region: Region,
     opacity_unit: f64,
     /// Largest colour that shading can make.
@@ -287,7 +287,7 @@ impl<'a> StandardScene<'a> {
         let grid = slices.grid();
         let opacity_unit = tf.opacity_unit().unwrap_or(grid.default_opacity_unit());
         let thickness = grid.mean_spacing() / opacity_unit;
-        let classifier = Visibility::new(slices, tf, thickness);
+        let classifier = TabulatedFunction::new(slices, tf, thickness);
         let region = Region::new(grid, options)?;
         let peak = options.shading.as_ref().map_or(1.0, brightest);
         Ok(Self { level, grid, slices, tf, camera, options, standard, classifier, region, opacity_unit, peak })

@@ -118,7 +118,15 @@ impl Densities {
         let (window, stride) = (self.window, self.stride);
         slices.load(axes, window, [self.first, last], &mut self.part);
         if across {
-            slices.turn(level, axes, self.first, window, &self.part, &mut self.values[..plane * n_planes], stride);
+            slices.write_transposed(
+                level,
+                axes,
+                self.first,
+                window,
+                &self.part,
+                &mut self.values[..plane * n_planes],
+                stride,
+            );
         } else {
             for slice in self.first..=last {
                 let taps = [(slice, 1.0)];

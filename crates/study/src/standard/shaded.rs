@@ -16,14 +16,14 @@ use super::{Buffer, FamilyScene, SliceDistance, StandardScene};
 
 /// View of samples: the direction to the eye, and the length of rays through a slab.
 pub struct Sight {
-    from: From,
+    from: EyeDirection,
     /// Length of rays through a slab, in `opacity_unit`s: of all samples, or a factor of it where there is a `depth`.
     thickness: f32,
     /// Linear form on the offset from the eye, along u, v, w: the length is `thickness · |offset| / |depth · offset|`.
     depth: Option<[f32; 3]>,
 }
 
-enum From {
+enum EyeDirection {
     /// Unit world vector towards the eye, as a form on index gradients along u, v, w.
     Side([f32; 3]),
     /// The eye along u, v, w, and the index axes in the world, for lengths.
@@ -41,11 +41,11 @@ impl Sight {
         let Some(eye) = scene.eye() else {
             let to_eye = scene.grid.index_from_world().transform_vector3(-forward);
             let length = if scene.standard.view_angle_correction { distance.along_view } else { distance.across };
-            let from = From::Side(single(family.uvw(to_eye)));
+            let from = EyeDirection::Side(single(family.uvw(to_eye)));
             return Self { from, thickness: (length * per_unit) as f32, depth: None };
         };
         // A form on index offsets that is an index vector's transpose is the vector itself.
-        let from = From::Eye { eye: family.uvw(eye), columns: columns.map(|c| c.as_vec3().to_array()) };
+        let from = EyeDirection::Eye { eye: family.uvw(eye), columns: columns.map(|c| c.as_vec3().to_array()) };
         let (length, depth) = match (scene.standard.view_angle_correction, scene.standard.buffer) {
             (false, Buffer::Axis) => {
                 let across = scene.grid.index_from_world().matrix3.transpose().col(family.axes[2]);
@@ -62,8 +62,8 @@ impl Sight {
     #[inline(always)]
     fn of<S: Simd>(&self, s: S, uvw: [f64; 3]) -> (S::F, [S::F; 3]) {
         let (eye, columns) = match &self.from {
-            From::Side([u, v, w]) => return (s.splat(self.thickness), [s.splat(*u), s.splat(*v), s.splat(*w)]),
-            From::Eye { eye, columns } => (eye, columns),
+            EyeDirection::Side([u, v, w]) => return (s.splat(self.thickness), [s.splat(*u), s.splat(*v), s.splat(*w)]),
+            EyeDirection::Eye { eye, columns } => (eye, columns),
         };
         let first = (uvw[0] - eye[0]) as f32;
         let mut along_u = [first; LANES];

@@ -30,7 +30,7 @@ use super::{FamilyScene, SliceDistance, StandardReport, StandardScene};
 const TILE: usize = 64;
 
 /// Smallest depth that is drawn in perspective, in slabs.
-pub const NEAREST: f64 = 1.0;
+pub const NEAREST_SLAB: f64 = 1.0;
 
 /// Tolerance at the border of a slab, in slabs: depths this close to it belong to the slab behind, however they are
 /// rounded.
@@ -325,7 +325,7 @@ impl ViewTile {
     fn draw(&mut self, view: &View, family: &FamilyScene) -> bool {
         let layers = visible_layers(family, |w| view.hull(&family.family, self.first, w));
         let depths: Vec<[f64; 2]> = layers.iter().map(|layer| view.depths(family, layer)).collect();
-        let nearest = if view.is_parallel { f64::NEG_INFINITY } else { NEAREST * view.slab };
+        let nearest = if view.is_parallel { f64::NEG_INFINITY } else { NEAREST_SLAB * view.slab };
         let [lo, hi] =
             depths.iter().fold([f64::INFINITY, f64::NEG_INFINITY], |[lo, hi], d| [lo.min(d[0]), hi.max(d[1])]);
         if layers.is_empty() || hi < nearest {

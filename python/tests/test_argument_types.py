@@ -36,7 +36,7 @@ def test_values_are_held_to_annotations(annotation, right, wrong, message):
             function(wrong)
 
 
-@pytest.mark.parametrize("annotation", ["float | Sise", "Sise", "dict[str, int] | None", "Callable[[int], int]"])
+@pytest.mark.parametrize("annotation", ["float | Length", "Length", "dict[str, int] | None", "Callable[[int], int]"])
 def test_an_annotation_that_nobody_knows_is_an_error_where_the_function_is_defined(annotation):
     with pytest.raises(TypeError, match="add .* to KINDS or CHECKED_BY_FUNCTIONS"):
         annotated(annotation)

@@ -195,7 +195,7 @@ pub struct Transpose<'a, T, F> {
     pub grid: &'a [T],
     /// First of the slices.
     pub first: usize,
-    /// Output, laid out as in [`crate::source::slices::Slices::turn`].
+    /// Output, laid out as in [`crate::source::slices::Slices::write_transposed`].
     pub out: &'a mut [f32],
     /// Density of a sample.
     pub density: F,

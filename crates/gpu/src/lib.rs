@@ -42,4 +42,4 @@ pub use draw::Schedule;
 pub use failure::{Failure, GpuResult};
 pub use gpu::{DEFAULT_BUDGET_BYTES, Gpu};
 pub use gpus::{DeviceChoice, DrawnOnGpu, Gpus};
-pub use report::GpuReport;
+pub use report::{GpuReport, WallSeconds};

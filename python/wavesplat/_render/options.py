@@ -64,8 +64,6 @@ class RenderOptions(FrameOptions, total=False):
         `report["device"]` says who drew, and why.
     progress : callable, optional
         Called with the part done, 0..1; returning False stops.
-    note : str, optional
-        A sentence for the report's `notes`.
     depth : bool
         Also give `Picture.depth`.
     client : dask.distributed.Client or "threads", optional
@@ -85,7 +83,6 @@ class RenderOptions(FrameOptions, total=False):
     [(48, 32), (48, 32)]
     """
 
-    note: str | None
     depth: bool
     client: Any
     segments: int | None
@@ -103,7 +100,6 @@ class DrawOptions:
     threads: int | None = None
     device: str = "auto"
     progress: Callable[[float], object] | None = None
-    note: str | None = None
     depth: bool = False
     client: Any = None
     segments: int | None = None

@@ -116,8 +116,6 @@ def _drawn_scene(scene: Scene, camera: Camera | str | None, options: DrawOptions
     picture.report.update(facts_of_picture(scene, eye, size, behind, labels))
     picture.report.update(facts_of_layers(scene, layers, functions, composite))
     picture.report.update(_facts(frame, layers, functions, picture.report))
-    if options.note is not None:
-        picture.report.setdefault("notes", []).append(options.note)
     if resampled := shown.resampled:
         picture.report["resampled"] = resampled
     told = picture.report["device"]

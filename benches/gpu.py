@@ -2,8 +2,8 @@
 
 What is drawn are the cases of the group "goals" of `cases.toml`, at quality "normal", on the device that is named, or
 the best there is. Of a GPU: its own time by timestamps, the wall time with reading back, and the parts of the wall time
-between plan and warp, all medians of turned frames after a first one; bytes of samples and bytes moved. A GPU that was
-idle raises its clock only after some tenths of a second, and takes up to six times as long until then. Beside it our
+between plan and warp, all medians of turned frames after a first one; bytes of samples and bytes moved. On an
+H200 frames after a second without work took up to six times as long as many in a row. Beside it our
 CPU path in the same run, and, where VTK is installed, its `vtkOpenGLGPUVolumeRayCastMapper` with the coarsest step that
 has our PSNR, or the finest that is tried. For a software device no times are given: they say nothing of GPUs. Counts
 are: quads of samples that were fetched, texels of sheets, bytes, and how far the pictures are from the CPU's.

@@ -37,7 +37,7 @@ FIELDS: dict[str, Field] = {
         _or_none(NUMBER), "Distance of neighbouring pixels, world units; in perspective in the focal plane."
     ),
     "unit": Field(_or_none(TEXT), "Unit of the world's lengths; none where unknown."),
-    "anatomical": Field(FLAG, "Whether the world's axes are a patient's: x to the left ear, y to the back, z up."),
+    "anatomical": Field(FLAG, "Whether the world's axes are a patient's: x to the right, y to the front, z up."),
     "camera": Field(OBJECT, "The camera, as `Camera.from_json` takes it; slices have none."),
     "background": Field(
         _or_none({"anyOf": [{"type": "array", "items": NUMBER}, TEXT]}), "Colour behind all; none is transparent."

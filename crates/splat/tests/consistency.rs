@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 use wavesplat_compute::simd::Level;
-use wavesplat_core::{Composite, Decoder, Gradient, Kernel, Projection, RenderOptions, Shading};
+use wavesplat_core::{Composite, Gradient, Kernel, Projection, RenderOptions, Shading};
 use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::{render, render_base_planes_at};
 use wavesplat_testkit::{PROJECTIONS, Phantom, camera_towards, max_difference, opacity_ramp, psnr_db};
@@ -129,26 +129,6 @@ fn pre_integrated_slabs_converge_to_plain_sheets() {
     assert!(two > plain + 4.0 && eight > two + 3.0 && eight > 40.0, "{two} {eight} dB, plain {plain} dB");
 }
 
-/// Decoder of boxes of a phantom.
-struct Boxes(Phantom);
-
-impl Decoder for Boxes {
-    fn size(&self) -> [usize; 3] {
-        self.0.size
-    }
-
-    fn decode(&self, lo: [usize; 3], hi: [usize; 3], out: &mut [f32]) {
-        let [nx, ny, _] = self.0.size;
-        let mut rows = out.chunks_exact_mut(hi[0] - lo[0]);
-        for z in lo[2]..hi[2] {
-            for y in lo[1]..hi[1] {
-                let row = &self.0.samples[(z * ny + y) * nx..][lo[0]..hi[0]];
-                rows.next().expect("the box has room").copy_from_slice(row);
-            }
-        }
-    }
-}
-
 /// A volume that is decoded gives the picture of its samples, all at once or as it is drawn: the same bits, but for
 /// splines in blocks, whose coefficients come from a part of each line.
 #[test]
@@ -160,7 +140,7 @@ fn a_decoded_volume_gives_the_picture_of_its_samples() {
     let volume = phantom.volume();
     let grid = volume.grid();
     let tf = opacity_ramp(&[(140.0, 0.0), (150.0, 0.1), (151.0, 1.0), (200.0, 0.6)], None);
-    let decoder = Arc::new(Boxes(phantom.clone()));
+    let decoder = Arc::new(phantom.clone());
     // Enough for all, and hardly less, which keeps few blocks but bounds of the same bricks: the same work is reported.
     let block_bytes = 32 * 32 * 32 * 4;
     let budgets_bytes = [100 * block_bytes, 70 * 45 * 41 * 4 - 1];
@@ -202,7 +182,7 @@ fn panels_hold_what_wide_differences_need() {
     let volume = phantom.volume();
     let tf = opacity_ramp(&[(20.0, 0.02), (240.0, 0.3)], None);
     let projection = Projection::Orthographic { parallel_scale: 26.0 };
-    let decoder = Arc::new(Boxes(phantom.clone()));
+    let decoder = Arc::new(phantom.clone());
     for (_, kernel) in Kernel::NAMES {
         let slices = Slices::new(&volume, kernel);
         let decoded = Slices::of_decoder(decoder.clone(), volume.grid(), kernel, 1 << 17);

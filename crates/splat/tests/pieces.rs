@@ -23,7 +23,7 @@ use wavesplat_splat::sheet::tile_layout::{TILE_U, TILE_V};
 use wavesplat_splat::source::slices::{Slices, VolumeBox, needed_samples};
 use wavesplat_splat::source::strided::light_steps;
 use wavesplat_splat::source::survey::Survey;
-use wavesplat_testkit::{Phantom, camera_towards, opacity_ramp};
+use wavesplat_testkit::{PROJECTIONS, Phantom, camera_towards, opacity_ramp};
 
 /// Numbers without a visible pattern.
 struct Random(u64);
@@ -160,17 +160,7 @@ fn cases() -> Vec<Case> {
         add(&format!("soft {name}"), bytes(), Kernel::Linear, &soft, view, &deep);
         add(&format!("hard {name}"), bytes(), Kernel::Linear, &hard, view, &deep);
     }
-    let projections = [
-        Composite::Maximum,
-        Composite::DepthShadedMaximum { strength: 0.7, black: 60.0 },
-        Composite::LocalMaximum { threshold: 150.0 },
-        Composite::Minimum,
-        Composite::Mean,
-        Composite::Sum,
-        Composite::XRay { clear: 90.0, attenuation: 0.004 },
-        Composite::FirstHit { iso_value: 140.0 },
-    ];
-    for composite in projections {
+    for composite in PROJECTIONS.into_iter().chain([Composite::FirstHit { iso_value: 140.0 }]) {
         let options = RenderOptions { with_depth: matches!(composite, Composite::FirstHit { .. }), ..of(composite) };
         add(&format!("{composite:?}"), bytes(), Kernel::Linear, &soft, &aslant, &options);
         add(&format!("{composite:?} in perspective"), with_holes(), Kernel::Linear, &soft, &three_families, &options);

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DMat3, DVec3};
 use wavesplat_core::{
-    Camera, ClipPlane, ColorNode, Composite, Crop, Decoder, Error, Gradient, GradientNode, Kernel, Light, LightFrame,
+    Camera, ClipPlane, ColorNode, Composite, Crop, Error, Gradient, GradientNode, Kernel, Light, LightFrame,
     OpacityNode, Picture, Projection, RenderOptions, Samples, Shading, TransferFunction, Volume,
 };
 use wavesplat_splat::ProgressCallback;
@@ -449,26 +449,6 @@ fn texels_wider_than_samples_lose_nothing() {
     }
 }
 
-/// Decoder of boxes of a phantom.
-struct Boxes(Phantom);
-
-impl Decoder for Boxes {
-    fn size(&self) -> [usize; 3] {
-        self.0.size
-    }
-
-    fn decode(&self, lo: [usize; 3], hi: [usize; 3], out: &mut [f32]) {
-        let [nx, ny, _] = self.0.size;
-        let mut rows = out.chunks_exact_mut(hi[0] - lo[0]);
-        for z in lo[2]..hi[2] {
-            for y in lo[1]..hi[1] {
-                let row = &self.0.samples[(z * ny + y) * nx..][lo[0]..hi[0]];
-                rows.next().expect("the box has room").copy_from_slice(row);
-            }
-        }
-    }
-}
-
 #[test]
 fn a_decoded_volume_gives_the_picture_of_its_samples() {
     let affine = DAffine3::from_scale(DVec3::new(0.3, 0.25, 0.4));
@@ -477,7 +457,7 @@ fn a_decoded_volume_gives_the_picture_of_its_samples() {
     });
     let volume = phantom.volume();
     let tf = opacity_ramp(&[(140.0, 0.0), (150.0, 0.1), (151.0, 1.0), (200.0, 0.6)], None);
-    let decoded = Slices::of_decoder(Arc::new(Boxes(phantom.clone())), volume.grid(), Kernel::Linear, 3 << 17);
+    let decoded = Slices::of_decoder(Arc::new(phantom.clone()), volume.grid(), Kernel::Linear, 3 << 17);
     assert!(decoded.must_load());
     let slices = Slices::new(&volume, Kernel::Linear);
     for from in [DVec3::new(0.2, 0.3, 1.0), DVec3::new(-1.0, 0.5, 0.4), DVec3::new(-0.3, 1.0, 0.2)] {

@@ -1,7 +1,9 @@
 //! Phantoms: volumes whose pictures are known, or can be computed.
 
 use glam::{DAffine3, DMat3, DVec3};
-use wavesplat_core::{Camera, ColorNode, Composite, OpacityNode, Projection, Samples, TransferFunction, Volume};
+use wavesplat_core::{
+    Camera, ColorNode, Composite, Decoder, OpacityNode, Projection, Samples, TransferFunction, Volume,
+};
 
 /// Every projection, with parameters that suit [`Phantom::sheared_waves`].
 pub const PROJECTIONS: [Composite; 7] = [
@@ -23,6 +25,23 @@ pub struct Phantom {
     pub size: [usize; 3],
     /// World position of an index position.
     pub world_from_index: DAffine3,
+}
+
+impl Decoder for Phantom {
+    fn size(&self) -> [usize; 3] {
+        self.size
+    }
+
+    fn decode(&self, lo: [usize; 3], hi: [usize; 3], out: &mut [f32]) {
+        let [nx, ny, _] = self.size;
+        let mut rows = out.chunks_exact_mut(hi[0] - lo[0]);
+        for z in lo[2]..hi[2] {
+            for y in lo[1]..hi[1] {
+                let row = &self.samples[(z * ny + y) * nx..][lo[0]..hi[0]];
+                rows.next().expect("the box has room").copy_from_slice(row);
+            }
+        }
+    }
 }
 
 impl Phantom {

@@ -28,7 +28,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality edges random-functions random-scenes looks looks-beside-vtk study study-wavelets study-lod bench bench-gpu bench-layers scene-hashes roofline instructions gallery golden pictures \
+.PHONY: help demo test check fmt quality edges random-functions random-scenes looks looks-beside-vtk study study-wavelets study-lod bench bench-gpu bench-threads bench-layers scene-hashes roofline instructions gallery golden pictures \
 	clean wheel fuzz memcheck miri fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
 	rust-test python-test test-arm rust-lint python-lint stubs spelling licences docs readme
 
@@ -80,6 +80,9 @@ bench: $(STAMPS)/bench ## time frames, ours, VTK's and VolPack's; BENCH="--only 
 
 bench-gpu: $(STAMPS)/bench ## time frames on a GPU beside our CPU path and VTK's GPU mapper; of a program on the processor, count; BENCH_GPU="--record"
 	BENCH_DATA=$(BENCH_DATA) python benches/gpu.py $(BENCH_GPU)
+
+bench-threads: $(STAMPS)/package ## time frames by number of threads; BENCH_THREADS="--threads 1 4 16"
+	BENCH_DATA=$(BENCH_DATA) python benches/threads.py $(BENCH_THREADS)
 
 bench-layers: $(STAMPS)/package ## time pictures of several volumes beside those of one
 	python benches/layers.py

@@ -28,7 +28,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality edges random-functions random-scenes looks looks-beside-vtk study study-wavelets study-lod bench bench-gpu bench-threads bench-layers scene-hashes roofline instructions gallery golden pictures \
+.PHONY: help demo test check fmt quality edges random-functions random-scenes looks looks-beside-vtk study study-wavelets study-lod bench bench-gpu bench-psnr bench-threads bench-layers scene-hashes roofline instructions gallery golden pictures \
 	clean wheel fuzz memcheck miri fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
 	rust-test python-test test-arm rust-lint python-lint stubs spelling licences docs readme
 
@@ -83,6 +83,9 @@ bench-gpu: $(STAMPS)/bench ## time frames on a GPU beside our CPU path and VTK's
 
 bench-threads: $(STAMPS)/package ## time frames by number of threads; BENCH_THREADS="--threads 1 4 16"
 	BENCH_DATA=$(BENCH_DATA) python benches/threads.py $(BENCH_THREADS)
+
+bench-psnr: $(STAMPS)/package ## draw pictures of a wanted PSNR and compare with converged ones; BENCH_PSNR="--size 128 --only fuel"
+	BENCH_DATA=$(BENCH_DATA) python benches/psnr.py $(BENCH_PSNR)
 
 bench-layers: $(STAMPS)/package ## time pictures of several volumes beside those of one
 	python benches/layers.py

@@ -138,7 +138,9 @@ def main() -> int:
     """Print the tables."""
     parser = argparse.ArgumentParser(description="Time by stage against the limits of a core.")
     parser.add_argument("cases", nargs="*", metavar="LABEL", help='as "ct soft"; else "engine soft" and "engine hard"')
-    parser.add_argument("--quality", choices=("draft", "normal", "high"), default="normal", help="normal if not given")
+    parser.add_argument(
+        "--quality", choices=("draft", "normal", "fine", "high"), default="normal", help="normal if not given"
+    )
     parser.add_argument("--record", action="store_true", help="keep the tables in benches/records")
     parser.add_argument("--task", help=argparse.SUPPRESS)
     options = parser.parse_args()

@@ -119,7 +119,7 @@ def test_what_is_no_volume(volume):
     [
         ("kernel", None, "kernel is None; give a name"),
         ("composite", 3, "composite is 3; give a name or FirstHit"),
-        ("quality", ["high"], "quality is a list; give draft, normal, high, or wavesplat.Sampling"),
+        ("quality", ["high"], "quality is a list; give draft, normal, fine, high, or wavesplat.Sampling"),
         ("shading", "phong", "shading is 'phong'; give a wavesplat.Shading or None"),
         ("clip", None, r"clip is None; give wavesplat.Crop\(lower, upper\) to keep a box, ClipPlane"),
         ("progress", True, "progress is True; give a function"),

@@ -70,7 +70,8 @@ def test_pictures_in_the_usual_light(scene):
     volume, soft, _, _ = scene
     view = ws.Camera.orbit(volume, 30, 20, fit="view")
     want = ws.reference.raycast(volume, soft, view, size=(36, 30), step=0.1, rays_per_pixel=9).rgba
-    assert psnr_db(ws.render(volume, soft, view, size=(36, 30), quality="high").rgba, want) > 40
+    got = ws.render(volume, soft, view, size=(36, 30), quality=ws.Sampling(4, 2)).rgba
+    assert psnr_db(got, want) > 40
 
 
 @pytest.mark.parametrize("view", VIEWS)
@@ -109,17 +110,10 @@ HELD_OUT_CURVES = {
 }
 
 
-#: Name, whether the function is hard, and view of the case in which the model of errors promises too much. It reaches
-#: 38.9 dB where 40 are asked for: with 0.7 sheets a slice the errors of shaded sheets grow faster than in the model.
-SHORT_OF_THE_PROMISE = ("mri", False, HELD_OUT_VIEWS[3])
-
-
 @pytest.mark.parametrize("view", HELD_OUT_VIEWS)
 @pytest.mark.parametrize("is_hard", [False, True])
 @pytest.mark.parametrize("name", HELD_OUT_CURVES)
-def test_the_promise_of_a_psnr_holds_to_a_decibel(name, is_hard, view, request):
-    if (name, is_hard, view) == SHORT_OF_THE_PROMISE:
-        request.applymarker(pytest.mark.xfail(strict=True, reason="short by 1.1 dB"))
+def test_the_promise_of_a_psnr_holds_to_a_decibel(name, is_hard, view):
     make, _, _, curve, _ = SCENES[name]
     volume = make()
     function = ws.TransferFunction(HELD_OUT_CURVES[name][is_hard], curve)
@@ -167,8 +161,9 @@ def test_what_shows_something_else_is_measured_anew():
         return of.render(**draw, **options).report["expected_psnr_spread_db"]
 
     first, second = spread(scene), spread(scene)
-    assert first < second
-    assert spread(scene.with_(background="white", clip=ws.Crop((0, 0, 0), (15, 15, 14)))) > first
+    assert first == second, "the same picture is as certain as before"
+    cut = scene.with_(background="white", clip=ws.Crop((0, 0, 0), (15, 15, 14)))
+    assert spread(cut) > first
     for other in ({"composite": "mean"}, {"kernel": "bspline3"}):
         assert spread(scene, **other) == spread(ws.Scene(scene.layers), **other)
     for changes in (

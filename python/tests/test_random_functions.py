@@ -34,7 +34,7 @@ def test_random_functions_are_integrated(study):
 def test_a_better_quality_is_no_worse_on_a_ball(study):
     case = study.Case("peak", [(49.8, 0), (50, 1), (50.2, 0)], [(0, 1, 1, 1)], None, 16, 0, 0)
     psnr_db = study.ball_psnr_db(case)
-    assert psnr_db["draft"] < psnr_db["normal"] < psnr_db["high"]
+    assert psnr_db["draft"] < psnr_db["normal"] < psnr_db["fine"] < psnr_db["high"]
     assert psnr_db["high"] > 35
 
 
@@ -44,7 +44,7 @@ def opacity_of(opacity, quality, volume=RAMP, **options):
     return float(picture.rgba[4, 4, 3])
 
 
-@pytest.mark.parametrize("quality", ["draft", "normal", "high"])
+@pytest.mark.parametrize("quality", ["draft", "normal", "fine", "high"])
 @pytest.mark.parametrize("half_width", [1.0, 0.25, 0.1, 0.01, 0.001])
 @pytest.mark.parametrize("top", [0.1, 0.3, 0.9, 0.999_999, 1.0])
 def test_a_thin_peak_is_integrated(top, half_width, quality):
@@ -55,7 +55,7 @@ def test_a_thin_peak_is_integrated(top, half_width, quality):
     assert got == pytest.approx(wanted, rel=0.03, abs=2e-4)
 
 
-@pytest.mark.parametrize("quality", ["draft", "normal", "high"])
+@pytest.mark.parametrize("quality", ["draft", "normal", "fine", "high"])
 @pytest.mark.parametrize("half_width", [10.0, 1.0, 0.01])
 def test_a_plateau_of_opacity_1_is_opaque_however_thin(half_width, quality):
     lo, hi = 50 - half_width, 50 + half_width

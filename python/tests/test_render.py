@@ -98,7 +98,7 @@ def test_progress_reports_and_cancels():
         ({"size": 5}, "give .width, height."),
         ({"kernel": "cubic"}, "unknown kernel.*catmull-rom"),
         ({"composite": "add"}, "unknown composite.*maximum"),
-        ({"quality": "best"}, "unknown quality.*draft, normal, high"),
+        ({"quality": "best"}, "unknown quality.*draft, normal, fine, high"),
         ({"composite": "first-hit"}, "iso_value"),
         ({"threads": -1}, "threads is -1"),
         ({"threads": 0}, "threads is 0"),

@@ -65,7 +65,7 @@ class FrameArguments(TypedDict):
     sheets_per_slice: float
     oversampling: float
     psnr: float | None
-    like: Mapping[str, float | bool | list[float]] | None
+    like: Mapping[str, float | int | bool | list[float] | list[list[float] | None]] | None
     crop_index: tuple[tuple[float, float, float], tuple[float, float, float]] | None
     crop_world: tuple[tuple[float, float, float], tuple[float, float, float]] | None
     clip_planes: Sequence[tuple[tuple[float, float, float], tuple[float, float, float]]]

@@ -26,8 +26,8 @@ pub use grid::Grid;
 pub use label::LabelLook;
 pub use level_grid::LevelGrid;
 pub use options::{
-    ClipPlane, Crop, Gradient, Kernel, Light, LightFrame, MAX_GRADIENT_OFFSET, MAX_SIDE_PX, RenderOptions, Shading,
-    quality_settings,
+    ClipPlane, Crop, Gradient, Kernel, LADDER, Light, LightFrame, MAX_GRADIENT_OFFSET, MAX_SIDE_PX, RenderOptions,
+    Shading, oversampling_of_level, quality_settings,
 };
 pub use picture::Picture;
 pub use samples::{Sample, Samples, Statistics};

@@ -361,17 +361,35 @@ impl RenderOptions {
 
 /// Sheets per slice and oversampling of each named quality, for smooth transfer functions, for steep ones, and for
 /// steep ones on a coarser level, where the error of linear slabs is less than the error of the level itself.
-/// `studies/quality` and `studies/lod` measure the errors.
-const QUALITIES: [(&str, [(f64, f64); 3]); 3] = [
-    ("draft", [(1.0, 0.5), (1.0, 0.5), (1.0, 0.5)]),
+/// `studies/quality` and `studies/lod` measure the errors. Those of the first two kinds are rungs of [`LADDER`].
+const QUALITIES: [(&str, [(f64, f64); 3]); 4] = [
+    ("draft", [(2.0, 0.5), (2.0, 0.5), (1.0, 0.5)]),
     ("normal", [(2.0, 1.0), (2.0, 1.0), (1.0, 1.0)]),
-    ("high", [(3.0, 2.0), (6.0, 3.0), (6.0, 3.0)]),
+    ("fine", [(4.0, 1.2), (4.0, 1.5), (4.0, 1.5)]),
+    ("high", [(4.0, 1.5), (6.0, 3.0), (6.0, 3.0)]),
 ];
 
-/// `(sheets_per_slice, oversampling)` of quality `draft`, `normal` or `high`. `needs_preintegration`: whether the
-/// transfer function can change opacity or colour by a visible amount within a voxel, or has thin peaks. `coarseness`:
-/// [`crate::Grid::coarseness`]; texels grow with the samples of a coarser level, so that its picture is the finer one's
-/// at a lower resolution, but not beyond a sample, of which a pixel holds `samples_per_pixel`.
+/// Sheets per slice and oversampling from which a picture of a wanted PSNR is chosen, in order of cost. The last one is
+/// too dear for a picture: others are compared with it.
+pub const LADDER: [(f64, f64); 13] = [
+    (1.0, 0.5),
+    (2.0, 0.5),
+    (2.0, 0.7),
+    (2.0, 1.0),
+    (3.0, 1.0),
+    (3.0, 1.2),
+    (4.0, 1.2),
+    (4.0, 1.5),
+    (4.0, 2.0),
+    (6.0, 2.0),
+    (6.0, 3.0),
+    (8.0, 3.0),
+    (12.0, 4.0),
+];
+
+/// `(sheets_per_slice, oversampling)` of quality `draft`, `normal`, `fine` or `high`. `needs_preintegration`: whether
+/// the transfer function can change opacity or colour by a visible amount within a voxel, or has thin peaks.
+/// `coarseness` and `samples_per_pixel`: see [`oversampling_of_level`].
 pub fn quality_settings(
     name: &str,
     needs_preintegration: bool,
@@ -380,8 +398,15 @@ pub fn quality_settings(
 ) -> Result<(f64, f64)> {
     let kind = usize::from(needs_preintegration) + usize::from(needs_preintegration && coarseness > 1.0);
     let (sheets_per_slice, oversampling) = find("quality", name, &QUALITIES)?[kind];
+    Ok((sheets_per_slice, oversampling_of_level(oversampling, coarseness, samples_per_pixel)))
+}
+
+/// Texels per pixel on a level of a `coarseness`, see [`crate::Grid::coarseness`]. Texels grow with the samples of a
+/// coarser level, so that its picture is the finer one's at a lower resolution, but not beyond a sample, of which a
+/// pixel holds `samples_per_pixel`.
+pub fn oversampling_of_level(oversampling: f64, coarseness: f64, samples_per_pixel: f64) -> f64 {
     let least = samples_per_pixel.clamp(MIN_OVERSAMPLING, oversampling);
-    Ok((sheets_per_slice, (oversampling / coarseness).max(least)))
+    (oversampling / coarseness).max(least)
 }
 
 /// Minimum of texels per pixel along an axis.
@@ -410,7 +435,19 @@ mod tests {
         assert_eq!([sheets("high", true, 1.0), sheets("high", true, 2.0), sheets("draft", true, 2.0)], [6.0, 6.0, 1.0]);
         let message = Kernel::from_name("cubic").unwrap_err().to_string();
         assert!(message.contains("catmull-rom") && message.contains("cubic"), "{message}");
-        assert!(quality_settings("best", false, 1.0, 1.0).unwrap_err().to_string().contains("draft, normal, high"));
+        assert!(
+            quality_settings("best", false, 1.0, 1.0).unwrap_err().to_string().contains("draft, normal, fine, high")
+        );
+    }
+
+    #[test]
+    fn named_qualities_are_rungs_of_the_ladder_and_each_is_finer_than_the_one_before() {
+        for kind in 0..2 {
+            let rungs = QUALITIES.map(|(name, settings)| {
+                LADDER.iter().position(|rung| *rung == settings[kind]).unwrap_or_else(|| panic!("{name}, {kind}"))
+            });
+            assert!(rungs.is_sorted_by(|a, b| a < b), "{rungs:?}");
+        }
     }
 
     #[test]

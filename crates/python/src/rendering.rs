@@ -8,8 +8,8 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use wavesplat::{
-    ClipPlane, Composite, Crop, DrawnBy, Effort, Frame, FrameOptions, Framing, Kernel, Measured, MeasuredErrors,
-    Picture, Plane, PngBits, PsnrTarget, Reduction, Sampling, Scene, SceneLayer, StageTimes, ThickSlab, png_of_rgba,
+    ClipPlane, Composite, Crop, DrawnBy, Effort, Frame, FrameOptions, Framing, Kernel, Measured, Picture, Plane,
+    PngBits, PsnrTarget, Reduction, RungError, Sampling, Scene, SceneLayer, StageTimes, ThickSlab, png_of_rgba,
 };
 
 use crate::arguments::{PyCamera, PyShading, PyTransferFunction, Triple, vector};
@@ -52,30 +52,33 @@ pub(crate) fn image(py: Python<'_>, picture: Picture) -> PyResult<Bound<'_, PyAr
     rgba.into_flattened().into_pyarray(py).reshape([height_px, width_px, 4])
 }
 
-/// Measured error of a picture, as a dictionary.
-#[derive(Clone, Copy, FromPyObject, IntoPyObject)]
+/// Measured errors of a picture, as a dictionary.
+#[derive(Clone, FromPyObject, IntoPyObject)]
 #[pyo3(from_item_all)]
 pub struct PyMeasured {
-    along: [[f64; 2]; 2],
-    across: [f64; 3],
-    deviation: f64,
-    sheets_per_slice: f64,
-    oversampling: f64,
+    /// Mean square error and its relative deviation, per rung of the ladder; `None` where a rung was not measured.
+    errors: Vec<Option<[f64; 2]>>,
     pixel_in_samples: f64,
-    slice_in_samples: f64,
     covered: f64,
+    direction: [f64; 3],
+    aside: [f64; 3],
+    cut: u64,
     is_smooth: bool,
 }
 
-impl From<PyMeasured> for Measured {
-    fn from(told: PyMeasured) -> Self {
+impl From<&PyMeasured> for Measured {
+    fn from(told: &PyMeasured) -> Self {
+        let error = |k: usize| told.errors.get(k).copied().flatten();
         Self {
-            errors: MeasuredErrors { along: told.along, across: told.across, deviation: told.deviation },
-            at: Sampling { sheets_per_slice: told.sheets_per_slice, oversampling: told.oversampling },
+            errors: std::array::from_fn(|k| {
+                error(k).map(|[mean_square, deviation]| RungError { mean_square, deviation })
+            }),
             framing: Framing {
                 pixel_in_samples: told.pixel_in_samples,
-                slice_in_samples: told.slice_in_samples,
                 covered: told.covered,
+                direction: told.direction,
+                aside: told.aside,
+                cut: told.cut,
             },
             is_smooth: told.is_smooth,
         }
@@ -84,16 +87,14 @@ impl From<PyMeasured> for Measured {
 
 impl From<Measured> for PyMeasured {
     fn from(measured: Measured) -> Self {
-        let Measured { errors, at, framing, is_smooth } = measured;
+        let Measured { errors, framing, is_smooth } = measured;
         Self {
-            along: errors.along,
-            across: errors.across,
-            deviation: errors.deviation,
-            sheets_per_slice: at.sheets_per_slice,
-            oversampling: at.oversampling,
+            errors: errors.map(|e| e.map(|RungError { mean_square, deviation }| [mean_square, deviation])).to_vec(),
             pixel_in_samples: framing.pixel_in_samples,
-            slice_in_samples: framing.slice_in_samples,
             covered: framing.covered,
+            direction: framing.direction,
+            aside: framing.aside,
+            cut: framing.cut,
             is_smooth,
         }
     }
@@ -148,7 +149,7 @@ impl PyFrame<'_> {
     /// Options of the frame that do not belong to the scene.
     pub fn options(&self) -> PyResult<FrameOptions> {
         let effort = match self.psnr {
-            Some(psnr_db) => Effort::Psnr(PsnrTarget { psnr_db, like: self.like.map(Measured::from) }),
+            Some(psnr_db) => Effort::Psnr(PsnrTarget { psnr_db, like: self.like.as_ref().map(Measured::from) }),
             None => {
                 Effort::Fixed(Sampling { sheets_per_slice: self.sheets_per_slice, oversampling: self.oversampling })
             }

@@ -126,7 +126,7 @@ fn pre_integrated_slabs_converge_to_plain_sheets() {
     let want = draw(false, 64.0);
     let psnr = |pre_integration, sheets| psnr_db(&draw(pre_integration, sheets).rgba, &want.rgba);
     let (two, eight, plain) = (psnr(true, 2.0), psnr(true, 8.0), psnr(false, 2.0));
-    assert!(two > plain + 4.0 && eight > two + 3.0 && eight > 40.0, "{two} {eight} dB, plain {plain} dB");
+    assert!(two > plain + 3.5 && eight > two + 3.0 && eight > 40.0, "{two} {eight} dB, plain {plain} dB");
 }
 
 /// A volume that is decoded gives the picture of its samples, all at once or as it is drawn: the same bits, but for

@@ -4,9 +4,11 @@ use std::ops::ControlFlow;
 use std::sync::Mutex;
 
 use glam::DVec3;
-use wavesplat_core::{Camera, Composite, Error, Kernel, Picture, Projection, RenderOptions, TransferFunction};
+use wavesplat_core::{Camera, Composite, Error, Kernel, LADDER, Picture, Projection, RenderOptions, TransferFunction};
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
-use wavesplat_splat::quality::target_psnr::{Errors, Estimate, Measured, PsnrTarget, Sampling, render_to_psnr};
+use wavesplat_splat::quality::target_psnr::{
+    Estimate, Ladder, Measured, PsnrTarget, RungError, Sampling, render_to_psnr,
+};
 use wavesplat_splat::render::frame::draw_base_planes;
 use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::{Layer, ProgressCallback, render};
@@ -40,6 +42,10 @@ fn hard() -> TransferFunction {
     opacity_ramp(&[(127.0, 0.0), (128.0, 1.0)], None)
 }
 
+fn ladder() -> Ladder {
+    LADDER.map(|(sheets_per_slice, oversampling)| Sampling { sheets_per_slice, oversampling })
+}
+
 /// A wanted PSNR, without a picture before.
 fn wanted(psnr_db: f64) -> PsnrTarget {
     PsnrTarget { psnr_db, like: None }
@@ -56,11 +62,12 @@ fn the_picture_has_the_error_that_is_told() {
     let phantom = Phantom::ripples(32);
     let volume = phantom.volume();
     let slices = Slices::new(&volume, Kernel::Linear);
+    let mut off_db = Vec::new();
     for (tf, composite, projection, all_wanted) in [
         (soft(), Composite::Over, ORTHOGRAPHIC, [34.0, 40.0, 48.0]),
         (soft(), Composite::Over, PERSPECTIVE, [34.0, 40.0, 48.0]),
         (hard(), Composite::Over, ORTHOGRAPHIC, [26.0, 30.0, 34.0]),
-        (soft(), Composite::Maximum, ORTHOGRAPHIC, [34.0, 40.0, 48.0]),
+        (soft(), Composite::Maximum, ORTHOGRAPHIC, [34.0, 44.0, 56.0]),
         // The coarsest picture has 54 dB: means change slowly, and walls cover their shares of pixels at every
         // sampling.
         (soft(), Composite::Mean, ORTHOGRAPHIC, [34.0, 48.0, 58.0]),
@@ -77,19 +84,19 @@ fn the_picture_has_the_error_that_is_told() {
                 &layer(&slices, &tf, &options, &VisibilityCache::default()),
                 &camera,
                 &options,
-                &wanted(wanted_db),
+                (&ladder(), &wanted(wanted_db)),
                 &draw_base_planes,
                 &(),
             )
             .unwrap();
             let got_db = psnr_db(&picture, &finest);
             assert!(chosen.psnr_db >= wanted_db, "{composite:?}, {wanted_db}: {chosen:?}");
-            assert!(got_db > wanted_db - 1.0, "{composite:?}: {got_db}, {chosen:?}");
-            // Since walls cover shares of pixels, pictures are up to 10.3 dB better than the model of errors predicts.
-            assert!(
-                (-2.0 * chosen.spread_db..12.0).contains(&(got_db - chosen.psnr_db)),
-                "{composite:?}: {got_db}, {chosen:?}"
-            );
+            // Of projections, errors lie in few pixels, which tiles may miss: the deviation among tiles says so.
+            let short_db = if composite.is_projection() { 1.5 * chosen.spread_db.max(1.0) } else { 1.0 };
+            assert!(got_db > wanted_db - short_db, "{composite:?}: {got_db}, {chosen:?}");
+            let at_most_db = f64::max(3.0, 3.0 * chosen.spread_db);
+            assert!((got_db - chosen.psnr_db).abs() < at_most_db, "{composite:?}: {got_db}, {chosen:?}");
+            off_db.push((got_db - chosen.psnr_db).abs());
             reached.push(got_db);
             let Sampling { sheets_per_slice, oversampling } = chosen.sampling;
             efforts.push(sheets_per_slice * oversampling.powi(2));
@@ -103,6 +110,8 @@ fn the_picture_has_the_error_that_is_told() {
         assert!(reached.is_sorted() && reached[0] < reached[2], "{composite:?}: {reached:?}");
         assert!(efforts[0] < efforts[2], "{composite:?}: {efforts:?}");
     }
+    off_db.sort_by(f64::total_cmp);
+    assert!(off_db[off_db.len() * 8 / 10] < 2.0, "{off_db:?}");
 }
 
 /// Whether two pictures have the same colour, depth and value at a pixel.
@@ -125,7 +134,7 @@ fn what_cannot_be_reached_is_told_and_nothing_costs_nothing() {
             &layer(&slices, tf, &options, &VisibilityCache::default()),
             &camera,
             &options,
-            &wanted(80.0),
+            (&ladder(), &wanted(80.0)),
             &draw_base_planes,
             &(),
         )
@@ -140,7 +149,7 @@ fn what_cannot_be_reached_is_told_and_nothing_costs_nothing() {
             &layer(&slices, &soft(), &options, &VisibilityCache::default()),
             &camera,
             &options,
-            &wanted(psnr_db),
+            (&ladder(), &wanted(psnr_db)),
             &draw_base_planes,
             &(),
         );
@@ -161,7 +170,7 @@ fn pictures_like_one_that_was_measured_are_drawn_without_pilot_tiles_and_promise
                 &layer(&slices, &tf, &options, &VisibilityCache::default()),
                 camera,
                 &options,
-                &wanted,
+                (&ladder(), &wanted),
                 &draw_base_planes,
                 &(),
             )
@@ -197,9 +206,15 @@ fn pictures_like_one_that_was_measured_are_drawn_without_pilot_tiles_and_promise
                 better_db.push(reached - told.psnr_db);
             }
         }
-        // One view can have far smaller errors than the one that was measured (by 17 dB here), but not all of them.
+        // One view can have far smaller errors than the one that was measured, but not all of them.
         better_db.sort_by(f64::total_cmp);
         assert!(better_db[0] < 10.0, "{better_db:?}");
+        // The same framing adds no spread, and a turn the more the wider it is.
+        let spreads = [0.0, 0.1, 0.3].map(|turn| {
+            let camera = camera_towards(phantom.centre(), DVec3::new(0.7 + turn, 0.6, 0.5), 90.0, ORTHOGRAPHIC);
+            draw(&camera, all_wanted[0], first.measured).1.spread_db
+        });
+        assert!(spreads[0] == first.spread_db && spreads.is_sorted_by(|a, b| a < b), "{spreads:?}");
         // From so near that other errors count, or with a function of another kind, the error is measured.
         let near = Projection::Orthographic { parallel_scale: 9.0 };
         let near = camera_towards(phantom.centre(), DVec3::new(0.8, 0.5, 0.4), 90.0, near);
@@ -209,7 +224,7 @@ fn pictures_like_one_that_was_measured_are_drawn_without_pilot_tiles_and_promise
         let anew = draw(&camera(&phantom, ORTHOGRAPHIC), all_wanted[0], other_kind).1;
         assert_eq!(anew, first);
         for damaged in [f64::NAN, f64::INFINITY] {
-            let errors = Errors { along: [[damaged; 2]; 2], ..first.measured.unwrap().errors };
+            let errors = [Some(RungError { mean_square: damaged, deviation: 0.1 }); LADDER.len() - 1];
             let damaged = first.measured.map(|measured| Measured { errors, ..measured });
             assert_eq!(draw(&camera(&phantom, ORTHOGRAPHIC), all_wanted[0], damaged).1, first);
         }
@@ -228,7 +243,7 @@ fn two_slices_and_volumes_that_are_seen_edge_on_are_drawn() {
             &layer(&slices, &soft(), &options, &VisibilityCache::default()),
             &camera,
             &options,
-            &wanted(40.0),
+            (&ladder(), &wanted(40.0)),
             &draw_base_planes,
             &(),
         )
@@ -255,7 +270,7 @@ fn what_a_picture_hardly_shows_is_drawn_too() {
                     &layer(&slices, &soft(), &options, &VisibilityCache::default()),
                     &camera,
                     &options,
-                    &wanted(40.0),
+                    (&ladder(), &wanted(40.0)),
                     &draw_base_planes,
                     &(),
                 );
@@ -293,7 +308,7 @@ fn progress_grows_to_one_and_stops_where_it_is_told_to() {
             &layer(&slices, &hard(), &options, &VisibilityCache::default()),
             &camera,
             &options,
-            &wanted(60.0),
+            (&ladder(), &wanted(60.0)),
             &draw_base_planes,
             &listener,
         );

@@ -5,8 +5,8 @@ use std::sync::{Mutex, PoisonError};
 
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::Level;
-use wavesplat_core::{Camera, Composite, Error, Kernel, Picture, RenderOptions, Result};
-use wavesplat_splat::quality::error_model::Sampling;
+use wavesplat_core::{Camera, Composite, Error, Kernel, LADDER, Picture, RenderOptions, Result};
+use wavesplat_splat::quality::ladder::{Ladder, Sampling};
 use wavesplat_splat::quality::target_psnr::{Estimate, render_to_psnr};
 use wavesplat_splat::render::frame::{finish, slices_of};
 use wavesplat_splat::render::plan::Plan;
@@ -14,7 +14,7 @@ use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::{Layer, ProgressCallback, Report};
 
 use crate::device::{Device, DrawnBy};
-use crate::quality::{Effort, Quality};
+use crate::quality::{self, Effort, Quality};
 use crate::scene::{Scene, SceneLayer, SceneVolume};
 
 /// Options of a frame.
@@ -122,12 +122,24 @@ impl Scene<'_> {
     /// Sampling of a named quality for this scene, seen by a camera in a picture `height_px` pixels high: the finest of
     /// its layers' samplings.
     pub fn sampling(&self, quality: &str, camera: &Camera, height_px: usize) -> Result<Sampling> {
-        let mut finest = Sampling { sheets_per_slice: 0.0, oversampling: 0.0 };
+        let mut finest = Sampling::NONE;
         for SceneLayer { volume, transfer_function: tf, shading } in &self.layers {
             let needs_preintegration = volume.needs_preintegration(tf, shading.as_ref())?;
             let own = Quality::sampling(quality, volume.grid(), tf, needs_preintegration, camera, height_px)?;
-            finest.sheets_per_slice = finest.sheets_per_slice.max(own.sheets_per_slice);
-            finest.oversampling = finest.oversampling.max(own.oversampling);
+            finest = finest.max(own);
+        }
+        Ok(finest)
+    }
+
+    /// Samplings from which a picture of a wanted PSNR is chosen: for each rung the finest of the layers'.
+    fn ladder(&self, camera: &Camera, height_px: usize) -> Result<Ladder> {
+        let mut finest = [Sampling::NONE; LADDER.len()];
+        for SceneLayer { volume, transfer_function: tf, shading } in &self.layers {
+            let needs_preintegration = volume.needs_preintegration(tf, shading.as_ref())?;
+            let own = quality::ladder(volume.grid(), tf, needs_preintegration, camera, height_px);
+            for (finest, own) in finest.iter_mut().zip(own) {
+                *finest = finest.max(own);
+            }
         }
         Ok(finest)
     }
@@ -147,6 +159,7 @@ impl Scene<'_> {
         let mut times = StageTimes { prepare: prepared - start, ..StageTimes::default() };
         let frame = self.with_layers(options, &slices, |layers| {
             if let Effort::Psnr(wanted) = options.effort {
+                let ladder = self.ladder(camera, render_options.height_px)?;
                 let drawn_by = Mutex::new(DrawnBy::default());
                 let draw = |plan: &Plan, slices: &[&Slices], callback: &dyn ProgressCallback| {
                     let (pictures, report, by) = options.device.draw_base_planes(plan, slices, callback)?;
@@ -154,7 +167,7 @@ impl Scene<'_> {
                     Ok((pictures, report))
                 };
                 let (picture, report, estimate) =
-                    render_to_psnr(layers, camera, render_options, &wanted, &draw, callback)?;
+                    render_to_psnr(layers, camera, render_options, (&ladder, &wanted), &draw, callback)?;
                 times.draw = now() - prepared;
                 return Ok(Frame {
                     picture,

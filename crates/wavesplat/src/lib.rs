@@ -109,8 +109,7 @@ pub use wavesplat_core::{
 #[cfg(feature = "gpu")]
 pub use wavesplat_gpu as gpu;
 pub use wavesplat_splat::optics::labels::{Codes, Labels};
-pub use wavesplat_splat::quality::error_model::Sampling;
-pub use wavesplat_splat::quality::target_psnr::{Errors as MeasuredErrors, Estimate, Framing, Measured, PsnrTarget};
+pub use wavesplat_splat::quality::target_psnr::{Estimate, Framing, Measured, PsnrTarget, RungError, Sampling};
 pub use wavesplat_splat::render::stream::{IndexBox, Storage};
 pub use wavesplat_splat::slice_plane::{Plane, Reduction, ThickSlab};
 pub use wavesplat_splat::source::survey::Survey;

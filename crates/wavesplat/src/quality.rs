@@ -1,7 +1,7 @@
 //! Named qualities: sheets per slice and texels per pixel, by volume, transfer function and view.
 
-use wavesplat_core::{Camera, Grid, Result, TransferFunction, quality_settings};
-use wavesplat_splat::quality::error_model::Sampling;
+use wavesplat_core::{Camera, Grid, LADDER, Result, TransferFunction, oversampling_of_level, quality_settings};
+use wavesplat_splat::quality::ladder::{Ladder, Sampling};
 use wavesplat_splat::quality::target_psnr::PsnrTarget;
 
 /// Effort for a picture: a quality, a sampling, or a PSNR.
@@ -23,6 +23,8 @@ pub enum Quality {
     /// Normal, for viewing.
     #[default]
     Normal,
+    /// Fine, for looking closely: about 6 dB better than normal.
+    Fine,
     /// High, for publishing.
     High,
 }
@@ -37,6 +39,7 @@ impl Quality {
         match self {
             Self::Draft => "draft",
             Self::Normal => "normal",
+            Self::Fine => "fine",
             Self::High => "high",
         }
     }
@@ -51,10 +54,32 @@ impl Quality {
         camera: &Camera,
         height_px: usize,
     ) -> Result<Sampling> {
-        let samples_per_pixel = camera.pixel_size(grid.middle(), height_px) / grid.mean_spacing();
+        let samples_per_pixel = samples_per_pixel(grid, camera, height_px);
         let (sheets, oversampling) =
             quality_settings(name, needs_preintegration, grid.coarseness(), samples_per_pixel)?;
-        let finer = if needs_preintegration && tf.function_2d().is_some() { SHEETS_OF_TWO_DIMENSIONS } else { 1.0 };
-        Ok(Sampling { sheets_per_slice: sheets * finer, oversampling })
+        Ok(Sampling { sheets_per_slice: sheets * sheet_factor(tf, needs_preintegration), oversampling })
     }
+}
+
+/// Samplings from which a picture of a wanted PSNR is chosen, for a volume on a grid: finer where named qualities are.
+pub(crate) fn ladder(
+    grid: &Grid,
+    tf: &TransferFunction,
+    needs_preintegration: bool,
+    camera: &Camera,
+    height_px: usize,
+) -> Ladder {
+    let samples_per_pixel = samples_per_pixel(grid, camera, height_px);
+    LADDER.map(|(sheets, oversampling)| Sampling {
+        sheets_per_slice: sheets * sheet_factor(tf, needs_preintegration),
+        oversampling: oversampling_of_level(oversampling, grid.coarseness(), samples_per_pixel),
+    })
+}
+
+fn samples_per_pixel(grid: &Grid, camera: &Camera, height_px: usize) -> f64 {
+    camera.pixel_size(grid.middle(), height_px) / grid.mean_spacing()
+}
+
+fn sheet_factor(tf: &TransferFunction, needs_preintegration: bool) -> f64 {
+    if needs_preintegration && tf.function_2d().is_some() { SHEETS_OF_TWO_DIMENSIONS } else { 1.0 }
 }

@@ -9,7 +9,7 @@ use wavesplat_compute::parallel;
 use wavesplat_compute::simd::Level;
 use wavesplat_core::{Camera, Error, Kernel, Picture, Result, Samples};
 use wavesplat_splat::picture::base_picture::BasePicture;
-use wavesplat_splat::quality::error_model::Sampling;
+use wavesplat_splat::quality::ladder::Sampling;
 use wavesplat_splat::render::frame::finish;
 use wavesplat_splat::render::piece::{draw_piece, finish_tile};
 use wavesplat_splat::render::plan::Plan;

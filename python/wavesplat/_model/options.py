@@ -28,7 +28,7 @@ Composite: TypeAlias = Literal[
 ]
 #: Other names of operators.
 COMPOSITE_SYNONYMS = {"mip": "maximum", "minip": "minimum", "average": "mean", "isosurface": "first-hit"}
-Quality: TypeAlias = Literal["draft", "normal", "high"]
+Quality: TypeAlias = Literal["draft", "normal", "fine", "high"]
 Plane: TypeAlias = Literal["axial", "coronal", "sagittal"]
 Slab: TypeAlias = Literal["maximum", "minimum", "mean"]
 

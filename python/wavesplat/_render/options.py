@@ -36,12 +36,12 @@ class RenderOptions(FrameOptions, total=False):
     size : (width, height), default (512, 512)
         Pixels.
     quality : str or Sampling
-        "draft", "normal" or "high", which takes more sheets where the transfer function is steep; or how many sheets
-        and texels there are. None is the function's usual one. The report holds what was used.
+        "draft", "normal", "fine" or "high", which take more sheets where the transfer function is steep; or how many
+        sheets and texels there are. None is the function's usual one. The report holds what was used.
     psnr : float, optional
         Instead of `quality`: choose the sampling for this PSNR against the converged picture with 16 rays a pixel, in
-        dB, 20 to 80; 40 is good, 50 can hardly be told from it. Some tiles of the picture are drawn with several
-        samplings to measure its error, then all of it is drawn once, with the cheapest sampling that promises enough.
+        dB, 20 to 80; 40 is good, 50 can hardly be told from it. Some tiles of the picture are drawn with some
+        samplings of a fixed list to measure its error, then all of it with the cheapest one that promises enough.
         The report has that as `sheets_per_slice` and `oversampling`, and an estimate as `expected_psnr_db`, with its
         standard deviation as `expected_psnr_spread_db`: less than what was asked for where nothing reaches that.
         Projections are compared with one ray a pixel. Of a scene only the first picture is measured (`Scene.render`).

@@ -37,7 +37,7 @@ Progress: TypeAlias = Callable[[float], object] | None
 MAX_BINS, MAX_PX, MAX_TEXT = 4096, 8192, 1 << 20
 #: Side, pixels, of the small picture around a pixel that finds the depth there.
 PICKED_PX = 3
-QUALITIES = ("draft", "normal", "high")
+QUALITIES = ("draft", "normal", "fine", "high")
 
 
 def answer(state: ViewerState, question: str, arguments: Mapping[str, Any], progress: Progress = None) -> Answer:

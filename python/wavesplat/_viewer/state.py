@@ -313,8 +313,8 @@ def _options(render: Any) -> dict[str, Any]:
                 f"{WHAT}: render: a viewer's state has no {name!r}; it says what the picture at rest is"
             )
     quality = options.get("quality", "normal")
-    if isinstance(quality, str) and quality not in ("draft", "normal", "high"):
-        raise ArgumentError(f"{WHAT}: render: field 'quality' is {quality!r}; use one of: draft, normal, high")
+    if isinstance(quality, str) and quality not in ("draft", "normal", "fine", "high"):
+        raise ArgumentError(f"{WHAT}: render: field 'quality' is {quality!r}; use one of: draft, normal, fine, high")
     return {"quality": "normal", "kernel": "linear", "composite": None, **options}
 
 

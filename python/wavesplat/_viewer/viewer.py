@@ -160,7 +160,7 @@ class Viewer:
         size : (width, height)
             Pixels.
         quality : str, optional
-            "draft", "normal" or "high"; None is that of the viewer at rest.
+            "draft", "normal", "fine" or "high"; None is that of the viewer at rest.
 
         Raises
         ------

@@ -123,7 +123,7 @@ const state = fields({
   render: fields({
     "size?": list(number(1), 2, 2),
     quality: (value, where) =>
-      typeof value === "string" ? oneOf("draft", "normal", "high")(value, where) : fields({ "*": either(null, any) })(value, where),
+      typeof value === "string" ? oneOf("draft", "normal", "fine", "high")(value, where) : fields({ "*": either(null, any) })(value, where),
     "kernel?": text,
     "composite?": composite,
   }),

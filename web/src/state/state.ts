@@ -106,7 +106,7 @@ export type Composite = string | Readonly<Record<string, Readonly<Record<string,
 
 /** Settings of the picture at rest; its size is the view's. */
 export interface Render {
-  readonly quality: "draft" | "normal" | "high";
+  readonly quality: "draft" | "normal" | "fine" | "high";
   readonly kernel: string;
   readonly composite: Composite;
 }

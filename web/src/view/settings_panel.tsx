@@ -20,7 +20,7 @@ const FIRST_ANGLE = 30;
 export function SettingsPanel(props: PartProps & { readonly figures: boolean; readonly onFigures: (on: boolean) => void }) {
   const { store, figures, onFigures } = props;
   const { view, render, camera } = store.state;
-  const qualities = ["draft", "normal", "high"] as const;
+  const qualities = ["draft", "normal", "fine", "high"] as const;
   const isNamed = typeof render.quality === "string";
   return (
     <>

@@ -108,7 +108,7 @@ export function SharePanel(props: PartProps) {
           ))}
         </div>
       )}
-      <Choice label="Quality" value={quality} options={[["normal", "normal"], ["high", "high"]]} onChoose={setQuality} />
+      <Choice label="Quality" value={quality} options={[["normal", "normal"], ["fine", "fine"], ["high", "high"]]} onChoose={setQuality} />
       <Switch label="Transparent background" on={transparent} onToggle={setTransparent} />
       <Switch label="With scale bar and legend" on={annotated} onToggle={setAnnotated} />
       <div class="row">

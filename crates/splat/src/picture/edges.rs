@@ -50,7 +50,7 @@ const READS_PER_AXIS: usize = 4;
 const N_READS: usize = READS_PER_AXIS * READS_PER_AXIS;
 
 /// Side of the squares in which edges are looked for, in pixels.
-const SQUARE_PX: usize = 8;
+pub(crate) const SQUARE_PX: usize = 8;
 
 /// The edge pass over a warped picture.
 pub struct EdgePass<'a> {

@@ -1,7 +1,7 @@
-//! Pictures of a target PSNR: an a-posteriori error estimate from pilot tiles, and an error model to choose by.
+//! Pictures of a target PSNR: a ladder of samplings, whose errors pilot tiles measure.
 
-pub mod error_model;
 pub mod framing;
-mod probe;
+pub mod ladder;
+mod pilot;
 mod sampled;
 pub mod target_psnr;

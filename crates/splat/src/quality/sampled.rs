@@ -1,7 +1,9 @@
 //! A frame in one of several sizes and samplings, with its plan.
 
-use wavesplat_core::{RenderOptions, Result};
+use wavesplat_compute::simd::Level;
+use wavesplat_core::{Camera, RenderOptions, Result};
 
+use crate::quality::ladder::Sampling;
 use crate::render::layer::Layer;
 use crate::render::plan::Plan;
 
@@ -13,6 +15,16 @@ pub(crate) struct SampledFrame<'a> {
     pub options: RenderOptions,
     /// Plan of the frame with these options.
     pub plan: Plan,
+}
+
+impl<'a> SampledFrame<'a> {
+    /// Plans a frame with a sampling.
+    pub fn new(layers: &'a [Layer<'a>], camera: &Camera, options: &RenderOptions, sampling: Sampling) -> Result<Self> {
+        let Sampling { sheets_per_slice, oversampling } = sampling;
+        let options = RenderOptions { sheets_per_slice, oversampling, ..options.clone() };
+        let plan = Plan::new(Level::best(), layers, camera, &options)?;
+        Ok(Self { layers, options, plan })
+    }
 }
 
 impl SampledFrame<'_> {

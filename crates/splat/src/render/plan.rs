@@ -316,12 +316,6 @@ impl Plan {
         }
     }
 
-    /// Whether colours along a ray change smoothly from sheet to sheet.
-    pub fn is_smooth(&self) -> bool {
-        matches!(self.operator, Operator::Over { pre_integrated: false, .. })
-            && !self.layers.iter().any(|layer| layer.transfer_function.has_gradient())
-    }
-
     /// Shading whose shoulder compresses the highlights of the picture: that of the first layer that has one.
     pub fn shading(&self) -> Option<&Shading> {
         self.layers.iter().find_map(|layer| layer.shading.as_ref())

@@ -66,13 +66,11 @@ impl BasePlane {
         })
     }
 
-    /// A rectangle of the base plane from texel `first` on (which may lie outside it), `finer` times as dense along
-    /// each axis; every `finer`th texel coincides with one of the plane's. `beyond` suffices for reading every
-    /// `coarsest`th texel alone.
+    /// A rectangle of the base plane from texel `first` on, which may lie outside it.
     #[must_use]
-    pub fn window(&self, first: [i64; 2], finer: usize, coarsest: usize, size: [usize; 2]) -> Self {
+    pub fn window(&self, first: [i64; 2], size: [usize; 2]) -> Self {
         let origin = self.origin + self.step * DVec2::from_array(first.map(|i| i as f64));
-        Self { origin, step: self.step / finer as f64, size, beyond: BEYOND * coarsest as f64, ..self.clone() }
+        Self { origin, size, ..self.clone() }
     }
 
     /// The base plane thinned to every `k`th texel along u and along v, from the `first`th on.

@@ -787,7 +787,7 @@ var state = fields({
   }),
   render: fields({
     "size?": list(number(1), 2, 2),
-    quality: (value, where) => typeof value === "string" ? oneOf("draft", "normal", "high")(value, where) : fields({ "*": either(null, any) })(value, where),
+    quality: (value, where) => typeof value === "string" ? oneOf("draft", "normal", "fine", "high")(value, where) : fields({ "*": either(null, any) })(value, where),
     "kernel?": text,
     "composite?": composite
   }),
@@ -4891,7 +4891,7 @@ var FIRST_ANGLE = 30;
 function SettingsPanel(props) {
   const { store, figures, onFigures } = props;
   const { view, render: render2, camera } = store.state;
-  const qualities = ["draft", "normal", "high"];
+  const qualities = ["draft", "normal", "fine", "high"];
   const isNamed = typeof render2.quality === "string";
   return /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
     Choice,
@@ -5030,7 +5030,7 @@ function SharePanel(props) {
         setOwn(n2 === 0 ? [value, own[1]] : [own[0], value]);
       }
     }
-  )))), /* @__PURE__ */ k(Choice, { label: "Quality", value: quality, options: [["normal", "normal"], ["high", "high"]], onChoose: setQuality }), /* @__PURE__ */ k(Switch, { label: "Transparent background", on: transparent, onToggle: setTransparent }), /* @__PURE__ */ k(Switch, { label: "With scale bar and legend", on: annotated, onToggle: setAnnotated }), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", disabled: part !== null, onClick: () => void picture((bytes) => ui.download("picture.png", bytes, "image/png")) }, "Save picture"), /* @__PURE__ */ k(
+  )))), /* @__PURE__ */ k(Choice, { label: "Quality", value: quality, options: [["normal", "normal"], ["fine", "fine"], ["high", "high"]], onChoose: setQuality }), /* @__PURE__ */ k(Switch, { label: "Transparent background", on: transparent, onToggle: setTransparent }), /* @__PURE__ */ k(Switch, { label: "With scale bar and legend", on: annotated, onToggle: setAnnotated }), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", disabled: part !== null, onClick: () => void picture((bytes) => ui.download("picture.png", bytes, "image/png")) }, "Save picture"), /* @__PURE__ */ k(
     "button",
     {
       class: "button",

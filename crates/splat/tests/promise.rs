@@ -84,7 +84,7 @@ impl Case<'_> {
         render(self.slices, self.tf, &self.camera, &options, &()).unwrap().0
     }
 
-    fn wanted(&self, wanted: PsnrTarget) -> (Picture, Estimate) {
+    fn wanted(&self, wanted: &PsnrTarget) -> (Picture, Estimate) {
         let cache = VisibilityCache::default();
         let layer = Layer {
             slices: self.slices,
@@ -94,7 +94,7 @@ impl Case<'_> {
             cache: &cache,
         };
         let ladder = LADDER.map(|(sheets_per_slice, oversampling)| Sampling { sheets_per_slice, oversampling });
-        let wanted = (&ladder, &wanted);
+        let wanted = (&ladder, wanted);
         let (picture, _, told) =
             render_to_psnr(&[layer], &self.camera, &self.options, wanted, &draw_base_planes, &()).unwrap();
         (picture, told)
@@ -128,7 +128,7 @@ fn each(every: usize, mut of_picture: impl FnMut(&str, f64, f64, &Estimate)) {
                 let case = Case { slices: &slices, tf: &tf, camera: camera(&phantom, at), options };
                 let finest = case.fixed(24.0, 8.0);
                 for wanted_db in [30.0, 40.0, 50.0] {
-                    let (picture, told) = case.wanted(PsnrTarget { psnr_db: wanted_db, like: None });
+                    let (picture, told) = case.wanted(&PsnrTarget { psnr_db: wanted_db, like: None });
                     of_picture(&format!("{name} {function} view {view}"), wanted_db, psnr_db(&picture, &finest), &told);
                 }
             }

@@ -6,6 +6,7 @@ use wavesplat_splat::quality::target_psnr::PsnrTarget;
 
 /// Effort for a picture: a quality, a sampling, or a PSNR.
 #[derive(Clone, Copy, Debug, PartialEq)]
+#[expect(clippy::large_enum_variant, reason = "there is one per frame")]
 pub enum Effort {
     /// A named quality.
     Named(Quality),

@@ -118,7 +118,7 @@ pub(crate) struct Expected {
     pub spread_db: f64,
 }
 
-/// What is known of the rungs' errors in a picture.
+/// Knowledge of the rungs' errors in a picture.
 pub(crate) struct Known<'a> {
     measured: &'a Measured,
     /// Change of the PSNR from the measured picture to this one, dB.

@@ -29,13 +29,13 @@ const MAX_FARTHER: f64 = 1.5;
 /// Standard deviations of the PSNR, dB, from one framing to another: from other sides, from aside, per octave of the
 /// distance of pixels, and with other cuts. Between the views of `ladder.rs`' pictures it is 1.3 dB for functions that
 /// are not smooth, 2.5 dB for those that are.
-const SIDE_SPREAD_DB: f64 = 2.0;
+const SIDE_SPREAD_DB: f64 = 2.5;
 const ASIDE_SPREAD_DB: f64 = 2.0;
 const OCTAVE_SPREAD_DB: f64 = 2.0;
 const CUT_SPREAD_DB: f64 = 2.0;
 
 /// Angle in radians, and way in widths of the picture, from which on pictures differ as much as any.
-const FULL_ANGLE: f64 = 0.5;
+const FULL_ANGLE: f64 = 0.25;
 const FULL_ASIDE: f64 = 0.5;
 
 impl Framing {

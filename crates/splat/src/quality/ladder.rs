@@ -44,7 +44,7 @@ pub(crate) const FINER: [usize; N_RUNGS] = [3, 3, 5, 7, 7, 7, 9, 9, 10, 11, 12, 
 
 /// Decibels by which a comparison with a finer rung exceeds the error, since that rung has errors of its own, of smooth
 /// functions and of others. Medians over 7 volumes of 4 views each (castings, CT, MRI, angiography, microscopy, a
-/// simulation), against 16 sheets a slice and 5 x 5 texels a pixel.
+/// simulation), against 16 sheets a slice and 5 x 5 texels a pixel. Projections of ripples have none.
 const EXCESS_DB: [f64; 2] = [0.2, 0.8];
 
 /// PSNR of the rungs in dB, for smooth functions and others: medians of the same pictures.
@@ -54,10 +54,10 @@ const USUAL_DB: [[f64; N_RUNGS]; 2] = [
 ];
 
 /// Standard deviations, dB: of the usual PSNR where nothing was measured, per rung from a measured one, and of
-/// comparisons with finer rungs.
+/// comparisons with finer rungs (between the pictures of [`EXCESS_DB`], and as much on 12 other volumes).
 const USUAL_SPREAD_DB: f64 = 6.0;
 const SPREAD_PER_RUNG_DB: f64 = 0.5;
-const COMPARISON_SPREAD_DB: f64 = 0.3;
+const COMPARISON_SPREAD_DB: f64 = 0.6;
 
 /// Decibels that a rung may be worse than the best one and still be as good, where none reaches what is wanted.
 const AS_GOOD_DB: f64 = 0.5;
@@ -75,9 +75,9 @@ pub struct RungError {
 }
 
 impl RungError {
-    /// Error from a comparison with the finer rung.
-    pub(crate) fn of_comparison(mean_square: f64, deviation: f64, is_smooth: bool) -> Self {
-        let excess = EXCESS_DB[usize::from(!is_smooth)];
+    /// Error from a comparison with the finer rung. `is_projection`: whether the picture is one.
+    pub(crate) fn of_comparison(mean_square: f64, deviation: f64, is_smooth: bool, is_projection: bool) -> Self {
+        let excess = if is_projection { 0.0 } else { EXCESS_DB[usize::from(!is_smooth)] };
         Self { mean_square: mean_square * mean_square_of(excess), deviation }
     }
 }
@@ -125,15 +125,15 @@ pub(crate) struct Known<'a> {
     change_db: f64,
     /// Standard deviation of that change, dB.
     change_spread_db: f64,
-    /// Number of rungs whose base planes are not too large.
-    n_rungs: usize,
+    /// Number of samplings of the ladder whose base planes are not too large.
+    n_fitting: usize,
 }
 
 impl<'a> Known<'a> {
     /// Errors of a picture with some framing, from errors measured in that or in another picture.
-    pub fn new(measured: &'a Measured, framing: &Framing, n_rungs: usize) -> Self {
+    pub fn new(measured: &'a Measured, framing: &Framing, n_fitting: usize) -> Self {
         let (change_db, change_spread_db) = framing.change_from(&measured.framing);
-        Self { measured, change_db, change_spread_db, n_rungs }
+        Self { measured, change_db, change_spread_db, n_fitting }
     }
 
     /// Expected PSNR of a rung.
@@ -184,29 +184,36 @@ impl<'a> Known<'a> {
     /// The next rung to measure; `None` where enough is known to choose.
     pub fn to_measure(&self, wanted_db: f64) -> Option<usize> {
         let is_measured = |rung: usize| self.measured.errors[rung].is_some();
+        let can_be_measured = |rung: usize| FINER[rung] < self.n_fitting;
         // The cheapest rung shows which picture this is, and costs next to nothing.
-        if !(0..self.n_rungs).any(is_measured) {
-            return Some(0);
+        if !(0..self.n_rungs()).any(is_measured) {
+            return can_be_measured(0).then_some(0);
         }
         // A rung that is not measured yet will have about the spread of the others then, since the tiles are the same.
-        let of_measured = (0..self.n_rungs).filter(|rung| is_measured(*rung)).map(|rung| self.expected(rung).spread_db);
+        let of_measured =
+            (0..self.n_rungs()).filter(|rung| is_measured(*rung)).map(|rung| self.expected(rung).spread_db);
         let usual_spread = of_measured.fold(f64::INFINITY, f64::min);
         let likely = self.cheapest(wanted_db, |rung| {
             let Expected { psnr_db, spread_db } = self.expected(rung);
             psnr_db - spread_db.min(usual_spread)
         });
         if !is_measured(likely) {
-            return Some(likely);
+            return can_be_measured(likely).then_some(likely);
         }
         let below = likely.checked_sub(1)?;
         let may_do = self.expected(below).psnr_db - usual_spread + DOUBT_DB > wanted_db;
-        (!is_measured(below) && may_do).then_some(below)
+        (!is_measured(below) && may_do && can_be_measured(below)).then_some(below)
+    }
+
+    /// Number of rungs to choose from.
+    fn n_rungs(&self) -> usize {
+        self.n_fitting.min(N_RUNGS)
     }
 
     fn cheapest(&self, wanted_db: f64, promised: impl Fn(usize) -> f64) -> usize {
-        let best = (0..self.n_rungs).map(&promised).fold(f64::NEG_INFINITY, f64::max);
+        let best = (0..self.n_rungs()).map(&promised).fold(f64::NEG_INFINITY, f64::max);
         let enough = wanted_db.min(best - AS_GOOD_DB);
-        (0..self.n_rungs).find(|rung| promised(*rung) >= enough).unwrap_or(self.n_rungs - 1)
+        (0..self.n_rungs()).find(|rung| promised(*rung) >= enough).unwrap_or(self.n_rungs() - 1)
     }
 }
 
@@ -259,9 +266,22 @@ mod tests {
         // Errors that do not fall from rung to rung, as cut faces that lie along texels have.
         for errors in [&[][..], &[(0, 30.0)], &[(2, 40.0), (3, 39.0)], &[(0, 30.0), (3, 47.0), (4, 44.0), (7, 52.0)]] {
             let measured = with(errors);
-            let known = Known::new(&measured, &framing(), N_RUNGS);
+            let known = Known::new(&measured, &framing(), LADDER.len());
             let chosen: Vec<usize> = (20..80).map(|wanted_db| known.chosen(f64::from(wanted_db))).collect();
             assert!(chosen.is_sorted(), "{errors:?}: {chosen:?}");
+        }
+    }
+
+    #[test]
+    fn base_planes_that_are_too_large_are_neither_chosen_nor_compared_with() {
+        for n_fitting in 1..=LADDER.len() {
+            let mut measured = with(&[]);
+            while let Some(rung) = Known::new(&measured, &framing(), n_fitting).to_measure(60.0) {
+                assert!(rung < n_fitting && FINER[rung] < n_fitting, "{rung} of {n_fitting}");
+                let mean_square = mean_square_of(USUAL_DB[0][rung]);
+                measured.errors[rung] = Some(RungError { mean_square, deviation: 0.05 });
+            }
+            assert!(Known::new(&measured, &framing(), n_fitting).chosen(60.0) < n_fitting.min(N_RUNGS));
         }
     }
 
@@ -272,14 +292,14 @@ mod tests {
                 let wanted_db = f64::from(wanted_db);
                 let mut measured = with(&[]);
                 let mut n_measured = 0;
-                while let Some(rung) = Known::new(&measured, &framing(), N_RUNGS).to_measure(wanted_db) {
+                while let Some(rung) = Known::new(&measured, &framing(), LADDER.len()).to_measure(wanted_db) {
                     assert!(measured.errors[rung].is_none());
                     let mean_square = mean_square_of(USUAL_DB[0][rung] + truth[rung]);
                     measured.errors[rung] = Some(RungError { mean_square, deviation: 0.05 });
                     n_measured += 1;
                 }
                 assert!(n_measured <= 6, "{n_measured}");
-                let known = Known::new(&measured, &framing(), N_RUNGS);
+                let known = Known::new(&measured, &framing(), LADDER.len());
                 let chosen = known.chosen(wanted_db);
                 assert!(measured.errors[chosen].is_some(), "{wanted_db}");
                 assert!(known.expected(chosen).psnr_db >= wanted_db, "{wanted_db}");

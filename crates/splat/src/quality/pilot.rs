@@ -34,8 +34,8 @@ const SIDE: f64 = LANES as f64 - 6.0;
 const TEXELS_PER_PIXEL: f64 = 1.5;
 
 /// Number of tiles: this share of the tiles that show something, within limits.
-const SHARE: f64 = 0.08;
-const N_TILES: [usize; 2] = [24, 96];
+const SHARE: f64 = 0.1;
+const N_TILES: [usize; 2] = [24, 128];
 
 /// Weight of a visible pixel without contrast, as a share of the mean contrast.
 const CONTRAST_FLOOR: f64 = 0.5;

@@ -85,13 +85,13 @@ pub fn render_to_psnr(
     parallel::with_threads(options.n_threads, || {
         let is_smooth = is_smooth(layers, options);
         let framing = Framing::new(layers[0].slices.grid(), camera, options);
-        let n_rungs = n_rungs(ladder, options);
-        let of = |measured: &Measured| Known::new(measured, &framing, n_rungs).chosen_with_expectation(wanted_db);
+        let n_fitting = n_fitting(ladder, options);
+        let of = |measured: &Measured| Known::new(measured, &framing, n_fitting).chosen_with_expectation(wanted_db);
         let like = like.filter(|like| like.serves(&framing, is_smooth));
         let is_same = like.is_some_and(|like| like.framing.is_same(&framing));
         let does = like.is_some_and(|like| is_same || of(&like).1.spread_db <= MAX_SPREAD_DB);
         let mut measured = like.filter(|_| does).unwrap_or(Measured::nothing(framing, is_smooth));
-        let mut pilot = Pilot { layers, camera, options, ladder, n_rungs, callback, frame: None, reached: 0.0 };
+        let mut pilot = Pilot { layers, camera, options, ladder, n_fitting, callback, frame: None, reached: 0.0 };
         let is_seen = (does && !is_same) || pilot.measure(&mut measured, wanted_db)?;
         let (rung, expected) = of(&measured);
         let plan = pilot.plan(&with_sampling(options, ladder[rung]))?;
@@ -113,11 +113,11 @@ pub fn render_to_psnr(
 /// Expected PSNR of a picture that shows nothing.
 const EMPTY_DB: f64 = 120.0;
 
-/// Number of rungs whose base planes are not too large: those that lie aslant to the picture have more texels than it
-/// has pixels.
-fn n_rungs(ladder: &Ladder, options: &RenderOptions) -> usize {
+/// Number of samplings of a ladder whose base planes are not too large: those that lie aslant to the picture have more
+/// texels than it has pixels.
+fn n_fitting(ladder: &Ladder, options: &RenderOptions) -> usize {
     let n_texels = |oversampling: f64| 3.0 * (options.width_px * options.height_px) as f64 * oversampling.powi(2);
-    ladder[..N_RUNGS].iter().take_while(|rung| n_texels(rung.oversampling) <= MAX_TEXELS).count().max(1)
+    ladder.iter().take_while(|rung| n_texels(rung.oversampling) <= MAX_TEXELS).count().max(1)
 }
 
 fn with_sampling(options: &RenderOptions, sampling: Sampling) -> RenderOptions {
@@ -140,7 +140,7 @@ struct Pilot<'a> {
     camera: &'a Camera,
     options: &'a RenderOptions,
     ladder: &'a Ladder,
-    n_rungs: usize,
+    n_fitting: usize,
     callback: &'a dyn ProgressCallback,
     /// The picture with the first rung, once anything is measured.
     frame: Option<SampledFrame<'a>>,
@@ -151,8 +151,8 @@ struct Pilot<'a> {
 impl Pilot<'_> {
     /// Measures the errors of rungs until enough is known to choose one. Returns whether anything is seen.
     fn measure(&mut self, measured: &mut Measured, wanted_db: f64) -> Result<bool> {
-        let (framing, n_rungs) = (measured.framing, self.n_rungs);
-        let next = |measured: &Measured| Known::new(measured, &framing, n_rungs).to_measure(wanted_db);
+        let (framing, n_fitting) = (measured.framing, self.n_fitting);
+        let next = |measured: &Measured| Known::new(measured, &framing, n_fitting).to_measure(wanted_db);
         if next(measured).is_none() {
             return Ok(true);
         }
@@ -165,8 +165,7 @@ impl Pilot<'_> {
         let mut drawn: [Option<TileColors>; N_RUNGS + 1] = [const { None }; N_RUNGS + 1];
         drawn[0] = Some(of_first);
         while let Some(rung) = next(measured) {
-            // Where a base plane of the finer rung would be too large, the finest that fits is compared with.
-            let finer = FINER[rung].min(n_rungs.max(rung + 1));
+            let finer = FINER[rung];
             for rung in [rung, finer] {
                 if drawn[rung].is_none() {
                     let from = self.reached;
@@ -178,7 +177,9 @@ impl Pilot<'_> {
             }
             let [Some(own), Some(finer)] = [&drawn[rung], &drawn[finer]] else { unreachable!("both were drawn") };
             let MeanSquare { mean, deviation } = tiles.difference(own, finer);
-            measured.errors[rung] = Some(RungError::of_comparison(mean, deviation, measured.is_smooth));
+            let is_projection = options.composite.is_projection();
+            let error = RungError::of_comparison(mean, deviation, measured.is_smooth, is_projection);
+            measured.errors[rung] = Some(error);
         }
         Ok(true)
     }

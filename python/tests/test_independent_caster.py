@@ -62,13 +62,13 @@ EYES = {
 }
 
 
-def _draw(scene, eye, **options):
+def _draw(scene, eye, quality="high", **options):
     """The renderer's picture of a scene of the caster, seen from the caster's eye."""
     camera = ws.Camera(
         eye.position, eye.focal_point, eye.view_up, parallel_scale=eye.parallel_scale, view_angle=eye.view_angle
     )
     volume = ws.Volume(scene.samples, world_from_index=scene.world_from_index)
-    return ws.render(volume, camera=camera, size=SIZE, quality="high", **options)
+    return ws.render(volume, camera=camera, size=SIZE, quality=quality, **options)
 
 
 def _draw_over(scene, eye, **options):
@@ -82,7 +82,7 @@ def _draw_over(scene, eye, **options):
         gradient_offset=light.gradient_offset,
     )
     curves = ws.TransferFunction(scene.opacity, scene.color, scene.opacity_unit)
-    return _draw(scene, eye, look=curves, shading=shading, **options).rgba
+    return _draw(scene, eye, ws.Sampling(3, 2), look=curves, shading=shading, **options).rgba
 
 
 def _check_over(got, scene, eye):

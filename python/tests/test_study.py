@@ -200,7 +200,9 @@ def ramp_values(footprint: str) -> np.ndarray:
     # Opacity is so low that all sheets count much the same.
     grey = ws.TransferFunction([(0, 0.01)], [(0, 0, 0, 0), (24, 1, 1, 1)])
     ablation = Ablation(footprint=footprint, footprint_entries=2)
-    rgba = splat(volume, grey, camera, size=(96, 96), shading=None, ablation=ablation).rgba
+    # With half a texel a pixel, every second pixel is one read of one texel.
+    size = (192, 192)
+    rgba = splat(volume, grey, camera, size=size, shading=None, oversampling=0.5, ablation=ablation).rgba[::2, ::2]
     return 24 * rgba[..., 0] / rgba[..., 3]
 
 

@@ -235,7 +235,7 @@ def test_a_level_that_is_steep_gets_the_sheets_of_one():
         "size": (128, 128),
         "shading": ws.Shading.headlight(),
     }
-    assert ws.render(wavelets, quality="high", **draw).report["sheets_per_slice"] == 3
+    assert ws.render(wavelets, quality="high", **draw).report["sheets_per_slice"] == 4
     pictures = [ws.render(wavelets.level(k), **draw) for k in range(3)]
     assert [picture.report["sheets_per_slice"] for picture in pictures] == [2, 1, 1]
     whole, *levels = [picture.rgba[..., :3].mean() for picture in pictures]

@@ -61,7 +61,7 @@ STANDARDS = [
 
 QUALITIES = [
     Entry("high-resolution splatting", f'quality="{quality}"', {"quality": quality})
-    for quality in ("draft", "normal", "high")
+    for quality in ("draft", "normal", "fine", "high")
 ]
 
 #: Settings of high-resolution splatting; `at_equal_time` picks the best that takes no longer than standard splatting.

@@ -30,10 +30,15 @@ import wavesplat as ws
 sys.path.append(str(Path(__file__).resolve().parents[1]))
 from tables import as_text
 
-QUALITIES: tuple[Any, ...] = ("draft", "normal", "high")
+QUALITIES: tuple[Any, ...] = ("draft", "normal", "fine", "high")
 
 #: Largest errors of opacity and of colour on ramps, grey levels.
-LIMITS: dict[str, tuple[float, float]] = {"draft": (4.0, 16.0), "normal": (3.0, 8.0), "high": (2.0, 5.0)}
+LIMITS: dict[str, tuple[float, float]] = {
+    "draft": (4.0, 16.0),
+    "normal": (3.0, 8.0),
+    "fine": (2.0, 5.0),
+    "high": (2.0, 5.0),
+}
 
 #: Margin by which a better quality may be worse: error in grey levels, and PSNR on balls in dB.
 MARGIN = 1.0

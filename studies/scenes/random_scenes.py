@@ -48,7 +48,7 @@ def main() -> int:
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--n", type=int, default=100, help="scenes")
     parser.add_argument("--first", type=int, default=0, help="number of the first scene")
-    parser.add_argument("--quality", default="normal", choices=("draft", "normal", "high"))
+    parser.add_argument("--quality", default="normal", choices=("draft", "normal", "fine", "high"))
     parser.add_argument("--worst", type=int, default=10, help="how many of the worst scenes are listed")
     given = parser.parse_args()
     warnings.simplefilter("ignore")

@@ -333,7 +333,8 @@ class Scene:
         found are used for the next ones, be they from other sides or with another `psnr`, and these are drawn without
         measuring anything: for the frames of a turn, say. The farther the view turns, the less that promises, which
         `expected_psnr_spread_db` in the report shows. Where a picture showed nothing, or pixels are more than 1.5 times
-        as far apart or as close as they were, in samples, the next one is measured all the same. A new `Scene` measures.
+        as far apart or as close as they were, in samples, the next one is measured all the same. So is that of a new
+        `Scene`.
 
         Examples
         --------

@@ -28,7 +28,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality edges random-functions random-scenes looks looks-beside-vtk study study-wavelets study-lod bench bench-gpu bench-psnr bench-threads bench-layers scene-hashes roofline instructions gallery golden pictures \
+.PHONY: help demo test check fmt quality edges random-functions random-scenes looks looks-beside-vtk study study-wavelets study-lod bench bench-gpu bench-psnr bench-qualities bench-threads bench-layers scene-hashes roofline instructions gallery golden pictures \
 	clean wheel fuzz memcheck miri fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
 	rust-test python-test test-arm rust-lint python-lint stubs spelling licences docs readme
 
@@ -86,6 +86,9 @@ bench-threads: $(STAMPS)/package ## time frames by number of threads; BENCH_THRE
 
 bench-psnr: $(STAMPS)/package ## draw pictures of a wanted PSNR and compare with converged ones; BENCH_PSNR="--size 128 --only fuel"
 	BENCH_DATA=$(BENCH_DATA) python benches/psnr.py $(BENCH_PSNR)
+
+bench-qualities: $(STAMPS)/package ## PSNR and time of each named quality beside "normal", on the cases of the goals
+	BENCH_DATA=$(BENCH_DATA) python benches/qualities.py
 
 bench-layers: $(STAMPS)/package ## time pictures of several volumes beside those of one
 	python benches/layers.py

@@ -116,15 +116,15 @@ def _rows(name: str, size: int, ladders: list[Ladder]) -> Iterator[Row]:
             camera = ws.Camera.orbit(volume, **place, fit="view")
             want = _converged(volume, function, camera, f"{name}-{kind}-{view}", size)
             scene = ws.Scene(volume, function)
-            rungs = [_timed(scene, camera, **shown, quality=ws.Sampling(*rung)) for rung in RUNGS]
-            reached = [(_psnr_db(picture, want), seconds) for picture, seconds in rungs]
+            rungs = [timed(scene, camera, **shown, quality=ws.Sampling(*rung)) for rung in RUNGS]
+            reached = [(psnr_db(picture, want), seconds) for picture, seconds in rungs]
             ladders.append(Ladder(kind, reached))
             for wanted_db in WANTED:
                 fresh = ws.Scene(volume, function)
                 # The tables of the transfer function and the occlusion of light are made once for every scene.
-                _timed(fresh, camera, **shown, quality="draft")
-                first, seconds = _timed(fresh, camera, **shown, psnr=wanted_db)
-                again, seconds_again = _timed(fresh, camera, **shown, psnr=wanted_db)
+                timed(fresh, camera, **shown, quality="draft")
+                first, seconds = timed(fresh, camera, **shown, psnr=wanted_db)
+                again, seconds_again = timed(fresh, camera, **shown, psnr=wanted_db)
                 report = first.report
                 enough = [k for k, (db, _) in enumerate(reached) if db >= wanted_db]
                 best = enough[0] if enough else len(RUNGS) - 1
@@ -132,13 +132,13 @@ def _rows(name: str, size: int, ladders: list[Ladder]) -> Iterator[Row]:
                     f"{Path(name).name.partition('.')[0]} {kind} {view}",
                     wanted_db,
                     f"{report['sheets_per_slice']:g} x {report['oversampling']:g}",
-                    _psnr_db(first, want),
+                    psnr_db(first, want),
                     report["expected_psnr_db"],
                     report["expected_psnr_spread_db"],
                     "{:g} x {:g}".format(*RUNGS[best]),
                     seconds / reached[best][1],
                     seconds_again / reached[best][1],
-                    _psnr_db(again, want),
+                    psnr_db(again, want),
                 )
 
 
@@ -169,14 +169,15 @@ def _converged(
     return want
 
 
-def _timed(scene: ws.Scene, camera: ws.Camera, **options: Any) -> tuple[ws.Picture, float]:
+def timed(scene: ws.Scene, camera: ws.Camera, **options: Any) -> tuple[ws.Picture, float]:
     """The picture and its processor time."""
     begun = time.process_time()
     picture = scene.render(camera, **options)
     return picture, time.process_time() - begun
 
 
-def _psnr_db(picture: ws.Picture, want: NDArray[np.float32]) -> float:
+def psnr_db(picture: ws.Picture, want: NDArray[np.float32]) -> float:
+    """PSNR of a picture's colours over black against a converged picture, dB, peak 1."""
     a, b = (np.clip(rgba[..., :3].astype(float), 0, 1) for rgba in (picture.rgba, want))
     return float(-10 * np.log10(np.mean((a - b) ** 2) + 1e-12))
 

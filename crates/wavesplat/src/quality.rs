@@ -24,7 +24,7 @@ pub enum Quality {
     /// Normal, for viewing.
     #[default]
     Normal,
-    /// Fine, for looking closely: about 6 dB better than normal.
+    /// Fine, for looking closely: about 8 dB better than normal.
     Fine,
     /// High, for publishing.
     High,

@@ -1,7 +1,7 @@
 // The check that a document is a state of the viewer: the twin of `python/wavesplat/_viewer/state.py`. Both are held to the
 // fixtures in `web/schema`. Checks that only the renderer can make, such as the order of points, are left to it.
 
-import { OVERLAYS, PANES, type ViewerState } from "./state.ts";
+import { OVERLAYS, PANES, QUALITIES, type ViewerState } from "./state.ts";
 
 type Check = (value: unknown, where: string) => void;
 
@@ -123,7 +123,7 @@ const state = fields({
   render: fields({
     "size?": list(number(1), 2, 2),
     quality: (value, where) =>
-      typeof value === "string" ? oneOf("draft", "normal", "fine", "high")(value, where) : fields({ "*": either(null, any) })(value, where),
+      typeof value === "string" ? oneOf(...QUALITIES)(value, where) : fields({ "*": either(null, any) })(value, where),
     "kernel?": text,
     "composite?": composite,
   }),

@@ -104,9 +104,12 @@ export interface Camera {
 
 export type Composite = string | Readonly<Record<string, Readonly<Record<string, number | null>>>>;
 
+/** The named qualities, cheapest first. */
+export const QUALITIES = ["draft", "normal", "fine", "high"] as const;
+
 /** Settings of the picture at rest; its size is the view's. */
 export interface Render {
-  readonly quality: "draft" | "normal" | "fine" | "high";
+  readonly quality: (typeof QUALITIES)[number];
   readonly kernel: string;
   readonly composite: Composite;
 }

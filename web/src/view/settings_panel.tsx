@@ -2,7 +2,7 @@
 
 import { withLens } from "../input/camera.ts";
 import { set } from "../state/patch.ts";
-import { OVERLAYS, type Overlay } from "../state/state.ts";
+import { OVERLAYS, QUALITIES, type Overlay } from "../state/state.ts";
 import { Choice, NumberField, Switch } from "./fields.tsx";
 import type { PartProps } from "./part.ts";
 
@@ -20,14 +20,13 @@ const FIRST_ANGLE = 30;
 export function SettingsPanel(props: PartProps & { readonly figures: boolean; readonly onFigures: (on: boolean) => void }) {
   const { store, figures, onFigures } = props;
   const { view, render, camera } = store.state;
-  const qualities = ["draft", "normal", "fine", "high"] as const;
   const isNamed = typeof render.quality === "string";
   return (
     <>
       <Choice
         label="At rest"
         value={isNamed ? render.quality : "own"}
-        options={[...qualities.map((name) => [name, name] as const), ...(isNamed ? [] : [["own", "own sampling"] as const])]}
+        options={[...QUALITIES.map((name) => [name, name] as const), ...(isNamed ? [] : [["own", "own sampling"] as const])]}
         onChoose={(value) => value !== "own" && store.change([set(value, "render", "quality")])}
       />
       <Choice

@@ -4,6 +4,7 @@ import { useState } from "preact/hooks";
 
 import type { Problem, Questions } from "../engine/engine.ts";
 import { linkPart } from "../state/link.ts";
+import { QUALITIES } from "../state/state.ts";
 import { Choice, Switch } from "./fields.tsx";
 import type { PartProps } from "./part.ts";
 
@@ -108,7 +109,7 @@ export function SharePanel(props: PartProps) {
           ))}
         </div>
       )}
-      <Choice label="Quality" value={quality} options={[["normal", "normal"], ["fine", "fine"], ["high", "high"]]} onChoose={setQuality} />
+      <Choice label="Quality" value={quality} options={QUALITIES.slice(1).map((name) => [name, name])} onChoose={setQuality} />
       <Switch label="Transparent background" on={transparent} onToggle={setTransparent} />
       <Switch label="With scale bar and legend" on={annotated} onToggle={setAnnotated} />
       <div class="row">

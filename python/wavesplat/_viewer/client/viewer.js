@@ -683,6 +683,7 @@ async function through(bytes, stream) {
 }
 
 // src/state/state.ts
+var QUALITIES = ["draft", "normal", "fine", "high"];
 var PANES = ["axial", "coronal", "sagittal"];
 var OVERLAYS = ["scale_bar", "letters", "cube", "color_bar", "crosshair", "crop_box", "legend"];
 
@@ -787,7 +788,7 @@ var state = fields({
   }),
   render: fields({
     "size?": list(number(1), 2, 2),
-    quality: (value, where) => typeof value === "string" ? oneOf("draft", "normal", "fine", "high")(value, where) : fields({ "*": either(null, any) })(value, where),
+    quality: (value, where) => typeof value === "string" ? oneOf(...QUALITIES)(value, where) : fields({ "*": either(null, any) })(value, where),
     "kernel?": text,
     "composite?": composite
   }),
@@ -4891,14 +4892,13 @@ var FIRST_ANGLE = 30;
 function SettingsPanel(props) {
   const { store, figures, onFigures } = props;
   const { view, render: render2, camera } = store.state;
-  const qualities = ["draft", "normal", "fine", "high"];
   const isNamed = typeof render2.quality === "string";
   return /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
     Choice,
     {
       label: "At rest",
       value: isNamed ? render2.quality : "own",
-      options: [...qualities.map((name) => [name, name]), ...isNamed ? [] : [["own", "own sampling"]]],
+      options: [...QUALITIES.map((name) => [name, name]), ...isNamed ? [] : [["own", "own sampling"]]],
       onChoose: (value) => value !== "own" && store.change([set(value, "render", "quality")])
     }
   ), /* @__PURE__ */ k(
@@ -5030,7 +5030,7 @@ function SharePanel(props) {
         setOwn(n2 === 0 ? [value, own[1]] : [own[0], value]);
       }
     }
-  )))), /* @__PURE__ */ k(Choice, { label: "Quality", value: quality, options: [["normal", "normal"], ["fine", "fine"], ["high", "high"]], onChoose: setQuality }), /* @__PURE__ */ k(Switch, { label: "Transparent background", on: transparent, onToggle: setTransparent }), /* @__PURE__ */ k(Switch, { label: "With scale bar and legend", on: annotated, onToggle: setAnnotated }), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", disabled: part !== null, onClick: () => void picture((bytes) => ui.download("picture.png", bytes, "image/png")) }, "Save picture"), /* @__PURE__ */ k(
+  )))), /* @__PURE__ */ k(Choice, { label: "Quality", value: quality, options: QUALITIES.slice(1).map((name) => [name, name]), onChoose: setQuality }), /* @__PURE__ */ k(Switch, { label: "Transparent background", on: transparent, onToggle: setTransparent }), /* @__PURE__ */ k(Switch, { label: "With scale bar and legend", on: annotated, onToggle: setAnnotated }), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", disabled: part !== null, onClick: () => void picture((bytes) => ui.download("picture.png", bytes, "image/png")) }, "Save picture"), /* @__PURE__ */ k(
     "button",
     {
       class: "button",

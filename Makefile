@@ -150,9 +150,9 @@ fuzz: $(STAMPS)/tools ## feed damaged files, documents and messages to all that 
 fixtures: ## write the fixtures of the stages anew, from their formulas
 	WAVESPLAT_WRITE_FIXTURES=1 cargo test --locked -p wavesplat-splat --test stages -- fixtures_are
 
-instructions: ## count the instructions per texel with valgrind; INSTRUCTIONS=--record keeps the counts
+instructions: $(STAMPS)/package ## count the instructions per texel with valgrind; INSTRUCTIONS=--record keeps the counts
 	cargo build --locked --release -p wavesplat-splat --example frames
-	python3 benches/instructions.py $(INSTRUCTIONS)
+	BENCH_DATA=$(BENCH_DATA) python benches/instructions.py $(INSTRUCTIONS)
 
 # Valgrind has no AVX-512: the tests find that it is missing, and try all other levels.
 memcheck: ## run the unit tests of the vector kernels, where the unsafe code is, in valgrind's memcheck; seconds

@@ -1,9 +1,10 @@
 """Instructions per texel of the renderer, counted by callgrind; `make instructions` runs this.
 
 Times on shared machines vary by a factor, counts do not. The frames are those of `crates/splat/examples/frames.rs` on
-one thread; the count of one frame is that of three frames less that of one, halved, so that set-up falls out. Valgrind
-knows no AVX-512, so these are the counts of the AVX2 kernels. Exit code 1 if a count is more than 10 % above the one
-in `instructions.json`; `--record` writes that file.
+one thread: a phantom, which is always counted, and the scans of `cases.toml` whose files are in BENCH_DATA. The count
+of one frame is that of two frames less that of one, so that set-up falls out. Valgrind knows no AVX-512, so these are
+the counts of the AVX2 kernels. Exit code 1 if a count is more than 10 % above the one in `instructions.json`;
+`--record` writes that file.
 
 Vector instructions that are functions of their own in the program are an error too, of any width: they are called from
 a closure or function that is not `#[inline(always)]`, which costs a call and a trip through memory per instruction.
@@ -24,7 +25,25 @@ RECORD = Path(__file__).with_name("instructions.json")
 ALLOWED = 1.10
 
 
-def run(scene: str, n_frames: int) -> tuple[int, int]:
+def scans() -> dict[str, dict[str, list[str]]]:
+    """Writes the samples of each scan whose file is there to `.cache`, and returns the example's arguments by curve."""
+    import scenes
+
+    arguments: dict[str, dict[str, list[str]]] = {}
+    for name in ("engine", "mri"):
+        definition = scenes.DEFINITIONS["volumes"][name]
+        if (scenes.DATA / definition["file"]).exists():
+            volume = scenes.load(name)
+            scenes.CACHE.mkdir(parents=True, exist_ok=True)
+            path = scenes.CACHE / f"{name}.raw"
+            path.write_bytes(volume.samples.tobytes())
+            head = [str(path), *map(str, reversed(volume.samples.shape)), *map(str, volume.spacing)]
+            ramps = {"soft": definition["ramp"], "hard": [definition["threshold"] - 1, definition["threshold"]]}
+            arguments[name] = {curve: [*head, *map(str, ramp)] for curve, ramp in ramps.items()}
+    return arguments
+
+
+def run(curve: str, light: str, n_frames: int, file: list[str]) -> tuple[int, int]:
     """Instructions of the whole program, and texels of a frame."""
     with tempfile.TemporaryDirectory() as folder:
         command = [
@@ -32,14 +51,16 @@ def run(scene: str, n_frames: int) -> tuple[int, int]:
             "--tool=callgrind",
             f"--callgrind-out-file={folder}/out",
             str(FRAMES),
-            scene,
+            curve,
+            light,
             str(n_frames),
+            *file,
         ]
         done = subprocess.run(command, capture_output=True, text=True, check=True)
     collected = re.search(r"Collected : (\d+)", done.stderr)
     if collected is None:
         raise SystemExit(f"valgrind told no count:\n{done.stderr}")
-    return int(collected[1]), int(done.stdout)
+    return int(collected[1]), int(done.stdout.split()[0])
 
 
 def calls_of_vector_instructions() -> list[str]:
@@ -51,12 +72,16 @@ def calls_of_vector_instructions() -> list[str]:
 def main() -> int:
     """Count, print, compare."""
     counts = {}
-    for scene in ("soft", "hard"):
-        (once, n_texels), (thrice, _) = run(scene, 1), run(scene, 3)
-        counts[scene] = round((thrice - once) / 2 / n_texels, 2)
-    if "--record" in sys.argv[1:]:
-        RECORD.write_text(json.dumps(counts, indent=1) + "\n", encoding="utf-8")
+    volumes: dict[str, dict[str, list[str]]] = {"ripples": {"soft": [], "hard": []}, **scans()}
+    for name, curves in volumes.items():
+        for curve, light in (("soft", "headlight"), ("hard", "headlight"), ("soft", "default")):
+            file = curves[curve]
+            (once, n_texels), (twice, _) = run(curve, light, 1, file), run(curve, light, 2, file)
+            counts[f"{name} {curve}, {light}"] = round((twice - once) / n_texels, 2)
     recorded = json.loads(RECORD.read_text(encoding="utf-8"))
+    if "--record" in sys.argv[1:]:
+        recorded |= counts
+        RECORD.write_text(json.dumps(recorded, indent=1) + "\n", encoding="utf-8")
     status = 0
     if called := calls_of_vector_instructions():
         print(f"called, not inlined: {', '.join(called)}; some closure or function around them lacks inline(always)")

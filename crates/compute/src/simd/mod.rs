@@ -5,7 +5,7 @@
 //! are vectors, since they would be half of the program; tests compare every operation of the others with theirs. Every
 //! level gives the same bits: lanes never mix, nothing is fused, no operation is an approximation of the processor's
 //! own, and the order of operations is the source's. The level is chosen once per picture and passed as a value.
-//! Two operations are where a renderer's time goes and have a form of their own on each level: [`Simd::take`], the
+//! Two operations are where a renderer's time goes and have a form of their own on each level: [`Simd::gather`], the
 //! permutation that spreads samples over texels, and [`Math::look_up`], which reads one table entry per lane as two
 //! neighbouring runs of four numbers and transposes them.
 #![allow(unsafe_code, reason = "intrinsics, and functions that may only be called where the machine has them")]
@@ -36,6 +36,7 @@ macro_rules! per_register {
 #[cfg(target_arch = "aarch64")]
 mod neon;
 mod pair;
+mod places;
 mod plain;
 #[cfg(target_arch = "x86_64")]
 mod x86;
@@ -46,6 +47,7 @@ use std::arch::x86_64::{_MM_HINT_T0, _mm_prefetch};
 use std::sync::OnceLock;
 
 pub use pair::Pair;
+pub use places::{FAR_ROOM, NEAR_ROOM, Places, Reach};
 pub use plain::Plain;
 
 /// Numbers that a kernel works on at once, on every level.
@@ -156,6 +158,9 @@ pub trait Math: Copy {
 
 /// The operations of a level, on sixteen numbers.
 pub trait Simd: Math {
+    /// [`Places`] in registers.
+    type At: Copy;
+
     /// Whether the registers hold the numbers of a kernel for two vectors at a time ([`Pair`]).
     const HAS_ROOM_FOR_PAIRS: bool = true;
 
@@ -187,6 +192,14 @@ pub trait Simd: Math {
     fn bits(self, m: Self::M) -> u16;
     /// `row[index]` for each lane, indices taken modulo 16.
     fn take(self, row: &[f32; LANES], index: &Lanes<u32>) -> Self::F;
+    /// Loads places; they must be [`Reach::Near`] for [`Simd::gather`], or [`Reach::Far`] for [`Simd::gather_far`].
+    fn at(self, places: &Places) -> Self::At;
+    /// `row[t + index]` for each of `N` taps t and each lane, where places are [`Reach::Near`]; other places give other
+    /// numbers of the row. Panics where the row has less than [`NEAR_ROOM`]` + N − 1` numbers.
+    fn gather<const N: usize>(self, row: &[f32], at: Self::At) -> [Self::F; N];
+    /// Like [`Simd::gather`], where places are [`Reach::Far`]. Panics where the row has less than
+    /// [`FAR_ROOM`]` + N − 1` numbers.
+    fn gather_far<const N: usize>(self, row: &[f32], at: Self::At) -> [Self::F; N];
     /// Transposes quads (four neighbouring lanes) of four rows: quad q of row r becomes quad r of row q.
     fn transpose_quads(self, rows: [Self::F; 4]) -> [Self::F; 4];
     /// Interleaves quads: the first of a, the first of b, the second of a, and so on.
@@ -425,6 +438,8 @@ fn has_avx512() -> bool {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::HashSet;
+
     use super::*;
 
     /// Every operation, on numbers with both signs, large and small.
@@ -433,6 +448,8 @@ mod tests {
         b: &'a Lanes,
         index: &'a Lanes<u32>,
         table: &'a [Entry],
+        row: &'a [f32],
+        places: &'a [Places],
     }
 
     impl VectorKernel for Everything<'_> {
@@ -459,6 +476,13 @@ mod tests {
                 s.rsqrt(s.abs(b)),
                 s.add_mul(a, a, b),
             ];
+            for places in self.places {
+                match places.reach() {
+                    Reach::Near => numbers.extend(s.gather::<3>(self.row, s.at(places))),
+                    Reach::Far => numbers.extend(s.gather_far::<3>(self.row, s.at(places))),
+                    Reach::Any => {}
+                }
+            }
             numbers.extend(s.look_up(self.table, a));
             numbers.extend(s.transpose_quads([a, b, s.add(a, b), s.mul(a, b)]));
             numbers.extend(s.interleave_quads(a, b));
@@ -481,14 +505,58 @@ mod tests {
     fn every_level_gives_the_same_bits() {
         let number = |i: usize| (i as f32 * 12.9898).sin() * 10.0_f32.powi(i as i32 % 5 - 1);
         let table: Vec<Entry> = (0..40).map(|i| std::array::from_fn(|c| number(4 * i + c))).collect();
+        let mut reaches = HashSet::new();
         for round in 0..200 {
             let a = Lanes(std::array::from_fn(|i| number(round * 31 + i)));
             let b = Lanes(std::array::from_fn(|i| if i == 3 { a.0[3] } else { number(round * 17 + 500 + i) }));
             let index = Lanes(std::array::from_fn(|i| (round + 7 * i) as u32));
-            let everything = || Everything { a: &a, b: &b, index: &index, table: &table };
+            // Rising and falling, with steps below and above 1.
+            let step = round as f32 * 0.03 - 3.0;
+            let lowest = (step * (LANES - 1) as f32).min(0.0);
+            let places = [0.0, 0.3, 0.9]
+                .map(|x| Places::new(Lanes(std::array::from_fn(|i| (x + step * i as f32 - lowest) as u32))));
+            let row: Vec<f32> = (0..FAR_ROOM + 2).map(|i| number(round + 3 * i)).collect();
+            reaches.extend(places.map(|places| places.reach() as usize));
+            for places in places.iter().filter(|places| places.reach() != Reach::Any) {
+                let is_near = places.reach() == Reach::Near;
+                let at = Plain.at(places);
+                let taps = if is_near { Plain.gather::<3>(&row, at) } else { Plain.gather_far::<3>(&row, at) };
+                for (t, tap) in taps.iter().enumerate() {
+                    assert_eq!(*tap, places.index().0.map(|i| row[t + i as usize]));
+                }
+            }
+            let everything = || Everything { a: &a, b: &b, index: &index, table: &table, row: &row, places: &places };
             let plain = everything().run(Plain);
             for level in Level::all() {
                 assert!(level.dispatch(everything()) == plain, "{level:?}");
+            }
+        }
+        assert_eq!(reaches.len(), 3, "all kinds of places were tried");
+    }
+
+    #[test]
+    fn gathers_stay_inside_their_row() {
+        struct Gather<'a>(&'a [f32], &'a Places);
+        impl VectorKernel for Gather<'_> {
+            type Output = ();
+
+            #[inline(always)]
+            fn run<S: Simd>(self, s: S) {
+                let at = s.at(self.1);
+                let _ = if self.1.reach() == Reach::Near {
+                    s.gather::<2>(self.0, at)
+                } else {
+                    s.gather_far::<2>(self.0, at)
+                };
+            }
+        }
+        let row = [0.0; FAR_ROOM + 1];
+        for (step, n) in [(1, NEAR_ROOM + 1), (2, FAR_ROOM + 1)] {
+            let places = Places::new(Lanes(std::array::from_fn(|i| step * i as u32)));
+            for level in Level::all() {
+                level.dispatch(Gather(&row[..n], &places));
+                let short = || level.dispatch(Gather(&row[..n - 1], &places));
+                assert!(std::panic::catch_unwind(short).is_err(), "{level:?}");
             }
         }
     }

@@ -7,7 +7,7 @@
 
 use std::arch::aarch64::*;
 
-use super::{Entry, LANES, Lanes, Math, ROUND, RSQRT_MAGIC, Simd};
+use super::{Entry, FAR_ROOM, LANES, Lanes, Math, NEAR_ROOM, Places, ROUND, RSQRT_MAGIC, Simd};
 
 /// NEON level.
 #[derive(Clone, Copy, Debug)]
@@ -38,6 +38,19 @@ macro_rules! transposed {
             vreinterpretq_f32_f64(vtrn2q_f64(odd[0], odd[1])),
         ]
     }};
+}
+
+/// Sixteen numbers of a row by their indices, modulo sixteen. SAFETY: sixteen numbers must be there.
+#[inline(always)]
+unsafe fn permute(row: *const f32, index: [uint32x4_t; 4]) -> [float32x4_t; 4] {
+    // The row as a table of 64 bytes: number k is bytes 4k to 4k + 3.
+    let [a, b, c, d] = map!(i => vld1q_u8(row.add(4 * i).cast()));
+    let bytes = uint8x16x4_t(a, b, c, d);
+    map!(i => {
+        let number = vandq_u32(index[i], vdupq_n_u32(LANES as u32 - 1));
+        let places = vmlaq_u32(vdupq_n_u32(0x0302_0100), number, vdupq_n_u32(0x0404_0404));
+        vreinterpretq_f32_u8(vqtbl4q_u8(bytes, vreinterpretq_u8_u32(places)))
+    })
 }
 
 impl Math for Neon {
@@ -133,6 +146,8 @@ impl Math for Neon {
 }
 
 impl Simd for Neon {
+    type At = [uint32x4_t; 4];
+
     #[inline(never)]
     fn outlined<T>(self, part: impl FnOnce() -> T) -> T {
         part()
@@ -159,14 +174,35 @@ impl Simd for Neon {
     }
     #[inline(always)]
     fn take(self, row: &[f32; LANES], index: &Lanes<u32>) -> Self::F {
-        // The row as a table of 64 bytes: number k is bytes 4k to 4k + 3.
-        let [a, b, c, d] = map!(i => vld1q_u8(row.as_ptr().add(4 * i).cast()));
-        let bytes = uint8x16x4_t(a, b, c, d);
-        map!(i => {
-            let number = vandq_u32(vld1q_u32(index.0.as_ptr().add(4 * i)), vdupq_n_u32(LANES as u32 - 1));
-            let places = vmlaq_u32(vdupq_n_u32(0x0302_0100), number, vdupq_n_u32(0x0404_0404));
-            vreinterpretq_f32_u8(vqtbl4q_u8(bytes, vreinterpretq_u8_u32(places)))
-        })
+        let index = map!(i => vld1q_u32(index.0.as_ptr().add(4 * i)));
+        // SAFETY: sixteen numbers are there.
+        unsafe { permute(row.as_ptr(), index) }
+    }
+    #[inline(always)]
+    fn at(self, places: &Places) -> [uint32x4_t; 4] {
+        map!(i => vld1q_u32(places.index.0.as_ptr().add(4 * i)))
+    }
+    #[inline(always)]
+    fn gather<const N: usize>(self, row: &[f32], at: [uint32x4_t; 4]) -> [Self::F; N] {
+        assert!(NEAR_ROOM + N <= row.len() + 1, "the row ends before all that may be read");
+        let mut out = [self.splat(0.0); N];
+        for t in 0..N {
+            // SAFETY: sixteen numbers from t on are there.
+            out[t] = unsafe { permute(row.as_ptr().add(t), at) };
+        }
+        out
+    }
+    #[inline(always)]
+    fn gather_far<const N: usize>(self, row: &[f32], at: [uint32x4_t; 4]) -> [Self::F; N] {
+        assert!(FAR_ROOM + N <= row.len() + 1, "the row ends before all that may be read");
+        let is_far = map!(i => vtstq_u32(at[i], vdupq_n_u32(LANES as u32)));
+        let mut out = [self.splat(0.0); N];
+        for t in 0..N {
+            // SAFETY: thirty-two numbers from t on are there.
+            let [near, far] = unsafe { [permute(row.as_ptr().add(t), at), permute(row.as_ptr().add(t + LANES), at)] };
+            out[t] = self.select(is_far, far, near);
+        }
+        out
     }
     per_register!();
     #[inline(always)]

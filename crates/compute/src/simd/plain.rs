@@ -1,6 +1,6 @@
 //! Plain arrays: the level of processors without vectors here, and the reference for all other levels.
 
-use super::{Entry, LANES, Lanes, Math, ROUND, RSQRT_MAGIC, Simd};
+use super::{Entry, FAR_ROOM, LANES, Lanes, Math, NEAR_ROOM, Places, ROUND, RSQRT_MAGIC, Simd};
 
 /// Sixteen numbers as an array.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +22,19 @@ fn truths(a: Sixteen, b: Sixteen, test: impl Fn(f32, f32) -> bool) -> u16 {
     let mut out = 0;
     for i in 0..LANES {
         out |= u16::from(test(a[i], b[i])) << i;
+    }
+    out
+}
+
+/// `row[t + index]`, indices taken modulo `n`, which is a power of two.
+#[inline(always)]
+pub(super) fn gather<const N: usize>(row: &[f32], index: &Lanes<u32>, n: usize, room: usize) -> [Sixteen; N] {
+    assert!(room + N <= row.len() + 1, "the row ends before all that may be read");
+    let mut out = [[0.0; LANES]; N];
+    for t in 0..N {
+        for i in 0..LANES {
+            out[t][i] = row[t + index.0[i] as usize % n];
+        }
     }
     out
 }
@@ -113,6 +126,8 @@ impl Math for Plain {
 }
 
 impl Simd for Plain {
+    type At = Lanes<u32>;
+
     #[inline(never)]
     fn outlined<T>(self, part: impl FnOnce() -> T) -> T {
         part()
@@ -136,6 +151,18 @@ impl Simd for Plain {
             out[i] = row[index.0[i] as usize % LANES];
         }
         out
+    }
+    #[inline(always)]
+    fn at(self, places: &Places) -> Lanes<u32> {
+        places.index
+    }
+    #[inline(always)]
+    fn gather<const N: usize>(self, row: &[f32], at: Lanes<u32>) -> [Sixteen; N] {
+        gather(row, &at, LANES, NEAR_ROOM)
+    }
+    #[inline(always)]
+    fn gather_far<const N: usize>(self, row: &[f32], at: Lanes<u32>) -> [Sixteen; N] {
+        gather(row, &at, 2 * LANES, FAR_ROOM)
     }
     #[inline(always)]
     fn transpose_quads(self, rows: [Sixteen; 4]) -> [Sixteen; 4] {

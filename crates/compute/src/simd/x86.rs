@@ -3,7 +3,7 @@
 
 use std::arch::x86_64::*;
 
-use super::{Entry, LANES, Lanes, Math, ROUND, RSQRT_MAGIC, Simd};
+use super::{Entry, FAR_ROOM, LANES, Lanes, Math, NEAR_ROOM, Places, ROUND, RSQRT_MAGIC, Simd, plain};
 
 /// SSE2 level, which every x86-64 has.
 #[derive(Clone, Copy, Debug)]
@@ -200,6 +200,8 @@ impl Math for Sse2 {
 }
 
 impl Simd for Sse2 {
+    type At = Lanes<u32>;
+
     /// A vector of sixteen numbers takes four of the sixteen registers, which leaves no room for pairs.
     const HAS_ROOM_FOR_PAIRS: bool = false;
 
@@ -215,6 +217,28 @@ impl Simd for Sse2 {
             out[i] = row[index.0[i] as usize % LANES];
         }
         self.load(&out)
+    }
+    #[inline(always)]
+    fn at(self, places: &Places) -> Lanes<u32> {
+        places.index
+    }
+    #[inline(never)]
+    fn gather<const N: usize>(self, row: &[f32], at: Lanes<u32>) -> [Self::F; N] {
+        let taken = plain::gather::<N>(row, &at, LANES, NEAR_ROOM);
+        let mut out = [self.splat(0.0); N];
+        for t in 0..N {
+            out[t] = self.load(&taken[t]);
+        }
+        out
+    }
+    #[inline(never)]
+    fn gather_far<const N: usize>(self, row: &[f32], at: Lanes<u32>) -> [Self::F; N] {
+        let taken = plain::gather::<N>(row, &at, 2 * LANES, FAR_ROOM);
+        let mut out = [self.splat(0.0); N];
+        for t in 0..N {
+            out[t] = self.load(&taken[t]);
+        }
+        out
     }
     per_register!();
     #[inline(never)]
@@ -268,7 +292,16 @@ impl Math for Avx2 {
     }
 }
 
+/// Places of two times eight lanes: where each eight begin, and their indices from there.
+#[derive(Clone, Copy)]
+pub struct Halves {
+    starts: [usize; 2],
+    index: [__m256i; 2],
+}
+
 impl Simd for Avx2 {
+    type At = Halves;
+
     #[inline(always)]
     fn outlined<T>(self, part: impl FnOnce() -> T) -> T {
         // SAFETY: `self` proves that the machine has the instructions.
@@ -284,6 +317,44 @@ impl Simd for Avx2 {
             // Bit 3 of the index, moved to the sign, chooses the half.
             _mm256_blendv_ps(low, high, _mm256_castsi256_ps(_mm256_slli_epi32::<28>(index)))
         })
+    }
+    #[inline(always)]
+    fn at(self, places: &Places) -> Halves {
+        let starts = places.starts;
+        let index = map!(2, i => {
+            let index = _mm256_loadu_si256(places.index.0.as_ptr().add(8 * i).cast());
+            _mm256_sub_epi32(index, _mm256_set1_epi32(starts[i] as i32))
+        });
+        Halves { starts: starts.map(|start| start as usize), index }
+    }
+    #[inline(always)]
+    fn gather<const N: usize>(self, row: &[f32], at: Halves) -> [Self::F; N] {
+        assert!(NEAR_ROOM + N <= row.len() + 1, "the row ends before all that may be read");
+        let mut out = [self.splat(0.0); N];
+        for t in 0..N {
+            // Eight numbers from below 16 + N on: less than the room.
+            out[t] = map!(2, i => {
+                let from = row.as_ptr().add(t + at.starts[i] % LANES);
+                _mm256_permutevar8x32_ps(_mm256_loadu_ps(from), at.index[i])
+            });
+        }
+        out
+    }
+    #[inline(always)]
+    fn gather_far<const N: usize>(self, row: &[f32], at: Halves) -> [Self::F; N] {
+        assert!(FAR_ROOM + N <= row.len() + 1, "the row ends before all that may be read");
+        let mut out = [self.splat(0.0); N];
+        for t in 0..N {
+            // Sixteen numbers from below 32 + N on: less than the room.
+            out[t] = map!(2, i => {
+                let from = row.as_ptr().add(t + at.starts[i] % (2 * LANES));
+                let low = _mm256_permutevar8x32_ps(_mm256_loadu_ps(from), at.index[i]);
+                let high = _mm256_permutevar8x32_ps(_mm256_loadu_ps(from.add(8)), at.index[i]);
+                // Bit 3 of the index, moved to the sign, chooses the eight.
+                _mm256_blendv_ps(low, high, _mm256_castsi256_ps(_mm256_slli_epi32::<28>(at.index[i])))
+            });
+        }
+        out
     }
     #[inline(always)]
     fn transpose_quads(self, [a, b, c, d]: [Self::F; 4]) -> [Self::F; 4] {
@@ -472,6 +543,8 @@ impl Math for Avx512 {
 }
 
 impl Simd for Avx512 {
+    type At = __m512i;
+
     #[inline(always)]
     fn outlined<T>(self, part: impl FnOnce() -> T) -> T {
         // SAFETY: `self` proves that the machine has the instructions.
@@ -498,6 +571,34 @@ impl Simd for Avx512 {
             let index = _mm512_loadu_si512(index.0.as_ptr().cast());
             _mm512_permutexvar_ps(index, _mm512_loadu_ps(row.as_ptr()))
         }
+    }
+    #[inline(always)]
+    fn at(self, places: &Places) -> __m512i {
+        // SAFETY: sixteen numbers are there.
+        unsafe { _mm512_loadu_si512(places.index.0.as_ptr().cast()) }
+    }
+    #[inline(always)]
+    fn gather<const N: usize>(self, row: &[f32], at: __m512i) -> [__m512; N] {
+        assert!(NEAR_ROOM + N <= row.len() + 1, "the row ends before all that may be read");
+        let mut out = [self.splat(0.0); N];
+        for t in 0..N {
+            // SAFETY: sixteen numbers from t on are there; the permutation uses the low four bits of each index.
+            out[t] = unsafe { _mm512_permutexvar_ps(at, _mm512_loadu_ps(row.as_ptr().add(t))) };
+        }
+        out
+    }
+    #[inline(always)]
+    fn gather_far<const N: usize>(self, row: &[f32], at: __m512i) -> [__m512; N] {
+        assert!(FAR_ROOM + N <= row.len() + 1, "the row ends before all that may be read");
+        let mut out = [self.splat(0.0); N];
+        for t in 0..N {
+            // SAFETY: thirty-two numbers from t on are there; the permutation uses the low five bits of each index.
+            out[t] = unsafe {
+                let from = row.as_ptr().add(t);
+                _mm512_permutex2var_ps(_mm512_loadu_ps(from), at, _mm512_loadu_ps(from.add(LANES)))
+            };
+        }
+        out
     }
     #[inline(always)]
     fn transpose_quads(self, [a, b, c, d]: [__m512; 4]) -> [__m512; 4] {

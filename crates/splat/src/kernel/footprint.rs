@@ -8,7 +8,7 @@
 
 use std::ops::Range;
 
-use wavesplat_compute::simd::{LANES, Lanes};
+use wavesplat_compute::simd::{LANES, Lanes, Places};
 use wavesplat_core::{Gradient, Kernel};
 
 use crate::kernel::footprint_table::{Footprint, bits};
@@ -248,15 +248,13 @@ impl AxisFootprints {
         for g in bits(self.groups) {
             for footprint in [&mut self.difference, &mut self.smooth] {
                 footprint.base[g] = self.value.base[g] - margin as u32;
-                footprint.index[g] = self.value.index[g];
-                footprint.spans[g] = self.value.spans[g];
-                footprint.far[g] = self.value.far[g];
+                footprint.places[g] = self.value.places[g];
             }
             // Position from the first tap, in widths of the B-spline.
             let mut position = Lanes::default();
             for i in 0..LANES {
                 let x = (origin + step * (g * LANES + i) as f64).clamp(0.0, last);
-                let first = self.window[0] + i64::from(self.difference.base[g] + self.difference.index[g].0[i]);
+                let first = self.window[0] + i64::from(self.difference.base[g] + self.value.places[g].index().0[i]);
                 position.0[i] = (x - first as f64) as f32 * per_width;
             }
             let values = &mut self.smooth.weights[g * n..(g + 1) * n];
@@ -273,9 +271,7 @@ impl AxisFootprints {
         let shift = 2 * offset;
         for g in bits(self.groups) {
             difference.base[g] = value.base[g] - offset as u32;
-            difference.index[g] = value.index[g];
-            difference.spans[g] = value.spans[g];
-            difference.far[g] = value.far[g];
+            difference.places[g] = value.places[g];
             let weights = &value.weights[g * n..(g + 1) * n];
             let difference = &mut difference.weights[g * n_difference..(g + 1) * n_difference];
             for (t, difference) in difference.iter_mut().enumerate() {
@@ -329,7 +325,7 @@ impl AxisFootprints {
             let last_index = first.0[0].max(first.0[LANES - 1]);
             let n = self.value.n_taps;
             self.value.base[g] = (base - reach) as u32;
-            self.value.set_index(g, first);
+            self.value.places[g] = Places::new(first);
             self.value.weights[g * n..(g + 1) * n].copy_from_slice(&weights[..n]);
             highest = highest.max(lowest + base - reach + i64::from(last_index) + n as i64 - 1 + offset);
         }
@@ -368,7 +364,7 @@ impl AxisFootprints {
                 let group = &firsts[g * LANES..(g + 1) * LANES];
                 let base = group.iter().map(|f| f[which]).fold(i64::MAX, i64::min);
                 footprint.base[g] = (base - window[0]) as u32;
-                footprint.set_index(g, Lanes(std::array::from_fn(|i| (group[i][which] - base) as u32)));
+                footprint.places[g] = Places::new(Lanes(std::array::from_fn(|i| (group[i][which] - base) as u32)));
             }
         };
         fill(0, &mut self.value);

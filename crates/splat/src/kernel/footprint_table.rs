@@ -1,6 +1,6 @@
 //! The table of a footprint: for a run of texels, the first sample that reaches each, and the weights from there.
 
-use wavesplat_compute::simd::{LANES, Lanes};
+use wavesplat_compute::simd::{LANES, Lanes, Places};
 
 /// Weights of a run of positions, in groups of [`LANES`].
 #[derive(Clone, Debug, Default)]
@@ -10,11 +10,7 @@ pub struct Footprint {
     /// Lowest first sample of each group, counted from the window's first sample.
     pub(super) base: Vec<u32>,
     /// First sample of each position, counted from its group's base.
-    pub(super) index: Vec<Lanes<u32>>,
-    /// Number of vectors that each group's `index` spans.
-    pub(super) spans: Vec<Span>,
-    /// 1 where `index` is at least [`LANES`], for groups that span two vectors.
-    pub(super) far: Vec<Lanes>,
+    pub(super) places: Vec<Places>,
     /// Weights, `n_taps` vectors per group.
     pub(super) weights: Vec<Lanes>,
 }
@@ -23,27 +19,13 @@ impl Footprint {
     pub(super) fn reset(&mut self, n_groups: usize, n_taps: usize) {
         self.n_taps = n_taps;
         self.base.resize(n_groups, 0);
-        self.index.resize(n_groups, Lanes::default());
-        self.spans.resize(n_groups, Span::default());
-        self.far.resize(n_groups, Lanes::default());
+        self.places.resize(n_groups, Places::default());
         self.weights.resize(n_groups * n_taps, Lanes::default());
-    }
-
-    /// Sets the first samples of a group, counted from its base.
-    #[inline(always)]
-    pub(super) fn set_index(&mut self, g: usize, index: Lanes<u32>) {
-        self.index[g] = index;
-        self.spans[g] = Span::of(&index);
-        if self.spans[g] == Span::Two {
-            for i in 0..LANES {
-                self.far[g].0[i] = if index.0[i] < LANES as u32 { 0.0 } else { 1.0 };
-            }
-        }
     }
 
     /// First sample of a position.
     pub fn first(&self, i: usize) -> usize {
-        (self.base[i / LANES] + self.index[i / LANES].0[i % LANES]) as usize
+        (self.base[i / LANES] + self.places[i / LANES].index().0[i % LANES]) as usize
     }
 
     /// Weight of tap `t` of a position.
@@ -57,36 +39,8 @@ impl Footprint {
     pub fn group(&self, g: usize) -> Group<'_> {
         Group {
             base: self.base[g] as usize,
-            index: &self.index[g],
-            span: self.spans[g],
-            far: &self.far[g],
+            places: &self.places[g],
             weights: &self.weights[g * self.n_taps..(g + 1) * self.n_taps],
-        }
-    }
-}
-
-/// Number of vectors of samples that hold the first samples of a group.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub enum Span {
-    /// All indices are below [`LANES`].
-    One,
-    /// All indices are below twice [`LANES`].
-    Two,
-    /// Some index is at least twice [`LANES`].
-    #[default]
-    Many,
-}
-
-impl Span {
-    fn of(index: &Lanes<u32>) -> Self {
-        // Positions are monotonic, so that the largest index is at one end.
-        let last = index.0[0].max(index.0[LANES - 1]) as usize;
-        if last < LANES {
-            Self::One
-        } else if last < 2 * LANES {
-            Self::Two
-        } else {
-            Self::Many
         }
     }
 }
@@ -97,11 +51,7 @@ pub struct Group<'a> {
     /// Lowest first sample.
     pub base: usize,
     /// First sample of each lane, counted from `base`.
-    pub index: &'a Lanes<u32>,
-    /// Number of vectors that `index` spans.
-    pub span: Span,
-    /// 1 where `index` is at least [`LANES`], for groups that span two vectors.
-    pub far: &'a Lanes,
+    pub places: &'a Places,
     /// Weights, tap by tap.
     pub weights: &'a [Lanes],
 }

@@ -347,9 +347,10 @@ impl<const MODIFIED: bool> Over<'_, MODIFIED> {
         );
     }
 
-    /// Adds a slab to one chunk or two.
+    /// Adds the front and the back sheet of a slab, or the space between them, to one chunk or two. `wanted`: sheets on
+    /// which something may be visible.
     #[inline(always)]
-    fn add_chunks<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab) {
+    fn add_chunks<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab, [front, back]: [bool; 2]) {
         if self.needs_preintegration {
             return w.one().outlined(
                 #[inline(always)]
@@ -358,11 +359,37 @@ impl<const MODIFIED: bool> Over<'_, MODIFIED> {
         }
         let [s_front, s_back] = slab.s;
         let half = 0.5 * (s_back - s_front);
-        self.add_sheet_outlined(w, chunks, rays, slab, (0, [s_front - half, s_front + half]));
-        if slab.first.is_last(chunks[0].block()) {
-            // No slab follows whose front this sheet would be.
+        if front {
+            self.add_sheet_outlined(w, chunks, rays, slab, (0, [s_front - half, s_front + half]));
+        }
+        if back {
             self.add_sheet_outlined(w, chunks, rays, slab, (1, [s_back - half, s_back]));
         }
+    }
+
+    /// Whether anything may be visible in a block on the front and the back sheet of a slab, or, where slabs are
+    /// pre-integrated, between them.
+    #[inline(always)]
+    fn wanted_sheets<S: Simd>(&self, s: S, block: Block, slab: &Slab) -> [bool; 2] {
+        let (front, back) = (&slab.first.front, &slab.first.back);
+        // A sheet whose slab follows is the front of that one.
+        let has_back = self.needs_preintegration || slab.first.is_last(block);
+        if MODIFIED && self.modifiers.label_medium_field().is_some() {
+            return [true, has_back];
+        }
+        let of_front = front.extremes(s, block);
+        if self.needs_preintegration {
+            let of_back = back.extremes(s, block);
+            return [self.is_visible(s, [s.min(of_front[0], of_back[0]), s.max(of_front[1], of_back[1])]); 2];
+        }
+        [self.is_visible(s, of_front), has_back && self.is_visible(s, back.extremes(s, block))]
+    }
+
+    /// Whether any density between two is visible, in any lane.
+    #[inline(always)]
+    fn is_visible<S: Simd>(&self, s: S, [lo, hi]: [S::F; 2]) -> bool {
+        let [least, most] = self.classifier.visible_range();
+        s.bits(s.and(s.le(s.splat(least), hi), s.le(lo, s.splat(most)))) != 0
     }
 }
 
@@ -378,11 +405,16 @@ impl<const MODIFIED: bool> Compositor for Over<'_, MODIFIED> {
 
     #[inline(always)]
     fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) {
-        self.add_chunks(s, [chunk; 2], rays, slab);
+        let wanted = self.wanted_sheets(s, chunk.block(), slab);
+        self.add_chunks(s, [chunk; 2], rays, slab, wanted);
     }
 
     #[inline(always)]
     fn add<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
+        let wanted = self.wanted_sheets(s, block, slab);
+        if wanted == [false; 2] {
+            return;
+        }
         if !S::HAS_ROOM_FOR_PAIRS {
             return self.add_one_by_one(s, block, rays, slab);
         }
@@ -399,9 +431,9 @@ impl<const MODIFIED: bool> Compositor for Over<'_, MODIFIED> {
                 [one, other]
             };
             match seen {
-                [true, true] => self.add_chunks(Pair(s), [first, second], rays, slab),
+                [true, true] => self.add_chunks(Pair(s), [first, second], rays, slab, wanted),
                 [false, false] => {}
-                [one, _] => self.add_chunk(s, if one { first } else { second }, rays, slab),
+                [one, _] => self.add_chunks(s, [if one { first } else { second }; 2], rays, slab, wanted),
             }
         }
     }

@@ -10,20 +10,18 @@
 //! Chunks are reconstructed when they are first needed, their gradient only where something is seen.
 
 use std::ops::Range;
-use wavesplat_compute::simd::{LANES, Lanes, Simd, Wide};
+use wavesplat_compute::simd::{FAR_ROOM, LANES, Lanes, Simd, Wide};
 
 use crate::kernel::footprint::AxisFootprints;
-use crate::kernel::footprint_table::Footprint;
-use crate::kernel::weights::MAX_DIFFERENCE_TAPS;
 use crate::sheet::missing::MissingShares;
-use crate::sheet::tile_layout::{BLOCK_V, Block, BlockMask, Chunk, N_BLOCKS_V, N_STRIPS, TILE_V, block_rows};
-use crate::sheet::upsample::Upsample;
+use crate::sheet::tile_layout::{BLOCK_V, Block, BlockMask, Chunk, N_BLOCKS, N_BLOCKS_V, N_STRIPS, TILE_V, block_rows};
+use crate::sheet::upsample::{DoneRows, MakeDensities, UpsampleGradients, blend};
 use crate::source::geometry::SheetGeometry;
 use crate::source::transposed::TransposedSlices;
 use crate::source::window::Window;
 
 /// Numbers that pad each row of combined slices, so that whole vectors can be read from any sample on.
-pub(super) const PADDING: usize = LANES + 12;
+pub(super) const PADDING: usize = FAR_ROOM;
 
 /// Work space and result of one tile's sheet. Made once per tile, reused for all its sheets.
 #[derive(Default)]
@@ -47,40 +45,15 @@ pub struct Sheet {
     pub(super) smooth_u: Vec<Lanes>,
     /// Missing shares, of volumes with missing samples.
     missing: MissingShares,
-    /// Taps of every row of texels on the upsampled rows: for values, derivatives along v, and across smoothed
-    /// derivatives.
-    rows: Vec<RowTaps>,
-    difference_rows: Vec<RowTaps>,
-    smooth_rows: Vec<RowTaps>,
-    /// Sample rows that have been upsampled: densities, derivatives.
-    pub(super) has_density_u: Vec<bool>,
-    pub(super) has_gradient_u: Vec<bool>,
-    /// Blocks that the sheet is combined for.
-    pub(super) blocks: BlockMask,
+    /// Sample rows of each strip that have been upsampled: densities, derivatives.
+    pub(super) density_rows: [DoneRows; N_STRIPS],
+    pub(super) gradient_rows: [DoneRows; N_STRIPS],
+    /// Densities of the texels, chunk by chunk, and the least and largest of each column of a block, block by block.
+    pub(super) texels: Vec<Lanes>,
+    pub(super) extremes: Vec<[Lanes; 2]>,
     /// Blocks whose sample rows have been upsampled.
     pub(super) has_density: BlockMask,
     pub(super) has_gradient: BlockMask,
-}
-
-/// Footprint of a row of texels, contiguous in memory for blending.
-#[derive(Clone, Copy, Default)]
-struct RowTaps {
-    first: usize,
-    weights: [f32; MAX_DIFFERENCE_TAPS],
-}
-
-impl RowTaps {
-    /// Fills in the taps of the rows of `blocks`.
-    fn fill(rows: &mut Vec<Self>, footprint: &Footprint, blocks: BlockMask) {
-        rows.resize(TILE_V, Self::default());
-        for b in block_rows(blocks) {
-            for row in b * BLOCK_V..(b + 1) * BLOCK_V {
-                let RowTaps { first, weights } = &mut rows[row];
-                *first = footprint.first(row);
-                (0..footprint.n_taps).for_each(|t| weights[t] = footprint.weight(row, t));
-            }
-        }
-    }
 }
 
 /// Rows and columns of combined slices, counted from the tile's first sample.
@@ -141,10 +114,9 @@ impl Sheet {
         for rows in [&mut self.density_u, &mut self.along_u, &mut self.through_u, &mut self.smooth_u] {
             rows.resize(N_STRIPS * self.n_v, Lanes::default());
         }
-        for flags in [&mut self.has_density_u, &mut self.has_gradient_u] {
-            flags.clear();
-            flags.resize(N_STRIPS * self.n_v, false);
-        }
+        self.density_rows.iter_mut().chain(&mut self.gradient_rows).for_each(DoneRows::clear);
+        self.texels.resize(Chunk::N, Lanes::default());
+        self.extremes.resize(N_BLOCKS, Default::default());
         self.density.resize(self.stride * self.n_v, 0.0);
         self.has_through = false;
         // Positions rise or fall with the texel, so that the ends of strips and blocks reach furthest.
@@ -164,8 +136,6 @@ impl Sheet {
             self.missing.combine(geometry, places, w, strips, rows);
         }
         self.part = Some(part);
-        self.blocks = blocks;
-        RowTaps::fill(&mut self.rows, &self.v.value, blocks);
     }
 
     /// Offset of a part in the combined slices, and its window of samples.
@@ -185,7 +155,7 @@ impl Sheet {
             return;
         }
         self.has_density |= blocks;
-        geometry.level.dispatch(Upsample::<false> { sheet: self, blocks });
+        geometry.level.dispatch(MakeDensities { sheet: self, blocks });
         if geometry.slices.has_mask() {
             self.missing.prepare(geometry, blocks);
         }
@@ -204,8 +174,7 @@ impl Sheet {
     /// registers.
     #[inline(never)]
     fn make_gradient(&mut self, geometry: &SheetGeometry, transposed: &TransposedSlices, block: Block) {
-        let blocks = block.mask();
-        self.has_gradient |= blocks;
+        self.has_gradient |= block.mask();
         if !self.has_through {
             self.combine_through(geometry, transposed);
             geometry.level.run(
@@ -215,12 +184,8 @@ impl Sheet {
                     self.v.make_difference();
                 },
             );
-            RowTaps::fill(&mut self.difference_rows, &self.v.difference, self.blocks);
-            if self.is_smoothed() {
-                RowTaps::fill(&mut self.smooth_rows, &self.v.smooth, self.blocks);
-            }
         }
-        geometry.level.dispatch(Upsample::<true> { sheet: self, blocks });
+        geometry.level.dispatch(UpsampleGradients { sheet: self, block });
     }
 
     /// Whether gradients have footprints of their own across the derivatives.
@@ -231,7 +196,7 @@ impl Sheet {
     /// Densities of one chunk or two. After [`Sheet::prepare`].
     #[inline(always)]
     pub fn density<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> W::F {
-        blend_rows(w, &self.density_u[chunks[0].strip * self.n_v..], (&self.rows, self.v.value.n_taps), chunks)
+        w.load_from(&self.texels, chunks.map(Chunk::index))
     }
 
     /// Missing shares of one chunk or two, of volumes with missing samples. After [`Sheet::prepare`].
@@ -245,17 +210,20 @@ impl Sheet {
     #[inline(always)]
     pub fn gradient<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> [W::F; 3] {
         let first = chunks[0].strip * self.n_v;
-        let of_difference = (&self.difference_rows[..], self.v.difference.n_taps);
-        let (rows, of_value) = if self.is_smoothed() {
-            (&self.smooth_u, (&self.smooth_rows[..], self.v.smooth.n_taps))
-        } else {
-            (&self.density_u, (&self.rows[..], self.v.value.n_taps))
-        };
+        let (rows, of_value) =
+            if self.is_smoothed() { (&self.smooth_u, &self.v.smooth) } else { (&self.density_u, &self.v.value) };
         [
-            blend_rows(w, &self.along_u[first..], of_value, chunks),
-            blend_rows(w, &rows[first..], of_difference, chunks),
-            blend_rows(w, &self.through_u[first..], of_value, chunks),
+            blend(w, &self.along_u[first..], of_value, chunks),
+            blend(w, &rows[first..], &self.v.difference, chunks),
+            blend(w, &self.through_u[first..], of_value, chunks),
         ]
+    }
+
+    /// Least and largest density of each column of a block. After [`Sheet::prepare`].
+    #[inline(always)]
+    pub fn extremes<S: Simd>(&self, s: S, block: Block) -> [S::F; 2] {
+        let [least, most] = &self.extremes[block.place()];
+        [s.load(&least.0), s.load(&most.0)]
     }
 
     /// Combines slices for the derivative through the sheet, and for smoothed gradients along it.
@@ -287,42 +255,4 @@ pub(super) fn reached(axis: &AxisFootprints, positions: impl Iterator<Item = usi
         (start, end) = (start.min(reached.start), end.max(reached.end));
     }
     start.min(end)..end
-}
-
-/// Blends the sample rows that reach one chunk or two. `taps`: taps of every row of texels, and their number.
-#[inline(always)]
-fn blend_rows<W: Wide>(w: W, rows: &[Lanes], taps: (&[RowTaps], usize), chunks: [Chunk; 2]) -> W::F {
-    let first = blend_row(w.one(), rows, taps, chunks[0].row);
-    let second = if W::N == 2 { blend_row(w.one(), rows, taps, chunks[1].row) } else { first };
-    w.join(first, second)
-}
-
-#[inline(always)]
-fn blend_row<S: Simd>(s: S, rows: &[Lanes], (taps, n_taps): (&[RowTaps], usize), row: usize) -> S::F {
-    let RowTaps { first, weights } = &taps[row];
-    let rows = &rows[*first..];
-    // The usual numbers of taps, unrolled.
-    match n_taps {
-        2 => blend_taps::<S, 2>(s, rows, weights),
-        4 => blend_taps::<S, 4>(s, rows, weights),
-        6 => blend_taps::<S, 6>(s, rows, weights),
-        _ => {
-            let mut sum = s.splat(0.0);
-            for (samples, weight) in rows.iter().zip(&weights[..n_taps]) {
-                sum = s.add_mul(sum, s.splat(*weight), s.load(&samples.0));
-            }
-            sum
-        }
-    }
-}
-
-#[inline(always)]
-fn blend_taps<S: Simd, const N: usize>(s: S, rows: &[Lanes], weights: &[f32; MAX_DIFFERENCE_TAPS]) -> S::F {
-    let mut sum = s.splat(0.0);
-    if let Some(rows) = rows.first_chunk::<N>() {
-        for t in 0..N {
-            sum = s.add_mul(sum, s.splat(weights[t]), s.load(&rows[t].0));
-        }
-    }
-    sum
 }

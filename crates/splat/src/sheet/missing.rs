@@ -9,7 +9,7 @@ use crate::kernel::footprint::{Axis, AxisFootprints};
 use crate::kernel::footprint_table::bits;
 use crate::sheet::buffer::{PADDING, reached};
 use crate::sheet::tile_layout::{BLOCK_V, Block, BlockMask, Chunk, N_STRIPS, TILE_V};
-use crate::sheet::upsample::{reached_by, upsample};
+use crate::sheet::upsample::{DoneRows, SampleRows, blend_block, block_of, reached_by, upsample};
 use crate::source::geometry::SheetGeometry;
 use crate::source::window::Window;
 
@@ -24,7 +24,7 @@ pub(super) struct MissingShares {
     slices: Vec<f32>,
     /// Combined slices upsampled along u, strip by strip.
     rows: Vec<Lanes>,
-    has_row: Vec<bool>,
+    done: [DoneRows; N_STRIPS],
     /// Shares at the texels, chunk by chunk; blended ahead, since the code of compositors is large enough without that.
     texels: Vec<Lanes>,
 }
@@ -50,8 +50,7 @@ impl MissingShares {
         self.n_v = (self.v.window[1] - self.v.window[0] + 1) as usize;
         self.stride = n_u.next_multiple_of(LANES) + PADDING.next_multiple_of(LANES);
         self.rows.resize(N_STRIPS * self.n_v, Lanes::default());
-        self.has_row.clear();
-        self.has_row.resize(N_STRIPS * self.n_v, false);
+        self.done.iter_mut().for_each(DoneRows::clear);
         self.slices.resize(self.stride * self.n_v, 0.0);
         self.texels.resize(Chunk::N, Lanes::default());
         let part_u = reached(&self.u, strips.flat_map(|s| [s * LANES, s * LANES + LANES - 1]));
@@ -76,18 +75,6 @@ impl MissingShares {
     pub(super) fn share<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> W::F {
         w.load_from(&self.texels, chunks.map(Chunk::index))
     }
-
-    /// Blends the rows of a chunk.
-    #[inline(always)]
-    fn blend<S: Simd>(&self, s: S, chunk: Chunk) -> S::F {
-        let rows = &self.rows[chunk.strip * self.n_v..];
-        let mut sum = s.splat(0.0);
-        for t in 0..self.v.value.n_taps {
-            let weight = s.splat(self.v.value.weight(chunk.row, t));
-            sum = s.add_mul(sum, weight, s.load(&rows[self.v.value.first(chunk.row) + t].0));
-        }
-        sum
-    }
 }
 
 /// Kernel that upsamples the rows of blocks along u, where that is not done yet, and blends them at the texels.
@@ -104,18 +91,12 @@ impl VectorKernel for UpsampleShares<'_> {
         let Self { shares, blocks } = self;
         for block in bits(blocks).map(Block::new) {
             let group = shares.u.value.group(block.strip);
-            for r in reached_by(&shares.v.value, block.rows()) {
-                let place = block.strip * shares.n_v + r;
-                if !shares.has_row[place] {
-                    shares.has_row[place] = true;
-                    let row = &shares.slices[r * shares.stride..(r + 1) * shares.stride];
-                    s.store(upsample::<S, 0>(s, row, &group), &mut shares.rows[place].0);
-                }
+            let out = &mut shares.rows[block.strip * shares.n_v..][..shares.n_v];
+            let slices = SampleRows { samples: &shares.slices, stride: shares.stride };
+            for rows in shares.done[block.strip].missing(reached_by(&shares.v.value, block.rows())) {
+                upsample(s, slices, rows, &group, out);
             }
-            for chunk in block.chunks() {
-                let share = shares.blend(s, chunk);
-                s.store(share, &mut shares.texels[chunk.index()].0);
-            }
+            blend_block(s, out, &shares.v.value, block.row, block_of(&mut shares.texels, block));
         }
     }
 }

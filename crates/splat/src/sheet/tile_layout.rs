@@ -22,6 +22,9 @@ pub type BlockMask = u16;
 /// Blocks of a tile along v.
 pub const N_BLOCKS_V: usize = TILE_V / BLOCK_V;
 
+/// Blocks of a tile.
+pub const N_BLOCKS: usize = N_STRIPS * N_BLOCKS_V;
+
 /// A row of a strip: [`LANES`] texels.
 #[derive(Clone, Copy, Debug)]
 pub struct Chunk {

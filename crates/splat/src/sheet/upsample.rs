@@ -1,132 +1,282 @@
-//! Upsampling of sample rows along u: the first of the two short passes that make a sheet.
+//! From combined slices to the texels of blocks, in two short passes: sample rows are upsampled along u, then blended
+//! along v.
+//!
+//! Tiles are small, so loops are kept lean: the number of taps is a constant in each of them, weights and places stay in
+//! registers, and a row is checked once.
 
 use std::ops::Range;
 
-use crate::kernel::footprint_table::{Footprint, Group, Span, bits};
+use crate::kernel::footprint_table::{Footprint, Group, bits};
 use crate::sheet::buffer::Sheet;
-use crate::sheet::tile_layout::{Block, BlockMask};
-use wavesplat_compute::simd::{LANES, Simd, VectorKernel};
+use crate::sheet::tile_layout::{BLOCK_V, Block, BlockMask, Chunk};
+use wavesplat_compute::simd::{LANES, Lanes, Reach, Simd, VectorKernel, Wide};
 
-impl Sheet {
-    /// Upsamples the rows of a block. `N_VECTORS`: vectors that hold the samples of a tap for a chunk, 1 or 2; 0 if
-    /// more.
-    #[inline(always)]
-    fn upsample<S: Simd, const N_VECTORS: usize, const GRADIENT: bool>(&mut self, s: S, block: Block) {
-        let strip = block.strip;
-        let of_value = self.u.value.group(strip);
-        let mut rows = reached_by(&self.v.value, block.rows());
-        if GRADIENT && self.is_smoothed() {
-            let (of_difference, of_smooth) = (self.u.difference.group(strip), self.u.smooth.group(strip));
-            for r in reached_by(&self.v.smooth, block.rows()) {
-                let place = strip * self.n_v + r;
-                if !self.has_gradient_u[place] {
-                    self.has_gradient_u[place] = true;
-                    let samples = r * self.stride..(r + 1) * self.stride;
-                    let smooth = &self.smooth[samples.clone()];
-                    let along = upsample::<S, N_VECTORS>(s, smooth, &of_difference);
-                    let across = upsample::<S, N_VECTORS>(s, smooth, &of_smooth);
-                    let through = upsample::<S, N_VECTORS>(s, &self.through[samples], &of_smooth);
-                    s.store(along, &mut self.along_u[place].0);
-                    s.store(across, &mut self.smooth_u[place].0);
-                    s.store(through, &mut self.through_u[place].0);
-                }
-            }
-            return;
-        }
-        if GRADIENT {
-            let of_difference = self.u.difference.group(strip);
-            for r in rows {
-                let place = strip * self.n_v + r;
-                if !self.has_gradient_u[place] {
-                    self.has_gradient_u[place] = true;
-                    let samples = r * self.stride..(r + 1) * self.stride;
-                    let along = upsample::<S, N_VECTORS>(s, &self.density[samples.clone()], &of_difference);
-                    let through = upsample::<S, N_VECTORS>(s, &self.through[samples], &of_value);
-                    s.store(along, &mut self.along_u[place].0);
-                    s.store(through, &mut self.through_u[place].0);
-                }
-            }
-            // The derivative along v reaches further than the density did.
-            rows = reached_by(&self.v.difference, block.rows());
-        }
-        for r in rows {
-            let place = strip * self.n_v + r;
-            if !self.has_density_u[place] {
-                self.has_density_u[place] = true;
-                let samples = r * self.stride..(r + 1) * self.stride;
-                let density = upsample::<S, N_VECTORS>(s, &self.density[samples], &of_value);
-                s.store(density, &mut self.density_u[place].0);
-            }
-        }
-    }
-}
-
-/// Kernel that upsamples the sample rows of blocks along u where that is not done yet: for densities or gradients.
-pub struct Upsample<'a, const GRADIENT: bool> {
+/// Kernel that makes the densities of all texels of blocks, and the least and largest of each of their columns.
+pub(super) struct MakeDensities<'a> {
     pub sheet: &'a mut Sheet,
     pub blocks: BlockMask,
 }
 
-impl<const GRADIENT: bool> VectorKernel for Upsample<'_, GRADIENT> {
+impl VectorKernel for MakeDensities<'_> {
     type Output = ();
 
     #[inline(always)]
     fn run<S: Simd>(self, s: S) {
         let Self { sheet, blocks } = self;
         for block in bits(blocks).map(Block::new) {
-            let footprints = &sheet.u;
-            let span = footprints.value.group(block.strip).span;
-            let meets_same_regions = !GRADIENT || footprints.difference.group(block.strip).span == span;
-            // One loop per span, so that no tap branches on it.
-            match span {
-                Span::One if meets_same_regions => sheet.upsample::<S, 1, GRADIENT>(s, block),
-                Span::Two if meets_same_regions => sheet.upsample::<S, 2, GRADIENT>(s, block),
-                _ => sheet.upsample::<S, 0, GRADIENT>(s, block),
-            }
+            let rows = reached_by(&sheet.v.value, block.rows());
+            sheet.upsample_densities(s, block.strip, rows);
+            let rows = &sheet.density_u[block.strip * sheet.n_v..];
+            let texels = block_of(&mut sheet.texels, block);
+            let [least, most] = blend_block(s, rows, &sheet.v.value, block.row, texels);
+            let extremes = &mut sheet.extremes[block.place()];
+            s.store(least, &mut extremes[0].0);
+            s.store(most, &mut extremes[1].0);
         }
     }
 }
 
-/// Upsamples a row of samples to a chunk of texels.
+/// Kernel that upsamples the sample rows of a block along u for gradients.
+pub(super) struct UpsampleGradients<'a> {
+    pub sheet: &'a mut Sheet,
+    pub block: Block,
+}
+
+impl VectorKernel for UpsampleGradients<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn run<S: Simd>(self, s: S) {
+        let Self { sheet, block } = self;
+        let strip = block.strip;
+        let (of_value, of_difference) = (sheet.u.value.group(strip), sheet.u.difference.group(strip));
+        let first = strip * sheet.n_v;
+        let n_v = sheet.n_v;
+        let slices = |samples| SampleRows { samples, stride: sheet.stride };
+        let rows = if sheet.is_smoothed() { &sheet.v.smooth } else { &sheet.v.value };
+        let rows = sheet.gradient_rows[strip].missing(reached_by(rows, block.rows()));
+        if sheet.is_smoothed() {
+            let of_smooth = sheet.u.smooth.group(strip);
+            for rows in rows {
+                let out = [&mut sheet.along_u[first..][..n_v], &mut sheet.smooth_u[first..][..n_v]];
+                upsample_twice(s, slices(&sheet.smooth), rows.clone(), [&of_difference, &of_smooth], out);
+                upsample(s, slices(&sheet.through), rows, &of_smooth, &mut sheet.through_u[first..][..n_v]);
+            }
+            return;
+        }
+        for rows in rows {
+            upsample(s, slices(&sheet.density), rows.clone(), &of_difference, &mut sheet.along_u[first..][..n_v]);
+            upsample(s, slices(&sheet.through), rows, &of_value, &mut sheet.through_u[first..][..n_v]);
+        }
+        // The derivative along v reaches further than the density did.
+        let rows = reached_by(&sheet.v.difference, block.rows());
+        sheet.upsample_densities(s, strip, rows);
+    }
+}
+
+impl Sheet {
+    /// Upsamples those of the rows of a strip that are not upsampled yet.
+    #[inline(always)]
+    fn upsample_densities<S: Simd>(&mut self, s: S, strip: usize, rows: Range<usize>) {
+        let out = &mut self.density_u[strip * self.n_v..][..self.n_v];
+        let slices = SampleRows { samples: &self.density, stride: self.stride };
+        for rows in self.density_rows[strip].missing(rows) {
+            upsample(s, slices, rows, &self.u.value.group(strip), out);
+        }
+    }
+}
+
+/// Sample rows of a strip that are upsampled.
+#[derive(Clone, Debug, Default)]
+pub(super) struct DoneRows(Range<usize>);
+
+impl DoneRows {
+    /// Rows of a range that are not done yet, in up to two ranges; they count as done from now on. Where the range does
+    /// not touch those that are done, these are forgotten: making a few rows again is cheaper than a list.
+    #[inline(always)]
+    pub(super) fn missing(&mut self, rows: Range<usize>) -> [Range<usize>; 2] {
+        let done = &mut self.0;
+        if rows.end < done.start || done.end < rows.start || done.start == done.end {
+            *done = rows.clone();
+            return [rows, 0..0];
+        }
+        let missing = [rows.start..done.start.max(rows.start), done.end.min(rows.end)..rows.end];
+        *done = done.start.min(rows.start)..done.end.max(rows.end);
+        missing
+    }
+
+    /// Forgets all rows.
+    pub(super) fn clear(&mut self) {
+        self.0 = 0..0;
+    }
+}
+
+/// Rows of combined slices.
+#[derive(Clone, Copy)]
+pub(super) struct SampleRows<'a> {
+    pub samples: &'a [f32],
+    /// Numbers from a row to the next.
+    pub stride: usize,
+}
+
+/// Upsamples rows of samples to a strip: `out[row] = Σ weight · sample`.
 #[inline(always)]
-pub(super) fn upsample<S: Simd, const N_VECTORS: usize>(s: S, samples: &[f32], group: &Group) -> S::F {
-    let mut sum = s.splat(0.0);
-    for (t, weights) in group.weights.iter().enumerate() {
-        let samples = &samples[group.base + t..];
-        let taken = match N_VECTORS {
-            1 => take_near(s, samples, group),
-            2 => take_near_or_far(s, samples, group),
-            _ => take_one_by_one(s, samples, group),
-        };
-        sum = s.add_mul(sum, s.load(&weights.0), taken);
+pub(super) fn upsample<S: Simd>(s: S, from: SampleRows, rows: Range<usize>, group: &Group, out: &mut [Lanes]) {
+    // The usual numbers of taps, unrolled.
+    match (group.places.reach(), group.weights.len()) {
+        (Reach::Near, 2) => upsample_near::<S, 2>(s, from, rows, group, out),
+        (Reach::Near, 4) => upsample_near::<S, 4>(s, from, rows, group, out),
+        (Reach::Near, 6) => upsample_near::<S, 6>(s, from, rows, group, out),
+        _ => upsample_anywhere(s, from, rows, group, out),
+    }
+}
+
+/// [`upsample`] where places are near, by `N` taps.
+#[inline(always)]
+fn upsample_near<S: Simd, const N: usize>(
+    s: S,
+    from: SampleRows,
+    rows: Range<usize>,
+    group: &Group,
+    out: &mut [Lanes],
+) {
+    let (weights, at) = (weights::<S, N>(s, group), s.at(group.places));
+    let mut start = rows.start * from.stride + group.base;
+    for out in &mut out[rows] {
+        let samples = s.gather::<N>(&from.samples[start..], at);
+        s.store(weighted(s, &weights, &samples), &mut out.0);
+        start += from.stride;
+    }
+}
+
+/// Upsamples rows of samples by two groups at the same places.
+#[inline(always)]
+fn upsample_twice<S: Simd>(s: S, from: SampleRows, rows: Range<usize>, groups: [&Group; 2], out: [&mut [Lanes]; 2]) {
+    let [a, b] = out;
+    if groups[0].places.reach() == Reach::Near && groups[0].weights.len() == 6 {
+        let [of_a, of_b] = [weights::<S, 6>(s, groups[0]), weights::<S, 6>(s, groups[1])];
+        let at = s.at(groups[0].places);
+        let mut start = rows.start * from.stride + groups[0].base;
+        for (a, b) in a[rows.clone()].iter_mut().zip(&mut b[rows]) {
+            let samples = s.gather::<6>(&from.samples[start..], at);
+            s.store(weighted(s, &of_a, &samples), &mut a.0);
+            s.store(weighted(s, &of_b, &samples), &mut b.0);
+            start += from.stride;
+        }
+        return;
+    }
+    upsample(s, from, rows.clone(), groups[0], a);
+    upsample(s, from, rows, groups[1], b);
+}
+
+#[inline(always)]
+fn weights<S: Simd, const N: usize>(s: S, group: &Group) -> [S::F; N] {
+    let mut weights = [s.splat(0.0); N];
+    for t in 0..N {
+        weights[t] = s.load(&group.weights[t].0);
+    }
+    weights
+}
+
+/// Σ weight · sample, from the first tap on.
+#[inline(always)]
+fn weighted<S: Simd, const N: usize>(s: S, weights: &[S::F; N], samples: &[S::F; N]) -> S::F {
+    let mut sum = s.mul(weights[0], samples[0]);
+    for t in 1..N {
+        sum = s.add_mul(sum, weights[t], samples[t]);
     }
     sum
 }
 
-/// Gathers `samples[index]` where all are in one vector. Rows are padded, so that two whole vectors can be read
-/// anywhere.
+/// [`upsample`] for any number of taps and any places.
 #[inline(always)]
-fn take_near<S: Simd>(s: S, samples: &[f32], group: &Group) -> S::F {
-    s.take(samples.first_chunk().unwrap_or(&[0.0; LANES]), group.index)
-}
-
-/// Gathers `samples[index]` where all are in two vectors.
-#[inline(always)]
-fn take_near_or_far<S: Simd>(s: S, samples: &[f32], group: &Group) -> S::F {
-    let (near, far) = samples.split_at(LANES.min(samples.len()));
-    // `take` reads indices modulo the lanes, so that the same ones serve both vectors.
-    let is_far = s.lt(s.splat(0.0), s.load(&group.far.0));
-    s.select(is_far, take_near(s, far, group), take_near(s, near, group))
-}
-
-/// Gathers `samples[index]` wherever they are.
-#[inline(always)]
-fn take_one_by_one<S: Simd>(s: S, samples: &[f32], group: &Group) -> S::F {
-    let mut out = [0.0; LANES];
-    for i in 0..LANES {
-        out[i] = samples[group.index.0[i] as usize];
+fn upsample_anywhere<S: Simd>(s: S, from: SampleRows, rows: Range<usize>, group: &Group, out: &mut [Lanes]) {
+    let at = s.at(group.places);
+    for row in rows {
+        let samples = &from.samples[row * from.stride + group.base..];
+        let mut sum = s.splat(0.0);
+        for (t, weights) in group.weights.iter().enumerate() {
+            let [taken] = match group.places.reach() {
+                Reach::Near => s.gather::<1>(&samples[t..], at),
+                Reach::Far => s.gather_far::<1>(&samples[t..], at),
+                Reach::Any => {
+                    let mut taken = [0.0; LANES];
+                    for i in 0..LANES {
+                        taken[i] = samples[t + group.places.index().0[i] as usize];
+                    }
+                    [s.load(&taken)]
+                }
+            };
+            sum = s.add_mul(sum, s.load(&weights.0), taken);
+        }
+        s.store(sum, &mut out[row].0);
     }
-    s.load(&out)
+}
+
+/// Blends upsampled rows to the texels of a block whose first row is `row`; returns the least and the largest
+/// of each column.
+#[inline(always)]
+pub(super) fn blend_block<S: Simd>(
+    s: S,
+    rows: &[Lanes],
+    footprint: &Footprint,
+    row: usize,
+    texels: &mut [Lanes; BLOCK_V],
+) -> [S::F; 2] {
+    let (mut least, mut most) = (s.splat(f32::INFINITY), s.splat(f32::NEG_INFINITY));
+    for k in 0..BLOCK_V {
+        let texel = blend_row(s, rows, footprint, row + k);
+        s.store(texel, &mut texels[k].0);
+        (least, most) = (s.min(texel, least), s.max(texel, most));
+    }
+    [least, most]
+}
+
+/// Blends the upsampled rows that reach one chunk or two of a strip.
+#[inline(always)]
+pub(super) fn blend<W: Wide>(w: W, rows: &[Lanes], footprint: &Footprint, chunks: [Chunk; 2]) -> W::F {
+    let first = blend_row(w.one(), rows, footprint, chunks[0].row);
+    let second = if W::N == 2 { blend_row(w.one(), rows, footprint, chunks[1].row) } else { first };
+    w.join(first, second)
+}
+
+#[inline(always)]
+fn blend_row<S: Simd>(s: S, rows: &[Lanes], footprint: &Footprint, row: usize) -> S::F {
+    let group = footprint.group(row / LANES);
+    let lane = row % LANES;
+    let rows = &rows[group.base + group.places.index().0[lane] as usize..];
+    // The usual numbers of taps, unrolled.
+    match group.weights.len() {
+        2 => blend_taps::<S, 2>(s, rows, &group, lane),
+        4 => blend_taps::<S, 4>(s, rows, &group, lane),
+        6 => blend_taps::<S, 6>(s, rows, &group, lane),
+        _ => {
+            let mut sum = s.splat(0.0);
+            for (samples, weights) in rows.iter().zip(group.weights) {
+                sum = s.add_mul(sum, s.splat(weights.0[lane]), s.load(&samples.0));
+            }
+            sum
+        }
+    }
+}
+
+#[inline(always)]
+fn blend_taps<S: Simd, const N: usize>(s: S, rows: &[Lanes], group: &Group, lane: usize) -> S::F {
+    // From zero on, so that no texel is −0.
+    let mut sum = s.splat(0.0);
+    if let Some((rows, weights)) = rows.first_chunk::<N>().zip(group.weights.first_chunk::<N>()) {
+        for t in 0..N {
+            sum = s.add_mul(sum, s.splat(weights[t].0[lane]), s.load(&rows[t].0));
+        }
+    }
+    sum
+}
+
+/// The chunks of a block, among those of a tile.
+#[inline(always)]
+pub(super) fn block_of(chunks: &mut [Lanes], block: Block) -> &mut [Lanes; BLOCK_V] {
+    let (blocks, _) = chunks.as_chunks_mut::<BLOCK_V>();
+    &mut blocks[block.place()]
 }
 
 /// Sample rows that the footprints of the texel rows reach.

@@ -1,0 +1,63 @@
+//! Places of sixteen lanes in a row of numbers, for [`Simd::gather`](super::Simd::gather).
+
+use super::{LANES, Lanes};
+
+/// Indices of sixteen lanes in a row; they rise or fall from lane to lane.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Places {
+    /// Index of each lane.
+    pub(super) index: Lanes<u32>,
+    /// Lowest index of the first and of the last eight lanes.
+    #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "only registers of eight numbers need it"))]
+    pub(super) starts: [u32; 2],
+    reach: Reach,
+}
+
+/// Length of the part of a row in which places lie.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Reach {
+    /// All indices are below 16, and those of each eight lanes span 8 numbers at most.
+    Near,
+    /// All indices are below 32, and those of each eight lanes span 16 numbers at most.
+    Far,
+    /// Any indices.
+    #[default]
+    Any,
+}
+
+/// Numbers from a row's beginning on that may be read of places that are [`Reach::Near`].
+pub const NEAR_ROOM: usize = 24;
+
+/// The same of places that are [`Reach::Far`].
+pub const FAR_ROOM: usize = 48;
+
+impl Places {
+    /// Places at indices that rise or fall from lane to lane.
+    #[inline(always)]
+    pub fn new(index: Lanes<u32>) -> Self {
+        const HALF: usize = LANES / 2;
+        let i = &index.0;
+        let (a, b, c, d) = (i[0], i[HALF - 1], i[HALF], i[LANES - 1]);
+        let spans = a.abs_diff(b).max(c.abs_diff(d)) as usize;
+        let last = a.max(d) as usize;
+        let reach = if last < LANES && spans < HALF {
+            Reach::Near
+        } else if last < 2 * LANES && spans < LANES {
+            Reach::Far
+        } else {
+            Reach::Any
+        };
+        Self { index, starts: [a.min(b), c.min(d)], reach }
+    }
+
+    /// Index of each lane.
+    pub fn index(&self) -> &Lanes<u32> {
+        &self.index
+    }
+
+    /// Length of the part of the row in which the places lie.
+    #[inline(always)]
+    pub fn reach(&self) -> Reach {
+        self.reach
+    }
+}

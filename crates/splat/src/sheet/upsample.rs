@@ -286,3 +286,77 @@ pub(super) fn reached_by(footprint: &Footprint, rows: Range<usize>) -> Range<usi
     let (a, b) = (footprint.first(rows.start), footprint.first(rows.end - 1));
     a.min(b)..a.max(b) + footprint.n_taps
 }
+
+#[cfg(test)]
+mod tests {
+    use wavesplat_compute::simd::{Level, Places};
+
+    use super::*;
+
+    #[test]
+    fn every_wanted_row_is_done_once_while_ranges_touch() {
+        let mut done = DoneRows::default();
+        let mut missing = |rows: Range<usize>| -> Vec<usize> { done.missing(rows).into_iter().flatten().collect() };
+        assert_eq!(missing(4..8), [4, 5, 6, 7]);
+        assert_eq!(missing(5..7), []);
+        assert_eq!(missing(6..10), [8, 9]);
+        assert_eq!(missing(2..12), [2, 3, 10, 11]);
+        assert_eq!(missing(12..13), [12]);
+        // Beyond a gap, what was done before is forgotten.
+        assert_eq!(missing(20..22), [20, 21]);
+        assert_eq!(missing(2..4), [2, 3]);
+        assert_eq!(missing(3..3), []);
+    }
+
+    /// Upsamples by lean loops where `lean`, else one number at a time.
+    struct Rows<'a> {
+        group: Group<'a>,
+        samples: &'a [f32],
+        lean: bool,
+    }
+
+    impl VectorKernel for Rows<'_> {
+        type Output = [[Lanes; 3]; 2];
+
+        #[inline(always)]
+        fn run<S: Simd>(self, s: S) -> Self::Output {
+            let Self { group, samples, lean } = self;
+            let from = SampleRows { samples, stride: 80 };
+            let mut out = [[Lanes::default(); 3]; 2];
+            if lean {
+                let [a, b] = &mut out;
+                upsample(s, from, 0..3, &group, a);
+                upsample_twice(s, from, 0..3, [&group, &group], [&mut [Lanes::default(); 3], b]);
+                return out;
+            }
+            for (r, lanes) in out[0].iter_mut().enumerate() {
+                for i in 0..LANES {
+                    let first = r * 80 + group.base + group.places.index().0[i] as usize;
+                    let terms = group.weights.iter().zip(&samples[first..]).map(|(weights, x)| weights.0[i] * x);
+                    lanes.0[i] = terms.reduce(|sum, term| sum + term).unwrap_or_default();
+                }
+            }
+            out[1] = out[0];
+            out
+        }
+    }
+
+    #[test]
+    fn lean_loops_give_what_loops_over_numbers_give() {
+        let samples: Vec<f32> = (0..240).map(|i| (i as f32 * 0.7).sin() + 2.0).collect();
+        let weights: Vec<Lanes> =
+            (0..6).map(|t| Lanes(std::array::from_fn(|i| 0.1 + ((t * 16 + i) as f32).cos()))).collect();
+        for step in [-3.0_f32, -1.4, -0.6, 0.0, 0.4, 0.99, 1.3, 2.0, 3.0] {
+            let lowest = (15.0 * step).min(0.0);
+            let places = Places::new(Lanes(std::array::from_fn(|i| (step * i as f32 - lowest) as u32)));
+            for n_taps in 1..=6 {
+                let group = Group { base: 2, places: &places, weights: &weights[..n_taps] };
+                for level in Level::all() {
+                    let [lean, plain] =
+                        [true, false].map(|lean| level.dispatch(Rows { group, samples: &samples, lean }));
+                    assert_eq!(lean, plain, "{level:?}, {n_taps} taps, step {step}");
+                }
+            }
+        }
+    }
+}

@@ -28,7 +28,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality edges random-functions random-scenes looks looks-beside-vtk study study-wavelets study-lod bench bench-gpu bench-psnr bench-qualities bench-threads bench-layers scene-hashes roofline instructions gallery golden pictures \
+.PHONY: help demo test check fmt quality edges random-functions random-scenes looks looks-beside-vtk study study-wavelets study-lod bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers scene-hashes roofline instructions gallery golden pictures \
 	clean wheel fuzz memcheck miri fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
 	rust-test python-test test-arm rust-lint python-lint stubs spelling licences docs readme
 
@@ -90,6 +90,9 @@ bench-psnr: $(STAMPS)/package ## draw pictures of a wanted PSNR and compare with
 bench-qualities: $(STAMPS)/package ## PSNR and time of each named quality beside "normal", on the cases of the goals
 	BENCH_DATA=$(BENCH_DATA) python benches/qualities.py
 
+bench-usual: $(STAMPS)/package ## time the pictures that people ask for: look and light, occlusion, labels, moving frame, slice
+	python benches/usual.py
+
 bench-layers: $(STAMPS)/package ## time pictures of several volumes beside those of one
 	python benches/layers.py
 
@@ -150,7 +153,7 @@ fuzz: $(STAMPS)/tools ## feed damaged files, documents and messages to all that 
 fixtures: ## write the fixtures of the stages anew, from their formulas
 	WAVESPLAT_WRITE_FIXTURES=1 cargo test --locked -p wavesplat-splat --test stages -- fixtures_are
 
-instructions: $(STAMPS)/package ## count the instructions per texel with valgrind; INSTRUCTIONS=--record keeps the counts
+instructions: $(STAMPS)/package ## count the instructions per texel with valgrind; INSTRUCTIONS="--beside PROGRAM" times frames beside another build
 	cargo build --locked --release -p wavesplat-splat --example frames
 	BENCH_DATA=$(BENCH_DATA) python benches/instructions.py $(INSTRUCTIONS)
 

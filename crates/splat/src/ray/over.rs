@@ -89,9 +89,10 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
         if geometry.slices.has_mask() {
             length = w.mul(length, known_share(w, sheet.missing(w, chunks)));
         }
-        let mut classified = self.classifier.look_up(w, density);
         let by_gradient = self.modifiers.by_gradient.as_ref().filter(|_| MODIFIED);
+        // Before the look-up: compilers keep the entries that it reads, not the colours, across this.
         let gradient = if needs_gradient { Some(sheet.gradient(w, chunks)) } else { None };
+        let mut classified = self.classifier.look_up(w, density);
         if let Some((by_gradient, gradient)) = by_gradient.zip(gradient) {
             classified = by_gradient.classify(w, density, gradient, classified);
             let [.., depth] = classified;
@@ -195,13 +196,13 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
         let mean = w.select(is_seen, w.div(moment, alpha), w.splat(0.5));
         let within = w.add_mul(passage.first, mean, w.sub(passage.last, passage.first));
         let at = w.add_mul(begin, within, w.mul(extent, per_s));
-        let rgb = self.classifier.color(w, w.add_mul(front, at, change));
         let mut gradient = None;
         if self.shader.is_some() {
             let front = slab.first.front.gradient(w, chunks);
             let back = slab.first.back.gradient(w, chunks);
             gradient = Some(between(w, front, back, at));
         }
+        let rgb = self.classifier.color(w, w.add_mul(front, at, change));
         let to_eye = rays.to_eye(w, chunks);
         let mut rgb = if !MODIFIED || scan_ahead {
             self.shade(w, rgb, gradient, to_eye, &FieldPoint::between(&self.here, at))

@@ -224,32 +224,34 @@ pub(super) fn blend_block<S: Simd>(
     texels: &mut [Lanes; BLOCK_V],
 ) -> [S::F; 2] {
     let (mut least, mut most) = (s.splat(f32::INFINITY), s.splat(f32::NEG_INFINITY));
+    let (group, lane) = (footprint.group(row / LANES), row % LANES);
     for k in 0..BLOCK_V {
-        let texel = blend_row(s, rows, footprint, row + k);
+        let texel = blend_row(s, rows, &group, lane + k);
         s.store(texel, &mut texels[k].0);
         (least, most) = (s.min(texel, least), s.max(texel, most));
     }
     [least, most]
 }
 
-/// Blends the upsampled rows that reach one chunk or two of a strip.
+/// Blends the upsampled rows that reach one chunk or two of a block.
 #[inline(always)]
 pub(super) fn blend<W: Wide>(w: W, rows: &[Lanes], footprint: &Footprint, chunks: [Chunk; 2]) -> W::F {
-    let first = blend_row(w.one(), rows, footprint, chunks[0].row);
-    let second = if W::N == 2 { blend_row(w.one(), rows, footprint, chunks[1].row) } else { first };
+    // The rows of a block are in one group.
+    let group = footprint.group(chunks[0].row / LANES);
+    let first = blend_row(w.one(), rows, &group, chunks[0].row % LANES);
+    let second = if W::N == 2 { blend_row(w.one(), rows, &group, chunks[1].row % LANES) } else { first };
     w.join(first, second)
 }
 
+/// Blends the upsampled rows that reach the row of texels at a lane of a group.
 #[inline(always)]
-fn blend_row<S: Simd>(s: S, rows: &[Lanes], footprint: &Footprint, row: usize) -> S::F {
-    let group = footprint.group(row / LANES);
-    let lane = row % LANES;
+fn blend_row<S: Simd>(s: S, rows: &[Lanes], group: &Group, lane: usize) -> S::F {
     let rows = &rows[group.base + group.places.index().0[lane] as usize..];
     // The usual numbers of taps, unrolled.
     match group.weights.len() {
-        2 => blend_taps::<S, 2>(s, rows, &group, lane),
-        4 => blend_taps::<S, 4>(s, rows, &group, lane),
-        6 => blend_taps::<S, 6>(s, rows, &group, lane),
+        2 => blend_taps::<S, 2>(s, rows, group, lane),
+        4 => blend_taps::<S, 4>(s, rows, group, lane),
+        6 => blend_taps::<S, 6>(s, rows, group, lane),
         _ => {
             let mut sum = s.splat(0.0);
             for (samples, weights) in rows.iter().zip(group.weights) {

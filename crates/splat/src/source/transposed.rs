@@ -12,7 +12,7 @@ use crate::source::block_cache::DensityBox;
 use crate::source::geometry::SheetGeometry;
 use crate::source::geometry::reached;
 use crate::source::geometry::window;
-use crate::source::window::{Window, sum_slices};
+use crate::source::window::{SumRows, Window, sum_slices};
 
 /// Panel: densities of a box of samples, slice by slice.
 pub struct TransposedSlices {
@@ -125,12 +125,10 @@ impl TransposedSlices {
         level.run(
             #[inline(always)]
             || {
-                for r in 0..window.n_v() {
-                    let row = &mut out[r * stride..];
-                    let n_room = stride.min(row.len());
-                    let from = |slice: usize| (slice - self.first) * plane + (first[1] + r) * self.stride + first[0];
-                    sum_slices(&self.densities, taps, from, &mut row[..n_room], window.n_u(), &|d| d);
-                }
+                let starts = |slice: usize| (slice - self.first) * plane + first[0];
+                let lines = |r: usize| (first[1] + r) * self.stride;
+                let out = SumRows { out, stride, room: stride, n: window.n_u(), n_rows: window.n_v() };
+                sum_slices(&self.densities, taps, None, starts, lines, out, &|d| d);
             },
         );
         true

@@ -86,22 +86,25 @@ impl SliceRectangle {
         let n_left = (inner_lo - u_lo) as usize;
         let n_inner = (inner_hi - inner_lo + 1) as usize;
         let n_u = self.window.n_u();
-        for r in 0..self.window.n_v() {
-            let line = self.place(1, v_lo + r as i64);
-            let from = |slice: usize| (slice - first_w) * sw + line + (inner_lo as usize - first_u) * su;
-            // The gap between output rows may be overwritten, so that whole vectors can be written.
+        let n_v = self.window.n_v();
+        let lines = |r: usize| self.place(1, v_lo + r as i64);
+        let starts = |slice: usize| (slice - first_w) * sw + (inner_lo as usize - first_u) * su;
+        if su == 1 {
+            let room = self.out_stride - n_left;
+            let out = SumRows { out: &mut out[n_left..], stride: self.out_stride, room, n: n_inner, n_rows: n_v };
+            sum_slices(grid, taps, soon, starts, lines, out, &density);
+        }
+        if su == 1 && n_inner == n_u {
+            return;
+        }
+        for r in 0..n_v {
+            let line = lines(r);
             let row = &mut out[r * self.out_stride..];
-            let n_room = self.out_stride.min(row.len());
-            if su == 1 {
-                if let Some(slice) = soon {
-                    prefetch(&grid[from(slice)..][..n_inner]);
-                }
-                sum_slices(grid, taps, from, &mut row[n_left..n_room], n_inner, &density);
-            } else {
+            if su != 1 {
                 let inner = &mut row[n_left..n_left + n_inner];
                 inner.fill(0.0);
                 for &(slice, weight) in taps {
-                    for (o, s) in inner.iter_mut().zip(grid[from(slice)..].iter().step_by(su)) {
+                    for (o, s) in inner.iter_mut().zip(grid[starts(slice) + line..].iter().step_by(su)) {
                         *o += weight * density(*s);
                     }
                 }
@@ -118,72 +121,103 @@ impl SliceRectangle {
     }
 }
 
-/// Writes `out = Σ weight · density` over slices whose `n` samples are contiguous; `from` returns where those of a
-/// slice begin. `out` may be overwritten beyond `n`.
+/// Rows that sums of slices are written to.
+pub struct SumRows<'a> {
+    /// Numbers, the first row's from the beginning on.
+    pub out: &'a mut [f32],
+    /// Numbers from a row to the next.
+    pub stride: usize,
+    /// Numbers of a row that may be overwritten, so that whole vectors can be written.
+    pub room: usize,
+    /// Sums per row.
+    pub n: usize,
+    /// Rows.
+    pub n_rows: usize,
+}
+
+/// Writes `out = Σ weight · density` over slices whose samples are contiguous along a row. `starts` returns where those
+/// of a slice begin, `lines` what is added to that in a row. `soon`: a slice that is combined soon; each of its rows is
+/// prefetched while the same row of the taps is summed.
 #[inline(always)]
 pub fn sum_slices<T: Copy>(
     grid: &[T],
     taps: &[SliceTap],
-    from: impl Fn(usize) -> usize,
-    out: &mut [f32],
-    n: usize,
+    soon: Option<usize>,
+    starts: impl Fn(usize) -> usize,
+    lines: impl Fn(usize) -> usize,
+    out: SumRows,
     density: &impl Fn(T) -> f32,
 ) {
     // The usual numbers of taps, unrolled.
     match taps.len() {
-        1 => sum_rows::<1, _>(grid, taps, from, out, n, density),
-        2 => sum_rows::<2, _>(grid, taps, from, out, n, density),
-        3 => sum_rows::<3, _>(grid, taps, from, out, n, density),
-        4 => sum_rows::<4, _>(grid, taps, from, out, n, density),
-        6 => sum_rows::<6, _>(grid, taps, from, out, n, density),
+        1 => sum_rows::<1, _>(grid, taps, soon, starts, lines, out, density),
+        2 => sum_rows::<2, _>(grid, taps, soon, starts, lines, out, density),
+        3 => sum_rows::<3, _>(grid, taps, soon, starts, lines, out, density),
+        4 => sum_rows::<4, _>(grid, taps, soon, starts, lines, out, density),
+        6 => sum_rows::<6, _>(grid, taps, soon, starts, lines, out, density),
         _ => {
-            let out = &mut out[..n];
-            out.fill(0.0);
-            for &(slice, weight) in taps {
-                for (o, s) in out.iter_mut().zip(&grid[from(slice)..]) {
-                    *o += weight * density(*s);
+            for r in 0..out.n_rows {
+                let row = &mut out.out[r * out.stride..][..out.n];
+                row.fill(0.0);
+                for &(slice, weight) in taps {
+                    for (o, s) in row.iter_mut().zip(&grid[starts(slice) + lines(r)..]) {
+                        *o += weight * density(*s);
+                    }
                 }
             }
         }
     }
 }
 
-/// Writes `out = Σ weight · density` over `N` slices, in one pass, a vector at a time. Rows of a tile are short, so
-/// whole vectors are read and written beyond the end of a row where there is room.
+/// [`sum_slices`] over `N` slices, in one pass, a vector at a time. Rows of a tile are short, so whole vectors are read
+/// and written beyond the end of a row where there is room.
 #[inline(always)]
 fn sum_rows<const N: usize, T: Copy>(
     grid: &[T],
     taps: &[SliceTap],
-    from: impl Fn(usize) -> usize,
-    out: &mut [f32],
-    n: usize,
+    soon: Option<usize>,
+    starts: impl Fn(usize) -> usize,
+    lines: impl Fn(usize) -> usize,
+    SumRows { out, stride, room, n, n_rows }: SumRows,
     density: &impl Fn(T) -> f32,
 ) {
     let Some(taps) = taps.first_chunk::<N>() else { return };
-    let mut rows: [&[T]; N] = [&[]; N];
-    let mut weights = [0.0; N];
-    let mut n_room = out.len();
+    let soon = soon.map(&starts);
+    let (mut firsts, mut weights) = ([0; N], [0.0; N]);
     for k in 0..N {
-        rows[k] = &grid[from(taps[k].0)..];
+        firsts[k] = starts(taps[k].0);
         weights[k] = taps[k].1;
-        n_room = n_room.min(rows[k].len());
     }
-    // All bounds are checked before the first sample is read: compilers vectorise only loops that no branch interrupts.
-    let n_whole = if n.next_multiple_of(LANES) <= n_room { n.next_multiple_of(LANES) } else { n / LANES * LANES };
-    let rows = rows.map(|row| &row[..n_room]);
-    for i in (0..n_whole).step_by(LANES) {
-        let mut sums = [0.0; LANES];
-        for k in 0..N {
-            let samples = &rows[k][i..i + LANES];
-            for j in 0..LANES {
-                sums[j] += weights[k] * density(samples[j]);
-            }
+    for r in 0..n_rows {
+        let line = lines(r);
+        if let Some(soon) = soon {
+            prefetch(&grid[soon + line..][..n]);
         }
-        out[i..i + LANES].copy_from_slice(&sums);
-    }
-    // At the very end of the grid, or where rows lie side by side.
-    for i in n_whole..n {
-        out[i] = (0..N).fold(0.0, |sum, k| sum + weights[k] * density(rows[k][i]));
+        let row = &mut out[r * stride..];
+        let mut n_room = room.min(row.len());
+        let mut rows: [&[T]; N] = [&[]; N];
+        for k in 0..N {
+            rows[k] = &grid[firsts[k] + line..];
+            n_room = n_room.min(rows[k].len());
+        }
+        // All bounds are checked before the first sample is read: compilers vectorise only loops that no branch
+        // interrupts.
+        let n_whole = if n.next_multiple_of(LANES) <= n_room { n.next_multiple_of(LANES) } else { n / LANES * LANES };
+        let rows = rows.map(|row| &row[..n_room]);
+        for i in (0..n_whole).step_by(LANES) {
+            let mut sums = [0.0; LANES];
+            for k in 0..N {
+                let samples = &rows[k][i..i + LANES];
+                for j in 0..LANES {
+                    sums[j] += weights[k] * density(samples[j]);
+                }
+            }
+            row[i..i + LANES].copy_from_slice(&sums);
+        }
+        // At the very end of the grid, or where rows lie side by side.
+        for i in n_whole..n {
+            row[i] = (0..N).fold(0.0, |sum, k| sum + weights[k] * density(rows[k][i]));
+        }
     }
 }
 

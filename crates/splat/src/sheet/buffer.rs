@@ -188,6 +188,11 @@ impl Sheet {
         geometry.level.dispatch(UpsampleGradients { sheet: self, block });
     }
 
+    /// Whether its arrays take less than about a megabyte, so that threads may keep it.
+    pub fn is_small(&self) -> bool {
+        self.density.len() <= 1 << 16
+    }
+
     /// Whether gradients have footprints of their own across the derivatives.
     pub(super) fn is_smoothed(&self) -> bool {
         self.v.smooth.n_taps > 0

@@ -1,10 +1,25 @@
 //! The sheets of a layer as a tile goes from slab to slab: the front one, the back one, and their samples.
 
+use std::cell::RefCell;
+
 use crate::sheet::buffer::Sheet;
 use crate::sheet::tile_layout::{Block, BlockMask};
 use crate::sheet::tile_rays::Rays;
 use crate::source::geometry::SheetGeometry;
 use crate::source::transposed::TransposedSlices;
+
+/// Sheets that a thread keeps for its next tiles: a sheet's arrays are mostly 100 kB, which would be zeroed for
+/// every tile.
+const MAX_SPARE: usize = 16;
+
+thread_local! {
+    static SPARE: RefCell<Vec<Sheet>> = const { RefCell::new(Vec::new()) };
+}
+
+/// A sheet, of an earlier tile where there is one: nothing is read of a sheet that was not made for its place.
+fn spare_sheet() -> Sheet {
+    SPARE.with_borrow_mut(Vec::pop).unwrap_or_default()
+}
 
 /// The sheets of a layer on both sides of a slab.
 pub struct LayerSheets<'a> {
@@ -30,8 +45,8 @@ impl<'a> LayerSheets<'a> {
         Self {
             geometry,
             transposed: TransposedSlices::default(),
-            front: Sheet::default(),
-            back: Sheet::default(),
+            front: spare_sheet(),
+            back: spare_sheet(),
             rays,
             blocks: 0,
             last: 0,
@@ -61,5 +76,17 @@ impl<'a> LayerSheets<'a> {
     #[inline(always)]
     pub fn is_last(&self, block: Block) -> bool {
         self.last & block.mask() != 0
+    }
+}
+
+impl Drop for LayerSheets<'_> {
+    fn drop(&mut self) {
+        let sheets = [&mut self.front, &mut self.back].map(std::mem::take);
+        // A thread that ends has no store any more.
+        let _ = SPARE.try_with(|spare| {
+            let mut spare = spare.borrow_mut();
+            let room = MAX_SPARE.saturating_sub(spare.len());
+            spare.extend(sheets.into_iter().filter(Sheet::is_small).take(room));
+        });
     }
 }

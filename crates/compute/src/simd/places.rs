@@ -10,12 +10,12 @@ pub struct Places {
     /// Lowest index of the first and of the last eight lanes.
     #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code, reason = "only registers of eight numbers need it"))]
     pub(super) starts: [u32; 2],
-    reach: Reach,
+    nearness: Nearness,
 }
 
 /// Length of the part of a row in which places lie.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Reach {
+pub enum Nearness {
     /// All indices are below 16, and those of each eight lanes span 8 numbers at most.
     Near,
     /// All indices are below 32, and those of each eight lanes span 16 numbers at most.
@@ -25,10 +25,10 @@ pub enum Reach {
     Any,
 }
 
-/// Numbers from a row's beginning on that may be read of places that are [`Reach::Near`].
+/// Numbers from a row's beginning on that may be read of places that are [`Nearness::Near`].
 pub const NEAR_ROOM: usize = 24;
 
-/// The same of places that are [`Reach::Far`].
+/// The same of places that are [`Nearness::Far`].
 pub const FAR_ROOM: usize = 48;
 
 impl Places {
@@ -40,14 +40,14 @@ impl Places {
         let (a, b, c, d) = (i[0], i[HALF - 1], i[HALF], i[LANES - 1]);
         let spans = a.abs_diff(b).max(c.abs_diff(d)) as usize;
         let last = a.max(d) as usize;
-        let reach = if last < LANES && spans < HALF {
-            Reach::Near
+        let nearness = if last < LANES && spans < HALF {
+            Nearness::Near
         } else if last < 2 * LANES && spans < LANES {
-            Reach::Far
+            Nearness::Far
         } else {
-            Reach::Any
+            Nearness::Any
         };
-        Self { index, starts: [a.min(b), c.min(d)], reach }
+        Self { index, starts: [a.min(b), c.min(d)], nearness }
     }
 
     /// Index of each lane.
@@ -57,7 +57,7 @@ impl Places {
 
     /// Length of the part of the row in which the places lie.
     #[inline(always)]
-    pub fn reach(&self) -> Reach {
-        self.reach
+    pub fn nearness(&self) -> Nearness {
+        self.nearness
     }
 }

@@ -9,7 +9,7 @@ use crate::kernel::footprint::{Axis, AxisFootprints};
 use crate::kernel::footprint_table::bits;
 use crate::sheet::buffer::{PADDING, reached};
 use crate::sheet::tile_layout::{BLOCK_V, Block, BlockMask, Chunk, N_STRIPS, TILE_V};
-use crate::sheet::upsample::{DoneRows, SampleRows, blend_block, block_of, reached_by, upsample};
+use crate::sheet::upsample::{DoneRows, SliceRows, blend_block, block_of, reached_by, upsample};
 use crate::source::geometry::SheetGeometry;
 use crate::source::window::Window;
 
@@ -92,7 +92,7 @@ impl VectorKernel for UpsampleShares<'_> {
         for block in bits(blocks).map(Block::new) {
             let group = shares.u.value.group(block.strip);
             let out = &mut shares.rows[block.strip * shares.n_v..][..shares.n_v];
-            let slices = SampleRows { samples: &shares.slices, stride: shares.stride };
+            let slices = SliceRows { samples: &shares.slices, stride: shares.stride };
             for rows in shares.done[block.strip].missing(reached_by(&shares.v.value, block.rows())) {
                 upsample(s, slices, rows, &group, out);
             }

@@ -9,7 +9,7 @@ use std::ops::Range;
 use crate::kernel::footprint_table::{Footprint, Group, bits};
 use crate::sheet::buffer::Sheet;
 use crate::sheet::tile_layout::{BLOCK_V, Block, BlockMask, Chunk};
-use wavesplat_compute::simd::{LANES, Lanes, Reach, Simd, VectorKernel, Wide};
+use wavesplat_compute::simd::{LANES, Lanes, Nearness, Simd, VectorKernel, Wide};
 
 /// Kernel that makes the densities of all texels of blocks, and the least and largest of each of their columns.
 pub(super) struct MakeDensities<'a> {
@@ -52,7 +52,7 @@ impl VectorKernel for UpsampleGradients<'_> {
         let (of_value, of_difference) = (sheet.u.value.group(strip), sheet.u.difference.group(strip));
         let first = strip * sheet.n_v;
         let n_v = sheet.n_v;
-        let slices = |samples| SampleRows { samples, stride: sheet.stride };
+        let slices = |samples| SliceRows { samples, stride: sheet.stride };
         let rows = if sheet.is_smoothed() { &sheet.v.smooth } else { &sheet.v.value };
         let rows = sheet.gradient_rows[strip].missing(reached_by(rows, block.rows()));
         if sheet.is_smoothed() {
@@ -79,7 +79,7 @@ impl Sheet {
     #[inline(always)]
     fn upsample_densities<S: Simd>(&mut self, s: S, strip: usize, rows: Range<usize>) {
         let out = &mut self.density_u[strip * self.n_v..][..self.n_v];
-        let slices = SampleRows { samples: &self.density, stride: self.stride };
+        let slices = SliceRows { samples: &self.density, stride: self.stride };
         for rows in self.density_rows[strip].missing(rows) {
             upsample(s, slices, rows, &self.u.value.group(strip), out);
         }
@@ -113,7 +113,7 @@ impl DoneRows {
 
 /// Rows of combined slices.
 #[derive(Clone, Copy)]
-pub(super) struct SampleRows<'a> {
+pub(super) struct SliceRows<'a> {
     pub samples: &'a [f32],
     /// Numbers from a row to the next.
     pub stride: usize,
@@ -121,25 +121,19 @@ pub(super) struct SampleRows<'a> {
 
 /// Upsamples rows of samples to a strip: `out[row] = Σ weight · sample`.
 #[inline(always)]
-pub(super) fn upsample<S: Simd>(s: S, from: SampleRows, rows: Range<usize>, group: &Group, out: &mut [Lanes]) {
+pub(super) fn upsample<S: Simd>(s: S, from: SliceRows, rows: Range<usize>, group: &Group, out: &mut [Lanes]) {
     // The usual numbers of taps, unrolled.
-    match (group.places.reach(), group.weights.len()) {
-        (Reach::Near, 2) => upsample_near::<S, 2>(s, from, rows, group, out),
-        (Reach::Near, 4) => upsample_near::<S, 4>(s, from, rows, group, out),
-        (Reach::Near, 6) => upsample_near::<S, 6>(s, from, rows, group, out),
+    match (group.places.nearness(), group.weights.len()) {
+        (Nearness::Near, 2) => upsample_near::<S, 2>(s, from, rows, group, out),
+        (Nearness::Near, 4) => upsample_near::<S, 4>(s, from, rows, group, out),
+        (Nearness::Near, 6) => upsample_near::<S, 6>(s, from, rows, group, out),
         _ => upsample_anywhere(s, from, rows, group, out),
     }
 }
 
 /// [`upsample`] where places are near, by `N` taps.
 #[inline(always)]
-fn upsample_near<S: Simd, const N: usize>(
-    s: S,
-    from: SampleRows,
-    rows: Range<usize>,
-    group: &Group,
-    out: &mut [Lanes],
-) {
+fn upsample_near<S: Simd, const N: usize>(s: S, from: SliceRows, rows: Range<usize>, group: &Group, out: &mut [Lanes]) {
     let (weights, at) = (weights::<S, N>(s, group), s.at(group.places));
     let mut start = rows.start * from.stride + group.base;
     for out in &mut out[rows] {
@@ -151,9 +145,9 @@ fn upsample_near<S: Simd, const N: usize>(
 
 /// Upsamples rows of samples by two groups at the same places.
 #[inline(always)]
-fn upsample_twice<S: Simd>(s: S, from: SampleRows, rows: Range<usize>, groups: [&Group; 2], out: [&mut [Lanes]; 2]) {
+fn upsample_twice<S: Simd>(s: S, from: SliceRows, rows: Range<usize>, groups: [&Group; 2], out: [&mut [Lanes]; 2]) {
     let [a, b] = out;
-    if groups[0].places.reach() == Reach::Near && groups[0].weights.len() == 6 {
+    if groups[0].places.nearness() == Nearness::Near && groups[0].weights.len() == 6 {
         let [of_a, of_b] = [weights::<S, 6>(s, groups[0]), weights::<S, 6>(s, groups[1])];
         let at = s.at(groups[0].places);
         let mut start = rows.start * from.stride + groups[0].base;
@@ -190,16 +184,16 @@ fn weighted<S: Simd, const N: usize>(s: S, weights: &[S::F; N], samples: &[S::F;
 
 /// [`upsample`] for any number of taps and any places.
 #[inline(always)]
-fn upsample_anywhere<S: Simd>(s: S, from: SampleRows, rows: Range<usize>, group: &Group, out: &mut [Lanes]) {
+fn upsample_anywhere<S: Simd>(s: S, from: SliceRows, rows: Range<usize>, group: &Group, out: &mut [Lanes]) {
     let at = s.at(group.places);
     for row in rows {
         let samples = &from.samples[row * from.stride + group.base..];
         let mut sum = s.splat(0.0);
         for (t, weights) in group.weights.iter().enumerate() {
-            let [taken] = match group.places.reach() {
-                Reach::Near => s.gather::<1>(&samples[t..], at),
-                Reach::Far => s.gather_far::<1>(&samples[t..], at),
-                Reach::Any => {
+            let [taken] = match group.places.nearness() {
+                Nearness::Near => s.gather::<1>(&samples[t..], at),
+                Nearness::Far => s.gather_far::<1>(&samples[t..], at),
+                Nearness::Any => {
                     let mut taken = [0.0; LANES];
                     for i in 0..LANES {
                         taken[i] = samples[t + group.places.index().0[i] as usize];
@@ -323,7 +317,7 @@ mod tests {
         #[inline(always)]
         fn run<S: Simd>(self, s: S) -> Self::Output {
             let Self { group, samples, lean } = self;
-            let from = SampleRows { samples, stride: 80 };
+            let from = SliceRows { samples, stride: 80 };
             let mut out = [[Lanes::default(); 3]; 2];
             if lean {
                 let [a, b] = &mut out;

@@ -13,7 +13,7 @@ pub struct Places {
     nearness: Nearness,
 }
 
-/// Length of the part of a row in which places lie.
+/// How near to the row's beginning, and to each other, the places of sixteen lanes lie.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Nearness {
     /// All indices are below 16, and those of each eight lanes span 8 numbers at most.
@@ -55,7 +55,7 @@ impl Places {
         &self.index
     }
 
-    /// Length of the part of the row in which the places lie.
+    /// How near the places lie.
     #[inline(always)]
     pub fn nearness(&self) -> Nearness {
         self.nearness

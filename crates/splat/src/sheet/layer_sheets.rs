@@ -8,8 +8,8 @@ use crate::sheet::tile_rays::Rays;
 use crate::source::geometry::SheetGeometry;
 use crate::source::transposed::TransposedSlices;
 
-/// Sheets that a thread keeps for its next tiles: a sheet's arrays are mostly 100 kB, which would be zeroed for
-/// every tile.
+/// Largest number of sheets that a thread keeps for its next tiles. New ones would be zeroed for every tile, mostly
+/// 100 kB.
 const MAX_SPARE: usize = 16;
 
 thread_local! {

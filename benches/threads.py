@@ -2,16 +2,26 @@
 
 What is drawn are the cases of the group "goals" of `cases.toml` at quality "normal", on the CPU: median wall time of
 turned frames after two. The speedup is against one thread in the same run.
+
+`--simulate` needs no wide machine: the example `tile_times` measures each tile of a frame on one thread, and list
+scheduling (Graham 1966: a thread that is free takes the next tile) gives the time of a frame by `n` threads. Told is
+the efficiency, the time by one thread over `n` times that, with the tiles row by row, dearest first by the renderer's
+own estimate, and dearest first by their measured times; and the bound that the dearest tile sets. Threads are taken to
+be as fast as one alone, without a limit by memory.
 """
 
 from __future__ import annotations
 
 import argparse
 import dataclasses
+import heapq
 import os
 import statistics
+import subprocess
 import time
+from collections.abc import Iterable
 
+import instructions
 import scenes
 
 #: Frames that are timed, and how far the view turns from one to the next, degrees.
@@ -24,7 +34,11 @@ def main() -> None:
     n_all = os.cpu_count() or 1
     usual = sorted({n for n in (1, 2, 4, 8, 16, n_all) if n <= n_all})
     parser.add_argument("--threads", type=int, nargs="+", default=usual, help="numbers of threads")
+    parser.add_argument("--simulate", action="store_true", help="by list scheduling of measured tiles")
     asked = parser.parse_args()
+    if asked.simulate:
+        _simulate(asked.threads if asked.threads != usual else [2, 4, 8, 16, 32, 64])
+        return
     print("| case | " + " | ".join(f"{n} threads, ms" for n in asked.threads) + " | speedup |")
     print("| --- |" + " ---: |" * (len(asked.threads) + 1))
     for case in scenes.cases():
@@ -43,6 +57,37 @@ def _milliseconds(case: scenes.Case) -> float:
         scenes.render(case, TURN * frame, kept=kept, quality="normal", device="cpu")
         wall.append(1e3 * (time.perf_counter() - begun))
     return statistics.median(wall[2:])
+
+
+def _simulate(threads: list[int]) -> None:
+    """Print the efficiency of list scheduling for each scan, curve and light."""
+    print("| scene | tiles | order | " + " | ".join(f"{n} threads" for n in threads) + " |")
+    print("| --- | ---: | --- |" + " ---: |" * len(threads))
+    program = instructions.FRAMES.with_name("tile_times")
+    for name, curves in instructions.scans().items():
+        for curve, light in instructions.SCENES:
+            command = [program, curve, light, "5", *curves[curve]]
+            told = subprocess.run(command, capture_output=True, check=True, text=True).stdout
+            tiles = [(float(cost), float(time)) for cost, time in (line.split() for line in told.splitlines())]
+            whole = sum(time for _, time in tiles)
+            orders = {
+                "row by row": [time for _, time in tiles],
+                "by the estimate": [time for _, time in sorted(tiles, key=lambda tile: -tile[0])],
+                "by measured times": sorted((time for _, time in tiles), reverse=True),
+            }
+            rows = {order: [whole / (n * _makespan(times, n)) for n in threads] for order, times in orders.items()}
+            rows["bound of the dearest"] = [min(1.0, whole / (n * max(time for _, time in tiles))) for n in threads]
+            for order, row in rows.items():
+                label = f"{name} {curve}, {light}"
+                print(f"| {label} | {len(tiles)} | {order} | " + " | ".join(f"{e:.2f}" for e in row) + " |", flush=True)
+
+
+def _makespan(times: Iterable[float], n_threads: int) -> float:
+    """Time until the last thread is done, if a thread that is free takes the next tile."""
+    free_at = [0.0] * n_threads
+    for time_of_tile in times:
+        heapq.heappush(free_at, heapq.heappop(free_at) + time_of_tile)
+    return max(free_at)
 
 
 if __name__ == "__main__":

@@ -140,11 +140,20 @@ fn dearest_first(job: &TileJob) -> Option<Vec<usize>> {
     if parallel::n_threads() < MIN_THREADS_TO_ORDER {
         return None;
     }
-    let [n_tiles_u, n_tiles_v] = n_tiles(&job.family.plane);
-    let costs = parallel::map(n_tiles_u * n_tiles_v, |k| job.cost([k % n_tiles_u, k / n_tiles_u]));
+    let costs = costs(job);
     let mut order: Vec<usize> = (0..costs.len()).collect();
     order.sort_by_key(|k| std::cmp::Reverse(costs[*k]));
     Some(order)
+}
+
+/// Estimated costs of the tiles of a base plane, row by row: numbers of occupied bricks below them. `slices`: per layer.
+pub fn tile_costs(plan: &Plan, family: usize, slices: &[&Slices]) -> Vec<usize> {
+    costs(&TileJob::new(plan, &plan.families[family], slices))
+}
+
+fn costs(job: &TileJob) -> Vec<usize> {
+    let [n_tiles_u, n_tiles_v] = n_tiles(&job.family.plane);
+    parallel::map(n_tiles_u * n_tiles_v, |k| job.cost([k % n_tiles_u, k / n_tiles_u]))
 }
 
 /// Makes the picture from drawn base planes: warped, coloured, over the background.

@@ -311,6 +311,7 @@ class Shading:
         gradient_smoothing: float,
         gradient_offset: float,
         unoriented: float,
+        even_cuts: float,
         shoulder: float,
         lights: Sequence[tuple[str, tuple[float, float, float], tuple[float, float, float]]],
         ambient_occlusion: float,

@@ -87,7 +87,7 @@ pub enum Gradient {
 /// Phong shading with the reflection vector, two-sided.
 ///
 /// `colour · (ambient + diffuse · |n·l|) + specular · max(0, r·v)^power`; where the gradient vanishes `|n·l|` is
-/// [`Shading::unoriented`]. Colours of the picture brighter than [`Shading::shoulder`] are compressed to less than 1,
+/// [`Shading::unoriented`], and on cut faces [`Shading::even_cuts`] decides. Colours of the picture brighter than [`Shading::shoulder`] are compressed to less than 1,
 /// so that highlights keep their form.
 ///
 /// The default is made for looking at pictures: a key light from the upper left, a fill light at the eye, smoothed
@@ -107,6 +107,10 @@ pub struct Shading {
     /// Diffuse light where there is no gradient, as on cut faces of even matter, relative to a surface that faces the
     /// light, `0..=1`: one half is the mean over all normals.
     pub unoriented: f32,
+    /// How evenly matter just behind a cut is lit, `0..=1`: with 1 like matter without a gradient, so that a cut face
+    /// shows its values and not the relief of its noise; with 0 by its gradient. Cuts are crops, clip planes, missing
+    /// samples and the walls of the volume.
+    pub even_cuts: f32,
     /// Brightness above which colours of the picture are compressed ([`crate::Picture::finish`]), `0..=1`; 1: no
     /// compression.
     pub shoulder: f32,
@@ -129,6 +133,7 @@ impl Default for Shading {
             specular_power: 16.0,
             gradient: Gradient::Smoothed(0.8),
             unoriented: 0.5,
+            even_cuts: 1.0,
             shoulder: 0.75,
             lights: vec![Light::KEY, Light::FILL],
             ..Self::headlight()
@@ -149,6 +154,7 @@ impl Shading {
             specular_power: 10.0,
             gradient: Gradient::Difference(1.0),
             unoriented: 0.0,
+            even_cuts: 0.0,
             shoulder: 1.0,
             lights: vec![Light::HEADLIGHT],
             ambient_occlusion: 0.0,
@@ -193,6 +199,7 @@ impl Shading {
             ("shadow", self.shadow),
             ("shoulder", self.shoulder),
             ("unoriented", self.unoriented),
+            ("even_cuts", self.even_cuts),
         ];
         for (name, strength) in shares {
             if !(0.0..=1.0).contains(&strength) {

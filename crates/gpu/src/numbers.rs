@@ -141,7 +141,7 @@ impl Numbers {
         }
         GpuLighting {
             coefficients: [ambient, diffuse, specular, numbers.specular_power],
-            limits: [numbers.unoriented, numbers.vanishing, 0.0, 0.0],
+            limits: [numbers.unoriented, numbers.vanishing, numbers.even_cuts, 0.0],
             metric: eight(numbers.metric),
             lights: [place, numbers.lights.len() as u32, 0, 0],
         }

@@ -7,6 +7,7 @@ use std::fmt::Write;
 
 use wavesplat_core::Kernel;
 use wavesplat_splat::optics::preintegrate::LEVEL;
+use wavesplat_splat::ray::cut_faces;
 use wavesplat_splat::ray::local_maximum::ROUNDING;
 use wavesplat_splat::source::nonfinite::{MIN_KNOWN, MISSING};
 
@@ -147,6 +148,8 @@ pub struct Permutation {
     pub fields: FieldKinds,
     /// Whether four samples are fetched at once, where the device does it right.
     pub gather: bool,
+    /// Whether cut faces have even light.
+    pub evens_cuts: bool,
     /// Whether the position of opacity 1/2 is recorded.
     pub with_depth: bool,
     /// Whether fetches and texels are counted.
@@ -173,7 +176,7 @@ const PROJECTIONS: [(&str, GpuProjection); 6] = [
 impl Permutation {
     /// Number of vec4s of a ray's state.
     pub fn n_state(&self) -> usize {
-        1 + usize::from(self.with_depth || self.counted)
+        1 + usize::from(self.with_depth || self.counted || self.evens_cuts)
     }
 
     /// Binding of the samples of a source.
@@ -225,6 +228,7 @@ impl Permutation {
             include_str!("shaders/classify.wgsl"),
             include_str!("shaders/preintegrate.wgsl"),
             include_str!("shaders/shade.wgsl"),
+            include_str!("shaders/cut_faces.wgsl"),
             include_str!("shaders/gradient_opacity.wgsl"),
             include_str!("shaders/accumulate.wgsl"),
         ] {
@@ -279,6 +283,12 @@ impl Permutation {
         add("LEVEL", "f32", &format!("{LEVEL:?}f"));
         add("MISSING", "f32", &format!("{MISSING:?}f"));
         add("MIN_KNOWN", "f32", &format!("{MIN_KNOWN:?}f"));
+        add("EVENS_CUTS", "bool", &self.evens_cuts);
+        add("EVEN_REACH", "f32", &format!("{:?}f", cut_faces::REACH));
+        add("EVEN_PER_SLICE", "f32", &format!("{:?}f", cut_faces::PER_SLICE));
+        add("MIN_CUT_DEPTH", "f32", &format!("{:?}f", cut_faces::MIN_DEPTH));
+        add("NEAR_CUT", "f32", &format!("{:?}f", cut_faces::NEAR));
+        add("NO_ENTRY", "f32", &format!("{:?}f", cut_faces::NO_ENTRY));
         add("ROUNDING", "f32", &format!("{ROUNDING:?}f"));
         for (k, layer) in self.layers.iter().enumerate() {
             add(&format!("IS_SHADED_{k}"), "bool", &layer.is_shaded);

@@ -3,6 +3,7 @@
 use wavesplat_core::{Composite, Gradient};
 use wavesplat_splat::kernel::footprint::Axis;
 use wavesplat_splat::kernel::weights::{n_taps, reach};
+use wavesplat_splat::optics::shade::Shader;
 use wavesplat_splat::render::plan::{Operator, Plan};
 use wavesplat_splat::source::slices::Slices;
 
@@ -108,6 +109,8 @@ pub(crate) fn permutation_of(plan: &Plan, slices: &[&Slices], gather: bool) -> G
         sources: sources.collect(),
         fields,
         gather,
+        evens_cuts: matches!(operator, GpuOperator::Over { .. })
+            && family.layers.iter().any(|layer| layer.shader.as_ref().is_some_and(Shader::evens_cuts)),
         with_depth: plan.with_depth,
         counted: false,
     })

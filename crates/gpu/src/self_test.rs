@@ -131,6 +131,7 @@ fn probe_permutation(format: Format, gather: bool) -> Permutation {
         sources: vec![source],
         fields: FieldKinds::default(),
         gather,
+        evens_cuts: false,
         with_depth: false,
         counted: false,
     }

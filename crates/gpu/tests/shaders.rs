@@ -29,6 +29,7 @@ fn permutation(operator: GpuOperator, sources: Vec<SourceKind>) -> Permutation {
         sources,
         fields: FieldKinds::default(),
         gather: true,
+        evens_cuts: false,
         with_depth: false,
         counted: false,
     }

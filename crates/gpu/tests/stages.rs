@@ -102,6 +102,7 @@ fn permutation(source: SourceKind) -> Permutation {
         sources: vec![source],
         fields: FieldKinds::default(),
         gather: true,
+        evens_cuts: false,
         with_depth: true,
         counted: false,
     }

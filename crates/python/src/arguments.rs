@@ -136,6 +136,7 @@ impl PyShading {
         gradient_smoothing: f64,
         gradient_offset: f64,
         unoriented: f32,
+        even_cuts: f32,
         shoulder: f32,
         lights: Vec<(String, Triple, (f32, f32, f32))>,
         ambient_occlusion: f32,
@@ -165,6 +166,7 @@ impl PyShading {
                 Gradient::Smoothed(gradient_smoothing)
             },
             unoriented,
+            even_cuts,
             shoulder,
             lights: world_lights,
             ambient_occlusion,

@@ -83,6 +83,10 @@ class Shading:
     unoriented : float, 0 to 1
         Diffuse light where there is no gradient, as on cut faces of even matter, as a share of that of a face that is
         turned to the light: 0.5 is the mean over all normals.
+    even_cuts : float, 0 to 1
+        How evenly matter is lit in the first half voxel behind a cut (a crop, a clip plane, a cut-out, missing samples,
+        the end of the data). 1 lights it like matter without a gradient, so that the face shows its values; 0 lights it
+        by its gradient, which draws the noise of the data as relief.
     shoulder : float, 0 to 1
         Colours of the picture that are brighter than this are compressed, so that they approach 1 and keep their form:
         x becomes s + (x - s) / (1 + (x - s) / (1 - s)). 1 leaves them as they are. Pictures without shading are never
@@ -123,6 +127,7 @@ class Shading:
     gradient_smoothing: float
     gradient_offset: float
     unoriented: float
+    even_cuts: float
     shoulder: float
     exposure: float
     lights: tuple[Light, ...]
@@ -142,6 +147,7 @@ class Shading:
         gradient_smoothing: float = 0.8,
         gradient_offset: float = 1.0,
         unoriented: float = 0.5,
+        even_cuts: float = 1.0,
         shoulder: float = 0.75,
         exposure: float = 1.0,
         lights: Iterable[Light] = (),
@@ -161,7 +167,7 @@ class Shading:
                 raise ArgumentError(f"lights hold a {type(light).__name__}; give wavesplat.Light(direction) for each")
         native_lights = [(light.frame, light.direction, light.color) for light in lights or (KEY_LIGHT, FILL_LIGHT)]
         exposed = (exposure * ambient, exposure * diffuse, exposure * specular)
-        surface = (specular_power, gradient_smoothing, gradient_offset, unoriented, shoulder)
+        surface = (specular_power, gradient_smoothing, gradient_offset, unoriented, even_cuts, shoulder)
         held_off = (ambient_occlusion, occlusion_radius, shadow)
         core = _native.Shading(*exposed, *surface, native_lights, *held_off)
         given = (ambient, diffuse, specular, *surface, exposure, lights, *held_off, core)
@@ -172,7 +178,8 @@ class Shading:
     def headlight(cls, **settings: Any) -> Shading:
         """The light of VTK's volume mappers and of 3D Slicer: one headlight, gradients by central differences.
 
-        Two-sided as all shading here. Highlights clip, and matter without a gradient has the ambient light alone.
+        Two-sided as all shading here. Highlights clip, matter without a gradient has the ambient light alone, and cut
+        faces are lit by their gradients.
 
         Parameters
         ----------
@@ -193,6 +200,7 @@ class Shading:
             "specular_power": 10.0,
             "gradient_smoothing": 0.0,
             "unoriented": 0.0,
+            "even_cuts": 0.0,
             "shoulder": 1.0,
             "lights": [Light((0, 0, 1))],
         }

@@ -38,6 +38,7 @@ export interface Shading {
   readonly gradient_smoothing: number;
   readonly gradient_offset: number;
   readonly unoriented: number;
+  readonly even_cuts: number;
   readonly shoulder: number | null;
   readonly exposure: number;
   readonly lights: readonly Light[];

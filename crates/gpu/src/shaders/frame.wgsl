@@ -25,7 +25,8 @@ struct Frame {
 struct Lighting {
     // Ambient, diffuse, specular, exponent.
     coefficients: vec4<f32>,
-    // |n.l| where there is no normal; squared gradient above which there is one.
+    // |n.l| where there is no normal; squared gradient above which there is one; strength of even
+    // light on cut faces.
     limits: vec4<f32>,
     // Quadratic form of the squared world gradient on index gradients: uu, vv, ww, uv; uw, vw.
     metric: array<vec4<f32>, 2>,

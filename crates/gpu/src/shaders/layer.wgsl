@@ -12,13 +12,13 @@ fn has_LAYER(block: u32, slab: u32) -> bool {
 }
 
 // The layer's colour in the light that gets to a point.
-fn shaded_LAYER(rgb: vec3<f32>, gradient: vec3<f32>, eye: vec3<f32>, fields: FieldValues) -> vec3<f32> {
+fn shaded_LAYER(rgb: vec3<f32>, gradient: vec3<f32>, eye: vec3<f32>, fields: FieldValues, even: f32) -> vec3<f32> {
     var color = rgb;
     if IS_FIRST_LAYER {
         color = tinted(rgb, fields);
     }
     let light = select(vec2<f32>(1.0f), light_at(fields), HAS_LIGHT_LAYER);
-    return lit(parameters.layers[LAYER].lighting, IS_SHADED_LAYER, color, gradient, eye, light);
+    return lit(parameters.layers[LAYER].lighting, IS_SHADED_LAYER, color, gradient, eye, light, even);
 }
 
 fn add_sheet_LAYER(ray: Ray, block: u32, sheet: u32, ends: bool, begin: f32, end: f32, sum: ptr<function, vec4<f32>>) -> bool {
@@ -33,11 +33,15 @@ fn add_sheet_LAYER(ray: Ray, block: u32, sheet: u32, ends: bool, begin: f32, end
     }
     let place = place_LAYER(ray.texel, sheet);
     let density = value_LAYER(place, vec3<f32>(0.0f));
-    let length = extent(own, begin, end).y * thickness(LAYERu, ray) * known_share(missing_LAYER(place));
-    if length <= 0.0f {
+    let part = extent(own, begin, end);
+    let missing = missing_LAYER(place);
+    let full_length = part.y * thickness(LAYERu, ray);
+    let length = full_length * known_share(missing);
+    if full_length <= 0.0f {
         return false;
     }
     let eye = to_eye(LAYERu, ray);
+    let at = part.x + 0.5f * part.y;
     var fields: FieldValues;
     if HAS_FIELDS_LAYER {
         fields = fields_at(ray.texel, sheet);
@@ -57,11 +61,14 @@ fn add_sheet_LAYER(ray: Ray, block: u32, sheet: u32, ends: bool, begin: f32, end
         if IS_FIRST_LAYER && HAS_SCAN {
             color.w *= fields.scan;
         }
-        *sum = with_medium(*sum, shaded_LAYER(color.xyz, gradient, eye, fields), color.w * length);
+        let even = even_share(own.x, part.x, part.y, color.w * full_length, at, missing);
+        *sum = with_medium(*sum, shaded_LAYER(color.xyz, gradient, eye, fields, even), color.w * length);
         any = true;
     }
     if IS_FIRST_LAYER && HAS_LABEL_MEDIUM && fields.medium.x > 0.0f {
-        *sum = with_medium(*sum, label_medium_color(fields, label_medium_gradient(ray.texel, sheet), eye), max(fields.medium.x, 0.0f) * length);
+        let own_depth = max(fields.medium.x, 0.0f);
+        let even = even_share(own.x, part.x, part.y, own_depth * full_length, at, missing);
+        *sum = with_medium(*sum, label_medium_color(fields, label_medium_gradient(ray.texel, sheet), eye, even), own_depth * length);
         any = true;
     }
     return any;
@@ -101,6 +108,7 @@ fn add_slab_LAYER(ray: Ray, block: u32, slab: u32, mixture: ptr<function, Mixtur
     let whole_length = way * thickness(LAYERu, ray);
     let missing = missing_LAYER(front_place);
     let more_missing = missing_LAYER(back_place) - missing;
+    let most_missing = missing + max(more_missing, 0.0f);
     let eye = to_eye(LAYERu, ray);
     var front_fields: FieldValues;
     var back_fields: FieldValues;
@@ -125,6 +133,7 @@ fn add_slab_LAYER(ray: Ray, block: u32, slab: u32, mixture: ptr<function, Mixtur
         } else {
             passage = preintegrate_parts(LAYERu, front, back, cuts);
         }
+        let full_depth = (passage.depths.x + passage.depths.y) * whole_length;
         // Factors at the middle of the visible part stand for the whole of it.
         let middle = (passage.first + passage.last) * 0.5f;
         var length = whole_length * known_share(missing + middle * more_missing);
@@ -148,7 +157,9 @@ fn add_slab_LAYER(ray: Ray, block: u32, slab: u32, mixture: ptr<function, Mixtur
             color = color_of(LAYERu, front + at * (back - front));
         }
         let gradient = mix3(front_gradient, back_gradient, at);
-        let rgb = shaded_LAYER(color, gradient, eye, between_fields(front_fields, back_fields, at));
+        let visible = select(s_front + passage.first * way, part.x, passage.first <= begin);
+        let even = even_share(own.x, visible, part.y, full_depth, s_front + at * way, most_missing);
+        let rgb = shaded_LAYER(color, gradient, eye, between_fields(front_fields, back_fields, at), even);
         (*mixture).near = with_medium((*mixture).near, rgb, depths.x);
         (*mixture).far = with_medium((*mixture).far, rgb, depths.y);
         (*mixture).only = vec4<f32>(rgb, alpha);
@@ -162,7 +173,9 @@ fn add_slab_LAYER(ray: Ray, block: u32, slab: u32, mixture: ptr<function, Mixtur
         let gradient = mix3(on_front, label_medium_gradient(ray.texel, slab + 1u), middle);
         let known = known_share(missing + middle * more_missing);
         let lengths = (cuts.yz - cuts.xy) * (max(fields.medium.x, 0.0f) * whole_length * known);
-        let rgb = label_medium_color(fields, gradient, eye);
+        let own_depth = max(fields.medium.x, 0.0f) * (end - begin) * whole_length;
+        let even = even_share(own.x, part.x, part.y, own_depth, s_front + middle * way, most_missing);
+        let rgb = label_medium_color(fields, gradient, eye, even);
         (*mixture).near = with_medium((*mixture).near, rgb, lengths.x);
         (*mixture).far = with_medium((*mixture).far, rgb, lengths.y);
         (*mixture).n += 2u;

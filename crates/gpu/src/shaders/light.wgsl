@@ -44,16 +44,24 @@ fn tinted(rgb: vec3<f32>, fields: FieldValues) -> vec3<f32> {
     return rgb * (1.0f - fields.tint.x * of_scan) + fields.tint.yzw * of_scan;
 }
 
-// A colour in the light that gets to a point.
-fn lit(lighting: Lighting, is_shaded: bool, rgb: vec3<f32>, gradient: vec3<f32>, eye: vec3<f32>, light: vec2<f32>) -> vec3<f32> {
+// A colour in the light that gets to a point. `even`: share of even light, near cuts.
+fn lit(
+    lighting: Lighting,
+    is_shaded: bool,
+    rgb: vec3<f32>,
+    gradient: vec3<f32>,
+    eye: vec3<f32>,
+    light: vec2<f32>,
+    even: f32,
+) -> vec3<f32> {
     if is_shaded {
-        return shade(lighting, rgb, gradient, eye, light.y) * light.x;
+        return evened(lighting, rgb, shade(lighting, rgb, gradient, eye, light.y) * light.x, even);
     }
     return rgb * (light.x * light.y);
 }
 
 // Colour of the label medium, with its gradient.
-fn label_medium_color(fields: FieldValues, gradient: vec3<f32>, eye: vec3<f32>) -> vec3<f32> {
+fn label_medium_color(fields: FieldValues, gradient: vec3<f32>, eye: vec3<f32>, even: f32) -> vec3<f32> {
     let rgb = fields.medium.yzw / max(fields.medium.x, LEAST);
-    return lit(parameters.frame.label_lighting, LABEL_MEDIUM_SHADED, rgb, gradient, eye, light_at(fields));
+    return lit(parameters.frame.label_lighting, LABEL_MEDIUM_SHADED, rgb, gradient, eye, light_at(fields), even);
 }

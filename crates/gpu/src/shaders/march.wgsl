@@ -13,6 +13,7 @@ fn march(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) 
     if parameters.frame.axes.y == 1u {
         gathered = vec4<f32>(FIRST_VALUE, 0.0f, 0.0f, 0.0f);
         s_half = NONE;
+        entry = NO_ENTRY;
     } else {
         gathered = state[index * N_STATE];
         if N_STATE == 2u {
@@ -20,6 +21,7 @@ fn march(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) 
             s_half = before.x;
             n_fetches = u32(before.y);
             n_texels = u32(before.z);
+            entry = before.w;
         }
     }
     let interval = intervals[index];
@@ -29,6 +31,6 @@ fn march(@builtin(workgroup_id) group: vec3<u32>, @builtin(local_invocation_id) 
     }
     state[index * N_STATE] = gathered;
     if N_STATE == 2u {
-        state[index * N_STATE + 1u] = vec4<f32>(s_half, f32(n_fetches), f32(n_texels), 0.0f);
+        state[index * N_STATE + 1u] = vec4<f32>(s_half, f32(n_fetches), f32(n_texels), entry);
     }
 }

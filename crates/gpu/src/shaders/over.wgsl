@@ -50,10 +50,11 @@ fn with_label_medium(
     gradient: vec3<f32>,
     length: f32,
     eye: vec3<f32>,
+    even: f32,
 ) -> vec4<f32> {
     let own_depth = max(fields.medium.x, 0.0f) * length;
     let own = one_minus_exp_neg(own_depth);
-    let color = label_medium_color(fields, gradient, eye);
+    let color = label_medium_color(fields, gradient, eye, even);
     let sum = scan_depth + own_depth;
     let share = select(0.0f, own_depth / max(sum, 1e-30f), sum > 0.0f);
     return vec4<f32>(scan.xyz + share * (color - scan.xyz), scan.w + own - scan.w * own);
@@ -68,8 +69,9 @@ fn add_sheet(ray: Ray, number: u32, begin: f32, end: f32) {
         return;
     }
     let part = extent(ray.interval, begin, end);
-    let length = part.y * thickness(0u, ray) * known_share(sheet.missing);
-    if length <= 0.0f {
+    let full_length = part.y * thickness(0u, ray);
+    let length = full_length * known_share(sheet.missing);
+    if full_length <= 0.0f {
         return;
     }
     with_fields(&sheet, ray, number);
@@ -84,26 +86,31 @@ fn add_sheet(ray: Ray, number: u32, begin: f32, end: f32) {
         }
         color.w *= select(1.0f, sheet.fields.scan, HAS_SCAN);
     }
+    let at = part.x + 0.5f * part.y;
+    let even = even_share(ray.interval.x, part.x, part.y, color.w * full_length, at, sheet.missing);
     let scan_depth = color.w * length;
     color.w = one_minus_exp_neg(scan_depth);
     let eye = to_eye(0u, ray);
     if sees_scan && (color.w > 0.0f || sees_label_medium) {
-        color = vec4<f32>(scan_color(color.xyz, sheet.gradient, sheet.fields, eye), color.w);
+        color = vec4<f32>(scan_color(color.xyz, sheet.gradient, sheet.fields, eye, even), color.w);
     }
     if sees_label_medium {
-        color = with_label_medium(color, scan_depth, sheet.fields, label_medium_gradient(ray.texel, number), length, eye);
+        let own_depth = max(sheet.fields.medium.x, 0.0f) * full_length;
+        let even = even_share(ray.interval.x, part.x, part.y, own_depth, at, sheet.missing);
+        color = with_label_medium(color, scan_depth, sheet.fields, label_medium_gradient(ray.texel, number), length, eye, even);
     }
     add_fragment(color.xyz, color.w, part.x, part.y);
 }
 
-fn scan_color(rgb: vec3<f32>, gradient: vec3<f32>, fields: FieldValues, eye: vec3<f32>) -> vec3<f32> {
+fn scan_color(rgb: vec3<f32>, gradient: vec3<f32>, fields: FieldValues, eye: vec3<f32>, even: f32) -> vec3<f32> {
     if !HAS_FIELDS {
         if IS_SHADED_0 {
-            return shade(parameters.layers[0].lighting, rgb, gradient, eye, 1.0f);
+            let lighting = parameters.layers[0].lighting;
+            return evened(lighting, rgb, shade(lighting, rgb, gradient, eye, 1.0f), even);
         }
         return rgb;
     }
-    return lit(parameters.layers[0].lighting, IS_SHADED_0, tinted(rgb, fields), gradient, eye, light_at(fields));
+    return lit(parameters.layers[0].lighting, IS_SHADED_0, tinted(rgb, fields), gradient, eye, light_at(fields), even);
 }
 
 // Composites the slab between two sheets, with a density that is linear in between.
@@ -131,6 +138,7 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
     let end = begin + share;
     let missing = (*front).missing;
     let more_missing = (*back).missing - missing;
+    let most_missing = max(missing, (*back).missing);
     let full_length = part.y * thickness(0u, ray);
     // The known share is linear: its mean over a part is its value in the middle.
     let whole_length = full_length * known_share(missing + (begin + 0.5f * share) * more_missing);
@@ -165,6 +173,9 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
         }
         let mean = select(0.5f, moment / max(alpha, 1e-30f), alpha > 0.0f);
         let at = begin + (passage.first + mean * (passage.last - passage.first)) * share;
+        let place = s_front + at * (s_back - s_front);
+        let full_depth = (passage.depths.x + passage.depths.y) * full_length;
+        let even = even_share(ray.interval.x, part.x + passage.first * part.y, part.y, full_depth, place, most_missing);
         color.w = alpha;
         if alpha > 0.0f || sees_label_medium {
             var gradient = vec3<f32>(0.0f);
@@ -173,7 +184,7 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
             }
             let rgb = color_of(0u, (*front).density + at * change);
             let fields = between_fields((*front).fields, (*back).fields, at);
-            color = vec4<f32>(scan_color(rgb, gradient, fields, eye), alpha);
+            color = vec4<f32>(scan_color(rgb, gradient, fields, eye, even), alpha);
         }
         visible = vec2<f32>(part.x + passage.first * part.y, (passage.last - passage.first) * part.y * 2.0f * mean);
     }
@@ -182,7 +193,10 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
         let fields = between_fields((*front).fields, (*back).fields, middle);
         let on_front = label_medium_gradient(ray.texel, number);
         let gradient = mix3(on_front, label_medium_gradient(ray.texel, number + 1u), middle);
-        color = with_label_medium(color, scan_depth, fields, gradient, whole_length, eye);
+        let own_depth = max(fields.medium.x, 0.0f) * full_length;
+        let place = s_front + middle * (s_back - s_front);
+        let even = even_share(ray.interval.x, part.x, part.y, own_depth, place, most_missing);
+        color = with_label_medium(color, scan_depth, fields, gradient, whole_length, eye, even);
         visible = part;
     }
     add_fragment(color.xyz, color.w, visible.x, visible.y);

@@ -54,6 +54,9 @@ pub struct Shader {
     is_grey: bool,
     /// `|n · l|` where there is no normal.
     unoriented: f32,
+    /// Share of even light on cut faces ([`Shading::even_cuts`]), and factors of the colour in it.
+    even_cuts: f32,
+    even_light: [f32; 3],
     metric: Metric,
     /// Squared world gradients below this are rounding noise.
     vanishing: f32,
@@ -73,6 +76,14 @@ struct WorldLight {
 /// Relative rounding of differences: densities are f32 sums of a few products.
 const GRADIENT_NOISE: f64 = 4e-6;
 
+/// Factors of a colour in even light: what [`Shader::shade`] gives matter without a gradient.
+pub fn even_light(shading: &Shading) -> [f32; 3] {
+    [0, 1, 2].map(|c| {
+        let sum: f32 = shading.lights.iter().map(|light| light.rgb[c]).sum();
+        shading.ambient + shading.diffuse * shading.unoriented * sum
+    })
+}
+
 /// Squared world gradient that counts as 0: `GRADIENT_NOISE` of the largest density per mean voxel.
 pub fn vanishing_gradient_squared(world_from_index: DMat3, range: [f32; 2]) -> f64 {
     let magnitude = f64::from(range[0].abs().max(range[1].abs()));
@@ -89,6 +100,8 @@ pub struct ShaderNumbers {
     pub specular_power: f32,
     /// `|n · l|` where there is no normal.
     pub unoriented: f32,
+    /// Share of even light on cut faces.
+    pub even_cuts: f32,
     /// Squared world gradients from which on there is a normal.
     pub vanishing: f32,
     /// Coefficients of the squared world gradient ([`Metric::numbers`]).
@@ -121,6 +134,7 @@ impl Shader {
             ambient_diffuse_specular: [self.ambient, self.diffuse, self.specular],
             specular_power: self.specular_power,
             unoriented: self.unoriented,
+            even_cuts: self.even_cuts,
             vanishing: self.vanishing,
             metric: self.metric.numbers(),
             lights: self.lights.iter().map(light).collect(),
@@ -148,6 +162,8 @@ impl Shader {
             lights: lights.collect(),
             is_grey: shading.lights.iter().all(|light| light.rgb == [light.rgb[0]; 3]),
             unoriented: shading.unoriented,
+            even_cuts: shading.even_cuts,
+            even_light: even_light(shading),
             metric: Metric::new(world_from_index, family),
             vanishing: vanishing_gradient_squared(world_from_index, range) as f32,
         }
@@ -186,6 +202,25 @@ impl Shader {
         share: S::F,
     ) -> [S::F; 3] {
         self.sum_lights(s, rgb, gradient, to_eye, self.normal(s, gradient, to_eye), Some(share))
+    }
+
+    /// Mixes a lit colour with the same colour in even light, which no normal, occlusion or shadow changes. `share`: of
+    /// even light, where [`Shading::even_cuts`] is 1.
+    #[inline(always)]
+    pub fn evened<S: Wide>(&self, s: S, rgb: [S::F; 3], lit: [S::F; 3], share: S::F) -> [S::F; 3] {
+        let share = s.mul(share, s.splat(self.even_cuts));
+        let mut mixed = lit;
+        for c in 0..3 {
+            let even = s.mul(rgb[c], s.splat(self.even_light[c]));
+            mixed[c] = s.add_mul(lit[c], share, s.sub(even, lit[c]));
+        }
+        mixed
+    }
+
+    /// Whether cut faces have any even light.
+    #[inline(always)]
+    pub fn evens_cuts(&self) -> bool {
+        self.even_cuts > 0.0
     }
 
     /// Whether there is a normal, the inverse magnitude of the gradient, and `n · v`.

@@ -112,7 +112,8 @@ impl Accumulator {
     }
 }
 
-/// A colour as lit where all light is dimmed to the share `open`, and the first light to `first`.
+/// A colour as lit where all light is dimmed to the share `open`, and the first light to `first`. `even`: share of even
+/// light, near cuts.
 #[inline(always)]
 pub fn lit<W: Wide>(
     w: W,
@@ -120,17 +121,21 @@ pub fn lit<W: Wide>(
     shader: Option<(&Shader, [W::F; 3])>,
     to_eye: [W::F; 3],
     [open, first]: [Option<W::F>; 2],
+    even: Option<W::F>,
 ) -> [W::F; 3] {
-    let rgb = match (shader, first) {
+    let mut lit = match (shader, first) {
         (Some((shader, gradient)), Some(first)) => shader.shade_in_shadow(w, rgb, gradient, to_eye, first),
         (Some((shader, gradient)), None) => shader.shade(w, rgb, gradient, to_eye),
         (None, Some(first)) => scaled(w, rgb, first),
         (None, None) => rgb,
     };
-    match open {
-        Some(open) => scaled(w, rgb, open),
-        None => rgb,
+    if let Some(open) = open {
+        lit = scaled(w, lit, open);
     }
+    if let Some(((shader, _), share)) = shader.zip(even) {
+        lit = shader.evened(w, rgb, lit, share);
+    }
+    lit
 }
 
 /// A vector times a number.

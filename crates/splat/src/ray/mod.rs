@@ -2,6 +2,7 @@
 
 pub mod accumulator;
 pub mod compositor;
+pub mod cut_faces;
 pub mod first_hit;
 pub mod local_maximum;
 pub mod over;

@@ -21,6 +21,7 @@ use crate::optics::preintegrate::N_VISIBLE_PARTS;
 use crate::optics::shade::Shader;
 use crate::ray::accumulator::{Accumulator, Chunks, Fragment, between, extent, lit};
 use crate::ray::compositor::{Compositor, Slab, Texels};
+use crate::ray::cut_faces::{CutFaces, Matter, most_missing};
 use crate::ray::state::TileState;
 use crate::sheet::field_sheets::{FieldPoint, FieldValues};
 use crate::sheet::tile_layout::Block;
@@ -40,6 +41,7 @@ pub struct Over<'a, const MODIFIED: bool> {
     /// Whether slabs are pre-integrated.
     needs_preintegration: bool,
     so_far: Accumulator,
+    cuts: CutFaces,
 }
 
 impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
@@ -52,10 +54,11 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
         needs_preintegration: bool,
         opaque: f32,
         with_depth: bool,
-        state: Option<TileState>,
+        mut state: Option<TileState>,
     ) -> Self {
+        let cuts = CutFaces::new([shader], state.as_mut());
         let so_far = Accumulator::new(opaque, with_depth, state);
-        Self { classifier, shader, modifiers, here: Default::default(), needs_preintegration, so_far }
+        Self { classifier, shader, modifiers, here: Default::default(), needs_preintegration, so_far, cuts }
     }
 
     /// Composites the front (0) or back (1) sheet as a slab of constant density between two positions.
@@ -84,9 +87,12 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
             slab.first.prepare_gradient(which, chunks[0].block());
         }
         let sheet = if which == 0 { &slab.first.front } else { &slab.first.back };
-        let (from, extent) = extent(w, chunks, rays, [from, to]);
-        let mut length = w.mul(extent, rays.thickness(w, chunks));
-        if geometry.slices.has_mask() {
+        let has_mask = geometry.slices.has_mask();
+        let (begin, extent) = extent(w, chunks, rays, [from, to]);
+        let full_length = w.mul(extent, rays.thickness(w, chunks));
+        let (mut length, mut missing) = (full_length, None);
+        if has_mask {
+            missing = Some(sheet.missing(w, chunks));
             length = w.mul(length, known_share(w, sheet.missing(w, chunks)));
         }
         let by_gradient = self.modifiers.by_gradient.as_ref().filter(|_| MODIFIED);
@@ -109,17 +115,22 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
         let scan_depth = w.mul(depth, length);
         let mut alpha = one_minus_exp_neg(w, scan_depth);
         let to_eye = rays.to_eye(w, chunks);
+        let at = w.add_mul(begin, w.splat(0.5), extent);
+        let matter = Matter { begin, extent, depth: w.mul(depth, full_length), at, missing };
+        let even = self.cuts.even_share(w, chunks, rays, from, &matter);
         let mut rgb = [w.splat(0.0); 3];
         if !MODIFIED || scan_ahead {
-            rgb = self.shade(w, [r, g, b], gradient, to_eye, &point);
+            rgb = self.shade(w, [r, g, b], gradient, to_eye, &point, even);
         }
         if MODIFIED
             && medium_ahead
             && let Some(medium) = self.modifiers.medium(w, &point)
         {
-            (rgb, alpha) = self.add_label_medium(w, (rgb, alpha, scan_depth), medium, length, to_eye, &point);
+            let matter = Matter { begin, extent, depth: w.mul(medium.0, full_length), at, missing };
+            let even = self.cuts.even_share(w, chunks, rays, from, &matter);
+            (rgb, alpha) = self.add_label_medium(w, (rgb, alpha, scan_depth), medium, length, (to_eye, even), &point);
         }
-        self.so_far.add_fragment(w, chunks, rays, &Fragment { rgb, alpha, from, extent });
+        self.so_far.add_fragment(w, chunks, rays, &Fragment { rgb, alpha, from: begin, extent });
     }
 
     /// Composites the space between two sheets with a density that is linear in between.
@@ -142,6 +153,7 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
             slab.first.prepare_gradient(0, chunks[0].block());
             slab.first.prepare_gradient(1, chunks[0].block());
         }
+        let has_mask = geometry.slices.has_mask();
         let (from, extent) = extent(w, chunks, rays, slab.s);
         // The densities where the drawn part begins and ends.
         let per_s = w.splat(1.0 / (s_back - s_front));
@@ -152,10 +164,11 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
         // Opacity part by part, and the mean place that light comes from. In a part of even extinction and depth τ that
         // place is `1/τ − 1/(e^τ − 1)` of its length, which `1 / (2 + ¾ τ)` approximates to 0.06: the middle of a thin
         // part, the front of an opaque one.
-        let mut whole_length = w.mul(extent, rays.thickness(w, chunks));
-        let mut length = whole_length;
-        if geometry.slices.has_mask() {
-            let missing = Some([slab.first.front.missing(w, chunks), slab.first.back.missing(w, chunks)]);
+        let full_length = w.mul(extent, rays.thickness(w, chunks));
+        let (mut whole_length, mut length) = (full_length, full_length);
+        let mut missing = None;
+        if has_mask {
+            missing = Some([slab.first.front.missing(w, chunks), slab.first.back.missing(w, chunks)]);
             // At the middle of the visible range for the scan, of the whole range for the label medium.
             let middle = w.mul(w.add(passage.first, passage.last), w.splat(0.5));
             let (of_scan, of_all) = (
@@ -205,8 +218,14 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
         }
         let rgb = self.classifier.color(w, w.add_mul(front, at, change));
         let to_eye = rays.to_eye(w, chunks);
+        let most_missing = most_missing(w, missing);
+        let place = |at: W::F| w.add_mul(w.splat(s_front), at, w.splat(s_back - s_front));
+        let depth = w.mul(w.add(passage.depths[0], passage.depths[1]), full_length);
+        let visible = w.add_mul(from, passage.first, extent);
+        let matter = Matter { begin: visible, extent, depth, at: place(at), missing: most_missing };
+        let even = self.cuts.even_share(w, chunks, rays, s_front, &matter);
         let mut rgb = if !MODIFIED || scan_ahead {
-            self.shade(w, rgb, gradient, to_eye, &FieldPoint::between(&self.here, at))
+            self.shade(w, rgb, gradient, to_eye, &FieldPoint::between(&self.here, at), even)
         } else {
             [w.splat(0.0); 3]
         };
@@ -219,7 +238,11 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
             let middle = w.add_mul(begin, w.splat(0.5), w.mul(extent, per_s));
             let point = FieldPoint::between(&self.here, middle);
             if medium_ahead && let Some(medium) = self.modifiers.medium(w, &point) {
-                (rgb, alpha) = self.add_label_medium(w, (rgb, alpha, scan_depth), medium, whole_length, to_eye, &point);
+                let depth = w.mul(medium.0, full_length);
+                let matter = Matter { begin: from, extent, depth, at: place(middle), missing: most_missing };
+                let even = self.cuts.even_share(w, chunks, rays, s_front, &matter);
+                (rgb, alpha) =
+                    self.add_label_medium(w, (rgb, alpha, scan_depth), medium, whole_length, (to_eye, even), &point);
                 visible = (from, extent);
             }
         }
@@ -252,7 +275,7 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
         }
     }
 
-    /// The scan's colour, tinted and lit at a point.
+    /// The scan's colour, tinted and lit at a point. `even`: share of even light, near cuts.
     #[inline(always)]
     fn shade<W: Wide>(
         &self,
@@ -261,15 +284,14 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
         gradient: Option<[W::F; 3]>,
         to_eye: [W::F; 3],
         point: &FieldPoint<W>,
+        even: Option<W::F>,
     ) -> [W::F; 3] {
-        if !MODIFIED {
-            return match self.shader.zip(gradient) {
-                Some((shader, gradient)) => shader.shade(w, rgb, gradient, to_eye),
-                None => rgb,
-            };
+        let (mut rgb, mut light) = (rgb, [None; 2]);
+        if MODIFIED {
+            rgb = self.modifiers.tint(w, rgb, point);
+            light = self.modifiers.light(w, point);
         }
-        let rgb = self.modifiers.tint(w, rgb, point);
-        lit(w, rgb, self.shader.zip(gradient), to_eye, self.modifiers.light(w, point))
+        lit(w, rgb, self.shader.zip(gradient), to_eye, light, even)
     }
 
     /// Whether any live ray can see the label medium on the front (0) and back (1) sheets `which`. Reads its optical
@@ -302,13 +324,13 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
         (rgb, alpha, scan_depth): ([W::F; 3], W::F, W::F),
         (depth, color): (W::F, [W::F; 3]),
         length: W::F,
-        to_eye: [W::F; 3],
+        (to_eye, even): ([W::F; 3], Option<W::F>),
         point: &FieldPoint<W>,
     ) -> ([W::F; 3], W::F) {
         let own_depth = w.mul(depth, length);
         let own = one_minus_exp_neg(w, own_depth);
         let shader = self.modifiers.label_shader.as_ref().zip(Some(point.gradient(w)));
-        let color = lit(w, color, shader, to_eye, self.modifiers.light(w, point));
+        let color = lit(w, color, shader, to_eye, self.modifiers.light(w, point), even);
         let sum = w.add(scan_depth, own_depth);
         let share = w.select(w.lt(w.splat(0.0), sum), w.div(own_depth, sum), w.splat(0.0));
         let mut mixed = rgb;
@@ -445,6 +467,6 @@ impl<const MODIFIED: bool> Compositor for Over<'_, MODIFIED> {
     }
 
     fn into_state(self) -> TileState {
-        self.so_far.into_state()
+        TileState { entries: self.cuts.into_entries(), ..self.so_far.into_state() }
     }
 }

@@ -18,6 +18,7 @@ use crate::optics::preintegrate::{N_CUTS, PartOpacities};
 use crate::optics::shade::Shader;
 use crate::ray::accumulator::{Accumulator, Chunks, Fragment, between, extent, lit};
 use crate::ray::compositor::{Compositor, Slab, Texels};
+use crate::ray::cut_faces::{CutFaces, Matter, most_missing};
 use crate::ray::state::TileState;
 use crate::sheet::field_sheets::{FieldPoint, FieldValues};
 use crate::sheet::layer_sheets::LayerSheets;
@@ -44,6 +45,7 @@ pub struct OverLayers<'a> {
     /// Whether slabs are pre-integrated.
     needs_preintegration: bool,
     so_far: Accumulator,
+    cuts: CutFaces,
 }
 
 /// Sums over layers: optical depth times colour, and optical depth.
@@ -95,9 +97,10 @@ impl<'a> OverLayers<'a> {
         needs_preintegration: bool,
         opaque: f32,
         with_depth: bool,
-        state: Option<TileState>,
+        mut state: Option<TileState>,
     ) -> Self {
         Self {
+            cuts: CutFaces::new(media.iter().map(|medium| medium.shader), state.as_mut()),
             media,
             here: Default::default(),
             needs_preintegration,
@@ -185,11 +188,15 @@ impl<'a> OverLayers<'a> {
             let medium = self.media[layer];
             let density = own.sheet(which).density(w, chunks);
             let is_seen = self.see(w, chunks, rays, &medium, [density; 2]);
-            let (_, length) = extent(w, chunks, own_rays, ends);
+            let (from, length) = extent(w, chunks, own_rays, ends);
+            let has_mask = own.geometry.slices.has_mask();
+            let missing = if has_mask { Some(own.sheet(which).missing(w, chunks)) } else { None };
+            let (begin, extent, at) = (from, length, w.add_mul(from, w.splat(0.5), length));
             let (thickness, to_eye) = (own_rays.thickness(w, chunks), own_rays.to_eye(w, chunks));
-            let mut length = w.mul(length, thickness);
-            if own.geometry.slices.has_mask() {
-                length = w.mul(length, known_share(w, own.sheet(which).missing(w, chunks)));
+            let full_length = w.mul(length, thickness);
+            let mut length = full_length;
+            if let Some(missing) = missing {
+                length = w.mul(length, known_share(w, missing));
             }
             if is_seen {
                 let mut gradient = None;
@@ -204,16 +211,22 @@ impl<'a> OverLayers<'a> {
                 self.read_fields(w, chunks, slab, which, layer);
                 let point = FieldPoint::on(&self.here[which]);
                 let [r, g, b, depth] = classified;
-                let rgb = shaded(w, &medium, [r, g, b], gradient, to_eye, &point);
                 let depth = w.mul(depth, medium.modifiers.scan_share(w, &point));
+                let own_rays = sheets(slab, layer).rays.as_ref().unwrap_or(rays);
+                let matter = Matter { begin, extent, depth: w.mul(depth, full_length), at, missing };
+                let even = self.cuts.even_share(w, chunks, own_rays, ends[0], &matter);
+                let rgb = shaded(w, &medium, [r, g, b], gradient, (to_eye, even), &point);
                 mixture.add(w, rgb, w.mul(depth, length));
                 any = true;
             }
             if layer == 0 && self.see_label_medium(w, chunks, rays, slab, which) {
                 self.read_label_medium(w, chunks, slab, which);
                 let point = FieldPoint::on(&self.here[which]);
-                if let Some((rgb, depth)) = label_medium(w, &medium, to_eye, &point) {
-                    mixture.add(w, rgb, w.mul(depth, length));
+                if let Some((depth, rgb)) = medium.modifiers.medium(w, &point) {
+                    let own_rays = sheets(slab, layer).rays.as_ref().unwrap_or(rays);
+                    let matter = Matter { begin, extent, depth: w.mul(depth, full_length), at, missing };
+                    let even = self.cuts.even_share(w, chunks, own_rays, ends[0], &matter);
+                    mixture.add(w, label_color(w, &medium, rgb, (to_eye, even), &point), w.mul(depth, length));
                     any = true;
                 }
             }
@@ -263,6 +276,8 @@ impl<'a> OverLayers<'a> {
             }
             (cuts[0], cuts[N_PARTS]) = (begin, end);
             let length = w.mul(way, thickness);
+            let place = |at: W::F| w.add_mul(w.splat(s_front), at, way);
+            let most_missing = most_missing(w, missing);
             if is_seen {
                 let mut gradients = None;
                 if medium.shader.is_some() || medium.modifiers.by_gradient.is_some() {
@@ -281,6 +296,7 @@ impl<'a> OverLayers<'a> {
                 };
                 // The factors at the middle of the visible range.
                 let middle = w.mul(w.add(first, last), half);
+                let full_depth = w.mul(w.add(depths[0], depths[1]), length);
                 let mut length = w.mul(length, known_between(w, missing, middle));
                 length = w.mul(length, medium.modifiers.scan_share(w, &FieldPoint::between(&self.here, middle)));
                 if let (None, Some((by_gradient, [g_front, g_back]))) =
@@ -303,7 +319,12 @@ impl<'a> OverLayers<'a> {
                 let rgb =
                     joint_rgb.unwrap_or_else(|| medium.classifier.color(w, w.add_mul(front, at, w.sub(back, front))));
                 let gradient = gradients.map(|[front, back]| between(w, front, back, at));
-                let rgb = shaded(w, &medium, rgb, gradient, to_eye, &FieldPoint::between(&self.here, at));
+                let own_rays = sheets(slab, layer).rays.as_ref().unwrap_or(rays);
+                let visible = w.select(w.le(first, begin), from, place(first));
+                let matter = Matter { begin: visible, extent, depth: full_depth, at: place(at), missing: most_missing };
+                let even = self.cuts.even_share(w, chunks, own_rays, s_front, &matter);
+                let point = FieldPoint::between(&self.here, at);
+                let rgb = shaded(w, &medium, rgb, gradient, (to_eye, even), &point);
                 for k in 0..N_PARTS {
                     parts[k].add(w, rgb, depths[k]);
                 }
@@ -319,8 +340,15 @@ impl<'a> OverLayers<'a> {
                     }
                     let middle = w.mul(w.add(begin, end), w.splat(0.5));
                     let point = FieldPoint::between(&self.here, middle);
+                    let full_length = length;
                     let length = w.mul(length, known_between(w, missing, middle));
-                    if let Some((rgb, depth)) = label_medium(w, &medium, to_eye, &point) {
+                    if let Some((depth, rgb)) = medium.modifiers.medium(w, &point) {
+                        let own_rays = sheets(slab, layer).rays.as_ref().unwrap_or(rays);
+                        let part = w.mul(w.mul(depth, w.sub(end, begin)), full_length);
+                        let matter =
+                            Matter { begin: from, extent, depth: part, at: place(middle), missing: most_missing };
+                        let even = self.cuts.even_share(w, chunks, own_rays, s_front, &matter);
+                        let rgb = label_color(w, &medium, rgb, (to_eye, even), &point);
                         for k in 0..N_PARTS {
                             let share = w.sub(cuts[k + 1], cuts[k]);
                             parts[k].add(w, rgb, w.mul(w.mul(depth, share), length));
@@ -388,24 +416,24 @@ fn shaded<W: Wide>(
     medium: &LayerOptics,
     rgb: [W::F; 3],
     gradient: Option<[W::F; 3]>,
-    to_eye: [W::F; 3],
+    (to_eye, even): ([W::F; 3], Option<W::F>),
     point: &FieldPoint<W>,
 ) -> [W::F; 3] {
     let rgb = medium.modifiers.tint(w, rgb, point);
-    lit(w, rgb, medium.shader.zip(gradient), to_eye, medium.modifiers.light(w, point))
+    lit(w, rgb, medium.shader.zip(gradient), to_eye, medium.modifiers.light(w, point), even)
 }
 
-/// Lit colour and optical depth of the label medium at a point; `None` without one.
+/// Colour of the label medium, lit at a point.
 #[inline(always)]
-fn label_medium<W: Wide>(
+fn label_color<W: Wide>(
     w: W,
     medium: &LayerOptics,
-    to_eye: [W::F; 3],
+    rgb: [W::F; 3],
+    (to_eye, even): ([W::F; 3], Option<W::F>),
     point: &FieldPoint<W>,
-) -> Option<([W::F; 3], W::F)> {
-    let (depth, color) = medium.modifiers.medium(w, point)?;
+) -> [W::F; 3] {
     let shader = medium.modifiers.label_shader.as_ref().map(|shader| (shader, point.gradient(w)));
-    Some((lit(w, color, shader, to_eye, medium.modifiers.light(w, point)), depth))
+    lit(w, rgb, shader, to_eye, medium.modifiers.light(w, point), even)
 }
 
 impl Compositor for OverLayers<'_> {
@@ -442,6 +470,6 @@ impl Compositor for OverLayers<'_> {
     }
 
     fn into_state(self) -> TileState {
-        self.so_far.into_state()
+        TileState { entries: self.cuts.into_entries(), ..self.so_far.into_state() }
     }
 }

@@ -20,6 +20,8 @@ pub struct TileState {
     pub length: Vec<Lanes>,
     /// Position of opacity 1/2, or of the surface, along the ray; NaN where it is not reached.
     pub s_half: Vec<Lanes>,
+    /// Where rays entered matter through a cut last, in s ([`crate::ray::cut_faces`]).
+    pub entries: Vec<Lanes>,
     /// Rays that have found their surface or maximum, as bits (first hit, local maximum).
     pub found: Vec<u16>,
     /// Chunks in which no ray can change any more: all are opaque, or have found.
@@ -29,16 +31,16 @@ pub struct TileState {
 impl TileState {
     /// Serialises the state, little-endian.
     ///
-    /// The lengths of the six arrays, then the arrays in the order of the fields. [`TileState::from_bytes`] reads them
+    /// The lengths of the seven arrays, then the arrays in the order of the fields. [`TileState::from_bytes`] reads them
     /// back.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let Self { rgba, value, length, s_half, found, done } = self;
-        let mut bytes =
-            Vec::with_capacity(24 + 4 * LANES * (4 * rgba.len() + value.len() + length.len() + s_half.len()));
-        for n in [rgba.len(), value.len(), length.len(), s_half.len(), found.len(), done.len()] {
+        let Self { rgba, value, length, s_half, entries, found, done } = self;
+        let n_lanes = 4 * rgba.len() + value.len() + length.len() + s_half.len() + entries.len();
+        let mut bytes = Vec::with_capacity(28 + 4 * LANES * n_lanes);
+        for n in [rgba.len(), value.len(), length.len(), s_half.len(), entries.len(), found.len(), done.len()] {
             bytes.extend_from_slice(&(n as u32).to_le_bytes());
         }
-        let lanes = rgba.as_flattened().iter().chain(value).chain(length).chain(s_half);
+        let lanes = rgba.as_flattened().iter().chain(value).chain(length).chain(s_half).chain(entries);
         lanes.flat_map(|lanes| lanes.0).for_each(|x| bytes.extend_from_slice(&x.to_le_bytes()));
         for bits in found {
             bytes.extend_from_slice(&bits.to_le_bytes());
@@ -49,16 +51,16 @@ impl TileState {
 
     /// Reads the output of [`TileState::to_bytes`]; `None` where the bytes are not a state.
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
-        let (head, rest) = bytes.split_at_checked(24)?;
+        let (head, rest) = bytes.split_at_checked(28)?;
         let (head, _) = head.as_chunks::<4>();
         let n: Vec<usize> = head.iter().map(|n| u32::from_le_bytes(*n) as usize).collect();
         if n.iter().any(|n| *n != 0 && *n != Chunk::N) {
             return None;
         }
-        let n_lanes = 4 * n[0] + n[1] + n[2] + n[3];
+        let n_lanes = 4 * n[0] + n[1] + n[2] + n[3] + n[4];
         let (lanes, rest) = rest.split_at_checked(4 * LANES * n_lanes)?;
-        let (found, done) = rest.split_at_checked(2 * n[4])?;
-        if done.len() != n[5] {
+        let (found, done) = rest.split_at_checked(2 * n[5])?;
+        if done.len() != n[6] {
             return None;
         }
         let mut lanes = lanes.chunks_exact(4 * LANES).map(|own| {
@@ -67,9 +69,9 @@ impl TileState {
         });
         let mut take = |n: usize| lanes.by_ref().take(n).collect::<Vec<_>>();
         let rgba = take(4 * n[0]).as_chunks::<4>().0.to_vec();
-        let [value, length, s_half] = [n[1], n[2], n[3]].map(&mut take);
+        let [value, length, s_half, entries] = [n[1], n[2], n[3], n[4]].map(&mut take);
         let found = found.as_chunks::<2>().0.iter().map(|bits| u16::from_le_bytes(*bits)).collect();
-        Some(Self { rgba, value, length, s_half, found, done: done.iter().map(|done| *done != 0).collect() })
+        Some(Self { rgba, value, length, s_half, entries, found, done: done.iter().map(|done| *done != 0).collect() })
     }
 
     /// An array with `value` for every chunk.
@@ -88,6 +90,7 @@ mod tests {
         let state = TileState {
             rgba: TileState::per_chunk([0.1, 0.2, 0.3, 0.4].map(Lanes::splat)),
             s_half: lanes(f32::NAN),
+            entries: lanes(-1.5),
             found: TileState::per_chunk(0xA5A5),
             done: TileState::per_chunk(true),
             ..TileState::default()
@@ -97,7 +100,7 @@ mod tests {
         let other = TileState { value: lanes(2.0), length: lanes(3.0), ..TileState::default() };
         let read = TileState::from_bytes(&other.to_bytes()).unwrap();
         assert!(read.value[5].0[3] == 2.0 && read.length[127].0[15] == 3.0 && read.rgba.is_empty());
-        for n in [0, 23, bytes.len() - 1] {
+        for n in [0, 27, bytes.len() - 1] {
             assert!(TileState::from_bytes(&bytes[..n]).is_none(), "{n}");
         }
         assert!(TileState::from_bytes(&[bytes.as_slice(), &[0]].concat()).is_none());

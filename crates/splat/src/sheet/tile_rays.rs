@@ -18,6 +18,8 @@ pub struct Rays {
     intervals: Vec<[Lanes; 2]>,
     /// Interval of s that all rays of a chunk draw.
     common: Vec<[f32; 2]>,
+    /// Largest s at which a ray of a chunk begins.
+    last_entry: Vec<f32>,
     /// Rays that draw nothing, as bits.
     missed: Vec<u16>,
     /// Directions by chunk; a single entry where rays are parallel.
@@ -63,6 +65,7 @@ impl Rays {
         let mut rays = Self {
             intervals: vec![[Lanes::splat(0.0); 2]; Chunk::N],
             common: vec![[0.0; 2]; Chunk::N],
+            last_entry: vec![f32::NEG_INFINITY; Chunk::N],
             missed: vec![u16::MAX; Chunk::N],
             directions: Vec::new(),
             fades: Vec::new(),
@@ -115,6 +118,7 @@ impl Rays {
         let (from, to) = if plane.family.ascending { (lo, hi) } else { (hi.map(|w| -w), lo.map(|w| -w)) };
         // No value is carried from texel to texel, so that the loop becomes vectors.
         let (mut first, mut last) = ([f64::INFINITY; LANES], [f64::NEG_INFINITY; LANES]);
+        let mut entries = [f64::NEG_INFINITY; LANES];
         let mut missed_bits = [0_u16; LANES];
         for i in 0..LANES {
             let drawn = lo[i] < hi[i] && i < n;
@@ -123,12 +127,14 @@ impl Rays {
             far.0[i] = if drawn { to[i] as f32 } else { 0.0 };
             first[i] = if drawn { lo[i] } else { f64::INFINITY };
             last[i] = if drawn { hi[i] } else { f64::NEG_INFINITY };
+            entries[i] = if drawn { from[i] } else { f64::NEG_INFINITY };
         }
         let missed = halved(missed_bits, |a, b| a | b);
         *span = [span[0].min(halved(first, f64::min)), span[1].max(halved(last, f64::max))];
         let common = [halved(from, f64::max), halved(to, f64::min)];
         self.intervals[chunk.index()] = [near, far];
         self.common[chunk.index()] = if missed == 0 { common.map(|s| s as f32) } else { [0.0; 2] };
+        self.last_entry[chunk.index()] = halved(entries, f64::max) as f32;
         self.missed[chunk.index()] = missed;
     }
 
@@ -171,6 +177,12 @@ impl Rays {
     pub fn all_draw(&self, chunk: Chunk, from: f32, to: f32) -> bool {
         let [lo, hi] = self.common[chunk.index()];
         lo <= from && to <= hi
+    }
+
+    /// Largest s at which a ray of a chunk begins.
+    #[inline(always)]
+    pub fn last_entry(&self, chunk: Chunk) -> f32 {
+        self.last_entry[chunk.index()]
     }
 
     /// Rays that draw nothing, as bits.

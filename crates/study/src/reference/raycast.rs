@@ -6,6 +6,8 @@
 //! `[V(x + d) − V(x − d)] / 2d` along the index axes for the gradient, which with the linear kernel and d = 1 is the
 //! trilinearly interpolated central difference of the usual ray caster.
 
+use std::cell::Cell;
+
 use glam::{DAffine3, DMat3, DVec3};
 use wavesplat_compute::parallel;
 use wavesplat_core::{
@@ -15,8 +17,9 @@ use wavesplat_splat::kernel::smoothed;
 use wavesplat_splat::kernel::weights::{MAX_DIFFERENCE_TAPS, MAX_TAPS, mirror_index, n_taps, taps};
 use wavesplat_splat::optics::labels::{Labels, own_depth};
 use wavesplat_splat::optics::shade::vanishing_gradient_squared;
+use wavesplat_splat::ray::cut_faces::{MIN_DEPTH, NEAR};
 use wavesplat_splat::render::progress::{Progress, ProgressCallback};
-use wavesplat_splat::source::nonfinite::MIN_KNOWN;
+use wavesplat_splat::source::nonfinite::{MIN_KNOWN, MISSING};
 use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::view::family::IndexRays;
 use wavesplat_splat::view::index_frame::light_direction;
@@ -276,21 +279,30 @@ impl<'a> Sampler<'a> {
         self.tf.color_at(density / scale + offset, self.magnitude(index_gradient))
     }
 
-    /// Unassociated colour of a density and an index-space gradient, shaded with it.
+    /// Unassociated colour of a density and an index-space gradient, shaded with it. Cut faces have no even light: the
+    /// literal splatters are the method as published.
     pub fn shade(&self, density: f64, index_gradient: DVec3, to_eye: DVec3) -> [f64; 3] {
-        self.light(self.unshaded(density, index_gradient), index_gradient, to_eye, self.vanishing)
+        self.light(self.unshaded(density, index_gradient), index_gradient, to_eye, self.vanishing, 0.0)
+    }
+
+    /// Share of even light at a place so far behind the entry of its ray, in slices: cut faces are no surfaces, and
+    /// show their values in even light.
+    pub fn even_share(&self, behind_entry: f64) -> f64 {
+        let share = (0.25 * (10.0 - behind_entry)).clamp(0.0, 1.0);
+        share * self.shading.map_or(0.0, |shading| f64::from(shading.even_cuts))
     }
 
     /// A colour shaded with an index-space gradient, which counts as none where its square in the world is at most
-    /// `vanishing`.
-    fn light(&self, rgb: [f64; 3], index_gradient: DVec3, to_eye: DVec3, vanishing: f64) -> [f64; 3] {
+    /// `vanishing`. `even`: share of even light, that of matter without a gradient.
+    fn light(&self, rgb: [f64; 3], index_gradient: DVec3, to_eye: DVec3, vanishing: f64, even: f64) -> [f64; 3] {
         let Some(shading) = self.shading else { return rgb };
         let gradient = self.gradient_from_index * index_gradient;
         let (ambient, diffuse) = (f64::from(shading.ambient), f64::from(shading.diffuse));
+        let unoriented = diffuse * f64::from(shading.unoriented);
+        let sum = |c: usize| self.lights.iter().map(|(_, light)| light[c]).sum::<f64>();
+        let in_even_light = [0, 1, 2].map(|c| rgb[c] * (ambient + unoriented * sum(c)));
         if gradient.length_squared() <= vanishing {
-            let even = diffuse * f64::from(shading.unoriented);
-            let light = |c: usize| self.lights.iter().map(|(_, light)| light[c]).sum::<f64>();
-            return [0, 1, 2].map(|c| rgb[c] * (ambient + even * light(c)));
+            return in_even_light;
         }
         let normal = gradient.normalize();
         let mut out = rgb.map(|c| c * ambient);
@@ -302,7 +314,7 @@ impl<'a> Sampler<'a> {
                 out[c] += light[c] * (rgb[c] * diffuse * n_l.abs() + f64::from(shading.specular) * highlight);
             }
         }
-        out
+        [0, 1, 2].map(|c| out[c] + even * (in_even_light[c] - out[c]))
     }
 
     /// The thickness that opacities belong to.
@@ -471,11 +483,23 @@ impl<'a> RayCaster<'a> {
         let n_steps = ((t_out - t_in) / dt).ceil();
         let dt = (t_out - t_in) / n_steps;
         let length = dt * world.length();
+        // Slices are counted along the axis that the ray runs most along.
+        let slices = direction.abs().max_element();
+        // Where the ray entered matter through a cut last.
+        let entry = Cell::new(f64::NEG_INFINITY);
         let mixture_at = |t: f64| {
             let mut mixture = Medium::NONE;
-            for (layer, _) in self.layers.iter().zip(&drawn).filter(|(_, [t_in, t_out])| *t_in <= t && t <= *t_out) {
+            for (layer, [t_in, _]) in self.layers.iter().zip(&drawn).filter(|(_, [from, to])| *from <= t && t <= *to) {
                 let (origin, direction) = own_ray(layer);
-                mixture = mixture.and(&layer.medium(origin + direction * t, to_eye));
+                let position = origin + direction * t;
+                let is_dense = || layer.full_extinction(position) * world.length() / slices > f64::from(MIN_DEPTH);
+                if (t - t_in) * slices <= f64::from(NEAR) && is_dense() {
+                    entry.set(*t_in);
+                }
+                if layer.sampler.missing(position) >= f64::from(MISSING) && is_dense() {
+                    entry.set(t);
+                }
+                mixture = mixture.and(&layer.medium(position, to_eye, (t - entry.get()) * slices));
             }
             mixture
         };
@@ -506,8 +530,9 @@ impl<'a> RayCaster<'a> {
 }
 
 impl CastVolume<'_> {
-    /// Medium at an index position: the scan, and the label medium.
-    fn medium(&self, position: DVec3, to_eye: DVec3) -> Medium {
+    /// Medium at an index position: the scan, and the label medium. `behind_entry`: way from the entry of the ray, in
+    /// slices.
+    fn medium(&self, position: DVec3, to_eye: DVec3, behind_entry: f64) -> Medium {
         let sampler = &self.sampler;
         let mixture = self.labels.map(|labels| Mixture::new(labels, self.size, position));
         let own = mixture.as_ref().map_or(0.0, |mixture| mixture.own);
@@ -534,13 +559,22 @@ impl CastVolume<'_> {
             }
         }
         let per_unit = known / sampler.opacity_unit();
-        let color = if depth > 0.0 { sampler.light(rgb, gradient, to_eye, sampler.vanishing) } else { [0.0; 3] };
+        let even = sampler.even_share(behind_entry);
+        let color = if depth > 0.0 { sampler.light(rgb, gradient, to_eye, sampler.vanishing, even) } else { [0.0; 3] };
         let scan = Medium { extinction: depth * per_unit, color };
         let Some(mixture) = mixture.filter(|_| own > 0.0) else { return scan };
         let vanishing = vanishing_gradient_squared(self.world_from_index, [0.0, 1.0]);
         let own_rgb = mixture.own_rgb.map(|c| c / own);
-        let color = sampler.light(own_rgb, self.own_gradient(position), to_eye, vanishing);
+        let color = sampler.light(own_rgb, self.own_gradient(position), to_eye, vanishing, even);
         scan.and(&Medium { extinction: own * per_unit, color })
+    }
+
+    /// Extinction of the scan or the label medium, the larger, at an index position if no sample were missing.
+    fn full_extinction(&self, position: DVec3) -> f64 {
+        let sampler = &self.sampler;
+        let gradient = if sampler.needs_gradient() { sampler.gradient(position) } else { DVec3::ZERO };
+        let own = self.labels.map_or(0.0, |labels| Mixture::new(labels, self.size, position).own);
+        sampler.optical_depth(sampler.density(position), gradient).max(own) / sampler.opacity_unit()
     }
 
     /// Index-space gradient of the label medium by differences.

@@ -2307,6 +2307,7 @@ var DEFAULT_SHADING = {
   gradient_smoothing: 0.8,
   gradient_offset: 1,
   unoriented: 0.5,
+  even_cuts: 1,
   shoulder: 0.75,
   exposure: 1,
   lights: [],

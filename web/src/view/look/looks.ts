@@ -14,6 +14,7 @@ export const DEFAULT_SHADING: Shading = {
   gradient_smoothing: 0.8,
   gradient_offset: 1,
   unoriented: 0.5,
+  even_cuts: 1,
   shoulder: 0.75,
   exposure: 1,
   lights: [],

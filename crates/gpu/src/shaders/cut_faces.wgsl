@@ -1,0 +1,36 @@
+// Even light on cut faces. Twin of crates/splat/src/ray/cut_faces.rs.
+
+// Where the ray entered matter through a cut last, in s; NO_ENTRY where it did not.
+var<private> entry: f32;
+
+// Share of even light at position `at` of matter that a ray, which begins at `start`, sees from `begin` on. Its drawn
+// part is `length` slices long, with an optical depth of `depth` if no sample were missing, and the largest missing share of
+// that part.
+fn even_share(start: f32, begin: f32, length: f32, depth: f32, at: f32, missing: f32) -> f32 {
+    if !EVENS_CUTS {
+        return 0.0f;
+    }
+    if depth > MIN_CUT_DEPTH * length {
+        if begin <= start + NEAR_CUT {
+            entry = start;
+        }
+        if missing >= MISSING {
+            entry = at;
+        }
+    }
+    return clamp((entry + EVEN_REACH - at) * EVEN_PER_SLICE, 0.0f, 1.0f);
+}
+
+// A lit colour mixed with the same colour in even light, which no normal, occlusion or shadow changes.
+fn evened(lighting: Lighting, rgb: vec3<f32>, lit: vec3<f32>, even: f32) -> vec3<f32> {
+    let share = even * lighting.limits.z;
+    if share <= 0.0f {
+        return lit;
+    }
+    var sum = vec3<f32>(0.0f);
+    for (var k = 0u; k < lighting.lights.y; k++) {
+        sum += tables[lighting.lights.x + 3u * k + 2u].xyz;
+    }
+    let light = lighting.coefficients.x + lighting.coefficients.y * lighting.limits.x * sum;
+    return lit + share * (rgb * light - lit);
+}

@@ -96,10 +96,8 @@ def test_what_does_not_fit_is_refused(scan):
         ws.Labels(ones + 0.5)
     with pytest.raises(ArgumentError, match="no sample of the segmentation is 5"):
         ws.Labels(ones, {5: ws.Label("white")})
-    with pytest.raises(ArgumentError, match="resample it"):
+    with pytest.raises(ArgumentError, match="nothing says where it lies"):
         ws.render(scan, labels=ws.Labels(ones[1:]))
-    with pytest.raises(ArgumentError, match="beside the scan"):
-        ws.render(scan, labels=ws.Labels(ws.Volume(ones, spacing=(1, 1, 1))))
     with pytest.raises(ArgumentError, match="composite"):
         ws.render(scan, labels=ws.Labels(ones), composite="maximum")
     with pytest.raises(ArgumentError, match=r"give a wavesplat\.Labels"):

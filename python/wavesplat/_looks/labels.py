@@ -1,25 +1,27 @@
 """Labels: a segmentation beside the scan, with a name and a look for every label.
 
-Label numbers are never interpolated: what is reconstructed is how much of a place each label covers.
+Label numbers are never interpolated: what is reconstructed is how much of a place each label covers. It lies where its
+affine says (`label_grids`); the renderer takes labels on the scan's samples.
 """
 
 from __future__ import annotations
 
 import colorsys
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from functools import partial
 from os import PathLike
-from typing import Any
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat import _native
-from wavesplat._looks import colors, label_names
+from wavesplat._looks import colors, label_grids, label_names
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.convert_from import converted
 from wavesplat._model.cutting import Boxes, taken_out
+from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
 from wavesplat._model.sources import Source
 from wavesplat._model.volume import Volume
@@ -29,11 +31,22 @@ from wavesplat.errors import ArgumentError
 
 __all__ = ["Label", "Labels"]
 
+_Place: TypeAlias = tuple[tuple[int, int, int], bytes]
+
+
+@dataclass(frozen=True)
+class _Placing:
+    """A sentence on how labels came to the samples that they lie on, and whether some may be lost."""
+
+    note: str | None = None
+    is_resampled: bool = False
+
+
 #: Largest number of labels: data with more values is a scan.
 MAX_LABELS = 65_535
 #: Labels that `repr` lists.
 SHOWN = 6
-#: Largest distance, in spacings, between a segmentation's samples and those of the scan.
+#: Largest difference of affines of the same grid, in spacings: they are rounded in files.
 TOLERANCE = 1e-3
 
 
@@ -108,8 +121,10 @@ class Labels:
     Parameters
     ----------
     segmentation : Volume, array [z, y, x], or what else `Volume` takes
-        Whole numbers; every number is a label, 0 is none. It must lie on the scan's samples (same shape and affine); an
-        array, which has no place, is taken to.
+        Whole numbers; every number is a label, 0 is none. It lies where its affine says, on any grid that touches the
+        scan. Axes that are flipped or exchanged are put in order, and a part of the scan's grid is copied, both without
+        loss; other grids are resampled by nearest neighbour, with a note in the picture's report. An array, which has
+        no place, is taken to lie on the scan's samples, and must have its shape.
     labels : mapping of int to Label, optional
         Looks by number; numbers without a look show the scan as it is.
         None gives every number but 0 a colour of its own and the usual opacity.
@@ -137,10 +152,20 @@ class Labels:
     world_from_index: NDArray[np.float64] | None
     numbers: tuple[int, ...]
     _codes: NDArray[Any] = field(repr=False)
-    _cores: dict[bytes, _native.Labels] = field(repr=False)
-    _cuts: dict[tuple[bytes, Boxes], Labels] = field(repr=False)
     #: Source of the segmentation, None if unknown (`_model.sources`).
     _source: Source | None = field(repr=False)
+    #: Facts of its file, such as the unit of its lengths.
+    _facts: Facts = field(repr=False)
+    #: Whether it says where it lies: an array does not.
+    _has_place: bool = field(repr=False)
+    #: How the labels came to the samples that they lie on, where that is worth a note.
+    _placing: _Placing = field(repr=False)
+    #: The labels for the compiled module, on the samples of the last scan, and without the last boxes.
+    _cores: dict[_Place, _native.Labels] = field(repr=False)
+    _on_scans: dict[_Place, Labels] = field(repr=False)
+    _cuts: dict[Boxes, Labels] = field(repr=False)
+    #: Numbers and codes on the last scan, which copies with other looks share.
+    _codes_on_scans: dict[_Place, tuple[tuple[int, ...], NDArray[Any], _Placing]] = field(repr=False)
 
     @takes_its_types
     def __init__(
@@ -158,9 +183,22 @@ class Labels:
         looks = _default_looks(numbers) if labels is None else _checked_looks(labels, numbers)
         n_z, n_y, n_x = samples.shape
         source = segmentation._source if isinstance(segmentation, Volume) else None
-        parts: tuple[Any, ...] = (looks, bool(smooth), (n_z, n_y, n_x), matrix, numbers, codes, {}, {}, source)
-        for name, value in zip(self.__dataclass_fields__, parts, strict=True):
-            object.__setattr__(self, name, value)
+        self._set(
+            labels=looks,
+            smooth=bool(smooth),
+            shape=(n_z, n_y, n_x),
+            world_from_index=matrix,
+            numbers=numbers,
+            _codes=codes,
+            _source=source,
+            _facts=found.facts,
+            _has_place=matrix is not None and _says_place(matrix, found.facts),
+            _placing=_Placing(),
+            _cores={},
+            _on_scans={},
+            _cuts={},
+            _codes_on_scans={},
+        )
 
     @classmethod
     def open(
@@ -200,43 +238,77 @@ class Labels:
         for number, (name, color) in named.items():
             if number in looks:
                 looks[number] = Label(color or looks[number].color, name=name)
-        return cls(segmentation, looks, smooth=smooth)
+        return labels.with_looks(looks)
 
-    def check_beside(self, scan: Grid) -> None:
-        """Refuse a scan whose samples are not those of the segmentation.
+    def on_samples_of(self, scan: Grid) -> Labels:
+        """The labels on the samples of a scan; itself where it lies on them. Kept until another scan is asked for.
 
         Raises
         ------
         ArgumentError
-            If shape or affine differ.
+            If the segmentation does not touch the scan, has lengths in another unit, or no place and another shape.
         """
-        if self.shape != scan.shape:
-            raise ArgumentError(
-                f"labels: the segmentation is {self.shape} (z, y, x), the scan {scan.shape}; "
-                "resample it to the scan's samples (nearest neighbour), or open the scan that it was made from"
+        label_grids.check_unit(self._facts.unit, scan)
+        if self._lies_on(scan):
+            return self
+        key = _place_of(scan)
+        if key not in self._on_scans:
+            self._on_scans.clear()
+            if key not in self._codes_on_scans:
+                self._codes_on_scans.clear()
+                self._codes_on_scans[key] = self._placed(scan)
+            numbers, codes, placing = self._codes_on_scans[key]
+            self._on_scans[key] = self._changed(
+                shape=scan.shape,
+                world_from_index=np.array(scan.world_from_index),
+                numbers=numbers,
+                _codes=codes,
+                _has_place=True,
+                _placing=placing,
+                _codes_on_scans={},
             )
-        if self.world_from_index is not None:
-            apart = np.abs(self.world_from_index - scan.world_from_index).max()
-            if apart > TOLERANCE * min(scan.spacing):
-                raise ArgumentError(
-                    f"labels: the segmentation lies {apart:.4g} world units beside the scan (their affines differ); "
-                    "give the segmentation of this scan, or its array alone if you know that they belong together"
-                )
+        return self._on_scans[key]
+
+    def for_slices_of(self, scan: Grid) -> Labels:
+        """The labels on the samples of a scan or, where resampling would lose some, on their own, in its axes' order.
+
+        Raises
+        ------
+        ArgumentError
+            As `on_samples_of`.
+        """
+        placed = self.on_samples_of(scan)
+        own_place = self.world_from_index
+        if own_place is None or not (placed._placing.is_resampled and label_grids.is_finer(own_place, scan)):
+            return placed
+        # In one order of axes, places half way between samples do not depend on the file's.
+        codes, matrix = label_grids.along_axes_of(scan, self._codes, own_place)
+        own, theirs = (label_grids.spacing_text(each) for each in (matrix, scan.world_from_index))
+        note = f"labels drawn by nearest neighbour from their own samples, {own}, finer than the scan's, {theirs}"
+        return self._changed(
+            shape=codes.shape, world_from_index=matrix, _codes=codes, _placing=_Placing(note), _codes_on_scans={}
+        )
+
+    @property
+    def placing_notes(self) -> list[str]:
+        """How the labels came to the samples that they lie on; nothing where no number was changed or guessed."""
+        return [] if self._placing.note is None else [self._placing.note]
 
     def beside(self, scan: Grid) -> _native.Labels:
         """The labels as the compiled module takes them, on the samples of a scan."""
-        self.check_beside(scan)
-        key = scan.world_from_index.tobytes()
-        if key not in self._cores:
+        placed = self.on_samples_of(scan)
+        key = _place_of(scan)
+        if key not in placed._cores:
             none = ("", (0.0, 0.0, 0.0), 0.0, 1.0, 0.0)
             looks = [
                 (look.name or str(number), look.color, look.opacity, look.scan, look.tint)
-                if (look := self.labels.get(number)) is not None
+                if (look := placed.labels.get(number)) is not None
                 else none
-                for number in self.numbers
+                for number in placed.numbers
             ]
-            self._cores[key] = _native.Labels(self._codes, looks, np.array(scan.world_from_index), self.smooth)
-        return self._cores[key]
+            placed._cores.clear()
+            placed._cores[key] = _native.Labels(placed._codes, looks, np.array(scan.world_from_index), self.smooth)
+        return placed._cores[key]
 
     def without(self, boxes: Boxes, scan: Grid) -> Labels:
         """The labels with none in the boxes, so that they end in surfaces there; kept until other boxes are asked for.
@@ -244,33 +316,57 @@ class Labels:
         Raises
         ------
         ArgumentError
-            If shape or affine are not the scan's.
+            As `on_samples_of`.
         """
         if not boxes:
             return self
-        self.check_beside(scan)
-        key = scan.world_from_index.tobytes(), boxes
-        if key not in self._cuts:
-            self._cuts.clear()
-            numbers = self.numbers if 0 in self.numbers else (*self.numbers, 0)
-            codes = self._codes.astype(np.uint8 if len(numbers) <= 256 else np.uint16)
-            codes[taken_out(scan, boxes)] = numbers.index(0)
-            cut = object.__new__(Labels)
-            parts: tuple[Any, ...] = (
-                self.labels,
-                self.smooth,
-                self.shape,
-                self.world_from_index,
-                numbers,
-                codes,
-                {},
-                {},
-                None,
+        placed = self.on_samples_of(scan)
+        if boxes not in placed._cuts:
+            placed._cuts.clear()
+            numbers, outside = _with_none(placed.numbers)
+            codes = placed._codes.astype(_dtype_of(len(numbers)))
+            codes[taken_out(scan, boxes)] = outside
+            placed._cuts[boxes] = placed._changed(numbers=numbers, _codes=codes, _source=None, _codes_on_scans={})
+        return placed._cuts[boxes]
+
+    def _lies_on(self, scan: Grid) -> bool:
+        if self.world_from_index is None or self.shape != scan.shape:
+            return False
+        apart = np.abs(self.world_from_index - scan.world_from_index).max()
+        return bool(apart <= TOLERANCE * min(scan.spacing))
+
+    def _placed(self, scan: Grid) -> tuple[tuple[int, ...], NDArray[Any], _Placing]:
+        """Numbers and codes on the samples of a scan, and how they came there."""
+        matrix = self.world_from_index
+        if not self._has_place and self.shape == scan.shape:
+            guess = "guess: the segmentation says nothing of its place, and is taken to lie on the scan's samples"
+            return self.numbers, self._codes, _Placing(None if matrix is None else guess)
+        if matrix is None or not (self._has_place or np.array_equal(scan.world_from_index, np.eye(4))):
+            raise ArgumentError(
+                f"labels: the segmentation is {self.shape} (z, y, x), the scan {scan.shape}, and nothing says where it "
+                "lies; give it as a wavesplat.Volume with world_from_index, or on the scan's samples"
             )
-            for name, value in zip(self.__dataclass_fields__, parts, strict=True):
-                object.__setattr__(cut, name, value)
-            self._cuts[key] = cut
-        return self._cuts[key]
+        numbers, outside = _with_none(self.numbers)
+        codes = self._codes.astype(_dtype_of(len(numbers)), copy=False)
+        placed = label_grids.placed(codes, matrix, outside, scan)
+        note = None
+        if placed.is_resampled:
+            own, theirs = (label_grids.spacing_text(each) for each in (matrix, scan.world_from_index))
+            note = f"labels resampled by nearest neighbour from their samples, {own}, to the scan's, {theirs}"
+        if not np.isin(placed.codes, [numbers.index(number) for number in self.numbers if number != 0]).any():
+            note = f"{note}; none of them lies in the scan" if note else "none of the labels lies in the scan"
+        return numbers, placed.codes, _Placing(note, is_resampled=placed.is_resampled)
+
+    def _changed(self, **changes: Any) -> Labels:
+        """A copy with other fields; what is kept of scans and boxes is not that of the copy."""
+        changed = object.__new__(Labels)
+        own = {each.name: getattr(self, each.name) for each in fields(self)}
+        changed._set(**{**own, "_cores": {}, "_on_scans": {}, "_cuts": {}, **changes})
+        return changed
+
+    def _set(self, **values: Any) -> None:
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
 
     def with_looks(self, labels: Mapping[int, Label], *, smooth: bool | None = None) -> Labels:
         """A copy with other looks of the same segmentation.
@@ -287,14 +383,9 @@ class Labels:
         >>> labels.with_looks({1: ws.Label("red")}).labels[1].color
         (1.0, 0.0, 0.0)
         """
-        changed = object.__new__(Labels)
-        for name in self.__dataclass_fields__:
-            object.__setattr__(changed, name, getattr(self, name))
-        object.__setattr__(changed, "labels", _checked_looks(labels, self.numbers))
-        object.__setattr__(changed, "smooth", self.smooth if smooth is None else bool(smooth))
-        object.__setattr__(changed, "_cores", {})
-        object.__setattr__(changed, "_cuts", {})
-        return changed
+        return self._changed(
+            labels=_checked_looks(labels, self.numbers), smooth=self.smooth if smooth is None else bool(smooth)
+        )
 
     def __repr__(self) -> str:
         n_z, n_y, n_x = self.shape
@@ -310,7 +401,7 @@ class Labels:
         samples = np.asarray(self.numbers, dtype=np.int64)[self._codes]
         whole: Any = samples
         if self.world_from_index is not None:
-            whole = Volume(samples, world_from_index=self.world_from_index, name="labels")
+            whole = Volume(samples, world_from_index=self.world_from_index, name="labels", facts=self._facts)
         return partial(type(self), smooth=self.smooth), (whole, self.labels)
 
 
@@ -322,6 +413,25 @@ def _share(number: float, name: str, what: str) -> float:
     if not 0 <= share <= 1:
         raise ArgumentError(f"label {name!r}: {what} is {described(number)}; give a number 0..1")
     return share
+
+
+def _says_place(world_from_index: NDArray[np.float64], facts: Facts) -> bool:
+    """Whether an affine was given; volumes whose file says nothing of their place have the identity and no unit."""
+    return facts.unit is not None or facts.is_anatomical or not np.array_equal(world_from_index, np.eye(4))
+
+
+def _place_of(scan: Grid) -> _Place:
+    return scan.shape, scan.world_from_index.tobytes()
+
+
+def _with_none(numbers: tuple[int, ...]) -> tuple[tuple[int, ...], int]:
+    """The numbers with 0, which is no label, and its code."""
+    with_none = numbers if 0 in numbers else (*numbers, 0)
+    return with_none, with_none.index(0)
+
+
+def _dtype_of(n_codes: int) -> type[np.unsignedinteger[Any]]:
+    return np.uint8 if n_codes <= 256 else np.uint16
 
 
 def _codes(samples: NDArray[Any]) -> tuple[tuple[int, ...], NDArray[Any]]:
@@ -341,13 +451,12 @@ def _codes(samples: NDArray[Any]) -> tuple[tuple[int, ...], NDArray[Any]]:
         occurs = np.bincount(place.ravel(), minlength=highest - lowest + 1) > 0
         numbers = np.flatnonzero(occurs) + lowest
         table = np.cumsum(occurs) - 1
-        dtype = np.uint8 if len(numbers) <= 256 else np.uint16
-        return tuple(numbers.tolist()), np.ascontiguousarray(table.astype(dtype)[place])
+        return tuple(numbers.tolist()), np.ascontiguousarray(table.astype(_dtype_of(len(numbers)))[place])
     unique, inverse = np.unique(samples, return_inverse=True)
     if len(unique) > MAX_LABELS:
         raise ArgumentError(f"labels: the segmentation holds {len(unique)} different numbers; it looks like a scan")
-    dtype = np.uint8 if len(unique) <= 256 else np.uint16
-    return tuple(unique.tolist()), np.ascontiguousarray(inverse.reshape(samples.shape).astype(dtype))
+    codes = inverse.reshape(samples.shape).astype(_dtype_of(len(unique)))
+    return tuple(unique.tolist()), np.ascontiguousarray(codes)
 
 
 def _default_looks(numbers: tuple[int, ...]) -> dict[int, Label]:

@@ -185,8 +185,10 @@ def slice(
             if not is_seen:
                 notes.append(_why_not_seen(layer, values, curves))
     if scene.labels is not None:
-        rgba = label_slices.laid_over(rgba, planes, scene.labels, first.drawn)
-        report["labels"] = names_of(scene.labels)
+        labels = scene.labels.for_slices_of(first.drawn)
+        rgba = label_slices.laid_over(rgba, planes, labels)
+        report["labels"] = names_of(labels)
+        notes += labels.placing_notes
     if scene.clip:
         notes.append("left out of the slice, since for pictures in space: the scene's clip")
     if notes:

@@ -19,8 +19,6 @@ from wavesplat._files.addresses import is_address
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from wavesplat._looks.look import Look
-    from wavesplat._model.volume import Volume
     from wavesplat._scene.layer import Layer
 
 __all__ = [
@@ -49,8 +47,8 @@ FurtherLayers = Annotated[
     list[str] | None,
     typer.Option(
         metavar=LAYER,
-        help="Another volume in the same picture, such as pet.nii.gz:hot:2,8. LOOK: a colour map, a colour or a "
-        "preset; may be repeated.",
+        help="Another volume in the same picture, such as pet.nii.gz:hot:2,8, clear up to LOW. LOOK: a colour map, a "
+        "colour or a preset; may be repeated.",
     ),
 ]
 
@@ -165,7 +163,7 @@ def layer_of(text: str) -> LayerText:
 
 def further_layers(texts: Sequence[str] | None, *, time: int, quiet: bool) -> list[Layer]:
     """The volumes of `--layer`, with their looks. `time`: the time point of volumes that have several."""
-    from wavesplat._looks.over_time import brightest
+    from wavesplat._cli.printing import warnings_as_notes
     from wavesplat._readers.request import SeveralError
     from wavesplat._readers.time_points import open_series
     from wavesplat._scene.layer import Layer
@@ -182,33 +180,13 @@ def further_layers(texts: Sequence[str] | None, *, time: int, quiet: bool) -> li
             layers += open_scene(said.path, time=time).layers
             continue
         has_many = len(series) > 1
-        look = _look(brightest(series), said, quiet=quiet)
-        layers.append(Layer(series if has_many else series[0], look, time=time if has_many else 0))
+        volume = series if has_many else series[0]
+        with warnings_as_notes(quiet=quiet):
+            try:
+                layers.append(Layer.overlay(volume, said.look, said.window, time=time if has_many else 0))
+            except ArgumentError as error:
+                raise ArgumentError(f"--layer is {LAYER}: {error}") from None
     return layers
-
-
-def _look(volume: Volume, said: LayerText, *, quiet: bool) -> Look | None:
-    """The look of a `--layer`: a preset if it has no window, else a colour or a colour map; grey if none is named."""
-    from wavesplat._cli.printing import warnings_as_notes
-    from wavesplat._looks import colors, presets
-    from wavesplat._looks.look import Look
-    from wavesplat._looks.transfer_function import TransferFunction
-
-    name, window = said.look or "gray", said.window
-    is_preset = presets.plain(name) in {presets.plain(one) for one in (*presets.names(), "auto")}
-    if window is None and (said.look is None or name == "auto"):
-        return None
-    with warnings_as_notes(quiet=quiet):
-        if window is None and is_preset:
-            return Look.preset(name, volume)
-        if name.startswith("#") or (name in colors.NAMES and name not in ("grey", "gray", "black")):
-            return Look.channel(volume, name, window)
-        try:
-            function = TransferFunction.from_colormap(name, volume, clim=window, opacity="linear")
-        except ArgumentError as error:
-            has_values = f"the preset {name!r} has values of its own, so leave out the window" if is_preset else error
-            raise ArgumentError(f"--layer, whose LOOK is a preset, a colour or a colour map: {has_values}") from None
-    return Look(transfer_function=function, shading=None, name=name)
 
 
 # Times

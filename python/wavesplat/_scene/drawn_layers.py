@@ -9,12 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import cycle
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from wavesplat import _native
 from wavesplat._looks.automatic import automatic, tinted
 from wavesplat._looks.kinds import kind_of
 from wavesplat._looks.look import Look
+from wavesplat._looks.overlays import MAPPED_KINDS, OVERLAY_MAPS, cleared, mapped
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.cutting import Boxes, in_samples_of
@@ -163,6 +165,7 @@ def drawn_layers(scene: Scene, composite: Composite | None) -> DrawnLayers:
             if looks[k].composite != name or (looks[k].labels is not None and volume is not first):
                 looks[k] = _kept_look(scene, layer, name)
         looks = _with_distinct_colors(scene, layers, looks, name)
+        looks = _over_others(scene, layers, looks, name)
     shown = []
     for layer, volume, look in zip(layers, volumes, looks, strict=True):
         placed = on_axes_of(volume, volumes[0])
@@ -211,6 +214,45 @@ def _with_distinct_colors(
         find = partial(_colored, volume, made[k], composite, color)
         made[k] = scene._cache.get_or_compute(key, identity_of(volume), find)
     return made
+
+
+def _over_others(scene: Scene, layers: Sequence[Layer], looks: Sequence[Look], composite: Composite) -> list[Look]:
+    """The looks, those of further layers clear where their values are least, so that they do not hide the rest."""
+    made, maps = list(looks), cycle(OVERLAY_MAPS)
+    for k, layer in enumerate(layers):
+        if layer is scene.layers[0]:
+            continue
+        volume = layer.looked_at
+        if not _is_automatic(layer):
+            made[k] = _cleared(scene, layer, composite)
+        elif composite == "over" and (kind := kind_of(volume)) in MAPPED_KINDS:
+            colormap = next(maps)
+            # Bone hides less than all tissue of a CT in a colour map does.
+            if kind != "CT":
+                key: Any = id(volume), "over others", colormap
+                find = partial(_mapped, volume, made[k], colormap)
+                made[k] = scene._cache.get_or_compute(key, identity_of(volume), find)
+    return made
+
+
+def _cleared(scene: Scene, layer: Layer, composite: Composite) -> Look:
+    """The look that a further layer was given, clear where its values are least."""
+    volume, given = layer.looked_at, layer.look
+    drawn_with, made_for = _kept_look(scene, layer, composite), _kept_look(scene, layer, None)
+    if not isinstance(given, Look | str):
+        return drawn_with
+    find = partial(cleared, made_for, volume, composite)
+    if isinstance(given, str):
+        key: Any = id(volume), "cleared", given, composite
+        look = scene._cache.get_or_compute(key, identity_of(volume), find)
+    else:
+        look = find()
+    return replace(drawn_with, transfer_function=look.transfer_function)
+
+
+def _mapped(volume: Volume | WaveletVolume, look: Look, colormap: str) -> Look:
+    """The automatic look of a volume over another one: a colour map, without light."""
+    return replace(look, transfer_function=mapped(volume, colormap), shading=None, background=None)
 
 
 def _colored(volume: Volume | WaveletVolume, look: Look, composite: Composite, color: Rgb) -> Look:

@@ -12,6 +12,8 @@ from numpy.typing import NDArray
 
 from wavesplat._looks import colors
 from wavesplat._looks.kinds import kind_of, unit_of_values
+from wavesplat._looks.look import Look
+from wavesplat._looks.overlays import MAPPED_KINDS, OVERLAY_MAPS, cleared, mapped
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.argument_types import takes_its_types
@@ -35,10 +37,6 @@ __all__ = ["slice"]
 
 Floats: TypeAlias = NDArray[np.float32]
 
-#: Kinds of data whose automatic looks are for surfaces, or are greys, which over other greys say nothing; and the
-#: colour maps that these get instead, in turn.
-MAPPED_KINDS = ("CT", "MR", "PET", "ultrasound", "EM", "field", "scan")
-OVERLAY_MAPS = ("hot", "winter", "summer", "cool")
 #: Pixels that are mixed at once: their colours, in float64, take little memory.
 PIXELS_AT_ONCE = 1 << 18
 
@@ -69,9 +67,10 @@ def slice(
     what : Volume, WaveletVolume, array or what else `Volume` takes, Scene, Layer, or several in a list
         What to cut. The first volume decides plane, pixels and values, also where it is not visible. The others lie
         over it at the same places, in their order, as PET over CT does; of a series the volume of its time.
-        Their colours are those of their looks, or of a map such as "hot" where they have none. `Layer.opacity` is how
-        opaque a layer is where the opacity of its look is greatest; elsewhere it is less in proportion. Below the low
-        end of its look, where it is transparent and outside of its volume a layer does not show.
+        Their colours are those of their looks, or of a map such as "hot" where they have none, as in space.
+        `Layer.opacity` is how opaque a layer is where the opacity of its look is greatest; elsewhere it is less in
+        proportion. Below the low end of its look, where it is transparent and outside of its volume a layer does not
+        show.
         The labels of a scene lie over the slice, faint inside and full along their outlines; of a slab those of its
         middle plane. Clips and the background of a scene are for pictures in space.
     plane : str or (point, normal), default "axial"
@@ -176,14 +175,12 @@ def slice(
         rgba = first.opacity * rgba + (1 - first.opacity) * _associated(background)
     report["shown"] = [{**shown, "name": first.name} for shown in report["shown"]]
     automatic = iter(cycle(OVERLAY_MAPS))
-    for layer in others:
-        if layer.is_shown:
-            curves = _curves_of(scene, layer, automatic)
-            values = planes.values_of(layer.drawn, kernel, slab, threads)
-            rgba, is_seen = _laid_over(rgba, values, curves, layer.opacity)
-            report["shown"].append(shown_layer(_name_of(layer), "over", curves, unit_of_values(layer.drawn)))
-            if not is_seen:
-                notes.append(_why_not_seen(layer, values, curves))
+    for layer in filter(lambda layer: layer.is_shown, others):
+        curves = _curves_of(scene, layer, automatic)
+        values = planes.values_of(layer.drawn, kernel, slab, threads)
+        rgba, is_seen = _laid_over(rgba, values, curves, layer.opacity)
+        report["shown"] += _shown(layer, values, curves)
+        notes += [] if is_seen else [_why_not_seen(layer, values, curves)]
     if scene.labels is not None:
         labels = scene.labels.for_slices_of(first.drawn)
         rgba = label_slices.laid_over(rgba, planes, labels)
@@ -194,6 +191,12 @@ def slice(
     if notes:
         report["notes"] = notes
     return Picture(rgba, value=picture.value, report=report)
+
+
+def _shown(layer: Layer, values: Floats, curves: TransferFunction) -> list[dict[str, Any]]:
+    """The report's entry for colour bars; a layer that lies beside the picture has none."""
+    lies_here = np.isfinite(values).any()
+    return [shown_layer(_name_of(layer), "over", curves, unit_of_values(layer.drawn))] if lies_here else []
 
 
 def _facts_of(layer: Layer) -> dict[str, Any]:
@@ -230,9 +233,11 @@ def _curves_of(scene: Scene, layer: Layer, automatic: Iterator[str]) -> Transfer
 def _found_curves(layer: Layer, colormap: str | None) -> TransferFunction:
     volume = layer.looked_at
     if colormap is not None:
-        clim = windows.limits(volume, None, None)
-        return TransferFunction.from_colormap(colormap, clim=clim, opacity="linear")
-    curves = chosen_look(layer.look, volume, "over").transfer_function
+        return mapped(volume, colormap)
+    if isinstance(layer.look, Look) or (isinstance(layer.look, str) and layer.look.lower() != "auto"):
+        curves = cleared(chosen_look(layer.look, volume, None), volume, "over").transfer_function
+    else:
+        curves = chosen_look(layer.look, volume, "over").transfer_function
     if isinstance(curves, TransferFunction2D):
         raise ArgumentError(
             f"a slice shows values, not gradients; give the layer {_name_of(layer)!r} a TransferFunction, as "

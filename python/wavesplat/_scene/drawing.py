@@ -17,7 +17,9 @@ from numpy.typing import NDArray
 from wavesplat import _native
 from wavesplat._cluster.blocks import drawn_on_machines
 from wavesplat._looks import colors
+from wavesplat._looks.automatic import SOLID
 from wavesplat._looks.labels import Labels
+from wavesplat._looks.look import Look
 from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model.camera import Camera
@@ -61,6 +63,10 @@ atexit.register(_native.gpu_settle)
 PIXEL_BYTES, TEXEL_BYTES = 20, 20
 #: Oversampling beyond which the check of memory refuses any picture.
 MAX_OVERSAMPLING = 1e6
+#: Opacity of labels over a projection, as a share of their own: it shows through.
+LABEL_SHARE = 0.6
+#: Transfer function of a scan of which only labels are drawn.
+CLEAR = TransferFunction([(0.0, 0.0)], [(0.0, 1.0, 1.0, 1.0)])
 #: Sampling of overview pictures.
 COARSE = Sampling(sheets_per_slice=1, quality="draft")
 
@@ -104,15 +110,16 @@ def _drawn_scene(scene: Scene, camera: Camera | str | None, options: DrawOptions
     labels = scene.labels
     if labels is None and shown.has_first:
         labels = layers[0].look.labels
-    if labels is not None and (composite != "over" or any(map(_is_coarse, layers))):
-        raise ArgumentError('labels are drawn with composite="over" and all levels; leave out one of them')
+    if labels is not None:
+        _check_labels(composite, layers)
     parts = [(layer.seen, layer.look) for layer in layers]
     eye = chosen_camera(camera, parts or _hidden_parts(scene), clipping, size[0] / max(size[1], 1))
     look = layers[0].look if layers else None
     behind = colors.parse(look.background if look is not None and scene.background is None else scene.background)
     frame = _Frame(scene, eye, size, sampling, operator, clipping, labels, behind, options)
     functions = [_function(frame, layer, len(layers)) for layer in layers]
-    picture = _drawn(frame, layers, functions)
+    is_projected = labels is not None and composite != "over"
+    picture = _under_labels(frame, layers, functions) if is_projected else _drawn(frame, layers, functions)
     picture.report.update(facts_of_picture(scene, eye, size, behind, labels))
     picture.report.update(facts_of_layers(scene, layers, functions, composite))
     picture.report.update(_facts(frame, layers, functions, picture.report))
@@ -174,6 +181,36 @@ def _facts(
         kernel=frame.options.kernel,
         operator=frame.operator,
     )
+
+
+def _check_labels(composite: str, layers: Sequence[DrawnLayer]) -> None:
+    """Raise an `ArgumentError` where labels cannot be drawn."""
+    if composite == "first-hit":
+        raise ArgumentError(
+            'labels are not drawn with surfaces of one value; say composite="over" (--composite over), or leave out one'
+        )
+    for layer in filter(_is_coarse, layers):
+        raise ArgumentError(
+            f"labels lie on samples, and some wavelets of {layer.name!r} are left out; draw all of them, or no labels"
+        )
+
+
+def _under_labels(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> Picture:
+    """A projection, with its labels drawn as matter of their own and laid over it.
+
+    A projection has no depth, so nothing of it can lie before a label.
+    """
+    progress = frame.options.progress
+    options = replace(frame.options, progress=_part_of(progress, 0, 2))
+    picture = _drawn(replace(frame, labels=None, options=options), layers, functions)
+    shading = SOLID if layers[0].look.shading is None else layers[0].look.shading
+    clear = replace(layers[0], look=Look(transfer_function=CLEAR, shading=shading))
+    options = replace(frame.options, psnr=None, depth=False, progress=_part_of(progress, 1, 2))
+    result, _ = _rendered(replace(frame, operator="over", background=None, options=options), [clear], [CLEAR])
+    over = np.float32(LABEL_SHARE) * result["rgba"]
+    report = picture.report
+    report.setdefault("notes", []).append("labels laid over the projection, which has no depth")
+    return Picture(over + (1 - over[..., 3:]) * picture.rgba, picture.depth, picture.value, Report(report))
 
 
 def _is_coarse(layer: DrawnLayer) -> bool:

@@ -73,7 +73,7 @@ def pictures(scan, labels):
 def test_codes_in_any_order_of_axes_are_the_same_fault_3(scan, order, flips):
     labels = labels_of(*turned(numbers(), SCAN_FROM_INDEX, order, flips)).on_samples_of(scan)
     assert np.array_equal(np.array(labels.numbers)[labels._codes], numbers())
-    assert labels.placing_notes == []
+    assert labels.notes == []
 
 
 @pytest.mark.parametrize(("order", "flips"), [((0, 1, 2), (True, True, False)), ((2, 1, 0), (True, False, True))])
@@ -166,7 +166,7 @@ def test_other_grids_are_looked_up_at_the_nearest_sample(scan, tilt, monkeypatch
         n_inside += inside
         assert on_scan.numbers[on_scan._codes[k, j, i]] == (samples[z, y, x] if inside else 0)
     assert 0 < n_inside < np.prod(SHAPE)
-    assert "resampled by nearest neighbour" in on_scan.placing_notes[0]
+    assert "resampled by nearest neighbour" in on_scan.notes[0]
 
 
 def test_rounded_affines_are_the_same_grid(scan):
@@ -174,14 +174,14 @@ def test_rounded_affines_are_the_same_grid(scan):
     matrix[:3, :3] *= 1 + 1e-4
     matrix[:3, 3] += 0.01
     on_scan = labels_of(numbers(), matrix).on_samples_of(scan)
-    assert on_scan.placing_notes == []
+    assert on_scan.notes == []
     assert np.array_equal(np.array(on_scan.numbers)[on_scan._codes], numbers())
 
 
 def test_only_a_box_that_does_not_touch_is_refused(scan):
     matrix = SCAN_FROM_INDEX.copy()
     matrix[2, 3] += 2.5 * 14
-    assert "none of the labels lies in the scan" in labels_of(numbers(), matrix).on_samples_of(scan).placing_notes[0]
+    assert "none of the labels lies in the scan" in labels_of(numbers(), matrix).on_samples_of(scan).notes[0]
     matrix[2, 3] += 2.5
     boxes = r"\(4.5, -10, 44.5\) to \(30, 20, 77\), does not touch the scan 'scan', \(4.5, -10, 7\) to \(30, 20, 39.5\)"
     with pytest.raises(ArgumentError, match=boxes):

@@ -15,7 +15,12 @@ if TYPE_CHECKING:
 __all__ = ["LabelTable", "LabelsFile", "opened_labels"]
 
 LabelsFile = Annotated[
-    str | None, typer.Option(metavar="FILE", help="A segmentation of the volume, every label in a colour.")
+    str | None,
+    typer.Option(
+        metavar="FILE",
+        help="A segmentation of the volume, every label in a colour; or, in quotes, 'organs/*.nii.gz': masks in a file "
+        "each, with their names.",
+    ),
 ]
 LabelTable = Annotated[
     Path | None,

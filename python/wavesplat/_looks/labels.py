@@ -10,14 +10,16 @@ import colorsys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, fields
 from functools import partial
-from os import PathLike
+from os import PathLike, fspath
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat import _native
+from wavesplat._files.patterns import matching_files
 from wavesplat._looks import colors, label_grids, label_names
+from wavesplat._looks.mask_files import merged
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.convert_from import converted
 from wavesplat._model.cutting import Boxes, taken_out
@@ -154,6 +156,8 @@ class Labels:
     _codes: NDArray[Any] = field(repr=False)
     #: Source of the segmentation, None if unknown (`_model.sources`).
     _source: Source | None = field(repr=False)
+    #: Sentences on samples that were lost when it was read.
+    _notes: tuple[str, ...] = field(repr=False)
     #: Facts of its file, such as the unit of its lengths.
     _facts: Facts = field(repr=False)
     #: Whether it says where it lies: an array does not.
@@ -191,6 +195,7 @@ class Labels:
             numbers=numbers,
             _codes=codes,
             _source=source,
+            _notes=(),
             _facts=found.facts,
             _has_place=matrix is not None and _says_place(matrix, found.facts),
             _placing=_Placing(),
@@ -212,7 +217,8 @@ class Labels:
         Parameters
         ----------
         path : path
-            The segmentation.
+            The segmentation; or a pattern such as "organs/*.nii.gz" for masks in a file each, which become one
+            segmentation with the files' names. Where masks overlap the later file counts, in the order of their names.
         table : path, optional
             Names and colours instead of the file's: label descriptions of ITK-SNAP, a colour table of 3D Slicer
             (.ctbl), or a .tsv with the columns index, name and color (BIDS).
@@ -226,6 +232,12 @@ class Labels:
         ArgumentError
             If the samples are no labels.
         """
+        files = matching_files(fspath(path))
+        if files is not None and len(files) > 1:
+            if table is not None:
+                raise ArgumentError(f"masks have the names of their files; leave out the table: {table}")
+            return cls._of_masks(files, smooth=smooth)
+        path = path if files is None else files[0]
         # The table first: it is small, and may be the wrong file.
         given = None if table is None else label_names.in_table(table)
         segmentation = open_volume(path)
@@ -239,6 +251,13 @@ class Labels:
             if number in looks:
                 looks[number] = Label(color or looks[number].color, name=name)
         return labels.with_looks(looks)
+
+    @classmethod
+    def _of_masks(cls, files: list[str], *, smooth: bool) -> Labels:
+        volume, names, notes = merged(files)
+        labels = cls(volume, smooth=smooth)
+        looks = {number: Label(look.color, name=names[number]) for number, look in labels.labels.items()}
+        return labels.with_looks(looks)._changed(_source=None, _notes=notes)
 
     def on_samples_of(self, scan: Grid) -> Labels:
         """The labels on the samples of a scan; itself where it lies on them. Kept until another scan is asked for.
@@ -290,9 +309,9 @@ class Labels:
         )
 
     @property
-    def placing_notes(self) -> list[str]:
-        """How the labels came to the samples that they lie on; nothing where no number was changed or guessed."""
-        return [] if self._placing.note is None else [self._placing.note]
+    def notes(self) -> list[str]:
+        """Sentences on samples that were lost when they were read, and on how they came to those that they lie on."""
+        return [*self._notes, *([] if self._placing.note is None else [self._placing.note])]
 
     def beside(self, scan: Grid) -> _native.Labels:
         """The labels as the compiled module takes them, on the samples of a scan."""

@@ -101,7 +101,8 @@ def annotated(rgba: NDArray[np.float32], report: Mapping[str, Any], figure: Figu
         swatches = _named(figure, report)
         lettering.check_letters("".join(name for name, _ in swatches), font, "a name of the legend")
         beside = figure.legend_at == "beside"
-        block = legend.block(swatches, height - 2 * margin, style if beside else on_picture)
+        room = height - 2 * margin
+        block = legend.block(swatches, room, style if beside else on_picture, may_be_higher=beside)
         sheet.put(block, figure.legend_at, "the legend")
         taken = block.height + 2 * GAP * style.size if beside and figure.colorbar_at == "beside" else 0.0
     if figure.colorbar is not False:
@@ -325,15 +326,15 @@ def _color_bars(
     return [color_bar.block(scale, long, style, behind) for scale in scales]
 
 
-def _named(figure: Figure, report: Mapping[str, Any]) -> list[tuple[str, Color]]:
-    """Names and colours of the legend."""
+def _named(figure: Figure, report: Mapping[str, Any]) -> list[tuple[str, Color | None]]:
+    """Names and colours of the legend; None for a line that tells of names left out."""
     swatches = [(_plain(name), color) for name, color in report_facts.swatches_of(report)]
     for name, _ in swatches:
         lettering.check_length(name, "a name in the legend")
     if not swatches:
         raise ArgumentError("there is nothing for a legend: this picture has no labels, and not several layers")
     if figure.legend is True:
-        return swatches
+        return legend.shortened(swatches)
     if isinstance(figure.legend, str) or not isinstance(figure.legend, Iterable):
         raise ArgumentError(f"legend is {described(figure.legend)}; give True, or the names that it shall have")
     known = dict(swatches)

@@ -166,7 +166,8 @@ class Picture:
             The colours of the values that are shown, for all layers, or for the one of this name. Light and shadows are
             not in it, nor is opacity, but for projections.
         legend : bool or sequence of str
-            Names and colours of the labels and, where there are several, of the layers; or of these only.
+            Names and colours of the labels and, where there are several, of the layers, of more than 30 the first 30;
+            or of these only. Slices name the labels in them; where there are none, all.
         title : str, optional
             Above the picture; it is broken into lines where it is longer.
         unit : str, optional

@@ -123,8 +123,8 @@ def _drawn_scene(scene: Scene, camera: Camera | str | None, options: DrawOptions
     picture.report.update(facts_of_picture(scene, eye, size, behind, labels))
     picture.report.update(facts_of_layers(scene, layers, functions, composite))
     picture.report.update(_facts(frame, layers, functions, picture.report))
-    if labels is not None and (placing := labels.on_samples_of(shown.first).placing_notes):
-        picture.report.setdefault("notes", []).extend(placing)
+    if labels is not None and (notes := labels.on_samples_of(shown.first).notes):
+        picture.report.setdefault("notes", []).extend(notes)
     if resampled := shown.resampled:
         picture.report["resampled"] = resampled
     told = picture.report["device"]

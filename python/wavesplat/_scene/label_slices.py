@@ -16,8 +16,10 @@ FILL = 0.4
 PIXELS_AT_ONCE = 1 << 18
 
 
-def laid_over(rgba: NDArray[np.float32], planes: Planes, labels: Labels) -> NDArray[np.float32]:
-    """A slice with the labels of the samples next to its middle plane; outlines are as opaque as labels in space.
+def laid_over(rgba: NDArray[np.float32], planes: Planes, labels: Labels) -> tuple[NDArray[np.float32], set[int]]:
+    """A slice with the labels of the samples next to its middle plane, and the numbers of these.
+
+    Outlines are as opaque as labels in space.
 
     labels : on samples in the scan's order of axes, as `Labels.for_slices_of` gives them.
     """
@@ -34,7 +36,8 @@ def laid_over(rgba: NDArray[np.float32], planes: Planes, labels: Labels) -> NDAr
     alpha = (shares[codes] * np.where(edge, 1.0, FILL))[..., None]
     over = np.concatenate([colors[codes], np.ones((*codes.shape, 1))], axis=2)
     mixed: NDArray[np.float32] = (over * alpha + (1 - alpha) * rgba).astype(np.float32)
-    return mixed
+    seen = {labels.numbers[code] for code in np.unique(codes).tolist() if code < len(labels.numbers)}
+    return mixed, seen
 
 
 def _codes_at(planes: Planes, labels: Labels) -> NDArray[np.intp]:

@@ -183,9 +183,9 @@ def slice(
         notes += [] if is_seen else [_why_not_seen(layer, values, curves)]
     if scene.labels is not None:
         labels = scene.labels.for_slices_of(first.drawn)
-        rgba = label_slices.laid_over(rgba, planes, labels)
-        report["labels"] = names_of(labels)
-        notes += labels.placing_notes
+        rgba, seen = label_slices.laid_over(rgba, planes, labels)
+        report["labels"] = names_of(labels, seen) or names_of(labels)
+        notes += labels.notes
     if scene.clip:
         notes.append("left out of the slice, since for pictures in space: the scene's clip")
     if notes:

@@ -39,10 +39,12 @@ class Placed:
 
     codes : array [z, y, x], of the scan's shape.
     is_resampled : whether other samples were looked up than those at the same place.
+    share_outside : share of the labelled samples that lie outside of the scan; 0 where they were resampled.
     """
 
     codes: NDArray[Any]
     is_resampled: bool
+    share_outside: float = 0.0
 
 
 def placed(codes: NDArray[Any], world_from_index: Array, outside: int, scan: Grid) -> Placed:
@@ -79,11 +81,12 @@ def placed(codes: NDArray[Any], world_from_index: Array, outside: int, scan: Gri
         return Placed(np.ascontiguousarray(codes), is_resampled=False)
     check_room(codes.itemsize * int(np.prod(scan.shape)), "the labels on the scan's samples", "crop the scan")
     on_scan = np.full(scan.shape, outside, codes.dtype)
-    if shift is not None:
-        _copy(codes, on_scan, shift)
-    else:
+    if shift is None:
         _look_up(codes, on_scan, _changed_index(scan.world_from_index, matrix))
-    return Placed(on_scan, is_resampled=shift is None)
+        return Placed(on_scan, is_resampled=True)
+    _copy(codes, on_scan, shift)
+    n_before, n_after = (int(np.count_nonzero(each != outside)) for each in (codes, on_scan))
+    return Placed(on_scan, is_resampled=False, share_outside=1 - n_after / max(n_before, 1))
 
 
 def along_axes_of(scan: Grid, codes: NDArray[Any], world_from_index: Array) -> tuple[NDArray[Any], Array]:

@@ -368,12 +368,15 @@ class Labels:
         numbers, outside = _with_none(self.numbers)
         codes = self._codes.astype(_dtype_of(len(numbers)), copy=False)
         placed = label_grids.placed(codes, matrix, outside, scan)
-        note = None
+        notes = []
         if placed.is_resampled:
             own, theirs = (label_grids.spacing_text(each) for each in (matrix, scan.world_from_index))
-            note = f"labels resampled by nearest neighbour from their samples, {own}, to the scan's, {theirs}"
-        if not np.isin(placed.codes, [numbers.index(number) for number in self.numbers if number != 0]).any():
-            note = f"{note}; none of them lies in the scan" if note else "none of the labels lies in the scan"
+            notes.append(f"labels resampled by nearest neighbour from their samples, {own}, to the scan's, {theirs}")
+        if (placed.codes == outside).all():
+            notes.append("none of the labels lies in the scan")
+        elif placed.share_outside > 0:
+            notes.append(f"{100 * placed.share_outside:.2g} % of the labelled samples lie outside of the scan")
+        note = "; ".join(notes) or None
         return numbers, placed.codes, _Placing(note, is_resampled=placed.is_resampled)
 
     def _changed(self, **changes: Any) -> Labels:

@@ -31,10 +31,19 @@ from wavesplat._scene.resampling import check_units, is_oblique, on_axes_of
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from wavesplat._scene.layer import Layer
+    from wavesplat._scene.layer import AnyLook, Layer
     from wavesplat._scene.scene import Scene
 
-__all__ = ["Curves", "DrawnLayer", "DrawnLayers", "drawn_layers", "drawn_volumes", "operator_name", "seen_parts"]
+__all__ = [
+    "Curves",
+    "DrawnLayer",
+    "DrawnLayers",
+    "drawn_layers",
+    "drawn_volumes",
+    "look_over_others",
+    "operator_name",
+    "seen_parts",
+]
 
 Rgb = tuple[float, float, float]
 Curves: TypeAlias = TransferFunction | TransferFunction2D
@@ -236,18 +245,23 @@ def _over_others(scene: Scene, layers: Sequence[Layer], looks: Sequence[Look], c
 
 
 def _cleared(scene: Scene, layer: Layer, composite: Composite) -> Look:
-    """The look that a further layer was given, clear where its values are least."""
+    """The look that a further layer was given, clear where its values are least; a preset's is found once."""
     volume, given = layer.looked_at, layer.look
-    drawn_with, made_for = _kept_look(scene, layer, composite), _kept_look(scene, layer, None)
-    if not isinstance(given, Look | str):
-        return drawn_with
-    find = partial(cleared, made_for, volume, composite)
-    if isinstance(given, str):
-        key: Any = id(volume), "cleared", given, composite
-        look = scene._cache.get_or_compute(key, identity_of(volume), find)
-    else:
-        look = find()
-    return replace(drawn_with, transfer_function=look.transfer_function)
+    if not isinstance(given, str):
+        return look_over_others(given, volume, composite)
+    key: Any = id(volume), "cleared", given, composite
+    find = partial(look_over_others, given, volume, composite)
+    return scene._cache.get_or_compute(key, identity_of(volume), find)
+
+
+def look_over_others(given: AnyLook, volume: Volume | WaveletVolume, composite: Composite) -> Look:
+    """The look that is given to a volume over another one, clear where the values are least; see `overlays.cleared`."""
+    look = chosen_look(given, volume, composite)
+    # Automatic looks are chosen for the operator.
+    if not isinstance(given, Look | str) or (isinstance(given, str) and given.lower() == "auto"):
+        return look
+    made_for = chosen_look(given, volume, None)
+    return replace(look, transfer_function=cleared(made_for, volume, composite).transfer_function)
 
 
 def _mapped(volume: Volume | WaveletVolume, look: Look, colormap: str) -> Look:

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from wavesplat._looks import colors
 from wavesplat._looks.kinds import kind_of, unit_of_values
-from wavesplat._looks.look import Look
-from wavesplat._looks.overlays import MAPPED_KINDS, OVERLAY_MAPS, cleared, mapped
+from wavesplat._looks.overlays import MAPPED_KINDS, OVERLAY_MAPS, mapped
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.argument_types import takes_its_types
@@ -23,10 +22,9 @@ from wavesplat._picture.picture import Picture
 from wavesplat._picture.report_facts import shown_layer
 from wavesplat._public import public
 from wavesplat._render import windows
-from wavesplat._render.arguments import chosen_look
 from wavesplat._render.slicing import sliced
 from wavesplat._scene import label_slices
-from wavesplat._scene.drawn_layers import identity_of
+from wavesplat._scene.drawn_layers import identity_of, look_over_others
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.resampling import check_units
 from wavesplat._scene.scene import Scene, as_scene
@@ -234,10 +232,7 @@ def _found_curves(layer: Layer, colormap: str | None) -> TransferFunction:
     volume = layer.looked_at
     if colormap is not None:
         return mapped(volume, colormap)
-    if isinstance(layer.look, Look) or (isinstance(layer.look, str) and layer.look.lower() != "auto"):
-        curves = cleared(chosen_look(layer.look, volume, None), volume, "over").transfer_function
-    else:
-        curves = chosen_look(layer.look, volume, "over").transfer_function
+    curves = look_over_others(layer.look, volume, "over").transfer_function
     if isinstance(curves, TransferFunction2D):
         raise ArgumentError(
             f"a slice shows values, not gradients; give the layer {_name_of(layer)!r} a TransferFunction, as "

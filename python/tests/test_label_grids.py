@@ -244,6 +244,21 @@ def test_labels_lie_on_the_level_that_is_drawn():
         assert np.abs(made[0].rgba - made[1].rgba).mean() < 0.03
 
 
+@pytest.mark.parametrize("composite", ["over", "maximum"])
+def test_labels_of_a_part_need_no_more_than_the_level_that_is_drawn(composite):
+    samples = np.random.default_rng(3).random((32, 32, 32), np.float32)
+    lazy = ws.Volume.lazy([samples, samples[::2, ::2, ::2]], world_from_index=np.eye(4), unit="mm")
+    matrix = np.eye(4)
+    matrix[:3, 3] = 6, 8, 10
+    labels = ws.Labels(volume(np.ones((8, 9, 10), np.uint8), matrix), {1: ws.Label("red", 0.9)})
+    layers = [ws.Layer(lazy.at_level(1), CLEAR), ws.Layer(lazy.at_level(1), CLEAR)]
+    for count in (1, 2):
+        picture = ws.render(ws.Scene(layers[:count], labels=labels), composite=composite, size=(20, 20))
+        assert (picture.rgba[..., 0] - picture.rgba[..., 1]).max() > 0.3
+        assert {shape for shape, _ in labels._codes_on_scans} == {(16, 16, 16)}
+        assert "labels resampled by nearest neighbour" in " ".join(picture.report["notes"])
+
+
 def test_a_dicom_scan_takes_its_nifti_segmentation_fault_3(tmp_path):
     """A DICOM series has its axes along L, P, S, the segmentation that TotalSegmentator makes of it along L, A, S."""
     import nibabel

@@ -7,7 +7,7 @@ camera, and their colours are added as light.
 from __future__ import annotations
 
 import atexit
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -27,8 +27,10 @@ from wavesplat._model.clips import Clipping
 from wavesplat._model.composites import FirstHit, Operator, XRay, checked_operator, name_of
 from wavesplat._model.forked import drawing
 from wavesplat._model.lazy_changes import comparing_once
+from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.options import BY_VIEW
 from wavesplat._model.sampling import Sampling, checked_quality
+from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture.picture import Picture
 from wavesplat._picture.report import Report
@@ -123,7 +125,7 @@ def _drawn_scene(scene: Scene, camera: Camera | str | None, options: DrawOptions
     picture.report.update(facts_of_picture(scene, eye, size, behind, labels))
     picture.report.update(facts_of_layers(scene, layers, functions, composite))
     picture.report.update(_facts(frame, layers, functions, picture.report))
-    if labels is not None and (notes := labels.on_samples_of(shown.first).notes):
+    if labels is not None and (notes := _placed_labels(labels, shown.first, picture.report).notes):
         picture.report.setdefault("notes", []).extend(notes)
     if resampled := shown.resampled:
         picture.report["resampled"] = resampled
@@ -181,6 +183,14 @@ def _facts(
         kernel=frame.options.kernel,
         operator=frame.operator,
     )
+
+
+def _placed_labels(labels: Labels, scan: Volume | WaveletVolume, report: Mapping[str, Any]) -> Labels:
+    """The labels on the samples that were drawn: of a lazy scan, those of a level."""
+    if not isinstance(scan, LazyVolume) or labels.world_from_index is None:
+        return labels.on_samples_of(scan)
+    of_first = report if "lazy" in report else report["layers"][0]
+    return labels.on_samples_of(scan.grid_of(of_first["lazy"]["levels"][0]))
 
 
 def _check_labels(composite: str, layers: Sequence[DrawnLayer]) -> None:

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import colorsys
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field
+from dataclasses import InitVar, dataclass, field, fields
 from functools import partial
 from os import PathLike
 from typing import Any
@@ -131,16 +131,17 @@ class Labels:
     >>> picture = ws.render(scan, "ct-soft-tissue", labels=labels, size=(32, 32))
     """
 
+    segmentation: InitVar[Any]
     labels: dict[int, Label]
     smooth: bool
-    shape: tuple[int, int, int]
-    world_from_index: NDArray[np.float64] | None
-    numbers: tuple[int, ...]
-    _codes: NDArray[Any] = field(repr=False)
-    _cores: dict[bytes, _native.Labels] = field(repr=False)
-    _cuts: dict[tuple[bytes, Boxes], Labels] = field(repr=False)
+    shape: tuple[int, int, int] = field(init=False)
+    world_from_index: NDArray[np.float64] | None = field(init=False)
+    numbers: tuple[int, ...] = field(init=False)
+    _codes: NDArray[Any] = field(init=False, repr=False)
+    _cores: dict[bytes, _native.Labels] = field(init=False, repr=False)
+    _cuts: dict[tuple[bytes, Boxes], Labels] = field(init=False, repr=False)
     #: Source of the segmentation, None if unknown (`_model.sources`).
-    _source: Source | None = field(repr=False)
+    _source: Source | None = field(init=False, repr=False)
 
     @takes_its_types
     def __init__(
@@ -159,8 +160,14 @@ class Labels:
         n_z, n_y, n_x = samples.shape
         source = segmentation._source if isinstance(segmentation, Volume) else None
         parts: tuple[Any, ...] = (looks, bool(smooth), (n_z, n_y, n_x), matrix, numbers, codes, {}, {}, source)
-        for name, value in zip(self.__dataclass_fields__, parts, strict=True):
-            object.__setattr__(self, name, value)
+        for one, value in zip(fields(self), parts, strict=True):
+            object.__setattr__(self, one.name, value)
+
+    # Annotated above as an argument, so that `dataclasses.replace` passes what this returns to the new object.
+    @property
+    def segmentation(self) -> Any:
+        """The segmentation as given: a `Volume`, or an array [z, y, x] where it has no place; numbers are int64."""
+        return _segmentation_of(self)
 
     @classmethod
     def open(
@@ -267,8 +274,8 @@ class Labels:
                 {},
                 None,
             )
-            for name, value in zip(self.__dataclass_fields__, parts, strict=True):
-                object.__setattr__(cut, name, value)
+            for one, value in zip(fields(self), parts, strict=True):
+                object.__setattr__(cut, one.name, value)
             self._cuts[key] = cut
         return self._cuts[key]
 
@@ -288,8 +295,8 @@ class Labels:
         (1.0, 0.0, 0.0)
         """
         changed = object.__new__(Labels)
-        for name in self.__dataclass_fields__:
-            object.__setattr__(changed, name, getattr(self, name))
+        for one in fields(self):
+            object.__setattr__(changed, one.name, getattr(self, one.name))
         object.__setattr__(changed, "labels", _checked_looks(labels, self.numbers))
         object.__setattr__(changed, "smooth", self.smooth if smooth is None else bool(smooth))
         object.__setattr__(changed, "_cores", {})
@@ -307,11 +314,16 @@ class Labels:
         return f"<Labels: z {n_z}, y {n_y}, x {n_x}, {len(named)} labels: {listed or 'none'}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        samples = np.asarray(self.numbers, dtype=np.int64)[self._codes]
-        whole: Any = samples
-        if self.world_from_index is not None:
-            whole = Volume(samples, world_from_index=self.world_from_index, name="labels")
-        return partial(type(self), smooth=self.smooth), (whole, self.labels)
+        return partial(type(self), smooth=self.smooth), (_segmentation_of(self), self.labels)
+
+
+def _segmentation_of(labels: Labels) -> Volume | NDArray[np.int64]:
+    samples: NDArray[np.int64] = np.asarray(labels.numbers, dtype=np.int64)[labels._codes]
+    if labels.world_from_index is None:
+        return samples
+    volume = Volume(samples, world_from_index=labels.world_from_index, name="labels")
+    volume._source = labels._source
+    return volume
 
 
 def _share(number: float, name: str, what: str) -> float:

@@ -65,7 +65,7 @@ class TransferFunction:
     color: tuple[tuple[float, float, float, float], ...]
     opacity_unit: float | None
     gradient_opacity: tuple[tuple[float, float], ...]
-    _core: _native.TransferFunction = field(repr=False, compare=False)
+    _core: _native.TransferFunction = field(init=False, repr=False, compare=False)
 
     @takes_its_types
     def __init__(

@@ -69,7 +69,7 @@ class TransferFunction2D:
     magnitudes: tuple[float, ...]
     rgba: NDArray[np.float64]
     opacity_unit: float | None
-    _core: _native.TransferFunction = field(repr=False)
+    _core: _native.TransferFunction = field(init=False, repr=False)
 
     @takes_its_types
     def __init__(

@@ -39,6 +39,7 @@ SAMPLES = [
     (FLESH, "opacity", 0.25),
     (ws.Materials([FLESH]), "opacity_unit", 2.0),
     (ws.Mesh(np.zeros((3, 3)), np.array([[0, 1, 2]], np.int32), np.ones((3, 3))), "faces", np.array([[0, 2, 1]])),
+    (ws.Meshes((), ()), None, None),
     (PICTURE, "depth", np.ones((6, 8))),
     (ws.Sampling(), "quality", "fine"),
     (ws.Scene(BALL), "background", "white"),

@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     from wavesplat._looks.shading import Light, Shading
     from wavesplat._looks.transfer_function import TransferFunction
     from wavesplat._looks.transfer_function_2d import TransferFunction2D
-    from wavesplat._mesh.meshing import Mesh, mesh
+    from wavesplat._mesh.meshing import mesh
+    from wavesplat._mesh.triangle_mesh import Mesh, Meshes
     from wavesplat._model.camera import Camera
     from wavesplat._model.clips import ClipPlane, CutOut
     from wavesplat._model.composites import DepthShadedMaximum, FirstHit, LocalMaximum, XRay
@@ -81,6 +82,7 @@ __all__ = [
     "Material",
     "Materials",
     "Mesh",
+    "Meshes",
     "OpenOptions",
     "Picture",
     "RenderOptions",
@@ -137,7 +139,8 @@ _HOMES = {
     "Look": "_looks.look",
     "Material": "_looks.materials",
     "Materials": "_looks.materials",
-    "Mesh": "_mesh.meshing",
+    "Mesh": "_mesh.triangle_mesh",
+    "Meshes": "_mesh.triangle_mesh",
     "OpenOptions": "_readers.options",
     "Picture": "_picture.picture",
     "RenderOptions": "_render.options",

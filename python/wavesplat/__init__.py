@@ -54,6 +54,7 @@ if TYPE_CHECKING:
     from wavesplat._render.options import RenderOptions
     from wavesplat._scene.cost import Cost, plan
     from wavesplat._scene.layer import Layer
+    from wavesplat._scene.lightbox import lightbox
     from wavesplat._scene.opening import open_scene
     from wavesplat._scene.progressive import progressive
     from wavesplat._scene.rendering import render
@@ -103,6 +104,7 @@ __all__ = [
     "examples",
     "gpu",
     "largest_body",
+    "lightbox",
     "mesh",
     "movie",
     "open",
@@ -158,6 +160,7 @@ _HOMES = {
     "XRay": "_model.composites",
     "__version__": "_native",
     "largest_body": "_looks.largest_body",
+    "lightbox": "_scene.lightbox",
     "mesh": "_mesh.meshing",
     "movie": "_movie.movie",
     "open": "_readers.opening",

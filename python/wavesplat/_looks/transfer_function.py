@@ -99,6 +99,12 @@ class TransferFunction:
         """Colour and opacity of some sample values, shape (n, 4): red, green, blue, opacity per `opacity_unit`."""
         return self._core.evaluate(_floats(values).ravel())
 
+    def _moved(self, offset: float) -> TransferFunction:
+        """The same colours and opacities at values that are larger by `offset`."""
+        opacity = [(value + offset, alpha) for value, alpha in self.opacity]
+        color = [(value + offset, *rgb) for value, *rgb in self.color]
+        return TransferFunction(opacity, color, self.opacity_unit, self.gradient_opacity)
+
     @classmethod
     @takes_its_types
     def auto(cls, volume: VolumeLike, composite: Composite = "over") -> TransferFunction:

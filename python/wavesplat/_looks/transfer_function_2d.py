@@ -110,6 +110,10 @@ class TransferFunction2D:
         flat_values, flat_magnitudes = (np.ascontiguousarray(flat).ravel() for flat in pairs)
         return self._core.evaluate_at(flat_values, flat_magnitudes)
 
+    def _moved(self, offset: float) -> TransferFunction2D:
+        """The same colours and opacities at values that are larger by `offset`."""
+        return TransferFunction2D([v + offset for v in self.values], self.magnitudes, self.rgba, self.opacity_unit)
+
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, TransferFunction2D):
             return NotImplemented

@@ -8,6 +8,7 @@ import json
 import struct
 import warnings
 import zipfile
+from pathlib import Path
 
 import dicom_files
 import numpy as np
@@ -37,6 +38,18 @@ def mgh(path):
     import nibabel
 
     nibabel.save(nibabel.MGHImage(SAMPLES.T.astype(np.float32), np.eye(4)), path)
+
+
+def of_nibabel(path, name):
+    """A small file of nibabel's own tests, with its samples beside it where they are in a file of their own."""
+    import nibabel
+
+    data = Path(nibabel.__file__).parent / "tests" / "data"
+    path.write_bytes((data / name).read_bytes())
+    for header, samples in ((".HEAD", ".BRIK"), (".PAR", ".REC")):
+        if path.suffix == header:
+            beside = data / name.replace(header, samples)
+            path.with_suffix(samples).write_bytes(beside.read_bytes())
 
 
 def itk(path, **options):
@@ -105,6 +118,11 @@ KINDS = {
     "times.nii": (lambda path: nifti(path, samples=np.stack([SAMPLES] * 3)), 352, True),
     "a.nii.gz": (nifti, 352, False),
     "a.mgh": (mgh, 284, True),
+    "minc1.mnc": (lambda path: of_nibabel(path, "tiny.mnc"), 3300, False),
+    "minc2.mnc": (lambda path: of_nibabel(path, "minc2_1_scale.mnc"), 8000, False),
+    "a.HEAD": (lambda path: of_nibabel(path, "scaled+tlrc.HEAD"), 1900, False),
+    "times.PAR": (lambda path: of_nibabel(path, "phantom_EPI_asc_CLEAR_2_1.PAR"), 5000, False),
+    "a.v": (lambda path: of_nibabel(path, "tinypet.v"), 1536, False),
     "a.mha": (itk, 340, True),
     "packed.mha": (lambda path: itk(path, useCompression=True), 400, True),
     "a.mhd": (itk, 400, True),

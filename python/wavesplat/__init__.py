@@ -29,7 +29,8 @@ if TYPE_CHECKING:
     from wavesplat._looks.shading import Light, Shading
     from wavesplat._looks.transfer_function import TransferFunction
     from wavesplat._looks.transfer_function_2d import TransferFunction2D
-    from wavesplat._mesh.meshing import Mesh, mesh
+    from wavesplat._mesh.meshing import mesh
+    from wavesplat._mesh.triangle_mesh import Mesh, Meshes
     from wavesplat._model.camera import Camera
     from wavesplat._model.clips import ClipPlane, CutOut
     from wavesplat._model.composites import DepthShadedMaximum, FirstHit, LocalMaximum, XRay
@@ -53,6 +54,7 @@ if TYPE_CHECKING:
     from wavesplat._render.options import RenderOptions
     from wavesplat._scene.cost import Cost, plan
     from wavesplat._scene.layer import Layer
+    from wavesplat._scene.lightbox import lightbox
     from wavesplat._scene.opening import open_scene
     from wavesplat._scene.progressive import progressive
     from wavesplat._scene.rendering import render
@@ -81,6 +83,7 @@ __all__ = [
     "Material",
     "Materials",
     "Mesh",
+    "Meshes",
     "OpenOptions",
     "Picture",
     "RenderOptions",
@@ -101,6 +104,7 @@ __all__ = [
     "examples",
     "gpu",
     "largest_body",
+    "lightbox",
     "mesh",
     "movie",
     "open",
@@ -137,7 +141,8 @@ _HOMES = {
     "Look": "_looks.look",
     "Material": "_looks.materials",
     "Materials": "_looks.materials",
-    "Mesh": "_mesh.meshing",
+    "Mesh": "_mesh.triangle_mesh",
+    "Meshes": "_mesh.triangle_mesh",
     "OpenOptions": "_readers.options",
     "Picture": "_picture.picture",
     "RenderOptions": "_render.options",
@@ -155,6 +160,7 @@ _HOMES = {
     "XRay": "_model.composites",
     "__version__": "_native",
     "largest_body": "_looks.largest_body",
+    "lightbox": "_scene.lightbox",
     "mesh": "_mesh.meshing",
     "movie": "_movie.movie",
     "open": "_readers.opening",

@@ -80,6 +80,8 @@ WORDS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("out", "out-file", "outfile", "save", "save-as", "output-dir", "outdir"), ("-o OUT",)),
     **dict.fromkeys(("silent",), ("--quiet",)),
     **dict.fromkeys(("slice", "slice-index", "z"), ("--position MM",)),
+    **dict.fromkeys(("slices", "lightbox", "montage", "mosaic", "n-slices"), ("--positions START:STOP:STEP",)),
+    **dict.fromkeys(("ortho", "orthogonal", "planes", "three-planes", "mpr"), ("--plane all",)),
     **dict.fromkeys(("thick", "slab-thickness"), ("--thickness MM",)),
 }
 #: Least similarity, 0..1 (`difflib`), from which a name counts as a misspelt option.

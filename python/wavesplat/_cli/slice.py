@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, Any, get_args
 
 import typer
@@ -40,12 +41,25 @@ def slice(
     *,
     plane: Annotated[
         Any,
-        typer.Option(metavar="NAME", parser=parsers.one_of(tuple(PLANES)), help=f"{', '.join(PLANES)}; else axial."),
+        typer.Option(
+            metavar="NAME",
+            parser=parsers.one_of((*PLANES, "all")),
+            help=f"{', '.join(PLANES)}; all three on one sheet: all; else axial.",
+        ),
     ] = None,
     position: Annotated[
         float | None,
         typer.Option(metavar="MM", help="Where the plane crosses its axis, or how far from the point; world units."),
     ] = None,
+    positions: Annotated[
+        Any,
+        typer.Option(
+            metavar="START:STOP:STEP|N",
+            parser=parsers.positions,
+            help="Several slices on one sheet: positions such as 10:80:10 or 10,20,35, or how many.",
+        ),
+    ] = None,
+    columns: Annotated[int | None, typer.Option(metavar="N", help="Slices in a row of the sheet.")] = None,
     point: Annotated[
         Any,
         typer.Option(
@@ -92,13 +106,21 @@ def slice(
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Draw a slice through a volume, thin or thick, and print the picture's path."""
+    """Draw a slice through a volume, thin or thick, or several on one sheet, and print the picture's path."""
     parsers.refuse_pairs(preset=preset, tf=tf)
     parsers.refuse_pairs(plane=plane, normal=normal)
+    parsers.refuse_pairs(position=position, positions=positions)
+    is_sheet = positions is not None or plane == "all"
+    if plane == "all":
+        parsers.refuse_pairs(plane=plane, position=position)
+        parsers.refuse_pairs(plane=plane, positions=positions)
+    if columns is not None and not is_sheet:
+        raise ArgumentError("--columns is for several slices on one sheet; give --positions, or --plane all")
     if (point is None) != (normal is None):
         raise ArgumentError("--point and --normal belong together; give both, or a --plane")
     check_outputs(input, output, "pictures")
     from wavesplat._picture.picture import check_bits
+    from wavesplat._scene.lightbox import lightbox
     from wavesplat._scene.scene import Scene
     from wavesplat._scene.slicing import slice as cut
 
@@ -111,26 +133,30 @@ def slice(
     transfer_function: Any = look and look.transfer_function
     if preset == "auto":
         transfer_function = function_of_histogram(volume, input)
+    options: Any = {
+        "size": size,
+        "zoom": zoom,
+        "center": center,
+        "kernel": kernel,
+        "thickness": thickness,
+        "slab": slab,
+        "window": colors.window if is_grey else None,
+        "clim": colors.clim if is_grey else None,
+        "transfer_function": transfer_function,
+        "background": background,
+        "threads": threads,
+    }
     with warnings_as_notes(quiet=quiet):
-        picture = cut(
-            Scene(
-                [volume, *further_layers(layer, time=reader.time or 0, quiet=quiet)],
-                labels=opened_labels(labels, label_table),
-            ),
-            (plane or "axial") if normal is None else (point, normal),
-            position,
-            size=size,
-            zoom=zoom,
-            center=center,
-            kernel=kernel,
-            thickness=thickness,
-            slab=slab,
-            window=colors.window if is_grey else None,
-            clim=colors.clim if is_grey else None,
-            transfer_function=transfer_function,
-            background=background,
-            threads=threads,
-        )
+        further = further_layers(layer, time=reader.time or 0, quiet=quiet)
+        scene = Scene([volume, *further], labels=opened_labels(labels, label_table))
+        of_plane: Any = (plane or "axial") if normal is None else (point, normal)
+        if is_sheet:
+            bar: Any = figure.scale_bar if figure.bar_length is None else figure.bar_length
+            picture = lightbox(scene, of_plane, positions, columns=columns, scale_bar=bar, **options)
+            # Each slice has its letters, and one of them the bar.
+            figure = replace(figure, letters=False, scale_bar=False, bar_length=None)
+        else:
+            picture = cut(scene, of_plane, position, **options)
     if not quiet:
         print_notes(picture)
     picture = annotated(picture, figure, quiet=quiet)

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from wavesplat._looks import histogram
 from wavesplat._looks.colormaps import colors_of
-from wavesplat._looks.kinds import Evidence, Kind, evidence
+from wavesplat._looks.kinds import Evidence, Kind, evidence, offset_of
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.look import Look
 from wavesplat._looks.shading import Shading
@@ -134,6 +134,8 @@ Made = tuple[TransferFunction, "Shading | None"]
 def _ct(volume: Volume | WaveletVolume, _known: Evidence) -> Made:
     millimetre = METRES["mm"] / (units.metres(volume.unit) or METRES["mm"])
     function = TransferFunction(CT_OPACITY, CT_COLOR, opacity_unit=millimetre)
+    if offset := offset_of(volume):
+        function = function._moved(offset)
     return function, Shading(specular=0.15, ambient_occlusion=0.3)
 
 

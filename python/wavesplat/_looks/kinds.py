@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._looks.stored_offset import stored_offset
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.thinning import KIND_SAMPLES, UNIT_SAMPLES, step_for
 from wavesplat._model.wavelet_volume import WaveletVolume
@@ -22,7 +23,16 @@ from wavesplat._model.wavelet_volume import WaveletVolume
 if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
 
-__all__ = ["Evidence", "Kind", "evidence", "hounsfield_shares", "kind_of", "looks_like_hounsfield", "unit_of_values"]
+__all__ = [
+    "Evidence",
+    "Kind",
+    "evidence",
+    "hounsfield_shares",
+    "kind_of",
+    "looks_like_hounsfield",
+    "offset_of",
+    "unit_of_values",
+]
 
 Kind: TypeAlias = Literal[
     "CT", "MR", "PET", "ultrasound", "fluorescence", "EM", "signed field", "field", "mask", "labels", "scan"
@@ -109,6 +119,19 @@ def unit_of_values(volume: Volume | WaveletVolume) -> str:
     return "HU" if looks_like_hounsfield(some.astype(np.float64)) else ""
 
 
+def offset_of(volume: Volume | WaveletVolume) -> float:
+    """What is added to the Hounsfield units of a CT, 1000 or 1024; 0 for other volumes."""
+    if volume.modality not in (None, "CT"):
+        return 0.0
+    samples, _ = _looked_at(volume)
+    return _offset(volume, samples.astype(np.float64))
+
+
+def _offset(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> float:
+    may_be = volume.modality == "CT" or (volume.modality is None and volume.is_anatomical)
+    return stored_offset(values) if may_be else 0.0
+
+
 def _kind(volume: Volume | WaveletVolume, values: NDArray[np.float64], alike: float) -> tuple[Kind, str]:
     return _segmentation(values, alike) or _by_facts(volume, values) or _by_values(volume, values)
 
@@ -128,6 +151,12 @@ def _by_facts(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tu
     if modality in (None, "CT") and looks_like_hounsfield(values):
         told = "the file says CT, and " if modality == "CT" else ""
         return "CT", f"CT in Hounsfield units: {told}the values have air and soft tissue"
+    if offset := _offset(volume, values):
+        told = "the file says CT, and " if modality == "CT" else ""
+        return (
+            "CT",
+            f"CT in Hounsfield units with {offset:g} added: {told}air, fat and soft tissue, by the values",
+        )
     if modality in MODALITIES:
         return MODALITIES[modality], f"{MODALITIES[modality]}: the file says {modality}"
     if volume.unit not in SMALL_UNITS:

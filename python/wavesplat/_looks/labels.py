@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import colorsys
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass, field, fields
+from dataclasses import InitVar, dataclass, field, fields
 from functools import partial
 from os import PathLike, fspath
 from typing import Any, TypeAlias
@@ -148,28 +148,29 @@ class Labels:
     >>> picture = ws.render(scan, "ct-soft-tissue", labels=labels, size=(32, 32))
     """
 
+    segmentation: InitVar[Any]
     labels: dict[int, Label]
     smooth: bool
-    shape: tuple[int, int, int]
-    world_from_index: NDArray[np.float64] | None
-    numbers: tuple[int, ...]
-    _codes: NDArray[Any] = field(repr=False)
+    shape: tuple[int, int, int] = field(init=False)
+    world_from_index: NDArray[np.float64] | None = field(init=False)
+    numbers: tuple[int, ...] = field(init=False)
+    _codes: NDArray[Any] = field(init=False, repr=False)
     #: Source of the segmentation, None if unknown (`_model.sources`).
-    _source: Source | None = field(repr=False)
+    _source: Source | None = field(init=False, repr=False)
     #: Sentences on samples that were lost when it was read.
-    _notes: tuple[str, ...] = field(repr=False)
+    _notes: tuple[str, ...] = field(init=False, repr=False)
     #: Facts of its file, such as the unit of its lengths.
-    _facts: Facts = field(repr=False)
+    _facts: Facts = field(init=False, repr=False)
     #: Whether it says where it lies: an array does not.
-    _has_place: bool = field(repr=False)
+    _has_place: bool = field(init=False, repr=False)
     #: How the labels came to the samples that they lie on, where that is worth a note.
-    _placing: _Placing = field(repr=False)
+    _placing: _Placing = field(init=False, repr=False)
     #: The labels for the compiled module, on the samples of the last scan, and without the last boxes.
-    _cores: dict[_Place, _native.Labels] = field(repr=False)
-    _on_scans: dict[_Place, Labels] = field(repr=False)
-    _cuts: dict[Boxes, Labels] = field(repr=False)
+    _cores: dict[_Place, _native.Labels] = field(init=False, repr=False)
+    _on_scans: dict[_Place, Labels] = field(init=False, repr=False)
+    _cuts: dict[Boxes, Labels] = field(init=False, repr=False)
     #: Numbers and codes on the last scan, which copies with other looks share.
-    _codes_on_scans: dict[_Place, tuple[tuple[int, ...], NDArray[Any], _Placing]] = field(repr=False)
+    _codes_on_scans: dict[_Place, tuple[tuple[int, ...], NDArray[Any], _Placing]] = field(init=False, repr=False)
 
     @takes_its_types
     def __init__(
@@ -204,6 +205,12 @@ class Labels:
             _cuts={},
             _codes_on_scans={},
         )
+
+    # Annotated above as an argument, so that `dataclasses.replace` passes what this returns to the new object.
+    @property
+    def segmentation(self) -> Any:
+        """The segmentation as given: a `Volume`, or an array [z, y, x] where it has no place; numbers are int64."""
+        return _segmentation_of(self)
 
     @classmethod
     def open(
@@ -420,11 +427,16 @@ class Labels:
         return f"<Labels: z {n_z}, y {n_y}, x {n_x}, {len(named)} labels: {listed or 'none'}>"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        samples = np.asarray(self.numbers, dtype=np.int64)[self._codes]
-        whole: Any = samples
-        if self.world_from_index is not None:
-            whole = Volume(samples, world_from_index=self.world_from_index, name="labels", facts=self._facts)
-        return partial(type(self), smooth=self.smooth), (whole, self.labels)
+        return partial(type(self), smooth=self.smooth), (_segmentation_of(self), self.labels)
+
+
+def _segmentation_of(labels: Labels) -> Volume | NDArray[np.int64]:
+    samples: NDArray[np.int64] = np.asarray(labels.numbers, dtype=np.int64)[labels._codes]
+    if labels.world_from_index is None:
+        return samples
+    volume = Volume(samples, world_from_index=labels.world_from_index, name="labels", facts=labels._facts)
+    volume._source = labels._source
+    return volume
 
 
 def _share(number: float, name: str, what: str) -> float:

@@ -112,11 +112,16 @@ def annotated(rgba: NDArray[np.float32], report: Mapping[str, Any], figure: Figu
     return sheet.canvas(rgba, background, style, figure), told
 
 
-def with_caption(rgba: NDArray[np.float32], text: str) -> NDArray[np.float32]:
-    """The picture with a line of text at its lower edge."""
+def with_caption(
+    rgba: NDArray[np.float32], text: str, *, at: Literal["lower edge", "upper left"] = "lower edge"
+) -> NDArray[np.float32]:
+    """The picture with a line of text at its lower edge, or in its upper left corner."""
     height, width = rgba.shape[:2]
     style = Style(_font_px(Figure(), width, height), WHITE).on_picture()
-    mark = Text(width / 2, height - 0.5 * style.size, text, style.size, style.ink, "middle", style.halo)
+    if at == "upper left":
+        mark = Text(0.5 * style.size, 1.2 * style.size, text, style.size, style.ink, "start", style.halo)
+    else:
+        mark = Text(width / 2, height - 0.5 * style.size, text, style.size, style.ink, "middle", style.halo)
     return raster.drawn(Canvas(width, height, rgba, marks=(mark,)))
 
 

@@ -245,6 +245,7 @@ class Picture:
         dpi: float | None = None,
         quality: int = 95,
         scene: bool = True,
+        embed_paths: bool = False,
     ) -> None:
         """Write the picture to a file; the suffix chooses the format.
 
@@ -264,7 +265,10 @@ class Picture:
             Quality of JPEG and WebP files, 1 to 100; a WebP file of 100 loses nothing.
         scene : bool
             Whether the scene is written into a PNG file, so that `Scene.load` reads it from there, and
-            `wavesplat render --from` draws it again. It then holds names of files.
+            `wavesplat render --from` draws it again. It holds the names of files, without their folders, which may have
+            patients' names: it is drawn again beside the files, or in their folder.
+        embed_paths : bool, default False
+            Write whole paths of files into the scene, relative where they lie below the picture's folder or beside it.
 
         Raises
         ------
@@ -301,7 +305,7 @@ class Picture:
         def write(part: Path) -> None:
             if suffix == ".png":
                 content = picture_files.png_bytes(self.rgba, bits, dpi)
-                folder = Path(path).absolute().parent
+                folder = Path(path).absolute().parent if embed_paths else None
                 part.write_bytes(
                     picture_files.with_scene(content, self.report.get("scene"), folder) if scene else content
                 )

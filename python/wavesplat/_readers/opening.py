@@ -47,6 +47,13 @@ SUFFIXES = {
     ".hdr": "nifti",
     ".mgz": "nifti",
     ".mgh": "nifti",
+    ".mnc": "neuroimaging",
+    ".head": "neuroimaging",
+    ".brik.gz": "neuroimaging",
+    ".brik": "neuroimaging",
+    ".par": "neuroimaging",
+    ".rec": "neuroimaging",
+    ".v": "neuroimaging",
     ".nrrd": "itk",
     ".nhdr": "itk",
     ".mha": "itk",
@@ -81,6 +88,7 @@ N_FIRST_BYTES = 352
 #: Module -> options that it takes, besides `spacing` and `unit`, which all take.
 OPTIONS = {
     "nifti": {"time", "channel"},
+    "neuroimaging": {"time", "external_files"},
     "itk": {"time", "channel", "external_files"},
     "vti": {"channel", "dataset"},
     "vtk_legacy": {"channel", "dataset"},
@@ -95,7 +103,10 @@ OPTIONS = {
 LARGE_SHARE = 4
 #: Beginning of the guesses that `spacing` replaces.
 OF_DISTANCES = "distance"
-KINDS = "NIfTI, NRRD, MetaImage, VTK images, DICOM, TIFF, .npy, .npz, raw, HDF5 and OME-Zarr"
+KINDS = (
+    "NIfTI, FreeSurfer, MINC, AFNI, PAR/REC, ECAT, NRRD, MetaImage, VTK images, DICOM, TIFF, .npy, .npz, raw, HDF5 and "
+    "OME-Zarr"
+)
 
 
 @public
@@ -110,7 +121,8 @@ def open(
     Parameters
     ----------
     path : path or URL
-        NIfTI (.nii, .nii.gz, .hdr/.img), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), VTK images (.vtk, .vti), a folder
+        NIfTI (.nii, .nii.gz, .hdr/.img), FreeSurfer (.mgz, .mgh), MINC (.mnc), AFNI (.HEAD, .BRIK), PAR/REC, ECAT
+        (.v), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), VTK images (.vtk, .vti), a folder
         of DICOM files or one of the files, a TIFF stack (one file or a folder), .npy, .npz, raw, HDF5, OME-Zarr (also
         under a URL). Or an object of another library, without options: the same as `Volume(object)`.
     **options : OpenOptions

@@ -45,6 +45,7 @@ from wavesplat._render.arguments import (
     region,
 )
 from wavesplat._render.devices import chosen_device
+from wavesplat._render.faces import NOTE, is_from_behind, shows_face
 from wavesplat._render.lazy_layers import FrameSpec, LazyLayers
 from wavesplat._render.notes import notes_on_layers, notes_on_picture
 from wavesplat._render.options import DrawOptions
@@ -129,10 +130,34 @@ def _drawn_scene(scene: Scene, camera: Camera | str | None, options: DrawOptions
         picture.report.setdefault("notes", []).extend(notes)
     if resampled := shown.resampled:
         picture.report["resampled"] = resampled
+    if _has_face(frame, layers, functions):
+        picture.report.setdefault("notes", []).append(NOTE)
     told = picture.report["device"]
     if chosen_device(options.device) not in ("auto", "cpu") and told["name"] == "cpu" and told["reason"]:
         picture.report.setdefault("notes", []).append(f"drawn by the CPU: {told['reason']}")
     return picture
+
+
+def _has_face(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> bool:
+    """Whether a face may be recognised (`faces`); not asked of drafts, which are drawn while something is dragged."""
+    if (
+        frame.composite not in ("over", "first-hit")
+        or frame.sampling.quality == "draft"
+        or is_from_behind(frame.camera)
+    ):
+        return False
+    iso_value = frame.operator.iso_value if isinstance(frame.operator, FirstHit) else None
+
+    def found(layer: DrawnLayer, function: Curves) -> bool:
+        curves, clipping = layer.faded(function), replace(frame.clipping, boxes=layer.boxes)
+        key: Any = id(layer.volume), "face"
+        return frame.scene._cache.get_or_compute(
+            key,
+            (layer.identity, curves, clipping, iso_value),
+            lambda: shows_face(layer.volume, curves, clipping, iso_value=iso_value),
+        )
+
+    return any(found(layer, function) for layer, function in zip(layers, functions, strict=True) if layer.opacity > 0)
 
 
 def camera_of(scene: Scene, camera: Camera | str | None, options: DrawOptions) -> Camera:

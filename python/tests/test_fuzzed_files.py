@@ -98,6 +98,34 @@ def hdf5(path, **options):
         data.attrs["DIMENSION_LABELS"] = ["z", "y", "x"]
 
 
+def dicom_zip(path):
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for number, dataset in enumerate(slices()):
+            file = path.with_name("one.dcm")
+            dataset.save_as(file, enforce_file_format=True)
+            archive.write(file, f"STUDY/{number}")
+            file.unlink()
+
+
+def dicom_directory(path):
+    from pydicom.dataset import Dataset, FileMetaDataset
+
+    directory = Dataset()
+    directory.file_meta = FileMetaDataset()
+    directory.file_meta.TransferSyntaxUID = dicom_files.EXPLICIT_LITTLE
+    directory.file_meta.MediaStorageSOPClassUID = "1.2.840.10008.1.3.10"
+    directory.file_meta.MediaStorageSOPInstanceUID = "1.2.3"
+    names = [f"IM{number}" for number in range(3)]
+    directory.DirectoryRecordSequence = dicom_files.sequence(*({"ReferencedFileID": name} for name in names))
+    directory.save_as(path, enforce_file_format=True)
+    for name, dataset in zip(names, slices(), strict=True):
+        dataset.save_as(path.with_name(name), enforce_file_format=True)
+
+
+def slices():
+    return [dicom_files.slice_at(one, number) for number, one in enumerate(dicom_files.random(3))]
+
+
 #: File -> how it is made, bytes of its header, and whether it can be read in parts.
 KINDS = {
     "a.nii": (nifti, 352, True),
@@ -132,6 +160,8 @@ KINDS = {
     "ome.ome.tif": (lambda path: tiff(path, ome=True, metadata={"axes": "ZYX", "PhysicalSizeX": 0.5}), 1500, True),
     "a.npy": (npy, 128, True),
     "a.h5": (hdf5, None, True),
+    "a.zip": (dicom_zip, None, False),
+    "DICOMDIR": (dicom_directory, 600, False),
     "packed.h5": (lambda path: hdf5(path, chunks=(2, 5, 6), compression="gzip", fletcher32=True), None, True),
 }  # fmt: skip
 
@@ -328,9 +358,7 @@ def all_of(elements):
 
 def sources_of_dicom(folder, kind):
     if kind == "series":
-        return dicom_files.save(
-            folder, [dicom_files.slice_at(one, number) for number, one in enumerate(dicom_files.random(3))]
-        )
+        return dicom_files.save(folder, slices())
     if kind == "enhanced":
         return dicom_files.save(folder, [dicom_files.enhanced(dicom_files.random(3), [(z,) for z in (0.0, 1.5, 3.0)])])
     pixels = dicom_files.random(3)

@@ -57,11 +57,16 @@ class Choice:
 
     def lines(self) -> list[str]:
         """The choice as lines of text."""
-        plural = self.option if self.option == "series" else f"{self.option}s"
         described = self._described()
-        text = ", ".join(described[:N_LISTED]) + (", ..." if len(described) > N_LISTED else "")
         first = self.names[0]
-        lines = [f"{plural:<12} {len(self.names)}, choose with --{self.option}: {text}"]
+        if self.option == "series":
+            lines = [
+                f"series       {len(self.names)}, choose with --series, by number, description or start of the UID:"
+            ]
+            lines += [f"{'':<12} {one}" for one in described]
+        else:
+            text = ", ".join(described[:N_LISTED]) + (", ..." if len(described) > N_LISTED else "")
+            lines = [f"{f'{self.option}s':<12} {len(self.names)}, choose with --{self.option}: {text}"]
         if self.problem is None:
             return [*lines, f"{'':<12} below is --{self.option} {first}"]
         return [*lines, f"{'':<12} the first cannot be shown: {self.problem}"]

@@ -42,7 +42,8 @@ class ReaderOptions:
     """Options of reading INPUT; the fields are the arguments of `wavesplat.open`."""
 
     series: Annotated[
-        str | None, typer.Option(metavar="UID", help="DICOM: which series, if the folder holds several.")
+        str | None,
+        typer.Option(metavar="WHICH", help="DICOM: which series, by number, description or start of the UID."),
     ] = None
     time: Annotated[
         int | None,

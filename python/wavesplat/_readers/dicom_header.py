@@ -37,7 +37,7 @@ from wavesplat.errors import FileError
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["INDEX", "Frame", "Header", "content_of", "header_of", "is_dicom"]
+__all__ = ["INDEX", "Frame", "Header", "content_of", "header_of"]
 
 #: Modalities of files that are no images, and what they hold.
 NO_IMAGES = {
@@ -111,7 +111,10 @@ class Header:
     file: Path
     sop_class: str
     image_type: str
+    #: UIDs of the study and of the series, number of the series (None where there is none), UID of the file.
+    study: str
     series: str
+    series_number: int | None
     instance_uid: str
     description: str
     modality: str | None
@@ -138,13 +141,6 @@ class Header:
     frames: tuple[Frame, ...]
 
 
-def is_dicom(file: Path) -> bool:
-    """Whether a file begins as DICOM does: with its mark or, without one, with an element of group 8."""
-    with file.open("rb") as stream:
-        head = stream.read(132)
-    return head[128:] == b"DICM" or (head[:4] in (b"\x08\x00\x05\x00", b"\x08\x00\x00\x00", b"\x08\x00\x08\x00"))
-
-
 def header_of(file: Path) -> Header | None:
     """The header of a file; None for DICOM that is no image. Raises nearly anything if it is damaged."""
     with BoundedFile(file) as stream:
@@ -163,7 +159,9 @@ def header_of(file: Path) -> Header | None:
         file=file,
         sop_class=text(dataset, 0x00080016),
         image_type=text(dataset, 0x00080008).upper(),
+        study=text(dataset, 0x0020000D),
         series=text(dataset, 0x0020000E),
+        series_number=_series_number(dataset),
         instance_uid=text(dataset, 0x00080018),
         description=text(dataset, 0x0008103E),
         modality=modality or None,
@@ -214,6 +212,11 @@ def _n_frames(dataset: Dataset, file: Path) -> int:
         raise FileError(
             f"NumberOfFrames is {said[:32]!r}, and is a whole number; copy or export it again: {file}"
         ) from None
+
+
+def _series_number(dataset: Dataset) -> int | None:
+    found = as_numbers(raw_value(dataset, 0x00200011), "decimal")
+    return int(found[0]) if found and math.isfinite(found[0]) else None
 
 
 def _is_directory(dataset: Dataset) -> bool:

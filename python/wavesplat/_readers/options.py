@@ -20,7 +20,7 @@ __all__ = ["FileOptions", "OpenOptions"]
 class FileOptions(TypedDict, total=False):
     """Options of every function that opens files; `OpenOptions` documents them."""
 
-    series: str | None
+    series: str | int | None
     dataset: str | None
     level: int | None
     shape: Sequence[int] | None
@@ -42,8 +42,9 @@ class OpenOptions(FileOptions, total=False):
 
     Parameters
     ----------
-    series : str, optional
-        DICOM: the Series Instance UID, if the folder holds several series.
+    series : int or str, optional
+        DICOM: which series, if there are several: its number, its description (or a part of it that no other has;
+        capitals do not count), or its UID or the start of it. The error that asks for it lists them.
     time, channel : int, optional
         Which time point and which channel, from 0, if the file holds several. DICOM: which volume of a series, such as
         an echo, or magnitude or phase.

@@ -79,7 +79,7 @@ class Request:
     """The arguments of `wavesplat.open`: a path, and the values of `OpenOptions`."""
 
     path: str | PathLike[str]
-    series: str | None = None
+    series: str | int | None = None
     time: int | None = None
     channel: int | None = None
     dataset: str | None = None

@@ -24,6 +24,7 @@ from wavesplat._model import affine
 from wavesplat._model.facts import Facts
 from wavesplat._readers.dicom_checks import check_alike, check_is_volume, mended
 from wavesplat._readers.dicom_header import Frame, Header, content_of, header_of
+from wavesplat._readers.dicom_mosaic import MOSAIC
 from wavesplat._readers.dicom_pixel_data import NATIVE, check_enough, n_bits_of
 from wavesplat._readers.dicom_pixels import frames_in, is_padding_beyond_bits
 from wavesplat._readers.dicom_places import files_below, files_of_directory, is_zip, unpacked
@@ -45,9 +46,6 @@ from wavesplat.errors import FileError, LimitError
 __all__ = ["read"]
 
 T = TypeVar("T")
-
-#: The word by which Siemens marks slices side by side in one picture, in the image type.
-MOSAIC = "MOSAIC"
 
 
 def read(request: Request) -> Grid:
@@ -225,8 +223,9 @@ def _at_one_place(header: Header, request: Request) -> str:
 
 def _mosaic(request: Request) -> str:
     return (
-        "each file holds a mosaic (Siemens): the slices of a volume side by side in one picture; "
-        f"convert the series to NIfTI first, such as by dcm2niix: {request.path}"
+        "each file holds a mosaic (Siemens), the slices of a volume side by side in one picture, and the private "
+        "elements that say how many there are and where (0019,xx0A, or the CSA header) were removed; export the series "
+        f"with them: {request.path}"
     )
 
 
@@ -256,6 +255,7 @@ def _n_bytes(header: Header) -> int:
 
 def _is_longer(header: Header) -> bool:
     """Whether uncompressed pixels are followed by more than the byte that makes their number even."""
+    header = header.whole or header
     data = header.pixel_data
     if data is None or header.transfer_syntax not in NATIVE:
         return False

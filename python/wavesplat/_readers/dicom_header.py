@@ -21,6 +21,7 @@ from wavesplat._files import size_checks
 from wavesplat._files.bounded_file import BoundedFile
 from wavesplat._readers.dicom_attributes import SEQUENCES, Value, attributes_of_frames
 from wavesplat._readers.dicom_deflated import header_dataset
+from wavesplat._readers.dicom_mosaic import MOSAIC, Tiles, positions_of, tiles_of
 from wavesplat._readers.dicom_pixel_data import PixelData, check_n_frames, pixel_data_at
 from wavesplat._readers.dicom_values import (
     as_numbers,
@@ -139,6 +140,9 @@ class Header:
     #: Whether its axes are a patient's, and not those of a probe.
     is_of_patient: bool
     frames: tuple[Frame, ...]
+    #: How the frames lie side by side in one picture, and the header of that; None where each is a picture of its own.
+    tiles: Tiles | None = None
+    whole: Header | None = None
 
 
 def header_of(file: Path) -> Header | None:
@@ -191,7 +195,23 @@ def header_of(file: Path) -> Header | None:
                 f"the header says {n_frames} frames (NumberOfFrames) and describes {n_groups} of them "
                 f"(PerFrameFunctionalGroupsSequence); copy or export it again: {file}"
             )
-    return replace(header, frames=tuple(_frames(dataset, file, n_frames)))
+    header = replace(header, frames=tuple(_frames(dataset, file, n_frames)))
+    if MOSAIC in header.image_type and n_frames == 1 and header.frames[0].is_placed():
+        return _split(header, dataset)
+    return header
+
+
+def _split(header: Header, dataset: Dataset) -> Header:
+    """The header of a mosaic as one of many frames; the header itself where the number of slices is not said."""
+    tiles, [frame] = tiles_of(dataset, header.size, header.file), header.frames
+    if tiles is None:
+        return header
+    row_spacing, column_spacing = frame.pixel_spacing
+    steps = (column_spacing, row_spacing, header.slice_step)
+    positions = positions_of(tiles, header.size, frame.position, frame.orientation, steps)
+    frames = tuple(replace(frame, index=k, position=position) for k, position in enumerate(positions))
+    size = tiles.size_of_one(header.size)
+    return replace(header, size=size, n_frames=tiles.n, frames=frames, tiles=tiles, whole=header)
 
 
 def content_of(file: Path) -> str:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wavesplat._looks.kinds import unit_of_values
 from wavesplat._model.lazy_changes import comparing_once
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.thinning import HISTOGRAM_SAMPLES, step_for
@@ -25,6 +26,7 @@ N_SAMPLES_MAX = 10_000_000
 #: Names of facts that are reported unchanged.
 OF_FILE = (
     "modality",
+    "value_unit",
     "channel",
     "channels",
     "n_times",
@@ -91,6 +93,7 @@ def _described(volume: Volume) -> dict[str, Any]:
         told: dict[str, Any] = {"value_range": None, "percentiles": {}, "n_nonfinite": None, "is_from_cache": False}
     else:
         told = {"value_range": list(volume.value_range), "percentiles": _percentiles(volume)}
+        told["value_unit"] = unit_of_values(volume) or None
         told["n_nonfinite"] = volume.n_nonfinite
         told["is_from_cache"] = isinstance(volume, LazyVolume) and volume.is_from_cache
     return {
@@ -176,7 +179,8 @@ def lines(facts: dict[str, Any]) -> list[str]:
         values = ["values       not looked through yet; the first picture does that, and keeps what it finds"]
     else:
         low, high = facts["value_range"]
-        values = [f"values       {low:g} to {high:g}", f"percentiles  {percentiles}"]
+        unit = f" {facts['value_unit']}" if facts["value_unit"] else ""
+        values = [f"values       {low:g} to {high:g}{unit}", f"percentiles  {percentiles}"]
         values.append(f"not finite   {facts['n_nonfinite']} samples")
         if facts["is_from_cache"]:
             values.append("             from the cache")

@@ -79,6 +79,9 @@ class ReaderOptions:
             help="DICOM: fill in slices that are missing, or refuse the series.",
         ),
     ] = "fill"
+    suv: Annotated[
+        bool, typer.Option("--suv", help="DICOM PET: values as SUV by body weight, corrected for decay.")
+    ] = False
     external_files: Annotated[
         bool, typer.Option("--external-files", help="Read files elsewhere that a trusted file or document names.")
     ] = False

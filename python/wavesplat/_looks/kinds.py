@@ -102,7 +102,9 @@ def looks_like_hounsfield(values: NDArray[Any]) -> bool:
 
 
 def unit_of_values(volume: Volume | WaveletVolume) -> str:
-    """Unit of a volume's values: "HU" of a CT, "" where it is unknown. Quick: for every picture."""
+    """Unit of a volume's values: the file's, "HU" of a CT, "" where it is unknown. Quick: for every picture."""
+    if volume.value_unit:
+        return volume.value_unit
     if volume.modality:
         return "HU" if volume.modality == "CT" else ""
     some = volume._every(step_for(math.prod(volume.shape), UNIT_SAMPLES))

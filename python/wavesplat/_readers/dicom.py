@@ -39,6 +39,7 @@ from wavesplat._readers.dicom_series import (
     without_copies,
 )
 from wavesplat._readers.dicom_stack import Stack, stacked
+from wavesplat._readers.dicom_suv import uptake_of
 from wavesplat._readers.dicom_volumes import FrameVolume, times_of, volumes_of
 from wavesplat._readers.request import COLORS, Grid, Request, SeveralError, choose, quiet, unwarned
 from wavesplat.errors import FileError, LimitError
@@ -46,6 +47,8 @@ from wavesplat.errors import FileError, LimitError
 __all__ = ["read"]
 
 T = TypeVar("T")
+#: Beginning of the sentences on values that are neither scaled nor looked up.
+AS_STORED = "values as they are stored"
 
 
 def read(request: Request) -> Grid:
@@ -103,7 +106,7 @@ def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Re
     """One volume of the frames of these files."""
     check_is_volume(headers)
     kept = {} if request.kept is None else request.kept
-    all_frames, said_guesses, mends = _once(kept, "frames", headers, lambda: mended(headers, request))
+    all_frames, said_guesses, mends, processing = _once(kept, "frames", headers, lambda: _valued(headers, request))
     guesses = list(said_guesses)
     _once(kept, "alike", all_frames, lambda: check_alike(headers, all_frames, request))
     if sum(header.n_frames for header in headers) == 1:
@@ -146,6 +149,8 @@ def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Re
         unit="mm" if np.isfinite(first.frames[0].pixel_spacing).all() else None,
         is_anatomical=first.is_of_patient and is_placed,
         modality=first.modality,
+        value_unit="SUV" if request.suv else _value_unit(headers, [*guesses, *mends]),
+        processing=processing,
         channels=colors,
         channel=colors[request.channel or 0] if colors else None,
         n_times=n_times,
@@ -154,6 +159,26 @@ def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Re
         guesses=tuple(guesses),
     )
     return Grid(samples, stack.world_from_index, facts, (*losses, *stack.losses))
+
+
+def _valued(headers: Sequence[Header], request: Request) -> tuple[list[Frame], list[str], list[str], tuple[str, ...]]:
+    """The frames with slopes and intercepts to the values that are asked for, guesses, warnings, and processing."""
+    frames, guesses, mends = mended(headers, request)
+    if not request.suv:
+        return frames, guesses, mends, ()
+    uptake = uptake_of([header.tracer for header in headers], request.path)
+    if mends:
+        raise FileError(f"suv: {mends[0]}: {request.path}")
+    scale = uptake.factor
+    scaled = [replace(frame, slope=frame.slope * scale, intercept=frame.intercept * scale) for frame in frames]
+    return scaled, [*guesses, *uptake.guesses], mends, (uptake.told,)
+
+
+def _value_unit(headers: Sequence[Header], told: Sequence[str]) -> str | None:
+    """The unit of the values; None where files differ in it, or `told` says that values are as they are stored."""
+    found = {header.value_unit for header in headers}
+    is_stored = any(one.startswith(AS_STORED) for one in told)
+    return found.pop() if len(found) == 1 and not is_stored and headers[0].n_samples == 1 else None
 
 
 def _guesses_of_values(headers: Sequence[Header]) -> list[str]:
@@ -167,7 +192,7 @@ def _guesses_of_values(headers: Sequence[Header]) -> list[str]:
     if any(is_padding_beyond_bits(header) for header in headers):
         guesses.append("padding (PixelPaddingValue), for which there are too few stored bits, as the lowest of them")
     if any(header.has_lookup_table for header in headers):
-        guesses.append("values as they are stored: the table for them (Modality LUT) is not applied")
+        guesses.append(f"{AS_STORED}: the table for them (Modality LUT) is not applied")
     return guesses
 
 

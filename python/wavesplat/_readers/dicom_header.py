@@ -23,6 +23,8 @@ from wavesplat._readers.dicom_attributes import SEQUENCES, Value, attributes_of_
 from wavesplat._readers.dicom_deflated import header_dataset
 from wavesplat._readers.dicom_mosaic import MOSAIC, Tiles, positions_of, tiles_of
 from wavesplat._readers.dicom_pixel_data import PixelData, check_n_frames, pixel_data_at
+from wavesplat._readers.dicom_suv import Tracer, tracer_of
+from wavesplat._readers.dicom_units import unit_of_values
 from wavesplat._readers.dicom_values import (
     as_numbers,
     first_items,
@@ -137,6 +139,10 @@ class Header:
     #: Distance between slices, for frames without positions.
     slice_step: float
     has_lookup_table: bool
+    #: Unit of the values once slope and intercept are applied; None where it is unknown.
+    value_unit: str | None
+    #: Elements that uptake values need; None of files that are no PET.
+    tracer: Tracer | None
     #: Whether its axes are a patient's, and not those of a probe.
     is_of_patient: bool
     frames: tuple[Frame, ...]
@@ -183,6 +189,8 @@ def header_of(file: Path) -> Header | None:
         padding=_padding(dataset),
         slice_step=_slice_step(dataset),
         has_lookup_table=0x00283000 in dataset,
+        value_unit=_value_unit(dataset, modality),
+        tracer=tracer_of(dataset) if modality == "PT" else None,
         is_of_patient=0x0020930F not in _shared_groups(dataset),
         frames=(),
     )
@@ -232,6 +240,12 @@ def _n_frames(dataset: Dataset, file: Path) -> int:
         raise FileError(
             f"NumberOfFrames is {said[:32]!r}, and is a whole number; copy or export it again: {file}"
         ) from None
+
+
+def _value_unit(dataset: Dataset, modality: str) -> str | None:
+    own = [first_items(group, GROUPS) for group in items(dataset, 0x52009230)[:1]]
+    rescaled = _in_group((*own, _shared_groups(dataset)), 0x00289145)
+    return unit_of_values(dataset, () if rescaled is None else (rescaled,), modality)
 
 
 def _series_number(dataset: Dataset) -> int | None:

@@ -86,7 +86,7 @@ OPTIONS = {
     "itk": {"time", "channel", "external_files"},
     "vti": {"channel", "dataset"},
     "vtk_legacy": {"channel", "dataset"},
-    "dicom": {"series", "time", "channel", "gaps"},
+    "dicom": {"series", "time", "channel", "gaps", "suv"},
     "tiff": {"time", "channel", "external_files"},
     "arrays": {"time", "channel", "dataset"},
     "raw": {"time", "channel", "shape", "dtype", "byte_order", "offset"},

@@ -30,6 +30,7 @@ class FileOptions(TypedDict, total=False):
     offset: int
     unit: str | None
     gaps: Literal["fill", "refuse"]
+    suv: bool
     external_files: bool
     memory: float | str | None
     holes: bool
@@ -66,6 +67,9 @@ class OpenOptions(FileOptions, total=False):
     gaps : "fill" or "refuse", default "fill"
         DICOM: slices that are missing, or not evenly spaced, are filled in from their neighbours with a warning, or an
         error.
+    suv : bool, default False
+        DICOM: a PET's values as standardised uptake values (SUV) by body weight, corrected for decay as the header
+        says, by the pseudo-code of QIBA. An error names what the header lacks for it.
     external_files : bool, default False
         NRRD, MetaImage, OME-TIFF, HDF5: also read samples from files that this one names in other folders; HDF5: from
         any that it names. Such a file can name whatever you may read: allow it for files that you trust.

@@ -91,6 +91,7 @@ class Request:
     offset: int = 0
     unit: str | None = None
     gaps: Literal["fill", "refuse"] = "fill"
+    suv: bool = False
     external_files: bool = False
     #: For volumes that are left in their files: bytes that are held at once, whether samples that cannot be read are
     #: left out, and where surveys are kept.

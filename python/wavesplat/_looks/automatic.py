@@ -63,6 +63,9 @@ SIGNS = [(0.28, 0.56, 1.0), (0.75, 0.88, 1.0), (1.0, 0.87, 0.78), (1.0, 0.4, 0.2
 MASK = (0.98, 0.80, 0.56)
 #: The map of `cmap` that fields are shown in.
 FIELD_MAP = "inferno"
+#: The map of `cmap` that doses are shown in, blue to red as in programs for radiotherapy, and the least share of the
+#: largest dose that shows.
+DOSE_MAP, LEAST_DOSE = "turbo", 0.1
 
 
 def automatic(volume: Volume | WaveletVolume, composite: Composite | None, color: Rgb | None = None) -> Look:
@@ -162,6 +165,17 @@ def _scan(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     return TransferFunction(nodes, _colored(colors, threshold, high)), SOLID
 
 
+def _dose(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    """A look of a dose map: clear below a tenth of the largest dose, then shells from blue to red, the hottest solid."""
+    highest = max(float(volume.value_range[1]), float(known.values.max()))
+    shares = np.linspace(LEAST_DOSE, 1.0, 17)
+    nodes = np.array(_increasing((shares * highest).tolist(), highest if highest > 0 else 1.0))
+    across = _across(volume)
+    opacity = [(float(v), _per_voxel(0.9999 * float(s) ** 2.5, across)) for v, s in zip(nodes, shares, strict=True)]
+    opacity.insert(0, (float(nodes[0]), 0.0))
+    return TransferFunction(opacity, _mapped(DOSE_MAP, nodes, start=0.1)), None
+
+
 def _ultrasound(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
     low, threshold, high = _parted(known)
     nodes = _increasing([threshold, threshold + 0.3 * (high - threshold), high], high - low)
@@ -240,6 +254,7 @@ LOOKS: dict[Kind, Callable[..., Made]] = {
     "CT": _ct,
     "MR": _tissue,
     "PET": _tissue,
+    "dose": _dose,
     "ultrasound": _ultrasound,
     "fluorescence": _fluorescence,
     "EM": _em,

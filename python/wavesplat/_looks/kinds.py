@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 __all__ = ["Evidence", "Kind", "evidence", "hounsfield_shares", "kind_of", "looks_like_hounsfield", "unit_of_values"]
 
 Kind: TypeAlias = Literal[
-    "CT", "MR", "PET", "ultrasound", "fluorescence", "EM", "signed field", "field", "mask", "labels", "scan"
+    "CT", "MR", "PET", "dose", "ultrasound", "fluorescence", "EM", "signed field", "field", "mask", "labels", "scan"
 ]
 
 #: DICOM's modalities of the kinds that have a look of their own. Angiography is X-ray: bright vessels, no fixed scale.
@@ -33,6 +33,7 @@ MODALITIES: dict[str, Kind] = {
     "MR": "MR",
     "PT": "PET",
     "NM": "PET",
+    "RTDOSE": "dose",
     "US": "ultrasound",
     "IVUS": "ultrasound",
     "fluorescence": "fluorescence",
@@ -131,7 +132,8 @@ def _by_facts(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tu
         told = "the file says CT, and " if modality == "CT" else ""
         return "CT", f"CT in Hounsfield units: {told}the values have air and soft tissue"
     if modality in MODALITIES:
-        return MODALITIES[modality], f"{MODALITIES[modality]}: the file says {modality}"
+        kind = MODALITIES[modality]
+        return kind, f"{'dose map' if kind == 'dose' else kind}: the file says {modality}"
     if volume.unit not in SMALL_UNITS:
         if volume.facts.channel is None or volume.is_anatomical or _is_dense(values):
             return None

@@ -121,6 +121,18 @@ def test_a_dose_is_told_from_mr_and_shown_in_its_colours_fault_14():
     assert first_picture(dose).report["shown"][0]["values"] == "Gy"
 
 
+@pytest.mark.parametrize(("name", "n"), [("CT", 2), ("CT that says so", 4), ("MR", 3), ("ultrasound", 2), ("scan", 4)])
+def test_a_few_slices_are_not_dark_fault_17(name, n):
+    samples, facts = CASES[name]
+    flat = ws.Volume(samples[20 : 20 + n], spacing=(1, 1, 5), facts=facts)
+    picture = first_picture(flat)
+    assert f"{n} slices in greys" in picture.report["look"]["reason"]
+    luminance = 255 * (picture.rgba[..., :3] @ LUMINANCE)[picture.rgba[..., 3] > 0.5]
+    assert np.percentile(luminance, 99) > 200
+    # More slices have the look of their kind.
+    assert "greys" not in ws.Look.auto(ws.Volume(samples[20:30], facts=facts)).reason
+
+
 def test_a_field_with_two_signs_shows_both():
     rgba = first_picture(volume("signed field")).rgba
     red, blue = rgba[..., 0] - rgba[..., 2], rgba[..., 2] - rgba[..., 0]

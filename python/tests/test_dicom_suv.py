@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import math
 from datetime import datetime, timedelta
 
@@ -277,6 +278,24 @@ def test_units_are_shown_on_bars_and_reports(wavesplat, tmp_path):
     done = wavesplat("slice", tmp_path / "pet", "--suv", "--colorbar", "-o", tmp_path / "a.svg", "--size", "256")
     assert done.returncode == 0, done.stderr
     assert ">SUV<" in (tmp_path / "a.svg").read_text()
+
+
+@pytest.mark.parametrize("order", ["pet over ct", "ct over pet"])
+@pytest.mark.parametrize("command", ["slice", "render"])
+def test_a_pet_is_in_uptake_beside_a_ct(wavesplat, tmp_path, command, order):
+    pet(tmp_path / "pet")
+    save(tmp_path / "ct", [slice_at(one, n) for n, one in enumerate(random(4))])
+    names = ["pet", "ct"] if order == "ct over pet" else ["ct", "pet"]
+    one, other = (tmp_path / name for name in names)
+    picture = ("-o", tmp_path / "a.png", "--size", "64", "--json", "--suv")
+    done = wavesplat(command, one, "--layer", f"{other}:hot:0,9", *picture)
+    assert done.returncode == 0, done.stderr
+    units = {layer["name"]: layer["values"] for layer in json.loads(done.stdout)["report"]["shown"]}
+    assert units == {"pet": "SUV", "ct": "HU"}
+    without = wavesplat(command, tmp_path / "ct", "--layer", f"{tmp_path / 'ct'}:hot", *picture)
+    assert "no volume of the picture is one" in without.stderr
+    pet(tmp_path / "pet", without=["PatientWeight"])
+    assert "PatientWeight" in wavesplat(command, one, "--layer", f"{other}:hot:0,9", *picture).stderr
 
 
 def test_units_go_on_to_other_programs(tmp_path):

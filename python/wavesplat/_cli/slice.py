@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Annotated, Any, get_args
 
 import typer
@@ -23,6 +24,7 @@ from wavesplat._cli.transfer_function_options import (
     named_look,
     takes_color_options,
 )
+from wavesplat._cli.uptake import check_uptake, in_uptake
 from wavesplat._model.options import PLANES, Slab
 from wavesplat.errors import ArgumentError
 
@@ -104,7 +106,12 @@ def slice(
 
     check_bits(bits)
     check_figure(figure)
-    volume = processed(input, reader, processing, quiet=quiet)
+    volume = in_uptake(
+        lambda suv: processed(input, replace(reader, suv=suv), processing, quiet=quiet),
+        lambda one: one.modality,
+        suv=reader.suv,
+        is_alone=not layer,
+    )
     # A window or a range alone maps to greys.
     is_grey = colors == ColorOptions(clim=colors.clim, window=colors.window)
     look = named_look(volume, preset=preset, tf=tf, colors=None if is_grey else colors, opacity=1.0, quiet=quiet)
@@ -112,11 +119,13 @@ def slice(
     if preset == "auto":
         transfer_function = function_of_histogram(volume, input)
     with warnings_as_notes(quiet=quiet):
+        scene = Scene(
+            [volume, *further_layers(layer, time=reader.time or 0, quiet=quiet, suv=reader.suv)],
+            labels=opened_labels(labels, label_table),
+        )
+        check_uptake(scene, suv=reader.suv)
         picture = cut(
-            Scene(
-                [volume, *further_layers(layer, time=reader.time or 0, quiet=quiet)],
-                labels=opened_labels(labels, label_table),
-            ),
+            scene,
             (plane or "axial") if normal is None else (point, normal),
             position,
             size=size,

@@ -70,7 +70,8 @@ class Choice:
             text = ", ".join(described[:N_LISTED]) + (", ..." if len(described) > N_LISTED else "")
             lines = [f"{f'{self.option}s':<12} {len(self.names)}, choose with --{self.option}: {text}"]
         if self.problem is None:
-            return [*lines, f"{'':<12} below is --{self.option} {first}"]
+            below = "the first of them" if self.option == "series" else f"--{self.option} {first}"
+            return [*lines, f"{'':<12} below is {below}"]
         return [*lines, f"{'':<12} the first cannot be shown: {self.problem}"]
 
     def _described(self) -> tuple[str, ...]:

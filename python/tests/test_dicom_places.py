@@ -262,6 +262,16 @@ def test_names_in_archives_lead_nowhere_else(tmp_path):
 # One file of a folder
 
 
+def test_a_named_file_without_a_series_is_read_with_others_without_one(tmp_path):
+    pixels = random(4)
+    folder = save(tmp_path / "a", [slice_at(one, n, SeriesInstanceUID="") for n, one in enumerate(pixels)])
+    save(folder / "more", slices_of(*SERIES[0]))
+    for file in folder.glob("more/*"):
+        file.rename(folder / f"other{file.name}")
+    np.testing.assert_array_equal(ws.open(folder / "001.dcm").samples, pixels)
+    assert number_of(ws.open(folder / "001.dcm", series=2)) == 2
+
+
 @pytest.mark.parametrize("harm", ["cut", "another size", "another direction", "several frames"])
 def test_a_broken_sibling_does_not_hinder_the_named_file_fault_16(tmp_path, harm, recwarn):
     pixels = random(5)

@@ -79,7 +79,7 @@ def _read_files(files: Sequence[Path], root: Path, request: Request, missing: Se
     """
     scan = scanned(files, root, request)
     scan.unreadable |= {file: FileNotFoundError(f"no such file: {file}") for file in missing}
-    found = chosen_series(scan, request.series, request)
+    found = chosen_series(scan, request)
     headers = _once({} if request.kept is None else request.kept, "copies", found, lambda: without_copies(found, None))
     unreadable: Unreadable = scan.unreadable
     if unreadable:  # files in folders of other series are no slices of this one
@@ -94,7 +94,7 @@ def _read_named(first: Header, request: Request) -> Grid:
     for file in beside:
         check_within(file, request.within)
     scan = scanned(beside, first.file.parent, request, first)
-    headers = without_copies(chosen_series(scan, request.series or first.series, request), first.file)
+    headers = without_copies(chosen_series(scan, request, first), first.file)
     told = ""
     if first.file in {header.file for header in headers}:
         headers, told = alike(headers, first)

@@ -86,12 +86,14 @@ def _is_dicom(file: Path) -> bool:
         return False
 
 
-def chosen_series(scan: Scan, wanted: str | int | None, request: Request) -> list[Header]:
-    """The headers of the series that is asked for, or of the only one; errors list all of them.
+def chosen_series(scan: Scan, request: Request, known: Header | None = None) -> list[Header]:
+    """The headers of the series that is asked for, else of the file that was named or the only one; errors list all.
 
-    wanted : number, description or start of the UID; None where there is but one.
+    known : the header of the file that was named.
     """
-    series = _series_of(scan.headers)
+    series, wanted = _series_of(scan.headers), request.series
+    if wanted is None and known is not None:
+        return series[known.series]
     if not series:
         raise _nothing(scan, request)
     if wanted is None and len(series) > 1:

@@ -23,6 +23,7 @@ from wavesplat._readers.dicom_attributes import SEQUENCES, Value, attributes_of_
 from wavesplat._readers.dicom_deflated import header_dataset
 from wavesplat._readers.dicom_mosaic import MOSAIC, Tiles, positions_of, tiles_of
 from wavesplat._readers.dicom_pixel_data import PixelData, check_n_frames, pixel_data_at
+from wavesplat._readers.dicom_places import N_FIRST, begins_as_dicom
 from wavesplat._readers.dicom_suv import Tracer, tracer_of
 from wavesplat._readers.dicom_units import unit_of_values
 from wavesplat._readers.dicom_values import (
@@ -40,7 +41,7 @@ from wavesplat.errors import FileError
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["INDEX", "Frame", "Header", "content_of", "header_of"]
+__all__ = ["INDEX", "Frame", "Header", "content_of", "header_of", "is_dicom"]
 
 #: Modalities of files that are no images, and what they hold.
 NO_IMAGES = {
@@ -149,6 +150,12 @@ class Header:
     #: How the frames lie side by side in one picture, and the header of that; None where each is a picture of its own.
     tiles: Tiles | None = None
     whole: Header | None = None
+
+
+def is_dicom(file: Path) -> bool:
+    """Whether a file begins as DICOM does: with its mark or, without one, with an element of group 8."""
+    with file.open("rb") as stream:
+        return begins_as_dicom(stream.read(N_FIRST))
 
 
 def header_of(file: Path) -> Header | None:

@@ -15,8 +15,8 @@ from typing import TypeAlias
 import numpy as np
 
 from wavesplat._readers.dicom_checks import DIRECTION
-from wavesplat._readers.dicom_header import Header, content_of, header_of
-from wavesplat._readers.dicom_places import N_FIRST, SUFFIXES, begins_as_dicom
+from wavesplat._readers.dicom_header import Header, content_of, header_of, is_dicom
+from wavesplat._readers.dicom_places import SUFFIXES
 from wavesplat._readers.dicom_stack import N_NAMED
 from wavesplat._readers.request import Request, several
 from wavesplat.errors import ArgumentError, FileError, LimitError
@@ -80,8 +80,7 @@ def _header_or_error(file: Path) -> Header | Exception | None:
 
 def _is_dicom(file: Path) -> bool:
     try:
-        with file.open("rb") as stream:
-            return begins_as_dicom(stream.read(N_FIRST))
+        return is_dicom(file)
     except OSError:
         return False
 

@@ -12,6 +12,8 @@ import zipfile
 import dicom_files
 import numpy as np
 import pytest
+import test_dicom_mosaic
+import test_dicom_suv
 from damage import DAMAGE, JSON_DAMAGE, ODD_NUMBERS, ODD_WORDS, PLACES, check, damaged, damaged_json, fuzz
 from hypothesis import strategies as st
 from vti_files import save_vti
@@ -361,6 +363,10 @@ def sources_of_dicom(folder, kind):
         return dicom_files.save(folder, slices())
     if kind == "enhanced":
         return dicom_files.save(folder, [dicom_files.enhanced(dicom_files.random(3), [(z,) for z in (0.0, 1.5, 3.0)])])
+    if kind == "pet":
+        return test_dicom_suv.pet(folder)
+    if kind == "mosaics":
+        return dicom_files.save(folder, [test_dicom_mosaic.mosaic(test_dicom_mosaic.slices_of(t), t) for t in range(2)])
     pixels = dicom_files.random(3)
     dataset = dicom_files.slice_at(pixels, 0, modality="RTDOSE", GridFrameOffsetVector=[0, 2, 4], DoseGridScaling=0.5)
     dataset.NumberOfFrames = 3
@@ -399,12 +405,13 @@ def change_element(elements, kind, place, what):
         element[2] = [[]]
 
 
-@pytest.mark.parametrize("kind", ["series", "enhanced", "dose"])
+@pytest.mark.parametrize("kind", ["series", "enhanced", "dose", "pet", "mosaics"])
 def test_dicom(tmp_path, capfd, kind):
+    options = {"pet": {"suv": True}, "mosaics": {"time": 1}}.get(kind, {})
     folder = sources_of_dicom(tmp_path / kind, kind)
     files = sorted(folder.iterdir())
     whole = {file: file.read_bytes() for file in files}
-    assert check(lambda: samples_in(folder), folder.name) is not None
+    assert check(lambda: samples_in(folder, **options), folder.name) is not None
 
     def damage(which, element_changes, changes):
         file = files[which % len(files)]
@@ -414,7 +421,7 @@ def test_dicom(tmp_path, capfd, kind):
         content = whole[file][:PREAMBLE] + encoded(elements)
         file.write_bytes(damaged(content, changes, 900))
         try:
-            check(lambda: samples_in(folder), folder.name)
+            check(lambda: samples_in(folder, **options), folder.name)
         finally:
             file.write_bytes(whole[file])
 

@@ -73,10 +73,12 @@ def positions_of(
     """
     along_row, along_column = orientation[:3], orientation[3:]
     columns, rows = tiles.size_of_one(size)
-    first = position + along_row * steps[0] * (size[0] - columns) / 2 + along_column * steps[1] * (size[1] - rows) / 2
     normal = np.cross(along_row, along_column)
     across = normal if tiles.direction is None or tiles.direction @ normal >= 0 else -normal
-    positions: NDArray[np.float64] = first + np.arange(tiles.n)[:, None] * steps[2] * across
+    with np.errstate(over="ignore", invalid="ignore"):  # of distances that cannot be, which are told later
+        first = position + along_row * (steps[0] * (size[0] - columns) / 2)
+        first = first + along_column * (steps[1] * (size[1] - rows) / 2)
+        positions: NDArray[np.float64] = first + np.arange(tiles.n)[:, None] * (steps[2] * across)
     return positions
 
 
@@ -102,10 +104,12 @@ def _said(dataset: Dataset) -> tuple[int, NDArray[np.float64] | None]:
 def _of_vendor(dataset: Dataset) -> dict[str, list[Any]]:
     """Values of the vendor's header (CSA) by name; empty where there is none that can be read."""
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of nibabel, that its readers of DICOM are new
+        # Of nibabel: that its readers of DICOM are new, and of what it finds in damaged headers.
+        warnings.simplefilter("ignore")
         from nibabel.nicom import csareader
-    try:
-        found = csareader.get_csa_header(dataset)
-        return {} if found is None else {name: tag["items"] for name, tag in found["tags"].items()}
-    except Exception:  # noqa: BLE001 - parsers of damaged headers raise nearly anything
-        return {}
+
+        try:
+            found = csareader.get_csa_header(dataset)
+            return {} if found is None else {name: tag["items"] for name, tag in found["tags"].items()}
+        except Exception:  # noqa: BLE001 - parsers of damaged headers raise nearly anything
+            return {}

@@ -148,7 +148,7 @@ def wavelet_lines(facts: dict[str, Any]) -> list[str]:
         f"memory       {size}",
         *_place_lines(facts),
         *_processing_lines(facts),
-        f"values       {low:g} to {high:g}",
+        f"values       {low:g} to {high:g}{_unit_text(facts)}",
     ]
     if "psnr_db" in facts:
         psnr = "no error at all" if facts["psnr_db"] is None else f"PSNR {facts['psnr_db']:.2f} dB"
@@ -180,8 +180,7 @@ def lines(facts: dict[str, Any]) -> list[str]:
         values = ["values       not looked through yet; the first picture does that, and keeps what it finds"]
     else:
         low, high = facts["value_range"]
-        unit = f" {facts['value_unit']}" if facts["value_unit"] else ""
-        values = [f"values       {low:g} to {high:g}{unit}", f"percentiles  {percentiles}"]
+        values = [f"values       {low:g} to {high:g}{_unit_text(facts)}", f"percentiles  {percentiles}"]
         values.append(f"not finite   {facts['n_nonfinite']} samples")
         if facts["is_from_cache"]:
             values.append("             from the cache")
@@ -194,6 +193,10 @@ def lines(facts: dict[str, Any]) -> list[str]:
         *(f"guess        {text}" for text in facts["guesses"]),
         *_processing_lines(facts),
     ]
+
+
+def _unit_text(facts: dict[str, Any]) -> str:
+    return f" {facts['value_unit']}" if facts["value_unit"] else ""
 
 
 def _processing_lines(facts: dict[str, Any]) -> list[str]:

@@ -463,7 +463,7 @@ def test_mosaics_are_named(tmp_path):
         for number, one in enumerate(random(3))
     ]
     folder = save(tmp_path / "mr", datasets)
-    with pytest.raises(FileError, match="each file holds a mosaic .*: the slices of a volume side by side"):
+    with pytest.raises(FileError, match="each file holds a mosaic .*, the slices of a volume side by side"):
         ws.open(folder)
     (folder / "001.dcm").unlink()
     (folder / "002.dcm").unlink()

@@ -13,6 +13,8 @@ from pathlib import Path
 import dicom_files
 import numpy as np
 import pytest
+import test_dicom_mosaic
+import test_dicom_suv
 from damage import DAMAGE, JSON_DAMAGE, ODD_NUMBERS, ODD_WORDS, PLACES, check, damaged, damaged_json, fuzz
 from hypothesis import strategies as st
 from vti_files import save_vti
@@ -111,6 +113,34 @@ def hdf5(path, **options):
         data.attrs["DIMENSION_LABELS"] = ["z", "y", "x"]
 
 
+def dicom_zip(path):
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for number, dataset in enumerate(slices()):
+            file = path.with_name("one.dcm")
+            dataset.save_as(file, enforce_file_format=True)
+            archive.write(file, f"STUDY/{number}")
+            file.unlink()
+
+
+def dicom_directory(path):
+    from pydicom.dataset import Dataset, FileMetaDataset
+
+    directory = Dataset()
+    directory.file_meta = FileMetaDataset()
+    directory.file_meta.TransferSyntaxUID = dicom_files.EXPLICIT_LITTLE
+    directory.file_meta.MediaStorageSOPClassUID = "1.2.840.10008.1.3.10"
+    directory.file_meta.MediaStorageSOPInstanceUID = "1.2.3"
+    names = [f"IM{number}" for number in range(3)]
+    directory.DirectoryRecordSequence = dicom_files.sequence(*({"ReferencedFileID": name} for name in names))
+    directory.save_as(path, enforce_file_format=True)
+    for name, dataset in zip(names, slices(), strict=True):
+        dataset.save_as(path.with_name(name), enforce_file_format=True)
+
+
+def slices():
+    return [dicom_files.slice_at(one, number) for number, one in enumerate(dicom_files.random(3))]
+
+
 #: File -> how it is made, bytes of its header, and whether it can be read in parts.
 KINDS = {
     "a.nii": (nifti, 352, True),
@@ -150,6 +180,8 @@ KINDS = {
     "ome.ome.tif": (lambda path: tiff(path, ome=True, metadata={"axes": "ZYX", "PhysicalSizeX": 0.5}), 1500, True),
     "a.npy": (npy, 128, True),
     "a.h5": (hdf5, None, True),
+    "a.zip": (dicom_zip, None, False),
+    "DICOMDIR": (dicom_directory, 600, False),
     "packed.h5": (lambda path: hdf5(path, chunks=(2, 5, 6), compression="gzip", fletcher32=True), None, True),
 }  # fmt: skip
 
@@ -346,11 +378,13 @@ def all_of(elements):
 
 def sources_of_dicom(folder, kind):
     if kind == "series":
-        return dicom_files.save(
-            folder, [dicom_files.slice_at(one, number) for number, one in enumerate(dicom_files.random(3))]
-        )
+        return dicom_files.save(folder, slices())
     if kind == "enhanced":
         return dicom_files.save(folder, [dicom_files.enhanced(dicom_files.random(3), [(z,) for z in (0.0, 1.5, 3.0)])])
+    if kind == "pet":
+        return test_dicom_suv.pet(folder)
+    if kind == "mosaics":
+        return dicom_files.save(folder, [test_dicom_mosaic.mosaic(test_dicom_mosaic.slices_of(t), t) for t in range(2)])
     pixels = dicom_files.random(3)
     dataset = dicom_files.slice_at(pixels, 0, modality="RTDOSE", GridFrameOffsetVector=[0, 2, 4], DoseGridScaling=0.5)
     dataset.NumberOfFrames = 3
@@ -389,12 +423,13 @@ def change_element(elements, kind, place, what):
         element[2] = [[]]
 
 
-@pytest.mark.parametrize("kind", ["series", "enhanced", "dose"])
+@pytest.mark.parametrize("kind", ["series", "enhanced", "dose", "pet", "mosaics"])
 def test_dicom(tmp_path, capfd, kind):
+    options = {"pet": {"suv": True}, "mosaics": {"time": 1}}.get(kind, {})
     folder = sources_of_dicom(tmp_path / kind, kind)
     files = sorted(folder.iterdir())
     whole = {file: file.read_bytes() for file in files}
-    assert check(lambda: samples_in(folder), folder.name) is not None
+    assert check(lambda: samples_in(folder, **options), folder.name) is not None
 
     def damage(which, element_changes, changes):
         file = files[which % len(files)]
@@ -404,7 +439,7 @@ def test_dicom(tmp_path, capfd, kind):
         content = whole[file][:PREAMBLE] + encoded(elements)
         file.write_bytes(damaged(content, changes, 900))
         try:
-            check(lambda: samples_in(folder), folder.name)
+            check(lambda: samples_in(folder, **options), folder.name)
         finally:
             file.write_bytes(whole[file])
 

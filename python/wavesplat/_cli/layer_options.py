@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
@@ -19,6 +20,7 @@ from wavesplat._files.addresses import is_address
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from wavesplat._model.series import Series
     from wavesplat._scene.layer import Layer
 
 __all__ = [
@@ -161,19 +163,22 @@ def layer_of(text: str) -> LayerText:
     )
 
 
-def further_layers(texts: Sequence[str] | None, *, time: int, quiet: bool) -> list[Layer]:
-    """The volumes of `--layer`, with their looks. `time`: the time point of volumes that have several."""
+def further_layers(texts: Sequence[str] | None, *, time: int, quiet: bool, suv: bool = False) -> list[Layer]:
+    """The volumes of `--layer`, with their looks.
+
+    time : the time point of volumes that have several. suv : PET in SUV.
+    """
     from wavesplat._cli.printing import warnings_as_notes
+    from wavesplat._cli.uptake import in_uptake
     from wavesplat._readers.request import SeveralError
-    from wavesplat._readers.time_points import open_series
     from wavesplat._scene.layer import Layer
     from wavesplat._scene.opening import open_scene
 
     layers: list[Layer] = []
     for said in [layer_of(text) for text in texts or ()]:
         try:
-            series = open_series(said.path)
-            series[0]
+            open_it = partial(_opened, said.path)
+            series = in_uptake(open_it, lambda one: one[0].modality, suv=suv, is_alone=False)
         except SeveralError as error:
             if error.option != "channel" or not error.is_said or said.look is not None or said.window is not None:
                 raise
@@ -187,6 +192,14 @@ def further_layers(texts: Sequence[str] | None, *, time: int, quiet: bool) -> li
             except ArgumentError as error:
                 raise ArgumentError(f"--layer is {LAYER}: {error}") from None
     return layers
+
+
+def _opened(path: str, suv: bool) -> Series:
+    from wavesplat._readers.time_points import open_series
+
+    series = open_series(path, suv=suv)
+    series[0]
+    return series
 
 
 # Times

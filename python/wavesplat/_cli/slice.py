@@ -24,6 +24,7 @@ from wavesplat._cli.transfer_function_options import (
     named_look,
     takes_color_options,
 )
+from wavesplat._cli.uptake import check_uptake, in_uptake
 from wavesplat._model.options import PLANES, Slab
 from wavesplat.errors import ArgumentError
 
@@ -126,7 +127,12 @@ def slice(
 
     check_bits(bits)
     check_figure(figure)
-    volume = processed(input, reader, processing, quiet=quiet)
+    volume = in_uptake(
+        lambda suv: processed(input, replace(reader, suv=suv), processing, quiet=quiet),
+        lambda one: one.modality,
+        suv=reader.suv,
+        is_alone=not layer,
+    )
     # A window or a range alone maps to greys.
     is_grey = colors == ColorOptions(clim=colors.clim, window=colors.window)
     look = named_look(volume, preset=preset, tf=tf, colors=None if is_grey else colors, opacity=1.0, quiet=quiet)
@@ -147,8 +153,9 @@ def slice(
         "threads": threads,
     }
     with warnings_as_notes(quiet=quiet):
-        further = further_layers(layer, time=reader.time or 0, quiet=quiet)
+        further = further_layers(layer, time=reader.time or 0, quiet=quiet, suv=reader.suv)
         scene = Scene([volume, *further], labels=opened_labels(labels, label_table))
+        check_uptake(scene, suv=reader.suv)
         of_plane: Any = (plane or "axial") if normal is None else (point, normal)
         if is_sheet:
             bar: Any = figure.scale_bar if figure.bar_length is None else figure.bar_length

@@ -35,7 +35,7 @@ __all__ = [
 ]
 
 Kind: TypeAlias = Literal[
-    "CT", "MR", "PET", "ultrasound", "fluorescence", "EM", "signed field", "field", "mask", "labels", "scan"
+    "CT", "MR", "PET", "dose", "ultrasound", "fluorescence", "EM", "signed field", "field", "mask", "labels", "scan"
 ]
 
 #: DICOM's modalities of the kinds that have a look of their own. Angiography is X-ray: bright vessels, no fixed scale.
@@ -43,6 +43,7 @@ MODALITIES: dict[str, Kind] = {
     "MR": "MR",
     "PT": "PET",
     "NM": "PET",
+    "RTDOSE": "dose",
     "US": "ultrasound",
     "IVUS": "ultrasound",
     "fluorescence": "fluorescence",
@@ -112,7 +113,9 @@ def looks_like_hounsfield(values: NDArray[Any]) -> bool:
 
 
 def unit_of_values(volume: Volume | WaveletVolume) -> str:
-    """Unit of a volume's values: "HU" of a CT, "" where it is unknown. Quick: for every picture."""
+    """Unit of a volume's values: the file's, "HU" of a CT, "" where it is unknown. Quick: for every picture."""
+    if volume.value_unit:
+        return volume.value_unit
     if volume.modality:
         return "HU" if volume.modality == "CT" else ""
     some = volume._every(step_for(math.prod(volume.shape), UNIT_SAMPLES))
@@ -158,7 +161,8 @@ def _by_facts(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tu
             f"CT in Hounsfield units with {offset:g} added: {told}air, fat and soft tissue, by the values",
         )
     if modality in MODALITIES:
-        return MODALITIES[modality], f"{MODALITIES[modality]}: the file says {modality}"
+        kind = MODALITIES[modality]
+        return kind, f"{'dose map' if kind == 'dose' else kind}: the file says {modality}"
     if volume.unit not in SMALL_UNITS:
         if volume.facts.channel is None or volume.is_anatomical or _is_dense(values):
             return None

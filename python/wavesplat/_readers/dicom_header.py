@@ -21,7 +21,11 @@ from wavesplat._files import size_checks
 from wavesplat._files.bounded_file import BoundedFile
 from wavesplat._readers.dicom_attributes import SEQUENCES, Value, attributes_of_frames
 from wavesplat._readers.dicom_deflated import header_dataset
+from wavesplat._readers.dicom_mosaic import MOSAIC, Tiles, positions_of, tiles_of
 from wavesplat._readers.dicom_pixel_data import PixelData, check_n_frames, pixel_data_at
+from wavesplat._readers.dicom_places import N_FIRST, begins_as_dicom
+from wavesplat._readers.dicom_suv import Tracer, tracer_of
+from wavesplat._readers.dicom_units import unit_of_values
 from wavesplat._readers.dicom_values import (
     as_numbers,
     first_items,
@@ -111,7 +115,10 @@ class Header:
     file: Path
     sop_class: str
     image_type: str
+    #: UIDs of the study and of the series, number of the series (None where there is none), UID of the file.
+    study: str
     series: str
+    series_number: int | None
     instance_uid: str
     description: str
     modality: str | None
@@ -133,16 +140,22 @@ class Header:
     #: Distance between slices, for frames without positions.
     slice_step: float
     has_lookup_table: bool
+    #: Unit of the values once slope and intercept are applied; None where it is unknown.
+    value_unit: str | None
+    #: Elements that uptake values need; None of files that are no PET.
+    tracer: Tracer | None
     #: Whether its axes are a patient's, and not those of a probe.
     is_of_patient: bool
     frames: tuple[Frame, ...]
+    #: How the frames lie side by side in one picture, and the header of that; None where each is a picture of its own.
+    tiles: Tiles | None = None
+    whole: Header | None = None
 
 
 def is_dicom(file: Path) -> bool:
     """Whether a file begins as DICOM does: with its mark or, without one, with an element of group 8."""
     with file.open("rb") as stream:
-        head = stream.read(132)
-    return head[128:] == b"DICM" or (head[:4] in (b"\x08\x00\x05\x00", b"\x08\x00\x00\x00", b"\x08\x00\x08\x00"))
+        return begins_as_dicom(stream.read(N_FIRST))
 
 
 def header_of(file: Path) -> Header | None:
@@ -163,7 +176,9 @@ def header_of(file: Path) -> Header | None:
         file=file,
         sop_class=text(dataset, 0x00080016),
         image_type=text(dataset, 0x00080008).upper(),
+        study=text(dataset, 0x0020000D),
         series=text(dataset, 0x0020000E),
+        series_number=_series_number(dataset),
         instance_uid=text(dataset, 0x00080018),
         description=text(dataset, 0x0008103E),
         modality=modality or None,
@@ -181,6 +196,8 @@ def header_of(file: Path) -> Header | None:
         padding=_padding(dataset),
         slice_step=_slice_step(dataset),
         has_lookup_table=0x00283000 in dataset,
+        value_unit=_value_unit(dataset, modality),
+        tracer=tracer_of(dataset) if modality == "PT" else None,
         is_of_patient=0x0020930F not in _shared_groups(dataset),
         frames=(),
     )
@@ -193,7 +210,23 @@ def header_of(file: Path) -> Header | None:
                 f"the header says {n_frames} frames (NumberOfFrames) and describes {n_groups} of them "
                 f"(PerFrameFunctionalGroupsSequence); copy or export it again: {file}"
             )
-    return replace(header, frames=tuple(_frames(dataset, file, n_frames)))
+    header = replace(header, frames=tuple(_frames(dataset, file, n_frames)))
+    if MOSAIC in header.image_type and n_frames == 1 and header.frames[0].is_placed():
+        return _split(header, dataset)
+    return header
+
+
+def _split(header: Header, dataset: Dataset) -> Header:
+    """The header of a mosaic as one of many frames; the header itself where the number of slices is not said."""
+    tiles, [frame] = tiles_of(dataset, header.size, header.file), header.frames
+    if tiles is None:
+        return header
+    row_spacing, column_spacing = frame.pixel_spacing
+    steps = (column_spacing, row_spacing, header.slice_step)
+    positions = positions_of(tiles, header.size, frame.position, frame.orientation, steps)
+    frames = tuple(replace(frame, index=k, position=position) for k, position in enumerate(positions))
+    size = tiles.size_of_one(header.size)
+    return replace(header, size=size, n_frames=tiles.n, frames=frames, tiles=tiles, whole=header)
 
 
 def content_of(file: Path) -> str:
@@ -214,6 +247,17 @@ def _n_frames(dataset: Dataset, file: Path) -> int:
         raise FileError(
             f"NumberOfFrames is {said[:32]!r}, and is a whole number; copy or export it again: {file}"
         ) from None
+
+
+def _value_unit(dataset: Dataset, modality: str) -> str | None:
+    own = [first_items(group, GROUPS) for group in items(dataset, 0x52009230)[:1]]
+    rescaled = _in_group((*own, _shared_groups(dataset)), 0x00289145)
+    return unit_of_values(dataset, () if rescaled is None else (rescaled,), modality)
+
+
+def _series_number(dataset: Dataset) -> int | None:
+    found = as_numbers(raw_value(dataset, 0x00200011), "decimal")
+    return int(found[0]) if found and math.isfinite(found[0]) else None
 
 
 def _is_directory(dataset: Dataset) -> bool:

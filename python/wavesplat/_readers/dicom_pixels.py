@@ -19,6 +19,7 @@ from wavesplat._files.bounded_file import BoundedFile
 from wavesplat._files.mute_stderr import muted_stderr
 from wavesplat._readers.dicom_deflated import DEFLATED, check_unpacked_size, unpacked_part
 from wavesplat._readers.dicom_header import Header
+from wavesplat._readers.dicom_mosaic import slices_in
 from wavesplat._readers.dicom_pixel_data import (
     BIG_ENDIAN,
     DOUBLES,
@@ -44,6 +45,8 @@ ITEM, END_OF_ITEMS = b"\xfe\xff\x00\xe0", b"\xfe\xff\xdd\xe0"
 
 def frames_in(header: Header) -> NDArray[Any]:
     """All frames of a file, shape (frames, rows, columns), and samples behind if a pixel has several."""
+    if header.tiles is not None and header.whole is not None:
+        return slices_in(frames_in(header.whole)[0], header.tiles)
     check_syntax(header)
     columns, rows = header.size
     shape = (header.n_frames, rows, columns)

@@ -153,7 +153,9 @@ def _one_volume(image: SpatialImage, request: Request) -> NDArray[Any]:
     proxy: Any = image.dataobj
     time, channel, _ = checked_picks(image, request)
     extra = (time, channel, 0, 0)[: max(len(image.shape) - 3, 0)]
-    with _stored_bytes(proxy, request.kept) as file:
+    # Of a file of one volume nothing is read on.
+    kept = None if request.time is None else request.kept
+    with _stored_bytes(proxy, kept) as file:
         unscaled = ArrayProxy(file, (image.shape, proxy.dtype, first_sample(image), 1.0, 0.0), mmap=False)
         samples: NDArray[Any] = np.asarray(unscaled[(..., *extra)] if extra else unscaled)
     if _has_colors(proxy):

@@ -36,7 +36,7 @@ BY_SUFFIX = {
     ".cube": ("a Gaussian cube", "give its array, as ase.io.cube reads it, to wavesplat.Volume"),
     ".gii": ("a surface (GIFTI)", "name the image that it was made from"),
     **dict.fromkeys((".stl", ".obj", ".ply", ".glb", ".gltf"), ("a mesh", "name the image that it was made from")),
-    **dict.fromkeys((".zip", ".tar", ".tgz", ".7z", ".rar"), ("an archive", UNPACK)),
+    **dict.fromkeys((".tar", ".tgz", ".7z", ".rar"), ("an archive", UNPACK)),
     **dict.fromkeys((".gz", ".bz2", ".xz", ".zst"), ("packed bytes", UNPACK)),
     **dict.fromkeys(
         (".png", ".jpg", ".jpeg", ".bmp", ".gif", ".webp"),

@@ -45,6 +45,7 @@ KINDS_FOR: dict[Kind, tuple[str, ...]] = {
     "CT": ("ct",),
     "MR": ("mr",),
     "PET": ("pet",),
+    "dose": (),
     "ultrasound": (),
     "fluorescence": ("microscopy",),
     "EM": ("microscopy",),

@@ -8,7 +8,7 @@ import typer
 
 from wavesplat._cli import parsers
 from wavesplat._cli.figure_options import FigureOptions, annotated, check_figure, takes_figure_options
-from wavesplat._cli.label_options import LabelsFile, LabelTable, opened_labels
+from wavesplat._cli.label_options import LabelsFile, LabelTable, Segments, opened_labels
 from wavesplat._cli.layer_options import FurtherLayers, further_layers
 from wavesplat._cli.outputs import check_outputs
 from wavesplat._cli.printing import print_notes, print_result, warnings_as_notes
@@ -82,6 +82,7 @@ def slice(
     layer: FurtherLayers = None,
     labels: LabelsFile = None,
     label_table: LabelTable = None,
+    segment: Segments = None,
     colors: ColorOptions,
     figure: FigureOptions,
     background: Background = "black",
@@ -115,7 +116,7 @@ def slice(
         picture = cut(
             Scene(
                 [volume, *further_layers(layer, time=reader.time or 0, quiet=quiet)],
-                labels=opened_labels(labels, label_table),
+                labels=opened_labels(labels, label_table, segment, quiet=quiet),
             ),
             (plane or "axial") if normal is None else (point, normal),
             position,

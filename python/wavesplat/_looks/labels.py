@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from wavesplat import _native
 from wavesplat._looks import colors, label_names
+from wavesplat._looks.label_files import chosen_numbers, opened_segmentation
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.convert_from import converted
 from wavesplat._model.cutting import Boxes, taken_out
@@ -24,7 +25,6 @@ from wavesplat._model.grid import Grid
 from wavesplat._model.sources import Source
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
-from wavesplat._readers.opening import open as open_volume
 from wavesplat.errors import ArgumentError
 
 __all__ = ["Label", "Labels"]
@@ -164,12 +164,17 @@ class Labels:
 
     @classmethod
     def open(
-        cls, path: str | PathLike[str], *, table: str | PathLike[str] | None = None, smooth: bool = True
+        cls,
+        path: str | PathLike[str],
+        *,
+        table: str | PathLike[str] | None = None,
+        segments: Iterable[str | int] | None = None,
+        smooth: bool = True,
     ) -> Labels:
         """A segmentation from a file that `wavesplat.open` reads, with names and colours where there are any.
 
-        They are in the segments of 3D Slicer (.seg.nrrd) and in the label tables of NIfTI files as TotalSegmentator
-        writes them. Labels without a colour get one of their own.
+        They are in DICOM segmentations (SEG), in the segments of 3D Slicer (.seg.nrrd) and in the label tables of NIfTI
+        files as TotalSegmentator writes them. Labels without a colour get one of their own.
 
         Parameters
         ----------
@@ -178,6 +183,8 @@ class Labels:
         table : path, optional
             Names and colours instead of the file's: label descriptions of ITK-SNAP, a colour table of 3D Slicer
             (.ctbl), or a .tsv with the columns index, name and color (BIDS).
+        segments : sequence of str or int, optional
+            The labels that are shown, by name, by a pattern of names such as "rib*", or by number; all if not given.
         smooth : bool, default True
             See `Labels`.
 
@@ -186,12 +193,19 @@ class Labels:
         FileError
             If a file cannot be read.
         ArgumentError
-            If the samples are no labels.
+            If the samples are no labels, or a segment is not there.
+
+        Warns
+        -----
+        FileWarning
+            If segments of a DICOM segmentation overlap: every voxel is of the last of them in the file. Those that
+            `segments` leaves out hide none.
         """
         # The table first: it is small, and may be the wrong file.
         given = None if table is None else label_names.in_table(table)
-        segmentation = open_volume(path)
-        named = label_names.in_file(path) if given is None else given
+        chosen = None if segments is None else [segments] if isinstance(segments, str) else list(segments)
+        segmentation, of_file = opened_segmentation(path, chosen)
+        named = of_file if given is None else given
         try:
             labels = cls(segmentation, smooth=smooth)
         except ArgumentError as error:
@@ -200,6 +214,9 @@ class Labels:
         for number, (name, color) in named.items():
             if number in looks:
                 looks[number] = Label(color or looks[number].color, name=name)
+        if chosen is not None:
+            names = {number: look.name for number, look in looks.items()}
+            looks = {number: looks[number] for number in chosen_numbers(chosen, names, path)}
         return cls(segmentation, looks, smooth=smooth)
 
     def check_beside(self, scan: Grid) -> None:

@@ -2,7 +2,7 @@
 
 Headers are read by pydicom (`dicom_header`, with `dicom_attributes`), pixels by it and SimpleITK (`dicom_pixels`);
 `dicom_checks` finds impossible values, `dicom_volumes` the frames that belong together, `dicom_stack` makes slices at
-even distances of them, and `dicom_samples` values.
+even distances of them, and `dicom_samples` values. Segmentations are label maps (`dicom_segments`).
 """
 
 from __future__ import annotations
@@ -19,6 +19,7 @@ from wavesplat._files.named_files import check_within
 from wavesplat._files.reading import reading
 from wavesplat._model import affine
 from wavesplat._model.facts import Facts
+from wavesplat._readers import dicom_segments
 from wavesplat._readers.dicom_checks import check_alike, check_is_volume, mended
 from wavesplat._readers.dicom_header import Frame, Header, content_of, header_of, is_dicom
 from wavesplat._readers.dicom_pixel_data import NATIVE, check_enough, n_bits_of
@@ -48,6 +49,8 @@ def read(request: Request) -> Grid:
         first = header_of(path)
         if first is None:
             raise FileError(f"the file is DICOM and holds {content_of(path)}, no image; {NAME_IMAGES}: {path}")
+        if dicom_segments.is_segmentation(first):
+            return dicom_segments.read(first, request)
         if first.n_frames > 1:
             return _read_headers([first], {}, request)
         return _read_series(path.parent, request.series or first.series, request, named=first)
@@ -82,7 +85,20 @@ def _read_series(folder: Path, uid: str | None, request: Request, named: Header 
     uid = next(iter(series)) if uid is None else uid
     if uid not in series:
         raise ArgumentError(f"no series {uid!r}; the folder holds: {_listed(series)}: {request.path}")
-    return _read_headers(_without_copies(series[uid], named.file if named else None), unreadable, request)
+    found = _without_copies(series[uid], named.file if named else None)
+    return _read_segmentation(found, request) or _read_headers(found, unreadable, request)
+
+
+def _read_segmentation(headers: Sequence[Header], request: Request) -> Grid | None:
+    """The segmentation of a series; None if it is none. Each file is one, and files are not mixed."""
+    if not dicom_segments.is_segmentation(headers[0]):
+        return None
+    if len(headers) > 1:
+        raise FileError(
+            f"the series holds {len(headers)} segmentations; name one of the files, such as "
+            f"{headers[0].file.name}: {request.path}"
+        )
+    return dicom_segments.read(headers[0], request)
 
 
 def _without_copies(headers: Sequence[Header], named: Path | None) -> list[Header]:
@@ -179,7 +195,7 @@ def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Re
     guesses += _guesses_of_values([header for header in headers if header.file in pixels])
     if is_placed:
         volume, n_times, times = _chosen(frames, losses, headers, request)
-        stack = stacked(volume.frames, request, is_mask=first.modality == "SEG")
+        stack = stacked(volume.frames, request)
         losses += [*mends, *([volume.loss] if volume.loss else [])]
         if volume.guess:
             (losses if volume.is_by_names else guesses).append(volume.guess)

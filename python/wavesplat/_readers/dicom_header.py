@@ -82,8 +82,8 @@ class Frame:
     slope: float
     intercept: float
     stack: str = ""
-    #: Number and name of the segment that it is a mask of; 0 of frames that are none.
-    segment: tuple[int, str] = (0, "")
+    #: Number of the segment that it is a mask of; 0 of frames that are none.
+    segment: int = 0
     #: Attributes that may distinguish it from other frames of its position, by the names of `dicom_attributes`.
     attributes: Mapping[str, Value] = field(default_factory=dict)
     #: Lengths of the two directions of `orientation` in the file, of which it has unit vectors.
@@ -241,13 +241,12 @@ def _frames(dataset: Dataset, file: Path, n_frames: int) -> Iterator[Frame]:
     instance = _instance(dataset)
     own, shared = [first_items(group, GROUPS) for group in items(dataset, 0x52009230)], _shared_groups(dataset)
     attributes = attributes_of_frames(dataset, shared, own, n_frames)
-    segments = _segments(dataset)
     said: dict[str, Any] = {}
     for index in range(n_frames):
         # Frames without groups of their own are alike but for the place along the line.
         if index < len(own) or not said:
             groups = (own[index] if index < len(own) else {}, shared)
-            said = _of_frame(dataset, groups, pointers, segments, attributes[index])
+            said = _of_frame(dataset, groups, pointers, attributes[index])
         else:
             said["attributes"] = attributes[index]
         if along is not None:
@@ -259,7 +258,6 @@ def _of_frame(
     dataset: Dataset,
     groups: Sequence[Mapping[int, Any]],
     pointers: Sequence[int],
-    segments: Mapping[int, str],
     attributes: Mapping[str, Value],
 ) -> dict[str, Any]:
     """Arguments of `Frame` from its functional groups, or else from the dataset."""
@@ -273,7 +271,6 @@ def _of_frame(
         spacing = numbers(dataset, 0x00181164, 2)
     position, orientation, lengths = _placed(groups, dataset)
     segment = _in_group(groups, 0x0062000A)
-    number = 0 if segment is None else integer(segment, 0x0062000B)
     return {
         "position": position,
         "orientation": orientation,
@@ -283,7 +280,7 @@ def _of_frame(
         "slope": _factor(groups, dataset, 0x00281053, _factor((), dataset, 0x3004000E, 1.0)),
         "intercept": _factor(groups, dataset, 0x00281052, 0.0),
         "stack": text(content, 0x00209056) if content is not None else "",
-        "segment": (number, segments.get(number, "")),
+        "segment": 0 if segment is None else integer(segment, 0x0062000B),
         "attributes": {**attributes, **dimensions} if dimensions else attributes,
     }
 
@@ -293,11 +290,6 @@ def _instance(dataset: Dataset) -> int:
         return int(float(text(dataset, 0x00200013) or 0))
     except (ValueError, OverflowError):
         return 0
-
-
-def _segments(dataset: Dataset) -> dict[int, str]:
-    """Names of the segments of a segmentation, by number."""
-    return {integer(item, 0x00620004): text(item, 0x00620005) for item in items(dataset, 0x00620002)}
 
 
 @lru_cache

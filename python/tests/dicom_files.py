@@ -144,6 +144,46 @@ def segmentation(masks, *, segments, kind="BINARY", step=1.5, between=1.5, whole
     return dataset
 
 
+def structure_set(regions, **attributes):
+    """An RTSTRUCT, for each region of its name, its colour (0..255, or None), its kind, and its lines, in LPS.
+
+    A line is a list of points, or a pair of its type and its points; usually it is CLOSED_PLANAR.
+    """
+    from pydicom.dataset import Dataset, FileMetaDataset
+    from pydicom.sequence import Sequence
+    from pydicom.uid import UID
+
+    dataset = Dataset()
+    dataset.file_meta = FileMetaDataset()
+    dataset.file_meta.TransferSyntaxUID = UID(EXPLICIT_LITTLE)
+    dataset.SOPClassUID = dataset.file_meta.MediaStorageSOPClassUID = "1.2.840.10008.5.1.4.1.1.481.3"
+    dataset.SOPInstanceUID = dataset.file_meta.MediaStorageSOPInstanceUID = "1.2.3.77.1"
+    dataset.SeriesInstanceUID, dataset.StudyInstanceUID, dataset.Modality = "1.2.3.77", "1.2.9", "RTSTRUCT"
+    rois, drawn, observed = [], [], []
+    for number, (name, color, kind, lines) in enumerate(regions, 1):
+        rois.append({"ROINumber": number, "ROIName": name})
+        observed.append({"ObservationNumber": number, "ReferencedROINumber": number, "RTROIInterpretedType": kind})
+        item = {"ReferencedROINumber": number}
+        if color is not None:
+            item["ROIDisplayColor"] = list(color)
+        contours = []
+        for line in lines:
+            what, points = line if isinstance(line, tuple) else ("CLOSED_PLANAR", line)
+            numbers = [f"{float(part):.6f}" for point in points for part in point]
+            contours.append(
+                {"ContourGeometricType": what, "NumberOfContourPoints": len(points), "ContourData": numbers}
+            )
+        region = sequence(item)[0]
+        if contours:
+            region.ContourSequence = sequence(*contours)
+        drawn.append(region)
+    dataset.StructureSetROISequence, dataset.RTROIObservationsSequence = sequence(*rois), sequence(*observed)
+    dataset.ROIContourSequence = Sequence(drawn)
+    for name, value in attributes.items():
+        setattr(dataset, name, value)
+    return dataset
+
+
 def random(n, dtype=np.uint16, size=(6, 7), most=3000):
     """A stack of n frames of random numbers."""
     return np.random.default_rng(n).integers(0, most, (n, *size)).astype(dtype)

@@ -12,12 +12,15 @@ from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._looks.labels import Labels
+    from wavesplat._model.grid import Grid
 
 __all__ = ["LabelTable", "LabelsFile", "Segments", "opened_labels"]
 
 LabelsFile = Annotated[
     str | None,
-    typer.Option(metavar="FILE", help="A segmentation of the volume, also a DICOM SEG, every label in a colour."),
+    typer.Option(
+        metavar="FILE", help="A segmentation of the volume, also DICOM SEG or RTSTRUCT, every label in a colour."
+    ),
 ]
 LabelTable = Annotated[
     Path | None,
@@ -32,9 +35,9 @@ Segments = Annotated[
 
 
 def opened_labels(
-    path: str | None, table: Path | None, segments: Sequence[str] | None, *, quiet: bool
+    path: str | None, table: Path | None, segments: Sequence[str] | None, scan: Grid, *, quiet: bool
 ) -> Labels | None:
-    """The segmentation that the options name, or None."""
+    """The segmentation of a scan that the options name, or None."""
     from wavesplat._cli.printing import warnings_as_notes
     from wavesplat._looks.labels import Labels
 
@@ -45,4 +48,4 @@ def opened_labels(
         return None
     chosen = [int(one) if one.strip().isdecimal() else one for one in segments or ()]
     with warnings_as_notes(quiet=quiet):
-        return Labels.open(path, table=table, segments=chosen or None)
+        return Labels.open(path, table=table, segments=chosen or None, scan=scan)

@@ -132,7 +132,7 @@ def chosen_scene(
         layers = [Layer(volume, None if by_view else look)]
     scene = Scene(
         [*layers, *further_layers(layering.layer, time=reader.time or 0, quiet=quiet)],
-        labels=opened_labels(showing.labels, showing.label_table, showing.segment, quiet=quiet),
+        labels=opened_labels(showing.labels, showing.label_table, showing.segment, layers[0].drawn, quiet=quiet),
         shading=shading,
         clip=chosen_clip(cuts, layers[0].drawn),
         background=showing.background or look.background or "black",

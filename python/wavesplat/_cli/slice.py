@@ -116,7 +116,7 @@ def slice(
         picture = cut(
             Scene(
                 [volume, *further_layers(layer, time=reader.time or 0, quiet=quiet)],
-                labels=opened_labels(labels, label_table, segment, quiet=quiet),
+                labels=opened_labels(labels, label_table, segment, volume, quiet=quiet),
             ),
             (plane or "axial") if normal is None else (point, normal),
             position,

@@ -2,31 +2,37 @@
 
 from __future__ import annotations
 
-import fnmatch
 import warnings
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from os import PathLike
 
 import numpy as np
 
 from wavesplat._files.paths import expanded
 from wavesplat._looks import label_names
-from wavesplat._looks.label_names import Named
+from wavesplat._looks.label_names import Named, chosen_numbers
+from wavesplat._looks.structure_labels import labels_of_structures
+from wavesplat._model.grid import Grid
 from wavesplat._model.volume import Volume
 from wavesplat._readers import dicom_labels
+from wavesplat._readers.dicom_structures import is_structure_set
 from wavesplat._readers.opening import open as open_volume
-from wavesplat.errors import ArgumentError, FileWarning
+from wavesplat.errors import FileWarning
 
-__all__ = ["chosen_numbers", "opened_segmentation"]
+__all__ = ["opened_segmentation"]
 
 
 def opened_segmentation(
-    path: str | PathLike[str], segments: Sequence[str | int] | None
+    path: str | PathLike[str], segments: Sequence[str | int] | None, scan: Grid | None
 ) -> tuple[Volume, dict[int, Named]]:
     """The numbers in a file, and names of labels.
 
-    segments : of a DICOM segmentation those that others must not cover, as of `chosen_numbers`; None: all.
+    segments : of a DICOM segmentation or structure set those that others must not cover, as of `chosen_numbers`; None:
+        all.
+    scan : the grid that the lines of a structure set are filled on.
     """
+    if is_structure_set(expanded(path)):
+        return labels_of_structures(expanded(path), scan, segments)
     if segments is None or (file := dicom_labels.segmentation_at(expanded(path))) is None:
         return open_volume(path), label_names.in_file(path)
     with warnings.catch_warnings():
@@ -41,27 +47,3 @@ def opened_segmentation(
     if np.array_equal(alone.samples != 0, np.isin(volume.samples, np.unique(alone.samples[alone.samples != 0]))):
         return volume, named  # which documents can name
     return Volume(alone.samples, world_from_index=volume.world_from_index, name=volume.name, facts=volume.facts), named
-
-
-def chosen_numbers(segments: Sequence[str | int], names: Mapping[int, str], path: object) -> list[int]:
-    """Numbers of the segments that are named: by number, by name, or by a pattern of names such as `"rib*"`.
-
-    Raises
-    ------
-    ArgumentError
-        If there is no such segment.
-    """
-    chosen: list[int] = []
-    for one in [segments] if isinstance(segments, str) else segments:
-        if isinstance(one, str):
-            found = [number for number, name in names.items() if name == one] or [
-                number for number, name in names.items() if fnmatch.fnmatchcase(name.lower(), one.strip().lower())
-            ]
-        else:
-            found = [number for number in names if number == one]
-        if not found:
-            listed = ", ".join(f"{number} {name!r}" for number, name in list(names.items())[:20])
-            more = ", ..." if len(names) > 20 else ""
-            raise ArgumentError(f"there is no segment {one!r}; there are: {listed or 'none'}{more}: {path}")
-        chosen += [number for number in found if number not in chosen]
-    return chosen

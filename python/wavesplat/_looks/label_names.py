@@ -10,9 +10,10 @@ columns index, name and, if they are there, color).
 from __future__ import annotations
 
 import csv
+import fnmatch
 import re
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from html import unescape
 from os import PathLike
 from pathlib import Path
@@ -25,7 +26,7 @@ from wavesplat._looks.color_spaces import rgb_from_lab
 from wavesplat._readers import dicom_labels
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["Named", "in_file", "in_table"]
+__all__ = ["Named", "chosen_numbers", "in_file", "in_table"]
 
 #: A label's name, and its colour, 0..1, where there is one.
 Named: TypeAlias = "tuple[str, tuple[float, float, float] | None]"
@@ -65,6 +66,30 @@ def in_table(path: str | PathLike[str]) -> dict[int, Named]:
             f"or a .tsv with the columns index and name: {path}"
         )
     return found
+
+
+def chosen_numbers(segments: Sequence[str | int], names: Mapping[int, str], path: object) -> list[int]:
+    """Numbers of the segments that are named: by number, by name, or by a pattern of names such as `"rib*"`.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no such segment.
+    """
+    chosen: list[int] = []
+    for one in [segments] if isinstance(segments, str) else segments:
+        if isinstance(one, str):
+            found = [number for number, name in names.items() if name == one] or [
+                number for number, name in names.items() if fnmatch.fnmatchcase(name.lower(), one.strip().lower())
+            ]
+        else:
+            found = [number for number in names if number == one]
+        if not found:
+            listed = ", ".join(f"{number} {name!r}" for number, name in list(names.items())[:20])
+            more = ", ..." if len(names) > 20 else ""
+            raise ArgumentError(f"there is no segment {one!r}; there are: {listed or 'none'}{more}: {path}")
+        chosen += [number for number in found if number not in chosen]
+    return chosen
 
 
 def _nrrd_header(path: Path) -> dict[str, str]:

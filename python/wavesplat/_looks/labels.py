@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from wavesplat import _native
 from wavesplat._looks import colors, label_names
-from wavesplat._looks.label_files import chosen_numbers, opened_segmentation
+from wavesplat._looks.label_files import opened_segmentation
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.convert_from import converted
 from wavesplat._model.cutting import Boxes, taken_out
@@ -169,12 +169,15 @@ class Labels:
         *,
         table: str | PathLike[str] | None = None,
         segments: Iterable[str | int] | None = None,
+        scan: Grid | None = None,
         smooth: bool = True,
     ) -> Labels:
         """A segmentation from a file that `wavesplat.open` reads, with names and colours where there are any.
 
         They are in DICOM segmentations (SEG), in the segments of 3D Slicer (.seg.nrrd) and in the label tables of NIfTI
         files as TotalSegmentator writes them. Labels without a colour get one of their own.
+        The regions of a structure set of radiotherapy (RTSTRUCT), which are closed lines, are filled on the samples of
+        `scan`: voxels whose centre is inside an odd number of lines.
 
         Parameters
         ----------
@@ -185,6 +188,9 @@ class Labels:
             (.ctbl), or a .tsv with the columns index, name and color (BIDS).
         segments : sequence of str or int, optional
             The labels that are shown, by name, by a pattern of names such as "rib*", or by number; all if not given.
+            Of a structure set all but the outline of the patient (EXTERNAL).
+        scan : Volume, optional
+            The volume whose samples the regions of a structure set are filled on; all other files have their own.
         smooth : bool, default True
             See `Labels`.
 
@@ -198,13 +204,13 @@ class Labels:
         Warns
         -----
         FileWarning
-            If segments of a DICOM segmentation overlap: every voxel is of the last of them in the file. Those that
-            `segments` leaves out hide none.
+            If segments of a DICOM segmentation overlap: every voxel is of the last of them in the file; of a structure
+            set it is of the smallest. Those that `segments` leaves out hide none.
         """
         # The table first: it is small, and may be the wrong file.
         given = None if table is None else label_names.in_table(table)
         chosen = None if segments is None else [segments] if isinstance(segments, str) else list(segments)
-        segmentation, of_file = opened_segmentation(path, chosen)
+        segmentation, of_file = opened_segmentation(path, chosen, scan)
         named = of_file if given is None else given
         try:
             labels = cls(segmentation, smooth=smooth)
@@ -216,7 +222,7 @@ class Labels:
                 looks[number] = Label(color or looks[number].color, name=name)
         if chosen is not None:
             names = {number: look.name for number, look in looks.items()}
-            looks = {number: looks[number] for number in chosen_numbers(chosen, names, path)}
+            looks = {number: looks[number] for number in label_names.chosen_numbers(chosen, names, path)}
         return cls(segmentation, looks, smooth=smooth)
 
     def check_beside(self, scan: Grid) -> None:

@@ -35,7 +35,6 @@ __all__ = ["read"]
 #: Files that cannot be read, and why.
 Unreadable: TypeAlias = Mapping[Path, Exception]
 SUFFIXES = (".dcm", ".ima", ".dicom")
-NAME_IMAGES = "name the images that it belongs to, or a folder of them"
 #: The word by which Siemens marks slices side by side in one picture, in the image type.
 MOSAIC = "MOSAIC"
 
@@ -48,7 +47,8 @@ def read(request: Request) -> Grid:
             return _read_series(path, request.series, request)
         first = header_of(path)
         if first is None:
-            raise FileError(f"the file is DICOM and holds {content_of(path)}, no image; {NAME_IMAGES}: {path}")
+            content = content_of(path)
+            raise FileError(f"the file is DICOM and holds {content.what}, no image; {content.instead}: {path}")
         if dicom_segments.is_segmentation(first):
             return dicom_segments.read(first, request)
         if first.n_frames > 1:
@@ -68,8 +68,8 @@ def _read_series(folder: Path, uid: str | None, request: Request, named: Header 
         raise FileError(f"{_named(unreadable)}; copy or export them again: {request.path}") from first
     if not series and others:
         raise FileError(
-            f"the folder holds DICOM files without images ({others[0].name} holds {content_of(others[0])}); "
-            f"{NAME_IMAGES}: {request.path}"
+            f"the folder holds DICOM files without images ({others[0].name} holds {content_of(others[0]).what}); "
+            f"{content_of(others[0]).instead}: {request.path}"
         )
     if not series:
         raise FileError(

@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from wavesplat._files import size_checks
 from wavesplat._files.bounded_file import BoundedFile
 from wavesplat._readers.dicom_attributes import SEQUENCES, Value, attributes_of_frames
+from wavesplat._readers.dicom_contents import IMAGES, Content, content_by
 from wavesplat._readers.dicom_deflated import header_dataset
 from wavesplat._readers.dicom_pixel_data import PixelData, check_n_frames, pixel_data_at
 from wavesplat._readers.dicom_values import (
@@ -39,23 +40,6 @@ if TYPE_CHECKING:
 
 __all__ = ["INDEX", "Frame", "Header", "content_of", "header_of", "is_dicom"]
 
-#: Modalities of files that are no images, and what they hold.
-NO_IMAGES = {
-    "RTSTRUCT": "contours (RTSTRUCT)",
-    "RTPLAN": "a plan of a radiotherapy (RTPLAN)",
-    "PLAN": "a plan",
-    "RTRECORD": "a record of a radiotherapy (RTRECORD)",
-    "SR": "a structured report (SR)",
-    "PR": "a presentation state (PR)",
-    "KO": "a list of images (KO)",
-    "DOC": "a document",
-    "REG": "a registration (REG)",
-    "FID": "fiducials",
-    "AU": "sound",
-    "ECG": "an electrocardiogram (ECG)",
-    "HD": "waveforms (HD)",
-    "RWV": "a table of real world values (RWV)",
-}
 #: Dimensions of enhanced files that say where a frame lies, and not how it differs from others of its position.
 OF_PLACE = {0x00209057, 0x00200032, 0x00209301, 0x00209056, 0x00540080, 0x0062000B}
 #: Functional groups that are read: those with attributes, and of pixels, values, positions, orientations and segments.
@@ -152,7 +136,7 @@ def header_of(file: Path) -> Header | None:
         modality = text(dataset, 0x00080060).upper()
         rows, columns = integer(dataset, 0x00280010), integer(dataset, 0x00280011)
         if rows * columns == 0:
-            if modality in NO_IMAGES or text(dataset, 0x00020002) or 0x00041220 in dataset or _is_directory(dataset):
+            if _content(dataset) is not None:
                 return None
             raise ValueError("the header has no rows and columns")
         pixel_data = pixel_data_at(content, dataset, file)
@@ -196,14 +180,16 @@ def header_of(file: Path) -> Header | None:
     return replace(header, frames=tuple(_frames(dataset, file, n_frames)))
 
 
-def content_of(file: Path) -> str:
-    """The content of a DICOM file without an image, in words."""
+def content_of(file: Path) -> Content:
+    """The content of a DICOM file without an image."""
     with BoundedFile(file) as stream:
         dataset, _ = header_dataset(file, stream)
-    if 0x00041220 in dataset or _is_directory(dataset):
-        return "a directory of other files (DICOMDIR)"
-    modality = text(dataset, 0x00080060).upper()
-    return NO_IMAGES.get(modality, f"something else ({modality})" if modality else "something else")
+    return _content(dataset) or Content("something else", IMAGES)
+
+
+def _content(dataset: Dataset) -> Content | None:
+    sop_class = text(dataset, 0x00080016) or str(dataset.file_meta.get("MediaStorageSOPClassUID", ""))
+    return content_by(text(dataset, 0x00080060).upper(), sop_class, is_directory=0x00041220 in dataset)
 
 
 def _n_frames(dataset: Dataset, file: Path) -> int:
@@ -214,10 +200,6 @@ def _n_frames(dataset: Dataset, file: Path) -> int:
         raise FileError(
             f"NumberOfFrames is {said[:32]!r}, and is a whole number; copy or export it again: {file}"
         ) from None
-
-
-def _is_directory(dataset: Dataset) -> bool:
-    return str(dataset.file_meta.get("MediaStorageSOPClassUID", "")) == "1.2.840.10008.1.3.10"
 
 
 def _slice_step(dataset: Dataset) -> float:

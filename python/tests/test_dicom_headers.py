@@ -429,7 +429,7 @@ def without_image(modality, **attributes):
 @pytest.mark.parametrize(
     ("modality", "sop_class", "what", "instead"),
     [
-        ("RTSTRUCT", "481.3", "a structure set", "--labels FILE"),
+        ("RTSTRUCT", "481.3", "a structure set", "--contours FILE, or --labels FILE"),
         ("RTPLAN", "481.5", "a plan of a radiotherapy", "--layer DOSE"),
         ("SR", "88.33", "a structured report", "segmentation"),
         ("PR", "11.1", "a presentation state", "--window"),

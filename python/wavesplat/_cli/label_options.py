@@ -12,9 +12,10 @@ from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._looks.labels import Labels
-    from wavesplat._model.grid import Grid
+    from wavesplat._model.volume import Volume
+    from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["LabelTable", "LabelsFile", "Segments", "opened_labels"]
+__all__ = ["LabelTable", "LabelsFile", "Segments", "chosen_segments", "opened_labels"]
 
 LabelsFile = Annotated[
     str | None,
@@ -35,17 +36,22 @@ Segments = Annotated[
 
 
 def opened_labels(
-    path: str | None, table: Path | None, segments: Sequence[str] | None, scan: Grid, *, quiet: bool
+    path: str | None, table: Path | None, segments: Sequence[str] | None, scan: Volume | WaveletVolume, *, quiet: bool
 ) -> Labels | None:
     """The segmentation of a scan that the options name, or None."""
     from wavesplat._cli.printing import warnings_as_notes
     from wavesplat._looks.labels import Labels
 
     if path is None:
-        for option, given in (("--label-table", table), ("--segment", segments)):
-            if given:
-                raise ArgumentError(f"{option} is about the labels of a segmentation; give it with --labels")
+        if table is not None:
+            raise ArgumentError("--label-table names the labels of a segmentation; give it with --labels")
+        if segments:
+            raise ArgumentError("--segment chooses among the labels of a segmentation; give it with --labels")
         return None
-    chosen = [int(one) if one.strip().isdecimal() else one for one in segments or ()]
     with warnings_as_notes(quiet=quiet):
-        return Labels.open(path, table=table, segments=chosen or None, scan=scan)
+        return Labels.open(path, table=table, segments=chosen_segments(segments), scan=scan)
+
+
+def chosen_segments(segments: Sequence[str] | None) -> list[str | int] | None:
+    """Names, patterns and numbers of segments; None: all."""
+    return [int(one) if one.strip().isdecimal() else one for one in segments or ()] or None

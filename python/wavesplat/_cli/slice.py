@@ -10,6 +10,7 @@ from wavesplat._cli import parsers
 from wavesplat._cli.figure_options import FigureOptions, annotated, check_figure, takes_figure_options
 from wavesplat._cli.label_options import LabelsFile, LabelTable, Segments, opened_labels
 from wavesplat._cli.layer_options import FurtherLayers, further_layers
+from wavesplat._cli.line_options import ContoursFile, IsolinesTexts, opened_contours, opened_isolines
 from wavesplat._cli.outputs import check_outputs
 from wavesplat._cli.printing import print_notes, print_result, warnings_as_notes
 from wavesplat._cli.processing_options import ProcessingOptions, processed, takes_processing_options
@@ -83,6 +84,8 @@ def slice(
     labels: LabelsFile = None,
     label_table: LabelTable = None,
     segment: Segments = None,
+    contours: ContoursFile = None,
+    isolines: IsolinesTexts = None,
     colors: ColorOptions,
     figure: FigureOptions,
     background: Background = "black",
@@ -116,7 +119,10 @@ def slice(
         picture = cut(
             Scene(
                 [volume, *further_layers(layer, time=reader.time or 0, quiet=quiet)],
-                labels=opened_labels(labels, label_table, segment, volume, quiet=quiet),
+                # Segments may be of the contours alone.
+                labels=opened_labels(
+                    labels, label_table, segment if labels or not contours else None, volume, quiet=quiet
+                ),
             ),
             (plane or "axial") if normal is None else (point, normal),
             position,
@@ -129,6 +135,8 @@ def slice(
             window=colors.window if is_grey else None,
             clim=colors.clim if is_grey else None,
             transfer_function=transfer_function,
+            contours=opened_contours(contours, segment, quiet=quiet),
+            isolines=opened_isolines(isolines, time=reader.time or 0, quiet=quiet),
             background=background,
             threads=threads,
         )

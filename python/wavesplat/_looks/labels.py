@@ -5,7 +5,6 @@ Label numbers are never interpolated: what is reconstructed is how much of a pla
 
 from __future__ import annotations
 
-import colorsys
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import partial
@@ -17,6 +16,7 @@ from numpy.typing import NDArray
 
 from wavesplat import _native
 from wavesplat._looks import colors, label_names
+from wavesplat._looks.default_colors import label_color
 from wavesplat._looks.label_files import opened_segmentation
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.convert_from import converted
@@ -24,6 +24,7 @@ from wavesplat._model.cutting import Boxes, taken_out
 from wavesplat._model.grid import Grid
 from wavesplat._model.sources import Source
 from wavesplat._model.volume import Volume
+from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
@@ -169,7 +170,7 @@ class Labels:
         *,
         table: str | PathLike[str] | None = None,
         segments: Iterable[str | int] | None = None,
-        scan: Grid | None = None,
+        scan: Volume | WaveletVolume | None = None,
         smooth: bool = True,
     ) -> Labels:
         """A segmentation from a file that `wavesplat.open` reads, with names and colours where there are any.
@@ -374,13 +375,9 @@ def _codes(samples: NDArray[Any]) -> tuple[tuple[int, ...], NDArray[Any]]:
 
 
 def _default_looks(numbers: tuple[int, ...]) -> dict[int, Label]:
-    """A colour for every label but 0: hues a golden section apart, so that neighbours differ."""
-    looks = {}
-    for place, number in enumerate(number for number in numbers if number != 0):
-        hue = (0.05 + place * 0.618_033_988_75) % 1.0
-        lightness, saturation = (0.55, 0.65) if place % 2 == 0 else (0.68, 0.5)
-        looks[number] = Label(colorsys.hls_to_rgb(hue, lightness, saturation), name=str(number))
-    return looks
+    """A colour for every label but 0."""
+    shown = [number for number in numbers if number != 0]
+    return {number: Label(label_color(place), name=str(number)) for place, number in enumerate(shown)}
 
 
 def _checked_looks(labels: Mapping[int, Label], numbers: tuple[int, ...]) -> dict[int, Label]:

@@ -10,12 +10,15 @@ import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wavesplat._files import size_checks
 from wavesplat._looks.label_names import Named, chosen_numbers
-from wavesplat._looks.region_masks import mask_of
+from wavesplat._looks.region_masks import Mask, mask_of
+from wavesplat._model.argument_types import described
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
 from wavesplat._model.units import METRES
@@ -44,55 +47,61 @@ def labels_of_structures(
             "a structure set (RTSTRUCT) has lines, and no samples: give the scan on whose samples its regions are "
             f"filled, wavesplat.Labels.open(path, scan=scan), or --labels with the scan as INPUT: {file}"
         )
+    if not isinstance(scan, Grid):
+        raise ArgumentError(f"scan is {described(scan)}; give a wavesplat.Volume, as from wavesplat.open(path)")
     found = chosen_structures(structures_in(file), segments, file)
-    masks = [(one, mask_of(in_unit_of(scan, one, file), scan)) for one in found]
-    masks.sort(key=lambda pair: -int(pair[1].inside.sum()))
-    most = max(one.number for one in found)
-    dtype = np.dtype(np.uint8 if most < 256 else np.uint16)
-    size_checks.check_memory(size_checks.n_bytes(scan.shape, dtype), file)
-    samples = np.zeros(scan.shape, dtype)
-    hidden, outside, oblique = [0] * (most + 1), list[str](), list[str]()
-    counts = {one.number: int(mask.inside.sum()) for one, mask in masks}
-    for one, mask in masks:
-        if mask.inside.any():
-            part = samples[mask.box]
-            for number, count in zip(*np.unique(part[mask.inside], return_counts=True), strict=True):
-                hidden[number] += int(count)
-            part[mask.inside] = one.number
-        elif one.lines:
-            outside.append(one.name)
-        if mask.n_oblique:
-            oblique.append(f"{mask.n_oblique} lines of {one.name!r}")
-    names = {one.number: one.name for one in found}
-    covered = [
-        f"{hidden[number]} of {counts[number]} voxels of {names[number]!r}" for number in names if hidden[number]
-    ]
+    masks = [(one, mask_of(in_unit_of(scan, one.lines), scan)) for one in found]
+    outside = [one.name for one, mask in masks if one.lines and not mask.inside.any()]
     if len(outside) == sum(bool(one.lines) for one in found):
         raise FileError(
             f"no region of the structure set (RTSTRUCT) lies in the scan; open the scan that it was drawn on: {file}"
         )
+    samples, covered = _numbered(masks, scan, file)
+    oblique = [f"{mask.n_oblique} lines of {one.name!r}" for one, mask in masks if mask.n_oblique]
     for told, listed in (
         ("regions overlap, and the smallest is shown: hidden are", covered),
         ("regions that are not in the scan:", outside),
         ("lines that lie in no slice of the scan are left out:", oblique),
     ):
         if listed:
-            _warn(f"{told} {', '.join(listed[:N_NAMED])}{', ...' if len(listed) > N_NAMED else ''}", file)
+            more = ", ..." if len(listed) > N_NAMED else ""
+            _warn(f"{told} {', '.join(listed[:N_NAMED])}{more}", file, stacklevel=5)
     facts = Facts(unit=scan.unit, is_anatomical=scan.is_anatomical, modality="RTSTRUCT")
     volume = Volume(samples, world_from_index=scan.world_from_index, name=file.name, facts=facts)
     return volume, {one.number: (one.name, one.color) for one in found}
 
 
+def _numbered(masks: Sequence[tuple[Structure, Mask]], scan: Grid, file: Path) -> tuple[NDArray[Any], list[str]]:
+    """Numbers of the regions on the samples of a scan, the smallest on top, and how much of others is hidden."""
+    most = max(one.number for one, _ in masks)
+    dtype = np.dtype(np.uint8 if most < 256 else np.uint16)
+    size_checks.check_memory(size_checks.n_bytes(scan.shape, dtype), file)
+    samples, hidden = np.zeros(scan.shape, dtype), np.zeros(most + 1, np.int64)
+    sizes = {one.number: int(mask.inside.sum()) for one, mask in masks}
+    for one, mask in sorted(masks, key=lambda pair: -sizes[pair[0].number]):
+        part = samples[mask.box]
+        hidden += np.bincount(part[mask.inside], minlength=most + 1)
+        part[mask.inside] = one.number
+    return samples, [
+        f"{hidden[one.number]} of {sizes[one.number]} voxels of {one.name!r}" for one, _ in masks if hidden[one.number]
+    ]
+
+
 def chosen_structures(
-    structures: Sequence[Structure], segments: Sequence[str | int] | None, file: Path
+    structures: Sequence[Structure], segments: Sequence[str | int] | None, file: Path, *, has_outline: bool = False
 ) -> list[Structure]:
-    """The regions that are wanted, all with numbers of labels; those without lines are left out, and told."""
+    """The regions that are wanted, all with numbers of labels; those without lines are told.
+
+    has_outline : whether the outline of the patient is one of them also where none is named.
+    """
     numbers = {one.number for one in structures}
     if len(numbers) < len(structures) or not all(0 < number <= MAX_NUMBER for number in numbers):
         structures = [replace(one, number=place) for place, one in enumerate(structures, 1)]
     if segments is not None:
         wanted = chosen_numbers(segments, {one.number: one.name for one in structures}, file)
         chosen = [one for one in structures if one.number in wanted]
+    elif has_outline:
+        chosen = list(structures)
     else:
         chosen = [one for one in structures if one.kind != OUTLINE] or list(structures)
         left_out = [one.name for one in structures if one not in chosen]
@@ -111,8 +120,8 @@ def chosen_structures(
     return chosen
 
 
-def in_unit_of(scan: Grid, structure: Structure, file: Path) -> list[np.ndarray]:
-    """The lines of a region in the world of a scan.
+def in_unit_of(scan: Grid, lines: Sequence[NDArray[np.float64]]) -> list[NDArray[np.float64]]:
+    """Lines in a patient, mm, in the world of a scan.
 
     Raises
     ------
@@ -122,11 +131,11 @@ def in_unit_of(scan: Grid, structure: Structure, file: Path) -> list[np.ndarray]
     if not scan.is_anatomical:
         raise ArgumentError(
             f"the scan {scan.name!r} says nothing of a patient, and lines of a structure set (RTSTRUCT) lie in one; "
-            f"open the DICOM or NIfTI series that it was drawn on: {file}"
+            "open the DICOM or NIfTI series that it was drawn on"
         )
     scale = METRES["mm"] / METRES[scan.unit] if scan.unit in METRES else 1.0
-    return [line * scale for line in structure.lines]
+    return [line * scale for line in lines]
 
 
-def _warn(text: str, file: Path) -> None:
-    warnings.warn(f"{text}: {file}", FileWarning, stacklevel=6)
+def _warn(text: str, file: Path, *, stacklevel: int = 6) -> None:
+    warnings.warn(f"{text}: {file}", FileWarning, stacklevel=stacklevel)

@@ -1,4 +1,4 @@
-"""DICOM files that are no images: what they hold, and what to name instead.
+"""DICOM files that are no images: their content, and advice on what to name instead.
 
 By the modality (DICOM PS3.3, C.7.3.1.1.1), else by the name of the SOP class (PS3.6, annex A).
 """
@@ -11,7 +11,7 @@ __all__ = ["IMAGES", "Content", "content_by"]
 
 
 class Content(NamedTuple):
-    """What a file holds, and what to write instead, the ends of a sentence each."""
+    """The content of a file and advice on what to write instead, the ends of a sentence each."""
 
     what: str
     instead: str
@@ -25,7 +25,8 @@ DICOMDIR = "1.2.840.10008.1.3.10"
 NO_IMAGES = {
     "RTSTRUCT": Content(
         "a structure set, regions of a patient as lines (RTSTRUCT)",
-        "draw it on the scan that it belongs to: wavesplat slice SCAN --labels FILE, or render",
+        "draw it on the scan that it belongs to: wavesplat slice SCAN --contours FILE, or --labels FILE, which render "
+        "takes too",
     ),
     "RTPLAN": Content(
         "a plan of a radiotherapy, its beams and fractions (RTPLAN)",

@@ -58,7 +58,7 @@ class Segment:
 
 @dataclass(frozen=True)
 class Segmentation:
-    """What the header says of all frames."""
+    """Statements of the header about all frames."""
 
     #: BINARY, FRACTIONAL or LABELMAP.
     kind: str

@@ -135,7 +135,7 @@ def segmentation(masks, *, segments, kind="BINARY", step=1.5, between=1.5, whole
     groups = []
     for segment, place, _ in masks:
         group = {"PlanePositionSequence": {"ImagePositionPatient": [10.0, 20.0, 30.0 + step * place]}}
-        if kind != "LABELMAP":
+        if kind != "LABELMAP" and segment is not None:
             group["SegmentIdentificationSequence"] = {"ReferencedSegmentNumber": segment}
         groups.append(group)
     dataset.PerFrameFunctionalGroupsSequence = sequence(*groups)

@@ -114,6 +114,19 @@ def test_label_maps_have_all_segments_in_one_frame(tmp_path):
     np.testing.assert_array_equal(volume.samples, np.where(numbers == 7, 0, numbers))
 
 
+def test_segments_that_are_not_described_are_there(tmp_path):
+    bare = segmentation(frames(), segments={})
+    with pytest.warns(FileWarning, match="hidden are 6 of 36 voxels of 'segment 1'"):
+        assert ws.Labels.open(saved(tmp_path, bare)).labels[5].name == "5"
+    unnamed = segmentation([(None, 1, MASKS[1][1]), (None, 2, MASKS[1][2])], segments={4: ("liver", None)})
+    volume = ws.open(saved(tmp_path, unnamed, "unnamed"))
+    np.testing.assert_array_equal(volume.samples, 4 * MASKS[1][1:3])
+    numbers = np.random.default_rng(5).choice([0, 1, 300], (2, *SHAPE[1:])).astype(np.uint16)
+    wide = segmentation([(0, 0, numbers[0]), (0, 1, numbers[1])], segments={1: ("liver", None)}, kind="LABELMAP")
+    wide.PixelData, wide.BitsAllocated, wide.BitsStored, wide.HighBit = numbers.tobytes(), 16, 16, 15
+    np.testing.assert_array_equal(ws.open(saved(tmp_path, wide, "wide")).samples, numbers)
+
+
 def test_segments_by_themselves_keep_what_others_hide(tmp_path):
     file = saved(tmp_path, segmentation(frames(), segments=SEGMENTS))
     for channel, (number, mask) in enumerate(MASKS.items()):

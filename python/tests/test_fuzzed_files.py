@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bz2
+import copy
 import gzip
 import json
 import struct
@@ -333,6 +334,14 @@ def sources_of_dicom(folder, kind):
         )
     if kind == "enhanced":
         return dicom_files.save(folder, [dicom_files.enhanced(dicom_files.random(3), [(z,) for z in (0.0, 1.5, 3.0)])])
+    if kind == "segmentation":
+        masks = [(n, z, np.eye(6, 7, z)) for n in (1, 2) for z in range(3)]
+        segments = {1: ("liver", [43803, 26565, 37722]), 2: ("spleen", None)}
+        return dicom_files.save(folder, [dicom_files.segmentation(masks, segments=segments)])
+    if kind == "structures":
+        lines = [[(1, 1, z), (4, 1, z), (2, 4, z)] for z in (0, 2, 4)]
+        regions = [("liver", (200, 100, 0), "ORGAN", lines), ("body", None, "EXTERNAL", lines[:1])]
+        return dicom_files.save(folder, [dicom_files.structure_set(regions)])
     pixels = dicom_files.random(3)
     dataset = dicom_files.slice_at(pixels, 0, modality="RTDOSE", GridFrameOffsetVector=[0, 2, 4], DoseGridScaling=0.5)
     dataset.NumberOfFrames = 3
@@ -366,17 +375,28 @@ def change_element(elements, kind, place, what):
     elif kind == "twice":
         inside.append(list(element))
     elif kind == "value of":
-        element[2] = found[what % len(found)][1][2]
+        element[2] = copy.deepcopy(found[what % len(found)][1][2])  # which may have the element in it
     elif kind == "no items" and isinstance(element[2], list):
         element[2] = [[]]
 
 
-@pytest.mark.parametrize("kind", ["series", "enhanced", "dose"])
+def labels_in(file):
+    """The labels in a file, of a structure set on a scan of its own, and its lines."""
+    world_from_index = np.diag([-1.0, -1, 1, 1])
+    scan = ws.Volume(np.zeros((5, 6, 7), np.uint8), world_from_index=world_from_index, unit="mm", anatomical=True)
+    labels = ws.Labels.open(file, scan=scan)
+    return labels, ws.Region.open(file) if "structures" in file.parent.name else None
+
+
+@pytest.mark.parametrize("kind", ["series", "enhanced", "dose", "segmentation", "structures"])
 def test_dicom(tmp_path, capfd, kind):
     folder = sources_of_dicom(tmp_path / kind, kind)
     files = sorted(folder.iterdir())
     whole = {file: file.read_bytes() for file in files}
-    assert check(lambda: samples_in(folder), folder.name) is not None
+    read = samples_in if kind in ("series", "enhanced", "dose") else lambda folder: labels_in(folder / "000.dcm")
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        assert check(lambda: read(folder), folder.name) is not None
 
     def damage(which, element_changes, changes):
         file = files[which % len(files)]
@@ -386,7 +406,7 @@ def test_dicom(tmp_path, capfd, kind):
         content = whole[file][:PREAMBLE] + encoded(elements)
         file.write_bytes(damaged(content, changes, 900))
         try:
-            check(lambda: samples_in(folder), folder.name)
+            check(lambda: read(folder), folder.name)
         finally:
             file.write_bytes(whole[file])
 

@@ -41,12 +41,14 @@ def info(input: Input, *, reader: ReaderOptions, json: Json = False) -> None:
 
 
 def _labels_of(input: str, volume: Volume) -> list[dict[str, Any]]:
-    """The labels that a file names; none of an address."""
+    """The labels that a file names; none of an address, and of scans, whose headers need not be read again."""
     from wavesplat._cli import label_counts
     from wavesplat._files.addresses import is_address
     from wavesplat._looks import label_names
 
-    named = {} if is_address(input) else label_names.in_file(input)
+    if is_address(input) or volume.modality not in (None, "SEG"):
+        return []
+    named = label_names.in_file(input)
     return label_counts.counted(volume, named) if named else []
 
 

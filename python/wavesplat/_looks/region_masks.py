@@ -11,7 +11,7 @@ are these, is an extra, and fills one line at a time.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from math import ceil, floor
 
@@ -26,6 +26,8 @@ __all__ = ["Mask", "mask_of"]
 FLAT = 0.1
 #: Coordinates in files are rounded; they are moved by this many voxels, so that a plane half way lies in one slice.
 EPSILON = 1e-6
+#: Crossings of lines and rows that are worked on at once.
+CROSSINGS = 1 << 20
 
 
 @dataclass(frozen=True)
@@ -60,36 +62,32 @@ def mask_of(lines: Sequence[NDArray[np.float64]], grid: Grid) -> Mask:
     first, n = ends
     column, row = (other for other in range(3) if other != axis)
     inside = np.zeros([n[axis], n[row], n[column]], np.bool_)
-    for place, plane in _planes(flat, axis):
-        filled = None
-        for k in place:
-            if 0 <= k - first[axis] < n[axis]:
-                if filled is None:
-                    polygons = [line[:, [column, row]] - (first[column], first[row]) for line in plane]
-                    filled = _even_odd(polygons, n[row], n[column])
-                inside[k - first[axis]] = filled
+    for slices, plane in _planes(flat, axis, first[axis], n[axis]):
+        polygons = [line[:, [column, row]] - (first[column], first[row]) for line in plane]
+        inside[slices] = _even_odd(polygons, n[row], n[column])
     # From (along the axis, row, column) to z, y, x.
     order = [(axis, row, column).index(along) for along in (2, 1, 0)]
     return Mask(inside.transpose(order), (first[2], first[1], first[0]), n_oblique)
 
 
 def _planes(
-    lines: Sequence[NDArray[np.float64]], axis: int
-) -> list[tuple[range | list[int], list[NDArray[np.float64]]]]:
-    """Slices that show each plane of lines, and its lines."""
-    at = np.array([line[:, axis].mean() for line in lines]) + EPSILON
+    lines: Sequence[NDArray[np.float64]], axis: int, first: int, n: int
+) -> Iterator[tuple[NDArray[np.intp], list[NDArray[np.float64]]]]:
+    """The slices, of n from the first one on, that show a plane of lines, and its lines."""
+    at = np.array([line[:, axis].mean() for line in lines]) + EPSILON - first
     order = np.argsort(at, kind="stable")
-    number = np.cumsum(np.diff(at[order], prepend=at[order[0]]) > FLAT)
-    places = np.array([at[order][number == n].mean() for n in range(number[-1] + 1)])
-    half = _half(places)
-    slices = np.arange(floor(places[0] - half), ceil(places[-1] + half) + 1)
-    nearest = np.abs(slices[:, None] - places[None, :]).argmin(axis=1)
-    away = slices - places[nearest]
+    begins = np.flatnonzero(np.diff(at[order], prepend=-np.inf) > FLAT)
+    planes = np.split(order, begins[1:])
+    places = np.array([at[plane].mean() for plane in planes])
+    slices = np.arange(n)
+    # Of two planes at the same distance the lower one.
+    above = np.searchsorted(places, slices).clip(1, max(len(places) - 1, 1))
+    is_above = slices - places[above - 1] > np.abs(places[above % len(places)] - slices)
+    nearest = np.where(is_above, above, above - 1) if len(places) > 1 else np.zeros(n, np.intp)
+    away, half = slices - places[nearest], _half(places)
     shown = (-half <= away) & (away < half)
-    return [
-        (slices[shown & (nearest == n)].tolist(), [lines[line] for line in order[number == n]])
-        for n in range(len(places))
-    ]
+    for plane in np.unique(nearest[shown]).tolist():
+        yield np.flatnonzero(shown & (nearest == plane)), [lines[line] for line in planes[plane]]
 
 
 def _half(places: NDArray[np.float64]) -> float:
@@ -118,14 +116,19 @@ def _even_odd(polygons: Sequence[NDArray[np.float64]], n_rows: int, n_columns: i
     begins = np.concatenate(polygons)
     ends = np.concatenate([np.roll(polygon, -1, axis=0) for polygon in polygons])
     # An edge crosses the rows from its upper end on, its lower end left out: a corner is counted once.
-    upper, lower = (np.ceil(ends_of(begins[:, 1], ends[:, 1])) for ends_of in (np.minimum, np.maximum))
-    counts = (lower - upper).astype(np.intp)
-    edge = np.repeat(np.arange(len(begins)), counts)
-    rows = np.repeat(upper, counts) + np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
-    (x, y), (to_x, to_y) = begins[edge].T, ends[edge].T
-    crossed = np.ceil(x + (rows - y) * (to_x - x) / (to_y - y)).clip(0, n_columns).astype(np.intp)
-    is_there = (rows >= 0) & (rows < n_rows)
-    at = rows[is_there].astype(np.intp) * (n_columns + 1) + crossed[is_there]
-    toggles = np.bincount(at, minlength=n_rows * (n_columns + 1)).reshape(n_rows, n_columns + 1)
-    inside: NDArray[np.bool_] = (np.cumsum(toggles[:, :-1], axis=1) % 2).astype(np.bool_)
+    upper, lower = (
+        np.ceil(of_both(begins[:, 1], ends[:, 1])).clip(0, n_rows).astype(np.intp)
+        for of_both in (np.minimum, np.maximum)
+    )
+    toggles = np.zeros(n_rows * (n_columns + 1), np.int64)
+    n_edges = max(1, CROSSINGS // n_rows)
+    for start in range(0, len(begins), n_edges):
+        some = slice(start, start + n_edges)
+        counts = (lower - upper)[some]
+        edge = np.repeat(np.arange(start, start + len(counts)), counts)
+        rows = np.repeat(upper[some], counts) + np.arange(counts.sum()) - np.repeat(np.cumsum(counts) - counts, counts)
+        (x, y), (to_x, to_y) = begins[edge].T, ends[edge].T
+        crossed = np.ceil(x + (rows - y) * (to_x - x) / (to_y - y)).clip(0, n_columns).astype(np.intp)
+        toggles += np.bincount(rows * (n_columns + 1) + crossed, minlength=len(toggles))
+    inside: NDArray[np.bool_] = np.cumsum(toggles.reshape(n_rows, n_columns + 1)[:, :-1], axis=1) % 2 == 1
     return inside

@@ -22,6 +22,10 @@ from wavesplat.errors import ArgumentError, FileError
 __all__ = ["Region"]
 
 
+#: Coordinates that no point has: their squares are still far from the end of float64.
+FAR = 1e15
+
+
 @public
 @dataclass(frozen=True, init=False, eq=False)
 class Region:
@@ -67,7 +71,7 @@ class Region:
         except (TypeError, ValueError, OverflowError):
             found = (np.zeros(0),)
         for line in found:
-            if line.ndim != 2 or line.shape[1] != 3 or len(line) < 3 or not np.isfinite(line).all():
+            if line.ndim != 2 or line.shape[1] != 3 or len(line) < 3 or not (np.abs(line) < FAR).all():
                 raise ArgumentError(f"region {name!r}: a line is no list of three or more finite points x, y, z")
         for attribute, value in (("lines", found), ("color", rgba[:3]), ("name", str(name)), ("_is_of_patient", False)):
             object.__setattr__(self, attribute, value)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import islice
 from pathlib import Path
 
 from wavesplat._files.reading import reading
@@ -15,13 +16,13 @@ __all__ = ["segmentation_at", "segments_at", "with_segments"]
 
 
 def segmentation_at(path: Path) -> Path | None:
-    """The DICOM segmentation at a path: the file, or the only file of the folder that is one; None if it is none."""
-    files = [path]
-    if path.is_dir():
-        files = [entry for entry in sorted(path.iterdir()) if entry.is_file()]
+    """The DICOM segmentation at a path: the file, or the only DICOM file of the folder; None if it is none."""
     with quiet("pydicom"), unwarned("pydicom"):
-        found = [file for file in files if _is_segmentation(file)]
-    return found[0] if len(found) == 1 else None
+        if not path.is_dir():
+            return path if _is_segmentation(path) else None
+        found = islice((entry for entry in sorted(path.iterdir()) if entry.is_file() and is_dicom(entry)), 2)
+        files = list(found)
+        return files[0] if len(files) == 1 and _is_segmentation(files[0]) else None
 
 
 def _is_segmentation(file: Path) -> bool:

@@ -26,7 +26,7 @@ from wavesplat._readers.dicom_deflated import header_dataset
 from wavesplat._readers.dicom_header import Frame, Header
 from wavesplat._readers.dicom_pixels import frame_by_frame
 from wavesplat._readers.dicom_values import first_items, integer, items, numbers, text
-from wavesplat._readers.request import Grid, Request
+from wavesplat._readers.request import Grid, Request, choose
 from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
@@ -93,6 +93,9 @@ def read(header: Header, request: Request, wanted: Sequence[int] | None = None) 
             f"the file segments a slide (whole-slide microscopy) in tiles, and no volume; open it with a viewer of "
             f"slides: {header.file}"
         )
+    if header.n_samples != 1:
+        raise FileError(f"the file says that it is a segmentation, and has colours; export it again: {header.file}")
+    choose("time", 1, request.time, request.path)
     frames, guesses, _ = mended([header], request)
     if not all(frame.is_placed() for frame in frames):
         raise FileError(
@@ -106,11 +109,15 @@ def read(header: Header, request: Request, wanted: Sequence[int] | None = None) 
     pixels = frame_by_frame(replace(header, photometric="MONOCHROME2"))  # a palette is for display
     shape = (n_slices, header.size[1], header.size[0])
     facts = Facts(unit="mm", is_anatomical=header.is_of_patient, modality="SEG", guesses=(*guesses, *notes))
+    if undescribed := sorted({frame.segment for frame in frames} - {one.number for one in said.segments} - {0}):
+        said = replace(said, segments=(*said.segments, *(Segment(n, f"segment {n}") for n in undescribed)))
     chosen = said.segments if wanted is None else tuple(one for one in said.segments if one.number in wanted)
-    masks = _Masks(said, frames, slices, pixels, header)
+    masks = _Masks(said, frames, slices, pixels)
     if request.channel is not None:
         samples, own = _of_one(masks, request.channel, shape, request)
         return Grid(samples, matrix, replace(facts, channel=own.channel, channels=own.channels))
+    if said.kind == "LABELMAP":
+        return Grid(_numbers_of(masks, header, shape, wanted), matrix, facts)
     samples, losses = _label_map(masks, chosen, shape, request)
     if said.kind == "FRACTIONAL":
         losses = (
@@ -243,16 +250,15 @@ class _Masks:
         frames: Sequence[Frame],
         slices: NDArray[np.int64],
         pixels: Callable[[int], NDArray[Any]],
-        header: Header,
     ) -> None:
-        self.said, self.frames, self.slices, self.pixels, self.header = said, frames, slices, pixels, header
+        self.said, self.frames, self.slices, self.pixels = said, frames, slices, pixels
 
     def of(self, segment: Segment) -> Iterator[tuple[int, NDArray[Any]]]:
         """The slice of each frame with the segment, and the share of the segment in its voxels, 0..1 or a mask."""
         for frame, at in zip(self.frames, self.slices.tolist(), strict=True):
             if self.said.kind == "LABELMAP":
                 yield at, self.pixels(frame.index) == segment.number
-            elif frame.segment == segment.number or len(self.said.segments) == 1:
+            elif frame.segment == segment.number or (frame.segment == 0 and len(self.said.segments) == 1):
                 stored = self.pixels(frame.index)
                 yield at, stored.astype(np.float32) / self.said.whole if self.said.kind == "FRACTIONAL" else stored != 0
 
@@ -281,9 +287,6 @@ def _label_map(
     size_checks.check_memory(size_checks.n_bytes(shape, dtype), request.path)
     samples = np.zeros(shape, dtype)
     counts, hidden = np.zeros(most + 1, np.int64), np.zeros(most + 1, np.int64)
-    if masks.said.kind == "LABELMAP":
-        _put_numbers(samples, masks, segments)
-        return samples, ()
     for segment in segments:
         for at, share in masks.of(segment):
             mask = share >= HALF
@@ -303,10 +306,16 @@ def _label_map(
     return samples, (f"segments overlap, and {shown}: hidden are {', '.join(names[:N_NAMED])}{more}",)
 
 
-def _put_numbers(samples: NDArray[Any], masks: _Masks, segments: Sequence[Segment]) -> None:
-    """The numbers of a label map, those of its background and of segments that are not wanted as 0."""
-    known = np.array([segment.number for segment in segments], samples.dtype)
+def _numbers_of(
+    masks: _Masks, header: Header, shape: tuple[int, int, int], wanted: Sequence[int] | None
+) -> NDArray[Any]:
+    """The numbers of a label map; 0 for padding, and for segments that are not wanted."""
+    dtype = np.dtype(np.uint8 if header.bits_allocated <= 8 else np.uint16)
+    size_checks.check_memory(size_checks.n_bytes(shape, dtype), header.file)
+    samples = np.zeros(shape, dtype)
+    none = header.padding or (0, 0)
     for frame, at in zip(masks.frames, masks.slices.tolist(), strict=True):
         stored = masks.pixels(frame.index)
-        is_known = np.isin(stored, known)
-        samples[at][is_known] = stored[is_known]
+        is_label = (stored < none[0]) | (stored > none[1]) if wanted is None else np.isin(stored, wanted)
+        samples[at][is_label] = stored[is_label]
+    return samples

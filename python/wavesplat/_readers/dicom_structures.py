@@ -28,6 +28,8 @@ __all__ = ["Structure", "is_structure_set", "structures_in"]
 SOP_CLASS = "1.2.840.10008.5.1.4.1.1.481.3"
 #: Lines that enclose something; the others are points and open lines.
 CLOSED = {"CLOSED_PLANAR", "CLOSEDPLANAR_XOR"}
+#: Distance from the origin that no point of a patient has.
+FAR_MM = 1e6
 
 
 @dataclass(frozen=True)
@@ -88,8 +90,12 @@ def _structure(number: int, roi: Any, drawn: Mapping[int, Any], kind: str, path:
             color = (rgb[0] / 255, rgb[1] / 255, rgb[2] / 255)
         for item in items(contours, 0x30060040):
             numbers = as_numbers(raw_value(item, 0x30060050), "decimal")
-            if len(numbers) % 3 or not np.isfinite(numbers).all():
+            if len(numbers) % 3:
                 raise FileError(f"a contour has {len(numbers)} numbers, not three a point; export it again: {path}")
+            if not (np.abs(numbers) < FAR_MM).all():
+                raise FileError(
+                    f"a point of a contour lies more than {FAR_MM / 1e6:g} km away; export it again: {path}"
+                )
             if text(item, 0x30060042).upper() not in CLOSED or len(numbers) < 9:
                 n_open += 1
                 continue

@@ -10,8 +10,10 @@ from numpy.typing import NDArray
 
 __all__ = ["drawn_over"]
 
-#: Pixels of the mask for each of the picture, along both sides.
-FINER = 4
+#: Pixels of a mask for each of the picture, along both sides, as many as fit into its most pixels.
+FINER, MASK_PIXELS = (4, 2, 1), 1 << 27
+#: Places outside of the picture, pixels, are at most so far away: Pillow counts in whole numbers.
+FAR = 1e6
 #: Width of lines: pixels, and as a share of the shorter side; the larger one counts.
 WIDTH_PX, WIDTH_SHARE = 1.25, 1 / 350
 
@@ -37,12 +39,15 @@ def drawn_over(
         )
         if right <= left or bottom <= top:
             continue
-        mask = Image.new("L", (FINER * (right - left), FINER * (bottom - top)))
-        places = FINER * (line + 0.5 - (left, top)) - 0.5
+        area = (right - left) * (bottom - top)
+        finer = next((n for n in FINER if n * n * area <= MASK_PIXELS), FINER[-1])
+        mask = Image.new("L", (finer * (right - left), finer * (bottom - top)))
+        places = (finer * (line + 0.5 - (left, top)) - 0.5).clip(-FAR, FAR)
         ImageDraw.Draw(mask).line(
-            [(x, y) for x, y in places.tolist()], fill=255, width=round(FINER * thickness), joint="curve"
+            [(x, y) for x, y in places.tolist()], fill=255, width=max(1, round(finer * thickness)), joint="curve"
         )
-        share = np.asarray(mask, np.float32).reshape(bottom - top, FINER, right - left, FINER).mean(axis=(1, 3)) / 255
+        parts = np.asarray(mask).reshape(bottom - top, finer, right - left, finer)
+        share = parts.mean(axis=(1, 3), dtype=np.float32) / np.float32(255)
         below = drawn[top:bottom, left:right]
         below[:] = below * (1 - share[..., None]) + share[..., None] * np.array((*color, 1), np.float32)
     return drawn

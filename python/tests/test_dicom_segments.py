@@ -203,3 +203,18 @@ def test_labels_over_their_scan_fault_5(tmp_path, wavesplat):
     assert "no segment 'brain'; there are: 1 'liver', 2 'spleen', 5 'vein'" in none.stderr
     alone = wavesplat("slice", scan, "--segment", "brain", "-o", tmp_path / "a.png")
     assert "give it with --labels" in alone.stderr
+
+
+def test_contours_show_overlapping_segments_whole(tmp_path, wavesplat):
+    scan = save(tmp_path / "ct", [slice_at(np.full(SHAPE[1:], 40 * n, np.int16), n) for n in range(SHAPE[0])])
+    inner = [(1, z, MASKS[1][1]) for z in range(6)]
+    outer = [(2, z, np.ones(SHAPE[1:], bool)) for z in range(6)]
+    segments = {1: ("liver", GREEN), 2: ("body", ORANGE), 3: ("nothing", None)}
+    labels = saved(tmp_path, segmentation([*inner, *outer], segments=segments))
+    # As labels, the whole liver lies below the body.
+    with pytest.warns(FileWarning, match="hidden are 72 of 72 voxels of 'liver'"):
+        assert list(ws.Labels.open(labels).labels) == [2]
+    done = wavesplat("slice", scan, "--contours", labels, "--json", "--size", "99x99", "-o", tmp_path / "a.png")
+    assert '"liver"' in done.stdout, done.stderr
+    assert '"body"' in done.stdout
+    assert "hidden" not in done.stderr

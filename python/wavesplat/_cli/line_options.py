@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import re
+import warnings
 from collections.abc import Sequence
+from contextlib import suppress
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
@@ -37,21 +39,53 @@ IsolinesTexts = Annotated[
 ]
 
 
-def opened_contours(path: str | None, segments: Sequence[str] | None, *, quiet: bool) -> Labels | list[Region] | None:
-    """The regions of a structure set, or the labels of another segmentation."""
-    from wavesplat._cli.printing import warnings_as_notes
+def opened_contours(
+    path: str | None, segments: Sequence[str] | None, *, quiet: bool
+) -> Sequence[Labels | Region] | None:
+    """The regions of a structure set, or the labels of another segmentation, each whole also where they overlap."""
+    from wavesplat._cli.printing import message, warnings_as_notes
     from wavesplat._files.paths import expanded
     from wavesplat._looks.labels import Labels
     from wavesplat._looks.regions import Region
+    from wavesplat._readers.dicom_segments import OVERLAP
     from wavesplat._readers.dicom_structures import is_structure_set
+    from wavesplat.errors import FileWarning
 
     if path is None:
         return None
     chosen = chosen_segments(segments)
-    with warnings_as_notes(quiet=quiet):
-        if is_structure_set(expanded(path)):
+    if is_structure_set(expanded(path)):
+        with warnings_as_notes(quiet=quiet):
             return Region.open(path, segments=chosen)
-        return Labels.open(path, segments=chosen)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", FileWarning)
+        labels = Labels.open(path, segments=chosen)
+    notes = [str(one.message) for one in caught]
+    for note in notes:
+        if not (quiet or note.startswith(OVERLAP)):
+            message(f"note: {note}")
+    return _whole(path, chosen) if any(note.startswith(OVERLAP) for note in notes) else [labels]
+
+
+def _whole(path: str, chosen: Sequence[str | int] | None) -> list[Labels | Region]:
+    """Each segment of a DICOM segmentation by itself: in one label map, of those that overlap the last one is whole."""
+    from wavesplat._looks import label_names
+    from wavesplat._looks.default_colors import label_color
+    from wavesplat._looks.labels import Label, Labels
+    from wavesplat.errors import ArgumentError, FileWarning
+
+    named = label_names.in_file(path)
+    numbers = list(named)
+    if chosen is not None:
+        numbers = label_names.chosen_numbers(chosen, {number: name for number, (name, _) in named.items()}, path)
+    found: list[Labels | Region] = []
+    for place, number in enumerate(numbers):
+        name, color = named[number]
+        with warnings.catch_warnings(), suppress(ArgumentError):  # of a segment without voxels
+            warnings.simplefilter("ignore", FileWarning)
+            labels = Labels.open(path, segments=[number])
+            found.append(labels.with_looks({number: Label(color or label_color(place), name=name)}))
+    return found
 
 
 class IsolinesText(NamedTuple):

@@ -32,7 +32,7 @@ from wavesplat.errors import ArgumentError, FileError
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["Segment", "is_segmentation", "read", "segments_in"]
+__all__ = ["OVERLAP", "Segment", "is_segmentation", "read", "segments_in"]
 
 SOP_CLASSES = {"1.2.840.10008.5.1.4.1.1.66.4", "1.2.840.10008.5.1.4.1.1.66.7"}
 #: Share of a voxel from which on it counts as a segment's.
@@ -43,6 +43,8 @@ PLACE_MM = 0.01
 TOLERANCE, DIRECTION = 0.05, 1e-3
 #: Slices at most, those left out included; no scan has as many.
 MAX_SLICES = 1 << 16
+#: Beginning of the sentence on voxels of several segments.
+OVERLAP = "segments overlap"
 #: Segments that a message names, at most.
 N_NAMED = 4
 
@@ -303,7 +305,7 @@ def _label_map(
         return samples, ()
     more = ", ..." if len(names) > N_NAMED else ""
     shown = f"the last of the file is shown in {hidden[1:].sum()} voxels"
-    return samples, (f"segments overlap, and {shown}: hidden are {', '.join(names[:N_NAMED])}{more}",)
+    return samples, (f"{OVERLAP}, and {shown}: hidden are {', '.join(names[:N_NAMED])}{more}",)
 
 
 def _numbers_of(

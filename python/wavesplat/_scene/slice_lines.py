@@ -33,6 +33,7 @@ __all__ = ["LinesOver", "Over", "lines_over"]
 
 Rgba: TypeAlias = NDArray[np.float32]
 Lines: TypeAlias = "list[NDArray[np.float64]]"
+Named: TypeAlias = "tuple[str, tuple[float, float, float], Lines]"
 
 #: Depth of a line's points, in distances of samples, within which it counts as parallel to a slice.
 FLAT = 0.1
@@ -55,7 +56,7 @@ class Over:
 class LinesOver:
     """The arguments `contours` and `isolines` of a slice."""
 
-    contours: Labels | list[Region] | None
+    contours: list[Labels | Region]
     isolines: list[Isolines]
 
     @property
@@ -68,7 +69,7 @@ class LinesOver:
         found = Over(rgba, [], [])
         if self.isolines:
             found = _with_isolines(rgba, planes, self.isolines, **options)
-        if self.contours is not None:
+        if self.contours:
             more = _with_contours(found.rgba, planes, self.contours, scan)
             found = Over(more.rgba, found.shown + more.shown, found.notes + more.notes)
         return found
@@ -83,28 +84,23 @@ def lines_over(contours: Any, isolines: Any) -> LinesOver | None:
         raise ArgumentError(
             f"isolines is {described(isolines)}; give wavesplat.Isolines(volume, values), or several in a list"
         )
-    if contours is None or isinstance(contours, Labels):
-        return LinesOver(contours, list(several))
-    regions = [contours] if isinstance(contours, Region) else contours
-    if not isinstance(regions, list | tuple) or not all(isinstance(region, Region) for region in regions):
+    regions = [contours] if isinstance(contours, Labels | Region) else [] if contours is None else contours
+    if not isinstance(regions, list | tuple) or not all(isinstance(region, Labels | Region) for region in regions):
         raise ArgumentError(
             f"contours is {described(contours)}; give wavesplat.Region.open(path), a list of regions, or Labels"
         )
     return LinesOver(list(regions), list(several))
 
 
-def _with_contours(rgba: Rgba, planes: Planes, contours: Labels | Sequence[Region], scan: Grid) -> Over:
-    """The slice with the lines of regions, or around labels."""
+def _with_contours(rgba: Rgba, planes: Planes, contours: Sequence[Labels | Region], scan: Grid) -> Over:
+    """The slice with the lines of regions, and around labels."""
     shown = []
-    named = (
-        _around_labels(planes, contours, scan)
-        if isinstance(contours, Labels)
-        else ((region.name, region.color, _of_region(planes, region, scan)) for region in contours)
-    )
-    for name, color, lines in named:
-        if lines:
-            rgba = drawn_over(rgba, lines, color)
-            shown.append({"name": name, "color": list(color)})
+    for one in contours:
+        around = _around_labels(planes, one, scan) if isinstance(one, Labels) else _of_region(planes, one, scan)
+        for name, color, lines in around:
+            if lines:
+                rgba = drawn_over(rgba, lines, color)
+                shown.append({"name": name, "color": list(color)})
     return Over(rgba, shown, [] if shown else ["no line of the contours lies in the slice"])
 
 
@@ -135,7 +131,12 @@ def _with_isolines(
 # Regions
 
 
-def _of_region(planes: Planes, region: Region, scan: Grid) -> Lines:
+def _of_region(planes: Planes, region: Region, scan: Grid) -> Iterator[Named]:
+    """Name, colour and lines of a region."""
+    yield region.name, region.color, _lines_of(planes, region, scan)
+
+
+def _lines_of(planes: Planes, region: Region, scan: Grid) -> Lines:
     lines = in_unit_of(scan, region.lines) if region._is_of_patient else list(region.lines)
     heights = [line @ planes.cut.normal for line in lines]
     step = min(scan.spacing)
@@ -172,9 +173,7 @@ def _closed(line: NDArray[np.float64]) -> NDArray[np.float64]:
 # Labels
 
 
-def _around_labels(
-    planes: Planes, labels: Labels, scan: Grid
-) -> Iterator[tuple[str, tuple[float, float, float], Lines]]:
+def _around_labels(planes: Planes, labels: Labels, scan: Grid) -> Iterator[Named]:
     """Name, colour and lines of each label with a look."""
     matrix = scan.world_from_index if labels.world_from_index is None else labels.world_from_index
     grid = Grid("labels", labels.shape, matrix, scan.facts)

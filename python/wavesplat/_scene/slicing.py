@@ -64,7 +64,7 @@ def slice(
     window: str | tuple[float, float] | None = None,
     clim: tuple[float, float] | None = None,
     transfer_function: TransferFunction | str | None = None,
-    contours: Labels | Sequence[Region] | None = None,
+    contours: Labels | Sequence[Labels | Region] | None = None,
     isolines: Isolines | Sequence[Isolines] | None = None,
     background: str | Sequence[float] | None = "black",
     threads: int | None = None,
@@ -110,7 +110,7 @@ def slice(
     transfer_function : TransferFunction or str, optional
         Instead of a window: the colours, opaque, of all values that are not transparent. Looks of the first layer are
         for pictures in space.
-    contours : Labels or sequence of Region, optional
+    contours : Labels, Region, or sequence of them, optional
         Regions as lines: those of a structure set (RTSTRUCT), `wavesplat.Region.open(path)`, or the outlines of labels.
         A slice parallel to a region's lines shows those of the nearest plane, if it lies within half the distance of
         planes; any other slice the outline of the voxels inside. Labels may lie on a grid of their own.

@@ -196,19 +196,7 @@ KINDS: dict[str, tuple[Callable[[object], bool], str]] = {
 CHECKED_BY_FUNCTIONS = frozenset(
     {
         *("Any", "object", "VolumeLike", "Scene", "Labels", "AnyLook", "Sampling", "Operator", "Opacity"),
-        *(
-            "Camera",
-            "Clip",
-            "Along",
-            "Plane",
-            "Orientation",
-            "Corner",
-            "Side",
-            "Fit",
-            "Ablation",
-            "StandardSplatting",
-            "Isolines",
-        ),
-        *("tuple", "Iterable", "Sequence", "Mapping", "Literal", "PathLike", "ArrayLike", "DTypeLike"),
+        *("Camera", "Clip", "Along", "Plane", "Orientation", "Corner", "Side", "Fit", "Ablation", "StandardSplatting"),
+        *("tuple", "Iterable", "Sequence", "Mapping", "Literal", "PathLike", "ArrayLike", "DTypeLike", "Isolines"),
     }
 )

@@ -58,6 +58,8 @@ CALLS = {
     "values": (FUNCTION, {"values": [0.0]}),
     "Shading": (ws.Shading, {}),
     "Labels": (ws.Labels, {"segmentation": np.zeros((6, 6, 6), np.uint8)}),
+    "Region": (ws.Region, {"lines": [[(0, 0, 0), (1, 0, 0), (1, 1, 0)]], "color": "red"}),
+    "Isolines": (ws.Isolines, {"volume": VOLUME, "values": [1.0]}),
     "raycast": (ws.reference.raycast, SCENE | {"step": 1}),
     "splat_literal": (ws.reference.splat_literal, SMALL),
     "splat": (ws.study.splat, SMALL),

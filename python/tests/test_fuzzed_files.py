@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 import bz2
+import copy
 import gzip
 import json
 import struct
 import warnings
 import zipfile
-from pathlib import Path
 
 import dicom_files
 import numpy as np
@@ -40,18 +40,6 @@ def mgh(path):
     import nibabel
 
     nibabel.save(nibabel.MGHImage(SAMPLES.T.astype(np.float32), np.eye(4)), path)
-
-
-def of_nibabel(path, name):
-    """A small file of nibabel's own tests, with its samples beside it where they are in a file of their own."""
-    import nibabel
-
-    data = Path(nibabel.__file__).parent / "tests" / "data"
-    path.write_bytes((data / name).read_bytes())
-    for header, samples in ((".HEAD", ".BRIK"), (".PAR", ".REC")):
-        if path.suffix == header:
-            beside = data / name.replace(header, samples)
-            path.with_suffix(samples).write_bytes(beside.read_bytes())
 
 
 def itk(path, **options):
@@ -148,11 +136,6 @@ KINDS = {
     "times.nii": (lambda path: nifti(path, samples=np.stack([SAMPLES] * 3)), 352, True),
     "a.nii.gz": (nifti, 352, False),
     "a.mgh": (mgh, 284, True),
-    "minc1.mnc": (lambda path: of_nibabel(path, "tiny.mnc"), 3300, False),
-    "minc2.mnc": (lambda path: of_nibabel(path, "minc2_1_scale.mnc"), 8000, False),
-    "a.HEAD": (lambda path: of_nibabel(path, "scaled+tlrc.HEAD"), 1900, False),
-    "times.PAR": (lambda path: of_nibabel(path, "phantom_EPI_asc_CLEAR_2_1.PAR"), 5000, False),
-    "a.v": (lambda path: of_nibabel(path, "tinypet.v"), 1536, False),
     "a.mha": (itk, 340, True),
     "packed.mha": (lambda path: itk(path, useCompression=True), 400, True),
     "a.mhd": (itk, 400, True),
@@ -385,6 +368,14 @@ def sources_of_dicom(folder, kind):
         return test_dicom_suv.pet(folder)
     if kind == "mosaics":
         return dicom_files.save(folder, [test_dicom_mosaic.mosaic(test_dicom_mosaic.slices_of(t), t) for t in range(2)])
+    if kind == "segmentation":
+        masks = [(n, z, np.eye(6, 7, z)) for n in (1, 2) for z in range(3)]
+        segments = {1: ("liver", [43803, 26565, 37722]), 2: ("spleen", None)}
+        return dicom_files.save(folder, [dicom_files.segmentation(masks, segments=segments)])
+    if kind == "structures":
+        lines = [[(1, 1, z), (4, 1, z), (2, 4, z)] for z in (0, 2, 4)]
+        regions = [("liver", (200, 100, 0), "ORGAN", lines), ("body", None, "EXTERNAL", lines[:1])]
+        return dicom_files.save(folder, [dicom_files.structure_set(regions)])
     pixels = dicom_files.random(3)
     dataset = dicom_files.slice_at(pixels, 0, modality="RTDOSE", GridFrameOffsetVector=[0, 2, 4], DoseGridScaling=0.5)
     dataset.NumberOfFrames = 3
@@ -418,18 +409,34 @@ def change_element(elements, kind, place, what):
     elif kind == "twice":
         inside.append(list(element))
     elif kind == "value of":
-        element[2] = found[what % len(found)][1][2]
+        element[2] = copy.deepcopy(found[what % len(found)][1][2])  # which may have the element in it
     elif kind == "no items" and isinstance(element[2], list):
         element[2] = [[]]
 
 
-@pytest.mark.parametrize("kind", ["series", "enhanced", "dose", "pet", "mosaics"])
+def labels_in(file):
+    """The labels in a file, of a structure set on a scan of its own, and its lines."""
+    world_from_index = np.diag([-1.0, -1, 1, 1])
+    scan = ws.Volume(np.zeros((5, 6, 7), np.uint8), world_from_index=world_from_index, unit="mm", anatomical=True)
+    labels = ws.Labels.open(file, scan=scan)
+    return labels, ws.Region.open(file) if "structures" in file.parent.name else None
+
+
+@pytest.mark.parametrize("kind", ["series", "enhanced", "dose", "pet", "mosaics", "segmentation", "structures"])
 def test_dicom(tmp_path, capfd, kind):
     options = {"pet": {"suv": True}, "mosaics": {"time": 1}}.get(kind, {})
     folder = sources_of_dicom(tmp_path / kind, kind)
     files = sorted(folder.iterdir())
     whole = {file: file.read_bytes() for file in files}
-    assert check(lambda: samples_in(folder, **options), folder.name) is not None
+
+    def read(folder):
+        if kind in ("segmentation", "structures"):
+            return labels_in(folder / "000.dcm")
+        return samples_in(folder, **options)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        assert check(lambda: read(folder), folder.name) is not None
 
     def damage(which, element_changes, changes):
         file = files[which % len(files)]
@@ -439,7 +446,7 @@ def test_dicom(tmp_path, capfd, kind):
         content = whole[file][:PREAMBLE] + encoded(elements)
         file.write_bytes(damaged(content, changes, 900))
         try:
-            check(lambda: samples_in(folder, **options), folder.name)
+            check(lambda: read(folder), folder.name)
         finally:
             file.write_bytes(whole[file])
 

@@ -26,6 +26,7 @@ if TYPE_CHECKING:
     from wavesplat._looks.largest_body import largest_body
     from wavesplat._looks.look import Look
     from wavesplat._looks.materials import Material, Materials
+    from wavesplat._looks.regions import Region
     from wavesplat._looks.shading import Light, Shading
     from wavesplat._looks.transfer_function import TransferFunction
     from wavesplat._looks.transfer_function_2d import TransferFunction2D
@@ -51,6 +52,7 @@ if TYPE_CHECKING:
     from wavesplat._readers.opening import open
     from wavesplat._readers.options import OpenOptions
     from wavesplat._readers.time_points import open_series
+    from wavesplat._render.isolines import Isolines
     from wavesplat._render.options import RenderOptions
     from wavesplat._scene.cost import Cost, plan
     from wavesplat._scene.layer import Layer
@@ -72,6 +74,7 @@ __all__ = [
     "DepthShadedMaximum",
     "Facts",
     "FirstHit",
+    "Isolines",
     "KeyFrame",
     "Label",
     "Labels",
@@ -86,6 +89,7 @@ __all__ = [
     "Meshes",
     "OpenOptions",
     "Picture",
+    "Region",
     "RenderOptions",
     "Report",
     "Sampling",
@@ -131,6 +135,7 @@ _HOMES = {
     "DepthShadedMaximum": "_model.composites",
     "Facts": "_model.facts",
     "FirstHit": "_model.composites",
+    "Isolines": "_render.isolines",
     "KeyFrame": "_movie.key_frame",
     "Label": "_looks.labels",
     "Labels": "_looks.labels",
@@ -145,6 +150,7 @@ _HOMES = {
     "Meshes": "_mesh.triangle_mesh",
     "OpenOptions": "_readers.options",
     "Picture": "_picture.picture",
+    "Region": "_looks.regions",
     "RenderOptions": "_render.options",
     "Report": "_picture.report",
     "Sampling": "_model.sampling",

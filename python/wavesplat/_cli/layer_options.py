@@ -32,6 +32,7 @@ __all__ = [
     "channel_of",
     "further_layers",
     "layer_of",
+    "named_file",
     "names_of_pictures",
     "takes_layer_options",
     "times_of",
@@ -151,16 +152,26 @@ def layer_of(text: str) -> LayerText:
     rest, window = _without_window(text, f"--layer is {LAYER}")
     if Path(text).exists():  # the file's own name ends like a window
         return LayerText(text, None, None)
-    parts = rest.split(":")
+    path, look = named_file(rest, "--layer", LAYER, "pet.nii.gz:hot:2,8")
+    return LayerText(path, look or None, window)
+
+
+def named_file(text: str, option: str, syntax: str, example: str) -> tuple[str, str]:
+    """The file that the longest beginning of an option's text names, and what follows behind a colon.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no such file.
+    """
+    parts = text.split(":")
     for count in range(len(parts), 0, -1):
-        path, look = ":".join(parts[:count]), ":".join(parts[count:])
+        path, rest = ":".join(parts[:count]), ":".join(parts[count:])
         # Whether a URL exists is not known: after its last slash, what follows a colon is the look.
         is_whole = "/" in parts[count - 1] if is_address(path) else Path(path).expanduser().exists()
         if is_whole:
-            return LayerText(path, look or None, window)
-    raise ArgumentError(
-        f"--layer {text!r} begins with no file that is there; it is {LAYER}, such as pet.nii.gz:hot:2,8"
-    )
+            return path, rest
+    raise ArgumentError(f"{option} {text!r} begins with no file that is there; it is {syntax}, such as {example}")
 
 
 def further_layers(texts: Sequence[str] | None, *, time: int, quiet: bool, suv: bool = False) -> list[Layer]:

@@ -21,8 +21,16 @@ WORDS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("blend", "blend-mode", "mode", "ray-function"), ("--composite NAME",)),
     **dict.fromkeys(
         ("iso", "isovalue", "isosurface", "iso-surface", "surface", "contour", "value"),
-        ("--composite isosurface --iso-value VALUE", "--iso-value VALUE"),
+        ("--composite isosurface --iso-value VALUE", "--iso-value VALUE", "--isolines FILE:VALUE,..."),
     ),
+    **dict.fromkeys(
+        ("isodose", "isodoses", "isoline", "isocontour", "isocontours", "contour-values", "dose"),
+        ("--isolines FILE:VALUE,...",),
+    ),
+    **dict.fromkeys(
+        ("rtstruct", "structures", "structure-set", "outline", "outlines", "rois"), ("--contours FILE", "--labels FILE")
+    ),
+    **dict.fromkeys(("segments", "label-names"), ("--segment NAME",)),
     **dict.fromkeys(
         ("colormap", "colourmap", "color-map", "colour-map", "lut", "palette", "colors", "colours", "color", "colour"),
         ("--cmap NAME",),

@@ -10,7 +10,7 @@ import typer
 
 from wavesplat._cli import parsers
 from wavesplat._cli.crop_options import CutOptions, chosen_clip
-from wavesplat._cli.label_options import LabelsFile, LabelTable, opened_labels
+from wavesplat._cli.label_options import LabelsFile, LabelTable, Segments, opened_labels
 from wavesplat._cli.layer_options import LayerOptions, further_layers
 from wavesplat._cli.light_options import LightOptions, chosen_shading
 from wavesplat._cli.opened_layers import Channels, opened_layers
@@ -41,6 +41,7 @@ class SceneOptions(LookOptions):
 
     labels: LabelsFile = None
     label_table: LabelTable = None
+    segment: Segments = None
     iso_value: Annotated[float | None, typer.Option(metavar="VALUE", help="Surface that first-hit shows.")] = None
     local_threshold: Annotated[
         float | None, typer.Option(metavar="VALUE", help="Least maximum that local-maximum stops at.")
@@ -146,7 +147,7 @@ def chosen_scene(
         layers = [Layer(volume, None if by_view else look)]
     scene = Scene(
         [*layers, *further_layers(layering.layer, time=reader.time or 0, quiet=quiet, suv=reader.suv)],
-        labels=opened_labels(showing.labels, showing.label_table),
+        labels=opened_labels(showing.labels, showing.label_table, showing.segment, layers[0].drawn, quiet=quiet),
         shading=shading,
         clip=chosen_clip(cuts, layers[0].drawn),
         background=showing.background or look.background or "black",

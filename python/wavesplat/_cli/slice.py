@@ -9,8 +9,9 @@ import typer
 
 from wavesplat._cli import parsers
 from wavesplat._cli.figure_options import FigureOptions, annotated, check_figure, takes_figure_options
-from wavesplat._cli.label_options import LabelsFile, LabelTable, opened_labels
+from wavesplat._cli.label_options import LabelsFile, LabelTable, Segments, opened_labels
 from wavesplat._cli.layer_options import FurtherLayers, further_layers
+from wavesplat._cli.line_options import ContoursFile, IsolinesTexts, opened_contours, opened_isolines
 from wavesplat._cli.outputs import check_outputs
 from wavesplat._cli.printing import print_notes, print_result, warnings_as_notes
 from wavesplat._cli.processing_options import ProcessingOptions, processed, takes_processing_options
@@ -97,6 +98,9 @@ def slice(
     layer: FurtherLayers = None,
     labels: LabelsFile = None,
     label_table: LabelTable = None,
+    segment: Segments = None,
+    contours: ContoursFile = None,
+    isolines: IsolinesTexts = None,
     colors: ColorOptions,
     figure: FigureOptions,
     background: Background = "black",
@@ -154,9 +158,15 @@ def slice(
     }
     with warnings_as_notes(quiet=quiet):
         further = further_layers(layer, time=reader.time or 0, quiet=quiet, suv=reader.suv)
-        scene = Scene([volume, *further], labels=opened_labels(labels, label_table))
+        # Segments may be of the contours alone.
+        own_segment = segment if labels or not contours else None
+        scene = Scene([volume, *further], labels=opened_labels(labels, label_table, own_segment, volume, quiet=quiet))
         check_uptake(scene, suv=reader.suv)
         of_plane: Any = (plane or "axial") if normal is None else (point, normal)
+        options |= {
+            "contours": opened_contours(contours, segment, quiet=quiet),
+            "isolines": opened_isolines(isolines, time=reader.time or 0, quiet=quiet),
+        }
         if is_sheet:
             bar: Any = figure.scale_bar if figure.bar_length is None else figure.bar_length
             picture = lightbox(scene, of_plane, positions, columns=columns, scale_bar=bar, **options)

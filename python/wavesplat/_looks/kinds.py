@@ -136,14 +136,16 @@ def _offset(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> floa
 
 
 def _kind(volume: Volume | WaveletVolume, values: NDArray[np.float64], alike: float) -> tuple[Kind, str]:
-    return _segmentation(values, alike) or _by_facts(volume, values) or _by_values(volume, values)
+    return _segmentation(volume, values, alike) or _by_facts(volume, values) or _by_values(volume, values)
 
 
-def _segmentation(values: NDArray[np.float64], alike: float) -> tuple[Kind, str] | None:
+def _segmentation(volume: Volume | WaveletVolume, values: NDArray[np.float64], alike: float) -> tuple[Kind, str] | None:
     n_values = np.unique(values).size
     if n_values <= 2:
         return "mask", "a mask: it has but two values"
     is_whole = bool(np.all(values == np.round(values)))
+    if volume.modality == "SEG" and is_whole:
+        return "labels", "labels: the file says SEG"
     if is_whole and values.min() >= 0 and n_values <= MAX_LABELS and alike >= MIN_ALIKE:
         return "labels", "labels: whole numbers that are the same from sample to sample, by the values"
     return None

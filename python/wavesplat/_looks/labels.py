@@ -6,8 +6,7 @@ affine says (`label_grids`); the renderer takes labels on the scan's samples.
 
 from __future__ import annotations
 
-import colorsys
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import InitVar, dataclass, field, fields
 from functools import partial
 from os import PathLike, fspath
@@ -19,6 +18,8 @@ from numpy.typing import NDArray
 from wavesplat import _native
 from wavesplat._files.patterns import matching_files
 from wavesplat._looks import colors, label_grids, label_names
+from wavesplat._looks.default_colors import label_color
+from wavesplat._looks.label_files import opened_segmentation
 from wavesplat._looks.mask_files import merged
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.convert_from import converted
@@ -27,8 +28,8 @@ from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
 from wavesplat._model.sources import Source
 from wavesplat._model.volume import Volume
+from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._public import public
-from wavesplat._readers.opening import open as open_volume
 from wavesplat.errors import ArgumentError
 
 __all__ = ["Label", "Labels"]
@@ -214,12 +215,20 @@ class Labels:
 
     @classmethod
     def open(
-        cls, path: str | PathLike[str], *, table: str | PathLike[str] | None = None, smooth: bool = True
+        cls,
+        path: str | PathLike[str],
+        *,
+        table: str | PathLike[str] | None = None,
+        segments: Iterable[str | int] | None = None,
+        scan: Volume | WaveletVolume | None = None,
+        smooth: bool = True,
     ) -> Labels:
         """A segmentation from a file that `wavesplat.open` reads, with names and colours where there are any.
 
-        They are in the segments of 3D Slicer (.seg.nrrd) and in the label tables of NIfTI files as TotalSegmentator
-        writes them. Labels without a colour get one of their own.
+        They are in DICOM segmentations (SEG), in the segments of 3D Slicer (.seg.nrrd) and in the label tables of NIfTI
+        files as TotalSegmentator writes them. Labels without a colour get one of their own.
+        The regions of a structure set of radiotherapy (RTSTRUCT), which are closed lines, are filled on the samples of
+        `scan`: voxels whose centre is inside an odd number of lines.
 
         Parameters
         ----------
@@ -229,6 +238,11 @@ class Labels:
         table : path, optional
             Names and colours instead of the file's: label descriptions of ITK-SNAP, a colour table of 3D Slicer
             (.ctbl), or a .tsv with the columns index, name and color (BIDS).
+        segments : sequence of str or int, optional
+            The labels that are shown, by name, by a pattern of names such as "rib*", or by number; all if not given.
+            Of a structure set all but the outline of the patient (EXTERNAL).
+        scan : Volume, optional
+            The volume whose samples the regions of a structure set are filled on; all other files have their own.
         smooth : bool, default True
             See `Labels`.
 
@@ -237,18 +251,25 @@ class Labels:
         FileError
             If a file cannot be read.
         ArgumentError
-            If the samples are no labels.
+            If the samples are no labels, or a segment is not there.
+
+        Warns
+        -----
+        FileWarning
+            If segments of a DICOM segmentation overlap: every voxel is of the last of them in the file; of a structure
+            set it is of the smallest. Those that `segments` leaves out hide none.
         """
+        chosen = None if segments is None else [segments] if isinstance(segments, str) else list(segments)
         files = matching_files(fspath(path))
         if files is not None and len(files) > 1:
             if table is not None:
                 raise ArgumentError(f"masks have the names of their files; leave out the table: {table}")
-            return cls._of_masks(files, smooth=smooth)
+            return cls._of_masks(files, smooth=smooth)._only(chosen, path)
         path = path if files is None else files[0]
         # The table first: it is small, and may be the wrong file.
         given = None if table is None else label_names.in_table(table)
-        segmentation = open_volume(path)
-        named = label_names.in_file(path) if given is None else given
+        segmentation, of_file = opened_segmentation(path, chosen, scan)
+        named = of_file if given is None else given
         try:
             labels = cls(segmentation, smooth=smooth)
         except ArgumentError as error:
@@ -257,7 +278,14 @@ class Labels:
         for number, (name, color) in named.items():
             if number in looks:
                 looks[number] = Label(color or looks[number].color, name=name)
-        return labels.with_looks(looks)
+        return labels.with_looks(looks)._only(chosen, path)
+
+    def _only(self, chosen: Sequence[str | int] | None, path: str | PathLike[str]) -> Labels:
+        """The labels of these names, numbers or patterns; all where none is given. `path`: for messages."""
+        if chosen is None:
+            return self
+        names = {number: look.name for number, look in self.labels.items()}
+        return self.with_looks({n: self.labels[n] for n in label_names.chosen_numbers(chosen, names, path)})
 
     @classmethod
     def _of_masks(cls, files: list[str], *, smooth: bool) -> Labels:
@@ -494,13 +522,9 @@ def _codes(samples: NDArray[Any]) -> tuple[tuple[int, ...], NDArray[Any]]:
 
 
 def _default_looks(numbers: tuple[int, ...]) -> dict[int, Label]:
-    """A colour for every label but 0: hues a golden section apart, so that neighbours differ."""
-    looks = {}
-    for place, number in enumerate(number for number in numbers if number != 0):
-        hue = (0.05 + place * 0.618_033_988_75) % 1.0
-        lightness, saturation = (0.55, 0.65) if place % 2 == 0 else (0.68, 0.5)
-        looks[number] = Label(colorsys.hls_to_rgb(hue, lightness, saturation), name=str(number))
-    return looks
+    """A colour for every label but 0."""
+    shown = [number for number in numbers if number != 0]
+    return {number: Label(label_color(place), name=str(number)) for place, number in enumerate(shown)}
 
 
 def _checked_looks(labels: Mapping[int, Label], numbers: tuple[int, ...]) -> dict[int, Label]:

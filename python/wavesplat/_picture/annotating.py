@@ -6,7 +6,6 @@ title, stand beside it on the same background, so that nothing is hidden.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from math import ceil, isfinite
@@ -304,13 +303,11 @@ def _colored(figure: Figure, report: Mapping[str, Any]) -> list[tuple[report_fac
     if figure.values is not None:
         return [(layer, figure.values) for layer in layers]
     if len(layers) == 1:
-        return [(layers[0], layers[0].values or _plain(layers[0].name))]
-    return [(layer, _plain(layer.name) + (f" ({layer.values})" if layer.values else "")) for layer in layers]
-
-
-def _plain(name: str) -> str:
-    """A file's name without the suffixes of its format."""
-    return re.sub(r"(?<=.)(\.(nii|ome))?\.[A-Za-z][A-Za-z0-9]{1,5}$", "", name)
+        return [(layers[0], layers[0].values or report_facts.plain_name(layers[0].name))]
+    return [
+        (layer, report_facts.plain_name(layer.name) + (f" ({layer.values})" if layer.values else ""))
+        for layer in layers
+    ]
 
 
 def _color_bars(
@@ -333,11 +330,13 @@ def _color_bars(
 
 def _named(figure: Figure, report: Mapping[str, Any]) -> list[tuple[str, Color | None]]:
     """Names and colours of the legend; None for a line that tells of names left out."""
-    swatches = [(_plain(name), color) for name, color in report_facts.swatches_of(report)]
+    swatches = [(report_facts.plain_name(name), color) for name, color in report_facts.swatches_of(report)]
     for name, _ in swatches:
         lettering.check_length(name, "a name in the legend")
     if not swatches:
-        raise ArgumentError("there is nothing for a legend: this picture has no labels, and not several layers")
+        raise ArgumentError(
+            "there is nothing for a legend: this picture has no labels, no lines, and not several layers"
+        )
     if figure.legend is True:
         return legend.shortened(swatches)
     if isinstance(figure.legend, str) or not isinstance(figure.legend, Iterable):

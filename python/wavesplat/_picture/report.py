@@ -47,6 +47,7 @@ FIELDS: dict[str, Field] = {
     "shown": Field(OBJECTS, "The visible layers: name, unit of values, operator, and the colours of values."),
     "labels": Field(OBJECTS, "Names and colours of the labels that show; of a slice those in it, else all."),
     "panels": Field(OBJECTS, "Of a lightbox plane, position and place on the sheet, in pixels, of each slice."),
+    "lines": Field(OBJECTS, "Names and colours of the contours and isolines that show."),
     "processing": Field(TEXTS, "What was done to the samples before, a sentence each (`Facts.processing`)."),
     "resampled": Field(TEXTS, "Names of layers that were resampled onto the first one's axes."),
     "notes": Field(TEXTS, "What a user should know, a sentence each: why nothing shows, or why the CPU drew."),

@@ -3,7 +3,7 @@
 `dicom_places` finds the files, `dicom_series` the series that is asked for. Headers are read by pydicom
 (`dicom_header`, with `dicom_attributes`), pixels by it and SimpleITK (`dicom_pixels`);
 `dicom_checks` finds impossible values, `dicom_volumes` the frames that belong together, `dicom_stack` makes slices at
-even distances of them, and `dicom_samples` values.
+even distances of them, and `dicom_samples` values. Segmentations are label maps (`dicom_segments`).
 """
 
 from __future__ import annotations
@@ -22,6 +22,7 @@ from wavesplat._files.named_files import check_within
 from wavesplat._files.reading import reading
 from wavesplat._model import affine
 from wavesplat._model.facts import Facts
+from wavesplat._readers import dicom_segments
 from wavesplat._readers.dicom_checks import check_alike, check_is_volume, mended
 from wavesplat._readers.dicom_header import Frame, Header, content_of, header_of
 from wavesplat._readers.dicom_mosaic import MOSAIC
@@ -30,7 +31,6 @@ from wavesplat._readers.dicom_pixels import frames_in, is_padding_beyond_bits
 from wavesplat._readers.dicom_places import files_below, files_of_directory, is_zip, unpacked
 from wavesplat._readers.dicom_samples import samples_of
 from wavesplat._readers.dicom_series import (
-    NAME_IMAGES,
     Unreadable,
     alike,
     chosen_series,
@@ -64,12 +64,27 @@ def read(request: Request) -> Grid:
         first = header_of(path)
         if first is None:
             files, missing = files_of_directory(path, request.within)
-            if not (files or missing):
-                raise FileError(f"the file is DICOM and holds {content_of(path)}, no image; {NAME_IMAGES}: {path}")
-            return _read_files(files, path.parent, request, missing)
+            if files or missing:
+                return _read_files(files, path.parent, request, missing)
+            content = content_of(path)
+            raise FileError(f"the file is DICOM and holds {content.what}, no image; {content.instead}: {path}")
+        if dicom_segments.is_segmentation(first):
+            return dicom_segments.read(first, request)
         if first.n_frames > 1:
             return _read_headers([first], {}, request)
         return _read_named(first, request)
+
+
+def _read_segmentation(headers: Sequence[Header], request: Request) -> Grid | None:
+    """The segmentation of a series; None if it is none. Each file is one, and files are not mixed."""
+    if not dicom_segments.is_segmentation(headers[0]):
+        return None
+    if len(headers) > 1:
+        raise FileError(
+            f"the series holds {len(headers)} segmentations; name one of the files, such as "
+            f"{headers[0].file.name}: {request.path}"
+        )
+    return dicom_segments.read(headers[0], request)
 
 
 def _read_files(files: Sequence[Path], root: Path, request: Request, missing: Sequence[Path] = ()) -> Grid:
@@ -85,7 +100,7 @@ def _read_files(files: Sequence[Path], root: Path, request: Request, missing: Se
     if unreadable:  # files in folders of other series are no slices of this one
         folders = {header.file.parent for header in headers}
         unreadable = {file: error for file, error in unreadable.items() if file.parent in folders}
-    return _read_headers(headers, unreadable, request)
+    return _read_segmentation(headers, request) or _read_headers(headers, unreadable, request)
 
 
 def _read_named(first: Header, request: Request) -> Grid:
@@ -98,6 +113,8 @@ def _read_named(first: Header, request: Request) -> Grid:
     told = ""
     if first.file in {header.file for header in headers}:
         headers, told = alike(headers, first)
+    if (labels := _read_segmentation(headers, request)) is not None:  # `series` may choose one beside the file
+        return labels
     grid = _read_headers(headers, scan.unreadable, request)
     return grid if not told else grid._replace(facts=replace(grid.facts, guesses=(*grid.facts.guesses, told)))
 
@@ -129,7 +146,7 @@ def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Re
     guesses += _guesses_of_values([header for header in headers if header.file in pixels])
     if is_placed:
         volume, n_times, times = _chosen(frames, losses, headers, request, kept)
-        stack = stacked(volume.frames, request, is_mask=first.modality == "SEG")
+        stack = stacked(volume.frames, request)
         losses += [*mends, *([volume.loss] if volume.loss else [])]
         if volume.guess:
             (losses if volume.is_by_names else guesses).append(volume.guess)

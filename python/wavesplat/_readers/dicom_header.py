@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 from wavesplat._files import size_checks
 from wavesplat._files.bounded_file import BoundedFile
 from wavesplat._readers.dicom_attributes import SEQUENCES, Value, attributes_of_frames
+from wavesplat._readers.dicom_contents import IMAGES, Content, content_by
 from wavesplat._readers.dicom_deflated import header_dataset
 from wavesplat._readers.dicom_mosaic import MOSAIC, Tiles, positions_of, tiles_of
 from wavesplat._readers.dicom_pixel_data import PixelData, check_n_frames, pixel_data_at
@@ -43,23 +44,6 @@ if TYPE_CHECKING:
 
 __all__ = ["INDEX", "Frame", "Header", "content_of", "header_of", "is_dicom"]
 
-#: Modalities of files that are no images, and what they hold.
-NO_IMAGES = {
-    "RTSTRUCT": "contours (RTSTRUCT)",
-    "RTPLAN": "a plan of a radiotherapy (RTPLAN)",
-    "PLAN": "a plan",
-    "RTRECORD": "a record of a radiotherapy (RTRECORD)",
-    "SR": "a structured report (SR)",
-    "PR": "a presentation state (PR)",
-    "KO": "a list of images (KO)",
-    "DOC": "a document",
-    "REG": "a registration (REG)",
-    "FID": "fiducials",
-    "AU": "sound",
-    "ECG": "an electrocardiogram (ECG)",
-    "HD": "waveforms (HD)",
-    "RWV": "a table of real world values (RWV)",
-}
 #: Dimensions of enhanced files that say where a frame lies, and not how it differs from others of its position.
 OF_PLACE = {0x00209057, 0x00200032, 0x00209301, 0x00209056, 0x00540080, 0x0062000B}
 #: Functional groups that are read: those with attributes, and of pixels, values, positions, orientations and segments.
@@ -86,8 +70,8 @@ class Frame:
     slope: float
     intercept: float
     stack: str = ""
-    #: Number and name of the segment that it is a mask of; 0 of frames that are none.
-    segment: tuple[int, str] = (0, "")
+    #: Number of the segment that it is a mask of; 0 of frames that are none.
+    segment: int = 0
     #: Attributes that may distinguish it from other frames of its position, by the names of `dicom_attributes`.
     attributes: Mapping[str, Value] = field(default_factory=dict)
     #: Lengths of the two directions of `orientation` in the file, of which it has unit vectors.
@@ -165,7 +149,7 @@ def header_of(file: Path) -> Header | None:
         modality = text(dataset, 0x00080060).upper()
         rows, columns = integer(dataset, 0x00280010), integer(dataset, 0x00280011)
         if rows * columns == 0:
-            if modality in NO_IMAGES or text(dataset, 0x00020002) or 0x00041220 in dataset or _is_directory(dataset):
+            if _content(dataset) is not None:
                 return None
             raise ValueError("the header has no rows and columns")
         pixel_data = pixel_data_at(content, dataset, file)
@@ -229,14 +213,16 @@ def _split(header: Header, dataset: Dataset) -> Header:
     return replace(header, size=size, n_frames=tiles.n, frames=frames, tiles=tiles, whole=header)
 
 
-def content_of(file: Path) -> str:
-    """The content of a DICOM file without an image, in words."""
+def content_of(file: Path) -> Content:
+    """The content of a DICOM file without an image."""
     with BoundedFile(file) as stream:
         dataset, _ = header_dataset(file, stream)
-    if 0x00041220 in dataset or _is_directory(dataset):
-        return "a directory of other files (DICOMDIR)"
-    modality = text(dataset, 0x00080060).upper()
-    return NO_IMAGES.get(modality, f"something else ({modality})" if modality else "something else")
+    return _content(dataset) or Content("something else", IMAGES)
+
+
+def _content(dataset: Dataset) -> Content | None:
+    sop_class = text(dataset, 0x00080016) or str(dataset.file_meta.get("MediaStorageSOPClassUID", ""))
+    return content_by(text(dataset, 0x00080060).upper(), sop_class, is_directory=0x00041220 in dataset)
 
 
 def _n_frames(dataset: Dataset, file: Path) -> int:
@@ -260,10 +246,6 @@ def _series_number(dataset: Dataset) -> int | None:
     return int(found[0]) if found and math.isfinite(found[0]) else None
 
 
-def _is_directory(dataset: Dataset) -> bool:
-    return str(dataset.file_meta.get("MediaStorageSOPClassUID", "")) == "1.2.840.10008.1.3.10"
-
-
 def _slice_step(dataset: Dataset) -> float:
     steps = [numbers(dataset, tag, 1)[0] for tag in (0x00180088, 0x00180050)]
     return next((float(step) for step in steps if np.isfinite(step) and step != 0), NONE)
@@ -285,13 +267,12 @@ def _frames(dataset: Dataset, file: Path, n_frames: int) -> Iterator[Frame]:
     instance = _instance(dataset)
     own, shared = [first_items(group, GROUPS) for group in items(dataset, 0x52009230)], _shared_groups(dataset)
     attributes = attributes_of_frames(dataset, shared, own, n_frames)
-    segments = _segments(dataset)
     said: dict[str, Any] = {}
     for index in range(n_frames):
         # Frames without groups of their own are alike but for the place along the line.
         if index < len(own) or not said:
             groups = (own[index] if index < len(own) else {}, shared)
-            said = _of_frame(dataset, groups, pointers, segments, attributes[index])
+            said = _of_frame(dataset, groups, pointers, attributes[index])
         else:
             said["attributes"] = attributes[index]
         if along is not None:
@@ -303,7 +284,6 @@ def _of_frame(
     dataset: Dataset,
     groups: Sequence[Mapping[int, Any]],
     pointers: Sequence[int],
-    segments: Mapping[int, str],
     attributes: Mapping[str, Value],
 ) -> dict[str, Any]:
     """Arguments of `Frame` from its functional groups, or else from the dataset."""
@@ -317,7 +297,6 @@ def _of_frame(
         spacing = numbers(dataset, 0x00181164, 2)
     position, orientation, lengths = _placed(groups, dataset)
     segment = _in_group(groups, 0x0062000A)
-    number = 0 if segment is None else integer(segment, 0x0062000B)
     return {
         "position": position,
         "orientation": orientation,
@@ -327,7 +306,7 @@ def _of_frame(
         "slope": _factor(groups, dataset, 0x00281053, _factor((), dataset, 0x3004000E, 1.0)),
         "intercept": _factor(groups, dataset, 0x00281052, 0.0),
         "stack": text(content, 0x00209056) if content is not None else "",
-        "segment": (number, segments.get(number, "")),
+        "segment": 0 if segment is None else integer(segment, 0x0062000B),
         "attributes": {**attributes, **dimensions} if dimensions else attributes,
     }
 
@@ -337,11 +316,6 @@ def _instance(dataset: Dataset) -> int:
         return int(float(text(dataset, 0x00200013) or 0))
     except (ValueError, OverflowError):
         return 0
-
-
-def _segments(dataset: Dataset) -> dict[int, str]:
-    """Names of the segments of a segmentation, by number."""
-    return {integer(item, 0x00620004): text(item, 0x00620005) for item in items(dataset, 0x00620002)}
 
 
 @lru_cache

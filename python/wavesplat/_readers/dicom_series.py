@@ -21,11 +21,10 @@ from wavesplat._readers.dicom_stack import N_NAMED
 from wavesplat._readers.request import Request, several
 from wavesplat.errors import ArgumentError, FileError, LimitError
 
-__all__ = ["NAME_IMAGES", "Unreadable", "alike", "chosen_series", "named", "scanned", "without_copies"]
+__all__ = ["Unreadable", "alike", "chosen_series", "named", "scanned", "without_copies"]
 
 #: Files that cannot be read, and why.
 Unreadable: TypeAlias = Mapping[Path, Exception]
-NAME_IMAGES = "name the images that it belongs to, or a folder of them"
 HOW = "by its number, its description or the start of its UID"
 #: Series that a message lists, at most.
 N_LISTED = 20
@@ -122,9 +121,10 @@ def _nothing(scan: Scan, request: Request) -> FileError:
         error.__cause__ = first
         return error
     if scan.others:
+        content = content_of(scan.others[0])
         return FileError(
-            f"the {_place(request)} holds DICOM files without images ({scan.others[0].name} holds "
-            f"{content_of(scan.others[0])}); {NAME_IMAGES}: {request.path}"
+            f"the {_place(request)} holds DICOM files without images ({scan.others[0].name} holds {content.what}); "
+            f"{content.instead}: {request.path}"
         )
     return FileError(
         f"the folder holds no DICOM series, no TIFF slices and no Zarr array; name another: {request.path}"

@@ -174,6 +174,10 @@ class Planes:
         """Offsets of the slab's planes along the normal, from the middle one: as close as a volume's samples."""
         return _offsets(volume, self.cut, self.thickness)
 
+    def step_of(self, volume: Grid) -> float:
+        """Distance along the normal from one plane of a volume's samples to the next, world units."""
+        return _sample_step(volume, self.cut.normal)
+
     def _corners(self, offsets: Array) -> Array:
         """World positions of the corners of the slab, a row each."""
         across = self.frame.pixel * self.cut.right * (self.frame.size[0] - 1)

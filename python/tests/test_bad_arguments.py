@@ -21,7 +21,7 @@ SCENE = {"what": VOLUME, "size": (4, 4)}
 CALLS = {
     "render": (ws.render, SCENE),
     "render x-ray": (ws.render, SCENE | {"composite": "x-ray"}),
-    "Scene": (ws.Scene, {"what": VOLUME}),
+    "Scene": (ws.Scene, {"layers": VOLUME}),
     "Scene.render": (ws.Scene(VOLUME).render, {"size": (4, 4)}),
     "Layer": (ws.Layer, {"volume": VOLUME}),
     "FirstHit": (ws.FirstHit, {"iso_value": 100}),

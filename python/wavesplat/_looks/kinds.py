@@ -123,7 +123,7 @@ def unit_of_values(volume: Volume | WaveletVolume) -> str:
 
 
 def offset_of(volume: Volume | WaveletVolume) -> float:
-    """What is added to the Hounsfield units of a CT, 1000 or 1024; 0 for other volumes."""
+    """The offset that seems to be added to the Hounsfield units of a CT, 1000 or 1024; 0 for other volumes."""
     if volume.modality not in (None, "CT"):
         return 0.0
     samples, _ = _looked_at(volume)

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 
 __all__ = ["safe_names"]
 
-#: What Windows, macOS or Linux do not take in a name, and what shells read: all but letters, digits and a few signs.
+#: Characters that Windows, macOS or Linux refuse in a name, or shells read: all but letters, digits and a few signs.
 UNSAFE = re.compile(r"[^\w.+()-]+")
 #: Names of devices on Windows, with any suffix.
 DEVICES = re.compile(r"(con|prn|aux|nul|com\d|lpt\d)(\..*)?$", re.IGNORECASE)

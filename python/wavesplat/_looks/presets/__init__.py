@@ -124,7 +124,7 @@ def _kinds(known: Evidence) -> tuple[str, ...]:
 
 
 def added_to_hounsfield(what: str, volume: Volume | WaveletVolume) -> float:
-    """What is added to the Hounsfield units of a volume, by which a look for them is to be moved: 0, 1000 or 1024.
+    """The offset that is added to a volume's Hounsfield units, by which looks for them must move: 0, 1000 or 1024.
 
     Warn if it is moved, and if the values do not look like Hounsfield units: by modality, or without air and tissue.
     """

@@ -103,6 +103,87 @@ def enhanced(pixels, frames, **attributes):
     return dataset
 
 
+def segmentation(masks, *, segments, kind="BINARY", step=1.5, between=1.5, whole=255, **attributes):
+    """A DICOM segmentation, its frames in the order of `masks`: (segment, slice, mask [rows, columns]) each.
+
+    segments : name and colour (CIE Lab as stored, or None) by number. between : SpacingBetweenSlices, if not None.
+    """
+    is_bit = kind == "BINARY"
+    frames = np.array([mask for _, _, mask in masks]).astype(np.uint8)
+    sop_class = "1.2.840.10008.5.1.4.1.1.66.7" if kind == "LABELMAP" else "1.2.840.10008.5.1.4.1.1.66.4"
+    dataset = base(frames, modality="SEG", sop_class=sop_class, NumberOfFrames=len(frames), SegmentationType=kind)
+    if is_bit:
+        packed = np.packbits(frames.ravel() != 0, bitorder="little").tobytes()
+        dataset.PixelData = packed + b"\0" * (len(packed) % 2)
+        dataset.BitsAllocated, dataset.BitsStored, dataset.HighBit = 1, 1, 0
+    if kind == "FRACTIONAL":
+        dataset.SegmentationFractionalType, dataset.MaximumFractionalValue = "PROBABILITY", whole
+    described = []
+    for number, (name, color) in segments.items():
+        item = {"SegmentNumber": number, "SegmentLabel": name}
+        described.append({**item, "RecommendedDisplayCIELabValue": color} if color else item)
+    dataset.SegmentSequence = sequence(*described)
+    measures = {"PixelSpacing": [0.8, 0.7], "SliceThickness": 1.5}
+    if between is not None:
+        measures["SpacingBetweenSlices"] = between
+    dataset.SharedFunctionalGroupsSequence = sequence(
+        {
+            "PixelMeasuresSequence": measures,
+            "PlaneOrientationSequence": {"ImageOrientationPatient": [1, 0, 0, 0, 1, 0]},
+        }
+    )
+    groups = []
+    for segment, place, _ in masks:
+        group = {"PlanePositionSequence": {"ImagePositionPatient": [10.0, 20.0, 30.0 + step * place]}}
+        if kind != "LABELMAP" and segment is not None:
+            group["SegmentIdentificationSequence"] = {"ReferencedSegmentNumber": segment}
+        groups.append(group)
+    dataset.PerFrameFunctionalGroupsSequence = sequence(*groups)
+    for name, value in attributes.items():
+        setattr(dataset, name, value)
+    return dataset
+
+
+def structure_set(regions, **attributes):
+    """An RTSTRUCT, for each region of its name, its colour (0..255, or None), its kind, and its lines, in LPS.
+
+    A line is a list of points, or a pair of its type and its points; usually it is CLOSED_PLANAR.
+    """
+    from pydicom.dataset import Dataset, FileMetaDataset
+    from pydicom.sequence import Sequence
+    from pydicom.uid import UID
+
+    dataset = Dataset()
+    dataset.file_meta = FileMetaDataset()
+    dataset.file_meta.TransferSyntaxUID = UID(EXPLICIT_LITTLE)
+    dataset.SOPClassUID = dataset.file_meta.MediaStorageSOPClassUID = "1.2.840.10008.5.1.4.1.1.481.3"
+    dataset.SOPInstanceUID = dataset.file_meta.MediaStorageSOPInstanceUID = "1.2.3.77.1"
+    dataset.SeriesInstanceUID, dataset.StudyInstanceUID, dataset.Modality = "1.2.3.77", "1.2.9", "RTSTRUCT"
+    rois, drawn, observed = [], [], []
+    for number, (name, color, kind, lines) in enumerate(regions, 1):
+        rois.append({"ROINumber": number, "ROIName": name})
+        observed.append({"ObservationNumber": number, "ReferencedROINumber": number, "RTROIInterpretedType": kind})
+        item = {"ReferencedROINumber": number}
+        if color is not None:
+            item["ROIDisplayColor"] = list(color)
+        contours = []
+        for line in lines:
+            what, points = line if isinstance(line, tuple) else ("CLOSED_PLANAR", line)
+            numbers = [f"{float(part):.6f}" for point in points for part in point]
+            contours.append(
+                {"ContourGeometricType": what, "NumberOfContourPoints": len(points), "ContourData": numbers}
+            )
+        region = sequence(item)[0]
+        if contours:
+            region.ContourSequence = sequence(*contours)
+        drawn.append(region)
+    dataset.StructureSetROISequence, dataset.RTROIObservationsSequence = sequence(*rois), sequence(*observed)
+    dataset.ROIContourSequence = Sequence(drawn)
+    for name, value in attributes.items():
+        setattr(dataset, name, value)
+    return dataset
+
+
 def random(n, dtype=np.uint16, size=(6, 7), most=3000):
     """A stack of n frames of random numbers."""
     return np.random.default_rng(n).integers(0, most, (n, *size)).astype(dtype)

@@ -228,7 +228,7 @@ def test_the_command_line_notes_403(store, wavesplat):
     with OddServer(store, missing=403) as server:
         address = f"{server.address}/v3.zarr"
         for options in (
-            (address, "-o", picture),
+            (address, "--embed-paths", "-o", picture),
             ("--from", picture, "--external-files", "-o", store / "b.png"),
             (address, "--memory", "50 MB", "-o", store / "c.png"),
         ):

@@ -21,7 +21,7 @@ SCENE = {"what": VOLUME, "size": (4, 4)}
 CALLS = {
     "render": (ws.render, SCENE),
     "render x-ray": (ws.render, SCENE | {"composite": "x-ray"}),
-    "Scene": (ws.Scene, {"what": VOLUME}),
+    "Scene": (ws.Scene, {"layers": VOLUME}),
     "Scene.render": (ws.Scene(VOLUME).render, {"size": (4, 4)}),
     "Layer": (ws.Layer, {"volume": VOLUME}),
     "FirstHit": (ws.FirstHit, {"iso_value": 100}),
@@ -58,6 +58,8 @@ CALLS = {
     "values": (FUNCTION, {"values": [0.0]}),
     "Shading": (ws.Shading, {}),
     "Labels": (ws.Labels, {"segmentation": np.zeros((6, 6, 6), np.uint8)}),
+    "Region": (ws.Region, {"lines": [[(0, 0, 0), (1, 0, 0), (1, 1, 0)]], "color": "red"}),
+    "Isolines": (ws.Isolines, {"volume": VOLUME, "values": [1.0]}),
     "raycast": (ws.reference.raycast, SCENE | {"step": 1}),
     "splat_literal": (ws.reference.splat_literal, SMALL),
     "splat": (ws.study.splat, SMALL),

@@ -51,7 +51,8 @@ def test_render_prints_the_path(wavesplat, ramp_file, tmp_path):
 
 def test_render_says_as_json_what_it_did(wavesplat, ramp_file, tmp_path):
     out, report = tmp_path / "a.tif", tmp_path / "report.json"
-    done = wavesplat("render", ramp_file, "-o", out, "--size", "32x24", "--json", "--report", report)
+    command = ["render", ramp_file, "-o", out, "--size", "32x24", "--json", "--report", report, "--embed-paths"]
+    done = wavesplat(*command)
     assert done.returncode == 0
     facts = json.loads(done.stdout)
     assert facts["picture"] == str(out)

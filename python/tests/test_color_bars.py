@@ -125,10 +125,27 @@ def test_legends_name_labels_and_layers():
 
 def test_many_labels_stand_in_columns():
     labels = [{"name": f"label {number}", "color": [0, 0, number / 60]} for number in range(60)]
-    figure = picture(labels=labels).annotated(legend=True)
+    figure = picture(labels=labels).annotated(legend=[label["name"] for label in labels])
     assert len(texts(figure)) == 60
     assert len({mark.x for mark in figure._canvas.marks if isinstance(mark, Text)}) > 1
     check_inside(figure)
+
+
+def test_a_legend_of_very_many_labels_is_cut():
+    labels = [{"name": f"label {number}", "color": [0, 0, number / 60]} for number in range(60)]
+    figure = picture(labels=labels).annotated(legend=True)
+    assert texts(figure) == [*(f"label {number}" for number in range(30)), "and 30 more"]
+    assert len(texts(picture(labels=labels[:30]).annotated(legend=True))) == 30
+    check_inside(figure)
+
+
+def test_a_legend_beside_a_low_picture_stays_in_proportion_fault_10():
+    """A coronal slice through twenty thick axial ones is 122 x 30 pixels."""
+    labels = [{"name": f"vertebra {number}", "color": [0, 0, number / 60]} for number in range(31)]
+    low = ws.Picture(np.ones((30, 122, 4), np.float32), report={"labels": labels})
+    width, height = low.annotated(legend=True).size
+    assert width < 122 + 300
+    assert 200 < height < 300
 
 
 def test_powers_of_ten_have_letters_that_the_typeface_has():

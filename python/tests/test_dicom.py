@@ -9,9 +9,10 @@ import pytest
 from dicom_files import base, enhanced, random, save, slice_at
 
 import wavesplat as ws
-from wavesplat._readers import dicom
+from wavesplat._readers import dicom, dicom_series
 from wavesplat._readers.dicom_header import header_of
 from wavesplat._readers.dicom_pixels import frames_in
+from wavesplat._readers.dicom_volumes import volumes_of
 from wavesplat.errors import FileError, FileWarning
 
 #: World from index of slices by `slice_at`, with LPS turned into RAS.
@@ -325,10 +326,38 @@ def test_a_damaged_slice_of_one_time_is_named(tmp_path, monkeypatch):
 
 def test_each_header_is_read_once(tmp_path, monkeypatch):
     read = []
-    monkeypatch.setattr(dicom, "header_of", lambda file: read.append(file.name) or header_of(file))
+    for module in (dicom, dicom_series):
+        monkeypatch.setattr(module, "header_of", lambda file: read.append(file.name) or header_of(file))
     folder = save(tmp_path / "ct", [slice_at(p, n) for n, p in enumerate(random(3))])
     ws.open(folder / "001.dcm")
     assert sorted(read) == ["000.dcm", "001.dcm", "002.dcm"]
+
+
+@pytest.mark.parametrize("kind", ["slices", "frames"])
+def test_headers_of_a_series_are_read_once_for_all_times_fault_15(tmp_path, monkeypatch, kind):
+    read, split = [], []
+    monkeypatch.setattr(dicom_series, "header_of", lambda file: read.append(file.name) or header_of(file))
+    monkeypatch.setattr(dicom, "volumes_of", lambda *args: split.append(1) or volumes_of(*args))
+    pixels = random(60)
+    if kind == "slices":
+        slices = [slice_at(one, n, z=1.5 * (n % 3), AcquisitionTime=f"12{n // 3:02}00") for n, one in enumerate(pixels)]
+        folder = save(tmp_path / "mr", slices)
+    else:
+        files = [enhanced(pixels[3 * t : 3 * t + 3], [(0.0,), (1.5,), (3.0,)]) for t in range(20)]
+        for t, one in enumerate(files):
+            one.SOPInstanceUID, one.AcquisitionDateTime = f"1.2.3.{t}", f"2020010112{t:02}00"
+        folder = save(tmp_path / "mr", files)
+    series = ws.open_series(folder)
+    for t, volume in enumerate(series):
+        np.testing.assert_array_equal(volume.samples, pixels[3 * t : 3 * t + 3])
+    assert len(series) == 20
+    assert (len(read), len(split)) == (60 if kind == "slices" else 20, 1), "each header once, and one split into times"
+    # What has changed meanwhile is read again.
+    changed = slice_at(pixels[0] + np.uint16(1), 0, AcquisitionTime="120000") if kind == "slices" else None
+    if changed is not None:
+        changed.save_as(folder / "000.dcm", enforce_file_format=True)
+        assert series._volumes[0].samples[0, 0, 0] == pixels[0, 0, 0] + 1
+        assert len(read) == 61
 
 
 def test_too_little_pixel_data(tmp_path):

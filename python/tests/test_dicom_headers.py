@@ -427,18 +427,25 @@ def without_image(modality, **attributes):
 
 
 @pytest.mark.parametrize(
-    ("modality", "holds"),
+    ("modality", "sop_class", "what", "instead"),
     [
-        ("RTSTRUCT", "contours"),
-        ("SR", "a structured report"),
-        ("ECG", "an electrocardiogram"),
-        ("PR", "a presentation"),
+        ("RTSTRUCT", "481.3", "a structure set", "--contours FILE, or --labels FILE"),
+        ("RTPLAN", "481.5", "a plan of a radiotherapy", "--layer DOSE"),
+        ("SR", "88.33", "a structured report", "segmentation"),
+        ("PR", "11.1", "a presentation state", "--window"),
+        ("ECG", "9.1.1", "an electrocardiogram", "waveform_array"),
+        ("SEG", "66.5", "a segmentation as surfaces", "as a segmentation of voxels"),
+        ("XYZ", "91.1", "something else \\(Microscopy Bulk Simple Annotations\\)", "name the images"),
     ],
 )
-def test_files_without_an_image_say_what_they_hold(tmp_path, modality, holds):
-    folder = save(tmp_path / "others", [without_image(modality)])
+def test_files_without_an_image_say_what_they_hold_and_what_to_name_instead(
+    tmp_path, modality, sop_class, what, instead
+):
+    dataset = without_image(modality)
+    dataset.SOPClassUID = dataset.file_meta.MediaStorageSOPClassUID = f"1.2.840.10008.5.1.4.1.1.{sop_class}"
+    folder = save(tmp_path / "others", [dataset])
     for path in (folder, folder / "000.dcm"):
-        with pytest.raises(FileError, match=f"holds {holds}.*name the images that it belongs to") as caught:
+        with pytest.raises(FileError, match=f"holds {what}.*; .*{instead}") as caught:
             ws.open(path)
         assert "damaged" not in str(caught.value)
 
@@ -463,7 +470,7 @@ def test_mosaics_are_named(tmp_path):
         for number, one in enumerate(random(3))
     ]
     folder = save(tmp_path / "mr", datasets)
-    with pytest.raises(FileError, match="each file holds a mosaic .*: the slices of a volume side by side"):
+    with pytest.raises(FileError, match="each file holds a mosaic .*, the slices of a volume side by side"):
         ws.open(folder)
     (folder / "001.dcm").unlink()
     (folder / "002.dcm").unlink()

@@ -329,31 +329,3 @@ def test_time_slots_of_a_tomogram(tmp_path):
     )
     dataset.TimeSlotVector, dataset.SliceVector = [t + 1 for t, _ in places], [z + 1 for _, z in places]
     check_volumes(save(tmp_path / "nm", [dataset]))
-
-
-def segmentation(frames):
-    """A segmentation file with a mask for each pair of segment and place."""
-    pixels = np.array([np.full((6, 7), segment, np.uint8) for segment, _ in frames])
-    dataset = enhanced(pixels, [(1.5 * z,) for _, z in frames])
-    dataset.Modality = "SEG"
-    dataset.SegmentSequence = sequence(
-        {"SegmentNumber": 1, "SegmentLabel": "liver"}, {"SegmentNumber": 2, "SegmentLabel": "spleen"}
-    )
-    for (segment, _), group in zip(frames, dataset.PerFrameFunctionalGroupsSequence, strict=True):
-        group.SegmentIdentificationSequence = sequence({"ReferencedSegmentNumber": segment})
-        del group.FrameContentSequence
-    return dataset
-
-
-def test_segments_with_masks_at_nearly_one_place(tmp_path):
-    # As slices 0.03 mm apart these would have 200 000 empty ones between them.
-    with pytest.raises(FileError, match="not evenly spaced"):
-        ws.open(save(tmp_path / "seg", [segmentation([(1, 0), (1, 0.02), (1, 4000)])]))
-
-
-def test_segments_are_volumes_and_empty_where_they_have_no_frame(wavesplat, tmp_path):
-    folder = save(tmp_path / "seg", [segmentation([(1, 0), (1, 1), (2, 1), (2, 2), (2, 5), (1, 2)])])
-    series = ws.open_series(folder)
-    assert [volume.samples[:, 0, 0].tolist() for volume in series] == [[1, 1, 1], [2, 2, 0, 0, 2]]
-    np.testing.assert_allclose(series[1].world_from_index[:3, 3], (-10, -20, 31.5))
-    assert "0 segment 1 liver, 1 segment 2 spleen" in wavesplat("info", folder).stdout

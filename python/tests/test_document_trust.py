@@ -346,12 +346,12 @@ def test_saving_says_how_it_is_opened_again(place, monkeypatch):
 def test_the_command_line_draws_again_what_lies_elsewhere(wavesplat, place):
     there = place.parent / "elsewhere" / "a.npy"
     a, b = place / "a.png", place / "b.png"
-    assert wavesplat("render", there, "-o", a, "--size", "24x20").returncode == 0
+    assert wavesplat("render", there, "-o", a, "--size", "24x20", "--embed-paths").returncode == 0
     refused = wavesplat("render", "--from", a, "-o", b)
     assert refused.returncode != 0
     assert "--external-files" in refused.stderr
     assert not b.exists()
-    done = wavesplat("render", "--from", a, "-o", b, "--external-files")
+    done = wavesplat("render", "--from", a, "-o", b, "--external-files", "--embed-paths")
     assert done.returncode == 0, done.stderr
     assert b.read_bytes() == a.read_bytes()
     # Moved beside its data, the document needs no permission.
@@ -382,7 +382,7 @@ def test_typefaces_are_named_from_the_folder(place, monkeypatch):
     shutil.copy(str(fonts[0]), place / "own.ttf")
     monkeypatch.chdir(place)
     picture = ws.render(ws.open("data/a.npy"), size=(120, 100)).annotated(title="A", font="own.ttf")
-    picture.save("a.png")
+    picture.save("a.png", embed_paths=True)
     monkeypatch.chdir(place.parent)
     document = scene_files.load(place / "a.png")
     assert document.figure["font"] == str(place / "own.ttf")

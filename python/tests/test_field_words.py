@@ -43,6 +43,10 @@ def options():
         ("render", "--fov", "write --perspective DEG"),
         ("mesh", "--fov", "write --perspective DEG with wavesplat render"),
         ("render", "--scalebar", "write --scale-bar"),
+        ("slice", "--isodose", "write --isolines FILE:VALUE,..."),
+        ("slice", "--isovalue", "write --isolines FILE:VALUE,..."),
+        ("slice", "--structures", "write --contours FILE"),
+        ("render", "--rtstruct", "write --labels FILE"),
         ("render", "--nothing-like-it", "wavesplat render --help lists the options"),
     ],
 )

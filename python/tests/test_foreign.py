@@ -312,7 +312,7 @@ def test_functions_take_what_volume_takes():
     made = ws.WaveletVolume.from_volume(image)
     np.testing.assert_allclose(made.world_from_index, volume.world_from_index)
     labels = ws.Labels(fakes.simple_itk_image((SAMPLES > 0).astype(np.uint8), LPS @ STRAIGHT))
-    labels.check_beside(volume)
+    assert labels.on_samples_of(volume) is labels
     np.testing.assert_allclose(labels.world_from_index, STRAIGHT, atol=1e-12)
 
 

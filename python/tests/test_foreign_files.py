@@ -33,7 +33,7 @@ def said(path, **options):
         ("a.pvtu", b"<VTKFile", ("an unstructured grid", "pyvista.read")),
         ("a.pvti", b"<VTKFile", ("pieces of an image", "one .vti")),
         ("a.vtm", b"<VTKFile", ("several blocks", "pyvista.read")),
-        ("a.mnc", b"x", ("MINC", "nibabel.load")),
+        ("a.mif", b"mrtrix image", ("MRtrix", "mrconvert")),
         ("a.stl", b"solid", ("a mesh", "the image that it was made from")),
         ("scan.tar", b"x", ("archive", "unpack it")),
         ("a.dat.bz2", b"x", ("packed bytes", "unpack it")),
@@ -90,7 +90,7 @@ def test_formats_on_top_of_hdf5(tmp_path):
     assert "xarray.open_dataset" in said(netcdf)
     assert "xarray.open_dataset" in said(netcdf, memory="1 MB")
     assert "xarray" in said(file("o.h5", lambda made: made["data"].attrs.update({"_Netcdf4Dimid": 0})))
-    assert "nibabel.load" in said(file("m.h5", lambda made: made.create_group("minc-2.0")))
+    assert "ends in .mnc" in said(file("m.h5", lambda made: made.create_group("minc-2.0")))
     tree = file("v.h5", lambda made: made.create_group("VTKHDF").attrs.update({"Type": np.bytes_("PolyData")}))
     assert "a mesh of surfaces" in said(tree)
 

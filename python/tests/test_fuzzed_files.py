@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import bz2
+import copy
 import gzip
 import json
 import struct
@@ -12,6 +13,8 @@ import zipfile
 import dicom_files
 import numpy as np
 import pytest
+import test_dicom_mosaic
+import test_dicom_suv
 from damage import DAMAGE, JSON_DAMAGE, ODD_NUMBERS, ODD_WORDS, PLACES, check, damaged, damaged_json, fuzz
 from hypothesis import strategies as st
 from vti_files import save_vti
@@ -98,6 +101,34 @@ def hdf5(path, **options):
         data.attrs["DIMENSION_LABELS"] = ["z", "y", "x"]
 
 
+def dicom_zip(path):
+    with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
+        for number, dataset in enumerate(slices()):
+            file = path.with_name("one.dcm")
+            dataset.save_as(file, enforce_file_format=True)
+            archive.write(file, f"STUDY/{number}")
+            file.unlink()
+
+
+def dicom_directory(path):
+    from pydicom.dataset import Dataset, FileMetaDataset
+
+    directory = Dataset()
+    directory.file_meta = FileMetaDataset()
+    directory.file_meta.TransferSyntaxUID = dicom_files.EXPLICIT_LITTLE
+    directory.file_meta.MediaStorageSOPClassUID = "1.2.840.10008.1.3.10"
+    directory.file_meta.MediaStorageSOPInstanceUID = "1.2.3"
+    names = [f"IM{number}" for number in range(3)]
+    directory.DirectoryRecordSequence = dicom_files.sequence(*({"ReferencedFileID": name} for name in names))
+    directory.save_as(path, enforce_file_format=True)
+    for name, dataset in zip(names, slices(), strict=True):
+        dataset.save_as(path.with_name(name), enforce_file_format=True)
+
+
+def slices():
+    return [dicom_files.slice_at(one, number) for number, one in enumerate(dicom_files.random(3))]
+
+
 #: File -> how it is made, bytes of its header, and whether it can be read in parts.
 KINDS = {
     "a.nii": (nifti, 352, True),
@@ -132,6 +163,8 @@ KINDS = {
     "ome.ome.tif": (lambda path: tiff(path, ome=True, metadata={"axes": "ZYX", "PhysicalSizeX": 0.5}), 1500, True),
     "a.npy": (npy, 128, True),
     "a.h5": (hdf5, None, True),
+    "a.zip": (dicom_zip, None, False),
+    "DICOMDIR": (dicom_directory, 600, False),
     "packed.h5": (lambda path: hdf5(path, chunks=(2, 5, 6), compression="gzip", fletcher32=True), None, True),
 }  # fmt: skip
 
@@ -328,11 +361,21 @@ def all_of(elements):
 
 def sources_of_dicom(folder, kind):
     if kind == "series":
-        return dicom_files.save(
-            folder, [dicom_files.slice_at(one, number) for number, one in enumerate(dicom_files.random(3))]
-        )
+        return dicom_files.save(folder, slices())
     if kind == "enhanced":
         return dicom_files.save(folder, [dicom_files.enhanced(dicom_files.random(3), [(z,) for z in (0.0, 1.5, 3.0)])])
+    if kind == "pet":
+        return test_dicom_suv.pet(folder)
+    if kind == "mosaics":
+        return dicom_files.save(folder, [test_dicom_mosaic.mosaic(test_dicom_mosaic.slices_of(t), t) for t in range(2)])
+    if kind == "segmentation":
+        masks = [(n, z, np.eye(6, 7, z)) for n in (1, 2) for z in range(3)]
+        segments = {1: ("liver", [43803, 26565, 37722]), 2: ("spleen", None)}
+        return dicom_files.save(folder, [dicom_files.segmentation(masks, segments=segments)])
+    if kind == "structures":
+        lines = [[(1, 1, z), (4, 1, z), (2, 4, z)] for z in (0, 2, 4)]
+        regions = [("liver", (200, 100, 0), "ORGAN", lines), ("body", None, "EXTERNAL", lines[:1])]
+        return dicom_files.save(folder, [dicom_files.structure_set(regions)])
     pixels = dicom_files.random(3)
     dataset = dicom_files.slice_at(pixels, 0, modality="RTDOSE", GridFrameOffsetVector=[0, 2, 4], DoseGridScaling=0.5)
     dataset.NumberOfFrames = 3
@@ -366,17 +409,34 @@ def change_element(elements, kind, place, what):
     elif kind == "twice":
         inside.append(list(element))
     elif kind == "value of":
-        element[2] = found[what % len(found)][1][2]
+        element[2] = copy.deepcopy(found[what % len(found)][1][2])  # which may have the element in it
     elif kind == "no items" and isinstance(element[2], list):
         element[2] = [[]]
 
 
-@pytest.mark.parametrize("kind", ["series", "enhanced", "dose"])
+def labels_in(file):
+    """The labels in a file, of a structure set on a scan of its own, and its lines."""
+    world_from_index = np.diag([-1.0, -1, 1, 1])
+    scan = ws.Volume(np.zeros((5, 6, 7), np.uint8), world_from_index=world_from_index, unit="mm", anatomical=True)
+    labels = ws.Labels.open(file, scan=scan)
+    return labels, ws.Region.open(file) if "structures" in file.parent.name else None
+
+
+@pytest.mark.parametrize("kind", ["series", "enhanced", "dose", "pet", "mosaics", "segmentation", "structures"])
 def test_dicom(tmp_path, capfd, kind):
+    options = {"pet": {"suv": True}, "mosaics": {"time": 1}}.get(kind, {})
     folder = sources_of_dicom(tmp_path / kind, kind)
     files = sorted(folder.iterdir())
     whole = {file: file.read_bytes() for file in files}
-    assert check(lambda: samples_in(folder), folder.name) is not None
+
+    def read(folder):
+        if kind in ("segmentation", "structures"):
+            return labels_in(folder / "000.dcm")
+        return samples_in(folder, **options)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        assert check(lambda: read(folder), folder.name) is not None
 
     def damage(which, element_changes, changes):
         file = files[which % len(files)]
@@ -386,7 +446,7 @@ def test_dicom(tmp_path, capfd, kind):
         content = whole[file][:PREAMBLE] + encoded(elements)
         file.write_bytes(damaged(content, changes, 900))
         try:
-            check(lambda: samples_in(folder), folder.name)
+            check(lambda: read(folder), folder.name)
         finally:
             file.write_bytes(whole[file])
 

@@ -70,3 +70,17 @@ def test_a_segmentation_of_another_scan_is_refused():
     other = ws.Labels(np.ones((4, 4, 4), np.uint8))
     with pytest.raises(ArgumentError, match=r"the segmentation is \(4, 4, 4\) \(z, y, x\), the scan \(9, 20, 24\)"):
         ws.slice(ws.Scene(scan(), labels=other))
+
+
+def test_a_legend_names_the_labels_of_the_slice():
+    scene = ws.Scene(scan(), labels=ws.Labels(numbers(), LOOKS))
+
+    def names(y_index):
+        place = (AFFINE @ (0, y_index, 0, 1))[0]
+        return [label["name"] for label in ws.slice(scene, "sagittal", place).report["labels"]]
+
+    assert names(5) == ["liver"]
+    assert names(9) == ["liver", "spleen"]
+    assert names(16) == ["spleen"]
+    # Where there is none, all are named.
+    assert names(1) == ["liver", "spleen"]

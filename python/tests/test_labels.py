@@ -96,12 +96,10 @@ def test_what_does_not_fit_is_refused(scan):
         ws.Labels(ones + 0.5)
     with pytest.raises(ArgumentError, match="no sample of the segmentation is 5"):
         ws.Labels(ones, {5: ws.Label("white")})
-    with pytest.raises(ArgumentError, match="resample it"):
+    with pytest.raises(ArgumentError, match="nothing says where it lies"):
         ws.render(scan, labels=ws.Labels(ones[1:]))
-    with pytest.raises(ArgumentError, match="beside the scan"):
-        ws.render(scan, labels=ws.Labels(ws.Volume(ones, spacing=(1, 1, 1))))
-    with pytest.raises(ArgumentError, match="composite"):
-        ws.render(scan, labels=ws.Labels(ones), composite="maximum")
+    with pytest.raises(ArgumentError, match=r'say composite="over" \(--composite over\)'):
+        ws.render(scan, labels=ws.Labels(ones), composite=ws.FirstHit(200))
     with pytest.raises(ArgumentError, match=r"give a wavesplat\.Labels"):
         ws.render(scan, labels=ones)
     with pytest.raises(ArgumentError, match="tint is 2"):
@@ -151,3 +149,43 @@ def test_scan_and_matter_mix_by_extinction(scan_opacity, layers):
         depths = -np.log1p(-np.array([scan_opacity, 0.9]))
     share = 0.0 if scan_opacity == 1 else depths[1] / depths.sum()
     np.testing.assert_allclose(picture, [1 - share, share, 0, 1], atol=2e-3)
+
+
+@pytest.mark.parametrize("composite", ["maximum", "mean", ws.XRay()])
+@pytest.mark.parametrize("n_layers", [1, 2])
+def test_labels_lie_over_a_projection_fault_7(scan, composite, n_layers):
+    segmentation = np.where(ball(scan, (0.5, 0.5, 0.5), 0.2), 1, 0).astype(np.uint8)
+    labels = ws.Labels(segmentation, {1: ws.Label((0, 0, 1), 1.0, name="ball")})
+    layers = [ws.Layer(scan), ws.Layer(scan.smoothed(2))][:n_layers]
+    view = {"camera": ws.Camera.view(scan, "front"), "size": (40, 40), "composite": composite}
+    plain = ws.render(ws.Scene(layers, background="black"), **view)
+    picture = ws.render(ws.Scene(layers, labels=labels, background="black"), **view)
+    rows, columns = np.indices((40, 40)) - 19.5
+    far = np.hypot(rows, columns) > 14
+    assert np.array_equal(picture.rgba[far], plain.rgba[far])
+    bluer = (picture.rgba - plain.rgba)[..., 2] - (picture.rgba - plain.rgba)[..., 0]
+    assert (bluer[16:24, 16:24] > 0.2).all()
+    # The projection shows through.
+    assert np.corrcoef(picture.rgba[16:24, 16:24, 0].ravel(), plain.rgba[16:24, 16:24, 0].ravel())[0, 1] > 0.7
+    assert [one["name"] for one in picture.report["labels"]] == ["ball"]
+    assert "labels laid over the projection, which has no depth" in picture.report["notes"]
+
+
+def test_a_pet_scan_takes_labels_without_an_operator_fault_7(tmp_path, wavesplat):
+    rng = np.random.default_rng(3)
+    samples = rng.gamma(1.0, 0.2, (30, 28, 26)).astype(np.float32)
+    mask = np.zeros(samples.shape, np.uint8)
+    mask[10:16, 10:16, 10:16] = 1
+    samples[mask > 0] += 40
+    facts = ws.Facts(modality="PT")
+    pet = ws.Volume(samples, spacing=(4, 4, 4), unit="mm", anatomical=True, facts=facts)
+    assert ws.Look.auto(pet).composite == "maximum"
+    place = {"world_from_index": pet.world_from_index, "unit": "mm", "anatomical": True}
+    picture = ws.render(pet, labels=ws.Labels(ws.Volume(mask, **place), {1: ws.Label("red", name="tumour")}))
+    assert (picture.rgba[..., 0] - picture.rgba[..., 1]).max() > 0.2
+    pet.save(tmp_path / "pet.nii.gz")
+    ws.Volume(mask, **place).save(tmp_path / "mask.nii.gz")
+    arguments = ["--labels", tmp_path / "mask.nii.gz", "--size", "40x40", "-o", tmp_path / "x.png"]
+    done = wavesplat("render", tmp_path / "pet.nii.gz", "--preset", "pet", *arguments)
+    assert done.returncode == 0, done.stderr
+    assert "note: labels laid over the projection" in done.stderr

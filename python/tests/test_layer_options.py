@@ -233,4 +233,4 @@ def test_presets_of_layers_have_values_of_their_own(wavesplat, tmp_path):
     done = wavesplat("render", tmp_path / "a.npy", "-o", tmp_path / "a.png", "--layer", f"{tmp_path}/a.npy:ct-bone:1,2")
     assert "the preset 'ct-bone' has values of its own, so leave out the window" in done.stderr
     done = wavesplat("render", tmp_path / "a.npy", "-o", tmp_path / "a.png", "--layer", f"{tmp_path}/a.npy:hotter")
-    assert "LOOK is a preset, a colour or a colour map" in done.stderr
+    assert "the look of a layer is a preset, a colour or a colour map" in done.stderr

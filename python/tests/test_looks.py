@@ -47,6 +47,7 @@ CASES = {
     "MR": (np.abs(noise(5) + 120 * BALL).astype(np.int16), PATIENT),
     "PET": (pet(), PATIENT),
     "PET that says so": ((100 * BALL + np.abs(noise(9))).astype(np.uint16), ws.Facts(modality="PT")),
+    "dose": ((70 * np.exp(-3 * (X**2 + Y**2 + Z**2))).astype(np.float32), ws.Facts(modality="RTDOSE", value_unit="Gy")),
     "ultrasound": ((90 * BALL + np.abs(noise(30))).astype(np.uint8), ws.Facts(modality="US")),
     "fluorescence": (spots().astype(np.uint16), ws.Facts(unit="um")),
     "EM": (np.clip(170 + noise(25), 0, 255).astype(np.uint8), ws.Facts(unit="nm")),
@@ -74,7 +75,7 @@ def test_the_kind_of_data_is_told_and_the_picture_is_bright(name):
     words = {"signed field": "two signs", "field": "floating-point", "EM": "dense", "scan": "no fixed scale"}
     assert words.get(kind, kind) in picture.report["look"]["reason"]
     luminance = picture.rgba[..., :3] @ LUMINANCE
-    assert luminance.max() > 0.7
+    assert luminance.max() > (0.5 if kind == "dose" else 0.7)  # the hottest doses are red, which is darker than white
     assert (picture.rgba[..., 3] > 0.05).mean() > 0.02
 
 
@@ -105,6 +106,31 @@ def test_bone_shows_through_soft_tissue():
     beside = seen.rgba[48, 76, :3]  # beyond the rod, whose faces to the sides are seen beside it
     assert beside @ LUMINANCE < 0.6 * (seen.rgba[48, 48, :3] @ LUMINANCE)
     assert beside[0] > 0.02
+
+
+def test_a_dose_is_told_from_mr_and_shown_in_its_colours_fault_14():
+    dose = volume("dose")
+    look = ws.Look.auto(dose)
+    assert look.reason == "dose map: the file says RTDOSE"
+    values = np.array([5.0, 20.0, 45.0, 68.0])  # Gy, the largest is 70
+    red, green, blue, alpha = look.transfer_function(values).T
+    assert alpha[0] == 0
+    assert (np.diff(alpha) > 0).all()
+    assert blue[1] > red[1]  # cold
+    assert red[3] > 2 * max(green[3], blue[3])  # hot
+    assert first_picture(dose).report["shown"][0]["values"] == "Gy"
+
+
+@pytest.mark.parametrize(("name", "n"), [("CT", 2), ("CT that says so", 4), ("MR", 3), ("ultrasound", 2), ("scan", 4)])
+def test_a_few_slices_are_not_dark_fault_17(name, n):
+    samples, facts = CASES[name]
+    flat = ws.Volume(samples[20 : 20 + n], spacing=(1, 1, 5), facts=facts)
+    picture = first_picture(flat)
+    assert f"{n} slices in greys" in picture.report["look"]["reason"]
+    luminance = 255 * (picture.rgba[..., :3] @ LUMINANCE)[picture.rgba[..., 3] > 0.5]
+    assert np.percentile(luminance, 99) > 200
+    # More slices have the look of their kind.
+    assert "greys" not in ws.Look.auto(ws.Volume(samples[20:30], facts=facts)).reason
 
 
 def test_a_field_with_two_signs_shows_both():

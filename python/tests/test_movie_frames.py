@@ -156,6 +156,14 @@ def test_looks_of_several_layers():
         timeline(ws.KeyFrame(0, look=[SOFT]), scene=scene)
 
 
+def test_key_frames_clear_the_looks_of_further_layers():
+    scene = ws.Scene([ws.Layer(VOLUME, SOFT), ws.Layer(VOLUME, "grey")])
+    frames = timeline(ws.KeyFrame(0, look=[SOFT, "pet"]), ws.KeyFrame(1, look=[SOFT, "pet-hot-iron"]), scene=scene)
+    for number in (0, 10):
+        function = frames[number].scene.layers[1].look.transfer_function
+        assert function(VOLUME.value_range)[:, 3].tolist() == [0, 1]
+
+
 @pytest.mark.parametrize(
     ("keys", "message"),
     [

@@ -7,7 +7,7 @@ import warnings
 import pages
 import pytest
 
-PAGES = ["gpu.md", "report.md", "movies.md", "channels_and_time.md", "scenes.md"]
+PAGES = ["dicom.md", "gpu.md", "report.md", "movies.md", "channels_and_time.md", "scenes.md", "radiotherapy.md"]
 
 
 @pytest.mark.parametrize("name", PAGES)

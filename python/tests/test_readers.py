@@ -260,7 +260,7 @@ def test_dicom_gaps_are_named_where_they_are_refused(tmp_path, oblique):
 def test_dicom_several_series(tmp_path, oblique):
     folder = save_dicom(tmp_path / "ct", oblique.samples, oblique.lps_from_index, series="1.2.3")
     save_dicom(folder, oblique.samples + 5, oblique.lps_from_index, series="1.2.4", first=10)
-    with pytest.raises(FileError, match=r"2 series.*--series.*1.2.3 \(5 files\), 1.2.4 \(5 files\)"):
+    with pytest.raises(FileError, match=r"2 series.*--series.*1.2.3 \(5 files\), CT 1.2.4 \(5 files\)"):
         ws.open(folder)
     check(ws.open(folder, series="1.2.4"), oblique.samples + np.int16(5), oblique.world_from_index)
     with pytest.raises(ArgumentError, match="no series '1.2.5'"):

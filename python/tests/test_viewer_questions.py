@@ -58,6 +58,19 @@ def test_a_probe_beyond_whole_numbers_lies_outside(pelvis, far):
     assert told["values"] == [None]
 
 
+def test_a_probe_names_labels_on_other_axes_fault_3():
+    numbers = np.zeros((8, 9, 10), np.uint8)
+    numbers[2, 3, 4] = 7
+    place = {"spacing": (1, 1, 1), "unit": "mm"}
+    scan = ws.Volume(np.arange(720, dtype=np.float32).reshape(8, 9, 10), **place)
+    flipped = np.diag([1.0, -1, 1, 1])
+    flipped[1, 3] = 8
+    segmentation = ws.Volume(np.ascontiguousarray(numbers[:, ::-1]), world_from_index=flipped, unit="mm")
+    state = ViewerState.of(ws.Scene(scan, labels=ws.Labels(segmentation, {7: ws.Label("red", name="core")})))
+    assert questions.answer(state, "probe", {"point": [4, 3, 2]})[0]["label"] == {"number": 7, "name": "core"}
+    assert questions.answer(state, "probe", {"point": [4, 5, 2]})[0]["label"] is None
+
+
 def test_a_probe_names_the_label():
     scan = viewer_fakes.ball(12)
     numbers = (scan.samples > 100).astype(np.uint8) * 7

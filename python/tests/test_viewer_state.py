@@ -121,6 +121,17 @@ def test_volumes_stay_whatever_a_page_says(state):
             state.patched(operations)
 
 
+def test_a_hidden_layer_has_the_look_that_it_is_shown_with():
+    scan = viewer_fakes.ball(12)
+    pet = ws.Volume(np.random.default_rng(1).gamma(0.5, 1, (12, 12, 12)), facts=ws.Facts(modality="PT"), name="pet")
+    looks = [
+        ViewerState.of(ws.Scene([scan, ws.Layer(pet, visible=visible)])).document["layers"][1]["look"]
+        for visible in (True, False)
+    ]
+    assert looks[0]["transfer_function"] == looks[1]["transfer_function"]
+    assert looks[1]["composite"] == "over"
+
+
 def test_labels_change_their_looks_and_keep_their_numbers():
     scan = viewer_fakes.ball(12)
     labels = ws.Labels((scan.samples > 100).astype(np.uint8), {1: ws.Label("red", name="core")})

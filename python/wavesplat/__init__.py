@@ -26,10 +26,12 @@ if TYPE_CHECKING:
     from wavesplat._looks.largest_body import largest_body
     from wavesplat._looks.look import Look
     from wavesplat._looks.materials import Material, Materials
+    from wavesplat._looks.regions import Region
     from wavesplat._looks.shading import Light, Shading
     from wavesplat._looks.transfer_function import TransferFunction
     from wavesplat._looks.transfer_function_2d import TransferFunction2D
-    from wavesplat._mesh.meshing import Mesh, mesh
+    from wavesplat._mesh.meshing import mesh
+    from wavesplat._mesh.triangle_mesh import Mesh, Meshes
     from wavesplat._model.camera import Camera
     from wavesplat._model.clips import ClipPlane, CutOut
     from wavesplat._model.composites import DepthShadedMaximum, FirstHit, LocalMaximum, XRay
@@ -50,9 +52,11 @@ if TYPE_CHECKING:
     from wavesplat._readers.opening import open
     from wavesplat._readers.options import OpenOptions
     from wavesplat._readers.time_points import open_series
+    from wavesplat._render.isolines import Isolines
     from wavesplat._render.options import RenderOptions
     from wavesplat._scene.cost import Cost, plan
     from wavesplat._scene.layer import Layer
+    from wavesplat._scene.lightbox import lightbox
     from wavesplat._scene.opening import open_scene
     from wavesplat._scene.progressive import progressive
     from wavesplat._scene.rendering import render
@@ -70,6 +74,7 @@ __all__ = [
     "DepthShadedMaximum",
     "Facts",
     "FirstHit",
+    "Isolines",
     "KeyFrame",
     "Label",
     "Labels",
@@ -81,8 +86,10 @@ __all__ = [
     "Material",
     "Materials",
     "Mesh",
+    "Meshes",
     "OpenOptions",
     "Picture",
+    "Region",
     "RenderOptions",
     "Report",
     "Sampling",
@@ -101,6 +108,7 @@ __all__ = [
     "examples",
     "gpu",
     "largest_body",
+    "lightbox",
     "mesh",
     "movie",
     "open",
@@ -127,6 +135,7 @@ _HOMES = {
     "DepthShadedMaximum": "_model.composites",
     "Facts": "_model.facts",
     "FirstHit": "_model.composites",
+    "Isolines": "_render.isolines",
     "KeyFrame": "_movie.key_frame",
     "Label": "_looks.labels",
     "Labels": "_looks.labels",
@@ -137,9 +146,11 @@ _HOMES = {
     "Look": "_looks.look",
     "Material": "_looks.materials",
     "Materials": "_looks.materials",
-    "Mesh": "_mesh.meshing",
+    "Mesh": "_mesh.triangle_mesh",
+    "Meshes": "_mesh.triangle_mesh",
     "OpenOptions": "_readers.options",
     "Picture": "_picture.picture",
+    "Region": "_looks.regions",
     "RenderOptions": "_render.options",
     "Report": "_picture.report",
     "Sampling": "_model.sampling",
@@ -155,6 +166,7 @@ _HOMES = {
     "XRay": "_model.composites",
     "__version__": "_native",
     "largest_body": "_looks.largest_body",
+    "lightbox": "_scene.lightbox",
     "mesh": "_mesh.meshing",
     "movie": "_movie.movie",
     "open": "_readers.opening",

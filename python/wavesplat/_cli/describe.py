@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wavesplat._looks.kinds import unit_of_values
 from wavesplat._model.lazy_changes import comparing_once
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.thinning import HISTOGRAM_SAMPLES, step_for
@@ -25,6 +26,7 @@ N_SAMPLES_MAX = 10_000_000
 #: Names of facts that are reported unchanged.
 OF_FILE = (
     "modality",
+    "value_unit",
     "channel",
     "channels",
     "n_times",
@@ -57,13 +59,19 @@ class Choice:
 
     def lines(self) -> list[str]:
         """The choice as lines of text."""
-        plural = self.option if self.option == "series" else f"{self.option}s"
         described = self._described()
-        text = ", ".join(described[:N_LISTED]) + (", ..." if len(described) > N_LISTED else "")
         first = self.names[0]
-        lines = [f"{plural:<12} {len(self.names)}, choose with --{self.option}: {text}"]
+        if self.option == "series":
+            lines = [
+                f"series       {len(self.names)}, choose with --series, by number, description or start of the UID:"
+            ]
+            lines += [f"{'':<12} {one}" for one in described]
+        else:
+            text = ", ".join(described[:N_LISTED]) + (", ..." if len(described) > N_LISTED else "")
+            lines = [f"{f'{self.option}s':<12} {len(self.names)}, choose with --{self.option}: {text}"]
         if self.problem is None:
-            return [*lines, f"{'':<12} below is --{self.option} {first}"]
+            below = "the first of them" if self.option == "series" else f"--{self.option} {first}"
+            return [*lines, f"{'':<12} below is {below}"]
         return [*lines, f"{'':<12} the first cannot be shown: {self.problem}"]
 
     def _described(self) -> tuple[str, ...]:
@@ -86,6 +94,7 @@ def _described(volume: Volume) -> dict[str, Any]:
         told: dict[str, Any] = {"value_range": None, "percentiles": {}, "n_nonfinite": None, "is_from_cache": False}
     else:
         told = {"value_range": list(volume.value_range), "percentiles": _percentiles(volume)}
+        told["value_unit"] = unit_of_values(volume) or None
         told["n_nonfinite"] = volume.n_nonfinite
         told["is_from_cache"] = isinstance(volume, LazyVolume) and volume.is_from_cache
     return {
@@ -139,7 +148,7 @@ def wavelet_lines(facts: dict[str, Any]) -> list[str]:
         f"memory       {size}",
         *_place_lines(facts),
         *_processing_lines(facts),
-        f"values       {low:g} to {high:g}",
+        f"values       {low:g} to {high:g}{_unit_text(facts)}",
     ]
     if "psnr_db" in facts:
         psnr = "no error at all" if facts["psnr_db"] is None else f"PSNR {facts['psnr_db']:.2f} dB"
@@ -171,7 +180,7 @@ def lines(facts: dict[str, Any]) -> list[str]:
         values = ["values       not looked through yet; the first picture does that, and keeps what it finds"]
     else:
         low, high = facts["value_range"]
-        values = [f"values       {low:g} to {high:g}", f"percentiles  {percentiles}"]
+        values = [f"values       {low:g} to {high:g}{_unit_text(facts)}", f"percentiles  {percentiles}"]
         values.append(f"not finite   {facts['n_nonfinite']} samples")
         if facts["is_from_cache"]:
             values.append("             from the cache")
@@ -184,6 +193,10 @@ def lines(facts: dict[str, Any]) -> list[str]:
         *(f"guess        {text}" for text in facts["guesses"]),
         *_processing_lines(facts),
     ]
+
+
+def _unit_text(facts: dict[str, Any]) -> str:
+    return f" {facts['value_unit']}" if facts["value_unit"] else ""
 
 
 def _processing_lines(facts: dict[str, Any]) -> list[str]:

@@ -18,7 +18,19 @@ __all__ = ["draw_from"]
 
 #: Parameters that may be given with `--from`: where the picture goes, which files may be read, and those that do not
 #: change what is drawn.
-BESIDE = {"context", "again", "output", "bits", "threads", "device", "report", "json", "quiet", "external_files"}
+BESIDE = {
+    "context",
+    "again",
+    "output",
+    "bits",
+    "threads",
+    "device",
+    "report",
+    "json",
+    "quiet",
+    "external_files",
+    "embed_paths",
+}
 
 
 def draw_from(
@@ -31,6 +43,7 @@ def draw_from(
     threads: int | None,
     device: str,
     external_files: bool,
+    embed_paths: bool,
     report: Path | None,
     json: bool,
     quiet: bool,
@@ -59,10 +72,10 @@ def draw_from(
         print_notes(picture)
     if document.figure and figure == FigureOptions():
         picture = picture.annotated(**document.figure)
-    annotated(picture, figure, quiet=quiet).save(output, bits=bits, dpi=figure.dpi)
+    annotated(picture, figure, quiet=quiet).save(output, bits=bits, dpi=figure.dpi, embed_paths=embed_paths)
     facts = {"picture": str(output), "size": list(picture.size), "input": str(path), "report": picture.report}
     if report is not None:
-        write_report(report, facts)
+        write_report(report, facts, embed_paths=embed_paths)
     print_result(facts, output, as_json=json, written=output)
 
 

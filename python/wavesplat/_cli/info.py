@@ -22,7 +22,7 @@ __all__ = ["info"]
 @takes_reader_options
 def info(input: Input, *, reader: ReaderOptions, json: Json = False) -> None:
     """Say what a file holds: what there is to choose, and size, spacing, unit, orientation, values of a volume."""
-    from wavesplat._cli import describe
+    from wavesplat._cli import describe, label_counts
     from wavesplat._model.wavelet_volume import WaveletVolume
 
     choices, volume = _first(input, reader, [])
@@ -35,8 +35,21 @@ def info(input: Input, *, reader: ReaderOptions, json: Json = False) -> None:
         text += describe.wavelet_lines(facts)
     else:
         facts |= describe.describe(volume)
-        text += describe.lines(facts)
+        facts["labels"] = _labels_of(input, volume) if reader.channel is None else []
+        text += [*describe.lines(facts), *label_counts.lines(facts["labels"])]
     print_result(facts, "\n".join(text), as_json=json)
+
+
+def _labels_of(input: str, volume: Volume) -> list[dict[str, Any]]:
+    """The labels that a file names; none of an address, and of scans, whose headers need not be read again."""
+    from wavesplat._cli import label_counts
+    from wavesplat._files.addresses import is_address
+    from wavesplat._looks import label_names
+
+    if is_address(input) or volume.modality not in (None, "SEG"):
+        return []
+    named = label_names.in_file(input)
+    return label_counts.counted(volume, named) if named else []
 
 
 def _first(

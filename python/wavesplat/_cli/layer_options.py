@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
@@ -19,8 +20,7 @@ from wavesplat._files.addresses import is_address
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from wavesplat._looks.look import Look
-    from wavesplat._model.volume import Volume
+    from wavesplat._model.series import Series
     from wavesplat._scene.layer import Layer
 
 __all__ = [
@@ -32,6 +32,7 @@ __all__ = [
     "channel_of",
     "further_layers",
     "layer_of",
+    "named_file",
     "names_of_pictures",
     "takes_layer_options",
     "times_of",
@@ -49,8 +50,8 @@ FurtherLayers = Annotated[
     list[str] | None,
     typer.Option(
         metavar=LAYER,
-        help="Another volume in the same picture, such as pet.nii.gz:hot:2,8. LOOK: a colour map, a colour or a "
-        "preset; may be repeated.",
+        help="Another volume in the same picture, such as pet.nii.gz:hot:2,8, clear up to LOW. LOOK: a colour map, a "
+        "colour or a preset; may be repeated.",
     ),
 ]
 
@@ -151,64 +152,65 @@ def layer_of(text: str) -> LayerText:
     rest, window = _without_window(text, f"--layer is {LAYER}")
     if Path(text).exists():  # the file's own name ends like a window
         return LayerText(text, None, None)
-    parts = rest.split(":")
+    path, look = named_file(rest, "--layer", LAYER, "pet.nii.gz:hot:2,8")
+    return LayerText(path, look or None, window)
+
+
+def named_file(text: str, option: str, syntax: str, example: str) -> tuple[str, str]:
+    """The file that the longest beginning of an option's text names, and what follows behind a colon.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no such file.
+    """
+    parts = text.split(":")
     for count in range(len(parts), 0, -1):
-        path, look = ":".join(parts[:count]), ":".join(parts[count:])
+        path, rest = ":".join(parts[:count]), ":".join(parts[count:])
         # Whether a URL exists is not known: after its last slash, what follows a colon is the look.
         is_whole = "/" in parts[count - 1] if is_address(path) else Path(path).expanduser().exists()
         if is_whole:
-            return LayerText(path, look or None, window)
-    raise ArgumentError(
-        f"--layer {text!r} begins with no file that is there; it is {LAYER}, such as pet.nii.gz:hot:2,8"
-    )
+            return path, rest
+    raise ArgumentError(f"{option} {text!r} begins with no file that is there; it is {syntax}, such as {example}")
 
 
-def further_layers(texts: Sequence[str] | None, *, time: int, quiet: bool) -> list[Layer]:
-    """The volumes of `--layer`, with their looks. `time`: the time point of volumes that have several."""
-    from wavesplat._looks.over_time import brightest
+def further_layers(texts: Sequence[str] | None, *, time: int, quiet: bool, suv: bool = False) -> list[Layer]:
+    """The volumes of `--layer`, with their looks.
+
+    time : the time point of volumes that have several. suv : PET in SUV.
+    """
+    from wavesplat._cli.printing import warnings_as_notes
+    from wavesplat._cli.uptake import in_uptake
     from wavesplat._readers.request import SeveralError
-    from wavesplat._readers.time_points import open_series
     from wavesplat._scene.layer import Layer
     from wavesplat._scene.opening import open_scene
 
     layers: list[Layer] = []
     for said in [layer_of(text) for text in texts or ()]:
         try:
-            series = open_series(said.path)
-            series[0]
+            open_it = partial(_opened, said.path)
+            series = in_uptake(open_it, lambda one: one[0].modality, suv=suv, is_alone=False)
         except SeveralError as error:
             if error.option != "channel" or not error.is_said or said.look is not None or said.window is not None:
                 raise
             layers += open_scene(said.path, time=time).layers
             continue
         has_many = len(series) > 1
-        look = _look(brightest(series), said, quiet=quiet)
-        layers.append(Layer(series if has_many else series[0], look, time=time if has_many else 0))
+        volume = series if has_many else series[0]
+        with warnings_as_notes(quiet=quiet):
+            try:
+                layers.append(Layer.overlay(volume, said.look, said.window, time=time if has_many else 0))
+            except ArgumentError as error:
+                raise ArgumentError(f"--layer is {LAYER}: {error}") from None
     return layers
 
 
-def _look(volume: Volume, said: LayerText, *, quiet: bool) -> Look | None:
-    """The look of a `--layer`: a preset if it has no window, else a colour or a colour map; grey if none is named."""
-    from wavesplat._cli.printing import warnings_as_notes
-    from wavesplat._looks import colors, presets
-    from wavesplat._looks.look import Look
-    from wavesplat._looks.transfer_function import TransferFunction
+def _opened(path: str, suv: bool) -> Series:
+    from wavesplat._readers.time_points import open_series
 
-    name, window = said.look or "gray", said.window
-    is_preset = presets.plain(name) in {presets.plain(one) for one in (*presets.names(), "auto")}
-    if window is None and (said.look is None or name == "auto"):
-        return None
-    with warnings_as_notes(quiet=quiet):
-        if window is None and is_preset:
-            return Look.preset(name, volume)
-        if name.startswith("#") or (name in colors.NAMES and name not in ("grey", "gray", "black")):
-            return Look.channel(volume, name, window)
-        try:
-            function = TransferFunction.from_colormap(name, volume, clim=window, opacity="linear")
-        except ArgumentError as error:
-            has_values = f"the preset {name!r} has values of its own, so leave out the window" if is_preset else error
-            raise ArgumentError(f"--layer, whose LOOK is a preset, a colour or a colour map: {has_values}") from None
-    return Look(transfer_function=function, shading=None, name=name)
+    series = open_series(path, suv=suv)
+    series[0]
+    return series
 
 
 # Times

@@ -21,8 +21,16 @@ WORDS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("blend", "blend-mode", "mode", "ray-function"), ("--composite NAME",)),
     **dict.fromkeys(
         ("iso", "isovalue", "isosurface", "iso-surface", "surface", "contour", "value"),
-        ("--composite isosurface --iso-value VALUE", "--iso-value VALUE"),
+        ("--composite isosurface --iso-value VALUE", "--iso-value VALUE", "--isolines FILE:VALUE,..."),
     ),
+    **dict.fromkeys(
+        ("isodose", "isodoses", "isoline", "isocontour", "isocontours", "contour-values", "dose"),
+        ("--isolines FILE:VALUE,...",),
+    ),
+    **dict.fromkeys(
+        ("rtstruct", "structures", "structure-set", "outline", "outlines", "rois"), ("--contours FILE", "--labels FILE")
+    ),
+    **dict.fromkeys(("segments", "label-names"), ("--segment NAME",)),
     **dict.fromkeys(
         ("colormap", "colourmap", "color-map", "colour-map", "lut", "palette", "colors", "colours", "color", "colour"),
         ("--cmap NAME",),
@@ -80,6 +88,8 @@ WORDS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("out", "out-file", "outfile", "save", "save-as", "output-dir", "outdir"), ("-o OUT",)),
     **dict.fromkeys(("silent",), ("--quiet",)),
     **dict.fromkeys(("slice", "slice-index", "z"), ("--position MM",)),
+    **dict.fromkeys(("slices", "lightbox", "montage", "mosaic", "n-slices"), ("--positions START:STOP:STEP",)),
+    **dict.fromkeys(("ortho", "orthogonal", "planes", "three-planes", "mpr"), ("--plane all",)),
     **dict.fromkeys(("thick", "slab-thickness"), ("--thickness MM",)),
 }
 #: Least similarity, 0..1 (`difflib`), from which a name counts as a misspelt option.

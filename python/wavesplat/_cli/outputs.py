@@ -31,8 +31,13 @@ def check_outputs(input: str, output: Path, kind: Kind, report: Path | None = No
             raise ArgumentError(f"{owner} and {name} are the same file, which would be lost; change a name: {path}")
 
 
-def write_report(path: Path, facts: dict[str, Any]) -> None:
-    """Write the facts about a result to a JSON file."""
+def write_report(path: Path, facts: dict[str, Any], *, embed_paths: bool) -> None:
+    """Write the facts about a result to a JSON file, with paths or with names of files alone."""
     from wavesplat._files.output import write_atomically
+    from wavesplat._model.private_names import without_folders
 
+    if not embed_paths:
+        # So that `picture` and `input` are treated as the paths in the scene are.
+        named = without_folders({name: {"path": facts[name]} for name in ("picture", "input") if name in facts})
+        facts = {**without_folders(facts), **{name: one["path"] for name, one in named.items()}}
     write_atomically(path, lambda part: part.write_text(json_text(facts) + "\n", encoding="utf-8"))

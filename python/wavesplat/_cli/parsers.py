@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from math import floor
 from typing import Any
 
 import typer
@@ -17,12 +18,16 @@ __all__ = [
     "numbers",
     "one_of",
     "opacity",
+    "positions",
     "refuse_pairs",
     "size",
     "weights",
     "whole_numbers",
     "window",
 ]
+
+#: Slices on one sheet, at most.
+MAX_POSITIONS = 400
 
 
 def choice(names: Sequence[str]) -> Any:
@@ -71,6 +76,24 @@ def numbers(count: int, example: str) -> Callable[[str], tuple[float, ...]]:
         return parsed
 
     return parse
+
+
+def positions(text: str) -> int | tuple[float, ...]:
+    """Positions of "10:80:10" (start, stop, step; the stop is the last), of "10,20,35", or their number, "12"."""
+    try:
+        if ":" not in text:
+            listed = tuple(float(part) for part in text.split(","))
+            return int(text) if len(listed) == 1 and text.strip().isdecimal() else listed
+        start, stop, step = (float(part) for part in text.split(":"))
+        n = floor((stop - start) / step * (1 + 1e-9) + 1e-9) + 1
+    except (ValueError, ZeroDivisionError, OverflowError):
+        n = 0
+    if not 1 <= n <= MAX_POSITIONS:
+        raise typer.BadParameter(
+            f"{text!r} is not START:STOP:STEP, such as 10:80:10, not numbers with commas between, and not a number of "
+            "slices, such as 12"
+        )
+    return tuple(start + number * step for number in range(n))
 
 
 def whole_numbers(text: str) -> tuple[int, ...]:

@@ -42,7 +42,8 @@ class ReaderOptions:
     """Options of reading INPUT; the fields are the arguments of `wavesplat.open`."""
 
     series: Annotated[
-        str | None, typer.Option(metavar="UID", help="DICOM: which series, if the folder holds several.")
+        str | None,
+        typer.Option(metavar="WHICH", help="DICOM: which series, by number, description or start of the UID."),
     ] = None
     time: Annotated[
         int | None,
@@ -78,6 +79,9 @@ class ReaderOptions:
             help="DICOM: fill in slices that are missing, or refuse the series.",
         ),
     ] = "fill"
+    suv: Annotated[
+        bool, typer.Option("--suv", help="DICOM PET: values as SUV by body weight, corrected for decay.")
+    ] = False
     external_files: Annotated[
         bool, typer.Option("--external-files", help="Read files elsewhere that a trusted file or document names.")
     ] = False

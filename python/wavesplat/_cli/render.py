@@ -69,6 +69,12 @@ def render(
     embed_scene: Annotated[
         bool, typer.Option("--embed-scene/--no-embed-scene", help="Write the scene into a PNG file, for --from.")
     ] = True,
+    embed_paths: Annotated[
+        bool,
+        typer.Option(
+            "--embed-paths/--no-embed-paths", help="Write folders too into PNG files and reports, not names alone."
+        ),
+    ] = False,
     report: Annotated[Path | None, typer.Option(metavar="FILE.json", help="Write how the picture was made.")] = None,
     reader: ReaderOptions,
     processing: ProcessingOptions,
@@ -79,6 +85,7 @@ def render(
     if again is not None:
         how: Any = {"figure": figure, "bits": bits, "report": report, "json": json, "quiet": quiet}
         how |= {"threads": sampling.threads, "device": sampling.device, "external_files": reader.external_files}
+        how["embed_paths"] = embed_paths
         draw_from(context, again, output, **how)
         return
     if input is None:
@@ -110,6 +117,7 @@ def render(
         figure=figure,
         bits=bits,
         embed_scene=embed_scene,
+        embed_paths=embed_paths,
         quiet=quiet,
         size=size,
         composite=operator,
@@ -117,7 +125,7 @@ def render(
     )
     facts = made[0] if layering.times is None else {"pictures": made}
     if report is not None:
-        write_report(report, facts)
+        write_report(report, facts, embed_paths=embed_paths)
     print_result(facts, "\n".join(str(path) for _, path in pictures), as_json=json, written=pictures[-1][1])
 
 
@@ -143,6 +151,7 @@ def _drawn_all(
     figure: FigureOptions,
     bits: int,
     embed_scene: bool,
+    embed_paths: bool,
     quiet: bool,
     **options: Any,
 ) -> list[dict[str, Any]]:
@@ -153,7 +162,7 @@ def _drawn_all(
         if not quiet:
             print_notes(picture)
         picture = annotated(picture, figure, quiet=quiet)
-        picture.save(path, bits=bits, dpi=figure.dpi, scene=embed_scene)
+        picture.save(path, bits=bits, dpi=figure.dpi, scene=embed_scene, embed_paths=embed_paths)
         made.append({"picture": str(path), "size": list(picture.size), "input": input, "report": picture.report})
     return made
 

@@ -10,7 +10,7 @@ import typer
 
 from wavesplat._cli import parsers
 from wavesplat._cli.crop_options import CutOptions, chosen_clip
-from wavesplat._cli.label_options import LabelsFile, LabelTable, opened_labels
+from wavesplat._cli.label_options import LabelsFile, LabelTable, Segments, opened_labels
 from wavesplat._cli.layer_options import LayerOptions, further_layers
 from wavesplat._cli.light_options import LightOptions, chosen_shading
 from wavesplat._cli.opened_layers import Channels, opened_layers
@@ -20,12 +20,14 @@ from wavesplat._cli.processing_options import ProcessingOptions
 from wavesplat._cli.reader_options import ReaderOptions
 from wavesplat._cli.shared_options import Background, Family, Threshold
 from wavesplat._cli.transfer_function_options import ColorOptions, LookOptions
+from wavesplat._cli.uptake import check_uptake, in_uptake
 from wavesplat._model.options import BY_VIEW, Composite
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._looks.look import Look
     from wavesplat._model.composites import Operator
+    from wavesplat._model.series import Series
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
     from wavesplat._scene.scene import Scene
@@ -39,6 +41,7 @@ class SceneOptions(LookOptions):
 
     labels: LabelsFile = None
     label_table: LabelTable = None
+    segment: Segments = None
     iso_value: Annotated[float | None, typer.Option(metavar="VALUE", help="Surface that first-hit shows.")] = None
     local_threshold: Annotated[
         float | None, typer.Option(metavar="VALUE", help="Least maximum that local-maximum stops at.")
@@ -114,7 +117,20 @@ def chosen_scene(
     from wavesplat._scene.scene import Scene
 
     composite = showing.operator
-    opened = opened_layers(input, reader, layering, processing, composite=composite, quiet=quiet, all_times=all_times)
+    opened = in_uptake(
+        lambda suv: opened_layers(
+            input,
+            replace(reader, suv=suv),
+            layering,
+            processing,
+            composite=composite,
+            quiet=quiet,
+            all_times=all_times,
+        ),
+        _modality,
+        suv=reader.suv,
+        is_alone=not layering.layer,
+    )
     if isinstance(opened, Channels):
         _refuse_for_channels(showing, colors, len(opened.layers))
         layers, look = opened
@@ -130,15 +146,25 @@ def chosen_scene(
         by_view = look.name == "auto" and look.composite in BY_VIEW and not (layering.layer or layering.times)
         layers = [Layer(volume, None if by_view else look)]
     scene = Scene(
-        [*layers, *further_layers(layering.layer, time=reader.time or 0, quiet=quiet)],
-        labels=opened_labels(showing.labels, showing.label_table),
+        [*layers, *further_layers(layering.layer, time=reader.time or 0, quiet=quiet, suv=reader.suv)],
+        labels=opened_labels(showing.labels, showing.label_table, showing.segment, layers[0].drawn, quiet=quiet),
         shading=shading,
         clip=chosen_clip(cuts, layers[0].drawn),
         background=showing.background or look.background or "black",
     )
+    check_uptake(scene, suv=reader.suv)
     if not quiet:
         _note_guesses(scene, look, composite)
     return ChosenScene(scene, look, _operator(composite or look.composite, showing))
+
+
+def _modality(opened: Volume | WaveletVolume | Series | Channels) -> str | None:
+    """The modality of what was opened; None of channels."""
+    from wavesplat._model.series import Series
+
+    if isinstance(opened, Channels):
+        return None
+    return opened[0].modality if isinstance(opened, Series) else opened.modality
 
 
 def _refuse_for_channels(showing: SceneOptions, colors: ColorOptions, n: int) -> None:

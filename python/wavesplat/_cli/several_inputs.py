@@ -37,10 +37,13 @@ DOUBLE = re.compile(r"\.(nii|img|hdr|ome|seg)$", re.IGNORECASE)
 PLACE = re.compile(r"\{(stem|name|folder|number)\}")
 
 
-def takes_several_inputs(suffix: str | None = None) -> Callable[[Callable[..., None]], Callable[..., None]]:
+def takes_several_inputs(
+    suffix: str | None = None, *, own: tuple[str, ...] = ()
+) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Give a command of one `input` several of them, one after the other.
 
     suffix : of results, where `output` is a folder; None for a command without an output.
+    own : an option, and words in braces that the command fills itself where that option is given.
     """
 
     def changed(command: Callable[..., None]) -> Callable[..., None]:
@@ -51,7 +54,8 @@ def takes_several_inputs(suffix: str | None = None) -> Callable[[Callable[..., N
             if not input:
                 command(input=None, **options)
                 return
-            runs = _runs(_found(input), options, suffix)
+            left = own[1:] if own and options.get(own[0]) else ()
+            runs = _runs(_found(input), options, suffix, left)
             if len(runs) == 1:
                 command(**runs[0])
             else:
@@ -79,12 +83,15 @@ def _found(given: list[str]) -> list[str]:
     return list(found)
 
 
-def _runs(inputs: list[str], options: dict[str, Any], suffix: str | None) -> list[dict[str, Any]]:
-    """Arguments of the command for each input."""
+def _runs(
+    inputs: list[str], options: dict[str, Any], suffix: str | None, left: tuple[str, ...]
+) -> list[dict[str, Any]]:
+    """Arguments of the command for each input. `left`: words in braces that stay."""
     runs = []
     makers: dict[Path, str] = {}
     for number, input in enumerate(inputs, 1):
         places = _places(input, f"{number:0{len(str(len(inputs)))}}")
+        places |= {word: f"{{{word}}}" for word in left}
         own = {option: _named(options[option], places) for option in ("output", "report") if options.get(option)}
         if suffix is not None and "output" in own and _is_folder(own["output"]):
             own["output"] /= f"{places['stem']}{suffix}"

@@ -36,7 +36,7 @@ Kind: TypeAlias = Literal["pictures", "movies", "meshes", "looks", "volumes", "w
 SUFFIXES: dict[Kind, tuple[str, ...]] = {
     "pictures": (".png", ".jpg", ".jpeg", ".webp", ".tif", ".tiff", ".exr", ".svg", ".pdf"),
     "movies": (".mp4", ".webm", ".gif", ".webp"),
-    "meshes": (".ply", ".stl", ".obj", ".glb", ".gltf"),
+    "meshes": (".ply", ".stl", ".obj", ".glb", ".gltf", ".3mf"),
     "looks": (".json",),
     "volumes": (".nii.gz", ".nii", ".nrrd"),
     "wavelet coefficients": (".wavelets",),

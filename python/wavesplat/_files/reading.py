@@ -27,8 +27,12 @@ ITK_PLACE = re.compile(r"^((itk::|ITK )ERROR: \w+\(\w+\): |sitk::ERROR: |\[\w+\]
 #: The file in ITK's messages, which we name ourselves.
 ITK_FILE = re.compile(r": \S.* for reading$")
 
-#: Messages of libraries in C and C++ that get no memory.
-NO_MEMORY = re.compile(r"bad.?alloc|(?:[Ff]ailed|[Uu]nable|[Cc]annot) to allocate|[Mm]emory allocation failed")
+#: Messages of libraries in C and C++ that get no memory. HDF5's image buffer holds its own structure: it is too large
+#: only where a length in the file is wrong.
+NO_MEMORY = re.compile(
+    r"bad.?alloc|(?:[Ff]ailed|[Uu]nable|[Cc]annot) to allocate"
+    r"|[Mm]emory allocation failed(?! for on disk image buffer)"
+)
 
 #: Exceptions that mean missing or wrong bytes.
 TRUNCATION_ERRORS = (EOFError, zlib.error, lzma.LZMAError, zipfile.BadZipFile, gzip.BadGzipFile, struct.error)

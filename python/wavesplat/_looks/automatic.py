@@ -16,13 +16,14 @@ from numpy.typing import NDArray
 
 from wavesplat._looks import histogram
 from wavesplat._looks.colormaps import colors_of
-from wavesplat._looks.kinds import Evidence, Kind, evidence
+from wavesplat._looks.kinds import Evidence, Kind, evidence, offset_of
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.look import Look
 from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model import units
+from wavesplat._model.few_slices import axis_of_few_slices
 from wavesplat._model.options import BY_VIEW
 from wavesplat._model.units import METRES
 from wavesplat._model.volume import Volume
@@ -60,9 +61,17 @@ MATTER = [(0.20, 0.42, 0.68), (0.36, 0.68, 0.74), (0.93, 0.83, 0.58), (1.00, 0.9
 GREEN = (0.35, 1.0, 0.45)
 #: Colours of values below and above zero, brighter than on paper: they are seen against black.
 SIGNS = [(0.28, 0.56, 1.0), (0.75, 0.88, 1.0), (1.0, 0.87, 0.78), (1.0, 0.4, 0.26)]
+#: Kinds of data that are shown in greys where there are but a few slices: their looks are translucent, millimetre by
+#: millimetre.
+IN_GREYS = ("CT", "MR", "ultrasound", "scan")
+#: Hounsfield units in black and in white: level 40, width 400, the usual window of soft tissue.
+CT_WINDOW = (-160.0, 240.0)
 MASK = (0.98, 0.80, 0.56)
 #: The map of `cmap` that fields are shown in.
 FIELD_MAP = "inferno"
+#: The map of `cmap` that doses are shown in, blue to red as in programs for radiotherapy, and the least share of the
+#: largest dose that shows.
+DOSE_MAP, LEAST_DOSE = "turbo", 0.1
 
 
 def automatic(volume: Volume | WaveletVolume, composite: Composite | None, color: Rgb | None = None) -> Look:
@@ -90,6 +99,10 @@ def automatic(volume: Volume | WaveletVolume, composite: Composite | None, color
     if known.kind == "labels" and composite is None and isinstance(volume, Volume) and volume.dtype.kind in "iu":
         clear = TransferFunction([(0.0, 0.0)], [(0.0, 1.0, 1.0, 1.0)])
         return Look(transfer_function=clear, labels=Labels(volume), shading=SOLID, name="auto", reason=known.reason)
+    if composite is None and known.kind in IN_GREYS and axis_of_few_slices(volume) is not None:
+        n = min(volume.shape)
+        reason = f"{known.reason}; its {n} slices in greys, since so few are too thin for a translucent look"
+        return Look(transfer_function=_greys(known, is_clear_below=True), shading=None, name="auto", reason=reason)
     made_by = LOOKS[known.kind]
     function, shading = made_by(volume, known, color) if made_by is _fluorescence else made_by(volume, known)
     return Look(
@@ -128,12 +141,22 @@ def _inverted_maximum(volume: Volume | WaveletVolume, known: Evidence) -> Look:
     )
 
 
+def _greys(known: Evidence, *, is_clear_below: bool = False) -> TransferFunction:
+    """Opaque greys, as slices are shown. `is_clear_below`: what would be black is clear, such as air."""
+    low, high = CT_WINDOW if known.kind == "CT" else np.percentile(known.values, (0.5, 99.5))
+    high = high if high > low else low + 1.0
+    opacity = [(low, 0.0), (low, 1.0)] if is_clear_below else [(low, 1.0)]
+    return TransferFunction(opacity, [(low, 0.0, 0.0, 0.0), (high, 1.0, 1.0, 1.0)])
+
+
 Made = tuple[TransferFunction, "Shading | None"]
 
 
 def _ct(volume: Volume | WaveletVolume, _known: Evidence) -> Made:
     millimetre = METRES["mm"] / (units.metres(volume.unit) or METRES["mm"])
     function = TransferFunction(CT_OPACITY, CT_COLOR, opacity_unit=millimetre)
+    if offset := offset_of(volume):
+        function = function._moved(offset)
     return function, Shading(specular=0.15, ambient_occlusion=0.3)
 
 
@@ -162,6 +185,17 @@ def _scan(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     return TransferFunction(nodes, _colored(colors, threshold, high)), SOLID
 
 
+def _dose(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    """A look of a dose map: clear below a tenth of the largest dose, then from blue to red, the hottest solid."""
+    highest = max(float(volume.value_range[1]), float(known.values.max()))
+    shares = np.linspace(LEAST_DOSE, 1.0, 17)
+    nodes = np.array(_increasing((shares * highest).tolist(), highest if highest > 0 else 1.0))
+    across = _across(volume)
+    opacity = [(float(v), _per_voxel(0.9999 * float(s) ** 2.5, across)) for v, s in zip(nodes, shares, strict=True)]
+    opacity.insert(0, (float(nodes[0]), 0.0))
+    return TransferFunction(opacity, _mapped(DOSE_MAP, nodes, start=0.1)), None
+
+
 def _ultrasound(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
     low, threshold, high = _parted(known)
     nodes = _increasing([threshold, threshold + 0.3 * (high - threshold), high], high - low)
@@ -187,9 +221,7 @@ def _fluorescence(volume: Volume | WaveletVolume, known: Evidence, wanted: Rgb |
 
 def _em(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
     """A look of a block that is cut where the volume ends: grey, opaque, as the slices are."""
-    low, high = np.percentile(known.values, (0.5, 99.5))
-    high = high if high > low else low + 1.0
-    return TransferFunction([(low, 1.0)], [(low, 0.0, 0.0, 0.0), (high, 1.0, 1.0, 1.0)]), None
+    return _greys(known), None
 
 
 def _signed_field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
@@ -240,6 +272,7 @@ LOOKS: dict[Kind, Callable[..., Made]] = {
     "CT": _ct,
     "MR": _tissue,
     "PET": _tissue,
+    "dose": _dose,
     "ultrasound": _ultrasound,
     "fluorescence": _fluorescence,
     "EM": _em,

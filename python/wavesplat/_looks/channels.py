@@ -25,7 +25,15 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["CHANNEL_COLORS", "Rgb", "channel_look", "is_full_range_window", "ramp", "window_of_values"]
+__all__ = [
+    "CHANNEL_COLORS",
+    "Rgb",
+    "channel_look",
+    "checked_window",
+    "is_full_range_window",
+    "ramp",
+    "window_of_values",
+]
 
 Rgb = tuple[float, float, float]
 
@@ -61,7 +69,7 @@ def channel_look(
     else:
         rgb, said = _rgb(color), "its colour"
     if window is not None:
-        low, high = _window(window)
+        low, high = checked_window(window)
         reason = f"a channel in {said}, from {low:g} to {high:g}"
     elif channel is not None and channel.window is not None and not is_full_range_window(channel.window, volume):
         low, high = channel.window
@@ -131,7 +139,8 @@ def _rgb(color: str | Iterable[float]) -> Rgb:
     return parsed[0], parsed[1], parsed[2]
 
 
-def _window(window: Iterable[float]) -> tuple[float, float]:
+def checked_window(window: Iterable[float]) -> tuple[float, float]:
+    """Two growing numbers, or an `ArgumentError`."""
     try:
         low, high = (float(end) for end in window)
     except (TypeError, ValueError, OverflowError):

@@ -13,7 +13,7 @@ from typing import TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["SPACES", "between"]
+__all__ = ["SPACES", "between", "rgb_from_lab"]
 
 Color: TypeAlias = tuple[float, float, float]
 Array: TypeAlias = NDArray[np.float64]
@@ -34,7 +34,8 @@ def _lab_from_rgb(rgb: Array) -> Array:
     return np.array([116 * f[1] - 16, 500 * (f[0] - f[1]), 200 * (f[1] - f[2])])
 
 
-def _rgb_from_lab(lab: Array) -> Array:
+def rgb_from_lab(lab: Array) -> Array:
+    """A colour of CIE Lab (L 0..100) in sRGB, 0..1."""
     y = (lab[0] + 16) / 116
     f = np.array([lab[1] / 500 + y, y, y - lab[2] / 200])
     xyz = np.where(f**3 > 0.008856, f**3, (f - 16 / 116) / 7.787) * WHITE
@@ -52,7 +53,7 @@ def _in_rgb(first: Color, second: Color, parts: Array) -> list[Array]:
 
 def _in_lab(first: Color, second: Color, parts: Array) -> list[Array]:
     a, b = _lab_from_rgb(np.array(first)), _lab_from_rgb(np.array(second))
-    return [_rgb_from_lab(a + part * (b - a)) for part in parts]
+    return [rgb_from_lab(a + part * (b - a)) for part in parts]
 
 
 def _in_hsv(first: Color, second: Color, parts: Array) -> list[Array]:
@@ -88,7 +89,7 @@ def _in_msh(first: Color, second: Color, parts: Array) -> list[Array]:
         # Hue is a circle; the shorter way round.
         right[2] -= 2 * np.pi * np.round((right[2] - left[2]) / (2 * np.pi))
         m, s, h = left + way * (right - left)
-        mixed.append(_rgb_from_lab(m * np.array([np.cos(s), np.sin(s) * np.cos(h), np.sin(s) * np.sin(h)])))
+        mixed.append(rgb_from_lab(m * np.array([np.cos(s), np.sin(s) * np.cos(h), np.sin(s) * np.sin(h)])))
     return mixed
 
 

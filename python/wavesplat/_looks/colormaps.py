@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["OPACITIES", "Opacity", "transfer_function"]
+__all__ = ["OPACITIES", "Opacity", "colors_of", "is_diverging", "transfer_function"]
 
 Array: TypeAlias = NDArray[np.float64]
 Opacity: TypeAlias = str | float | Iterable[float] | Iterable[tuple[float, float]]
@@ -127,6 +127,13 @@ def colors_of(name: str) -> tuple[Array, Array]:
         return places, np.repeat(np.asarray(colors, dtype=np.float64)[:, :3], 2, axis=0)
     places = np.arange(N_NODES) / (N_NODES - 1)
     return places, np.clip(np.asarray(colormap(places), dtype=np.float64)[:, :3], 0, 1)
+
+
+def is_diverging(name: str) -> bool:
+    """Whether a map has a middle that its colours part from, as for values of two signs."""
+    import cmap
+
+    return bool(cmap.Colormap(_found(name)).category == "diverging")
 
 
 def _opacity(opacity: Any, values_at: Any) -> list[tuple[float, ...]]:

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._looks.stored_offset import stored_offset
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.thinning import KIND_SAMPLES, UNIT_SAMPLES, step_for
 from wavesplat._model.wavelet_volume import WaveletVolume
@@ -22,10 +23,19 @@ from wavesplat._model.wavelet_volume import WaveletVolume
 if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
 
-__all__ = ["Evidence", "Kind", "evidence", "hounsfield_shares", "kind_of", "looks_like_hounsfield", "unit_of_values"]
+__all__ = [
+    "Evidence",
+    "Kind",
+    "evidence",
+    "hounsfield_shares",
+    "kind_of",
+    "looks_like_hounsfield",
+    "offset_of",
+    "unit_of_values",
+]
 
 Kind: TypeAlias = Literal[
-    "CT", "MR", "PET", "ultrasound", "fluorescence", "EM", "signed field", "field", "mask", "labels", "scan"
+    "CT", "MR", "PET", "dose", "ultrasound", "fluorescence", "EM", "signed field", "field", "mask", "labels", "scan"
 ]
 
 #: DICOM's modalities of the kinds that have a look of their own. Angiography is X-ray: bright vessels, no fixed scale.
@@ -33,6 +43,7 @@ MODALITIES: dict[str, Kind] = {
     "MR": "MR",
     "PT": "PET",
     "NM": "PET",
+    "RTDOSE": "dose",
     "US": "ultrasound",
     "IVUS": "ultrasound",
     "fluorescence": "fluorescence",
@@ -102,22 +113,39 @@ def looks_like_hounsfield(values: NDArray[Any]) -> bool:
 
 
 def unit_of_values(volume: Volume | WaveletVolume) -> str:
-    """Unit of a volume's values: "HU" of a CT, "" where it is unknown. Quick: for every picture."""
+    """Unit of a volume's values: the file's, "HU" of a CT, "" where it is unknown. Quick: for every picture."""
+    if volume.value_unit:
+        return volume.value_unit
     if volume.modality:
         return "HU" if volume.modality == "CT" else ""
     some = volume._every(step_for(math.prod(volume.shape), UNIT_SAMPLES))
     return "HU" if looks_like_hounsfield(some.astype(np.float64)) else ""
 
 
+def offset_of(volume: Volume | WaveletVolume) -> float:
+    """The offset that seems to be added to the Hounsfield units of a CT, 1000 or 1024; 0 for other volumes."""
+    if volume.modality not in (None, "CT"):
+        return 0.0
+    samples, _ = _looked_at(volume)
+    return _offset(volume, samples.astype(np.float64))
+
+
+def _offset(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> float:
+    may_be = volume.modality == "CT" or (volume.modality is None and volume.is_anatomical)
+    return stored_offset(values) if may_be else 0.0
+
+
 def _kind(volume: Volume | WaveletVolume, values: NDArray[np.float64], alike: float) -> tuple[Kind, str]:
-    return _segmentation(values, alike) or _by_facts(volume, values) or _by_values(volume, values)
+    return _segmentation(volume, values, alike) or _by_facts(volume, values) or _by_values(volume, values)
 
 
-def _segmentation(values: NDArray[np.float64], alike: float) -> tuple[Kind, str] | None:
+def _segmentation(volume: Volume | WaveletVolume, values: NDArray[np.float64], alike: float) -> tuple[Kind, str] | None:
     n_values = np.unique(values).size
     if n_values <= 2:
         return "mask", "a mask: it has but two values"
     is_whole = bool(np.all(values == np.round(values)))
+    if volume.modality == "SEG" and is_whole:
+        return "labels", "labels: the file says SEG"
     if is_whole and values.min() >= 0 and n_values <= MAX_LABELS and alike >= MIN_ALIKE:
         return "labels", "labels: whole numbers that are the same from sample to sample, by the values"
     return None
@@ -128,8 +156,15 @@ def _by_facts(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tu
     if modality in (None, "CT") and looks_like_hounsfield(values):
         told = "the file says CT, and " if modality == "CT" else ""
         return "CT", f"CT in Hounsfield units: {told}the values have air and soft tissue"
+    if offset := _offset(volume, values):
+        told = "the file says CT, and " if modality == "CT" else ""
+        return (
+            "CT",
+            f"CT in Hounsfield units with {offset:g} added: {told}air, fat and soft tissue, by the values",
+        )
     if modality in MODALITIES:
-        return MODALITIES[modality], f"{MODALITIES[modality]}: the file says {modality}"
+        kind = MODALITIES[modality]
+        return kind, f"{'dose map' if kind == 'dose' else kind}: the file says {modality}"
     if volume.unit not in SMALL_UNITS:
         if volume.facts.channel is None or volume.is_anatomical or _is_dense(values):
             return None

@@ -1,7 +1,8 @@
 """Names and colours of labels, from the segmentation's file or from a table beside it.
 
 In the file: segments of 3D Slicer (.seg.nrrd: `Segment0_LabelValue`, `_Name`, `_Color`), and the label table that
-Connectome Workbench and TotalSegmentator put into an extension of NIfTI (`<Label Key="1" Red="0.5" ...>liver</Label>`).
+Connectome Workbench and TotalSegmentator put into an extension of NIfTI (`<Label Key="1" Red="0.5" ...>liver</Label>`),
+and the segments of DICOM segmentations (`SegmentLabel`, `RecommendedDisplayCIELabValue`).
 Tables: ITK-SNAP's label descriptions, 3D Slicer's colour tables (.ctbl), and the look-up tables of BIDS (.tsv with the
 columns index, name and, if they are there, color).
 """
@@ -9,18 +10,23 @@ columns index, name and, if they are there, color).
 from __future__ import annotations
 
 import csv
+import fnmatch
 import re
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping, Sequence
 from html import unescape
 from os import PathLike
 from pathlib import Path
 from typing import TypeAlias
 
+import numpy as np
+
 from wavesplat._files.paths import expanded, read_text
+from wavesplat._looks.color_spaces import rgb_from_lab
+from wavesplat._readers import dicom_labels
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["Named", "in_file", "in_table"]
+__all__ = ["Named", "chosen_numbers", "in_file", "in_table"]
 
 #: A label's name, and its colour, 0..1, where there is one.
 Named: TypeAlias = "tuple[str, tuple[float, float, float] | None]"
@@ -37,7 +43,7 @@ def in_file(path: str | PathLike[str]) -> dict[int, Named]:
         return _segments(_nrrd_header(place))
     if name.endswith((".nii", ".nii.gz")):
         return _nifti_labels(place)
-    return {}
+    return {segment.number: (segment.name, _of_lab(segment.lab)) for segment in dicom_labels.segments_at(place)}
 
 
 def in_table(path: str | PathLike[str]) -> dict[int, Named]:
@@ -60,6 +66,30 @@ def in_table(path: str | PathLike[str]) -> dict[int, Named]:
             f"or a .tsv with the columns index and name: {path}"
         )
     return found
+
+
+def chosen_numbers(segments: Sequence[str | int], names: Mapping[int, str], path: object) -> list[int]:
+    """Numbers of the segments that are named: by number, by name, or by a pattern of names such as `"rib*"`.
+
+    Raises
+    ------
+    ArgumentError
+        If there is no such segment.
+    """
+    chosen: list[int] = []
+    for one in [segments] if isinstance(segments, str) else segments:
+        if isinstance(one, str):
+            found = [number for number, name in names.items() if name == one] or [
+                number for number, name in names.items() if fnmatch.fnmatchcase(name.lower(), one.strip().lower())
+            ]
+        else:
+            found = [number for number in names if number == one]
+        if not found:
+            listed = ", ".join(f"{number} {name!r}" for number, name in list(names.items())[:20])
+            more = ", ..." if len(names) > 20 else ""
+            raise ArgumentError(f"there is no segment {one!r}; there are: {listed or 'none'}{more}: {path}")
+        chosen += [number for number in found if number not in chosen]
+    return chosen
 
 
 def _nrrd_header(path: Path) -> dict[str, str]:
@@ -149,4 +179,12 @@ def _color(numbers: list[float], white: float) -> tuple[float, float, float] | N
     if len(numbers) != 3 or not all(0 <= number <= white for number in numbers):
         return None
     red, green, blue = (number / white for number in numbers)
+    return red, green, blue
+
+
+def _of_lab(lab: tuple[float, float, float] | None) -> tuple[float, float, float] | None:
+    """A colour of CIE Lab in sRGB."""
+    if lab is None:
+        return None
+    red, green, blue = rgb_from_lab(np.array(lab)).tolist()
     return red, green, blue

@@ -134,7 +134,7 @@ class Shading:
     ambient_occlusion: float
     occlusion_radius: float | None
     shadow: float
-    _core: _native.Shading = field(repr=False, compare=False)
+    _core: _native.Shading = field(init=False, repr=False, compare=False)
 
     @takes_its_types
     def __init__(

@@ -65,7 +65,7 @@ class TransferFunction:
     color: tuple[tuple[float, float, float, float], ...]
     opacity_unit: float | None
     gradient_opacity: tuple[tuple[float, float], ...]
-    _core: _native.TransferFunction = field(repr=False, compare=False)
+    _core: _native.TransferFunction = field(init=False, repr=False, compare=False)
 
     @takes_its_types
     def __init__(
@@ -98,6 +98,12 @@ class TransferFunction:
     def __call__(self, values: ArrayLike) -> NDArray[np.float64]:
         """Colour and opacity of some sample values, shape (n, 4): red, green, blue, opacity per `opacity_unit`."""
         return self._core.evaluate(_floats(values).ravel())
+
+    def _moved(self, offset: float) -> TransferFunction:
+        """The same colours and opacities at values that are larger by `offset`."""
+        opacity = [(value + offset, alpha) for value, alpha in self.opacity]
+        color = [(value + offset, *rgb) for value, *rgb in self.color]
+        return TransferFunction(opacity, color, self.opacity_unit, self.gradient_opacity)
 
     @classmethod
     @takes_its_types

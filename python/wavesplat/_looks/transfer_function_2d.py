@@ -69,7 +69,7 @@ class TransferFunction2D:
     magnitudes: tuple[float, ...]
     rgba: NDArray[np.float64]
     opacity_unit: float | None
-    _core: _native.TransferFunction = field(repr=False)
+    _core: _native.TransferFunction = field(init=False, repr=False)
 
     @takes_its_types
     def __init__(
@@ -109,6 +109,10 @@ class TransferFunction2D:
         pairs = np.broadcast_arrays(np.asarray(values, np.float64), np.asarray(magnitudes, np.float64))
         flat_values, flat_magnitudes = (np.ascontiguousarray(flat).ravel() for flat in pairs)
         return self._core.evaluate_at(flat_values, flat_magnitudes)
+
+    def _moved(self, offset: float) -> TransferFunction2D:
+        """The same colours and opacities at values that are larger by `offset`."""
+        return TransferFunction2D([v + offset for v in self.values], self.magnitudes, self.rgba, self.opacity_unit)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, TransferFunction2D):

@@ -34,6 +34,8 @@ def to_xarray(grid: Grid, samples: NDArray[Any]) -> xarray.DataArray:
         attributes[labelled_array.SPACE] = "RAS"
     if grid.modality is not None:
         attributes[labelled_array.MODALITY] = grid.modality
+    if grid.value_unit is not None:
+        attributes[labelled_array.UNITS] = grid.value_unit
     steps, firsts = np.diag(matrix)[:3], matrix[:3, 3]
     off = np.abs(matrix[:3, :3] - np.diag(steps)).max(axis=0)
     if (off > TOLERANCE * np.array(grid.spacing)).any():
@@ -67,6 +69,8 @@ def to_simple_itk(grid: Grid, samples: NDArray[Any]) -> SimpleITK.Image:
             image.SetMetaData(itk_image.UNIT, grid.unit)
     if grid.modality is not None:
         image.SetMetaData("modality", grid.modality)
+    if grid.value_unit is not None:
+        image.SetMetaData(itk_image.VALUE_UNIT, grid.value_unit)
     return image
 
 

@@ -14,10 +14,12 @@ from wavesplat._model.short_repr import short_repr
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Channel", "Facts"]
+__all__ = ["Channel", "Facts", "value_unit_of"]
 
 #: Bound of time points: more than any file has.
 MAX_TIMES = 2**53
+#: Longest name of a unit of values.
+LONGEST_UNIT = 40
 
 
 @public
@@ -83,6 +85,9 @@ class Facts:
     modality : str, optional
         How it was measured, in DICOM's codes ("CT", "MR", "PT", "NM", "US", "XA", ...), or "fluorescence" or "EM";
         None where the file does not say. It is never guessed from the values.
+    value_unit : str, optional
+        Unit of the samples' values: "HU", "Bq/ml", "SUV", "Gy", "a.u." (of MR, whose numbers have no scale), ...; None
+        where the file does not say.
     channel : Channel, optional
         The channel of the samples.
     channels : sequence of Channel
@@ -119,6 +124,7 @@ class Facts:
     unit: str | None = None
     is_anatomical: bool = False
     modality: str | None = None
+    value_unit: str | None = None
     channel: Channel | None = None
     channels: tuple[Channel, ...] = ()
     n_times: int = 1
@@ -140,6 +146,7 @@ class Facts:
             "unit": units.checked(self.unit),
             "is_anatomical": bool(self.is_anatomical),
             "modality": None if self.modality is None else text_of(self.modality, "facts: modality"),
+            "value_unit": _value_unit(self.value_unit),
             "channels": channels,
             "n_times": self.n_times,
             "time_step": _step(self.time_step),
@@ -179,6 +186,20 @@ class Facts:
             elif name == "channels":
                 given[name] = tuple(map(_channel, _listed(value, name)))
         return cls(**given)
+
+
+def value_unit_of(name: object) -> str | None:
+    """A unit of values as another program names it; None where it names none that can be shown."""
+    told = name.strip() if isinstance(name, str) else ""
+    return told if told and told.isprintable() and len(told) <= LONGEST_UNIT else None
+
+
+def _value_unit(unit: object) -> str | None:
+    if unit is None:
+        return None
+    if not isinstance(unit, str) or len(unit) > LONGEST_UNIT or not unit.isprintable():
+        raise ArgumentError(f'facts: value_unit is {described(unit)}; give the name of a unit, such as "HU"')
+    return unit.strip() or None
 
 
 def _channel(document: object) -> Channel:

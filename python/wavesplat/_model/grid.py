@@ -79,6 +79,11 @@ class Grid:
         return self._facts.modality
 
     @property
+    def value_unit(self) -> str | None:
+        """Unit of the samples' values: "HU", "Bq/ml", "SUV", "Gy", ..., or None if the file does not say."""
+        return self._facts.value_unit
+
+    @property
     def guesses(self) -> tuple[str, ...]:
         """Assumptions where the file says nothing, and why; a sentence each."""
         return self._facts.guesses

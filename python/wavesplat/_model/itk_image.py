@@ -13,10 +13,20 @@ from numpy.typing import NDArray
 
 from wavesplat._model import affine, units
 from wavesplat._model.converted import Converted
-from wavesplat._model.facts import Facts
+from wavesplat._model.facts import Facts, value_unit_of
 from wavesplat.errors import ArgumentError
 
-__all__ = ["ANATOMICAL_SPACES", "MODALITIES", "NO_ANATOMY", "SPACE", "UNIT", "affine_of", "of_itk", "of_simple_itk"]
+__all__ = [
+    "ANATOMICAL_SPACES",
+    "MODALITIES",
+    "NO_ANATOMY",
+    "SPACE",
+    "UNIT",
+    "VALUE_UNIT",
+    "affine_of",
+    "of_itk",
+    "of_simple_itk",
+]
 
 #: NRRD's spaces whose axes are a patient's, as in ITK; a time axis may follow.
 ANATOMICAL_SPACES = {
@@ -28,11 +38,21 @@ ANATOMICAL_SPACES = {
     "las",
 }
 #: Words of headers for the modality -> DICOM's codes.
-MODALITIES = {"mri": "MR", "dwmri": "MR", "mr": "MR", "ct": "CT", "pet": "PT", "pt": "PT", "nm": "NM", "us": "US"}
-#: ITK's key for NRRD's space, the space that is no patient's, and our key for a unit.
-SPACE, NO_ANATOMY, UNIT = "NRRD_space", "3D-right-handed", "unit"
+MODALITIES = {
+    "mri": "MR",
+    "dwmri": "MR",
+    "mr": "MR",
+    "ct": "CT",
+    "pet": "PT",
+    "pt": "PT",
+    "nm": "NM",
+    "us": "US",
+    "rtdose": "RTDOSE",
+}
+#: ITK's key for NRRD's space, the space that is no patient's, and our keys for the unit of lengths, and of values.
+SPACE, NO_ANATOMY, UNIT, VALUE_UNIT = "NRRD_space", "3D-right-handed", "unit", "value_unit"
 #: Keys of metadata that are read, in lower case.
-KEYS = {SPACE.lower(), UNIT, "itk_inputfiltername", "modality", "0008|0060"}
+KEYS = {SPACE.lower(), UNIT, VALUE_UNIT, "itk_inputfiltername", "modality", "0008|0060"}
 #: ITK's readers of formats that say nothing of a patient, unless the file names a space.
 WITHOUT_ANATOMY = ("NrrdImageIO", "VTKImageIO")
 
@@ -99,6 +119,7 @@ def _converted(samples: NDArray[Any], lps: NDArray[np.float64], said: dict[str, 
         unit=unit,
         is_anatomical=is_anatomical,
         modality=MODALITIES.get(modality),
+        value_unit=value_unit_of(said.get(VALUE_UNIT)),
         conventions=tuple(conventions),
     )
     return Converted(samples, affine.RAS_FROM_LPS @ lps if is_anatomical else lps, facts)

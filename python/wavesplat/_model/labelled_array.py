@@ -12,10 +12,10 @@ import numpy as np
 
 from wavesplat._model import units
 from wavesplat._model.converted import Converted
-from wavesplat._model.facts import Facts
+from wavesplat._model.facts import Facts, value_unit_of
 from wavesplat.errors import ArgumentError
 
-__all__ = ["AFFINE", "MODALITY", "SPACE", "in_order", "is_labelled", "unlabelled"]
+__all__ = ["AFFINE", "MODALITY", "SPACE", "UNITS", "in_order", "is_labelled", "unlabelled"]
 
 #: Names of axes, in lower case -> ours.
 NAMES = {
@@ -28,6 +28,8 @@ TOLERANCE = 1e-3
 #: Names of an array's attributes: the affine from the coordinates (x, y, z, 1) to the world where they are not the
 #: world's own, row by row; "RAS" where the world is a patient's; how it was measured. `Volume.to_xarray` writes them.
 AFFINE, SPACE, MODALITY = "world_from_coordinates", "space", "modality"
+#: The attribute for the unit of values, by the conventions for climate and forecast metadata (CF).
+UNITS = "units"
 
 
 def is_labelled(samples: object) -> bool:
@@ -56,9 +58,9 @@ def in_order(array: Any, *, has_place: bool) -> Converted:
     ordered = array.isel(dict.fromkeys(extra, 0)).transpose(*spatial)
     title = None if array.name is None else str(array.name)
     said = getattr(array, "attrs", {})
-    modality = said.get(MODALITY)
+    modality, value_unit = said.get(MODALITY), value_unit_of(said.get(UNITS))
     if has_place:
-        return Converted(ordered, None, Facts(modality=modality), title)
+        return Converted(ordered, None, Facts(modality=modality, value_unit=value_unit), title)
     places = {axis: _first_and_step(ordered, name) for axis, name in zip("zyx", spatial, strict=True)}
     matrix = np.diag([*(places[axis][1] for axis in "xyz"), 1.0])
     matrix[:3, 3] = [places[axis][0] for axis in "xyz"]
@@ -72,7 +74,13 @@ def in_order(array: Any, *, has_place: bool) -> Converted:
         () if len(bare) in (0, 3) else (f"distance along {', '.join(bare)} 1: the array has no coordinates there",)
     )
     guesses = (*guesses, *units.guesses_of((x, y, z)))
-    facts = Facts(unit=unit, is_anatomical=said.get(SPACE) == "RAS", modality=modality, guesses=guesses)
+    facts = Facts(
+        unit=unit,
+        is_anatomical=said.get(SPACE) == "RAS",
+        modality=modality,
+        value_unit=value_unit,
+        guesses=guesses,
+    )
     return Converted(ordered, matrix, facts, title)
 
 

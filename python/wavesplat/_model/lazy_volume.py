@@ -486,6 +486,11 @@ class LazyVolume(Volume):
                 return k
         return 0
 
+    def grid_of(self, level: int) -> Grid:
+        """The grid of a level."""
+        chosen = self._levels[level]
+        return Grid(self.name, chosen.array.shape, chosen.world_from_index, self.facts)
+
     def arrays(self, level: int) -> LazyArray:
         """The array of a level; for a small coarser one a copy in memory, which is read once."""
         array = self._levels[level].array

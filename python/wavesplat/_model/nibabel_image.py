@@ -18,7 +18,7 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from nibabel.spatialimages import SpatialImage
 
-__all__ = ["NO_ANATOMY", "facts_of", "of_nibabel", "scaled", "world_from_index"]
+__all__ = ["LARGEST_FLOAT32", "NO_ANATOMY", "facts_of", "of_nibabel", "scaled", "time_axis", "world_from_index"]
 
 MM_PER_UNIT = {"meter": 1000.0, "mm": 1.0, "micron": 0.001}
 #: nibabel's names of the units of time -> ours; its others (hz, ppm) are no times.
@@ -33,6 +33,11 @@ def of_nibabel(image: Any) -> Converted:
     if not hasattr(image, "dataobj") or getattr(image, "affine", None) is None:
         raise ArgumentError(f"a {type(image).__name__} has no samples on a grid; give an image, as of nibabel.load")
     shape = tuple(image.shape)
+    if time_axis(image) == 0:
+        raise ArgumentError(
+            f"the image is 4-D, shape {shape} (time, ...); give one volume of it, as "
+            f"nibabel.Nifti1Image(image.dataobj[0], image.affine) for the first"
+        )
     if len(shape) > 3 and set(shape[3:]) != {1}:
         first = ", ".join(["0"] * (len(shape) - 3))
         raise ArgumentError(
@@ -91,6 +96,22 @@ def world_from_index(image: SpatialImage) -> NDArray[np.float64]:
     return world_from_index
 
 
+def _time_unit(image: SpatialImage, said: str) -> str | None:
+    from nibabel.freesurfer.mghformat import MGHImage
+
+    # FreeSurfer's format has the repetition time in milliseconds.
+    return "ms" if isinstance(image, MGHImage) else TIME_UNITS.get(said)
+
+
+def time_axis(image: SpatialImage) -> int | None:
+    """The axis of time points: the first of MINC, the fourth of other formats; None of an image of three axes."""
+    from nibabel.minc1 import Minc1Image
+
+    if len(image.shape) < 4:
+        return None
+    return 0 if isinstance(image, Minc1Image) else 3
+
+
 def _has_units(image: SpatialImage) -> bool:
     """Whether an image is NIfTI; Analyze and FreeSurfer's format have no field for units."""
     return hasattr(image.header, "get_xyzt_units")
@@ -124,14 +145,15 @@ def facts_of(image: SpatialImage) -> Facts:
         ours = "mm"
         programs = "read NIfTI" if _has_units(image) else "read such files"
         conventions.append(f"unit mm: the file names none; programs that {programs} take millimetres")
-    zooms = header.get_zooms()
-    step = float(zooms[3]) if n_times > 1 and len(zooms) > 3 and zooms[3] > 0 else None
+    # Asked for of several times alone: an image of ECAT has no distances of samples in its header.
+    zooms: tuple[Any, ...] = header.get_zooms() if n_times > 1 else ()
+    step = float(zooms[3]) if len(zooms) > 3 and zooms[3] > 0 else None
     return Facts(
         unit=ours,
         is_anatomical=is_anatomical,
         n_times=max(n_times, 1),
         time_step=step,
-        time_unit=TIME_UNITS.get(time_unit) if step is not None else None,
+        time_unit=_time_unit(image, time_unit) if step is not None else None,
         conventions=tuple(conventions),
         guesses=tuple(guesses),
     )

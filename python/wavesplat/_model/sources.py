@@ -10,7 +10,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -20,7 +20,7 @@ from wavesplat._files.addresses import checked, is_address, is_web
 from wavesplat._files.paths import expanded, lies_in, real_path
 from wavesplat.errors import WavesplatWarning
 
-__all__ = ["Source", "absolute", "beside", "of_file", "of_series", "then", "warn_of_elsewhere"]
+__all__ = ["Source", "absolute", "beside", "of_file", "of_series", "then", "warn_of_elsewhere", "with_paths"]
 
 Source: TypeAlias = dict[str, Any]
 
@@ -77,7 +77,7 @@ def then(source: Source | None, step: str, /, **options: Any) -> Source | None:
 
 def beside(document: Any, folder: Path) -> Any:
     """The document with relative paths for files that lie below `folder`, or below its parent folder."""
-    return _with_paths(document, lambda path: _relative(path, folder))
+    return with_paths(document, lambda path: _relative(path, folder))
 
 
 def warn_of_elsewhere(document: Any, path: str | os.PathLike[str], *, stacklevel: int) -> None:
@@ -90,7 +90,7 @@ def warn_of_elsewhere(document: Any, path: str | os.PathLike[str], *, stacklevel
             elsewhere.append(named)
         return named
 
-    _with_paths(document, look)
+    with_paths(document, look)
     if elsewhere:
         warnings.warn(
             f"{elsewhere[0]!r} does not lie in the folder of the scene; open it with external_files=True "
@@ -100,21 +100,24 @@ def warn_of_elsewhere(document: Any, path: str | os.PathLike[str], *, stacklevel
         )
 
 
-def _with_paths(document: Any, changed: Any) -> Any:
+def with_paths(document: Any, changed: Callable[[str], str | None]) -> Any:
+    """The document with all paths in it changed."""
     if isinstance(document, list):
-        return [_with_paths(part, changed) for part in document]
+        return [with_paths(part, changed) for part in document]
     if not isinstance(document, dict):
         return document
     return {
-        name: _changed(part, changed) if name in PATHS else _with_paths(part, changed)
-        for name, part in document.items()
+        name: _changed(part, changed) if name in PATHS else with_paths(part, changed) for name, part in document.items()
     }
 
 
-def _changed(part: Any, changed: Any) -> Any:
+def _changed(part: Any, changed: Callable[[str], str | None]) -> Any:
     if isinstance(part, str):
         return changed(part)
-    return [_changed(one, changed) for one in part] if isinstance(part, list) else part
+    if not isinstance(part, list):
+        return part
+    parts = [_changed(one, changed) for one in part]
+    return None if None in parts else parts
 
 
 def _relative(path: str, folder: Path) -> str:

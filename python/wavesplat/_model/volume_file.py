@@ -75,6 +75,8 @@ def _nrrd_header(grid: Grid, dtype: np.dtype[Any]) -> bytes:
     if grid.unit is not None:
         named = grid.unit.replace("\\", "").replace('"', "")
         lines.append(f'space units: "{named}" "{named}" "{named}"')
+    if grid.value_unit is not None:
+        lines.append(f"sample units: {' '.join(grid.value_unit.split())}")
     if grid.modality is not None:
         lines.append(f"modality:={' '.join(grid.modality.split())}")
     return ("\n".join(lines) + "\n\n").encode("utf-8", "replace")

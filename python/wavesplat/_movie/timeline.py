@@ -21,6 +21,7 @@ from wavesplat._movie.blending import blended_clips, blended_look
 from wavesplat._movie.key_frame import KeyFrame
 from wavesplat._movie.seen import camera_of
 from wavesplat._render.arguments import chosen_look
+from wavesplat._scene.drawn_layers import look_over_others
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -139,7 +140,7 @@ class Timeline:
             given = _look_of(key.look, number, len(self._scene.layers))
             if given is not None:
                 times.append(key.time_s)
-                looks.append(chosen_look(given, volume, composite))
+                looks.append((look_over_others if number else chosen_look)(given, volume, composite))
         return _Track(times, looks) if times else None
 
     def _time_track(self, keys: Sequence[KeyFrame]) -> _Track[float] | None:

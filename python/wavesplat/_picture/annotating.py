@@ -6,7 +6,6 @@ title, stand beside it on the same background, so that nothing is hidden.
 
 from __future__ import annotations
 
-import re
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass, fields
 from math import ceil, isfinite
@@ -101,7 +100,8 @@ def annotated(rgba: NDArray[np.float32], report: Mapping[str, Any], figure: Figu
         swatches = _named(figure, report)
         lettering.check_letters("".join(name for name, _ in swatches), font, "a name of the legend")
         beside = figure.legend_at == "beside"
-        block = legend.block(swatches, height - 2 * margin, style if beside else on_picture)
+        room = height - 2 * margin
+        block = legend.block(swatches, room, style if beside else on_picture, may_be_higher=beside)
         sheet.put(block, figure.legend_at, "the legend")
         taken = block.height + 2 * GAP * style.size if beside and figure.colorbar_at == "beside" else 0.0
     if figure.colorbar is not False:
@@ -111,11 +111,16 @@ def annotated(rgba: NDArray[np.float32], report: Mapping[str, Any], figure: Figu
     return sheet.canvas(rgba, background, style, figure), told
 
 
-def with_caption(rgba: NDArray[np.float32], text: str) -> NDArray[np.float32]:
-    """The picture with a line of text at its lower edge."""
+def with_caption(
+    rgba: NDArray[np.float32], text: str, *, at: Literal["lower edge", "upper left"] = "lower edge"
+) -> NDArray[np.float32]:
+    """The picture with a line of text at its lower edge, or in its upper left corner."""
     height, width = rgba.shape[:2]
     style = Style(_font_px(Figure(), width, height), WHITE).on_picture()
-    mark = Text(width / 2, height - 0.5 * style.size, text, style.size, style.ink, "middle", style.halo)
+    if at == "upper left":
+        mark = Text(0.5 * style.size, 1.2 * style.size, text, style.size, style.ink, "start", style.halo)
+    else:
+        mark = Text(width / 2, height - 0.5 * style.size, text, style.size, style.ink, "middle", style.halo)
     return raster.drawn(Canvas(width, height, rgba, marks=(mark,)))
 
 
@@ -298,13 +303,11 @@ def _colored(figure: Figure, report: Mapping[str, Any]) -> list[tuple[report_fac
     if figure.values is not None:
         return [(layer, figure.values) for layer in layers]
     if len(layers) == 1:
-        return [(layers[0], layers[0].values or _plain(layers[0].name))]
-    return [(layer, _plain(layer.name) + (f" ({layer.values})" if layer.values else "")) for layer in layers]
-
-
-def _plain(name: str) -> str:
-    """A file's name without the suffixes of its format."""
-    return re.sub(r"(?<=.)(\.(nii|ome))?\.[A-Za-z][A-Za-z0-9]{1,5}$", "", name)
+        return [(layers[0], layers[0].values or report_facts.plain_name(layers[0].name))]
+    return [
+        (layer, report_facts.plain_name(layer.name) + (f" ({layer.values})" if layer.values else ""))
+        for layer in layers
+    ]
 
 
 def _color_bars(
@@ -325,15 +328,17 @@ def _color_bars(
     return [color_bar.block(scale, long, style, behind) for scale in scales]
 
 
-def _named(figure: Figure, report: Mapping[str, Any]) -> list[tuple[str, Color]]:
-    """Names and colours of the legend."""
-    swatches = [(_plain(name), color) for name, color in report_facts.swatches_of(report)]
+def _named(figure: Figure, report: Mapping[str, Any]) -> list[tuple[str, Color | None]]:
+    """Names and colours of the legend; None for a line that tells of names left out."""
+    swatches = [(report_facts.plain_name(name), color) for name, color in report_facts.swatches_of(report)]
     for name, _ in swatches:
         lettering.check_length(name, "a name in the legend")
     if not swatches:
-        raise ArgumentError("there is nothing for a legend: this picture has no labels, and not several layers")
+        raise ArgumentError(
+            "there is nothing for a legend: this picture has no labels, no lines, and not several layers"
+        )
     if figure.legend is True:
-        return swatches
+        return legend.shortened(swatches)
     if isinstance(figure.legend, str) or not isinstance(figure.legend, Iterable):
         raise ArgumentError(f"legend is {described(figure.legend)}; give True, or the names that it shall have")
     known = dict(swatches)

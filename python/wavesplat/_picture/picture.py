@@ -166,7 +166,8 @@ class Picture:
             The colours of the values that are shown, for all layers, or for the one of this name. Light and shadows are
             not in it, nor is opacity, but for projections.
         legend : bool or sequence of str
-            Names and colours of the labels and, where there are several, of the layers; or of these only.
+            Names and colours of the labels and, where there are several, of the layers, of more than 30 the first 30;
+            or of these only. Slices name the labels in them; where there are none, all.
         title : str, optional
             Above the picture; it is broken into lines where it is longer.
         unit : str, optional
@@ -244,6 +245,7 @@ class Picture:
         dpi: float | None = None,
         quality: int = 95,
         scene: bool = True,
+        embed_paths: bool = False,
     ) -> None:
         """Write the picture to a file; the suffix chooses the format.
 
@@ -263,7 +265,10 @@ class Picture:
             Quality of JPEG and WebP files, 1 to 100; a WebP file of 100 loses nothing.
         scene : bool
             Whether the scene is written into a PNG file, so that `Scene.load` reads it from there, and
-            `wavesplat render --from` draws it again. It then holds names of files.
+            `wavesplat render --from` draws it again. It holds the names of files, without their folders, which may have
+            patients' names: it is drawn again beside the files, or in their folder.
+        embed_paths : bool, default False
+            Write whole paths of files into the scene, relative where they lie below the picture's folder or beside it.
 
         Raises
         ------
@@ -300,7 +305,7 @@ class Picture:
         def write(part: Path) -> None:
             if suffix == ".png":
                 content = picture_files.png_bytes(self.rgba, bits, dpi)
-                folder = Path(path).absolute().parent
+                folder = Path(path).absolute().parent if embed_paths else None
                 part.write_bytes(
                     picture_files.with_scene(content, self.report.get("scene"), folder) if scene else content
                 )

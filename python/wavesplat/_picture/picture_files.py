@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat import _native
+from wavesplat._model.private_names import without_folders
 from wavesplat._model.sources import beside
 from wavesplat._picture.png_text import KEYWORD, with_text
 
@@ -71,11 +72,15 @@ def png_bytes(rgba: NDArray[np.float32], bits: int, dpi: float | None = None) ->
     return content[:header] + chunk + content[header:]
 
 
-def with_scene(content: bytes, scene: Any, folder: Path) -> bytes:
-    """The content of a PNG file with a scene's document, whose paths are relative where they can be."""
+def with_scene(content: bytes, scene: Any, folder: Path | None) -> bytes:
+    """The content of a PNG file with a scene's document.
+
+    folder : of the file: paths are relative to it where they can be; None writes names of files alone.
+    """
     if not isinstance(scene, dict):
         return content
-    text = json.dumps(beside(scene, folder), ensure_ascii=False, separators=(",", ":"))
+    document = without_folders(scene) if folder is None else beside(scene, folder)
+    text = json.dumps(document, ensure_ascii=False, separators=(",", ":"))
     return with_text(content, KEYWORD, text)
 
 

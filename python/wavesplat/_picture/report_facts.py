@@ -5,6 +5,7 @@ Where a fact is missing, the error says which, and how to give it.
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass
 from math import dist, radians, tan
@@ -19,7 +20,17 @@ from wavesplat._model.camera import Camera
 from wavesplat._model.facts import Facts
 from wavesplat.errors import ArgumentError
 
-__all__ = ["ShownLayer", "View", "background_of", "facts_of_view", "layers_of", "shown_layer", "swatches_of", "view_of"]
+__all__ = [
+    "ShownLayer",
+    "View",
+    "background_of",
+    "facts_of_view",
+    "layers_of",
+    "plain_name",
+    "shown_layer",
+    "swatches_of",
+    "view_of",
+]
 
 Array = NDArray[np.float64]
 Rgb = tuple[float, float, float]
@@ -93,12 +104,18 @@ def layers_of(report: Mapping[str, Any]) -> list[ShownLayer]:
 
 
 def swatches_of(report: Mapping[str, Any]) -> list[tuple[str, Rgb]]:
-    """Names and colours for a legend: of the labels, then of the layers where there are several."""
-    found = [(str(label["name"]), _rgb(label["color"])) for label in report.get("labels") or []]
+    """Names and colours for a legend: of labels, of lines over a slice, then of the layers where there are several."""
+    named = [*(report.get("labels") or []), *(report.get("lines") or [])]
+    found = [(str(one["name"]), _rgb(one["color"])) for one in named]
     layers = layers_of(report) if report.get("shown") else []
     if len(layers) > 1:
         found += [(layer.name, _brightest(layer.function)) for layer in layers if layer.function is not None]
     return found
+
+
+def plain_name(name: str) -> str:
+    """A file's name without the suffixes of its format."""
+    return re.sub(r"(?<=.)(\.(nii|ome))?\.[A-Za-z][A-Za-z0-9]{1,5}$", "", name)
 
 
 def background_of(report: Mapping[str, Any], rgba: NDArray[np.float32]) -> tuple[float, float, float, float] | None:

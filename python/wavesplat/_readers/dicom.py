@@ -1,15 +1,18 @@
-"""DICOM: a folder with a series of slices, one of its files, or a file of many frames.
+"""DICOM: a folder (also of folders), DICOMDIR or zip archive with series of slices, a slice, or a file of many frames.
 
-Headers are read by pydicom (`dicom_header`, with `dicom_attributes`), pixels by it and SimpleITK (`dicom_pixels`);
+`dicom_places` finds the files, `dicom_series` the series that is asked for. Headers are read by pydicom
+(`dicom_header`, with `dicom_attributes`), pixels by it and SimpleITK (`dicom_pixels`);
 `dicom_checks` finds impossible values, `dicom_volumes` the frames that belong together, `dicom_stack` makes slices at
-even distances of them, and `dicom_samples` values.
+even distances of them, and `dicom_samples` values. Segmentations are label maps (`dicom_segments`).
 """
 
 from __future__ import annotations
 
-from collections.abc import Hashable, Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from operator import is_not
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -19,167 +22,131 @@ from wavesplat._files.named_files import check_within
 from wavesplat._files.reading import reading
 from wavesplat._model import affine
 from wavesplat._model.facts import Facts
+from wavesplat._readers import dicom_segments
 from wavesplat._readers.dicom_checks import check_alike, check_is_volume, mended
-from wavesplat._readers.dicom_header import Frame, Header, content_of, header_of, is_dicom
+from wavesplat._readers.dicom_header import Frame, Header, content_of, header_of
+from wavesplat._readers.dicom_mosaic import MOSAIC
 from wavesplat._readers.dicom_pixel_data import NATIVE, check_enough, n_bits_of
 from wavesplat._readers.dicom_pixels import frames_in, is_padding_beyond_bits
+from wavesplat._readers.dicom_places import files_below, files_of_directory, is_zip, unpacked
 from wavesplat._readers.dicom_samples import samples_of
-from wavesplat._readers.dicom_stack import N_NAMED, Stack, stacked
+from wavesplat._readers.dicom_series import (
+    Unreadable,
+    alike,
+    chosen_series,
+    named,
+    scanned,
+    without_copies,
+)
+from wavesplat._readers.dicom_stack import Stack, stacked
+from wavesplat._readers.dicom_suv import uptake_of
 from wavesplat._readers.dicom_volumes import FrameVolume, times_of, volumes_of
-from wavesplat._readers.request import COLORS, Grid, Request, SeveralError, choose, quiet, several, unwarned
-from wavesplat.errors import ArgumentError, FileError, LimitError
+from wavesplat._readers.request import COLORS, Grid, Request, SeveralError, choose, quiet, unwarned
+from wavesplat.errors import FileError, LimitError
 
 __all__ = ["read"]
 
-#: Files that cannot be read, and why.
-Unreadable: TypeAlias = Mapping[Path, Exception]
-SUFFIXES = (".dcm", ".ima", ".dicom")
-NAME_IMAGES = "name the images that it belongs to, or a folder of them"
-#: The word by which Siemens marks slices side by side in one picture, in the image type.
-MOSAIC = "MOSAIC"
+T = TypeVar("T")
+#: Beginning of the sentences on values that are neither scaled nor looked up.
+AS_STORED = "values as they are stored"
 
 
 def read(request: Request) -> Grid:
     """The volume of a DICOM series."""
     with reading("DICOM", request.path), quiet("pydicom"), unwarned("pydicom"):
         path = request.file
+        if is_zip(path):
+            with unpacked(path, request.kept) as folder:
+                # The archive is what a document names, and its files lie elsewhere.
+                return _read_files(files_below(folder), folder, replace(request, within=None))
         if path.is_dir():
-            return _read_series(path, request.series, request)
+            return _read_files(files_below(path, request.within), path, request)
         first = header_of(path)
         if first is None:
-            raise FileError(f"the file is DICOM and holds {content_of(path)}, no image; {NAME_IMAGES}: {path}")
+            files, missing = files_of_directory(path, request.within)
+            if files or missing:
+                return _read_files(files, path.parent, request, missing)
+            content = content_of(path)
+            raise FileError(f"the file is DICOM and holds {content.what}, no image; {content.instead}: {path}")
+        if dicom_segments.is_segmentation(first):
+            return dicom_segments.read(first, request)
         if first.n_frames > 1:
             return _read_headers([first], {}, request)
-        return _read_series(path.parent, request.series or first.series, request, named=first)
+        return _read_named(first, request)
 
 
-def _read_series(folder: Path, uid: str | None, request: Request, named: Header | None = None) -> Grid:
-    headers, unreadable, others = _scanned(folder, request, named)
-    series: dict[str, list[Header]] = {}
-    for header in headers:
-        series.setdefault(header.series, []).append(header)
-    if not series and unreadable:
-        first = next(iter(unreadable.values()))
-        if isinstance(first, FileError):  # which says more
-            raise first
-        raise FileError(f"{_named(unreadable)}; copy or export them again: {request.path}") from first
-    if not series and others:
+def _read_segmentation(headers: Sequence[Header], request: Request) -> Grid | None:
+    """The segmentation of a series; None if it is none. Each file is one, and files are not mixed."""
+    if not dicom_segments.is_segmentation(headers[0]):
+        return None
+    if len(headers) > 1:
         raise FileError(
-            f"the folder holds DICOM files without images ({others[0].name} holds {content_of(others[0])}); "
-            f"{NAME_IMAGES}: {request.path}"
+            f"the series holds {len(headers)} segmentations; name one of the files, such as "
+            f"{headers[0].file.name}: {request.path}"
         )
-    if not series:
-        raise FileError(
-            f"the folder holds no DICOM series, no TIFF slices and no Zarr array; name another: {request.path}"
-        )
-    if uid is None and len(series) > 1:
-        message = (
-            f"the folder holds {len(series)} series; choose one with series= (--series): "
-            f"{_listed(series)}: {request.path}"
-        )
-        described = [f"{uid} {found[0].description} ({len(found)} files)" for uid, found in series.items()]
-        raise several(message, "series", list(series), described)
-    uid = next(iter(series)) if uid is None else uid
-    if uid not in series:
-        raise ArgumentError(f"no series {uid!r}; the folder holds: {_listed(series)}: {request.path}")
-    return _read_headers(_without_copies(series[uid], named.file if named else None), unreadable, request)
+    return dicom_segments.read(headers[0], request)
 
 
-def _without_copies(headers: Sequence[Header], named: Path | None) -> list[Header]:
-    """One file of each group of copies, the one that was named if it is among them.
+def _read_files(files: Sequence[Path], root: Path, request: Request, missing: Sequence[Path] = ()) -> Grid:
+    """A volume of the series that is asked for, of these files.
 
-    Some programs give all files one UID, so a file with another position or other attributes is no copy.
+    root : the folder that messages name files from. missing : files that a directory names in vain.
     """
-    first: dict[Hashable, Header] = {}
-    for header in headers:
-        frame = header.frames[0]
-        said = (frame.instance, frame.position.tobytes(), tuple(sorted(frame.attributes.items())))
-        key = (header.instance_uid, said) if header.instance_uid else header.file
-        if key not in first or header.file == named:
-            first[key] = header
-    return list(first.values())
+    scan = scanned(files, root, request)
+    scan.unreadable |= {file: FileNotFoundError(f"no such file: {file}") for file in missing}
+    found = chosen_series(scan, request)
+    headers = _once({} if request.kept is None else request.kept, "copies", found, lambda: without_copies(found, None))
+    unreadable: Unreadable = scan.unreadable
+    if unreadable:  # files in folders of other series are no slices of this one
+        folders = {header.file.parent for header in headers}
+        unreadable = {file: error for file, error in unreadable.items() if file.parent in folders}
+    return _read_segmentation(headers, request) or _read_headers(headers, unreadable, request)
 
 
-def _scanned(folder: Path, request: Request, named: Header | None) -> tuple[list[Header], Unreadable, list[Path]]:
-    """Headers of all images in a folder, image files that cannot be read, and DICOM files that are no images.
-
-    Headers are kept from one time point of a series to the next, as long as their files stay as they are. `named`: the
-    header of the file that was named, which has been read.
-    """
-    headers, unreadable, others = [], {}, []
-    kept = {} if request.kept is None else request.kept.setdefault("headers of DICOM", {})
-    for file in sorted(entry for entry in folder.iterdir() if entry.is_file()):
+def _read_named(first: Header, request: Request) -> Grid:
+    """A volume of the file that was named and of the slices beside it; files that are none are left out."""
+    beside = [file for file in sorted(first.file.parent.iterdir()) if file.is_file()]
+    for file in beside:
         check_within(file, request.within)
-        looks_like = file.suffix.lower() in SUFFIXES
-        state = file.stat()
-        key = (file, state.st_mtime_ns, state.st_size)
-        header = named if named is not None and file == named.file else kept.get(key)
-        if header is None and (looks_like or _is_dicom(file)):
-            header = _scanned_file(file)
-            kept[key] = header
-            if header is None:
-                others.append(file)
-        if isinstance(header, Header):
-            headers.append(header)
-        elif header is not None:
-            unreadable[file] = header
-    return headers, unreadable, others
-
-
-def _scanned_file(file: Path) -> Header | Exception | None:
-    # Parsers of damaged files raise nearly anything.
-    try:
-        return header_of(file)
-    except (ImportError, LimitError):
-        raise
-    except Exception as error:  # noqa: BLE001
-        return error
-
-
-def _is_dicom(file: Path) -> bool:
-    try:
-        return is_dicom(file)
-    except OSError:
-        return False
-
-
-def _listed(series: dict[str, list[Header]]) -> str:
-    return ", ".join(f"{uid} ({len(headers)} files)" for uid, headers in series.items())
-
-
-def _named(unreadable: Unreadable) -> str:
-    files = list(unreadable)
-    names = ", ".join(file.name for file in files[:N_NAMED]) + (", ..." if len(files) > N_NAMED else "")
-    what = "1 file of the folder is" if len(files) == 1 else f"{len(files)} files of the folder are"
-    return f"{what} damaged and cannot be read ({names})"
+    scan = scanned(beside, first.file.parent, request, first)
+    headers = without_copies(chosen_series(scan, request, first), first.file)
+    told = ""
+    if first.file in {header.file for header in headers}:
+        headers, told = alike(headers, first)
+    if (labels := _read_segmentation(headers, request)) is not None:  # `series` may choose one beside the file
+        return labels
+    grid = _read_headers(headers, scan.unreadable, request)
+    return grid if not told else grid._replace(facts=replace(grid.facts, guesses=(*grid.facts.guesses, told)))
 
 
 def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Request) -> Grid:
     """One volume of the frames of these files."""
     check_is_volume(headers)
-    all_frames, guesses, mends = mended(headers, request)
-    check_alike(headers, all_frames, request)
+    kept = {} if request.kept is None else request.kept
+    all_frames, said_guesses, mends, processing = _once(kept, "frames", headers, lambda: _valued(headers, request))
+    guesses = list(said_guesses)
+    _once(kept, "alike", all_frames, lambda: check_alike(headers, all_frames, request))
     if sum(header.n_frames for header in headers) == 1:
         raise FileError(_single(headers[0], unreadable, request))
     first = headers[0]
-    is_placed = all(frame.is_placed() for frame in all_frames)
+    is_placed = _once(kept, "places", all_frames, lambda: all(frame.is_placed() for frame in all_frames))
     wanted = {header.file for header in headers}
     if is_placed and not unreadable:  # files of other volumes need not be read
-        wanted = {frame.file for frame in _chosen(all_frames, (), headers, request)[0].frames}
+        wanted = {frame.file for frame in _chosen(all_frames, (), headers, request, kept)[0].frames}
     pixels, damaged = _pixels([header for header in headers if header.file in wanted], request)
     if not pixels:
         raise next(iter(damaged.values()))
     if damaged:  # where files are missing, all that there are decide which frames belong together
         pixels, damaged = _pixels(headers, request, {**pixels, **damaged})
     unreadable = {**unreadable, **damaged}
-    losses = [f"{_named(unreadable)}, and left out"] if unreadable else []
-    frames = [frame for frame in all_frames if frame.file not in damaged]
+    losses = [f"{named(unreadable)}, and left out"] if unreadable else []
+    frames = [frame for frame in all_frames if frame.file not in damaged] if damaged else all_frames
     if len(frames) == 1:
         raise FileError(_single(headers[0], unreadable, request))
     guesses += _guesses_of_values([header for header in headers if header.file in pixels])
     if is_placed:
-        volume, n_times, times = _chosen(frames, losses, headers, request)
-        stack = stacked(volume.frames, request, is_mask=first.modality == "SEG")
+        volume, n_times, times = _chosen(frames, losses, headers, request, kept)
+        stack = stacked(volume.frames, request)
         losses += [*mends, *([volume.loss] if volume.loss else [])]
         if volume.guess:
             (losses if volume.is_by_names else guesses).append(volume.guess)
@@ -199,6 +166,8 @@ def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Re
         unit="mm" if np.isfinite(first.frames[0].pixel_spacing).all() else None,
         is_anatomical=first.is_of_patient and is_placed,
         modality=first.modality,
+        value_unit="SUV" if request.suv else _value_unit(headers, [*guesses, *mends]),
+        processing=processing,
         channels=colors,
         channel=colors[request.channel or 0] if colors else None,
         n_times=n_times,
@@ -207,6 +176,26 @@ def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Re
         guesses=tuple(guesses),
     )
     return Grid(samples, stack.world_from_index, facts, (*losses, *stack.losses))
+
+
+def _valued(headers: Sequence[Header], request: Request) -> tuple[list[Frame], list[str], list[str], tuple[str, ...]]:
+    """The frames with slopes and intercepts to the values that are asked for, guesses, warnings, and processing."""
+    frames, guesses, mends = mended(headers, request)
+    if not request.suv:
+        return frames, guesses, mends, ()
+    uptake = uptake_of([header.tracer for header in headers], request.path)
+    if mends:
+        raise FileError(f"suv: {mends[0]}: {request.path}")
+    scale = uptake.factor
+    scaled = [replace(frame, slope=frame.slope * scale, intercept=frame.intercept * scale) for frame in frames]
+    return scaled, [*guesses, *uptake.guesses], mends, (uptake.told,)
+
+
+def _value_unit(headers: Sequence[Header], told: Sequence[str]) -> str | None:
+    """The unit of the values; None where files differ in it, or `told` says that values are as they are stored."""
+    found = {header.value_unit for header in headers}
+    is_stored = any(one.startswith(AS_STORED) for one in told)
+    return found.pop() if len(found) == 1 and not is_stored and headers[0].n_samples == 1 else None
 
 
 def _guesses_of_values(headers: Sequence[Header]) -> list[str]:
@@ -220,16 +209,28 @@ def _guesses_of_values(headers: Sequence[Header]) -> list[str]:
     if any(is_padding_beyond_bits(header) for header in headers):
         guesses.append("padding (PixelPaddingValue), for which there are too few stored bits, as the lowest of them")
     if any(header.has_lookup_table for header in headers):
-        guesses.append("values as they are stored: the table for them (Modality LUT) is not applied")
+        guesses.append(f"{AS_STORED}: the table for them (Modality LUT) is not applied")
     return guesses
 
 
+def _once(kept: dict[str, Any], name: str, things: Sequence[Any], made: Callable[[], T]) -> T:
+    """Result of `made` for these headers or frames; kept from one time point to the next while they are the same."""
+    before = kept.get(f"{name} of DICOM")
+    if before is None or len(before[0]) != len(things) or any(map(is_not, before[0], things)):
+        before = kept[f"{name} of DICOM"] = (things, made())
+    return cast(T, before[1])
+
+
 def _chosen(
-    frames: Sequence[Frame], losses: Sequence[str], headers: Sequence[Header], request: Request
+    frames: Sequence[Frame],
+    losses: Sequence[str],
+    headers: Sequence[Header],
+    request: Request,
+    kept: dict[str, Any],
 ) -> tuple[FrameVolume, int, tuple[float, ...]]:
     """The volume that is asked for, the number of volumes, and their times; errors name `losses`, a likely cause."""
     try:
-        volumes = volumes_of(frames, request)
+        volumes = _once(kept, "volumes", frames, lambda: volumes_of(frames, request))
         if all(len(volume.frames) == 1 for volume in volumes):
             raise FileError(_at_one_place(headers[0], request))
         labels = [volume.label for volume in volumes]
@@ -246,13 +247,13 @@ def _chosen(
         if not losses or isinstance(error, SeveralError):
             raise
         raise FileError(f"{losses[0]}; then {error}") from None
-    return volume, len(volumes), times_of(volumes)
+    return volume, len(volumes), _once(kept, "times", volumes, lambda: times_of(volumes))
 
 
 def _single(header: Header, unreadable: Unreadable, request: Request) -> str:
     if MOSAIC in header.image_type:
         return _mosaic(request)
-    others = f" ({_named(unreadable)})" if unreadable else ""
+    others = f" ({named(unreadable)})" if unreadable else ""
     return f"the series has a single slice, which is 2-D; add the other slices of the series{others}: {request.path}"
 
 
@@ -264,8 +265,9 @@ def _at_one_place(header: Header, request: Request) -> str:
 
 def _mosaic(request: Request) -> str:
     return (
-        "each file holds a mosaic (Siemens): the slices of a volume side by side in one picture; "
-        f"convert the series to NIfTI first, such as by dcm2niix: {request.path}"
+        "each file holds a mosaic (Siemens), the slices of a volume side by side in one picture, and the private "
+        "elements that say how many there are and where (0019,xx0A, or the CSA header) were removed; export the series "
+        f"with them: {request.path}"
     )
 
 
@@ -295,6 +297,7 @@ def _n_bytes(header: Header) -> int:
 
 def _is_longer(header: Header) -> bool:
     """Whether uncompressed pixels are followed by more than the byte that makes their number even."""
+    header = header.whole or header
     data = header.pixel_data
     if data is None or header.transfer_syntax not in NATIVE:
         return False

@@ -19,7 +19,7 @@ from wavesplat._readers.dicom_values import as_numbers, as_text, first_items, ra
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["ATTRIBUTES", "SEQUENCES", "Attribute", "Value", "attributes_of_frames"]
+__all__ = ["ATTRIBUTES", "SECONDS_PER_DAY", "SEQUENCES", "Attribute", "Value", "attributes_of_frames", "seconds_of"]
 
 #: Value of an attribute: a number, a direction, or a text.
 Value: TypeAlias = float | tuple[float, ...] | str
@@ -225,10 +225,10 @@ def _value(source: Source, found: Mapping[int, Raw]) -> Value | None:
         return as_text(found[source.tag]) or None
     if source.encoding == "time":
         dates = (as_text(found[tag]) for tag in source.others if tag in found)
-        return _seconds(next(dates, ""), as_text(found[source.tag]))
+        return seconds_of(next(dates, ""), as_text(found[source.tag]))
     if source.encoding == "datetime":
         text = as_text(found[source.tag])
-        return _seconds(text[:8], text[8:])
+        return seconds_of(text[:8], text[8:])
     tags = (source.tag, *source.others)
     numbers = [number for tag in tags if tag in found for number in as_numbers(found[tag], source.encoding)]
     n_wanted = source.count + len(source.others)
@@ -243,7 +243,7 @@ def _rounded(number: float) -> float:
     return float(f"{number:.{N_DIGITS}g}")
 
 
-def _seconds(day: str, time: str) -> float | None:
+def seconds_of(day: str, time: str) -> float | None:
     """Seconds since the year 1, or since midnight where no date is given: a scan may go on past midnight.
 
     Days as YYYYMMDD, times as HHMMSS.FFFFFF with parts left out at the end, or as HH:MM:SS as before 1993; what

@@ -20,8 +20,13 @@ from numpy.typing import NDArray
 from wavesplat._files import size_checks
 from wavesplat._files.bounded_file import BoundedFile
 from wavesplat._readers.dicom_attributes import SEQUENCES, Value, attributes_of_frames
+from wavesplat._readers.dicom_contents import IMAGES, Content, content_by
 from wavesplat._readers.dicom_deflated import header_dataset
+from wavesplat._readers.dicom_mosaic import MOSAIC, Tiles, positions_of, tiles_of
 from wavesplat._readers.dicom_pixel_data import PixelData, check_n_frames, pixel_data_at
+from wavesplat._readers.dicom_places import N_FIRST, begins_as_dicom
+from wavesplat._readers.dicom_suv import Tracer, tracer_of
+from wavesplat._readers.dicom_units import unit_of_values
 from wavesplat._readers.dicom_values import (
     as_numbers,
     first_items,
@@ -39,23 +44,6 @@ if TYPE_CHECKING:
 
 __all__ = ["INDEX", "Frame", "Header", "content_of", "header_of", "is_dicom"]
 
-#: Modalities of files that are no images, and what they hold.
-NO_IMAGES = {
-    "RTSTRUCT": "contours (RTSTRUCT)",
-    "RTPLAN": "a plan of a radiotherapy (RTPLAN)",
-    "PLAN": "a plan",
-    "RTRECORD": "a record of a radiotherapy (RTRECORD)",
-    "SR": "a structured report (SR)",
-    "PR": "a presentation state (PR)",
-    "KO": "a list of images (KO)",
-    "DOC": "a document",
-    "REG": "a registration (REG)",
-    "FID": "fiducials",
-    "AU": "sound",
-    "ECG": "an electrocardiogram (ECG)",
-    "HD": "waveforms (HD)",
-    "RWV": "a table of real world values (RWV)",
-}
 #: Dimensions of enhanced files that say where a frame lies, and not how it differs from others of its position.
 OF_PLACE = {0x00209057, 0x00200032, 0x00209301, 0x00209056, 0x00540080, 0x0062000B}
 #: Functional groups that are read: those with attributes, and of pixels, values, positions, orientations and segments.
@@ -82,8 +70,8 @@ class Frame:
     slope: float
     intercept: float
     stack: str = ""
-    #: Number and name of the segment that it is a mask of; 0 of frames that are none.
-    segment: tuple[int, str] = (0, "")
+    #: Number of the segment that it is a mask of; 0 of frames that are none.
+    segment: int = 0
     #: Attributes that may distinguish it from other frames of its position, by the names of `dicom_attributes`.
     attributes: Mapping[str, Value] = field(default_factory=dict)
     #: Lengths of the two directions of `orientation` in the file, of which it has unit vectors.
@@ -111,7 +99,10 @@ class Header:
     file: Path
     sop_class: str
     image_type: str
+    #: UIDs of the study and of the series, number of the series (None where there is none), UID of the file.
+    study: str
     series: str
+    series_number: int | None
     instance_uid: str
     description: str
     modality: str | None
@@ -133,16 +124,22 @@ class Header:
     #: Distance between slices, for frames without positions.
     slice_step: float
     has_lookup_table: bool
+    #: Unit of the values once slope and intercept are applied; None where it is unknown.
+    value_unit: str | None
+    #: Elements that uptake values need; None of files that are no PET.
+    tracer: Tracer | None
     #: Whether its axes are a patient's, and not those of a probe.
     is_of_patient: bool
     frames: tuple[Frame, ...]
+    #: How the frames lie side by side in one picture, and the header of that; None where each is a picture of its own.
+    tiles: Tiles | None = None
+    whole: Header | None = None
 
 
 def is_dicom(file: Path) -> bool:
     """Whether a file begins as DICOM does: with its mark or, without one, with an element of group 8."""
     with file.open("rb") as stream:
-        head = stream.read(132)
-    return head[128:] == b"DICM" or (head[:4] in (b"\x08\x00\x05\x00", b"\x08\x00\x00\x00", b"\x08\x00\x08\x00"))
+        return begins_as_dicom(stream.read(N_FIRST))
 
 
 def header_of(file: Path) -> Header | None:
@@ -152,7 +149,7 @@ def header_of(file: Path) -> Header | None:
         modality = text(dataset, 0x00080060).upper()
         rows, columns = integer(dataset, 0x00280010), integer(dataset, 0x00280011)
         if rows * columns == 0:
-            if modality in NO_IMAGES or text(dataset, 0x00020002) or 0x00041220 in dataset or _is_directory(dataset):
+            if _content(dataset) is not None:
                 return None
             raise ValueError("the header has no rows and columns")
         pixel_data = pixel_data_at(content, dataset, file)
@@ -163,7 +160,9 @@ def header_of(file: Path) -> Header | None:
         file=file,
         sop_class=text(dataset, 0x00080016),
         image_type=text(dataset, 0x00080008).upper(),
+        study=text(dataset, 0x0020000D),
         series=text(dataset, 0x0020000E),
+        series_number=_series_number(dataset),
         instance_uid=text(dataset, 0x00080018),
         description=text(dataset, 0x0008103E),
         modality=modality or None,
@@ -181,6 +180,8 @@ def header_of(file: Path) -> Header | None:
         padding=_padding(dataset),
         slice_step=_slice_step(dataset),
         has_lookup_table=0x00283000 in dataset,
+        value_unit=_value_unit(dataset, modality),
+        tracer=tracer_of(dataset) if modality == "PT" else None,
         is_of_patient=0x0020930F not in _shared_groups(dataset),
         frames=(),
     )
@@ -193,17 +194,35 @@ def header_of(file: Path) -> Header | None:
                 f"the header says {n_frames} frames (NumberOfFrames) and describes {n_groups} of them "
                 f"(PerFrameFunctionalGroupsSequence); copy or export it again: {file}"
             )
-    return replace(header, frames=tuple(_frames(dataset, file, n_frames)))
+    header = replace(header, frames=tuple(_frames(dataset, file, n_frames)))
+    if MOSAIC in header.image_type and n_frames == 1 and header.frames[0].is_placed():
+        return _split(header, dataset)
+    return header
 
 
-def content_of(file: Path) -> str:
-    """The content of a DICOM file without an image, in words."""
+def _split(header: Header, dataset: Dataset) -> Header:
+    """The header of a mosaic as one of many frames; the header itself where the number of slices is not said."""
+    tiles, [frame] = tiles_of(dataset, header.size, header.file), header.frames
+    if tiles is None:
+        return header
+    row_spacing, column_spacing = frame.pixel_spacing
+    steps = (column_spacing, row_spacing, header.slice_step)
+    positions = positions_of(tiles, header.size, frame.position, frame.orientation, steps)
+    frames = tuple(replace(frame, index=k, position=position) for k, position in enumerate(positions))
+    size = tiles.size_of_one(header.size)
+    return replace(header, size=size, n_frames=tiles.n, frames=frames, tiles=tiles, whole=header)
+
+
+def content_of(file: Path) -> Content:
+    """The content of a DICOM file without an image."""
     with BoundedFile(file) as stream:
         dataset, _ = header_dataset(file, stream)
-    if 0x00041220 in dataset or _is_directory(dataset):
-        return "a directory of other files (DICOMDIR)"
-    modality = text(dataset, 0x00080060).upper()
-    return NO_IMAGES.get(modality, f"something else ({modality})" if modality else "something else")
+    return _content(dataset) or Content("something else", IMAGES)
+
+
+def _content(dataset: Dataset) -> Content | None:
+    sop_class = text(dataset, 0x00080016) or str(dataset.file_meta.get("MediaStorageSOPClassUID", ""))
+    return content_by(text(dataset, 0x00080060).upper(), sop_class, is_directory=0x00041220 in dataset)
 
 
 def _n_frames(dataset: Dataset, file: Path) -> int:
@@ -216,8 +235,15 @@ def _n_frames(dataset: Dataset, file: Path) -> int:
         ) from None
 
 
-def _is_directory(dataset: Dataset) -> bool:
-    return str(dataset.file_meta.get("MediaStorageSOPClassUID", "")) == "1.2.840.10008.1.3.10"
+def _value_unit(dataset: Dataset, modality: str) -> str | None:
+    own = [first_items(group, GROUPS) for group in items(dataset, 0x52009230)[:1]]
+    rescaled = _in_group((*own, _shared_groups(dataset)), 0x00289145)
+    return unit_of_values(dataset, () if rescaled is None else (rescaled,), modality)
+
+
+def _series_number(dataset: Dataset) -> int | None:
+    found = as_numbers(raw_value(dataset, 0x00200011), "decimal")
+    return int(found[0]) if found and math.isfinite(found[0]) else None
 
 
 def _slice_step(dataset: Dataset) -> float:
@@ -241,13 +267,12 @@ def _frames(dataset: Dataset, file: Path, n_frames: int) -> Iterator[Frame]:
     instance = _instance(dataset)
     own, shared = [first_items(group, GROUPS) for group in items(dataset, 0x52009230)], _shared_groups(dataset)
     attributes = attributes_of_frames(dataset, shared, own, n_frames)
-    segments = _segments(dataset)
     said: dict[str, Any] = {}
     for index in range(n_frames):
         # Frames without groups of their own are alike but for the place along the line.
         if index < len(own) or not said:
             groups = (own[index] if index < len(own) else {}, shared)
-            said = _of_frame(dataset, groups, pointers, segments, attributes[index])
+            said = _of_frame(dataset, groups, pointers, attributes[index])
         else:
             said["attributes"] = attributes[index]
         if along is not None:
@@ -259,7 +284,6 @@ def _of_frame(
     dataset: Dataset,
     groups: Sequence[Mapping[int, Any]],
     pointers: Sequence[int],
-    segments: Mapping[int, str],
     attributes: Mapping[str, Value],
 ) -> dict[str, Any]:
     """Arguments of `Frame` from its functional groups, or else from the dataset."""
@@ -273,7 +297,6 @@ def _of_frame(
         spacing = numbers(dataset, 0x00181164, 2)
     position, orientation, lengths = _placed(groups, dataset)
     segment = _in_group(groups, 0x0062000A)
-    number = 0 if segment is None else integer(segment, 0x0062000B)
     return {
         "position": position,
         "orientation": orientation,
@@ -283,7 +306,7 @@ def _of_frame(
         "slope": _factor(groups, dataset, 0x00281053, _factor((), dataset, 0x3004000E, 1.0)),
         "intercept": _factor(groups, dataset, 0x00281052, 0.0),
         "stack": text(content, 0x00209056) if content is not None else "",
-        "segment": (number, segments.get(number, "")),
+        "segment": 0 if segment is None else integer(segment, 0x0062000B),
         "attributes": {**attributes, **dimensions} if dimensions else attributes,
     }
 
@@ -293,11 +316,6 @@ def _instance(dataset: Dataset) -> int:
         return int(float(text(dataset, 0x00200013) or 0))
     except (ValueError, OverflowError):
         return 0
-
-
-def _segments(dataset: Dataset) -> dict[int, str]:
-    """Names of the segments of a segmentation, by number."""
-    return {integer(item, 0x00620004): text(item, 0x00620005) for item in items(dataset, 0x00620002)}
 
 
 @lru_cache

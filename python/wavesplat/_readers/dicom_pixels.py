@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import math
 import tempfile
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -19,6 +20,7 @@ from wavesplat._files.bounded_file import BoundedFile
 from wavesplat._files.mute_stderr import muted_stderr
 from wavesplat._readers.dicom_deflated import DEFLATED, check_unpacked_size, unpacked_part
 from wavesplat._readers.dicom_header import Header
+from wavesplat._readers.dicom_mosaic import slices_in
 from wavesplat._readers.dicom_pixel_data import (
     BIG_ENDIAN,
     DOUBLES,
@@ -31,7 +33,7 @@ from wavesplat._readers.dicom_pixel_data import (
 from wavesplat._readers.itk import simple_itk
 from wavesplat.errors import FileError
 
-__all__ = ["check_syntax", "frames_in", "is_padding_beyond_bits"]
+__all__ = ["check_syntax", "frame_by_frame", "frames_in", "is_padding_beyond_bits"]
 
 RLE = "1.2.840.10008.1.2.5"
 #: Transfer syntaxes that GDCM unpacks: JPEG (baseline, extended, lossless), JPEG-LS and JPEG 2000.
@@ -44,6 +46,8 @@ ITEM, END_OF_ITEMS = b"\xfe\xff\x00\xe0", b"\xfe\xff\xdd\xe0"
 
 def frames_in(header: Header) -> NDArray[Any]:
     """All frames of a file, shape (frames, rows, columns), and samples behind if a pixel has several."""
+    if header.tiles is not None and header.whole is not None:
+        return slices_in(frames_in(header.whole)[0], header.tiles)
     check_syntax(header)
     columns, rows = header.size
     shape = (header.n_frames, rows, columns)
@@ -66,6 +70,26 @@ def frames_in(header: Header) -> NDArray[Any]:
     stored = _by_neutral_copy(header, shape, fragments)
     _check_bits(max(stored.dtype.itemsize * 8, _jpeg_precision(fragments)), header)
     return _meant(stored, header)
+
+
+def frame_by_frame(header: Header) -> Callable[[int], NDArray[Any]]:
+    """A function from the number of a frame to its stored numbers, shape (rows, columns).
+
+    Uncompressed masks of one bit are unpacked when they are asked for: all at once they are eight times as large.
+    """
+    check_syntax(header)
+    if header.transfer_syntax not in NATIVE or header.bits_allocated != 1:
+        return frames_in(header).__getitem__
+    columns, rows = header.size
+    packed = np.frombuffer(_native_bytes(header)[1], np.uint8)
+    n = rows * columns
+
+    def frame(index: int) -> NDArray[Any]:
+        begin = index * n  # in bits; frames follow each other without gaps
+        bits = np.unpackbits(packed[begin // 8 : -(-(begin + n) // 8)], bitorder="little")
+        return bits[begin % 8 : begin % 8 + n].reshape(rows, columns)
+
+    return frame
 
 
 def _check_bits(n_bits: int, header: Header) -> None:

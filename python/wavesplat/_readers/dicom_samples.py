@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import Any
@@ -41,9 +40,7 @@ def samples_of(
         return stored.astype(np.int64) * int(frame.slope) + int(frame.intercept)
 
     for number, (a, b, share) in enumerate(stack.slices):
-        if math.isnan(share):
-            samples[number] = 0
-        elif share in (0.0, 1.0):
+        if share in (0.0, 1.0):
             samples[number] = values(stack.frames[b if share else a])
         else:
             between = (1 - share) * values(stack.frames[a]) + share * values(stack.frames[b])
@@ -81,8 +78,6 @@ def _padding(
 ) -> Iterator[tuple[int, NDArray[np.bool_]]]:
     """Slices with padding, and its mask; a slice between two frames has the padding of both."""
     for number, (a, b, share) in enumerate(stack.slices):
-        if math.isnan(share):
-            continue
         frames = [stack.frames[n] for n, weight in ((a, 1 - share), (b, share)) if weight > 0]
         masks = [_is_padding(pixels[frame.file][frame.index], headers[frame.file]) for frame in frames]
         there = [mask for mask in masks if mask is not None and mask.any()]

@@ -18,23 +18,19 @@ from wavesplat._readers.dicom_header import Frame
 from wavesplat._readers.request import Request
 from wavesplat.errors import FileError
 
-__all__ = ["EMPTY", "N_NAMED", "Stack", "stacked"]
+__all__ = ["N_NAMED", "Stack", "stacked"]
 
 #: Tolerance of slice positions, as a fraction of the slice distance: scanners round positions.
 TOLERANCE = 0.05
 #: Slices for each that is there, at most, after gaps are filled: more mean a stray slice, and no gap.
 MAX_FILLED = 4
-#: Slices of a segmentation, those that it leaves out included, at most; no scan has as many.
-MAX_SLICES = 1 << 16
-#: The share that marks a slice that is not in the file, and is 0 throughout.
-EMPTY = float("nan")
 #: Files that a message names, at most.
 N_NAMED = 4
 
 
 @dataclass(frozen=True)
 class Stack:
-    """Frames, the two that make each slice with the share of the second (or `EMPTY`), and the affine."""
+    """Frames, the two that make each slice with the share of the second, and the affine."""
 
     frames: Sequence[Frame]
     slices: list[tuple[int, int, float]]
@@ -42,11 +38,8 @@ class Stack:
     losses: tuple[str, ...] = ()
 
 
-def stacked(frames: Sequence[Frame], request: Request, *, is_mask: bool = False) -> Stack:
-    """The frames as a stack at even distances, missing ones filled in from their neighbours.
-
-    is_mask : frames of a segmentation, which leaves out slices in which there is nothing of a segment.
-    """
+def stacked(frames: Sequence[Frame], request: Request) -> Stack:
+    """The frames as a stack at even distances, missing ones filled in from their neighbours."""
     positions = np.array([frame.position for frame in frames])
     step = (positions[-1] - positions[0]) / (len(frames) - 1)
     even = positions[0] + np.arange(len(frames))[:, None] * step
@@ -54,27 +47,8 @@ def stacked(frames: Sequence[Frame], request: Request, *, is_mask: bool = False)
     slices = [(n, n, 0.0) for n in range(len(frames))]
     if off <= TOLERANCE * np.linalg.norm(step) or request.spacing is not None:
         return Stack(frames, slices, _world_from_index(frames[0], step))
-    if is_mask and (found := _with_empty_slices(frames, positions)) is not None:
-        return found
     slices, step, loss = _filled(frames, positions, request)
     return Stack(frames, slices, _world_from_index(frames[0], step), (loss,))
-
-
-def _with_empty_slices(frames: Sequence[Frame], positions: NDArray[np.float64]) -> Stack | None:
-    """The frames with empty slices between them; None if distances are no multiples of the smallest, or it is tiny."""
-    way = positions[-1] - positions[0]
-    along = (positions - positions[0]) @ (way / np.linalg.norm(way))
-    smallest = np.diff(along).min()
-    if not smallest * MAX_SLICES > along[-1]:
-        return None
-    steps = along / smallest
-    numbers = np.round(steps).astype(int)
-    if np.abs(steps - numbers).max() > TOLERANCE * max(1, numbers[-1] // len(frames)):
-        return None
-    slices = [(0, 0, EMPTY)] * (int(numbers[-1]) + 1)
-    for n, number in enumerate(numbers.tolist()):
-        slices[number] = (n, n, 0.0)
-    return Stack(frames, slices, _world_from_index(frames[0], way / numbers[-1]))
 
 
 def _world_from_index(first: Frame, step: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -58,18 +58,17 @@ class _Key:
 
 
 def volumes_of(frames: Sequence[Frame], request: Request) -> list[FrameVolume]:
-    """The volumes of frames with positions: those of each stack and segment, in order of their attributes."""
+    """The volumes of frames with positions: those of each stack, in order of their attributes."""
     stacks: dict[Hashable, list[Frame]] = {}
     has_stacks = any(frame.stack for frame in frames)  # else they are classic files, and must be parallel
     for frame in frames:
         orientation = tuple(np.round(frame.orientation, 3).tolist()) if has_stacks else ()
-        stacks.setdefault((frame.stack, orientation, frame.segment), []).append(frame)
+        stacks.setdefault((frame.stack, orientation), []).append(frame)
     if len(stacks) == 1:
         return _split(list(frames), request)
     volumes = []
     for stack in stacks.values():
-        number, described = stack[0].segment
-        name = f"segment {number} {described}".strip() if number else f"stack {stack[0].stack}"
+        name = f"stack {stack[0].stack}"
         for one in _split(stack, request):
             label = f"{name}, {one.label}" if one.label else name
             volumes.append(replace(one, label=label, is_time=False))

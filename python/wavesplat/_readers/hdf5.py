@@ -82,7 +82,7 @@ def _check_kind(file: h5py.File, request: Request) -> None:
             f"wavesplat.Volume(xarray.open_dataset(path)[name]), which reads them: {request.path}"
         )
     if "minc-2.0" in own:
-        raise FileError(f"the file holds a MINC image; give wavesplat.Volume(nibabel.load(path)): {request.path}")
+        raise FileError(f"the file holds a MINC image; give it a name that ends in .mnc: {request.path}")
     if "VTKHDF" in own:
         kind = file["VTKHDF"].attrs.get("Type", b"")
         raise other_grid(kind.decode("latin-1") if isinstance(kind, bytes) else str(kind), request.path)

@@ -16,8 +16,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._model import units
-from wavesplat._model.facts import Facts
-from wavesplat._model.itk_image import ANATOMICAL_SPACES, MODALITIES, UNIT
+from wavesplat._model.facts import Facts, value_unit_of
+from wavesplat._model.itk_image import ANATOMICAL_SPACES, MODALITIES, UNIT, VALUE_UNIT
 from wavesplat._readers.nrrd_for_itk import ListedAxis, listed_axis
 from wavesplat.errors import FileError
 
@@ -101,6 +101,7 @@ def of_nrrd(path: Path) -> Header:
         unit=unit,
         is_anatomical=is_anatomical,
         modality=modality,
+        value_unit=value_unit_of(fields.get("sample units", "").strip('"') or keys.get(VALUE_UNIT)),
         conventions=tuple(conventions),
         guesses=tuple(guesses),
     )

@@ -24,7 +24,7 @@ from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
 from wavesplat._model.nibabel_image import facts_of as facts_of_image
 from wavesplat._model.nibabel_image import scaled, world_from_index
-from wavesplat._readers.request import Grid, Request, choose, quiet, unwarned
+from wavesplat._readers.request import COLORS, Grid, Request, choose, quiet, unwarned
 from wavesplat.errors import FileError
 
 if TYPE_CHECKING:
@@ -44,7 +44,7 @@ def read(request: Request) -> Grid:
         image = loaded(request)
         _check_payload(image, request)
         stored = _one_volume(image, request)
-        return Grid(_scaled(stored, image).T, world_from_index(image), facts_of(image))
+        return Grid(_scaled(stored, image).T, world_from_index(image), _with_colors(facts_of(image), image, request))
 
 
 def first_sample(image: SpatialImage) -> int:
@@ -123,6 +123,14 @@ def facts_of(image: SpatialImage) -> Facts:
     return replace(facts, guesses=(*facts.guesses, guess))
 
 
+def _with_colors(facts: Facts, image: SpatialImage, request: Request) -> Facts:
+    """The facts with red, green and blue as channels where samples are colours (NIfTI's RGB24 and RGBA32)."""
+    names = cast("Any", image.dataobj).dtype.names
+    if names is None or names not in (("R", "G", "B"), ("R", "G", "B", "A")):
+        return facts
+    return replace(facts, channels=COLORS[: len(names)], channel=COLORS[request.channel or 0])
+
+
 def _check_payload(image: SpatialImage, request: Request) -> None:
     if min(image.shape, default=0) < 1:
         raise FileError(f"the header says shape {image.shape} (x, y, z), which holds no samples: {request.path}")
@@ -145,7 +153,9 @@ def _one_volume(image: SpatialImage, request: Request) -> NDArray[Any]:
     proxy: Any = image.dataobj
     time, channel, _ = checked_picks(image, request)
     extra = (time, channel, 0, 0)[: max(len(image.shape) - 3, 0)]
-    with _stored_bytes(proxy, request.kept) as file:
+    # Of a file of one volume nothing is read on.
+    kept = None if request.time is None else request.kept
+    with _stored_bytes(proxy, kept) as file:
         unscaled = ArrayProxy(file, (image.shape, proxy.dtype, first_sample(image), 1.0, 0.0), mmap=False)
         samples: NDArray[Any] = np.asarray(unscaled[(..., *extra)] if extra else unscaled)
     if _has_colors(proxy):

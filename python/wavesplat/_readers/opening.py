@@ -6,6 +6,7 @@ The formats themselves are read by well-kept libraries, loaded only when needed.
 
 from __future__ import annotations
 
+import os
 import warnings
 from collections.abc import Sequence
 from dataclasses import replace
@@ -47,6 +48,13 @@ SUFFIXES = {
     ".hdr": "nifti",
     ".mgz": "nifti",
     ".mgh": "nifti",
+    ".mnc": "neuroimaging",
+    ".head": "neuroimaging",
+    ".brik.gz": "neuroimaging",
+    ".brik": "neuroimaging",
+    ".par": "neuroimaging",
+    ".rec": "neuroimaging",
+    ".v": "neuroimaging",
     ".nrrd": "itk",
     ".nhdr": "itk",
     ".mha": "itk",
@@ -55,6 +63,7 @@ SUFFIXES = {
     ".vti": "vti",
     ".dcm": "dicom",
     ".ima": "dicom",
+    ".zip": "dicom",
     ".tiff": "tiff",
     ".tif": "tiff",
     ".btf": "tiff",
@@ -81,10 +90,11 @@ N_FIRST_BYTES = 352
 #: Module -> options that it takes, besides `spacing` and `unit`, which all take.
 OPTIONS = {
     "nifti": {"time", "channel"},
+    "neuroimaging": {"time", "external_files"},
     "itk": {"time", "channel", "external_files"},
     "vti": {"channel", "dataset"},
     "vtk_legacy": {"channel", "dataset"},
-    "dicom": {"series", "time", "channel", "gaps"},
+    "dicom": {"series", "time", "channel", "gaps", "suv"},
     "tiff": {"time", "channel", "external_files"},
     "arrays": {"time", "channel", "dataset"},
     "raw": {"time", "channel", "shape", "dtype", "byte_order", "offset"},
@@ -95,7 +105,10 @@ OPTIONS = {
 LARGE_SHARE = 4
 #: Beginning of the guesses that `spacing` replaces.
 OF_DISTANCES = "distance"
-KINDS = "NIfTI, NRRD, MetaImage, VTK images, DICOM, TIFF, .npy, .npz, raw, HDF5 and OME-Zarr"
+KINDS = (
+    "NIfTI, FreeSurfer, MINC, AFNI, PAR/REC, ECAT, NRRD, MetaImage, VTK images, DICOM, TIFF, .npy, .npz, raw, HDF5 and "
+    "OME-Zarr"
+)
 
 
 @public
@@ -110,9 +123,10 @@ def open(
     Parameters
     ----------
     path : path or URL
-        NIfTI (.nii, .nii.gz, .hdr/.img), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), VTK images (.vtk, .vti), a folder
-        of DICOM files or one of the files, a TIFF stack (one file or a folder), .npy, .npz, raw, HDF5, OME-Zarr (also
-        under a URL). Or an object of another library, without options: the same as `Volume(object)`.
+        NIfTI (.nii, .nii.gz, .hdr/.img), FreeSurfer (.mgz, .mgh), MINC (.mnc), AFNI (.HEAD, .BRIK), PAR/REC, ECAT
+        (.v), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), VTK images (.vtk, .vti), DICOM (a folder, also of folders,
+        one of the files, a DICOMDIR, or a .zip of them), a TIFF stack (one file or a folder), .npy, .npz, raw, HDF5,
+        OME-Zarr (also under a URL). Or an object of another library, without options: the same as `Volume(object)`.
     **options : OpenOptions
         What to read of the file, and how.
 
@@ -190,8 +204,8 @@ IN_CHUNKS = ("hdf5", "ome_zarr", "tiff")
 def _is_large(request: Request, family: str) -> bool:
     """Whether the samples take more than a quarter of the free memory, and parts of them can be read."""
     free = free_bytes()
-    if free is None or request.kept is not None:
-        return False
+    if free is None or (request.kept is not None and request.time is not None):
+        return False  # a time point of a series that is read on
     if family in UNCOMPRESSED and request.file.stat().st_size <= free // LARGE_SHARE:
         return False
     if family not in (*UNCOMPRESSED, *IN_CHUNKS):
@@ -258,9 +272,9 @@ def _family(request: Request) -> str:
     with path.open("rb") as file:
         start = file.read(N_FIRST_BYTES)
     family = SUFFIXES.get(suffix or "") or _family_by_magic(start)
-    if (error := foreign_content(path, start)) is not None:
+    if suffix != ".zip" and (error := foreign_content(path, start)) is not None:
         raise error
-    if family == "dicom":
+    if family == "dicom" and suffix != ".zip":
         # One file of a series: the others are looked for beside it.
         for name in _names_in(path.parent):
             check_text(path.parent / name)
@@ -279,24 +293,23 @@ def _family_of_folder(folder: Path) -> str:
         return "ome_zarr"
     if any(name.lower().endswith((".tif", ".tiff")) for name in names):
         return "tiff"
-    for name in names:
-        check_text(folder / name)
     return "dicom"
 
 
 def _names_in(folder: Path) -> list[str]:
     """Names in a folder; a pipe or a device is refused, since readers of folders open all entries."""
     try:
-        entries = sorted(folder.iterdir())
+        with os.scandir(folder) as entries:
+            found = sorted((entry.name, entry.is_file()) for entry in entries)
     except OSError as error:
         raise FileError(f"cannot read the folder: {error.strerror}; check its permissions: {folder}") from None
-    for entry in entries:
-        if not entry.is_file() and (entry.is_fifo() or entry.is_socket() or entry.is_char_device()):
+    for name, is_file in found:
+        if not is_file and ((entry := folder / name).is_fifo() or entry.is_socket() or entry.is_char_device()):
             raise FileError(
                 f"the folder holds {printable(entry.name)!r}, which is a device, a pipe or a socket; "
                 f"move the files to a folder of their own: {folder}"
             )
-    return [entry.name for entry in entries]
+    return [name for name, _ in found]
 
 
 def _family_by_magic(start: bytes) -> str | None:

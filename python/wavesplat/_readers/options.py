@@ -20,7 +20,7 @@ __all__ = ["FileOptions", "OpenOptions"]
 class FileOptions(TypedDict, total=False):
     """Options of every function that opens files; `OpenOptions` documents them."""
 
-    series: str | None
+    series: str | int | None
     dataset: str | None
     level: int | None
     shape: Sequence[int] | None
@@ -30,6 +30,7 @@ class FileOptions(TypedDict, total=False):
     offset: int
     unit: str | None
     gaps: Literal["fill", "refuse"]
+    suv: bool
     external_files: bool
     memory: float | str | None
     holes: bool
@@ -42,8 +43,9 @@ class OpenOptions(FileOptions, total=False):
 
     Parameters
     ----------
-    series : str, optional
-        DICOM: the Series Instance UID, if the folder holds several series.
+    series : int or str, optional
+        DICOM: which series, if there are several: its number, its description (or a part of it that no other has;
+        capitals do not count), or its UID or the start of it. The error that asks for it lists them.
     time, channel : int, optional
         Which time point and which channel, from 0, if the file holds several. DICOM: which volume of a series, such as
         an echo, or magnitude or phase.
@@ -65,6 +67,9 @@ class OpenOptions(FileOptions, total=False):
     gaps : "fill" or "refuse", default "fill"
         DICOM: slices that are missing, or not evenly spaced, are filled in from their neighbours with a warning, or an
         error.
+    suv : bool, default False
+        DICOM: a PET's values as standardised uptake values (SUV) by body weight, corrected for decay as the header
+        says, by the pseudo-code of QIBA. An error names what the header lacks for it.
     external_files : bool, default False
         NRRD, MetaImage, OME-TIFF, HDF5: also read samples from files that this one names in other folders; HDF5: from
         any that it names. Such a file can name whatever you may read: allow it for files that you trust.

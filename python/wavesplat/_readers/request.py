@@ -79,7 +79,7 @@ class Request:
     """The arguments of `wavesplat.open`: a path, and the values of `OpenOptions`."""
 
     path: str | PathLike[str]
-    series: str | None = None
+    series: str | int | None = None
     time: int | None = None
     channel: int | None = None
     dataset: str | None = None
@@ -91,6 +91,7 @@ class Request:
     offset: int = 0
     unit: str | None = None
     gaps: Literal["fill", "refuse"] = "fill"
+    suv: bool = False
     external_files: bool = False
     #: For volumes that are left in their files: bytes that are held at once, whether samples that cannot be read are
     #: left out, and where surveys are kept.

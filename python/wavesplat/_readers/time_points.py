@@ -97,8 +97,9 @@ class _OfOneFile:
     def __init__(self, request: Request) -> None:
         self.request = request
         self._first: Volume | None = None
+        self._kept: dict[str, Any] = {}
         try:
-            self._first = opened(request)
+            self._first = opened(replace(request, kept=self._kept))
         except SeveralError as error:
             if error.option != "time":
                 raise
@@ -107,7 +108,6 @@ class _OfOneFile:
         else:
             self._n = 1
             self._has_several = False
-        self._kept: dict[str, Any] = {}
 
     def __len__(self) -> int:
         return self._n

@@ -10,7 +10,6 @@ from wavesplat.errors import FileError
 __all__ = ["foreign_content", "foreign_kind"]
 
 BY_OME = "export it as OME-TIFF or OME-Zarr, as with Fiji or bioformats2raw, or give its array to wavesplat.Volume"
-BY_NIBABEL = "give wavesplat.Volume(nibabel.load(path))"
 BY_SITK = "give wavesplat.Volume(SimpleITK.ReadImage(path))"
 BY_XARRAY = "give wavesplat.Volume(xarray.open_dataset(path)[name])"
 UNPACK = "unpack it first"
@@ -24,8 +23,8 @@ BY_SUFFIX = {
     **dict.fromkeys((".ics", ".ids", ".sld", ".dv", ".r3d"), ("an image of a microscope", BY_OME)),
     **dict.fromkeys((".nc", ".nc4", ".cdf", ".netcdf"), ("netCDF", BY_XARRAY)),
     **dict.fromkeys((".grib", ".grb", ".grib2", ".grb2"), ("weather data (GRIB)", BY_XARRAY)),
-    **dict.fromkeys((".mnc", ".mnc2"), ("a MINC image", BY_NIBABEL)),
-    **dict.fromkeys((".head", ".brik", ".par", ".rec"), ("an image of AFNI or Philips", BY_NIBABEL)),
+    **dict.fromkeys((".mnc2", ".mnc.gz"), ("a MINC image", "unpack it, and give it a name that ends in .mnc")),
+    **dict.fromkeys((".mif", ".mif.gz", ".mih"), ("an image of MRtrix", "write it as NIfTI: mrconvert a.mif a.nii.gz")),
     ".gipl": ("an image that ITK reads", BY_SITK),
     **dict.fromkeys(
         (".mrc", ".map", ".ccp4"), ("an MRC map", "give wavesplat.Volume(mrcfile.read(path), spacing=...)")
@@ -37,7 +36,7 @@ BY_SUFFIX = {
     ".cube": ("a Gaussian cube", "give its array, as ase.io.cube reads it, to wavesplat.Volume"),
     ".gii": ("a surface (GIFTI)", "name the image that it was made from"),
     **dict.fromkeys((".stl", ".obj", ".ply", ".glb", ".gltf"), ("a mesh", "name the image that it was made from")),
-    **dict.fromkeys((".zip", ".tar", ".tgz", ".7z", ".rar"), ("an archive", UNPACK)),
+    **dict.fromkeys((".tar", ".tgz", ".7z", ".rar"), ("an archive", UNPACK)),
     **dict.fromkeys((".gz", ".bz2", ".xz", ".zst"), ("packed bytes", UNPACK)),
     **dict.fromkeys(
         (".png", ".jpg", ".jpeg", ".bmp", ".gif", ".webp"),
@@ -81,7 +80,7 @@ BY_CONTENT = {
     b"<html": ("a web page, as of a failed download", "download the file again"),
 }
 #: Suffixes whose files may begin with such bytes: archives, packed streams, and samples without a header.
-MAY_BE_OURS = (".npz", ".gz", ".mgz", ".img", ".raw", ".bin")
+MAY_BE_OURS = (".npz", ".gz", ".mgz", ".img", ".raw", ".bin", ".mnc", ".brik", ".rec", ".v")
 
 
 def foreign_kind(path: Path) -> FileError | None:

@@ -87,12 +87,17 @@ def chosen_look(
     return Look(transfer_function=function, composite=composite or "over")
 
 
-def chosen_labels(given: Labels | None, volume: Grid, boxes: Boxes = ()) -> _native.Labels | None:
-    """The labels for the compiled module, checked to lie on the volume's samples; none in the boxes."""
+def chosen_labels(
+    given: Labels | None, volume: Grid, boxes: Boxes = (), *, level: Grid | None = None
+) -> _native.Labels | None:
+    """The labels for the compiled module, on the volume's samples, or on those of its `level`; none in the boxes."""
     if given is None:
         return None
     if not isinstance(given, Labels):
         raise ArgumentError(f"labels is a {type(given).__name__}; give a wavesplat.Labels(segmentation, ...)")
+    if level is not None:
+        # An array lies on the finest level's samples.
+        return (given if given.world_from_index is not None else given.on_samples_of(volume)).beside(level)
     return given.without(boxes, volume).beside(volume)
 
 

@@ -17,6 +17,7 @@ from wavesplat._model import camera_fit
 from wavesplat._model.camera import Camera
 from wavesplat._model.clips import Clipping
 from wavesplat._model.facts import Facts
+from wavesplat._model.few_slices import axis_of_few_slices
 from wavesplat._model.grid import Grid
 from wavesplat._model.options import VIEWS
 from wavesplat._model.thinning import HISTOGRAM_SAMPLES, step_for
@@ -47,10 +48,12 @@ WITHIN = (0.05, 99.95)
 
 
 def natural_view(volume: Volume | WaveletVolume) -> tuple[float, float]:
-    """Azimuth and elevation, degrees: a patient from the front, a stack along its thin side, else three-quarter."""
+    """Azimuth and elevation, degrees: a patient from the front, thin stacks and a few slices face on, else oblique."""
     sides = np.ptp(volume.bounds, axis=0)
     thinnest = int(sides.argmin())
-    is_thin = sides[thinnest] < THIN * np.sort(sides)[1]
+    is_thin = bool(sides[thinnest] < THIN * np.sort(sides)[1])
+    if (axis := axis_of_few_slices(volume)) is not None:
+        thinnest, is_thin = axis, True
     if volume.is_anatomical:
         # As radiologists look at slices: sagittal from the left, coronal from the front, axial from the feet.
         return VIEWS[("left", "anterior", "inferior")[thinnest] if is_thin else "anterior"]

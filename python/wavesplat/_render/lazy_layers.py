@@ -177,7 +177,8 @@ class FrameSpec:
             (core, function._core, None if light is None else light._core)
             for core, function, light in zip(self.layers.cores, self.functions, self.lights, strict=True)
         ]
-        labels = chosen_labels(self.labels, self.layers.volumes[0], self.boxes)
+        first, level = self.layers.volumes[0], self.layers.levels[0]
+        labels = chosen_labels(self.labels, first, self.boxes, level=first.grid_of(level) if level else None)
         arguments: Any = {**self.arguments, "labels": labels}
         streaming = Streaming(self.memory or self.layers.memory, self.n_blocks, self.segments)
         return streaming.planned(drawn, self.camera._core, arguments)

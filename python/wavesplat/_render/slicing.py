@@ -46,7 +46,7 @@ from wavesplat._render.lazy_slices import part_around
 from wavesplat._render.notes import notes_on_slice
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Planes", "sliced"]
+__all__ = ["PIXEL_BYTES", "Planes", "positions_across", "sides_of", "sliced"]
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -122,6 +122,26 @@ def sliced(
     return Picture(picture, value=values, report=Report(report)), planes
 
 
+def positions_across(volume: Grid, plane: Plane | tuple[Iterable[float], Iterable[float]]) -> tuple[float, float]:
+    """The least and the largest position of a plane in a volume, as the user counts."""
+    if isinstance(plane, str):
+        return _extent(volume, _cut(volume, plane, None).normal)
+    point, normal = _point_and_normal(plane)
+    least, most = _extent(volume, normal)
+    return least - float(normal @ point), most - float(normal @ point)
+
+
+def sides_of(volume: Grid, plane: Plane | tuple[Iterable[float], Iterable[float]]) -> tuple[float, float]:
+    """Width and height of the volume as a plane shows it, world units."""
+    if isinstance(plane, str):
+        cut = _cut(volume, plane, None)
+        right, up = cut.right, cut.up
+    else:
+        right, up = _shown(_point_and_normal(plane)[1])
+    (left, to_right), (low, high) = _extent(volume, right), _extent(volume, up)
+    return to_right - left, high - low
+
+
 @dataclass(frozen=True)
 class _Cut:
     """A plane and how it is shown: unit vectors in the world, `right` and `up` of the picture."""
@@ -153,6 +173,10 @@ class Planes:
     def offsets_in(self, volume: Grid) -> Array:
         """Offsets of the slab's planes along the normal, from the middle one: as close as a volume's samples."""
         return _offsets(volume, self.cut, self.thickness)
+
+    def step_of(self, volume: Grid) -> float:
+        """Distance along the normal from one plane of a volume's samples to the next, world units."""
+        return _sample_step(volume, self.cut.normal)
 
     def _corners(self, offsets: Array) -> Array:
         """World positions of the corners of the slab, a row each."""

@@ -14,7 +14,7 @@ from math import isfinite
 from typing import TYPE_CHECKING
 
 from wavesplat._looks.histogram import robust_range
-from wavesplat._looks.presets import plain, warn_of_other_units
+from wavesplat._looks.presets import added_to_hounsfield, plain
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
@@ -65,8 +65,8 @@ def _named(name: str, volume: Volume | WaveletVolume) -> tuple[float, float]:
         raise ArgumentError(
             f"unknown window {name!r}; {hint}use one of: {', '.join(CT_WINDOWS)}, or give (level, width)"
         )
-    warn_of_other_units(f"window {found!r}", volume)
-    return CT_WINDOWS[found]
+    level, width = CT_WINDOWS[found]
+    return level + added_to_hounsfield(f"window {found!r}", volume), width
 
 
 def _level_and_width(window: Iterable[float]) -> tuple[float, float]:

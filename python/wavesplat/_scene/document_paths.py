@@ -6,6 +6,7 @@ the user's network, or be given what only the user can give.
 
 from __future__ import annotations
 
+import glob
 import os
 from dataclasses import dataclass
 from pathlib import Path
@@ -57,6 +58,29 @@ class Reach:
         found = [self.path(one, what) for one in path] if isinstance(path, list) else self.path(path, what)
         return {**options, "path": found}
 
+    def of_name(self, path: Any) -> Reach:
+        """The reach for a path: of a name alone that is not in the folder, the working directory, if it is there.
+
+        Pictures hold names of files without their folders.
+        """
+        names = path if isinstance(path, list) else [path]
+        if not all(isinstance(one, str) and _is_bare(one) for one in names):
+            return self
+        here = Path.cwd()
+        is_here_alone = not any(_is_in(one, self.folder) for one in names) and all(_is_in(one, here) for one in names)
+        return Reach(here, self.external_files) if is_here_alone else self
+
+    def check_there(self, path: Any, what: str) -> None:
+        """Raise a `FileError` that says where was looked for a name alone, if it is in none of these folders."""
+        for name in path if isinstance(path, list) else [path]:
+            here = Path.cwd()
+            if isinstance(name, str) and _is_bare(name) and not (_is_in(name, self.folder) or _is_in(name, here)):
+                also = "" if self.folder == here else f", nor in the working directory, {here}"
+                raise FileError(
+                    f"{what} names {name[:MAX_LETTERS]!r}, and there is no such file in the document's folder, "
+                    f"{self.folder}{also}; go to the file's folder, or copy the document there"
+                )
+
     def path(self, path: Any, what: str) -> str:
         """The absolute path, or the address, that a document names."""
         if not isinstance(path, str):
@@ -78,3 +102,14 @@ class Reach:
                 f"{what} names {path[:MAX_LETTERS]!r}, which lies outside of the document's folder, {self.folder}; "
                 f"{MEND}, or put the file into that folder"
             )
+
+
+def _is_bare(path: str) -> bool:
+    """Whether a path is the name of a file alone."""
+    return path not in ("", ".", "..") and "\0" not in path and not is_address(path) and not set(path) & {"/", os.sep}
+
+
+def _is_in(name: str, folder: Path) -> bool:
+    """Whether a folder has a file of a name, or files that fit it where it is a pattern."""
+    place = folder / name
+    return os.path.lexists(place) or (glob.has_magic(name) and any(folder.glob(name)))

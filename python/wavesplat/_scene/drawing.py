@@ -7,7 +7,7 @@ camera, and their colours are added as light.
 from __future__ import annotations
 
 import atexit
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
@@ -17,7 +17,9 @@ from numpy.typing import NDArray
 from wavesplat import _native
 from wavesplat._cluster.blocks import drawn_on_machines
 from wavesplat._looks import colors
+from wavesplat._looks.automatic import SOLID
 from wavesplat._looks.labels import Labels
+from wavesplat._looks.look import Look
 from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model.camera import Camera
@@ -25,8 +27,10 @@ from wavesplat._model.clips import Clipping
 from wavesplat._model.composites import FirstHit, Operator, XRay, checked_operator, name_of
 from wavesplat._model.forked import drawing
 from wavesplat._model.lazy_changes import comparing_once
+from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.options import BY_VIEW
 from wavesplat._model.sampling import Sampling, checked_quality
+from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture.picture import Picture
 from wavesplat._picture.report import Report
@@ -41,6 +45,7 @@ from wavesplat._render.arguments import (
     region,
 )
 from wavesplat._render.devices import chosen_device
+from wavesplat._render.faces import NOTE, is_from_behind, shows_face
 from wavesplat._render.lazy_layers import FrameSpec, LazyLayers
 from wavesplat._render.notes import notes_on_layers, notes_on_picture
 from wavesplat._render.options import DrawOptions
@@ -61,6 +66,10 @@ atexit.register(_native.gpu_settle)
 PIXEL_BYTES, TEXEL_BYTES = 20, 20
 #: Oversampling beyond which the check of memory refuses any picture.
 MAX_OVERSAMPLING = 1e6
+#: Opacity of labels over a projection, as a share of their own: it shows through.
+LABEL_SHARE = 0.6
+#: Transfer function of a scan of which only labels are drawn.
+CLEAR = TransferFunction([(0.0, 0.0)], [(0.0, 1.0, 1.0, 1.0)])
 #: Sampling of overview pictures.
 COARSE = Sampling(sheets_per_slice=1, quality="draft")
 
@@ -104,24 +113,51 @@ def _drawn_scene(scene: Scene, camera: Camera | str | None, options: DrawOptions
     labels = scene.labels
     if labels is None and shown.has_first:
         labels = layers[0].look.labels
-    if labels is not None and (composite != "over" or any(map(_is_coarse, layers))):
-        raise ArgumentError('labels are drawn with composite="over" and all levels; leave out one of them')
+    if labels is not None:
+        _check_labels(composite, layers)
     parts = [(layer.seen, layer.look) for layer in layers]
     eye = chosen_camera(camera, parts or _hidden_parts(scene), clipping, size[0] / max(size[1], 1))
     look = layers[0].look if layers else None
     behind = colors.parse(look.background if look is not None and scene.background is None else scene.background)
     frame = _Frame(scene, eye, size, sampling, operator, clipping, labels, behind, options)
     functions = [_function(frame, layer, len(layers)) for layer in layers]
-    picture = _drawn(frame, layers, functions)
+    is_projected = labels is not None and composite != "over"
+    picture = _under_labels(frame, layers, functions) if is_projected else _drawn(frame, layers, functions)
     picture.report.update(facts_of_picture(scene, eye, size, behind, labels))
     picture.report.update(facts_of_layers(scene, layers, functions, composite))
     picture.report.update(_facts(frame, layers, functions, picture.report))
+    if labels is not None and (notes := _placed_labels(labels, shown.first, picture.report).notes):
+        picture.report.setdefault("notes", []).extend(notes)
     if resampled := shown.resampled:
         picture.report["resampled"] = resampled
+    if _has_face(frame, layers, functions):
+        picture.report.setdefault("notes", []).append(NOTE)
     told = picture.report["device"]
     if chosen_device(options.device) not in ("auto", "cpu") and told["name"] == "cpu" and told["reason"]:
         picture.report.setdefault("notes", []).append(f"drawn by the CPU: {told['reason']}")
     return picture
+
+
+def _has_face(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> bool:
+    """Whether a face may be recognised (`faces`); not asked of drafts, which are drawn while something is dragged."""
+    if (
+        frame.composite not in ("over", "first-hit")
+        or frame.sampling.quality == "draft"
+        or is_from_behind(frame.camera)
+    ):
+        return False
+    iso_value = frame.operator.iso_value if isinstance(frame.operator, FirstHit) else None
+
+    def found(layer: DrawnLayer, function: Curves) -> bool:
+        curves, clipping = layer.faded(function), replace(frame.clipping, boxes=layer.boxes)
+        key: Any = id(layer.volume), "face"
+        return frame.scene._cache.get_or_compute(
+            key,
+            (layer.identity, curves, clipping, iso_value),
+            lambda: shows_face(layer.volume, curves, clipping, iso_value=iso_value),
+        )
+
+    return any(found(layer, function) for layer, function in zip(layers, functions, strict=True) if layer.opacity > 0)
 
 
 def camera_of(scene: Scene, camera: Camera | str | None, options: DrawOptions) -> Camera:
@@ -172,6 +208,44 @@ def _facts(
         kernel=frame.options.kernel,
         operator=frame.operator,
     )
+
+
+def _placed_labels(labels: Labels, scan: Volume | WaveletVolume, report: Mapping[str, Any]) -> Labels:
+    """The labels on the samples that were drawn: of a lazy scan, those of a level."""
+    if not isinstance(scan, LazyVolume) or labels.world_from_index is None:
+        return labels.on_samples_of(scan)
+    of_first = report if "lazy" in report else report["layers"][0]
+    return labels.on_samples_of(scan.grid_of(of_first["lazy"]["levels"][0]))
+
+
+def _check_labels(composite: str, layers: Sequence[DrawnLayer]) -> None:
+    """Raise an `ArgumentError` where labels cannot be drawn."""
+    if composite == "first-hit":
+        raise ArgumentError(
+            'labels are not drawn with surfaces of one value; say composite="over" (--composite over), or leave out one'
+        )
+    for layer in filter(_is_coarse, layers):
+        raise ArgumentError(
+            f"labels lie on samples, and some wavelets of {layer.name!r} are left out; draw all of them, or no labels"
+        )
+
+
+def _under_labels(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> Picture:
+    """A projection, with its labels drawn as matter of their own and laid over it.
+
+    A projection has no depth, so nothing of it can lie before a label.
+    """
+    progress = frame.options.progress
+    options = replace(frame.options, progress=_part_of(progress, 0, 2))
+    picture = _drawn(replace(frame, labels=None, options=options), layers, functions)
+    shading = SOLID if layers[0].look.shading is None else layers[0].look.shading
+    clear = replace(layers[0], look=Look(transfer_function=CLEAR, shading=shading))
+    options = replace(frame.options, psnr=None, depth=False, progress=_part_of(progress, 1, 2))
+    result, _ = _rendered(replace(frame, operator="over", background=None, options=options), [clear], [CLEAR])
+    over = np.float32(LABEL_SHARE) * result["rgba"]
+    report = picture.report
+    report.setdefault("notes", []).append("labels laid over the projection, which has no depth")
+    return Picture(over + (1 - over[..., 3:]) * picture.rgba, picture.depth, picture.value, Report(report))
 
 
 def _is_coarse(layer: DrawnLayer) -> bool:

@@ -9,12 +9,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
+from itertools import cycle
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from wavesplat import _native
 from wavesplat._looks.automatic import automatic, tinted
 from wavesplat._looks.kinds import kind_of
 from wavesplat._looks.look import Look
+from wavesplat._looks.overlays import MAPPED_KINDS, OVERLAY_MAPS, cleared, mapped
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.cutting import Boxes, in_samples_of
@@ -29,10 +31,19 @@ from wavesplat._scene.resampling import check_units, is_oblique, on_axes_of
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from wavesplat._scene.layer import Layer
+    from wavesplat._scene.layer import AnyLook, Layer
     from wavesplat._scene.scene import Scene
 
-__all__ = ["Curves", "DrawnLayer", "DrawnLayers", "drawn_layers", "drawn_volumes", "operator_name", "seen_parts"]
+__all__ = [
+    "Curves",
+    "DrawnLayer",
+    "DrawnLayers",
+    "drawn_layers",
+    "drawn_volumes",
+    "look_over_others",
+    "operator_name",
+    "seen_parts",
+]
 
 Rgb = tuple[float, float, float]
 Curves: TypeAlias = TransferFunction | TransferFunction2D
@@ -163,6 +174,7 @@ def drawn_layers(scene: Scene, composite: Composite | None) -> DrawnLayers:
             if looks[k].composite != name or (looks[k].labels is not None and volume is not first):
                 looks[k] = _kept_look(scene, layer, name)
         looks = _with_distinct_colors(scene, layers, looks, name)
+        looks = _over_others(scene, layers, looks, name)
     shown = []
     for layer, volume, look in zip(layers, volumes, looks, strict=True):
         placed = on_axes_of(volume, volumes[0])
@@ -211,6 +223,50 @@ def _with_distinct_colors(
         find = partial(_colored, volume, made[k], composite, color)
         made[k] = scene._cache.get_or_compute(key, identity_of(volume), find)
     return made
+
+
+def _over_others(scene: Scene, layers: Sequence[Layer], looks: Sequence[Look], composite: Composite) -> list[Look]:
+    """The looks, those of further layers clear where their values are least, so that they do not hide the rest."""
+    made, maps = list(looks), cycle(OVERLAY_MAPS)
+    for k, layer in enumerate(layers):
+        if layer is scene.layers[0]:
+            continue
+        volume = layer.looked_at
+        if not _is_automatic(layer):
+            made[k] = _cleared(scene, layer, composite)
+        elif composite == "over" and (kind := kind_of(volume)) in MAPPED_KINDS:
+            colormap = next(maps)
+            # Bone hides less than all tissue of a CT in a colour map does.
+            if kind != "CT":
+                key: Any = id(volume), "over others", colormap
+                find = partial(_mapped, volume, made[k], colormap)
+                made[k] = scene._cache.get_or_compute(key, identity_of(volume), find)
+    return made
+
+
+def _cleared(scene: Scene, layer: Layer, composite: Composite) -> Look:
+    """The look that a further layer was given, clear where its values are least; a preset's is found once."""
+    volume, given = layer.looked_at, layer.look
+    if not isinstance(given, str):
+        return look_over_others(given, volume, composite)
+    key: Any = id(volume), "cleared", given, composite
+    find = partial(look_over_others, given, volume, composite)
+    return scene._cache.get_or_compute(key, identity_of(volume), find)
+
+
+def look_over_others(given: AnyLook, volume: Volume | WaveletVolume, composite: Composite) -> Look:
+    """The look that is given to a volume over another one, clear where the values are least; see `overlays.cleared`."""
+    look = chosen_look(given, volume, composite)
+    # Automatic looks are chosen for the operator.
+    if not isinstance(given, Look | str) or (isinstance(given, str) and given.lower() == "auto"):
+        return look
+    made_for = chosen_look(given, volume, None)
+    return replace(look, transfer_function=cleared(made_for, volume, composite).transfer_function)
+
+
+def _mapped(volume: Volume | WaveletVolume, look: Look, colormap: str) -> Look:
+    """The automatic look of a volume over another one: a colour map, without light."""
+    return replace(look, transfer_function=mapped(volume, colormap), shading=None, background=None)
 
 
 def _colored(volume: Volume | WaveletVolume, look: Look, composite: Composite, color: Rgb) -> Look:

@@ -6,7 +6,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._looks.labels import Labels
-from wavesplat._model.grid import Grid
 from wavesplat._render.slicing import Planes
 
 __all__ = ["laid_over"]
@@ -17,10 +16,14 @@ FILL = 0.4
 PIXELS_AT_ONCE = 1 << 18
 
 
-def laid_over(rgba: NDArray[np.float32], planes: Planes, labels: Labels, scan: Grid) -> NDArray[np.float32]:
-    """A slice with the labels of the samples next to its middle plane; outlines are as opaque as labels in space."""
-    labels.check_beside(scan)
-    codes = _codes_at(planes, labels, scan)
+def laid_over(rgba: NDArray[np.float32], planes: Planes, labels: Labels) -> tuple[NDArray[np.float32], set[int]]:
+    """A slice with the labels of the samples next to its middle plane, and the numbers of these.
+
+    Outlines are as opaque as labels in space.
+
+    labels : on samples in the scan's order of axes, as `Labels.for_slices_of` gives them.
+    """
+    codes = _codes_at(planes, labels)
     looks = [labels.labels.get(number) for number in labels.numbers]
     # The last entry is for pixels outside.
     shares = np.array([0.0 if look is None else max(look.opacity, look.tint) for look in looks] + [0.0])
@@ -33,13 +36,15 @@ def laid_over(rgba: NDArray[np.float32], planes: Planes, labels: Labels, scan: G
     alpha = (shares[codes] * np.where(edge, 1.0, FILL))[..., None]
     over = np.concatenate([colors[codes], np.ones((*codes.shape, 1))], axis=2)
     mixed: NDArray[np.float32] = (over * alpha + (1 - alpha) * rgba).astype(np.float32)
-    return mixed
+    seen = {labels.numbers[code] for code in np.unique(codes).tolist() if code < len(labels.numbers)}
+    return mixed, seen
 
 
-def _codes_at(planes: Planes, labels: Labels, scan: Grid) -> NDArray[np.intp]:
-    """Index of the label's number in `Labels.numbers` for every pixel; one more than the last outside the scan."""
+def _codes_at(planes: Planes, labels: Labels) -> NDArray[np.intp]:
+    """Index of the label's number in `Labels.numbers` for every pixel; one more than the last outside their samples."""
     cut, frame = planes.cut, planes.frame
-    to_index = np.linalg.inv(scan.world_from_index)
+    assert labels.world_from_index is not None
+    to_index = np.linalg.inv(labels.world_from_index)
     first = to_index[:3, :3] @ frame.origin + to_index[:3, 3]
     across, down = (to_index[:3, :3] @ (frame.pixel * way) for way in (cut.right, -cut.up))
     width, height = frame.size

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from dataclasses import KW_ONLY, dataclass
+from collections.abc import Iterable
+from dataclasses import KW_ONLY, dataclass, replace
 from math import isfinite
 from operator import index
 from typing import Any, TypeAlias
 
+from wavesplat._looks import overlays
 from wavesplat._looks.look import Look
 from wavesplat._looks.materials import Materials
 from wavesplat._looks.over_time import brightest
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
-from wavesplat._model.argument_types import check_text, described, text_of
+from wavesplat._model.argument_types import check_text, described, takes_its_types, text_of
 from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
 from wavesplat._model.volume_like import as_volume
@@ -36,7 +38,10 @@ class Layer:
         What is shown. Of an open series, `time` says which volume.
     look : Look, TransferFunction, TransferFunction2D, Materials or str, optional
         How its values are shown; a text is the name of a preset. None chooses by the kind of data, and colours of their
-        own for channels of fluorescence.
+        own for channels of fluorescence; volumes over another one, such as PET over CT, get the colours of a map.
+        Presets, and looks for projections, that are opaque from the lowest value on are made clear there where the
+        layer lies over another one, so that they do not hide it. Looks of one's own for "over", and transfer functions,
+        are drawn as they are. `Layer.overlay` makes layers with looks by name.
     visible : bool, default True
         Layers that are not visible are left out.
     opacity : float, 0..1, default 1
@@ -83,6 +88,50 @@ class Layer:
             self, "name", self.volume.name if self.name is None else text_of(self.name, "name of the layer")
         )
         check_text(self.name, "name of the layer")
+
+    @classmethod
+    @takes_its_types
+    def overlay(
+        cls,
+        volume: Any,
+        look: str | None = None,
+        window: Iterable[float] | None = None,
+        *,
+        opacity: float = 1.0,
+        time: int = 0,
+        name: str | None = None,
+    ) -> Layer:
+        """A layer that lies over another one, clear where its values are least: PET over CT.
+
+        Parameters
+        ----------
+        volume, opacity, time, name
+            As for `Layer`.
+        look : str, optional
+            A colour map (see `TransferFunction.from_colormap`), a colour, as for `Look.channel`, or a preset. None is
+            "gray" where there is a window, else the look of a layer without one.
+        window : two numbers (low, high), optional
+            Values up to the first are clear, and opacity rises to the second. Of a diverging map: the ends of the map
+            where they have two signs, clear about 0; else a dead zone of both signs: (3, 10) is clear from -3 to 3, and
+            opaque at -10 and 10. None: the values that count as the volume's smallest and largest, of a diverging map
+            as far from 0 as the farthest; the lowest twelfth is clear. Presets have values of their own.
+
+        Raises
+        ------
+        ArgumentError
+            If there is no such look, or the window cannot work.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> layer = ws.Layer.overlay(ws.examples.ripples(16), "coolwarm", (0.3, 1))
+        >>> layer.look.transfer_function.opacity
+        ((-1.0, 1.0), (-0.3, 0.0), (0.3, 0.0), (1.0, 1.0))
+        """
+        layer = cls(volume, opacity=opacity, time=time, name=name)
+        if window is None and (look is None or look.lower() == "auto"):
+            return layer
+        return replace(layer, look=overlays.overlay(layer.looked_at, look or "gray", window))
 
     @property
     def drawn(self) -> Volume | WaveletVolume:

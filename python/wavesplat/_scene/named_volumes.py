@@ -16,7 +16,7 @@ from wavesplat._readers.opening import open as open_volume
 from wavesplat._readers.request import named_within
 from wavesplat._readers.time_points import open_series
 from wavesplat._scene.document_paths import Reach
-from wavesplat.errors import ArgumentError
+from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["volume_named"]
 
@@ -49,8 +49,13 @@ def volume_named(source: Any, what: str, reach: Reach) -> Volume | WaveletVolume
     if "example" in options:
         volume = _example(options, what)  # files of the package, wherever the document lies
     else:
-        with named_within(reach.within):
-            volume = _first(options, what, reach)
+        place = reach.of_name(options.get("path"))
+        try:
+            with named_within(place.within):
+                volume = _first(options, what, place)
+        except FileError:
+            reach.check_there(source.get("path"), what)
+            raise
     for number, step in enumerate(steps):
         volume = _done(volume, step, f"{what}.then[{number}]")
     return volume
@@ -66,7 +71,8 @@ def _example(options: dict[str, Any], what: str) -> Any:
 def _first(options: dict[str, Any], what: str, reach: Reach) -> Any:
     if options.get("path") is None:
         raise ArgumentError(
-            f"{what} came from no file when this was written; open its samples, and make the scene anew"
+            f"{what} came from no file when this was written, or from a folder, whose name is written only with "
+            "embed_paths=True (--embed-paths); open its samples, and make the scene anew"
         )
     options = reach.options(options, what)
     path = options["path"]

@@ -22,7 +22,7 @@ from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
 from wavesplat._readers.options import FileOptions
-from wavesplat._readers.request import Request, SeveralError
+from wavesplat._readers.request import COLORS, Request, SeveralError
 from wavesplat._readers.time_points import open_series
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import MAX_LAYERS, Scene
@@ -118,7 +118,8 @@ def open_scene(
     for one in wanted:
         color = _color(one, source.color(one.number), taken)
         taken.append(color)
-        looks.append(Look.channel(source.volume_of(one.number), color, one.window, composite))
+        window = _window_of_colors(source, one) if one.window is None else one.window
+        looks.append(Look.channel(source.volume_of(one.number), color, window, composite))
     return Scene([_layer(source, one, look) for one, look in zip(wanted, looks, strict=True)])
 
 
@@ -222,6 +223,15 @@ def _color(wanted: _Wanted, of_file: Rgb | None, taken: Sequence[Rgb]) -> Rgb:
     own = [] if of_file is None else [of_file]
     free = [color for color in (*own, *CHANNEL_COLORS) if not any(_is_same(color, other) for other in taken)]
     return free[0]
+
+
+def _window_of_colors(source: _Source, wanted: _Wanted) -> tuple[float, float] | None:
+    """One window for the red, green and blue of coloured samples, so that hues stay; None for other channels."""
+    colored = [number for number in range(source.n) if source.facts(number) in COLORS[:3]]
+    if wanted.number not in colored:
+        return None
+    highest = max(source.volume_of(number).value_range[1] for number in colored)
+    return (0.0, float(highest)) if highest > 0 else None
 
 
 def _is_same(color: Rgb, other: Rgb) -> bool:

@@ -55,7 +55,7 @@ def render(
         thin side of a stack, or a three-quarter view from above. Names and None frame what is seen of all layers; the
         first one chooses the view.
     labels : Labels, optional
-        A segmentation beside the scan, with a look for every label; for "over".
+        A segmentation beside the scan, with a look for every label. Over projections it is laid, translucent.
     shading : Shading, None or "look"
         Phong shading of "over" and `FirstHit`; None draws the colours as given, "look" is the look's own.
     clip : Crop, ClipPlane, CutOut or several of them

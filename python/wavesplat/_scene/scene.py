@@ -83,7 +83,7 @@ class Scene:
 
     Parameters
     ----------
-    what : Volume, WaveletVolume, array, Layer, or up to eight of them in a list
+    layers : Volume, WaveletVolume, array, Layer, or up to eight of them in a list
         What is shown. At a point of space the extinctions of layers add and their colours mix by extinction;
         projections are made of each layer, and their colours added as light.
     look : Look, TransferFunction, TransferFunction2D, Materials or str, optional
@@ -118,12 +118,12 @@ class Scene:
     shading: Shading | Literal["look"] | None
     clip: tuple[Clip, ...]
     background: str | tuple[float, ...] | None
-    _clipping: Clipping = field(repr=False)
-    _cache: Cache = field(repr=False)
+    _clipping: Clipping = field(init=False, repr=False)
+    _cache: Cache = field(init=False, repr=False)
 
     def __init__(
         self,
-        what: Any,
+        layers: Any,
         look: AnyLook | Sequence[AnyLook] = None,
         *,
         labels: Labels | None = None,
@@ -139,7 +139,7 @@ class Scene:
         clips = clip_tuple(clip)
         colors.parse(background)  # or an error
         values: dict[str, Any] = {
-            "layers": _layers(what, look),
+            "layers": _layers(layers, look),
             "labels": labels,
             "shading": shading,
             "clip": clips,

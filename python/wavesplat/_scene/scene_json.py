@@ -230,7 +230,7 @@ def _document(document: dict[str, Any], reach: Reach) -> Document:
     figure = document.get("figure") or {}
     _check(figure, f"{WHAT}: figure", needed=(), known=_names_of_figures())
     if figure.get("font") is not None:
-        figure = {**figure, "font": reach.path(figure["font"], f"{WHAT}: figure.font")}
+        figure = {**figure, "font": reach.of_name(figure["font"]).path(figure["font"], f"{WHAT}: figure.font")}
     view = document.get("view") or {}
     if not isinstance(view, dict):
         raise ArgumentError(f"{WHAT}: field 'view' is {described(view)}; it must be an object")

@@ -12,22 +12,27 @@ from numpy.typing import NDArray
 
 from wavesplat._looks import colors
 from wavesplat._looks.kinds import kind_of, unit_of_values
+from wavesplat._looks.labels import Labels
+from wavesplat._looks.overlays import MAPPED_KINDS, OVERLAY_MAPS, mapped
+from wavesplat._looks.regions import Region
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.lazy_changes import compare
 from wavesplat._model.options import Kernel, Plane, Slab
 from wavesplat._picture.picture import Picture
+from wavesplat._picture.report import Report
 from wavesplat._picture.report_facts import shown_layer
 from wavesplat._public import public
 from wavesplat._render import windows
-from wavesplat._render.arguments import chosen_look
-from wavesplat._render.slicing import sliced
+from wavesplat._render.isolines import Isolines
+from wavesplat._render.slicing import Planes, sliced
 from wavesplat._scene import label_slices
-from wavesplat._scene.drawn_layers import identity_of
+from wavesplat._scene.drawn_layers import identity_of, look_over_others
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.resampling import check_units
 from wavesplat._scene.scene import Scene, as_scene
+from wavesplat._scene.slice_lines import lines_over
 from wavesplat._scene.summary import names_of
 from wavesplat.errors import ArgumentError
 
@@ -35,10 +40,6 @@ __all__ = ["slice"]
 
 Floats: TypeAlias = NDArray[np.float32]
 
-#: Kinds of data whose automatic looks are for surfaces, or are greys, which over other greys say nothing; and the
-#: colour maps that these get instead, in turn.
-MAPPED_KINDS = ("CT", "MR", "PET", "ultrasound", "EM", "field", "scan")
-OVERLAY_MAPS = ("hot", "winter", "summer", "cool")
 #: Pixels that are mixed at once: their colours, in float64, take little memory.
 PIXELS_AT_ONCE = 1 << 18
 
@@ -59,6 +60,8 @@ def slice(
     window: str | tuple[float, float] | None = None,
     clim: tuple[float, float] | None = None,
     transfer_function: TransferFunction | str | None = None,
+    contours: Labels | Sequence[Labels | Region] | None = None,
+    isolines: Isolines | Sequence[Isolines] | None = None,
     background: str | Sequence[float] | None = "black",
     threads: int | None = None,
 ) -> Picture:
@@ -69,9 +72,10 @@ def slice(
     what : Volume, WaveletVolume, array or what else `Volume` takes, Scene, Layer, or several in a list
         What to cut. The first volume decides plane, pixels and values, also where it is not visible. The others lie
         over it at the same places, in their order, as PET over CT does; of a series the volume of its time.
-        Their colours are those of their looks, or of a map such as "hot" where they have none. `Layer.opacity` is how
-        opaque a layer is where the opacity of its look is greatest; elsewhere it is less in proportion. Below the low
-        end of its look, where it is transparent and outside of its volume a layer does not show.
+        Their colours are those of their looks, or of a map such as "hot" where they have none, as in space.
+        `Layer.opacity` is how opaque a layer is where the opacity of its look is greatest; elsewhere it is less in
+        proportion. Below the low end of its look, where it is transparent and outside of its volume a layer does not
+        show.
         The labels of a scene lie over the slice, faint inside and full along their outlines; of a slab those of its
         middle plane. Clips and the background of a scene are for pictures in space.
     plane : str or (point, normal), default "axial"
@@ -103,6 +107,12 @@ def slice(
     transfer_function : TransferFunction or str, optional
         Instead of a window: the colours, opaque, of all values that are not transparent. Looks of the first layer are
         for pictures in space.
+    contours : Labels, Region, or sequence of them, optional
+        Regions as lines: those of a structure set (RTSTRUCT), `wavesplat.Region.open(path)`, or the outlines of labels.
+        A slice parallel to a region's lines shows those of the nearest plane, if it lies within half the distance of
+        planes; any other slice the outline of the voxels inside. Labels may lie on a grid of their own.
+    isolines : Isolines or sequence of them, optional
+        Lines of equal value, such as isodoses: `wavesplat.Isolines(dose, [20, 40, 60])`.
     background : colour, optional
         As for `render`; shows where there are no values.
     threads : int, optional
@@ -115,14 +125,15 @@ def slice(
         `report` says where the pixels lie in the world (`origin`, the centre of the first one, `right`, `down` and
         `pixel`), the letters of the edges (None without anatomy), the window, as `window` (level, width) and `clim`
         (low, high), what was done to the samples (`Facts.processing`), and in `layers` name, opacity, time and
-        processing of each layer. `notes` say why a layer does not show. `Picture.annotated` writes on it: letters, a
-        scale bar, the colours of the values.
+        processing of each layer; in `lines` names and colours of the contours and isolines that show. `notes` say why
+        a layer or a line does not. `Picture.annotated` writes on it: letters, a scale bar, the colours of the values,
+        a legend.
 
     Raises
     ------
     ArgumentError
         If an argument cannot work, the plane lies outside the first volume (the message has the range), or lengths of
-        layers are in different units.
+        layers are in different units; or if regions of a patient are drawn on a volume that says nothing of one.
 
     Warns
     -----
@@ -142,9 +153,11 @@ def slice(
     'ripples(16)'
     """
     scene = as_scene(what, None, labels=None, shading="look", clip=(), background=None)
-    first, *others = scene.layers
-    compare(layer.drawn for layer in scene.layers)
-    check_units([layer.drawn for layer in scene.layers])
+    first = scene.layers[0]
+    lines = lines_over(contours, isolines)
+    all_volumes = [*(layer.drawn for layer in scene.layers), *(lines.volumes if lines else ())]
+    compare(all_volumes)
+    check_units(all_volumes)
     if window is None and clim is None and transfer_function is None:
         clim = scene._cache.get_or_compute(
             (id(first.drawn), "limits"), identity_of(first.drawn), lambda: windows.limits(first.drawn, None, None)
@@ -175,23 +188,43 @@ def slice(
     elif first.opacity < 1:
         rgba = first.opacity * rgba + (1 - first.opacity) * _associated(background)
     report["shown"] = [{**shown, "name": first.name} for shown in report["shown"]]
-    automatic = iter(cycle(OVERLAY_MAPS))
-    for layer in others:
-        if layer.is_shown:
-            curves = _curves_of(scene, layer, automatic)
-            values = planes.values_of(layer.drawn, kernel, slab, threads)
-            rgba, is_seen = _laid_over(rgba, values, curves, layer.opacity)
-            report["shown"].append(shown_layer(_name_of(layer), "over", curves, unit_of_values(layer.drawn)))
-            if not is_seen:
-                notes.append(_why_not_seen(layer, values, curves))
+    rgba = _with_layers(rgba, planes, scene, report, notes, kernel=kernel, slab=slab, threads=threads)
     if scene.labels is not None:
-        rgba = label_slices.laid_over(rgba, planes, scene.labels, first.drawn)
-        report["labels"] = names_of(scene.labels)
+        labels = scene.labels.for_slices_of(first.drawn)
+        rgba, seen = label_slices.laid_over(rgba, planes, labels)
+        report["labels"] = names_of(labels, seen) or names_of(labels)
+        notes += labels.notes
+    if lines is not None:
+        over = lines.over(rgba, planes, first.drawn, kernel=kernel, slab=slab, threads=threads)
+        rgba, report["lines"] = over.rgba, over.shown
+        notes += over.notes
     if scene.clip:
         notes.append("left out of the slice, since for pictures in space: the scene's clip")
     if notes:
         report["notes"] = notes
     return Picture(rgba, value=picture.value, report=report)
+
+
+def _with_layers(
+    rgba: Floats, planes: Planes, scene: Scene, report: Report, notes: list[str], **options: Any
+) -> Floats:
+    """The slice with the further layers over it; `report` gets their colours, `notes` why one does not show."""
+    automatic = iter(cycle(OVERLAY_MAPS))
+    for layer in scene.layers[1:]:
+        if layer.is_shown:
+            curves = _curves_of(scene, layer, automatic)
+            values = planes.values_of(layer.drawn, **options)
+            rgba, is_seen = _laid_over(rgba, values, curves, layer.opacity)
+            report["shown"] += _shown(layer, values, curves)
+            if not is_seen:
+                notes.append(_why_not_seen(layer, values, curves))
+    return rgba
+
+
+def _shown(layer: Layer, values: Floats, curves: TransferFunction) -> list[dict[str, Any]]:
+    """The report's entry for colour bars; a layer that lies beside the picture has none."""
+    lies_here = np.isfinite(values).any()
+    return [shown_layer(_name_of(layer), "over", curves, unit_of_values(layer.drawn))] if lies_here else []
 
 
 def _facts_of(layer: Layer) -> dict[str, Any]:
@@ -228,9 +261,8 @@ def _curves_of(scene: Scene, layer: Layer, automatic: Iterator[str]) -> Transfer
 def _found_curves(layer: Layer, colormap: str | None) -> TransferFunction:
     volume = layer.looked_at
     if colormap is not None:
-        clim = windows.limits(volume, None, None)
-        return TransferFunction.from_colormap(colormap, clim=clim, opacity="linear")
-    curves = chosen_look(layer.look, volume, "over").transfer_function
+        return mapped(volume, colormap)
+    curves = look_over_others(layer.look, volume, "over").transfer_function
     if isinstance(curves, TransferFunction2D):
         raise ArgumentError(
             f"a slice shows values, not gradients; give the layer {_name_of(layer)!r} a TransferFunction, as "

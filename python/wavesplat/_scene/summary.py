@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from typing import Any
 
 from wavesplat._looks.colors import Rgba
@@ -27,13 +27,13 @@ def facts_of_picture(
     return {**view, "background": background, "labels": names_of(labels)}
 
 
-def names_of(labels: Labels | None) -> list[dict[str, Any]]:
-    """Names and colours of the labels that have a colour in the picture."""
+def names_of(labels: Labels | None, numbers: Collection[int] | None = None) -> list[dict[str, Any]]:
+    """Names and colours of the labels that have a colour in the picture. `numbers`: those that count; None is all."""
     looks = {} if labels is None else labels.labels
     return [
         {"name": look.name or str(number), "color": list(look.color)}
         for number, look in looks.items()
-        if look.opacity or look.tint
+        if (look.opacity or look.tint) and (numbers is None or number in numbers)
     ]
 
 

@@ -135,8 +135,9 @@ def _probe(state: ViewerState, arguments: Mapping[str, Any], _: Progress) -> Ans
     label = None
     labels = state.scene.labels
     place = _sample_at(first.world_from_index, first.shape, point)
-    if labels is not None and place is not None and labels.shape == first.shape:
-        number = labels.numbers[int(labels._codes[place])]
+    if labels is not None and place is not None:
+        on_scan = labels.on_samples_of(first)
+        number = on_scan.numbers[int(on_scan._codes[place])]
         look = labels.labels.get(number)
         if number or look is not None:
             label = {"number": number, "name": (look.name if look else "") or str(number)}

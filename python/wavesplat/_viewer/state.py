@@ -19,8 +19,8 @@ from wavesplat._looks.labels import Labels
 from wavesplat._looks.look import Look
 from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
-from wavesplat._render.arguments import chosen_look
 from wavesplat._scene import scene_json
+from wavesplat._scene.drawn_layers import drawn_layers
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import Scene
 from wavesplat._viewer import view_json
@@ -89,7 +89,7 @@ class ViewerState:
         for layer, source in zip(document["layers"], scene.layers, strict=True):
             if not isinstance(layer["look"], dict):
                 # The report has no look of a layer that is hidden or has labels.
-                layer["look"] = look_json.fields_of(_plain_look(source))
+                layer["look"] = look_json.fields_of(_plain_look(scene, source))
             layer["volume"] = {"path": None, "name": source.volume.name}
             layer["name"] = layer["name"] or source.volume.name
         if labels is not None:
@@ -292,9 +292,12 @@ def _labels(fields: Any, scene: Scene) -> Labels | None:
         raise ArgumentError(f"{what}: {error}") from None
 
 
-def _plain_look(layer: Layer) -> Look:
-    """The look of a layer without the labels that looks of segmentations bring."""
-    return replace(chosen_look(layer.look, layer.looked_at, None), labels=None)
+def _plain_look(scene: Scene, layer: Layer) -> Look:
+    """The look that a layer is drawn with where it is visible, without the labels that looks of segmentations bring."""
+    visible = replace(layer, visible=True, opacity=layer.opacity or 1.0)
+    layers = [visible if one is layer else one for one in scene.layers]
+    shown = drawn_layers(scene.with_(layers=layers), None).layers
+    return replace(next(one.look for one in shown if one.layer is visible), labels=None)
 
 
 def _background(background: Any) -> Any:

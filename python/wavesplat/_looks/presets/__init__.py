@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING
 from wavesplat._files import json_object
 from wavesplat._looks import look_json, slicer_files
 from wavesplat._looks.histogram import is_hounsfield
-from wavesplat._looks.kinds import Evidence, Kind, evidence
+from wavesplat._looks.kinds import Evidence, Kind, evidence, offset_of
 from wavesplat._looks.look import Look
 from wavesplat.errors import ArgumentError, WavesplatWarning
 
@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["GROUPS", "Preset", "catalogue", "fitting", "names", "plain", "preset", "warn_of_other_units"]
+__all__ = ["GROUPS", "Preset", "added_to_hounsfield", "catalogue", "fitting", "names", "plain", "preset"]
 
 #: Kinds of data that presets are for, in the order of lists, and their titles.
 GROUPS = {
@@ -45,6 +45,7 @@ KINDS_FOR: dict[Kind, tuple[str, ...]] = {
     "CT": ("ct",),
     "MR": ("mr",),
     "PET": ("pet",),
+    "dose": (),
     "ultrasound": (),
     "fluorescence": ("microscopy",),
     "EM": ("microscopy",),
@@ -96,9 +97,11 @@ def preset(name: str, volume: Volume | WaveletVolume | None) -> Look:
             raise ArgumentError("preset 'auto' is made from a volume's histogram; pass the volume too")
         return Look.auto(volume)
     entry = catalogue()[found]
-    if entry.is_hounsfield and volume is not None:
-        warn_of_other_units(f"preset {found!r}", volume)
-    return replace(entry.build(volume), name=found)
+    look = replace(entry.build(volume), name=found)
+    if not (entry.is_hounsfield and volume is not None):
+        return look
+    offset = added_to_hounsfield(f"preset {found!r}", volume)
+    return replace(look, transfer_function=look.transfer_function._moved(offset)) if offset else look
 
 
 def fitting(volume: Volume | WaveletVolume) -> list[Preset]:
@@ -120,11 +123,24 @@ def _kinds(known: Evidence) -> tuple[str, ...]:
     return ("mr", "pet", "any") if known.kind in ("MR", "PET") and known.is_guess else fitting
 
 
-def warn_of_other_units(what: str, volume: Volume | WaveletVolume) -> None:
-    """Warn if a look for Hounsfield units meets other values: by modality, or without air and soft tissue."""
+def added_to_hounsfield(what: str, volume: Volume | WaveletVolume) -> float:
+    """The offset that is added to a volume's Hounsfield units, by which looks for them must move: 0, 1000 or 1024.
+
+    Warn if it is moved, and if the values do not look like Hounsfield units: by modality, or without air and tissue.
+    """
     modality = volume.modality
-    if modality == "CT" or (not modality and is_hounsfield(volume)):
-        return
+    if not modality and is_hounsfield(volume):
+        return 0.0
+    if offset := offset_of(volume):
+        warnings.warn(
+            f"{what} is moved up by {offset:g}, which seems to be added to the Hounsfield units of volume "
+            f"{volume.name!r}: a guess by its values",
+            WavesplatWarning,
+            stacklevel=4,
+        )
+        return offset
+    if modality == "CT":
+        return 0.0
     why = f"the file says {modality}" if modality else "there is no air near -1000 with soft tissue near 0"
     low, high = volume.value_range
     warnings.warn(
@@ -133,6 +149,7 @@ def warn_of_other_units(what: str, volume: Volume | WaveletVolume) -> None:
         WavesplatWarning,
         stacklevel=4,
     )
+    return 0.0
 
 
 def plain(name: str) -> str:

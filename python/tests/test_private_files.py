@@ -1,0 +1,153 @@
+"""Files that are published hold no names of folders, which may be those of patients, and are still drawn again."""
+
+import json
+import os
+import shutil
+from pathlib import Path
+
+import dicom_files
+import numpy as np
+import pytest
+
+import wavesplat as ws
+from wavesplat._model.private_names import file_name_of, without_folders
+from wavesplat._picture.png_text import text_in
+from wavesplat._scene import scene_files
+from wavesplat.errors import ArgumentError, FileError
+
+PATIENT = "DOE_JOHN_1950"
+SAMPLES = np.random.default_rng(0).integers(0, 200, (8, 9, 10)).astype(np.uint8)
+
+
+@pytest.fixture
+def patient(tmp_path):
+    folder = tmp_path / PATIENT
+    folder.mkdir()
+    np.save(folder / "scan.npy", SAMPLES)
+    np.save(folder / "labels.npy", (SAMPLES > 150).astype(np.uint8))
+    return folder
+
+
+def drawn(path, **options):
+    document = scene_files.load(path, **options)
+    return document.scene.render(document.camera, **document.options)
+
+
+@pytest.mark.parametrize("name", ["x.png", "x.svg", "x.pdf", "x.jpg", "x.webp", "x.tif", "x.exr"])
+def test_pictures_hold_no_folder_fault_23(patient, tmp_path, name):
+    scan = ws.open(patient / "scan.npy")
+    labels = ws.Labels.open(patient / "labels.npy")
+    picture = ws.render([ws.Layer(scan, ws.TransferFunction.diverging(300))], labels=labels, size=(40, 30)).annotated(
+        scale_bar=True, unit="mm"
+    )
+    assert PATIENT in json.dumps(picture.report)  # so that there is something to leave out
+    (tmp_path / "out").mkdir()
+    picture.save(tmp_path / "out" / name)
+    content = (tmp_path / "out" / name).read_bytes()
+    assert PATIENT.encode() not in content
+    assert PATIENT not in (text_in(content, "wavesplat") if name == "x.png" else "")
+    if name == "x.png":
+        document = json.loads(text_in(content, "wavesplat"))
+        assert document["layers"][0]["volume"]["path"] == "scan.npy"
+        assert document["labels"]["volume"]["path"] == "labels.npy"
+        picture.save(tmp_path / "out" / name, embed_paths=True)
+        assert PATIENT in text_in((tmp_path / "out" / name).read_bytes(), "wavesplat")
+
+
+def test_movies_hold_no_folder_fault_23(patient, tmp_path):
+    scan = ws.open(patient / "scan.npy")
+    ws.movie(scan, tmp_path / "x.gif", ws.Turn(frames=2), size=(16, 16))
+    ws.movie(scan, tmp_path / "frames", ws.Turn(frames=2), size=(16, 16))
+    for path in [tmp_path / "x.gif", *(tmp_path / "frames").iterdir()]:
+        assert PATIENT.encode() not in path.read_bytes()
+
+
+def test_the_command_line_writes_no_folder_unless_asked_fault_23(wavesplat, patient, tmp_path):
+    out = tmp_path / "out"
+    out.mkdir()
+    command = ["render", patient / "scan.npy", "-o", out / "x.png", "--report", out / "x.json", "--size", "20x16"]
+    assert wavesplat(*command).returncode == 0
+    report = json.loads((out / "x.json").read_text())
+    assert (report["picture"], report["input"]) == ("x.png", "scan.npy")
+    assert PATIENT not in (out / "x.json").read_text()
+    assert PATIENT not in text_in((out / "x.png").read_bytes(), "wavesplat")
+    refused = wavesplat("render", "--from", out / "x.png", "-o", out / "y.png")
+    assert refused.returncode == 1, refused.stderr
+    assert f"names 'scan.npy', and there is no such file in the document's folder, {out}, nor in" in refused.stderr
+    assert wavesplat(*command, "--embed-paths").returncode == 0
+    assert PATIENT in (out / "x.json").read_text()
+    done = wavesplat("render", "--from", out / "x.png", "-o", out / "y.png", "--external-files")
+    assert done.returncode == 0, done.stderr
+    # The copy is public again.
+    assert PATIENT not in text_in((out / "y.png").read_bytes(), "wavesplat")
+
+
+def test_it_is_drawn_again_beside_the_data_or_in_their_folder_fault_23(patient, tmp_path, monkeypatch):
+    picture = ws.render(ws.open(patient / "scan.npy"), "grey", size=(20, 16))
+    (tmp_path / "out").mkdir()
+    picture.save(tmp_path / "out" / "x.png")
+    with pytest.raises(FileError, match=r"names 'scan\.npy', and there is no such file in the document's folder"):
+        scene_files.load(tmp_path / "out" / "x.png")
+    monkeypatch.chdir(patient)
+    np.testing.assert_array_equal(drawn(tmp_path / "out" / "x.png").rgba, picture.rgba)
+    monkeypatch.chdir(tmp_path)
+    shutil.copy(patient / "scan.npy", tmp_path / "out")
+    np.testing.assert_array_equal(drawn(tmp_path / "out" / "x.png").rgba, picture.rgba)
+
+
+def test_a_link_in_the_working_directory_is_not_followed_elsewhere(patient, tmp_path, monkeypatch):
+    ws.render(ws.open(patient / "scan.npy"), "grey", size=(20, 16)).save(tmp_path / "x.png")
+    (tmp_path / "here").mkdir()
+    (tmp_path / "here" / "scan.npy").symlink_to(patient / "scan.npy")
+    monkeypatch.chdir(tmp_path / "here")
+    with pytest.raises(FileError, match="outside of the document's folder"):
+        scene_files.load(tmp_path / "x.png")
+
+
+def test_the_name_of_a_folder_of_slices_is_not_written_fault_23(tmp_path):
+    folder = dicom_files.save(tmp_path / PATIENT, [dicom_files.slice_at(dicom_files.random(1)[0], n) for n in range(4)])
+    scan = ws.open(folder)
+    scan_of_times = ws.open_series([folder])
+    picture = ws.render([scan, scan_of_times], ["grey", "grey"], size=(20, 16))
+    picture.save(tmp_path / "x.png")
+    text = text_in((tmp_path / "x.png").read_bytes(), "wavesplat")
+    assert PATIENT not in text
+    document = json.loads(text)
+    assert [layer["volume"]["path"] for layer in document["layers"]] == [None, None]
+    with pytest.raises(ArgumentError, match=r"layers\[0\]\.volume came from no file.*or from a folder"):
+        scene_files.load(tmp_path / "x.png")
+
+
+def test_files_of_one_name_are_not_taken_for_each_other(tmp_path):
+    for name in ("a", "b"):
+        (tmp_path / name).mkdir()
+        np.save(tmp_path / name / "scan.npy", SAMPLES)
+    document = {"layers": [{"path": str(tmp_path / name / "scan.npy")} for name in ("a", "b", "a")]}
+    assert [layer["path"] for layer in without_folders(document)["layers"]] == [None] * 3
+    alone = {"layers": [document["layers"][0]] * 2}
+    assert [layer["path"] for layer in without_folders(alone)["layers"]] == ["scan.npy"] * 2
+
+
+@pytest.mark.parametrize(
+    ("path", "name"),
+    [
+        ("/data/DOE/scan.nii.gz", "scan.nii.gz"),
+        ("/data/DOE/scan_*.nii", "scan_*.nii"),
+        ("/data/*/scan.nii", None),
+        ("https://host/DOE/cells.zarr?token=1", "cells.zarr"),
+    ],
+)
+def test_the_name_of_a_file(path, name):
+    assert file_name_of(path) == name
+
+
+def test_stores_of_zarr_are_named(tmp_path):
+    (tmp_path / "cells.zarr").mkdir()
+    assert file_name_of(str(tmp_path / "cells.zarr")) == "cells.zarr"
+    assert file_name_of(str(tmp_path)) is None
+
+
+def test_scenes_saved_on_purpose_keep_relative_paths(patient, tmp_path):
+    ws.Scene(ws.open(patient / "scan.npy"), "grey").save(tmp_path / "scene.json")
+    path = json.loads((tmp_path / "scene.json").read_text())["layers"][0]["volume"]["path"]
+    assert path == os.path.join(PATIENT, "scan.npy") == str(Path(PATIENT) / "scan.npy")  # noqa: PTH118

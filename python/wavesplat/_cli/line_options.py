@@ -1,0 +1,122 @@
+"""Options of lines over a slice: contours of a segmentation, and lines of equal value."""
+
+from __future__ import annotations
+
+import re
+import warnings
+from collections.abc import Sequence
+from contextlib import suppress
+from typing import TYPE_CHECKING, Annotated, NamedTuple
+
+import typer
+
+from wavesplat._cli.label_options import chosen_segments
+from wavesplat._cli.layer_options import named_file
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._looks.labels import Labels
+    from wavesplat._looks.regions import Region
+    from wavesplat._render.isolines import Isolines
+
+__all__ = ["ContoursFile", "IsolinesText", "IsolinesTexts", "isolines_of", "opened_contours", "opened_isolines"]
+
+ISOLINES = "FILE:VALUE,...[:COLOR]"
+
+ContoursFile = Annotated[
+    str | None,
+    typer.Option(
+        metavar="FILE", help="Regions as lines: DICOM RTSTRUCT or SEG, or any other segmentation, such as .nii.gz."
+    ),
+]
+IsolinesTexts = Annotated[
+    list[str] | None,
+    typer.Option(
+        metavar=ISOLINES,
+        help="Lines of equal value of a volume, such as isodoses: dose.dcm:20,40,60. COLOR: a colour or a colour map; "
+        "may be repeated.",
+    ),
+]
+
+
+def opened_contours(
+    path: str | None, segments: Sequence[str] | None, *, quiet: bool
+) -> Sequence[Labels | Region] | None:
+    """The regions of a structure set, or the labels of another segmentation, each whole also where they overlap."""
+    from wavesplat._cli.printing import message, warnings_as_notes
+    from wavesplat._files.paths import expanded
+    from wavesplat._looks.labels import Labels
+    from wavesplat._looks.regions import Region
+    from wavesplat._readers.dicom_segments import OVERLAP
+    from wavesplat._readers.dicom_structures import is_structure_set
+    from wavesplat.errors import FileWarning
+
+    if path is None:
+        return None
+    chosen = chosen_segments(segments)
+    if is_structure_set(expanded(path)):
+        with warnings_as_notes(quiet=quiet):
+            return Region.open(path, segments=chosen)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always", FileWarning)
+        labels = Labels.open(path, segments=chosen)
+    notes = [str(one.message) for one in caught]
+    for note in notes:
+        if not (quiet or note.startswith(OVERLAP)):
+            message(f"note: {note}")
+    return _whole(path, chosen) if any(note.startswith(OVERLAP) for note in notes) else [labels]
+
+
+def _whole(path: str, chosen: Sequence[str | int] | None) -> list[Labels | Region]:
+    """Each segment of a DICOM segmentation by itself: in one label map, of those that overlap the last one is whole."""
+    from wavesplat._looks import label_names
+    from wavesplat._looks.default_colors import label_color
+    from wavesplat._looks.labels import Label, Labels
+    from wavesplat.errors import ArgumentError, FileWarning
+
+    named = label_names.in_file(path)
+    numbers = list(named)
+    if chosen is not None:
+        numbers = label_names.chosen_numbers(chosen, {number: name for number, (name, _) in named.items()}, path)
+    found: list[Labels | Region] = []
+    for place, number in enumerate(numbers):
+        name, color = named[number]
+        with warnings.catch_warnings(), suppress(ArgumentError):  # of a segment without voxels
+            warnings.simplefilter("ignore", FileWarning)
+            labels = Labels.open(path, segments=[number])
+            found.append(labels.with_looks({number: Label(color or label_color(place), name=name)}))
+    return found
+
+
+class IsolinesText(NamedTuple):
+    """An `--isolines`, parsed: its file, values, and colour or colour map."""
+
+    path: str
+    values: tuple[float, ...]
+    color: str | None
+
+
+def isolines_of(text: str) -> IsolinesText:
+    """Parse an `--isolines`; the longest beginning that names a file is the file."""
+    path, rest = named_file(text, "--isolines", ISOLINES, "dose.dcm:20,40,60")
+    said, _, color = rest.partition(":")
+    parts = said.split(",")
+    if not all(re.fullmatch(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*", part) for part in parts):
+        raise ArgumentError(f"--isolines {text!r} has the values {said!r}; it is {ISOLINES}, such as dose.dcm:20,40,60")
+    return IsolinesText(path, tuple(map(float, parts)), color or None)
+
+
+def opened_isolines(texts: Sequence[str] | None, *, time: int, quiet: bool) -> list[Isolines] | None:
+    """The volumes of `--isolines` with their values. `time`: the time point of volumes that have several."""
+    from wavesplat._cli.layer_options import further_layers
+    from wavesplat._render.isolines import Isolines
+
+    if not texts:
+        return None
+    found = []
+    for said in [isolines_of(text) for text in texts]:
+        layers = further_layers([said.path], time=time, quiet=quiet)
+        if len(layers) > 1:
+            raise ArgumentError(f"--isolines: the file holds {len(layers)} channels, and lines are of one: {said.path}")
+        found.append(Isolines(layers[0].drawn, said.values, **({"color": said.color} if said.color else {})))
+    return found

@@ -1,0 +1,60 @@
+"""Documents without the names of folders, which may be those of patients: what files that are published hold.
+
+A path becomes the name of its file. It becomes null where that would not do: a folder of slices, whose own name may be
+a patient's; a pattern with wildcards for folders; two different files of one name. Stores of Zarr are folders that
+users name as files.
+"""
+
+from __future__ import annotations
+
+import glob
+import os
+from pathlib import Path, PurePath
+from typing import Any
+
+from wavesplat._files.addresses import is_address, last_part
+from wavesplat._model.sources import with_paths
+
+__all__ = ["file_name_of", "without_folders"]
+
+#: Name in place of a folder's, of volumes and layers that have it.
+NAMELESS = "volume"
+
+
+def without_folders(document: Any) -> Any:
+    """The document, or the report, with names of files in place of paths; see the module."""
+    paths: dict[str, str | None] = {}
+
+    def look(path: str) -> str:
+        paths[path] = file_name_of(path)
+        return path
+
+    with_paths(document, look)
+    given = list(paths.values())
+    chosen = {path: None if given.count(name) > 1 else name for path, name in paths.items()}
+    folders = {PurePath(path).name for path, name in chosen.items() if name is None}
+    return _renamed(with_paths(document, chosen.__getitem__), folders)
+
+
+def file_name_of(path: str) -> str | None:
+    """The name of a file, or the last part of an address; None of what is, or may be, a folder."""
+    if is_address(path):
+        return last_part(path)
+    parts = PurePath(path)
+    if glob.has_magic(str(parts.parent)) and not os.path.lexists(path):
+        return None
+    if Path(path).is_dir() and parts.suffix.lower() != ".zarr":
+        return None
+    return parts.name
+
+
+def _renamed(part: Any, folders: set[str]) -> Any:
+    """The document with another name where a volume or layer has that of a folder."""
+    if isinstance(part, list | tuple):
+        return [_renamed(one, folders) for one in part]
+    if not isinstance(part, dict):
+        return part
+    return {
+        name: NAMELESS if name in ("name", "layer") and one in folders else _renamed(one, folders)
+        for name, one in part.items()
+    }

@@ -1,0 +1,247 @@
+"""DICOM series of a place: headers of its files, the series that they belong to, and the one that is asked for.
+
+A series is chosen by its number (SeriesNumber), by its description, or by the start of its UID, as `wavesplat info`
+lists them.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Hashable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import TypeAlias
+
+import numpy as np
+
+from wavesplat._readers.dicom_checks import DIRECTION
+from wavesplat._readers.dicom_header import Header, content_of, header_of, is_dicom
+from wavesplat._readers.dicom_places import SUFFIXES
+from wavesplat._readers.dicom_stack import N_NAMED
+from wavesplat._readers.request import Request, several
+from wavesplat.errors import ArgumentError, FileError, LimitError
+
+__all__ = ["Unreadable", "alike", "chosen_series", "named", "scanned", "without_copies"]
+
+#: Files that cannot be read, and why.
+Unreadable: TypeAlias = Mapping[Path, Exception]
+HOW = "by its number, its description or the start of its UID"
+#: Series that a message lists, at most.
+N_LISTED = 20
+
+
+@dataclass
+class Scan:
+    """Headers of all images of a place, image files that cannot be read, and DICOM files that are no images."""
+
+    #: The folder that messages name files from.
+    root: Path
+    headers: list[Header] = field(default_factory=list)
+    unreadable: dict[Path, Exception] = field(default_factory=dict)
+    others: list[Path] = field(default_factory=list)
+
+
+def scanned(files: Iterable[Path], root: Path, request: Request, known: Header | None = None) -> Scan:
+    """The headers of files below the folder `root`.
+
+    Headers are kept from one time point of a series to the next, as long as their files stay as they are. `known`: a
+    header that has been read.
+    """
+    scan = Scan(root)
+    kept = {} if request.kept is None else request.kept.setdefault("headers of DICOM", {})
+    for file in files:
+        state = file.stat()
+        key = (str(file), state.st_mtime_ns, state.st_size)  # a text, since the hash of a path is slow
+        if known is not None and file == known.file:
+            kept[key] = known
+        if key not in kept:
+            looks_like = file.suffix.lower() in SUFFIXES
+            kept[key] = _header_or_error(file) if looks_like or _is_dicom(file) else ()
+        header = kept[key]
+        if header is None:
+            scan.others.append(file)
+        elif isinstance(header, Header):
+            scan.headers.append(header)
+        elif isinstance(header, Exception):
+            scan.unreadable[file] = header
+    return scan
+
+
+def _header_or_error(file: Path) -> Header | Exception | None:
+    # Parsers of damaged files raise nearly anything.
+    try:
+        return header_of(file)
+    except (ImportError, LimitError):
+        raise
+    except Exception as error:  # noqa: BLE001
+        return error
+
+
+def _is_dicom(file: Path) -> bool:
+    try:
+        return is_dicom(file)
+    except OSError:
+        return False
+
+
+def chosen_series(scan: Scan, request: Request, known: Header | None = None) -> list[Header]:
+    """The headers of the series that is asked for, else of the file that was named or the only one; errors list all.
+
+    known : the header of the file that was named.
+    """
+    series, wanted = _series_of(scan.headers), request.series
+    if wanted is None and known is not None:
+        return series[known.series]
+    if not series:
+        raise _nothing(scan, request)
+    if wanted is None and len(series) > 1:
+        described = _described(series, scan.root)
+        message = (
+            f"the {_place(request)} holds {len(series)} series; choose one with series= (--series), {HOW}: "
+            f"{_listed(described)}: {request.path}"
+        )
+        raise several(message, "series", list(series), described)
+    uids = list(series) if wanted is None else _matching(series, wanted)
+    if len(uids) != 1:
+        which = {uid: series[uid] for uid in uids} or series
+        found = f"{len(uids)} series match series={wanted!r}" if uids else f"no series {wanted!r}"
+        raise ArgumentError(
+            f"{found}; choose one {HOW}: {_listed(_described(which, scan.root, with_uids=bool(uids)))}: {request.path}"
+        )
+    return series[uids[0]]
+
+
+def _nothing(scan: Scan, request: Request) -> FileError:
+    """The error for a place without images."""
+    if scan.unreadable:
+        first = next(iter(scan.unreadable.values()))
+        if isinstance(first, FileError):  # which says more
+            return first
+        error = FileError(f"{named(scan.unreadable)}; copy or export them again: {request.path}")
+        error.__cause__ = first
+        return error
+    if scan.others:
+        content = content_of(scan.others[0])
+        return FileError(
+            f"the {_place(request)} holds DICOM files without images ({scan.others[0].name} holds {content.what}); "
+            f"{content.instead}: {request.path}"
+        )
+    return FileError(
+        f"the folder holds no DICOM series, no TIFF slices and no Zarr array; name another: {request.path}"
+    )
+
+
+def _place(request: Request) -> str:
+    """The word for the thing that holds the files."""
+    if request.file.is_dir():
+        return "folder"
+    return "zip archive" if request.file.suffix.lower() == ".zip" else "directory"
+
+
+def _series_of(headers: Iterable[Header]) -> dict[str, list[Header]]:
+    """Headers by UID of their series, studies as they come, and the series of each in the order of their numbers."""
+    series: dict[str, list[Header]] = {}
+    for header in headers:
+        series.setdefault(header.series, []).append(header)
+    studies = list(dict.fromkeys(found[0].study for found in series.values()))
+
+    def place(item: tuple[str, list[Header]]) -> tuple[int, bool, int]:
+        first = item[1][0]
+        return studies.index(first.study), first.series_number is None, first.series_number or 0
+
+    return dict(sorted(series.items(), key=place))
+
+
+def _matching(series: Mapping[str, Sequence[Header]], wanted: str | int) -> list[str]:
+    """UIDs of the series that a number, a description or the start of a UID stands for; the first way that fits one."""
+    told = str(wanted).strip()
+    firsts = {uid: headers[0] for uid, headers in series.items()}
+    folded = told.casefold()
+    ways = [
+        [uid for uid in firsts if uid == told],
+        [uid for uid, one in firsts.items() if told.isdecimal() and one.series_number == int(told)],
+        [uid for uid, one in firsts.items() if one.description.casefold() == folded],
+        [uid for uid in firsts if "." in told and uid.startswith(told)],
+        [uid for uid, one in firsts.items() if not told.isdecimal() and folded in one.description.casefold()],
+    ]
+    return next((way for way in ways if way), []) if told else []
+
+
+def _described(series: Mapping[str, Sequence[Header]], root: Path, *, with_uids: bool = False) -> list[str]:
+    """A line for each series: number, modality, description, number of files, and what else distinguishes it."""
+    numbers = [headers[0].series_number for headers in series.values()]
+    folders = {uid: _folder(headers[0].file, root) for uid, headers in series.items()}
+    lines = []
+    for uid, headers in series.items():
+        first = headers[0]
+        is_clear = first.series_number is not None and numbers.count(first.series_number) == 1
+        parts = ["" if first.series_number is None else str(first.series_number), first.modality or ""]
+        parts += [f'"{first.description}"' if first.description else ""]
+        parts += [uid if with_uids or not is_clear else ""]
+        files = f"{len(headers)} file{'' if len(headers) == 1 else 's'}"
+        where = f" in {folders[uid]}" if folders[uid] and len(set(folders.values())) > 1 else ""
+        lines.append(f"{' '.join(part for part in parts if part)} ({files}{where})")
+    return lines
+
+
+def _folder(file: Path, root: Path) -> str:
+    """The folder of a file as seen from `root`; "" for that itself."""
+    folder = os.path.relpath(file.parent, root)
+    return "" if folder == "." else Path(folder).as_posix()
+
+
+def _listed(described: Sequence[str]) -> str:
+    more = f", and {len(described) - N_LISTED} more" if len(described) > N_LISTED else ""
+    return ", ".join(described[:N_LISTED]) + more
+
+
+def named(unreadable: Unreadable) -> str:
+    """A sentence on the files that cannot be read, or are missing."""
+    gone = [file for file, error in unreadable.items() if isinstance(error, FileNotFoundError)]
+    damaged = [file for file in unreadable if file not in gone]
+    told = []
+    if damaged:
+        are = "1 file of the folder is" if len(damaged) == 1 else f"{len(damaged)} files of the folder are"
+        told.append(f"{are} damaged and cannot be read ({_names(damaged)})")
+    if gone:
+        are = "1 file is" if len(gone) == 1 else f"{len(gone)} files are"
+        told.append(f"{are} missing that the directory (DICOMDIR) names ({_names(gone)})")
+    return ", and ".join(told)
+
+
+def _names(files: Sequence[Path]) -> str:
+    return ", ".join(file.name for file in files[:N_NAMED]) + (", ..." if len(files) > N_NAMED else "")
+
+
+def alike(headers: Sequence[Header], known: Header) -> tuple[list[Header], str]:
+    """The files of a series that can be slices beside the one that was named, and a sentence on those left out.
+
+    A series may also hold scouts, and pictures of other sizes: these must not hinder the file that was named.
+    """
+    orientation = known.frames[0].orientation
+    fitting = [
+        one
+        for one in headers
+        if (one.size, one.n_samples) == (known.size, known.n_samples)
+        and (np.allclose(one.frames[0].orientation, orientation, rtol=0, atol=DIRECTION, equal_nan=True))
+    ]
+    n_left = len(headers) - len(fitting)
+    if not n_left:
+        return fitting, ""
+    are = "1 file" if n_left == 1 else f"{n_left} files"
+    return fitting, f"without {are} of the series, whose size or direction is another than that of {known.file.name}"
+
+
+def without_copies(headers: Sequence[Header], named_file: Path | None) -> list[Header]:
+    """One file of each group of copies, the one that was named if it is among them.
+
+    Some programs give all files one UID, so a file with another position or other attributes is no copy.
+    """
+    first: dict[Hashable, Header] = {}
+    for header in headers:
+        frame = header.frames[0]
+        said = (frame.instance, frame.position.tobytes(), tuple(sorted(frame.attributes.items())))
+        key = (header.instance_uid, said) if header.instance_uid else header.file
+        if key not in first or header.file == named_file:
+            first[key] = header
+    return list(first.values())

@@ -1,0 +1,117 @@
+"""Lines of equal value of a volume on a slice, such as isodoses: what is drawn, and where it lies in the picture."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from dataclasses import dataclass
+from math import isfinite
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._looks import colors
+from wavesplat._looks.colormaps import colors_of
+from wavesplat._model.argument_types import described, takes_its_types
+from wavesplat._model.volume import Volume
+from wavesplat._model.volume_like import as_volume
+from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._public import public
+from wavesplat.errors import ArgumentError
+
+__all__ = ["Isolines", "lines_at"]
+
+#: Values of one volume, at most.
+MAX_VALUES = 64
+#: The part of a colour map that the lines have: its ends are dark, or white.
+MAP_ENDS = (0.08, 0.92)
+
+
+@public
+@dataclass(frozen=True, init=False, eq=False)
+class Isolines:
+    """Lines of equal value of a volume, for slices: isodoses, isotherms, isobars.
+
+    Parameters
+    ----------
+    volume : Volume, WaveletVolume, array or what else `Volume` takes
+        It may be another one than the slice is of, on a grid of its own.
+    values : sequence of float
+        A line for each, in the unit of the volume's values.
+    color : colour or str, default "turbo"
+        One colour of all lines, or a colour map from the least value to the greatest.
+    name : str, optional
+        Name in the legend, before the values; that of the volume where they have no unit, else none.
+
+    Raises
+    ------
+    ArgumentError
+        If one of them cannot be.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> scan = ws.examples.ct_pelvis()
+    >>> picture = ws.slice(scan, isolines=ws.Isolines(scan.smoothed(2), [-200, 100]))
+    >>> [line["name"] for line in picture.report["lines"]]
+    ['-200 HU', '100 HU']
+    """
+
+    volume: Volume | WaveletVolume
+    values: tuple[float, ...]
+    colors: tuple[tuple[float, float, float], ...]
+    name: str
+
+    @takes_its_types
+    def __init__(
+        self, volume: Any, values: Iterable[float], *, color: str | Iterable[float] = "turbo", name: str = ""
+    ) -> None:
+        try:
+            numbers = sorted({float(value) for value in values})
+        except (TypeError, ValueError, OverflowError):
+            raise ArgumentError(f"values of isolines are {described(values)}; give numbers, such as [20, 40]") from None
+        if not (1 <= len(numbers) <= MAX_VALUES and all(isfinite(value) for value in numbers)):
+            raise ArgumentError(f"values of isolines are {described(values)}; give 1 to {MAX_VALUES} finite numbers")
+        for attribute, value in (
+            ("volume", as_volume(volume)),
+            ("values", tuple(numbers)),
+            ("colors", tuple(_colors(color, len(numbers)))),
+            ("name", str(name)),
+        ):
+            object.__setattr__(self, attribute, value)
+
+    def __repr__(self) -> str:
+        listed = ", ".join(f"{value:g}" for value in self.values)
+        return f"<Isolines of {self.volume.name!r}: {listed}>"
+
+
+def _colors(color: Any, n: int) -> list[tuple[float, float, float]]:
+    """A colour for each of n values: one for all, or the places of a map."""
+    try:
+        one = colors.parse(color)
+    except ArgumentError:
+        if not isinstance(color, str):
+            raise
+        places = np.linspace(*MAP_ENDS, n) if n > 1 else np.array([MAP_ENDS[1]])
+        return [(red, green, blue) for red, green, blue in _of_map(color, places)]
+    if one is None:
+        raise ArgumentError(f"color of isolines is {described(color)}; give a colour, or the name of a colour map")
+    return [one[:3]] * n
+
+
+def _of_map(name: str, places: NDArray[np.float64]) -> list[list[float]]:
+    at, table = colors_of(name)
+    mixed: list[list[float]] = np.column_stack([np.interp(places, at, channel) for channel in table.T]).tolist()
+    return mixed
+
+
+def lines_at(values: NDArray[np.float32], level: float) -> list[NDArray[np.float64]]:
+    """Lines of a value in an array of values, NaN outside, by marching squares: points (x, y) in pixels."""
+    from contourpy import LineType, contour_generator
+
+    if min(values.shape) < 2:
+        return []
+    generator: Any = contour_generator(
+        z=np.ma.masked_invalid(values.astype(np.float64)), line_type=LineType.Separate, corner_mask=True
+    )
+    return [line for line in generator.lines(level) if len(line) > 1]

@@ -1,0 +1,239 @@
+"""Lightboxes: several slices on one sheet, at one scale, each with its position and its letters."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Sequence
+from math import ceil, floor, isfinite, sqrt
+from typing import Any, Literal, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._looks import colors
+from wavesplat._model.argument_types import described, takes_its_types
+from wavesplat._model.options import PLANES, Kernel, Plane, Slab
+from wavesplat._picture.annotating import with_caption
+from wavesplat._picture.picture import Picture
+from wavesplat._picture.report import Report
+from wavesplat._public import public
+from wavesplat._render.arguments import check_picture_memory, checked_size
+from wavesplat._render.slicing import PIXEL_BYTES, positions_across, sides_of
+from wavesplat._scene.scene import as_scene
+from wavesplat._scene.slicing import slice
+from wavesplat.errors import ArgumentError
+
+__all__ = ["lightbox"]
+
+#: The name of a plane, or its point and normal.
+AnyPlane: TypeAlias = Any
+
+#: Slices of a sheet where no number is given, and at most.
+N_SLICES, MAX_SLICES = 12, 400
+#: Longest side of a slice that is not given a size, of several positions and of three planes, and the gap, pixels.
+SIDE_PX, SIDE_OF_THREE_PX, GAP_PX = 256, 512, 2
+#: Tolerance of the volume's edge, in samples.
+ON_SAMPLE = 1e-6
+
+
+@public
+@takes_its_types
+def lightbox(
+    what: Any,
+    plane: Plane | Literal["all"] | tuple[Iterable[float], Iterable[float]] = "axial",
+    positions: int | Iterable[float] | None = None,
+    *,
+    columns: int | None = None,
+    letters: bool = True,
+    scale_bar: bool | float | str = False,
+    size: tuple[int, int] | None = None,
+    zoom: float = 1.0,
+    center: Iterable[float] | None = None,
+    kernel: Kernel = "linear",
+    thickness: float = 0.0,
+    slab: Slab = "maximum",
+    window: str | tuple[float, float] | None = None,
+    clim: tuple[float, float] | None = None,
+    transfer_function: Any = None,
+    background: str | Sequence[float] | None = "black",
+    threads: int | None = None,
+) -> Picture:
+    """Several slices of a volume on one sheet, at one scale, each with its position and its letters.
+
+    Parameters
+    ----------
+    what : as for `slice`
+        What to cut.
+    plane : str or (point, normal), default "axial"
+        "axial", "coronal", "sagittal" or any plane, as for `slice`; or "all": one slice of each of the three, through
+        `center`.
+    positions : int or sequence of numbers, optional
+        How many slices, spread evenly over the volume; or where each is, as `position` of `slice`. None is 12. Not for
+        "all".
+    columns : int, optional
+        Slices in a row; None makes the sheet about square, and puts three planes in one row.
+    letters : bool, default True
+        Write the position in each slice, and R, L, A, P, S, I at its edges where the world is a patient's.
+    scale_bar : bool, float or str
+        A scale bar in the first slice of the last row, as for `Picture.annotated`.
+    size : (width, height), optional
+        Pixels of each slice; of "all" those that the largest fits into. None: 256 along the longest side, and 512 of
+        "all".
+    zoom, center, kernel, thickness, slab, window, clim, transfer_function, background, threads
+        As for `slice`.
+
+    Returns
+    -------
+    Picture
+        The sheet, without `value`. `report` is that of the slices; `panels` has plane, position, and the place on the
+        sheet (left, top, width and height, pixels) of each.
+
+    Raises
+    ------
+    ArgumentError
+        If an argument cannot work, or a position lies outside the volume.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> sheet = ws.lightbox(ws.examples.ct_pelvis(), positions=6, window="abdomen")
+    >>> len(sheet.report["panels"])
+    6
+    >>> three = ws.lightbox(ws.examples.ct_pelvis(), "all", size=(200, 200))
+    >>> [panel["plane"] for panel in three.report["panels"]]
+    ['axial', 'coronal', 'sagittal']
+    """
+    scene = as_scene(what, None, labels=None, shading="look", clip=(), background=None)
+    volume = scene.layers[0].drawn
+    cuts = _cuts(volume, plane, positions, center)
+    count = _columns(columns, len(cuts), is_row=plane == "all")
+    if not (isfinite(zoom) and zoom > 0):
+        raise ArgumentError(f"zoom is {zoom}; give a positive finite number, 1 shows the whole volume")
+    sizes, pixel = _sizes([sides_of(volume, one) for one, _ in cuts], size, plane == "all")
+    cells = [(max(w for w, _ in sizes), max(h for _, h in sizes))] * len(cuts) if plane != "all" else sizes
+    places, whole = _places(cells, count)
+    check_picture_memory(whole, PIXEL_BYTES)
+    behind = colors.parse(background) or (0.0, 0.0, 0.0, 0.0)
+    sheet = np.empty((whole[1], whole[0], 4), np.float32)
+    sheet[:] = [*(share * behind[3] for share in behind[:3]), behind[3]]
+    with_bar = (len(cuts) - 1) // count * count
+    panels, notes = list[dict[str, Any]](), dict[str, None]()
+    report: dict[str, Any] = {}
+    for (one, position), (width, height), (left, top) in zip(cuts, sizes, places, strict=True):
+        # The scale of `slice` follows the size; the zoom makes it that of the sheet.
+        own = max(side / (max(n, 2) - 1) for side, n in zip(sides_of(volume, one), (width, height), strict=True))
+        picture = slice(
+            scene,
+            one,
+            position,
+            size=(width, height),
+            zoom=zoom * own / pixel,
+            center=center,
+            kernel=kernel,
+            thickness=thickness,
+            slab=slab,
+            window=window,
+            clim=clim,
+            transfer_function=transfer_function,
+            background=background,
+            threads=threads,
+        )
+        if scale_bar is not False and len(panels) == with_bar:
+            picture = picture.annotated(scale_bar=scale_bar)
+        notes.update(dict.fromkeys(picture.report.pop("notes", [])))
+        report = _joined(report, picture.report)
+        sheet[top : top + height, left : left + width] = _lettered(picture, one) if letters else picture.rgba
+        name = one if isinstance(one, str) else "oblique"
+        placed = {"left": left, "top": top, "width": width, "height": height}
+        panels.append({"plane": name, "position": picture.report["position"], **placed})
+    # What belongs to one slice alone: a sheet has no place in the world.
+    for name in ("position", "origin", "normal", "right", "down", "letters"):
+        report.pop(name, None)
+    report["panels"] = panels
+    # A slice that shows nothing is told of only where all of them do.
+    if notes and len(notes) == 1 and _is_even(sheet):
+        report["notes"] = list(notes)
+    return Picture(sheet, report=Report(report))
+
+
+def _cuts(
+    volume: Any, plane: Any, positions: Any, center: Iterable[float] | None
+) -> list[tuple[AnyPlane, float | None]]:
+    """Plane and position of each slice."""
+    if plane == "all":
+        if positions is not None:
+            raise ArgumentError('positions are for one plane; leave them out, or give another plane than "all"')
+        if center is None:
+            return [(name, None) for name in PLANES]
+        x, y, z = center
+        return [(name, {"x": x, "y": y, "z": z}[how[0]]) for name, how in PLANES.items()]
+    if positions is None:
+        positions = N_SLICES
+    if isinstance(positions, int | np.integer) and not isinstance(positions, bool):
+        if not 1 <= positions <= MAX_SLICES:
+            raise ArgumentError(f"positions is {positions}; give 1 to {MAX_SLICES} slices, or where each is")
+        least, most = positions_across(volume, plane)
+        # The middles of equal parts: the outermost slices are inside.
+        return [(plane, least + (n + 0.5) * (most - least) / positions) for n in range(positions)]
+    try:
+        listed = [float(position) for position in positions]
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError(f"positions is {described(positions)}; give a number of slices, or numbers") from None
+    if not 1 <= len(listed) <= MAX_SLICES:
+        raise ArgumentError(f"positions has {len(listed)} numbers; give 1 to {MAX_SLICES}")
+    return [(plane, position) for position in listed]
+
+
+def _columns(columns: int | None, n: int, *, is_row: bool) -> int:
+    if columns is None:
+        return n if is_row else ceil(sqrt(n))
+    if not 1 <= columns <= MAX_SLICES:
+        raise ArgumentError(f"columns is {columns}; give 1 or more slices in a row")
+    return min(columns, n)
+
+
+def _sizes(
+    sides: Sequence[tuple[float, float]], size: tuple[int, int] | None, is_all: bool
+) -> tuple[list[tuple[int, int]], float]:
+    """Pixels of each slice, and the distance of pixels that all of them have, world units."""
+    longest = SIDE_OF_THREE_PX if is_all else SIDE_PX
+    width, height = (longest, longest) if size is None else checked_size(size)
+    if min(width, height) < 1:
+        raise ArgumentError(f"size is {width} x {height} pixels; width and height must be at least 1")
+    pixel = max(max(w / (max(width, 2) - 1), h / (max(height, 2) - 1)) for w, h in sides)
+    if size is not None and not is_all:
+        return [(width, height)] * len(sides), pixel
+    return [(floor(w / pixel + ON_SAMPLE) + 1, floor(h / pixel + ON_SAMPLE) + 1) for w, h in sides], pixel
+
+
+def _places(cells: Sequence[tuple[int, int]], columns: int) -> tuple[list[tuple[int, int]], tuple[int, int]]:
+    """Left and top of each slice, in rows, and width and height of the sheet."""
+    places, top, width = [], 0, 0
+    for start in range(0, len(cells), columns):
+        row, left = cells[start : start + columns], 0
+        for cell_width, _ in row:
+            places.append((left, top))
+            left += cell_width + GAP_PX
+        width, top = max(width, left - GAP_PX), top + max(height for _, height in row) + GAP_PX
+    return places, (width, top - GAP_PX)
+
+
+def _joined(report: dict[str, Any], other: Any) -> dict[str, Any]:
+    """The report of the slices before, with the labels and the scale bar of another one."""
+    if not report:
+        return dict(other)
+    labels = report.get("labels", [])
+    more = [label for label in other.get("labels", []) if label not in labels]
+    bar = {"scale_bar": other["scale_bar"]} if "scale_bar" in other else {}
+    return {**report, **bar, **({"labels": [*labels, *more]} if more else {})}
+
+
+def _lettered(picture: Picture, plane: AnyPlane) -> NDArray[np.float32]:
+    """The slice with its position, and the letters of its edges where there are any."""
+    lettered = picture.annotated(orientation="letters") if picture.report.get("letters") else picture
+    axis = f"{PLANES[plane][0]} " if isinstance(plane, str) else ""
+    text = f"{axis}{picture.report['position']:.4g}{f' {picture.unit}' if picture.unit else ''}"
+    return with_caption(lettered.rgba, text, at="upper left")
+
+
+def _is_even(rgba: NDArray[np.float32]) -> bool:
+    return bool((np.ptp(rgba.reshape(-1, 4), axis=0) < 1 / 255).all())

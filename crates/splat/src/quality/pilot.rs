@@ -23,6 +23,7 @@ use crate::quality::sampled::SampledFrame;
 use crate::render::frame::{PixelRectangle, draw_base_plane, draw_base_planes, slices_of, warped};
 use crate::render::plan::{FamilyPlan, Plan};
 use crate::render::progress::{Progress, ProgressCallback};
+use crate::render::tile::n_tiles;
 use crate::view::base_plane::BasePlane;
 use crate::view::family::{Family, IndexRays};
 
@@ -102,22 +103,28 @@ impl PilotTiles {
 
     /// Draws the tiles with the sampling of a frame.
     pub fn draw(&self, frame: &SampledFrame, callback: &dyn ProgressCallback) -> Result<TileColors> {
-        let progress = Progress::new(callback, self.tiles.len());
         let plan = &frame.plan;
         let slices = slices_of(frame.layers);
-        let draw_tile = |tile: &Tile| {
-            let family = plan.families.iter().find(|family| family.plane.family == tile.family);
-            let window = family.and_then(|family| {
-                let plane = window(&family.plane, &plan.rays, &tile.pixels)?;
-                Some(FamilyPlan { plane, ..family.clone() })
+        let windows = self.tiles.iter().map(|tile| {
+            let family = plan.families.iter().find(|family| family.plane.family == tile.family)?;
+            Some((family, window(&family.plane, &plan.rays, &tile.pixels)?))
+        });
+        let windows: Vec<Option<(&FamilyPlan, BasePlane)>> = windows.collect();
+        // A window of many texels a pixel has several tiles of its base plane.
+        let n_all = windows.iter().flatten().map(|(_, plane)| n_tiles(plane).iter().product::<usize>()).sum();
+        let progress = Progress::new(callback, n_all);
+        let draw_tile = |tile: &Tile, window: &Option<(&FamilyPlan, BasePlane)>| {
+            let drawn = window.as_ref().map(|(family, plane)| {
+                let family = FamilyPlan { plane: plane.clone(), ..(*family).clone() };
+                draw_base_plane(plan, &family, &slices, &progress)
             });
-            let drawn = window.map(|family| draw_base_plane(plan, &family, &slices, &progress)).transpose()?;
+            let drawn = drawn.transpose()?;
             let pictures: Vec<BasePicture> = drawn.into_iter().map(|(picture, _)| picture).collect();
             let PixelRectangle { first, size } = tile.around;
             let rgba = colors_of(plan, &pictures, tile.around);
             Ok(tile.pixels.iter().map(|[x, y]| rgba[(y - first[1]) * size[0] + x - first[0]]).collect())
         };
-        parallel::map(self.tiles.len(), |k| draw_tile(&self.tiles[k])).into_iter().collect()
+        parallel::map(self.tiles.len(), |k| draw_tile(&self.tiles[k], &windows[k])).into_iter().collect()
     }
 
     /// Mean square difference of the whole picture from the colours of the tiles with two samplings.

@@ -286,7 +286,7 @@ impl Permutation {
         add("EVENS_CUTS", "bool", &self.evens_cuts);
         add("EVEN_REACH", "f32", &format!("{:?}f", cut_faces::REACH));
         add("EVEN_PER_SLICE", "f32", &format!("{:?}f", cut_faces::PER_SLICE));
-        add("MIN_CUT_DEPTH", "f32", &format!("{:?}f", cut_faces::MIN_DEPTH));
+        add("CUT_DEPTH", "f32", &format!("{:?}f", cut_faces::DEPTH));
         add("NEAR_CUT", "f32", &format!("{:?}f", cut_faces::NEAR));
         add("NO_ENTRY", "f32", &format!("{:?}f", cut_faces::NO_ENTRY));
         add("ROUNDING", "f32", &format!("{ROUNDING:?}f"));

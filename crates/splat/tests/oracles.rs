@@ -196,7 +196,9 @@ fn front_slab_over_back_slab_is_the_whole() {
         let camera = camera_towards(phantom.centre(), direction, 50.0, projection);
         let part = |z: [f64; 2]| {
             let crop = Crop::Index { lo: DVec3::new(0.0, 0.0, z[0]), hi: DVec3::new(19.0, 20.0, z[1]) };
-            let options = RenderOptions { crop: Some(crop), ..options() };
+            // The parts have a cut face more than the whole.
+            let shading = Some(Shading { even_cuts: 0.0, ..Shading::default() });
+            let options = RenderOptions { crop: Some(crop), shading, ..options() };
             let slices = Slices::new(&volume, Kernel::Linear);
             render_base_planes(&slices, &tf, &camera, &options, &()).unwrap().0
         };

@@ -451,7 +451,7 @@ fn folded_segments_do_not_depend_on_how_they_were_read() {
             labels: case.labels.as_ref(),
             cache: &cache,
         };
-        let plan = Plan::new(Level::best(), &[layer], &case.camera, &case.options).unwrap();
+        let plan = Plan::new(Level::best(), &[layer], &case.camera, &case.options).unwrap().without_even_cuts();
         if !can_fold(plan.operator, plan.with_depth) {
             n_refused += 1;
             continue;

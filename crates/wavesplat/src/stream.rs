@@ -138,6 +138,7 @@ impl Scene<'static> {
         let plan = parallel::with_threads(options.n_threads, || {
             self.with_layers(options, &slices, |layers| Plan::new(Level::best(), layers, camera, &render_options))
         })?;
+        let plan = if streaming.segment_slices.is_some() { plan.without_even_cuts() } else { plan };
         if streaming.segment_slices.is_some() && !can_fold(plan.operator, plan.with_depth) {
             let mend = "draw it without segments, or without depth";
             return Err(Error::out_of_range("segments of this operator", "several", "one", mend));

@@ -10,13 +10,14 @@ fn even_share(start: f32, begin: f32, length: f32, depth: f32, at: f32, missing:
     if !EVENS_CUTS {
         return 0.0f;
     }
-    if depth > MIN_CUT_DEPTH * length {
-        if begin <= start + NEAR_CUT {
-            entry = start;
-        }
-        if missing >= MISSING {
-            entry = at;
-        }
+    let dense = saturate(2.0f * depth / max(CUT_DEPTH * length, 1.2e-38f) - 0.5f);
+    let near = dense * saturate(2.0f - (begin - start) / NEAR_CUT);
+    if near > 0.0f {
+        entry = max(entry, start + (near - 1.0f) * EVEN_REACH);
+    }
+    let hole = dense * saturate(4.0f * missing - 1.0f);
+    if hole > 0.0f {
+        entry = max(entry, at + (hole - 1.0f) * EVEN_REACH);
     }
     return clamp((entry + EVEN_REACH - at) * EVEN_PER_SLICE, 0.0f, 1.0f);
 }

@@ -217,6 +217,11 @@ impl Shader {
         mixed
     }
 
+    /// Lights cut faces by their gradients, as [`Shading::even_cuts`] of 0 does.
+    pub fn light_cuts_by_gradients(&mut self) {
+        self.even_cuts = 0.0;
+    }
+
     /// Whether cut faces have any even light.
     #[inline(always)]
     pub fn evens_cuts(&self) -> bool {

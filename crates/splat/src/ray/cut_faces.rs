@@ -1,10 +1,16 @@
 //! Even light on cut faces: where a ray enters matter through a crop, a clip plane, missing samples or the wall of the
 //! volume, the face is no surface of the object, and gradients there are those of its texture and noise.
 //!
-//! A ray has an *entry* once it has met matter of at least [`MIN_DEPTH`] within [`NEAR`] of a cut. The share of even light
-//! ([`crate::optics::shade::Shader::evened`]) at the way `d` behind the entry, in slices, is `(10 − d) / 4`, within 0 and
-//! 1: the matter that a face shows lies that deep, since few looks are opaque within a voxel. A ray that comes through
-//! air has no entry, and the surfaces that it meets are lit as everywhere.
+//! A ray has an *entry* where it meets matter right behind a cut. The share of even light
+//! ([`crate::optics::shade::Shader::evened`]) at the way `d` behind it, in slices, is `(10 − d) / 4`, within 0 and 1: the
+//! matter that a face shows lies that deep, since few looks are opaque within a voxel. A ray that comes through air has
+//! no entry, and the surfaces that it meets are lit as everywhere.
+//!
+//! Nothing here is a yes or no, which would make pictures depend on where sheets lie: haze, matter further from the cut,
+//! and a small missing share are entries of less strength `g`, and count as entries `10 (1 − g)` slices in front, whose
+//! even light ends earlier. The strength is the product of `2 τ − ½` for matter of an optical depth of `τ` times
+//! [`DEPTH`] per slice, of `2 − d` for matter `d` times [`NEAR`] behind the cut, and, at missing samples, of `4 m − 1`
+//! for a missing share `m`; each within 0 and 1.
 
 use wavesplat_compute::simd::{Lanes, Wide};
 
@@ -12,7 +18,6 @@ use crate::optics::shade::Shader;
 use crate::ray::accumulator::Chunks;
 use crate::ray::state::TileState;
 use crate::sheet::tile_rays::Rays;
-use crate::source::nonfinite::MISSING;
 
 /// Way behind the entry, in slices, from which light is not even.
 pub const REACH: f32 = 10.0;
@@ -20,10 +25,10 @@ pub const REACH: f32 = 10.0;
 /// Share of even light per slice that is left of [`REACH`].
 pub const PER_SLICE: f32 = 0.25;
 
-/// Least optical depth per slice of matter that a cut makes a face of. Haze has less: a body's flesh in front of bones.
-pub const MIN_DEPTH: f32 = 0.03;
+/// Optical depth per slice of matter that a cut makes a face of. Haze has less: a body's flesh in front of bones.
+pub const DEPTH: f32 = 0.04;
 
-/// Largest way from a cut to matter that the cut makes a face of, in slices.
+/// Way from a cut to matter that the cut makes a face of, in slices.
 pub const NEAR: f32 = 0.25;
 
 /// Entry of a ray that has none.
@@ -75,15 +80,25 @@ impl CutFaces {
         }
         let places = [chunks[0].index(), chunks[1].index()];
         let [begins, _] = rays.interval(w, chunks);
-        let is_dense = w.lt(w.mul(w.splat(MIN_DEPTH), matter.extent), matter.depth);
-        let enters = w.and(w.le(matter.begin, w.add(begins, w.splat(NEAR))), is_dense);
-        let mut entry = w.select(enters, begins, w.load_from(&self.entries, places));
+        let (zero, one) = (w.splat(0.0), w.splat(1.0));
+        // Where nothing is drawn, depth and extent are 0.
+        let usual = w.max(w.mul(w.splat(DEPTH), matter.extent), w.splat(f32::MIN_POSITIVE));
+        let dense = within_unit(w, w.sub(w.mul(w.splat(2.0), w.div(matter.depth, usual)), w.splat(0.5)));
+        let behind = w.mul(w.sub(matter.begin, begins), w.splat(1.0 / NEAR));
+        let near = within_unit(w, w.sub(w.splat(2.0), behind));
+        let in_front = |strength: W::F| w.mul(w.sub(strength, one), w.splat(REACH));
+        let weak = |at: W::F, strength: W::F| {
+            let there = w.add(at, in_front(strength));
+            w.select(w.lt(zero, strength), there, w.splat(NO_ENTRY))
+        };
+        let mut entry = w.max(w.load_from(&self.entries, places), weak(begins, w.mul(dense, near)));
         if let Some(missing) = matter.missing {
-            entry = w.select(w.and(w.le(w.splat(MISSING), missing), is_dense), matter.at, entry);
+            let hole = within_unit(w, w.sub(w.mul(w.splat(4.0), missing), one));
+            entry = w.max(entry, weak(matter.at, w.mul(dense, hole)));
         }
         w.store_to(entry, &mut self.entries, places);
         let share = w.mul(w.sub(w.add(entry, w.splat(REACH)), matter.at), w.splat(PER_SLICE));
-        Some(w.min(w.max(share, w.splat(0.0)), w.splat(1.0)))
+        Some(within_unit(w, share))
     }
 
     /// The entries, for the next piece of the tile.
@@ -99,4 +114,10 @@ pub fn most_missing<W: Wide>(w: W, missing: Option<[W::F; 2]>) -> Option<W::F> {
         Some([front, back]) => Some(w.max(front, back)),
         None => None,
     }
+}
+
+/// A number, or the nearer of 0 and 1.
+#[inline(always)]
+fn within_unit<W: Wide>(w: W, x: W::F) -> W::F {
+    w.min(w.max(x, w.splat(0.0)), w.splat(1.0))
 }

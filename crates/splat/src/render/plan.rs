@@ -316,6 +316,17 @@ impl Plan {
         }
     }
 
+    /// The plan with cut faces lit by their gradients: segments of rays, which are drawn on their own, do not know where
+    /// their rays entered.
+    #[must_use]
+    pub fn without_even_cuts(mut self) -> Self {
+        for layer in self.families.iter_mut().flat_map(|family| &mut family.layers) {
+            let shaders = layer.shader.iter_mut().chain(&mut layer.modifiers.label_shader);
+            shaders.for_each(Shader::light_cuts_by_gradients);
+        }
+        self
+    }
+
     /// Shading whose shoulder compresses the highlights of the picture: that of the first layer that has one.
     pub fn shading(&self) -> Option<&Shading> {
         self.layers.iter().find_map(|layer| layer.shading.as_ref())

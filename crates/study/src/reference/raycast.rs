@@ -17,9 +17,9 @@ use wavesplat_splat::kernel::smoothed;
 use wavesplat_splat::kernel::weights::{MAX_DIFFERENCE_TAPS, MAX_TAPS, mirror_index, n_taps, taps};
 use wavesplat_splat::optics::labels::{Labels, own_depth};
 use wavesplat_splat::optics::shade::vanishing_gradient_squared;
-use wavesplat_splat::ray::cut_faces::{MIN_DEPTH, NEAR};
+use wavesplat_splat::ray::cut_faces::{DEPTH, NEAR, REACH};
 use wavesplat_splat::render::progress::{Progress, ProgressCallback};
-use wavesplat_splat::source::nonfinite::{MIN_KNOWN, MISSING};
+use wavesplat_splat::source::nonfinite::MIN_KNOWN;
 use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::view::family::IndexRays;
 use wavesplat_splat::view::index_frame::light_direction;
@@ -492,12 +492,18 @@ impl<'a> RayCaster<'a> {
             for (layer, [t_in, _]) in self.layers.iter().zip(&drawn).filter(|(_, [from, to])| *from <= t && t <= *to) {
                 let (origin, direction) = own_ray(layer);
                 let position = origin + direction * t;
-                let is_dense = || layer.full_extinction(position) * world.length() / slices > f64::from(MIN_DEPTH);
-                if (t - t_in) * slices <= f64::from(NEAR) && is_dense() {
-                    entry.set(*t_in);
-                }
-                if layer.sampler.missing(position) >= f64::from(MISSING) && is_dense() {
-                    entry.set(t);
+                let behind = (t - t_in) * slices;
+                let missing = layer.sampler.missing(position);
+                let near = (2.0 - behind / f64::from(NEAR)).clamp(0.0, 1.0);
+                let hole = (4.0 * missing - 1.0).clamp(0.0, 1.0);
+                if near > 0.0 || hole > 0.0 {
+                    let per_slice = layer.full_extinction(position) * world.length() / slices;
+                    let dense = (2.0 * per_slice / f64::from(DEPTH) - 0.5).clamp(0.0, 1.0);
+                    for (at, strength) in [(*t_in, dense * near), (t, dense * hole)] {
+                        if strength > 0.0 {
+                            entry.set(entry.get().max(at - f64::from(REACH) * (1.0 - strength) / slices));
+                        }
+                    }
                 }
                 mixture = mixture.and(&layer.medium(position, to_eye, (t - entry.get()) * slices));
             }

@@ -45,10 +45,13 @@ from wavesplat._render.arguments import (
     region,
 )
 from wavesplat._render.devices import chosen_device
-from wavesplat._render.faces import NOTE, is_from_behind, shows_face
+from wavesplat._render.faces import NOTE as FACE_NOTE
+from wavesplat._render.faces import is_from_behind, shows_face
 from wavesplat._render.lazy_layers import FrameSpec, LazyLayers
 from wavesplat._render.notes import notes_on_layers, notes_on_picture
 from wavesplat._render.options import DrawOptions
+from wavesplat._render.tables import NOTE as TABLE_NOTE
+from wavesplat._render.tables import shows_table
 from wavesplat._scene.drawn_layers import Curves, DrawnLayer, DrawnLayers, drawn_layers, drawn_volumes
 from wavesplat._scene.reporting import facts_of
 from wavesplat._scene.summary import facts_of_layers, facts_of_picture
@@ -131,7 +134,9 @@ def _drawn_scene(scene: Scene, camera: Camera | str | None, options: DrawOptions
     if resampled := shown.resampled:
         picture.report["resampled"] = resampled
     if _has_face(frame, layers, functions):
-        picture.report.setdefault("notes", []).append(NOTE)
+        picture.report.setdefault("notes", []).append(FACE_NOTE)
+    if _has_table(frame, layers, functions):
+        picture.report.setdefault("notes", []).append(TABLE_NOTE)
     told = picture.report["device"]
     if chosen_device(options.device) not in ("auto", "cpu") and told["name"] == "cpu" and told["reason"]:
         picture.report.setdefault("notes", []).append(f"drawn by the CPU: {told['reason']}")
@@ -156,6 +161,21 @@ def _has_face(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[C
             (layer.identity, curves, clipping, iso_value),
             lambda: shows_face(layer.volume, curves, clipping, iso_value=iso_value),
         )
+
+    return any(found(layer, function) for layer, function in zip(layers, functions, strict=True) if layer.opacity > 0)
+
+
+def _has_table(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> bool:
+    """Whether a CT shows its table (`tables`); not asked of drafts, projections and scans that are cut."""
+    if frame.composite != "over" or frame.sampling.quality == "draft" or frame.clipping != Clipping():
+        return False
+
+    def found(layer: DrawnLayer, function: Curves) -> bool:
+        volume, curves = layer.volume, layer.faded(function)
+        if not isinstance(volume, Volume) or layer.boxes:
+            return False
+        key: Any = id(volume), "table"
+        return frame.scene._cache.get_or_compute(key, (layer.identity, curves), lambda: shows_table(volume, curves))
 
     return any(found(layer, function) for layer, function in zip(layers, functions, strict=True) if layer.opacity > 0)
 

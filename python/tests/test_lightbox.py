@@ -145,3 +145,13 @@ def test_the_command_line_makes_sheets(wavesplat, tmp_path):
         assert (done.returncode, message in done.stderr) == (2, True)
     done = wavesplat("slice", tmp_path / "a.nrrd", "-o", tmp_path / "b.png", "--columns", "2")
     assert "--columns is for several slices" in done.stderr
+
+
+def test_contours_and_isolines_are_those_of_each_slice():
+    labels = ws.Labels(ws.Volume((SAMPLES > 150).astype(np.uint8), world_from_index=MATRIX, facts=FACTS))
+    lines = {"contours": labels, "isolines": ws.Isolines(SCAN, [100.0])}
+    sheet = ws.lightbox(SCAN, "axial", [3, 30], letters=False, size=(58, 46), **lines)
+    for number, position in enumerate((3, 30)):
+        one = ws.slice(SCAN, "axial", position, size=(58, 46), **lines)
+        np.testing.assert_array_equal(cut_out(sheet, number), one.rgba)
+    assert [line["name"] for line in sheet.report["lines"]] == [line["name"] for line in one.report["lines"]]

@@ -10,6 +10,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._looks import colors
+from wavesplat._looks.labels import Labels
+from wavesplat._looks.regions import Region
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.options import PLANES, Kernel, Plane, Slab
 from wavesplat._picture.annotating import with_caption
@@ -17,6 +19,7 @@ from wavesplat._picture.picture import Picture
 from wavesplat._picture.report import Report
 from wavesplat._public import public
 from wavesplat._render.arguments import check_picture_memory, checked_size
+from wavesplat._render.isolines import Isolines
 from wavesplat._render.slicing import PIXEL_BYTES, positions_across, sides_of
 from wavesplat._scene.scene import as_scene
 from wavesplat._scene.slicing import slice
@@ -54,6 +57,8 @@ def lightbox(
     window: str | tuple[float, float] | None = None,
     clim: tuple[float, float] | None = None,
     transfer_function: Any = None,
+    contours: Labels | Sequence[Labels | Region] | None = None,
+    isolines: Isolines | Sequence[Isolines] | None = None,
     background: str | Sequence[float] | None = "black",
     threads: int | None = None,
 ) -> Picture:
@@ -78,7 +83,7 @@ def lightbox(
     size : (width, height), optional
         Pixels of each slice; of "all" those that the largest fits into. None: 256 along the longest side, and 512 of
         "all".
-    zoom, center, kernel, thickness, slab, window, clim, transfer_function, background, threads
+    zoom, center, kernel, thickness, slab, window, clim, transfer_function, contours, isolines, background, threads
         As for `slice`.
 
     Returns
@@ -134,6 +139,8 @@ def lightbox(
             window=window,
             clim=clim,
             transfer_function=transfer_function,
+            contours=contours,
+            isolines=isolines,
             background=background,
             threads=threads,
         )
@@ -218,13 +225,15 @@ def _places(cells: Sequence[tuple[int, int]], columns: int) -> tuple[list[tuple[
 
 
 def _joined(report: dict[str, Any], other: Any) -> dict[str, Any]:
-    """The report of the slices before, with the labels and the scale bar of another one."""
+    """The report of the slices before, with the labels, the lines and the scale bar of another one."""
     if not report:
         return dict(other)
-    labels = report.get("labels", [])
-    more = [label for label in other.get("labels", []) if label not in labels]
-    bar = {"scale_bar": other["scale_bar"]} if "scale_bar" in other else {}
-    return {**report, **bar, **({"labels": [*labels, *more]} if more else {})}
+    joined = report | ({"scale_bar": other["scale_bar"]} if "scale_bar" in other else {})
+    for name in ("labels", "lines"):
+        known = report.get(name, [])
+        if more := [one for one in other.get(name, []) if one not in known]:
+            joined[name] = [*known, *more]
+    return joined
 
 
 def _lettered(picture: Picture, plane: AnyPlane) -> NDArray[np.float32]:

@@ -172,7 +172,7 @@ def _has_table(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[
 
     def found(layer: DrawnLayer, function: Curves) -> bool:
         volume, curves = layer.volume, layer.faded(function)
-        if not isinstance(volume, Volume) or layer.boxes:
+        if not isinstance(volume, Volume) or isinstance(volume, LazyVolume) or layer.boxes:
             return False
         key: Any = id(volume), "table"
         return frame.scene._cache.get_or_compute(key, (layer.identity, curves), lambda: shows_table(volume, curves))

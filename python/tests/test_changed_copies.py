@@ -29,6 +29,7 @@ SAMPLES = [
     (ws.DepthShadedMaximum(), None, None),
     (ws.Facts(modality="CT"), "modality", "MR"),
     (ws.FirstHit(0.5), None, None),
+    (ws.Isolines(BALL, [0.5], color="red"), "values", (0.25,)),
     (ws.KeyFrame(0), "time_s", 2.0),
     (ws.Label("red", name="a"), "name", "b"),
     (ws.Labels(np.eye(4, dtype=np.uint8).reshape(1, 4, 4)), "smooth", False),
@@ -41,6 +42,7 @@ SAMPLES = [
     (ws.Mesh(np.zeros((3, 3)), np.array([[0, 1, 2]], np.int32), np.ones((3, 3))), "faces", np.array([[0, 2, 1]])),
     (ws.Meshes((), ()), None, None),
     (PICTURE, "depth", np.ones((6, 8))),
+    (ws.Region([[(0, 0, 0), (1, 0, 0), (0, 1, 0)]], "red", is_of_patient=True), "name", "b"),
     (ws.Sampling(), "quality", "fine"),
     (ws.Scene(BALL), "background", "white"),
     (ws.Shading(), "specular", 0.0),
@@ -66,6 +68,8 @@ def test_no_public_dataclass_is_forgotten():
 
 
 def _same(one, other):
+    if isinstance(one, tuple) and any(isinstance(part, np.ndarray) for part in one):
+        return all(map(_same, one, other))
     if isinstance(one, np.ndarray):
         return np.array_equal(one, other)
     return one is other or one == other or repr(one) == repr(other)

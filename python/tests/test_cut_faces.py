@@ -95,7 +95,7 @@ def test_a_dense_cut_face_shows_its_tissue_fault_2() -> None:
 def test_surfaces_near_the_wall_of_the_volume_are_lit_as_before() -> None:
     """A ray that comes through air meets a surface, however near the wall is."""
     grid = np.indices((32, 32, 32)).astype(float)
-    ball = np.clip(14.2 - np.linalg.norm(grid - 15.5, axis=0), -0.5, 0.5) + 0.5
+    ball = np.clip(13.2 - np.linalg.norm(grid - 15.5, axis=0), -0.5, 0.5) + 0.5
     scan = ws.Volume((200 * ball).astype(np.float32))
     tf = ws.TransferFunction([(60, 0.0), (140, 0.6)], [(0, 1, 1, 1)])
     pictures = [

@@ -73,16 +73,18 @@ export async function run(capture) {
   const error = await device.popErrorScope();
   if (error) return { reason: error.message };
 
-  // The state of a projection is a value and a length; the value counts only where the length is not 0.
+  // The state of a projection is a value and a length; the value counts only where the length is not 0. Colours may be
+  // followed by the entry of the ray.
   const texels = capture.texels;
+  const perRay = got.length / (texels.length / 4);
   const isValue = capture.name === "maximum";
   let [largest, beyond, seen] = [0, 0, 0];
-  for (let k = 0; k < texels.length; k += 4) {
+  for (let k = 0, own = 0; k < texels.length; k += 4, own += perRay) {
     let apart = 0;
     if (isValue) {
-      apart = texels[k + 3] > 0 ? Math.abs(got[k] - texels[k]) : 0;
+      apart = texels[k + 3] > 0 ? Math.abs(got[own] - texels[k]) : 0;
     } else {
-      for (let c = 0; c < 4; c += 1) apart = Math.max(apart, 255 * Math.abs(got[k + c] - texels[k + c]));
+      for (let c = 0; c < 4; c += 1) apart = Math.max(apart, 255 * Math.abs(got[own + c] - texels[k + c]));
     }
     seen += texels[k + 3] > 0.05 ? 1 : 0;
     largest = Math.max(largest, apart);

@@ -72,7 +72,9 @@ fn a_dispatch_has_what_a_browser_needs() {
                 .flat_map(|[i, j]| (0..128).map(move |k| (i + k % 16, j + k / 16)))
                 .map(|(i, j)| texel(i, j))
                 .collect();
-            assert_eq!(captured.n_state_bytes, 16 * texels.len(), "{}", case.name);
+            // Colour and opacity, and, where cut faces have even light, the entry of the ray.
+            let per_ray = captured.n_state_bytes / texels.len();
+            assert!([16, 32].contains(&per_ray) && per_ray * texels.len() == captured.n_state_bytes, "{}", case.name);
             assert!(texels.iter().filter(|texel| texel[3] > 0.05).count() > 300, "{}", case.name);
             for texture in &captured.textures {
                 let n_bytes = match texture.format {

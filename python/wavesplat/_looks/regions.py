@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from os import PathLike
 from typing import Any
 
@@ -39,6 +39,8 @@ class Region:
         (r, g, b), "#rrggbb" or a name.
     name : str
         Such as "liver".
+    is_of_patient : bool, default False
+        Whether the points are a patient's, RAS in millimetres, whatever the unit of the scan.
 
     Raises
     ------
@@ -58,11 +60,12 @@ class Region:
     lines: tuple[NDArray[np.float64], ...]
     color: tuple[float, float, float]
     name: str
-    #: Whether its world is a patient's, in millimetres, whatever the unit of the scan.
-    _is_of_patient: bool = field(repr=False)
+    is_of_patient: bool
 
     @takes_its_types
-    def __init__(self, lines: Sequence[Any], color: str | Iterable[float], *, name: str = "") -> None:
+    def __init__(
+        self, lines: Sequence[Any], color: str | Iterable[float], *, name: str = "", is_of_patient: bool = False
+    ) -> None:
         rgba = colors.parse(color)
         if rgba is None:
             raise ArgumentError(f"region {name!r}: the colour is {described(color)}; give (r, g, b), #rrggbb or a name")
@@ -73,7 +76,8 @@ class Region:
         for line in found:
             if line.ndim != 2 or line.shape[1] != 3 or len(line) < 3 or not (np.abs(line) < FAR).all():
                 raise ArgumentError(f"region {name!r}: a line is no list of three or more finite points x, y, z")
-        for attribute, value in (("lines", found), ("color", rgba[:3]), ("name", str(name)), ("_is_of_patient", False)):
+        given = {"lines": found, "color": rgba[:3], "name": str(name), "is_of_patient": bool(is_of_patient)}
+        for attribute, value in given.items():
             object.__setattr__(self, attribute, value)
 
     @classmethod
@@ -106,9 +110,8 @@ class Region:
         regions = []
         for place, one in enumerate(chosen_structures(structures_in(file), chosen, file, has_outline=True)):
             if one.lines:
-                region = cls(one.lines, one.color or label_color(place), name=one.name)
-                object.__setattr__(region, "_is_of_patient", True)
-                regions.append(region)
+                color = one.color or label_color(place)
+                regions.append(cls(one.lines, color, name=one.name, is_of_patient=True))
         return regions
 
     def __repr__(self) -> str:

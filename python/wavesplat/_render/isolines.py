@@ -59,7 +59,7 @@ class Isolines:
 
     volume: Volume | WaveletVolume
     values: tuple[float, ...]
-    colors: tuple[tuple[float, float, float], ...]
+    color: str | tuple[float, float, float]
     name: str
 
     @takes_its_types
@@ -75,14 +75,24 @@ class Isolines:
         for attribute, value in (
             ("volume", as_volume(volume)),
             ("values", tuple(numbers)),
-            ("colors", tuple(_colors(color, len(numbers)))),
+            ("color", _checked(color)),
             ("name", str(name)),
         ):
             object.__setattr__(self, attribute, value)
 
+    def colors(self) -> list[tuple[float, float, float]]:
+        """Red, green and blue, 0..1, of each line."""
+        return _colors(self.color, len(self.values))
+
     def __repr__(self) -> str:
         listed = ", ".join(f"{value:g}" for value in self.values)
         return f"<Isolines of {self.volume.name!r}: {listed}>"
+
+
+def _checked(color: Any) -> str | tuple[float, float, float]:
+    """A colour, or the name of a colour map."""
+    found = _colors(color, 1)[0]
+    return color if isinstance(color, str) else found
 
 
 def _colors(color: Any, n: int) -> list[tuple[float, float, float]]:

@@ -114,7 +114,7 @@ def _with_isolines(
         unit = unit_of_values(one.volume)
         name = one.name or ("" if unit else plain_name(one.volume.name))
         absent = []
-        for value, color in zip(one.values, one.colors, strict=True):
+        for value, color in zip(one.values, one.colors(), strict=True):
             text = f"{value:g} {unit}".rstrip()
             if lines := lines_at(values, value):
                 rgba = drawn_over(rgba, lines, color)
@@ -137,7 +137,7 @@ def _of_region(planes: Planes, region: Region, scan: Grid) -> Iterator[Named]:
 
 
 def _lines_of(planes: Planes, region: Region, scan: Grid) -> Lines:
-    lines = in_unit_of(scan, region.lines) if region._is_of_patient else list(region.lines)
+    lines = in_unit_of(scan, region.lines) if region.is_of_patient else list(region.lines)
     heights = [line @ planes.cut.normal for line in lines]
     step = min(scan.spacing)
     if all(np.ptp(height) <= FLAT * step for height in heights):

@@ -29,7 +29,7 @@ pub const PER_SLICE: f32 = 0.25;
 pub const DEPTH: f32 = 0.04;
 
 /// Way from a cut to matter that the cut makes a face of, in slices.
-pub const NEAR: f32 = 0.25;
+pub const NEAR: f32 = 0.75;
 
 /// Entry of a ray that has none.
 pub const NO_ENTRY: f32 = -1e30;

@@ -52,6 +52,9 @@ pub struct OverLayers<'a> {
 #[derive(Clone, Copy)]
 struct OpticalSum<W: Wide>([W::F; 3], W::F);
 
+/// Start of a slab as far as even light is asked for: rays may enter one layer far behind another.
+const ANYWHERE: f32 = f32::NEG_INFINITY;
+
 /// Cap of optical depths: opaque, yet finite when multiplied and summed over layers.
 const MAX_DEPTH: f32 = 1e30;
 
@@ -214,7 +217,7 @@ impl<'a> OverLayers<'a> {
                 let depth = w.mul(depth, medium.modifiers.scan_share(w, &point));
                 let own_rays = sheets(slab, layer).rays.as_ref().unwrap_or(rays);
                 let matter = Matter { begin, extent, depth: w.mul(depth, full_length), at, missing };
-                let even = self.cuts.even_share(w, chunks, own_rays, ends[0], &matter);
+                let even = self.cuts.even_share(w, chunks, own_rays, ANYWHERE, &matter);
                 let rgb = shaded(w, &medium, [r, g, b], gradient, (to_eye, even), &point);
                 mixture.add(w, rgb, w.mul(depth, length));
                 any = true;
@@ -225,7 +228,7 @@ impl<'a> OverLayers<'a> {
                 if let Some((depth, rgb)) = medium.modifiers.medium(w, &point) {
                     let own_rays = sheets(slab, layer).rays.as_ref().unwrap_or(rays);
                     let matter = Matter { begin, extent, depth: w.mul(depth, full_length), at, missing };
-                    let even = self.cuts.even_share(w, chunks, own_rays, ends[0], &matter);
+                    let even = self.cuts.even_share(w, chunks, own_rays, ANYWHERE, &matter);
                     mixture.add(w, label_color(w, &medium, rgb, (to_eye, even), &point), w.mul(depth, length));
                     any = true;
                 }
@@ -322,7 +325,7 @@ impl<'a> OverLayers<'a> {
                 let own_rays = sheets(slab, layer).rays.as_ref().unwrap_or(rays);
                 let visible = w.select(w.le(first, begin), from, place(first));
                 let matter = Matter { begin: visible, extent, depth: full_depth, at: place(at), missing: most_missing };
-                let even = self.cuts.even_share(w, chunks, own_rays, s_front, &matter);
+                let even = self.cuts.even_share(w, chunks, own_rays, ANYWHERE, &matter);
                 let point = FieldPoint::between(&self.here, at);
                 let rgb = shaded(w, &medium, rgb, gradient, (to_eye, even), &point);
                 for k in 0..N_PARTS {
@@ -347,7 +350,7 @@ impl<'a> OverLayers<'a> {
                         let part = w.mul(w.mul(depth, w.sub(end, begin)), full_length);
                         let matter =
                             Matter { begin: from, extent, depth: part, at: place(middle), missing: most_missing };
-                        let even = self.cuts.even_share(w, chunks, own_rays, s_front, &matter);
+                        let even = self.cuts.even_share(w, chunks, own_rays, ANYWHERE, &matter);
                         let rgb = label_color(w, &medium, rgb, (to_eye, even), &point);
                         for k in 0..N_PARTS {
                             let share = w.sub(cuts[k + 1], cuts[k]);

@@ -404,7 +404,7 @@ def test_no_message_has_a_private_name():
 def _public_functions():
     """Public functions and methods that take a volume first, and what else they need."""
     more = {"mesh": {"iso_value": 1}, "view": {"name": "left"}, "corner": {"name": "left"}}
-    more |= {"raycast": {"step": 1}}
+    more |= {"raycast": {"step": 1}, "Isolines": {"values": [1]}}
     places = [(ws, name) for name in ws.__all__] + [
         (holder, name)
         for holder in (ws.reference, ws.study, ws.Look, ws.TransferFunction, ws.Materials, ws.Camera, ws.Crop)

@@ -84,9 +84,9 @@ class Shading:
         Diffuse light where there is no gradient, as on cut faces of even matter, as a share of that of a face that is
         turned to the light: 0.5 is the mean over all normals.
     even_cuts : float, 0 to 1
-        How evenly matter is lit in the first half voxel behind a cut (a crop, a clip plane, a cut-out, missing samples,
-        the end of the data). 1 lights it like matter without a gradient, so that the face shows its values; 0 lights it
-        by its gradient, which draws the noise of the data as relief.
+        How evenly matter is lit where a ray enters it through a cut: a crop, a clip plane, a cut-out, missing samples,
+        the end of the data. 1 lights it for some slices like matter without a gradient, so that the face shows its
+        values; 0 lights it by its gradient, which draws the noise of the data as relief.
     shoulder : float, 0 to 1
         Colours of the picture that are brighter than this are compressed, so that they approach 1 and keep their form:
         x becomes s + (x - s) / (1 + (x - s) / (1 - s)). 1 leaves them as they are. Pictures without shading are never

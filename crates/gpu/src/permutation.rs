@@ -108,6 +108,8 @@ pub struct SourceKind {
 pub struct LayerKind {
     /// Whether the layer is shaded.
     pub is_shaded: bool,
+    /// Whether its cut faces have even light.
+    pub evens_cuts: bool,
     /// Role of the gradient in the transfer function.
     pub by_gradient: ByGradient,
 }
@@ -148,8 +150,6 @@ pub struct Permutation {
     pub fields: FieldKinds,
     /// Whether four samples are fetched at once, where the device does it right.
     pub gather: bool,
-    /// Whether cut faces have even light.
-    pub evens_cuts: bool,
     /// Whether the position of opacity 1/2 is recorded.
     pub with_depth: bool,
     /// Whether fetches and texels are counted.
@@ -176,7 +176,12 @@ const PROJECTIONS: [(&str, GpuProjection); 6] = [
 impl Permutation {
     /// Number of vec4s of a ray's state.
     pub fn n_state(&self) -> usize {
-        1 + usize::from(self.with_depth || self.counted || self.evens_cuts)
+        1 + usize::from(self.with_depth || self.counted || self.evens_cuts())
+    }
+
+    /// Whether cut faces have even light, so that rays have an entry.
+    fn evens_cuts(&self) -> bool {
+        matches!(self.operator, GpuOperator::Over { .. }) && self.layers.iter().any(|layer| layer.evens_cuts)
     }
 
     /// Binding of the samples of a source.
@@ -283,7 +288,7 @@ impl Permutation {
         add("LEVEL", "f32", &format!("{LEVEL:?}f"));
         add("MISSING", "f32", &format!("{MISSING:?}f"));
         add("MIN_KNOWN", "f32", &format!("{MIN_KNOWN:?}f"));
-        add("EVENS_CUTS", "bool", &self.evens_cuts);
+        add("EVENS_CUTS", "bool", &self.evens_cuts());
         add("EVEN_REACH", "f32", &format!("{:?}f", cut_faces::REACH));
         add("EVEN_PER_SLICE", "f32", &format!("{:?}f", cut_faces::PER_SLICE));
         add("CUT_DEPTH", "f32", &format!("{:?}f", cut_faces::DEPTH));

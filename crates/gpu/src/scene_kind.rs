@@ -76,6 +76,7 @@ pub(crate) fn permutation_of(plan: &Plan, slices: &[&Slices], gather: bool) -> G
     };
     let layers = family.layers.iter().map(|layer| LayerKind {
         is_shaded: layer.shader.is_some(),
+        evens_cuts: layer.shader.as_ref().is_some_and(Shader::evens_cuts),
         by_gradient: match &layer.modifiers.by_gradient {
             None => ByGradient::Nothing,
             Some(by_gradient) if by_gradient.decides_color() => ByGradient::Both,
@@ -109,8 +110,6 @@ pub(crate) fn permutation_of(plan: &Plan, slices: &[&Slices], gather: bool) -> G
         sources: sources.collect(),
         fields,
         gather,
-        evens_cuts: matches!(operator, GpuOperator::Over { .. })
-            && family.layers.iter().any(|layer| layer.shader.as_ref().is_some_and(Shader::evens_cuts)),
         with_depth: plan.with_depth,
         counted: false,
     })

@@ -127,11 +127,10 @@ fn probe_permutation(format: Format, gather: bool) -> Permutation {
     let source = SourceKind { kernel: Kernel::Linear, format, gradient: GradientTaps::Nothing, has_holes: false };
     Permutation {
         operator: GpuOperator::FirstHit,
-        layers: vec![LayerKind { is_shaded: false, by_gradient: ByGradient::Nothing }],
+        layers: vec![LayerKind { is_shaded: false, evens_cuts: false, by_gradient: ByGradient::Nothing }],
         sources: vec![source],
         fields: FieldKinds::default(),
         gather,
-        evens_cuts: false,
         with_depth: false,
         counted: false,
     }

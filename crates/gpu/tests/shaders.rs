@@ -25,11 +25,10 @@ const SMOOTHED: GradientTaps = GradientTaps::Smoothed { n: 6, before: 2 };
 fn permutation(operator: GpuOperator, sources: Vec<SourceKind>) -> Permutation {
     Permutation {
         operator,
-        layers: vec![LayerKind { is_shaded: false, by_gradient: ByGradient::Nothing }],
+        layers: vec![LayerKind { is_shaded: false, evens_cuts: false, by_gradient: ByGradient::Nothing }],
         sources,
         fields: FieldKinds::default(),
         gather: true,
-        evens_cuts: false,
         with_depth: false,
         counted: false,
     }
@@ -69,7 +68,7 @@ fn permutations() -> Vec<Permutation> {
         for kernel in kernels {
             for gradient in [GradientTaps::Difference, SMOOTHED] {
                 for by_gradient in [ByGradient::Nothing, ByGradient::Factor, ByGradient::Both] {
-                    let layers = vec![LayerKind { is_shaded: true, by_gradient }];
+                    let layers = vec![LayerKind { is_shaded: true, evens_cuts: true, by_gradient }];
                     let source = SourceKind { kernel, gradient, has_holes: kernel == Kernel::CatmullRom, ..PLAIN };
                     all.push(Permutation { layers, ..permutation(over(steep), vec![source]) });
                 }
@@ -95,6 +94,7 @@ fn permutations() -> Vec<Permutation> {
             sources.extend([four, of_matter]);
             let layers = (0..n_layers).map(|k| LayerKind {
                 is_shaded: k != 1,
+                evens_cuts: k == 0,
                 by_gradient: [ByGradient::Factor, ByGradient::Both, ByGradient::Nothing][k],
             });
             let layers = layers.collect();

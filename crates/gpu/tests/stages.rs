@@ -98,11 +98,10 @@ fn check(stage: &str, run: impl Fn(&Gpu, &Case) -> Answers) {
 fn permutation(source: SourceKind) -> Permutation {
     Permutation {
         operator: GpuOperator::Over { pre_integrated: true },
-        layers: vec![LayerKind { is_shaded: false, by_gradient: ByGradient::Nothing }],
+        layers: vec![LayerKind { is_shaded: false, evens_cuts: false, by_gradient: ByGradient::Nothing }],
         sources: vec![source],
         fields: FieldKinds::default(),
         gather: true,
-        evens_cuts: false,
         with_depth: true,
         counted: false,
     }

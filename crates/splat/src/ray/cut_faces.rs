@@ -110,10 +110,8 @@ impl CutFaces {
 /// The larger of the missing shares on the front and the back sheet.
 #[inline(always)]
 pub fn most_missing<W: Wide>(w: W, missing: Option<[W::F; 2]>) -> Option<W::F> {
-    match missing {
-        Some([front, back]) => Some(w.max(front, back)),
-        None => None,
-    }
+    let [front, back] = missing?;
+    Some(w.max(front, back))
 }
 
 /// A number, or the nearer of 0 and 1.

@@ -80,21 +80,15 @@ impl CutFaces {
         }
         let places = [chunks[0].index(), chunks[1].index()];
         let [begins, _] = rays.interval(w, chunks);
-        let (zero, one) = (w.splat(0.0), w.splat(1.0));
         // Where nothing is drawn, depth and extent are 0.
         let usual = w.max(w.mul(w.splat(DEPTH), matter.extent), w.splat(f32::MIN_POSITIVE));
         let dense = within_unit(w, w.sub(w.mul(w.splat(2.0), w.div(matter.depth, usual)), w.splat(0.5)));
         let behind = w.mul(w.sub(matter.begin, begins), w.splat(1.0 / NEAR));
         let near = within_unit(w, w.sub(w.splat(2.0), behind));
-        let in_front = |strength: W::F| w.mul(w.sub(strength, one), w.splat(REACH));
-        let weak = |at: W::F, strength: W::F| {
-            let there = w.add(at, in_front(strength));
-            w.select(w.lt(zero, strength), there, w.splat(NO_ENTRY))
-        };
-        let mut entry = w.max(w.load_from(&self.entries, places), weak(begins, w.mul(dense, near)));
+        let mut entry = w.max(w.load_from(&self.entries, places), entry_of(w, begins, w.mul(dense, near)));
         if let Some(missing) = matter.missing {
-            let hole = within_unit(w, w.sub(w.mul(w.splat(4.0), missing), one));
-            entry = w.max(entry, weak(matter.at, w.mul(dense, hole)));
+            let hole = within_unit(w, w.sub(w.mul(w.splat(4.0), missing), w.splat(1.0)));
+            entry = w.max(entry, entry_of(w, matter.at, w.mul(dense, hole)));
         }
         w.store_to(entry, &mut self.entries, places);
         let share = w.mul(w.sub(w.add(entry, w.splat(REACH)), matter.at), w.splat(PER_SLICE));
@@ -105,6 +99,20 @@ impl CutFaces {
     pub fn into_entries(self) -> Vec<Lanes> {
         self.entries
     }
+}
+
+/// Entry at a place with a strength: one of less strength counts as one in front. A function, since closures are not
+/// inlined into the vectors' own code.
+#[inline(always)]
+fn entry_of<W: Wide>(w: W, at: W::F, strength: W::F) -> W::F {
+    let in_front = w.mul(w.sub(strength, w.splat(1.0)), w.splat(REACH));
+    w.select(w.lt(w.splat(0.0), strength), w.add(at, in_front), w.splat(NO_ENTRY))
+}
+
+/// Place along s, given the share of the way between two sheets.
+#[inline(always)]
+pub fn place_between<W: Wide>(w: W, [front, back]: [f32; 2], share: W::F) -> W::F {
+    w.add_mul(w.splat(front), share, w.splat(back - front))
 }
 
 /// The larger of the missing shares on the front and the back sheet.

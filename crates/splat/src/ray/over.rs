@@ -21,7 +21,7 @@ use crate::optics::preintegrate::N_VISIBLE_PARTS;
 use crate::optics::shade::Shader;
 use crate::ray::accumulator::{Accumulator, Chunks, Fragment, between, extent, lit};
 use crate::ray::compositor::{Compositor, Slab, Texels};
-use crate::ray::cut_faces::{CutFaces, Matter, most_missing};
+use crate::ray::cut_faces::{CutFaces, Matter, most_missing, place_between};
 use crate::ray::state::TileState;
 use crate::sheet::field_sheets::{FieldPoint, FieldValues};
 use crate::sheet::tile_layout::Block;
@@ -219,10 +219,9 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
         let rgb = self.classifier.color(w, w.add_mul(front, at, change));
         let to_eye = rays.to_eye(w, chunks);
         let most_missing = most_missing(w, missing);
-        let place = |at: W::F| w.add_mul(w.splat(s_front), at, w.splat(s_back - s_front));
         let depth = w.mul(w.add(passage.depths[0], passage.depths[1]), full_length);
         let visible = w.add_mul(from, passage.first, extent);
-        let matter = Matter { begin: visible, extent, depth, at: place(at), missing: most_missing };
+        let matter = Matter { begin: visible, extent, depth, at: place_between(w, slab.s, at), missing: most_missing };
         let even = self.cuts.even_share(w, chunks, rays, s_front, &matter);
         let mut rgb = if !MODIFIED || scan_ahead {
             self.shade(w, rgb, gradient, to_eye, &FieldPoint::between(&self.here, at), even)
@@ -239,7 +238,8 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
             let point = FieldPoint::between(&self.here, middle);
             if medium_ahead && let Some(medium) = self.modifiers.medium(w, &point) {
                 let depth = w.mul(medium.0, full_length);
-                let matter = Matter { begin: from, extent, depth, at: place(middle), missing: most_missing };
+                let matter =
+                    Matter { begin: from, extent, depth, at: place_between(w, slab.s, middle), missing: most_missing };
                 let even = self.cuts.even_share(w, chunks, rays, s_front, &matter);
                 (rgb, alpha) =
                     self.add_label_medium(w, (rgb, alpha, scan_depth), medium, whole_length, (to_eye, even), &point);

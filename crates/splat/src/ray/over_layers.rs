@@ -18,7 +18,7 @@ use crate::optics::preintegrate::{N_CUTS, PartOpacities};
 use crate::optics::shade::Shader;
 use crate::ray::accumulator::{Accumulator, Chunks, Fragment, between, extent, lit};
 use crate::ray::compositor::{Compositor, Slab, Texels};
-use crate::ray::cut_faces::{CutFaces, Matter, most_missing};
+use crate::ray::cut_faces::{CutFaces, Matter, most_missing, place_between};
 use crate::ray::state::TileState;
 use crate::sheet::field_sheets::{FieldPoint, FieldValues};
 use crate::sheet::layer_sheets::LayerSheets;
@@ -279,7 +279,7 @@ impl<'a> OverLayers<'a> {
             }
             (cuts[0], cuts[N_PARTS]) = (begin, end);
             let length = w.mul(way, thickness);
-            let place = |at: W::F| w.add_mul(w.splat(s_front), at, way);
+            let ends = [s_front, s_back];
             let most_missing = most_missing(w, missing);
             if is_seen {
                 let mut gradients = None;
@@ -323,8 +323,14 @@ impl<'a> OverLayers<'a> {
                     joint_rgb.unwrap_or_else(|| medium.classifier.color(w, w.add_mul(front, at, w.sub(back, front))));
                 let gradient = gradients.map(|[front, back]| between(w, front, back, at));
                 let own_rays = sheets(slab, layer).rays.as_ref().unwrap_or(rays);
-                let visible = w.select(w.le(first, begin), from, place(first));
-                let matter = Matter { begin: visible, extent, depth: full_depth, at: place(at), missing: most_missing };
+                let visible = w.select(w.le(first, begin), from, place_between(w, ends, first));
+                let matter = Matter {
+                    begin: visible,
+                    extent,
+                    depth: full_depth,
+                    at: place_between(w, ends, at),
+                    missing: most_missing,
+                };
                 let even = self.cuts.even_share(w, chunks, own_rays, ANYWHERE, &matter);
                 let point = FieldPoint::between(&self.here, at);
                 let rgb = shaded(w, &medium, rgb, gradient, (to_eye, even), &point);
@@ -348,8 +354,13 @@ impl<'a> OverLayers<'a> {
                     if let Some((depth, rgb)) = medium.modifiers.medium(w, &point) {
                         let own_rays = sheets(slab, layer).rays.as_ref().unwrap_or(rays);
                         let part = w.mul(w.mul(depth, w.sub(end, begin)), full_length);
-                        let matter =
-                            Matter { begin: from, extent, depth: part, at: place(middle), missing: most_missing };
+                        let matter = Matter {
+                            begin: from,
+                            extent,
+                            depth: part,
+                            at: place_between(w, ends, middle),
+                            missing: most_missing,
+                        };
                         let even = self.cuts.even_share(w, chunks, own_rays, ANYWHERE, &matter);
                         let rgb = label_color(w, &medium, rgb, (to_eye, even), &point);
                         for k in 0..N_PARTS {

@@ -28,7 +28,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality edges random-functions random-scenes looks looks-beside-vtk study study-wavelets study-lod bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers scene-hashes roofline instructions gallery golden pictures \
+.PHONY: help demo test check fmt quality edges random-functions random-scenes looks looks-beside-vtk study study-wavelets study-lod study-cuts bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers scene-hashes roofline instructions gallery golden pictures \
 	clean wheel fuzz memcheck miri fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
 	rust-test python-test test-arm rust-lint python-lint stubs spelling licences docs readme
 
@@ -74,6 +74,9 @@ study-wavelets: $(STAMPS)/study ## repeat the paper's experiments on wavelets; S
 
 study-lod: $(STAMPS)/package ## leave out levels of details and measure the brightness; STUDY_LOD="--large" takes 3 GB
 	BENCH_DATA=$(BENCH_DATA) python studies/lod/lod.py $(STUDY_LOD)
+
+study-cuts: $(STAMPS)/package ## compare cut faces with the samples on the cut, by gradients, evenly and without light; BENCH_DATA
+	BENCH_DATA=$(BENCH_DATA) python studies/cuts/cuts.py
 
 bench: $(STAMPS)/bench ## time frames, ours, VTK's and VolPack's; BENCH="--only goals" takes minutes, BENCH_DATA=folder of the files
 	BENCH_DATA=$(BENCH_DATA) python benches/bench.py $(BENCH)

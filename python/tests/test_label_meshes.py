@@ -229,7 +229,7 @@ def test_the_command_line_writes_labels(wavesplat, tmp_path):
     assert (tmp_path / "seg.glb").exists()
     for options, message in (
         (["--labels", "all", "-o", tmp_path / "a.stl"], ".stl holds one mesh"),
-        (["--labels", "9", "-o", tmp_path / "a.stl"], "there is no label '9'"),
+        (["--labels", "9", "-o", tmp_path / "a.stl"], "there is no segment 9"),
         (["--labels", "all", "--iso-value", "1", "-o", tmp_path / "a.stl"], "either --iso-value"),
         (["-o", tmp_path / "a.stl"], "either --iso-value"),
         (["--labels", "all", "--smooth", "1", "-o", tmp_path / "{name}.stl"], "takes the segmentation as it is"),

@@ -82,5 +82,4 @@ def test_a_legend_names_the_labels_of_the_slice():
     assert names(5) == ["liver"]
     assert names(9) == ["liver", "spleen"]
     assert names(16) == ["spleen"]
-    # Where there is none, all are named.
-    assert names(1) == ["liver", "spleen"]
+    assert names(1) == []

@@ -117,7 +117,7 @@ def test_positions_on_the_command_line(text, positions):
     assert parsers.positions(text) == pytest.approx(positions)
 
 
-@pytest.mark.parametrize("text", ["a", "1:2", "1:2:0", "2:1:1", "0:1e9:1", "", "nan:1:1"])
+@pytest.mark.parametrize("text", ["a", "1:2", "1:2:0", "2:1:1", "", "nan:1:1"])
 def test_what_are_no_positions(text):
     import typer
 

@@ -27,7 +27,9 @@ LabelsFile = Annotated[
 ]
 LabelTable = Annotated[
     Path | None,
-    typer.Option(metavar="FILE", help="Their names and colours, from ITK-SNAP, 3D Slicer (.ctbl) or BIDS (.tsv)."),
+    typer.Option(
+        metavar="FILE", help="Their names and colours, from ITK-SNAP, FreeSurfer, 3D Slicer (.ctbl) or BIDS (.tsv)."
+    ),
 ]
 Segments = Annotated[
     list[str] | None,

@@ -106,8 +106,11 @@ def isolines_of(text: str) -> IsolinesText:
     return IsolinesText(path, tuple(map(float, parts)), color or None)
 
 
-def opened_isolines(texts: Sequence[str] | None, *, time: int, quiet: bool) -> list[Isolines] | None:
-    """The volumes of `--isolines` with their values. `time`: the time point of volumes that have several."""
+def opened_isolines(texts: Sequence[str] | None, *, time: int, quiet: bool, suv: bool = False) -> list[Isolines] | None:
+    """The volumes of `--isolines` with their values.
+
+    time : the time point of volumes that have several. suv : PET in SUV.
+    """
     from wavesplat._cli.layer_options import further_layers
     from wavesplat._render.isolines import Isolines
 
@@ -115,7 +118,7 @@ def opened_isolines(texts: Sequence[str] | None, *, time: int, quiet: bool) -> l
         return None
     found = []
     for said in [isolines_of(text) for text in texts]:
-        layers = further_layers([said.path], time=time, quiet=quiet)
+        layers = further_layers([said.path], time=time, quiet=quiet, suv=suv)
         if len(layers) > 1:
             raise ArgumentError(f"--isolines: the file holds {len(layers)} channels, and lines are of one: {said.path}")
         found.append(Isolines(layers[0].drawn, said.values, **({"color": said.color} if said.color else {})))

@@ -8,10 +8,10 @@ from typing import Annotated, Any
 import typer
 
 from wavesplat._cli.crop_options import box, chosen_crop
-from wavesplat._cli.label_options import LabelTable
+from wavesplat._cli.label_options import LabelTable, chosen_segments
 from wavesplat._cli.option_groups import given
 from wavesplat._cli.outputs import check_outputs
-from wavesplat._cli.printing import print_result
+from wavesplat._cli.printing import print_result, warnings_as_notes
 from wavesplat._cli.processing_options import ProcessingOptions, processed, takes_processing_options
 from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options
 from wavesplat._cli.several_inputs import takes_several_inputs
@@ -73,7 +73,7 @@ def mesh(
         named = [name for name, is_given in of_surface.items() if is_given] + given(reader) + given(processing)
         if named:
             raise ArgumentError(f"--labels takes the segmentation as it is; leave out {', '.join(named)}")
-        _write_labels(input, output, labels, label_table, smoothing, as_json=json)
+        _write_labels(input, output, labels, label_table, smoothing, as_json=json, quiet=quiet)
         return
     if iso_value is None:
         raise ArgumentError(EITHER)
@@ -94,13 +94,23 @@ def mesh(
 
 
 def _write_labels(
-    input: str, output: Path, wanted: str, table: Path | None, smoothing: float, *, as_json: bool
+    input: str, output: Path, wanted: str, table: Path | None, smoothing: float, *, as_json: bool, quiet: bool
 ) -> None:
+    from wavesplat._files.paths import expanded
     from wavesplat._looks.labels import Labels
     from wavesplat._mesh import meshing
+    from wavesplat._readers.dicom_structures import is_structure_set
 
-    which: Any = "all" if wanted.strip() == "all" else [one.strip() for one in wanted.split(",") if one.strip()]
-    meshes = meshing.mesh(Labels.open(input, table=table), labels=which, smoothing=smoothing)
+    if is_structure_set(expanded(input)):
+        raise ArgumentError(
+            "a structure set (RTSTRUCT) has no samples; in Python: "
+            f"wavesplat.mesh(wavesplat.Labels.open(path, scan=scan), labels='all'): {input}"
+        )
+    names = None if wanted.strip() == "all" else chosen_segments([one.strip() for one in wanted.split(",")])
+    with warnings_as_notes(quiet=quiet):
+        # Chosen segments of a file are whole, also where others cover them.
+        labels = Labels.open(input, table=table, segments=names)
+    meshes = meshing.mesh(labels, labels="all" if names is None else list(labels.labels), smoothing=smoothing)
     for path in meshes.paths(output):
         check_outputs(input, path, "meshes")
     paths = meshes.save(output)

@@ -88,7 +88,9 @@ def positions(text: str) -> int | tuple[float, ...]:
         n = floor((stop - start) / step * (1 + 1e-9) + 1e-9) + 1
     except (ValueError, ZeroDivisionError, OverflowError):
         n = 0
-    if not 1 <= n <= MAX_POSITIONS:
+    if n > MAX_POSITIONS:
+        raise typer.BadParameter(f"{text!r} is {n} slices; {MAX_POSITIONS} are the most on one sheet")
+    if n < 1:
         raise typer.BadParameter(
             f"{text!r} is not START:STOP:STEP, such as 10:80:10, not numbers with commas between, and not a number of "
             "slices, such as 12"

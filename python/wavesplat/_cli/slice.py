@@ -135,7 +135,7 @@ def slice(
         lambda suv: processed(input, replace(reader, suv=suv), processing, quiet=quiet),
         lambda one: one.modality,
         suv=reader.suv,
-        is_alone=not layer,
+        is_alone=not (layer or isolines),
     )
     # A window or a range alone maps to greys.
     is_grey = colors == ColorOptions(clim=colors.clim, window=colors.window)
@@ -161,12 +161,10 @@ def slice(
         # Segments may be of the contours alone.
         own_segment = segment if labels or not contours else None
         scene = Scene([volume, *further], labels=opened_labels(labels, label_table, own_segment, volume, quiet=quiet))
-        check_uptake(scene, suv=reader.suv)
         of_plane: Any = (plane or "axial") if normal is None else (point, normal)
-        options |= {
-            "contours": opened_contours(contours, segment, quiet=quiet),
-            "isolines": opened_isolines(isolines, time=reader.time or 0, quiet=quiet),
-        }
+        lines = opened_isolines(isolines, time=reader.time or 0, quiet=quiet, suv=reader.suv)
+        check_uptake(scene, suv=reader.suv, others=[one.volume for one in lines or ()])
+        options |= {"contours": opened_contours(contours, segment, quiet=quiet), "isolines": lines}
         if is_sheet:
             bar: Any = figure.scale_bar if figure.bar_length is None else figure.bar_length
             picture = lightbox(scene, of_plane, positions, columns=columns, scale_bar=bar, **options)

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from typing import TYPE_CHECKING, TypeVar
 
 from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
+    from wavesplat._model.volume import Volume
+    from wavesplat._model.wavelet_volume import WaveletVolume
     from wavesplat._scene.scene import Scene
 
 __all__ = ["check_uptake", "in_uptake"]
@@ -31,7 +33,7 @@ def in_uptake(opened: Callable[[bool], T], modality_of: Callable[[T], str | None
         return plain
 
 
-def check_uptake(scene: Scene, *, suv: bool) -> None:
-    """Raise an `ArgumentError` if `--suv` is given and no volume is in SUV."""
-    if suv and not any(layer.drawn.value_unit == "SUV" for layer in scene.layers):
+def check_uptake(scene: Scene, *, suv: bool, others: Iterable[Volume | WaveletVolume] = ()) -> None:
+    """Raise an `ArgumentError` if `--suv` is given and no volume is in SUV. `others`: volumes beside the layers."""
+    if suv and not any(one.value_unit == "SUV" for one in (*(layer.drawn for layer in scene.layers), *others)):
         raise ArgumentError("--suv is for PET of DICOM, and no volume of the picture is one; leave it out")

@@ -20,7 +20,7 @@ from wavesplat._files.patterns import matching_files
 from wavesplat._looks import colors, label_grids, label_names
 from wavesplat._looks.default_colors import label_color
 from wavesplat._looks.label_files import opened_segmentation
-from wavesplat._looks.mask_files import merged
+from wavesplat._looks.mask_files import merged, name_of
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.convert_from import converted
 from wavesplat._model.cutting import Boxes, taken_out
@@ -236,8 +236,8 @@ class Labels:
             The segmentation; or a pattern such as "organs/*.nii.gz" for masks in a file each, which become one
             segmentation with the files' names. Where masks overlap the later file counts, in the order of their names.
         table : path, optional
-            Names and colours instead of the file's: label descriptions of ITK-SNAP, a colour table of 3D Slicer
-            (.ctbl), or a .tsv with the columns index, name and color (BIDS).
+            Names and colours instead of the file's: label descriptions of ITK-SNAP, a colour table of FreeSurfer or 3D
+            Slicer (.ctbl), or a .tsv with the columns index, name and color (BIDS).
         segments : sequence of str or int, optional
             The labels that are shown, by name, by a pattern of names such as "rib*", or by number; all if not given.
             Of a structure set all but the outline of the patient (EXTERNAL).
@@ -275,6 +275,8 @@ class Labels:
         except ArgumentError as error:
             raise ArgumentError(f"{error}: {path}") from None
         looks = dict(labels.labels)
+        if files is not None and not named and len(looks) == 1:  # a mask, found by a pattern
+            named = {number: (name_of(path), None) for number in looks}
         for number, (name, color) in named.items():
             if number in looks:
                 looks[number] = Label(color or looks[number].color, name=name)
@@ -342,6 +344,17 @@ class Labels:
         return self._changed(
             shape=codes.shape, world_from_index=matrix, _codes=codes, _placing=_Placing(note), _codes_on_scans={}
         )
+
+    def for_lines_over(self, scan: Grid) -> Labels:
+        """The labels on their own samples, whose outlines lie where they are; on the scan's where they have no place.
+
+        Raises
+        ------
+        ArgumentError
+            As `on_samples_of`.
+        """
+        placed = self.on_samples_of(scan)
+        return self if self._has_place else placed
 
     @property
     def notes(self) -> list[str]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
+from os import PathLike
 from pathlib import PurePath
 from typing import NamedTuple
 
@@ -37,6 +38,11 @@ class Masks(NamedTuple):
     notes: tuple[str, ...]
 
 
+def name_of(path: str | PathLike[str]) -> str:
+    """The name of a mask: that of its file, without suffixes."""
+    return SUFFIXES.sub("", PurePath(path).name)
+
+
 def merged(paths: Sequence[str]) -> Masks:
     """Masks in files as one segmentation.
 
@@ -55,7 +61,7 @@ def merged(paths: Sequence[str]) -> Masks:
     empty, covered, n_covered = list[str](), list[str](), 0
     for number, path in enumerate(paths, 1):
         volume = first if number == 1 else open_volume(path)
-        name = SUFFIXES.sub("", PurePath(path).name)
+        name = name_of(path)
         mask = _on_first(_mask(volume, path), volume, first, path)
         if not mask.any():
             empty.append(name)

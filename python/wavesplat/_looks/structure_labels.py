@@ -45,7 +45,7 @@ def labels_of_structures(
     if scan is None:
         raise ArgumentError(
             "a structure set (RTSTRUCT) has lines, and no samples: give the scan on whose samples its regions are "
-            f"filled, wavesplat.Labels.open(path, scan=scan), or --labels with the scan as INPUT: {file}"
+            f"filled, wavesplat.Labels.open(path, scan=scan), or `wavesplat render SCAN --labels FILE`: {file}"
         )
     if not isinstance(scan, Grid):
         raise ArgumentError(f"scan is {described(scan)}; give a wavesplat.Volume, as from wavesplat.open(path)")

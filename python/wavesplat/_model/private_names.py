@@ -55,6 +55,13 @@ def _renamed(part: Any, folders: set[str]) -> Any:
     if not isinstance(part, dict):
         return part
     return {
-        name: NAMELESS if name in ("name", "layer") and one in folders else _renamed(one, folders)
+        name: _name_of(one, folders) if name in ("name", "layer", "resampled") else _renamed(one, folders)
         for name, one in part.items()
     }
+
+
+def _name_of(one: Any, folders: set[str]) -> Any:
+    """A name, or a list of names, with another one where it is that of a folder."""
+    if isinstance(one, list | tuple):
+        return [_name_of(each, folders) for each in one]
+    return NAMELESS if isinstance(one, str) and one in folders else _renamed(one, folders)

@@ -101,9 +101,10 @@ def annotated(rgba: NDArray[np.float32], report: Mapping[str, Any], figure: Figu
         lettering.check_letters("".join(name for name, _ in swatches), font, "a name of the legend")
         beside = figure.legend_at == "beside"
         room = height - 2 * margin
-        block = legend.block(swatches, room, style if beside else on_picture, may_be_higher=beside)
-        sheet.put(block, figure.legend_at, "the legend")
-        taken = block.height + 2 * GAP * style.size if beside and figure.colorbar_at == "beside" else 0.0
+        if swatches:
+            block = legend.block(swatches, room, style if beside else on_picture, may_be_higher=beside)
+            sheet.put(block, figure.legend_at, "the legend")
+            taken = block.height + 2 * GAP * style.size if beside and figure.colorbar_at == "beside" else 0.0
     if figure.colorbar is not False:
         beside = figure.colorbar_at == "beside"
         for block in _color_bars(figure, report, height, style if beside else on_picture, behind, taken=taken):
@@ -329,11 +330,16 @@ def _color_bars(
 
 
 def _named(figure: Figure, report: Mapping[str, Any]) -> list[tuple[str, Color | None]]:
-    """Names and colours of the legend; None for a line that tells of names left out."""
+    """Names and colours of the legend; None for a line that tells of names left out.
+
+    Empty where the picture has labels or lines and none of them lies in this slice: other slices have the legend.
+    """
     swatches = [(report_facts.plain_name(name), color) for name, color in report_facts.swatches_of(report)]
     for name, _ in swatches:
         lettering.check_length(name, "a name in the legend")
     if not swatches:
+        if figure.legend is True and ("labels" in report or "lines" in report):
+            return []
         raise ArgumentError(
             "there is nothing for a legend: this picture has no labels, no lines, and not several layers"
         )

@@ -45,7 +45,7 @@ FIELDS: dict[str, Field] = {
     "look": Field(OBJECT, "Name of the first layer's look, and the reason why it was chosen."),
     "layers": Field(OBJECTS, "Of several layers a report each; of slices name, opacity, time and processing of each."),
     "shown": Field(OBJECTS, "The visible layers: name, unit of values, operator, and the colours of values."),
-    "labels": Field(OBJECTS, "Names and colours of the labels that show; of a slice those in it, else all."),
+    "labels": Field(OBJECTS, "Names and colours of the labels that show; of slices those in them."),
     "panels": Field(OBJECTS, "Of a lightbox plane, position and place on the sheet, in pixels, of each slice."),
     "lines": Field(OBJECTS, "Names and colours of the contours and isolines that show."),
     "processing": Field(TEXTS, "What was done to the samples before, a sentence each (`Facts.processing`)."),

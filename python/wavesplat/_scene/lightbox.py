@@ -121,7 +121,7 @@ def lightbox(
     sheet = np.empty((whole[1], whole[0], 4), np.float32)
     sheet[:] = [*(share * behind[3] for share in behind[:3]), behind[3]]
     with_bar = (len(cuts) - 1) // count * count
-    panels, notes = list[dict[str, Any]](), dict[str, None]()
+    panels, told = list[dict[str, Any]](), list[list[str]]()
     report: dict[str, Any] = {}
     for (one, position), (width, height), (left, top) in zip(cuts, sizes, places, strict=True):
         # The scale of `slice` follows the size; the zoom makes it that of the sheet.
@@ -146,7 +146,7 @@ def lightbox(
         )
         if scale_bar is not False and len(panels) == with_bar:
             picture = picture.annotated(scale_bar=scale_bar)
-        notes.update(dict.fromkeys(picture.report.pop("notes", [])))
+        told.append(picture.report.pop("notes", []))
         report = _joined(report, picture.report)
         sheet[top : top + height, left : left + width] = _lettered(picture, one) if letters else picture.rgba
         name = one if isinstance(one, str) else "oblique"
@@ -156,9 +156,9 @@ def lightbox(
     for name in ("position", "origin", "normal", "right", "down", "letters"):
         report.pop(name, None)
     report["panels"] = panels
-    # A slice that shows nothing is told of only where all of them do.
-    if notes and len(notes) == 1 and _is_even(sheet):
-        report["notes"] = list(notes)
+    # What only some of the slices lack is no news; what all of them say is.
+    if notes := [note for note in told[0] if all(note in other for other in told)]:
+        report["notes"] = notes
     return Picture(sheet, report=Report(report))
 
 
@@ -225,11 +225,11 @@ def _places(cells: Sequence[tuple[int, int]], columns: int) -> tuple[list[tuple[
 
 
 def _joined(report: dict[str, Any], other: Any) -> dict[str, Any]:
-    """The report of the slices before, with the labels, the lines and the scale bar of another one."""
+    """The report of the slices before, with the layers, labels, lines and the scale bar of another one."""
     if not report:
         return dict(other)
     joined = report | ({"scale_bar": other["scale_bar"]} if "scale_bar" in other else {})
-    for name in ("labels", "lines"):
+    for name in ("shown", "labels", "lines"):
         known = report.get(name, [])
         if more := [one for one in other.get(name, []) if one not in known]:
             joined[name] = [*known, *more]
@@ -242,7 +242,3 @@ def _lettered(picture: Picture, plane: AnyPlane) -> NDArray[np.float32]:
     axis = f"{PLANES[plane][0]} " if isinstance(plane, str) else ""
     text = f"{axis}{picture.report['position']:.4g}{f' {picture.unit}' if picture.unit else ''}"
     return with_caption(lettered.rgba, text, at="upper left")
-
-
-def _is_even(rgba: NDArray[np.float32]) -> bool:
-    return bool((np.ptp(rgba.reshape(-1, 4), axis=0) < 1 / 255).all())

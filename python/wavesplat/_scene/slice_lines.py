@@ -94,14 +94,19 @@ def lines_over(contours: Any, isolines: Any) -> LinesOver | None:
 
 def _with_contours(rgba: Rgba, planes: Planes, contours: Sequence[Labels | Region], scan: Grid) -> Over:
     """The slice with the lines of regions, and around labels."""
-    shown = []
+    shown, notes = [], list[str]()
     for one in contours:
-        around = _around_labels(planes, one, scan) if isinstance(one, Labels) else _of_region(planes, one, scan)
+        if isinstance(one, Labels):
+            labels = one.for_lines_over(scan)
+            notes += labels.notes
+            around = _around_labels(planes, labels, scan)
+        else:
+            around = _of_region(planes, one, scan)
         for name, color, lines in around:
             if lines:
                 rgba = drawn_over(rgba, lines, color)
                 shown.append({"name": name, "color": list(color)})
-    return Over(rgba, shown, [] if shown else ["no line of the contours lies in the slice"])
+    return Over(rgba, shown, notes if shown else [*notes, "no line of the contours lies in the slice"])
 
 
 def _with_isolines(

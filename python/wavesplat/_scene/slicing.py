@@ -192,7 +192,7 @@ def slice(
     if scene.labels is not None:
         labels = scene.labels.for_slices_of(first.drawn)
         rgba, seen = label_slices.laid_over(rgba, planes, labels)
-        report["labels"] = names_of(labels, seen) or names_of(labels)
+        report["labels"] = names_of(labels, seen)
         notes += labels.notes
     if lines is not None:
         over = lines.over(rgba, planes, first.drawn, kernel=kernel, slab=slab, threads=threads)

@@ -298,6 +298,19 @@ def test_a_pet_is_in_uptake_beside_a_ct(wavesplat, tmp_path, command, order):
     assert "PatientWeight" in wavesplat(command, one, "--layer", f"{other}:hot:0,9", *picture).stderr
 
 
+@pytest.mark.parametrize("scan", ["ct", "pet"])
+def test_isolines_of_a_pet_are_in_uptake(wavesplat, tmp_path, scan):
+    pet(tmp_path / "pet")
+    save(tmp_path / "ct", [slice_at(one, n) for n, one in enumerate(random(4))])
+    values = ws.open(tmp_path / "pet", suv=True).samples
+    level = f"{float(np.median(values)):.3g}"
+    lines = ("--isolines", f"{tmp_path / 'pet'}:{level}", "-o", tmp_path / "a.png", "--size", "64", "--json")
+    done = wavesplat("slice", tmp_path / scan, *lines, "--suv")
+    assert done.returncode == 0, done.stderr
+    (line,) = json.loads(done.stdout)["report"]["lines"]
+    assert line["name"].endswith(f"{level} SUV")
+
+
 def test_units_go_on_to_other_programs(tmp_path):
     import SimpleITK
 

@@ -84,7 +84,7 @@ bench: $(STAMPS)/bench ## time frames, ours, VTK's and VolPack's; BENCH="--only 
 bench-gpu: $(STAMPS)/bench ## time frames on a GPU beside our CPU path and VTK's GPU mapper; of a program on the processor, count; BENCH_GPU="--record"
 	BENCH_DATA=$(BENCH_DATA) python benches/gpu.py $(BENCH_GPU)
 
-bench-threads: $(STAMPS)/package ## time frames by number of threads; BENCH_THREADS="--threads 1 4 16", or "--simulate" for more than there are
+bench-threads: $(STAMPS)/package ## time frames by number of threads; BENCH_THREADS="--threads 1 4 16", or "--simulate" to simulate more threads than there are
 	cargo build --locked --release -p wavesplat-splat --example tile_times
 	BENCH_DATA=$(BENCH_DATA) python benches/threads.py $(BENCH_THREADS)
 

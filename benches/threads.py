@@ -4,8 +4,8 @@ What is drawn are the cases of the group "goals" of `cases.toml` at quality "nor
 turned frames after two. The speedup is against one thread in the same run.
 
 `--simulate` needs no wide machine: the example `tile_times` measures each tile of a frame on one thread, and list
-scheduling (Graham 1966: a thread that is free takes the next tile) gives the time of a frame by `n` threads. Told is
-the efficiency, the time by one thread over `n` times that, with the tiles row by row, dearest first by the renderer's
+scheduling (Graham 1966: a thread that is free takes the next tile) gives the time of a frame by `n` threads. It prints
+the efficiency, the time on one thread over `n` times the simulated time, with the tiles row by row, dearest first by the renderer's
 own estimate, and dearest first by their measured times; and the bound that the dearest tile sets. Threads are taken to
 be as fast as one alone, without a limit by memory.
 """
@@ -33,17 +33,18 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     n_all = os.cpu_count() or 1
     usual = sorted({n for n in (1, 2, 4, 8, 16, n_all) if n <= n_all})
-    parser.add_argument("--threads", type=int, nargs="+", default=usual, help="numbers of threads")
+    parser.add_argument("--threads", type=int, nargs="+", help="numbers of threads")
     parser.add_argument("--simulate", action="store_true", help="by list scheduling of measured tiles")
     asked = parser.parse_args()
     if asked.simulate:
-        _simulate(asked.threads if asked.threads != usual else [2, 4, 8, 16, 32, 64])
+        _simulate(asked.threads or [2, 4, 8, 16, 32, 64])
         return
-    print("| case | " + " | ".join(f"{n} threads, ms" for n in asked.threads) + " | speedup |")
-    print("| --- |" + " ---: |" * (len(asked.threads) + 1))
+    threads = asked.threads or usual
+    print("| case | " + " | ".join(f"{n} threads, ms" for n in threads) + " | speedup |")
+    print("| --- |" + " ---: |" * (len(threads) + 1))
     for case in scenes.cases():
         if case.group == "goals":
-            times = [_milliseconds(dataclasses.replace(case, threads=n)) for n in asked.threads]
+            times = [_milliseconds(dataclasses.replace(case, threads=n)) for n in threads]
             row = " | ".join(f"{one:.2f}" for one in times)
             print(f"| {case.label} | {row} | {times[0] / times[-1]:.1f} |", flush=True)
 
@@ -76,7 +77,7 @@ def _simulate(threads: list[int]) -> None:
                 "by measured times": sorted((time for _, time in tiles), reverse=True),
             }
             rows = {order: [whole / (n * _makespan(times, n)) for n in threads] for order, times in orders.items()}
-            rows["bound of the dearest"] = [min(1.0, whole / (n * max(time for _, time in tiles))) for n in threads]
+            rows["bound by the dearest tile"] = [min(1.0, whole / (n * max(time for _, time in tiles))) for n in threads]
             for order, row in rows.items():
                 label = f"{name} {curve}, {light}"
                 print(f"| {label} | {len(tiles)} | {order} | " + " | ".join(f"{e:.2f}" for e in row) + " |", flush=True)

@@ -87,8 +87,8 @@ pub enum Gradient {
 /// Phong shading with the reflection vector, two-sided.
 ///
 /// `colour · (ambient + diffuse · |n·l|) + specular · max(0, r·v)^power`; where the gradient vanishes `|n·l|` is
-/// [`Shading::unoriented`], and on cut faces [`Shading::even_cuts`] decides. Colours of the picture brighter than [`Shading::shoulder`] are compressed to less than 1,
-/// so that highlights keep their form.
+/// [`Shading::unoriented`], and on cut faces [`Shading::even_cuts`] decides. Colours of the picture brighter than
+/// [`Shading::shoulder`] are compressed to less than 1, so that highlights keep their form.
 ///
 /// The default is made for looking at pictures: a key light from the upper left, a fill light at the eye, smoothed
 /// gradients. [`Shading::headlight`] is the light of VTK's volume mappers, for comparisons.

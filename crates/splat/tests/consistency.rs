@@ -122,7 +122,7 @@ fn pre_integrated_slabs_converge_to_plain_sheets() {
             height_px: 90,
             pre_integration,
             sheets_per_slice,
-            // Light on cut faces depends on where the first sheet lies.
+            // Even light is taken once per fragment, so it converges more slowly than slabs of it do.
             shading: Some(Shading { even_cuts: 0.0, ..Shading::default() }),
             ..RenderOptions::default()
         };

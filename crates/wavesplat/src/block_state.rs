@@ -14,7 +14,7 @@ pub struct BlockState {
 }
 
 /// First bytes of a state, which identify the format.
-const MAGIC: &[u8; 8] = b"wsblock1";
+const MAGIC: &[u8; 8] = b"wsblock2";
 
 impl BlockState {
     /// The state as bytes, little-endian; tiles without a state take no bytes.

@@ -3,14 +3,14 @@
 // Where the ray entered matter through a cut last, in s; NO_ENTRY where it did not.
 var<private> entry: f32;
 
-// Share of even light at position `at` of matter that a ray, which begins at `start`, sees from `begin` on. Its drawn
-// part is `length` slices long, with an optical depth of `depth` if no sample were missing, and the largest missing share of
-// that part.
-fn even_share(start: f32, begin: f32, length: f32, depth: f32, at: f32, missing: f32) -> f32 {
+// Share of even light at `at` for matter whose visible part begins at `begin`, on a ray that begins at `start`.
+// `extent_s`: extent of its drawn part, in s. `depth`: its optical depth if no sample were missing. `missing`: the
+// largest missing share in it.
+fn even_share(start: f32, begin: f32, extent_s: f32, depth: f32, at: f32, missing: f32) -> f32 {
     if !EVENS_CUTS {
         return 0.0f;
     }
-    let dense = saturate(2.0f * depth / max(CUT_DEPTH * length, 1.2e-38f) - 0.5f);
+    let dense = saturate(2.0f * depth / max(CUT_DEPTH * extent_s, 1.2e-38f) - 0.5f);
     let near = dense * saturate(2.0f - (begin - start) / NEAR_CUT);
     if near > 0.0f {
         entry = max(entry, start + (near - 1.0f) * EVEN_REACH);

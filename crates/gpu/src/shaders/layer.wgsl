@@ -133,16 +133,22 @@ fn add_slab_LAYER(ray: Ray, block: u32, slab: u32, mixture: ptr<function, Mixtur
         } else {
             passage = preintegrate_parts(LAYERu, front, back, cuts);
         }
-        let full_depth = (passage.depths.x + passage.depths.y) * whole_length;
         // Factors at the middle of the visible part stand for the whole of it.
         let middle = (passage.first + passage.last) * 0.5f;
         var length = whole_length * known_share(missing + middle * more_missing);
+        // As if no sample were missing: the matter that a cut makes a face of.
+        var shown_length = whole_length;
         if IS_FIRST_LAYER && HAS_SCAN {
-            length *= between_fields(front_fields, back_fields, middle).scan;
+            let left = between_fields(front_fields, back_fields, middle).scan;
+            length *= left;
+            shown_length *= left;
         }
         if BY_GRADIENT_LAYER == BY_FACTOR {
-            length *= gradient_factor(LAYERu, mix3(front_gradient, back_gradient, middle));
+            let factor = gradient_factor(LAYERu, mix3(front_gradient, back_gradient, middle));
+            length *= factor;
+            shown_length *= factor;
         }
+        let full_depth = (passage.depths.x + passage.depths.y) * shown_length;
         // Mean position that the layer's own light comes from; it colours the layer.
         let depths = passage.depths * length;
         let near = one_minus_exp_neg(depths.x);

@@ -150,14 +150,20 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
         let passage = preintegrate(0u, (*front).density + begin * change, (*front).density + end * change);
         let visible_middle = begin + (passage.first + passage.last) * 0.5f * share;
         var length = full_length * known_share(missing + visible_middle * more_missing);
+        // As if no sample were missing: the matter that a cut makes a face of.
+        var shown_length = full_length;
         with_gradient(front);
         with_gradient(back);
         if BY_GRADIENT_0 == BY_FACTOR {
             // Factors at the middle of the visible part stand for the whole of it.
-            length *= gradient_factor(0u, mix3((*front).gradient, (*back).gradient, visible_middle));
+            let factor = gradient_factor(0u, mix3((*front).gradient, (*back).gradient, visible_middle));
+            length *= factor;
+            shown_length *= factor;
         }
         if HAS_SCAN {
-            length *= between_fields((*front).fields, (*back).fields, visible_middle).scan;
+            let left = between_fields((*front).fields, (*back).fields, visible_middle).scan;
+            length *= left;
+            shown_length *= left;
         }
         // Light of each half, and the mean position that it comes from: the middle of a thin half, the front of an
         // opaque one. 1 / (2 + 0.75 depth) approximates that position for even extinction, as a share of the half's
@@ -174,7 +180,7 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
         let mean = select(0.5f, moment / max(alpha, 1e-30f), alpha > 0.0f);
         let at = begin + (passage.first + mean * (passage.last - passage.first)) * share;
         let place = s_front + at * (s_back - s_front);
-        let full_depth = (passage.depths.x + passage.depths.y) * full_length;
+        let full_depth = (passage.depths.x + passage.depths.y) * shown_length;
         let even = even_share(ray.interval.x, part.x + passage.first * part.y, part.y, full_depth, place, most_missing);
         color.w = alpha;
         if alpha > 0.0f || sees_label_medium {

@@ -1,7 +1,7 @@
 //! Even light on cut faces: where a ray enters matter through a crop, a clip plane, missing samples or the wall of the
 //! volume, the face is no surface of the object, and gradients there are those of its texture and noise.
 //!
-//! A ray has an *entry* where it meets matter right behind a cut. The share of even light
+//! The *entry* of a ray is the cut that it begins at, if matter lies right behind it. The share of even light
 //! ([`crate::optics::shade::Shader::evened`]) at the way `d` behind it, in slices, is `(10 − d) / 4`, within 0 and 1: the
 //! matter that a face shows lies that deep, since few looks are opaque within a voxel. A ray that comes through air has
 //! no entry, and the surfaces that it meets are lit as everywhere.
@@ -22,13 +22,14 @@ use crate::sheet::tile_rays::Rays;
 /// Way behind the entry, in slices, from which light is not even.
 pub const REACH: f32 = 10.0;
 
-/// Share of even light per slice that is left of [`REACH`].
+/// Even light lost per slice where it fades, over the last slices of [`REACH`].
 pub const PER_SLICE: f32 = 0.25;
 
-/// Optical depth per slice of matter that a cut makes a face of. Haze has less: a body's flesh in front of bones.
+/// Scale of optical depth per slice: matter has full strength from three quarters of this on, none up to a quarter.
+/// Haze, such as a body's flesh in front of bones, has less.
 pub const DEPTH: f32 = 0.04;
 
-/// Way from a cut to matter that the cut makes a face of, in slices.
+/// Way from a cut up to which matter has full strength, in slices; none from twice it on.
 pub const NEAR: f32 = 0.75;
 
 /// Entry of a ray that has none.

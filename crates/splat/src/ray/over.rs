@@ -92,8 +92,9 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
         let full_length = w.mul(extent, rays.thickness(w, chunks));
         let (mut length, mut missing) = (full_length, None);
         if has_mask {
-            missing = Some(sheet.missing(w, chunks));
-            length = w.mul(length, known_share(w, sheet.missing(w, chunks)));
+            let share = sheet.missing(w, chunks);
+            missing = Some(share);
+            length = w.mul(length, known_share(w, share));
         }
         let by_gradient = self.modifiers.by_gradient.as_ref().filter(|_| MODIFIED);
         // Before the look-up. After it, the compiler would read the table first and hold 32 of its entries on the stack
@@ -165,6 +166,8 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
         // place is `1/τ − 1/(e^τ − 1)` of its length, which `1 / (2 + ¾ τ)` approximates to 0.06: the middle of a thin
         // part, the front of an opaque one.
         let full_length = w.mul(extent, rays.thickness(w, chunks));
+        // As if no sample were missing, for the whole and for the scan: the matter that a cut makes a face of.
+        let mut shown_length = full_length;
         let (mut whole_length, mut length) = (full_length, full_length);
         let mut missing = None;
         if has_mask {
@@ -185,14 +188,15 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
             if let Some(by_gradient) = &self.modifiers.by_gradient {
                 let front = slab.first.front.gradient(w, chunks);
                 let back = slab.first.back.gradient(w, chunks);
-                length = w.mul(length, by_gradient.factor(w, between(w, front, back, at)));
+                let factor = by_gradient.factor(w, between(w, front, back, at));
+                (length, shown_length) = (w.mul(length, factor), w.mul(shown_length, factor));
             }
             let share = if scan_ahead {
                 self.modifiers.scan_share(w, &FieldPoint::between(&self.here, at))
             } else {
                 w.splat(0.0)
             };
-            length = w.mul(length, share);
+            (length, shown_length) = (w.mul(length, share), w.mul(shown_length, share));
         }
         let [mut alpha, mut moment, mut scan_depth] = [w.splat(0.0); 3];
         for (k, depth) in passage.depths.into_iter().enumerate() {
@@ -219,9 +223,10 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
         let rgb = self.classifier.color(w, w.add_mul(front, at, change));
         let to_eye = rays.to_eye(w, chunks);
         let most_missing = most_missing(w, missing);
-        let depth = w.mul(w.add(passage.depths[0], passage.depths[1]), full_length);
-        let visible = w.add_mul(from, passage.first, extent);
-        let matter = Matter { begin: visible, extent, depth, at: place_between(w, slab.s, at), missing: most_missing };
+        let depth = w.mul(w.add(passage.depths[0], passage.depths[1]), shown_length);
+        let visible_begin = w.add_mul(from, passage.first, extent);
+        let matter =
+            Matter { begin: visible_begin, extent, depth, at: place_between(w, slab.s, at), missing: most_missing };
         let even = self.cuts.even_share(w, chunks, rays, s_front, &matter);
         let mut rgb = if !MODIFIED || scan_ahead {
             self.shade(w, rgb, gradient, to_eye, &FieldPoint::between(&self.here, at), even)
@@ -229,10 +234,8 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
             [w.splat(0.0); 3]
         };
         // Opacity is taken to grow evenly along a fragment: its middle is put at the mean place of its light.
-        let mut visible = (
-            w.add_mul(from, passage.first, extent),
-            w.mul(w.mul(w.sub(passage.last, passage.first), extent), w.mul(w.splat(2.0), mean)),
-        );
+        let mut visible =
+            (visible_begin, w.mul(w.mul(w.sub(passage.last, passage.first), extent), w.mul(w.splat(2.0), mean)));
         if MODIFIED {
             let middle = w.add_mul(begin, w.splat(0.5), w.mul(extent, per_s));
             let point = FieldPoint::between(&self.here, middle);

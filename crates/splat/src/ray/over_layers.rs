@@ -299,14 +299,18 @@ impl<'a> OverLayers<'a> {
                 };
                 // The factors at the middle of the visible range.
                 let middle = w.mul(w.add(first, last), half);
-                let full_depth = w.mul(w.add(depths[0], depths[1]), length);
+                // As if no sample were missing: the matter that a cut makes a face of.
+                let share = medium.modifiers.scan_share(w, &FieldPoint::between(&self.here, middle));
+                let mut shown_length = w.mul(length, share);
                 let mut length = w.mul(length, known_between(w, missing, middle));
-                length = w.mul(length, medium.modifiers.scan_share(w, &FieldPoint::between(&self.here, middle)));
+                length = w.mul(length, share);
                 if let (None, Some((by_gradient, [g_front, g_back]))) =
                     (joint, medium.modifiers.by_gradient.as_ref().zip(gradients))
                 {
-                    length = w.mul(length, by_gradient.factor(w, between(w, g_front, g_back, middle)));
+                    let factor = by_gradient.factor(w, between(w, g_front, g_back, middle));
+                    (length, shown_length) = (w.mul(length, factor), w.mul(shown_length, factor));
                 }
+                let full_depth = w.mul(w.add(depths[0], depths[1]), shown_length);
                 // The mean place that the layer's own light comes from, as in [`crate::ray::over`].
                 let (mut alpha, mut moment) = (zero, zero);
                 for k in 0..N_PARTS {

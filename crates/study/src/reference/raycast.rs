@@ -17,7 +17,7 @@ use wavesplat_splat::kernel::smoothed;
 use wavesplat_splat::kernel::weights::{MAX_DIFFERENCE_TAPS, MAX_TAPS, mirror_index, n_taps, taps};
 use wavesplat_splat::optics::labels::{Labels, own_depth};
 use wavesplat_splat::optics::shade::vanishing_gradient_squared;
-use wavesplat_splat::ray::cut_faces::{DEPTH, NEAR, REACH};
+use wavesplat_splat::ray::cut_faces::{DEPTH, NEAR, PER_SLICE, REACH};
 use wavesplat_splat::render::progress::{Progress, ProgressCallback};
 use wavesplat_splat::source::nonfinite::MIN_KNOWN;
 use wavesplat_splat::source::slices::Slices;
@@ -288,7 +288,7 @@ impl<'a> Sampler<'a> {
     /// Share of even light at a place so far behind the entry of its ray, in slices: cut faces are no surfaces, and
     /// show their values in even light.
     pub fn even_share(&self, behind_entry: f64) -> f64 {
-        let share = (0.25 * (10.0 - behind_entry)).clamp(0.0, 1.0);
+        let share = (f64::from(PER_SLICE) * (f64::from(REACH) - behind_entry)).clamp(0.0, 1.0);
         share * self.shading.map_or(0.0, |shading| f64::from(shading.even_cuts))
     }
 
@@ -579,8 +579,11 @@ impl CastVolume<'_> {
     fn full_extinction(&self, position: DVec3) -> f64 {
         let sampler = &self.sampler;
         let gradient = if sampler.needs_gradient() { sampler.gradient(position) } else { DVec3::ZERO };
-        let own = self.labels.map_or(0.0, |labels| Mixture::new(labels, self.size, position).own);
-        sampler.optical_depth(sampler.density(position), gradient).max(own) / sampler.opacity_unit()
+        let depth = sampler.optical_depth(sampler.density(position), gradient);
+        let Some(labels) = self.labels else { return depth / sampler.opacity_unit() };
+        let Mixture { scan, own, .. } = Mixture::new(labels, self.size, position);
+        let depth = if scan > 0.0 { depth * scan } else { 0.0 };
+        depth.max(own) / sampler.opacity_unit()
     }
 
     /// Index-space gradient of the label medium by differences.

@@ -73,7 +73,7 @@ fn a_dispatch_has_what_a_browser_needs() {
                 .map(|(i, j)| texel(i, j))
                 .collect();
             // Colour and opacity, and, where cut faces have even light, the entry of the ray.
-            let per_ray = if case.name == "maximum" { 16 } else { 32 };
+            let per_ray = if case.composite == Composite::Over { 32 } else { 16 };
             assert_eq!(captured.n_state_bytes, per_ray * texels.len(), "{}", case.name);
             assert!(texels.iter().filter(|texel| texel[3] > 0.05).count() > 300, "{}", case.name);
             for texture in &captured.textures {

@@ -8,6 +8,7 @@
 pub mod ablation;
 mod active_blocks;
 mod medium;
+mod mixture;
 pub mod original;
 pub mod project;
 pub mod raycast;

@@ -15,7 +15,7 @@ use wavesplat_core::{
 };
 use wavesplat_splat::kernel::smoothed;
 use wavesplat_splat::kernel::weights::{MAX_DIFFERENCE_TAPS, MAX_TAPS, mirror_index, n_taps, taps};
-use wavesplat_splat::optics::labels::{Labels, own_depth};
+use wavesplat_splat::optics::labels::Labels;
 use wavesplat_splat::optics::shade::vanishing_gradient_squared;
 use wavesplat_splat::ray::cut_faces::{DEPTH, NEAR, PER_SLICE, REACH};
 use wavesplat_splat::render::progress::{Progress, ProgressCallback};
@@ -28,6 +28,7 @@ use wavesplat_splat::view::scattered::scattered_position;
 
 use super::active_blocks::ActiveBlocks;
 use super::medium::Medium;
+use super::mixture::Mixture;
 
 /// Sampling of the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -324,7 +325,7 @@ impl<'a> Sampler<'a> {
 }
 
 /// Calls `work` with every sample that a position, clamped to the volume, reaches, and its weight.
-fn for_each_tap(kernel: Kernel, size: [usize; 3], position: DVec3, mut work: impl FnMut([usize; 3], f64)) {
+pub(super) fn for_each_tap(kernel: Kernel, size: [usize; 3], position: DVec3, mut work: impl FnMut([usize; 3], f64)) {
     let n = n_taps(kernel);
     let mut weights = [[0.0; MAX_TAPS]; 3];
     let mut index = [[0; MAX_TAPS]; 3];
@@ -343,37 +344,6 @@ fn for_each_tap(kernel: Kernel, size: [usize; 3], position: DVec3, mut work: imp
                 work([index[0][tx], index[1][ty], index[2][tz]], weight_zy * weights[0][tx]);
             }
         }
-    }
-}
-
-/// Effect of the labels at a position.
-#[derive(Default)]
-struct Mixture {
-    /// Share of the scan that is left; `tint` is the tinted part of it.
-    scan: f64,
-    tint: f64,
-    tint_rgb: [f64; 3],
-    /// Optical depth of the label medium; `own_rgb` is its colour times that.
-    own: f64,
-    own_rgb: [f64; 3],
-}
-
-impl Mixture {
-    /// The mixture by the coverage of every label at an index position.
-    fn new(labels: &Labels, size: [usize; 3], position: DVec3) -> Self {
-        let mut mixture = Self::default();
-        for_each_tap(labels.kernel, size, position, |[x, y, z], weight| {
-            let look = &labels.looks[labels.codes.get((z * size[1] + y) * size[0] + x)];
-            let (tint, own) = (weight * look.scan * look.tint, weight * own_depth(look));
-            mixture.scan += weight * look.scan;
-            mixture.tint += tint;
-            mixture.own += own;
-            for c in 0..3 {
-                mixture.tint_rgb[c] += tint * look.rgb[c];
-                mixture.own_rgb[c] += own * look.rgb[c];
-            }
-        });
-        mixture
     }
 }
 

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import wavesplat as ws
-from wavesplat._model.options import VIEWS
+from wavesplat._model.views import PLANES, VIEWS, planes_of
 from wavesplat.errors import ArgumentError
 
 VOLUME = ws.Volume(np.zeros((11, 21, 31), np.uint8), spacing=(1, 2, 3))  # 30 x 40 x 30 world units
@@ -34,9 +34,9 @@ VIEWS_ALONG_AXES = [
     ("back", (1, 0, 0), (0, 0, 1), (0, -1, 0)),
     ("top", (1, 0, 0), (0, 1, 0), (0, 0, 1)),
     ("bottom", (-1, 0, 0), (0, 1, 0), (0, 0, -1)),
-    ("xy", (1, 0, 0), (0, 1, 0), (0, 0, 1)),
-    ("xz", (1, 0, 0), (0, 0, 1), (0, -1, 0)),
-    ("yz", (0, 1, 0), (0, 0, 1), (1, 0, 0)),
+    ("xy", (1, 0, 0), (0, -1, 0), (0, 0, -1)),
+    ("xz", (1, 0, 0), (0, 0, -1), (0, 1, 0)),
+    ("yz", (0, 1, 0), (0, 0, -1), (-1, 0, 0)),
 ]
 
 
@@ -46,6 +46,15 @@ def test_named_views(name, right, up, front):
     for got, expected in zip(axes(camera), (right, up, front), strict=True):
         np.testing.assert_array_equal(got, expected)
     np.testing.assert_array_equal(camera.focal_point, VOLUME.bounds.mean(axis=0))
+
+
+def test_views_of_planes_are_those_of_slices():
+    body = ws.Volume(VOLUME.samples, spacing=VOLUME.spacing, anatomical=True)
+    for volume in (VOLUME, body):
+        for name, plane in zip(("yz", "xz", "xy"), planes_of(is_anatomical=volume.is_anatomical)[::-1], strict=True):
+            for got, expected in zip(axes(ws.Camera.view(volume, name)), PLANES[plane].axes, strict=True):
+                np.testing.assert_array_equal(got, expected)
+            assert ws.Camera.view(ws.Scene(volume), name) == ws.Camera.view(volume, name)
 
 
 def test_every_view_is_tested():

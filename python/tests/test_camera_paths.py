@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from test_camera import VOLUME, axes
 
 import wavesplat as ws
-from wavesplat._model.options import VIEWS
+from wavesplat._model.views import VIEWS
 from wavesplat.errors import ArgumentError, FileError
 
 ANGLES = st.floats(-400, 400)

@@ -69,7 +69,7 @@ def test_positions_letters_and_a_bar_are_written():
     assert changed == [False, False, True]  # in the first slice of the last row
     assert barred.report["scale_bar"]["text"].endswith("mm")
     made_up = ws.Volume(SAMPLES)
-    assert ws.lightbox(made_up, positions=2, size=(80, 80)).report["panels"][0]["plane"] == "axial"
+    assert ws.lightbox(made_up, positions=2, size=(80, 80)).report["panels"][0]["plane"] == "xy"
 
 
 def test_layers_labels_and_windows_are_those_of_slices():

@@ -29,6 +29,7 @@ __all__ = [
     "FurtherLayers",
     "LayerOptions",
     "LayerText",
+    "ShownChannels",
     "channel_of",
     "further_layers",
     "layer_of",
@@ -56,18 +57,23 @@ FurtherLayers = Annotated[
 ]
 
 
+#: The option `--channel` of `render`, `movie` and `slice`.
+ShownChannels = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--channel",
+        metavar=CHANNEL,
+        help='A channel, from 0, in a colour, over a window of values: 0:green:100,900 or "DAPI":blue; may be '
+        "repeated; all if not given.",
+    ),
+]
+
+
 @dataclass(frozen=True)
 class LayerOptions:
     """Channels, further volumes and times."""
 
-    channel: Annotated[
-        list[str] | None,
-        typer.Option(
-            metavar=CHANNEL,
-            help='A channel, from 0, in a colour, over a window of values: 0:green:100,900 or "DAPI":blue; may be '
-            "repeated; all if not given.",
-        ),
-    ] = None
+    channel: ShownChannels = None
     layer: FurtherLayers = None
     times: Annotated[
         str | None,

@@ -11,6 +11,7 @@ from wavesplat._cli.option_groups import given
 from wavesplat._cli.printing import message, warnings_as_notes
 from wavesplat._cli.processing_options import ProcessingOptions, changed_samples, changed_series, processed
 from wavesplat._cli.reader_options import ReaderOptions, print_guesses
+from wavesplat._cli.transfer_function_options import ColorOptions, LookOptions
 from wavesplat.errors import ArgumentError, FileWarning
 
 if TYPE_CHECKING:
@@ -21,7 +22,7 @@ if TYPE_CHECKING:
     from wavesplat._model.wavelet_volume import WaveletVolume
     from wavesplat._scene.layer import Layer
 
-__all__ = ["Channels", "opened_layers"]
+__all__ = ["Channels", "modality_of", "opened_layers", "refuse_for_channels"]
 
 
 class Channels(NamedTuple):
@@ -87,6 +88,27 @@ def opened_layers(
         composite=composite or "over",
         keeps_times=layering.times is not None or (all_times and reader.time is None),
     )
+
+
+def modality_of(opened: Volume | WaveletVolume | Series | Channels) -> str | None:
+    """The modality of what was opened; None of channels."""
+    from wavesplat._model.series import Series
+
+    if isinstance(opened, Channels):
+        return None
+    return opened[0].modality if isinstance(opened, Series) else opened.modality
+
+
+def refuse_for_channels(showing: LookOptions, colors: ColorOptions, n: int) -> None:
+    """Raise an `ArgumentError` for options that make a look, or coefficients, of one volume."""
+    for_one = ("preset", "tf", "materials", "threshold", "wavelet_level", "bands")
+    names = [f"--{name.replace('_', '-')}" for name in for_one if getattr(showing, name, None) is not None]
+    names += ["--cmap, --clim, --window, --log, --opacity and --gamma"] if colors.are_given() else []
+    if names:
+        raise ArgumentError(
+            f"{', '.join(names)}: for one volume, and the picture is of {n} channels; choose one with --channel, or "
+            "say how each is shown: --channel 0:green:100,900"
+        )
 
 
 def _with_times(

@@ -13,7 +13,7 @@ from wavesplat._cli.crop_options import CutOptions, chosen_clip
 from wavesplat._cli.label_options import LabelsFile, LabelTable, Segments, opened_labels
 from wavesplat._cli.layer_options import LayerOptions, further_layers
 from wavesplat._cli.light_options import LightOptions, chosen_shading
-from wavesplat._cli.opened_layers import Channels, opened_layers
+from wavesplat._cli.opened_layers import Channels, modality_of, opened_layers, refuse_for_channels
 from wavesplat._cli.option_groups import given, with_options_of
 from wavesplat._cli.printing import message
 from wavesplat._cli.processing_options import ProcessingOptions
@@ -27,7 +27,6 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._looks.look import Look
     from wavesplat._model.composites import Operator
-    from wavesplat._model.series import Series
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
     from wavesplat._scene.scene import Scene
@@ -127,12 +126,12 @@ def chosen_scene(
             quiet=quiet,
             all_times=all_times,
         ),
-        _modality,
+        modality_of,
         suv=reader.suv,
         is_alone=not layering.layer,
     )
     if isinstance(opened, Channels):
-        _refuse_for_channels(showing, colors, len(opened.layers))
+        refuse_for_channels(showing, colors, len(opened.layers))
         layers, look = opened
         shading: Any = chosen_shading(lighting, None) if given(lighting) else "look"
     else:
@@ -156,27 +155,6 @@ def chosen_scene(
     if not quiet:
         _note_guesses(scene, look, composite)
     return ChosenScene(scene, look, _operator(composite or look.composite, showing))
-
-
-def _modality(opened: Volume | WaveletVolume | Series | Channels) -> str | None:
-    """The modality of what was opened; None of channels."""
-    from wavesplat._model.series import Series
-
-    if isinstance(opened, Channels):
-        return None
-    return opened[0].modality if isinstance(opened, Series) else opened.modality
-
-
-def _refuse_for_channels(showing: SceneOptions, colors: ColorOptions, n: int) -> None:
-    """Raise an `ArgumentError` for options that make a look, or coefficients, of one volume."""
-    for_one = ("preset", "tf", "materials", "threshold", "wavelet_level", "bands")
-    names = [f"--{name.replace('_', '-')}" for name in for_one if getattr(showing, name) is not None]
-    names += ["--cmap, --clim, --window, --log, --opacity and --gamma"] if colors.are_given() else []
-    if names:
-        raise ArgumentError(
-            f"{', '.join(names)}: for one volume, and the picture is of {n} channels; choose one with --channel, or "
-            "say how each is shown: --channel 0:green:100,900"
-        )
 
 
 #: Options of a number -> the operator that takes it.

@@ -3,38 +3,47 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated, Any, get_args
+from math import ceil
+from typing import Annotated, Any, NamedTuple, get_args
 
 import typer
 
 from wavesplat._cli import parsers
 from wavesplat._cli.figure_options import FigureOptions, annotated, check_figure, takes_figure_options
 from wavesplat._cli.label_options import LabelsFile, LabelTable, Segments, opened_labels
-from wavesplat._cli.layer_options import FurtherLayers, further_layers
+from wavesplat._cli.layer_options import FurtherLayers, LayerOptions, ShownChannels, further_layers
 from wavesplat._cli.line_options import ContoursFile, IsolinesTexts, opened_contours, opened_isolines
+from wavesplat._cli.opened_layers import Channels, modality_of, opened_layers, refuse_for_channels
 from wavesplat._cli.outputs import check_outputs
 from wavesplat._cli.printing import print_notes, print_result, warnings_as_notes
-from wavesplat._cli.processing_options import ProcessingOptions, processed, takes_processing_options
-from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options
+from wavesplat._cli.processing_options import ProcessingOptions, takes_processing_options
+from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options_but_channel
 from wavesplat._cli.several_inputs import takes_several_inputs
 from wavesplat._cli.shared_options import Background, Bits, Json, Kernel, PictureOutput, Quiet, Threads, Zoom
 from wavesplat._cli.transfer_function_options import (
     ColorOptions,
+    LookOptions,
     TransferFunctionFile,
     function_of_histogram,
     named_look,
     takes_color_options,
 )
 from wavesplat._cli.uptake import check_uptake, in_uptake
-from wavesplat._model.options import PLANES, Slab
+from wavesplat._model.options import Slab
+from wavesplat._model.views import PLANES
 from wavesplat.errors import ArgumentError
 
 __all__ = ["slice"]
 
+#: Sheets of the three planes.
+OF_THREE = ("all", "ortho")
+#: Least number of pixels along the longer side of a patient's slice that is not given a size.
+MIN_SIDE_PX = 512
+
 
 @takes_several_inputs(".png")
 @takes_figure_options
-@takes_reader_options
+@takes_reader_options_but_channel
 @takes_color_options
 @takes_processing_options
 def slice(
@@ -45,8 +54,8 @@ def slice(
         Any,
         typer.Option(
             metavar="NAME",
-            parser=parsers.one_of((*PLANES, "all")),
-            help=f"{', '.join(PLANES)}; all three on one sheet: all; else axial.",
+            parser=parsers.one_of((*PLANES, *OF_THREE)),
+            help=f"{', '.join(PLANES)}; all three on one sheet: all in a row, ortho aligned; else axial or xy.",
         ),
     ] = None,
     position: Annotated[
@@ -74,7 +83,11 @@ def slice(
     ] = None,
     size: Annotated[
         Any,
-        typer.Option(metavar="WxH", parser=parsers.size, help="Pixels; those of the finest spacing if not given."),
+        typer.Option(
+            metavar="WxH",
+            parser=parsers.size,
+            help="Pixels; if not given, one per sample of the finest spacing, and 512 or more of a patient's slice.",
+        ),
     ] = None,
     zoom: Zoom = 1.0,
     center: Annotated[
@@ -95,6 +108,7 @@ def slice(
     ] = "maximum",
     preset: Annotated[str | None, typer.Option(metavar="NAME", help="Colours: a transfer function by name.")] = None,
     tf: TransferFunctionFile = None,
+    channel: ShownChannels = None,
     layer: FurtherLayers = None,
     labels: LabelsFile = None,
     label_table: LabelTable = None,
@@ -115,8 +129,8 @@ def slice(
     parsers.refuse_pairs(preset=preset, tf=tf)
     parsers.refuse_pairs(plane=plane, normal=normal)
     parsers.refuse_pairs(position=position, positions=positions)
-    is_sheet = positions is not None or plane == "all"
-    if plane == "all":
+    is_sheet = positions is not None or plane in OF_THREE
+    if plane in OF_THREE:
         parsers.refuse_pairs(plane=plane, position=position)
         parsers.refuse_pairs(plane=plane, positions=positions)
     if columns is not None and not is_sheet:
@@ -131,18 +145,20 @@ def slice(
 
     check_bits(bits)
     check_figure(figure)
-    volume = in_uptake(
-        lambda suv: processed(input, replace(reader, suv=suv), processing, quiet=quiet),
-        lambda one: one.modality,
-        suv=reader.suv,
+    look = LookOptions(preset=preset, tf=tf)
+    first = _first(
+        input,
+        reader,
+        channel,
+        look=look,
+        colors=colors,
+        processing=processing,
         is_alone=not (layer or isolines),
+        quiet=quiet,
     )
-    # A window or a range alone maps to greys.
-    is_grey = colors == ColorOptions(clim=colors.clim, window=colors.window)
-    look = named_look(volume, preset=preset, tf=tf, colors=None if is_grey else colors, opacity=1.0, quiet=quiet)
-    transfer_function: Any = look and look.transfer_function
-    if preset == "auto":
-        transfer_function = function_of_histogram(volume, input)
+    of_plane: Any = plane if normal is None else (point, normal)
+    if size is None and not is_sheet:
+        size = _size(first.volume, of_plane)
     options: Any = {
         "size": size,
         "zoom": zoom,
@@ -150,9 +166,9 @@ def slice(
         "kernel": kernel,
         "thickness": thickness,
         "slab": slab,
-        "window": colors.window if is_grey else None,
-        "clim": colors.clim if is_grey else None,
-        "transfer_function": transfer_function,
+        "window": colors.window if first.is_grey else None,
+        "clim": colors.clim if first.is_grey else None,
+        "transfer_function": first.transfer_function,
         "background": background,
         "threads": threads,
     }
@@ -160,8 +176,8 @@ def slice(
         further = further_layers(layer, time=reader.time or 0, quiet=quiet, suv=reader.suv)
         # Segments may be of the contours alone.
         own_segment = segment if labels or not contours else None
-        scene = Scene([volume, *further], labels=opened_labels(labels, label_table, own_segment, volume, quiet=quiet))
-        of_plane: Any = (plane or "axial") if normal is None else (point, normal)
+        shown_labels = opened_labels(labels, label_table, own_segment, first.volume, quiet=quiet)
+        scene = Scene([*first.layers, *further], labels=shown_labels)
         lines = opened_isolines(isolines, time=reader.time or 0, quiet=quiet, suv=reader.suv)
         check_uptake(scene, suv=reader.suv, others=[one.volume for one in lines or ()])
         options |= {"contours": opened_contours(contours, segment, quiet=quiet), "isolines": lines}
@@ -178,3 +194,54 @@ def slice(
     picture.save(output, bits=bits, dpi=figure.dpi)
     facts = {"picture": str(output), "size": list(picture.size), "input": input, "report": picture.report}
     print_result(facts, output, as_json=json, written=output)
+
+
+class _First(NamedTuple):
+    """The volume that decides the plane, as a layer or, of several channels, as layers, and its colours."""
+
+    layers: list[Any]
+    volume: Any
+    transfer_function: Any
+    is_grey: bool
+
+
+def _first(
+    input: str,
+    reader: ReaderOptions,
+    channel: list[str] | None,
+    *,
+    look: LookOptions,
+    colors: ColorOptions,
+    processing: ProcessingOptions,
+    is_alone: bool,
+    quiet: bool,
+) -> _First:
+    layering = LayerOptions(channel=channel)
+    opened: Any = in_uptake(
+        lambda suv: opened_layers(input, replace(reader, suv=suv), layering, processing, composite=None, quiet=quiet),
+        modality_of,
+        suv=reader.suv,
+        is_alone=is_alone,
+    )
+    # A window or a range alone maps to greys.
+    is_grey = colors == ColorOptions(clim=colors.clim, window=colors.window)
+    if isinstance(opened, Channels):
+        refuse_for_channels(look, colors, len(opened.layers))
+        return _First(opened.layers, opened.layers[0].drawn, None, is_grey)
+    if look.preset == "auto":
+        return _First([opened], opened, function_of_histogram(opened, input), is_grey)
+    of_look = None if is_grey else colors
+    named = named_look(opened, preset=look.preset, tf=look.tf, colors=of_look, opacity=1.0, quiet=quiet)
+    return _First([opened], opened, named and named.transfer_function, is_grey)
+
+
+def _size(volume: Any, plane: Any) -> tuple[int, int]:
+    """Pixels of a slice that is not given a size: a whole number from sample to sample.
+
+    A patient's slices have `MIN_SIDE_PX` or more, to be read; other data a pixel per sample, to be worked on.
+    """
+    from wavesplat._render.slicing import sides_of
+
+    steps = [max(1, round(side / min(volume.spacing))) for side in sides_of(volume, plane)]
+    times = ceil((MIN_SIDE_PX - 1) / max(steps)) if volume.is_anatomical else 1
+    return times * steps[0] + 1, times * steps[1] + 1

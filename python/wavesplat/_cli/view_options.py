@@ -12,7 +12,7 @@ import typer
 from wavesplat._cli import parsers
 from wavesplat._cli.option_groups import with_options_of
 from wavesplat._cli.shared_options import Zoom
-from wavesplat._model.options import VIEWS
+from wavesplat._model.views import VIEWS
 
 if TYPE_CHECKING:
     from wavesplat._looks.look import Look

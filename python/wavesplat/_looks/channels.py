@@ -31,6 +31,7 @@ __all__ = [
     "channel_look",
     "checked_window",
     "is_full_range_window",
+    "light_of",
     "ramp",
     "window_of_values",
 ]
@@ -117,6 +118,15 @@ def ramp(color: Rgb, low: float, high: float, n_voxels: float) -> TransferFuncti
     bright = tuple(share + 0.35 * (1.0 - share) for share in light)
     opacity = [(low, 0.0), (middle, _per_voxel(0.6, 2.5 * n_voxels)), (high, _per_voxel(0.995, 2.0 * n_voxels))]
     return TransferFunction(opacity, [(low, *dark), (middle, *light), (high, *bright)])
+
+
+def light_of(look: Look) -> tuple[float, float, Rgb]:
+    """The window of a channel's look, and its colour: the one that a projection has at the end of the window."""
+    nodes: Any = look.transfer_function.color  # type: ignore[union-attr]
+    low, high = nodes[0][0], nodes[-1][0]
+    # In space the colour is whiter beyond the middle.
+    red, green, blue = nodes[-1 if len(nodes) == 2 else 1][1:4]
+    return low, high, (red, green, blue)
 
 
 def _lightened(color: Rgb) -> Rgb:

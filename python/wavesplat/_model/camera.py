@@ -15,8 +15,8 @@ from wavesplat import _native
 from wavesplat._model import camera_fit
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.camera_fit import Fit
-from wavesplat._model.options import VIEWS
 from wavesplat._model.vectors import FARTHEST, Vector, vector
+from wavesplat._model.views import view_angles
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
@@ -169,7 +169,8 @@ class Camera:
             "anterior", "posterior", "left", "right", "superior" or "inferior": where the eye is.
             Anterior and inferior show the patient's right at the left of the picture. "front" and "back", "top" and
             "bottom" are other names for "anterior" and "posterior", "superior" and "inferior". "xy", "xz" and "yz" show
-            these world axes, the first to the right, and "isometric" is a three-quarter view from above.
+            these axes of the world as an array is shown, the first to the right and the second downwards; of a patient
+            they are the inferior, anterior and left view. "isometric" is a three-quarter view from above.
         zoom, view_angle, aspect
             As for `Camera.orbit`.
 
@@ -184,9 +185,7 @@ class Camera:
         >>> ws.Camera.view(ws.examples.ripples(8), "superior").view_up
         (0.0, 1.0, 0.0)
         """
-        if name not in VIEWS:
-            raise ArgumentError(f"unknown view {name!r}; use one of: {', '.join(VIEWS)}")
-        azimuth, elevation = VIEWS[name]
+        azimuth, elevation = view_angles(name, is_anatomical=camera_fit.is_anatomical(volume))
         return cls.orbit(volume, azimuth, elevation, zoom=zoom, view_angle=view_angle, aspect=aspect, fit="view")
 
     @takes_its_types

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from math import atan, cos, degrees, dist, isfinite, radians, sin, tan
-from typing import TYPE_CHECKING, Literal, TypeAlias
+from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -32,6 +32,7 @@ __all__ = [
     "check_angles",
     "check_lens",
     "corners_of",
+    "is_anatomical",
     "narrowed",
     "orbit_axes",
     "placed",
@@ -62,14 +63,18 @@ def corners_of(what: object) -> Vectors:
     `what`: anything that has such a box as `bounds`, or that is taken as a volume.
     """
     if not isinstance(what, Grid):
-        bounds = getattr(what, "bounds", None)
-        if isinstance(bounds, np.ndarray) and bounds.shape == (2, 3) and np.isfinite(bounds).all():
-            return np.array(list(product(*bounds.T)))
-        # Not above: volumes know crops and cameras.
-        from wavesplat._model.volume_like import as_volume
-
-        what = as_volume(what)
+        if _has_bounds(what):
+            bounds: Any = what
+            return np.array(list(product(*bounds.bounds.T)))
+        what = _volume(what)
     return affine.box_corners(what.world_from_index, what.shape)
+
+
+def is_anatomical(what: object) -> bool:
+    """Whether a volume's axes, or those of a scene's first volume, are a patient's."""
+    if not isinstance(what, Grid) and not _has_bounds(what):
+        what = _volume(what)
+    return bool(getattr(what, "is_anatomical", False))
 
 
 def placed(
@@ -228,6 +233,18 @@ def check_lens(zoom: float, view_angle: float | None, aspect: float) -> None:
         check_magnitude(ratio, name)
     if view_angle is not None and not 0 < view_angle < 180:
         raise ArgumentError(f"view_angle is {view_angle}; give degrees between 0 and 180, 30 is usual")
+
+
+def _has_bounds(what: object) -> bool:
+    bounds = getattr(what, "bounds", None)
+    return isinstance(bounds, np.ndarray) and bounds.shape == (2, 3) and bool(np.isfinite(bounds).all())
+
+
+def _volume(what: object) -> Grid:
+    # Not above: volumes know crops and cameras.
+    from wavesplat._model.volume_like import as_volume
+
+    return as_volume(what)
 
 
 def _tuple(point: Sequence[float] | Vectors) -> Vector:

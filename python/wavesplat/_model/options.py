@@ -1,4 +1,4 @@
-"""Names of the kernels, operators, qualities, views and planes, and the largest side of a picture."""
+"""Names of the kernels, operators, qualities and planes, and the largest side of a picture."""
 
 from __future__ import annotations
 
@@ -8,8 +8,6 @@ __all__ = [
     "BY_VIEW",
     "COMPOSITE_SYNONYMS",
     "MAX_SIDE_PX",
-    "PLANES",
-    "VIEWS",
     "Buffer",
     "Composite",
     "Kernel",
@@ -29,32 +27,8 @@ Composite: TypeAlias = Literal[
 #: Other names of operators.
 COMPOSITE_SYNONYMS = {"mip": "maximum", "minip": "minimum", "average": "mean", "isosurface": "first-hit"}
 Quality: TypeAlias = Literal["draft", "normal", "fine", "high"]
-Plane: TypeAlias = Literal["axial", "coronal", "sagittal"]
+Plane: TypeAlias = Literal["axial", "coronal", "sagittal", "xy", "xz", "yz"]
 Slab: TypeAlias = Literal["maximum", "minimum", "mean"]
 
 #: Operators whose grey scale, where none is given, is chosen by the values that the view shows.
 BY_VIEW = ("minimum", "mean", "sum", "x-ray")
-
-#: Azimuth and elevation, degrees, of the named views.
-#: Superior and inferior have the patient's front at the top; inferior is how radiologists look at an axial slice.
-#: The views of a plane have its first axis to the right and its second one up.
-VIEWS = {
-    "anterior": (0.0, 0.0),
-    "posterior": (180.0, 0.0),
-    "left": (90.0, 0.0),
-    "right": (-90.0, 0.0),
-    "superior": (180.0, 90.0),
-    "inferior": (0.0, -90.0),
-    "front": (0.0, 0.0),
-    "back": (180.0, 0.0),
-    "top": (180.0, 90.0),
-    "bottom": (0.0, -90.0),
-    "xy": (180.0, 90.0),
-    "xz": (180.0, 0.0),
-    "yz": (-90.0, 0.0),
-    "isometric": (150.0, 30.0),
-}
-
-#: Anatomical plane -> the axis across it, the axis that is up in its picture, and the side on which the eye is.
-#: Axial is seen from the feet, coronal from the front, sagittal from the patient's left.
-PLANES = {"axial": ("z", "y", -1), "coronal": ("y", "z", 1), "sagittal": ("x", "z", -1)}

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 
 from wavesplat._looks.look import Look
 from wavesplat._model.composites import Operator, checked_operator, name_of
-from wavesplat._model.options import BY_VIEW, VIEWS, Composite
+from wavesplat._model.options import BY_VIEW, Composite
 from wavesplat._model.sampling import Sampling
+from wavesplat._model.views import view_angles
 from wavesplat._render import framing, projection
 from wavesplat._render.arguments import chosen_camera
 from wavesplat._scene.drawn_layers import DrawnLayer, DrawnLayers, drawn_layers
@@ -43,9 +44,7 @@ def direction_of(scene: Scene, name: str | None, composite: Operator | None) -> 
     view = first.look.view if name is None else name
     if view is None:
         return framing.natural_view(first.volume)
-    if view not in VIEWS:
-        raise ArgumentError(f"unknown view {view!r}; use one of: {', '.join(VIEWS)}")
-    return VIEWS[view]
+    return view_angles(view, is_anatomical=first.volume.is_anatomical)
 
 
 def what_is_seen(scene: Scene, composite: Operator | None) -> tuple[Grid, NDArray[np.float64] | None]:

@@ -22,7 +22,8 @@ from wavesplat._model.camera import Camera, check_place, check_view
 from wavesplat._model.clips import Clipping
 from wavesplat._model.cutting import Boxes, without
 from wavesplat._model.grid import Grid
-from wavesplat._model.options import MAX_SIDE_PX, VIEWS, Composite
+from wavesplat._model.options import MAX_SIDE_PX, Composite
+from wavesplat._model.views import view_angles
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._render import framing
@@ -127,12 +128,10 @@ def chosen_camera(
         check_place(volume)
     first, look = parts[0]
     view = look.view if given is None else given
-    if view is not None and view not in VIEWS:
-        raise ArgumentError(f"unknown view {view!r}; use one of: {', '.join(VIEWS)}")
-    if view is None:
-        azimuth, elevation = framing.natural_view(first) if turned is None else VIEWS["anterior"]
+    if view is None and turned is None:
+        azimuth, elevation = framing.natural_view(first)
     else:
-        azimuth, elevation = VIEWS[view]
+        azimuth, elevation = view_angles("anterior" if view is None else view, is_anatomical=first.is_anatomical)
     # A picture without pixels has no aspect; the compiled module refuses it.
     fitting: Any = {"clipping": clipping, "zoom": zoom, "aspect": aspect if aspect > 0 else 1.0}
     camera = framing.framed(parts, azimuth, elevation, view_angle=view_angle, **fitting)

@@ -19,8 +19,8 @@ from wavesplat._model.clips import Clipping
 from wavesplat._model.facts import Facts
 from wavesplat._model.few_slices import axis_of_few_slices
 from wavesplat._model.grid import Grid
-from wavesplat._model.options import VIEWS
 from wavesplat._model.thinning import HISTOGRAM_SAMPLES, step_for
+from wavesplat._model.views import view_angles
 from wavesplat._model.wavelet_volume import WaveletVolume
 
 if TYPE_CHECKING:
@@ -54,10 +54,9 @@ def natural_view(volume: Volume | WaveletVolume) -> tuple[float, float]:
     is_thin = bool(sides[thinnest] < THIN * np.sort(sides)[1])
     if (axis := axis_of_few_slices(volume)) is not None:
         thinnest, is_thin = axis, True
-    if volume.is_anatomical:
-        # As radiologists look at slices: sagittal from the left, coronal from the front, axial from the feet.
-        return VIEWS[("left", "anterior", "inferior")[thinnest] if is_thin else "anterior"]
-    return VIEWS[("yz", "xz", "xy")[thinnest] if is_thin else "isometric"]
+    # Thin stacks as slices of them are looked at.
+    name = ("yz", "xz", "xy")[thinnest] if is_thin else "anterior" if volume.is_anatomical else "isometric"
+    return view_angles(name, is_anatomical=volume.is_anatomical)
 
 
 def framed(

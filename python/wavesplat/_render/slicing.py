@@ -1,8 +1,7 @@
 """Slices through a volume, thin or thick, as grey values or in the colours of a transfer function.
 
 The world of medical data is RAS: x grows to the patient's right, y to the front, z upwards.
-Planes are shown as radiologists look at them: axial from the feet, coronal from the front, sagittal from the patient's
-left, so axial and coronal slices have the patient's right at the left of the picture.
+`_model/views.py` says how planes of a body, and of other data, are shown.
 An oblique plane is shown as the nearest of these three is, whichever way its normal points.
 """
 
@@ -27,8 +26,9 @@ from wavesplat._model.camera import check_place
 from wavesplat._model.forked import drawing
 from wavesplat._model.grid import Grid
 from wavesplat._model.lazy_volume import LazyVolume
-from wavesplat._model.options import PLANES, Kernel, Plane, Slab
+from wavesplat._model.options import Kernel, Plane, Slab
 from wavesplat._model.vectors import Vector, check_magnitude, vector
+from wavesplat._model.views import PLANES, named_plane, nearest_plane
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture import orientation
@@ -60,7 +60,7 @@ ON_SAMPLE = 1e-6
 
 def sliced(
     volume: Volume | WaveletVolume,
-    plane: Plane | tuple[Iterable[float], Iterable[float]],
+    plane: Plane | tuple[Iterable[float], Iterable[float]] | None,
     position: float | None,
     *,
     size: tuple[int, int] | None,
@@ -122,22 +122,24 @@ def sliced(
     return Picture(picture, value=values, report=Report(report)), planes
 
 
-def positions_across(volume: Grid, plane: Plane | tuple[Iterable[float], Iterable[float]]) -> tuple[float, float]:
+def positions_across(
+    volume: Grid, plane: Plane | tuple[Iterable[float], Iterable[float]] | None
+) -> tuple[float, float]:
     """The least and the largest position of a plane in a volume, as the user counts."""
-    if isinstance(plane, str):
+    if plane is None or isinstance(plane, str):
         return _extent(volume, _cut(volume, plane, None).normal)
     point, normal = _point_and_normal(plane)
     least, most = _extent(volume, normal)
     return least - float(normal @ point), most - float(normal @ point)
 
 
-def sides_of(volume: Grid, plane: Plane | tuple[Iterable[float], Iterable[float]]) -> tuple[float, float]:
+def sides_of(volume: Grid, plane: Plane | tuple[Iterable[float], Iterable[float]] | None) -> tuple[float, float]:
     """Width and height of the volume as a plane shows it, world units."""
-    if isinstance(plane, str):
+    if plane is None or isinstance(plane, str):
         cut = _cut(volume, plane, None)
         right, up = cut.right, cut.up
     else:
-        right, up = _shown(_point_and_normal(plane)[1])
+        right, up = _shown(volume, _point_and_normal(plane)[1])
     (left, to_right), (low, high) = _extent(volume, right), _extent(volume, up)
     return to_right - left, high - low
 
@@ -215,18 +217,17 @@ class Planes:
             )
 
 
-def _cut(volume: Grid, plane: Plane | tuple[Iterable[float], Iterable[float]], position: float | None) -> _Cut:
+def _cut(volume: Grid, plane: Plane | tuple[Iterable[float], Iterable[float]] | None, position: float | None) -> _Cut:
     if position is not None and not isfinite(position):
         raise ArgumentError(f"position is {position}; give a finite number, world units, or None for the middle")
-    if isinstance(plane, str):
-        if plane not in PLANES:
-            raise ArgumentError(f"unknown plane {plane!r}; use one of: {', '.join(PLANES)}, or (point, normal)")
-        axis = "xyz".index(PLANES[plane][0])
+    if plane is None or isinstance(plane, str):
+        name = named_plane("xy" if plane is None else plane, is_anatomical=volume.is_anatomical)
+        axis = "xyz".index(PLANES[name].across)
         normal = np.eye(3)[axis]
         if position is None:
             # The default is a plane of samples, not one half way between two.
             position = float(_middle_sample(volume)[axis])
-        offset, what = float(position), f"position of the {plane} plane is {position:g}"
+        offset, what = float(position), f"position of the {plane or name} plane is {position:g}"
     else:
         point, normal = _point_and_normal(plane)
         position = 0.0 if position is None else float(position)
@@ -238,7 +239,7 @@ def _cut(volume: Grid, plane: Plane | tuple[Iterable[float], Iterable[float]], p
         raise ArgumentError(
             f"{what}, which is outside the volume {volume.name!r}; it reaches from {least:g} to {most:g}"
         )
-    return _Cut(normal, *_shown(normal), offset, float(position))
+    return _Cut(normal, *_shown(volume, normal), offset, float(position))
 
 
 def _point_and_normal(plane: Any) -> tuple[Array, Array]:
@@ -258,13 +259,10 @@ def _point_and_normal(plane: Any) -> tuple[Array, Array]:
     return point, normal / length
 
 
-def _shown(normal: Array) -> tuple[Array, Array]:
+def _shown(volume: Grid, normal: Array) -> tuple[Array, Array]:
     """Right and up of the picture: the directions of the nearest named plane, turned with the plane."""
-    # Of equally near planes, axial goes before coronal and coronal before sagittal.
-    axis = max((2, 1, 0), key=lambda a: round(abs(float(normal[a])), 9))
-    _, up_name, eye = next(how for how in PLANES.values() if how[0] == "xyz"[axis])
-    to_eye = normal if normal[axis] * eye > 0 else -normal
-    up = np.eye(3)["xyz".index(up_name)]
+    _, up, to_near_eye = PLANES[nearest_plane(normal, is_anatomical=volume.is_anatomical)].axes
+    to_eye = normal if normal @ to_near_eye > 0 else -normal
     up = up - (up @ to_eye) * to_eye
     up /= np.linalg.norm(up)
     # Adding 0.0 turns -0.0 into 0.0, which prints better.

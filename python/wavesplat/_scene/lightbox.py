@@ -13,7 +13,8 @@ from wavesplat._looks import colors
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.regions import Region
 from wavesplat._model.argument_types import described, takes_its_types
-from wavesplat._model.options import PLANES, Kernel, Plane, Slab
+from wavesplat._model.options import Kernel, Plane, Slab
+from wavesplat._model.views import PLANES, named_plane, planes_of
 from wavesplat._picture.annotating import with_caption
 from wavesplat._picture.picture import Picture
 from wavesplat._picture.report import Report
@@ -42,7 +43,7 @@ ON_SAMPLE = 1e-6
 @takes_its_types
 def lightbox(
     what: Any,
-    plane: Plane | Literal["all"] | tuple[Iterable[float], Iterable[float]] = "axial",
+    plane: Plane | Literal["all", "ortho"] | tuple[Iterable[float], Iterable[float]] | None = None,
     positions: int | Iterable[float] | None = None,
     *,
     columns: int | None = None,
@@ -68,21 +69,22 @@ def lightbox(
     ----------
     what : as for `slice`
         What to cut.
-    plane : str or (point, normal), default "axial"
-        "axial", "coronal", "sagittal" or any plane, as for `slice`; or "all": one slice of each of the three, through
-        `center`.
+    plane : str or (point, normal), optional
+        As for `slice`; or one slice of each of the three planes, through `center`: "all" puts them in a row, and
+        "ortho" aligns them, so that neighbours share rows or columns. The corner of "ortho" has xy, with yz (z to the
+        right) beside and xz below it; of a patient coronal, with sagittal beside and axial below it.
     positions : int or sequence of numbers, optional
         How many slices, spread evenly over the volume; or where each is, as `position` of `slice`. None is 12. Not for
-        "all".
+        "all" and "ortho".
     columns : int, optional
-        Slices in a row; None makes the sheet about square, and puts three planes in one row.
+        Slices in a row; None makes the sheet about square, and puts the planes of "all" in one row. Not for "ortho".
     letters : bool, default True
         Write the position in each slice, and R, L, A, P, S, I at its edges where the world is a patient's.
     scale_bar : bool, float or str
         A scale bar in the first slice of the last row, as for `Picture.annotated`.
     size : (width, height), optional
-        Pixels of each slice; of "all" those that the largest fits into. None: 256 along the longest side, and 512 of
-        "all".
+        Pixels of each slice; of three planes those that the largest fits into. None: 256 along the longest side, and
+        512 of three planes.
     zoom, center, kernel, thickness, slab, window, clim, transfer_function, contours, isolines, background, threads
         As for `slice`.
 
@@ -109,12 +111,18 @@ def lightbox(
     """
     scene = as_scene(what, None, labels=None, shading="look", clip=(), background=None)
     volume = scene.layers[0].drawn
-    cuts = _cuts(volume, plane, positions, center)
-    count = _columns(columns, len(cuts), is_row=plane == "all")
+    chosen: AnyPlane = named_plane("xy", is_anatomical=volume.is_anatomical) if plane is None else plane
+    is_three, is_aligned = chosen in ("all", "ortho"), chosen == "ortho"
+    cuts = _cuts(volume, chosen, positions, center)
+    count = _columns(columns, len(cuts), chosen)
     if not (isfinite(zoom) and zoom > 0):
         raise ArgumentError(f"zoom is {zoom}; give a positive finite number, 1 shows the whole volume")
-    sizes, pixel = _sizes([sides_of(volume, one) for one, _ in cuts], size, plane == "all")
-    cells = [(max(w for w, _ in sizes), max(h for _, h in sizes))] * len(cuts) if plane != "all" else sizes
+    # Beside xy, yz has the same rows: y downwards.
+    is_turned = [is_aligned and one == "yz" for one, _ in cuts]
+    sides = [sides_of(volume, one) for one, _ in cuts]
+    sides = [side[::-1] if turned else side for side, turned in zip(sides, is_turned, strict=True)]
+    sizes, pixel = _sizes(sides, size, is_three)
+    cells = sizes if is_three else [(max(w for w, _ in sizes), max(h for _, h in sizes))] * len(cuts)
     places, whole = _places(cells, count)
     check_picture_memory(whole, PIXEL_BYTES)
     behind = colors.parse(background) or (0.0, 0.0, 0.0, 0.0)
@@ -123,14 +131,16 @@ def lightbox(
     with_bar = (len(cuts) - 1) // count * count
     panels, told = list[dict[str, Any]](), list[list[str]]()
     report: dict[str, Any] = {}
-    for (one, position), (width, height), (left, top) in zip(cuts, sizes, places, strict=True):
+    for (one, position), shown, (width, height), (left, top), turned in zip(
+        cuts, sides, sizes, places, is_turned, strict=True
+    ):
         # The scale of `slice` follows the size; the zoom makes it that of the sheet.
-        own = max(side / (max(n, 2) - 1) for side, n in zip(sides_of(volume, one), (width, height), strict=True))
+        own = max(side / (max(n, 2) - 1) for side, n in zip(shown, (width, height), strict=True))
         picture = slice(
             scene,
             one,
             position,
-            size=(width, height),
+            size=(height, width) if turned else (width, height),
             zoom=zoom * own / pixel,
             center=center,
             kernel=kernel,
@@ -144,6 +154,8 @@ def lightbox(
             background=background,
             threads=threads,
         )
+        if turned:
+            picture = _transposed(picture)
         if scale_bar is not False and len(panels) == with_bar:
             picture = picture.annotated(scale_bar=scale_bar)
         told.append(picture.report.pop("notes", []))
@@ -166,13 +178,16 @@ def _cuts(
     volume: Any, plane: Any, positions: Any, center: Iterable[float] | None
 ) -> list[tuple[AnyPlane, float | None]]:
     """Plane and position of each slice."""
-    if plane == "all":
+    if plane in ("all", "ortho"):
         if positions is not None:
-            raise ArgumentError('positions are for one plane; leave them out, or give another plane than "all"')
+            raise ArgumentError(f'positions are for one plane; leave them out, or give another plane than "{plane}"')
+        names = planes_of(is_anatomical=volume.is_anatomical)
+        if plane == "ortho":
+            names = ("coronal", "sagittal", "axial") if volume.is_anatomical else ("xy", "yz", "xz")
         if center is None:
-            return [(name, None) for name in PLANES]
+            return [(name, None) for name in names]
         x, y, z = center
-        return [(name, {"x": x, "y": y, "z": z}[how[0]]) for name, how in PLANES.items()]
+        return [(name, {"x": x, "y": y, "z": z}[PLANES[name].across]) for name in names]
     if positions is None:
         positions = N_SLICES
     if isinstance(positions, int | np.integer) and not isinstance(positions, bool):
@@ -190,24 +205,26 @@ def _cuts(
     return [(plane, position) for position in listed]
 
 
-def _columns(columns: int | None, n: int, *, is_row: bool) -> int:
+def _columns(columns: int | None, n: int, plane: AnyPlane) -> int:
     if columns is None:
-        return n if is_row else ceil(sqrt(n))
+        return n if plane == "all" else ceil(sqrt(n))
+    if plane == "ortho":
+        raise ArgumentError('"ortho" has two columns; leave columns out, or give plane="all"')
     if not 1 <= columns <= MAX_SLICES:
         raise ArgumentError(f"columns is {columns}; give 1 or more slices in a row")
     return min(columns, n)
 
 
 def _sizes(
-    sides: Sequence[tuple[float, float]], size: tuple[int, int] | None, is_all: bool
+    sides: Sequence[tuple[float, float]], size: tuple[int, int] | None, is_three: bool
 ) -> tuple[list[tuple[int, int]], float]:
     """Pixels of each slice, and the distance of pixels that all of them have, world units."""
-    longest = SIDE_OF_THREE_PX if is_all else SIDE_PX
+    longest = SIDE_OF_THREE_PX if is_three else SIDE_PX
     width, height = (longest, longest) if size is None else checked_size(size)
     if min(width, height) < 1:
         raise ArgumentError(f"size is {width} x {height} pixels; width and height must be at least 1")
     pixel = max(max(w / (max(width, 2) - 1), h / (max(height, 2) - 1)) for w, h in sides)
-    if size is not None and not is_all:
+    if size is not None and not is_three:
         return [(width, height)] * len(sides), pixel
     return [(floor(w / pixel + ON_SAMPLE) + 1, floor(h / pixel + ON_SAMPLE) + 1) for w, h in sides], pixel
 
@@ -222,6 +239,17 @@ def _places(cells: Sequence[tuple[int, int]], columns: int) -> tuple[list[tuple[
             left += cell_width + GAP_PX
         width, top = max(width, left - GAP_PX), top + max(height for _, height in row) + GAP_PX
     return places, (width, top - GAP_PX)
+
+
+def _transposed(picture: Picture) -> Picture:
+    """The picture with its columns as rows."""
+    report = picture.report | {"right": picture.report["down"], "down": picture.report["right"]}
+    value = picture.value
+    return Picture(
+        np.ascontiguousarray(picture.rgba.swapaxes(0, 1)),
+        value=None if value is None else np.ascontiguousarray(value.T),
+        report=Report(report),
+    )
 
 
 def _joined(report: dict[str, Any], other: Any) -> dict[str, Any]:
@@ -239,6 +267,6 @@ def _joined(report: dict[str, Any], other: Any) -> dict[str, Any]:
 def _lettered(picture: Picture, plane: AnyPlane) -> NDArray[np.float32]:
     """The slice with its position, and the letters of its edges where there are any."""
     lettered = picture.annotated(orientation="letters") if picture.report.get("letters") else picture
-    axis = f"{PLANES[plane][0]} " if isinstance(plane, str) else ""
+    axis = f"{PLANES[plane].across} " if isinstance(plane, str) else ""
     text = f"{axis}{picture.report['position']:.4g}{f' {picture.unit}' if picture.unit else ''}"
     return with_caption(lettered.rgba, text, at="upper left")

@@ -203,6 +203,11 @@ class Scene:
         corners = np.array([layer.drawn.bounds for layer in self.layers])
         return np.stack([corners[:, 0].min(axis=0), corners[:, 1].max(axis=0)])
 
+    @property
+    def is_anatomical(self) -> bool:
+        """Whether the first layer's axes are a patient's: x to the right, y to the front, z up."""
+        return self.layers[0].drawn.is_anatomical
+
     def to_json(self) -> str:
         """The scene as a JSON text, which `from_json` reads back; volumes are named by their files.
 

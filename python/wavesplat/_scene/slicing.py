@@ -18,8 +18,10 @@ from wavesplat._looks.regions import Region
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.argument_types import takes_its_types
+from wavesplat._model.grid import Grid
 from wavesplat._model.lazy_changes import compare
 from wavesplat._model.options import Kernel, Plane, Slab
+from wavesplat._model.views import named_plane, planes_of
 from wavesplat._picture.picture import Picture
 from wavesplat._picture.report import Report
 from wavesplat._picture.report_facts import shown_layer
@@ -28,6 +30,7 @@ from wavesplat._render import windows
 from wavesplat._render.isolines import Isolines
 from wavesplat._render.slicing import Planes, sliced
 from wavesplat._scene import label_slices
+from wavesplat._scene.channel_slices import added, channels_of, window_of
 from wavesplat._scene.drawn_layers import identity_of, look_over_others
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.resampling import check_units
@@ -48,7 +51,7 @@ PIXELS_AT_ONCE = 1 << 18
 @takes_its_types
 def slice(
     what: Any,
-    plane: Plane | tuple[Iterable[float], Iterable[float]] = "axial",
+    plane: Plane | tuple[Iterable[float], Iterable[float]] | None = None,
     position: float | None = None,
     *,
     size: tuple[int, int] | None = None,
@@ -72,14 +75,18 @@ def slice(
     what : Volume, WaveletVolume, array or what else `Volume` takes, Scene, Layer, or several in a list
         What to cut. The first volume decides plane, pixels and values, also where it is not visible. The others lie
         over it at the same places, in their order, as PET over CT does; of a series the volume of its time.
+        Channels, which have looks of `Look.channel`, are added in their colours over black instead.
         Their colours are those of their looks, or of a map such as "hot" where they have none, as in space.
         `Layer.opacity` is how opaque a layer is where the opacity of its look is greatest; elsewhere it is less in
         proportion. Below the low end of its look, where it is transparent and outside of its volume a layer does not
         show.
         The labels of a scene lie over the slice, faint inside and full along their outlines; of a slab those of its
         middle plane. Clips and the background of a scene are for pictures in space.
-    plane : str or (point, normal), default "axial"
-        "axial", "coronal" or "sagittal", at right angles to the world's z, y or x; or any plane, world units.
+    plane : str or (point, normal), optional
+        "axial", "coronal" or "sagittal" of a patient, as radiologists read them: from the feet, the front, and the
+        patient's left. "xy", "xz" or "yz" of other data, as arrays are shown: the first axis to the right, the second
+        downwards, so that row 0 is on top. Each stands for the other where it fits the data; None is axial or xy. Or
+        any plane, world units, shown as the nearest of these.
     position : float, optional
         Where the plane crosses that axis, world units; None is the middle of the volume. Of (point, normal): how far
         to move from the point along the normal; None is not at all.
@@ -158,9 +165,13 @@ def slice(
     all_volumes = [*(layer.drawn for layer in scene.layers), *(lines.volumes if lines else ())]
     compare(all_volumes)
     check_units(all_volumes)
-    if window is None and clim is None and transfer_function is None:
-        clim = scene._cache.get_or_compute(
-            (id(first.drawn), "limits"), identity_of(first.drawn), lambda: windows.limits(first.drawn, None, None)
+    channels = channels_of(scene)
+    if all(one is None for one in (window, clim, transfer_function)):
+        clim = _limits(scene, channels)
+    elif channels:
+        raise ArgumentError(
+            f"window, clim and transfer_function are for one volume, and the scene has {len(channels)} channels; give "
+            "their looks, Look.channel(volume, color, window)"
         )
     picture, planes = sliced(
         first.drawn,
@@ -181,14 +192,17 @@ def slice(
     report = picture.report
     report["layers"] = [_facts_of(layer) for layer in scene.layers]
     notes: list[str] = report.pop("notes", [])
-    rgba = picture.rgba
-    if not first.is_shown:
-        report["shown"], notes = [], []
-        rgba = np.broadcast_to(_associated(background), rgba.shape)
-    elif first.opacity < 1:
-        rgba = first.opacity * rgba + (1 - first.opacity) * _associated(background)
-    report["shown"] = [{**shown, "name": first.name} for shown in report["shown"]]
-    rgba = _with_layers(rgba, planes, scene, report, notes, kernel=kernel, slab=slab, threads=threads)
+    notes += _note_on_plane(plane, first.drawn)
+    options: dict[str, Any] = {"kernel": kernel, "slab": slab, "threads": threads}
+    if channels:
+        behind = np.broadcast_to(_associated(background), picture.rgba.shape)
+        rgba, report["shown"] = added(behind, planes, channels, **options)
+    else:
+        rgba = _with_opacity(picture, first, background)
+        report["shown"] = [{**shown, "name": first.name} for shown in report["shown"]] if first.is_shown else []
+        notes = notes if first.is_shown else []
+    others = scene.layers[len(channels) or 1 :]
+    rgba = _with_layers(rgba, planes, scene, others, (report, notes), **options)
     if scene.labels is not None:
         labels = scene.labels.for_slices_of(first.drawn)
         rgba, seen = label_slices.laid_over(rgba, planes, labels)
@@ -205,12 +219,43 @@ def slice(
     return Picture(rgba, value=picture.value, report=report)
 
 
+def _limits(scene: Scene, channels: Sequence[Layer]) -> tuple[float, float]:
+    """The values that the first layer shows as black and white, where none are given."""
+    if channels:
+        return window_of(channels[0])
+    volume = scene.layers[0].drawn
+    key = (id(volume), "limits")
+    return scene._cache.get_or_compute(key, identity_of(volume), lambda: windows.limits(volume, None, None))
+
+
+def _note_on_plane(plane: Any, volume: Grid) -> list[str]:
+    """A note that a plane of patients is understood as that of other data."""
+    if volume.is_anatomical or not isinstance(plane, str) or plane not in planes_of(is_anatomical=True):
+        return []
+    meant = named_plane(plane, is_anatomical=False)
+    return [f"{plane} is taken for {meant}, row 0 on top: nothing says that the volume's axes are a patient's"]
+
+
+def _with_opacity(picture: Picture, layer: Layer, background: str | Sequence[float] | None) -> Floats:
+    """The slice of a layer over the background, as far as the layer is visible."""
+    opacity = np.float32(layer.opacity if layer.is_shown else 0.0)
+    if opacity == 1:
+        return picture.rgba
+    return opacity * picture.rgba + (1 - opacity) * _associated(background)
+
+
 def _with_layers(
-    rgba: Floats, planes: Planes, scene: Scene, report: Report, notes: list[str], **options: Any
+    rgba: Floats,
+    planes: Planes,
+    scene: Scene,
+    layers: Sequence[Layer],
+    told: tuple[Report, list[str]],
+    **options: Any,
 ) -> Floats:
-    """The slice with the further layers over it; `report` gets their colours, `notes` why one does not show."""
+    """The slice with further layers over it; `told`: the report gets their colours, the notes why one does not show."""
+    report, notes = told
     automatic = iter(cycle(OVERLAY_MAPS))
-    for layer in scene.layers[1:]:
+    for layer in layers:
         if layer.is_shown:
             curves = _curves_of(scene, layer, automatic)
             values = planes.values_of(layer.drawn, **options)

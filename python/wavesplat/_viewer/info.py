@@ -57,7 +57,13 @@ def welcome_of(state: ViewerState) -> dict[str, Any]:
         "kernels": list(get_args(Kernel)),
         "window_names": {name: list(window) for name, window in CT_WINDOWS.items()},
         "standard_views": {
-            name: Camera.view(scene, name, view_angle=state.camera.view_angle).as_json() for name in VIEWS
+            # From below, data that are no body's are as an array is shown, row 0 on top.
+            name: Camera.view(
+                scene,
+                "xy" if name == "bottom" and not first.is_anatomical else name,
+                view_angle=state.camera.view_angle,
+            ).as_json()
+            for name in VIEWS
         },
         "axis_ends": list(BODY_ENDS if first.is_anatomical else AXIS_ENDS),
         "fingerprint": fingerprint_of(scene),

@@ -17,12 +17,13 @@ from collections.abc import Iterable, Mapping
 from typing import Any, get_args
 
 from wavesplat._model.argument_types import described
-from wavesplat._model.options import PLANES, Slab
+from wavesplat._model.options import Slab
+from wavesplat._model.views import OF_BODIES
 from wavesplat.errors import ArgumentError
 
 __all__ = ["OVERLAYS", "PANES", "VIEWS", "checked", "defaults"]
 
-PANES = tuple(PLANES)
+PANES = OF_BODIES
 VIEWS = ("3d", *PANES)
 LAYOUTS = ("3d", "one-and-three", "two-by-two", "single")
 OVERLAYS = {

@@ -4,7 +4,7 @@
 use glam::DVec3;
 use wavesplat_splat::optics::labels::{Labels, own_depth};
 
-use super::raycast::for_each_tap;
+use super::reached_samples::for_each_tap;
 
 /// Effect of the labels at a position.
 #[derive(Default)]

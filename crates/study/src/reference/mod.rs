@@ -12,6 +12,7 @@ mod mixture;
 pub mod original;
 pub mod project;
 pub mod raycast;
+mod reached_samples;
 pub mod sampled_footprint;
 pub mod splat;
 pub mod standard;

@@ -14,7 +14,7 @@ use wavesplat_core::{
     Camera, Crop, Error, Gradient, Kernel, Picture, RenderOptions, Result, Shading, TransferFunction, Volume,
 };
 use wavesplat_splat::kernel::smoothed;
-use wavesplat_splat::kernel::weights::{MAX_DIFFERENCE_TAPS, MAX_TAPS, mirror_index, n_taps, taps};
+use wavesplat_splat::kernel::weights::{MAX_DIFFERENCE_TAPS, mirror_index};
 use wavesplat_splat::optics::labels::Labels;
 use wavesplat_splat::optics::shade::vanishing_gradient_squared;
 use wavesplat_splat::ray::cut_faces::{DEPTH, NEAR, PER_SLICE, REACH};
@@ -29,6 +29,7 @@ use wavesplat_splat::view::scattered::scattered_position;
 use super::active_blocks::ActiveBlocks;
 use super::medium::Medium;
 use super::mixture::Mixture;
+use super::reached_samples::for_each_tap;
 
 /// Sampling of the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -321,29 +322,6 @@ impl<'a> Sampler<'a> {
     /// The thickness that opacities belong to.
     pub fn opacity_unit(&self) -> f64 {
         self.opacity_unit
-    }
-}
-
-/// Calls `work` with every sample that a position, clamped to the volume, reaches, and its weight.
-pub(super) fn for_each_tap(kernel: Kernel, size: [usize; 3], position: DVec3, mut work: impl FnMut([usize; 3], f64)) {
-    let n = n_taps(kernel);
-    let mut weights = [[0.0; MAX_TAPS]; 3];
-    let mut index = [[0; MAX_TAPS]; 3];
-    for axis in 0..3 {
-        let x = position[axis].clamp(0.0, (size[axis] - 1) as f64);
-        let (first, along) = taps(kernel, x);
-        weights[axis] = along;
-        for t in 0..n {
-            index[axis][t] = mirror_index(kernel, first + t as i64, size[axis]);
-        }
-    }
-    for tz in 0..n {
-        for ty in 0..n {
-            let weight_zy = weights[2][tz] * weights[1][ty];
-            for tx in 0..n {
-                work([index[0][tx], index[1][ty], index[2][tz]], weight_zy * weights[0][tx]);
-            }
-        }
     }
 }
 

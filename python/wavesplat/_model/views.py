@@ -1,0 +1,100 @@
+"""Named views and planes: the side from which data are seen, and the axes of the picture.
+
+A body is shown as radiologists read it: axial from the feet, coronal from the front, sagittal from the patient's left.
+Other data are shown as they are stored, row 0 on top and column 0 on the left, as Fiji, napari and matplotlib show an
+array of shape (z, y, x): `a[k]` is xy, `a[:, j]` is xz and `a[:, :, i]` is yz. All are turned, never mirrored: the eye
+is before the first slice of xy, behind the last row of xz and before the first column of yz.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat.errors import ArgumentError
+
+__all__ = ["OF_BODIES", "PLANES", "VIEWS", "PlaneView", "named_plane", "nearest_plane", "planes_of", "view_angles"]
+
+
+class PlaneView(NamedTuple):
+    """How a plane is shown."""
+
+    #: The world's axis across it.
+    across: str
+    #: The world's direction that is up in its picture.
+    up: str
+    #: The world's direction from the plane to the eye.
+    to_eye: str
+
+    @property
+    def axes(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+        """Right and up of the picture, and the direction to the eye, unit vectors in the world."""
+        up, to_eye = _direction(self.up), _direction(self.to_eye)
+        return np.cross(up, to_eye) + 0.0, up, to_eye
+
+
+#: The planes of a body and those of other data, in the order in which equally near ones are chosen.
+PLANES = {
+    "axial": PlaneView("z", "+y", "-z"),
+    "coronal": PlaneView("y", "+z", "+y"),
+    "sagittal": PlaneView("x", "+z", "-x"),
+    "xy": PlaneView("z", "-y", "-z"),
+    "xz": PlaneView("y", "-z", "+y"),
+    "yz": PlaneView("x", "-z", "-x"),
+}
+OF_BODIES, OF_OTHERS = ("axial", "coronal", "sagittal"), ("xy", "xz", "yz")
+
+#: Azimuth and elevation, degrees, of the named views; those of planes are of data other than bodies.
+#: Superior and inferior have the patient's front at the top; inferior is how radiologists look at an axial slice.
+VIEWS = {
+    "anterior": (0.0, 0.0),
+    "posterior": (180.0, 0.0),
+    "left": (90.0, 0.0),
+    "right": (-90.0, 0.0),
+    "superior": (180.0, 90.0),
+    "inferior": (0.0, -90.0),
+    "front": (0.0, 0.0),
+    "back": (180.0, 0.0),
+    "top": (180.0, 90.0),
+    "bottom": (0.0, -90.0),
+    "xy": (180.0, -90.0),
+    "xz": (180.0, 180.0),
+    "yz": (-90.0, 180.0),
+    "isometric": (150.0, 30.0),
+}
+#: The views of a body's planes.
+OF_BODY_PLANES = {"xy": "inferior", "xz": "anterior", "yz": "left"}
+
+
+def view_angles(name: object, *, is_anatomical: bool) -> tuple[float, float]:
+    """Azimuth and elevation, degrees, of a named view; an `ArgumentError` where there is none of that name."""
+    if not isinstance(name, str) or name not in VIEWS:
+        raise ArgumentError(f"unknown view {name!r}; use one of: {', '.join(VIEWS)}")
+    return VIEWS[OF_BODY_PLANES.get(name, name) if is_anatomical else name]
+
+
+def planes_of(*, is_anatomical: bool) -> tuple[str, str, str]:
+    """Names of the three planes: of a body, or of other data."""
+    return OF_BODIES if is_anatomical else OF_OTHERS
+
+
+def named_plane(name: object, *, is_anatomical: bool) -> str:
+    """The plane of data that a name stands for: xy of a body is axial, and axial of other data is xy."""
+    if not isinstance(name, str) or name not in PLANES:
+        raise ArgumentError(f"unknown plane {name!r}; use one of: {', '.join(PLANES)}, or (point, normal)")
+    across = PLANES[name].across
+    return next(own for own in planes_of(is_anatomical=is_anatomical) if PLANES[own].across == across)
+
+
+def nearest_plane(normal: NDArray[np.float64], *, is_anatomical: bool) -> str:
+    """The named plane whose normal is nearest; of equally near ones that across z, then y, goes first."""
+    nearness = {name: round(abs(float(normal["xyz".index(PLANES[name].across)])), 9) for name in PLANES}
+    return max(planes_of(is_anatomical=is_anatomical), key=lambda name: nearness[name])
+
+
+def _direction(signed_axis: str) -> NDArray[np.float64]:
+    direction = np.zeros(3)
+    direction["xyz".index(signed_axis[1])] = 1.0 if signed_axis[0] == "+" else -1.0
+    return direction

@@ -1,4 +1,4 @@
-"""Data without anatomy are shown as they are stored, row 0 on top, column 0 on the left (microscopy, faults 1 and 1b)."""
+"""Data without anatomy are shown as they are stored: row 0 on top, column 0 on the left (microscopy, faults 1, 1b)."""
 
 import numpy as np
 import pytest

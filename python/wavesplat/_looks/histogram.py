@@ -18,7 +18,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._looks.kinds import looks_like_hounsfield
+from wavesplat._looks.hounsfield import looks_like_hounsfield
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model.thinning import HISTOGRAM_SAMPLES, step_for
 from wavesplat._model.wavelet_volume import WaveletVolume
@@ -100,7 +100,7 @@ def finite_samples(volume: Volume | WaveletVolume) -> NDArray[np.float64]:
 
 def is_hounsfield(volume: Volume | WaveletVolume) -> bool:
     """Whether the values look like Hounsfield units."""
-    return looks_like_hounsfield(finite_samples(volume))
+    return looks_like_hounsfield(finite_samples(volume), volume)
 
 
 def attenuation(volume: Volume | WaveletVolume) -> tuple[float, float]:
@@ -109,7 +109,7 @@ def attenuation(volume: Volume | WaveletVolume) -> tuple[float, float]:
     Both are fixed for values that look like Hounsfield units; for others they follow from the range of values.
     """
     values = finite_samples(volume)
-    if looks_like_hounsfield(values):
+    if looks_like_hounsfield(values, volume):
         return HOUNSFIELD_ATTENUATION
     clear, _ = robust_range_of(values)
     most = float(np.percentile(_projected(volume, "x-ray", clear), 99.5))

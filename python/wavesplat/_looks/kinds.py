@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._looks.hounsfield import looks_like_hounsfield
 from wavesplat._looks.stored_offset import stored_offset
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.thinning import KIND_SAMPLES, UNIT_SAMPLES, step_for
@@ -27,9 +28,7 @@ __all__ = [
     "Evidence",
     "Kind",
     "evidence",
-    "hounsfield_shares",
     "kind_of",
-    "looks_like_hounsfield",
     "offset_of",
     "unit_of_values",
 ]
@@ -49,8 +48,6 @@ MODALITIES: dict[str, Kind] = {
     "fluorescence": "fluorescence",
     "EM": "EM",
 }
-#: Least shares of samples within 200 of air (-1000) and of soft tissue (0), Hounsfield units.
-MIN_SHARE = 0.02
 #: PET: least distance of samples, millimetres, and least ratio of the 99.9th to the 90th percentile. (A PET of a body:
 #: 3.4 mm, 13 times; MR of heads: 1 mm, 2 to 3 times.)
 PET_SPACING_MM, PET_TAIL = 1.8, 8.0
@@ -58,6 +55,8 @@ PET_SPACING_MM, PET_TAIL = 1.8, 8.0
 MAX_LABELS, MIN_ALIKE = 2000, 0.75
 #: Signs: least ratio of the smaller of the two tails to the larger one.
 MIN_TAIL = 0.15
+#: The same of whole numbers, which are scans with an offset more often.
+MIN_WHOLE_TAIL = 0.5
 #: Dense tissue: least median, as a share of the range. (EM of a worm: 0.65; fluorescence: 0.1 to 0.2.)
 MIN_BRIGHT = 0.45
 #: Units that microscopes use.
@@ -101,17 +100,6 @@ def kind_of(volume: Volume | WaveletVolume) -> Kind:
     return evidence(volume).kind
 
 
-def hounsfield_shares(values: NDArray[Any]) -> tuple[float, float]:
-    """Shares of the values that are near air and near soft tissue on Hounsfield's scale."""
-    air, soft_tissue = (float(np.mean(np.abs(values - value) < 200)) if values.size else 0.0 for value in (-1000, 0))
-    return air, soft_tissue
-
-
-def looks_like_hounsfield(values: NDArray[Any]) -> bool:
-    """Whether values have both fixed points of Hounsfield's scale, air and soft tissue."""
-    return min(hounsfield_shares(values)) > MIN_SHARE
-
-
 def unit_of_values(volume: Volume | WaveletVolume) -> str:
     """Unit of a volume's values: the file's, "HU" of a CT, "" where it is unknown. Quick: for every picture."""
     if volume.value_unit:
@@ -119,7 +107,7 @@ def unit_of_values(volume: Volume | WaveletVolume) -> str:
     if volume.modality:
         return "HU" if volume.modality == "CT" else ""
     some = volume._every(step_for(math.prod(volume.shape), UNIT_SAMPLES))
-    return "HU" if looks_like_hounsfield(some.astype(np.float64)) else ""
+    return "HU" if looks_like_hounsfield(some[np.isfinite(some)].astype(np.float64), volume) else ""
 
 
 def offset_of(volume: Volume | WaveletVolume) -> float:
@@ -153,7 +141,7 @@ def _segmentation(volume: Volume | WaveletVolume, values: NDArray[np.float64], a
 
 def _by_facts(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tuple[Kind, str] | None:
     modality = volume.modality
-    if modality in (None, "CT") and looks_like_hounsfield(values):
+    if modality in (None, "CT") and looks_like_hounsfield(values, volume):
         told = "the file says CT, and " if modality == "CT" else ""
         return "CT", f"CT in Hounsfield units: {told}the values have air and soft tissue"
     if offset := _offset(volume, values):
@@ -178,7 +166,9 @@ def _by_facts(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tu
 def _by_values(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tuple[Kind, str]:
     numbers = getattr(volume, "dtype", np.dtype(np.float32)).kind
     low, high = np.percentile(values, (0.5, 99.5))
-    if numbers == "f" and low < 0 < high and min(-low, high) >= MIN_TAIL * max(-low, high):
+    least = MIN_TAIL if numbers == "f" else MIN_WHOLE_TAIL
+    may_be_signed = numbers == "f" or (numbers == "i" and not volume.is_anatomical)
+    if may_be_signed and low < 0 < high and min(-low, high) >= least * max(-low, high):
         return "signed field", "a field with two signs, by the values"
     if volume.is_anatomical:
         if numbers == "u" or values.min() < 0:

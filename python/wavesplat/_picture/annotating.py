@@ -301,6 +301,12 @@ def _colored(figure: Figure, report: Mapping[str, Any]) -> list[tuple[report_fac
         if figure.colorbar not in names:
             raise ArgumentError(f"no layer is named {figure.colorbar!r}; there are: {', '.join(map(repr, names))}")
         layers = [layer for layer in layers if layer.name == figure.colorbar]
+    layers = [layer for layer in layers if layer.composite != "first-hit"]
+    if not layers:
+        raise ArgumentError(
+            "a surface of one value has one colour, so a colour bar says nothing of it; leave out the colour bar, or "
+            "write the value as a title"
+        )
     if figure.values is not None:
         return [(layer, figure.values) for layer in layers]
     if len(layers) == 1:

@@ -53,7 +53,9 @@ class ReaderOptions:
     dataset: Annotated[str | None, typer.Option(metavar="NAME", help="HDF5, .npz, .vti, .vtk, Zarr: which array.")] = (
         None
     )
-    level: Annotated[int | None, typer.Option(metavar="N", help="OME-Zarr: level of detail, 0 is the finest.")] = None
+    level: Annotated[
+        int | None, typer.Option(metavar="N", help="Of an image with several: level of detail, 0 is the finest.")
+    ] = None
     shape: Annotated[
         Any, typer.Option(metavar="Z,Y,X", parser=parsers.whole_numbers, help="Raw: number of samples.")
     ] = None

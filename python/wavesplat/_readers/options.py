@@ -73,12 +73,13 @@ class OpenOptions(FileOptions, total=False):
         says, by the pseudo-code of QIBA. An error names what the header lacks for it.
     external_files : bool, default False
         NRRD, MetaImage, OME-TIFF, HDF5, BigDataViewer: also read samples from files that this one names in other
-        folders; HDF5: from any that it names. Such a file can name whatever you may read: allow it for files that you trust.
+        folders; HDF5: from any that it names. Such a file can name whatever you may read: allow it for files that you
+        trust.
     memory : str or number, optional
         Leave the samples where they are, and read them while they are drawn, with at most this many bytes in memory,
-        such as "2 GB": a `LazyVolume`, as from `Volume.lazy`, with all levels of the image. None does the
-        same where the samples take more than a quarter of the free memory. Not for files that are compressed as one
-        stream, and not for DICOM.
+        such as "2 GB": a `LazyVolume`, as from `Volume.lazy`, with all levels of the image. None does the same where
+        the samples take more than a quarter of the free memory. Not for files that are compressed as one stream, and
+        not for DICOM.
     holes : bool, default False
         With `memory`: samples that cannot be read are left out and reported, instead of an error.
     cache : bool or path, default True

@@ -73,7 +73,10 @@ def place_of(tiff: TiffFile, *, has_z: bool = True) -> TiffPlace:
     y, z = (abs(x) if step is None else step for step in steps[1:])
     guesses = [*_guesses(steps, x), *_odd_guesses(said)]
     if not has_z and said.steps[2] is None:
-        guesses.append("time points are drawn as slices along z: the file has no slices, and one plane of each time")
+        n = said.facts.n_times
+        guesses.append(
+            f"a time series of {n} planes: time points are drawn as slices along z, as the file has no slices"
+        )
     guesses += units.guesses_of(said.units)
     described = zip("xyz", said.units, said.steps, strict=True)
     bare = ", ".join(name for name, one, step in described if one is None and step is not None)

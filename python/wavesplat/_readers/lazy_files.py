@@ -26,7 +26,19 @@ from wavesplat._files.zarr_states import chunk_files
 from wavesplat._model.facts import Facts
 from wavesplat._model.hdf5_files import files_of_dataset, open_hdf5, read_hdf5
 from wavesplat._model.lazy_array import LazyArray, SlicedArray
-from wavesplat._readers import bdv, detached_samples, hdf5, imaris, itk, lazy_tiff, nifti, ome_zarr, raw, vtk_legacy
+from wavesplat._readers import (
+    bdv,
+    bioio_files,
+    detached_samples,
+    hdf5,
+    imaris,
+    itk,
+    lazy_tiff,
+    nifti,
+    ome_zarr,
+    raw,
+    vtk_legacy,
+)
 from wavesplat._readers.hdf5_levels import StoredImage, lazy_levels_of
 from wavesplat._readers.request import Request, index_unnamed_axes, n_times_of, quiet
 from wavesplat._readers.stored_samples import stored_samples
@@ -307,6 +319,11 @@ def _of_tiff(request: Request) -> LazyGrid:
     return LazyGrid([array], [matrix], facts)
 
 
+def _of_bioio(request: Request) -> LazyGrid:
+    array, matrix, facts = bioio_files.lazy_array_of(request)
+    return LazyGrid([array], [matrix], facts)
+
+
 READERS = {
     "arrays": _of_npy,
     "raw": _of_raw,
@@ -318,6 +335,7 @@ READERS = {
     "bdv": _of_big_data_viewer,
     "ome_zarr": _of_zarr,
     "tiff": _of_tiff,
+    "bioio_files": _of_bioio,
 }
 
 
@@ -333,6 +351,7 @@ NAMES = {
     "bdv": "BigDataViewer's HDF5",
     "ome_zarr": "Zarr",
     "tiff": "TIFF",
+    "bioio_files": "a microscope's file",
 }
 
 

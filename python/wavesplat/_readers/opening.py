@@ -28,7 +28,7 @@ from wavesplat._model.option_lists import takes_options
 from wavesplat._model.volume import Volume
 from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._public import public
-from wavesplat._readers import lazy_files
+from wavesplat._readers import bioio_files, lazy_files
 from wavesplat._readers.hdf5 import kind_of as hdf5_kind
 from wavesplat._readers.options import OpenOptions
 from wavesplat._readers.request import Grid, Request, requested
@@ -78,6 +78,7 @@ SUFFIXES = {
     ".ims": "hdf5",
     ".xml": "bdv",
     ".zarr": "ome_zarr",
+    **dict.fromkeys(bioio_files.SUFFIXES, "bioio_files"),
 }
 #: First bytes -> module, for files under other names: (offset, bytes). (nibabel insists on its suffixes.)
 MAGIC = {
@@ -104,6 +105,7 @@ OPTIONS = {
     "hdf5": {"time", "channel", "dataset", "external_files"},
     "imaris": {"time", "channel", "level", "external_files"},
     "bdv": {"time", "channel", "level", "external_files"},
+    "bioio_files": {"series", "time", "channel"},
     "ome_zarr": {"time", "channel", "dataset", "level"},
 }
 #: Samples are left in their file where they take more than one part in LARGE_SHARE of the free memory.
@@ -204,7 +206,7 @@ def opened(request: Request, *, stacklevel: int = 2) -> Volume:
 #: Families whose samples lie in one file as they are: its size gives theirs.
 UNCOMPRESSED = ("arrays", "raw", "nifti", "itk", "vtk_legacy")
 #: Families whose headers give the size of their samples.
-IN_CHUNKS = ("hdf5", "imaris", "bdv", "ome_zarr", "tiff")
+IN_CHUNKS = ("hdf5", "imaris", "bdv", "ome_zarr", "tiff", "bioio_files")
 
 
 def _is_large(request: Request, family: str) -> bool:

@@ -43,7 +43,10 @@ class ReaderOptions:
 
     series: Annotated[
         str | None,
-        typer.Option(metavar="WHICH", help="DICOM: which series, by number, description or start of the UID."),
+        typer.Option(
+            metavar="WHICH",
+            help="DICOM, vendors' files: which series, by number, name or start of the UID.",
+        ),
     ] = None
     time: Annotated[
         int | None,

@@ -114,7 +114,7 @@ LARGE_SHARE = 4
 OF_DISTANCES = "distance"
 KINDS = (
     "NIfTI, FreeSurfer, MINC, AFNI, PAR/REC, ECAT, NRRD, MetaImage, VTK images, DICOM, TIFF, .npy, .npz, raw, HDF5, "
-    "Imaris, BigDataViewer and OME-Zarr"
+    "Imaris, BigDataViewer, OME-Zarr, and microscopes' files by bioio"
 )
 
 
@@ -133,8 +133,8 @@ def open(
         NIfTI (.nii, .nii.gz, .hdr/.img), FreeSurfer (.mgz, .mgh), MINC (.mnc), AFNI (.HEAD, .BRIK), PAR/REC, ECAT
         (.v), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), VTK images (.vtk, .vti), DICOM (a folder, also of folders,
         one of the files, a DICOMDIR, or a .zip of them), a TIFF stack (one file or a folder), .npy, .npz, raw, HDF5,
-        Imaris (.ims), BigDataViewer (its .xml or .h5), OME-Zarr (also under a URL). Or an object of another library,
-        without options: the same as `Volume(object)`.
+        Imaris (.ims), BigDataViewer (its .xml or .h5), OME-Zarr (also under a URL), microscopes' files by bioio (.czi,
+        .lif, .nd2, ...). Or an object of another library, without options: the same as `Volume(object)`.
     **options : OpenOptions
         What to read of the file, and how.
 

@@ -22,16 +22,29 @@ __all__ = ["labelled_layers"]
 
 
 class _Times:
-    """The volumes along the axis of times of an array."""
+    """The volumes along the axis of times of an array, whose coordinates are the times where they are numbers."""
 
     def __init__(self, array: Any, axis: Any) -> None:
         self._array, self._axis = array, axis
+        self.name = "array" if array.name is None else str(array.name)
 
     def __len__(self) -> int:
         return int(self._array.sizes[self._axis])
 
     def __getitem__(self, number: int) -> Volume:
         return Volume(self._array.isel({self._axis: number}))
+
+    def times(self) -> tuple[tuple[float, ...], str | None]:
+        """Time of each volume, and their unit; 0, 1, 2, ... without numbers as coordinates."""
+        places = self._array.coords.get(self._axis)
+        if places is None or places.dtype.kind not in "iuf" or not np.isfinite(places.values).all():
+            return tuple(float(number) for number in range(len(self))), None
+        unit = places.attrs.get("units", places.attrs.get("unit"))
+        return tuple(float(time) for time in places.values), None if unit is None else str(unit)
+
+    def told(self) -> str:
+        """The array, in messages."""
+        return f"the array {self.name!r}"
 
 
 def labelled_layers(what: Any, *, has_looks: bool) -> list[Layer]:
@@ -62,10 +75,5 @@ def labelled_layers(what: Any, *, has_looks: bool) -> list[Layer]:
 
 
 def _series(array: Any, axis: Any) -> Series:
-    """The series along an axis, with its coordinates as times where these are numbers."""
-    name = "array" if array.name is None else str(array.name)
-    places = array.coords.get(axis)
-    if places is None or places.dtype.kind not in "iuf" or not np.isfinite(places.values).all():
-        return Series(_Times(array, axis), name=name)
-    unit = places.attrs.get("units", places.attrs.get("unit"))
-    return Series(_Times(array, axis), times=places.values.tolist(), time_unit=unit, name=name)
+    points = _Times(array, axis)
+    return Series(points, name=points.name)

@@ -64,7 +64,9 @@ def save_bdv_samples(path, samples, *, n_levels=2, stored=np.int16):
                 for level in range(n_levels):
                     one = at_level(samples[t, s], level)
                     cells = one.view(stored) if one.dtype == np.uint16 else one
-                    file.create_dataset(f"t{t:05d}/s{s:02d}/{level}/cells", data=cells, chunks=(2, 4, 4))
+                    file.create_dataset(
+                        f"t{t:05d}/s{s:02d}/{level}/cells", data=cells, chunks=tuple(min(2, n) for n in one.shape)
+                    )
     return path
 
 

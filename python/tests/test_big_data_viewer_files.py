@@ -32,6 +32,7 @@ def test_a_coarser_level_has_means_of_blocks(tmp_path, options):
     volume = ws.open(save_bdv(tmp_path, samples), level=1, **options)
     np.testing.assert_array_equal(np.asarray(volume), halved(samples[0, 0]))
     assert volume.spacing == pytest.approx((0.4, 0.4, 2))
+    assert volume.facts.channel is None  # one setup without a name may be of electrons
     np.testing.assert_allclose(volume.bounds[0], (5.1, 6.1, 7.5))
 
 
@@ -59,7 +60,7 @@ def test_registrations_in_voxels_are_told(tmp_path):
     volume = ws.open(save_bdv(tmp_path, image(1, 1), transforms=("1 0 0 10  0 1 0 0  0 0 5 0",)))
     assert volume.spacing == pytest.approx((0.2, 0.2, 1))
     assert volume.world_from_index[0, 3] == pytest.approx(2)
-    assert volume.guesses == ("a unit of the registrations taken for 0.2 um: they count so beside voxelSize",)
+    assert volume.guesses == ("registrations taken for numbers of 0.2 um: so they fit to voxelSize",)
     volume = ws.open(save_bdv(tmp_path, image(1, 1), transforms=("1 0 0 10  0 1 0 0  0 0 1 0",)))
     assert "voxelSize says 0.2 x 0.2 x 1" in volume.guesses[0]
 
@@ -69,6 +70,14 @@ def test_without_registrations_voxel_sizes_count(tmp_path):
     assert (volume.spacing, volume.guesses) == ((0.2, 0.2, 1), ())
     volume = ws.open(save_bdv(tmp_path, image(1, 1), transforms=(), voxel=""))
     assert volume.guesses == ("distances of samples 1, 1, 1: the XML has none",)
+
+
+def test_voxels_of_1_pixel_are_no_distance(tmp_path):
+    volume = ws.open(save_bdv(tmp_path, image(1, 1), transforms=(), voxel="1.0 1.0 1.0", unit="pixel"))
+    assert volume.guesses == ("distances of samples 1, 1, 1: the XML has none",)
+    one = "1 0 0 0  0 1 0 0  0 0 1 0"
+    volume = ws.open(save_bdv(tmp_path, image(1, 1), transforms=(one,), voxel="1.0 1.0 1.0", unit="pixel"))
+    assert volume.guesses == ("distances of samples by the registration of the view: the XML has no voxelSize",)
 
 
 def test_setups_that_are_tiles_are_channels_at_their_places(tmp_path):

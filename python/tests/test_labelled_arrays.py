@@ -130,6 +130,11 @@ def test_times_are_a_series():
     assert ws.Scene(cells(n_times=2)).layers[0].volume.times == (0, 1)
 
 
+def test_times_of_planes_are_slices():
+    planes = labelled(coordinates={}).rename(z="time")
+    assert ws.Scene(planes).layers[0].drawn.shape == (4, 5, 6)
+
+
 def test_one_of_several_channels_is_a_volume():
     assert ws.Volume(cells().sel(C="GFP")).facts.channel == ws.Channel("GFP")
     assert len(ws.Scene(cells(1)).layers) == 1

@@ -91,9 +91,14 @@ def in_order(array: Any, *, has_place: bool) -> Converted:
 
 
 def channel_and_time_axes(array: Any) -> tuple[Any, Any]:
-    """Names of the axes of channels and of times, which a scene has all of; None for one that is not longer than 1."""
+    """Names of the axes of channels and of times, which a scene has all of; None for one that is not longer than 1.
+
+    Where fewer than three axes are left beside them, they are an axis of the volume itself, such as times as slices.
+    """
     long = [name for name, size in zip(array.dims, array.shape, strict=True) if size > 1]
     channels, times = ([name for name in long if str(name).lower() in known] for known in (CHANNELS, TIMES))
+    if len(array.dims) - len(channels) - len(times) < 3:
+        return None, None
     return channels[0] if len(channels) == 1 else None, times[0] if len(times) == 1 else None
 
 

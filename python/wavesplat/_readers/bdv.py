@@ -130,10 +130,12 @@ def described(file: h5py.File, data: SpimData | None, request: Request) -> Store
     finest, guesses = _place(data, setup, view)
     wanted = level_numbers(len(names), request)
     stored = [StoredLevel(names[k], shapes[k], finest @ _of_blocks(factors[k] / factors[0])) for k in wanted]
+    # A single setup without a name may be of anything, electrons too: that it is a channel would tell of dyes.
+    is_described = len(channels) > 1 or bool(channels[0].name)
     facts = Facts(
         unit=setup.unit,
-        channel=channels[number],
-        channels=tuple(channels) if len(channels) > 1 or channels[0].name else (),
+        channel=channels[number] if is_described else None,
+        channels=tuple(channels) if is_described else (),
         n_times=len(times),
         levels=tuple(shapes) if len(shapes) > 1 else (),
         guesses=(*guesses, *_told_of_setups(setups)),
@@ -173,6 +175,8 @@ def _place(data: SpimData | None, setup: Setup, view: tuple[int, int]) -> tuple[
     voxel = setup.voxel
     if data is None:
         return np.eye(4), ("distances of samples 1, 1, 1: BigDataViewer's .xml is not beside the file",)
+    if setup.unit is None and voxel == (1.0, 1.0, 1.0):
+        voxel = None  # what programs write for images without a scale
     matrix = data.registrations.get(view)
     if matrix is None:
         if voxel is None:
@@ -190,7 +194,7 @@ def _place(data: SpimData | None, setup: Setup, view: tuple[int, int]) -> tuple[
     scaled = matrix.copy()
     scaled[:3] *= scale
     told = f"{scale:.6g} {setup.unit or 'of voxelSize'}".rstrip()
-    return scaled, (f"a unit of the registrations taken for {told}: they count so beside voxelSize",)
+    return scaled, (f"registrations taken for numbers of {told}: so they fit to voxelSize",)
 
 
 def _scale_of_registrations(data: SpimData) -> float | None:

@@ -100,7 +100,8 @@ def test_formats_on_top_of_hdf5(tmp_path):
 
     for options in ({}, {"memory": "1 MB"}):
         volume = ws.open(file("i.h5", imaris), **options)
-        assert volume.guesses == ("distances of samples 1, 1, 1: Imaris keeps them in DataSetInfo, which is not read",)
+        told = "distances of samples 1, 1, 1: Imaris keeps them in DataSetInfo, which is not read with dataset="
+        assert volume.guesses == (told,)
     assert ws.open(tmp_path / "i.h5", spacing=(1, 1, 2)).guesses == ()
 
 

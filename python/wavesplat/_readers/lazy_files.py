@@ -26,7 +26,20 @@ from wavesplat._files.zarr_states import chunk_files
 from wavesplat._model.facts import Facts
 from wavesplat._model.hdf5_files import files_of_dataset, open_hdf5, read_hdf5
 from wavesplat._model.lazy_array import LazyArray, SlicedArray
-from wavesplat._readers import detached_samples, hdf5, itk, lazy_tiff, nifti, ome_zarr, raw, vtk_legacy
+from wavesplat._readers import (
+    bdv,
+    bioio_files,
+    detached_samples,
+    hdf5,
+    imaris,
+    itk,
+    lazy_tiff,
+    nifti,
+    ome_zarr,
+    raw,
+    vtk_legacy,
+)
+from wavesplat._readers.hdf5_levels import StoredImage, lazy_levels_of
 from wavesplat._readers.request import Request, index_unnamed_axes, n_times_of, quiet
 from wavesplat._readers.stored_samples import stored_samples
 from wavesplat.errors import ArgumentError, FileError
@@ -248,6 +261,21 @@ def _of_hdf5(request: Request) -> LazyGrid:
         return LazyGrid([array], [place.world_from_index], facts)
 
 
+def _of_imaris(request: Request) -> LazyGrid:
+    with read_hdf5(request.file) as file:
+        return _of_levels(file, imaris.described(file, request), request)
+
+
+def _of_big_data_viewer(request: Request) -> LazyGrid:
+    with bdv.opened(request) as (file, data):
+        return _of_levels(file, bdv.described(file, data, request), request)
+
+
+def _of_levels(file: Any, image: StoredImage, request: Request) -> LazyGrid:
+    matrices = [level.world_from_index for level in image.levels]
+    return LazyGrid([*lazy_levels_of(file, image, request)], matrices, image.facts)
+
+
 def _of_zarr(request: Request) -> LazyGrid:
     levels = []
     for level in ome_zarr.levels_of(request):
@@ -291,6 +319,11 @@ def _of_tiff(request: Request) -> LazyGrid:
     return LazyGrid([array], [matrix], facts)
 
 
+def _of_bioio(request: Request) -> LazyGrid:
+    array, matrix, facts = bioio_files.lazy_array_of(request)
+    return LazyGrid([array], [matrix], facts)
+
+
 READERS = {
     "arrays": _of_npy,
     "raw": _of_raw,
@@ -298,8 +331,11 @@ READERS = {
     "itk": _of_itk,
     "vtk_legacy": _of_vtk_legacy,
     "hdf5": _of_hdf5,
+    "imaris": _of_imaris,
+    "bdv": _of_big_data_viewer,
     "ome_zarr": _of_zarr,
     "tiff": _of_tiff,
+    "bioio_files": _of_bioio,
 }
 
 
@@ -311,8 +347,11 @@ NAMES = {
     "itk": "an image",
     "vtk_legacy": "a VTK image",
     "hdf5": "HDF5",
+    "imaris": "an Imaris file",
+    "bdv": "BigDataViewer's HDF5",
     "ome_zarr": "Zarr",
     "tiff": "TIFF",
+    "bioio_files": "a microscope's file",
 }
 
 

@@ -28,10 +28,11 @@ from wavesplat._model.option_lists import takes_options
 from wavesplat._model.volume import Volume
 from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._public import public
-from wavesplat._readers import lazy_files
+from wavesplat._readers import bioio_files, lazy_files
+from wavesplat._readers.hdf5 import kind_of as hdf5_kind
 from wavesplat._readers.options import OpenOptions
 from wavesplat._readers.request import Grid, Request, requested
-from wavesplat._readers.unsupported_formats import foreign_content, foreign_kind
+from wavesplat._readers.unsupported_formats import foreign_content, foreign_folder, foreign_kind
 from wavesplat.errors import ArgumentError, FileError, FileWarning, WavesplatError
 
 if TYPE_CHECKING:
@@ -74,7 +75,10 @@ SUFFIXES = {
     ".h5": "hdf5",
     ".hdf5": "hdf5",
     ".hdf": "hdf5",
+    ".ims": "hdf5",
+    ".xml": "bdv",
     ".zarr": "ome_zarr",
+    **dict.fromkeys(bioio_files.SUFFIXES, "bioio_files"),
 }
 #: First bytes -> module, for files under other names: (offset, bytes). (nibabel insists on its suffixes.)
 MAGIC = {
@@ -99,6 +103,9 @@ OPTIONS = {
     "arrays": {"time", "channel", "dataset"},
     "raw": {"time", "channel", "shape", "dtype", "byte_order", "offset"},
     "hdf5": {"time", "channel", "dataset", "external_files"},
+    "imaris": {"time", "channel", "level", "external_files"},
+    "bdv": {"time", "channel", "level", "external_files"},
+    "bioio_files": {"series", "time", "channel"},
     "ome_zarr": {"time", "channel", "dataset", "level"},
 }
 #: Samples are left in their file where they take more than one part in LARGE_SHARE of the free memory.
@@ -106,8 +113,8 @@ LARGE_SHARE = 4
 #: Beginning of the guesses that `spacing` replaces.
 OF_DISTANCES = "distance"
 KINDS = (
-    "NIfTI, FreeSurfer, MINC, AFNI, PAR/REC, ECAT, NRRD, MetaImage, VTK images, DICOM, TIFF, .npy, .npz, raw, HDF5 and "
-    "OME-Zarr"
+    "NIfTI, FreeSurfer, MINC, AFNI, PAR/REC, ECAT, NRRD, MetaImage, VTK images, DICOM, TIFF, .npy, .npz, raw, HDF5, "
+    "Imaris, BigDataViewer, OME-Zarr, and microscopes' files by bioio"
 )
 
 
@@ -126,7 +133,8 @@ def open(
         NIfTI (.nii, .nii.gz, .hdr/.img), FreeSurfer (.mgz, .mgh), MINC (.mnc), AFNI (.HEAD, .BRIK), PAR/REC, ECAT
         (.v), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), VTK images (.vtk, .vti), DICOM (a folder, also of folders,
         one of the files, a DICOMDIR, or a .zip of them), a TIFF stack (one file or a folder), .npy, .npz, raw, HDF5,
-        OME-Zarr (also under a URL). Or an object of another library, without options: the same as `Volume(object)`.
+        Imaris (.ims), BigDataViewer (its .xml or .h5), OME-Zarr (also under a URL), microscopes' files by bioio (.czi,
+        .lif, .nd2, ...). Or an object of another library, without options: the same as `Volume(object)`.
     **options : OpenOptions
         What to read of the file, and how.
 
@@ -198,7 +206,7 @@ def opened(request: Request, *, stacklevel: int = 2) -> Volume:
 #: Families whose samples lie in one file as they are: its size gives theirs.
 UNCOMPRESSED = ("arrays", "raw", "nifti", "itk", "vtk_legacy")
 #: Families whose headers give the size of their samples.
-IN_CHUNKS = ("hdf5", "ome_zarr", "tiff")
+IN_CHUNKS = ("hdf5", "imaris", "bdv", "ome_zarr", "tiff", "bioio_files")
 
 
 def _is_large(request: Request, family: str) -> bool:
@@ -278,6 +286,8 @@ def _family(request: Request) -> str:
         # One file of a series: the others are looked for beside it.
         for name in _names_in(path.parent):
             check_text(path.parent / name)
+    if family == "hdf5" and request.dataset is None:
+        return hdf5_kind(path)
     if family is None:
         raise foreign_kind(path) or FileError(
             f"unknown kind of file; wavesplat reads {KINDS}; for raw samples pass shape=(z, y, x) and dtype=: {path}"
@@ -293,6 +303,8 @@ def _family_of_folder(folder: Path) -> str:
         return "ome_zarr"
     if any(name.lower().endswith((".tif", ".tiff")) for name in names):
         return "tiff"
+    if (error := foreign_folder(folder, names)) is not None:
+        raise error
     return "dicom"
 
 

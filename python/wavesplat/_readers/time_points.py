@@ -40,9 +40,10 @@ def open_series(
     ----------
     path : path, URL, pattern or list of paths
         A file or folder that holds several time points: 4-D NIfTI, NRRD and MetaImage, OME-Zarr, TIFF of OME and
-        ImageJ, DICOM; arrays without named axes (.npy, raw, HDF5), whose first axis is time. Or files of one time point
-        each, in order: a list, or a pattern such as "frames/t*.nii.gz", whose files are taken in the order of the
-        numbers in their names (t2 before t10). A file of one volume is a series of one.
+        ImageJ, Imaris, BigDataViewer, microscopes' files by bioio, DICOM; arrays without named axes (.npy, raw, HDF5),
+        whose first axis is time. Or files of one time point each, in order: a list, or a pattern such as
+        "frames/t*.nii.gz", whose files are taken in the order of the numbers in their names (t2 before t10). A file of
+        one volume is a series of one.
     channel : int, optional
         As for `wavesplat.open`.
     **options : FileOptions

@@ -1,4 +1,4 @@
-"""What tasks need, kept on workers, and the results of tasks, whatever happens to workers meanwhile.
+"""Content that tasks take from workers, and the results of tasks, whatever happens to workers meanwhile.
 
 Scattered data are lost with the workers that have them, and scattering to a worker that has just died waits for it. The
 result of a task is made again by another worker instead, from what the scheduler keeps.
@@ -61,7 +61,7 @@ def result_of(client: Any, future: Any) -> Any:
 
 
 def facts_of_workers(client: Any, facts: Callable[..., Any]) -> dict[str, Any]:
-    """What a function says on each worker that answers; those that have just died are left out."""
+    """The answers of a function on each worker; workers that have just died are left out."""
     begun = time.monotonic()
     while True:
         told: dict[str, Any] = client.run(facts, on_error="ignore")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -132,12 +133,13 @@ def render(
 def _pictures(scene: Scene, times: str | None, input: str, output: Path) -> list[tuple[Scene, Path]]:
     """The scene at each time that is asked for, and the file for its picture."""
     from wavesplat._model.series import Series
+    from wavesplat._model.time_stamps import time_texts
 
     if times is None:
         return [(scene, output)]
     series = next((layer.volume for layer in scene.layers if isinstance(layer.volume, Series)), None)
-    n = 1 if series is None else len(series)
-    named = list(names_of_pictures(output, times_of(times, n), n))
+    texts = ("0",) if series is None else time_texts(series.times, series.time_unit)
+    named = list(names_of_pictures(output, times_of(times, len(texts)), texts))
     for _, path in named:
         check_outputs(input, path, "pictures")
     return [(scene if series is None else scene.at_time(number), path) for number, path in named]
@@ -156,8 +158,12 @@ def _drawn_all(
     **options: Any,
 ) -> list[dict[str, Any]]:
     """Draw and write pictures; return the facts about each."""
-    made = []
+    from wavesplat._scene.summary import stamped
+
+    made, title = [], figure.title
     for scene, path in pictures:
+        if title and len(pictures) > 1:
+            figure = replace(figure, title=stamped(title, scene))
         picture = _drawn(scene, camera, shown=not quiet and is_terminal(), **options)
         if not quiet:
             print_notes(picture)

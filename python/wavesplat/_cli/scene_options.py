@@ -87,6 +87,12 @@ class ChosenScene(NamedTuple):
     look: Look
     operator: Operator
 
+    @property
+    def unit(self) -> str | None:
+        """Unit of the world's lengths, where a file names one."""
+        units = (layer.drawn.facts.unit for layer in self.scene.layers)
+        return next((unit for unit in units if unit is not None), None)
+
 
 def check_scene_options(showing: SceneOptions, colors: ColorOptions, cuts: CutOptions) -> None:
     """Refuse options that cannot work, before anything is read."""
@@ -154,6 +160,8 @@ def chosen_scene(
     check_uptake(scene, suv=reader.suv)
     if not quiet:
         _note_guesses(scene, look, composite)
+        if layering.times is not None:
+            _note_one_look(scene)
     return ChosenScene(scene, look, _operator(composite or look.composite, showing))
 
 
@@ -209,6 +217,22 @@ def _levels(volume: Volume | WaveletVolume, showing: SceneOptions) -> Volume | W
         )
     weighted = volume if bands is None else volume.bands(bands)
     return weighted if level is None else weighted.level(level)
+
+
+def _note_one_look(scene: Scene) -> None:
+    """Say which time points the look of all of them is chosen by, where their values choose it."""
+    from wavesplat._looks.look import Look
+    from wavesplat._looks.over_time import sampled_numbers
+    from wavesplat._model.series import Series
+
+    for layer in scene.layers:
+        look, series = layer.look, layer.volume
+        is_chosen = isinstance(look, Look) and (look.name == "auto" or look.reason.endswith("by the values"))
+        if isinstance(series, Series) and len(series) > 1 and is_chosen:
+            *numbers, last = sampled_numbers(series)
+            listed = f"{', '.join(map(str, numbers))} and {last}"
+            message(f"note: one look for all times, chosen by the brightest of time points {listed}")
+            return
 
 
 def _note_guesses(scene: Scene, look: Look, composite: str | None) -> None:

@@ -25,7 +25,7 @@ from wavesplat._picture.marks import Block, Canvas, Color, Mark, Polygon, Text, 
 from wavesplat._picture.style import WHITE, Style, contrast
 from wavesplat.errors import ArgumentError
 
-__all__ = ["TIME", "Corner", "Figure", "Orientation", "Side", "annotated", "with_caption"]
+__all__ = ["TIME", "Corner", "Figure", "Orientation", "Side", "annotated", "caption_strip", "with_caption"]
 
 Corner: TypeAlias = Literal["lower left", "lower right", "upper left", "upper right"]
 Side: TypeAlias = Literal["beside", "lower left", "lower right", "upper left", "upper right"]
@@ -120,17 +120,24 @@ def annotated(rgba: NDArray[np.float32], report: Mapping[str, Any], figure: Figu
     return sheet.canvas(rgba, background, style, figure), told
 
 
-def with_caption(
-    rgba: NDArray[np.float32], text: str, *, at: Literal["lower edge", "upper left"] = "lower edge"
-) -> NDArray[np.float32]:
-    """The picture with a line of text at its lower edge, or in its upper left corner."""
+def with_caption(rgba: NDArray[np.float32], text: str) -> NDArray[np.float32]:
+    """The picture with a line of text in its upper left corner."""
     height, width = rgba.shape[:2]
     style = Style(_font_px(Figure(), width, height), WHITE).on_picture()
-    if at == "upper left":
-        mark = Text(0.5 * style.size, 1.2 * style.size, text, style.size, style.ink, "start", style.halo)
-    else:
-        mark = Text(width / 2, height - 0.5 * style.size, text, style.size, style.ink, "middle", style.halo)
+    mark = Text(0.5 * style.size, 1.2 * style.size, text, style.size, style.ink, "start", style.halo)
     return raster.drawn(Canvas(width, height, rgba, marks=(mark,)))
+
+
+def caption_strip(text: str, width: int, height: int) -> NDArray[np.float32]:
+    """A transparent strip with a line of white text, to stand below a picture of this width and height.
+
+    Of a line that is too long the middle is left out.
+    """
+    size = _font_px(Figure(), width, height)
+    line = lettering.fitting(text, size, width - size)
+    mark = Text(width / 2, 0.4 * size + lettering.CAP_HEIGHT * size, line, size, WHITE, "middle")
+    strip = ceil((0.8 + lettering.CAP_HEIGHT) * size)
+    return raster.drawn(Canvas(width, strip, np.zeros((strip, width, 4), np.float32), marks=(mark,)))
 
 
 class _Sheet:

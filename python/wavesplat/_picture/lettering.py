@@ -16,6 +16,7 @@ __all__ = [
     "check_length",
     "check_letters",
     "file_of",
+    "fitting",
     "has_sign",
     "opened",
     "text_width",
@@ -80,6 +81,15 @@ def check_letters(text: str, font: str | None, what: str) -> None:
         raise ArgumentError(
             f"{what} has signs that the typeface does not: {' '.join(missing[:10])}; give font=, a .ttf file that has"
         )
+
+
+def fitting(text: str, size: float, width: float, font: str | None = None) -> str:
+    """The text, with its middle left out where it is wider than this."""
+    for n in range(len(text), 1, -1):
+        short = text if n == len(text) else f"{text[: (n + 1) // 2]}\u2026{text[len(text) - n // 2 :]}"
+        if text_width(short, size, font) <= width:
+            return short
+    return text[:1]
 
 
 def has_sign(sign: str, font: str | None) -> bool:

@@ -38,7 +38,7 @@ def frames_of(pattern, n):
 
 
 def test_frames_are_figures_of_their_pictures(tmp_path):
-    """What a movie shows is `annotated` of each picture, to the byte."""
+    """Frames with marks are `annotated` of each picture, to the byte."""
     scene = ws.Scene(ws.Layer(series(), LOOK), background="black")
     turn = ws.Turn(frames=3, times=range(3))
     marks = {"scale_bar": True, "orientation": "cube", "colorbar": True, "values": "light", "font_size": 12}
@@ -187,7 +187,7 @@ def test_times_that_are_not_there(tmp_path):
 @pytest.mark.parametrize("composite", ["over", "maximum", "mean"])
 @pytest.mark.parametrize("start", [0, 2])
 def test_the_look_is_one_for_all_times(tmp_path, composite, start):
-    """What does not change keeps its pixels while something beside it becomes ten times as bright."""
+    """A cube that does not change keeps its pixels while one beside it becomes ten times as bright."""
     growing = ws.Series([volume(0, brightness=b) for b in (300, 1500, 6000)])
     scene = ws.Scene(ws.Layer(growing, time=start), background="black")
     camera = ws.Camera.view(volume(0), "xy")

@@ -196,6 +196,9 @@ def test_a_sheet_that_cannot_be_written_is_told_first(wavesplat, dyes):
     done, means = render(wavesplat, dyes, "--sheet", "a_bright.ome.tif")
     assert (done.returncode, means) == (2, {})
     assert "INPUT and --sheet are the same file" in done.stderr
+    done, means = render(wavesplat, dyes, "--sheet", "out/b_dim.png")
+    assert (done.returncode, means) == (2, {})
+    assert "--output and --sheet are the same file" in done.stderr
 
 
 def test_pictures_of_several_sizes_lie_in_the_middle():

@@ -85,6 +85,11 @@ class Batch:
         """Whether a sheet is asked for."""
         return self.options.sheet is not None
 
+    def check_apart(self, outputs: Sequence[Any]) -> None:
+        """Raise an `ArgumentError` where the sheet would replace a picture."""
+        if self.has_sheet and self.options.sheet in outputs:
+            raise ArgumentError(f"--output and --sheet are the same file; change a name: {self.options.sheet}")
+
     def chosen(self, input: str, choose: Choose, settled: Callable[[ChosenScene], ChosenScene]) -> ChosenScene:
         """The scene of an input, in the look that all inputs share, if they do.
 

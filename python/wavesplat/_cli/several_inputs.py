@@ -63,6 +63,8 @@ def takes_several_inputs(
             inputs = _found(input)
             batch = batch_of(inputs, options) if together else None
             runs = _runs(inputs, options if batch is None else {**options, "batch": batch}, suffix, left)
+            if batch is not None:
+                batch.check_apart([run.get("output") for run in runs])
             if len(runs) == 1 and not (batch and batch.has_sheet):
                 command(**runs[0])
             else:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -66,7 +67,8 @@ def times_of_facts(facts: Facts, n: int) -> tuple[tuple[float, ...], str | None]
     return tuple(number * (step or 1.0) for number in range(n)), facts.time_unit if step else None
 
 
-def time_texts(times: Sequence[float], unit: str | None) -> tuple[str, ...]:
+@lru_cache(maxsize=16)
+def time_texts(times: tuple[float, ...], unit: str | None) -> tuple[str, ...]:
     """Times with their unit; as few decimals as leave an error of a hundredth of the shortest step between them."""
     ordered = sorted(set(times))
     steps = [after - before for before, after in pairwise(ordered)]

@@ -28,6 +28,8 @@ __all__ = ["Batch", "BatchOptions", "batch_of", "batch_parameters"]
 #: Opens an input, with the looks that its layers shall have, or those of its own; the last argument: say nothing.
 Choose = Callable[[str, "Sequence[Look] | None", bool], "ChosenScene"]
 FIRST, BRIGHTEST = "first", "brightest"
+#: Bytes of a pixel while a sheet is made: the picture itself, and its place on the sheet.
+BYTES_OF_PIXEL = 32
 
 
 @dataclass(frozen=True)
@@ -161,10 +163,6 @@ class Batch:
                 f"note: the inputs are shown over values of their own ({_text(first, shown)}; {_text(*other)}), so "
                 f"that brightness cannot be compared; --same-look {FIRST}, or {BRIGHTEST}, shows all alike"
             )
-
-
-#: Bytes of a pixel while a sheet is made: the picture itself, and its place on the sheet.
-BYTES_OF_PIXEL = 32
 
 
 def _windows_of(picture: Picture) -> list[tuple[float, float]]:

@@ -117,6 +117,28 @@ def test_shards_are_read_by_ranges_where_they_can_be(serve, tmp_path, takes_rang
     assert n_bytes < 30_000
 
 
+def test_shards_cost_what_their_chunks_cost(serve, tmp_path):
+    """Fault 11 of microscopy: shards were counted as what must be held, so a small budget read 13 times the bytes."""
+    import zarr
+
+    rng = np.random.default_rng(2)
+    samples = rng.integers(0, 255, (96, 128, 128), np.uint8)
+    n_bytes = {}
+    for name, shards in (("plain", None), ("sharded", (48, 128, 128))):
+        array = zarr.create_array(
+            tmp_path / f"{name}.zarr", shape=samples.shape, chunks=(16, 32, 32), shards=shards, dtype="u1"
+        )
+        array[:] = samples
+        address, sent = serve()
+        volume = ws.open(f"{address}/{name}.zarr", memory="8 MB")
+        ws.render(volume, ws.TransferFunction([(0, 0.0), (255, 0.02)], [(0, 1, 1, 1)]), size=(200, 200))
+        n_bytes[name] = sum(n for _, n in sent)
+        local = ws.open(tmp_path / f"{name}.zarr", memory="8 MB")
+        assert local.arrays(0).chunks == volume.arrays(0).chunks == (16, 32, 32)
+        assert ws.Volume.lazy(array).arrays(0).chunks == (16, 32, 32)
+    assert samples.nbytes < n_bytes["sharded"] < 1.1 * n_bytes["plain"], n_bytes
+
+
 def test_a_server_that_goes_away_names_the_chunk(serve, tmp_path):
     ome_zarr(tmp_path / "image.zarr", shells(32), n_levels=1, chunk=16)
     address, _ = serve()

@@ -373,7 +373,7 @@ def lazy_array(thing: Any, *, argument: str = "samples") -> LazyConverted:
         )
         return LazyConverted([array])
     if "zarr" in libraries:
-        chunks = list(thing.shards or thing.chunks) if getattr(thing, "shards", None) else list(thing.chunks)
+        chunks = list(thing.chunks)  # of shards the inner ones, which zarr reads by their ranges
         files = chunk_files(thing, picked)
         made = SlicedArray(
             thing,

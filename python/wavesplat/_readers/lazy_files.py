@@ -251,7 +251,8 @@ def _of_hdf5(request: Request) -> LazyGrid:
 def _of_zarr(request: Request) -> LazyGrid:
     levels = []
     for level in ome_zarr.levels_of(request):
-        chunks = getattr(level.array, "shards", None) or level.array.chunks
+        # Inner chunks of shards, which zarr reads by their ranges: a shard is no unit of reading.
+        chunks = level.array.chunks
         files = chunk_files(level.array, level.picked)
         token = None if files is None else f"Zarr {level.array.store_path}"
         if files is None and not isinstance(request.cache, bool):

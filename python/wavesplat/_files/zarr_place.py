@@ -29,6 +29,8 @@ READ_ONLY = "places are only read"
 METADATA_NAMES = ("zarr.json", ".zarray", ".zattrs", ".zgroup", ".zmetadata")
 #: Largest metadata document, in bytes; that of a store with thousands of arrays has a few megabytes.
 MAX_METADATA_BYTES = 1 << 26
+#: Largest metadata document of a server that is kept, bytes.
+MAX_KNOWN_BYTES = 1 << 20
 #: Refused keys that are remembered, at most.
 MAX_REFUSED = 1000
 
@@ -54,6 +56,8 @@ class ZarrPlace:
         self.has_chunks = False
         #: Whether the first refused chunk is warned of at once: where samples are read as they are drawn.
         self.warns = False
+        #: Metadata that a server gave, or None for what it does not have: checks and libraries ask for each many times.
+        self._known: dict[str, bytes | None] = {}
         self._lock = threading.Lock()
 
     def expect(self, array: str, n_bytes: int) -> None:
@@ -71,16 +75,20 @@ class ZarrPlace:
         self._check_key(key)
         if self.root is not None:
             return self._with_note(key, self._of_file(key, part))
+        if part is None and key in self._known:
+            return self._known[key]
         from fsspec.asyn import get_loop, sync
 
         content: bytes | None = sync(get_loop(), self._request, key, part)
-        return self._with_note(key, content)
+        return self._with_note(key, content, part)
 
     async def read_async(self, key: str, part: Part = None) -> bytes | None:
         """Read a key as `read` does, for asyncio: other keys are read meanwhile."""
         self._check_key(key)
         if self.root is not None:
             return self._with_note(key, await asyncio.to_thread(self._of_file, key, part))
+        if part is None and key in self._known:
+            return self._known[key]
         from fsspec.asyn import get_loop
 
         # fsspec has a loop of its own, which its sessions belong to. Errors come as values: zarr leaves requests alone
@@ -89,7 +97,7 @@ class ZarrPlace:
         content, error = await asyncio.wrap_future(request)
         if error is not None:
             raise error
-        return self._with_note(key, content)
+        return self._with_note(key, content, part)
 
     def mark(self, key: str) -> str | None:
         """The web server's mark of a key's version (ETag or time of change); None without one."""
@@ -117,10 +125,12 @@ class ZarrPlace:
                 return []
         return sorted(name for name in found if not name.startswith(".") and name not in METADATA_NAMES)
 
-    def _with_note(self, key: str, content: bytes | None) -> bytes | None:
-        """The content, unchanged, after noting that the place gives chunks."""
-        if content is not None and not _is_metadata(key):
-            self.has_chunks = True
+    def _with_note(self, key: str, content: bytes | None, part: Part = None) -> bytes | None:
+        """The content, unchanged, after noting that the place gives chunks, or metadata of a server."""
+        if not _is_metadata(key):
+            self.has_chunks = self.has_chunks or content is not None
+        elif self.root is None and part is None and len(content or b"") <= MAX_KNOWN_BYTES:
+            self._known[key] = content
         return content
 
     def _max_bytes_of(self, key: str) -> int:

@@ -137,7 +137,7 @@ def _described_level(
     group: Any, multiscales: dict[str, Any], dataset: dict[str, Any], request: Request
 ) -> ZarrLevel | None:
     """The level of a dataset; None where it is not there, as in a partial copy."""
-    zarr_metadata.check_codecs(_location(request), f"{request.dataset or ''}/{dataset['path']}")
+    zarr_metadata.check_codecs(_location(request, group), f"{request.dataset or ''}/{dataset['path']}")
     array = group.get(dataset["path"])
     if not hasattr(array, "shape"):
         return None
@@ -198,8 +198,10 @@ def _not_found(place: ZarrPlace) -> FileError | None:
     )
 
 
-def _location(request: Request) -> ZarrPlace:
-    return ZarrPlace(str(request.path) if request.is_url else Path(request.file), within=request.within)
+def _location(request: Request, opened: Any = None) -> ZarrPlace:
+    """The place of a request; that of a node which was opened there, which knows metadata already."""
+    known = None if opened is None else place_of(opened)
+    return known or ZarrPlace(str(request.path) if request.is_url else Path(request.file), within=request.within)
 
 
 def _listed(request: Request) -> str:
@@ -224,7 +226,7 @@ def _check_level(n_levels: int, request: Request) -> int:
 def _read_level(group: Any, multiscales: dict[str, Any], request: Request) -> Grid:
     datasets = multiscales["datasets"]
     dataset = datasets[_check_level(len(datasets), request)]
-    zarr_metadata.check_codecs(_location(request), f"{request.dataset or ''}/{dataset['path']}")
+    zarr_metadata.check_codecs(_location(request, group), f"{request.dataset or ''}/{dataset['path']}")
     array = group[dataset["path"]]
     zarr_metadata.check_numbers(array, request.safe_path)
     place = _placed(group, array, multiscales, dataset, request)
@@ -286,7 +288,7 @@ def _placed(group: Any, array: Any, multiscales: dict[str, Any], dataset: dict[s
 def _shapes(group: Any, datasets: list[dict[str, Any]], request: Request) -> list[tuple[int, ...]]:
     """Shapes of all levels; those that are not there, as in a partial copy, are left out."""
     for dataset in datasets:
-        zarr_metadata.check_codecs(_location(request), f"{request.dataset or ''}/{dataset['path']}")
+        zarr_metadata.check_codecs(_location(request, group), f"{request.dataset or ''}/{dataset['path']}")
     arrays = (group.get(dataset["path"]) for dataset in datasets)
     return [tuple(array.shape) for array in arrays if hasattr(array, "shape")]
 

@@ -13,7 +13,7 @@ from dataclasses import replace
 from importlib import import_module
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -37,7 +37,7 @@ from wavesplat.errors import ArgumentError, FileError, FileWarning, WavesplatErr
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-__all__ = ["open", "opened"]
+__all__ = ["is_zarr", "open", "opened"]
 
 #: Suffix -> module. Longer suffixes come first where one ends with another.
 SUFFIXES = {
@@ -161,6 +161,14 @@ def open(
     if not isinstance(path, str | PathLike):
         return _held(path, Request(".", **options))
     return opened(requested(path, **options), stacklevel=5)
+
+
+def is_zarr(path: str, **options: Any) -> bool:
+    """Whether a path or address is that of a Zarr image or array; False also for what cannot be opened."""
+    try:
+        return _family(requested(path, **options)) == "ome_zarr"
+    except WavesplatError:
+        return False  # whatever is wrong is said where the file is opened
 
 
 def _held(thing: VolumeLike, options: Request) -> Volume:

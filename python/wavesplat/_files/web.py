@@ -228,4 +228,6 @@ def _as_file_error(error: Exception, url: str) -> FileError:
     said = (str(error).splitlines() or [""])[0] or type(error).__name__
     for name in (url, str(yarl.URL(url))):  # aiohttp quotes it whole
         said = said.replace(name, safe_address(name))
-    return ServerError(f"the server cannot be asked, or not understood ({said}); check the address: {safe_address(url)}")
+    return ServerError(
+        f"the server cannot be asked, or not understood ({said}); check the address: {safe_address(url)}"
+    )

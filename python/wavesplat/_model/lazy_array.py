@@ -231,9 +231,7 @@ class SlicedArray:
         what = f"{self.name!r}: cannot read the samples {ranges} (chunk {chunk}): {said}"
         if isinstance(error, ServerError):
             return ServerError(what)  # which says how to mend it
-        return FileError(
-            f"{what}; copy or export the data again, or draw what there is: Volume.lazy(..., holes=True)"
-        )
+        return FileError(f"{what}; copy or export the data again, or draw what there is: Volume.lazy(..., holes=True)")
 
     def read_many(self, boxes: Sequence[Box]) -> list[NDArray[Any]]:
         """Read the samples of several boxes."""

@@ -20,6 +20,7 @@ import numpy as np
 from wavesplat._files import size_checks
 from wavesplat._files.memory import free_bytes
 from wavesplat._files.paths import check_no_pipe, check_text, printable
+from wavesplat._files.zarr_archive import holds_zarr
 from wavesplat._model import affine, sources
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.facts import Facts
@@ -63,6 +64,8 @@ SUFFIXES = {
     ".vti": "vti",
     ".dcm": "dicom",
     ".ima": "dicom",
+    ".zarr.zip": "ome_zarr",
+    ".ozx": "ome_zarr",
     ".zip": "dicom",
     ".tiff": "tiff",
     ".tif": "tiff",
@@ -163,7 +166,7 @@ def open(
     return opened(requested(path, **options), stacklevel=5)
 
 
-def is_zarr(path: str, **options: Any) -> bool:
+def is_zarr(path: str | PathLike[str], **options: Any) -> bool:
     """Whether a path or address is that of a Zarr image or array; False also for what cannot be opened."""
     try:
         return _family(requested(path, **options)) == "ome_zarr"
@@ -280,7 +283,9 @@ def _family(request: Request) -> str:
     with path.open("rb") as file:
         start = file.read(N_FIRST_BYTES)
     family = SUFFIXES.get(suffix or "") or _family_by_magic(start)
-    if suffix != ".zip" and (error := foreign_content(path, start)) is not None:
+    if suffix == ".zip" and holds_zarr(path):
+        return "ome_zarr"
+    if suffix not in (".zip", ".zarr.zip", ".ozx") and (error := foreign_content(path, start)) is not None:
         raise error
     if family == "dicom" and suffix != ".zip":
         # One file of a series: the others are looked for beside it.

@@ -25,12 +25,12 @@ MEMORY = "1 GB"
 @takes_reader_options
 def info(input: Input, *, reader: ReaderOptions, json: Json = False) -> None:
     """Say what a file holds: what there is to choose, and size, spacing, unit, orientation, values of a volume."""
-    from wavesplat._cli import describe, label_counts
+    from wavesplat._cli import describe, label_counts, zarr_contents
     from wavesplat._model.wavelet_volume import WaveletVolume
 
     choices, volume = _first(input, reader, [])
-    facts: dict[str, Any] = {"choices": [choice.facts() for choice in choices]}
-    text = [line for choice in choices for line in choice.lines()]
+    facts: dict[str, Any] = {"choices": [choice.facts() for choice in choices], **zarr_contents.contents(input, reader)}
+    text = [line for choice in choices for line in choice.lines()] + zarr_contents.lines(facts)
     if volume is None:
         pass
     elif isinstance(volume, WaveletVolume):

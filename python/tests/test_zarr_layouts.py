@@ -8,6 +8,7 @@ import zipfile
 
 import numpy as np
 import pytest
+from PIL import Image
 from zarr_images import cells, labelled, opened, plate, series, write_image, zipped
 
 import wavesplat as ws
@@ -168,6 +169,23 @@ def test_outputs_are_named_by_wells_fault_6(tmp_path, wavesplat):
     done = wavesplat("render", "a.zarr", "--size", "16", "-o", "{well}.png", cwd=tmp_path)
     assert "name the images of a plate" in done.stderr
     assert done.returncode != 0
+
+
+def test_the_wells_of_a_plate_on_a_sheet(tmp_path, wavesplat):
+    plate(tmp_path / "p.zarr")
+    (tmp_path / "p.zarr" / "A" / "2").rename(tmp_path / "away")
+    options = ("-o", "{well}.png", "--size", "80x64", "--sheet", "sheet.png", "--json")
+    done = wavesplat("render", "p.zarr/*/*/0", *options, cwd=tmp_path)
+    assert json.loads(done.stdout)["results"][-1] == {"sheet": "sheet.png", "pictures": 3}
+    sheet = np.asarray(Image.open(tmp_path / "sheet.png").convert("RGB")).astype(int)
+    assert sheet.shape[:2] == (2 * 64 + 3 * 2, 2 * 80 + 3 * 2)
+    first, second = sheet[2:66, 2:82], sheet[2:66, 84:164]
+    np.testing.assert_array_equal(first[:32], np.asarray(Image.open(tmp_path / "A1.png").convert("RGB"))[:32])
+    assert np.ptp(second) == 0, "the place of A2, which is not there"
+    done = wavesplat("render", "p.zarr/A/1/0", *options, cwd=tmp_path)
+    assert "name several" in done.stderr
+    done = wavesplat("render", "p.zarr/*/*/0", "-o", "{well}.png", "--sheet", "B1.png", cwd=tmp_path)
+    assert "the same file" in done.stderr
 
 
 @pytest.mark.parametrize("wells", [5, [5, {}], [{"path": "../../etc"}], [{"path": "A/9"}], []])

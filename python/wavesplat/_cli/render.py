@@ -32,7 +32,7 @@ if TYPE_CHECKING:
 __all__ = ["render"]
 
 
-@takes_several_inputs(".png")
+@takes_several_inputs(".png", has_sheet=True)
 @takes_figure_options
 @takes_cut_options
 @takes_light_options

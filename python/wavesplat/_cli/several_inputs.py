@@ -18,7 +18,7 @@ from typing import Annotated, Any
 
 import typer
 
-from wavesplat._cli.printing import collected, message, print_lines
+from wavesplat._cli.printing import collected, message, print_lines, print_result
 from wavesplat._files.addresses import is_address, safe_address
 from wavesplat._files.patterns import matching_files
 from wavesplat.errors import ArgumentError, WavesplatError
@@ -40,13 +40,23 @@ PLACE = re.compile(r"\{(stem|name|folder|path|well|field|number)\}")
 OF_PLATES = ("well", "field")
 
 
+Sheet = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="OUT",
+        help="Of several INPUTs: all pictures on one sheet, with their names; of a plate's wells by row and column.",
+    ),
+]
+
+
 def takes_several_inputs(
-    suffix: str | None = None, *, own: tuple[str, ...] = ()
+    suffix: str | None = None, *, own: tuple[str, ...] = (), has_sheet: bool = False
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Give a command of one `input` several of them, one after the other.
 
     suffix : of results, where `output` is a folder; None for a command without an output.
     own : an option, and words in braces that the command fills itself where that option is given.
+    has_sheet : whether the command has an option for the pictures of all inputs on one sheet.
     """
 
     def changed(command: Callable[..., None]) -> Callable[..., None]:
@@ -54,15 +64,18 @@ def takes_several_inputs(
 
         @wraps(command)
         def with_several(*, input: list[str] | None = None, **options: Any) -> None:
+            sheet = options.pop("sheet", None)
             if not input:
+                _check_sheet(sheet, [])
                 command(input=None, **options)
                 return
             left = own[1:] if own and options.get(own[0]) else ()
             runs = _runs(_found(input), options, suffix, left)
+            _check_sheet(sheet, runs)
             if len(runs) == 1:
                 command(**runs[0])
             else:
-                _run_all(command, runs, titled=suffix is None)
+                _run_all(command, runs, titled=suffix is None, sheet=sheet)
 
         parameters = [
             parameter.replace(annotation=Inputs if parameter.default is parameter.empty else InputsOrNone)
@@ -70,6 +83,10 @@ def takes_several_inputs(
             else parameter
             for parameter in signature.parameters.values()
         ]
+        if has_sheet:
+            parameters.append(
+                inspect.Parameter("sheet", inspect.Parameter.KEYWORD_ONLY, default=None, annotation=Sheet)
+            )
         # Typer reads one or the other, depending on its release.
         with_several.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
         with_several.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
@@ -173,7 +190,42 @@ def _named(path: Path, places: dict[str, str]) -> Path:
     return Path(PLACE.sub(lambda place: places[place[1]], str(path)))
 
 
-def _run_all(command: Callable[..., None], runs: list[dict[str, Any]], *, titled: bool) -> None:
+def _check_sheet(sheet: Path | None, runs: list[dict[str, Any]]) -> None:
+    """Raise an `ArgumentError` if there is to be a sheet, and it could not be written, or would be of one picture."""
+    if sheet is None:
+        return
+    from wavesplat._files.output import check_output
+
+    if len(runs) < 2:
+        raise ArgumentError("--sheet puts the pictures of several volumes side by side; name several, or a pattern")
+    check_output(sheet, "pictures")
+    if sheet.absolute() in [run["output"].absolute() for run in runs]:
+        raise ArgumentError(f"--sheet and --output are the same file, which would be lost; change a name: {sheet}")
+
+
+def _write_sheet(sheet: Path, runs: list[dict[str, Any]]) -> None:
+    """Write the pictures of the inputs on one sheet."""
+    from wavesplat._cli.contact_sheet import Drawn, of_files
+    from wavesplat._readers.ome_zarr_layout import well_of
+
+    wells = [None if is_address(run["input"]) else well_of(Path(run["input"])) for run in runs]
+    has_fields = len({well[1] for well in wells if well is not None}) > 1
+    paths = _paths([run["input"] for run in runs])
+    files = []
+    for run, well, path in zip(runs, wells, paths, strict=True):
+        if run["output"].is_file():
+            name = path if well is None else " ".join(well) if has_fields else well[0]
+            place = None if well is None else Path(run["input"]).absolute().parts[-3:-1]
+            files.append(Drawn(run["output"], name, None if place is None else (place[0], place[1])))
+    if not files:
+        raise ArgumentError("--sheet takes one picture of each volume, and there are none of these names")
+    of_files(files).save(sheet)
+    print_result({"sheet": str(sheet), "pictures": len(files)}, sheet, as_json=bool(runs[0].get("json")))
+
+
+def _run_all(
+    command: Callable[..., None], runs: list[dict[str, Any]], *, titled: bool, sheet: Path | None = None
+) -> None:
     """Run the command for each input in turn; report one that fails, and go on with the others."""
     n_failed = 0
     with collected(as_json=bool(runs[0].get("json"))):
@@ -189,6 +241,8 @@ def _run_all(command: Callable[..., None], runs: list[dict[str, Any]], *, titled
                 n_failed += 1
                 place = "" if safe_address(run["input"]) in str(error) else f": {safe_address(run['input'])}"
                 message(f"error: {' '.join(str(error).split())}{place}")
+        if sheet is not None and n_failed < len(runs):
+            _write_sheet(sheet, runs)
     if n_failed:
         message(f"{n_failed} of {len(runs)} inputs failed")
         raise typer.Exit(1)

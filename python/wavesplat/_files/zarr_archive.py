@@ -28,7 +28,8 @@ class ZarrArchive:
     def __init__(self, path: Path) -> None:
         self.path = path
         self._lock = threading.Lock()
-        self._process, self._file = 0, None
+        self._process = 0
+        self._file: zipfile.ZipFile | None = None
         self._prefix = ""
         self._entries: dict[str, zipfile.ZipInfo] = {}
 
@@ -70,14 +71,16 @@ class ZarrArchive:
         n = len(self._prefix)
         return sorted({name[n:].partition("/")[0] for name in self._entries if name.startswith(self._prefix)} - {""})
 
-    def _opened(self) -> Any:
+    def _opened(self) -> zipfile.ZipFile:
         with self._lock:
+            file = self._file
             # A forked process shares the offset in the open file with its parent.
-            if self._file is None or self._process != os.getpid():
-                self._file, self._process = _opened_zip(self.path), os.getpid()
-                self._entries = {entry.filename: entry for entry in self._file.infolist()}
+            if file is None or self._process != os.getpid():
+                self._file = file = _opened_zip(self.path)
+                self._process = os.getpid()
+                self._entries = {entry.filename: entry for entry in file.infolist()}
                 self._prefix = _prefix(self._entries) or ""
-            return self._file
+            return file
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, ZarrArchive) and self.path == other.path
@@ -108,7 +111,7 @@ def _opened_zip(path: Path) -> zipfile.ZipFile:
 
 
 def _prefix(entries: dict[str, zipfile.ZipInfo]) -> str | None:
-    """What the names of a store's entries begin with; None where there is no store."""
+    """The folder of a store in an archive, such as `a.zarr/`, or "" at its top; None where there is no store."""
     folders = {name.partition("/")[0] for name in entries}
     places = ["", *(f"{folder}/" for folder in folders if len(folders) == 1)]
     return next((place for place in places if any(place + name in entries for name in ROOT_NAMES)), None)

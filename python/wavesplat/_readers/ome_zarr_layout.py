@@ -127,15 +127,15 @@ def label_looks(place: ZarrPlace, path: str = "") -> dict[int, Look]:
         return {}
     found: dict[int, Look] = {}
     for one in _objects(described.get("colors")):
-        number, rgba = one.get("label-value"), one.get("rgba")
+        number, rgba = _whole(one.get("label-value")), one.get("rgba")
         is_color = isinstance(rgba, list) and len(rgba) in (3, 4) and all(_is_byte(share) for share in rgba)
-        if _is_whole(number) and isinstance(rgba, list) and is_color:
-            found[int(number)] = (str(int(number)), (rgba[0] / 255, rgba[1] / 255, rgba[2] / 255))
+        if number is not None and isinstance(rgba, list) and is_color:
+            found[number] = (str(number), (rgba[0] / 255, rgba[1] / 255, rgba[2] / 255))
     for one in _objects(described.get("properties")):
-        number = one.get("label-value")
+        number = _whole(one.get("label-value"))
         names = [one[key] for key in ("name", "label", "class") if isinstance(one.get(key), str) and one[key]]
-        if _is_whole(number) and names:
-            found[int(number)] = (names[0], found.get(int(number), ("", None))[1])
+        if number is not None and names:
+            found[number] = (names[0], found.get(number, ("", None))[1])
     return found
 
 
@@ -162,10 +162,11 @@ def _texts(found: Any) -> tuple[str, ...]:
     return tuple(one for one in found if isinstance(one, str) and one) if isinstance(found, list) else ()
 
 
-def _is_whole(number: Any) -> bool:
-    return (isinstance(number, int) and not isinstance(number, bool)) or (
-        isinstance(number, float) and number.is_integer()
-    )
+def _whole(number: Any) -> int | None:
+    """A whole number, also one that is written as 1.0; None for anything else."""
+    if isinstance(number, bool) or not isinstance(number, int | float):
+        return None
+    return int(number) if isinstance(number, int) or number.is_integer() else None
 
 
 def _is_byte(number: Any) -> bool:

@@ -34,7 +34,7 @@ Inputs = Annotated[list[str], _INPUTS]
 InputsOrNone = Annotated[list[str] | None, _INPUTS]
 
 #: Suffixes that belong to the one after them, as in .nii.gz.
-DOUBLE = re.compile(r"\.(nii|img|hdr|ome|seg)$", re.IGNORECASE)
+DOUBLE = re.compile(r"(\.ome)?\.zarr$|\.(nii|img|hdr|ome|seg)$", re.IGNORECASE)
 PLACE = re.compile(r"\{(stem|name|folder|path|well|field|number)\}")
 #: Words in braces that only images of plates have.
 OF_PLATES = ("well", "field")

@@ -19,7 +19,7 @@ __all__ = ["ZarrArchive", "holds_zarr"]
 #: Documents that the root of a store has, one of them.
 ROOT_NAMES = ("zarr.json", ".zgroup", ".zarray", ".zattrs")
 #: Most entries of an archive: a larger directory takes long to read, and is a mistake or worse.
-MAX_ENTRIES = 5_000_000
+MAX_ENTRIES = 2_000_000
 
 
 class ZarrArchive:

@@ -129,7 +129,8 @@ def open(
         NIfTI (.nii, .nii.gz, .hdr/.img), FreeSurfer (.mgz, .mgh), MINC (.mnc), AFNI (.HEAD, .BRIK), PAR/REC, ECAT
         (.v), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), VTK images (.vtk, .vti), DICOM (a folder, also of folders,
         one of the files, a DICOMDIR, or a .zip of them), a TIFF stack (one file or a folder), .npy, .npz, raw, HDF5,
-        OME-Zarr (also under a URL). Or an object of another library, without options: the same as `Volume(object)`.
+        OME-Zarr (also zipped, or under a URL). Or an object of another library, without options: the same as
+        `Volume(object)`.
     **options : OpenOptions
         What to read of the file, and how.
 

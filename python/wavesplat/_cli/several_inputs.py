@@ -44,7 +44,7 @@ Sheet = Annotated[
     Path | None,
     typer.Option(
         metavar="OUT",
-        help="Of several INPUTs: all pictures on one sheet, with their names; of a plate's wells by row and column.",
+        help="Of several volumes: all pictures on one sheet, with their names; of a plate's wells by row and column.",
     ),
 ]
 

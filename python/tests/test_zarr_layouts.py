@@ -213,6 +213,13 @@ def test_archives_are_read_in_place(tmp_path, name, top, packing):
     assert ws.Labels.open("nuclei", scan=volume).labels[1].color == (1, 0, 0)
 
 
+def test_info_of_an_archive(tmp_path, wavesplat):
+    archive = zipped(labelled(tmp_path / "a.ome.zarr"), tmp_path / "a.ozx")
+    facts = json.loads(wavesplat("info", archive, "--json").stdout)
+    assert (facts["shape_zyx"], facts["label_images"]) == ([20, 24, 24], ["nuclei", "plain"])
+    assert "nucleus, #ff0000" in wavesplat("info", archive, "--dataset", "labels/nuclei").stdout
+
+
 def test_shards_in_an_archive_are_read_by_ranges(tmp_path):
     group = opened(tmp_path / "s.zarr")
     samples = np.random.default_rng(1).integers(0, 255, (32, 32, 32), np.uint8)

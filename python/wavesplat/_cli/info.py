@@ -38,12 +38,12 @@ def info(input: Input, *, reader: ReaderOptions, json: Json = False) -> None:
         text += describe.wavelet_lines(facts)
     else:
         facts |= describe.describe(volume, of_coarsest=reader.memory is None)
-        facts["labels"] = _labels_of(input, volume) if reader.channel is None else []
+        facts["labels"] = _labels_of(input, volume, reader.dataset) if reader.channel is None else []
         text += [*describe.lines(facts), *label_counts.lines(facts["labels"])]
     print_result(facts, "\n".join(text), as_json=json)
 
 
-def _labels_of(input: str, volume: Volume) -> list[dict[str, Any]]:
+def _labels_of(input: str, volume: Volume, dataset: str | None) -> list[dict[str, Any]]:
     """The labels that a file names; none of an address, and of scans, whose headers need not be read again."""
     from wavesplat._cli import label_counts
     from wavesplat._files.addresses import is_address
@@ -51,7 +51,7 @@ def _labels_of(input: str, volume: Volume) -> list[dict[str, Any]]:
 
     if is_address(input) or volume.modality not in (None, "SEG"):
         return []
-    named = label_names.in_file(input)
+    named = label_names.in_file(input, dataset)
     return label_counts.counted(volume, named) if named else []
 
 

@@ -9,7 +9,7 @@ import zipfile
 import numpy as np
 import pytest
 from PIL import Image
-from zarr_images import cells, labelled, opened, plate, series, write_image, zipped
+from zarr_images import LOOK, cells, labelled, opened, plate, series, write_image, zipped
 
 import wavesplat as ws
 from wavesplat.errors import FileError
@@ -141,6 +141,13 @@ def test_a_well_of_one_field_is_its_image(tmp_path):
     path = plate(tmp_path / "p.zarr")
     np.testing.assert_array_equal(ws.open(path / "A" / "2").samples, SAMPLES + 100)
     np.testing.assert_array_equal(ws.open(path, dataset="A/2").samples, SAMPLES + 100)
+
+
+def test_labels_of_the_image_of_a_well(tmp_path):
+    path = plate(tmp_path / "p.zarr")
+    write_image(opened(path / "A" / "2" / "0"), SAMPLES, labels={"nuclei": (NUMBERS, LOOK)})
+    for scan in (ws.open(path / "A" / "2"), ws.open(path, dataset="A/2"), ws.open(path, dataset="A/2/0")):
+        assert ws.Labels.open("nuclei", scan=scan).labels[1].color == (1, 0, 0)
 
 
 def test_info_lists_wells_and_fields(tmp_path, wavesplat):

@@ -17,14 +17,14 @@ N_LISTED = 40
 
 
 def contents(input: str, reader: ReaderOptions) -> dict[str, Any]:
-    """Facts on the images of a series, wells of a plate, and labels of an image; empty lists for other files."""
-    if not is_zarr(input, **vars(reader)):
-        return {"images": [], "wells": [], "label_images": []}
-    return ome_zarr.contents(input, reader.dataset)
+    """Facts on the images of a series, wells of a plate, and labels of an image; none of files of other kinds."""
+    return ome_zarr.contents(input, reader.dataset) if is_zarr(input, **vars(reader)) else {}
 
 
 def lines(facts: dict[str, Any]) -> list[str]:
     """The contents as text."""
+    if "images" not in facts:
+        return []
     text = []
     if facts["images"]:
         named = [f"{image['path']} {image['name']!r}" if image["name"] else image["path"] for image in facts["images"]]

@@ -181,16 +181,13 @@ def _opened_image(request: Request) -> tuple[Any, Request, tuple[str, ...]]:
     if hasattr(node, "shape") or _multiscales(node) is not None:
         return node, request, ()
     place, path = _location(request, node), (request.dataset or "").strip("/")
+    images = _images_of(place, path)
     notes: tuple[str, ...] = ()
-    images = [f"{path}/{name}".strip("/") for name in layout.series_of(place, path)]
     if len(images) > 1:
+        if wells := layout.wells_of(place, path):
+            raise _several_wells(wells, images, request)
         named = ", ".join(images[:N_LISTED]) + (", ..." if len(images) > N_LISTED else "")
         notes = (f"{images[0]} of {len(images)} images in the file, {named}; choose one with dataset= (--dataset)",)
-    if not images:
-        wells = layout.wells_of(place, path)
-        images = [image for well in wells for image in well.images]
-        if len(images) > 1:
-            raise _several_wells(wells, images, request)
     if not images:
         return node, request, ()
     request = replace(request, dataset=images[0])
@@ -198,8 +195,8 @@ def _opened_image(request: Request) -> tuple[Any, Request, tuple[str, ...]]:
 
 
 def _several_wells(wells: Sequence[layout.Well], images: list[str], request: Request) -> FileError:
-    names = ", ".join(well.name for well in wells[:N_LISTED]) + (", ..." if len(wells) > N_LISTED else "")
     wells = [well for well in wells if well.fields]
+    names = ", ".join(well.name for well in wells[:N_LISTED]) + (", ..." if len(wells) > N_LISTED else "")
     kind = f"a plate of {len(wells)} wells, {names}," if len(wells) > 1 else f"the well {names}"
     own = request.safe_path.rstrip("/")
     message = (
@@ -216,9 +213,14 @@ def _several_wells(wells: Sequence[layout.Well], images: list[str], request: Req
 def labels_of(path: str | PathLike[str], dataset: str | None = None) -> tuple[str, tuple[str, ...]]:
     """The path in the store of the image that is opened by default, and the names of its segmentations."""
     place, inner = _place_in(path, dataset)
-    series = layout.series_of(place, inner)
-    image = f"{inner}/{series[0]}".strip("/") if series else inner
-    return image, layout.label_names(place, image)
+    images = _images_of(place, inner)[:1] or [inner]
+    return images[0], layout.label_names(place, images[0])
+
+
+def _images_of(place: ZarrPlace, path: str) -> list[str]:
+    """Paths of the images in a series, or in the wells of a plate; empty for other groups."""
+    series = [f"{path}/{name}".strip("/") for name in layout.series_of(place, path)]
+    return series or [image for well in layout.wells_of(place, path) for image in well.images]
 
 
 def contents(path: str | PathLike[str], dataset: str | None = None) -> dict[str, Any]:

@@ -115,7 +115,11 @@ def test_damaged_where_bytes_are_missing(tmp_path):
 @pytest.mark.parametrize(
     ("error", "words"),
     [
-        (ImportError('HTTPFileSystem requires "requests" and "aiohttp" to be installed'), 'pip install ".[http]"'),
+        (
+            ImportError('HTTPFileSystem requires "requests" and "aiohttp" to be installed'),
+            'pip install "aiohttp>=3.9", or in the checkout of Wavesplat: pip install ".[http]"',
+        ),
+        (ImportError("Install s3fs to access S3"), "a package is missing; run: pip install s3fs"),
         (ModuleNotFoundError("No module named 'imagecodecs'"), "a package is missing; install it with pip"),
         (FileNotFoundError("http://host/a.zarr"), "it is not there; check the name"),
         (ConnectionRefusedError("refused"), "the server does not answer"),

@@ -12,7 +12,7 @@ import typer
 
 from wavesplat._cli.input_names import stem_of
 from wavesplat._cli.printing import message, print_result
-from wavesplat._files.addresses import safe_address
+from wavesplat._files.addresses import is_address, safe_address
 from wavesplat.errors import ArgumentError, WavesplatError
 
 if TYPE_CHECKING:
@@ -81,6 +81,8 @@ class Batch:
     #: Lowest and highest values that the layers of each input show, by input.
     _windows: dict[str, list[tuple[float, float]]] = field(default_factory=dict)
     _panels: list[tuple[str, NDArray[np.float32]]] = field(default_factory=list)
+    #: Row and column on a plate of each panel that is of a well.
+    _wells: list[tuple[str, str]] = field(default_factory=list)
 
     @property
     def has_sheet(self) -> bool:
@@ -138,8 +140,9 @@ class Batch:
             if not self._panels:
                 width, height = picture.size
                 check_picture_memory((width, height * max(len(self.inputs), 1)), BYTES_OF_PIXEL)
-            names = _distinct_names(self.inputs)
-            name = names[self.inputs.index(input)] if input in self.inputs else input
+            name, well = self._name_of(input)
+            if well is not None:
+                self._wells.append(well)
             alone = [time] if len(self.inputs) == 1 and time else [name, time]
             self._panels.append((", ".join(text for text in alone if text), picture.rgba))
 
@@ -148,12 +151,24 @@ class Batch:
         if self.options.sheet is not None and self._panels:
             from wavesplat._cli.contact_sheet import sheet_of
 
-            sheet = sheet_of(self._panels)
+            sheet = sheet_of(self._panels, self._wells if len(self._wells) == len(self._panels) else None)
             sheet.save(self.options.sheet)
             facts = {"sheet": str(self.options.sheet), "size": list(sheet.size), "names": [n for n, _ in self._panels]}
             print_result(facts, self.options.sheet, as_json=as_json, written=self.options.sheet)
         if self.options.same_look is None and not self.is_quiet:
             self._note_windows()
+
+    def _name_of(self, input: str) -> tuple[str, tuple[str, str] | None]:
+        """The name of an input on the sheet, and row and column of the well that it is of, on a plate."""
+        from wavesplat._readers.ome_zarr_layout import well_of
+
+        found = [None if is_address(one) else well_of(Path(one)) for one in self.inputs]
+        own = found[self.inputs.index(input)]
+        if own is None:
+            return _distinct_names(self.inputs)[self.inputs.index(input)], None
+        has_fields = len({one[1] for one in found if one is not None}) > 1
+        row, column = Path(input).absolute().parts[-3:-1]
+        return " ".join(own) if has_fields else own[0], (row, column)
 
     def _note_windows(self) -> None:
         (first, shown), *others = self._windows.items() or [("", [])]

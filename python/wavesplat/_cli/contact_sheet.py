@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._files.natural_order import natural_key
 from wavesplat._looks.look import Look
 from wavesplat._picture.annotating import caption_strip
 from wavesplat._picture.picture import Picture
@@ -33,18 +34,28 @@ def drawn(volume: Volume | WaveletVolume, names: Sequence[str], size: tuple[int,
     return sheet_of(pictures)
 
 
-def sheet_of(pictures: Sequence[tuple[str, NDArray[np.float32]]]) -> Picture:
-    """A sheet of pictures with their names below, as nearly square as may be."""
+def sheet_of(
+    pictures: Sequence[tuple[str, NDArray[np.float32]]], wells: Sequence[tuple[str, str]] | None = None
+) -> Picture:
+    """A sheet of pictures with their names below: by rows and columns of wells, else as nearly square as may be.
+
+    wells : names of the row and the column of each picture on a plate.
+    """
     width, height = (max(rgba.shape[axis] for _, rgba in pictures) for axis in (1, 0))
     strips = [caption_strip(name, width, height) for name, _ in pictures]
     height += strips[0].shape[0]
-    n_columns = min(len(pictures), max(1, round(sqrt(len(pictures) * height / width))))
-    n_rows = ceil(len(pictures) / n_columns)
+    if wells is not None and len(set(wells)) == len(pictures):
+        rows, columns = (sorted(set(names), key=natural_key) for names in zip(*wells, strict=True))
+        n_rows, n_columns = len(rows), len(columns)
+        places = [(rows.index(row), columns.index(column)) for row, column in wells]
+    else:
+        n_columns = min(len(pictures), max(1, round(sqrt(len(pictures) * height / width))))
+        n_rows = ceil(len(pictures) / n_columns)
+        places = [divmod(number, n_columns) for number in range(len(pictures))]
     shape = (n_rows * (height + GAP_PX) + GAP_PX, n_columns * (width + GAP_PX) + GAP_PX, 4)
     sheet = np.full(shape, GREY, dtype=np.float32)
     sheet[..., 3] = 1
-    for number, ((_, rgba), strip) in enumerate(zip(pictures, strips, strict=True)):
-        row, column = divmod(number, n_columns)
+    for (row, column), (_, rgba), strip in zip(places, pictures, strips, strict=True):
         top, left = (GAP_PX + place * (side + GAP_PX) for place, side in ((row, height), (column, width)))
         room = height - strip.shape[0]
         # A smaller picture lies in the middle of its place.

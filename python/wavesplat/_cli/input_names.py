@@ -11,7 +11,7 @@ from wavesplat._files.addresses import is_address
 __all__ = ["is_folder", "stem_of"]
 
 #: Suffixes that belong to the one after them, as in .nii.gz.
-DOUBLE = re.compile(r"\.(nii|img|hdr|ome|seg)$", re.IGNORECASE)
+DOUBLE = re.compile(r"(\.ome)?\.zarr$|\.(nii|img|hdr|ome|seg)$", re.IGNORECASE)
 
 
 def stem_of(input: str) -> str:

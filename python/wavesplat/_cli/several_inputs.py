@@ -1,7 +1,8 @@
 """Commands of one INPUT run on several: quoted patterns are expanded, and each result gets a name of its own.
 
-In the name of an output, {stem} is the input's without suffix, {name} with it, {folder} the folder that it is in, and
-{number} counts from 1. Other braces are left as they are.
+In the name of an output, {stem} is the input's without suffix, {name} with it, {folder} the folder that it is in,
+{path} what is after the folder that all inputs share, with _ between its parts, and {number} counts from 1. Of images
+of a plate of OME-Zarr {well} is the well, such as A1, and {field} the image in it. Other braces are left as they are.
 """
 
 from __future__ import annotations
@@ -34,7 +35,9 @@ _INPUTS = typer.Argument(
 Inputs = Annotated[list[str], _INPUTS]
 InputsOrNone = Annotated[list[str] | None, _INPUTS]
 
-PLACE = re.compile(r"\{(stem|name|folder|number)\}")
+PLACE = re.compile(r"\{(stem|name|folder|path|well|field|number)\}")
+#: Words in braces that only images of plates have.
+OF_PLATES = ("well", "field")
 
 
 def takes_several_inputs(
@@ -99,8 +102,13 @@ def _runs(
     """Arguments of the command for each input. `left`: words in braces that stay."""
     runs = []
     makers: dict[Path, str] = {}
+    paths = _paths(inputs)
+    named = " ".join(str(options.get(option)) for option in ("output", "report"))
+    asks_wells = any(f"{{{word}}}" in named for word in OF_PLATES)
     for number, input in enumerate(inputs, 1):
-        places = _places(input, f"{number:0{len(str(len(inputs)))}}")
+        places = {**_places(input, f"{number:0{len(str(len(inputs)))}}"), "path": paths[number - 1]}
+        if asks_wells:
+            places |= _places_in_plate(input)
         places |= {word: f"{{{word}}}" for word in left}
         own = {option: _named(options[option], places) for option in ("output", "report") if options.get(option)}
         if suffix is not None and "output" in own and is_folder(own["output"]):
@@ -113,9 +121,10 @@ def _runs(
                 )
             maker = makers.setdefault(path, input)
             if maker != input:
+                words = _words_that_differ(maker, input)
                 raise ArgumentError(
                     f"{safe_address(maker)} and {safe_address(input)} would be one file, {path}; "
-                    "write {folder} or {number} in its name"
+                    f"write {' or '.join(words)} in its name"
                 )
         runs.append({**options, **own, "input": input})
     return runs
@@ -129,6 +138,39 @@ def _places(input: str, number: str) -> dict[str, str]:
         with suppress(OSError):  # of a working folder that is gone
             folder = path.absolute().parent.name
     return {"stem": stem_of(input), "name": path.name, "folder": folder, "number": number}
+
+
+def _paths(inputs: list[str]) -> list[str]:
+    """Paths of the inputs below the folder that all share, with _ between their parts."""
+    parts = [Path(safe_address(one) if is_address(one) else os.path.abspath(one)).parts for one in inputs]  # noqa: PTH100
+    n = 0
+    while n < min(map(len, parts)) - 1 and len({part[n] for part in parts}) == 1:
+        n += 1
+    return ["_".join(part[n:]) for part in parts]
+
+
+def _places_in_plate(input: str) -> dict[str, str]:
+    """Values of {well} and {field}."""
+    from wavesplat._readers.ome_zarr_layout import well_of
+
+    found = None if is_address(input) else well_of(Path(input))
+    if found is None:
+        raise ArgumentError(
+            "{well} and {field} name the images of a plate of OME-Zarr, such as plate.zarr/A/1/0, and this is none; "
+            f"write {{path}} or {{stem}}: {safe_address(input)}"
+        )
+    return dict(zip(OF_PLATES, found, strict=True))
+
+
+def _words_that_differ(one: str, other: str) -> list[str]:
+    """Words in braces by which two inputs have different names."""
+    from wavesplat._readers.ome_zarr_layout import well_of
+
+    first, second = (None if is_address(input) else well_of(Path(input)) for input in (one, other))
+    if first is not None and second is not None:
+        return ["{well}" if first[0] != second[0] else "{field}", "{path}"]
+    has_own_folder = _places(one, "")["folder"] != _places(other, "")["folder"]
+    return ["{folder}" if has_own_folder else "{path}", "{number}"]
 
 
 def _named(path: Path, places: dict[str, str]) -> Path:

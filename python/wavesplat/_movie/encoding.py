@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files.libraries import library
+from wavesplat._files.libraries import how_to_install, library
 from wavesplat._picture.picture_files import straight_bytes
 from wavesplat.errors import ArgumentError, LibraryError
 
@@ -96,9 +96,7 @@ def _video(path: Path, frames: Frames, *, fps: float, crf: int) -> None:
         try:
             stream = out.add_stream(codec, rate=Fraction(float(fps)).limit_denominator(1001))
         except av.error.FFmpegError as error:
-            raise LibraryError(
-                f'this build of PyAV has no encoder {codec}; in the checkout of Wavesplat, run: pip install ".[movie]"'
-            ) from error
+            raise LibraryError(f"this build of PyAV has no encoder {codec}; {how_to_install('movie')}") from error
         stream.width, stream.height = width + width % 2, height + height % 2
         stream.pix_fmt = "yuv420p"
         stream.options = {"crf": str(crf), **options}

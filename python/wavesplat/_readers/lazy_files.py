@@ -18,11 +18,12 @@ from numpy.typing import NDArray
 
 from wavesplat._files import size_checks
 from wavesplat._files.bounded_file import BoundedFile
-from wavesplat._files.file_states import StoredFiles
+from wavesplat._files.file_states import SourceFiles, StoredFiles
 from wavesplat._files.mute_stderr import muted_stderr
 from wavesplat._files.npz import npy_header
 from wavesplat._files.reading import reading
 from wavesplat._files.zarr_states import chunk_files
+from wavesplat._files.zarr_stores import place_of
 from wavesplat._model.facts import Facts
 from wavesplat._model.hdf5_files import files_of_dataset, open_hdf5, read_hdf5
 from wavesplat._model.lazy_array import LazyArray, SlicedArray
@@ -279,8 +280,11 @@ def _of_levels(file: Any, image: StoredImage, request: Request) -> LazyGrid:
 def _of_zarr(request: Request) -> LazyGrid:
     levels = []
     for level in ome_zarr.levels_of(request):
-        chunks = getattr(level.array, "shards", None) or level.array.chunks
-        files = chunk_files(level.array, level.picked)
+        # Inner chunks of shards, which zarr reads by their ranges: a shard is no unit of reading.
+        chunks = level.array.chunks
+        place = place_of(level.array)
+        is_packed = place is not None and place.archive is not None
+        files: SourceFiles | None = StoredFiles([request.file]) if is_packed else chunk_files(level.array, level.picked)
         token = None if files is None else f"Zarr {level.array.store_path}"
         if files is None and not isinstance(request.cache, bool):
             token = _token_of_url(request, level.path)  # only a named folder keeps surveys by a server's marks

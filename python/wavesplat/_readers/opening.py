@@ -13,13 +13,14 @@ from dataclasses import replace
 from importlib import import_module
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from wavesplat._files import size_checks
 from wavesplat._files.memory import free_bytes
 from wavesplat._files.paths import check_no_pipe, check_text, printable
+from wavesplat._files.zarr_archive import holds_zarr
 from wavesplat._model import affine, sources
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.facts import Facts
@@ -38,7 +39,7 @@ from wavesplat.errors import ArgumentError, FileError, FileWarning, WavesplatErr
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-__all__ = ["open", "opened"]
+__all__ = ["is_zarr", "open", "opened"]
 
 #: Suffix -> module. Longer suffixes come first where one ends with another.
 SUFFIXES = {
@@ -64,6 +65,8 @@ SUFFIXES = {
     ".vti": "vti",
     ".dcm": "dicom",
     ".ima": "dicom",
+    ".zarr.zip": "ome_zarr",
+    ".ozx": "ome_zarr",
     ".zip": "dicom",
     ".tiff": "tiff",
     ".tif": "tiff",
@@ -133,8 +136,8 @@ def open(
         NIfTI (.nii, .nii.gz, .hdr/.img), FreeSurfer (.mgz, .mgh), MINC (.mnc), AFNI (.HEAD, .BRIK), PAR/REC, ECAT
         (.v), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), VTK images (.vtk, .vti), DICOM (a folder, also of folders,
         one of the files, a DICOMDIR, or a .zip of them), a TIFF stack (one file or a folder), .npy, .npz, raw, HDF5,
-        Imaris (.ims), BigDataViewer (its .xml or .h5), OME-Zarr (also under a URL), microscopes' files by bioio (.czi,
-        .lif, .nd2, ...). Or an object of another library, without options: the same as `Volume(object)`.
+        Imaris (.ims), BigDataViewer (its .xml or .h5), OME-Zarr (also zipped, or under a URL), microscopes' files by
+        bioio (.czi, .lif, .nd2, ...). Or an object of another library, without options: the same as `Volume(object)`.
     **options : OpenOptions
         What to read of the file, and how.
 
@@ -169,6 +172,14 @@ def open(
     if not isinstance(path, str | PathLike):
         return _held(path, Request(".", **options))
     return opened(requested(path, **options), stacklevel=5)
+
+
+def is_zarr(path: str | PathLike[str], **options: Any) -> bool:
+    """Whether a path or address is that of a Zarr image or array; False also for what cannot be opened."""
+    try:
+        return _family(requested(path, **options)) == "ome_zarr"
+    except WavesplatError:
+        return False  # whatever is wrong is said where the file is opened
 
 
 def _held(thing: VolumeLike, options: Request) -> Volume:
@@ -280,7 +291,9 @@ def _family(request: Request) -> str:
     with path.open("rb") as file:
         start = file.read(N_FIRST_BYTES)
     family = SUFFIXES.get(suffix or "") or _family_by_magic(start)
-    if suffix != ".zip" and (error := foreign_content(path, start)) is not None:
+    if suffix == ".zip" and holds_zarr(path):
+        return "ome_zarr"
+    if suffix not in (".zip", ".zarr.zip", ".ozx") and (error := foreign_content(path, start)) is not None:
         raise error
     if family == "dicom" and suffix != ".zip":
         # One file of a series: the others are looked for beside it.

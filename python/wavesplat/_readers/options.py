@@ -53,7 +53,8 @@ class OpenOptions(FileOptions, total=False):
         BigDataViewer: which setup, in the order of their numbers, be it a channel, a tile or an angle.
         In arrays without named axes (.npy, raw, HDF5), time is the first axis and channel the last.
     dataset : str, optional
-        HDF5, .npz, .vti, .vtk, Zarr: the name of the array, if there are several.
+        HDF5, .npz, .vti, .vtk, Zarr: the name of the array, if there are several; of OME-Zarr the path of an image in a
+        series or plate, such as "A/1/0".
     level : int, optional
         OME-Zarr, Imaris, BigDataViewer: the level of detail; 0, the default, is the finest.
     shape, dtype : optional

@@ -128,7 +128,7 @@ def write_tiff(picture: Picture, path: Path, *, bits: int, dpi: float | None) ->
 
 
 def _straight_words(rgba: NDArray[np.float32]) -> NDArray[np.uint16]:
-    """Associated floats as 16-bit numbers of colour, not multiplied by opacity, and opacity; rounded as in PNG files."""
+    """Associated floats as 16-bit numbers of straight colour and opacity, rounded as in PNG files."""
     alpha = np.clip(rgba[..., 3:], 0, 1)
     color = np.clip(rgba[..., :3] / np.where(alpha > 0, alpha, np.inf), 0, 1)
     return np.floor(np.concatenate([color, alpha], axis=2) * 65535 + np.float32(0.5)).astype(np.uint16)

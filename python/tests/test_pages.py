@@ -8,6 +8,7 @@ import pages
 import pytest
 
 PAGES = ["dicom.md", "gpu.md", "report.md", "movies.md", "channels_and_time.md", "scenes.md", "radiotherapy.md"]
+PAGES += ["coming_from.md"]
 
 
 @pytest.mark.parametrize("name", PAGES)

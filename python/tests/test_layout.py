@@ -28,6 +28,8 @@ ROOMS = {
         "_movie",
         "_mesh",
         "_viewer",
+        "_napari",
+        "napari",
         "reference",
         "study",
         "_cli",

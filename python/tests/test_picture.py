@@ -24,11 +24,40 @@ def test_png_is_not_associated(tmp_path, bits, top):
     assert pixels[0, 0].tolist() == [0, 0, 0, 0]
 
 
-def test_tiff_keeps_the_floats(tmp_path):
-    PICTURE.save(tmp_path / "a.tif")
-    np.testing.assert_array_equal(tifffile.imread(tmp_path / "a.tif"), RGBA)
+@pytest.mark.parametrize("bits", [8, 16])
+def test_tiff_has_the_numbers_of_png(tmp_path, bits):
+    for name in ("a.tif", "a.png"):
+        PICTURE.save(tmp_path / name, bits=bits)
+    np.testing.assert_array_equal(tifffile.imread(tmp_path / "a.tif"), read_png(tmp_path / "a.png"))
     with tifffile.TiffFile(tmp_path / "a.tif") as tiff:
-        assert tiff.pages[0].extrasamples == (tifffile.EXTRASAMPLE.ASSOCALPHA,)
+        assert tiff.pages[0].extrasamples == (tifffile.EXTRASAMPLE.UNASSALPHA,)
+
+
+def test_tiff_is_rgb_with_the_distance_of_pixels(tmp_path):
+    """Fault 10 of the microscopist's trial: Fiji's Image > Properties shows `report["pixel"]` and its unit."""
+    volume = ws.Volume(np.random.default_rng(1).integers(0, 200, (9, 30, 40), np.uint8), spacing=(0.3,) * 3, unit="um")
+    picture = ws.render(volume, "grey", "left", size=(60, 50), background="black")
+    picture.save(tmp_path / "a.tif")
+    with tifffile.TiffFile(tmp_path / "a.tif") as tiff:
+        page = tiff.pages[0]
+        assert tiff.is_imagej
+        assert tiff.imagej_metadata["unit"] == "um"
+        assert (page.shape, page.dtype) == ((50, 60, 3), np.uint8)
+        for tag in ("XResolution", "YResolution"):
+            n_pixels, n_units = page.tags[tag].value
+            assert n_units / n_pixels == pytest.approx(picture.report["pixel"], rel=1e-6)
+        assert page.tags["ResolutionUnit"].value == tifffile.RESUNIT.NONE
+        np.testing.assert_array_equal(page.asarray(), np.asarray(picture)[..., :3])
+    assert picture.report["pixel"] == pytest.approx(picture.camera.parallel_scale / 25)
+
+
+def test_tiff_in_perspective_has_no_distance_of_pixels(tmp_path):
+    volume = ws.Volume(np.eye(8, dtype=np.uint8)[None].repeat(8, axis=0), unit="um")
+    camera = ws.Camera.view(volume, "left", view_angle=30)
+    ws.render(volume, "grey", camera, size=(20, 20)).save(tmp_path / "a.tif")
+    with tifffile.TiffFile(tmp_path / "a.tif") as tiff:
+        assert not tiff.is_imagej
+        assert tiff.pages[0].tags["XResolution"].value == (1, 1)
 
 
 def test_exr_keeps_the_floats_and_the_depth(tmp_path):

@@ -28,6 +28,7 @@ from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
 from wavesplat._model.lazy_array import LazyArray, lazy_array
 from wavesplat._model.lazy_changes import look_again
+from wavesplat._model.stack import Box
 from wavesplat._model.survey import Survey, kept_survey, surveyed
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
@@ -362,6 +363,14 @@ class LazyVolume(Volume):
         if not is_whole_number_below(level, len(self._levels)):
             raise ArgumentError(f"level is {described(level)}; there are {len(self._levels)} levels, 0 is the finest")
         return level
+
+    def _stored_grid(self) -> Grid:
+        return self.grid_of(self._checked(None))
+
+    def _stored_box(self, box: Box) -> NDArray[Any]:
+        from wavesplat._model.lazy_parts import read_box
+
+        return read_box(self._levels[self._checked(None)].array, box)
 
     def preview(self) -> Volume:
         """A coarse copy in memory, of some millions of samples at most, for pictures that must come at once."""

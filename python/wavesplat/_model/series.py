@@ -6,12 +6,15 @@ from collections import OrderedDict
 from collections.abc import Iterator, Sequence
 from math import isfinite
 from operator import index
+from os import PathLike
 from threading import RLock
-from typing import Any, Protocol, overload, runtime_checkable
+from typing import Any, Literal, Protocol, overload, runtime_checkable
 
 from wavesplat._files.paths import printable
-from wavesplat._model.argument_types import described, text_of
+from wavesplat._model import volume_file
+from wavesplat._model.argument_types import described, takes_its_types, text_of
 from wavesplat._model.sources import Source, then
+from wavesplat._model.stack import stacked
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
@@ -110,6 +113,33 @@ class Series:
     def time_unit(self) -> str | None:
         """Unit of `times`, such as "s"; None where nothing is known."""
         return self._known_times()[1]
+
+    @takes_its_types
+    def save(self, path: str | PathLike[str], *, downsampling: Literal["mean", "nearest"] | None = None) -> None:
+        """Write all volumes, with their times, to one file; the suffix chooses the format.
+
+        Parameters
+        ----------
+        path, downsampling
+            As for `Volume.save`; `.ome.tif` and `.ome.zarr` hold several times.
+
+        Raises
+        ------
+        FileError
+            If the suffix is unknown or the file cannot be written; an existing file is replaced only by a whole one.
+        ArgumentError
+            If the volumes differ in shape or place, or the format holds one volume.
+
+        Examples
+        --------
+        >>> import numpy as np, wavesplat as ws
+        >>> beating = np.random.default_rng(1).integers(0, 255, (5, 8, 8, 8), np.uint8)
+        >>> series = ws.Series([ws.Volume(one) for one in beating], times=[0, 2, 4, 6, 8], time_unit="s")
+        >>> series.save("beating.ome.tif")
+        >>> ws.open_series("beating.ome.tif").times
+        (0.0, 2.0, 4.0, 6.0, 8.0)
+        """
+        volume_file.save(stacked([self], None, self.times, self.time_unit), path, downsampling)
 
     def __len__(self) -> int:
         return len(self._numbers)

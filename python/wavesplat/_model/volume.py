@@ -22,6 +22,7 @@ from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
 from wavesplat._model.lazy_checks import NATIVE, renderable_type
 from wavesplat._model.sources import Source, then
+from wavesplat._model.stack import Box, stacked
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
@@ -356,19 +357,32 @@ class Volume(Grid):
         return convert_to.to_pyvista(self, self._samples)
 
     @takes_its_types
-    def save(self, path: str | PathLike[str]) -> None:
+    def save(self, path: str | PathLike[str], *, downsampling: Literal["mean", "nearest"] | None = None) -> None:
         """Write the volume to a file; the suffix chooses the format.
 
         Parameters
         ----------
         path : path
             `.nii.gz` or `.nii` (NIfTI; see `to_nibabel` for units and anatomy), or `.nrrd`, which keeps place, unit,
-            anatomy and modality as they are. Samples keep their type.
+            anatomy and modality as they are. `.ome.tif` (OME-TIFF): distances and their unit, name and colour of the
+            channel. `.ome.zarr` (OME-Zarr 0.5, a folder): the same, place and window, and coarser levels; it replaces
+            only a folder of Zarr. Samples keep their type. The last two are written part by part: lazy volumes stay in
+            their files.
+        downsampling : "mean" or "nearest", optional
+            For `.ome.zarr`: samples of coarser levels are means of finer ones, or every second one, for labels. None is
+            "nearest" for segmentations of DICOM, else "mean".
 
         Raises
         ------
         FileError
             If the suffix is unknown or the file cannot be written; an existing file is replaced only by a whole one.
+        LibraryError
+            If zarr is older than 3, which writes OME-Zarr 0.5 and needs Python 3.11.
+
+        Warns
+        -----
+        WavesplatWarning
+            If OME-TIFF or OME-Zarr has no place for a fact, such as anatomy or turned axes.
 
         Examples
         --------
@@ -377,7 +391,15 @@ class Volume(Grid):
         >>> ws.open("ripples.nrrd").shape
         (16, 16, 16)
         """
-        volume_file.save(self, self._samples, path)
+        volume_file.save(stacked([[self]]), path, downsampling)
+
+    def _stored_grid(self) -> Grid:
+        """Grid of the samples that `save` writes."""
+        return self
+
+    def _stored_box(self, box: Box) -> NDArray[Any]:
+        """Samples of a box, [z, y, x]."""
+        return self._samples[tuple(slice(lower, upper) for lower, upper in zip(*box, strict=True))]
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
         """The samples, as `numpy.asarray(volume)` asks for them: read-only, unless they are copied."""

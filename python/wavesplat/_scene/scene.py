@@ -257,6 +257,40 @@ class Scene:
         return scene_json.parse(text, place, external_files=external_files).scene
 
     @takes_its_types
+    def save_volumes(
+        self, path: str | PathLike[str], *, downsampling: Literal["mean", "nearest"] | None = None
+    ) -> None:
+        """Write the samples of all layers to one file, a channel each, with their times where they are series.
+
+        Parameters
+        ----------
+        path, downsampling
+            As for `Volume.save`; `.ome.tif` and `.ome.zarr` hold several channels. Names are those of the layers, and
+            colours, and windows in `.ome.zarr`, those that the looks show; of looks that are not `Look.channel` those
+            of the volumes. Layers that are not visible are written too, as such in `.ome.zarr`.
+
+        Raises
+        ------
+        FileError
+            If the suffix is unknown or the file cannot be written; an existing file is replaced only by a whole one.
+        ArgumentError
+            If the layers differ in shape, place or number of times, or one has no samples.
+
+        Examples
+        --------
+        >>> import numpy as np, wavesplat as ws
+        >>> cells = [ws.Volume(np.random.default_rng(n).random((8, 8, 8), np.float32), unit="um") for n in (1, 2)]
+        >>> looks = [ws.Look.channel(cells[0], "blue", (0, 1)), ws.Look.channel(cells[1], "green", (0.5, 1))]
+        >>> scene = ws.Scene([ws.Layer(*pair, name=name) for *pair, name in zip(cells, looks, ("DAPI", "GFP"))])
+        >>> scene.save_volumes("cells.ome.tif")
+        >>> [layer.name for layer in ws.open_scene("cells.ome.tif").layers]
+        ['DAPI', 'GFP']
+        """
+        from wavesplat._scene import scene_volumes
+
+        scene_volumes.save(self.layers, path, downsampling)
+
+    @takes_its_types
     def save(self, path: str | PathLike[str]) -> None:
         """Write the scene to a JSON file; paths of volumes that lie below its folder, or beside it, are relative to it.
 

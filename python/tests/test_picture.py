@@ -219,11 +219,15 @@ def test_the_systems_viewer_shows_it(monkeypatch):
 
 def test_axes_of_a_figure_are_the_worlds():
     volume = ws.Volume(np.arange(60).reshape(3, 4, 5), spacing=(2, 2, 2), unit="um")
-    axes = ws.slice(volume, "axial").figure().axes[0]
-    # Seen from below, as radiologists do: x grows to the left. Samples lie at the middles of pixels.
+    axes = ws.slice(volume, "xy").figure().axes[0]
+    # As an array is shown: y grows downwards. Samples lie at the middles of pixels.
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("x (µm)", "y (µm)")
-    assert axes.get_xlim() == (9, -1)
-    assert axes.get_ylim() == (-1, 7)
+    assert axes.get_xlim() == (-1, 9)
+    assert axes.get_ylim() == (7, -1)
+    body = ws.Volume(volume.samples, spacing=(2, 2, 2), unit="mm", anatomical=True)
+    axes = ws.slice(body, "axial").figure().axes[0]
+    # Seen from below, as radiologists do: x grows to the left.
+    assert (axes.get_xlim(), axes.get_ylim()) == ((9, -1), (-1, 7))
     assert PICTURE.figure().axes[0].axison is False
     seen = ws.Picture(RGBA, report={"pixel": 0.5}).figure().axes[0]
     assert (seen.get_xlim(), seen.get_ylim(), seen.get_xlabel()) == ((-1.25, 1.25), (-0.75, 0.75), "right")

@@ -9,6 +9,7 @@ import wavesplat as ws
 from wavesplat._looks import presets
 from wavesplat._looks.colormaps import is_diverging
 from wavesplat._looks.overlays import cleared
+from wavesplat._scene.drawn_layers import look_over_others
 from wavesplat.errors import ArgumentError, WavesplatWarning
 
 SIZE = (40, 40)
@@ -210,6 +211,20 @@ def test_a_diverging_map_of_values_of_one_sign_is_clear_at_the_lowest():
 def test_a_window_of_negative_values_is_refused(layers):
     with pytest.raises(ArgumentError, match="negative values only; give 10,-10|3,10"):
         ws.Layer.overlay(layers["signed"], "coolwarm", (-10, -3))
+
+
+@pytest.mark.parametrize("look", [("coolwarm", (-10, 10)), ("coolwarm", (3, 10)), ("coolwarm", None), ("signed", None)])
+def test_the_lowest_of_two_signs_shows_as_the_highest_does(look):
+    """The values furthest below 0 were cleared as background is, over another volume: fault 8, second half."""
+    samples = np.broadcast_to(np.linspace(-12, 12, 25, dtype=np.float32), (8, 8, 25)).copy()
+    values, under = ws.Volume(samples, name="z"), ws.Volume(np.zeros((8, 8, 25), np.uint8), name="anatomy")
+    layer = ws.Layer.overlay(values, *look)
+    curves = look_over_others(layer.look, values, "over").transfer_function
+    magnitudes = np.array([12.0, 11, 9, 7])
+    np.testing.assert_allclose(curves(-magnitudes)[:, 3], curves(magnitudes)[:, 3], atol=1e-6)
+    row = ws.slice([under, layer], clim=(0, 1)).rgba[4, :, :3]
+    assert row[0].max() > 0.5
+    assert row[-1].max() > 0.5
 
 
 # Looks of layers

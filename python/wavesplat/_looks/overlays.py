@@ -103,12 +103,18 @@ def cleared(look: Look, volume: Volume | WaveletVolume, composite: Composite) ->
     alphas = [alpha for _, alpha in function.opacity]
     shows_low = any(before > after for before, after in pairwise(alphas)) and alphas[-1] < alphas[0]
     # Looks of one's own mean what they say, and those that show low values, such as air, would be lost.
-    if not look.name or shows_low or not least < most or function([least])[0, 3] == 0:
+    if not look.name or shows_low or _is_of_two_signs(function) or not least < most or function([least])[0, 3] == 0:
         return look
     rise = RISE * (most - least)
     ramp = [least + place * rise for place in np.linspace(0, 1, 9)]
     smooth = _times(function, lambda values: np.clip((values - least) / rise, 0, 1) ** 2, ramp)
     return replace(look, transfer_function=smooth)
+
+
+def _is_of_two_signs(function: TransferFunction) -> bool:
+    """Whether values below 0 and above it show, and 0 does not: the lowest ones are no background."""
+    low, high = ([value for value, alpha in function.opacity if alpha > 0 and value * sign > 0] for sign in (-1, 1))
+    return bool(low and high and function([0.0])[0, 3] == 0)
 
 
 def _times(

@@ -173,14 +173,15 @@ def slice(
         "threads": threads,
     }
     with warnings_as_notes(quiet=quiet):
-        further = further_layers(layer, time=reader.time or 0, quiet=quiet, suv=reader.suv)
+        further = further_layers(layer, first.volume, time=reader.time or 0, quiet=quiet, suv=reader.suv)
         # Segments may be of the contours alone.
         own_segment = segment if labels or not contours else None
         shown_labels = opened_labels(labels, label_table, own_segment, first.volume, quiet=quiet)
         scene = Scene([*first.layers, *further], labels=shown_labels)
-        lines = opened_isolines(isolines, time=reader.time or 0, quiet=quiet, suv=reader.suv)
+        lines = opened_isolines(isolines, first.volume, time=reader.time or 0, quiet=quiet, suv=reader.suv)
         check_uptake(scene, suv=reader.suv, others=[one.volume for one in lines or ()])
-        options |= {"contours": opened_contours(contours, segment, quiet=quiet), "isolines": lines}
+        regions = opened_contours(contours, segment, first.volume, quiet=quiet)
+        options |= {"contours": regions, "isolines": lines}
         if is_sheet:
             bar: Any = figure.scale_bar if figure.bar_length is None else figure.bar_length
             picture = lightbox(scene, of_plane, positions, columns=columns, scale_bar=bar, **options)

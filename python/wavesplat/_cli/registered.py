@@ -16,7 +16,7 @@ __all__ = ["MARK", "REG", "REG_HELP", "map_of", "split"]
 
 REG = "[:reg=TRANSFORM]"
 MARK = ":reg="
-#: What the help of options says.
+#: Sentence for the help of options.
 REG_HELP = "reg=: the file of an affine transform onto INPUT, of ITK, FreeSurfer (.lta) or FLIRT (.mat)."
 
 

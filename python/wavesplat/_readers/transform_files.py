@@ -90,10 +90,11 @@ def open_transform(path: str | PathLike[str], *, moving: VolumeLike, fixed: Volu
 
     Examples
     --------
-    >>> import numpy as np, wavesplat as ws
+    >>> import wavesplat as ws
+    >>> from pathlib import Path
     >>> scan = ws.examples.ct_pelvis()
     >>> text = "#Insight Transform File V1.0\nTransform: TranslationTransform_double_3_3\nParameters: 5 0 0\n"
-    >>> _ = open("shift.tfm", "w").write(text + "FixedParameters:\n")
+    >>> _ = Path("shift.tfm").write_text(text + "FixedParameters:\n")
     >>> ws.open_transform("shift.tfm", moving=scan, fixed=scan)[:3, 3]  # RAS, the other way
     array([5., 0., 0.])
     """

@@ -71,8 +71,9 @@ def grid_of(labels: Labels, scan: Grid) -> Grid:
     """The grid of a segmentation; the scan's where it says nothing of its place."""
     from wavesplat._model.grid import Grid
 
-    matrix = scan.world_from_index if labels.world_from_index is None else labels.world_from_index
-    return Grid("labels", labels.shape, matrix, scan.facts)
+    if labels.world_from_index is None:
+        return Grid("labels", labels.shape, scan.world_from_index, scan.facts)
+    return Grid("labels", labels.shape, labels.world_from_index, labels._facts)
 
 
 def chosen_segments(segments: Sequence[str] | None) -> list[str | int] | None:

@@ -53,6 +53,7 @@ if TYPE_CHECKING:
     from wavesplat._readers.opening import open
     from wavesplat._readers.options import OpenOptions
     from wavesplat._readers.time_points import open_series
+    from wavesplat._readers.transform_files import open_transform
     from wavesplat._render.isolines import Isolines
     from wavesplat._render.options import RenderOptions
     from wavesplat._scene.cost import Cost, plan
@@ -116,6 +117,7 @@ __all__ = [
     "open",
     "open_scene",
     "open_series",
+    "open_transform",
     "plan",
     "progressive",
     "reference",
@@ -174,6 +176,7 @@ _HOMES = {
     "open": "_readers.opening",
     "open_scene": "_scene.opening",
     "open_series": "_readers.time_points",
+    "open_transform": "_readers.transform_files",
     "plan": "_scene.cost",
     "progressive": "_scene.progressive",
     "render": "_scene.rendering",

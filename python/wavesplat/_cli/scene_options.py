@@ -172,7 +172,10 @@ def chosen_scene(
         by_view = is_chosen_here and look.composite in BY_VIEW
         layers = [Layer(volume, None if by_view else look)]
     scene = Scene(
-        [*layers, *further_layers(layering.layer, time=reader.time or 0, quiet=quiet, suv=reader.suv)],
+        [
+            *layers,
+            *further_layers(layering.layer, layers[0].drawn, time=reader.time or 0, quiet=quiet, suv=reader.suv),
+        ],
         labels=opened_labels(showing.labels, showing.label_table, showing.segment, layers[0].drawn, quiet=quiet),
         shading=shading,
         clip=chosen_clip(cuts, layers[0].drawn),

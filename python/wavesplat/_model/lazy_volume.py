@@ -322,6 +322,12 @@ class LazyVolume(Volume):
         other._cache = LazyCache(self._cache.n_changes)
         return other
 
+    def _placed(self, world_from_world: Matrix, facts: Facts, source: Source | None) -> LazyVolume:
+        levels = [Level(one.array, _frozen(world_from_world @ one.world_from_index)) for one in self._levels]
+        made = LazyVolume._made(levels, self.name, facts, memory=self._memory, keep=self._keep, holes=self._holes)
+        made._at, made._source = self._at, source
+        return made
+
     def _copy(self) -> LazyVolume:
         made = LazyVolume._made(
             self._levels, self.name, self.facts, memory=self._memory, keep=self._keep, holes=self._holes

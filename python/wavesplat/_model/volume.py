@@ -296,6 +296,44 @@ class Volume(Grid):
         source = then(self._source, "smoothed", deviation=number, unit=unit)
         return self._processed(samples, f"smoothed by a Gaussian, deviation {number:g} {named}", source)
 
+    def moved(self, matrix: ArrayLike) -> Volume:
+        """The volume at another place: the same samples, and an affine map after `world_from_index`.
+
+        Parameters
+        ----------
+        matrix : array, shape (4, 4)
+            Affine from the volume's world to the new one, column vectors, world units, such as `open_transform` reads
+            it from the file of a registration.
+
+        Returns
+        -------
+        Volume
+            Nothing is resampled. `facts.processing` says that it was moved.
+
+        Raises
+        ------
+        ArgumentError
+            If it is no affine map, or has no inverse.
+
+        Examples
+        --------
+        >>> import numpy as np, wavesplat as ws
+        >>> shift = np.eye(4)
+        >>> shift[:3, 3] = 5, 0, -2
+        >>> ws.examples.ripples(8).moved(shift).world_from_index[:3, 3] - ws.examples.ripples(8).world_from_index[:3, 3]
+        array([ 5.,  0., -2.])
+        """
+        world_from_world = affine.checked_map(matrix, f"volume {self._name!r}: the matrix to move it by")
+        facts = replace(self._facts, processing=(*self._facts.processing, "moved by an affine map"))
+        return self._placed(world_from_world, facts, then(self._source, "moved", matrix=world_from_world.tolist()))
+
+    def _placed(self, world_from_world: NDArray[np.float64], facts: Facts, source: Source | None) -> Volume:
+        """The volume with a map after its affine; `facts` and `source` are those of the result."""
+        matrix = world_from_world @ self._world_from_index
+        made = Volume(self._samples, world_from_index=matrix, name=self._name, facts=facts)
+        made._source = source
+        return made
+
     def to_xarray(self) -> xarray.DataArray:
         """The volume as an array with names: axes z, y, x, coordinates in the world, and the unit as their `units`.
 

@@ -240,10 +240,10 @@ def test_what_is_below_the_window_is_clear_and_what_is_bright_is_in_the_colour()
     assert np.median(green[seen] / red[seen]) < 0.2
 
 
-@pytest.mark.parametrize("n", [16, 64])
+@pytest.mark.parametrize("n", [1, 3, 64])
 def test_a_ray_through_as_many_voxels_as_the_window_wants_is_opaque(n):
     ramp = channels.ramp((0, 1, 0), 0, 1, n)
-    assert 1 - (1 - ramp.opacity[-1][1]) ** (2 * n / 10) == pytest.approx(0.995, abs=1e-3)
+    assert 1 - (1 - ramp.opacity[-1][1]) ** n == pytest.approx(0.995, abs=1e-3)
 
 
 def test_windows_of_values_see_spots_and_leave_noise():

@@ -36,6 +36,8 @@ __all__ = [
     "robust_range",
     "robust_range_of",
     "signed",
+    "subsampled",
+    "without_padding",
 ]
 
 N_BINS = 512
@@ -90,12 +92,12 @@ def exposed(volume: Volume | WaveletVolume, composite: str, values: NDArray[np.f
 
 def robust_range(volume: Volume | WaveletVolume) -> tuple[float, float]:
     """Values that count as smallest and largest: the 0.1 and 99.9 percentiles, or the extremes if those are equal."""
-    return robust_range_of(_finite(_subsampled(volume)))
+    return robust_range_of(_finite(subsampled(volume)))
 
 
 def finite_samples(volume: Volume | WaveletVolume) -> NDArray[np.float64]:
     """Samples that are numbers, some millions at most, spread evenly over the volume."""
-    return _finite(_subsampled(volume))
+    return _finite(subsampled(volume))
 
 
 def is_hounsfield(volume: Volume | WaveletVolume) -> bool:
@@ -124,9 +126,23 @@ def robust_range_of(values: NDArray[np.float64]) -> tuple[float, float]:
     return float(low), float(high)
 
 
-def _subsampled(volume: Volume | WaveletVolume) -> NDArray[Any]:
+def subsampled(volume: Volume | WaveletVolume) -> NDArray[Any]:
     """Every n-th sample along each axis, [z, y, x]."""
     return volume._every(step_for(math.prod(volume.shape), HISTOGRAM_SAMPLES))
+
+
+def without_padding(samples: NDArray[Any]) -> NDArray[np.float64]:
+    """Finite samples, flat, of an array [z, y, x] without the outer planes that have the value of its first corner.
+
+    Statistics of them do not depend on how much empty space was put around the data.
+    """
+    is_padding = ~np.isfinite(samples) | (samples == samples[0, 0, 0])
+    kept = []
+    for axis in range(3):
+        others = tuple(other for other in range(3) if other != axis)
+        planes = np.flatnonzero(~is_padding.all(axis=others))
+        kept.append(slice(planes[0], planes[-1] + 1) if planes.size else slice(None))
+    return _finite(samples[tuple(kept)])
 
 
 def _finite(samples: NDArray[Any]) -> NDArray[np.float64]:
@@ -136,7 +152,7 @@ def _finite(samples: NDArray[Any]) -> NDArray[np.float64]:
 
 def signed(volume: WaveletVolume) -> TransferFunction:
     """Diverging colours for wavelet details, full where they are as large as the largest thousandth."""
-    return TransferFunction.diverging(float(np.percentile(np.abs(_finite(_subsampled(volume))), 99.9)) or 1.0)
+    return TransferFunction.diverging(float(np.percentile(np.abs(_finite(subsampled(volume))), 99.9)) or 1.0)
 
 
 def otsu(values: NDArray[np.float64], low: float, high: float) -> float:
@@ -160,7 +176,7 @@ def _projected(volume: Volume | WaveletVolume, composite: str, clear: float = 0.
 
     For an x-ray, the integral of the values above `clear`.
     """
-    samples = _subsampled(volume).astype(np.float64)
+    samples = subsampled(volume).astype(np.float64)
     samples[~np.isfinite(samples)] = np.nan
     if composite == "x-ray":
         samples = np.maximum(samples - clear, 0.0)

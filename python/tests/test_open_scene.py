@@ -141,7 +141,7 @@ def test_of_many_channels_the_first_active_ones_are_taken(tmp_path):
         ([2.5], "a channel is 2.5; give a number from 0, or a name"),
         ([(0, "blue", (1, 2), 3)], "a channel is .*; give a number or a name, or"),
         ([(0, "grean")], "color is 'grean'"),
-        ([(0, "green", (2, 1))], r"window is \(2, 1\); give two numbers"),
+        ([(0, "green", (2, 1))], r"window is \(2, 1\); low must be less than high"),
         ([], "1 to 8 channels, not 0"),
         ([0] * 9, "1 to 8 channels, not 9"),
     ],

@@ -9,7 +9,6 @@ The window is the file's where somebody chose it and samples lie in it, else per
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +20,7 @@ from wavesplat._looks.histogram import subsampled, without_padding
 from wavesplat._looks.look import Look
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.voxel_opacity import opaque_after, rising
-from wavesplat._model.argument_types import described
+from wavesplat._looks.window_ends import End, values_of
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -34,7 +33,6 @@ __all__ = [
     "Rgb",
     "channel_look",
     "channel_window",
-    "checked_window",
     "is_full_range_window",
     "light_of",
     "lightened",
@@ -71,7 +69,7 @@ PLACES = np.array([0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8
 def channel_look(
     volume: Volume | WaveletVolume,
     color: str | Iterable[float] | None,
-    window: Iterable[float] | None,
+    window: Iterable[End] | None,
     composite: Composite = "over",
 ) -> Look:
     """See `Look.channel`."""
@@ -82,7 +80,7 @@ def channel_look(
     else:
         rgb, said = _rgb(color), "its colour"
     if window is not None:
-        low, high = checked_window(window)
+        low, high = values_of(window, volume)
         said_window = ""
     else:
         low, high, said_window = channel_window(volume)
@@ -183,14 +181,3 @@ def _rgb(color: str | Iterable[float]) -> Rgb:
     if parsed is None:
         raise ArgumentError('color is "transparent"; a channel needs a colour, such as "green"')
     return parsed[0], parsed[1], parsed[2]
-
-
-def checked_window(window: Iterable[float]) -> tuple[float, float]:
-    """Two growing numbers, or an `ArgumentError`."""
-    try:
-        low, high = (float(end) for end in window)
-    except (TypeError, ValueError, OverflowError):
-        low, high = 0.0, 0.0
-    if not (math.isfinite(low) and math.isfinite(high) and low < high):
-        raise ArgumentError(f"window is {described(window)}; give two numbers, the smaller one first")
-    return low, high

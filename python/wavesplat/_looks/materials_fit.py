@@ -88,7 +88,7 @@ def _quantiles(volume: Volume | WaveletVolume, n_materials: int) -> NDArray[np.f
 
     Without the outermost thousandths, which are padding and metal.
     """
-    samples = histogram._subsampled(volume).astype(np.float64)
+    samples = histogram.subsampled(volume).astype(np.float64)
     samples[~np.isfinite(samples)] = np.nan
     steepness = np.sqrt(sum(np.gradient(samples, axis=axis) ** 2 for axis in range(3) if samples.shape[axis] > 1))
     usable = np.isfinite(samples) & np.isfinite(steepness)

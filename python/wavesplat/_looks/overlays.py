@@ -20,6 +20,7 @@ from wavesplat._looks.kinds import Kind
 from wavesplat._looks.look import Look
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._looks.window_ends import End, values_of
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -46,9 +47,9 @@ RISE = 0.15
 DARK = 0.02
 
 
-def overlay(volume: Volume | WaveletVolume, name: str, given: Iterable[float] | None) -> Look:
+def overlay(volume: Volume | WaveletVolume, name: str, given: Iterable[End] | None) -> Look:
     """See `Layer.overlay`."""
-    window = None if given is None else channels.checked_window(given)
+    window = None if given is None else values_of(given, volume)
     is_preset = presets.plain(name) in {presets.plain(one) for one in presets.names()}
     if window is None and is_preset:
         return Look.preset(name, volume)

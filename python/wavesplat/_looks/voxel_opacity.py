@@ -46,4 +46,4 @@ def rising(places: NDArray[np.float64], n_voxels: float) -> NDArray[np.float64]:
 
     n_voxels : voxels at place 1 that are opaque together.
     """
-    return -np.expm1(np.log1p(-OPAQUE) / n_voxels * places**2)
+    return np.asarray(-np.expm1(np.log1p(-OPAQUE) / n_voxels * places**2))

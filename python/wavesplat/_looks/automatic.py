@@ -64,6 +64,8 @@ MATTER = [(0.20, 0.42, 0.68), (0.36, 0.68, 0.74), (0.93, 0.83, 0.58), (1.00, 0.9
 GREEN = (0.35, 1.0, 0.45)
 #: Largest luminance of the full colour of fluorescence, so that white and yellow have room for what is brighter.
 MAX_LUMINANCE = 0.8
+#: White of a maximum projection of fluorescence, at most so many widths of the window of the samples above its low end.
+MAX_WHITE = 2.0
 #: Colours of values below and above zero, brighter than on paper: they are seen against black.
 SIGNS = [(0.28, 0.56, 1.0), (0.75, 0.88, 1.0), (1.0, 0.87, 0.78), (1.0, 0.4, 0.26)]
 #: Kinds of data that are shown in greys where there are but a few slices: their looks are translucent, millimetre by
@@ -100,6 +102,10 @@ def automatic(volume: Volume | WaveletVolume, composite: Composite | None, color
         return _inverted_maximum(volume, known)
     if composite in histogram.PROJECTIONS:
         function = histogram.projected(volume, composite)
+        if known.kind == "fluorescence" and composite in histogram.MAXIMA:
+            # A few specks may be many times as bright as all else, and have many pixels.
+            low, high = window_of_values(without_padding(histogram.subsampled(volume)))
+            function = histogram.not_beyond(function, low + MAX_WHITE * (high - low))
         return Look(transfer_function=function, composite=composite, shading=None, name="auto", reason=known.reason)
     if known.kind == "labels" and composite is None and isinstance(volume, Volume) and volume.dtype.kind in "iu":
         clear = TransferFunction([(0.0, 0.0)], [(0.0, 1.0, 1.0, 1.0)])

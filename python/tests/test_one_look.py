@@ -98,13 +98,12 @@ def test_hot_pixels_move_no_window_fault_12(n_hot):
         ]
         ends = [(look.color[0][0], look.color[-1][0]) for look in looks]
         assert np.allclose(ends[0], ends[1], rtol=0.05)
-    tops = []
-    for samples in (CELLS, hot):
-        picture = ws.render(
-            ws.Volume(samples, facts=ws.Facts(unit="um")), camera="xy", composite="maximum", size=(96, 96)
-        )
-        tops.append(np.percentile(picture.rgba[..., :3] @ LUMINANCE, 95))  # a fiftieth of the pixels is hot
-    assert tops[1] == pytest.approx(tops[0], rel=0.1)
+    shown = [
+        ws.render(ws.Volume(one, facts=ws.Facts(unit="um")), camera="xy", composite="maximum", size=(96, 96)).rgba
+        for one in (CELLS, hot)
+    ]
+    # But for the hot pixels themselves the picture is the same.
+    assert (np.abs(shown[1] - shown[0]).max(axis=2) < 0.02).mean() > 0.85
 
 
 def test_specks_take_no_greys_fault_12():

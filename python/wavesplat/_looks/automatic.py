@@ -22,6 +22,7 @@ from wavesplat._looks.kinds import Evidence, Kind, evidence, offset_of
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.look import Look
 from wavesplat._looks.shading import Shading
+from wavesplat._looks.thresholds import otsu, robust_range_of
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._looks.voxel_opacity import opacity_of_voxel, opaque_after, rising
@@ -294,8 +295,8 @@ LOOKS: dict[Kind, Callable[..., Made]] = {
 
 def _parted(known: Evidence) -> tuple[float, float, float]:
     """Values that count as smallest and largest, and the threshold between background and object."""
-    low, high = histogram.robust_range_of(known.values)
-    return low, histogram.otsu(known.values, low, high), high
+    low, high = robust_range_of(known.values)
+    return low, otsu(known.values, low, high), high
 
 
 def _boundary_strength(known: Evidence, values: NDArray[np.float64]) -> NDArray[np.float64]:

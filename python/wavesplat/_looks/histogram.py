@@ -1,10 +1,4 @@
-"""Statistics of a volume's histogram: its range, the threshold of the object, greys for projections.
-
-Otsu's threshold (1979) parts the background (air, empty field) from the object: it maximises the variance between the
-two classes.
-It is taken on the square roots, so that a few very bright spots (tracer in a bladder, vessels) do not become the object
-and everything else its background.
-Percentiles stand in for smallest and largest so that a hot pixel or a metal implant cannot flatten the curves.
+"""Statistics of a volume's histogram: its range, samples without padding, greys for projections.
 
 Projections get a grey ramp over the values that they project to, along the three index axes or in a view.
 """
@@ -19,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._looks.hounsfield import looks_like_hounsfield
+from wavesplat._looks.thresholds import robust_range_of
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model.thinning import HISTOGRAM_SAMPLES, step_for
 from wavesplat._model.wavelet_volume import WaveletVolume
@@ -32,18 +27,13 @@ __all__ = [
     "finite_samples",
     "is_hounsfield",
     "not_beyond",
-    "otsu",
     "projected",
     "robust_range",
-    "robust_range_of",
     "signed",
     "subsampled",
     "without_padding",
 ]
 
-N_BINS = 512
-#: Percentiles that count as the smallest and largest value.
-ROBUST = (0.1, 99.9)
 #: Share of a window below which values count as empty.
 CLEAR = 0.05
 #: Least width of a window, as a share of the volume's range, so that noise in uniform matter stays dark.
@@ -128,14 +118,6 @@ def attenuation(volume: Volume | WaveletVolume) -> tuple[float, float]:
     return clear, UNKNOWN_DEPTH / most if most > 0 else 1.0
 
 
-def robust_range_of(values: NDArray[np.float64]) -> tuple[float, float]:
-    """The robust range of finite values, any number of them."""
-    low, high = np.percentile(values, ROBUST)
-    if not low < high:
-        low, high = values.min(), values.max()
-    return float(low), float(high)
-
-
 def subsampled(volume: Volume | WaveletVolume) -> NDArray[Any]:
     """Every n-th sample along each axis, [z, y, x]."""
     return volume._every(step_for(math.prod(volume.shape), HISTOGRAM_SAMPLES))
@@ -163,22 +145,6 @@ def _finite(samples: NDArray[Any]) -> NDArray[np.float64]:
 def signed(volume: WaveletVolume) -> TransferFunction:
     """Diverging colours for wavelet details, full where they are as large as the largest thousandth."""
     return TransferFunction.diverging(float(np.percentile(np.abs(_finite(subsampled(volume))), 99.9)) or 1.0)
-
-
-def otsu(values: NDArray[np.float64], low: float, high: float) -> float:
-    """Otsu's threshold: it parts the values into the classes with the largest variance between their square roots."""
-    roots = np.sqrt(np.clip((values - low) / (high - low), 0.0, 1.0))
-    counts, edges = np.histogram(roots, bins=N_BINS, range=(0.0, 1.0))
-    centers = (edges[:-1] + edges[1:]) / 2
-    below = np.cumsum(counts)[:-1]
-    above = values.size - below
-    sum_below = np.cumsum(counts * centers)[:-1]
-    sum_above = (counts * centers).sum() - sum_below
-    with np.errstate(divide="ignore", invalid="ignore"):
-        between = below * above * (sum_below / below - sum_above / above) ** 2
-    # An empty gap between the classes makes a plateau; its middle is the steadiest choice.
-    best = np.flatnonzero(np.nan_to_num(between) >= np.nanmax(between) * (1 - 1e-9))
-    return float(low + edges[1:-1][best[len(best) // 2]] ** 2 * (high - low))
 
 
 def _projected(volume: Volume | WaveletVolume, composite: str, clear: float = 0.0) -> NDArray[np.float64]:

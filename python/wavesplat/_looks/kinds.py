@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from wavesplat._looks.hounsfield import looks_like_hounsfield
 from wavesplat._looks.stored_offset import stored_offset
+from wavesplat._looks.thresholds import otsu, robust_range_of
 from wavesplat._model import units
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.thinning import KIND_SAMPLES, UNIT_SAMPLES, step_for
@@ -209,13 +210,11 @@ def _is_fine(volume: Volume | WaveletVolume) -> bool:
 
 def _glows(values: NDArray[np.float64]) -> bool:
     """Whether values are those of light that few structures give off: a noisy background and a long bright tail."""
-    from wavesplat._looks import histogram  # which tells CT by this file
-
     _, counts = np.unique(values, return_counts=True)
-    low, high = histogram.robust_range_of(values)
+    low, high = robust_range_of(values)
     if not low < high or counts.max() > MAX_EQUAL * values.size:
         return False
-    inside = values[values > histogram.otsu(values, low, high)]
+    inside = values[values > otsu(values, low, high)]
     background = float(np.median(values))
     return bool(inside.size and high - background > MIN_GLOW * max(float(np.median(inside)) - background, 1e-12))
 

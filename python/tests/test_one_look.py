@@ -116,7 +116,7 @@ def test_specks_take_no_greys_fault_12():
     assert greys.color[-1][0] < 2 * np.percentile(samples, 99.7)
 
 
-def test_lone_samples_of_a_thinned_volume_are_compared_at_full_resolution():
+def test_threads_of_a_thinned_volume_are_no_hot_pixels():
     """A thread one sample thick is no row of hot pixels, though its thinned samples lie alone."""
     samples = np.zeros((130, 140, 150), np.float32)
     samples += np.random.default_rng(4).normal(10, 1, samples.shape).astype(np.float32)

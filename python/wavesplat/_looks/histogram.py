@@ -153,8 +153,9 @@ def _projected(volume: Volume | WaveletVolume, composite: str, clear: float = 0.
     For an x-ray, the integral of the values above `clear`.
     """
     samples = subsampled(volume).astype(np.float64)
-    if composite in MAXIMA:
-        _dim_hot_samples(samples, volume)
+    # Of a larger volume some samples were left out, and neighbours are not known.
+    if composite in MAXIMA and samples.shape == volume.shape:
+        _dim_hot_samples(samples)
     samples[~np.isfinite(samples)] = np.nan
     if composite == "x-ray":
         samples = np.maximum(samples - clear, 0.0)
@@ -167,37 +168,25 @@ def _projected(volume: Volume | WaveletVolume, composite: str, clear: float = 0.
     return np.concatenate(pixels)
 
 
-def _dim_hot_samples(samples: NDArray[np.float64], volume: Volume | WaveletVolume) -> None:
+def _dim_hot_samples(samples: NDArray[np.float64]) -> None:
     """Give lone samples that are far brighter than all neighbours, hot pixels of a camera, the largest of these.
 
-    samples : every n-th of the volume's along each axis, [z, y, x]; changed in place. Neighbours are those at the full
-    resolution; without samples in memory nothing is changed where some were left out.
+    samples : [z, y, x], changed in place.
     """
-    step = step_for(math.prod(volume.shape), HISTOGRAM_SAMPLES)
-    whole: NDArray[Any] | None = samples if step == 1 else _in_memory(volume)
     finite = samples[np.isfinite(samples)]
-    if whole is None or not finite.size:
+    if not finite.size:
         return
     background, bright = np.percentile(finite, (50.0, BRIGHT_PERCENT))
     at = np.argwhere(samples > bright)
     around = np.full(len(at), -np.inf)
     for axis in range(3):
         for side in (-1, 1):
-            beside = at * step
+            beside = at.copy()
             beside[:, axis] += side
-            is_inside = (beside[:, axis] >= 0) & (beside[:, axis] < whole.shape[axis])
-            neighbours = whole[tuple(beside[is_inside].T)].astype(np.float64)
-            around[is_inside] = np.fmax(around[is_inside], neighbours)
-    values = samples[tuple(at.T)]
-    is_hot = values - background > HOT * (around - background)
+            is_inside = (beside[:, axis] >= 0) & (beside[:, axis] < samples.shape[axis])
+            around[is_inside] = np.fmax(around[is_inside], samples[tuple(beside[is_inside].T)])
+    is_hot = samples[tuple(at.T)] - background > HOT * (around - background)
     samples[tuple(at[is_hot].T)] = around[is_hot]
-
-
-def _in_memory(volume: Volume | WaveletVolume) -> NDArray[Any] | None:
-    """The volume's samples [z, y, x] where they are in memory."""
-    from wavesplat._model.lazy_volume import LazyVolume
-
-    return None if isinstance(volume, WaveletVolume | LazyVolume) else volume.samples
 
 
 def _grey_ramp(values: NDArray[np.floating[Any]], least: float) -> TransferFunction:

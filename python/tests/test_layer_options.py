@@ -241,7 +241,7 @@ def test_a_further_volume_of_several_channels(tmp_path):
     ("options", "message"),
     [
         (["--preset", "pet"], "--preset: for one volume, and the picture is of 2 channels"),
-        (["--cmap", "hot"], "--cmap, --clim.*: for one volume"),
+        (["--cmap", "hot"], "--cmap: for one volume"),
         (["--channel", "x:grean"], r"no channel 'x:grean'.*\(--channel is NUMBER\|NAME"),
         (["--times", "all", "--time", "0"], "--time and --times say the same thing twice"),
         (["--times", "3"], "--times has 3, but the file holds 1 time points"),

@@ -104,7 +104,7 @@ def test_a_preset_brings_operator_and_background_to_the_command_line(wavesplat, 
     assert wavesplat("render", ramp_file, "-o", by_options, *preset, "--background", "black").returncode == 0
     preset, given = tifffile.imread(by_preset), tifffile.imread(by_options)
     assert preset[0, 0].tolist() == [255, 255, 255]
-    assert given[0, 0].tolist() == [0, 0, 0, 1]
+    assert given[0, 0].tolist() == [0, 0, 0]
 
 
 # The list and the sheet

@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeAlias
 
 import typer
 
@@ -42,6 +42,9 @@ __all__ = [
     "times_of",
 ]
 
+#: Ends of a window: sample values, or percentiles such as "1%".
+Ends: TypeAlias = tuple[float | str, float | str]
+
 CHANNEL = "NUMBER|NAME[:COLOR][:LOW,HIGH]"
 LAYER = f"FILE[:LOOK][:LOW,HIGH][:threshold=T]{registered.REG}"
 TIMES = "all|N,N,...|FIRST:END[:STEP]"
@@ -71,8 +74,8 @@ ShownChannels = Annotated[
     typer.Option(
         "--channel",
         metavar=CHANNEL,
-        help='A channel, from 0, in a colour, over a window of values: 0:green:100,900 or "DAPI":blue; may be '
-        "repeated; all if not given.",
+        help="A channel, from 0, in a colour, over a window of values or percentiles: 0:green:100,900, 1:1%,99.8%, "
+        '"DAPI":blue; may be repeated; all if not given.',
     ),
 ]
 
@@ -106,7 +109,7 @@ class ChannelText(NamedTuple):
 
     which: int | str
     color: str | None
-    window: tuple[float, float] | None
+    window: Ends | None
 
     @property
     def is_plain(self) -> bool:
@@ -135,19 +138,20 @@ def _is_color(text: str) -> bool:
         return False
 
 
-def _without_window(text: str, syntax: str) -> tuple[str, tuple[float, float] | None]:
+def _without_window(text: str, syntax: str) -> tuple[str, Ends | None]:
     """The text before a window, and the window, or None if the text does not end with one."""
     rest, colon, last = text.rpartition(":")
-    numbers = re.fullmatch(r"\s*([-+.\deE]+)\s*,\s*([-+.\deE]+)\s*", last) if colon else None
+    numbers = re.fullmatch(r"\s*([-+.\deE]+%?)\s*,\s*([-+.\deE]+%?)\s*", last) if colon else None
     if numbers is None:
         return text, None
     try:
-        low, high = float(numbers[1]), float(numbers[2])
+        ends = [(float(end.removesuffix("%")), end) for end in numbers.groups()]
     except ValueError:
         return text, None
-    if not low < high:
+    (low, first), (high, second) = ends
+    if first.endswith("%") == second.endswith("%") and not low < high:
         raise ArgumentError(f"the window {last} of {text!r} does not grow; {syntax}, with the smaller value first")
-    return rest, (low, high)
+    return rest, (first if first.endswith("%") else low, second if second.endswith("%") else high)
 
 
 # Further volumes
@@ -158,7 +162,7 @@ class LayerText(NamedTuple):
 
     path: str
     look: str | None = None
-    window: tuple[float, float] | None = None
+    window: Ends | None = None
     threshold: float | None = None
     transform: str | None = None
 

@@ -14,7 +14,7 @@ from wavesplat._cli.figure_options import FigureOptions, annotated, check_figure
 from wavesplat._cli.label_options import LabelsFile, LabelTable, Segments, opened_labels
 from wavesplat._cli.layer_options import FurtherLayers, LayerOptions, ShownChannels, further_layers
 from wavesplat._cli.line_options import ContoursFile, IsolinesTexts, opened_contours, opened_isolines
-from wavesplat._cli.opened_layers import Channels, modality_of, opened_layers, refuse_for_channels
+from wavesplat._cli.opened_layers import Channels, changed_channels, modality_of, opened_layers, refuse_for_channels
 from wavesplat._cli.outputs import check_outputs
 from wavesplat._cli.printing import print_notes, print_result, warnings_as_notes
 from wavesplat._cli.processing_options import ProcessingOptions, takes_processing_options
@@ -253,8 +253,9 @@ def _first(
     # A window or a range alone maps to greys.
     is_grey = colors == ColorOptions(clim=colors.clim, window=colors.window)
     if isinstance(opened, Channels):
-        refuse_for_channels(look, colors, len(opened.layers))
-        return _First(opened.layers, opened.layers[0].drawn, None, is_grey)
+        refuse_for_channels(look, colors, len(opened.layers), ("cmap", "log", "opacity", "gamma"))
+        shown = changed_channels(opened, colors)
+        return _First(shown.layers, shown.layers[0].drawn, None, False)
     if look.preset == "auto":
         return _First([opened], opened, function_of_histogram(opened, input), is_grey)
     of_look = None if is_grey else colors

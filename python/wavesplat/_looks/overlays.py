@@ -21,6 +21,7 @@ from wavesplat._looks.kinds import Kind
 from wavesplat._looks.look import Look
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._looks.window_ends import End, values_of
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -50,10 +51,10 @@ DARK = 0.02
 
 
 def overlay(
-    volume: Volume | WaveletVolume, name: str | None, given: Iterable[float] | None, threshold: float | None = None
+    volume: Volume | WaveletVolume, name: str | None, given: Iterable[End] | None, threshold: float | None = None
 ) -> Look:
     """See `Layer.overlay`."""
-    window = None if given is None else channels.checked_window(given)
+    window = None if given is None else values_of(given, volume)
     if threshold is not None:
         if name is None and window is None:
             name = TWO_SIGNS if _has_two_signs(volume) else OVERLAY_MAPS[0]

@@ -95,7 +95,7 @@ class Layer:
         cls,
         volume: Any,
         look: str | None = None,
-        window: Iterable[float] | None = None,
+        window: Iterable[float | str] | None = None,
         *,
         threshold: float | None = None,
         opacity: float = 1.0,
@@ -111,8 +111,9 @@ class Layer:
         look : str, optional
             A colour map (see `TransferFunction.from_colormap`), a colour, as for `Look.channel`, or a preset. None is
             "gray" where there is a window, else the look of a layer without one.
-        window : two numbers (low, high), optional
-            Values up to the first are clear, and opacity rises to the second. Of a diverging map: the ends of the map
+        window : (low, high), optional
+            Values up to the first are clear, and opacity rises to the second: numbers, or percentiles of the samples,
+            such as ("1%", "99.8%"). Of a diverging map: the ends of the map
             where they have two signs, clear about 0; else a dead zone of both signs: (3, 10) is clear from -3 to 3, and
             opaque at -10 and 10. None: the values that count as the volume's smallest and largest, of a diverging map
             as far from 0 as the farthest; the lowest twelfth is clear. Presets have values of their own.

@@ -61,8 +61,8 @@ def slice(
     kernel: Kernel = "linear",
     thickness: float = 0.0,
     slab: Slab = "maximum",
-    window: str | tuple[float, float] | None = None,
-    clim: tuple[float, float] | None = None,
+    window: str | tuple[float | str, float | str] | None = None,
+    clim: tuple[float | str, float | str] | None = None,
     transfer_function: TransferFunction | str | None = None,
     checkerboard: Any = None,
     tiles: int = 8,
@@ -113,8 +113,8 @@ def slice(
         "abdomen", "angio", "bone", "brain", "liver", "lung", "mediastinum", "soft-tissue", "spine", "stroke",
         "subdural" or "temporal-bone".
     clim : (low, high), optional
-        Instead of a window: the values shown as black and as white. Without both these are the ones that count as the
-        volume's smallest and largest.
+        Instead of a window: the values shown as black and as white, or percentiles of the samples ("1%", "99.8%").
+        Without both these are the ones that count as the volume's smallest and largest.
     transfer_function : TransferFunction or str, optional
         Instead of a window: the colours, opaque, of all values that are not transparent. Looks of the first layer are
         for pictures in space.

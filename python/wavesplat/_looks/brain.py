@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 __all__ = ["PROCESSING", "brain_of"]
 
-#: What `Facts.processing` says of a volume of which the brain is drawn.
+#: Text in `Facts.processing` of a volume of which the brain is drawn.
 PROCESSING = "all but the brain left out of the picture: a simple extraction, not for measuring"
 
 #: Distance of the places that are looked at, mm.
@@ -51,7 +51,7 @@ SULCI_MM, HEAD_MM = 10.0, 10.0
 SKIN_MM, MAX_IN_SKIN = 5.0, 0.005
 #: Volume of a brain, and of the smallest head with its skull, ml.
 BRAIN_ML, HEAD_ML = (600.0, 1800.0), 2100.0
-#: What is drawn beyond the brain's surface, mm.
+#: Distance from the brain's surface up to which samples are drawn, mm.
 RIM_MM = 1.5
 
 Mask = NDArray[np.bool_]

@@ -5,7 +5,7 @@ A table is the same from slice to slice, thin, wide, and lies below all of the b
 1. In each axial slice, opening (erosion, then dilation) keeps what is thick, the body; what it removes is thin.
 2. Places of a slice at which most slices have something thin are parts of a prism along the body, which anatomy is not.
 3. Connected places are a table if they are long and narrow, and below the middle of the body, none of it below them.
-   What then lies below a wide one is no part of the patient either: a second shell, rails, mechanics.
+   Matter below a wide one is no part of the patient either: a second shell, rails, mechanics.
 
 Arms, legs and hands are thick, or change from slice to slice, so they stay. A scan in which thin walls prevail (dry
 bones, hollow phantoms), one of a few slices, on oblique axes, or without Hounsfield units stays as it is, and so does a
@@ -26,7 +26,7 @@ from wavesplat._model.volume import Volume
 
 __all__ = ["PROCESSING", "without_table"]
 
-#: What `Facts.processing` says of a volume that was drawn without its table.
+#: Text in `Facts.processing` of a volume that is drawn without its table.
 PROCESSING = "the table below the body left out of the picture"
 
 #: Value between air and matter, and value of air, Hounsfield units.
@@ -52,7 +52,7 @@ MIN_THICK = 0.6
 MAX_BELOW = 0.02
 #: Largest volume that is copied, bytes.
 LARGEST = 2**31
-#: Places from an edge of the scan within which an upright part may be an arm that the edge cuts; and those beside a wide
+#: Places from an edge of the scan within which an upright part may be an arm that it cuts; and those beside a wide
 #: table that belong to it.
 EDGE = 2
 #: Least cosine of the angle between the volume's axes and the patient's.
@@ -146,7 +146,7 @@ class _Places:
         return self.samples[tuple(slice(None, None, step) for step in self.steps)]
 
     def offset(self, volume: Volume) -> float | None:
-        """What is added to the Hounsfield units of the values; None where they do not look like such units."""
+        """The offset of the values from Hounsfield units; None where they do not look like such units."""
         some = self.looked_at[::2, ::2, ::2].astype(np.float64)
         some = some[np.isfinite(some)]
         if looks_like_hounsfield(some):

@@ -20,7 +20,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._looks.kinds import looks_like_hounsfield
+from wavesplat._looks.hounsfield import looks_like_hounsfield
 from wavesplat._looks.stored_offset import stored_offset
 from wavesplat._model.volume import Volume
 
@@ -149,7 +149,7 @@ class _Places:
         """The offset of the values from Hounsfield units; None where they do not look like such units."""
         some = self.looked_at[::2, ::2, ::2].astype(np.float64)
         some = some[np.isfinite(some)]
-        if looks_like_hounsfield(some):
+        if looks_like_hounsfield(some, volume):
             return 0.0
         # Quick: most volumes that are none have smaller values.
         offset = stored_offset(some) if volume.value_range[0] >= 0 else 0.0

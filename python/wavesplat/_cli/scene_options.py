@@ -73,6 +73,14 @@ class SceneOptions(LookOptions):
     ] = None
     family: Family = "cdf97"
     background: Background = None
+    keep_table: Annotated[
+        bool,
+        typer.Option(
+            "--keep-table",
+            help="Draw the table below a patient in a CT, which is else left out where it can be told from the body.",
+            show_default=False,
+        ),
+    ] = False
 
 
 def takes_scene_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -133,6 +141,8 @@ def chosen_scene(
     from wavesplat._scene.layer import Layer
     from wavesplat._scene.scene import Scene
 
+    if showing.keep_table and processing.remove_table:
+        raise ArgumentError("--keep-table draws the table, and --remove-table takes it out; give one of them")
     composite = showing.operator
     opened = in_uptake(
         lambda suv: opened_layers(
@@ -183,6 +193,7 @@ def chosen_scene(
         shading=shading,
         clip=chosen_clip(cuts, layers[0].drawn),
         background=showing.background or look.background or "black",
+        keep_table=showing.keep_table,
     )
     check_uptake(scene, suv=reader.suv)
     if not quiet:

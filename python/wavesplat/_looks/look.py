@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from os import PathLike
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from wavesplat._looks import colors
 from wavesplat._looks.shading import Shading
@@ -46,6 +46,9 @@ class Look:
         Colour behind the volume, as for `render`; None leaves it open.
     labels : Labels, optional
         A segmentation that is drawn with it.
+    part : str, optional
+        Part of the body that is drawn: "brain" of a head in MR, by a simple extraction, not for measuring. The samples
+        stay; where no brain can be told, all is drawn, and a note says why. None draws all.
     name : str
         Name of the preset, "auto", or "" for one of your own.
     reason : str
@@ -65,6 +68,7 @@ class Look:
     view: str | None = None
     background: str | None = None
     labels: Labels | None = None
+    part: Literal["brain"] | None = None
     name: str = ""
     reason: str = ""
 
@@ -72,6 +76,8 @@ class Look:
         for name in ("name", "reason"):
             if not isinstance(getattr(self, name), str):
                 raise ArgumentError(f"{name} of the look is {described(getattr(self, name))}; give a text")
+        if self.part not in (None, "brain"):
+            raise ArgumentError(f'part of the look is {described(self.part)}; give "brain" or None')
         for name in ("view", "background", "name", "reason"):
             check_text(getattr(self, name), f"{name} of the look")
         colors.parse(self.background)

@@ -76,11 +76,6 @@ def _own_names(file: h5py.File) -> set[str]:
 def _check_kind(file: h5py.File, request: Request) -> None:
     """Raise a `FileError` for formats on top of HDF5 that say what their numbers mean, which would be lost here."""
     own = _own_names(file)
-    if "_NCProperties" in file.attrs or any("_Netcdf4Dimid" in file[name].attrs for name in own):
-        raise FileError(
-            "the file is netCDF, with units, packing, missing values and coordinates of its own; give "
-            f"wavesplat.Volume(xarray.open_dataset(path)[name]), which reads them: {request.path}"
-        )
     if "minc-2.0" in own:
         raise FileError(f"the file holds a MINC image; give it a name that ends in .mnc: {request.path}")
     if "VTKHDF" in own:

@@ -1,8 +1,8 @@
 """Files whose samples are read while they are drawn: from a request to levels of lazy arrays, their places and facts.
 
 Parts can be read of samples that are stored as they are, or in chunks: .npy, raw, uncompressed NIfTI, NRRD and
-MetaImage, binary legacy VTK, HDF5, TIFF (in one piece, or page by page), Zarr. Samples that are compressed as one
-stream have to be unpacked, or stored in chunks, first.
+MetaImage, binary legacy VTK, HDF5, netCDF, TIFF (in one piece, or page by page), Zarr. Samples that are compressed as
+one stream have to be unpacked, or stored in chunks, first.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from wavesplat._files.zarr_states import chunk_files
 from wavesplat._model.facts import Facts
 from wavesplat._model.hdf5_files import files_of_dataset, open_hdf5, read_hdf5
 from wavesplat._model.lazy_array import LazyArray, SlicedArray
-from wavesplat._readers import detached_samples, hdf5, itk, lazy_tiff, nifti, ome_zarr, raw, vtk_legacy
+from wavesplat._readers import detached_samples, hdf5, itk, lazy_tiff, netcdf, nifti, ome_zarr, raw, vtk_legacy
 from wavesplat._readers.request import Request, index_unnamed_axes, n_times_of, quiet
 from wavesplat._readers.stored_samples import stored_samples
 from wavesplat.errors import ArgumentError, FileError
@@ -291,6 +291,11 @@ def _of_tiff(request: Request) -> LazyGrid:
     return LazyGrid([array], [matrix], facts)
 
 
+def _of_netcdf(request: Request) -> LazyGrid:
+    array, matrix, facts = netcdf.lazy_samples(request)
+    return LazyGrid([array], [matrix], facts)
+
+
 READERS = {
     "arrays": _of_npy,
     "raw": _of_raw,
@@ -298,6 +303,7 @@ READERS = {
     "itk": _of_itk,
     "vtk_legacy": _of_vtk_legacy,
     "hdf5": _of_hdf5,
+    "netcdf": _of_netcdf,
     "ome_zarr": _of_zarr,
     "tiff": _of_tiff,
 }
@@ -311,6 +317,7 @@ NAMES = {
     "itk": "an image",
     "vtk_legacy": "a VTK image",
     "hdf5": "HDF5",
+    "netcdf": "netCDF",
     "ome_zarr": "Zarr",
     "tiff": "TIFF",
 }

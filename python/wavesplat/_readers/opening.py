@@ -28,7 +28,7 @@ from wavesplat._model.option_lists import takes_options
 from wavesplat._model.volume import Volume
 from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._public import public
-from wavesplat._readers import lazy_files
+from wavesplat._readers import lazy_files, netcdf
 from wavesplat._readers.options import OpenOptions
 from wavesplat._readers.request import Grid, Request, requested
 from wavesplat._readers.unsupported_formats import foreign_content, foreign_kind
@@ -74,6 +74,7 @@ SUFFIXES = {
     ".h5": "hdf5",
     ".hdf5": "hdf5",
     ".hdf": "hdf5",
+    **dict.fromkeys((".nc", ".nc4", ".cdf", ".netcdf"), "netcdf"),
     ".zarr": "ome_zarr",
 }
 #: First bytes -> module, for files under other names: (offset, bytes). (nibabel insists on its suffixes.)
@@ -85,6 +86,7 @@ MAGIC = {
     (0, b"MM\0*"): "tiff",
     (0, b"\x93NUMPY"): "arrays",
     (0, b"\x89HDF\r\n\x1a\n"): "hdf5",
+    (0, b"CDF"): "netcdf",
 }
 N_FIRST_BYTES = 352
 #: Module -> options that it takes, besides `spacing` and `unit`, which all take.
@@ -99,6 +101,7 @@ OPTIONS = {
     "arrays": {"time", "channel", "dataset"},
     "raw": {"time", "channel", "shape", "dtype", "byte_order", "offset"},
     "hdf5": {"time", "channel", "dataset", "external_files"},
+    "netcdf": {"time", "channel", "dataset", "resample", "external_files"},
     "ome_zarr": {"time", "channel", "dataset", "level"},
 }
 #: Samples are left in their file where they take more than one part in LARGE_SHARE of the free memory.
@@ -106,8 +109,8 @@ LARGE_SHARE = 4
 #: Beginning of the guesses that `spacing` replaces.
 OF_DISTANCES = "distance"
 KINDS = (
-    "NIfTI, FreeSurfer, MINC, AFNI, PAR/REC, ECAT, NRRD, MetaImage, VTK images, DICOM, TIFF, .npy, .npz, raw, HDF5 and "
-    "OME-Zarr"
+    "NIfTI, FreeSurfer, MINC, AFNI, PAR/REC, ECAT, NRRD, MetaImage, VTK images, DICOM, TIFF, .npy, .npz, raw, HDF5, "
+    "netCDF and OME-Zarr"
 )
 
 
@@ -126,7 +129,8 @@ def open(
         NIfTI (.nii, .nii.gz, .hdr/.img), FreeSurfer (.mgz, .mgh), MINC (.mnc), AFNI (.HEAD, .BRIK), PAR/REC, ECAT
         (.v), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), VTK images (.vtk, .vti), DICOM (a folder, also of folders,
         one of the files, a DICOMDIR, or a .zip of them), a TIFF stack (one file or a folder), .npy, .npz, raw, HDF5,
-        OME-Zarr (also under a URL). Or an object of another library, without options: the same as `Volume(object)`.
+        netCDF (.nc), OME-Zarr (also under a URL). Or an object of another library, without options: the same as
+        `Volume(object)`.
     **options : OpenOptions
         What to read of the file, and how.
 
@@ -198,7 +202,7 @@ def opened(request: Request, *, stacklevel: int = 2) -> Volume:
 #: Families whose samples lie in one file as they are: its size gives theirs.
 UNCOMPRESSED = ("arrays", "raw", "nifti", "itk", "vtk_legacy")
 #: Families whose headers give the size of their samples.
-IN_CHUNKS = ("hdf5", "ome_zarr", "tiff")
+IN_CHUNKS = ("hdf5", "netcdf", "ome_zarr", "tiff")
 
 
 def _is_large(request: Request, family: str) -> bool:
@@ -272,7 +276,9 @@ def _family(request: Request) -> str:
     with path.open("rb") as file:
         start = file.read(N_FIRST_BYTES)
     family = SUFFIXES.get(suffix or "") or _family_by_magic(start)
-    if suffix != ".zip" and (error := foreign_content(path, start)) is not None:
+    if family == "hdf5" and netcdf.is_netcdf(path):
+        family = "netcdf"
+    if suffix != ".zip" and family != "netcdf" and (error := foreign_content(path, start)) is not None:
         raise error
     if family == "dicom" and suffix != ".zip":
         # One file of a series: the others are looked for beside it.

@@ -21,7 +21,6 @@ BY_SUFFIX = {
     ".nd2": ("an image of Nikon's microscopes", BY_OME),
     **dict.fromkeys((".oib", ".oif", ".oir", ".vsi"), ("an image of Olympus' microscopes", BY_OME)),
     **dict.fromkeys((".ics", ".ids", ".sld", ".dv", ".r3d"), ("an image of a microscope", BY_OME)),
-    **dict.fromkeys((".nc", ".nc4", ".cdf", ".netcdf"), ("netCDF", BY_XARRAY)),
     **dict.fromkeys((".grib", ".grb", ".grib2", ".grb2"), ("weather data (GRIB)", BY_XARRAY)),
     **dict.fromkeys((".mnc2", ".mnc.gz"), ("a MINC image", "unpack it, and give it a name that ends in .mnc")),
     **dict.fromkeys((".mif", ".mif.gz", ".mih"), ("an image of MRtrix", "write it as NIfTI: mrconvert a.mif a.nii.gz")),
@@ -63,9 +62,7 @@ OF_VTK = {
 }
 #: First bytes -> content of the file, and the way to a volume. No format that is read begins so, but packed files.
 BY_CONTENT = {
-    b"CDF\1": ("netCDF", BY_XARRAY),
-    b"CDF\2": ("netCDF", BY_XARRAY),
-    b"CDF\5": ("netCDF", BY_XARRAY),
+    b"CDF": ("netCDF", "give it a name that ends in .nc"),
     b"\x89PNG": ("a PNG picture", "name the volume itself"),
     b"\xff\xd8\xff": ("a JPEG picture", "name the volume itself"),
     b"PK\3\4": ("a zip archive", UNPACK),

@@ -28,7 +28,7 @@ from wavesplat._model.option_lists import takes_options
 from wavesplat._model.volume import Volume
 from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._public import public
-from wavesplat._readers import lazy_files, netcdf
+from wavesplat._readers import lazy_files, netcdf, vtk_grids
 from wavesplat._readers.options import OpenOptions
 from wavesplat._readers.request import Grid, Request, requested
 from wavesplat._readers.unsupported_formats import foreign_content, foreign_kind
@@ -61,6 +61,7 @@ SUFFIXES = {
     ".mhd": "itk",
     ".vtk": "vtk_legacy",
     ".vti": "vti",
+    **dict.fromkeys(vtk_grids.SUFFIXES, "vtk_grids"),
     ".dcm": "dicom",
     ".ima": "dicom",
     ".zip": "dicom",
@@ -94,13 +95,14 @@ OPTIONS = {
     "nifti": {"time", "channel"},
     "neuroimaging": {"time", "external_files"},
     "itk": {"time", "channel", "external_files"},
-    "vti": {"channel", "dataset"},
-    "vtk_legacy": {"channel", "dataset"},
+    "vti": {"channel", "component", "dataset"},
+    "vtk_legacy": {"channel", "component", "dataset"},
     "dicom": {"series", "time", "channel", "gaps", "suv"},
     "tiff": {"time", "channel", "external_files"},
     "arrays": {"time", "channel", "dataset"},
     "raw": {"time", "channel", "shape", "dtype", "byte_order", "offset"},
     "hdf5": {"time", "channel", "dataset", "external_files"},
+    "vtk_grids": {"channel", "component", "dataset", "resample", "external_files"},
     "netcdf": {"time", "channel", "dataset", "resample", "external_files"},
     "ome_zarr": {"time", "channel", "dataset", "level"},
 }
@@ -109,7 +111,7 @@ LARGE_SHARE = 4
 #: Beginning of the guesses that `spacing` replaces.
 OF_DISTANCES = "distance"
 KINDS = (
-    "NIfTI, FreeSurfer, MINC, AFNI, PAR/REC, ECAT, NRRD, MetaImage, VTK images, DICOM, TIFF, .npy, .npz, raw, HDF5, "
+    "NIfTI, FreeSurfer, MINC, AFNI, PAR/REC, ECAT, NRRD, MetaImage, VTK grids, DICOM, TIFF, .npy, .npz, raw, HDF5, "
     "netCDF and OME-Zarr"
 )
 
@@ -127,10 +129,10 @@ def open(
     ----------
     path : path or URL
         NIfTI (.nii, .nii.gz, .hdr/.img), FreeSurfer (.mgz, .mgh), MINC (.mnc), AFNI (.HEAD, .BRIK), PAR/REC, ECAT
-        (.v), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), VTK images (.vtk, .vti), DICOM (a folder, also of folders,
-        one of the files, a DICOMDIR, or a .zip of them), a TIFF stack (one file or a folder), .npy, .npz, raw, HDF5,
-        netCDF (.nc), OME-Zarr (also under a URL). Or an object of another library, without options: the same as
-        `Volume(object)`.
+        (.v), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), VTK images and grids (.vtk, .vti, .vtr, .vts, .vtu, .vtm and
+        others), DICOM (a folder, also of folders, one of the files, a DICOMDIR, or a .zip of them), a TIFF stack (one
+        file or a folder), .npy, .npz, raw, HDF5, netCDF (.nc), OME-Zarr (also under a URL). Or an object of another
+        library, without options: the same as `Volume(object)`.
     **options : OpenOptions
         What to read of the file, and how.
 
@@ -278,6 +280,8 @@ def _family(request: Request) -> str:
     family = SUFFIXES.get(suffix or "") or _family_by_magic(start)
     if family == "hdf5" and netcdf.is_netcdf(path):
         family = "netcdf"
+    if family in ("vti", "vtk_legacy") and vtk_grids.is_grid(path):
+        family = "vtk_grids"
     if suffix != ".zip" and family != "netcdf" and (error := foreign_content(path, start)) is not None:
         raise error
     if family == "dicom" and suffix != ".zip":

@@ -44,18 +44,6 @@ BY_SUFFIX = {
 }
 #: Suffix of VTK's other files -> the name of their type.
 OF_VTK = {
-    ".vtr": "RectilinearGrid",
-    ".vts": "StructuredGrid",
-    ".vtu": "UnstructuredGrid",
-    ".vtp": "PolyData",
-    ".pvti": "PImageData",
-    ".pvtr": "PRectilinearGrid",
-    ".pvts": "PStructuredGrid",
-    ".pvtu": "PUnstructuredGrid",
-    ".pvtp": "PPolyData",
-    ".vtm": "MultiBlock",
-    ".vtmb": "MultiBlock",
-    ".vthb": "OverlappingAMR",
     ".htg": "HyperTreeGrid",
     ".pvd": "Collection",
     ".vtkhdf": "VTKHDF",

@@ -28,7 +28,7 @@ from wavesplat._model.option_lists import takes_options
 from wavesplat._model.volume import Volume
 from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._public import public
-from wavesplat._readers import lazy_files, netcdf, vtk_grids
+from wavesplat._readers import lazy_files, netcdf, vasp, vtk_grids
 from wavesplat._readers.options import OpenOptions
 from wavesplat._readers.request import Grid, Request, requested
 from wavesplat._readers.unsupported_formats import foreign_content, foreign_kind
@@ -75,6 +75,11 @@ SUFFIXES = {
     ".h5": "hdf5",
     ".hdf5": "hdf5",
     ".hdf": "hdf5",
+    ".cube": "cube",
+    ".cub": "cube",
+    ".bov": "bov",
+    ".sgy": "segy",
+    ".segy": "segy",
     **dict.fromkeys((".nc", ".nc4", ".cdf", ".netcdf"), "netcdf"),
     ".zarr": "ome_zarr",
 }
@@ -103,6 +108,10 @@ OPTIONS = {
     "raw": {"time", "channel", "shape", "dtype", "byte_order", "offset"},
     "hdf5": {"time", "channel", "dataset", "external_files"},
     "vtk_grids": {"channel", "component", "dataset", "resample", "external_files"},
+    "cube": {"dataset"},
+    "vasp": {"dataset"},
+    "bov": {"channel", "component", "external_files"},
+    "segy": set(),
     "netcdf": {"time", "channel", "dataset", "resample", "external_files"},
     "ome_zarr": {"time", "channel", "dataset", "level"},
 }
@@ -112,7 +121,7 @@ LARGE_SHARE = 4
 OF_DISTANCES = "distance"
 KINDS = (
     "NIfTI, FreeSurfer, MINC, AFNI, PAR/REC, ECAT, NRRD, MetaImage, VTK grids, DICOM, TIFF, .npy, .npz, raw, HDF5, "
-    "netCDF and OME-Zarr"
+    "netCDF, cubes, VASP, BOV, SEG-Y and OME-Zarr"
 )
 
 
@@ -131,8 +140,9 @@ def open(
         NIfTI (.nii, .nii.gz, .hdr/.img), FreeSurfer (.mgz, .mgh), MINC (.mnc), AFNI (.HEAD, .BRIK), PAR/REC, ECAT
         (.v), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), VTK images and grids (.vtk, .vti, .vtr, .vts, .vtu, .vtm and
         others), DICOM (a folder, also of folders, one of the files, a DICOMDIR, or a .zip of them), a TIFF stack (one
-        file or a folder), .npy, .npz, raw, HDF5, netCDF (.nc), OME-Zarr (also under a URL). Or an object of another
-        library, without options: the same as `Volume(object)`.
+        file or a folder), .npy, .npz, raw, HDF5, netCDF (.nc), Gaussian cubes (.cube), VASP (CHGCAR, LOCPOT), BOV,
+        SEG-Y, OME-Zarr (also under a URL). Or an object of another library, without options: the same as
+        `Volume(object)`.
     **options : OpenOptions
         What to read of the file, and how.
 
@@ -277,11 +287,7 @@ def _family(request: Request) -> str:
     suffix = next((suffix for suffix in SUFFIXES if path.name.lower().endswith(suffix)), None)
     with path.open("rb") as file:
         start = file.read(N_FIRST_BYTES)
-    family = SUFFIXES.get(suffix or "") or _family_by_magic(start)
-    if family == "hdf5" and netcdf.is_netcdf(path):
-        family = "netcdf"
-    if family in ("vti", "vtk_legacy") and vtk_grids.is_grid(path):
-        family = "vtk_grids"
+    family = _family_by_content(SUFFIXES.get(suffix or "") or _family_by_magic(start), path)
     if suffix != ".zip" and family != "netcdf" and (error := foreign_content(path, start)) is not None:
         raise error
     if family == "dicom" and suffix != ".zip":
@@ -320,6 +326,17 @@ def _names_in(folder: Path) -> list[str]:
                 f"move the files to a folder of their own: {folder}"
             )
     return [name for name, _ in found]
+
+
+def _family_by_content(family: str | None, path: Path) -> str | None:
+    """The module that reads a file whose suffix or first bytes several formats have."""
+    if family is None and vasp.is_named(path):
+        return "vasp"
+    if family == "hdf5" and netcdf.is_netcdf(path):
+        return "netcdf"
+    if family in ("vti", "vtk_legacy") and vtk_grids.is_grid(path):
+        return "vtk_grids"
+    return family
 
 
 def _family_by_magic(start: bytes) -> str | None:

@@ -28,11 +28,6 @@ BY_SUFFIX = {
     **dict.fromkeys(
         (".mrc", ".map", ".ccp4"), ("an MRC map", "give wavesplat.Volume(mrcfile.read(path), spacing=...)")
     ),
-    **dict.fromkeys(
-        (".segy", ".sgy"),
-        ("seismic traces (SEG-Y)", "give their cube, as segyio.tools.cube(path), to wavesplat.Volume"),
-    ),
-    ".cube": ("a Gaussian cube", "give its array, as ase.io.cube reads it, to wavesplat.Volume"),
     ".gii": ("a surface (GIFTI)", "name the image that it was made from"),
     **dict.fromkeys((".stl", ".obj", ".ply", ".glb", ".gltf"), ("a mesh", "name the image that it was made from")),
     **dict.fromkeys((".tar", ".tgz", ".7z", ".rar"), ("an archive", UNPACK)),

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from wavesplat._readers.request import Request, choose
 from wavesplat.errors import ArgumentError
 
-__all__ = ["component_of", "length_of", "number_of_component"]
+__all__ = ["AXES", "N_COMPONENTS", "component_of", "length_of", "number_of_component"]
 
 AXES = "xyz"
 #: Components of a vector.

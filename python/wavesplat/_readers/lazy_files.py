@@ -26,7 +26,18 @@ from wavesplat._files.zarr_states import chunk_files
 from wavesplat._model.facts import Facts
 from wavesplat._model.hdf5_files import files_of_dataset, open_hdf5, read_hdf5
 from wavesplat._model.lazy_array import LazyArray, SlicedArray
-from wavesplat._readers import detached_samples, hdf5, itk, lazy_tiff, netcdf, nifti, ome_zarr, raw, vtk_legacy
+from wavesplat._readers import (
+    detached_samples,
+    hdf5,
+    hdf5_vectors,
+    itk,
+    lazy_tiff,
+    netcdf,
+    nifti,
+    ome_zarr,
+    raw,
+    vtk_legacy,
+)
 from wavesplat._readers.request import Request, index_unnamed_axes, n_times_of, quiet
 from wavesplat._readers.stored_samples import stored_samples
 from wavesplat.errors import ArgumentError, FileError
@@ -222,12 +233,21 @@ def _of_vtk_legacy(request: Request) -> LazyGrid:
 
 def _of_hdf5(request: Request) -> LazyGrid:
     with read_hdf5(request.file) as file:
+        if parts := hdf5_vectors.components_of_record(file, request):
+            name = parts.get(request.component or "")
+            if name is None:
+                raise ArgumentError(
+                    f'{request.dataset!r} holds vectors; with memory= choose one component, as component="x" '
+                    f"(--component x), or leave out memory=: {request.path}"
+                )
+            request = replace(request, dataset=name, component=None)
         dataset = hdf5.chosen_dataset(file, request)
         if not (dataset.external or dataset.is_virtual):
             stored = max(dataset.id.get_storage_size(), request.file.stat().st_size)
             one = sorted(dataset.shape)[-3:]
             size_checks.check_stored(one, dataset.dtype, stored, request.path, ratio=size_checks.ANY_RATIO, held=(1,))
         place = hdf5.place_of(dataset)
+        request = hdf5_vectors.as_channel(dataset.shape, dataset.dtype, request)
         order, picked = _unnamed(dataset.shape, request)
         zyx = (order[place.zyx[0]], order[place.zyx[1]], order[place.zyx[2]])
         chunks = dataset.chunks or [1] * (len(dataset.shape) - 2) + list(dataset.shape[-2:])

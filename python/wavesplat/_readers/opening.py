@@ -106,7 +106,7 @@ OPTIONS = {
     "tiff": {"time", "channel", "external_files"},
     "arrays": {"time", "channel", "dataset"},
     "raw": {"time", "channel", "shape", "dtype", "byte_order", "offset"},
-    "hdf5": {"time", "channel", "dataset", "external_files"},
+    "hdf5": {"time", "channel", "component", "dataset", "external_files"},
     "vtk_grids": {"channel", "component", "dataset", "resample", "external_files"},
     "cube": {"dataset"},
     "vasp": {"dataset"},

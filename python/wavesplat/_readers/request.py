@@ -239,7 +239,8 @@ def index_unnamed_axes(shape: Sequence[int], request: Request) -> tuple[Any, ...
             f"time=0..{shape[0] - 1} (first axis) or channel=0..{shape[-1] - 1} (last axis): {request.safe_path}"
         )
         # Time is the more usual one of a single further axis.
-        option, count = ("time", shape[0]) if request.time is None else ("channel", shape[-1])
+        is_time = request.time is None and (request.channel is not None or not _ends_with_components(shape))
+        option, count = ("time", shape[0]) if is_time else ("channel", shape[-1])
         raise several(message, option, range(count), is_said=False)
     if wanted > max(n_extra, 0):
         raise ArgumentError(
@@ -248,6 +249,11 @@ def index_unnamed_axes(shape: Sequence[int], request: Request) -> tuple[Any, ...
     first = () if request.time is None else (choose("time", shape[0], request.time, request.safe_path),)
     last = () if request.channel is None else (choose("channel", shape[-1], request.channel, request.safe_path),)
     return (*first, ..., *last)
+
+
+def _ends_with_components(shape: Sequence[int]) -> bool:
+    """Whether the last axis is that of components more likely than the first is that of times: 2 or 3, and shorter."""
+    return shape[-1] in (2, 3) and min(shape[:-1]) > 3
 
 
 def window_of(low: Any, high: Any) -> tuple[float, float] | None:

@@ -203,3 +203,10 @@ def test_a_range_that_float64_cannot_span_is_refused():
     function = ws.TransferFunction([(-1.7e308, 0), (1.7e308, 1)], [(-1.7e308, 0, 0, 0), (1.7e308, 1, 1, 1)])
     with pytest.raises(ArgumentError, match="no colour bar"):
         color_bar.scale_of(function, "over", "", WHITE)
+
+
+def test_a_surface_of_one_colour_has_no_bar():
+    """Isosurfaces had a bar of colours that they do not have (simulation, F11)."""
+    picture = ws.render(ws.examples.ripples(24), "grey", composite=ws.FirstHit(100), size=(60, 60))
+    with pytest.raises(ws.errors.ArgumentError, match="a surface of one value has one colour"):
+        picture.annotated(colorbar=True)

@@ -191,6 +191,53 @@ def test_a_worker_that_is_killed_changes_nothing(client):
     assert set(client.run(os.getpid).values()) != set(pids.values())
 
 
+@pytest.mark.parametrize("seconds", [-0.1, 0.0, 0.03, 0.15])
+def test_a_worker_that_is_killed_at_the_start_changes_nothing(client, seconds):
+    """The picture hung, or ended with a bare KeyError, if a worker died just before or while it began (F3, F4)."""
+    samples = shells(64)
+    array = Slow(samples, (16, 16, 16))
+    array.seconds = 0.0
+    lazy = ws.Volume.lazy(array, memory="50 MB", cache=False)
+    lazy.survey(0, "linear")
+    here = ws.render(ws.Volume(samples), HARD, "isometric", size=(80, 60))
+    client.wait_for_workers(2, timeout=300)
+    pid = next(iter(client.run(os.getpid, on_error="ignore").values()))
+    killer = threading.Timer(max(seconds, 0.0), os.kill, (pid, signal.SIGKILL))
+    killer.start()
+    time.sleep(max(-seconds, 0.0))
+    assert _same(here, ws.render(lazy, HARD, "isometric", size=(80, 60), client=client))
+    killer.join()
+    client.wait_for_workers(2, timeout=300)
+
+
+def test_a_cluster_that_loses_all_workers_is_named(monkeypatch):
+    from wavesplat._cluster import waiting
+
+    monkeypatch.setattr(waiting, "PATIENCE_S", 1.0)
+    monkeypatch.setattr(waiting, "LOOK_S", 0.3)
+    samples = shells(64)
+    array = Slow(samples, (16, 16, 16))
+    array.seconds = 0.0
+    lazy = ws.Volume.lazy(array, memory="50 MB", cache=False)
+    lazy.survey(0, "linear")
+    array.seconds = 0.2
+    options = {"processes": False, "dashboard_address": "127.0.0.1:0"}
+    with (
+        distributed.LocalCluster(n_workers=1, threads_per_worker=1, **options) as cluster,
+        distributed.Client(cluster) as alone,
+    ):
+
+        def end_in_the_middle():
+            until = time.monotonic() + 60
+            while not any(alone.processing().values()) and time.monotonic() < until:
+                time.sleep(0.02)
+            cluster.scale(0)
+
+        threading.Thread(target=end_in_the_middle).start()
+        with pytest.raises(ws.errors.ClusterError, match="all workers of the cluster were lost"):
+            ws.render(lazy, HARD, "isometric", size=(200, 150), client=alone)
+
+
 def test_a_read_that_fails_once_is_done_again(client):
     samples = shells(64)
     lazy = ws.Volume.lazy(FailsOnce(samples, (16, 16, 16)), memory="50 MB", cache=False)
@@ -226,7 +273,8 @@ def test_clients_that_cannot_draw_are_refused(client):
 
 
 def test_workers_without_the_package_are_named(client, monkeypatch):
-    def run(_function):
+    def run(_function, on_error):
+        assert on_error == "ignore"
         return {"tcp://10.0.0.1:1": (None, "host", 1, 1, 0), "tcp://10.0.0.2:1": ("0.0.9", "host", 1, 1, 0)}
 
     monkeypatch.setattr(client, "run", run)

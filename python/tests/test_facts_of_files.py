@@ -478,4 +478,4 @@ def test_planes_at_several_times_are_told(tmp_path):
     path = save_imagej(tmp_path / "a.tif", axes="TYX")
     volume = ws.open(path)
     np.testing.assert_array_equal(volume.samples, SAMPLES)
-    assert any("time points are drawn as slices along z" in guess for guess in volume.guesses)
+    assert any("a time series of 5 planes: time points are drawn as slices" in guess for guess in volume.guesses)

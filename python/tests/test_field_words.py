@@ -28,7 +28,7 @@ def options():
         # Hints by similar letters would be wrong here: --shadow, --time, --level.
         ("mesh", "--window", "it is an option of wavesplat render, view, movie, slice, tf"),
         ("mesh", "--clim", "it is an option of wavesplat render, view, movie, slice, tf"),
-        ("mesh", "--legend", "it is an option of wavesplat render, slice"),
+        ("mesh", "--legend", "it is an option of wavesplat render, movie, slice"),
         ("render", "--clims", "did you mean --clim?"),
         ("render", "--mip", "write --composite mip"),
         ("slice", "--mip", "write --slab maximum"),

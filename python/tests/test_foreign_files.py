@@ -93,7 +93,8 @@ def test_formats_on_top_of_hdf5(tmp_path):
 
     for options in ({}, {"memory": "1 MB"}):
         volume = ws.open(file("i.h5", imaris), **options)
-        assert volume.guesses == ("distances of samples 1, 1, 1: Imaris keeps them in DataSetInfo, which is not read",)
+        told = "distances of samples 1, 1, 1: Imaris keeps them in DataSetInfo, which is not read with dataset="
+        assert volume.guesses == (told,)
     assert ws.open(tmp_path / "i.h5", spacing=(1, 1, 2)).guesses == ()
 
 
@@ -107,7 +108,11 @@ def test_damaged_where_bytes_are_missing(tmp_path):
 @pytest.mark.parametrize(
     ("error", "words"),
     [
-        (ImportError('HTTPFileSystem requires "requests" and "aiohttp" to be installed'), 'pip install ".[http]"'),
+        (
+            ImportError('HTTPFileSystem requires "requests" and "aiohttp" to be installed'),
+            'pip install "aiohttp>=3.9", or in the checkout of Wavesplat: pip install ".[http]"',
+        ),
+        (ImportError("Install s3fs to access S3"), "a package is missing; run: pip install s3fs"),
         (ModuleNotFoundError("No module named 'imagecodecs'"), "a package is missing; install it with pip"),
         (FileNotFoundError("http://host/a.zarr"), "it is not there; check the name"),
         (ConnectionRefusedError("refused"), "the server does not answer"),

@@ -17,6 +17,7 @@ import test_dicom_mosaic
 import test_dicom_suv
 from damage import DAMAGE, JSON_DAMAGE, ODD_NUMBERS, ODD_WORDS, PLACES, check, damaged, damaged_json, fuzz
 from hypothesis import strategies as st
+from microscope_files import image, save_bdv, save_imaris
 from vti_files import save_vti
 
 import wavesplat as ws
@@ -101,6 +102,16 @@ def hdf5(path, **options):
         data.attrs["DIMENSION_LABELS"] = ["z", "y", "x"]
 
 
+def imaris(path):
+    times = ("2026-01-02 10:00:00.000", "2026-01-02 10:00:30.500")
+    channels = ({"Name": "DAPI", "Color": "0 0 1", "ColorRange": "100 900", "LSMEmissionWavelength": "461"},)
+    save_imaris(path, image(2, 1, SAMPLES.shape), channels=channels, times=times)
+
+
+def big_data_viewer(path):
+    save_bdv(path.parent, image(2, 1, SAMPLES.shape), times="<first>0</first><last>1</last>")
+
+
 def dicom_zip(path):
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         for number, dataset in enumerate(slices()):
@@ -163,6 +174,8 @@ KINDS = {
     "ome.ome.tif": (lambda path: tiff(path, ome=True, metadata={"axes": "ZYX", "PhysicalSizeX": 0.5}), 1500, True),
     "a.npy": (npy, 128, True),
     "a.h5": (hdf5, None, True),
+    "times.ims": (imaris, None, True),
+    "bdv.xml": (big_data_viewer, None, True),
     "a.zip": (dicom_zip, None, False),
     "DICOMDIR": (dicom_directory, 600, False),
     "packed.h5": (lambda path: hdf5(path, chunks=(2, 5, 6), compression="gzip", fletcher32=True), None, True),
@@ -218,7 +231,7 @@ def test_files(tmp_path, capfd, name):
     files = sorted(tmp_path.iterdir(), key=lambda file: file != path)
     whole = {file: file.read_bytes() for file in files}
     fields = fields_of(name, whole[path])
-    options = {"time": 1} if name.startswith("times") else {}
+    options = {"time": 1} if name.startswith(("times", "bdv")) else {}
     assert check(lambda: samples_in(path, **options), path.name) is not None
 
     def damage(changes, which, in_parts):

@@ -75,3 +75,75 @@ def test_other_names_and_single_places():
 def test_what_is_no_volume_is_refused(make, message):
     with pytest.raises(ArgumentError, match=message):
         ws.Volume(make())
+
+
+# Channels and times
+
+
+def cells(n_channels=2, n_times=1, dims="TCZYX", names=("DAPI", "GFP"), **coordinates):
+    """An array as bioio gives it: capital names, channels by name, distances as coordinates."""
+    rng = np.random.default_rng(5)
+    samples = rng.gamma(1.0, 60.0, (n_times, n_channels, 6, 16, 18)).astype(np.uint16)
+    samples[:, :, 2:4, 4:9, 5:11] += 900
+    places = {
+        "C": list(names[:n_channels]),
+        "Z": 0.5 * np.arange(6),
+        "Y": 0.2 * np.arange(16),
+        "X": 0.2 * np.arange(18),
+    }
+    return xarray.DataArray(samples, dims=list("TCZYX"), coords=places | coordinates).transpose(*dims)
+
+
+@pytest.mark.parametrize("dims", ["TCZYX", "TZYXC"])
+@pytest.mark.parametrize("is_lazy", [False, True])
+def test_channels_are_a_scene(dims, is_lazy):
+    array = cells(dims=dims)
+    scene = ws.Scene(array.chunk(Z=3) if is_lazy else array)
+    assert [layer.name for layer in scene.layers] == ["DAPI", "GFP"]
+    np.testing.assert_array_equal(scene.layers[1].drawn.samples, array.isel(T=0, C=1).transpose(*"ZYX").values)
+    assert scene.layers[0].drawn.spacing == pytest.approx((0.2, 0.2, 0.5))
+    assert scene.layers[1].drawn.facts.channel == ws.Channel("GFP")
+    rgba = ws.render(array, size=(32, 32)).rgba
+    assert rgba[..., 1].max() > 0.2  # green
+    assert rgba[..., 0].max() > 0.2  # and magenta
+    assert ws.slice(array).report["layers"][1]["name"] == "GFP"
+
+
+def test_looks_may_be_given_to_channels():
+    scene = ws.Scene(cells(), ["grey", "mr-head"])
+    assert [layer.look for layer in scene.layers] == ["grey", "mr-head"]
+
+
+def test_channels_without_names_are_numbered():
+    array = cells().drop_vars("C").rename(C="channel")
+    assert [layer.name for layer in ws.Scene(array).layers] == ["channel 0", "channel 1"]
+    assert [layer.name for layer in ws.Scene(cells(C=("C", [405, 488]))).layers] == ["channel 0", "channel 1"]
+
+
+def test_times_are_a_series():
+    array = cells(n_times=3, T=("T", [0.0, 30.0, 60.0], {"units": "s"}))
+    scene = ws.Scene(array)
+    series = scene.layers[0].volume
+    assert (len(series), series.times, series.time_unit) == (3, (0, 30, 60), "s")
+    np.testing.assert_array_equal(scene.at_time(2).layers[1].drawn.samples, array[2, 1].values)
+    assert len(ws.Scene(array.isel(C=0)).layers[0].volume) == 3
+    assert ws.Scene(cells(n_times=2)).layers[0].volume.times == (0, 1)
+
+
+def test_times_of_planes_are_slices():
+    planes = labelled(coordinates={}).rename(z="time")
+    assert ws.Scene(planes).layers[0].drawn.shape == (4, 5, 6)
+
+
+def test_one_of_several_channels_is_a_volume():
+    assert ws.Volume(cells().sel(C="GFP")).facts.channel == ws.Channel("GFP")
+    assert len(ws.Scene(cells(1)).layers) == 1
+    with pytest.raises(ArgumentError, match=r"along 'C', as .*, or take all of them: wavesplat.Scene\(array\)"):
+        ws.Volume(cells())
+
+
+def test_more_channels_than_colours_are_refused():
+    array = cells(9, names=[f"c{n}" for n in range(9)])
+    with pytest.raises(ArgumentError, match=r"9 channels along 'C', a scene at most 8; choose some"):
+        ws.Scene(array)
+    assert len(ws.Scene(array.isel(C=range(8))).layers) == 8

@@ -10,7 +10,14 @@ import pytest
 from test_open_scene import DESCRIBED, cells, save
 
 import wavesplat as ws
-from wavesplat._cli.layer_options import channel_of, further_layers, layer_of, names_of_pictures, times_of
+from wavesplat._cli.layer_options import (
+    channel_of,
+    further_layers,
+    layer_of,
+    names_of_pictures,
+    names_of_times,
+    times_of,
+)
 from wavesplat.errors import ArgumentError, FileError
 
 
@@ -117,9 +124,26 @@ def test_what_are_no_times(text, message):
 
 
 def test_names_of_pictures(tmp_path):
-    named = dict(names_of_pictures(tmp_path / "a.b.png", [3, 11], 12))
+    numbers = [str(number) for number in range(12)]
+    named = dict(names_of_pictures(tmp_path / "a.b.png", [3, 11], numbers))
     assert named == {3: tmp_path / "a.b_03.png", 11: tmp_path / "a.b_11.png"}
-    assert dict(names_of_pictures(tmp_path / "t{time}.png", [3], 4)) == {3: tmp_path / "t3.png"}
+    assert dict(names_of_pictures(tmp_path / "t{time}.png", [3], numbers)) == {3: tmp_path / "t03.png"}
+    seconds = ["0 s", "30 s", "120 s"]
+    assert dict(names_of_pictures(tmp_path / "{time}.png", [1], seconds)) == {1: tmp_path / "030s.png"}
+
+
+@pytest.mark.parametrize(
+    ("texts", "names"),
+    [
+        (["0.0 s", "0.5 s", "10.0 s"], ["00.0s", "00.5s", "10.0s"]),
+        (["0 \u00b5s", "5 \u00b5s"], ["0us", "5us"]),
+        (["0 /a b", "5 /a b"], ["0ab", "5ab"]),
+        (["7 s", "7 s"], ["0", "1"]),
+        (["0"], ["0"]),
+    ],
+)
+def test_times_in_names_of_files_are_safe_and_distinct(texts, names):
+    assert names_of_times(texts) == names
 
 
 # Pictures

@@ -5,6 +5,7 @@ from __future__ import annotations
 import contextlib
 import functools
 import http.server
+import sys
 import threading
 import time
 
@@ -62,10 +63,15 @@ def serve(tmp_path):
         servers.append(server)
         return f"http://127.0.0.1:{server.server_port}", handler.sent
 
+    def stop():
+        while servers:
+            server = servers.pop()
+            server.shutdown()
+            server.server_close()
+
+    start.stop = stop
     yield start
-    for server in servers:
-        server.shutdown()
-        server.server_close()
+    stop()
 
 
 @pytest.mark.parametrize("takes_ranges", [True, False])
@@ -117,6 +123,28 @@ def test_shards_are_read_by_ranges_where_they_can_be(serve, tmp_path, takes_rang
     assert n_bytes < 30_000
 
 
+def test_shards_cost_what_their_chunks_cost(serve, tmp_path):
+    """Fault 11 of microscopy: shards were counted as what must be held, so a small budget read 13 times the bytes."""
+    import zarr
+
+    rng = np.random.default_rng(2)
+    samples = rng.integers(0, 255, (96, 128, 128), np.uint8)
+    n_bytes = {}
+    for name, shards in (("plain", None), ("sharded", (48, 128, 128))):
+        array = zarr.create_array(
+            tmp_path / f"{name}.zarr", shape=samples.shape, chunks=(16, 32, 32), shards=shards, dtype="u1"
+        )
+        array[:] = samples
+        address, sent = serve()
+        volume = ws.open(f"{address}/{name}.zarr", memory="8 MB")
+        ws.render(volume, ws.TransferFunction([(0, 0.0), (255, 0.02)], [(0, 1, 1, 1)]), size=(200, 200))
+        n_bytes[name] = sum(n for _, n in sent)
+        local = ws.open(tmp_path / f"{name}.zarr", memory="8 MB")
+        assert local.arrays(0).chunks == volume.arrays(0).chunks == (16, 32, 32)
+        assert ws.Volume.lazy(array).arrays(0).chunks == (16, 32, 32)
+    assert samples.nbytes < n_bytes["sharded"] < 1.1 * n_bytes["plain"], n_bytes
+
+
 def test_a_server_that_goes_away_names_the_chunk(serve, tmp_path):
     ome_zarr(tmp_path / "image.zarr", shells(32), n_levels=1, chunk=16)
     address, _ = serve()
@@ -124,3 +152,39 @@ def test_a_server_that_goes_away_names_the_chunk(serve, tmp_path):
     (tmp_path / "image.zarr" / "0" / "c" / "0" / "0" / "1" / "1" / "1").write_bytes(b"nothing")
     with pytest.raises(ws.errors.FileError, match=r"chunk \(1, 1, 1\)"):
         ws.render(volume, LOOK, size=(60, 60))
+
+
+def test_a_server_that_is_gone_is_no_damaged_file(serve, tmp_path):
+    """Microscopy, section 5: all errors ended in "truncated, damaged"."""
+    ome_zarr(tmp_path / "image.zarr", shells(32), n_levels=1, chunk=16)
+    address, _ = serve()
+    volume = ws.open(f"{address}/image.zarr", memory="50 MB", channel=0)
+    serve.stop()
+    with pytest.raises(ws.errors.FileError, match="there is no connection to the server .*check the address") as caught:
+        ws.render(volume, LOOK, size=(60, 60))
+    assert not {"copy", "damaged", "truncated"} & set(str(caught.value).replace(",", " ").split())
+    with pytest.raises(ws.errors.FileError, match="there is no connection to the server"):
+        ws.open(f"{address}/image.zarr")
+
+
+def test_a_missing_path_is_no_damaged_file(serve, tmp_path):
+    ome_zarr(tmp_path / "image.zarr", shells(32), n_levels=1, chunk=16)
+    address, _ = serve()
+    with pytest.raises(ws.errors.FileError, match="no Zarr array or group at this address .*; check it"):
+        ws.open(f"{address}/imag.zarr", channel=0)
+
+
+def test_a_missing_package_is_named_with_the_command_that_installs_it(serve, monkeypatch):
+    address, _ = serve()
+    monkeypatch.setitem(sys.modules, "aiohttp", None)
+    with pytest.raises(ws.errors.LibraryError, match=r'aiohttp is not installed; .*pip install "\.\[http\]"'):
+        ws.open(f"{address}/image.zarr")
+
+
+def test_damage_is_damage(serve, tmp_path):
+    ome_zarr(tmp_path / "image.zarr", shells(32), n_levels=1, chunk=16)
+    file = tmp_path / "image.zarr" / "zarr.json"
+    file.write_text(file.read_text()[:100])
+    address, _ = serve()
+    with pytest.raises(ws.errors.FileError, match="damaged"):
+        ws.open(f"{address}/image.zarr", channel=0)

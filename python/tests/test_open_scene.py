@@ -72,13 +72,22 @@ def test_channels_without_colours_have_those_of_the_convention(tmp_path):
     scene = ws.open_scene(save(tmp_path / "a.zarr", 4))
     assert colors(scene)[:2] == [(0, 1, 0), (1, 0, 1)]
     assert [layer.name for layer in scene.layers] == [f"channel {c}" for c in range(4)]
-    # A colour that an earlier channel has is replaced; one white channel stays white, several get colours.
+    # A colour that an earlier channel has is replaced.
     described = [{"color": "FF00FF"}, {"color": "FF00FF"}, {"color": "ffffff"}, {}]
     scene = ws.open_scene(save(tmp_path / "b.zarr", 4, described))
     assert colors(scene) == [(1, 0, 1), (0, 1, 0), (1, 1, 1), (0, 1, 1)]
     described[0]["color"] = "FFFFFF"
     scene = ws.open_scene(save(tmp_path / "c.zarr", 4, described))
-    assert colors(scene) == [(0, 1, 0), (1, 0, 1), (0, 1, 1), (1, 1, 0)]
+    assert colors(scene) == [(1, 1, 1), (1, 0, 1), (0, 1, 0), (0, 1, 1)]
+
+
+def test_fault_4_of_two_white_channels_beside_a_green_one_only_the_second_changes(tmp_path):
+    described = [{"color": "00FF00"}, {"color": "FFFFFF"}, {"color": "FFFFFF"}]
+    scene = ws.open_scene(save(tmp_path / "a.zarr", 3, described))
+    assert colors(scene) == [(0, 1, 0), (1, 1, 1), (1, 0, 1)]
+    # White alone is what writers put where no colour is known.
+    scene = ws.open_scene(save(tmp_path / "b.zarr", 3, [{"color": "FFFFFF"}] * 2))
+    assert colors(scene) == [(0, 1, 0), (1, 0, 1), (0, 1, 1)]
 
 
 def test_channels_are_chosen_by_number_and_name(tmp_path):

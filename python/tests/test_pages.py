@@ -7,7 +7,16 @@ import warnings
 import pages
 import pytest
 
-PAGES = ["dicom.md", "gpu.md", "report.md", "movies.md", "channels_and_time.md", "scenes.md", "radiotherapy.md"]
+PAGES = [
+    "dicom.md",
+    "gpu.md",
+    "ome_zarr.md",
+    "report.md",
+    "movies.md",
+    "channels_and_time.md",
+    "scenes.md",
+    "radiotherapy.md",
+]
 
 
 @pytest.mark.parametrize("name", PAGES)

@@ -72,5 +72,9 @@ class LimitError(WavesplatError):
     """The work is right but too big for this machine or for the format."""
 
 
+class ClusterError(WavesplatError):
+    """The workers of a cluster were lost, and no others have come: the work can be done again with new ones."""
+
+
 class CancelledError(WavesplatError):
     """The progress callback asked to stop; no picture was made."""

@@ -10,6 +10,7 @@ import numpy as np
 
 from wavesplat._looks.kinds import unit_of_values
 from wavesplat._model.lazy_changes import comparing_once
+from wavesplat._model.lazy_parts import MAX_OVERVIEW
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.thinning import HISTOGRAM_SAMPLES, step_for
 
@@ -18,7 +19,7 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["Choice", "describe", "describe_wavelets", "lines", "wavelet_lines"]
+__all__ = ["Choice", "describe", "describe_wavelets", "is_large_pyramid", "lines", "wavelet_lines"]
 
 PERCENTILES = (1, 5, 25, 50, 75, 95, 99)
 #: Largest number of samples that percentiles are taken from; for lazy volumes, those that their surveys keep.
@@ -83,26 +84,43 @@ class Choice:
         return self.described
 
 
-def describe(volume: Volume) -> dict[str, Any]:
-    """Facts about a volume, ready for JSON, all of one state of its files."""
+def describe(volume: Volume, *, of_coarsest: bool = False) -> dict[str, Any]:
+    """Facts about a volume, ready for JSON, all of one state of its files.
+
+    of_coarsest : take the statistics of a lazy volume from its coarsest level, unless that is large.
+    """
     with comparing_once([volume]):
-        return _described(volume)
+        return _described(volume, of_coarsest=of_coarsest)
 
 
-def _described(volume: Volume) -> dict[str, Any]:
-    if isinstance(volume, LazyVolume) and not volume.is_looked_through:
+def _described(volume: Volume, *, of_coarsest: bool) -> dict[str, Any]:
+    level = _coarsest(volume) if of_coarsest and isinstance(volume, LazyVolume) else None
+    shown = volume.read(level=level) if level is not None and isinstance(volume, LazyVolume) else volume
+    if isinstance(shown, LazyVolume) and not shown.is_looked_through:
         told: dict[str, Any] = {"value_range": None, "percentiles": {}, "n_nonfinite": None, "is_from_cache": False}
     else:
-        told = {"value_range": list(volume.value_range), "percentiles": _percentiles(volume)}
-        told["value_unit"] = unit_of_values(volume) or None
-        told["n_nonfinite"] = volume.n_nonfinite
-        told["is_from_cache"] = isinstance(volume, LazyVolume) and volume.is_from_cache
+        told = {"value_range": list(shown.value_range), "percentiles": _percentiles(shown)}
+        told["value_unit"] = unit_of_values(shown) or None
+        told["n_nonfinite"] = shown.n_nonfinite
+        told["is_from_cache"] = isinstance(shown, LazyVolume) and shown.is_from_cache
+    told["level_of_values"] = level or None  # 0 has all samples
     return {
         **_place(volume),
         "dtype": str(volume.dtype),
         "n_bytes": math.prod(volume.shape) * volume.dtype.itemsize,
         **told,
     }
+
+
+def is_large_pyramid(volume: Volume) -> bool:
+    """Whether all samples take long to read, and those of a coarser level do not."""
+    return isinstance(volume, LazyVolume) and math.prod(volume.shape) > MAX_OVERVIEW and _coarsest(volume) is not None
+
+
+def _coarsest(volume: LazyVolume) -> int | None:
+    """The coarsest level that is a volume; None where it is too large to be read for its statistics."""
+    level = max(k for k, shape in enumerate(volume.levels) if min(shape) >= 2)
+    return level if math.prod(volume.levels[level]) <= MAX_OVERVIEW else None
 
 
 def describe_wavelets(wavelets: WaveletVolume, original: Volume | None = None) -> dict[str, Any]:
@@ -184,6 +202,8 @@ def lines(facts: dict[str, Any]) -> list[str]:
         values.append(f"not finite   {facts['n_nonfinite']} samples")
         if facts["is_from_cache"]:
             values.append("             from the cache")
+        if facts["level_of_values"] is not None:
+            values.append(f"             of level {facts['level_of_values']} alone, the coarsest; --level 0 reads all")
     return [
         f"name         {facts['name']}",
         f"samples      {x} x {y} x {z} (x, y, z), {facts['dtype']}, {facts['n_bytes'] / 2**20:.1f} MiB",

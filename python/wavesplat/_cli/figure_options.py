@@ -17,7 +17,14 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._picture.picture import Picture
 
-__all__ = ["FigureOptions", "annotated", "check_figure", "takes_figure_options"]
+__all__ = [
+    "FigureOptions",
+    "annotated",
+    "check_figure",
+    "marks_of",
+    "takes_figure_options",
+    "takes_frame_figure_options",
+]
 
 
 @dataclass(frozen=True)
@@ -40,7 +47,9 @@ class FigureOptions:
     ] = False
     colorbar_label: Annotated[str | None, typer.Option(metavar="TEXT", help="What the values are called there.")] = None
     legend: Annotated[bool, typer.Option("--legend", help="Name labels and channels beside the picture.")] = False
-    title: Annotated[str | None, typer.Option(metavar="TEXT", help="Write this above the picture.")] = None
+    title: Annotated[
+        str | None, typer.Option(metavar="TEXT", help="Write this above the picture; {time} is the time, such as 30 s.")
+    ] = None
     dpi: Annotated[float | None, typer.Option(metavar="N", help="Pixels per inch when printed, for the file.")] = None
     font_size: Annotated[
         float | None, typer.Option(metavar="SIZE", help="Points with --dpi, else pixels; else it follows the size.")
@@ -64,6 +73,11 @@ def takes_figure_options(command: Callable[..., None]) -> Callable[..., None]:
     return with_options_of(FigureOptions, "figure", command)
 
 
+def takes_frame_figure_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command the options of figures that are not printed, in the place of its parameter `figure`."""
+    return with_options_of(FigureOptions, "figure", command, without=["dpi"])
+
+
 def check_figure(options: FigureOptions) -> None:
     """Refuse options that cannot work, before a picture is drawn."""
     from wavesplat._picture import lettering
@@ -81,20 +95,25 @@ def check_figure(options: FigureOptions) -> None:
 
 def annotated(picture: Picture, options: FigureOptions, *, quiet: bool) -> Picture:
     """The picture as a figure, with the marks that the options ask for."""
+    marks = marks_of(options, picture.unit, quiet=quiet)
+    return picture.annotated(**marks, dpi=options.dpi) if marks else picture
+
+
+def marks_of(options: FigureOptions, unit: str | None, *, quiet: bool) -> dict[str, Any]:
+    """Arguments of `Picture.annotated` but `dpi`; none where no mark is asked for. `unit`: of the world's lengths."""
     bar: Any = options.scale_bar if options.bar_length is None else options.bar_length
-    if bar is not False and picture.unit is None and not quiet and not any(map(str.isalpha, options.bar_length or "")):
+    if bar is not False and unit is None and not quiet and not any(map(str.isalpha, options.bar_length or "")):
         message("note: the scale bar has no unit: the file names none; give it with --unit, such as --unit um")
     if not (bar or options.orientation or options.colorbar or options.legend or options.title):
-        return picture
-    return picture.annotated(
-        scale_bar=bar,
-        orientation=options.orientation,
-        colorbar=options.colorbar,
-        values=options.colorbar_label,
-        legend=options.legend,
-        title=options.title,
-        dpi=options.dpi,
-        font_size=options.font_size,
-        font=options.font,
-        color=options.ink,
-    )
+        return {}
+    return {
+        "scale_bar": bar,
+        "orientation": options.orientation,
+        "colorbar": options.colorbar,
+        "values": options.colorbar_label,
+        "legend": options.legend,
+        "title": options.title,
+        "font_size": options.font_size,
+        "font": options.font,
+        "color": options.ink,
+    }

@@ -6,7 +6,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from wavesplat._cli.printing import print_result
-from wavesplat._cli.reader_options import Input, ReaderOptions, open_any, takes_reader_options
+from wavesplat._cli.reader_options import Input, ReaderOptions, open_any, open_samples, takes_reader_options
 from wavesplat._cli.several_inputs import takes_several_inputs
 from wavesplat._cli.shared_options import Json
 
@@ -17,30 +17,33 @@ if TYPE_CHECKING:
 
 __all__ = ["info"]
 
+#: Budget of volumes of which only a small level is read.
+MEMORY = "1 GB"
+
 
 @takes_several_inputs()
 @takes_reader_options
 def info(input: Input, *, reader: ReaderOptions, json: Json = False) -> None:
     """Say what a file holds: what there is to choose, and size, spacing, unit, orientation, values of a volume."""
-    from wavesplat._cli import describe, label_counts
+    from wavesplat._cli import describe, label_counts, zarr_contents
     from wavesplat._model.wavelet_volume import WaveletVolume
 
     choices, volume = _first(input, reader, [])
-    facts: dict[str, Any] = {"choices": [choice.facts() for choice in choices]}
-    text = [line for choice in choices for line in choice.lines()]
+    facts: dict[str, Any] = {"choices": [choice.facts() for choice in choices], **zarr_contents.contents(input, reader)}
+    text = [line for choice in choices for line in choice.lines()] + zarr_contents.lines(facts)
     if volume is None:
         pass
     elif isinstance(volume, WaveletVolume):
         facts |= describe.describe_wavelets(volume)
         text += describe.wavelet_lines(facts)
     else:
-        facts |= describe.describe(volume)
-        facts["labels"] = _labels_of(input, volume) if reader.channel is None else []
+        facts |= describe.describe(volume, of_coarsest=reader.memory is None)
+        facts["labels"] = _labels_of(input, volume, reader.dataset) if reader.channel is None else []
         text += [*describe.lines(facts), *label_counts.lines(facts["labels"])]
     print_result(facts, "\n".join(text), as_json=json)
 
 
-def _labels_of(input: str, volume: Volume) -> list[dict[str, Any]]:
+def _labels_of(input: str, volume: Volume, dataset: str | None) -> list[dict[str, Any]]:
     """The labels that a file names; none of an address, and of scans, whose headers need not be read again."""
     from wavesplat._cli import label_counts
     from wavesplat._files.addresses import is_address
@@ -48,7 +51,7 @@ def _labels_of(input: str, volume: Volume) -> list[dict[str, Any]]:
 
     if is_address(input) or volume.modality not in (None, "SEG"):
         return []
-    named = label_names.in_file(input)
+    named = label_names.in_file(input, dataset)
     return label_counts.counted(volume, named) if named else []
 
 
@@ -61,7 +64,7 @@ def _first(
     from wavesplat.errors import FileError
 
     try:
-        return choices, open_any(input, reader, quiet=True)
+        return choices, _opened(input, reader)
     except SeveralError as several:
         if not several.names or several.option in [choice.option for choice in choices]:
             raise
@@ -73,3 +76,16 @@ def _first(
         if not choices:
             raise
         return [*choices[:-1], replace(choices[-1], problem=str(error))], None
+
+
+def _opened(input: str, reader: ReaderOptions) -> Volume | WaveletVolume:
+    """The volume; of a Zarr image on a server, or of a large pyramid in a folder, no samples are read yet."""
+    from wavesplat._cli import describe
+    from wavesplat._files.addresses import is_address
+    from wavesplat._readers.opening import is_zarr
+
+    if reader.memory is None and reader.level is None and is_zarr(input, **vars(reader)):
+        lazy = open_samples(input, replace(reader, memory=MEMORY, cache=False), quiet=True)
+        if is_address(input) or describe.is_large_pyramid(lazy):
+            return lazy
+    return open_any(input, reader, quiet=True)

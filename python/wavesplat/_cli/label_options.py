@@ -22,7 +22,7 @@ LabelsFile = Annotated[
     typer.Option(
         metavar="FILE",
         help="A segmentation of the volume, also DICOM SEG or RTSTRUCT, every label in a colour; or, in quotes, "
-        "'organs/*.nii.gz': masks in a file each, with their names.",
+        "'organs/*.nii.gz': masks in a file each, with their names; of OME-Zarr the name of labels in it.",
     ),
 ]
 LabelTable = Annotated[

@@ -35,6 +35,7 @@ __all__ = [
     "layer_of",
     "named_file",
     "names_of_pictures",
+    "names_of_times",
     "takes_layer_options",
     "times_of",
 ]
@@ -42,8 +43,12 @@ __all__ = [
 CHANNEL = "NUMBER|NAME[:COLOR][:LOW,HIGH]"
 LAYER = "FILE[:LOOK][:LOW,HIGH]"
 TIMES = "all|N,N,...|FIRST:END[:STEP]"
-#: Placeholder of a time's number in the name of its picture.
-PLACE_OF_NUMBER = "{time}"
+#: Placeholder of the time in the name of its picture.
+PLACE_OF_TIME = "{time}"
+#: Signs of a unit that are left out in names of files.
+UNSAFE = re.compile(r"[^A-Za-z0-9]+")
+#: The micro sign and the Greek letter -> as they are written in names of files.
+MICRO = {0xB5: "u", 0x3BC: "u"}
 
 
 #: The option `--layer` of `render`, `movie` and `slice`.
@@ -80,7 +85,7 @@ class LayerOptions:
         typer.Option(
             metavar=TIMES,
             help="A picture of each of these time points, all with one look and view; {time} in the name of the output "
-            "is the number, which else is added.",
+            "is the time, such as 30s; else its number is added.",
         ),
     ] = None
 
@@ -247,11 +252,22 @@ def times_of(text: str, n: int) -> list[int]:
     return [number % n for number in numbers if number is not None]
 
 
-def names_of_pictures(output: Path, numbers: Sequence[int], n: int) -> Iterator[tuple[int, Path]]:
-    """The number of each time point, of `n`, and the file for its picture."""
+def names_of_pictures(output: Path, numbers: Sequence[int], texts: Sequence[str]) -> Iterator[tuple[int, Path]]:
+    """The number of each time point, and the file for its picture. `texts`: times of all time points, as "30 s"."""
+    names = names_of_times(texts)
     for number in numbers:
-        told = f"{number:0{len(str(n - 1))}}"
-        if PLACE_OF_NUMBER in output.name:
-            yield number, output.with_name(output.name.replace(PLACE_OF_NUMBER, told))
+        if PLACE_OF_TIME in output.name:
+            yield number, output.with_name(output.name.replace(PLACE_OF_TIME, names[number]))
         else:
+            told = f"{number:0{len(str(len(texts) - 1))}}"
             yield number, output.with_name(f"{output.stem}_{told}{output.suffix}")
+
+
+def names_of_times(texts: Sequence[str]) -> list[str]:
+    """Times as parts of names of files, such as "030s"; their numbers where some times are the same."""
+    parts = [text.partition(" ") for text in texts]
+    longest = max(len(number) for number, _, _ in parts)
+    names = [number.zfill(longest) + UNSAFE.sub("", unit.translate(MICRO)) for number, _, unit in parts]
+    if len(set(names)) == len(names):
+        return names
+    return [f"{number:0{len(str(len(texts) - 1))}}" for number in range(len(texts))]

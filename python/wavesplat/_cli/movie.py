@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from wavesplat._cli import parsers
 from wavesplat._cli.crop_options import CutOptions, takes_cut_options
+from wavesplat._cli.figure_options import FigureOptions, check_figure, marks_of, takes_frame_figure_options
 from wavesplat._cli.layer_options import LayerOptions, takes_layer_options, times_of
 from wavesplat._cli.light_options import LightOptions, takes_light_options
 from wavesplat._cli.outputs import check_outputs
@@ -46,6 +46,7 @@ EXIT_INTERRUPTED = 130
 TURN = 120
 
 
+@takes_frame_figure_options
 @takes_cut_options
 @takes_light_options
 @takes_reader_options_but_channel
@@ -71,7 +72,10 @@ def movie(
     *,
     turn: Annotated[
         int | None,
-        typer.Option(metavar="FRAMES", help=f"A turn of so many frames, at one scale; {TURN} without --times."),
+        typer.Option(
+            metavar="FRAMES",
+            help=f"A turn of so many frames, at one scale, with --times through the times; {TURN} without them.",
+        ),
     ] = None,
     degrees: Annotated[float, typer.Option(metavar="DEG", help="How far it turns; less than 0: to the right.")] = 360.0,
     fps: Annotated[float, typer.Option(metavar="N", help="Frames a second.")] = 30.0,
@@ -88,21 +92,22 @@ def movie(
     sampling: SamplingOptions,
     cuts: CutOptions,
     lighting: LightOptions,
+    figure: FigureOptions,
     reader: ReaderOptions,
     processing: ProcessingOptions,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Draw a movie of a volume, a turn or all time points, and print its path."""
-    parsers.refuse_pairs(turn=turn, times=layering.times)
+    """Draw a movie of a volume, a turn, all time points or both, and print its path."""
     check_scene_options(showing, colors, cuts)
     check_view_options(viewing)
+    check_figure(figure)
     from wavesplat._cli import progress
     from wavesplat._movie.movie import check_movie
     from wavesplat._movie.movie import movie as make
     from wavesplat._movie.turn import Turn
 
-    round_trip = Turn(TURN if turn is None else turn, degrees)
+    round_trip = None if turn is None and layering.times is not None else Turn(TURN if turn is None else turn, degrees)
     pattern = check_movie(output, fps=fps, crf=crf, resume=resume)
     if pattern is None:
         check_outputs(input, output, "movies")
@@ -119,7 +124,7 @@ def movie(
     )
     along = _along(chosen, round_trip, layering.times, viewing, size=size, fps=fps)
     n = along.frames if isinstance(along, Turn) else len(along)
-    arguments = drawing_arguments(sampling)
+    arguments = drawing_arguments(sampling) | marks_of(figure, chosen.unit, quiet=quiet)
     if sampling.quality is None and sampling.sheets_per_slice is None and sampling.oversampling is None:
         arguments["quality"] = None
     try:
@@ -143,17 +148,25 @@ def movie(
         raise SystemExit(EXIT_INTERRUPTED) from None
     facts: dict[str, Any] = {"movie": str(pattern or output), "frames": n}
     facts |= {"fps": fps, "size": list(size), "input": input}
+    facts["look"] = {"name": chosen.look.name, "reason": chosen.look.reason}
     print_result(facts, str(pattern or output), as_json=json, written=output)
 
 
 def _along(
-    chosen: ChosenScene, turn: Turn, times: str | None, viewing: ViewOptions, *, size: tuple[int, int], fps: float
+    chosen: ChosenScene,
+    turn: Turn | None,
+    times: str | None,
+    viewing: ViewOptions,
+    *,
+    size: tuple[int, int],
+    fps: float,
 ) -> list[KeyFrame] | Turn:
-    """A turn, or a key frame for each time point."""
-    from wavesplat._model.series import Series
+    """A turn, through the times if any are given, or a key frame for each of them."""
     from wavesplat._movie.key_frame import KeyFrame
 
-    if times is None:
+    numbers = None if times is None else _numbers(chosen, times)
+    if turn is not None:
+        turn = replace(turn, times=numbers)
         camera = given_camera(viewing)
         if camera is not None:
             return replace(turn, start=camera)
@@ -167,9 +180,16 @@ def _along(
             zoom=viewing.zoom,
             view_angle=viewing.perspective,
         )
+    assert numbers is not None
+    camera = camera_for([chosen.scene.at_time(number) for number in numbers], chosen.look, viewing, size)
+    return [KeyFrame(k / fps, camera=camera, time=number) for k, number in enumerate(numbers)]
+
+
+def _numbers(chosen: ChosenScene, times: str) -> list[int]:
+    """The time points that `--times` names."""
+    from wavesplat._model.series import Series
+
     series = next((layer.volume for layer in chosen.scene.layers if isinstance(layer.volume, Series)), None)
     if series is None:
         raise ArgumentError("--times makes a movie of time points, and the file holds one; leave it out for a turn")
-    numbers = list(times_of(times, len(series)))
-    camera = camera_for([chosen.scene.at_time(number) for number in numbers], chosen.look, viewing, size)
-    return [KeyFrame(k / fps, camera=camera, time=number) for k, number in enumerate(numbers)]
+    return times_of(times, len(series))

@@ -88,7 +88,12 @@ WORDS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("out", "out-file", "outfile", "save", "save-as", "output-dir", "outdir"), ("-o OUT",)),
     **dict.fromkeys(("silent",), ("--quiet",)),
     **dict.fromkeys(("slice", "slice-index", "z"), ("--position MM",)),
-    **dict.fromkeys(("slices", "lightbox", "montage", "mosaic", "n-slices"), ("--positions START:STOP:STEP",)),
+    **dict.fromkeys(
+        ("slices", "lightbox", "montage", "mosaic", "n-slices"), ("--positions START:STOP:STEP", "--sheet OUT")
+    ),
+    **dict.fromkeys(("contact-sheet",), ("--sheet OUT",)),
+    **dict.fromkeys(("time-stamp", "timestamp", "stamp"), ('--title "t = {time}"',)),
+    **dict.fromkeys(("same-contrast", "same-window", "same-clim", "comparable"), ("--same-look first",)),
     **dict.fromkeys(("ortho", "orthogonal", "planes", "three-planes", "mpr"), ("--plane all",)),
     **dict.fromkeys(("thick", "slab-thickness"), ("--thickness MM",)),
 }

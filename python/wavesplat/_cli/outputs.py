@@ -14,13 +14,15 @@ if TYPE_CHECKING:
 __all__ = ["check_outputs", "write_report"]
 
 
-def check_outputs(input: str, output: Path, kind: Kind, report: Path | None = None) -> None:
-    """Raise if a result cannot be written, or would replace the input or another result."""
+def check_outputs(
+    input: str, output: Path, kind: Kind, report: Path | None = None, *, option: str = "--output"
+) -> None:
+    """Raise if a result cannot be written, or would replace the input or another result. `option`: of the output."""
     from wavesplat._files.output import check_output, check_writable
     from wavesplat._files.paths import expanded, real_path
 
     check_output(output, kind)
-    places = {"INPUT": expanded(input), "--output": output}
+    places = {"INPUT": expanded(input), option: output}
     if report is not None:
         check_writable(report)
         places["--report"] = report

@@ -43,7 +43,10 @@ class ReaderOptions:
 
     series: Annotated[
         str | None,
-        typer.Option(metavar="WHICH", help="DICOM: which series, by number, description or start of the UID."),
+        typer.Option(
+            metavar="WHICH",
+            help="DICOM, vendors' files: which series, by number, name or start of the UID.",
+        ),
     ] = None
     time: Annotated[
         int | None,
@@ -53,7 +56,9 @@ class ReaderOptions:
     dataset: Annotated[str | None, typer.Option(metavar="NAME", help="HDF5, netCDF, .npz, VTK, Zarr: which array.")] = (
         None
     )
-    level: Annotated[int | None, typer.Option(metavar="N", help="OME-Zarr: level of detail, 0 is the finest.")] = None
+    level: Annotated[
+        int | None, typer.Option(metavar="N", help="Of an image with several: level of detail, 0 is the finest.")
+    ] = None
     shape: Annotated[
         Any, typer.Option(metavar="Z,Y,X", parser=parsers.whole_numbers, help="Raw: number of samples.")
     ] = None

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from wavesplat._cli.batches import Batch
 from wavesplat._cli.crop_options import CutOptions, takes_cut_options
 from wavesplat._cli.figure_options import FigureOptions, annotated, check_figure, takes_figure_options
 from wavesplat._cli.from_document import draw_from
@@ -18,7 +20,13 @@ from wavesplat._cli.printing import is_terminal, print_notes, print_result
 from wavesplat._cli.processing_options import ProcessingOptions, takes_processing_options
 from wavesplat._cli.reader_options import InputOrNone, ReaderOptions, takes_reader_options_but_channel
 from wavesplat._cli.sampling_options import SamplingOptions, drawing_arguments, takes_sampling_options
-from wavesplat._cli.scene_options import SceneOptions, check_scene_options, chosen_scene, takes_scene_options
+from wavesplat._cli.scene_options import (
+    ChosenScene,
+    SceneOptions,
+    check_scene_options,
+    chosen_scene,
+    takes_scene_options,
+)
 from wavesplat._cli.several_inputs import takes_several_inputs
 from wavesplat._cli.shared_options import Bits, Json, PictureOutput, Quiet, Size
 from wavesplat._cli.transfer_function_options import ColorOptions, takes_color_options
@@ -26,6 +34,7 @@ from wavesplat._cli.view_options import ViewOptions, camera_for, check_view_opti
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from wavesplat._looks.look import Look
     from wavesplat._model.camera import Camera
     from wavesplat._scene.scene import Scene
 
@@ -78,6 +87,7 @@ def render(
     report: Annotated[Path | None, typer.Option(metavar="FILE.json", help="Write how the picture was made.")] = None,
     reader: ReaderOptions,
     processing: ProcessingOptions,
+    batch: Batch | None = None,
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
@@ -97,17 +107,24 @@ def render(
 
     check_bits(bits)
     check_figure(figure)
-    scene, look, operator = chosen_scene(
-        input,
-        showing,
-        colors=colors,
-        layering=layering,
-        cuts=cuts,
-        lighting=lighting,
-        reader=reader,
-        processing=processing,
-        quiet=quiet,
-    )
+
+    def choose(path: str, looks: Sequence[Look] | None, is_quiet: bool) -> ChosenScene:
+        return chosen_scene(
+            path,
+            showing,
+            colors=colors,
+            layering=layering,
+            cuts=cuts,
+            lighting=lighting,
+            reader=reader,
+            processing=processing,
+            quiet=is_quiet,
+            looks=looks,
+        )
+
+    batch = batch or Batch([input], is_quiet=quiet)
+    chosen = batch.chosen(input, choose, lambda one: _settled(one, viewing, size))
+    scene, look, operator = chosen.scene, chosen.look, chosen.operator
     pictures = _pictures(scene, layering.times, input, output)
     camera = camera_for([one for one, _ in pictures], look, viewing, size)
     made = _drawn_all(
@@ -118,6 +135,7 @@ def render(
         bits=bits,
         embed_scene=embed_scene,
         embed_paths=embed_paths,
+        batch=batch,
         quiet=quiet,
         size=size,
         composite=operator,
@@ -129,15 +147,28 @@ def render(
     print_result(facts, "\n".join(str(path) for _, path in pictures), as_json=json, written=pictures[-1][1])
 
 
+def _settled(chosen: ChosenScene, viewing: ViewOptions, size: tuple[int, int]) -> ChosenScene:
+    """The scene with greys written out that else follow each view."""
+    from wavesplat._movie.seen import with_settled_looks
+
+    if all(layer.look is not None for layer in chosen.scene.layers):
+        return chosen
+    camera = camera_for([chosen.scene], chosen.look, viewing, size)
+    scene, _ = with_settled_looks(chosen.scene, chosen.operator, camera, size)
+    first: Any = scene.layers[0].look
+    return chosen._replace(scene=scene, look=first)
+
+
 def _pictures(scene: Scene, times: str | None, input: str, output: Path) -> list[tuple[Scene, Path]]:
     """The scene at each time that is asked for, and the file for its picture."""
     from wavesplat._model.series import Series
+    from wavesplat._model.time_stamps import time_texts
 
     if times is None:
         return [(scene, output)]
     series = next((layer.volume for layer in scene.layers if isinstance(layer.volume, Series)), None)
-    n = 1 if series is None else len(series)
-    named = list(names_of_pictures(output, times_of(times, n), n))
+    texts = ("0",) if series is None else time_texts(series.times, series.time_unit)
+    named = list(names_of_pictures(output, times_of(times, len(texts)), texts))
     for _, path in named:
         check_outputs(input, path, "pictures")
     return [(scene if series is None else scene.at_time(number), path) for number, path in named]
@@ -152,16 +183,22 @@ def _drawn_all(
     bits: int,
     embed_scene: bool,
     embed_paths: bool,
+    batch: Batch,
     quiet: bool,
     **options: Any,
 ) -> list[dict[str, Any]]:
     """Draw and write pictures; return the facts about each."""
-    made = []
+    from wavesplat._scene.summary import stamped
+
+    made, title = [], figure.title
     for scene, path in pictures:
+        if title and len(pictures) > 1:
+            figure = replace(figure, title=stamped(title, scene))
         picture = _drawn(scene, camera, shown=not quiet and is_terminal(), **options)
         if not quiet:
             print_notes(picture)
         picture = annotated(picture, figure, quiet=quiet)
+        batch.add(input, picture.report["time"]["text"] if len(pictures) > 1 else None, picture)
         picture.save(path, bits=bits, dpi=figure.dpi, scene=embed_scene, embed_paths=embed_paths)
         made.append({"picture": str(path), "size": list(picture.size), "input": input, "report": picture.report})
     return made

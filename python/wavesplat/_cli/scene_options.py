@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
@@ -86,6 +86,20 @@ class ChosenScene(NamedTuple):
     scene: Scene
     look: Look
     operator: Operator
+    #: Number of the layers, of all of the scene's, that are of INPUT.
+    n_own: int = 1
+
+    @property
+    def looks(self) -> tuple[Look, ...]:
+        """Looks of the layers of INPUT."""
+        looks: Any = tuple(layer.look for layer in self.scene.layers[: self.n_own])
+        return looks  # type: ignore[no-any-return]
+
+    @property
+    def unit(self) -> str | None:
+        """Unit of the world's lengths, where a file names one."""
+        units = (layer.drawn.facts.unit for layer in self.scene.layers)
+        return next((unit for unit in units if unit is not None), None)
 
 
 def check_scene_options(showing: SceneOptions, colors: ColorOptions, cuts: CutOptions) -> None:
@@ -108,8 +122,12 @@ def chosen_scene(
     processing: ProcessingOptions,
     quiet: bool,
     all_times: bool = False,
+    looks: Sequence[Look] | None = None,
 ) -> ChosenScene:
-    """The scene of the options, its volumes opened; `all_times`: keep all times of a file if no time is given."""
+    """The scene of the options, its volumes opened.
+
+    all_times : keep all times of a file if no time is given. looks : of the layers of INPUT, instead of their own.
+    """
     from wavesplat._looks.over_time import brightest
     from wavesplat._model.series import Series
     from wavesplat._scene.layer import Layer
@@ -133,16 +151,25 @@ def chosen_scene(
     if isinstance(opened, Channels):
         refuse_for_channels(showing, colors, len(opened.layers))
         layers, look = opened
+        if looks is not None:
+            _check_looks(looks, len(layers), input)
+            layers = [replace(layer, look=given) for layer, given in zip(layers, looks, strict=True)]
+            look = looks[0]
         shading: Any = chosen_shading(lighting, None) if given(lighting) else "look"
     else:
         volume = opened if isinstance(opened, Series) else _levels(opened, showing)
         brief = brightest(volume) if isinstance(volume, Series) else volume
-        look = showing.look(brief, input, colors, quiet=quiet)
+        if looks is not None:
+            _check_looks(looks, 1, input)
+        # Labels lie on the volume that their look was made for.
+        is_given = looks is not None and looks[0].labels is None
+        look = looks[0] if looks and is_given else showing.look(brief, input, colors, quiet=quiet)
         shading = chosen_shading(lighting, look.shading)
         if layering.layer:  # which have light of their own
             look, shading = replace(look, shading=shading), "look"
         # Greys that depend on the view are left to the renderer.
-        by_view = look.name == "auto" and look.composite in BY_VIEW and not (layering.layer or layering.times)
+        is_chosen_here = look.name == "auto" and not (is_given or layering.layer or layering.times)
+        by_view = is_chosen_here and look.composite in BY_VIEW
         layers = [Layer(volume, None if by_view else look)]
     scene = Scene(
         [*layers, *further_layers(layering.layer, time=reader.time or 0, quiet=quiet, suv=reader.suv)],
@@ -154,7 +181,17 @@ def chosen_scene(
     check_uptake(scene, suv=reader.suv)
     if not quiet:
         _note_guesses(scene, look, composite)
-    return ChosenScene(scene, look, _operator(composite or look.composite, showing))
+        if layering.times is not None:
+            _note_one_look(scene)
+    return ChosenScene(scene, look, _operator(composite or look.composite, showing), len(layers))
+
+
+def _check_looks(looks: Sequence[Look], n: int, input: str) -> None:
+    if len(looks) != n:
+        raise ArgumentError(
+            f"--same-look gives the looks of {len(looks)} channels, and this file has {n}; draw files of as many "
+            f"channels together, or name them with --channel: {input}"
+        )
 
 
 #: Options of a number -> the operator that takes it.
@@ -209,6 +246,22 @@ def _levels(volume: Volume | WaveletVolume, showing: SceneOptions) -> Volume | W
         )
     weighted = volume if bands is None else volume.bands(bands)
     return weighted if level is None else weighted.level(level)
+
+
+def _note_one_look(scene: Scene) -> None:
+    """Say which time points the look of all of them is chosen by, where their values choose it."""
+    from wavesplat._looks.look import Look
+    from wavesplat._looks.over_time import sampled_numbers
+    from wavesplat._model.series import Series
+
+    for layer in scene.layers:
+        look, series = layer.look, layer.volume
+        is_chosen = isinstance(look, Look) and (look.name == "auto" or look.reason.endswith("by the values"))
+        if isinstance(series, Series) and len(series) > 1 and is_chosen:
+            *numbers, last = sampled_numbers(series)
+            listed = f"{', '.join(map(str, numbers))} and {last}"
+            message(f"note: one look for all times, chosen by the brightest of time points {listed}")
+            return
 
 
 def _note_guesses(scene: Scene, look: Look, composite: str | None) -> None:

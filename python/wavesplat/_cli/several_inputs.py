@@ -1,7 +1,8 @@
 """Commands of one INPUT run on several: quoted patterns are expanded, and each result gets a name of its own.
 
-In the name of an output, {stem} is the input's without suffix, {name} with it, {folder} the folder that it is in, and
-{number} counts from 1. Other braces are left as they are.
+In the name of an output, {stem} is the input's without suffix, {name} with it, {folder} the folder that it is in,
+{path} what is after the folder that all inputs share, with _ between its parts, and {number} counts from 1. Of images
+of a plate of OME-Zarr {well} is the well, such as A1, and {field} the image in it. Other braces are left as they are.
 """
 
 from __future__ import annotations
@@ -17,6 +18,8 @@ from typing import Annotated, Any
 
 import typer
 
+from wavesplat._cli.batches import Batch, batch_of, batch_parameters
+from wavesplat._cli.input_names import is_folder, stem_of
 from wavesplat._cli.printing import collected, message, print_lines
 from wavesplat._files.addresses import is_address, safe_address
 from wavesplat._files.patterns import matching_files
@@ -32,9 +35,9 @@ _INPUTS = typer.Argument(
 Inputs = Annotated[list[str], _INPUTS]
 InputsOrNone = Annotated[list[str] | None, _INPUTS]
 
-#: Suffixes that belong to the one after them, as in .nii.gz.
-DOUBLE = re.compile(r"\.(nii|img|hdr|ome|seg)$", re.IGNORECASE)
-PLACE = re.compile(r"\{(stem|name|folder|number)\}")
+PLACE = re.compile(r"\{(stem|name|folder|path|well|field|number)\}")
+#: Words in braces that only images of plates have.
+OF_PLATES = ("well", "field")
 
 
 def takes_several_inputs(
@@ -44,29 +47,39 @@ def takes_several_inputs(
 
     suffix : of results, where `output` is a folder; None for a command without an output.
     own : an option, and words in braces that the command fills itself where that option is given.
+
+    A command with a parameter `batch` is given the `Batch` of all inputs, and has its options.
     """
 
     def changed(command: Callable[..., None]) -> Callable[..., None]:
         signature = inspect.signature(command, eval_str=True)
+        together = batch_parameters() if "batch" in signature.parameters else []
 
         @wraps(command)
         def with_several(*, input: list[str] | None = None, **options: Any) -> None:
             if not input:
+                for parameter in together:
+                    options.pop(parameter.name)
                 command(input=None, **options)
                 return
             left = own[1:] if own and options.get(own[0]) else ()
-            runs = _runs(_found(input), options, suffix, left)
-            if len(runs) == 1:
+            inputs = _found(input)
+            batch = batch_of(inputs, options) if together else None
+            runs = _runs(inputs, options if batch is None else {**options, "batch": batch}, suffix, left)
+            if batch is not None:
+                batch.check_apart([run.get("output") for run in runs])
+            if len(runs) == 1 and not (batch and batch.has_sheet):
                 command(**runs[0])
             else:
-                _run_all(command, runs, titled=suffix is None)
+                _run_all(command, runs, batch, titled=suffix is None)
 
-        parameters = [
-            parameter.replace(annotation=Inputs if parameter.default is parameter.empty else InputsOrNone)
-            if parameter.name == "input"
-            else parameter
-            for parameter in signature.parameters.values()
-        ]
+        parameters: list[inspect.Parameter] = []
+        for parameter in signature.parameters.values():
+            if parameter.name == "input":
+                kind = Inputs if parameter.default is parameter.empty else InputsOrNone
+                parameters.append(parameter.replace(annotation=kind))
+            else:
+                parameters += together if parameter.name == "batch" else [parameter]
         # Typer reads one or the other, depending on its release.
         with_several.__signature__ = inspect.Signature(parameters)  # type: ignore[attr-defined]
         with_several.__annotations__ = {parameter.name: parameter.annotation for parameter in parameters}
@@ -89,11 +102,16 @@ def _runs(
     """Arguments of the command for each input. `left`: words in braces that stay."""
     runs = []
     makers: dict[Path, str] = {}
+    paths = _paths(inputs)
+    named = " ".join(str(options.get(option)) for option in ("output", "report"))
+    asks_wells = any(f"{{{word}}}" in named for word in OF_PLATES)
     for number, input in enumerate(inputs, 1):
-        places = _places(input, f"{number:0{len(str(len(inputs)))}}")
+        places = {**_places(input, f"{number:0{len(str(len(inputs)))}}"), "path": paths[number - 1]}
+        if asks_wells:
+            places |= _places_in_plate(input)
         places |= {word: f"{{{word}}}" for word in left}
         own = {option: _named(options[option], places) for option in ("output", "report") if options.get(option)}
-        if suffix is not None and "output" in own and _is_folder(own["output"]):
+        if suffix is not None and "output" in own and is_folder(own["output"]):
             own["output"] /= f"{places['stem']}{suffix}"
         for option, path in own.items():
             if len(inputs) > 1 and path == options[option]:
@@ -103,9 +121,10 @@ def _runs(
                 )
             maker = makers.setdefault(path, input)
             if maker != input:
+                words = _words_that_differ(maker, input)
                 raise ArgumentError(
                     f"{safe_address(maker)} and {safe_address(input)} would be one file, {path}; "
-                    "write {folder} or {number} in its name"
+                    f"write {' or '.join(words)} in its name"
                 )
         runs.append({**options, **own, "input": input})
     return runs
@@ -118,20 +137,47 @@ def _places(input: str, number: str) -> dict[str, str]:
     if not folder:
         with suppress(OSError):  # of a working folder that is gone
             folder = path.absolute().parent.name
-    stem = path.name if _is_folder(path) and path.suffix.lower() != ".zarr" else path.stem
-    return {"stem": DOUBLE.sub("", stem), "name": path.name, "folder": folder, "number": number}
+    return {"stem": stem_of(input), "name": path.name, "folder": folder, "number": number}
 
 
-def _is_folder(path: Path) -> bool:
-    """Whether a path is a folder; False for impossible names, which fail where they are opened or written."""
-    return os.path.isdir(path)  # noqa: PTH112
+def _paths(inputs: list[str]) -> list[str]:
+    """Paths of the inputs below the folder that all share, with _ between their parts."""
+    parts = [Path(safe_address(one) if is_address(one) else os.path.abspath(one)).parts for one in inputs]  # noqa: PTH100
+    n = 0
+    while n < min(map(len, parts)) - 1 and len({part[n] for part in parts}) == 1:
+        n += 1
+    return ["_".join(part[n:]) for part in parts]
+
+
+def _places_in_plate(input: str) -> dict[str, str]:
+    """Values of {well} and {field}."""
+    from wavesplat._readers.ome_zarr_layout import well_of
+
+    found = None if is_address(input) else well_of(Path(input))
+    if found is None:
+        raise ArgumentError(
+            "{well} and {field} name the images of a plate of OME-Zarr, such as plate.zarr/A/1/0, and this is none; "
+            f"write {{path}} or {{stem}}: {safe_address(input)}"
+        )
+    return dict(zip(OF_PLATES, found, strict=True))
+
+
+def _words_that_differ(one: str, other: str) -> list[str]:
+    """Words in braces by which two inputs have different names."""
+    from wavesplat._readers.ome_zarr_layout import well_of
+
+    first, second = (None if is_address(input) else well_of(Path(input)) for input in (one, other))
+    if first is not None and second is not None:
+        return ["{well}" if first[0] != second[0] else "{field}", "{path}"]
+    has_own_folder = _places(one, "")["folder"] != _places(other, "")["folder"]
+    return ["{folder}" if has_own_folder else "{path}", "{number}"]
 
 
 def _named(path: Path, places: dict[str, str]) -> Path:
     return Path(PLACE.sub(lambda place: places[place[1]], str(path)))
 
 
-def _run_all(command: Callable[..., None], runs: list[dict[str, Any]], *, titled: bool) -> None:
+def _run_all(command: Callable[..., None], runs: list[dict[str, Any]], batch: Batch | None, *, titled: bool) -> None:
     """Run the command for each input in turn; report one that fails, and go on with the others."""
     n_failed = 0
     with collected(as_json=bool(runs[0].get("json"))):
@@ -147,6 +193,8 @@ def _run_all(command: Callable[..., None], runs: list[dict[str, Any]], *, titled
                 n_failed += 1
                 place = "" if safe_address(run["input"]) in str(error) else f": {safe_address(run['input'])}"
                 message(f"error: {' '.join(str(error).split())}{place}")
+        if batch is not None:
+            batch.finish(as_json=bool(runs[0].get("json")))
     if n_failed:
         message(f"{n_failed} of {len(runs)} inputs failed")
         raise typer.Exit(1)

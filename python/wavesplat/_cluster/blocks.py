@@ -25,17 +25,18 @@ import numpy as np
 
 from wavesplat import _native
 from wavesplat._cluster.machines import MAX_TASKS, machines_of
+from wavesplat._cluster.waiting import N_RETRIES, done, held, result_of
 from wavesplat._files.libraries import library
 from wavesplat._model.lazy_array import ComputedArray
 from wavesplat._model.read_ahead import ReadCounts
 from wavesplat._render.lazy_layers import FrameSpec
 from wavesplat._render.streaming import Progress, Reading, draw_segment
-from wavesplat.errors import ArgumentError, CancelledError
+from wavesplat.errors import ArgumentError, CancelledError, ClusterError
 
 __all__ = ["drawn_on_machines"]
 
-#: Retries of a task: a read may fail for once.
-N_RETRIES = 3
+#: Times that lost tasks are sent again: where the scheduler has forgotten them.
+N_TIMES = 3
 #: Streams that a process keeps; the tasks of one picture share one.
 MAX_STREAMS = 2
 
@@ -113,19 +114,18 @@ class _Tasks:
     def _by_client(self, client: Any, order: Sequence[int]) -> Any:
         distributed: Any = library("distributed", extra="dask")
         waiting = list(order)
-        for attempt in range(N_RETRIES + 1):
-            # One copy is sent to every worker, and again if all workers that had one are gone.
-            spec = client.scatter(self._packed, broadcast=True, hash=False)
+        for attempt in range(N_TIMES + 1):
+            spec = held(client, self._packed, self._token)
             futures = client.compute([self._task(spec, block) for block in waiting], retries=N_RETRIES)
             of = dict(zip([future.key for future in futures], waiting, strict=True))
             try:
-                for future in distributed.as_completed(futures):
-                    yield of[future.key], future.result()
+                for future in done(client, futures):
+                    yield of[future.key], result_of(client, future)
                     waiting.remove(of[future.key])
                 return
-            except distributed.CancelledError:
-                if attempt == N_RETRIES:
-                    raise
+            except distributed.CancelledError as error:
+                if attempt == N_TIMES:
+                    raise ClusterError(f"the cluster has lost the tasks of a picture {attempt + 1} times") from error
             finally:
                 client.cancel(futures)
 

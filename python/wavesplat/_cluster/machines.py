@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from wavesplat import _native
+from wavesplat._cluster.waiting import facts_of_workers
 from wavesplat._files.libraries import library
 from wavesplat._model.argument_types import described
 from wavesplat._model.lazy_volume import default_memory
@@ -65,7 +66,7 @@ def machines_of(client: Any) -> Machines:
             "this client is asynchronous, and pictures are drawn synchronously; give Client(..., asynchronous=False), "
             "and draw in a thread if an event loop runs here"
         )
-    told = client.run(_machine_facts)
+    told = facts_of_workers(client, _machine_facts)
     if not told:
         raise ArgumentError("the cluster has no workers yet; wait for them with client.wait_for_workers(1)")
     missing = sorted(address for address, (version, *_) in told.items() if version != _native.__version__)

@@ -17,7 +17,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Literal, TypeAlias
 
-from wavesplat.errors import ArgumentError, FileError
+from wavesplat.errors import ArgumentError, FileError, WavesplatError
 
 __all__ = [
     "NUMBERS",
@@ -100,7 +100,7 @@ def as_file_errors(target: Path) -> Iterator[None]:
     """Turn the system's errors about names, folders and disks into a `FileError`."""
     try:
         yield
-    except FileError:
+    except WavesplatError:  # some are a `ValueError` too
         raise
     except OSError as error:
         mend = MENDS.get(error.errno or 0, "choose another folder")

@@ -44,6 +44,8 @@ TRUNCATION_WORDS = re.compile(
     r"|decompression error|error during \w+ decompression|bad input data",
     re.IGNORECASE,
 )
+#: The package that fsspec needs for a protocol, in its message.
+MISSING = re.compile(r"Install (s3fs|gcsfs) to access")
 #: Packages that only some files need -> the extra that installs them.
 EXTRAS = {"aiohttp": "http"}
 
@@ -71,7 +73,8 @@ def _advice(error: Exception) -> str:
     """The end of a message: bytes are called missing or wrong only where the error says so."""
     if isinstance(error, ImportError):
         extra = next((extra for name, extra in EXTRAS.items() if name in str(error)), None)
-        how = how_to_install(extra) if extra else "install it with pip"
+        named = MISSING.search(str(error))
+        how = how_to_install(extra) if extra else f"run: pip install {named[1]}" if named else "install it with pip"
         return f"a package is missing; {how}"
     if isinstance(error, FileNotFoundError):
         return "it is not there; check the name"

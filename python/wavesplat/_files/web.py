@@ -14,7 +14,7 @@ from wavesplat._files.addresses import is_public, safe_address
 from wavesplat._files.libraries import library
 from wavesplat.errors import FileError, LibraryError
 
-__all__ = ["ForbiddenError", "Part", "get", "mark_of"]
+__all__ = ["ForbiddenError", "Part", "ServerError", "get", "mark_of"]
 
 #: Range of bytes: the first, and the one after the last; None is all, an end of None is the end of the file, and a
 #: negative first byte counts from there.
@@ -32,6 +32,10 @@ PORTS = {"http": 80, "https": 443}
 
 class ForbiddenError(Exception):
     """The server answers 403."""
+
+
+class ServerError(FileError):
+    """A server does not answer, or not now, or not whole: what it has may be sound."""
 
 
 async def get(url: str, most: int, part: Part, *, public_only: bool) -> bytes | None:
@@ -52,7 +56,7 @@ async def get(url: str, most: int, part: Part, *, public_only: bool) -> bytes | 
             if answer.status == HTTPStatus.FORBIDDEN:
                 raise ForbiddenError(url)
             if answer.status not in (HTTPStatus.OK, HTTPStatus.PARTIAL_CONTENT):
-                raise FileError(_why_not(answer.status, url))
+                raise _refusal(answer.status, url)
             body = await _body(answer, most, url)
             if part is None or answer.status == HTTPStatus.PARTIAL_CONTENT:
                 return body
@@ -190,16 +194,16 @@ def _not_public(host: str) -> FileError:
     )
 
 
-def _why_not(status: int, url: str) -> str:
-    """The message for an answer that has no content."""
+def _refusal(status: int, url: str) -> FileError:
+    """The error for an answer that has no content."""
     known = {one.value: one.phrase for one in HTTPStatus}
     said = f"{status} {known.get(status, '')}".strip()
     if status == HTTPStatus.UNAUTHORIZED:
         place = "give an address that holds the access, ...?token=..."
-        return f"the server asks for a log-in ({said}); {place}: {safe_address(url)}"
+        return FileError(f"the server asks for a log-in ({said}); {place}: {safe_address(url)}")
     if status >= HTTPStatus.INTERNAL_SERVER_ERROR or status == HTTPStatus.TOO_MANY_REQUESTS:
-        return f"the server has a fault or is busy ({said}); try again later: {safe_address(url)}"
-    return f"the server does not give what is asked for ({said}); check the address: {safe_address(url)}"
+        return ServerError(f"the server has a fault or is busy ({said}); try again later: {safe_address(url)}")
+    return FileError(f"the server does not give what is asked for ({said}); check the address: {safe_address(url)}")
 
 
 def _as_file_error(error: Exception, url: str) -> FileError:
@@ -214,14 +218,16 @@ def _as_file_error(error: Exception, url: str) -> FileError:
     if isinstance(error, aiohttp.TooManyRedirects):
         return FileError(f"the server sends the request round in a circle; check the address: {safe_address(url)}")
     if isinstance(error, asyncio.TimeoutError):  # the built-in one from Python 3.11 on
-        return FileError(f"the server does not answer within {WAITING_S:g} s; try again later: {safe_address(url)}")
+        return ServerError(f"the server does not answer within {WAITING_S:g} s; try again later: {safe_address(url)}")
     if isinstance(error, aiohttp.ClientConnectorError):
-        return FileError(
+        return ServerError(
             f"there is no connection to the server ({inner or error}); check the address: {safe_address(url)}"
         )
     if isinstance(error, aiohttp.ClientPayloadError):
-        return FileError(f"truncated: the server ended its answer too early; try again: {safe_address(url)}")
+        return ServerError(f"truncated: the server ended its answer too early; try again: {safe_address(url)}")
     said = (str(error).splitlines() or [""])[0] or type(error).__name__
     for name in (url, str(yarl.URL(url))):  # aiohttp quotes it whole
         said = said.replace(name, safe_address(name))
-    return FileError(f"the server cannot be asked, or not understood ({said}); check the address: {safe_address(url)}")
+    return ServerError(
+        f"the server cannot be asked, or not understood ({said}); check the address: {safe_address(url)}"
+    )

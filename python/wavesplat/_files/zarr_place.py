@@ -1,4 +1,4 @@
-"""Places of Zarr stores, a folder or an address: keys are read, up to the sizes that the metadata allow.
+"""Places of Zarr stores, a folder, a zip archive or an address: keys are read, up to the sizes that the metadata allow.
 
 A chunk may be a link to a device without an end, a server may send for ever, or 4 kB that unpack to gigabytes. How
 many bytes a chunk can have is known from the metadata of its array, and nothing is read beyond.
@@ -18,6 +18,7 @@ from wavesplat._files import web
 from wavesplat._files.addresses import below, is_web, safe_address
 from wavesplat._files.named_files import check_within
 from wavesplat._files.web import ForbiddenError, Part
+from wavesplat._files.zarr_archive import ZarrArchive
 from wavesplat.errors import FileError, FileWarning
 
 __all__ = ["METADATA_NAMES", "READ_ONLY", "ZarrPlace"]
@@ -29,23 +30,26 @@ READ_ONLY = "places are only read"
 METADATA_NAMES = ("zarr.json", ".zarray", ".zattrs", ".zgroup", ".zmetadata")
 #: Largest metadata document, in bytes; that of a store with thousands of arrays has a few megabytes.
 MAX_METADATA_BYTES = 1 << 26
+#: Largest metadata document of a server that is kept, bytes.
+MAX_KNOWN_BYTES = 1 << 20
 #: Refused keys that are remembered, at most.
 MAX_REFUSED = 1000
 
 
 class ZarrPlace:
-    """The place of a Zarr store: a folder or an address.
+    """The place of a Zarr store: a folder, a zip archive or an address.
 
     Parameters
     ----------
     where : Path or str
-        A folder, or an address of the protocols that are opened.
+        A folder, a file, which must be a zip archive, or an address of the protocols that are opened.
     within : Path, optional
         The folder of a document that names it: files must lie in it, also where links lead, and hosts be public.
     """
 
     def __init__(self, where: Path | str, *, within: Path | None = None) -> None:
-        self.root = where if isinstance(where, Path) else None
+        self.archive = ZarrArchive(where) if isinstance(where, Path) and where.is_file() else None
+        self.root = where if isinstance(where, Path) and self.archive is None else None
         self.address = "" if isinstance(where, Path) else where
         self._within = within
         self._max_bytes: dict[str, int] = {}
@@ -54,7 +58,14 @@ class ZarrPlace:
         self.has_chunks = False
         #: Whether the first refused chunk is warned of at once: where samples are read as they are drawn.
         self.warns = False
+        #: Metadata that a server gave, or None for what it does not have: checks and libraries ask for each many times.
+        self._known: dict[str, bytes | None] = {}
         self._lock = threading.Lock()
+
+    @property
+    def is_local(self) -> bool:
+        """Whether it is a folder or a file of this machine."""
+        return not self.address
 
     def expect(self, array: str, n_bytes: int) -> None:
         """Set the largest size of a chunk of the array at this key."""
@@ -69,18 +80,22 @@ class ZarrPlace:
             If it cannot be read, or is more than can be there.
         """
         self._check_key(key)
-        if self.root is not None:
+        if self.is_local:
             return self._with_note(key, self._of_file(key, part))
+        if part is None and key in self._known:
+            return self._known[key]
         from fsspec.asyn import get_loop, sync
 
         content: bytes | None = sync(get_loop(), self._request, key, part)
-        return self._with_note(key, content)
+        return self._with_note(key, content, part)
 
     async def read_async(self, key: str, part: Part = None) -> bytes | None:
         """Read a key as `read` does, for asyncio: other keys are read meanwhile."""
         self._check_key(key)
-        if self.root is not None:
+        if self.is_local:
             return self._with_note(key, await asyncio.to_thread(self._of_file, key, part))
+        if part is None and key in self._known:
+            return self._known[key]
         from fsspec.asyn import get_loop
 
         # fsspec has a loop of its own, which its sessions belong to. Errors come as values: zarr leaves requests alone
@@ -89,11 +104,11 @@ class ZarrPlace:
         content, error = await asyncio.wrap_future(request)
         if error is not None:
             raise error
-        return self._with_note(key, content)
+        return self._with_note(key, content, part)
 
     def mark(self, key: str) -> str | None:
         """The web server's mark of a key's version (ETag or time of change); None without one."""
-        if self.root is not None or not is_web(self.address):
+        if not is_web(self.address):
             return None
         from fsspec.asyn import get_loop, sync
 
@@ -107,6 +122,8 @@ class ZarrPlace:
                 found = [entry.name for entry in self.root.iterdir()]
             except OSError:
                 return []
+        elif self.archive is not None:
+            found = self.archive.names()
         elif is_web(self.address):
             return []  # a page of links is no list
         else:
@@ -117,10 +134,12 @@ class ZarrPlace:
                 return []
         return sorted(name for name in found if not name.startswith(".") and name not in METADATA_NAMES)
 
-    def _with_note(self, key: str, content: bytes | None) -> bytes | None:
-        """The content, unchanged, after noting that the place gives chunks."""
-        if content is not None and not _is_metadata(key):
-            self.has_chunks = True
+    def _with_note(self, key: str, content: bytes | None, part: Part = None) -> bytes | None:
+        """The content, unchanged, after noting that the place gives chunks, or metadata of a server."""
+        if not _is_metadata(key):
+            self.has_chunks = self.has_chunks or content is not None
+        elif not self.is_local and part is None and len(content or b"") <= MAX_KNOWN_BYTES:
+            self._known[key] = content
         return content
 
     def _max_bytes_of(self, key: str) -> int:
@@ -131,7 +150,10 @@ class ZarrPlace:
         return self._max_bytes[max(arrays, key=len)] if arrays else MAX_METADATA_BYTES
 
     def _of_file(self, key: str, part: Part) -> bytes | None:
-        path, most = Path(self.root or "") / key, self._max_bytes_of(key)
+        if self.archive is not None:
+            size = self.archive.size(key)
+            return None if size is None else self.archive.read(key, *self._bounds(key, size, part))
+        path = Path(self.root or "") / key
         try:
             found = path.stat()
         except (FileNotFoundError, NotADirectoryError):
@@ -140,14 +162,20 @@ class ZarrPlace:
             kind = "a folder" if stat.S_ISDIR(found.st_mode) else "a device, a pipe or a socket"
             raise FileError(f"{key!r} is {kind}, not a file of samples or metadata; copy the data again: {self.root}")
         check_within(path, self._within, key)
-        first, end = (0, None) if part is None else part
-        first = max(found.st_size + first, 0) if first < 0 else first
-        n = max((found.st_size if end is None else min(end, found.st_size)) - first, 0)
-        if (part is None and found.st_size > most) or n > most:
-            raise self._too_long(key, most, found.st_size)
+        first, n = self._bounds(key, found.st_size, part)
         with path.open("rb") as file:
             file.seek(first)
             return file.read(n)
+
+    def _bounds(self, key: str, size: int, part: Part) -> tuple[int, int]:
+        """First byte and number of bytes of a part of a key's content of `size` bytes."""
+        most = self._max_bytes_of(key)
+        first, end = (0, None) if part is None else part
+        first = max(size + first, 0) if first < 0 else first
+        n = max((size if end is None else min(end, size)) - first, 0)
+        if (part is None and size > most) or n > most:
+            raise self._too_long(key, most, size)
+        return first, n
 
     async def _request(self, key: str, part: Part) -> bytes | None:
         most = self._max_bytes_of(key)
@@ -184,7 +212,7 @@ class ZarrPlace:
     def _check_key(self, key: str) -> None:
         """Raise a `FileError` for a key that leads out of the place; in a folder also by backslashes or drives."""
         leads_out = ".." in key.split("/") or key.startswith("/") or "\0" in key
-        if self.root is not None:
+        if self.is_local:
             path = PurePath(key)
             leads_out = leads_out or bool(path.anchor) or ".." in path.parts
         if leads_out:
@@ -212,8 +240,9 @@ class ZarrPlace:
             )
 
     def __eq__(self, other: object) -> bool:
-        return isinstance(other, ZarrPlace) and (self.root, self.address, self._within) == (
+        return isinstance(other, ZarrPlace) and (self.root, self.archive, self.address, self._within) == (
             other.root,
+            other.archive,
             other.address,
             other._within,
         )
@@ -221,7 +250,8 @@ class ZarrPlace:
     __hash__ = None  # type: ignore[assignment]
 
     def __str__(self) -> str:
-        return str(self.root) if self.root is not None else safe_address(self.address)
+        own = self.root if self.archive is None else self.archive.path
+        return safe_address(self.address) if own is None else str(own)
 
     def __getstate__(self) -> dict[str, Any]:
         return {name: value for name, value in vars(self).items() if name != "_lock"}

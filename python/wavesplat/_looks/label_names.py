@@ -2,7 +2,7 @@
 
 In the file: segments of 3D Slicer (.seg.nrrd: `Segment0_LabelValue`, `_Name`, `_Color`), and the label table that
 Connectome Workbench and TotalSegmentator put into an extension of NIfTI (`<Label Key="1" Red="0.5" ...>liver</Label>`),
-and the segments of DICOM segmentations (`SegmentLabel`, `RecommendedDisplayCIELabValue`).
+the segments of DICOM segmentations (`SegmentLabel`, `RecommendedDisplayCIELabValue`), and `image-label` of OME-Zarr.
 Tables: ITK-SNAP's label descriptions, 3D Slicer's colour tables (.ctbl), and the look-up tables of BIDS (.tsv with the
 columns index, name and, if they are there, color).
 """
@@ -23,7 +23,8 @@ import numpy as np
 
 from wavesplat._files.paths import expanded, read_text
 from wavesplat._looks.color_spaces import rgb_from_lab
-from wavesplat._readers import dicom_labels
+from wavesplat._readers import dicom_labels, ome_zarr
+from wavesplat._readers.opening import is_zarr
 from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["Named", "chosen_numbers", "in_file", "in_table"]
@@ -35,8 +36,13 @@ Named: TypeAlias = "tuple[str, tuple[float, float, float] | None]"
 MAX_HEADER_BYTES = 2**22
 
 
-def in_file(path: str | PathLike[str]) -> dict[int, Named]:
-    """Names and colours in a segmentation's own file, by number; empty where it has none."""
+def in_file(path: str | PathLike[str], dataset: str | None = None) -> dict[int, Named]:
+    """Names and colours in a segmentation's own file, by number; empty where it has none.
+
+    dataset : the path of the segmentation in an OME-Zarr image.
+    """
+    if is_zarr(path):
+        return ome_zarr.label_looks(path, dataset)
     place = expanded(path)
     name = place.name.lower()
     if name.endswith((".nrrd", ".nhdr")):

@@ -225,8 +225,9 @@ class Labels:
     ) -> Labels:
         """A segmentation from a file that `wavesplat.open` reads, with names and colours where there are any.
 
-        They are in DICOM segmentations (SEG), in the segments of 3D Slicer (.seg.nrrd) and in the label tables of NIfTI
-        files as TotalSegmentator writes them. Labels without a colour get one of their own.
+        They are in DICOM segmentations (SEG), in the segments of 3D Slicer (.seg.nrrd), in the label tables of NIfTI
+        files as TotalSegmentator writes them, and in `image-label` of OME-Zarr. Labels without a colour get one of
+        their own.
         The regions of a structure set of radiotherapy (RTSTRUCT), which are closed lines, are filled on the samples of
         `scan`: voxels whose centre is inside an odd number of lines.
 
@@ -235,6 +236,7 @@ class Labels:
         path : path
             The segmentation; or a pattern such as "organs/*.nii.gz" for masks in a file each, which become one
             segmentation with the files' names. Where masks overlap the later file counts, in the order of their names.
+            Or the name of labels of `scan`, an OME-Zarr image, such as "nuclei", where no file has that name.
         table : path, optional
             Names and colours instead of the file's: label descriptions of ITK-SNAP, a colour table of FreeSurfer or 3D
             Slicer (.ctbl), or a .tsv with the columns index, name and color (BIDS).
@@ -242,7 +244,8 @@ class Labels:
             The labels that are shown, by name, by a pattern of names such as "rib*", or by number; all if not given.
             Of a structure set all but the outline of the patient (EXTERNAL).
         scan : Volume, optional
-            The volume whose samples the regions of a structure set are filled on; all other files have their own.
+            The volume whose samples the regions of a structure set are filled on, or that has labels of this name; all
+            other files have their own.
         smooth : bool, default True
             See `Labels`.
 

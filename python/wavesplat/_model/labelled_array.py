@@ -12,10 +12,10 @@ import numpy as np
 
 from wavesplat._model import units
 from wavesplat._model.converted import Converted
-from wavesplat._model.facts import Facts, value_unit_of
+from wavesplat._model.facts import Channel, Facts, value_unit_of
 from wavesplat.errors import ArgumentError
 
-__all__ = ["AFFINE", "MODALITY", "SPACE", "UNITS", "in_order", "is_labelled", "unlabelled"]
+__all__ = ["AFFINE", "MODALITY", "SPACE", "UNITS", "channel_and_time_axes", "in_order", "is_labelled", "unlabelled"]
 
 #: Names of axes, in lower case -> ours.
 NAMES = {
@@ -23,6 +23,8 @@ NAMES = {
     **dict.fromkeys(("y", "row", "lat", "latitude"), "y"),
     **dict.fromkeys(("x", "col", "column", "lon", "longitude"), "x"),
 }
+#: Names of axes along which a scene has layers, and times, in lower case.
+CHANNELS, TIMES = {"c", "ch", "channel", "channels"}, {"t", "time", "times", "frame", "frames"}
 #: Tolerance of coordinates, as a fraction of the step: many are float32.
 TOLERANCE = 1e-3
 #: Names of an array's attributes: the affine from the coordinates (x, y, z, 1) to the world where they are not the
@@ -51,16 +53,19 @@ def in_order(array: Any, *, has_place: bool) -> Converted:
     extra = [name for name in array.dims if name not in spatial]
     for name in extra:
         if sizes[name] != 1:
+            is_of_scene = name in channel_and_time_axes(array)
             raise ArgumentError(
                 f"the array has the axes {', '.join(map(str, array.dims))}; a volume is z, y, x: "
                 f"choose one place along {name!r}, as with array.isel({name}=0)"
+                f"{', or take all of them: wavesplat.Scene(array)' if is_of_scene else ''}"
             )
     ordered = array.isel(dict.fromkeys(extra, 0)).transpose(*spatial)
     title = None if array.name is None else str(array.name)
     said = getattr(array, "attrs", {})
     modality, value_unit = said.get(MODALITY), value_unit_of(said.get(UNITS))
+    channel = _channel_of(ordered)
     if has_place:
-        return Converted(ordered, None, Facts(modality=modality, value_unit=value_unit), title)
+        return Converted(ordered, None, Facts(modality=modality, value_unit=value_unit, channel=channel), title)
     places = {axis: _first_and_step(ordered, name) for axis, name in zip("zyx", spatial, strict=True)}
     matrix = np.diag([*(places[axis][1] for axis in "xyz"), 1.0])
     matrix[:3, 3] = [places[axis][0] for axis in "xyz"]
@@ -79,9 +84,31 @@ def in_order(array: Any, *, has_place: bool) -> Converted:
         is_anatomical=said.get(SPACE) == "RAS",
         modality=modality,
         value_unit=value_unit,
+        channel=channel,
         guesses=guesses,
     )
     return Converted(ordered, matrix, facts, title)
+
+
+def channel_and_time_axes(array: Any) -> tuple[Any, Any]:
+    """Names of the axes of channels and of times, which a scene has all of; None for one that is not longer than 1.
+
+    Where fewer than three axes are left beside them, they are an axis of the volume itself, such as times as slices.
+    """
+    long = [name for name, size in zip(array.dims, array.shape, strict=True) if size > 1]
+    channels, times = ([name for name in long if str(name).lower() in known] for known in (CHANNELS, TIMES))
+    if len(array.dims) - len(channels) - len(times) < 3:
+        return None, None
+    return channels[0] if len(channels) == 1 else None, times[0] if len(times) == 1 else None
+
+
+def _channel_of(array: Any) -> Channel | None:
+    """The channel by a coordinate that is a name, as of `array.sel(C="GFP")`; None without one."""
+    for name in array.coords:
+        if str(name).lower() in CHANNELS and array.coords[name].ndim == 0:
+            told = array.coords[name].item()
+            return Channel(told) if isinstance(told, str) and told.isprintable() else None
+    return None
 
 
 def _only_array(array: Any) -> Any:

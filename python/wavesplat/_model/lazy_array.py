@@ -20,6 +20,7 @@ from numpy.typing import NDArray
 
 from wavesplat._files.file_states import FileChangedError, SourceFiles, StoredFiles
 from wavesplat._files.libraries import library
+from wavesplat._files.web import ServerError
 from wavesplat._files.zarr_chunks import check_chunks
 from wavesplat._files.zarr_states import chunk_files
 from wavesplat._model.argument_types import VOLUME, described
@@ -187,7 +188,7 @@ class SlicedArray:
         except Exception as error:
             # A changed file may be why the samples cannot be read, and is the better message.
             self._check_files(lo, hi)
-            place, told = self._first_unreadable(lo, hi, error)
+            place, told = ((lo, hi), error) if isinstance(error, ServerError) else self._first_unreadable(lo, hi, error)
             raise self._unreadable(*place, told) from error
         wanted = tuple(b - a for a, b in zip(lo, hi, strict=True))
         if samples.shape != wanted:
@@ -227,10 +228,10 @@ class SlicedArray:
         said = (str(error).splitlines() or [""])[0] or type(error).__name__
         chunk = tuple(a // c for a, c in zip(lo, self.chunks, strict=True))
         ranges = ", ".join(f"{axis} {a}..{b - 1}" for axis, a, b in zip("zyx", lo, hi, strict=True))
-        return FileError(
-            f"{self.name!r}: cannot read the samples {ranges} (chunk {chunk}): {said}; copy or export the data "
-            "again, or draw what there is: Volume.lazy(..., holes=True)"
-        )
+        what = f"{self.name!r}: cannot read the samples {ranges} (chunk {chunk}): {said}"
+        if isinstance(error, ServerError):
+            return ServerError(what)  # which says how to mend it
+        return FileError(f"{what}; copy or export the data again, or draw what there is: Volume.lazy(..., holes=True)")
 
     def read_many(self, boxes: Sequence[Box]) -> list[NDArray[Any]]:
         """Read the samples of several boxes."""
@@ -373,7 +374,7 @@ def lazy_array(thing: Any, *, argument: str = "samples") -> LazyConverted:
         )
         return LazyConverted([array])
     if "zarr" in libraries:
-        chunks = list(thing.shards or thing.chunks) if getattr(thing, "shards", None) else list(thing.chunks)
+        chunks = list(thing.chunks)  # of shards the inner ones, which zarr reads by their ranges
         files = chunk_files(thing, picked)
         made = SlicedArray(
             thing,

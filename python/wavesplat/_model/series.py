@@ -92,8 +92,8 @@ class Series:
         self._source: Source | None = None
         self._kept: OrderedDict[int, Volume] = OrderedDict()
         self._lock = RLock()
-        #: The volume that looks are made for (`_looks.over_time`).
-        self._brightest: Volume | None = None
+        #: Number of the volume that looks are made for, and that volume (`_looks.over_time`).
+        self._brightest: tuple[int, Volume] | None = None
 
     @property
     def name(self) -> str:

@@ -8,14 +8,15 @@ is before the first slice of xy, behind the last row of xz and before the first 
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
-import numpy as np
-from numpy.typing import NDArray
+from collections.abc import Sequence
+from typing import NamedTuple, TypeAlias
 
 from wavesplat.errors import ArgumentError
 
 __all__ = ["OF_BODIES", "PLANES", "VIEWS", "PlaneView", "named_plane", "nearest_plane", "planes_of", "view_angles"]
+
+
+Vector: TypeAlias = "tuple[float, float, float]"
 
 
 class PlaneView(NamedTuple):
@@ -29,10 +30,12 @@ class PlaneView(NamedTuple):
     to_eye: str
 
     @property
-    def axes(self) -> tuple[NDArray[np.float64], NDArray[np.float64], NDArray[np.float64]]:
+    def axes(self) -> tuple[Vector, Vector, Vector]:
         """Right and up of the picture, and the direction to the eye, unit vectors in the world."""
         up, to_eye = _direction(self.up), _direction(self.to_eye)
-        return np.cross(up, to_eye) + 0.0, up, to_eye
+        (a, b, c), (d, e, f) = up, to_eye
+        # The cross product; adding 0.0 turns -0.0 into 0.0, which prints better.
+        return (b * f - c * e + 0.0, c * d - a * f + 0.0, a * e - b * d + 0.0), up, to_eye
 
 
 #: The planes of a body and those of other data, in the order in which equally near ones are chosen.
@@ -88,13 +91,13 @@ def named_plane(name: object, *, is_anatomical: bool) -> str:
     return next(own for own in planes_of(is_anatomical=is_anatomical) if PLANES[own].across == across)
 
 
-def nearest_plane(normal: NDArray[np.float64], *, is_anatomical: bool) -> str:
+def nearest_plane(normal: Sequence[float], *, is_anatomical: bool) -> str:
     """The named plane whose normal is nearest; of equally near ones that across z, then y, goes first."""
-    nearness = {name: round(abs(float(normal["xyz".index(PLANES[name].across)])), 9) for name in PLANES}
+    nearness = {name: round(abs(normal["xyz".index(PLANES[name].across)]), 9) for name in PLANES}
     return max(planes_of(is_anatomical=is_anatomical), key=lambda name: nearness[name])
 
 
-def _direction(signed_axis: str) -> NDArray[np.float64]:
-    direction = np.zeros(3)
-    direction["xyz".index(signed_axis[1])] = 1.0 if signed_axis[0] == "+" else -1.0
-    return direction
+def _direction(signed_axis: str) -> Vector:
+    length = 1.0 if signed_axis[0] == "+" else -1.0
+    x, y, z = (length if axis == signed_axis[1] else 0.0 for axis in "xyz")
+    return x, y, z

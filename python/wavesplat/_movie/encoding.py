@@ -8,13 +8,14 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from fractions import Fraction
+from itertools import chain
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files.libraries import library
+from wavesplat._files.libraries import how_to_install, library
 from wavesplat._picture.picture_files import straight_bytes
 from wavesplat.errors import ArgumentError, LibraryError
 
@@ -71,32 +72,32 @@ def check_crf(suffix: str, crf: int) -> None:
         raise ArgumentError(f"crf is {crf}; a {suffix} file has 0 to {MAX_CRF[suffix]}, {CRF[suffix]} if not given")
 
 
-def encode(path: Path, frames: Frames, n: int, *, fps: float, size: tuple[int, int], crf: int | None) -> None:
-    """Write a video or an animation of `n` frames; the suffix decides."""
+def encode(path: Path, frames: Frames, n: int, *, fps: float, crf: int | None) -> None:
+    """Write a video or an animation of `n` frames of one size; the suffix decides."""
     suffix = path.suffix.lower()
     if suffix in VIDEOS:
-        _video(path, frames, fps=fps, size=size, crf=CRF[suffix] if crf is None else crf)
+        _video(path, frames, fps=fps, crf=CRF[suffix] if crf is None else crf)
     else:
         _animation(path, frames, n, fps)
 
 
-def _video(path: Path, frames: Frames, *, fps: float, size: tuple[int, int], crf: int) -> None:
+def _video(path: Path, frames: Frames, *, fps: float, crf: int) -> None:
     suffix = path.suffix.lower()
     av = library("av", extra="movie")
     codec, options = VIDEOS[suffix]
     convert = library("av.video.reformatter", extra="movie").VideoReformatter()
     # Chroma has half the resolution, so sides are even: a row or a column more of the same.
-    padding = ((0, size[1] % 2), (0, size[0] % 2), (0, 0))
+    first = next(frames)
+    height, width = first.shape[:2]
+    padding = ((0, height % 2), (0, width % 2), (0, 0))
     # The same frames give the same file, since it has no time stamps.
     container = {"fflags": "bitexact", **({"movflags": "faststart"} if suffix == ".mp4" else {})}
     with av.open(str(path), "w", options=container) as out:
         try:
             stream = out.add_stream(codec, rate=Fraction(float(fps)).limit_denominator(1001))
         except av.error.FFmpegError as error:
-            raise LibraryError(
-                f'this build of PyAV has no encoder {codec}; in the checkout of Wavesplat, run: pip install ".[movie]"'
-            ) from error
-        stream.width, stream.height = (side + side % 2 for side in size)
+            raise LibraryError(f"this build of PyAV has no encoder {codec}; {how_to_install('movie')}") from error
+        stream.width, stream.height = width + width % 2, height + height % 2
         stream.pix_fmt = "yuv420p"
         stream.options = {"crf": str(crf), **options}
         context = stream.codec_context
@@ -107,7 +108,7 @@ def _video(path: Path, frames: Frames, *, fps: float, size: tuple[int, int], crf
             BT709,
             BT709,
         )
-        for rgba in frames:
+        for rgba in chain([first], frames):
             rgb = np.ascontiguousarray(np.pad(_on_black(rgba), padding, mode="edge"))
             frame = convert.reformat(
                 av.VideoFrame.from_ndarray(rgb, format="rgb24"),

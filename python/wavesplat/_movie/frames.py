@@ -10,6 +10,7 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from wavesplat._cluster.machines import Machines, machines_of
+from wavesplat._cluster.waiting import N_RETRIES, held, result_of
 from wavesplat._files.libraries import library
 from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
@@ -30,8 +31,6 @@ __all__ = ["check_client", "drawn_by_client", "render_frames"]
 
 #: Frames submitted for each one that is drawn at once: pictures are large, and are yielded in their order.
 AHEAD = 3
-#: Retries of a frame where a worker, or a read, fails.
-N_RETRIES = 3
 
 
 @public
@@ -141,8 +140,7 @@ def _by_client(
         if id(scene) not in scenes:
             packed = pickle.dumps(_within(scene, machines))
             token = hashlib.sha256(packed).hexdigest()[:16]
-            # One copy is sent to every worker.
-            scenes[id(scene)] = token, client.scatter(packed, broadcast=True, hash=False)
+            scenes[id(scene)] = token, held(client, packed, token)
         return scenes[id(scene)]
 
     def begin() -> bool:
@@ -158,7 +156,7 @@ def _by_client(
         while len(waiting) < AHEAD * machines.n_at_once and begin():
             pass
         while waiting:
-            picture: Picture = waiting.popleft().result()
+            picture: Picture = result_of(client, waiting.popleft())
             begin()
             yield picture
     finally:

@@ -18,16 +18,18 @@ from wavesplat._model.composites import Operator
 from wavesplat._model.option_lists import takes_options
 from wavesplat._model.sampling import Sampling
 from wavesplat._movie import encoding, png_sequence
+from wavesplat._movie.frame_figure import FrameFigure
 from wavesplat._movie.frames import check_client, drawn_by_client
 from wavesplat._movie.key_frame import KeyFrame
+from wavesplat._movie.options import MovieOptions, MovieValues, parted
 from wavesplat._movie.pipeline import MAX_AT_ONCE, Progress, made_ahead, work_beside
 from wavesplat._movie.seen import camera_of, with_settled_looks
 from wavesplat._movie.timeline import Shot, Timeline
-from wavesplat._movie.turn import Turn, cameras_of
+from wavesplat._movie.turn import Turn, cameras_of, key_frames
 from wavesplat._picture.picture import Picture
 from wavesplat._public import public
 from wavesplat._render.arguments import checked_size
-from wavesplat._render.options import DrawOptions, FrameOptions
+from wavesplat._render.options import DrawOptions
 from wavesplat._scene.layer import AnyLook
 from wavesplat._scene.scene import Scene, as_scene
 from wavesplat.errors import ArgumentError, FileError
@@ -51,7 +53,7 @@ Along: TypeAlias = Turn | Sequence[Camera] | Sequence[KeyFrame]
 
 @public
 @takes_its_types
-@takes_options(FrameOptions, DrawOptions, quality=None)
+@takes_options(MovieOptions, MovieValues, quality=None)
 def movie(
     what: Any,
     path: str | PathLike[str],
@@ -63,7 +65,7 @@ def movie(
     crf: int | None = None,
     resume: bool = False,
     client: Any = None,
-    **options: Unpack[FrameOptions],
+    **options: Unpack[MovieOptions],
 ) -> Path:
     """A movie of a volume or a scene: a turn, a flight along cameras, or what changes between key frames.
 
@@ -89,11 +91,13 @@ def movie(
         For PNG files: keep frames that are there and show what they must, and draw the others.
     client : dask.distributed.Client or "threads", optional
         Draw frames on the workers of a Dask cluster, as `render_frames`; not with `psnr`.
-    **options : FrameOptions
-        As for `wavesplat.render`. `quality` None is one sheet a slice and 0.6 texels a pixel: on frames of the bundled
-        CT 31 to 35 dB, where "normal" has 35 to 37 and takes four times as long. With `psnr` the first frame is
-        measured, and later ones where the view differs much. Videos have even sides: a row or column of an odd `size`
-        is repeated.
+    **options : MovieOptions
+        From `scale_bar` on as for `Picture.annotated`, drawn on every frame at the same place; with colours beside the
+        picture frames are larger than `size`. `{time}` in the title is the time of a series with its unit, "30 s".
+        The others as for `wavesplat.render`. `quality` None is one sheet a slice and 0.6 texels a pixel: on frames of
+        the bundled CT 31 to 35 dB, where "normal" has 35 to 37 and takes four times as long. With `psnr` the first
+        frame is measured, and later ones where the view differs much. Videos have even sides: a row or column of an
+        odd size is repeated.
 
     Returns
     -------
@@ -123,13 +127,15 @@ def movie(
     """
     pattern = check_movie(path, fps=fps, crf=crf, resume=resume)
     target = Path(path)
-    values = DrawOptions(**{"quality": None, **options})  # type: ignore[arg-type]
+    drawing, marks = parted(options)
+    values = DrawOptions(**{"quality": None, **drawing})
     width, height = checked_size(values.size)
     if min(width, height) < 1:
         raise ArgumentError(f"size is {width} x {height} pixels; width and height must be at least 1")
     check_client(client, values.psnr)
     scene = as_scene(what, look, labels=None, shading="look", clip=(), background=background)
     shots = _shots(scene, Turn() if along is None else along, fps, values.composite, (width, height))
+    figure = FrameFigure(marks, is_still=shots.have_one_look)
     quality = values.quality
     if quality is None:
         quality = MOVIE_SAMPLING if values.psnr is None else "normal"
@@ -142,20 +148,24 @@ def movie(
     told = Progress(values.progress, len(shots))
     draw = _Drawing(shots, told, values.threads, client, size=(width, height), device=values.device, **same)
     if pattern is None:
-        frames = draw.all(range(len(shots)), lambda _, picture: picture.rgba)
-        settings: Any = {"fps": fps, "size": (width, height), "crf": crf}
+        frames = draw.all(range(len(shots)), lambda number, picture: figure.drawn(picture, shots[number].scene))
+        settings: Any = {"fps": fps, "crf": crf}
         write_atomically(
             target,
             lambda part: work_beside(lambda come: encoding.encode(part, come, len(shots), **settings), frames),
         )
         return target
     png_sequence.make_folder(pattern)
-    marks = png_sequence.Marks((width, height), **same)
+    hashes = png_sequence.Marks((width, height), figure=marks, **same)
+
+    def hash_of(number: int) -> str:
+        return hashes.of(shots[number], figure.title_of(shots[number].scene))
 
     def frame(number: int, picture: Picture) -> png_sequence.Frame:
-        return png_sequence.Frame(png_sequence.frame_path(pattern, number), picture.rgba, marks.of(shots[number]))
+        rgba = figure.drawn(picture, shots[number].scene)
+        return png_sequence.Frame(png_sequence.frame_path(pattern, number), rgba, hash_of(number))
 
-    missing = _missing(pattern, shots, marks, told) if resume else range(len(shots))
+    missing = _missing(pattern, len(shots), hash_of, told) if resume else range(len(shots))
     part = png_sequence.temporary_path(pattern)
     with removed_when_terminated(part):
         work_beside(lambda come: png_sequence.write_frames(part, come), draw.all(missing, frame))
@@ -232,6 +242,11 @@ class _Shots:
         """Whether only the camera moves."""
         return not isinstance(self._shots, Timeline) or self._shots.is_still
 
+    @property
+    def have_one_look(self) -> bool:
+        """Whether colours of values are the same in all frames."""
+        return not isinstance(self._shots, Timeline) or self._shots.has_one_look
+
     def __len__(self) -> int:
         return len(self._shots)
 
@@ -249,7 +264,10 @@ def _shots(scene: Scene, along: Along, fps: float, composite: Operator | None, s
     aspect = size[0] / size[1]
     if isinstance(along, Turn):
         cameras = cameras_of(along, scene, composite, aspect)
-        settled, _ = with_settled_looks(scene, composite, cameras[0], size)
+        settled, name = with_settled_looks(scene, composite, cameras[0], size)
+        if along.times is not None:
+            keys = key_frames(along, cameras, fps)
+            return _Shots(Timeline(keys, settled, fps=fps, composite=composite, name=name, aspect=aspect))
         return _Shots([Shot(settled, camera) for camera in cameras])
     try:
         steps = list(along)
@@ -269,11 +287,11 @@ def _shots(scene: Scene, along: Along, fps: float, composite: Operator | None, s
     return _Shots(Timeline(keys, settled, fps=fps, composite=composite, name=name, aspect=aspect))
 
 
-def _missing(pattern: Path, shots: _Shots, marks: png_sequence.Marks, told: Progress) -> list[int]:
+def _missing(pattern: Path, n: int, hash_of: Callable[[int], str], told: Progress) -> list[int]:
     """Numbers of the frames that are not written yet."""
     missing = []
-    for number in range(len(shots)):
-        if png_sequence.has_mark(png_sequence.frame_path(pattern, number), marks.of(shots[number])):
+    for number in range(n):
+        if png_sequence.has_mark(png_sequence.frame_path(pattern, number), hash_of(number)):
             told.finish(number)
         else:
             missing.append(number)

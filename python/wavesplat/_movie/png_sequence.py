@@ -117,8 +117,8 @@ class Marks:
         self._common |= {name: repr(value) for name, value in sorted(options.items())}
         self._known: dict[Any, tuple[Any, Any]] = {}
 
-    def of(self, shot: Shot) -> str:
-        """The mark of a frame."""
+    def of(self, shot: Shot, title: str | None = None) -> str:
+        """The mark of a frame. `title`: the one that is written above it."""
         scene, first = shot.scene, shot.scene.layers[0]
         facts = {
             **self._common,
@@ -129,6 +129,7 @@ class Marks:
             "shading": repr(scene.shading),
             "clip": [repr(clip) for clip in scene.clip],
             "background": repr(scene.background),
+            "title": title,
         }
         return hashlib.blake2b(json.dumps(facts, sort_keys=True).encode(), digest_size=16).hexdigest()
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
@@ -9,9 +10,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._looks.look import Look
+from wavesplat._looks.over_time import brightest_number
 from wavesplat._model.composites import Operator, checked_operator, name_of
 from wavesplat._model.options import BY_VIEW, Composite
 from wavesplat._model.sampling import Sampling
+from wavesplat._model.series import Series
 from wavesplat._model.views import view_angles
 from wavesplat._render import framing, projection
 from wavesplat._render.arguments import chosen_camera
@@ -32,10 +35,15 @@ __all__ = ["camera_of", "direction_of", "what_is_seen", "with_settled_looks"]
 COARSE = Sampling(sheets_per_slice=1, quality="draft")
 
 
-def camera_of(scene: Scene, given: Camera | str | None, composite: Operator | None, aspect: float) -> Camera:
-    """The camera itself, or the one that a view's name or None stands for."""
-    shown = _shown(scene, composite)
-    return chosen_camera(given, _parts(shown), _clipping(scene, shown), aspect)
+def camera_of(
+    scene: Scene,
+    given: Camera | str | None,
+    composite: Operator | None,
+    aspect: float,
+    times: Sequence[int] | None = None,
+) -> Camera:
+    """The camera itself, or the one that a view's name or None stands for, which frames all of these times."""
+    return chosen_camera(given, *_parts(scene, composite, times), aspect)
 
 
 def direction_of(scene: Scene, name: str | None, composite: Operator | None) -> tuple[float, float]:
@@ -47,10 +55,14 @@ def direction_of(scene: Scene, name: str | None, composite: Operator | None) -> 
     return view_angles(view, is_anatomical=first.volume.is_anatomical)
 
 
-def what_is_seen(scene: Scene, composite: Operator | None) -> tuple[Grid, NDArray[np.float64] | None]:
-    """A grid around all layers, and the positions of their visible samples; None where all may be visible."""
-    shown = _shown(scene, composite)
-    return framing.shown_points(_parts(shown), _clipping(scene, shown))
+def what_is_seen(
+    scene: Scene, composite: Operator | None, times: Sequence[int] | None = None
+) -> tuple[Grid, NDArray[np.float64] | None]:
+    """A grid around all layers, at all of these times, and the positions of their visible samples.
+
+    The positions are None where all samples may be visible.
+    """
+    return framing.shown_points(*_parts(scene, composite, times))
 
 
 def with_settled_looks(
@@ -74,10 +86,14 @@ def _exposed(scene: Scene, layer: DrawnLayer, operator: Operator, camera: Camera
 
     def overview(curves: TransferFunction, at: Camera, of: tuple[int, int]) -> Picture:
         look = Look(transfer_function=curves, composite=name)
-        bare = scene.with_(layers=[replace(layer.layer, look=look)], background="transparent")
+        bare = scene.with_(layers=[replace(whole, look=look)], background="transparent")
         return bare.render(at, size=of, quality=COARSE, composite=operator)
 
-    function = projection.exposed_by(overview, layer.volume, name, camera, size)
+    volume, whole = layer.volume, layer.layer
+    if isinstance(whole.volume, Series):  # as of other looks, so that no time is clipped
+        whole = replace(whole, time=brightest_number(whole.volume))
+        volume = whole.drawn
+    function = projection.exposed_by(overview, volume, name, camera, size)
     return layer.look if function is None else replace(layer.look, transfer_function=function)
 
 
@@ -89,8 +105,17 @@ def _shown(scene: Scene, composite: Operator | None) -> DrawnLayers:
     return shown
 
 
-def _parts(shown: DrawnLayers) -> list[framing.Part]:
-    return [(layer.seen, layer.look) for layer in shown.layers]
+def _parts(
+    scene: Scene, composite: Operator | None, times: Sequence[int] | None
+) -> tuple[list[framing.Part], Clipping]:
+    """The visible volumes with their looks at the first, the middle and the last time, and what is clipped."""
+    scenes = [scene]
+    if times:
+        wanted = dict.fromkeys((times[0], times[len(times) // 2], times[-1]))
+        scenes = [scene.at_time(time) for time in wanted]
+    shown = [_shown(one, composite) for one in scenes]
+    parts: list[framing.Part] = [(layer.seen, layer.look) for one in shown for layer in one.layers]
+    return parts, _clipping(scenes[0], shown[0])
 
 
 def _clipping(scene: Scene, shown: DrawnLayers) -> Clipping:

@@ -85,11 +85,11 @@ class Timeline:
                 f"the key frames make {n_steps:.9g} frames; give at most {MAX_FRAMES}, times are in seconds"
             )
         self._n = round(n_steps) + 1
+        self._time = self._time_track(keys)
         self._camera = self._camera_track(keys, composite, aspect)
         self._looks = [self._look_track(keys, number, name) for number in range(len(scene.layers))]
         said = [(key.time_s, key.clip) for key in keys if key.clip is not None]
         self._clip: _Track[Any] | None = _Track(*zip(*said, strict=True)) if said else None
-        self._time = self._time_track(keys)
         # Values that do not mix are refused before anything is drawn.
         for before, after in pairwise(times):
             self._shown((before + after) / 2)
@@ -97,7 +97,12 @@ class Timeline:
     @property
     def is_still(self) -> bool:
         """Whether only the camera moves."""
-        return self._clip is None and self._time is None and not any(self._looks)
+        return self._clip is None and self._time is None and self.has_one_look
+
+    @property
+    def has_one_look(self) -> bool:
+        """Whether no key frame changes a look."""
+        return not any(self._looks)
 
     def __len__(self) -> int:
         return self._n
@@ -128,7 +133,8 @@ class Timeline:
     ) -> Callable[[float], Camera]:
         said = [key for key in keys if key.camera is not None]
         if not said:
-            still = camera_of(self._scene, None, composite, aspect)
+            times = sorted({key.time for key in keys if key.time is not None})
+            still = camera_of(self._scene, None, composite, aspect, times)
             return lambda _: still
         cameras = [camera_of(self._scene, key.camera, composite, aspect) for key in said]
         return CameraPath(cameras, [key.time_s for key in said])

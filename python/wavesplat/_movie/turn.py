@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from math import isfinite
 from operator import index
@@ -15,6 +15,7 @@ from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
 from wavesplat._model.camera_path import MAX_FRAMES
 from wavesplat._model.vectors import Vector, vector
+from wavesplat._movie.key_frame import KeyFrame
 from wavesplat._movie.seen import direction_of, what_is_seen
 from wavesplat._public import public
 from wavesplat._render import framing
@@ -24,7 +25,7 @@ if TYPE_CHECKING:
     from wavesplat._model.composites import Operator
     from wavesplat._scene.scene import Scene
 
-__all__ = ["Turn", "cameras_of"]
+__all__ = ["Turn", "cameras_of", "key_frames"]
 
 #: Number of directions that decide the scale of a turn; between two, less than the margin can be missing.
 N_DIRECTIONS = 48
@@ -52,6 +53,9 @@ class Turn:
         Magnification beyond that.
     view_angle : float, optional
         Perspective with this vertical angle, degrees; None is orthographic, or the camera's own.
+    times : sequence of int, optional
+        Numbers of volumes of a series, which are shown one after the other while the eye turns, each in an equal share
+        of the frames; None keeps the time of the scene.
 
     Raises
     ------
@@ -63,6 +67,8 @@ class Turn:
     >>> import wavesplat as ws
     >>> ws.Turn(frames=90, elevation=15).frames
     90
+    >>> ws.Turn(frames=6, times=range(3)).time_of_frames
+    [0, 0, 1, 1, 2, 2]
     """
 
     frames: int = 120
@@ -73,6 +79,7 @@ class Turn:
     start: Camera | str | None = None
     zoom: float = 1.0
     view_angle: float | None = None
+    times: Sequence[int] | None = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "frames", _count(self.frames))
@@ -90,6 +97,8 @@ class Turn:
             raise ArgumentError(f"start of the turn is {described(self.start)}; give a Camera or the name of a view")
         if isinstance(self.start, Camera) and self.view_angle is not None:
             raise ArgumentError("start of the turn is a camera, which has a view angle already; leave out view_angle")
+        if self.times is not None:
+            object.__setattr__(self, "times", _numbers(self.times))
 
     @property
     def angles(self) -> list[float]:
@@ -97,6 +106,21 @@ class Turn:
         is_whole = abs(self.degrees) >= 360
         steps = self.frames if is_whole else max(self.frames - 1, 1)
         return [self.degrees * k / steps for k in range(self.frames)]
+
+    @property
+    def time_of_frames(self) -> list[int] | None:
+        """Number of the volume that each frame shows; None for the scene's."""
+        if self.times is None:
+            return None
+        return [self.times[k * len(self.times) // self.frames] for k in range(self.frames)]
+
+
+def key_frames(turn: Turn, cameras: Sequence[Camera], fps: float) -> list[KeyFrame]:
+    """A key frame for each frame of a turn through times."""
+    times = turn.time_of_frames or []
+    return [
+        KeyFrame(k / fps, camera=camera, time=time) for k, (camera, time) in enumerate(zip(cameras, times, strict=True))
+    ]
 
 
 def cameras_of(turn: Turn, scene: Scene, composite: Operator | None, aspect: float) -> list[Camera]:
@@ -119,7 +143,7 @@ def _first(turn: Turn, scene: Scene, composite: Operator | None, aspect: float) 
     covered = min(abs(turn.degrees), 360.0) * (1 if turn.degrees > 0 else -1)
     n = max(2, round(N_DIRECTIONS * abs(covered) / 360) + 1)
     views = [axes @ camera_fit.about(turn.axis, covered * k / (n - 1)).T for k in range(n)]
-    around, points = what_is_seen(scene, composite)
+    around, points = what_is_seen(scene, composite, turn.times)
     eye = camera_fit.placed_for_all(
         views, around, zoom=framing.FILLED * turn.zoom, view_angle=turn.view_angle, aspect=aspect, points=points
     )
@@ -134,6 +158,18 @@ def _count(number: object) -> int:
     if not 1 <= count <= MAX_FRAMES:
         raise ArgumentError(f"frames of the turn is {described(number)}; give a whole number from 1 to {MAX_FRAMES}")
     return count
+
+
+def _numbers(times: object) -> tuple[int, ...]:
+    try:
+        numbers = tuple(index(time) for time in times)  # type: ignore[attr-defined]
+    except TypeError:
+        numbers = ()
+    if not numbers:
+        raise ArgumentError(
+            f"times of the turn is {described(times)}; give numbers of volumes of a series, such as range(5)"
+        )
+    return numbers
 
 
 def _number(number: object, name: str) -> float:

@@ -7,7 +7,7 @@ title, stand beside it on the same background, so that nothing is hidden.
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from math import ceil, isfinite
 from os import PathLike, fspath
 from typing import Any, Literal, TypeAlias, get_args
@@ -19,12 +19,13 @@ from wavesplat._looks import colors
 from wavesplat._model import units
 from wavesplat._model.argument_types import described
 from wavesplat._model.sources import absolute
+from wavesplat._model.time_stamps import FIGURE_SPACE
 from wavesplat._picture import color_bar, legend, lettering, orientation, raster, report_facts, scale_bar
 from wavesplat._picture.marks import Block, Canvas, Color, Mark, Polygon, Text, moved
 from wavesplat._picture.style import WHITE, Style, contrast
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Corner", "Figure", "Orientation", "Side", "annotated", "with_caption"]
+__all__ = ["TIME", "Corner", "Figure", "Orientation", "Side", "annotated", "caption_strip", "with_caption"]
 
 Corner: TypeAlias = Literal["lower left", "lower right", "upper left", "upper right"]
 Side: TypeAlias = Literal["beside", "lower left", "lower right", "upper left", "upper right"]
@@ -39,6 +40,8 @@ MARGIN, GAP, BESIDE = 0.9, 0.9, 1.2
 #: Height of a colour bar as a share of the rendering's, where it has room; least height, in sizes of the font.
 BAR_SHARE, MIN_BAR = 0.62, 7.0
 TITLE, TITLE_LINE = 1.25, 1.3
+#: Placeholder of the time in a title.
+TIME = "{time}"
 #: Longest side, pixels, of a figure that is larger than its rendering.
 MAX_SIDE = 32768
 
@@ -65,19 +68,24 @@ class Figure:
 
     def as_json(self) -> dict[str, Any]:
         """Arguments of `Picture.annotated` that differ from the defaults, as JSON has them."""
-        changed = {field.name: getattr(self, field.name) for field in fields(self)}
-        changed = {name: value for name, value in changed.items() if value != getattr(type(self), name)}
-        for name, value in changed.items():
-            if name == "font":
-                changed[name] = absolute(value)
-            elif not isinstance(value, str | float | int | bool):
-                changed[name] = list(value)
-        return changed
+        given = {field.name: getattr(self, field.name) for field in fields(self)}
+        given = {name: _plain(value) for name, value in given.items()}
+        if self.font is not None:
+            given["font"] = absolute(self.font)
+        return {name: value for name, value in given.items() if value != getattr(type(self), name)}
+
+
+def _plain(value: Any) -> Any:
+    """A value as JSON has it: numbers of NumPy as Python's, several values as a list."""
+    if isinstance(value, np.generic):
+        return value.item()
+    return value if value is None or isinstance(value, str | float | int | PathLike) else list(value)
 
 
 def annotated(rgba: NDArray[np.float32], report: Mapping[str, Any], figure: Figure) -> tuple[Canvas, dict[str, Any]]:
     """The canvas of a figure, and facts about its scale bar for the report."""
     _check(figure)
+    figure = replace(figure, title=_title_of(figure, report))
     height, width = rgba.shape[:2]
     font = None if figure.font is None else _font(figure.font)
     background = report_facts.background_of(report, rgba)
@@ -112,17 +120,24 @@ def annotated(rgba: NDArray[np.float32], report: Mapping[str, Any], figure: Figu
     return sheet.canvas(rgba, background, style, figure), told
 
 
-def with_caption(
-    rgba: NDArray[np.float32], text: str, *, at: Literal["lower edge", "upper left"] = "lower edge"
-) -> NDArray[np.float32]:
-    """The picture with a line of text at its lower edge, or in its upper left corner."""
+def with_caption(rgba: NDArray[np.float32], text: str) -> NDArray[np.float32]:
+    """The picture with a line of text in its upper left corner."""
     height, width = rgba.shape[:2]
     style = Style(_font_px(Figure(), width, height), WHITE).on_picture()
-    if at == "upper left":
-        mark = Text(0.5 * style.size, 1.2 * style.size, text, style.size, style.ink, "start", style.halo)
-    else:
-        mark = Text(width / 2, height - 0.5 * style.size, text, style.size, style.ink, "middle", style.halo)
+    mark = Text(0.5 * style.size, 1.2 * style.size, text, style.size, style.ink, "start", style.halo)
     return raster.drawn(Canvas(width, height, rgba, marks=(mark,)))
+
+
+def caption_strip(text: str, width: int, height: int) -> NDArray[np.float32]:
+    """A transparent strip with a line of white text, to stand below a picture of this width and height.
+
+    Of a line that is too long the middle is left out.
+    """
+    size = _font_px(Figure(), width, height)
+    line = lettering.fitting(text, size, width - size)
+    mark = Text(width / 2, 0.4 * size + lettering.CAP_HEIGHT * size, line, size, WHITE, "middle")
+    strip = ceil((0.8 + lettering.CAP_HEIGHT) * size)
+    return raster.drawn(Canvas(width, strip, np.zeros((strip, width, 4), np.float32), marks=(mark,)))
 
 
 class _Sheet:
@@ -201,6 +216,19 @@ class _Sheet:
         )
 
 
+def _title_of(figure: Figure, report: Mapping[str, Any]) -> str | None:
+    """The title, with the picture's time in place of `{time}`."""
+    if not figure.title or TIME not in figure.title:
+        return figure.title
+    time = report.get("time")
+    if not isinstance(time, Mapping):
+        raise ArgumentError(
+            f"the title has {TIME}, and this picture is of no time point; leave it out, or draw one of a file that "
+            "holds several (time=, --time, --times)"
+        )
+    return figure.title.replace(TIME, str(time["text"]))
+
+
 def _title(figure: Figure, style: Style, width: int) -> tuple[list[Mark], int]:
     """Lines of the title above the rendering, and the height that they take, pixels."""
     if not figure.title:
@@ -208,7 +236,9 @@ def _title(figure: Figure, style: Style, width: int) -> tuple[list[Mark], int]:
     lettering.check_length(figure.title, "the title")
     lettering.check_letters(figure.title, style.font, "the title")
     size = TITLE * style.size
-    lines = lettering.wrapped(figure.title, size, width - 2 * MARGIN * style.size, style.font)
+    # Some typefaces have no blank of this width; it would be drawn as a box.
+    title = figure.title if lettering.has_sign(FIGURE_SPACE, style.font) else figure.title.replace(FIGURE_SPACE, "")
+    lines = lettering.wrapped(title, size, width - 2 * MARGIN * style.size, style.font)
     first = 0.75 * size + lettering.CAP_HEIGHT * size
     marks: list[Mark] = [
         Text(width / 2, first + number * TITLE_LINE * size, line, size, style.ink, "middle")
@@ -235,6 +265,9 @@ def _check(figure: Figure) -> None:
             raise ArgumentError(
                 f"{name} is {described(getattr(figure, name))}; use one of: {', '.join(get_args(places))}"
             )
+    colorbar: object = figure.colorbar
+    if not isinstance(colorbar, bool | np.bool_ | str):
+        raise ArgumentError(f"colorbar is {described(colorbar)}; give True, False or the name of a layer")
     size = figure.font_size
     if size is not None and not (isfinite(size) and 1 <= size <= 1000):
         raise ArgumentError(f"font_size is {size:g}; give 1 to 1000: points where dpi is given, else pixels")
@@ -301,6 +334,12 @@ def _colored(figure: Figure, report: Mapping[str, Any]) -> list[tuple[report_fac
         if figure.colorbar not in names:
             raise ArgumentError(f"no layer is named {figure.colorbar!r}; there are: {', '.join(map(repr, names))}")
         layers = [layer for layer in layers if layer.name == figure.colorbar]
+    layers = [layer for layer in layers if layer.composite != "first-hit"]
+    if not layers:
+        raise ArgumentError(
+            "a surface of one value has one colour, so a colour bar says nothing of it; leave out the colour bar, or "
+            "write the value as a title"
+        )
     if figure.values is not None:
         return [(layer, figure.values) for layer in layers]
     if len(layers) == 1:

@@ -3,13 +3,25 @@
 from __future__ import annotations
 
 import io
+import re
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
 
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["CAP_HEIGHT", "FAMILY", "check_length", "check_letters", "file_of", "opened", "text_width", "wrapped"]
+__all__ = [
+    "CAP_HEIGHT",
+    "FAMILY",
+    "check_length",
+    "check_letters",
+    "file_of",
+    "fitting",
+    "has_sign",
+    "opened",
+    "text_width",
+    "wrapped",
+]
 
 #: File of Liberation Sans, which is as wide as Arial and Helvetica.
 OURS = Path(__file__).parents[1] / "data" / "liberation_sans" / "LiberationSans-Regular.ttf"
@@ -19,6 +31,8 @@ FAMILY = "'Liberation Sans', Arial, Helvetica, sans-serif"
 CAP_HEIGHT = 0.69
 #: Size of the font at which widths are measured, pixels: hinting does not matter there.
 MEASURED_PX = 200
+#: Blanks at which lines may be broken; figure spaces belong to the number that they fill up.
+BLANKS = re.compile(r"[^\S\u2007]+")
 #: Largest number of letters of a title or name; more take seconds to set and fill a page.
 MAX_LETTERS = 2000
 
@@ -61,14 +75,27 @@ def check_length(text: str, what: str) -> None:
 
 def check_letters(text: str, font: str | None, what: str) -> None:
     """Raise an `ArgumentError` where a text has signs that the typeface lacks."""
-    typeface = opened(font, 32)
-    unknown = _drawn(typeface, "\uffff")
     missing = [sign for sign in dict.fromkeys(text) if sign.isprintable() and not sign.isspace()]
-    missing = [sign for sign in missing if _drawn(typeface, sign) == unknown]
+    missing = [sign for sign in missing if not has_sign(sign, font)]
     if missing:
         raise ArgumentError(
             f"{what} has signs that the typeface does not: {' '.join(missing[:10])}; give font=, a .ttf file that has"
         )
+
+
+def fitting(text: str, size: float, width: float, font: str | None = None) -> str:
+    """The text, with its middle left out where it is wider than this."""
+    for n in range(len(text), 1, -1):
+        short = text if n == len(text) else f"{text[: (n + 1) // 2]}\u2026{text[len(text) - n // 2 :]}"
+        if text_width(short, size, font) <= width:
+            return short
+    return text[:1]
+
+
+def has_sign(sign: str, font: str | None) -> bool:
+    """Whether the typeface has a sign."""
+    typeface = opened(font, 32)
+    return _drawn(typeface, sign) != _drawn(typeface, "\uffff")
 
 
 def _drawn(typeface: Any, sign: str) -> bytes:
@@ -81,7 +108,7 @@ def wrapped(text: str, size: float, width: float, font: str | None = None) -> li
     lines = []
     for paragraph in text.splitlines() or [""]:
         line = ""
-        for word in paragraph.split():
+        for word in BLANKS.split(paragraph.strip(" \t")):
             longer = f"{line} {word}" if line else word
             if line and text_width(longer, size, font) > width:
                 lines.append(line)

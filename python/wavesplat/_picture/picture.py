@@ -169,7 +169,8 @@ class Picture:
             Names and colours of the labels and, where there are several, of the layers, of more than 30 the first 30;
             or of these only. Slices name the labels in them; where there are none, all.
         title : str, optional
-            Above the picture; it is broken into lines where it is longer.
+            Above the picture; it is broken into lines where it is longer. `{time}` in it is the time of the picture
+            with its unit ("30 s"), or its number where the file names no times.
         unit : str, optional
             Unit of the world's lengths, where the file does not say it.
         values : str, optional

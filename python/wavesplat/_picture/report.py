@@ -46,6 +46,7 @@ FIELDS: dict[str, Field] = {
     "layers": Field(OBJECTS, "Of several layers a report each; of slices name, opacity, time and processing of each."),
     "shown": Field(OBJECTS, "The visible layers: name, unit of values, operator, and the colours of values."),
     "labels": Field(OBJECTS, "Names and colours of the labels that show; of slices those in them."),
+    "time": Field(OBJECT, "Of a time point: its number, and its time with the unit as text."),
     "panels": Field(OBJECTS, "Of a lightbox plane, position and place on the sheet, in pixels, of each slice."),
     "lines": Field(OBJECTS, "Names and colours of the contours and isolines that show."),
     "processing": Field(TEXTS, "What was done to the samples before, a sentence each (`Facts.processing`)."),

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,10 +24,14 @@ from wavesplat.errors import ArgumentError, FileError
 if TYPE_CHECKING:
     import h5py
 
-__all__ = ["chosen_dataset", "facts_of", "place_of", "read"]
+__all__ = ["check_own", "check_way", "chosen_dataset", "facts_of", "kind_of", "place_of", "read"]
 
 #: Groups and links on the path to a dataset, at most.
 MAX_STEPS = 100
+#: Groups at the root of Imaris' files.
+IMARIS = {"DataSetInfo", "DataSet"}
+#: Names of groups at the root of BigDataViewer's files: a setup, a time point.
+SETUP, TIME_POINT = re.compile(r"s\d{2,}"), re.compile(r"t\d{5,}")
 
 
 def read(request: Request) -> Grid:
@@ -65,17 +71,29 @@ def _read(request: Request) -> Grid:
 
 
 def facts_of(file: h5py.File, place: Place) -> Facts:
-    """Facts of a dataset, with a guess where the file's format keeps distances in a place that is not read."""
+    """Facts of a dataset, with a guess where the file's format keeps distances in another place."""
     has_distances = place.facts.unit is not None or not np.array_equal(place.world_from_index, np.eye(4))
     where = None
-    own = _own_names(file)
-    if {"DataSetInfo", "DataSet"} <= own:
-        where = "Imaris keeps them in DataSetInfo, which is not read"
-    elif {"s00", "t00000"} <= own:
-        where = "BigDataViewer keeps them in the .xml beside the file, which is not read"
+    if (own := _own_names(file)) >= IMARIS:
+        where = "Imaris keeps them in DataSetInfo, which is not read with dataset="
+    elif any(map(SETUP.fullmatch, own)) and any(map(TIME_POINT.fullmatch, own)):
+        where = "BigDataViewer keeps them in the .xml beside the file, which is not read with dataset="
     if where is None or has_distances:
         return place.facts
     return replace(place.facts, guesses=(*place.facts.guesses, f"distances of samples 1, 1, 1: {where}"))
+
+
+def kind_of(path: Path) -> str:
+    """The module that reads an HDF5 file: "imaris" or "bdv" by its groups, else "hdf5"."""
+    try:
+        with read_hdf5(path) as file:
+            own = _own_names(file)
+            if own >= IMARIS and file["DataSet"].get("ResolutionLevel 0", getlink=True) is not None:
+                return "imaris"
+            setups = [name for name in own if SETUP.fullmatch(name) and file[name].get("resolutions", getlink=True)]
+            return "bdv" if setups and any(map(TIME_POINT.fullmatch, own)) else "hdf5"
+    except (OSError, RuntimeError, KeyError, ValueError, TypeError):
+        return "hdf5"  # whatever is wrong is said where it is read
 
 
 def chosen_dataset(file: h5py.File, request: Request) -> h5py.Dataset:
@@ -85,7 +103,7 @@ def chosen_dataset(file: h5py.File, request: Request) -> h5py.Dataset:
     for node in (dataset, dataset.parent):
         hdf5_vectors.check_geometry(node, request)
     if not request.external_files:
-        _check_own(file, dataset, request, set())
+        check_own(file, dataset, request, set())
     return dataset
 
 
@@ -118,7 +136,7 @@ def _dataset(file: h5py.File, request: Request) -> h5py.Dataset:
     file.visititems(visit)
     listed = ", ".join(f"{name} {dataset.shape}" for name, dataset in found.items()) or "none"
     if request.dataset is not None:
-        _check_way(file, request.dataset, request)
+        check_way(file, request.dataset, request)
         node = file.get(request.dataset)
         if not isinstance(node, h5py.Dataset):
             raise ArgumentError(f"no dataset {request.dataset!r}; the file holds: {listed}: {request.path}")
@@ -132,7 +150,7 @@ def _dataset(file: h5py.File, request: Request) -> h5py.Dataset:
     return next(iter(found.values()))
 
 
-def _check_own(file: h5py.File, dataset: h5py.Dataset, request: Request, seen: set[str]) -> None:
+def check_own(file: h5py.File, dataset: h5py.Dataset, request: Request, seen: set[str]) -> None:
     """Raise a `FileError` if samples lie in other files, also through other datasets of this file (`seen`)."""
     import h5py
 
@@ -145,13 +163,13 @@ def _check_own(file: h5py.File, dataset: h5py.Dataset, request: Request, seen: s
     for _, inner in sorted(sources):
         if inner not in seen:
             seen.add(inner)
-            _check_way(file, inner, request)
+            check_way(file, inner, request)
             source = file.get(inner)
             if isinstance(source, h5py.Dataset):
-                _check_own(file, source, request, seen)
+                check_own(file, source, request, seen)
 
 
-def _check_way(file: h5py.File, name: str, request: Request) -> None:
+def check_way(file: h5py.File, name: str, request: Request) -> None:
     """Raise a `FileError` if the path to a dataset leaves the file without permission, or goes round in a circle."""
     import h5py
 

@@ -18,18 +18,22 @@ from numpy.typing import NDArray
 
 from wavesplat._files import size_checks
 from wavesplat._files.bounded_file import BoundedFile
-from wavesplat._files.file_states import StoredFiles
+from wavesplat._files.file_states import SourceFiles, StoredFiles
 from wavesplat._files.mute_stderr import muted_stderr
 from wavesplat._files.npz import npy_header
 from wavesplat._files.reading import reading
 from wavesplat._files.zarr_states import chunk_files
+from wavesplat._files.zarr_stores import place_of
 from wavesplat._model.facts import Facts
 from wavesplat._model.hdf5_files import files_of_dataset, open_hdf5, read_hdf5
 from wavesplat._model.lazy_array import LazyArray, SlicedArray
 from wavesplat._readers import (
+    bdv,
+    bioio_files,
     detached_samples,
     hdf5,
     hdf5_vectors,
+    imaris,
     itk,
     lazy_tiff,
     netcdf,
@@ -38,6 +42,7 @@ from wavesplat._readers import (
     raw,
     vtk_legacy,
 )
+from wavesplat._readers.hdf5_levels import StoredImage, lazy_levels_of
 from wavesplat._readers.request import Request, index_unnamed_axes, n_times_of, quiet
 from wavesplat._readers.stored_samples import stored_samples
 from wavesplat.errors import ArgumentError, FileError
@@ -268,11 +273,29 @@ def _of_hdf5(request: Request) -> LazyGrid:
         return LazyGrid([array], [place.world_from_index], facts)
 
 
+def _of_imaris(request: Request) -> LazyGrid:
+    with read_hdf5(request.file) as file:
+        return _of_levels(file, imaris.described(file, request), request)
+
+
+def _of_big_data_viewer(request: Request) -> LazyGrid:
+    with bdv.opened(request) as (file, data):
+        return _of_levels(file, bdv.described(file, data, request), request)
+
+
+def _of_levels(file: Any, image: StoredImage, request: Request) -> LazyGrid:
+    matrices = [level.world_from_index for level in image.levels]
+    return LazyGrid([*lazy_levels_of(file, image, request)], matrices, image.facts)
+
+
 def _of_zarr(request: Request) -> LazyGrid:
     levels = []
     for level in ome_zarr.levels_of(request):
-        chunks = getattr(level.array, "shards", None) or level.array.chunks
-        files = chunk_files(level.array, level.picked)
+        # Inner chunks of shards, which zarr reads by their ranges: a shard is no unit of reading.
+        chunks = level.array.chunks
+        place = place_of(level.array)
+        is_packed = place is not None and place.archive is not None
+        files: SourceFiles | None = StoredFiles([request.file]) if is_packed else chunk_files(level.array, level.picked)
         token = None if files is None else f"Zarr {level.array.store_path}"
         if files is None and not isinstance(request.cache, bool):
             token = _token_of_url(request, level.path)  # only a named folder keeps surveys by a server's marks
@@ -316,6 +339,11 @@ def _of_netcdf(request: Request) -> LazyGrid:
     return LazyGrid([array], [matrix], facts)
 
 
+def _of_bioio(request: Request) -> LazyGrid:
+    array, matrix, facts = bioio_files.lazy_array_of(request)
+    return LazyGrid([array], [matrix], facts)
+
+
 READERS = {
     "arrays": _of_npy,
     "raw": _of_raw,
@@ -324,8 +352,11 @@ READERS = {
     "vtk_legacy": _of_vtk_legacy,
     "hdf5": _of_hdf5,
     "netcdf": _of_netcdf,
+    "imaris": _of_imaris,
+    "bdv": _of_big_data_viewer,
     "ome_zarr": _of_zarr,
     "tiff": _of_tiff,
+    "bioio_files": _of_bioio,
 }
 
 
@@ -338,8 +369,11 @@ NAMES = {
     "vtk_legacy": "a VTK image",
     "hdf5": "HDF5",
     "netcdf": "netCDF",
+    "imaris": "an Imaris file",
+    "bdv": "BigDataViewer's HDF5",
     "ome_zarr": "Zarr",
     "tiff": "TIFF",
+    "bioio_files": "a microscope's file",
 }
 
 

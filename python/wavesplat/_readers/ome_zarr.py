@@ -1,4 +1,4 @@
-"""OME-Zarr 0.4 (Zarr v2), 0.5 (Zarr v3) and 0.6 drafts, and plain Zarr arrays, by zarr; also under a URL (fsspec).
+"""OME-Zarr 0.4 (Zarr v2), 0.5 (Zarr v3) and 0.6 drafts, and plain Zarr arrays, by zarr; also zipped, or under a URL.
 
 Axes may come in any order; time and channel are picked by number.
 World units are those of the file, usually micrometres, one for all axes, and the world's axes are the file's x, y, z.
@@ -8,6 +8,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from os import PathLike
 from pathlib import Path
 from typing import Any
 
@@ -20,12 +21,16 @@ from wavesplat._files.zarr_chunks import check_chunks
 from wavesplat._files.zarr_place import METADATA_NAMES, ZarrPlace
 from wavesplat._files.zarr_stores import place_of, store_of
 from wavesplat._model.facts import Facts
+from wavesplat._readers import ome_zarr_layout as layout
 from wavesplat._readers import zarr_metadata
 from wavesplat._readers.ome_zarr_facts import Axes, channels_of, facts_of
-from wavesplat._readers.request import Grid, Request, choose, index_unnamed_axes, n_times_of, several
+from wavesplat._readers.request import Grid, Request, choose, index_unnamed_axes, n_times_of, requested, several
 from wavesplat.errors import ArgumentError, FileError, WavesplatError
 
-__all__ = ["ZarrLevel", "check_part", "levels_of", "mark_of", "read"]
+__all__ = ["ZarrLevel", "check_part", "contents", "label_looks", "labels_of", "levels_of", "mark_of", "read"]
+
+#: Images and wells that a message lists, at most.
+N_LISTED = 12
 
 #: Guess for levels that are moved, as the file does not say where they begin.
 GUESS_OF_LEVELS = "coarser levels taken for means of blocks, so half a block in: the file has no translation of them"
@@ -34,10 +39,11 @@ GUESS_OF_LEVELS = "coarser levels taken for means of blocks, so half a block in:
 def read(request: Request) -> Grid:
     """One level of a multi-scale image, or a plain array."""
     with reading("Zarr", request.safe_path):
-        node = _open(request)
+        node, request, notes = _opened_image(request)
         multiscales = _multiscales(node)
         if multiscales is not None:
-            return _read_level(node, multiscales, request)
+            grid = _read_level(node, multiscales, request)
+            return grid._replace(facts=_with_guesses(grid.facts, notes))
         if not hasattr(node, "shape"):
             raise _no_array(request)
         _check_level(1, request)
@@ -63,7 +69,7 @@ class ZarrLevel:
 
 def levels_of(request: Request) -> list[ZarrLevel]:
     """The levels of an image, the finest first, or only the one that is asked for; nothing of them is read."""
-    node = _open(request)
+    node, request, notes = _opened_image(request)
     multiscales = _multiscales(node)
     if multiscales is not None:
         datasets = multiscales["datasets"]
@@ -72,7 +78,7 @@ def levels_of(request: Request) -> list[ZarrLevel]:
         kept = [level for level in levels if level is not None]
         if not kept:
             raise FileError(f"none of the {len(datasets)} levels is there; copy the image again: {request.safe_path}")
-        return kept
+        return [replace(level, facts=_with_guesses(level.facts, notes)) for level in kept]
     if not hasattr(node, "shape"):
         raise _no_array(request)
     _check_level(1, request)
@@ -137,7 +143,7 @@ def _described_level(
     group: Any, multiscales: dict[str, Any], dataset: dict[str, Any], request: Request
 ) -> ZarrLevel | None:
     """The level of a dataset; None where it is not there, as in a partial copy."""
-    zarr_metadata.check_codecs(_location(request), f"{request.dataset or ''}/{dataset['path']}")
+    zarr_metadata.check_codecs(_location(request, group), f"{request.dataset or ''}/{dataset['path']}")
     array = group.get(dataset["path"])
     if not hasattr(array, "shape"):
         return None
@@ -163,6 +169,86 @@ def _all_axes(index: tuple[Any, ...], n_axes: int) -> list[int | slice]:
     return [*index[:at], *[slice(None)] * (n_axes - len(index) + 1), *index[at + 1 :]]
 
 
+def _opened_image(request: Request) -> tuple[Any, Request, tuple[str, ...]]:
+    """The node of a request, or the only or first image in it; the request that names it; notes on the choice.
+
+    Raises
+    ------
+    SeveralError
+        If it is a plate, or a well, of several images.
+    """
+    node = _open(request)
+    if hasattr(node, "shape") or _multiscales(node) is not None:
+        return node, request, ()
+    place, path = _location(request, node), (request.dataset or "").strip("/")
+    images = _images_of(place, path)
+    notes: tuple[str, ...] = ()
+    if len(images) > 1:
+        if wells := layout.wells_of(place, path):
+            raise _several_wells(wells, images, request)
+        named = ", ".join(images[:N_LISTED]) + (", ..." if len(images) > N_LISTED else "")
+        notes = (f"{images[0]} of {len(images)} images in the file, {named}; choose one with dataset= (--dataset)",)
+    if not images:
+        return node, request, ()
+    request = replace(request, dataset=images[0])
+    return _open(request), request, notes
+
+
+def _several_wells(wells: Sequence[layout.Well], images: list[str], request: Request) -> FileError:
+    wells = [well for well in wells if well.fields]
+    names = ", ".join(well.name for well in wells[:N_LISTED]) + (", ..." if len(wells) > N_LISTED else "")
+    kind = f"a plate of {len(wells)} wells, {names}," if len(wells) > 1 else f"the well {names}"
+    own = request.safe_path.rstrip("/")
+    message = (
+        f"this is {kind} with {len(images)} images; choose one with dataset={images[0]!r} (--dataset {images[0]}), or "
+        f"name its folder, {own}/{images[0]}"
+    )
+    if len(wells) > 1:
+        message += f"; of each well the first: wavesplat render '{own}/*/*/{wells[0].fields[0]}' -o '{{well}}.png'"
+    message += f": {request.safe_path}"
+    described = [f"{image} ({well.name})" for well in wells for image in well.images]
+    return several(message, "dataset", images, described)
+
+
+def labels_of(path: str | PathLike[str], dataset: str | None = None) -> tuple[str, tuple[str, ...]]:
+    """The path in the store of the image that is opened by default, and the names of its segmentations."""
+    place, inner = _place_in(path, dataset)
+    images = _images_of(place, inner)[:1] or [inner]
+    return images[0], layout.label_names(place, images[0])
+
+
+def _images_of(place: ZarrPlace, path: str) -> list[str]:
+    """Paths of the images in a series, or in the wells of a plate; empty for other groups."""
+    series = [f"{path}/{name}".strip("/") for name in layout.series_of(place, path)]
+    return series or [image for well in layout.wells_of(place, path) for image in well.images]
+
+
+def contents(path: str | PathLike[str], dataset: str | None = None) -> dict[str, Any]:
+    """The images of a series, the wells of a plate, and the labels of an image, for people to choose from."""
+    place, inner = _place_in(path, dataset)
+    series = layout.series_of(place, inner)
+    names = layout.series_names(place, inner, len(series)) if series else ()
+    wells = layout.wells_of(place, inner)
+    return {
+        "images": [{"path": path, "name": name} for path, name in zip(series, names, strict=True)],
+        "wells": [{"name": well.name, "path": well.path, "fields": list(well.fields)} for well in wells],
+        "label_images": list(labels_of(path, dataset)[1]),
+    }
+
+
+def label_looks(path: str | PathLike[str], dataset: str | None = None) -> dict[int, layout.Look]:
+    """Names and colours of the labels of a segmentation, by number."""
+    return layout.label_looks(*_place_in(path, dataset))
+
+
+def _place_in(path: str | PathLike[str], dataset: str | None) -> tuple[ZarrPlace, str]:
+    return _location(requested(path)), (dataset or "").strip("/")
+
+
+def _with_guesses(facts: Facts, guesses: tuple[str, ...]) -> Facts:
+    return replace(facts, guesses=(*guesses, *facts.guesses))
+
+
 def _open(request: Request) -> Any:
     import zarr
 
@@ -186,8 +272,17 @@ def _open(request: Request) -> Any:
 
 def _not_found(place: ZarrPlace) -> FileError | None:
     """The error where a server has, or gives, no metadata; None where there are some."""
-    if place.root is not None or any(place.read(name) is not None for name in METADATA_NAMES):
+    if any(place.read(name) is not None for name in METADATA_NAMES):
         return None
+    if place.archive is not None:
+        return FileError(
+            f"the archive holds no Zarr array or group at its top ({', '.join(METADATA_NAMES)}); pack the content of "
+            f"the folder, or unpack the archive: {place}"
+        )
+    if place.root is not None:
+        return None
+    if place.address.partition("?")[0].lower().endswith((".zip", ".ozx")):
+        return FileError(f"zip archives are not read from servers; copy it to this machine: {place}")
     if place.refused:
         return FileError(
             f"the server refuses (403 Forbidden) {', '.join(place.refused)}; check the address, and that you may read "
@@ -198,8 +293,10 @@ def _not_found(place: ZarrPlace) -> FileError | None:
     )
 
 
-def _location(request: Request) -> ZarrPlace:
-    return ZarrPlace(str(request.path) if request.is_url else Path(request.file), within=request.within)
+def _location(request: Request, opened: Any = None) -> ZarrPlace:
+    """The place of a request; that of a node which was opened there, which knows metadata already."""
+    known = None if opened is None else place_of(opened)
+    return known or ZarrPlace(str(request.path) if request.is_url else Path(request.file), within=request.within)
 
 
 def _listed(request: Request) -> str:
@@ -224,7 +321,7 @@ def _check_level(n_levels: int, request: Request) -> int:
 def _read_level(group: Any, multiscales: dict[str, Any], request: Request) -> Grid:
     datasets = multiscales["datasets"]
     dataset = datasets[_check_level(len(datasets), request)]
-    zarr_metadata.check_codecs(_location(request), f"{request.dataset or ''}/{dataset['path']}")
+    zarr_metadata.check_codecs(_location(request, group), f"{request.dataset or ''}/{dataset['path']}")
     array = group[dataset["path"]]
     zarr_metadata.check_numbers(array, request.safe_path)
     place = _placed(group, array, multiscales, dataset, request)
@@ -280,13 +377,15 @@ def _placed(group: Any, array: Any, multiscales: dict[str, Any], dataset: dict[s
         matrix=matrix,
     )
     facts = replace(facts, guesses=(*facts.guesses, *guesses))
+    if isinstance(attributes.get("ome", attributes).get("image-label"), dict):
+        facts = replace(facts, modality="SEG")
     return _Place(axes, spatial, picked, world_from_index, facts)
 
 
 def _shapes(group: Any, datasets: list[dict[str, Any]], request: Request) -> list[tuple[int, ...]]:
     """Shapes of all levels; those that are not there, as in a partial copy, are left out."""
     for dataset in datasets:
-        zarr_metadata.check_codecs(_location(request), f"{request.dataset or ''}/{dataset['path']}")
+        zarr_metadata.check_codecs(_location(request, group), f"{request.dataset or ''}/{dataset['path']}")
     arrays = (group.get(dataset["path"]) for dataset in datasets)
     return [tuple(array.shape) for array in arrays if hasattr(array, "shape")]
 

@@ -13,13 +13,14 @@ from dataclasses import replace
 from importlib import import_module
 from os import PathLike
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from wavesplat._files import size_checks
 from wavesplat._files.memory import free_bytes
 from wavesplat._files.paths import check_no_pipe, check_text, printable
+from wavesplat._files.zarr_archive import holds_zarr
 from wavesplat._model import affine, sources
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.facts import Facts
@@ -28,16 +29,17 @@ from wavesplat._model.option_lists import takes_options
 from wavesplat._model.volume import Volume
 from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._public import public
-from wavesplat._readers import lazy_files, netcdf, vasp, vtk_grids
+from wavesplat._readers import bioio_files, lazy_files, netcdf, vasp, vtk_grids
+from wavesplat._readers.hdf5 import kind_of as hdf5_kind
 from wavesplat._readers.options import OpenOptions
 from wavesplat._readers.request import Grid, Request, requested
-from wavesplat._readers.unsupported_formats import foreign_content, foreign_kind
+from wavesplat._readers.unsupported_formats import foreign_content, foreign_folder, foreign_kind
 from wavesplat.errors import ArgumentError, FileError, FileWarning, WavesplatError
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-__all__ = ["open", "opened"]
+__all__ = ["is_zarr", "open", "opened"]
 
 #: Suffix -> module. Longer suffixes come first where one ends with another.
 SUFFIXES = {
@@ -64,6 +66,8 @@ SUFFIXES = {
     **dict.fromkeys(vtk_grids.SUFFIXES, "vtk_grids"),
     ".dcm": "dicom",
     ".ima": "dicom",
+    ".zarr.zip": "ome_zarr",
+    ".ozx": "ome_zarr",
     ".zip": "dicom",
     ".tiff": "tiff",
     ".tif": "tiff",
@@ -81,7 +85,10 @@ SUFFIXES = {
     ".sgy": "segy",
     ".segy": "segy",
     **dict.fromkeys((".nc", ".nc4", ".cdf", ".netcdf"), "netcdf"),
+    ".ims": "hdf5",
+    ".xml": "bdv",
     ".zarr": "ome_zarr",
+    **dict.fromkeys(bioio_files.SUFFIXES, "bioio_files"),
 }
 #: First bytes -> module, for files under other names: (offset, bytes). (nibabel insists on its suffixes.)
 MAGIC = {
@@ -107,6 +114,9 @@ OPTIONS = {
     "arrays": {"time", "channel", "dataset"},
     "raw": {"time", "channel", "shape", "dtype", "byte_order", "offset"},
     "hdf5": {"time", "channel", "component", "dataset", "external_files"},
+    "imaris": {"time", "channel", "level", "external_files"},
+    "bdv": {"time", "channel", "level", "external_files"},
+    "bioio_files": {"series", "time", "channel"},
     "vtk_grids": {"channel", "component", "dataset", "resample", "external_files"},
     "cube": {"dataset"},
     "vasp": {"dataset"},
@@ -121,7 +131,7 @@ LARGE_SHARE = 4
 OF_DISTANCES = "distance"
 KINDS = (
     "NIfTI, FreeSurfer, MINC, AFNI, PAR/REC, ECAT, NRRD, MetaImage, VTK grids, DICOM, TIFF, .npy, .npz, raw, HDF5, "
-    "netCDF, cubes, VASP, BOV, SEG-Y and OME-Zarr"
+    "netCDF, cubes, VASP, BOV, SEG-Y, Imaris, BigDataViewer, OME-Zarr, and microscopes' files by bioio"
 )
 
 
@@ -141,7 +151,8 @@ def open(
         (.v), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), VTK images and grids (.vtk, .vti, .vtr, .vts, .vtu, .vtm and
         others), DICOM (a folder, also of folders, one of the files, a DICOMDIR, or a .zip of them), a TIFF stack (one
         file or a folder), .npy, .npz, raw, HDF5, netCDF (.nc), Gaussian cubes (.cube), VASP (CHGCAR, LOCPOT), BOV,
-        SEG-Y, OME-Zarr (also under a URL). Or an object of another library, without options: the same as
+        SEG-Y, Imaris (.ims), BigDataViewer (its .xml or .h5), OME-Zarr (also zipped, or under a URL), microscopes'
+        files by bioio (.czi, .lif, .nd2, ...). Or an object of another library, without options: the same as
         `Volume(object)`.
     **options : OpenOptions
         What to read of the file, and how.
@@ -179,6 +190,14 @@ def open(
     return opened(requested(path, **options), stacklevel=5)
 
 
+def is_zarr(path: str | PathLike[str], **options: Any) -> bool:
+    """Whether a path or address is that of a Zarr image or array; False also for what cannot be opened."""
+    try:
+        return _family(requested(path, **options)) == "ome_zarr"
+    except WavesplatError:
+        return False  # whatever is wrong is said where the file is opened
+
+
 def _held(thing: VolumeLike, options: Request) -> Volume:
     """The volume of another library's object."""
     if type(thing).__module__ == "builtins":
@@ -214,7 +233,7 @@ def opened(request: Request, *, stacklevel: int = 2) -> Volume:
 #: Families whose samples lie in one file as they are: its size gives theirs.
 UNCOMPRESSED = ("arrays", "raw", "nifti", "itk", "vtk_legacy")
 #: Families whose headers give the size of their samples.
-IN_CHUNKS = ("hdf5", "netcdf", "ome_zarr", "tiff")
+IN_CHUNKS = ("hdf5", "netcdf", "imaris", "bdv", "ome_zarr", "tiff", "bioio_files")
 
 
 def _is_large(request: Request, family: str) -> bool:
@@ -288,12 +307,17 @@ def _family(request: Request) -> str:
     with path.open("rb") as file:
         start = file.read(N_FIRST_BYTES)
     family = _family_by_content(SUFFIXES.get(suffix or "") or _family_by_magic(start), path)
-    if suffix != ".zip" and family != "netcdf" and (error := foreign_content(path, start)) is not None:
+    if suffix == ".zip" and holds_zarr(path):
+        return "ome_zarr"
+    may_be_ours = suffix in (".zip", ".zarr.zip", ".ozx") or family == "netcdf"
+    if not may_be_ours and (error := foreign_content(path, start)) is not None:
         raise error
     if family == "dicom" and suffix != ".zip":
         # One file of a series: the others are looked for beside it.
         for name in _names_in(path.parent):
             check_text(path.parent / name)
+    if family == "hdf5" and request.dataset is None:
+        return hdf5_kind(path)
     if family is None:
         raise foreign_kind(path) or FileError(
             f"unknown kind of file; wavesplat reads {KINDS}; for raw samples pass shape=(z, y, x) and dtype=: {path}"
@@ -309,6 +333,8 @@ def _family_of_folder(folder: Path) -> str:
         return "ome_zarr"
     if any(name.lower().endswith((".tif", ".tiff")) for name in names):
         return "tiff"
+    if (error := foreign_folder(folder, names)) is not None:
+        raise error
     return "dicom"
 
 

@@ -47,15 +47,18 @@ class OpenOptions(FileOptions, total=False):
     ----------
     series : int or str, optional
         DICOM: which series, if there are several: its number, its description (or a part of it that no other has;
-        capitals do not count), or its UID or the start of it. The error that asks for it lists them.
+        capitals do not count), or its UID or the start of it. Microscopes' files by bioio: which image, by number or
+        name. The error that asks for it lists them.
     time, channel : int, optional
         Which time point and which channel, from 0, if the file holds several. DICOM: which volume of a series, such as
         an echo, or magnitude or phase.
+        BigDataViewer: which setup, in the order of their numbers, be it a channel, a tile or an angle.
         In arrays without named axes (.npy, raw, HDF5), time is the first axis and channel the last.
     dataset : str, optional
-        HDF5, netCDF, .npz, VTK, Zarr: the name of the array, if there are several.
+        HDF5, netCDF, .npz, VTK, Zarr, cubes, VASP: the name of the array, if there are several; of OME-Zarr the path of
+        an image in a series or plate, such as "A/1/0".
     level : int, optional
-        OME-Zarr: the level of detail; 0, the default, is the finest.
+        OME-Zarr, Imaris, BigDataViewer: the level of detail; 0, the default, is the finest.
     shape, dtype : optional
         Raw: number of samples (z, y, x) and their type, such as "uint8".
     spacing : three numbers (x, y, z), optional
@@ -79,13 +82,14 @@ class OpenOptions(FileOptions, total=False):
         side; netCDF, whose axes have units of their own, along each axis that is not even. Without it such a grid is an
         error. A note says how much finer or coarser the samples are than the grid.
     external_files : bool, default False
-        NRRD, MetaImage, OME-TIFF, HDF5: also read samples from files that this one names in other folders; HDF5: from
-        any that it names. Such a file can name whatever you may read: allow it for files that you trust.
+        NRRD, MetaImage, OME-TIFF, HDF5, BigDataViewer: also read samples from files that this one names in other
+        folders; HDF5: from any that it names. Such a file can name whatever you may read: allow it for files that you
+        trust.
     memory : str or number, optional
         Leave the samples where they are, and read them while they are drawn, with at most this many bytes in memory,
-        such as "2 GB": a `LazyVolume`, as from `Volume.lazy`, for an OME-Zarr image with all its levels. None does the
-        same where the samples take more than a quarter of the free memory. Not for files that are compressed as one
-        stream, and not for DICOM.
+        such as "2 GB": a `LazyVolume`, as from `Volume.lazy`, with all levels of the image. None does the same where
+        the samples take more than a quarter of the free memory. Not for files that are compressed as one stream, and
+        not for DICOM.
     holes : bool, default False
         With `memory`: samples that cannot be read are left out and reported, instead of an error.
     cache : bool or path, default True

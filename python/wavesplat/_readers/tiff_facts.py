@@ -20,7 +20,7 @@ from wavesplat._readers.request import window_of
 if TYPE_CHECKING:
     from tifffile import TiffFile
 
-__all__ = ["TiffPlace", "place_of"]
+__all__ = ["TiffPlace", "guesses_of_steps", "place_of"]
 
 #: A nanometre in metres, for wavelengths.
 NM = 1e-9
@@ -71,9 +71,12 @@ def place_of(tiff: TiffFile, *, has_z: bool = True) -> TiffPlace:
     # A missing distance is taken from x: then the stack keeps its proportions at least in scale.
     x = steps[0] or 1.0
     y, z = (abs(x) if step is None else step for step in steps[1:])
-    guesses = [*_guesses(steps, x), *_odd_guesses(said)]
+    guesses = [*guesses_of_steps(steps, x), *_odd_guesses(said)]
     if not has_z and said.steps[2] is None:
-        guesses.append("time points are drawn as slices along z: the file has no slices, and one plane of each time")
+        n = said.facts.n_times
+        guesses.append(
+            f"a time series of {n} planes: time points are drawn as slices along z, as the file has no slices"
+        )
     guesses += units.guesses_of(said.units)
     described = zip("xyz", said.units, said.steps, strict=True)
     bare = ", ".join(name for name, one, step in described if one is None and step is not None)
@@ -91,7 +94,8 @@ def _odd_guesses(said: _Said) -> list[str]:
     return guesses
 
 
-def _guesses(steps: list[float | None], x: float) -> list[str]:
+def guesses_of_steps(steps: list[float | None], x: float) -> list[str]:
+    """A sentence for distances along x, y, z that a file does not have, and are taken from `x`."""
     if all(step is None for step in steps):
         return ["distances of samples 1, 1, 1: the file has none"]
     missing = [name for name, step in zip("xyz", steps, strict=True) if step is None]

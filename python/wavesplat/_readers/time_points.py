@@ -12,6 +12,7 @@ from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.option_lists import takes_options
 from wavesplat._model.series import Series
 from wavesplat._model.sources import Source, of_series
+from wavesplat._model.time_stamps import times_of_facts
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
 from wavesplat._readers.opening import opened
@@ -40,9 +41,10 @@ def open_series(
     ----------
     path : path, URL, pattern or list of paths
         A file or folder that holds several time points: 4-D NIfTI, NRRD and MetaImage, OME-Zarr, TIFF of OME and
-        ImageJ, DICOM; arrays without named axes (.npy, raw, HDF5), whose first axis is time. Or files of one time point
-        each, in order: a list, or a pattern such as "frames/t*.nii.gz", whose files are taken in the order of the
-        numbers in their names (t2 before t10). A file of one volume is a series of one.
+        ImageJ, Imaris, BigDataViewer, microscopes' files by bioio, DICOM; arrays without named axes (.npy, raw, HDF5),
+        whose first axis is time. Or files of one time point each, in order: a list, or a pattern such as
+        "frames/t*.nii.gz", whose files are taken in the order of the numbers in their names (t2 before t10). A file of
+        one volume is a series of one.
     channel : int, optional
         As for `wavesplat.open`.
     **options : FileOptions
@@ -117,14 +119,14 @@ class _OfOneFile:
             first, self._first = self._first, None
             return opened(self.request) if first is None else first
         volume = opened(replace(self.request, time=number, kept=self._kept))
-        self._times = _times_of(volume, self._n)
+        self._times = times_of_facts(volume.facts, self._n)
         return volume
 
     def times(self) -> tuple[tuple[float, ...], str | None]:
         """Times and their unit as the file states them, once one of its volumes is read."""
         if self._times is None:
             volume = self._first or self[0]
-            self._times = _times_of(volume, self._n)
+            self._times = times_of_facts(volume.facts, self._n)
         return self._times
 
     _times: tuple[tuple[float, ...], str | None] | None = None
@@ -165,14 +167,6 @@ class _OfManyFiles:
     def told(self) -> str:
         """The first and the last file, in messages."""
         return f"the list of files {_name_of_all(self._requests)!r}"
-
-
-def _times_of(volume: Volume, n: int) -> tuple[tuple[float, ...], str | None]:
-    facts = volume.facts
-    if len(facts.times) == n:
-        return facts.times, facts.time_unit
-    step = facts.time_step
-    return tuple(number * (step or 1.0) for number in range(n)), facts.time_unit if step else None
 
 
 def _name_of_all(requests: Sequence[Request]) -> str:

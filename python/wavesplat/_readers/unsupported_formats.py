@@ -7,20 +7,15 @@ from pathlib import Path
 from wavesplat._readers.vtk_arrays import other_grid
 from wavesplat.errors import FileError
 
-__all__ = ["foreign_content", "foreign_kind"]
+__all__ = ["OF_N5", "foreign_content", "foreign_folder", "foreign_kind"]
 
-BY_OME = "export it as OME-TIFF or OME-Zarr, as with Fiji or bioformats2raw, or give its array to wavesplat.Volume"
 BY_SITK = "give wavesplat.Volume(SimpleITK.ReadImage(path))"
 BY_XARRAY = "give wavesplat.Volume(xarray.open_dataset(path)[name])"
+OF_N5 = "resave it as HDF5 or OME-Zarr, as with BigStitcher in Fiji"
 UNPACK = "unpack it first"
 
 #: Suffix -> content of the file, and the way to a volume.
 BY_SUFFIX = {
-    ".czi": ("an image of Zeiss' microscopes", BY_OME),
-    **dict.fromkeys((".lif", ".lof", ".xlef"), ("images of Leica's microscopes", BY_OME)),
-    ".nd2": ("an image of Nikon's microscopes", BY_OME),
-    **dict.fromkeys((".oib", ".oif", ".oir", ".vsi"), ("an image of Olympus' microscopes", BY_OME)),
-    **dict.fromkeys((".ics", ".ids", ".sld", ".dv", ".r3d"), ("an image of a microscope", BY_OME)),
     **dict.fromkeys((".grib", ".grb", ".grib2", ".grb2"), ("weather data (GRIB)", BY_XARRAY)),
     **dict.fromkeys((".mnc2", ".mnc.gz"), ("a MINC image", "unpack it, and give it a name that ends in .mnc")),
     **dict.fromkeys((".mif", ".mif.gz", ".mih"), ("an image of MRtrix", "write it as NIfTI: mrconvert a.mif a.nii.gz")),
@@ -73,6 +68,13 @@ def foreign_kind(path: Path) -> FileError | None:
         if name.endswith(suffix):
             return FileError(f"the file holds {what}, which wavesplat does not read; {way}: {path}")
     return None
+
+
+def foreign_folder(folder: Path, names: list[str]) -> FileError | None:
+    """The error that describes a folder by the names in it; None where it may be one of slices."""
+    if "attributes.json" not in names:
+        return None
+    return FileError(f"the folder holds N5, which zarr does not read; {OF_N5}: {folder}")
 
 
 def foreign_content(path: Path, start: bytes) -> FileError | None:

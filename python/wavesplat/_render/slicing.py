@@ -261,7 +261,8 @@ def _point_and_normal(plane: Any) -> tuple[Array, Array]:
 
 def _shown(volume: Grid, normal: Array) -> tuple[Array, Array]:
     """Right and up of the picture: the directions of the nearest named plane, turned with the plane."""
-    _, up, to_near_eye = PLANES[nearest_plane(normal, is_anatomical=volume.is_anatomical)].axes
+    near = nearest_plane(normal.tolist(), is_anatomical=volume.is_anatomical)
+    _, up, to_near_eye = (np.array(axis) for axis in PLANES[near].axes)
     to_eye = normal if normal @ to_near_eye > 0 else -normal
     up = up - (up @ to_eye) * to_eye
     up /= np.linalg.norm(up)

@@ -269,4 +269,4 @@ def _lettered(picture: Picture, plane: AnyPlane) -> NDArray[np.float32]:
     lettered = picture.annotated(orientation="letters") if picture.report.get("letters") else picture
     axis = f"{PLANES[plane].across} " if isinstance(plane, str) else ""
     text = f"{axis}{picture.report['position']:.4g}{f' {picture.unit}' if picture.unit else ''}"
-    return with_caption(lettered.rgba, text, at="upper left")
+    return with_caption(lettered.rgba, text)

@@ -157,11 +157,16 @@ class _Source:
         return facts.channels[number] if number < len(facts.channels) else Channel()
 
     def color(self, number: int) -> Rgb | None:
-        """The file's colour of a channel; None where several are white, which is written where there was none."""
+        """The file's colour of a channel; None where all of several are white, which is written where there was none.
+
+        A white beside other colours was chosen. A second one changes, as any colour that another channel has.
+        """
         own = self.facts(number).color
-        is_white = own is not None and _is_same(own, WHITE)
-        others = (self.facts(other).color for other in range(self.n) if other != number)
-        return None if is_white and any(other is not None and _is_same(other, WHITE) for other in others) else own
+        if own is None or not _is_same(own, WHITE):
+            return own
+        others = [self.facts(other).color for other in range(self.n) if other != number]
+        given = [color for color in others if color is not None]
+        return None if given and all(_is_same(color, WHITE) for color in given) else own
 
     def name(self, number: int) -> str:
         if number < len(self._names):

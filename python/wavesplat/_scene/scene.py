@@ -26,6 +26,7 @@ from wavesplat._model.sources import beside, warn_of_elsewhere
 from wavesplat._picture.picture import Picture
 from wavesplat._public import public
 from wavesplat._render.options import DrawOptions, RenderOptions
+from wavesplat._scene.labelled_layers import labelled_layers
 from wavesplat._scene.layer import AnyLook, Layer
 from wavesplat.errors import ArgumentError
 
@@ -84,8 +85,9 @@ class Scene:
     Parameters
     ----------
     layers : Volume, WaveletVolume, array, Layer, or up to eight of them in a list
-        What is shown. At a point of space the extinctions of layers add and their colours mix by extinction;
-        projections are made of each layer, and their colours added as light.
+        What is shown. An array of xarray with an axis of channels (C) is a layer for each, in a colour of its own; one
+        with an axis of times (T) is a series. At a point of space the extinctions of layers add and their colours mix
+        by extinction; projections are made of each layer, and their colours added as light.
     look : Look, TransferFunction, TransferFunction2D, Materials or str, optional
         How values are shown, as for `Layer`; for several volumes one for each, in a list. Layers bring their own.
     labels : Labels, optional
@@ -382,7 +384,7 @@ def _layers(what: Any, look: Any) -> tuple[Layer, ...]:
         raise ArgumentError("this is a scene already; change it with scene.with_(...), or take its layers")
     # Rows of numbers are samples; volumes, layers and arrays in a list are several layers.
     several = isinstance(what, list | tuple) and not is_rows(what)
-    things = list(what) if several else [what]
+    things = list(what) if several else labelled_layers(what, has_looks=look is not None) or [what]
     if not 1 <= len(things) <= MAX_LAYERS:
         raise ArgumentError(f"a scene has 1 to {MAX_LAYERS} layers, not {len(things)}")
     looks = list(look) if isinstance(look, list | tuple) else [look] * len(things)

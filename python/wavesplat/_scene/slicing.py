@@ -36,7 +36,7 @@ from wavesplat._scene.layer import Layer
 from wavesplat._scene.resampling import check_units
 from wavesplat._scene.scene import Scene, as_scene
 from wavesplat._scene.slice_lines import lines_over
-from wavesplat._scene.summary import names_of
+from wavesplat._scene.summary import facts_of_time, names_of
 from wavesplat.errors import ArgumentError
 
 __all__ = ["slice"]
@@ -191,6 +191,7 @@ def slice(
     )
     report = picture.report
     report["layers"] = [_facts_of(layer) for layer in scene.layers]
+    report.update(facts_of_time(scene))
     notes: list[str] = report.pop("notes", [])
     notes += _note_on_plane(plane, first.drawn)
     options: dict[str, Any] = {"kernel": kernel, "slab": slab, "threads": threads}

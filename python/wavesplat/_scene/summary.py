@@ -11,11 +11,13 @@ from wavesplat._looks.labels import Labels
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.camera import Camera
+from wavesplat._model.time_stamps import TimeStamp, time_stamp_of
+from wavesplat._picture.annotating import TIME
 from wavesplat._picture.report_facts import facts_of_view, shown_layer
 from wavesplat._scene.drawn_layers import DrawnLayer, identity_of
 from wavesplat._scene.scene import Scene
 
-__all__ = ["facts_of_layers", "facts_of_picture", "names_of"]
+__all__ = ["facts_of_layers", "facts_of_picture", "facts_of_time", "names_of", "stamped"]
 
 
 def facts_of_picture(
@@ -24,7 +26,24 @@ def facts_of_picture(
     """The report's camera, pixels and background, and the names of labels."""
     facts = [layer.drawn.facts for layer in scene.layers]
     view = facts_of_view(camera, size, next((one for one in facts if one.unit is not None), facts[0]))
-    return {**view, "background": background, "labels": names_of(labels)}
+    return {**view, "background": background, "labels": names_of(labels), **facts_of_time(scene)}
+
+
+def facts_of_time(scene: Scene) -> dict[str, Any]:
+    """The report's time point; empty where no layer is one of several."""
+    stamp = _time_stamp(scene)
+    return {} if stamp is None else {"time": {"number": stamp.number, "text": stamp.text}}
+
+
+def stamped(title: str, scene: Scene) -> str:
+    """A title with the scene's time in place of `{time}`, as wide as at every other time of the scene's series."""
+    stamp = _time_stamp(scene) if TIME in title else None
+    return title if stamp is None else title.replace(TIME, stamp.padded)
+
+
+def _time_stamp(scene: Scene) -> TimeStamp | None:
+    stamps = (time_stamp_of(layer.volume, layer.time) for layer in scene.layers)
+    return next((stamp for stamp in stamps if stamp is not None), None)
 
 
 def names_of(labels: Labels | None, numbers: Collection[int] | None = None) -> list[dict[str, Any]]:

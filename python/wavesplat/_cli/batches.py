@@ -1,0 +1,205 @@
+"""Pictures of several inputs as a whole: one look for all of them, a sheet of all, and a note where windows differ."""
+
+from __future__ import annotations
+
+import inspect
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, fields
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
+
+import typer
+
+from wavesplat._cli.input_names import stem_of
+from wavesplat._cli.printing import message, print_result
+from wavesplat._files.addresses import is_address, safe_address
+from wavesplat.errors import ArgumentError, WavesplatError
+
+if TYPE_CHECKING:
+    import numpy as np
+    from numpy.typing import NDArray
+
+    from wavesplat._cli.scene_options import ChosenScene
+    from wavesplat._looks.look import Look
+    from wavesplat._picture.picture import Picture
+
+__all__ = ["Batch", "BatchOptions", "batch_of", "batch_parameters"]
+
+#: Opens an input, with the looks that its layers shall have, or those of its own; the last argument: say nothing.
+Choose = Callable[[str, "Sequence[Look] | None", bool], "ChosenScene"]
+FIRST, BRIGHTEST = "first", "brightest"
+#: Bytes of a pixel while a sheet is made: the picture itself, and its place on the sheet.
+BYTES_OF_PIXEL = 32
+
+
+@dataclass(frozen=True)
+class BatchOptions:
+    """Options of several pictures that are to be compared."""
+
+    same_look: Annotated[
+        str | None,
+        typer.Option(
+            metavar="first|brightest|FILE",
+            help="Draw all inputs with one look, colours and windows included: that of the first or the brightest of "
+            "them, or of another volume.",
+        ),
+    ] = None
+    sheet: Annotated[
+        Path | None,
+        typer.Option(metavar="OUT", help="Also put all pictures on one sheet, each with the name of its input."),
+    ] = None
+
+
+def batch_parameters() -> list[inspect.Parameter]:
+    """The options, as parameters of a command."""
+    hints = get_type_hints(BatchOptions, include_extras=True)
+    return [
+        inspect.Parameter(one.name, inspect.Parameter.KEYWORD_ONLY, default=one.default, annotation=hints[one.name])
+        for one in fields(BatchOptions)
+    ]
+
+
+def batch_of(inputs: Sequence[str], options: dict[str, Any]) -> Batch:
+    """The batch of some inputs; takes its options out of those of the command."""
+    own = BatchOptions(**{one.name: options.pop(one.name) for one in fields(BatchOptions)})
+    if own.sheet is not None:
+        from wavesplat._cli.outputs import check_outputs
+
+        for input in inputs:
+            check_outputs(input, own.sheet, "pictures", option="--sheet")
+    return Batch(list(inputs), own, is_quiet=bool(options.get("quiet")))
+
+
+@dataclass
+class Batch:
+    """Inputs of a command, and what is known of their pictures so far."""
+
+    inputs: list[str]
+    options: BatchOptions = field(default_factory=BatchOptions)
+    is_quiet: bool = False
+    _looks: tuple[Look, ...] | None = None
+    #: Lowest and highest values that the layers of each input show, by input.
+    _windows: dict[str, list[tuple[float, float]]] = field(default_factory=dict)
+    _panels: list[tuple[str, NDArray[np.float32]]] = field(default_factory=list)
+    #: Row and column on a plate of each panel that is of a well.
+    _wells: list[tuple[str, str]] = field(default_factory=list)
+
+    @property
+    def has_sheet(self) -> bool:
+        """Whether a sheet is asked for."""
+        return self.options.sheet is not None
+
+    def check_apart(self, outputs: Sequence[Any]) -> None:
+        """Raise an `ArgumentError` where the sheet would replace a picture."""
+        if self.has_sheet and self.options.sheet in outputs:
+            raise ArgumentError(f"--output and --sheet are the same file; change a name: {self.options.sheet}")
+
+    def chosen(self, input: str, choose: Choose, settled: Callable[[ChosenScene], ChosenScene]) -> ChosenScene:
+        """The scene of an input, in the look that all inputs share, if they do.
+
+        settled : writes out looks that are left to the renderer.
+        """
+        wanted = self.options.same_look
+        if wanted is None:
+            return choose(input, None, self.is_quiet)
+        if self._looks is None:
+            if wanted == FIRST:
+                own = settled(choose(input, None, self.is_quiet))
+                self._looks = own.looks
+                return own
+            self._looks = self._found(wanted, lambda path: settled(choose(path, None, True)))
+        return choose(input, self._looks, self.is_quiet)
+
+    def _found(self, wanted: str, choose: Callable[[str], ChosenScene]) -> tuple[Look, ...]:
+        if wanted != BRIGHTEST:
+            try:
+                return choose(wanted).looks
+            except WavesplatError as error:
+                raise ArgumentError(f"--same-look is {FIRST}, {BRIGHTEST} or a volume: {error}") from error
+        from wavesplat._looks.over_time import bright_end
+
+        found: list[tuple[float, Look]] = []
+        for path in self.inputs:
+            try:
+                chosen = choose(path)
+            except WavesplatError:
+                continue  # it is told when it is drawn
+            ends = [bright_end(layer.looked_at) for layer in chosen.scene.layers]
+            ours = list(zip(ends, chosen.looks, strict=False))
+            if not found:
+                found = ours
+            found = [max(pair, key=lambda one: one[0]) for pair in zip(found, ours, strict=False)]
+        return tuple(look for _, look in found)
+
+    def add(self, input: str, time: str | None, picture: Picture) -> None:
+        """Note the windows of a picture, and put it on the sheet. `time`: of one of several, as text."""
+        self._windows.setdefault(input, _windows_of(picture))
+        if self.has_sheet:
+            from wavesplat._render.arguments import check_picture_memory
+
+            if not self._panels:
+                width, height = picture.size
+                check_picture_memory((width, height * max(len(self.inputs), 1)), BYTES_OF_PIXEL)
+            name, well = self._name_of(input)
+            if well is not None:
+                self._wells.append(well)
+            alone = [time] if len(self.inputs) == 1 and time else [name, time]
+            self._panels.append((", ".join(text for text in alone if text), picture.rgba))
+
+    def finish(self, *, as_json: bool) -> None:
+        """Write the sheet, and say where windows differ."""
+        if self.options.sheet is not None and self._panels:
+            from wavesplat._cli.contact_sheet import sheet_of
+
+            sheet = sheet_of(self._panels, self._wells if len(self._wells) == len(self._panels) else None)
+            sheet.save(self.options.sheet)
+            facts = {"sheet": str(self.options.sheet), "size": list(sheet.size), "names": [n for n, _ in self._panels]}
+            print_result(facts, self.options.sheet, as_json=as_json, written=self.options.sheet)
+        if self.options.same_look is None and not self.is_quiet:
+            self._note_windows()
+
+    def _name_of(self, input: str) -> tuple[str, tuple[str, str] | None]:
+        """The name of an input on the sheet, and row and column of the well that it is of, on a plate."""
+        from wavesplat._readers.ome_zarr_layout import well_of
+
+        found = [None if is_address(one) else well_of(Path(one)) for one in self.inputs]
+        own = found[self.inputs.index(input)]
+        if own is None:
+            return _distinct_names(self.inputs)[self.inputs.index(input)], None
+        has_fields = len({one[1] for one in found if one is not None}) > 1
+        row, column = Path(input).absolute().parts[-3:-1]
+        return " ".join(own) if has_fields else own[0], (row, column)
+
+    def _note_windows(self) -> None:
+        (first, shown), *others = self._windows.items() or [("", [])]
+        other = next((one for one in others if one[1] != shown), None)
+        if other is not None:
+            message(
+                f"note: the inputs are shown over values of their own ({_text(first, shown)}; {_text(*other)}), so "
+                f"that brightness cannot be compared; --same-look {FIRST}, or {BRIGHTEST}, shows all alike"
+            )
+
+
+def _windows_of(picture: Picture) -> list[tuple[float, float]]:
+    """Values of the first and the last colour of each layer that is shown."""
+    functions = [layer.get("transfer_function") for layer in picture.report.get("shown") or []]
+    return [(one["color"][0][0], one["color"][-1][0]) for one in functions if one is not None]
+
+
+def _text(input: str, windows: Sequence[tuple[float, float]]) -> str:
+    listed = ", ".join(f"{low:.4g} to {high:.4g}" for low, high in windows)
+    return f"{Path(safe_address(input)).name}: {listed or 'none'}"
+
+
+def _distinct_names(inputs: Sequence[str]) -> list[str]:
+    """Names of inputs without their suffixes, with as many folders before them as tell them apart."""
+    paths = [Path(safe_address(input)) for input in inputs]
+    stems = [stem_of(input) for input in inputs]
+    for n_folders in range(max(len(path.parts) for path in paths)):
+        names = [
+            "/".join([*path.parent.parts[max(len(path.parent.parts) - n_folders, 0) :], stem])
+            for path, stem in zip(paths, stems, strict=True)
+        ]
+        if len(set(names)) == len(set(inputs)):
+            return names
+    return [path.name for path in paths]

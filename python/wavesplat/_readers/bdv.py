@@ -1,0 +1,249 @@
+"""BigDataViewer: an XML with places, and an HDF5 file with a dataset for each time point, setup and level.
+
+Either file may be named; the HDF5 file finds the XML beside it. Setups are channels here, each at the place of its
+registration, also those that are tiles or angles.
+Datasets of int16 hold uint16: HDF5 files of BigDataViewer are written so. A sample of a coarser level is the mean of a
+block, in whose middle it lies. Source: https://imagej.net/plugins/bdv, "File format"; see also `bdv_xml`.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._files.named_files import check_named_file, check_within
+from wavesplat._files.reading import reading
+from wavesplat._model.facts import Channel, Facts
+from wavesplat._model.hdf5_files import read_hdf5
+from wavesplat._readers.bdv_xml import Setup, SpimData, parsed
+from wavesplat._readers.hdf5_levels import (
+    StoredImage,
+    StoredLevel,
+    checked_dataset,
+    grid_of,
+    level_numbers,
+    member_at,
+    numbered,
+)
+from wavesplat._readers.request import Grid, Request, choose
+from wavesplat._readers.unsupported_formats import OF_N5
+from wavesplat.errors import FileError
+
+if TYPE_CHECKING:
+    import h5py
+
+__all__ = ["described", "opened", "read"]
+
+#: XML files that are looked into beside an HDF5 file, at most.
+MAX_BESIDE = 50
+#: Levels of an image, at most.
+MAX_LEVELS = 64
+#: Relative difference of lengths that is no other scale: registrations of several views stretch a little.
+SAME_SCALE = 0.1
+#: Relative difference up to which lengths are the same but for rounding.
+ROUNDING = 1e-4
+
+
+def read(request: Request) -> Grid:
+    """A setup of BigDataViewer's at one time, at the level that is asked for."""
+    with reading("BigDataViewer's HDF5", request.path), opened(request) as (file, data):
+        return grid_of(file, described(file, data, request), request)
+
+
+@contextmanager
+def opened(request: Request) -> Iterator[tuple[h5py.File, SpimData | None]]:
+    """The HDF5 file of a request, which names it or its XML, and the content of the XML; None where there is none."""
+    path = request.file
+    if path.suffix.lower() != ".xml":
+        data = _beside(path, request)
+    else:
+        data = parsed(path)
+        if data is None:
+            raise FileError(f"the XML is none of BigDataViewer (SpimData); name the image that it belongs to: {path}")
+        path = _samples_of(data, request)
+    with read_hdf5(path) as file:
+        yield file, data
+
+
+def _samples_of(data: SpimData, request: Request) -> Path:
+    """The HDF5 file that an XML names; an error for other formats."""
+    if data.format != "bdv.hdf5":
+        raise FileError(_other_format(data, request))
+    check_named_file(data.samples, request.file, anywhere=request.external_files, within=request.within)
+    path = request.file.parent / data.samples
+    if not path.is_file():
+        raise FileError(f"the samples are not there ({data.samples!r}); put their file beside the XML: {request.path}")
+    return path
+
+
+def _other_format(data: SpimData, request: Request) -> str:
+    if "n5" in data.format:
+        what, way = "N5, which zarr does not read", OF_N5
+    elif "zarr" in data.format:
+        what, way = "OME-Zarr", f"name one of the images in it ({data.samples or 'the .zarr beside it'})"
+    else:
+        what, way = f"another form ({data.format[:40] or 'without a name'})", OF_N5
+    return f"the samples of this XML are in {what}; {way}: {request.path}"
+
+
+def _beside(path: Path, request: Request) -> SpimData | None:
+    """The content of the XML beside an HDF5 file: of the same name, else one that names the file."""
+    own = path.with_suffix(".xml")
+    others = sorted(one for one in path.parent.glob("*.xml") if one != own)[:MAX_BESIDE]
+    for xml in (own, *others):
+        if not xml.is_file():
+            continue
+        check_within(xml, request.within)
+        try:
+            data = parsed(xml)
+        except FileError:
+            if xml == own:
+                raise
+            continue
+        if data is not None and (xml == own or (xml.parent / data.samples).resolve() == path.resolve()):
+            return data
+    return None
+
+
+def described(file: h5py.File, data: SpimData | None, request: Request) -> StoredImage:
+    """Levels, place and facts of the setup and time that are asked for."""
+    root = file["/"]
+    setups = data.setups if data else tuple(Setup(number) for number in numbered(root, "s"))
+    times = data.times if data else tuple(numbered(root, "t"))
+    channels = [Channel(name) for name in _names(setups)]
+    time = choose("time", len(times), request.time, request.safe_path)
+    number = choose(
+        "channel", len(setups), request.channel, request.safe_path, described=[one.name for one in channels]
+    )
+    setup, view = setups[number], (times[time], setups[number].number)
+    if data is not None and view in data.missing:
+        raise FileError(f"the view of time {time} and channel {number} is missing, as the XML says: {request.path}")
+    factors = _factors(file, setup, request)
+    names = [f"t{view[0]:05d}/s{view[1]:02d}/{level}/cells" for level in range(len(factors))]
+    datasets = [checked_dataset(file, name, request) for name in names]
+    shapes = [(int(one.shape[0]), int(one.shape[1]), int(one.shape[2])) for one in datasets]
+    finest, guesses = _place(data, setup, view)
+    wanted = level_numbers(len(names), request)
+    stored = [StoredLevel(names[k], shapes[k], finest @ _of_blocks(factors[k] / factors[0])) for k in wanted]
+    # A single setup without a name may be of anything, electrons too: that it is a channel would tell of dyes.
+    is_described = len(channels) > 1 or bool(channels[0].name)
+    facts = Facts(
+        unit=setup.unit,
+        channel=channels[number] if is_described else None,
+        channels=tuple(channels) if is_described else (),
+        n_times=len(times),
+        levels=tuple(shapes) if len(shapes) > 1 else (),
+        guesses=(*guesses, *_told_of_setups(setups)),
+    )
+    return StoredImage(Path(file.filename), stored, facts, is_unsigned=_is_unsigned(file, setup, datasets[0]))
+
+
+def _factors(file: h5py.File, setup: Setup, request: Request) -> NDArray[np.float64]:
+    """Samples of the finest level, along x, y, z, for one of each level."""
+    found = member_at(file, f"s{setup.number:02d}/resolutions", request)
+    is_table = found is not None and getattr(found, "size", 0) <= 3 * MAX_LEVELS
+    factors = np.asarray(found[...], np.float64) if is_table else np.zeros(0)
+    if factors.ndim != 2 or factors.shape[1] != 3 or not (np.isfinite(factors).all() and (factors > 0).all()):
+        raise FileError(
+            f"the file says nothing of setup {setup.number} (s{setup.number:02d}/resolutions); copy or export it "
+            f"again: {request.path}"
+        )
+    return factors
+
+
+def _is_unsigned(file: h5py.File, setup: Setup, dataset: h5py.Dataset) -> bool:
+    """Whether int16 stands for uint16: so it is unless the setup names another type."""
+    said = file[f"s{setup.number:02d}"].attrs.get("dataType", b"")
+    said = said.decode("ascii", "replace") if isinstance(said, bytes) else str(said)
+    return bool(dataset.dtype == np.int16) and said != "int16"
+
+
+def _of_blocks(factors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The affine from samples that are means of blocks to the samples in these."""
+    matrix = np.diag([*factors, 1.0])
+    matrix[:3, 3] = (factors - 1) / 2
+    return matrix
+
+
+def _place(data: SpimData | None, setup: Setup, view: tuple[int, int]) -> tuple[NDArray[np.float64], tuple[str, ...]]:
+    """The affine of a view's finest level, in the unit of the setup, and guesses."""
+    voxel = setup.voxel
+    if data is None:
+        return np.eye(4), ("distances of samples 1, 1, 1: BigDataViewer's .xml is not beside the file",)
+    if setup.unit is None and voxel == (1.0, 1.0, 1.0):
+        voxel = None  # what programs write for images without a scale
+    matrix = data.registrations.get(view)
+    if matrix is None:
+        if voxel is None:
+            return np.eye(4), ("distances of samples 1, 1, 1: the XML has none",)
+        return np.diag([*voxel, 1.0]), ()
+    if voxel is None:
+        return matrix, ("distances of samples by the registration of the view: the XML has no voxelSize",)
+    scale = _scale_of_registrations(data)
+    if scale is None:
+        steps = " x ".join(f"{step:.4g}" for step in np.linalg.norm(matrix[:3, :3], axis=0))
+        told = " x ".join(f"{step:.4g}" for step in voxel)
+        return matrix, (f"distances of samples {steps} by the registration of the view: voxelSize says {told}",)
+    if scale == 1:
+        return matrix, ()
+    scaled = matrix.copy()
+    scaled[:3] *= scale
+    told = f"{scale:.6g} {setup.unit or 'of voxelSize'}".rstrip()
+    return scaled, (f"registrations taken for numbers of {told}: so they fit to voxelSize",)
+
+
+def _scale_of_registrations(data: SpimData) -> float | None:
+    """Lengths of voxelSize in a unit of the registrations, by the first view that has both; None if they do not fit.
+
+    One scale for all views, so that these stay where they are beside each other. Fiji writes registrations in the unit
+    of voxelSize; BigStitcher in the smallest distance of samples.
+    """
+    voxels = {setup.number: setup.voxel for setup in data.setups}
+    for (_, number), matrix in sorted(data.registrations.items(), key=lambda item: item[0]):
+        voxel = voxels.get(number)
+        if voxel is None:
+            continue
+        ratios = np.array(voxel) / np.linalg.norm(matrix[:3, :3], axis=0)
+        if np.ptp(ratios) > SAME_SCALE * ratios.min():
+            return None
+        scale = float(np.exp(np.log(ratios).mean()))
+        # The smallest distance itself, where it is one, without the last digits of a mean.
+        scale = min(voxel) if abs(scale / min(voxel) - 1) < ROUNDING else scale
+        return 1.0 if abs(scale - 1) < SAME_SCALE else scale
+    return None
+
+
+def _names(setups: tuple[Setup, ...]) -> list[str]:
+    """Names of setups: by the attributes that distinguish them, else their own."""
+    varying = _varying(setups)
+    if varying == ["channel"]:
+        return [_named("channel", setup.attributes.get("channel", "")) for setup in setups]
+    if varying:
+        parts = [[_named(kind, setup.attributes.get(kind, "")) for kind in varying] for setup in setups]
+        return [", ".join(filter(None, one)) for one in parts]
+    return [setup.name for setup in setups]
+
+
+def _named(kind: str, value: str) -> str:
+    """A value of an attribute for people: its own name, or "tile 3"."""
+    is_number = value.replace(".", "", 1).isdigit()
+    return f"{kind} {value}" if is_number else value
+
+
+def _varying(setups: tuple[Setup, ...]) -> list[str]:
+    """Kinds of attributes that are not the same for all setups."""
+    kinds = dict.fromkeys(kind for setup in setups for kind in setup.attributes)
+    return [kind for kind in kinds if len({setup.attributes.get(kind) for setup in setups}) > 1]
+
+
+def _told_of_setups(setups: tuple[Setup, ...]) -> tuple[str, ...]:
+    """A guess where setups are no channels: they are drawn as such."""
+    others: list[Any] = [kind for kind in _varying(setups) if kind != "channel"]
+    if not others:
+        return ()
+    return (f"{len(setups)} setups, which differ in {', '.join(others)}, are channels, each at its registered place",)

@@ -1,0 +1,251 @@
+"""Files of microscopes' vendors (.czi, .lif, .nd2, .dv, ...), by bioio and its readers, which are an extra.
+
+bioio takes the reader that is installed for a suffix. Readers whose licence is the GPL (of .czi), or that need Java,
+are no part of the extra: whoever wants them installs them, and messages name them.
+Distances are micrometres where a reader names no other unit: all of bioio's count in them.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, replace
+from datetime import timedelta
+from functools import partial
+from importlib import import_module
+from math import isfinite
+from pathlib import Path
+from typing import Any, NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._files import size_checks
+from wavesplat._files.file_states import StoredFiles
+from wavesplat._files.libraries import how_to_install
+from wavesplat._files.reading import reading
+from wavesplat._model import units
+from wavesplat._model.facts import Channel, Facts
+from wavesplat._model.lazy_array import SlicedArray
+from wavesplat._readers.request import COLORS, Grid, Request, choose, quiet, several
+from wavesplat._readers.tiff_facts import guesses_of_steps
+from wavesplat.errors import ArgumentError, FileError
+
+__all__ = ["SUFFIXES", "lazy_array_of", "read"]
+
+
+class Vendor(NamedTuple):
+    """The content of a vendor's file, and the package that reads it where the extra does not."""
+
+    what: str
+    package: str | None = None
+
+
+ZEISS = Vendor("an image of Zeiss' microscopes (CZI)", "bioio-czi (whose licence is the GPL)")
+OLYMPUS = Vendor("an image of Olympus' microscopes", "bioio-bioformats (which needs Java)")
+OTHER = Vendor("an image of a microscope", "bioio-bioformats (which needs Java)")
+#: Suffix -> its vendor.
+SUFFIXES = {
+    ".czi": ZEISS,
+    ".lif": Vendor("images of Leica's microscopes (LIF)"),
+    ".nd2": Vendor("an image of Nikon's microscopes (ND2)"),
+    **dict.fromkeys((".dv", ".r3d"), Vendor("an image of a DeltaVision microscope (DV)")),
+    **dict.fromkeys((".lof", ".xlef"), Vendor("images of Leica's microscopes", "bioio-bioformats (which needs Java)")),
+    **dict.fromkeys((".oib", ".oif", ".oir", ".vsi"), OLYMPUS),
+    **dict.fromkeys((".ics", ".ids", ".sld"), OTHER),
+    ".sldy": Vendor("an image of SlideBook (SLDY)", "bioio-sldy"),
+}
+#: Beginnings of the names that bioio gives to channels without one.
+MADE_UP = ("Channel:",)
+
+
+@dataclass(frozen=True)
+class _Described:
+    """A volume of a file, as a Dask array [z, y, x], its steps along x, y, z, and facts."""
+
+    array: Any
+    steps: tuple[float, float, float]
+    facts: Facts
+
+
+def read(request: Request) -> Grid:
+    """A channel of a vendor's file, at one time."""
+    with _opened(request) as image:
+        found = _described(image, request)
+        size_checks.check_memory(size_checks.n_bytes(found.array.shape, found.array.dtype), request.path)
+        samples = np.asarray(found.array.compute(scheduler="threads"))
+        return Grid(samples, np.diag([*found.steps, 1.0]), found.facts)
+
+
+def lazy_array_of(request: Request) -> tuple[SlicedArray, NDArray[np.float64], Facts]:
+    """A channel of a vendor's file, which is read as it is drawn, its affine, and facts."""
+    with _opened(request) as image:
+        found = _described(image, request)
+        z, y, x = (int(n) for n in found.array.shape)
+        array = SlicedArray(
+            None,
+            name=request.name,
+            chunks=[max(sizes) for sizes in found.array.chunks],
+            opened=partial(_Samples, replace(request, kept=None)),
+            dtype=np.dtype(found.array.dtype),
+            shape=(z, y, x),
+            n_readers=1,
+            token=f"bioio {request.file} {request.series} {request.time} {request.channel}",
+            files=StoredFiles([request.file]),
+        )
+        return array, np.diag([*found.steps, 1.0]), found.facts
+
+
+class _Samples:
+    """Samples that are sliced by reading their part of the file.
+
+    Readers open the file in `compute` of their own kind of Dask array, so parts are not computed together.
+    """
+
+    def __init__(self, request: Request) -> None:
+        with _opened(request) as image:
+            self._array = _described(image, request).array
+
+    def __getitem__(self, index: tuple[slice, slice, slice]) -> NDArray[Any]:
+        return np.asarray(self._array[index].compute(scheduler="threads"))
+
+
+@contextmanager
+def _opened(request: Request) -> Iterator[Any]:
+    """The image of a file, at the scene that is asked for; what libraries warn of and log meanwhile is not shown."""
+    path = request.file
+    suffix = next(suffix for suffix in SUFFIXES if path.name.lower().endswith(suffix))
+    try:
+        bioio: Any = import_module("bioio")
+        is_read = suffix in import_module("bioio.plugins").get_plugins(use_cache=True)
+    except ImportError:
+        raise _not_installed(path, SUFFIXES[suffix]) from None
+    if not is_read:
+        raise _not_installed(path, SUFFIXES[suffix])
+    with reading("a microscope's file", request.path), quiet("bioio.bio_image"), warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        image = _image(bioio, path)
+        image.set_scene(_scene(list(image.scenes), request))
+        yield image
+
+
+def _image(bioio: Any, path: Path) -> Any:
+    try:
+        return bioio.BioImage(str(path))
+    except Exception as error:
+        if type(error).__name__ != "UnsupportedFileFormatError":
+            raise
+        raise FileError(
+            "the readers of bioio that are installed do not open the file: it is damaged, or of a newer form; copy it "
+            f"again, or export it as OME-TIFF, as with Fiji: {path}"
+        ) from error
+
+
+def _not_installed(path: Path, vendor: Vendor) -> FileError:
+    package, _, note = (vendor.package or "").partition(" ")
+    how = " ".join(filter(None, (how_to_install("bio"), package, note)))
+    return FileError(
+        f"the file holds {vendor.what}, which bioio reads; {how}; or export it as OME-TIFF, as with Fiji: {path}"
+    )
+
+
+def _scene(names: list[str], request: Request) -> int:
+    """The number of the scene, one of several images in a file, that is asked for, or of the only one."""
+    wanted = request.series
+    if wanted is None:
+        if len(names) == 1:
+            return 0
+        listed = ", ".join(f"{number} {name}" for number, name in enumerate(names))
+        message = f"the file holds {len(names)} images; choose one with series= (--series): {listed}: {request.path}"
+        raise several(message, "series", range(len(names)), names)
+    if str(wanted) in names:
+        return names.index(str(wanted))
+    if str(wanted).isdecimal() and int(wanted) < len(names):
+        return int(wanted)
+    raise ArgumentError(
+        f"series={wanted!r}, but the file holds {len(names)} images: give 0..{len(names) - 1} or a name of "
+        f"{', '.join(names)}: {request.path}"
+    )
+
+
+def _described(image: Any, request: Request) -> _Described:
+    sizes = {name: int(getattr(image.dims, name)) for name in image.dims.order}
+    n_colors = sizes.get("S", 1)
+    channels = _channels(image, sizes["C"]) if n_colors == 1 else COLORS[:n_colors]
+    if n_colors > 1 and sizes["C"] > 1:
+        raise FileError(f"the channels are colours themselves; export it as OME-TIFF: {request.path}")
+    time = choose("time", sizes["T"], request.time, request.path)
+    names = [one.name for one in channels]
+    channel = choose("channel", max(sizes["C"], n_colors), request.channel, request.path, described=names)
+    picked = {"T": time, "C": channel} if n_colors == 1 else {"T": time, "C": 0, "S": channel}
+    array = image.get_image_dask_data("ZYX", **picked)
+    steps, unit, guesses = _steps(image)
+    step, step_unit = _time_step(image) if sizes["T"] > 1 else (None, None)
+    facts = Facts(
+        unit=unit,
+        modality="fluorescence" if any(one.emission_nm is not None for one in channels) else None,
+        channel=channels[channel] if channel < len(channels) else None,
+        channels=channels,
+        n_times=sizes["T"],
+        time_step=step,
+        time_unit=step_unit,
+        guesses=guesses,
+    )
+    return _Described(array, steps, facts)
+
+
+def _steps(image: Any) -> tuple[tuple[float, float, float], str | None, tuple[str, ...]]:
+    """Distances along x, y, z, their unit, and guesses; one that the file has not is taken from x."""
+    sizes = image.physical_pixel_sizes
+    told = [_positive(getattr(sizes, axis)) for axis in "XYZ"]
+    named: list[str | None] = []
+    for axis in "XYZ":
+        own = getattr(getattr(image, "dimension_properties", None), axis, None)
+        unit = getattr(own, "unit", None)
+        named.append("um" if unit is None else units.canonical(unit))
+    unit, factors = units.in_one_unit((named[0], named[1], named[2]))
+    steps = [None if step is None else float(f"{step * by:.7g}") for step, by in zip(told, factors, strict=True)]
+    x = steps[0] or 1.0
+    y, z = (x if step is None else step for step in steps[1:])
+    return (x, y, z), unit if any(told) else None, tuple(guesses_of_steps(steps, x))
+
+
+def _channels(image: Any, count: int) -> tuple[Channel, ...]:
+    """Names of the channels, with colours and wavelengths where the reader gives OME metadata; empty without any."""
+    names = [str(name) for name in image.channel_names]
+    names = ["" if name.isdecimal() or name.startswith(MADE_UP) else name for name in names]
+    described: list[Any] = [None] * count
+    with suppress(Exception):  # many readers have none, and OME's types refuse what they do not know
+        described = list(image.ome_metadata.images[image.current_scene_index].pixels.channels)
+    if len(names) != count or len(described) != count:
+        names, described = [""] * count, [None] * count
+    made = tuple(_channel(name, one) for name, one in zip(names, described, strict=True))
+    return made if count > 1 or made != (Channel(),) else ()
+
+
+def _channel(name: str, described: Any) -> Channel:
+    color = wavelength = None
+    with suppress(Exception):
+        color = tuple(part / 255 for part in described.color.as_rgb_tuple(alpha=False))
+    with suppress(Exception):
+        size = units.metres(units.canonical(described.emission_wavelength_unit.value))
+        wavelength = _positive(float(f"{described.emission_wavelength * (size or 0) / 1e-9:.9g}"))
+    return Channel(name, color, wavelength)
+
+
+def _time_step(image: Any) -> tuple[float | None, str | None]:
+    """Time between time points, and its unit."""
+    step = image.time_interval
+    if isinstance(step, timedelta):
+        return _positive(step.total_seconds()), "s"
+    return _positive(step), None
+
+
+def _positive(number: Any) -> float | None:
+    """A finite number above 0; None for anything else."""
+    try:
+        value = float(number)
+    except (TypeError, ValueError):
+        return None
+    return value if isfinite(value) and value > 0 else None

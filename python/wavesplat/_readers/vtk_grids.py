@@ -29,6 +29,7 @@ from wavesplat._readers.components import component_of
 from wavesplat._readers.request import Grid, Request
 from wavesplat._readers.vti import parsed
 from wavesplat._readers.vtk_arrays import chosen, described_grid, other_grid
+from wavesplat._readers.vtk_checks import check_grid
 from wavesplat._readers.vtk_legacy import check_whole
 from wavesplat._readers.vtk_sampling import GHOSTS, n_points, sampled_on_image, set_only_array, uniform_place
 from wavesplat.errors import FileError
@@ -63,6 +64,8 @@ def read(request: Request) -> Grid:
         blocks = [block for block in _blocks(data) if block.GetNumberOfPoints() > 0]
         if not blocks:
             raise FileError(f"the grid has no points; write one that has: {request.path}")
+        for block in blocks:
+            check_grid(block)
         array = _chosen(blocks, request)
         is_one = not data.IsA("vtkCompositeDataSet")
         if is_one and (matrix := uniform_place(data, of_cells=array.of_cells)) is not None:
@@ -161,9 +164,10 @@ def _check_promises(head: bytes, path: Path) -> None:
         numbers = [int(number) for number in (match[0] or match[1]).split()]
         sides = numbers if len(numbers) == 3 else [b - a + 1 for a, b in zip(numbers[::2], numbers[1::2], strict=False)]
         counts.append(size_checks.n_bytes(sides, np.dtype("u1")))
-    stored = path.stat().st_size
+    stored, is_packed = path.stat().st_size, head.lstrip().startswith(b"<")
     for count in counts:
-        size_checks.check_stored([count], np.dtype("u1"), stored, path, ratio=size_checks.DEFLATE_RATIO)
+        ratio = size_checks.DEFLATE_RATIO if is_packed else 1
+        size_checks.check_stored([count], np.dtype("u1"), stored, path, ratio=ratio)
 
 
 def _loaded(request: Request) -> Any:

@@ -51,6 +51,8 @@ TYPES = {
 OF_TWO_WIDTHS = ("long", "unsigned_long")
 #: Attributes with a fixed number of components -> that number.
 COMPONENTS = {"VECTORS": 3, "NORMALS": 3, "TENSORS": 9, "TENSORS6": 6, "GLOBAL_IDS": 1, "PEDIGREE_IDS": 1}
+#: The version in the first line, and the first one whose cells have offsets.
+VERSION, FIRST_WITH_OFFSETS = re.compile(rb"Version\s+(\d+)\.\d+", re.IGNORECASE), 5
 BLOCK_BYTES = 1 << 20
 MAX_LINE_BYTES = 1 << 16
 WORD = re.compile(rb"\S+")
@@ -187,13 +189,18 @@ class _Parser:
     def __init__(self, content: mmap.mmap, path: Path) -> None:
         self._content, self._path, self._at = content, path, 0
         self._is_text = False
+        self._checks_words = False
+        self._version: int | None = None
         self._image = _Image()
         self._of_cells: bool | None = None
         self._n_tuples = 0
 
     def _begin(self) -> None:
         """Pass over the first lines, which say whether the numbers are text."""
-        if not self._line().lower().startswith(b"# vtk datafile"):
+        first = self._line()
+        version = VERSION.search(first)
+        self._version = int(version[1]) if version else None
+        if not first.lower().startswith(b"# vtk datafile"):
             raise ValueError("no first line of a VTK file")
         self._at = self._end_of_line()  # the title, which may be empty
         form = self._words()[0]
@@ -202,8 +209,11 @@ class _Parser:
         self._is_text = form == "ASCII"
 
     def pass_over(self) -> None:
-        """Pass over all numbers of a grid of any kind."""
+        """Pass over all numbers of a grid of any kind; those of text are parsed, since VTK ends at other words."""
         self._begin()
+        if self._version is None:
+            raise ValueError("a first line without a version")
+        self._checks_words = True
         while words := self._words():
             key, rest = words[0], words[1:]
             if key in ("X_COORDINATES", "Y_COORDINATES", "Z_COORDINATES"):
@@ -219,7 +229,10 @@ class _Parser:
 
     def _pass_over_cells(self, n: int, n_numbers: int) -> None:
         """Pass over cells: their points, counted before each, or since version 5.1 two arrays."""
-        if self._words(peek=True)[:1] != ["OFFSETS"]:
+        has_offsets = self._words(peek=True)[:1] == ["OFFSETS"]
+        if has_offsets != ((self._version or 0) >= FIRST_WITH_OFFSETS):
+            raise ValueError("cells of another version than the file's")
+        if not has_offsets:
             self._skip("int", n_numbers, described="CELLS")
             return
         for count in (n, n_numbers):
@@ -331,7 +344,11 @@ class _Parser:
             dtype = np.dtype("i8") if name == "vtkidtype" else dtype
             # Each number takes at least a digit and a space.
             size_checks.check_stored([n], np.dtype("u1"), (stored + 1) // 2, self._path, held=[0])
-            self._at = _end_of_words(self._content, self._at, n, self._path)
+            begin, self._at = self._at, _end_of_words(self._content, self._at, n, self._path)
+            if self._checks_words:
+                _numbers_of_text(self._content, begin, n, np.dtype("f8"))
+                if self._content.find(b"_", begin, self._at) >= 0:  # Python reads 1_000
+                    raise ValueError(f"a word that is no number ({described})")
             return dtype
         if name in OF_TWO_WIDTHS and 4 * n <= stored < 8 * n:
             dtype = np.dtype(dtype.kind + "4")

@@ -156,7 +156,7 @@ def dicom(folder):
 def files(folder):
     for number, one in enumerate(SAMPLES):
         np.save(folder / f"t{number + 8}.npy", one)
-    return folder / "t*.npy", {}, (0, 1, 2, 3), None
+    return folder / "t*.npy", {}, (8, 9, 10, 11), None
 
 
 FORMATS = [

@@ -83,12 +83,35 @@ def test_arrays_and_channels_are_chosen(tmp_path):
     path = save_vti(tmp_path / "a.vti", {"d": SAMPLES, "colors": colors})
     with pytest.raises(FileError, match=r"holds 2 arrays \(d, colors\); choose one with dataset="):
         ws.open(path)
-    with pytest.raises(FileError, match="holds 3 channels; choose one with channel=0..2"):
-        ws.open(path, dataset="colors")
     with pytest.raises(ArgumentError, match="no array 'e'; the file holds d, colors"):
         ws.open(path, dataset="e")
     assert np.array_equal(ws.open(path, dataset="d").samples, SAMPLES)
     assert np.array_equal(ws.open(path, dataset="colors", channel=2).samples, SAMPLES + 2)
+
+
+def test_vectors_are_drawn_by_their_length_f6(tmp_path):
+    vectors = np.random.default_rng(0).normal(size=(*SAMPLES.shape, 3)).astype(np.float32)
+    path = save_vti(tmp_path / "a.vti", {"u": vectors})
+    volume = ws.open(path)
+    np.testing.assert_array_almost_equal_nulp(volume.samples, np.linalg.norm(vectors, axis=-1), 1)
+    (told,) = volume.guesses
+    assert "'u' holds vectors, of which the length is drawn" in told
+    assert ws.open(path, component="magnitude").guesses == ()
+    for number, axis in enumerate("xyz"):
+        np.testing.assert_array_equal(ws.open(path, component=axis).samples, vectors[..., number])
+        np.testing.assert_array_equal(ws.open(path, channel=number).samples, vectors[..., number])
+    assert len(ws.open_scene(path).layers) == 1
+    with pytest.raises(ArgumentError, match="both choose one"):
+        ws.open(path, channel=0, component="x")
+    with pytest.raises(ArgumentError, match='component is .w.; use "x", "y", "z" or "magnitude"'):
+        ws.open(path, component="w")
+
+
+def test_colours_are_channels(tmp_path):
+    colours = np.random.default_rng(0).integers(0, 255, (*SAMPLES.shape, 3)).astype(np.uint8)
+    path = save_vti(tmp_path / "a.vti", {"rgb": colours})
+    with pytest.raises(FileError, match="holds 3 channels; choose one with channel=0..2"):
+        ws.open(path)
 
 
 @pytest.mark.parametrize(
@@ -97,7 +120,7 @@ def test_arrays_and_channels_are_chosen(tmp_path):
         (
             b'type="ImageData"',
             b'type="PolyData"',
-            r"a mesh of surfaces or lines \(PolyData\), not an image of evenly spaced samples; resample it",
+            r"a mesh of surfaces or lines \(PolyData\), which has no samples inside",
         ),
         (b'compressor="vtkZLib', b'compressor="vtkLZ4', "compressed by vtkLZ4DataCompressor; write it with zlib"),
         (b'type="Int16"', b'type="Float64"', "not as many samples as the extent has"),

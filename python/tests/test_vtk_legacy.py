@@ -137,16 +137,13 @@ def test_old_words_and_any_letters(tmp_path, change):
 @pytest.mark.parametrize(
     ("dataset", "what"),
     [
-        ("RECTILINEAR_GRID", "holds a rectilinear grid, whose samples may be unevenly spaced .RECTILINEAR_GRID."),
-        ("STRUCTURED_GRID", "holds a structured grid"),
-        ("UNSTRUCTURED_GRID", "holds an unstructured grid"),
-        ("POLYDATA", "holds a mesh"),
-        ("FIELD", "holds VTK's FIELD"),
+        ("POLYDATA", "holds a mesh.*, which has no samples inside"),
+        ("FIELD", "holds VTK's FIELD.*; resample it to one, as with pyvista"),
     ],
 )
 def test_a_grid_of_another_kind_is_not_called_damaged(tmp_path, dataset, what):
     path = write(tmp_path / "a.vtk", ["POINTS 0 float\n"], dataset=dataset, place="")
-    with pytest.raises(ws.errors.FileError, match=f"{what}.*; resample it to one, as with pyvista") as caught:
+    with pytest.raises(ws.errors.FileError, match=what) as caught:
         ws.open(path)
     assert "damaged" not in str(caught.value)
 

@@ -53,7 +53,7 @@ class ReaderOptions:
         typer.Option(metavar="N", help="Which time point, from 0. DICOM: which volume of a series, such as an echo."),
     ] = None
     channel: Annotated[int | None, typer.Option(metavar="N", help="Which channel, from 0.")] = None
-    dataset: Annotated[str | None, typer.Option(metavar="NAME", help="HDF5, .npz, .vti, .vtk, Zarr: which array.")] = (
+    dataset: Annotated[str | None, typer.Option(metavar="NAME", help="HDF5, netCDF, .npz, VTK, Zarr: which array.")] = (
         None
     )
     level: Annotated[
@@ -87,6 +87,18 @@ class ReaderOptions:
     suv: Annotated[
         bool, typer.Option("--suv", help="DICOM PET: values as SUV by body weight, corrected for decay.")
     ] = False
+    component: Annotated[
+        Any,
+        typer.Option(
+            metavar="x|y|z|magnitude",
+            parser=parsers.one_of(("x", "y", "z", "magnitude")),
+            help="Of vectors: which component, or their length.",
+        ),
+    ] = None
+    resample: Annotated[
+        int | None,
+        typer.Option(metavar="N", help="netCDF, VTK: sample an uneven grid evenly, N samples along the longest side."),
+    ] = None
     external_files: Annotated[
         bool, typer.Option("--external-files", help="Read files elsewhere that a trusted file or document names.")
     ] = False

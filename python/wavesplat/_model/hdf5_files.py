@@ -16,11 +16,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wavesplat._files.file_states import StoredFiles
+from wavesplat._files.named_files import refused
 
 if TYPE_CHECKING:
     import h5py
 
-__all__ = ["files_of_dataset", "is_own_file", "open_hdf5", "read_hdf5"]
+__all__ = ["check_links", "files_of_dataset", "held_hdf5", "is_own_file", "open_hdf5", "read_hdf5"]
 
 #: Nesting of virtual datasets, at most.
 MAX_DEPTH = 8
@@ -56,6 +57,34 @@ def read_hdf5(path: Path) -> h5py.File:
         elif files.have_changed() and _HELD.pop(number, None) is not None:
             dataset.file.close()
     return h5py.File(path, "r")
+
+
+def held_hdf5(path: Path) -> h5py.File:
+    """Open a file that holds all of its samples, and stays open: it is closed once it has changed and is read anew."""
+    file = read_hdf5(path)
+    _HELD[next(_NUMBERS)] = weakref.ref(file), StoredFiles([path])
+    return file
+
+
+def check_links(path: Path) -> None:
+    """Raise a `FileError` if parts of a file lie in other files."""
+    import h5py
+
+    def check(name: str, node: Any) -> None:
+        if isinstance(node, h5py.Dataset):
+            if node.external or node.is_virtual:
+                raise refused(f"another file as the place of {name!r}", path)
+            return
+        if not isinstance(node, h5py.Group):
+            return
+        for part in node:
+            link = node.get(part, getlink=True)
+            if isinstance(link, h5py.ExternalLink):
+                raise refused(f"{link.filename!r} as the place of {part!r}", path)
+
+    with read_hdf5(path) as file:
+        check("/", file)
+        file.visititems(check)
 
 
 def is_own_file(dataset: h5py.Dataset) -> bool:

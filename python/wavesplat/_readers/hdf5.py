@@ -15,6 +15,8 @@ from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
 from wavesplat._model.hdf5_files import read_hdf5
 from wavesplat._model.hdf5_place import Place, place_of
+from wavesplat._readers import hdf5_vectors
+from wavesplat._readers.components import length_of
 from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, several
 from wavesplat._readers.vtk_arrays import other_grid
 from wavesplat.errors import ArgumentError, FileError
@@ -33,9 +35,23 @@ SETUP, TIME_POINT = re.compile(r"s\d{2,}"), re.compile(r"t\d{5,}")
 
 
 def read(request: Request) -> Grid:
-    """The samples of a dataset in an HDF5 file."""
-    with reading("HDF5", request.path), read_hdf5(request.file) as file:
+    """The samples of a dataset in an HDF5 file, or of a record of openPMD with several."""
+    with reading("HDF5", request.path):
+        with read_hdf5(request.file) as file:
+            components = hdf5_vectors.components_of_record(file, request)
+        return hdf5_vectors.length_of_record(components, request, _read) if components else _read(request)
+
+
+def _read(request: Request) -> Grid:
+    with read_hdf5(request.file) as file:
         dataset = chosen_dataset(file, request)
+        if are_vectors := hdf5_vectors.has_vectors(dataset.shape, dataset.dtype, request):
+            of_axis = None if request.component == "magnitude" else request.component
+            request = replace(request, channel="xyz".index(of_axis or "x"))
+        elif request.component is not None:
+            raise ArgumentError(
+                f"component={request.component!r}, but {dataset.name!r} holds no vectors: {request.path}"
+            )
         index = index_unnamed_axes(dataset.shape, request)
         shape = sorted(dataset.shape)[-3:] if len(index) > 1 else dataset.shape
         size_checks.check_memory(size_checks.n_bytes(shape, dataset.dtype), request.path)
@@ -44,8 +60,13 @@ def read(request: Request) -> Grid:
             stored = max(dataset.id.get_storage_size(), request.file.stat().st_size)
             size_checks.check_stored(shape, dataset.dtype, stored, request.path, ratio=size_checks.ANY_RATIO)
         place = place_of(dataset)
-        samples = np.transpose(dataset[index], place.zyx) if place.zyx != (0, 1, 2) else dataset[index]
+        samples = dataset[index]
         facts = replace(facts_of(file, place), n_times=n_times_of(dataset.shape, request))
+        if are_vectors and of_axis is None:
+            samples = length_of([samples, dataset[..., 1], dataset[..., 2]])
+            if request.component is None:
+                facts = replace(facts, guesses=(*facts.guesses, hdf5_vectors.TOLD.format(dataset.name.lstrip("/"))))
+        samples = np.transpose(samples, place.zyx) if place.zyx != (0, 1, 2) else samples
         return Grid(samples, place.world_from_index, facts)
 
 
@@ -79,6 +100,8 @@ def chosen_dataset(file: h5py.File, request: Request) -> h5py.Dataset:
     """The dataset that is asked for, or the only one; a `FileError` if its samples lie in other files."""
     _check_kind(file, request)
     dataset = _dataset(file, request)
+    for node in (dataset, dataset.parent):
+        hdf5_vectors.check_geometry(node, request)
     if not request.external_files:
         check_own(file, dataset, request, set())
     return dataset
@@ -94,11 +117,6 @@ def _own_names(file: h5py.File) -> set[str]:
 def _check_kind(file: h5py.File, request: Request) -> None:
     """Raise a `FileError` for formats on top of HDF5 that say what their numbers mean, which would be lost here."""
     own = _own_names(file)
-    if "_NCProperties" in file.attrs or any("_Netcdf4Dimid" in file[name].attrs for name in own):
-        raise FileError(
-            "the file is netCDF, with units, packing, missing values and coordinates of its own; give "
-            f"wavesplat.Volume(xarray.open_dataset(path)[name]), which reads them: {request.path}"
-        )
     if "minc-2.0" in own:
         raise FileError(f"the file holds a MINC image; give it a name that ends in .mnc: {request.path}")
     if "VTKHDF" in own:

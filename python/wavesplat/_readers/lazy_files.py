@@ -1,8 +1,8 @@
 """Files whose samples are read while they are drawn: from a request to levels of lazy arrays, their places and facts.
 
 Parts can be read of samples that are stored as they are, or in chunks: .npy, raw, uncompressed NIfTI, NRRD and
-MetaImage, binary legacy VTK, HDF5, TIFF (in one piece, or page by page), Zarr. Samples that are compressed as one
-stream have to be unpacked, or stored in chunks, first.
+MetaImage, binary legacy VTK, HDF5, netCDF, TIFF (in one piece, or page by page), Zarr. Samples that are compressed as
+one stream have to be unpacked, or stored in chunks, first.
 """
 
 from __future__ import annotations
@@ -32,9 +32,11 @@ from wavesplat._readers import (
     bioio_files,
     detached_samples,
     hdf5,
+    hdf5_vectors,
     imaris,
     itk,
     lazy_tiff,
+    netcdf,
     nifti,
     ome_zarr,
     raw,
@@ -236,12 +238,21 @@ def _of_vtk_legacy(request: Request) -> LazyGrid:
 
 def _of_hdf5(request: Request) -> LazyGrid:
     with read_hdf5(request.file) as file:
+        if parts := hdf5_vectors.components_of_record(file, request):
+            name = parts.get(request.component or "")
+            if name is None:
+                raise ArgumentError(
+                    f'{request.dataset!r} holds vectors; with memory= choose one component, as component="x" '
+                    f"(--component x), or leave out memory=: {request.path}"
+                )
+            request = replace(request, dataset=name, component=None)
         dataset = hdf5.chosen_dataset(file, request)
         if not (dataset.external or dataset.is_virtual):
             stored = max(dataset.id.get_storage_size(), request.file.stat().st_size)
             one = sorted(dataset.shape)[-3:]
             size_checks.check_stored(one, dataset.dtype, stored, request.path, ratio=size_checks.ANY_RATIO, held=(1,))
         place = hdf5.place_of(dataset)
+        request = hdf5_vectors.as_channel(dataset.shape, dataset.dtype, request)
         order, picked = _unnamed(dataset.shape, request)
         zyx = (order[place.zyx[0]], order[place.zyx[1]], order[place.zyx[2]])
         chunks = dataset.chunks or [1] * (len(dataset.shape) - 2) + list(dataset.shape[-2:])
@@ -323,6 +334,11 @@ def _of_tiff(request: Request) -> LazyGrid:
     return LazyGrid([array], [matrix], facts)
 
 
+def _of_netcdf(request: Request) -> LazyGrid:
+    array, matrix, facts = netcdf.lazy_samples(request)
+    return LazyGrid([array], [matrix], facts)
+
+
 def _of_bioio(request: Request) -> LazyGrid:
     array, matrix, facts = bioio_files.lazy_array_of(request)
     return LazyGrid([array], [matrix], facts)
@@ -335,6 +351,7 @@ READERS = {
     "itk": _of_itk,
     "vtk_legacy": _of_vtk_legacy,
     "hdf5": _of_hdf5,
+    "netcdf": _of_netcdf,
     "imaris": _of_imaris,
     "bdv": _of_big_data_viewer,
     "ome_zarr": _of_zarr,
@@ -351,6 +368,7 @@ NAMES = {
     "itk": "an image",
     "vtk_legacy": "a VTK image",
     "hdf5": "HDF5",
+    "netcdf": "netCDF",
     "imaris": "an Imaris file",
     "bdv": "BigDataViewer's HDF5",
     "ome_zarr": "Zarr",

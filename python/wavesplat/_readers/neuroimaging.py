@@ -16,10 +16,10 @@ from numpy.typing import NDArray
 
 from wavesplat._files import size_checks
 from wavesplat._files.bounded_file import BoundedFile
-from wavesplat._files.named_files import check_within, refused
+from wavesplat._files.named_files import check_within
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
-from wavesplat._model.hdf5_files import read_hdf5
+from wavesplat._model.hdf5_files import check_links
 from wavesplat._model.nibabel_image import LARGEST_FLOAT32, time_axis
 from wavesplat._readers.request import Grid, Request, choose, quiet, unwarned
 from wavesplat.errors import FileError
@@ -51,7 +51,7 @@ def read(request: Request) -> Grid:
         name = "MINC 1"
     elif name == "MINC" and not request.external_files:
         with reading(name, request.path):
-            _check_links(path, request)
+            check_links(path)
     with reading(name, request.path), quiet("nibabel.global"), unwarned("nibabel"), _opened(path, name) as image:
         _check_kind(image, path)
         _check_size(image, path, request)
@@ -89,25 +89,6 @@ def _opened(path: Path, name: str) -> Iterator[Any]:
             if name != "PAR/REC" or part == "image":  # its header is text
                 holder.fileobj = opened.enter_context(BoundedFile(Path(holder.filename)))
         yield kinds[name].from_file_map(files)
-
-
-def _check_links(path: Path, request: Request) -> None:
-    """Raise a `FileError` if parts of a MINC 2 image, which is HDF5, lie in other files."""
-    import h5py
-
-    def check(name: str, node: Any) -> None:
-        if isinstance(node, h5py.Dataset):
-            if node.external or node.is_virtual:
-                raise refused(f"another file as the place of {name!r}", request.path)
-            return
-        for part in node:
-            link = node.get(part, getlink=True)
-            if isinstance(link, h5py.ExternalLink):
-                raise refused(f"{link.filename!r} as the place of {part!r}", request.path)
-
-    with read_hdf5(path) as file:
-        check("/", file)
-        file.visititems(check)
 
 
 def _check_kind(image: Any, path: Path) -> None:

@@ -29,7 +29,7 @@ from wavesplat._model.option_lists import takes_options
 from wavesplat._model.volume import Volume
 from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._public import public
-from wavesplat._readers import bioio_files, lazy_files
+from wavesplat._readers import bioio_files, lazy_files, netcdf, vasp, vtk_grids
 from wavesplat._readers.hdf5 import kind_of as hdf5_kind
 from wavesplat._readers.options import OpenOptions
 from wavesplat._readers.request import Grid, Request, requested
@@ -63,6 +63,7 @@ SUFFIXES = {
     ".mhd": "itk",
     ".vtk": "vtk_legacy",
     ".vti": "vti",
+    **dict.fromkeys(vtk_grids.SUFFIXES, "vtk_grids"),
     ".dcm": "dicom",
     ".ima": "dicom",
     ".zarr.zip": "ome_zarr",
@@ -78,6 +79,12 @@ SUFFIXES = {
     ".h5": "hdf5",
     ".hdf5": "hdf5",
     ".hdf": "hdf5",
+    ".cube": "cube",
+    ".cub": "cube",
+    ".bov": "bov",
+    ".sgy": "segy",
+    ".segy": "segy",
+    **dict.fromkeys((".nc", ".nc4", ".cdf", ".netcdf"), "netcdf"),
     ".ims": "hdf5",
     ".xml": "bdv",
     ".zarr": "ome_zarr",
@@ -92,6 +99,7 @@ MAGIC = {
     (0, b"MM\0*"): "tiff",
     (0, b"\x93NUMPY"): "arrays",
     (0, b"\x89HDF\r\n\x1a\n"): "hdf5",
+    (0, b"CDF"): "netcdf",
 }
 N_FIRST_BYTES = 352
 #: Module -> options that it takes, besides `spacing` and `unit`, which all take.
@@ -99,16 +107,22 @@ OPTIONS = {
     "nifti": {"time", "channel"},
     "neuroimaging": {"time", "external_files"},
     "itk": {"time", "channel", "external_files"},
-    "vti": {"channel", "dataset"},
-    "vtk_legacy": {"channel", "dataset"},
+    "vti": {"channel", "component", "dataset"},
+    "vtk_legacy": {"channel", "component", "dataset"},
     "dicom": {"series", "time", "channel", "gaps", "suv"},
     "tiff": {"time", "channel", "external_files"},
     "arrays": {"time", "channel", "dataset"},
     "raw": {"time", "channel", "shape", "dtype", "byte_order", "offset"},
-    "hdf5": {"time", "channel", "dataset", "external_files"},
+    "hdf5": {"time", "channel", "component", "dataset", "external_files"},
     "imaris": {"time", "channel", "level", "external_files"},
     "bdv": {"time", "channel", "level", "external_files"},
     "bioio_files": {"series", "time", "channel"},
+    "vtk_grids": {"channel", "component", "dataset", "resample", "external_files"},
+    "cube": {"dataset"},
+    "vasp": {"dataset"},
+    "bov": {"channel", "component", "external_files"},
+    "segy": set(),
+    "netcdf": {"time", "channel", "dataset", "resample", "external_files"},
     "ome_zarr": {"time", "channel", "dataset", "level"},
 }
 #: Samples are left in their file where they take more than one part in LARGE_SHARE of the free memory.
@@ -116,8 +130,8 @@ LARGE_SHARE = 4
 #: Beginning of the guesses that `spacing` replaces.
 OF_DISTANCES = "distance"
 KINDS = (
-    "NIfTI, FreeSurfer, MINC, AFNI, PAR/REC, ECAT, NRRD, MetaImage, VTK images, DICOM, TIFF, .npy, .npz, raw, HDF5, "
-    "Imaris, BigDataViewer, OME-Zarr, and microscopes' files by bioio"
+    "NIfTI, FreeSurfer, MINC, AFNI, PAR/REC, ECAT, NRRD, MetaImage, VTK grids, DICOM, TIFF, .npy, .npz, raw, HDF5, "
+    "netCDF, cubes, VASP, BOV, SEG-Y, Imaris, BigDataViewer, OME-Zarr, and microscopes' files by bioio"
 )
 
 
@@ -134,10 +148,12 @@ def open(
     ----------
     path : path or URL
         NIfTI (.nii, .nii.gz, .hdr/.img), FreeSurfer (.mgz, .mgh), MINC (.mnc), AFNI (.HEAD, .BRIK), PAR/REC, ECAT
-        (.v), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), VTK images (.vtk, .vti), DICOM (a folder, also of folders,
-        one of the files, a DICOMDIR, or a .zip of them), a TIFF stack (one file or a folder), .npy, .npz, raw, HDF5,
-        Imaris (.ims), BigDataViewer (its .xml or .h5), OME-Zarr (also zipped, or under a URL), microscopes' files by
-        bioio (.czi, .lif, .nd2, ...). Or an object of another library, without options: the same as `Volume(object)`.
+        (.v), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), VTK images and grids (.vtk, .vti, .vtr, .vts, .vtu, .vtm and
+        others), DICOM (a folder, also of folders, one of the files, a DICOMDIR, or a .zip of them), a TIFF stack (one
+        file or a folder), .npy, .npz, raw, HDF5, netCDF (.nc), Gaussian cubes (.cube), VASP (CHGCAR, LOCPOT), BOV,
+        SEG-Y, Imaris (.ims), BigDataViewer (its .xml or .h5), OME-Zarr (also zipped, or under a URL), microscopes'
+        files by bioio (.czi, .lif, .nd2, ...). Or an object of another library, without options: the same as
+        `Volume(object)`.
     **options : OpenOptions
         What to read of the file, and how.
 
@@ -217,7 +233,7 @@ def opened(request: Request, *, stacklevel: int = 2) -> Volume:
 #: Families whose samples lie in one file as they are: its size gives theirs.
 UNCOMPRESSED = ("arrays", "raw", "nifti", "itk", "vtk_legacy")
 #: Families whose headers give the size of their samples.
-IN_CHUNKS = ("hdf5", "imaris", "bdv", "ome_zarr", "tiff", "bioio_files")
+IN_CHUNKS = ("hdf5", "netcdf", "imaris", "bdv", "ome_zarr", "tiff", "bioio_files")
 
 
 def _is_large(request: Request, family: str) -> bool:
@@ -290,10 +306,11 @@ def _family(request: Request) -> str:
     suffix = next((suffix for suffix in SUFFIXES if path.name.lower().endswith(suffix)), None)
     with path.open("rb") as file:
         start = file.read(N_FIRST_BYTES)
-    family = SUFFIXES.get(suffix or "") or _family_by_magic(start)
+    family = _family_by_content(SUFFIXES.get(suffix or "") or _family_by_magic(start), path)
     if suffix == ".zip" and holds_zarr(path):
         return "ome_zarr"
-    if suffix not in (".zip", ".zarr.zip", ".ozx") and (error := foreign_content(path, start)) is not None:
+    may_be_ours = suffix in (".zip", ".zarr.zip", ".ozx") or family == "netcdf"
+    if not may_be_ours and (error := foreign_content(path, start)) is not None:
         raise error
     if family == "dicom" and suffix != ".zip":
         # One file of a series: the others are looked for beside it.
@@ -335,6 +352,17 @@ def _names_in(folder: Path) -> list[str]:
                 f"move the files to a folder of their own: {folder}"
             )
     return [name for name, _ in found]
+
+
+def _family_by_content(family: str | None, path: Path) -> str | None:
+    """The module that reads a file whose suffix or first bytes several formats have."""
+    if family is None and vasp.is_named(path):
+        return "vasp"
+    if family == "hdf5" and netcdf.is_netcdf(path):
+        return "netcdf"
+    if family in ("vti", "vtk_legacy") and vtk_grids.is_grid(path):
+        return "vtk_grids"
+    return family
 
 
 def _family_by_magic(start: bytes) -> str | None:

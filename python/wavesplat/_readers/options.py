@@ -31,6 +31,8 @@ class FileOptions(TypedDict, total=False):
     unit: str | None
     gaps: Literal["fill", "refuse"]
     suv: bool
+    component: Literal["x", "y", "z", "magnitude"] | None
+    resample: int | None
     external_files: bool
     memory: float | str | None
     holes: bool
@@ -53,8 +55,8 @@ class OpenOptions(FileOptions, total=False):
         BigDataViewer: which setup, in the order of their numbers, be it a channel, a tile or an angle.
         In arrays without named axes (.npy, raw, HDF5), time is the first axis and channel the last.
     dataset : str, optional
-        HDF5, .npz, .vti, .vtk, Zarr: the name of the array, if there are several; of OME-Zarr the path of an image in a
-        series or plate, such as "A/1/0".
+        HDF5, netCDF, .npz, VTK, Zarr, cubes, VASP: the name of the array, if there are several; of OME-Zarr the path of
+        an image in a series or plate, such as "A/1/0".
     level : int, optional
         OME-Zarr, Imaris, BigDataViewer: the level of detail; 0, the default, is the finest.
     shape, dtype : optional
@@ -73,6 +75,12 @@ class OpenOptions(FileOptions, total=False):
     suv : bool, default False
         DICOM: a PET's values as standardised uptake values (SUV) by body weight, corrected for decay as the header
         says, by the pseudo-code of QIBA. An error names what the header lacks for it.
+    component : "x", "y", "z" or "magnitude", optional
+        Of arrays of vectors (HDF5 and openPMD, VTK): which component, or their length. None is the length, with a note.
+    resample : int, optional
+        netCDF, VTK: sample a grid that is not evenly spaced on one that is, with so many samples along its longest
+        side; netCDF, whose axes have units of their own, along each axis that is not even. Without it such a grid is an
+        error. A note says how much finer or coarser the samples are than the grid.
     external_files : bool, default False
         NRRD, MetaImage, OME-TIFF, HDF5, BigDataViewer: also read samples from files that this one names in other
         folders; HDF5: from any that it names. Such a file can name whatever you may read: allow it for files that you

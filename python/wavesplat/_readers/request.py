@@ -43,6 +43,10 @@ __all__ = [
 ]
 
 
+#: Samples along the longest side of a grid that is made of another, at most.
+MAX_RESAMPLED = 4096
+
+
 class Grid(NamedTuple):
     """Samples [z, y, x], the affine from their index (x, y, z) to the world, and the file's facts."""
 
@@ -92,6 +96,8 @@ class Request:
     unit: str | None = None
     gaps: Literal["fill", "refuse"] = "fill"
     suv: bool = False
+    component: Literal["x", "y", "z", "magnitude"] | None = None
+    resample: int | None = None
     external_files: bool = False
     #: For volumes that are left in their files: bytes that are held at once, whether samples that cannot be read are
     #: left out, and where surveys are kept.
@@ -144,6 +150,10 @@ def requested(path: str | PathLike[str], **options: Any) -> Request:
         check_within(request.file, request.within)
     if request.gaps not in ("fill", "refuse"):
         raise ArgumentError(f'gaps is {request.gaps!r}; use "fill" or "refuse"')
+    if request.component not in (None, "x", "y", "z", "magnitude"):
+        raise ArgumentError(f'component is {request.component!r}; use "x", "y", "z" or "magnitude"')
+    if request.resample is not None and not 2 <= request.resample <= MAX_RESAMPLED:
+        raise ArgumentError(f"resample is {request.resample!r}; give a number of samples, 2 to {MAX_RESAMPLED}")
     if str(path).lower().endswith(".wavelets"):
         raise ArgumentError(
             f"this is a file of wavelet coefficients; load it with wavesplat.WaveletVolume.load: {safe_address(path)}"
@@ -229,7 +239,8 @@ def index_unnamed_axes(shape: Sequence[int], request: Request) -> tuple[Any, ...
             f"time=0..{shape[0] - 1} (first axis) or channel=0..{shape[-1] - 1} (last axis): {request.safe_path}"
         )
         # Time is the more usual one of a single further axis.
-        option, count = ("time", shape[0]) if request.time is None else ("channel", shape[-1])
+        is_time = request.time is None and (request.channel is not None or not _ends_with_components(shape))
+        option, count = ("time", shape[0]) if is_time else ("channel", shape[-1])
         raise several(message, option, range(count), is_said=False)
     if wanted > max(n_extra, 0):
         raise ArgumentError(
@@ -238,6 +249,11 @@ def index_unnamed_axes(shape: Sequence[int], request: Request) -> tuple[Any, ...
     first = () if request.time is None else (choose("time", shape[0], request.time, request.safe_path),)
     last = () if request.channel is None else (choose("channel", shape[-1], request.channel, request.safe_path),)
     return (*first, ..., *last)
+
+
+def _ends_with_components(shape: Sequence[int]) -> bool:
+    """Whether the last axis is that of components more likely than the first is that of times: 2 or 3, and shorter."""
+    return shape[-1] in (2, 3) and min(shape[:-1]) > 3
 
 
 def window_of(low: Any, high: Any) -> tuple[float, float] | None:

@@ -15,6 +15,7 @@ from wavesplat._model.sources import Source, of_series
 from wavesplat._model.time_stamps import times_of_facts
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
+from wavesplat._readers.file_times import times_of_files
 from wavesplat._readers.opening import opened
 from wavesplat._readers.options import FileOptions
 from wavesplat._readers.request import Request, SeveralError, requested
@@ -43,8 +44,9 @@ def open_series(
         A file or folder that holds several time points: 4-D NIfTI, NRRD and MetaImage, OME-Zarr, TIFF of OME and
         ImageJ, Imaris, BigDataViewer, microscopes' files by bioio, DICOM; arrays without named axes (.npy, raw, HDF5),
         whose first axis is time. Or files of one time point each, in order: a list, or a pattern such as
-        "frames/t*.nii.gz", whose files are taken in the order of the numbers in their names (t2 before t10). A file of
-        one volume is a series of one.
+        "frames/t*.nii.gz", whose files are taken in the order of the numbers in their names (t2 before t10). Their
+        times are those that the files say (HDF5 by an attribute `time`, openPMD, netCDF-4, BOV), else the numbers that
+        their names differ in. A file of one volume is a series of one.
     channel : int, optional
         As for `wavesplat.open`.
     **options : FileOptions
@@ -161,8 +163,10 @@ class _OfManyFiles:
             ) from None
 
     def times(self) -> tuple[tuple[float, ...], str | None]:
-        """Numbers 0, 1, 2, ... without a unit: separate files say nothing of each other."""
-        return tuple(float(number) for number in range(len(self))), None
+        """Times that the files say, else the numbers that their names differ in, else 0, 1, 2, ..."""
+        named = [request.file for request in self._requests if not request.is_url and not request.file.is_dir()]
+        found = times_of_files(named) if len(named) == len(self) else None
+        return found or (tuple(float(number) for number in range(len(self))), None)
 
     def told(self) -> str:
         """The first and the last file, in messages."""

@@ -16,7 +16,6 @@ UNPACK = "unpack it first"
 
 #: Suffix -> content of the file, and the way to a volume.
 BY_SUFFIX = {
-    **dict.fromkeys((".nc", ".nc4", ".cdf", ".netcdf"), ("netCDF", BY_XARRAY)),
     **dict.fromkeys((".grib", ".grb", ".grib2", ".grb2"), ("weather data (GRIB)", BY_XARRAY)),
     **dict.fromkeys((".mnc2", ".mnc.gz"), ("a MINC image", "unpack it, and give it a name that ends in .mnc")),
     **dict.fromkeys((".mif", ".mif.gz", ".mih"), ("an image of MRtrix", "write it as NIfTI: mrconvert a.mif a.nii.gz")),
@@ -24,11 +23,6 @@ BY_SUFFIX = {
     **dict.fromkeys(
         (".mrc", ".map", ".ccp4"), ("an MRC map", "give wavesplat.Volume(mrcfile.read(path), spacing=...)")
     ),
-    **dict.fromkeys(
-        (".segy", ".sgy"),
-        ("seismic traces (SEG-Y)", "give their cube, as segyio.tools.cube(path), to wavesplat.Volume"),
-    ),
-    ".cube": ("a Gaussian cube", "give its array, as ase.io.cube reads it, to wavesplat.Volume"),
     ".gii": ("a surface (GIFTI)", "name the image that it was made from"),
     **dict.fromkeys((".stl", ".obj", ".ply", ".glb", ".gltf"), ("a mesh", "name the image that it was made from")),
     **dict.fromkeys((".tar", ".tgz", ".7z", ".rar"), ("an archive", UNPACK)),
@@ -40,27 +34,13 @@ BY_SUFFIX = {
 }
 #: Suffix of VTK's other files -> the name of their type.
 OF_VTK = {
-    ".vtr": "RectilinearGrid",
-    ".vts": "StructuredGrid",
-    ".vtu": "UnstructuredGrid",
-    ".vtp": "PolyData",
-    ".pvti": "PImageData",
-    ".pvtr": "PRectilinearGrid",
-    ".pvts": "PStructuredGrid",
-    ".pvtu": "PUnstructuredGrid",
-    ".pvtp": "PPolyData",
-    ".vtm": "MultiBlock",
-    ".vtmb": "MultiBlock",
-    ".vthb": "OverlappingAMR",
     ".htg": "HyperTreeGrid",
     ".pvd": "Collection",
     ".vtkhdf": "VTKHDF",
 }
 #: First bytes -> content of the file, and the way to a volume. No format that is read begins so, but packed files.
 BY_CONTENT = {
-    b"CDF\1": ("netCDF", BY_XARRAY),
-    b"CDF\2": ("netCDF", BY_XARRAY),
-    b"CDF\5": ("netCDF", BY_XARRAY),
+    b"CDF": ("netCDF", "give it a name that ends in .nc"),
     b"\x89PNG": ("a PNG picture", "name the volume itself"),
     b"\xff\xd8\xff": ("a JPEG picture", "name the volume itself"),
     b"PK\3\4": ("a zip archive", UNPACK),

@@ -23,11 +23,13 @@ from numpy.typing import NDArray
 
 from wavesplat._files import size_checks
 from wavesplat._files.reading import reading
-from wavesplat._readers.request import Grid, Request, choose
+from wavesplat._model.facts import Facts
+from wavesplat._readers.components import component_of
+from wavesplat._readers.request import Grid, Request
 from wavesplat._readers.vtk_arrays import chosen, other_grid, world_from_index
 from wavesplat.errors import FileError
 
-__all__ = ["read"]
+__all__ = ["parsed", "read"]
 
 #: VTK's name of a type -> NumPy's.
 TYPES = {"Float32": "f4", "Float64": "f8"} | {
@@ -59,17 +61,18 @@ def _read(request: Request, stored: _Stored) -> Grid:
         raise other_grid(stored.header.get("type", ""), path)
     whole = _extent(image.get("WholeExtent", ""))
     of_cells, name, n_components = _chosen(image, request)
-    channel = choose("channel", n_components, request.channel, path)
     size = _size(whole, of_cells)
     samples: NDArray[Any] | None = None
     n_cells = 0
+    told: tuple[str, ...] = ()
     for piece in image.iter("Piece"):
         extent = _extent(piece.get("Extent", ""))
         if (extent[:, 0] < whole[:, 0]).any() or (extent[:, 1] > whole[:, 1]).any():
             raise ValueError("a piece beyond the extent")
         for array in piece.findall("CellData/DataArray" if of_cells else "PointData/DataArray"):
             if array.get("Name", "") == name:
-                part = stored.samples(array, (*_size(extent, of_cells)[::-1], n_components))[..., channel]
+                numbers = stored.samples(array, (*_size(extent, of_cells)[::-1], n_components))
+                part, told = component_of(numbers, request, name)
                 if samples is None:
                     size_checks.check_memory(size_checks.n_bytes(size, part.dtype), path)
                     samples = np.zeros(size[::-1], part.dtype)
@@ -79,7 +82,7 @@ def _read(request: Request, stored: _Stored) -> Grid:
     # Pieces share points, but no cells.
     if samples is None or n_cells != _n_cells(whole):
         raise FileError(f"the pieces of {name!r} do not fill the file's extent; write them all into one file: {path}")
-    return Grid(samples, _world_from_index(image, whole, of_cells))
+    return Grid(samples, _world_from_index(image, whole, of_cells), Facts(guesses=told))
 
 
 def _chosen(image: ET.Element, request: Request) -> tuple[bool, str, int]:
@@ -138,9 +141,9 @@ class _Stored:
         """Parse a file's XML; appended data are no XML, and the parser is not shown them."""
         at = content.find(b"<AppendedData")
         if at < 0:
-            return cls(_parsed(content[:]), path, content, None, is_base64=True)
+            return cls(parsed(content[:]), path, content, None, is_base64=True)
         begin = content.find(b"_", content.find(b">", at))
-        header = _parsed(content[:at] + b"</VTKFile>")
+        header = parsed(content[:at] + b"</VTKFile>")
         return cls(header, path, content, begin + 1, is_base64=b"base64" in content[at:begin])
 
     def samples(self, array: ET.Element, shape: tuple[int, ...]) -> NDArray[Any]:
@@ -201,7 +204,7 @@ class _Stored:
         return b"".join(blocks)
 
 
-def _parsed(text: bytes) -> ET.Element:
+def parsed(text: bytes) -> ET.Element:
     """The parsed XML; a document type is refused, since its entities could grow without bound."""
     if b"<!DOCTYPE" in text or b"\0" in text:  # a zero byte: of UTF-16, in which it looks otherwise
         raise ValueError("a document type, which VTK does not write")

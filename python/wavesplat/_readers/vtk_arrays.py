@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike, NDArray
 from wavesplat._readers.request import Request, several
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["chosen", "other_grid", "world_from_index"]
+__all__ = ["chosen", "described_grid", "other_grid", "world_from_index"]
 
 #: VTK's names of data that are no image -> their description.
 GRIDS = {
@@ -20,6 +20,8 @@ GRIDS = {
     "POLYDATA": "a mesh of surfaces or lines",
     "HYPERTREEGRID": "a tree of cells",
     "OVERLAPPINGAMR": "levels of an adaptive mesh",
+    "NONOVERLAPPINGAMR": "levels of an adaptive mesh",
+    "HIERARCHICALBOXDATASET": "levels of an adaptive mesh",
     "MULTIBLOCKDATASET": "several blocks",
     "MULTIBLOCK": "several blocks",
 }
@@ -52,15 +54,20 @@ def world_from_index(
 
 def other_grid(kind: str, path: object) -> FileError:
     """The error for a valid VTK file that holds no image."""
-    is_parallel = kind.upper().startswith("P") and kind.upper() != "POLYDATA"
-    name = kind.upper().replace("_", "").removeprefix("VTK")
-    held = GRIDS.get(name.removeprefix("P") if is_parallel else name)
-    held = f"{held} ({kind})" if held else f"VTK's {kind or 'data of an unnamed kind'}"
-    if name == "PIMAGEDATA":
+    held = described_grid(kind)
+    if "POLYDATA" in kind.upper():
         return FileError(
-            f"the file names pieces of an image ({kind}) without samples; open one of them, or write one .vti: {path}"
+            f"the file holds {held}, which has no samples inside; name the volume that it was made from: {path}"
         )
     return FileError(
         f"the file holds {held}, not an image of evenly spaced samples; resample it to one, as with "
         f"pyvista.ImageData(dimensions=..., spacing=..., origin=...).sample(pyvista.read(path)): {path}"
     )
+
+
+def described_grid(kind: str) -> str:
+    """What data of a kind are, by VTK's name of it."""
+    is_parallel = kind.upper().startswith("P") and kind.upper() != "POLYDATA"
+    name = kind.upper().replace("_", "").removeprefix("VTK")
+    held = GRIDS.get(name.removeprefix("P") if is_parallel else name)
+    return f"{held} ({kind})" if held else f"VTK's {kind or 'data of an unnamed kind'}"

@@ -20,11 +20,13 @@ from numpy.typing import NDArray
 
 from wavesplat._files import size_checks
 from wavesplat._files.reading import reading
-from wavesplat._readers.request import Grid, Request, choose
+from wavesplat._model.facts import Facts
+from wavesplat._readers.components import component_of, number_of_component
+from wavesplat._readers.request import Grid, Request
 from wavesplat._readers.vtk_arrays import chosen, other_grid, world_from_index
 from wavesplat.errors import FileError
 
-__all__ = ["LegacyArray", "chosen_array", "read"]
+__all__ = ["LegacyArray", "check_whole", "chosen_array", "read"]
 
 #: The format's names of a type -> NumPy's. Bits are eight to a byte. Identifiers are written as 32-bit integers.
 TYPES = {
@@ -49,6 +51,8 @@ TYPES = {
 OF_TWO_WIDTHS = ("long", "unsigned_long")
 #: Attributes with a fixed number of components -> that number.
 COMPONENTS = {"VECTORS": 3, "NORMALS": 3, "TENSORS": 9, "TENSORS6": 6, "GLOBAL_IDS": 1, "PEDIGREE_IDS": 1}
+#: The version in the first line, and the first one whose cells have offsets.
+VERSION, FIRST_WITH_OFFSETS = re.compile(rb"Version\s+(\d+)\.\d+", re.IGNORECASE), 5
 BLOCK_BYTES = 1 << 20
 MAX_LINE_BYTES = 1 << 16
 WORD = re.compile(rb"\S+")
@@ -98,11 +102,12 @@ def read(request: Request) -> Grid:
         mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content,
     ):
         image = _Parser(content, path).image()
-        array, channel, matrix = _picked(image, request)
+        array, matrix = _picked(image, request)
         shape = (*image.size_of(array)[::-1], array.n_components)
         numbers = _numbers(content, array, path)
         # Not a view: the file is closed.
-        return Grid(np.array(numbers.reshape(shape)[..., channel]), matrix)
+        samples, told = component_of(numbers.reshape(shape), request, array.name)
+        return Grid(np.array(samples), matrix, Facts(guesses=told))
 
 
 def chosen_array(request: Request) -> tuple[LegacyArray, int, tuple[int, ...], NDArray[np.float64]]:
@@ -110,11 +115,18 @@ def chosen_array(request: Request) -> tuple[LegacyArray, int, tuple[int, ...], N
     path = request.file
     with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
         image = _Parser(content, path).image()
-    array, channel, matrix = _picked(image, request)
+    array, matrix = _picked(image, request)
+    channel = number_of_component(array.n_components, array.dtype, request, array.name)
     return array, channel, (*image.size_of(array)[::-1], array.n_components), matrix
 
 
-def _picked(image: _Image, request: Request) -> tuple[LegacyArray, int, NDArray[np.float64]]:
+def check_whole(path: Path) -> None:
+    """Raise an error unless all numbers that a grid of any kind promises are in its file: VTK does not look."""
+    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+        _Parser(content, path).pass_over()
+
+
+def _picked(image: _Image, request: Request) -> tuple[LegacyArray, NDArray[np.float64]]:
     names = [array.name for array in image.arrays]
     array = image.arrays[chosen(names, [one.name for one in image.arrays if one.is_scalars], request)]
     nx, ny, nz = image.size_of(array)
@@ -123,9 +135,8 @@ def _picked(image: _Image, request: Request) -> tuple[LegacyArray, int, NDArray[
             f"a wrong header: {array.name!r} has {array.n_tuples} samples, and the image {nx} x {ny} x {nz}; "
             f"write it again: {request.path}"
         )
-    channel = choose("channel", array.n_components, request.channel, request.path)
     matrix = world_from_index(np.eye(3), image.spacing, image.origin, image.first, of_cells=array.of_cells)
-    return array, channel, matrix
+    return array, matrix
 
 
 def _numbers(content: mmap.mmap, array: LegacyArray, path: Path) -> NDArray[Any]:
@@ -178,19 +189,59 @@ class _Parser:
     def __init__(self, content: mmap.mmap, path: Path) -> None:
         self._content, self._path, self._at = content, path, 0
         self._is_text = False
+        self._checks_words = False
+        self._version: int | None = None
         self._image = _Image()
         self._of_cells: bool | None = None
         self._n_tuples = 0
 
-    def image(self) -> _Image:
-        """Size, place and arrays; a `FileError` for other data than an image."""
-        if not self._line().lower().startswith(b"# vtk datafile"):
+    def _begin(self) -> None:
+        """Pass over the first lines, which say whether the numbers are text."""
+        first = self._line()
+        version = VERSION.search(first)
+        self._version = int(version[1]) if version else None
+        if not first.lower().startswith(b"# vtk datafile"):
             raise ValueError("no first line of a VTK file")
         self._at = self._end_of_line()  # the title, which may be empty
         form = self._words()[0]
         if form not in ("ASCII", "BINARY"):
             raise ValueError(f"neither ASCII nor BINARY, but {form[:20]}")
         self._is_text = form == "ASCII"
+
+    def pass_over(self) -> None:
+        """Pass over all numbers of a grid of any kind; those of text are parsed, since VTK ends at other words."""
+        self._begin()
+        if self._version is None:
+            raise ValueError("a first line without a version")
+        self._checks_words = True
+        while words := self._words():
+            key, rest = words[0], words[1:]
+            if key in ("X_COORDINATES", "Y_COORDINATES", "Z_COORDINATES"):
+                self._skip(rest[1], int(rest[0]), described=key)
+            elif key == "POINTS":
+                self._skip(rest[1], 3 * int(rest[0]), described=key)
+            elif key == "CELL_TYPES":
+                self._skip("int", int(rest[0]), described=key)
+            elif key == "CELLS":
+                self._pass_over_cells(int(rest[0]), int(rest[1]))
+            elif key != "DATASET" and not self._take_place(key, rest):
+                self._take(key, rest)
+
+    def _pass_over_cells(self, n: int, n_numbers: int) -> None:
+        """Pass over cells: their points, counted before each, or since version 5.1 two arrays."""
+        has_offsets = self._words(peek=True)[:1] == ["OFFSETS"]
+        if has_offsets != ((self._version or 0) >= FIRST_WITH_OFFSETS):
+            raise ValueError("cells of another version than the file's")
+        if not has_offsets:
+            self._skip("int", n_numbers, described="CELLS")
+            return
+        for count in (n, n_numbers):
+            kind = self._words()[1]
+            self._skip(kind, count, described="CELLS")
+
+    def image(self) -> _Image:
+        """Size, place and arrays; a `FileError` for other data than an image."""
+        self._begin()
         has_image = False
         while words := self._words():
             if words[0] == "DATASET":
@@ -293,7 +344,11 @@ class _Parser:
             dtype = np.dtype("i8") if name == "vtkidtype" else dtype
             # Each number takes at least a digit and a space.
             size_checks.check_stored([n], np.dtype("u1"), (stored + 1) // 2, self._path, held=[0])
-            self._at = _end_of_words(self._content, self._at, n, self._path)
+            begin, self._at = self._at, _end_of_words(self._content, self._at, n, self._path)
+            if self._checks_words:
+                _numbers_of_text(self._content, begin, n, np.dtype("f8"))
+                if self._content.find(b"_", begin, self._at) >= 0:  # Python reads 1_000
+                    raise ValueError(f"a word that is no number ({described})")
             return dtype
         if name in OF_TWO_WIDTHS and 4 * n <= stored < 8 * n:
             dtype = np.dtype(dtype.kind + "4")

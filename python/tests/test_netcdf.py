@@ -1,0 +1,215 @@
+"""netCDF-3 and netCDF-4 are read as what they are: unpacked, without missing values, placed by coordinates (F2)."""
+
+import json
+
+import h5py
+import numpy as np
+import pytest
+import scipy.io
+
+import wavesplat as ws
+from wavesplat import _cli
+from wavesplat.errors import ArgumentError, FileError
+
+#: Sizes of time, lev, lat, lon, and the packing of the values.
+SHAPE = (3, 4, 5, 6)
+SCALE, OFFSET, FILL = 0.01, 250.0, -32767
+TIMES = [0.0, 6.0, 18.0]
+LEV, LAT, LON = np.arange(4) * 500.0, np.linspace(90, -90, 5), np.arange(6) * 60.0
+ATTRIBUTES = {
+    "time": {"units": "hours since 2001-01-01"},
+    "lev": {"units": "m", "positive": "up"},
+    "lat": {"units": "degrees_north"},
+    "lon": {"units": "degrees_east"},
+}
+
+
+@pytest.fixture
+def packed():
+    values = np.random.default_rng(3).integers(0, 5000, SHAPE).astype(np.int16)
+    values[0, 1, 2, :4] = FILL
+    return values
+
+
+def unpacked(packed):
+    return np.where(packed == FILL, np.nan, packed * SCALE + OFFSET)
+
+
+def save_netcdf3(path, variables, coordinates, attributes=ATTRIBUTES, **said):
+    """A netCDF-3 file of SciPy: name -> (names of axes, samples), and the coordinates of the axes."""
+    with scipy.io.netcdf_file(path, "w") as file:
+        for axis, places in coordinates.items():
+            file.createDimension(axis, len(places))
+            made = file.createVariable(axis, "d", (axis,))
+            made[:] = places
+            vars(made)["_attributes"].update(attributes.get(axis, {}))
+        for name, (axes, samples) in variables.items():
+            made = file.createVariable(name, samples.dtype.newbyteorder(">"), axes)
+            made[:] = samples
+            vars(made)["_attributes"].update(said)
+    return path
+
+
+def save_netcdf4(path, variables, coordinates, attributes=ATTRIBUTES, marked=True, **said):
+    """A netCDF-4 file as its library lays it out, written by h5py: dimensions with scales."""
+    with h5py.File(path, "w") as file:
+        if marked:
+            file.attrs["_NCProperties"] = "version=2"
+        for axis, places in coordinates.items():
+            file[axis] = np.asarray(places, float)
+            file[axis].make_scale(axis)
+            file[axis].attrs.update(attributes.get(axis, {}))
+        for name, (axes, samples) in variables.items():
+            file[name] = samples
+            file[name].attrs.update(said)
+            for number, axis in enumerate(axes):
+                file[name].dims[number].attach_scale(file[axis])
+    return path
+
+
+SAVERS = {"a.nc": save_netcdf3, "b.nc": save_netcdf4, "c.h5": save_netcdf4, "no_suffix": save_netcdf3}
+PACKING = {"scale_factor": SCALE, "add_offset": OFFSET, "_FillValue": np.int16(FILL), "units": "K"}
+ALL = dict(zip(("time", "lev", "lat", "lon"), (TIMES, LEV, LAT, LON), strict=True))
+
+
+@pytest.fixture(params=SAVERS)
+def saved(request, tmp_path, packed):
+    return SAVERS[request.param](tmp_path / request.param, {"t": (tuple(ALL), packed)}, ALL, **PACKING)
+
+
+def test_packing_missing_values_and_place_f2(saved, packed):
+    for time in range(3):
+        volume = ws.open(saved, time=time)
+        np.testing.assert_allclose(volume.samples, unpacked(packed)[time], rtol=1e-6)
+    np.testing.assert_allclose(volume.world_from_index, [[60, 0, 0, 0], [0, -45, 0, 90], [0, 0, 500, 0], [0, 0, 0, 1]])
+    assert (volume.value_unit, volume.unit) == ("K", "m")
+    assert any("degrees_north" in guess for guess in volume.guesses)
+
+
+def test_times(saved):
+    series = ws.open_series(saved)
+    assert (len(series), series[1].shape) == (3, SHAPE[1:])
+    assert (series.times, series.time_unit) == (tuple(TIMES), "hours")
+
+
+def test_read_in_parts(saved, packed):
+    lazy = ws.open(saved, time=0, memory="1 MB")
+    whole = ws.open(saved, time=0)
+    assert lazy.facts.times == whole.facts.times
+    options = {"look": ws.Look.auto(whole), "camera": ws.Camera.view(whole, "front"), "size": (40, 40)}
+    np.testing.assert_array_equal(ws.render(lazy, **options).rgba, ws.render(whole, **options).rgba)
+
+
+def test_dimension_scales_alone_mark_netcdf4(tmp_path, packed):
+    path = save_netcdf4(tmp_path / "a.h5", {"t": (("lev", "lat", "lon"), packed[0])}, ALL, marked=False, **PACKING)
+    np.testing.assert_allclose(ws.open(path).samples, unpacked(packed)[0], rtol=1e-6)
+
+
+def test_several_variables(tmp_path, packed, capsys):
+    axes = ("lev", "lat", "lon")
+    path = save_netcdf3(tmp_path / "a.nc", {"u": (axes, packed[1]), "v": (axes, packed[2])}, ALL)
+    with pytest.raises(FileError, match=r"2 variables .* choose one with dataset= .*u \(lev 4, lat 5, lon 6\); v"):
+        ws.open(path)
+    np.testing.assert_array_equal(ws.open(path, dataset="v").samples, packed[2])
+    with pytest.raises(ArgumentError, match="no variable 'w'"):
+        ws.open(path, dataset="w")
+    with pytest.raises(SystemExit):
+        _cli.main(["info", str(path), "--json"])
+    assert json.loads(capsys.readouterr().out)["choices"][0]["names"] == ["u", "v"]
+
+
+def test_axes_by_their_metadata_in_any_order(tmp_path, packed):
+    samples = packed[1].transpose(1, 2, 0)
+    path = save_netcdf3(tmp_path / "a.nc", {"t": (("lat", "lon", "lev"), samples)}, ALL)
+    np.testing.assert_array_equal(ws.open(path).samples, packed[1])
+    lazy = ws.open(path, memory="1 MB")
+    assert lazy.shape == SHAPE[1:]
+    assert lazy.value_range == (packed[1].min(), packed[1].max())
+
+
+def test_a_further_axis_is_a_channel(tmp_path, packed):
+    axes = ("member", "lev", "lat", "lon")
+    path = save_netcdf3(tmp_path / "a.nc", {"t": (axes, packed)}, {**ALL, "member": [10, 20, 30]})
+    with pytest.raises(FileError, match="3 channels"):
+        ws.open(path)
+    np.testing.assert_array_equal(ws.open(path, channel=2).samples, packed[2])
+    with pytest.raises(ArgumentError, match="time= has no meaning"):
+        ws.open(path, channel=2, time=0)
+
+
+def test_time_in_the_place_of_an_axis_of_space_is_said(tmp_path, packed):
+    path = save_netcdf3(tmp_path / "a.nc", {"t": (("time", "lat", "lon"), packed[:, 0])}, {**ALL, "time": [0, 6, 12]})
+    assert any("'time' is drawn as one of space" in guess for guess in ws.open(path).guesses)
+
+
+@pytest.mark.parametrize("save", [save_netcdf3, save_netcdf4])
+def test_uneven_levels_are_refused_or_resampled(tmp_path, packed, save):
+    uneven = np.array([0.0, 10.0, 100.0, 300.0])
+    path = save(tmp_path / "a.nc", {"t": (("lev", "lat", "lon"), packed[1])}, {**ALL, "lev": uneven})
+    with pytest.raises(FileError, match=r"'lev' are not evenly spaced .* resample=N .* spacing="):
+        ws.open(path)
+    assert ws.open(path, spacing=(1, 1, 2)).spacing == (1, 1, 2)
+    volume = ws.open(path, resample=31)
+    expected = np.stack(
+        [[np.interp(np.arange(31) * 10, uneven, packed[1, :, y, x]) for x in range(6)] for y in range(5)]
+    )
+    np.testing.assert_allclose(volume.samples, expected.transpose(2, 0, 1), rtol=1e-6)
+    assert volume.spacing[2] == 10
+    assert any("interpolated to 31 even places from 4" in guess for guess in volume.guesses)
+    with pytest.raises(ArgumentError, match="leave out memory="):
+        ws.open(path, resample=31, memory="1 MB")
+
+
+def test_samples_without_coordinates_say_so(tmp_path, packed):
+    path = tmp_path / "a.nc"
+    with h5py.File(path, "w") as file:
+        file.attrs["_NCProperties"] = "version=2"
+        file["t"] = packed[1]
+    volume = ws.open(path)
+    np.testing.assert_array_equal(volume.samples, packed[1])
+    assert any("no coordinates" in guess for guess in volume.guesses)
+
+
+def test_groups_have_the_coordinates_around_them(tmp_path, packed):
+    path = save_netcdf4(tmp_path / "a.nc", {}, ALL)
+    with h5py.File(path, "r+") as file:
+        made = file.create_group("run").create_dataset("t", data=packed[1])
+        for number, axis in enumerate(("lev", "lat", "lon")):
+            made.dims[number].attach_scale(file[axis])
+    assert ws.open(path).spacing == (60, 45, 500)
+    np.testing.assert_array_equal(ws.open(path, dataset="run/t").samples, packed[1])
+    assert ws.open(path, memory="1 MB").spacing == (60, 45, 500)
+
+
+def test_a_file_does_not_name_others(tmp_path, packed):
+    path = save_netcdf4(tmp_path / "a.nc", {}, ALL)
+    with h5py.File(tmp_path / "other.h5", "w") as file:
+        file["secret"] = packed[1]
+    with h5py.File(path, "r+") as file:
+        file["t"] = h5py.ExternalLink("other.h5", "secret")
+    with pytest.raises(FileError, match="external_files=True"):
+        ws.open(path)
+
+
+def test_what_is_missing_is_said(tmp_path, packed, monkeypatch):
+    import sys
+
+    paths = [save(tmp_path / f"{n}.nc", {"t": (tuple(ALL), packed)}, ALL) for n, save in enumerate(SAVERS.values())]
+    for module, path in (("scipy", paths[0]), ("h5netcdf", paths[1])):
+        with monkeypatch.context() as without:
+            without.setitem(sys.modules, module, None)
+            with pytest.raises(ws.errors.LibraryError, match=r"netcdf\]"):
+                ws.open(path)
+    (tmp_path / "five.nc").write_bytes(b"CDF\5rest")
+    with pytest.raises(FileError, match="nccopy"):
+        ws.open(tmp_path / "five.nc")
+
+
+def test_damage_is_said(tmp_path, packed):
+    for save in (save_netcdf3, save_netcdf4):
+        path = save(tmp_path / "a.nc", {"t": (tuple(ALL), packed)}, ALL)
+        content = path.read_bytes()
+        for n in (40, 200, len(content) // 2):
+            path.write_bytes(content[:n])
+            with pytest.raises(FileError):
+                ws.open(path, time=2)

@@ -1,0 +1,301 @@
+"""VTK's grids that are no images: read where they are even, sampled where it is asked for, not called damaged (F5)."""
+
+import sys
+
+import numpy as np
+import pytest
+
+import wavesplat as ws
+from wavesplat.errors import ArgumentError, FileError
+
+pytest.importorskip("vtkmodules")
+
+import vtkmodules.vtkCommonDataModel as data_model  # noqa: N813
+from vtkmodules import vtkIOLegacy, vtkIOParallelXML, vtkIOXML
+from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
+from vtkmodules.vtkCommonCore import vtkPoints
+from vtkmodules.vtkFiltersCore import vtkAppendFilter, vtkProbeFilter
+
+#: Samples along z, y, x, and their places.
+SHAPE = (4, 5, 6)
+EVEN = {"x": 0.5 + 0.25 * np.arange(6), "y": -1 + 0.5 * np.arange(5), "z": 2.0 * np.arange(4)}
+UNEVEN = {**EVEN, "x": np.array([0, 0.1, 0.3, 0.7, 1.5, 3.1])}
+
+
+def values_at(x, y, z):
+    """A function that is linear along x, y and z, so that VTK interpolates it exactly."""
+    return (1 + x) * (2 - y) + 3 * z
+
+
+def put(grid, name, values, *, of_cells=False):
+    flat = np.reshape(values, (-1, values.shape[-1])) if values.ndim == 4 else np.ravel(values)
+    array = numpy_to_vtk(np.ascontiguousarray(flat), deep=1)
+    array.SetName(name)
+    (grid.GetCellData() if of_cells else grid.GetPointData()).AddArray(array)
+    return grid
+
+
+def places(axes):
+    return np.meshgrid(axes["z"], axes["y"], axes["x"], indexing="ij")
+
+
+def rectilinear(axes):
+    grid = data_model.vtkRectilinearGrid()
+    grid.SetDimensions(*(len(axes[axis]) for axis in "xyz"))
+    for axis in "xyz":
+        getattr(grid, f"Set{axis.upper()}Coordinates")(numpy_to_vtk(axes[axis], deep=1))
+    return grid
+
+
+def structured(axes, move=lambda x, y, z: (x, y, z)):
+    grid = data_model.vtkStructuredGrid()
+    grid.SetDimensions(*(len(axes[axis]) for axis in "xyz"))
+    z, y, x = places(axes)
+    points = vtkPoints()
+    points.SetData(numpy_to_vtk(np.stack([np.ravel(part) for part in move(x, y, z)], -1), deep=1))
+    grid.SetPoints(points)
+    return grid
+
+
+def unstructured(grid):
+    append = vtkAppendFilter()
+    append.AddInputData(grid)
+    append.Update()
+    return append.GetOutput()
+
+
+def filled(grid, axes):
+    z, y, x = places(axes)
+    return put(grid, "v", values_at(x, y, z))
+
+
+def write(path, grid, writer=None):
+    made = (writer or getattr(vtkIOXML, f"vtkXML{grid.GetClassName().removeprefix('vtk')}Writer"))()
+    made.SetFileName(str(path))
+    made.SetInputData(grid)
+    made.Write()
+    return path
+
+
+def write_legacy(path, grid, *, as_text=False):
+    writer = vtkIOLegacy.vtkGenericDataObjectWriter()
+    (writer.SetFileTypeToASCII if as_text else writer.SetFileTypeToBinary)()
+    writer.SetFileName(str(path))
+    writer.SetInputData(grid)
+    writer.Write()
+    return path
+
+
+def world_places(volume):
+    k, j, i = np.indices(volume.shape)
+    matrix = volume.world_from_index
+    return tuple(matrix[a, 0] * i + matrix[a, 1] * j + matrix[a, 2] * k + matrix[a, 3] for a in range(3))
+
+
+WAYS = {
+    ".vtr": lambda folder, axes: write(folder / "a.vtr", filled(rectilinear(axes), axes)),
+    ".vts": lambda folder, axes: write(folder / "a.vts", filled(structured(axes), axes)),
+    "rectilinear.vtk": lambda folder, axes: write_legacy(folder / "a.vtk", filled(rectilinear(axes), axes)),
+    "structured.vtk": lambda folder, axes: write_legacy(folder / "a.vtk", filled(structured(axes), axes), as_text=True),
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_even_grids_are_read_as_they_are_f5(tmp_path, way):
+    path = WAYS[way](tmp_path, EVEN)
+    volume = ws.open(path)
+    z, y, x = places(EVEN)
+    np.testing.assert_array_equal(volume.samples, values_at(x, y, z))
+    for got, expected in zip(world_places(volume), (x, y, z), strict=True):
+        np.testing.assert_allclose(got, expected, atol=1e-12)
+    assert volume.guesses == ()
+
+
+def test_places_off_by_less_than_a_ten_thousandth_are_even(tmp_path):
+    axes = {**EVEN, "x": EVEN["x"] + 0.25 * 0.9e-4 * np.array([0, 1, -1, 1, -1, 0])}
+    assert ws.open(WAYS[".vtr"](tmp_path, axes)).spacing == pytest.approx((0.25, 0.5, 2))
+    assert ws.open(WAYS[".vts"](tmp_path, axes)).spacing == pytest.approx((0.25, 0.5, 2))
+    axes["x"] = EVEN["x"] + 0.25 * 3e-4 * np.array([0, 1, -1, 1, -1, 0])
+    with pytest.raises(FileError, match="resample=N"):
+        ws.open(WAYS[".vtr"](tmp_path, axes))
+
+
+def test_cells_have_their_samples_in_their_middles(tmp_path):
+    cells = np.arange(3 * 4 * 5, dtype=np.int16).reshape(3, 4, 5)
+    for grid, name in ((rectilinear(EVEN), "a.vtr"), (structured(EVEN), "a.vts")):
+        volume = ws.open(write(tmp_path / name, put(grid, "c", cells, of_cells=True)))
+        np.testing.assert_array_equal(volume.samples, cells)
+        assert volume.samples.dtype == np.int16
+        np.testing.assert_allclose(volume.world_from_index[:3, 3], (0.625, -0.75, 1))
+
+
+def test_skewed_grids_are_even_too(tmp_path):
+    grid = filled(structured(EVEN, lambda x, y, z: (x + 0.5 * y, y, z - 0.25 * x)), EVEN)
+    volume = ws.open(write(tmp_path / "a.vts", grid))
+    z, y, x = places(EVEN)
+    np.testing.assert_array_equal(volume.samples, values_at(x, y, z))
+    for got, expected in zip(world_places(volume), (x + 0.5 * y, y, z - 0.25 * x), strict=True):
+        np.testing.assert_allclose(got, expected, atol=1e-12)
+
+
+@pytest.mark.parametrize("way", [*WAYS, ".vtu", "unstructured.vtk"])
+def test_other_grids_are_refused_or_sampled(tmp_path, way):
+    if way == ".vtu":
+        path = write(tmp_path / "a.vtu", unstructured(filled(rectilinear(UNEVEN), UNEVEN)))
+    elif way == "unstructured.vtk":
+        path = write_legacy(tmp_path / "a.vtk", unstructured(filled(structured(UNEVEN), UNEVEN)))
+    else:
+        path = WAYS[way](tmp_path, UNEVEN)
+    with pytest.raises(FileError, match=r"grid.* resample=N \(--resample N\)") as error:
+        ws.open(path)
+    assert "damaged" not in str(error.value)
+    volume = ws.open(path, resample=25)
+    assert max(volume.shape) == 25
+    np.testing.assert_allclose(volume.samples, values_at(*world_places(volume)), atol=1e-4)
+    np.testing.assert_allclose(volume.bounds, [[0, -1, 0], [3.1, 1, 6]], atol=1e-4)
+    (told,) = volume.guesses
+    # The smallest cell is 0.1 x 0.5 x 2, the largest 1.6 x 0.5 x 2.
+    for words in ("grid", "13 x 9 x 25 places", "cells are 0.464 to 1.17 wide", "0.0% of the samples lie outside"):
+        assert words in told
+
+
+def test_samples_outside_of_a_grid_are_missing(tmp_path):
+    grid = filled(structured(EVEN, lambda x, y, z: (x, y + x, z)), EVEN)
+    grid.GetPoints().SetPoint(30 + 2 * 6 + 2, 1, 0.51, 2)  # one inside is off: no longer even
+    volume = ws.open(write(tmp_path / "a.vts", grid), resample=40)
+    x, y, _ = world_places(volume)
+    inside = np.abs(y - x) < 0.9
+    outside = np.abs(y - x) > 1.1
+    assert np.isfinite(volume.samples[:, inside[0]]).all()
+    assert np.isnan(volume.samples[:, outside[0]]).all()
+    share = np.isnan(volume.samples).mean()
+    assert f"{share:.1%} of the samples lie outside" in volume.guesses[0]
+
+
+def test_sampled_values_are_those_of_vtk_itself(tmp_path):
+    grid = structured(EVEN, lambda x, y, z: (x, y, z + 0.3 * np.sin(3 * x) * y))
+    put(grid, "v", np.random.default_rng(1).random(SHAPE))
+    volume = ws.open(write(tmp_path / "a.vts", grid), resample=20)
+    points = vtkPoints()
+    points.SetData(numpy_to_vtk(np.stack([np.ravel(part) for part in world_places(volume)], -1), deep=1))
+    places_of_samples = data_model.vtkPolyData()
+    places_of_samples.SetPoints(points)
+    probe = vtkProbeFilter()
+    probe.SetInputData(places_of_samples)
+    probe.SetSourceData(grid)
+    probe.Update()
+    expected = vtk_to_numpy(probe.GetOutput().GetPointData().GetArray("v"))
+    is_valid = vtk_to_numpy(probe.GetOutput().GetPointData().GetArray("vtkValidPointMask")) != 0
+    got = np.ravel(volume.samples)
+    both = is_valid & np.isfinite(got)
+    assert both.mean() > 0.8
+    assert (is_valid != np.isfinite(got)).mean() < 0.05  # on the very border one of both may say outside
+    np.testing.assert_allclose(got[both], expected[both], atol=1e-5)
+
+
+def image(first, size):
+    grid = data_model.vtkImageData()
+    grid.SetExtent(*(end for a, n in zip(first, size, strict=True) for end in (a, a + n - 1)))
+    grid.SetSpacing(0.25, 0.5, 2)
+    grid.SetOrigin(0.5, -1, 0)
+    return grid
+
+
+def test_an_image_in_several_files(tmp_path):
+    writer = vtkIOParallelXML.vtkXMLPImageDataWriter()
+    grid = filled(image((0, 0, 0), SHAPE[::-1]), EVEN)
+    writer.SetFileName(str(tmp_path / "a.pvti"))
+    writer.SetInputData(grid)
+    writer.SetNumberOfPieces(1)
+    writer.Write()
+    assert len(list(tmp_path.iterdir())) > 1
+    volume = ws.open(tmp_path / "a.pvti")
+    z, y, x = places(EVEN)
+    np.testing.assert_array_equal(volume.samples, values_at(x, y, z))
+    np.testing.assert_allclose(world_places(volume)[0], x)
+
+
+def blocks(path):
+    whole = data_model.vtkMultiBlockDataSet()
+    for number, first in enumerate((0, 5)):
+        axes = {**EVEN, "x": 0.5 + 0.25 * (first + np.arange(6))}
+        whole.SetBlock(number, filled(rectilinear(axes), axes))
+    return write(path, whole, vtkIOXML.vtkXMLMultiBlockDataWriter)
+
+
+def test_blocks_are_sampled_together(tmp_path):
+    path = blocks(tmp_path / "a.vtm")
+    with pytest.raises(FileError, match="several blocks"):
+        ws.open(path)
+    volume = ws.open(path, resample=25)
+    np.testing.assert_allclose(volume.bounds[:, 0], (0.5, 3), atol=1e-4)
+    np.testing.assert_allclose(volume.samples, values_at(*world_places(volume)), atol=1e-4)
+
+
+def test_files_do_not_name_others_elsewhere(tmp_path):
+    (tmp_path / "own").mkdir()
+    path = blocks(tmp_path / "own" / "a.vtm")
+    piece = next((tmp_path / "own" / "a").glob("*_0.vtr"))
+    piece.rename(tmp_path / "secret.vtr")
+    text = path.read_text()
+    for name in ("../secret.vtr", "&#46;&#46;/secret.vtr"):
+        path.write_text(text.replace(f"a/{piece.name}", name))
+        with pytest.raises(FileError, match="external_files=True"):
+            ws.open(path, resample=10)
+        assert ws.open(path, resample=10, external_files=True).shape
+    path.write_text(text)
+    with pytest.raises(FileError, match="which is not there; copy it too"):
+        ws.open(path, resample=10)
+
+
+def test_several_arrays_and_vectors(tmp_path):
+    grid = filled(rectilinear(UNEVEN), UNEVEN)
+    z, y, x = places(UNEVEN)
+    put(grid, "u", np.stack([x, 2 * y, z], -1))
+    path = write(tmp_path / "a.vtr", grid)
+    with pytest.raises(FileError, match=r"2 arrays \(v, u\); choose one with dataset="):
+        ws.open(path, resample=10)
+    volume = ws.open(path, resample=10, dataset="u", component="y")
+    np.testing.assert_allclose(volume.samples, 2 * world_places(volume)[1], atol=1e-4)
+    volume = ws.open(path, resample=10, dataset="u")
+    assert "holds vectors, of which the length is drawn" in volume.guesses[-1]
+    with pytest.raises(ArgumentError, match="'v' has 1 number"):
+        ws.open(path, resample=10, dataset="v", component="y")
+
+
+def test_what_cannot_be_sampled_is_said(tmp_path, monkeypatch):
+    with pytest.raises(ArgumentError, match="resample is 1; give a number of samples, 2 to"):
+        ws.open(WAYS[".vtr"](tmp_path, UNEVEN), resample=1)
+    with pytest.raises(ArgumentError, match="parts cannot be read"):
+        ws.open(tmp_path / "a.vtr", memory="1 MB")
+    flat = {**UNEVEN, "z": np.array([0.0])}
+    with pytest.raises(FileError, match="the grid is flat"):
+        ws.open(WAYS[".vtr"](tmp_path, flat), resample=9)
+    surface = data_model.vtkPolyData()
+    surface.SetPoints(structured(EVEN).GetPoints())
+    with pytest.raises(FileError, match="a mesh of surfaces or lines.*no samples inside"):
+        ws.open(write(tmp_path / "a.vtp", surface))
+    with pytest.raises(FileError, match="a mesh of surfaces or lines.*no samples inside"):
+        ws.open(write_legacy(tmp_path / "b.vtk", surface))
+    monkeypatch.setitem(sys.modules, "vtkmodules", None)
+    with pytest.raises(ws.errors.LibraryError, match=r"vtk\]"):
+        ws.open(WAYS[".vts"](tmp_path, EVEN))
+
+
+def test_damage_is_said_without_words_of_vtk(tmp_path, capfd):
+    for save in WAYS.values():
+        path = save(tmp_path, EVEN)
+        content = path.read_bytes()
+        for part in (0.1, 0.3, 0.6, 0.8, 0.95):
+            path.write_bytes(content[: int(part * len(content))])
+            with pytest.raises(FileError):
+                ws.open(path)
+    for text in (
+        '<?xml version="1.0"?><!DOCTYPE a [<!ENTITY b "c">]><VTKFile type="RectilinearGrid"></VTKFile>',
+        '<VTKFile type="UnstructuredGrid"><UnstructuredGrid><Piece NumberOfPoints="99999999999" NumberOfCells="0"/>',
+        '<VTKFile type="RectilinearGrid"><RectilinearGrid><Piece Extent="0 9999 0 9999 0 9999"/></RectilinearGrid>',
+    ):
+        (tmp_path / "b.vtr").write_text(text)
+        with pytest.raises(FileError):
+            ws.open(tmp_path / "b.vtr")
+    assert capfd.readouterr().err == ""

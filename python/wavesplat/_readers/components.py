@@ -1,0 +1,74 @@
+"""Arrays of vectors: the numbers of one component, or of the length of the vectors."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._readers.request import Request, choose
+from wavesplat.errors import ArgumentError
+
+__all__ = ["AXES", "N_COMPONENTS", "component_of", "length_of", "number_of_component"]
+
+AXES = "xyz"
+#: Components of a vector.
+N_COMPONENTS = 3
+
+
+def _are_vectors(n_components: int, dtype: np.dtype[Any], request: Request) -> bool:
+    """Whether components are drawn as one number: three that are no colours, and none is chosen as a channel."""
+    if request.component is not None:
+        return True
+    return n_components == N_COMPONENTS and dtype != np.uint8 and request.channel is None
+
+
+def component_of(numbers: NDArray[Any], request: Request, name: str) -> tuple[NDArray[Any], tuple[str, ...]]:
+    """The samples that are drawn of an array [..., component], and sentences about them.
+
+    name : the array, in messages.
+    """
+    n = numbers.shape[-1]
+    wanted = request.component
+    if n == 1 and wanted is None:
+        return numbers[..., 0], ()
+    if not _are_vectors(n, numbers.dtype, request):
+        return numbers[..., choose("channel", n, request.channel, request.path)], ()
+    if request.channel is not None:
+        raise ArgumentError(
+            f"component= and channel= both choose one of several numbers; leave one out: {request.path}"
+        )
+    if n == 1 or n > len(AXES) or (wanted is not None and wanted in AXES[n:]):
+        raise ArgumentError(
+            f"component={wanted!r}, but {name!r} has {n} {'number' if n == 1 else 'numbers'} at each place; "
+            f"leave it out: {request.path}"
+        )
+    if wanted in ("x", "y", "z"):
+        return numbers[..., AXES.index(wanted)], ()
+    told = (
+        () if wanted else (f'{name!r} holds vectors, of which the length is drawn; or component="x" (--component x)',)
+    )
+    return length_of([numbers[..., number] for number in range(n)]), told
+
+
+def number_of_component(n: int, dtype: np.dtype[Any], request: Request, name: str) -> int:
+    """The number of the component that is drawn of an array of `n`, for samples that are read in parts."""
+    if request.component in (None, "magnitude") and n > 1 and _are_vectors(n, dtype, request):
+        raise ArgumentError(
+            f'{name!r} holds vectors, whose length is not made of parts; choose one component, as component="x" '
+            f"(--component x), or leave out memory=: {request.path}"
+        )
+    numbers = np.arange(n)[None]
+    return int(component_of(numbers.astype(dtype), request, name)[0][0])
+
+
+def length_of(components: Sequence[NDArray[Any]]) -> NDArray[Any]:
+    """The length of vectors: float64 of components of 32-bit integers or wider ones, else float32."""
+    wide = components[0].dtype.itemsize > 4 or (components[0].dtype.kind != "f" and components[0].dtype.itemsize == 4)
+    dtype = np.float64 if wide else np.float32
+    total = np.zeros(components[0].shape, dtype)
+    for component in components:
+        total += np.square(component, dtype=dtype)
+    return np.sqrt(total, out=total)

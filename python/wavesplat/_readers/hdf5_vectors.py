@@ -1,0 +1,95 @@
+"""Vectors in HDF5: an array whose last axis has three components, or a record of openPMD with a dataset for each.
+
+Source of records: https://github.com/openPMD/openPMD-standard, STANDARD.md, "Scalar, Vector and Tensor Records".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from wavesplat._readers.components import AXES, N_COMPONENTS, length_of
+from wavesplat._readers.request import Grid, Request
+from wavesplat.errors import ArgumentError, FileError
+
+if TYPE_CHECKING:
+    import h5py
+
+__all__ = ["TOLD", "as_channel", "check_geometry", "components_of_record", "has_vectors", "length_of_record"]
+
+#: Openings of a sentence about vectors of which no component is chosen.
+TOLD = '{!r} holds vectors, of which the length is drawn; or component="x" (--component x)'
+
+
+def components_of_record(file: h5py.File, request: Request) -> dict[str, str]:
+    """Axis -> name of its dataset, where `dataset` names a group of openPMD with x, y and z; empty elsewhere."""
+    import h5py
+
+    name = (request.dataset or "").rstrip("/")
+    group = file.get(name) if name and isinstance(file.get(name, getlink=True), h5py.HardLink) else None
+    if not isinstance(group, h5py.Group):
+        return {}
+    check_geometry(group, request)
+    found = {axis: f"{name}/{axis}" for axis in AXES if isinstance(group.get(axis, getlink=True), h5py.HardLink)}
+    return found if len(found) > 1 else {}
+
+
+def length_of_record(components: dict[str, str], request: Request, read: Callable[[Request], Grid]) -> Grid:
+    """The component of a record that is asked for, or the length of its vectors; `read` reads a dataset."""
+    if request.component in components:
+        return read(replace(request, dataset=components[request.component], component=None))
+    if request.component not in (None, "magnitude"):
+        raise ArgumentError(
+            f"component={request.component!r}, but {request.dataset!r} has {', '.join(components)}: {request.path}"
+        )
+    parts = [read(replace(request, dataset=name, component=None)) for name in components.values()]
+    first = parts[0]
+    if any(part.samples.shape != first.samples.shape for part in parts):
+        raise FileError(f"the components of {request.dataset!r} differ in size; choose one of them: {request.path}")
+    guesses = list(first.facts.guesses)
+    if request.component is None:
+        guesses.append(TOLD.format(request.dataset))
+    if any(not np.allclose(part.world_from_index, first.world_from_index) for part in parts):
+        guesses.append("the components lie at different places of a cell, and are taken as if all lay where x does")
+    return Grid(
+        length_of([part.samples for part in parts]),
+        first.world_from_index,
+        replace(first.facts, guesses=tuple(guesses)),
+        first.losses,
+    )
+
+
+def has_vectors(shape: Sequence[int], dtype: np.dtype[Any], request: Request) -> bool:
+    """Whether the last axis of an array is one of components: three, of floats, where the others are longer."""
+    if len(shape) != 4 or request.time is not None or request.channel is not None:
+        return False
+    if request.component is not None:
+        return shape[-1] == N_COMPONENTS
+    return shape[-1] == N_COMPONENTS and min(shape[:3]) > N_COMPONENTS and dtype.kind == "f"
+
+
+def as_channel(shape: Sequence[int], dtype: np.dtype[Any], request: Request) -> Request:
+    """The request with a component as the number of a channel, for samples that are read in parts."""
+    if not has_vectors(shape, dtype, request):
+        return request
+    if request.component in (None, "magnitude"):
+        raise ArgumentError(
+            "the array holds vectors, whose length is not made of parts; choose one component, as "
+            f'component="x" (--component x), or leave out memory=: {request.path}'
+        )
+    return replace(request, channel=AXES.index(request.component), component=None)
+
+
+def check_geometry(node: Any, request: Request) -> None:
+    """Refuse a mesh of openPMD whose axes are no axes of space."""
+    said = node.attrs.get("geometry", b"cartesian")
+    geometry = said.decode("latin-1") if isinstance(said, bytes) else str(said)
+    if geometry in ("thetaMode", "cylindrical", "spherical"):
+        raise FileError(
+            f"the mesh is of {geometry} coordinates, so its axes are not x, y and z; give the box that openpmd-viewer "
+            "makes of it, as OpenPMDTimeSeries(folder).get_field(name, coord, iteration=n, theta=None), to "
+            f"wavesplat.Volume: {request.path}"
+        )

@@ -1,0 +1,349 @@
+"""netCDF: a variable of a model of climate, weather or ocean, by xarray, with place, unit and times from its metadata.
+
+Packed integers are unpacked (`scale_factor`, `add_offset`) and missing values (`_FillValue`, `missing_value`) are NaN,
+by xarray. netCDF-3 is read by SciPy, netCDF-4, which is HDF5, by h5netcdf: both are small beside the package netCDF4,
+which brings a second HDF5 library of its own.
+Conventions for metadata (CF): https://cfconventions.org, "Coordinate Types" and "Packed Data".
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass, replace
+from functools import partial
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._files import size_checks
+from wavesplat._files.file_states import StoredFiles
+from wavesplat._files.libraries import library
+from wavesplat._files.reading import reading
+from wavesplat._model.facts import Facts
+from wavesplat._model.hdf5_files import check_links, held_hdf5, read_hdf5
+from wavesplat._model.labelled_array import NAMES, TOLERANCE, in_order
+from wavesplat._model.lazy_array import SlicedArray
+from wavesplat._readers.request import Grid, Request, choose, several, unwarned
+from wavesplat.errors import ArgumentError, FileError
+
+if TYPE_CHECKING:
+    import h5py
+
+__all__ = ["is_netcdf", "lazy_samples", "read"]
+
+EXTRA = "netcdf"
+#: First bytes of HDF5, and of the form of netCDF-3 with 64-bit sizes, which SciPy does not read.
+HDF5, CDF5 = b"\x89HDF", b"CDF\5"
+#: Coordinates' attribute `units` -> axis.
+OF_UNITS = {
+    **dict.fromkeys(("degrees_north", "degree_north", "degrees_n", "degreesn", "degree_n", "degreen"), "y"),
+    **dict.fromkeys(("degrees_east", "degree_east", "degrees_e", "degreese", "degree_e", "degreee"), "x"),
+}
+#: Names of axes of time.
+TIMES = ("time", "t")
+
+
+@dataclass(frozen=True)
+class _Variable:
+    """A variable of a file, one volume of it: its axes z, y, x, and facts of time."""
+
+    array: Any
+    facts: Facts
+    world_from_index: NDArray[np.float64]
+    #: Number of the axes z, y, x among those of the variable in the file, and the index along the others.
+    order: tuple[int, int, int]
+    picked: tuple[int | None, ...]
+    name: str
+
+
+def read(request: Request) -> Grid:
+    """The samples of a variable in a netCDF file."""
+    with reading("netCDF", request.path), unwarned("xarray"), _opened(request.file, request) as datasets:
+        variable = _chosen(datasets, request)
+        size_checks.check_memory(size_checks.n_bytes(variable.array.shape, variable.array.dtype), request.path)
+        _check_stored(variable, request)
+        return Grid(np.asarray(variable.array), variable.world_from_index, variable.facts)
+
+
+def lazy_samples(request: Request) -> tuple[SlicedArray, NDArray[np.float64], Facts]:
+    """A variable whose samples are read while they are drawn, its affine from index to world, and its facts."""
+    if request.resample is not None:
+        raise ArgumentError(
+            f"resample= reads all samples; leave out memory=, or write a file with even coordinates: {request.path}"
+        )
+    with _opened(request.file, request) as datasets:
+        variable = _chosen(datasets, request)
+        _check_stored(variable, request)
+        shape, stored = variable.array.shape, datasets[variable.name.rpartition("/")[0]]
+        encoding = stored[variable.name.rpartition("/")[2]].encoding
+        sizes = encoding.get("chunksizes") or [1] * (len(variable.picked) - 2) + list(shape[-2:])
+        array = SlicedArray(
+            None,
+            name=request.name,
+            chunks=[sizes[axis] for axis in variable.order],
+            order=variable.order,
+            picked=variable.picked,
+            opened=partial(_Stored, request, variable.name),
+            dtype=variable.array.dtype,
+            shape=(shape[0], shape[1], shape[2]),
+            n_readers=1,
+            token=f"netCDF {request.file} {variable.name}",
+            files=StoredFiles([request.file]),
+        )
+        return array, variable.world_from_index, variable.facts
+
+
+class _Stored:
+    """A variable of a file that stays open, unpacked where it is sliced."""
+
+    def __init__(self, request: Request, name: str) -> None:
+        self._opened = _opened(request.file, request, stays=True)
+        datasets = self._opened.__enter__()
+        group, _, inner = name.rpartition("/")
+        self._array = datasets[group][inner].variable
+
+    def __getitem__(self, index: Any) -> NDArray[Any]:
+        return np.asarray(self._array[index])
+
+    def __del__(self) -> None:
+        with suppress(Exception):  # at the end of the process parts of the library may be gone
+            self._opened.__exit__(None, None, None)
+
+
+def is_netcdf(path: Path) -> bool:
+    """Whether an HDF5 file is netCDF-4: by its mark, or by axes that are dimensions with scales."""
+    import h5py
+
+    def is_marked(group: h5py.Group) -> bool:
+        own = [group[name] for name in group if isinstance(group.get(name, getlink=True), h5py.HardLink)]
+        return any("_Netcdf4Dimid" in node.attrs or node.attrs.get("CLASS") == b"DIMENSION_SCALE" for node in own)
+
+    try:
+        with read_hdf5(path) as file:
+            return "_NCProperties" in file.attrs or is_marked(file)
+    except (OSError, KeyError, RuntimeError, ValueError):
+        return False  # what is wrong is said by the reader of HDF5
+
+
+@contextmanager
+def _opened(path: Path, request: Request, *, stays: bool = False) -> Iterator[dict[str, Any]]:
+    """The groups of a file, each as a Dataset with the coordinates of the groups around it; the root is "".
+
+    stays : whether the file is held open for samples that are read later.
+    """
+    xarray = library("xarray", extra=EXTRA)
+    with path.open("rb") as file:
+        start = file.read(4)
+    #: Times stay numbers: their unit is told, and calendars of models need a further package.
+    how: dict[str, Any] = {"decode_times": False, "decode_timedelta": False, "cache": False}
+    if start == CDF5:
+        raise FileError(f"the file is netCDF-3 with 64-bit sizes (CDF5); convert it: nccopy -k nc4 a.nc b.nc: {path}")
+    if start != HDF5:
+        library("scipy", extra=EXTRA)
+        with xarray.open_dataset(path, engine="scipy", **how) as dataset:
+            yield {"": dataset}
+        return
+    h5netcdf = library("h5netcdf", extra=EXTRA)
+    if not request.external_files:
+        check_links(path)
+    with (held_hdf5 if stays else read_hdf5)(path) as file, h5netcdf.File(file, "r", phony_dims="access") as root:
+        store = xarray.backends.H5NetCDFStore
+        groups = {name: xarray.open_dataset(store(root[name] if name else root), **how) for name in _groups(root, "")}
+        yield {name: _with_coordinates_of(group, _around(name, groups)) for name, group in groups.items()}
+
+
+def _groups(group: Any, name: str) -> Iterator[str]:
+    yield name
+    for inner in group.groups:
+        yield from _groups(group.groups[inner], f"{name}/{inner}".lstrip("/"))
+
+
+def _around(name: str, groups: dict[str, Any]) -> list[Any]:
+    """The groups around a group, the root first."""
+    return [groups[name[:at]] for at in range(len(name)) if at == 0 or name[at] == "/"]
+
+
+def _with_coordinates_of(dataset: Any, around: list[Any]) -> Any:
+    """The Dataset with coordinates that the groups around it have for its axes, the nearest first."""
+    for outer in reversed(around):
+        inherited = {
+            name: outer.coords[name]
+            for name in dataset.sizes
+            if name in outer.coords and name not in dataset.coords and outer.sizes[name] == dataset.sizes[name]
+        }
+        dataset = dataset.assign_coords(inherited)
+    return dataset
+
+
+def _chosen(datasets: dict[str, Any], request: Request) -> _Variable:
+    """The volume of the variable that `dataset` names, or of the only one with three axes or more."""
+    found = {
+        f"{group}/{name}".lstrip("/"): array
+        for group, dataset in datasets.items()
+        for name, array in dataset.data_vars.items()
+        if array.ndim >= 3 and array.dtype.kind in "biuf"
+    }
+    described = [_described(name, array) for name, array in found.items()]
+    listed = "; ".join(described) or "none"
+    if request.dataset is not None:
+        name = request.dataset.strip("/")
+        if name not in found:
+            raise ArgumentError(
+                f"no variable {request.dataset!r} with three or more axes; the file holds: {listed}: {request.path}"
+            )
+    elif len(found) == 1:
+        name = next(iter(found))
+    else:
+        message = (
+            f"the file holds {len(found)} variables with three or more axes; choose one with dataset= (--dataset): "
+            f"{listed}: {request.path}"
+        )
+        raise several(message, "dataset", list(found), described)
+    return _volume_of(name, found[name], request)
+
+
+def _described(name: str, array: Any) -> str:
+    """A variable in messages: "t (time 2, level 3, lat 4, lon 5), air temperature, K"."""
+    axes = ", ".join(f"{axis} {size}" for axis, size in array.sizes.items())
+    said = [str(array.attrs[key]) for key in ("long_name", "units") if array.attrs.get(key) is not None]
+    return ", ".join((f"{name} ({axes})", *said))
+
+
+def _volume_of(name: str, array: Any, request: Request) -> _Variable:
+    """One volume of a variable: one of its times, and one place along a further axis."""
+    picked: dict[Any, int] = {}
+    said: dict[str, Any] = {}
+    guesses: list[str] = []
+    roles = {axis: _role(array, axis) for axis in array.dims}
+    time = next((axis for axis, role in roles.items() if role == "time"), None)
+    if time is not None and array.ndim > 3:
+        picked[time] = choose("time", array.sizes[time], request.time, request.path, described=_told(array, time))
+        said = _times_of(array, time)
+    elif time is not None:
+        guesses.append(f"the axis {str(time)!r} is drawn as one of space: {name!r} has no third one")
+    rest = [axis for axis in array.dims if axis not in picked]
+    spatial = _spatial([(axis, roles[axis]) for axis in rest], array.sizes)
+    further = [axis for axis in rest if axis not in spatial]
+    longer = [axis for axis in further if array.sizes[axis] > 1]
+    if len(spatial) == 3 and len(longer) == 1:
+        axis = longer[0]
+        picked[axis] = choose("channel", array.sizes[axis], request.channel, request.path, described=_told(array, axis))
+    picked |= dict.fromkeys((axis for axis in further if axis not in picked and array.sizes[axis] == 1), 0)
+    for option, given, has in (
+        ("time", request.time, time is not None and time in picked),
+        ("channel", request.channel, len(longer) == 1),
+    ):
+        if given is not None and not has:
+            raise ArgumentError(f"{option}= has no meaning for {_described(name, array)}; leave it out: {request.path}")
+    if len(spatial) != 3 or len(array.dims) - len(picked) != 3:
+        raise FileError(
+            f"which axes are z, y and x is not clear: {_described(name, array)}; "
+            f"give wavesplat.Volume(xarray.open_dataset(path)[name].isel(...)), with one of each other axis: "
+            f"{request.path}"
+        )
+    volume = array.isel(picked).transpose(*spatial)
+    volume, made = _evenly(volume, request)
+    found = in_order(volume, has_place=request.spacing is not None)
+    bare = [str(axis) for axis in spatial if axis not in volume.coords]
+    if len(bare) == 3:
+        guesses.append(f"distance of samples 1, 1, 1: the file has no coordinates along {', '.join(bare)}")
+    facts = replace(found.facts, guesses=(*found.facts.guesses, *guesses, *made), **said)
+    order = [list(array.dims).index(axis) for axis in found.samples.dims]
+    index = tuple(picked.get(axis) for axis in array.dims)
+    matrix = np.eye(4) if found.world_from_index is None else found.world_from_index
+    return _Variable(found.samples, facts, matrix, (order[0], order[1], order[2]), index, name)
+
+
+def _role(array: Any, axis: Any) -> str:
+    """What an axis is: "x", "y", "z", "time", or "" where nothing says so."""
+    said = getattr(array.coords[axis], "attrs", {}) if axis in array.coords else {}
+    units = str(said.get("units", "")).lower()
+    by_axis = {"T": "time", "X": "x", "Y": "y", "Z": "z"}.get(str(said.get("axis", "")).upper(), "")
+    by_name = "time" if str(axis).lower() in TIMES else NAMES.get(str(axis).lower(), "")
+    by_place = "z" if str(said.get("positive", "")).lower() in ("up", "down") else ""
+    return by_axis or ("time" if " since " in units else "") or OF_UNITS.get(units, "") or by_place or by_name
+
+
+def _spatial(axes: list[tuple[Any, str]], sizes: Any) -> list[Any]:
+    """The axes z, y, x: those that the file says are, the others in their order; fewer than three if unclear."""
+    known = {role: axis for axis, role in axes if role in ("x", "y", "z") and [r for _, r in axes].count(role) == 1}
+    if len(known) == 3:
+        return [known[role] for role in "zyx"]
+    others = [axis for axis, _ in axes if axis not in known.values()]
+    if len(axes) > 3:  # axes of one sample are not missed
+        others = [axis for axis in others if sizes[axis] > 1]
+    if len(others) + len(known) != 3:
+        return []
+    return [known[role] if role in known else others.pop(0) for role in "zyx"]
+
+
+def _told(array: Any, axis: Any) -> list[str]:
+    """The coordinates along an axis, in messages."""
+    if axis not in array.coords:
+        return []
+    units = str(array.coords[axis].attrs.get("units", ""))
+    places = np.asarray(array.coords[axis]).tolist()
+    return [f"{f'{place:g}' if isinstance(place, float) else place} {units}".strip() for place in places]
+
+
+def _times_of(array: Any, axis: Any) -> dict[str, Any]:
+    """Facts of time: the numbers of the coordinate, and the first word of its unit ("days since 2001-01-01")."""
+    said: dict[str, Any] = {"n_times": int(array.sizes[axis])}
+    if axis not in array.coords or array.coords[axis].dtype.kind not in "iuf":
+        return said
+    numbers = np.asarray(array.coords[axis], np.float64)
+    if not np.isfinite(numbers).all():
+        return said
+    unit = str(array.coords[axis].attrs.get("units", "")).partition(" since ")[0].strip()
+    return said | {"times": tuple(numbers.tolist()), "time_unit": unit or None}
+
+
+def _evenly(array: Any, request: Request) -> tuple[Any, list[str]]:
+    """The array with even coordinates, interpolated where `resample` allows it, and a sentence for each such axis."""
+    made = []
+    for axis in array.dims if request.spacing is None else ():
+        if axis not in array.coords or array.coords[axis].dtype.kind not in "iuf":
+            continue
+        places = np.asarray(array.coords[axis], np.float64)
+        steps = np.diff(places)
+        if _is_even(places):
+            continue
+        told = f"coordinates along {str(axis)!r} are not evenly spaced (steps from {_ends(steps)})"
+        if not ((steps > 0).all() or (steps < 0).all()):
+            raise FileError(
+                f"coordinates along {str(axis)!r} do not grow or fall from each to the next; "
+                f"pass spacing=(x, y, z) to draw them as if they were even: {request.path}"
+            )
+        if request.resample is None:
+            raise FileError(
+                f"{told}; interpolate to N even places with resample=N (--resample N), or pass spacing=(x, y, z) to "
+                f"draw them as if they were: {request.path}"
+            )
+        array = array.interp({axis: np.linspace(places[0], places[-1], request.resample)})
+        made.append(f"{told}; interpolated to {request.resample} even places from {len(places)}")
+    return array, made
+
+
+def _is_even(places: NDArray[np.float64]) -> bool:
+    if len(places) < 2:
+        return True
+    step = (places[-1] - places[0]) / (len(places) - 1)
+    off = np.abs(places - (places[0] + step * np.arange(len(places)))).max()
+    # Written so that NaN is uneven too.
+    return bool(step != 0 and off <= TOLERANCE * abs(step))
+
+
+def _ends(steps: NDArray[np.float64]) -> str:
+    lengths = np.abs(steps)
+    return f"{lengths.min():g} to {lengths.max():g}"
+
+
+def _check_stored(variable: _Variable, request: Request) -> None:
+    """Refuse a header that promises more samples than the file can hold."""
+    shape = variable.array.shape
+    size_checks.check_stored(
+        shape, np.dtype("u1"), request.file.stat().st_size, request.path, ratio=size_checks.ANY_RATIO, held=(1,)
+    )

@@ -1,0 +1,282 @@
+"""VTK's grids that are no images: rectilinear, structured, unstructured, in blocks, and images in several files.
+
+They are read by the library VTK itself, which alone knows them all (XML and legacy). A grid that is uniform is drawn as
+it is; others are sampled on an image where the user asks for it, by VTK's `vtkResampleToImage`.
+Format: "VTK XML Formats" and "VTK file formats", https://docs.vtk.org/en/latest/vtk_file_formats/.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from pathlib import Path
+from threading import Lock
+from typing import Any
+from xml.parsers import expat
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._files import size_checks
+from wavesplat._files.libraries import library
+from wavesplat._files.mute_stderr import muted_stderr
+from wavesplat._files.named_files import check_named_file
+from wavesplat._files.reading import reading
+from wavesplat._model.facts import Facts
+from wavesplat._readers.components import component_of
+from wavesplat._readers.request import Grid, Request
+from wavesplat._readers.vti import parsed
+from wavesplat._readers.vtk_arrays import chosen, described_grid, other_grid
+from wavesplat._readers.vtk_checks import check_grid
+from wavesplat._readers.vtk_legacy import check_whole
+from wavesplat._readers.vtk_sampling import GHOSTS, n_points, sampled_on_image, set_only_array, uniform_place
+from wavesplat.errors import FileError
+
+__all__ = ["SUFFIXES", "is_grid", "read"]
+
+SUFFIXES = (".vtr", ".vts", ".vtu", ".vtp", ".pvti", ".pvtr", ".pvts", ".pvtu", ".pvtp", ".vtm", ".vtmb", ".vthb")
+EXTRA = "vtk"
+#: Bytes in which the kind of a file is looked for.
+HEAD_BYTES = 1 << 16
+DATASET = re.compile(rb"^\s*DATASET[ \t]+(\w+)", re.IGNORECASE | re.MULTILINE)
+#: Numbers of points and cells that a file promises, and extents.
+COUNTS = re.compile(
+    rb"""\bNumberOf(?:Points|Cells)\s*=\s*["']\s*(\d+)|^\s*(?:POINTS|CELLS|POINT_DATA|CELL_DATA)[ \t]+(\d+)""",
+    re.MULTILINE,
+)
+EXTENTS = re.compile(rb"""\bExtent\s*=\s*["']([-\d\s]+)["']|^\s*DIMENSIONS((?:[ \t]+\d+){3})""", re.MULTILINE)
+#: The window that VTK writes errors to is one for all threads.
+_WINDOW = Lock()
+#: Files that files name, one in the other, at most.
+MAX_DEPTH = 8
+
+
+def read(request: Request) -> Grid:
+    """The samples of a grid: its own where it is uniform, else those of an image that `resample` asks for."""
+    with reading("a VTK grid", request.path):
+        if (kind := _kind(request.file)) in ("PolyData", "PPolyData"):
+            raise other_grid(kind, request.path)
+        library("vtkmodules", extra=EXTRA)
+        _check_file(request.file, request, MAX_DEPTH)
+        data = _loaded(request)
+        blocks = [block for block in _blocks(data) if block.GetNumberOfPoints() > 0]
+        if not blocks:
+            raise FileError(f"the grid has no points; write one that has: {request.path}")
+        for block in blocks:
+            check_grid(block)
+        array = _chosen(blocks, request)
+        is_one = not data.IsA("vtkCompositeDataSet")
+        if is_one and (matrix := uniform_place(data, of_cells=array.of_cells)) is not None:
+            return _as_it_is(data, array, matrix, request)
+        if request.resample is None:
+            held = described_grid(data.GetClassName())
+            raise FileError(
+                f"the file holds {held}, not an image of evenly spaced samples; sample it on one, with N "
+                f"samples along its longest side, by resample=N (--resample N): {request.path}"
+            )
+        return _resampled(data, blocks, array, request)
+
+
+def is_grid(path: Path) -> bool:
+    """Whether a legacy or XML file of VTK holds another grid than one image."""
+    with path.open("rb") as file:
+        head = file.read(HEAD_BYTES)
+    if head.lstrip().startswith(b"<"):
+        kind = _kind_of_xml(head)
+        return kind is not None and kind != "ImageData" and f".{_SUFFIX_OF.get(kind, '')}" in SUFFIXES
+    found = DATASET.search(head)
+    return found is not None and found[1].upper() in (b"RECTILINEAR_GRID", b"STRUCTURED_GRID", b"UNSTRUCTURED_GRID")
+
+
+_SUFFIX_OF = {
+    "RectilinearGrid": "vtr",
+    "StructuredGrid": "vts",
+    "UnstructuredGrid": "vtu",
+    "PolyData": "vtp",
+    "PImageData": "pvti",
+    "PRectilinearGrid": "pvtr",
+    "PStructuredGrid": "pvts",
+    "PUnstructuredGrid": "pvtu",
+    "PPolyData": "pvtp",
+    "vtkMultiBlockDataSet": "vtm",
+    "vtkOverlappingAMR": "vthb",
+    "vtkHierarchicalBoxDataSet": "vthb",
+    "vtkNonOverlappingAMR": "vthb",
+}
+
+
+def _kind(path: Path) -> str | None:
+    """The type that an XML file states; None of another file."""
+    with path.open("rb") as file:
+        head = file.read(HEAD_BYTES)
+    return _kind_of_xml(head) if head.lstrip().startswith(b"<") else None
+
+
+def _kind_of_xml(head: bytes) -> str | None:
+    """The type that the first element of a file states; None where it states none, or has a document type."""
+    found: list[str] = []
+
+    def element(name: str, attributes: dict[str, str]) -> None:
+        if not found:
+            found.append(attributes.get("type", "") if name == "VTKFile" else "")
+
+    def document_type(*_: object) -> None:
+        found.append("")  # its entities could grow without bound, and VTK writes none
+
+    parser = expat.ParserCreate()
+    parser.StartElementHandler = element
+    parser.StartDoctypeDeclHandler = document_type
+    with suppress(expat.ExpatError):  # appended bytes are no XML
+        parser.Parse(head, False)
+    return found[0] if found and found[0] else None
+
+
+def _check_file(path: Path, request: Request, depth: int) -> None:
+    """Refuse, before VTK reads it, a file that names others elsewhere, or promises more than it can hold."""
+    with path.open("rb") as file:
+        content = file.read(HEAD_BYTES)
+        kind = _kind_of_xml(content) if content.lstrip().startswith(b"<") else ""
+        if kind is None:
+            raise ValueError(f"{path.name} does not begin as VTK's files do")
+        if kind in ("", "RectilinearGrid", "StructuredGrid", "UnstructuredGrid", "PolyData", "ImageData"):
+            _check_promises(content, path)
+            return
+        content += file.read()
+    if depth == 0:
+        raise FileError(f"files name each other {MAX_DEPTH} deep; open one of the pieces: {request.path}")
+    for element in parsed(content).iter():
+        for key in ("Source", "file"):
+            if (name := element.get(key)) is None:
+                continue
+            check_named_file(name, path, anywhere=request.external_files, within=request.within)
+            piece = path.parent / name
+            if not piece.exists():
+                raise FileError(f"the file names {name!r}, which is not there; copy it too: {path}")
+            _check_file(piece, request, depth - 1)
+
+
+def _check_promises(head: bytes, path: Path) -> None:
+    """Refuse a header with more points or cells than its file can hold, however packed."""
+    counts = [int(number) for match in COUNTS.findall(head) for number in match if number]
+    for match in EXTENTS.findall(head):
+        numbers = [int(number) for number in (match[0] or match[1]).split()]
+        sides = numbers if len(numbers) == 3 else [b - a + 1 for a, b in zip(numbers[::2], numbers[1::2], strict=False)]
+        counts.append(size_checks.n_bytes(sides, np.dtype("u1")))
+    stored, is_packed = path.stat().st_size, head.lstrip().startswith(b"<")
+    for count in counts:
+        ratio = size_checks.DEFLATE_RATIO if is_packed else 1
+        size_checks.check_stored([count], np.dtype("u1"), stored, path, ratio=ratio)
+
+
+def _loaded(request: Request) -> Any:
+    """The data object of a file, by VTK."""
+    with request.file.open("rb") as file:
+        is_xml = file.read(HEAD_BYTES).lstrip().startswith(b"<")
+    if is_xml:
+        reader = library("vtkmodules.vtkIOXML", extra=EXTRA).vtkXMLGenericDataObjectReader()
+    else:
+        check_whole(request.file)
+        reader = library("vtkmodules.vtkIOLegacy", extra=EXTRA).vtkGenericDataObjectReader()
+        # All arrays are read, not the first of each kind alone.
+        for kind in ("Scalars", "Vectors", "Tensors", "Fields", "Normals", "TCoords"):
+            getattr(reader, f"ReadAll{kind}On")()
+    reader.SetFileName(str(request.file))
+    with _told_by_vtk() as told:
+        reader.Update()
+    data = reader.GetOutputDataObject(0)
+    if data is None or any("ERR" in line for line in told):
+        raise ValueError("truncated or damaged, as VTK finds")
+    return data
+
+
+@contextmanager
+def _told_by_vtk() -> Iterator[list[str]]:
+    """The lines that VTK would write to the standard error stream meanwhile: inner readers tell nobody else."""
+    core = library("vtkmodules.vtkCommonCore", extra=EXTRA)
+    told: list[str] = []
+    with _WINDOW:
+        window, before = core.vtkStringOutputWindow(), core.vtkOutputWindow.GetInstance()
+        core.vtkOutputWindow.SetInstance(window)
+        try:
+            with muted_stderr():
+                yield told
+        finally:
+            core.vtkOutputWindow.SetInstance(before)
+            told += window.GetOutput().splitlines()
+
+
+def _blocks(data: Any) -> Iterator[Any]:
+    """The grids that a data object is made of."""
+    if not data.IsA("vtkCompositeDataSet"):
+        yield data
+        return
+    iterator = data.NewIterator()
+    iterator.InitTraversal()
+    while not iterator.IsDoneWithTraversal():
+        block = iterator.GetCurrentDataObject()
+        if block is not None and block.IsA("vtkDataSet"):
+            yield block
+        iterator.GoToNextItem()
+
+
+@dataclass(frozen=True)
+class _Array:
+    """An array of points or cells, and the blocks that have it."""
+
+    name: str
+    of_cells: bool
+
+    def numbers_of(self, block: Any) -> NDArray[Any] | None:
+        """The numbers, [point or cell, component]; None of a block that does not have them."""
+        from vtkmodules.util.numpy_support import vtk_to_numpy
+
+        array = (block.GetCellData() if self.of_cells else block.GetPointData()).GetArray(self.name)
+        if array is None:
+            return None
+        numbers: NDArray[Any] = vtk_to_numpy(array)
+        return numbers.reshape(len(numbers), -1)
+
+
+def _chosen(blocks: list[Any], request: Request) -> _Array:
+    """The array that is asked for, else the active scalars of the only block, else the only array."""
+    found: list[_Array] = []
+    scalars: list[str] = []
+    for block in blocks:
+        for part, of_cells in ((block.GetPointData(), False), (block.GetCellData(), True)):
+            for number in range(part.GetNumberOfArrays()):
+                array = part.GetArray(number)
+                if array is not None and array.GetName() not in (None, GHOSTS):
+                    found.append(_Array(str(array.GetName()), of_cells))
+            if len(blocks) == 1 and (active := part.GetScalars()) is not None:
+                scalars.append(str(active.GetName()))
+    arrays = list(dict.fromkeys(found))
+    return arrays[chosen([array.name for array in arrays], scalars, request)]
+
+
+def _as_it_is(grid: Any, array: _Array, matrix: NDArray[np.float64], request: Request) -> Grid:
+    """The samples of a uniform grid."""
+    numbers = array.numbers_of(grid)
+    if numbers is None:
+        raise ValueError("no such array")
+    # A layer of points counts as one of cells.
+    nx, ny, nz = (max(n - 1, 1) if array.of_cells else n for n in n_points(grid))
+    samples, told = component_of(numbers.reshape(nz, ny, nx, -1), request, array.name)
+    return Grid(np.array(samples), matrix, Facts(guesses=told))
+
+
+def _resampled(data: Any, blocks: list[Any], array: _Array, request: Request) -> Grid:
+    """The samples of an image that covers the grid."""
+    told: tuple[str, ...] = ()
+    for block in blocks:
+        numbers = array.numbers_of(block)
+        if numbers is None:
+            set_only_array(block, None, of_cells=array.of_cells)
+            continue
+        values, told = component_of(numbers, request, array.name)
+        set_only_array(block, values, of_cells=array.of_cells)
+    samples, matrix, sampled = sampled_on_image(data, blocks, request)
+    what = f"{described_grid(data.GetClassName())}, {sampled}"
+    of_cells = (f"{array.name!r} is of cells, and constant in each",) if array.of_cells else ()
+    return Grid(samples, matrix, Facts(guesses=(what, *of_cells, *told)))

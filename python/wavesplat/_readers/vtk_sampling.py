@@ -1,0 +1,146 @@
+"""Samples of VTK's grids on an image: the place of those that are even already, and VTK's sampling of the others."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._files import size_checks
+from wavesplat._readers.request import Request
+from wavesplat._readers.vtk_arrays import world_from_index
+from wavesplat.errors import FileError
+
+__all__ = ["GHOSTS", "n_points", "sampled_on_image", "set_only_array", "uniform_place"]
+
+#: Places of a uniform grid are off by at most this fraction of a step.
+TOLERANCE = 1e-4
+#: The arrays that VTK itself makes: cells that are hidden, and whether a sample lies in the grid.
+GHOSTS, VALID = "vtkGhostType", "vtkValidPointMask"
+#: The array that is sampled.
+SAMPLED = "wavesplat"
+
+
+def n_points(grid: Any) -> tuple[int, int, int]:
+    """Points of a structured grid along x, y, z."""
+    x, y, z = np.diff(np.reshape(grid.GetExtent(), (3, 2)))[:, 0] + 1
+    return int(x), int(y), int(z)
+
+
+def uniform_place(grid: Any, *, of_cells: bool) -> NDArray[np.float64] | None:
+    """The affine from index (x, y, z) to the world of a grid with evenly spaced points; None of another grid."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    if grid.IsA("vtkImageData"):
+        direction = grid.GetDirectionMatrix()
+        rows = np.array([[direction.GetElement(i, j) for j in range(3)] for i in range(3)])
+        first = np.array(grid.GetExtent())[::2]
+        return world_from_index(rows, grid.GetSpacing(), grid.GetOrigin(), first, of_cells=of_cells)
+    if grid.IsA("vtkRectilinearGrid"):
+        axes = [vtk_to_numpy(getattr(grid, f"Get{axis}Coordinates")()).astype(np.float64) for axis in "XYZ"]
+        steps = [(axis[-1] - axis[0]) / (len(axis) - 1) if len(axis) > 1 else 1.0 for axis in axes]
+        for axis, step in zip(axes, steps, strict=True):
+            off = np.abs(axis - (axis[0] + step * np.arange(len(axis)))).max()
+            if not (step != 0 and off <= TOLERANCE * abs(step)):
+                return None
+        return world_from_index(np.eye(3), steps, [axis[0] for axis in axes], (0, 0, 0), of_cells=of_cells)
+    if grid.IsA("vtkStructuredGrid"):
+        nx, ny, nz = n_points(grid)
+        points = vtk_to_numpy(grid.GetPoints().GetData()).astype(np.float64)
+        return _of_points(points.reshape(nz, ny, nx, 3), of_cells=of_cells)
+    return None
+
+
+def _of_points(points: NDArray[np.float64], *, of_cells: bool) -> NDArray[np.float64] | None:
+    """The affine of points [z, y, x] that lie on an even, maybe skewed grid; None of others."""
+    if min(points.shape[:3]) < 2:
+        return None
+    origin = points[0, 0, 0]
+    ends = points[0, 0, -1], points[0, -1, 0], points[-1, 0, 0]
+    steps = np.stack([(end - origin) / (n - 1) for end, n in zip(ends, points.shape[2::-1], strict=True)], axis=1)
+    finest = np.linalg.norm(steps, axis=0).min()
+    k, j, i = (np.arange(n, dtype=np.float64) for n in points.shape[:3])
+    for z in k.astype(int):  # a layer at a time: of all points the places would take as much memory again
+        expected = origin + z * steps[:, 2] + j[:, None, None] * steps[:, 1] + i[None, :, None] * steps[:, 0]
+        if not np.abs(points[z] - expected).max() <= TOLERANCE * finest:
+            return None
+    if abs(np.linalg.det(steps)) == 0:
+        return None
+    return world_from_index(steps, (1, 1, 1), origin, (0, 0, 0), of_cells=of_cells)
+
+
+def set_only_array(block: Any, values: NDArray[Any] | None, *, of_cells: bool) -> None:
+    """Replace the arrays of a grid, but those of hidden cells, by the one that is sampled."""
+    from vtkmodules.util.numpy_support import numpy_to_vtk
+
+    for part in (block.GetPointData(), block.GetCellData()):
+        for name in [part.GetArrayName(number) for number in range(part.GetNumberOfArrays())]:
+            if name != GHOSTS:
+                part.RemoveArray(name)
+    if values is None:
+        return
+    # Integers would be interpolated as such; 24 bits hold those of 16.
+    wide = values.dtype.itemsize > 4 or (values.dtype.kind in "iu" and values.dtype.itemsize == 4)
+    array = numpy_to_vtk(np.ascontiguousarray(values, np.float64 if wide else np.float32), deep=1)
+    array.SetName(SAMPLED)
+    (block.GetCellData() if of_cells else block.GetPointData()).AddArray(array)
+
+
+def sampled_on_image(data: Any, blocks: list[Any], request: Request) -> tuple[NDArray[Any], NDArray[np.float64], str]:
+    """Samples on an image that covers a grid, NaN outside of it; its affine; and the cost, in words."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkFiltersCore import vtkResampleToImage
+
+    bounds = np.array([block.GetBounds() for block in blocks]).reshape(-1, 3, 2)
+    low, high = bounds[..., 0].min(axis=0), bounds[..., 1].max(axis=0)
+    lengths = high - low
+    if not (np.isfinite(lengths).all() and (lengths > 0).all()):
+        raise FileError(f"the grid is flat, with sides {_numbers(lengths)}; a volume has three: {request.path}")
+    step = lengths.max() / ((request.resample or 2) - 1)
+    size = [max(2, round(length / step) + 1) for length in lengths]
+    # The sampling, its mask and a copy.
+    size_checks.check_memory(3 * size_checks.n_bytes(size, np.dtype("f4")), request.path)
+    sampler = vtkResampleToImage()
+    sampler.SetInputDataObject(data)
+    sampler.SetUseInputBounds(True)
+    sampler.SetSamplingDimensions(*size)
+    sampler.Update()
+    image = sampler.GetOutput()
+    points = image.GetPointData()
+    values, valid = points.GetArray(SAMPLED), points.GetArray(VALID)
+    if values is None or valid is None:
+        raise FileError(f"VTK could not sample the grid; sample it with ParaView, and write .vti: {request.path}")
+    shape = tuple(size[::-1])
+    samples = vtk_to_numpy(values).reshape(shape).copy()
+    is_inside = vtk_to_numpy(valid).reshape(shape) != 0
+    samples[~is_inside] = np.nan
+    matrix = world_from_index(np.eye(3), image.GetSpacing(), image.GetOrigin(), (0, 0, 0), of_cells=False)
+    outside = 1 - float(is_inside.mean())
+    told = f"sampled at {' x '.join(map(str, size))} places, {_numbers(image.GetSpacing())} apart"
+    smallest, largest = _cell_sizes(blocks)
+    cells = f"cells are {smallest:.3g} to {largest:.3g} wide; " if largest > 0 else ""
+    return samples, matrix, f"{told}; {cells}{outside:.1%} of the samples lie outside of it"
+
+
+def _cell_sizes(blocks: list[Any]) -> tuple[float, float]:
+    """The smallest and the largest width of cells, the cube root of their volumes; zeros without such cells."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+    from vtkmodules.vtkFiltersVerdict import vtkCellSizeFilter
+
+    found = []
+    for block in blocks:
+        sizes = vtkCellSizeFilter()
+        sizes.SetInputDataObject(block)
+        sizes.ComputeVolumeOn()
+        for unused in (sizes.ComputeAreaOff, sizes.ComputeLengthOff, sizes.ComputeVertexCountOff):
+            unused()
+        sizes.Update()
+        volumes = vtk_to_numpy(sizes.GetOutput().GetCellData().GetArray("Volume"))
+        volumes = np.abs(volumes[volumes != 0])  # those of left-handed cells are negative
+        found += [volumes.min(), volumes.max()] if len(volumes) else []
+    return (float(np.cbrt(min(found))), float(np.cbrt(max(found)))) if found else (0.0, 0.0)
+
+
+def _numbers(values: Any) -> str:
+    return " x ".join(f"{value:.4g}" for value in values)

@@ -37,10 +37,12 @@ __all__ = ["is_netcdf", "lazy_samples", "read"]
 EXTRA = "netcdf"
 #: First bytes of HDF5, and of the form of netCDF-3 with 64-bit sizes, which SciPy does not read.
 HDF5, CDF5 = b"\x89HDF", b"CDF\5"
-#: Coordinates' attribute `units` -> axis.
+#: Coordinates' attribute `units`, in small letters, -> axis: degrees_north, degree_N, degreesE and others of CF.
 OF_UNITS = {
-    **dict.fromkeys(("degrees_north", "degree_north", "degrees_n", "degreesn", "degree_n", "degreen"), "y"),
-    **dict.fromkeys(("degrees_east", "degree_east", "degrees_e", "degreese", "degree_e", "degreee"), "x"),
+    f"{degrees}{end}": axis
+    for degrees in ("degree", "degrees")
+    for axis, ends in (("y", ("_north", "_n", "n")), ("x", ("_east", "_e", "e")))
+    for end in ends
 }
 #: Names of axes of time.
 TIMES = ("time", "t")

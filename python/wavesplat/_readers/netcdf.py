@@ -39,8 +39,10 @@ EXTRA = "netcdf"
 HDF5, CDF5 = b"\x89HDF", b"CDF\5"
 #: Coordinates' attribute `units` -> axis.
 OF_UNITS = {
-    **dict.fromkeys(("degrees_north", "degree_north", "degrees_n", "degreesn", "degree_n", "degreen"), "y"),
-    **dict.fromkeys(("degrees_east", "degree_east", "degrees_e", "degreese", "degree_e", "degreee"), "x"),
+    f"degree{plural}{end}": axis
+    for axis, ends in (("y", ("_north", "_n", "n")), ("x", ("_east", "_e", "e")))
+    for end in ends
+    for plural in ("", "s")
 }
 #: Names of axes of time.
 TIMES = ("time", "t")

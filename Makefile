@@ -30,7 +30,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 .NOTPARALLEL:
 .PHONY: help demo test check fmt quality edges random-functions random-scenes looks looks-beside-vtk study study-wavelets study-lod study-cuts bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers scene-hashes roofline instructions gallery golden pictures \
 	clean wheel fuzz memcheck miri fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
-	rust-test python-test test-arm rust-lint python-lint stubs spelling licences docs readme
+	rust-test python-test test-arm test-napari rust-lint python-lint stubs spelling licences docs readme
 
 help: ## list the recipes
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -123,6 +123,12 @@ test-arm: ## lint and test the vector kernels on 64-bit ARM, emulated by qemu; m
 	cargo test --locked --target $(ARM) -p wavesplat-compute
 	cargo test --locked --target $(ARM) --no-fail-fast -p wavesplat-splat -p wavesplat-study \
 		--test consistency --test extras -- every_simd_level every_processor
+
+# In an environment of its own, beside the packages of the usual one: napari's plugin of pytest warns, which is an error there.
+test-napari: $(STAMPS)/tools ## try the plugin with napari itself, without a window; downloads 400 MB
+	$(BIN)/python -m venv .cache/napari && .cache/napari/bin/pip install --quiet 'napari[pyside6]>=0.6' 'bioio>=3' bioio-ome-tiff bioio-ome-zarr
+	PYTHONPATH=$(CURDIR)/python:$$(python -c 'import sysconfig; print(sysconfig.get_path("purelib"))') QT_QPA_PLATFORM=offscreen \
+		.cache/napari/bin/python -m pytest -n0 -W default -p no:cacheprovider python/tests/test_napari.py python/tests/test_foreign.py python/tests/test_saved_volumes.py -k "napari or bioio"
 
 wasm-check: ## compile for browsers, without threads; needs rustup's target, which it adds where it can
 	@rustup target list --installed 2>/dev/null | grep -qx $(WASM) || rustup target add $(WASM) >/dev/null 2>&1 || \

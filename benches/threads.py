@@ -5,9 +5,9 @@ turned frames after two. The speedup is against one thread in the same run.
 
 `--simulate` needs no wide machine: the example `tile_times` measures each tile of a frame on one thread, and list
 scheduling (Graham 1966: a thread that is free takes the next tile) gives the time of a frame by `n` threads. It prints
-the efficiency, the time on one thread over `n` times the simulated time, with the tiles row by row, dearest first by the renderer's
-own estimate, and dearest first by their measured times; and the bound that the dearest tile sets. Threads are taken to
-be as fast as one alone, without a limit by memory.
+the efficiency, the time on one thread over `n` times the simulated time, with the tiles row by row, dearest first by
+the renderer's own estimate, and dearest first by their measured times; and the bound that the dearest tile sets.
+Threads are taken to be as fast as one alone, without a limit by memory.
 """
 
 from __future__ import annotations
@@ -77,7 +77,9 @@ def _simulate(threads: list[int]) -> None:
                 "by measured times": sorted((time for _, time in tiles), reverse=True),
             }
             rows = {order: [whole / (n * _makespan(times, n)) for n in threads] for order, times in orders.items()}
-            rows["bound by the dearest tile"] = [min(1.0, whole / (n * max(time for _, time in tiles))) for n in threads]
+            rows["bound by the dearest tile"] = [
+                min(1.0, whole / (n * max(time for _, time in tiles))) for n in threads
+            ]
             for order, row in rows.items():
                 label = f"{name} {curve}, {light}"
                 print(f"| {label} | {len(tiles)} | {order} | " + " | ".join(f"{e:.2f}" for e in row) + " |", flush=True)

@@ -45,7 +45,7 @@ SOFT = ws.TransferFunction(
 def soft_ct() -> ws.Picture:
     """Skin over bones."""
     ct = ws.examples.ct_pelvis()
-    return ws.render(ct, SOFT, ws.Camera.orbit(ct, 25, 15, fit="view"), size=SIZE, background="black")
+    return ws.render(ct, SOFT, ws.Camera.orbit(ct, 25, 15, fit="view"), size=SIZE, background="black", keep_table=True)
 
 
 def hard_mri_in_perspective() -> ws.Picture:
@@ -70,7 +70,8 @@ def labels() -> ws.Picture:
     segmentation[(segmentation == 1) & (ct.samples > 220)] = 2
     looks = {1: ws.Label("grey", 0, scan=0), 2: ws.Label("#40a0e0", 0.9, name="bone")}
     view = ws.Camera.orbit(ct, 25, 15, fit="view")
-    return ws.render(ct, SOFT, view, labels=ws.Labels(segmentation, looks), size=SIZE, background="black")
+    of_scene = {"labels": ws.Labels(segmentation, looks), "background": "black", "keep_table": True}
+    return ws.render(ct, SOFT, view, size=SIZE, **of_scene)
 
 
 def two_dimensional() -> ws.Picture:
@@ -80,7 +81,8 @@ def two_dimensional() -> ws.Picture:
     surfaces = ws.TransferFunction2D.boundaries([skin, bone])
     middle = np.mean(ct.bounds, axis=0)
     view = ws.Camera.orbit(ct, 150, 10, fit="view")
-    return ws.render(ct, surfaces, view, clip=ws.ClipPlane(middle, (-1, -0.5, 0)), size=SIZE, background="black")
+    of_scene = {"clip": ws.ClipPlane(middle, (-1, -0.5, 0)), "background": "black", "keep_table": True}
+    return ws.render(ct, surfaces, view, size=SIZE, **of_scene)
 
 
 def coarse_wavelet_level() -> ws.Picture:

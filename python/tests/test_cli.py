@@ -10,6 +10,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from tiff_pixels import tiff_pixels
 
 import wavesplat as ws
 from wavesplat import _cli
@@ -82,7 +83,7 @@ def test_the_command_line_makes_the_picture_of_the_api(wavesplat, ramp_file, tmp
         clip=crop,
         shading=None,
     )
-    np.testing.assert_array_equal(tifffile.imread(out), expected.rgba)
+    np.testing.assert_array_equal(tifffile.imread(out), tiff_pixels(expected))
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ import pickle
 
 import numpy as np
 import pytest
+from tiff_pixels import tiff_pixels
 
 import wavesplat as ws
 from wavesplat._model.clips import combined_clips
@@ -331,7 +332,7 @@ def test_the_command_line_cuts_as_the_api_does(wavesplat, tmp_path):
     planes = [ws.ClipPlane((0, 0, 2), (0, 0, 1)), ws.ClipPlane((0, 0, 14), (0, 0, -1))]
     clip = [*planes, *map(ws.CutOut, boxes)]
     want = ws.render(volume, "grey", "left", size=(40, 30), clip=clip, background="black")
-    np.testing.assert_array_equal(tifffile.imread(out), want.rgba)
+    np.testing.assert_array_equal(tifffile.imread(out), tiff_pixels(want))
 
 
 @pytest.mark.parametrize(

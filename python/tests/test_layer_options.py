@@ -11,6 +11,7 @@ from test_open_scene import DESCRIBED, cells, save
 
 import wavesplat as ws
 from wavesplat._cli.layer_options import (
+    LayerText,
     channel_of,
     further_layers,
     layer_of,
@@ -19,6 +20,9 @@ from wavesplat._cli.layer_options import (
     times_of,
 )
 from wavesplat.errors import ArgumentError, FileError
+
+#: A volume that transforms of layers would map onto.
+SCAN = ws.examples.ripples(8)
 
 
 @pytest.mark.parametrize(
@@ -69,7 +73,7 @@ def test_files_of_layers_may_have_colons(tmp_path, monkeypatch, name, look, said
     monkeypatch.chdir(tmp_path)
     (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
     (tmp_path / name).touch()
-    assert tuple(layer_of(name + look)) == (name, *said)
+    assert layer_of(name + look) == LayerText(name, *said)
 
 
 @pytest.mark.parametrize(
@@ -81,7 +85,7 @@ def test_files_of_layers_may_have_colons(tmp_path, monkeypatch, name, look, said
     ],
 )
 def test_urls_of_layers(text, layer):
-    assert tuple(layer_of(text)) == layer
+    assert layer_of(text) == LayerText(*layer)
 
 
 def test_layers_that_are_not_there(tmp_path, monkeypatch):
@@ -228,16 +232,16 @@ def test_a_further_volume(render, tmp_path):
 
 def test_a_further_volume_of_several_channels(tmp_path):
     source = save(tmp_path / "a.zarr", 2, DESCRIBED[:2])
-    assert [layer.name for layer in further_layers([str(source)], time=0, quiet=True)] == ["DAPI", "GFP"]
+    assert [layer.name for layer in further_layers([str(source)], SCAN, time=0, quiet=True)] == ["DAPI", "GFP"]
     with pytest.raises(FileError, match="holds 2 channels"):
-        further_layers([f"{source}:hot"], time=0, quiet=True)
+        further_layers([f"{source}:hot"], SCAN, time=0, quiet=True)
 
 
 @pytest.mark.parametrize(
     ("options", "message"),
     [
         (["--preset", "pet"], "--preset: for one volume, and the picture is of 2 channels"),
-        (["--cmap", "hot"], "--cmap, --clim.*: for one volume"),
+        (["--cmap", "hot"], "--cmap: for one volume"),
         (["--channel", "x:grean"], r"no channel 'x:grean'.*\(--channel is NUMBER\|NAME"),
         (["--times", "all", "--time", "0"], "--time and --times say the same thing twice"),
         (["--times", "3"], "--times has 3, but the file holds 1 time points"),

@@ -9,6 +9,7 @@ import wavesplat as ws
 from wavesplat._looks import presets
 from wavesplat._looks.colormaps import is_diverging
 from wavesplat._looks.overlays import cleared
+from wavesplat._scene.drawn_layers import look_over_others
 from wavesplat.errors import ArgumentError, WavesplatWarning
 
 SIZE = (40, 40)
@@ -210,6 +211,83 @@ def test_a_diverging_map_of_values_of_one_sign_is_clear_at_the_lowest():
 def test_a_window_of_negative_values_is_refused(layers):
     with pytest.raises(ArgumentError, match="negative values only; give 10,-10|3,10"):
         ws.Layer.overlay(layers["signed"], "coolwarm", (-10, -3))
+
+
+@pytest.mark.parametrize("look", [("coolwarm", (-10, 10)), ("coolwarm", (3, 10)), ("coolwarm", None), ("signed", None)])
+def test_the_lowest_of_two_signs_shows_as_the_highest_does(look):
+    """The values furthest below 0 were cleared as background is, over another volume: fault 8, second half."""
+    samples = np.broadcast_to(np.linspace(-12, 12, 25, dtype=np.float32), (8, 8, 25)).copy()
+    values, under = ws.Volume(samples, name="z"), ws.Volume(np.zeros((8, 8, 25), np.uint8), name="anatomy")
+    layer = ws.Layer.overlay(values, *look)
+    curves = look_over_others(layer.look, values, "over").transfer_function
+    magnitudes = np.array([12.0, 11, 9, 7])
+    np.testing.assert_allclose(curves(-magnitudes)[:, 3], curves(magnitudes)[:, 3], atol=1e-6)
+    row = ws.slice([under, layer], clim=(0, 1)).rgba[4, :, :3]
+    assert row[0].max() > 0.5
+    assert row[-1].max() > 0.5
+
+
+# Thresholds of statistics
+
+
+def ramp():
+    """Values from -12 to 12 along x, a quarter apart."""
+    return ws.Volume(np.broadcast_to(np.linspace(-12, 12, 97, dtype=np.float32), (4, 4, 97)).copy(), name="z")
+
+
+@pytest.mark.parametrize(
+    ("look", "window", "signs"),
+    [
+        (None, None, 2),
+        ("coolwarm", (-10, 10), 2),
+        ("coolwarm", (3, 10), 2),
+        ("signed", None, 2),
+        ("RdBu_r", None, 2),
+        ("hot", (0, 10), 1),
+        ("hot", None, 1),
+        ("red", (0, 8), 1),
+        (None, (0, 8), 1),
+    ],
+)
+def test_below_its_threshold_a_statistic_is_hidden_and_above_it_whole(look, window, signs):
+    values = ramp()
+    layer = ws.Layer.overlay(values, look, window, threshold=3.1)
+    curves = look_over_others(layer.look, values, "over").transfer_function
+    found = curves([-11, -3.2, -3, 0, 3, 3.2, 11])[:, 3]
+    outer = 1 if signs == 2 else found[0]
+    np.testing.assert_array_equal(found[2:], [0, 0, 0, 1, 1])
+    np.testing.assert_array_equal(found[:2], outer)
+    if look == "hot" and window is not None:
+        assert outer == 0
+    if look is not None:
+        without = ws.Layer.overlay(values, look, window).look.transfer_function
+        assert layer.look.transfer_function.color == without.color
+
+
+def test_a_threshold_hides_to_the_pixel_and_shows_at_full_opacity():
+    values = ramp()
+    under = ws.Volume(np.full((4, 4, 97), 7, np.uint8), name="anatomy")
+    plain = ws.slice(under, clim=(0, 10)).rgba
+    over = ws.slice([under, ws.Layer.overlay(values, "coolwarm", (-10, 10), threshold=3)], clim=(0, 10))
+    z = np.linspace(-12, 12, 97)
+    changed = (over.rgba != plain).any(axis=-1)[2]
+    np.testing.assert_array_equal(changed[np.abs(z) < 3], False)
+    np.testing.assert_array_equal(changed[np.abs(z) > 3], True)
+    colors = ws.TransferFunction.from_colormap("coolwarm", clim=(-10, 10), opacity=1.0)(z)[:, :3]
+    np.testing.assert_allclose(over.rgba[2, np.abs(z) > 3, :3], colors[np.abs(z) > 3], atol=1e-3)
+
+
+@pytest.mark.parametrize(
+    ("look", "threshold", "message"),
+    [
+        ("coolwarm", -3, "give a positive number"),
+        ("hot", float("nan"), "finite"),
+        ("nonsense", 3, "the look of a layer"),
+    ],
+)
+def test_thresholds_that_cannot_be(look, threshold, message):
+    with pytest.raises(ArgumentError, match=message):
+        ws.Layer.overlay(ramp(), look, threshold=threshold)
 
 
 # Looks of layers

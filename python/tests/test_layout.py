@@ -28,6 +28,8 @@ ROOMS = {
         "_movie",
         "_mesh",
         "_viewer",
+        "_napari",
+        "napari",
         "reference",
         "study",
         "_cli",
@@ -106,8 +108,9 @@ LEAVES = {
 CIRCLES = {
     "_looks": [
         (
-            *("automatic", "channels", "colormaps", "histogram", "look", "look_files", "look_json", "paraview_files"),
-            *("presets", "slicer_files", "transfer_function", "transfer_function_json", "value_scale"),
+            *("automatic", "changed", "channels", "colormaps", "histogram", "look", "look_files", "look_json"),
+            *("paraview_files", "presets", "slicer_files", "transfer_function", "transfer_function_json"),
+            *("value_scale", "window_ends"),
         ),
         ("materials", "materials_fit", "materials_json", "materials_surface"),
     ],

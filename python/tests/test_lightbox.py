@@ -42,7 +42,8 @@ def test_positions_are_spread_evenly_over_the_volume():
 def test_three_planes_have_one_scale(size):
     ruler = np.zeros((20, 24, 30), np.uint8)
     ruler[5:15, 6:18, 10:20] = 1  # 20 x 24 x 30 mm
-    sheet = ws.lightbox(ws.Volume(ruler, world_from_index=MATRIX, facts=FACTS), "all", letters=False, size=size)
+    scan = ws.Volume(ruler, world_from_index=MATRIX, facts=FACTS)
+    sheet = ws.lightbox(scan, "all", letters=False, reference_lines=False, size=size)
     assert [panel["plane"] for panel in sheet.report["panels"]] == ["axial", "coronal", "sagittal"]
     lengths = [(20, 24), (20, 30), (24, 30)]
     for number, (across, along) in enumerate(lengths):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from tiff_pixels import tiff_pixels
 
 import wavesplat as ws
 from wavesplat._looks.materials_json import preset_names
@@ -305,7 +306,7 @@ def test_the_command_line_makes_the_picture_of_the_api(wavesplat, ramp_file, tmp
     done = wavesplat("render", ramp_file, "-o", "a.tif", "--materials", given_as, "--size", "32x24", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     expected = ws.render(volume, materials, size=(32, 24), background="black")
-    np.testing.assert_array_equal(tifffile.imread(tmp_path / "a.tif"), expected.rgba)
+    np.testing.assert_array_equal(tifffile.imread(tmp_path / "a.tif"), tiff_pixels(expected))
 
 
 def test_the_command_line_refuses_two_transfer_functions(wavesplat, ramp_file, tmp_path):

@@ -141,7 +141,7 @@ def test_of_many_channels_the_first_active_ones_are_taken(tmp_path):
         ([2.5], "a channel is 2.5; give a number from 0, or a name"),
         ([(0, "blue", (1, 2), 3)], "a channel is .*; give a number or a name, or"),
         ([(0, "grean")], "color is 'grean'"),
-        ([(0, "green", (2, 1))], r"window is \(2, 1\); give two numbers"),
+        ([(0, "green", (2, 1))], r"window is \(2, 1\); low must be less than high"),
         ([], "1 to 8 channels, not 0"),
         ([0] * 9, "1 to 8 channels, not 9"),
     ],
@@ -240,10 +240,10 @@ def test_what_is_below_the_window_is_clear_and_what_is_bright_is_in_the_colour()
     assert np.median(green[seen] / red[seen]) < 0.2
 
 
-@pytest.mark.parametrize("n", [16, 64])
+@pytest.mark.parametrize("n", [1, 3, 64])
 def test_a_ray_through_as_many_voxels_as_the_window_wants_is_opaque(n):
     ramp = channels.ramp((0, 1, 0), 0, 1, n)
-    assert 1 - (1 - ramp.opacity[-1][1]) ** (2 * n / 10) == pytest.approx(0.995, abs=1e-3)
+    assert 1 - (1 - ramp.opacity[-1][1]) ** n == pytest.approx(0.995, abs=1e-3)
 
 
 def test_windows_of_values_see_spots_and_leave_noise():

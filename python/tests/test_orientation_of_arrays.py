@@ -104,7 +104,7 @@ def test_bodies_stay_as_radiologists_read_them():
 def test_three_planes_are_aligned(is_body):
     samples = np.random.default_rng(0).integers(0, 200, (11, 21, 31)).astype(np.uint8)
     volume = body(samples) if is_body else ws.Volume(samples)
-    sheet = ws.lightbox(volume, "ortho", letters=False, clim=(0, 255), size=(61, 61))
+    sheet = ws.lightbox(volume, "ortho", letters=False, reference_lines=False, clim=(0, 255), size=(61, 61))
     first, beside, below = sheet.report["panels"]
     assert (first["top"], first["height"]) == (beside["top"], beside["height"])
     assert (first["left"], first["width"]) == (below["left"], below["width"])

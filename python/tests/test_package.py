@@ -53,7 +53,7 @@ def test_examples_of_public_names_run(name, tmp_path, monkeypatch):
 def test_public_names_say_where_to_import_them_from():
     things = [getattr(ws, name) for name in ws.__all__]
     things = [thing for thing in things if callable(thing)]
-    assert len(things) == 51
+    assert len(things) == 52
     assert [thing for thing in things if thing.__module__ != "wavesplat"] == []
 
 
@@ -126,6 +126,6 @@ def test_the_page_of_what_is_public_names_all_modules_and_commands():
     page = (Path(__file__).parents[2] / "docs" / "public_api.md").read_text(encoding="utf-8")
     modules = [f"`wavesplat.{name}`" for name in ws.__all__ if inspect.ismodule(getattr(ws, name))]
     commands = [f"`{command.callback.__name__}`".replace("_", "-") for command in app.registered_commands]
-    assert len(modules) == 5
-    assert len(commands) == 12
+    assert len(modules) == 6
+    assert len(commands) == 13
     assert [name for name in [*modules, *commands] if name not in page] == []

@@ -16,6 +16,7 @@ PAGES = [
     "channels_and_time.md",
     "scenes.md",
     "radiotherapy.md",
+    "coming_from.md",
     "simulations.md",
 ]
 

@@ -24,11 +24,40 @@ def test_png_is_not_associated(tmp_path, bits, top):
     assert pixels[0, 0].tolist() == [0, 0, 0, 0]
 
 
-def test_tiff_keeps_the_floats(tmp_path):
-    PICTURE.save(tmp_path / "a.tif")
-    np.testing.assert_array_equal(tifffile.imread(tmp_path / "a.tif"), RGBA)
+@pytest.mark.parametrize("bits", [8, 16])
+def test_tiff_has_the_numbers_of_png(tmp_path, bits):
+    for name in ("a.tif", "a.png"):
+        PICTURE.save(tmp_path / name, bits=bits)
+    np.testing.assert_array_equal(tifffile.imread(tmp_path / "a.tif"), read_png(tmp_path / "a.png"))
     with tifffile.TiffFile(tmp_path / "a.tif") as tiff:
-        assert tiff.pages[0].extrasamples == (tifffile.EXTRASAMPLE.ASSOCALPHA,)
+        assert tiff.pages[0].extrasamples == (tifffile.EXTRASAMPLE.UNASSALPHA,)
+
+
+def test_tiff_is_rgb_with_the_distance_of_pixels(tmp_path):
+    """Fault 10 of the microscopist's trial: Fiji's Image > Properties shows `report["pixel"]` and its unit."""
+    volume = ws.Volume(np.random.default_rng(1).integers(0, 200, (9, 30, 40), np.uint8), spacing=(0.3,) * 3, unit="um")
+    picture = ws.render(volume, "grey", "left", size=(60, 50), background="black")
+    picture.save(tmp_path / "a.tif")
+    with tifffile.TiffFile(tmp_path / "a.tif") as tiff:
+        page = tiff.pages[0]
+        assert tiff.is_imagej
+        assert tiff.imagej_metadata["unit"] == "um"
+        assert (page.shape, page.dtype) == ((50, 60, 3), np.uint8)
+        for tag in ("XResolution", "YResolution"):
+            n_pixels, n_units = page.tags[tag].value
+            assert n_units / n_pixels == pytest.approx(picture.report["pixel"], rel=1e-6)
+        assert page.tags["ResolutionUnit"].value == tifffile.RESUNIT.NONE
+        np.testing.assert_array_equal(page.asarray(), np.asarray(picture)[..., :3])
+    assert picture.report["pixel"] == pytest.approx(picture.camera.parallel_scale / 25)
+
+
+def test_tiff_in_perspective_has_no_distance_of_pixels(tmp_path):
+    volume = ws.Volume(np.eye(8, dtype=np.uint8)[None].repeat(8, axis=0), unit="um")
+    camera = ws.Camera.view(volume, "left", view_angle=30)
+    ws.render(volume, "grey", camera, size=(20, 20)).save(tmp_path / "a.tif")
+    with tifffile.TiffFile(tmp_path / "a.tif") as tiff:
+        assert not tiff.is_imagej
+        assert tiff.pages[0].tags["XResolution"].value == (1, 1)
 
 
 def test_exr_keeps_the_floats_and_the_depth(tmp_path):
@@ -190,11 +219,15 @@ def test_the_systems_viewer_shows_it(monkeypatch):
 
 def test_axes_of_a_figure_are_the_worlds():
     volume = ws.Volume(np.arange(60).reshape(3, 4, 5), spacing=(2, 2, 2), unit="um")
-    axes = ws.slice(volume, "axial").figure().axes[0]
-    # Seen from below, as radiologists do: x grows to the left. Samples lie at the middles of pixels.
+    axes = ws.slice(volume, "xy").figure().axes[0]
+    # As an array is shown: y grows downwards. Samples lie at the middles of pixels.
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("x (µm)", "y (µm)")
-    assert axes.get_xlim() == (9, -1)
-    assert axes.get_ylim() == (-1, 7)
+    assert axes.get_xlim() == (-1, 9)
+    assert axes.get_ylim() == (7, -1)
+    body = ws.Volume(volume.samples, spacing=(2, 2, 2), unit="mm", anatomical=True)
+    axes = ws.slice(body, "axial").figure().axes[0]
+    # Seen from below, as radiologists do: x grows to the left.
+    assert (axes.get_xlim(), axes.get_ylim()) == ((9, -1), (-1, 7))
     assert PICTURE.figure().axes[0].axison is False
     seen = ws.Picture(RGBA, report={"pixel": 0.5}).figure().axes[0]
     assert (seen.get_xlim(), seen.get_ylim(), seen.get_xlabel()) == ((-1.25, 1.25), (-0.75, 0.75), "right")

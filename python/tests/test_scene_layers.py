@@ -82,7 +82,10 @@ def test_equal_layers_with_half_the_extinction_are_one():
     half = ws.TransferFunction(list(zip(values, 1 - np.sqrt(1 - opacity), strict=True)), SOFT.color)
     # Of cut faces each layer asks for its own optical depth: haze of half the extinction has less even light.
     light = ws.Shading(even_cuts=0)
-    scenes = (ws.Scene(layers, shading=light) for layers in (ws.Layer(CT, whole), [ws.Layer(CT, half)] * 2))
+    # Of several layers none is drawn without the table.
+    scenes = (
+        ws.Scene(layers, shading=light, keep_table=True) for layers in (ws.Layer(CT, whole), [ws.Layer(CT, half)] * 2)
+    )
     one, two = (scene.render(EYE, size=SIZE) for scene in scenes)
     np.testing.assert_allclose(two.rgba, one.rgba, atol=1e-5)
 

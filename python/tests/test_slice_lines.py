@@ -247,7 +247,7 @@ def test_the_command_line_draws_lines(folder, tmp_path, wavesplat):
 
 def test_texts_of_isolines(tmp_path):
     (tmp_path / "a:b.nii").touch()
-    assert isolines_of(f"{tmp_path}/a:b.nii:-20,4e1:jet") == (f"{tmp_path}/a:b.nii", (-20.0, 40.0), "jet")
+    assert isolines_of(f"{tmp_path}/a:b.nii:-20,4e1:jet") == (f"{tmp_path}/a:b.nii", (-20.0, 40.0), "jet", None)
     assert isolines_of(f"{tmp_path}/a:b.nii:.5").color is None
     for text in (f"{tmp_path}/a:b.nii", f"{tmp_path}/a:b.nii:", f"{tmp_path}/a:b.nii:1,x", f"{tmp_path}/a:b.nii:nan"):
         with pytest.raises(ArgumentError, match="it is FILE:VALUE"):

@@ -4,6 +4,7 @@ import json
 
 import numpy as np
 import pytest
+from tiff_pixels import tiff_pixels
 
 import wavesplat as ws
 from wavesplat.errors import ArgumentError
@@ -112,7 +113,7 @@ def test_lengths_have_units_on_the_command_line(wavesplat, ramp_file, tmp_path, 
 
     smoothed = ws.open(ramp_file).smoothed(meant[0], unit="world" if meant[1] == "mm" else "voxels")
     want = ws.render(smoothed, "grey", size=(20, 20), background="black")
-    np.testing.assert_array_equal(tifffile.imread(out), want.rgba)
+    np.testing.assert_array_equal(tifffile.imread(out), tiff_pixels(want))
 
 
 @pytest.mark.parametrize(

@@ -1,44 +1,217 @@
-"""A note where a CT shows the table that the patient lies on (improvement 9 of the trial in the clinic)."""
+"""The table below a patient in a CT leaves pictures by itself, and nothing else does (improvement 9 of the clinic)."""
+
+# ruff: noqa: ARG005 - shapes are functions of three coordinates
 
 from __future__ import annotations
 
+import json
 from typing import Any
 
 import numpy as np
+import pytest
 
 import wavesplat as ws
+from wavesplat._looks.tables import PROCESSING, without_table
+from wavesplat.errors import ArgumentError
+
+AIR, WATER, BOARD = -1000, 40, 150
 
 
-def lying(*, table: bool, modality: str = "CT") -> ws.Volume:
-    """An elliptic body of water with bones in air, 4 mm samples, and a thin table below it."""
-    _, y, x = np.meshgrid(*(4.0 * (np.arange(n) - n / 2) for n in (24, 80, 90)), indexing="ij")
-    body = (x / 130) ** 2 + ((y - 20) / 85) ** 2 < 1
-    bones = ((np.abs(x) - 60) / 20) ** 2 + ((y - 10) / 20) ** 2 < 1
-    samples = np.where(bones, 700, np.where(body, 40, -1000)).astype(np.int16)
+def lying(
+    *,
+    table: bool = True,
+    n_slices: int = 24,
+    parts: Any = None,
+    body: Any = None,
+    board: Any = None,
+    matrix: Any = None,
+    offset: int = 0,
+    **facts: Any,
+) -> ws.Volume:
+    """An elliptic body of water with bones in air, 4 mm samples, and a thin table below it.
+
+    parts, body, board : functions of (x, y, z), mm, y to the front: more of the body, or other shapes instead.
+    """
+    z, y, x = np.meshgrid(*(4.0 * (np.arange(n) - n / 2) for n in (n_slices, 80, 90)), indexing="ij")
+    inside = (x / 130) ** 2 + ((y - 20) / 85) ** 2 < 1 if body is None else body(x, y, z)
+    if parts is not None:
+        inside |= parts(x, y, z)
+    bones = inside & (((np.abs(x) - 60) / 20) ** 2 + ((y - 10) / 20) ** 2 < 1)
+    samples = np.where(bones, 700, np.where(inside, WATER, AIR)).astype(np.int16)
     if table:
-        board = (np.abs(x) < 150) & (np.abs(y + 90 - (x / 100) ** 2 * 8) < 4.5)
-        samples[board] = 150
-    facts = ws.Facts(modality=modality, is_anatomical=True, unit="mm")
-    return ws.Volume(samples, world_from_index=np.diag([4.0, 4, 4, 1]), facts=facts)
+        plate = (np.abs(x) < 150) & (np.abs(y + 90 - (x / 100) ** 2 * 8) < 4.5) if board is None else board(x, y, z)
+        samples[plate & ~inside] = BOARD
+    known = {"modality": "CT", "is_anatomical": True, "unit": "mm", **facts}
+    place = np.diag([4.0, 4, 4, 1]) if matrix is None else matrix
+    return ws.Volume(samples + np.int16(offset), world_from_index=place, facts=ws.Facts(**known))
 
 
-def notes(volume: ws.Volume, look: str | None = None, **options: Any) -> list[str]:
+def notes(volume: Any, look: Any = None, **options: Any) -> list[str]:
     """Notes on a table of a picture of the volume."""
     picture = ws.render(volume, look, size=(24, 24), **options)
     return [note for note in picture.report.get("notes", []) if "table" in note]
 
 
-def test_a_table_that_shows_has_a_note() -> None:
-    (note,) = notes(lying(table=True))
-    assert "--remove-table" in note
+def test_the_table_is_left_out_of_the_picture_and_stays_in_the_samples() -> None:
+    scan = lying()
+    before = scan.samples.copy()
+    picture = ws.render(scan, "ct-skin", "left", size=(48, 48))
+    bare = ws.render(lying(table=False), "ct-skin", "left", size=(48, 48))
+    np.testing.assert_array_equal(picture.rgba, bare.rgba)
+    assert picture.report["processing"] == [PROCESSING]
+    assert scan.facts.processing == ()
+    np.testing.assert_array_equal(scan.samples, before)
+    assert ws.slice(scan).report == ws.slice(lying()).report
+    (note,) = notes(scan)
+    assert "--keep-table" in note
     assert notes(lying(table=False)) == []
 
 
-def test_no_note_where_no_table_shows() -> None:
-    scan = lying(table=True)
-    assert notes(ws.largest_body(scan)) == []
+def test_kept_it_is_drawn_and_a_note_names_what_takes_it_out() -> None:
+    scan = lying()
+    kept = ws.render(scan, "ct-skin", "left", size=(48, 48), keep_table=True)
+    assert (kept.rgba != ws.render(scan, "ct-skin", "left", size=(48, 48)).rgba).any()
+    (note,) = notes(scan, keep_table=True)
+    assert "--remove-table" in note
+    with pytest.raises(ArgumentError, match="keep_table is 1; give True or False"):
+        ws.Scene(scan, keep_table=1)  # type: ignore[arg-type]
+
+
+def test_documents_draw_the_same_again(tmp_path: Any) -> None:
+    import nibabel
+
+    scan = lying()
+    nibabel.save(nibabel.Nifti1Image(scan.samples.T, scan.world_from_index), tmp_path / "a.nii.gz")
+    opened = ws.open(tmp_path / "a.nii.gz")
+    for keep in (False, True):
+        picture = ws.render(opened, camera="left", size=(24, 24), keep_table=keep)
+        document = picture.report["scene"]
+        assert document.get("keep_table", False) is keep
+        again = ws.Scene.from_json(json.dumps(document), tmp_path)
+        assert again.keep_table is keep
+        np.testing.assert_array_equal(again.render("left", size=(24, 24)).rgba, picture.rgba)
+
+
+def test_other_pictures_have_it() -> None:
+    scan = lying()
     assert notes(scan, composite="maximum") == []
-    assert notes(scan, quality="draft") == []
-    assert notes(scan, clip=ws.Crop((-150, -60, -50), (150, 120, 50))) == []
-    high = ws.TransferFunction([(300, 0.0), (500, 0.8)], [(300, 1, 1, 1)])
-    assert [n for n in ws.render(scan, high, size=(24, 24)).report.get("notes", []) if "table" in n] == []
+    two = [ws.Layer(scan, "ct-skin"), ws.Layer(lying(table=False), "ct-bone")]
+    assert all("--remove-table" in note for note in notes(two))
+    lazy = ws.Volume.lazy(
+        np.array(scan.samples), world_from_index=scan.world_from_index, facts=scan.facts, name="lazy", cache=False
+    )
+    plain, kept = (ws.render(lazy, "ct-skin", "left", size=(24, 24), keep_table=keep) for keep in (False, True))
+    np.testing.assert_array_equal(plain.rgba, kept.rgba)
+    assert notes(ws.largest_body(scan)) == []
+
+
+def test_axes_of_the_file_do_not_matter() -> None:
+    scan = lying()
+    want = without_table(scan)
+    assert want is not None
+    turned = np.diag([-4.0, -4, 4, 1])
+    flipped = ws.Volume(scan.samples[:, ::-1, ::-1].copy(), world_from_index=turned, facts=scan.facts)
+    found = without_table(flipped)
+    assert found is not None
+    np.testing.assert_array_equal(found.samples[:, ::-1, ::-1], want.samples)
+    sagittal = np.zeros((4, 4))
+    sagittal[[1, 2, 0, 3], [0, 1, 2, 3]] = [4, 4, 4, 1]
+    across = ws.Volume(scan.samples.transpose(2, 0, 1).copy(), world_from_index=sagittal, facts=scan.facts)
+    found = without_table(across)
+    assert found is not None
+    np.testing.assert_array_equal(found.samples.transpose(1, 2, 0), want.samples)
+
+
+def test_stored_units_may_have_an_offset() -> None:
+    body = lying(body=lambda x, y, z: (x / 130) ** 2 + ((y - 20) / 85) ** 2 < 1)
+    fat = body.samples.copy()
+    fat[(fat == WATER) & (np.random.default_rng(0).random(fat.shape) < 0.4)] = -100
+    facts = body.facts
+    found = without_table(ws.Volume(fat + np.int16(1000), world_from_index=body.world_from_index, facts=facts))
+    assert found is not None
+    assert found.samples.min() == 0
+    assert not (found.samples == BOARD + 1000).any()
+
+
+@pytest.mark.parametrize(
+    "parts",
+    [
+        pytest.param(
+            lambda x, y, z: ((np.abs(x) - 155) / 22) ** 2 + ((y + 45) / 20) ** 2 < 1, id="arms beside the body"
+        ),
+        pytest.param(lambda x, y, z: (np.abs(x - 120) < 8) & (np.abs(y + 64) < 9) & (z > -20), id="a finger"),
+        pytest.param(lambda x, y, z: (np.abs(x + 130) < 40) & (np.abs(y + 58) < 9) & (z < 0), id="a flat hand"),
+    ],
+)
+def test_arms_and_hands_stay(parts: Any) -> None:
+    scan, bare = lying(parts=parts), lying(parts=parts, table=False)
+    found = without_table(scan)
+    drawn = scan if found is None else found
+    assert ((drawn.samples > -400) | (bare.samples <= -400)).all()
+
+
+@pytest.mark.parametrize(
+    "body",
+    [
+        pytest.param(lambda x, y, z: (np.abs(x) - 80) ** 2 + (y - 10) ** 2 < 50**2, id="legs apart"),
+        pytest.param(lambda x, y, z: (x**2 + y**2 < 75**2) & (np.abs(z) < 36), id="a solid phantom"),
+    ],
+)
+def test_bodies_of_several_parts_and_phantoms_stay(body: Any) -> None:
+    scan = lying(body=body)
+    found = without_table(scan)
+    assert found is not None
+    inside = scan.samples != BOARD
+    np.testing.assert_array_equal(found.samples[inside], scan.samples[inside])
+    assert not (found.samples == BOARD).any()
+
+
+@pytest.mark.parametrize(
+    "scan",
+    [
+        pytest.param(lying(table=False), id="no table"),
+        pytest.param(lying(n_slices=12), id="too short to tell"),
+        pytest.param(lying(modality="MR"), id="MR"),
+        pytest.param(lying(unit="um"), id="micrometres"),
+        pytest.param(lying(is_anatomical=False), id="no patient"),
+        pytest.param(
+            lying(board=lambda x, y, z: (np.abs(x) < 25) & (np.abs(y + 90) < 4.5)), id="a narrow bar, such as a splint"
+        ),
+        pytest.param(lying(board=lambda x, y, z: np.abs(np.hypot(x, y) - 150) < 4.5), id="a thin wall all around"),
+        pytest.param(lying(body=lambda x, y, z: np.abs(np.hypot(x, y) - 60) < 4.5, table=False), id="a hollow phantom"),
+        pytest.param(
+            lying(
+                table=False,
+                parts=lambda x, y, z: (np.abs(y + 90 + z / 2) < 4.5) & (np.abs(x) < 100),
+            ),
+            id="thin, but not the same from slice to slice",
+        ),
+        pytest.param(lying(board=lambda x, y, z: (np.abs(x) < 150) & (np.abs(y - 130) < 4.5)), id="above a prone body"),
+    ],
+)
+def test_in_doubt_all_stays(scan: ws.Volume) -> None:
+    assert without_table(scan) is None
+
+
+def test_what_is_found_is_found_again_after_a_change() -> None:
+    samples = lying().samples.copy()
+    scan = ws.Volume(samples, world_from_index=np.diag([4.0, 4, 4, 1]), facts=lying().facts)
+    assert without_table(scan) is not None
+    samples[samples == BOARD] = AIR
+    scan.changed()
+    assert without_table(scan) is None
+
+
+def test_the_options_exclude_each_other(wavesplat: Any, tmp_path: Any) -> None:
+    import nibabel
+
+    scan = lying()
+    nibabel.save(nibabel.Nifti1Image(scan.samples.T, scan.world_from_index), tmp_path / "a.nii.gz")
+    command = ("render", tmp_path / "a.nii.gz", "-o", tmp_path / "a.png", "--size", "16x16")
+    done = wavesplat(*command)
+    assert "--keep-table" in done.stderr
+    done = wavesplat(*command, "--keep-table")
+    assert "left out" not in done.stderr
+    done = wavesplat(*command, "--keep-table", "--remove-table")
+    assert done.returncode == 2
+    assert "give one of them" in done.stderr

@@ -6,13 +6,14 @@
 >>> picture.rgba.shape
 (64, 64, 4)
 
-Public are the names in `__all__`, and those that the modules `wavesplat.errors`, `wavesplat.examples` and
-`wavesplat.reference` list in theirs. Every name that begins with an underscore is private, the modules that public
-names are defined in included: import `wavesplat.Volume`, from nowhere else. `docs/public_api.md` says how long public
-names stay.
+Public are the names in `__all__`, and those that the modules `wavesplat.errors`, `wavesplat.examples`,
+`wavesplat.napari` and `wavesplat.reference` list in theirs. Every name that begins with an underscore is private, the
+modules that public names are defined in included: import `wavesplat.Volume`, from nowhere else. `docs/public_api.md`
+says how long public names stay.
 
 Rooms, each of which imports only from those before it: `errors`, `_files`, `_model`, `_readers`, `_looks`, `_picture`,
-`examples`, `gpu`, `_render`, `_cluster`, `_scene`, `_movie`, `_mesh`, `_viewer`, `reference`, `study`, `_cli`.
+`examples`, `gpu`, `_render`, `_cluster`, `_scene`, `_movie`, `_mesh`, `_viewer`, `_napari`, `napari`, `reference`,
+`study`, `_cli`.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from wavesplat import errors, examples, gpu, reference
+    from wavesplat import errors, examples, gpu, napari, reference
     from wavesplat._looks.labels import Label, Labels
     from wavesplat._looks.largest_body import largest_body
     from wavesplat._looks.look import Look
@@ -52,6 +53,7 @@ if TYPE_CHECKING:
     from wavesplat._readers.opening import open
     from wavesplat._readers.options import OpenOptions
     from wavesplat._readers.time_points import open_series
+    from wavesplat._readers.transform_files import open_transform
     from wavesplat._render.isolines import Isolines
     from wavesplat._render.options import RenderOptions
     from wavesplat._scene.cost import Cost, plan
@@ -111,9 +113,11 @@ __all__ = [
     "lightbox",
     "mesh",
     "movie",
+    "napari",
     "open",
     "open_scene",
     "open_series",
+    "open_transform",
     "plan",
     "progressive",
     "reference",
@@ -172,6 +176,7 @@ _HOMES = {
     "open": "_readers.opening",
     "open_scene": "_scene.opening",
     "open_series": "_readers.time_points",
+    "open_transform": "_readers.transform_files",
     "plan": "_scene.cost",
     "progressive": "_scene.progressive",
     "render": "_scene.rendering",
@@ -179,7 +184,7 @@ _HOMES = {
     "slice": "_scene.slicing",
     "view": "_viewer.viewer",
 }
-_MODULES = {"errors", "examples", "gpu", "reference", "study"}
+_MODULES = {"errors", "examples", "gpu", "napari", "reference", "study"}
 
 
 def __getattr__(name: str) -> Any:

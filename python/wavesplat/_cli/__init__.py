@@ -14,7 +14,7 @@ from typing import Annotated, Any, NoReturn
 
 import typer
 
-from wavesplat._cli import demo, gpu_check, info, mesh, movie, plan, presets, render, slice, tf, view, wavelet
+from wavesplat._cli import convert, demo, gpu_check, info, mesh, movie, plan, presets, render, slice, tf, view, wavelet
 from wavesplat._cli.printing import message, print_lines, take_any_name
 from wavesplat.errors import ArgumentError, WavesplatError, WavesplatWarning
 
@@ -51,6 +51,7 @@ for command in (
     info.info,
     presets.presets,
     tf.tf,
+    convert.convert,
     wavelet.wavelet,
     mesh.mesh,
     plan.plan,

@@ -1,25 +1,27 @@
 """Options of layers: channels of the file, further volumes, time points.
 
-`--channel NUMBER|NAME[:COLOUR][:LOW,HIGH]` and `--layer FILE[:LOOK][:LOW,HIGH]` are read from the right, so that names
-of channels, drives of Windows and URLs may have colons.
+`--channel NUMBER|NAME[:COLOUR][:LOW,HIGH]` and `--layer FILE[:LOOK][:LOW,HIGH][:threshold=T][:reg=FILE]` are read
+from the right, so that names of channels, drives of Windows and URLs may have colons.
 """
 
 from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple, TypeAlias
 
 import typer
 
+from wavesplat._cli import registered
 from wavesplat._cli.option_groups import with_options_of
 from wavesplat._files.addresses import is_address
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from wavesplat._model.grid import Grid
     from wavesplat._model.series import Series
     from wavesplat._scene.layer import Layer
 
@@ -40,8 +42,11 @@ __all__ = [
     "times_of",
 ]
 
+#: Ends of a window: sample values, or percentiles such as "1%".
+Ends: TypeAlias = tuple[float | str, float | str]
+
 CHANNEL = "NUMBER|NAME[:COLOR][:LOW,HIGH]"
-LAYER = "FILE[:LOOK][:LOW,HIGH]"
+LAYER = f"FILE[:LOOK][:LOW,HIGH][:threshold=T]{registered.REG}"
 TIMES = "all|N,N,...|FIRST:END[:STEP]"
 #: Placeholder of the time in the name of its picture.
 PLACE_OF_TIME = "{time}"
@@ -57,7 +62,8 @@ FurtherLayers = Annotated[
     typer.Option(
         metavar=LAYER,
         help="Another volume in the same picture, such as pet.nii.gz:hot:2,8, clear up to LOW. LOOK: a colour map, a "
-        "colour or a preset; may be repeated.",
+        "colour or a preset. threshold=: hidden below it, of maps of two signs between -T and T, opaque beyond. "
+        f"{registered.REG_HELP} May be repeated.",
     ),
 ]
 
@@ -68,8 +74,8 @@ ShownChannels = Annotated[
     typer.Option(
         "--channel",
         metavar=CHANNEL,
-        help='A channel, from 0, in a colour, over a window of values: 0:green:100,900 or "DAPI":blue; may be '
-        "repeated; all if not given.",
+        help="A channel, from 0, in a colour, over a window of values or percentiles: 0:green:100,900, 1:1%,99.8%, "
+        '"DAPI":blue; may be repeated; all if not given.',
     ),
 ]
 
@@ -103,7 +109,7 @@ class ChannelText(NamedTuple):
 
     which: int | str
     color: str | None
-    window: tuple[float, float] | None
+    window: Ends | None
 
     @property
     def is_plain(self) -> bool:
@@ -132,39 +138,62 @@ def _is_color(text: str) -> bool:
         return False
 
 
-def _without_window(text: str, syntax: str) -> tuple[str, tuple[float, float] | None]:
+def _without_window(text: str, syntax: str) -> tuple[str, Ends | None]:
     """The text before a window, and the window, or None if the text does not end with one."""
     rest, colon, last = text.rpartition(":")
-    numbers = re.fullmatch(r"\s*([-+.\deE]+)\s*,\s*([-+.\deE]+)\s*", last) if colon else None
+    numbers = re.fullmatch(r"\s*([-+.\deE]+%?)\s*,\s*([-+.\deE]+%?)\s*", last) if colon else None
     if numbers is None:
         return text, None
     try:
-        low, high = float(numbers[1]), float(numbers[2])
+        ends = [(float(end.removesuffix("%")), end) for end in numbers.groups()]
     except ValueError:
         return text, None
-    if not low < high:
+    (low, first), (high, second) = ends
+    if first.endswith("%") == second.endswith("%") and not low < high:
         raise ArgumentError(f"the window {last} of {text!r} does not grow; {syntax}, with the smaller value first")
-    return rest, (low, high)
+    return rest, (first if first.endswith("%") else low, second if second.endswith("%") else high)
 
 
 # Further volumes
 
 
 class LayerText(NamedTuple):
-    """A `--layer`, parsed: its file, look and window."""
+    """A `--layer`, parsed: its file, look, window, threshold, and the file of its transform."""
 
     path: str
-    look: str | None
-    window: tuple[float, float] | None
+    look: str | None = None
+    window: Ends | None = None
+    threshold: float | None = None
+    transform: str | None = None
+
+    @property
+    def is_plain(self) -> bool:
+        """Whether nothing says how it looks."""
+        return self.look is None and self.window is None and self.threshold is None
 
 
 def layer_of(text: str) -> LayerText:
     """Parse a `--layer`; the longest beginning that names a file is the file."""
-    rest, window = _without_window(text, f"--layer is {LAYER}")
     if Path(text).exists():  # the file's own name ends like a window
-        return LayerText(text, None, None)
+        return LayerText(text)
+    said, transform = registered.split(text, "--layer")
+    said, threshold = _without_threshold(said)
+    if Path(said).exists():
+        return LayerText(said, None, None, threshold, transform)
+    rest, window = _without_window(said, f"--layer is {LAYER}")
     path, look = named_file(rest, "--layer", LAYER, "pet.nii.gz:hot:2,8")
-    return LayerText(path, look or None, window)
+    return LayerText(path, look or None, window, threshold, transform)
+
+
+def _without_threshold(text: str) -> tuple[str, float | None]:
+    """The text before a threshold, and the threshold, or None if the text does not end with one."""
+    rest, colon, number = text.rpartition(":threshold=")
+    if not colon:
+        return text, None
+    try:
+        return rest, float(number)
+    except ValueError:
+        raise ArgumentError(f"the threshold {number!r} of {text!r} is no number; --layer is {LAYER}") from None
 
 
 def named_file(text: str, option: str, syntax: str, example: str) -> tuple[str, str]:
@@ -185,9 +214,12 @@ def named_file(text: str, option: str, syntax: str, example: str) -> tuple[str, 
     raise ArgumentError(f"{option} {text!r} begins with no file that is there; it is {syntax}, such as {example}")
 
 
-def further_layers(texts: Sequence[str] | None, *, time: int, quiet: bool, suv: bool = False) -> list[Layer]:
+def further_layers(
+    texts: Sequence[str] | None, scan: Grid, *, time: int, quiet: bool, suv: bool = False
+) -> list[Layer]:
     """The volumes of `--layer`, with their looks.
 
+    scan : the volume that transforms map onto.
     time : the time point of volumes that have several. suv : PET in SUV.
     """
     from wavesplat._cli.printing import warnings_as_notes
@@ -202,15 +234,22 @@ def further_layers(texts: Sequence[str] | None, *, time: int, quiet: bool, suv: 
             open_it = partial(_opened, said.path)
             series = in_uptake(open_it, lambda one: one[0].modality, suv=suv, is_alone=False)
         except SeveralError as error:
-            if error.option != "channel" or not error.is_said or said.look is not None or said.window is not None:
+            if error.option != "channel" or not error.is_said or not said.is_plain:
                 raise
-            layers += open_scene(said.path, time=time).layers
+            channels = list(open_scene(said.path, time=time).layers)
+            if said.transform is not None:
+                by = registered.map_of(said.transform, channels[0].drawn, scan, quiet=quiet)
+                channels = [replace(layer, volume=layer.volume.moved(by)) for layer in channels]
+            layers += channels
             continue
+        if said.transform is not None:
+            series = series.moved(registered.map_of(said.transform, series[0], scan, quiet=quiet))
         has_many = len(series) > 1
         volume = series if has_many else series[0]
         with warnings_as_notes(quiet=quiet):
             try:
-                layers.append(Layer.overlay(volume, said.look, said.window, time=time if has_many else 0))
+                look: Any = {"threshold": said.threshold, "time": time if has_many else 0}
+                layers.append(Layer.overlay(volume, said.look, said.window, **look))
             except ArgumentError as error:
                 raise ArgumentError(f"--layer is {LAYER}: {error}") from None
     return layers

@@ -15,7 +15,7 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._looks.shading import Shading
 
-__all__ = ["LightOptions", "chosen_shading", "takes_light_options"]
+__all__ = ["LightOptions", "chosen_shading", "exposure_of", "takes_light_options"]
 
 
 def _light(text: str) -> Any:
@@ -45,7 +45,9 @@ class LightOptions:
     specular_power: Annotated[
         float | None, typer.Option(metavar="POWER", help="Higher is a smaller, sharper highlight.")
     ] = None
-    exposure: Annotated[float | None, typer.Option(metavar="FACTOR", help="Factor of all light; 1 is neutral.")] = None
+    exposure: Annotated[
+        float | None, typer.Option(metavar="FACTOR", help="Factor of all light; 1 changes nothing.")
+    ] = None
     occlusion: Annotated[float | None, typer.Option(metavar="0..1", help="How much hollows darken.")] = None
     shadow: Annotated[float | None, typer.Option(metavar="0..1", help="How dark the first light's shadow is.")] = None
     gradient_smoothing: Annotated[
@@ -59,6 +61,12 @@ def takes_light_options(command: Callable[..., None]) -> Callable[..., None]:
     return with_options_of(LightOptions, "lighting", command)
 
 
+def exposure_of(options: LightOptions, own: Shading | None) -> float:
+    """The factor of the light that an unlit look gives off, which `--exposure` is unless other options light it."""
+    exposure = options.exposure
+    return exposure if own is None and exposure is not None and given(options) == ["--exposure"] else 1.0
+
+
 def chosen_shading(options: LightOptions, own: Shading | None) -> Shading | None:
     """A look's own shading, changed by the options; None without shading."""
     from wavesplat._looks.shading import Light, Shading
@@ -69,7 +77,7 @@ def chosen_shading(options: LightOptions, own: Shading | None) -> Shading | None
             others = ", ".join(name for name in asked if name != "--shading")
             raise ArgumentError(f"{others} are light; leave out --no-shading")
         return None
-    if not asked:
+    if not asked or (own is None and asked == ["--exposure"]):
         return own
     if options.light == "headlight":
         base = Shading.headlight()
@@ -78,7 +86,9 @@ def chosen_shading(options: LightOptions, own: Shading | None) -> Shading | None
     else:
         base = own
     terms = ("ambient", "diffuse", "specular", "specular_power", "exposure", "shadow", "gradient_smoothing")
-    changes = {name: getattr(options, name) for name in terms if getattr(options, name) is not None}
+    changes: dict[str, Any] = {name: getattr(options, name) for name in terms if getattr(options, name) is not None}
+    if options.exposure is not None:
+        changes["exposure"] = base.exposure * options.exposure
     if options.occlusion is not None:
         changes["ambient_occlusion"] = options.occlusion
     if isinstance(options.light, tuple):

@@ -10,23 +10,26 @@ from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
 
-from wavesplat._cli.label_options import chosen_segments
+from wavesplat._cli import registered
+from wavesplat._cli.label_options import chosen_segments, grid_of
 from wavesplat._cli.layer_options import named_file
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._looks.labels import Labels
     from wavesplat._looks.regions import Region
+    from wavesplat._model.grid import Grid
     from wavesplat._render.isolines import Isolines
 
 __all__ = ["ContoursFile", "IsolinesText", "IsolinesTexts", "isolines_of", "opened_contours", "opened_isolines"]
 
-ISOLINES = "FILE:VALUE,...[:COLOR]"
+ISOLINES = f"FILE:VALUE,...[:COLOR]{registered.REG}"
 
 ContoursFile = Annotated[
     str | None,
     typer.Option(
-        metavar="FILE", help="Regions as lines: DICOM RTSTRUCT or SEG, or any other segmentation, such as .nii.gz."
+        metavar=f"FILE{registered.REG}",
+        help="Regions as lines: DICOM RTSTRUCT or SEG, or any other segmentation, such as .nii.gz.",
     ),
 ]
 IsolinesTexts = Annotated[
@@ -34,15 +37,18 @@ IsolinesTexts = Annotated[
     typer.Option(
         metavar=ISOLINES,
         help="Lines of equal value of a volume, such as isodoses: dose.dcm:20,40,60. COLOR: a colour or a colour map; "
-        "may be repeated.",
+        "may be repeated. reg= as of --layer.",
     ),
 ]
 
 
 def opened_contours(
-    path: str | None, segments: Sequence[str] | None, *, quiet: bool
+    text: str | None, segments: Sequence[str] | None, scan: Grid, *, quiet: bool
 ) -> Sequence[Labels | Region] | None:
-    """The regions of a structure set, or the labels of another segmentation, each whole also where they overlap."""
+    """The regions of a structure set, or the labels of another segmentation, each whole also where they overlap.
+
+    scan : the volume that a transform maps onto.
+    """
     from wavesplat._cli.printing import message, warnings_as_notes
     from wavesplat._files.paths import expanded
     from wavesplat._looks.labels import Labels
@@ -51,10 +57,15 @@ def opened_contours(
     from wavesplat._readers.dicom_structures import is_structure_set
     from wavesplat.errors import FileWarning
 
-    if path is None:
+    if text is None:
         return None
+    path, transform = registered.split(text, "--contours")
     chosen = chosen_segments(segments)
     if is_structure_set(expanded(path)):
+        if transform is not None:
+            raise ArgumentError(
+                f"the lines of a structure set cannot be moved by reg=; draw them on their scan: {path}"
+            )
         with warnings_as_notes(quiet=quiet):
             return Region.open(path, segments=chosen)
     with warnings.catch_warnings(record=True) as caught:
@@ -64,10 +75,14 @@ def opened_contours(
     for note in notes:
         if not (quiet or note.startswith(OVERLAP)):
             message(f"note: {note}")
-    return _whole(path, chosen) if any(note.startswith(OVERLAP) for note in notes) else [labels]
+    found = _whole(path, chosen) if any(note.startswith(OVERLAP) for note in notes) else [labels]
+    if transform is None:
+        return found
+    by = registered.map_of(transform, grid_of(labels, scan), scan, quiet=quiet)
+    return [one.moved(by) for one in found]
 
 
-def _whole(path: str, chosen: Sequence[str | int] | None) -> list[Labels | Region]:
+def _whole(path: str, chosen: Sequence[str | int] | None) -> list[Labels]:
     """Each segment of a DICOM segmentation by itself: in one label map, of those that overlap the last one is whole."""
     from wavesplat._looks import label_names
     from wavesplat._looks.default_colors import label_color
@@ -78,7 +93,7 @@ def _whole(path: str, chosen: Sequence[str | int] | None) -> list[Labels | Regio
     numbers = list(named)
     if chosen is not None:
         numbers = label_names.chosen_numbers(chosen, {number: name for number, (name, _) in named.items()}, path)
-    found: list[Labels | Region] = []
+    found: list[Labels] = []
     for place, number in enumerate(numbers):
         name, color = named[number]
         with warnings.catch_warnings(), suppress(ArgumentError):  # of a segment without voxels
@@ -89,26 +104,31 @@ def _whole(path: str, chosen: Sequence[str | int] | None) -> list[Labels | Regio
 
 
 class IsolinesText(NamedTuple):
-    """An `--isolines`, parsed: its file, values, and colour or colour map."""
+    """An `--isolines`, parsed: its file, values, colour or colour map, and the file of its transform."""
 
     path: str
     values: tuple[float, ...]
     color: str | None
+    transform: str | None = None
 
 
 def isolines_of(text: str) -> IsolinesText:
     """Parse an `--isolines`; the longest beginning that names a file is the file."""
+    text, transform = registered.split(text, "--isolines")
     path, rest = named_file(text, "--isolines", ISOLINES, "dose.dcm:20,40,60")
     said, _, color = rest.partition(":")
     parts = said.split(",")
     if not all(re.fullmatch(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*", part) for part in parts):
         raise ArgumentError(f"--isolines {text!r} has the values {said!r}; it is {ISOLINES}, such as dose.dcm:20,40,60")
-    return IsolinesText(path, tuple(map(float, parts)), color or None)
+    return IsolinesText(path, tuple(map(float, parts)), color or None, transform)
 
 
-def opened_isolines(texts: Sequence[str] | None, *, time: int, quiet: bool, suv: bool = False) -> list[Isolines] | None:
+def opened_isolines(
+    texts: Sequence[str] | None, scan: Grid, *, time: int, quiet: bool, suv: bool = False
+) -> list[Isolines] | None:
     """The volumes of `--isolines` with their values.
 
+    scan : the volume that transforms map onto.
     time : the time point of volumes that have several. suv : PET in SUV.
     """
     from wavesplat._cli.layer_options import further_layers
@@ -118,7 +138,8 @@ def opened_isolines(texts: Sequence[str] | None, *, time: int, quiet: bool, suv:
         return None
     found = []
     for said in [isolines_of(text) for text in texts]:
-        layers = further_layers([said.path], time=time, quiet=quiet, suv=suv)
+        moved = said.path if said.transform is None else f"{said.path}{registered.MARK}{said.transform}"
+        layers = further_layers([moved], scan, time=time, quiet=quiet, suv=suv)
         if len(layers) > 1:
             raise ArgumentError(f"--isolines: the file holds {len(layers)} channels, and lines are of one: {said.path}")
         found.append(Isolines(layers[0].drawn, said.values, **({"color": said.color} if said.color else {})))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import warnings
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any, NamedTuple
 
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from wavesplat._model.wavelet_volume import WaveletVolume
     from wavesplat._scene.layer import Layer
 
-__all__ = ["Channels", "modality_of", "opened_layers", "refuse_for_channels"]
+__all__ = ["Channels", "changed_channels", "modality_of", "opened_layers", "refuse_for_channels"]
 
 
 class Channels(NamedTuple):
@@ -99,11 +100,29 @@ def modality_of(opened: Volume | WaveletVolume | Series | Channels) -> str | Non
     return opened[0].modality if isinstance(opened, Series) else opened.modality
 
 
-def refuse_for_channels(showing: LookOptions, colors: ColorOptions, n: int) -> None:
-    """Raise an `ArgumentError` for options that make a look, or coefficients, of one volume."""
+def changed_channels(opened: Channels, colors: ColorOptions, exposure: float = 1.0) -> Channels:
+    """The channels with the windows, gamma and opacity of the options, and so much more light."""
+
+    def changed(layer: Layer) -> Layer:
+        # Layers of channels have looks of their own.
+        own: Look = layer.look  # type: ignore[assignment]
+        return replace(layer, look=colors.changed(own, layer.looked_at).changed(exposure=exposure))
+
+    layers = [changed(layer) for layer in opened.layers]
+    return Channels(layers, layers[0].look)  # type: ignore[arg-type]
+
+
+def refuse_for_channels(
+    showing: LookOptions, colors: ColorOptions, n: int, of_colors: Sequence[str] = ("cmap", "log")
+) -> None:
+    """Raise an `ArgumentError` for options that make a look, or coefficients, of one volume.
+
+    of_colors : fields of the options of colours that are for one volume.
+    """
     for_one = ("preset", "tf", "materials", "threshold", "wavelet_level", "bands")
     names = [f"--{name.replace('_', '-')}" for name in for_one if getattr(showing, name, None) is not None]
-    names += ["--cmap, --clim, --window, --log, --opacity and --gamma"] if colors.are_given() else []
+    plain = type(colors)()
+    names += [f"--{name}" for name in of_colors if getattr(colors, name) != getattr(plain, name)]
     if names:
         raise ArgumentError(
             f"{', '.join(names)}: for one volume, and the picture is of {n} channels; choose one with --channel, or "

@@ -78,6 +78,22 @@ def numbers(count: int, example: str) -> Callable[[str], tuple[float, ...]]:
     return parse
 
 
+def ends(example: str) -> Callable[[str], tuple[float | str, ...]]:
+    """A parser of the two ends of a window, numbers or percentiles such as 1%; `example` shows how they are written."""
+
+    def parse(text: str) -> tuple[float | str, ...]:
+        parts = [part.strip() for part in text.split(",")]
+        try:
+            numbers_there = [float(part.removesuffix("%")) for part in parts]
+        except ValueError:
+            numbers_there = []
+        if len(numbers_there) != 2:
+            raise typer.BadParameter(f"{text!r} is not 2 numbers with commas between, such as {example} or 1%,99.8%")
+        return tuple(part if part.endswith("%") else float(part) for part in parts)
+
+    return parse
+
+
 def positions(text: str) -> int | tuple[float, ...]:
     """Positions of "10:80:10" (start, stop, step; the stop is the last), of "10,20,35", or their number, "12"."""
     try:
@@ -122,9 +138,9 @@ def opacity(text: str) -> str | float | tuple[float, ...]:
     return given[0] if len(given) == 1 else given
 
 
-def window(text: str) -> str | tuple[float, ...]:
-    """The name of a window, or its level and width."""
-    return text if any(letter.isalpha() for letter in text) else numbers(2, "40,400")(text)
+def window(text: str) -> str | tuple[float | str, ...]:
+    """The name of a window, its level and width, or two percentiles."""
+    return text if any(letter.isalpha() for letter in text) else ends("40,400")(text)
 
 
 def color(text: str) -> str:

@@ -12,9 +12,9 @@ from wavesplat._cli import parsers
 from wavesplat._cli.crop_options import CutOptions, chosen_clip
 from wavesplat._cli.label_options import LabelsFile, LabelTable, Segments, opened_labels
 from wavesplat._cli.layer_options import LayerOptions, further_layers
-from wavesplat._cli.light_options import LightOptions, chosen_shading
-from wavesplat._cli.opened_layers import Channels, modality_of, opened_layers, refuse_for_channels
-from wavesplat._cli.option_groups import given, with_options_of
+from wavesplat._cli.light_options import LightOptions, chosen_shading, exposure_of
+from wavesplat._cli.opened_layers import Channels, changed_channels, modality_of, opened_layers, refuse_for_channels
+from wavesplat._cli.option_groups import with_options_of
 from wavesplat._cli.printing import message
 from wavesplat._cli.processing_options import ProcessingOptions
 from wavesplat._cli.reader_options import ReaderOptions
@@ -73,6 +73,14 @@ class SceneOptions(LookOptions):
     ] = None
     family: Family = "cdf97"
     background: Background = None
+    keep_table: Annotated[
+        bool,
+        typer.Option(
+            "--keep-table",
+            help="Draw the table below a patient in a CT, which is else left out where it can be told from the body.",
+            show_default=False,
+        ),
+    ] = False
 
 
 def takes_scene_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -133,6 +141,8 @@ def chosen_scene(
     from wavesplat._scene.layer import Layer
     from wavesplat._scene.scene import Scene
 
+    if showing.keep_table and processing.remove_table:
+        raise ArgumentError("--keep-table draws the table, and --remove-table takes it out; give one of them")
     composite = showing.operator
     opened = in_uptake(
         lambda suv: opened_layers(
@@ -150,12 +160,12 @@ def chosen_scene(
     )
     if isinstance(opened, Channels):
         refuse_for_channels(showing, colors, len(opened.layers))
-        layers, look = opened
+        layers, look = changed_channels(opened, colors, exposure_of(lighting, None))
         if looks is not None:
             _check_looks(looks, len(layers), input)
             layers = [replace(layer, look=given) for layer, given in zip(layers, looks, strict=True)]
             look = looks[0]
-        shading: Any = chosen_shading(lighting, None) if given(lighting) else "look"
+        shading: Any = chosen_shading(lighting, None) or ("look" if lighting.shading else None)
     else:
         volume = opened if isinstance(opened, Series) else _levels(opened, showing)
         brief = brightest(volume) if isinstance(volume, Series) else volume
@@ -164,19 +174,26 @@ def chosen_scene(
         # Labels lie on the volume that their look was made for.
         is_given = looks is not None and looks[0].labels is None
         look = looks[0] if looks and is_given else showing.look(brief, input, colors, quiet=quiet)
+        exposure = 1.0 if is_given else exposure_of(lighting, look.shading)
+        look = look.changed(exposure=exposure)
         shading = chosen_shading(lighting, look.shading)
         if layering.layer:  # which have light of their own
-            look, shading = replace(look, shading=shading), "look"
+            look, shading = look if is_given else replace(look, shading=shading), "look"
         # Greys that depend on the view are left to the renderer.
         is_chosen_here = look.name == "auto" and not (is_given or layering.layer or layering.times)
-        by_view = is_chosen_here and look.composite in BY_VIEW
+        is_plain = not colors.are_given() and exposure == 1
+        by_view = is_chosen_here and is_plain and look.composite in BY_VIEW
         layers = [Layer(volume, None if by_view else look)]
     scene = Scene(
-        [*layers, *further_layers(layering.layer, time=reader.time or 0, quiet=quiet, suv=reader.suv)],
+        [
+            *layers,
+            *further_layers(layering.layer, layers[0].drawn, time=reader.time or 0, quiet=quiet, suv=reader.suv),
+        ],
         labels=opened_labels(showing.labels, showing.label_table, showing.segment, layers[0].drawn, quiet=quiet),
         shading=shading,
         clip=chosen_clip(cuts, layers[0].drawn),
         background=showing.background or look.background or "black",
+        keep_table=showing.keep_table,
     )
     check_uptake(scene, suv=reader.suv)
     if not quiet:

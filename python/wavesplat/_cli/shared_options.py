@@ -41,7 +41,7 @@ Kernel = Annotated[Any, parsers.choice(get_args(options.Kernel))]
 Background = Annotated[
     Any, typer.Option(metavar="COLOR", parser=parsers.color, help="black, white, grey, #rrggbb, r,g,b or transparent.")
 ]
-Bits = Annotated[int, typer.Option(metavar="8|16", help="Bits per channel of a PNG file.")]
+Bits = Annotated[int, typer.Option(metavar="8|16", help="Bits per channel of a PNG or TIFF file.")]
 Device = Annotated[
     str,
     typer.Option(metavar="NAME", help="What draws: auto, cpu, gpu, or part of a GPU's name (gpu-check lists them)."),

@@ -9,11 +9,12 @@ from typing import Annotated, Any, NamedTuple, get_args
 import typer
 
 from wavesplat._cli import parsers
+from wavesplat._cli.comparison_options import Checkerboard, Difference, Tiles, opened_comparison
 from wavesplat._cli.figure_options import FigureOptions, annotated, check_figure, takes_figure_options
 from wavesplat._cli.label_options import LabelsFile, LabelTable, Segments, opened_labels
 from wavesplat._cli.layer_options import FurtherLayers, LayerOptions, ShownChannels, further_layers
 from wavesplat._cli.line_options import ContoursFile, IsolinesTexts, opened_contours, opened_isolines
-from wavesplat._cli.opened_layers import Channels, modality_of, opened_layers, refuse_for_channels
+from wavesplat._cli.opened_layers import Channels, changed_channels, modality_of, opened_layers, refuse_for_channels
 from wavesplat._cli.outputs import check_outputs
 from wavesplat._cli.printing import print_notes, print_result, warnings_as_notes
 from wavesplat._cli.processing_options import ProcessingOptions, takes_processing_options
@@ -71,6 +72,15 @@ def slice(
         ),
     ] = None,
     columns: Annotated[int | None, typer.Option(metavar="N", help="Slices in a row of the sheet.")] = None,
+    reference_lines: Annotated[
+        bool | None,
+        typer.Option(
+            "--reference-lines/--no-reference-lines",
+            help="On a sheet: lines where the other planes lie, if not given on three planes; of --positions on a "
+            "scout, a slice at right angles.",
+            show_default=False,
+        ),
+    ] = None,
     point: Annotated[
         Any,
         typer.Option(
@@ -113,6 +123,9 @@ def slice(
     labels: LabelsFile = None,
     label_table: LabelTable = None,
     segment: Segments = None,
+    checkerboard: Checkerboard = None,
+    tiles: Tiles = None,
+    difference: Difference = None,
     contours: ContoursFile = None,
     isolines: IsolinesTexts = None,
     colors: ColorOptions,
@@ -133,8 +146,9 @@ def slice(
     if plane in OF_THREE:
         parsers.refuse_pairs(plane=plane, position=position)
         parsers.refuse_pairs(plane=plane, positions=positions)
-    if columns is not None and not is_sheet:
-        raise ArgumentError("--columns is for several slices on one sheet; give --positions, or --plane all")
+    for option, value in (("--columns", columns), ("--reference-lines", reference_lines)):
+        if value is not None and not is_sheet:
+            raise ArgumentError(f"{option} is for several slices on one sheet; give --positions, or --plane all")
     if (point is None) != (normal is None):
         raise ArgumentError("--point and --normal belong together; give both, or a --plane")
     check_outputs(input, output, "pictures")
@@ -153,9 +167,11 @@ def slice(
         look=look,
         colors=colors,
         processing=processing,
-        is_alone=not (layer or isolines),
+        is_alone=not (layer or isolines or checkerboard or difference),
         quiet=quiet,
     )
+    if difference is not None:
+        _check_colors(first, tf)
     of_plane: Any = plane if normal is None else (point, normal)
     if size is None and not is_sheet:
         size = _size(first.volume, of_plane)
@@ -173,17 +189,22 @@ def slice(
         "threads": threads,
     }
     with warnings_as_notes(quiet=quiet):
-        further = further_layers(layer, time=reader.time or 0, quiet=quiet, suv=reader.suv)
+        further = further_layers(layer, first.volume, time=reader.time or 0, quiet=quiet, suv=reader.suv)
         # Segments may be of the contours alone.
         own_segment = segment if labels or not contours else None
         shown_labels = opened_labels(labels, label_table, own_segment, first.volume, quiet=quiet)
         scene = Scene([*first.layers, *further], labels=shown_labels)
-        lines = opened_isolines(isolines, time=reader.time or 0, quiet=quiet, suv=reader.suv)
-        check_uptake(scene, suv=reader.suv, others=[one.volume for one in lines or ()])
-        options |= {"contours": opened_contours(contours, segment, quiet=quiet), "isolines": lines}
+        lines = opened_isolines(isolines, first.volume, time=reader.time or 0, quiet=quiet, suv=reader.suv)
+        compared = opened_comparison(
+            checkerboard, tiles, difference, first.volume, time=reader.time or 0, quiet=quiet, suv=reader.suv
+        )
+        check_uptake(scene, suv=reader.suv, others=[*(one.volume for one in lines or ()), *compared.volumes])
+        regions = opened_contours(contours, segment, first.volume, quiet=quiet)
+        options |= {"contours": regions, "isolines": lines, **compared.arguments}
         if is_sheet:
             bar: Any = figure.scale_bar if figure.bar_length is None else figure.bar_length
-            picture = lightbox(scene, of_plane, positions, columns=columns, scale_bar=bar, **options)
+            options |= {"columns": columns, "reference_lines": reference_lines, "scale_bar": bar}
+            picture = lightbox(scene, of_plane, positions, **options)
             # Each slice has its letters, and one of them the bar.
             figure = replace(figure, letters=False, scale_bar=False, bar_length=None)
         else:
@@ -203,6 +224,12 @@ class _First(NamedTuple):
     volume: Any
     transfer_function: Any
     is_grey: bool
+
+
+def _check_colors(first: _First, tf: object) -> None:
+    """Refuse colours of the volume's values for a difference."""
+    if not (first.is_grey or tf):
+        raise ArgumentError("--difference has its own colours; give their ends as --clim LOW,HIGH, or others as --tf")
 
 
 def _first(
@@ -226,8 +253,9 @@ def _first(
     # A window or a range alone maps to greys.
     is_grey = colors == ColorOptions(clim=colors.clim, window=colors.window)
     if isinstance(opened, Channels):
-        refuse_for_channels(look, colors, len(opened.layers))
-        return _First(opened.layers, opened.layers[0].drawn, None, is_grey)
+        refuse_for_channels(look, colors, len(opened.layers), ("cmap", "log", "opacity", "gamma"))
+        shown = changed_channels(opened, colors)
+        return _First(shown.layers, shown.layers[0].drawn, None, False)
     if look.preset == "auto":
         return _First([opened], opened, function_of_histogram(opened, input), is_grey)
     of_look = None if is_grey else colors

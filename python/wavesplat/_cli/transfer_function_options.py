@@ -44,7 +44,7 @@ TransferFunctionFile = Annotated[
 
 @dataclass(frozen=True)
 class ColorOptions:
-    """Options of a colour map over a range of values."""
+    """Options of a colour map over a range of values; without a map, changes of the look that is drawn."""
 
     cmap: Annotated[
         str | None,
@@ -56,8 +56,8 @@ class ColorOptions:
         Any,
         typer.Option(
             metavar="LOW,HIGH",
-            parser=parsers.numbers(2, "0,500"),
-            help="Values of the first and the last colour; those of the volume if not given.",
+            parser=parsers.ends("0,500"),
+            help="Values of the first and the last colour, or percentiles (1%,99.8%); the look's own if not given.",
         ),
     ] = None
     window: Annotated[
@@ -66,7 +66,7 @@ class ColorOptions:
             metavar="NAME|LEVEL,WIDTH",
             parser=parsers.window,
             help="Instead, as radiologists say it: bone, lung, brain, abdomen, mediastinum, liver, ..., or level and "
-            "width.",
+            "width; or percentiles.",
         ),
     ] = None
     log: Annotated[bool, typer.Option("--log", help="Map colours to the logarithm of the values.")] = False
@@ -84,22 +84,35 @@ class ColorOptions:
         """Whether any of these options is set."""
         return self != ColorOptions()
 
+    @property
+    def name_a_map(self) -> bool:
+        """Whether they make a look of a colour map, and do not change another."""
+        return self.cmap is not None or self.log
+
     def look(self, volume: Volume | WaveletVolume, opacity: str | float) -> Look:
         """The look of the map, grey if none is named. `opacity`: the default."""
         from wavesplat._looks.look import Look
         from wavesplat._looks.transfer_function import TransferFunction
-        from wavesplat._render.windows import limits
 
         name = self.cmap or "gray"
         function = TransferFunction.from_colormap(
             name,
             volume,
-            clim=self.clim if self.window is None else limits(volume, self.window, self.clim),
+            clim=self._limits(volume),
             opacity=opacity if self.opacity is None else self.opacity,
             log=self.log,
             gamma=self.gamma,
         )
         return Look(transfer_function=function, name=name)
+
+    def changed(self, look: Look, volume: Volume | WaveletVolume) -> Look:
+        """A look with the window, gamma and opacity of these options."""
+        return look.changed(window=self._limits(volume), gamma=self.gamma, opacity=self.opacity)
+
+    def _limits(self, volume: Volume | WaveletVolume) -> tuple[float, float] | None:
+        from wavesplat._render.windows import limits
+
+        return None if self.window is None and self.clim is None else limits(volume, self.window, self.clim)
 
 
 @dataclass(frozen=True)
@@ -144,15 +157,31 @@ class LookOptions:
         if self.materials is not None:
             function = _function_of_materials(volume, self.materials, self.surfaces)
             return Look(transfer_function=function, composite=self.operator or "over")
-        opacity = 1.0 if self.operator not in (None, "over", "first-hit") else "linear"
-        named = named_look(volume, preset=self.preset, tf=self.tf, colors=colors, opacity=opacity, quiet=quiet)
-        if named is not None:
+        is_projection = self.operator not in (None, "over", "first-hit")
+        if colors.name_a_map or (is_projection and self._is_automatic and (colors.clim or colors.window)):
+            # Greys of projections over a window are even from end to end, so that they can be read off.
+            named = named_look(
+                volume,
+                preset=self.preset,
+                tf=self.tf,
+                colors=colors,
+                opacity=1.0 if is_projection else "linear",
+                quiet=quiet,
+            )
             return chosen_look(named, volume, self.operator)
+        named = named_look(volume, preset=self.preset, tf=self.tf, quiet=quiet)
+        if named is not None:
+            return colors.changed(chosen_look(named, volume, self.operator), volume)
         try:
-            return Look.auto(volume, self.operator)
+            look = Look.auto(volume, self.operator)
         except ArgumentError as error:
             # Nothing on the command line is wrong: it is the data that give the histogram nothing to work with.
             raise FileError(f"{error}: {path}") from None
+        return colors.changed(look, volume)
+
+    @property
+    def _is_automatic(self) -> bool:
+        return self.preset in (None, "auto") and self.tf is None
 
 
 def takes_look_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -181,9 +210,7 @@ def named_look(
     from wavesplat._looks.look import Look
 
     if colors is not None and colors.are_given() and (preset is not None or tf is not None):
-        raise ArgumentError(
-            "--cmap, --clim, --window, --log, --opacity and --gamma belong together, without --preset and --tf"
-        )
+        raise ArgumentError("--cmap and --log name a colour map, without --preset and --tf; give one look")
     with warnings_as_notes(quiet=quiet):
         if tf is not None:
             path, _, name = str(tf).rpartition("#") if not tf.exists() and "#" in str(tf) else (str(tf), "", None)

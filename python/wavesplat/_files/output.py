@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import errno
 import os
+import shutil
 import signal
 import threading
 from collections.abc import Callable, Iterator
@@ -28,6 +29,7 @@ __all__ = [
     "check_writable",
     "removed_when_terminated",
     "write_atomically",
+    "write_folder_atomically",
 ]
 
 Kind: TypeAlias = Literal["pictures", "movies", "meshes", "looks", "volumes", "wavelet coefficients"]
@@ -38,9 +40,12 @@ SUFFIXES: dict[Kind, tuple[str, ...]] = {
     "movies": (".mp4", ".webm", ".gif", ".webp"),
     "meshes": (".ply", ".stl", ".obj", ".glb", ".gltf", ".3mf"),
     "looks": (".json",),
-    "volumes": (".nii.gz", ".nii", ".nrrd"),
+    "volumes": (".nii.gz", ".nii", ".nrrd", ".ome.tif", ".ome.tiff", ".ome.zarr"),
     "wavelet coefficients": (".wavelets",),
 }
+
+#: Suffixes of formats that are folders, and the files in such a folder; folders in it are named by numbers.
+FOLDERS = {".ome.zarr": ("zarr.json", ".zgroup", ".zattrs", ".zmetadata")}
 
 #: Error of the system -> advice, where another folder may not help.
 MENDS = {
@@ -64,8 +69,26 @@ def check_output(path: str | PathLike[str], kind: Kind) -> str:
     if suffix not in SUFFIXES[kind] or target.name.lower() == suffix:
         given = f"as {suffix}" if suffix else "to a name without a suffix"
         raise FileError(f"cannot write {kind} {given}; use one of: {', '.join(SUFFIXES[kind])}: {path}")
-    check_writable(path)
+    if suffix in FOLDERS and target.is_dir():
+        _check_folder(target, FOLDERS[suffix])
+    else:
+        check_writable(path)
     return suffix
+
+
+def _check_folder(target: Path, contents: tuple[str, ...]) -> None:
+    """Raise a `FileError` if a folder that would be replaced holds something else, or cannot be replaced."""
+    with as_file_errors(target):
+        names = os.listdir(target)  # noqa: PTH208 - names alone
+        others = sorted(name for name in names if name not in contents and not name.isdigit())
+        if others or (names and not set(names) & set(contents)):
+            named = ", ".join(repr(name) for name in (others or names)[:3])
+            raise FileError(
+                f"cannot write: the folder holds {named}, which would be lost; change the name, or remove it first: "
+                f"{target}"
+            )
+        if target.is_symlink() or not os.access(target.parent, os.W_OK | os.X_OK):
+            raise FileError(f"cannot write: the folder cannot be replaced; choose another place: {target}")
 
 
 def _named(path: str | PathLike[str]) -> Path:
@@ -125,9 +148,41 @@ def write_atomically(path: str | PathLike[str], write: Callable[[Path], object])
             part.unlink(missing_ok=True)
 
 
+def write_folder_atomically(path: str | PathLike[str], write: Callable[[Path], object]) -> None:
+    """Let `write` fill a new folder beside `path`, then put it in place of what is there; on failure nothing is left.
+
+    Check an existing folder by `check_output` first.
+    """
+    target = _named(path)
+    number = f".{os.getpid()}-{next(NUMBERS)}"
+    part, old = target.with_name(f"{number}.part"), target.with_name(f"{number}.old")
+    with as_file_errors(target), removed_when_terminated(part):
+        try:
+            part.mkdir()
+            write(part)
+            if target.exists():
+                target.rename(old)
+            try:
+                part.rename(target)
+            except OSError:
+                if old.exists():
+                    old.rename(target)
+                raise
+        finally:
+            _remove(part)
+            _remove(old)
+
+
+def _remove(part: Path) -> None:
+    if part.is_dir():
+        shutil.rmtree(part, ignore_errors=True)
+    else:
+        part.unlink(missing_ok=True)
+
+
 @contextmanager
 def removed_when_terminated(part: Path) -> Iterator[None]:
-    """Remove a file if the process is terminated meanwhile, by `kill` or a closed terminal.
+    """Remove a file or folder if the process is terminated meanwhile, by `kill` or a closed terminal.
 
     Only the main thread can handle signals, and only those without another handler are handled.
     """
@@ -136,7 +191,7 @@ def removed_when_terminated(part: Path) -> Iterator[None]:
         return
 
     def end(number: int, _frame: FrameType | None) -> None:
-        part.unlink(missing_ok=True)
+        _remove(part)
         signal.signal(number, signal.SIG_DFL)
         os.kill(os.getpid(), number)
 

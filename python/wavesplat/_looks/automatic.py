@@ -15,13 +15,17 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._looks import histogram
+from wavesplat._looks.channels import LUMINANCE, channel_window, lightened, ramp, window_of_values
 from wavesplat._looks.colormaps import colors_of
+from wavesplat._looks.histogram import without_padding
 from wavesplat._looks.kinds import Evidence, Kind, evidence, offset_of
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.look import Look
 from wavesplat._looks.shading import Shading
+from wavesplat._looks.thresholds import otsu, robust_range_of
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._looks.voxel_opacity import opacity_of_voxel, opaque_after, rising
 from wavesplat._model import units
 from wavesplat._model.few_slices import axis_of_few_slices
 from wavesplat._model.options import BY_VIEW
@@ -59,6 +63,10 @@ TISSUE = [(0.62, 0.30, 0.24), (0.90, 0.58, 0.44), (1.00, 0.84, 0.68), (1.00, 0.9
 MATTER = [(0.20, 0.42, 0.68), (0.36, 0.68, 0.74), (0.93, 0.83, 0.58), (1.00, 0.96, 0.88)]
 #: Colour of fluorescence whose file has none: green, as GFP has it, white where it is brightest.
 GREEN = (0.35, 1.0, 0.45)
+#: Largest luminance of the full colour of fluorescence, so that white and yellow have room for what is brighter.
+MAX_LUMINANCE = 0.75
+#: White of a maximum projection of fluorescence, at most so many widths of the window of the samples above its low end.
+MAX_WHITE = 2.0
 #: Colours of values below and above zero, brighter than on paper: they are seen against black.
 SIGNS = [(0.28, 0.56, 1.0), (0.75, 0.88, 1.0), (1.0, 0.87, 0.78), (1.0, 0.4, 0.26)]
 #: Kinds of data that are shown in greys where there are but a few slices: their looks are translucent, millimetre by
@@ -69,6 +77,8 @@ CT_WINDOW = (-160.0, 240.0)
 MASK = (0.98, 0.80, 0.56)
 #: The map of `cmap` that fields are shown in.
 FIELD_MAP = "inferno"
+#: How many times as far as into light one sees into fields, which fill their box.
+FIELD_DEPTH = 3.0
 #: The map of `cmap` that doses are shown in, blue to red as in programs for radiotherapy, and the least share of the
 #: largest dose that shows.
 DOSE_MAP, LEAST_DOSE = "turbo", 0.1
@@ -95,6 +105,10 @@ def automatic(volume: Volume | WaveletVolume, composite: Composite | None, color
         return _inverted_maximum(volume, known)
     if composite in histogram.PROJECTIONS:
         function = histogram.projected(volume, composite)
+        if known.kind == "fluorescence" and composite in histogram.MAXIMA:
+            # A few specks may be many times as bright as all else, and have many pixels.
+            low, high = window_of_values(without_padding(histogram.subsampled(volume)))
+            function = histogram.not_beyond(function, low + MAX_WHITE * (high - low))
         return Look(transfer_function=function, composite=composite, shading=None, name="auto", reason=known.reason)
     if known.kind == "labels" and composite is None and isinstance(volume, Volume) and volume.dtype.kind in "iu":
         clear = TransferFunction([(0.0, 0.0)], [(0.0, 1.0, 1.0, 1.0)])
@@ -190,8 +204,10 @@ def _dose(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     highest = max(float(volume.value_range[1]), float(known.values.max()))
     shares = np.linspace(LEAST_DOSE, 1.0, 17)
     nodes = np.array(_increasing((shares * highest).tolist(), highest if highest > 0 else 1.0))
-    across = _across(volume)
-    opacity = [(float(v), _per_voxel(0.9999 * float(s) ** 2.5, across)) for v, s in zip(nodes, shares, strict=True)]
+    n_voxels = opaque_after(volume)
+    opacity = [
+        (float(v), opacity_of_voxel(0.9999 * float(s) ** 2.5, n_voxels)) for v, s in zip(nodes, shares, strict=True)
+    ]
     opacity.insert(0, (float(nodes[0]), 0.0))
     return TransferFunction(opacity, _mapped(DOSE_MAP, nodes, start=0.1)), None
 
@@ -202,21 +218,16 @@ def _ultrasound(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
     return _curves(nodes, [0.0, 0.12, 0.5], TISSUE, np.linspace(threshold, high, 4)), Shading(ambient_occlusion=0.4)
 
 
-def _fluorescence(volume: Volume | WaveletVolume, known: Evidence, wanted: Rgb | None = None) -> Made:
+def _fluorescence(volume: Volume | WaveletVolume, _known: Evidence, wanted: Rgb | None = None) -> Made:
     """A look of light in the colour of the channel: nothing is shaded."""
-    background, high = np.percentile(known.values, (50.0, 99.6))
-    spread = 1.4826 * float(np.median(np.abs(known.values - background)))
-    low = min(float(background) + spread, float(background) + 0.25 * (float(high) - float(background)))
-    high = max(float(high), low + 1e-6 * max(abs(low), 1.0))
+    low, high, _ = channel_window(volume)
+    # Windows of files often begin below the background, which in space is fog.
+    background, _ = window_of_values(without_padding(histogram.subsampled(volume)))
     channel = volume.facts.channel
-    color = wanted or (channel.color if channel is not None and channel.color is not None else GREEN)
-    # A colour that is dark itself, such as a pure blue, becomes lighter with the value.
-    white = tuple(share + 0.65 * (1.0 - share) for share in color)
-    middle = low + 0.35 * (high - low)
-    across = _across(volume)
-    opacity = [(low, 0.0), (middle, _per_voxel(0.6, 2.5 * across)), (high, _per_voxel(0.995, 2 * across))]
-    nodes = [(low, *(0.55 * share for share in color)), (middle, *color), (high, *white)]
-    return TransferFunction(opacity, nodes), None
+    color = lightened(wanted or (channel.color if channel is not None and channel.color is not None else GREEN))
+    luminance = sum(share * weight for share, weight in zip(color, LUMINANCE, strict=True))
+    red, green, blue = (min(1.0, MAX_LUMINANCE / luminance) * share for share in color)
+    return ramp((red, green, blue), low, high, opaque_after(volume), clear=background, white=0.5), None
 
 
 def _em(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
@@ -226,8 +237,7 @@ def _em(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
 
 def _signed_field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     limit = float(np.percentile(np.abs(known.values), 99.5))
-    across = _across(volume)
-    solid = _per_voxel(0.995, across)
+    solid = opacity_of_voxel(0.995, opaque_after(volume))
     places = [(-limit, solid), (-0.3 * limit, 0.0), (0.3 * limit, 0.0), (limit, solid)]
     nodes = [(value, *color) for value, color in zip((-1.0, -0.3, 0.3, 1.0), SIGNS, strict=True)]
     return TransferFunction(places, [(limit * value, *color) for value, *color in nodes]), SOFT
@@ -245,11 +255,10 @@ def _field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     else:
         nodes = low + (upper - low) * places
     nodes = np.array(_increasing(nodes.tolist(), high - low))
-    across = _across(volume)
     # Seven tenths of the volume are clear, so that what is left can be seen inside of it.
     clear = float(np.interp(np.percentile(known.values, 70.0), nodes, places))
     rise = np.clip((places - clear) / max(1.0 - clear, 1e-3), 0.0, 1.0)
-    opacity = [(float(v), _per_voxel(0.999 * float(r) ** 0.9, across)) for v, r in zip(nodes, rise, strict=True)]
+    opacity = list(zip(nodes.tolist(), rising(rise, FIELD_DEPTH * opaque_after(volume)).tolist(), strict=True))
     return TransferFunction(opacity, _mapped(FIELD_MAP, nodes, start=0.4)), SOFT
 
 
@@ -286,8 +295,8 @@ LOOKS: dict[Kind, Callable[..., Made]] = {
 
 def _parted(known: Evidence) -> tuple[float, float, float]:
     """Values that count as smallest and largest, and the threshold between background and object."""
-    low, high = histogram.robust_range_of(known.values)
-    return low, histogram.otsu(known.values, low, high), high
+    low, high = robust_range_of(known.values)
+    return low, otsu(known.values, low, high), high
 
 
 def _boundary_strength(known: Evidence, values: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -301,16 +310,6 @@ def _boundary_strength(known: Evidence, values: NDArray[np.float64]) -> NDArray[
     mean = np.where(counts > 0, sums / np.maximum(counts, 1e-9), 0.0)
     enough = counts > 1e-5 * known.values.size
     return np.asarray(mean / max(float(mean[enough].max(initial=0.0)), 1e-12)).clip(0.0, 1.0)
-
-
-def _across(volume: Volume | WaveletVolume) -> float:
-    """Number of voxels that a ray goes through, about."""
-    return float(sum(volume.shape)) / 3.0
-
-
-def _per_voxel(opacity: float, n_voxels: float) -> float:
-    """Opacity of a voxel with which a tenth of `n_voxels` together have `opacity`."""
-    return 1.0 - math.pow(1.0 - min(opacity, 0.9999), 10.0 / max(n_voxels, 10.0))
 
 
 def _increasing(nodes: Sequence[float], extent: float) -> list[float]:

@@ -1,12 +1,14 @@
 """Looks of fluorescence channels: light of their own in one colour, opaque where it is bright, over a window of values.
 
 Nothing is shaded: dyes give light, and have no surfaces. Opacity and colour rise over the window, so that what is below
-it is clear, and several channels can be seen through each other.
+it is clear, and several channels can be seen through each other. Opacity is that of a voxel (`voxel_opacity.py`), so
+that light belongs to the matter, not to its box.
+
+The window is the file's where somebody chose it and samples lie in it, else percentiles of the samples.
 """
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterable
 from typing import TYPE_CHECKING, Any
 
@@ -14,10 +16,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._looks import colors
-from wavesplat._looks.histogram import finite_samples
+from wavesplat._looks.histogram import subsampled, without_padding
 from wavesplat._looks.look import Look
 from wavesplat._looks.transfer_function import TransferFunction
-from wavesplat._model.argument_types import described
+from wavesplat._looks.voxel_opacity import opaque_after, rising
+from wavesplat._looks.window_ends import End, values_of
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -29,9 +32,10 @@ __all__ = [
     "CHANNEL_COLORS",
     "Rgb",
     "channel_look",
-    "checked_window",
+    "channel_window",
     "is_full_range_window",
     "light_of",
+    "lightened",
     "ramp",
     "window_of_values",
 ]
@@ -54,12 +58,18 @@ WHOLE_RANGES = {float(2**n - 1) for n in (8, 10, 11, 12, 13, 14, 15, 16, 32)}
 #: Least luminance (Rec. 709) of a colour at the end of the window; a pure blue has 0.07 and is lost on black.
 MIN_LUMINANCE = 0.2
 LUMINANCE = (0.2126, 0.7152, 0.0722)
+#: Part of a file's window that is nearly clear, least share of the samples beyond it, and largest share beyond the end.
+DARK_PART, MIN_SHARE, MAX_SHARE = 0.3, 3e-4, 0.3
+#: Share of a colour at the low end of a window, where matter is nearly clear, and the place of the full colour.
+DARKEST, FULL_COLOR = 0.2, 0.65
+#: Places of the nodes of opacity in the window: closest where its square bends most against a straight line.
+PLACES = np.array([0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0])
 
 
 def channel_look(
     volume: Volume | WaveletVolume,
     color: str | Iterable[float] | None,
-    window: Iterable[float] | None,
+    window: Iterable[End] | None,
     composite: Composite = "over",
 ) -> Look:
     """See `Look.channel`."""
@@ -70,19 +80,16 @@ def channel_look(
     else:
         rgb, said = _rgb(color), "its colour"
     if window is not None:
-        low, high = checked_window(window)
-        reason = f"a channel in {said}, from {low:g} to {high:g}"
-    elif channel is not None and channel.window is not None and not is_full_range_window(channel.window, volume):
-        low, high = channel.window
-        reason = f"a channel in {said}, from {low:g} to {high:g}, as the file says"
+        low, high = values_of(window, volume)
+        said_window = ""
     else:
-        low, high = window_of_values(finite_samples(volume))
-        reason = f"a channel in {said}, from {low:g} to {high:g}, by the values"
+        low, high, said_window = channel_window(volume)
+    reason = f"a channel in {said}, from {low:g} to {high:g}{said_window}"
     if composite in ("over", "first-hit"):
-        function = ramp(rgb, low, high, sum(volume.shape) / 3.0)
+        function = ramp(lightened(rgb), low, high, opaque_after(volume))
     else:
         # A projection colours one value per ray: dark where it is low, so that other channels keep their light there.
-        function = TransferFunction([(low, 1.0)], [(low, 0.0, 0.0, 0.0), (high, *_lightened(rgb))])
+        function = TransferFunction([(low, 1.0)], [(low, 0.0, 0.0, 0.0), (high, *lightened(rgb))])
     return Look(
         transfer_function=function,
         shading=None,
@@ -99,37 +106,69 @@ def is_full_range_window(window: tuple[float, float], volume: Volume | WaveletVo
     return low == 0 and high in WHOLE_RANGES and not volume.value_range[1] > high
 
 
+def channel_window(volume: Volume | WaveletVolume) -> tuple[float, float, str]:
+    """Values that are clear and that have the full light, and the source of them, in words that follow the window."""
+    values = without_padding(subsampled(volume))
+    low, high = window_of_values(values)
+    channel = volume.facts.channel
+    if channel is None or channel.window is None or is_full_range_window(channel.window, volume):
+        return low, high, ", by the values"
+    first, last = channel.window
+    if problem := _problem_of(channel.window, values):
+        return low, high, f", by the values, since of the file's window, {first:g} to {last:g}, {problem}"
+    return first, last, ", as the file says"
+
+
+def _problem_of(window: tuple[float, float], values: NDArray[np.float64]) -> str | None:
+    """Why a file's window cannot show samples; None where it can."""
+    low, high = window
+    if np.mean(values > low + DARK_PART * (high - low)) < MIN_SHARE:
+        return f"only the lowest {100 * DARK_PART:g} % is used"
+    if np.mean(values >= high) > MAX_SHARE:
+        return f"more than {100 * MAX_SHARE:g} % of the samples are beyond the end"
+    return None
+
+
 def window_of_values(values: NDArray[Any]) -> tuple[float, float]:
     """A window from just above the background (median plus deviation) to the value that few samples exceed."""
-    background, high = (float(v) for v in np.percentile(values, (50.0, 99.7)))
+    background, *highest = (float(v) for v in np.percentile(values, (50.0, 99.7, 99.9, 99.97)))
     spread = 1.4826 * float(np.median(np.abs(values - background)))
-    if high < background + 4.0 * spread or high <= background:
-        # Spots too small for that percentile, or a dense channel, in which the higher percentile is close to it.
-        high = max(high, float(np.percentile(values, 99.97)))
+    # Spots may be too small for the first percentile, and in a dense channel it may be close to the background.
+    far = (
+        one for one, n in zip(highest, (4, 6, 0), strict=True) if one > background and one >= background + n * spread
+    )
+    high = next(far, highest[-1])
     low = min(background + spread, background + 0.25 * (high - background))
     return low, high if high > low else low + max(1e-6 * abs(low), 1e-6)
 
 
-def ramp(color: Rgb, low: float, high: float, n_voxels: float) -> TransferFunction:
-    """A ramp of light in one colour. `n_voxels`: number of voxels that a ray goes through, about."""
-    middle = low + 0.35 * (high - low)
-    light = _lightened(color)
-    dark = tuple(0.6 * share for share in light)
-    bright = tuple(share + 0.35 * (1.0 - share) for share in light)
-    opacity = [(low, 0.0), (middle, _per_voxel(0.6, 2.5 * n_voxels)), (high, _per_voxel(0.995, 2.0 * n_voxels))]
-    return TransferFunction(opacity, [(low, *dark), (middle, *light), (high, *bright)])
+def ramp(
+    color: Rgb, low: float, high: float, n_voxels: float, *, clear: float | None = None, white: float = 0.35
+) -> TransferFunction:
+    """A ramp of light in one colour: brightness rises with the value, opacity with its square.
+
+    n_voxels : voxels of the highest values that are opaque together. clear : value up to which nothing shows; `low` if
+    None. white : share of white in the colour of the highest values.
+    """
+    middle = low + FULL_COLOR * (high - low)
+    dark = tuple(DARKEST * share for share in color)
+    bright = tuple(share + white * (1.0 - share) for share in color)
+    first = low if clear is None else min(max(low, clear), middle)
+    alphas = rising(PLACES, n_voxels)
+    opacity = [(first + float(t) * (high - first), float(a)) for t, a in zip(PLACES, alphas, strict=True)]
+    return TransferFunction(opacity, [(low, *dark), (middle, *color), (high, *bright)])
 
 
 def light_of(look: Look) -> tuple[float, float, Rgb]:
     """The window of a channel's look, and its colour: the one that a projection has at the end of the window."""
     nodes: Any = look.transfer_function.color  # type: ignore[union-attr]
     low, high = nodes[0][0], nodes[-1][0]
-    # In space the colour is whiter beyond the middle.
-    red, green, blue = nodes[-1 if len(nodes) == 2 else 1][1:4]
+    # In space the colour is whiter beyond the first node at which it is full.
+    red, green, blue = max(nodes, key=lambda node: max(node[1:]))[1:4]
     return low, high, (red, green, blue)
 
 
-def _lightened(color: Rgb) -> Rgb:
+def lightened(color: Rgb) -> Rgb:
     """The colour mixed with just enough white to be seen on black."""
     luminance = sum(share * weight for share, weight in zip(color, LUMINANCE, strict=True))
     white = max(0.0, (MIN_LUMINANCE - luminance) / (1.0 - luminance)) if luminance < 1.0 else 0.0
@@ -137,24 +176,8 @@ def _lightened(color: Rgb) -> Rgb:
     return red, green, blue
 
 
-def _per_voxel(opacity: float, n_voxels: float) -> float:
-    """Opacity of a voxel with which a tenth of `n_voxels` together have `opacity`."""
-    return 1.0 - math.pow(1.0 - min(opacity, 0.9999), 10.0 / max(n_voxels, 10.0))
-
-
 def _rgb(color: str | Iterable[float]) -> Rgb:
     parsed = colors.parse(color)
     if parsed is None:
         raise ArgumentError('color is "transparent"; a channel needs a colour, such as "green"')
     return parsed[0], parsed[1], parsed[2]
-
-
-def checked_window(window: Iterable[float]) -> tuple[float, float]:
-    """Two growing numbers, or an `ArgumentError`."""
-    try:
-        low, high = (float(end) for end in window)
-    except (TypeError, ValueError, OverflowError):
-        low, high = 0.0, 0.0
-    if not (math.isfinite(low) and math.isfinite(high) and low < high):
-        raise ArgumentError(f"window is {described(window)}; give two numbers, the smaller one first")
-    return low, high

@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._looks.window_ends import End, values_of
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError, WavesplatWarning
 
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["OPACITIES", "Opacity", "colors_of", "is_diverging", "transfer_function"]
+__all__ = ["OPACITIES", "Opacity", "colors_of", "is_diverging", "opacity_nodes", "transfer_function"]
 
 Array: TypeAlias = NDArray[np.float64]
 Opacity: TypeAlias = str | float | Iterable[float] | Iterable[tuple[float, float]]
@@ -52,7 +53,7 @@ def transfer_function(
     name: str,
     volume: Volume | WaveletVolume | None,
     *,
-    clim: tuple[float, float] | None,
+    clim: Iterable[End] | None,
     opacity: Opacity,
     log: bool,
     gamma: float,
@@ -69,12 +70,10 @@ def transfer_function(
         return low * (high / low) ** parts if log else low + parts * (high - low)
 
     color = [(float(value), *rgb) for value, rgb in zip(values_at(places), colors.tolist(), strict=True)]
-    return TransferFunction(_opacity(opacity, values_at), color, opacity_unit)
+    return TransferFunction(opacity_nodes(opacity, values_at), color, opacity_unit)
 
 
-def _limits(
-    volume: Volume | WaveletVolume | None, clim: tuple[float, float] | None, *, log: bool
-) -> tuple[float, float]:
+def _limits(volume: Volume | WaveletVolume | None, clim: Iterable[End] | None, *, log: bool) -> tuple[float, float]:
     from wavesplat._looks import value_scale
 
     if clim is None:
@@ -84,15 +83,7 @@ def _limits(
             _warn_of_what_has_no_logarithm(volume)
         low, high = value_scale.ends("log" if log else "fraction", volume)
         return low, high
-    try:
-        low, high = (float(value) for value in clim)
-    except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(
-            f"clim is {described(clim)}; give (low, high), the values of the first and the last colour"
-        ) from None
-    if not (isfinite(low) and isfinite(high) and low < high):
-        hint = f"; did you mean ({high:g}, {low:g})?" if high < low else ""
-        raise ArgumentError(f"clim is ({low:g}, {high:g}); low must be less than high{hint}")
+    low, high = values_of(clim, volume, "clim")
     if log and low <= 0:
         raise ArgumentError(
             f"clim is ({low:g}, {high:g}), and {low:g} has no logarithm; give a positive low, or no log"
@@ -136,7 +127,11 @@ def is_diverging(name: str) -> bool:
     return bool(cmap.Colormap(_found(name)).category == "diverging")
 
 
-def _opacity(opacity: Any, values_at: Any) -> list[tuple[float, ...]]:
+def opacity_nodes(opacity: Any, values_at: Callable[[Array], Array]) -> list[tuple[float, ...]]:
+    """Nodes of a curve of opacity: by name, a number, numbers over the range, or nodes.
+
+    values_at : the value at a place in the range, 0..1.
+    """
     places = np.arange(N_NODES) / (N_NODES - 1)
     if isinstance(opacity, str):
         if opacity not in OPACITIES:

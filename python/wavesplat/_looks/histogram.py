@@ -1,10 +1,4 @@
-"""Statistics of a volume's histogram: its range, the threshold of the object, greys for projections.
-
-Otsu's threshold (1979) parts the background (air, empty field) from the object: it maximises the variance between the
-two classes.
-It is taken on the square roots, so that a few very bright spots (tracer in a bladder, vessels) do not become the object
-and everything else its background.
-Percentiles stand in for smallest and largest so that a hot pixel or a metal implant cannot flatten the curves.
+"""Statistics of a volume's histogram: its range, samples without padding, greys for projections.
 
 Projections get a grey ramp over the values that they project to, along the three index axes or in a view.
 """
@@ -19,6 +13,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._looks.hounsfield import looks_like_hounsfield
+from wavesplat._looks.thresholds import robust_range_of
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model.thinning import HISTOGRAM_SAMPLES, step_for
 from wavesplat._model.wavelet_volume import WaveletVolume
@@ -31,16 +26,14 @@ __all__ = [
     "exposed",
     "finite_samples",
     "is_hounsfield",
-    "otsu",
+    "not_beyond",
     "projected",
     "robust_range",
-    "robust_range_of",
     "signed",
+    "subsampled",
+    "without_padding",
 ]
 
-N_BINS = 512
-#: Percentiles that count as the smallest and largest value.
-ROBUST = (0.1, 99.9)
 #: Share of a window below which values count as empty.
 CLEAR = 0.05
 #: Least width of a window, as a share of the volume's range, so that noise in uniform matter stays dark.
@@ -52,6 +45,9 @@ N_RADIOGRAPH = 65
 BRIGHTEST_MEDIAN = 0.6
 #: Projections whose values do not depend much on where the volume is seen from.
 MAXIMA = ("maximum", "depth-shaded-maximum", "local-maximum")
+#: Percentile of the samples beyond which some may be hot pixels of a camera, and how many times as far above the
+#: background as all their neighbours these are.
+BRIGHT_PERCENT, HOT = 99.8, 3.0
 #: Reduction of a ray by each projection; a sum is a mean times the ray's length.
 PROJECTIONS: dict[str, Callable[..., Any]] = {
     "maximum": np.nanmax,
@@ -88,14 +84,20 @@ def exposed(volume: Volume | WaveletVolume, composite: str, values: NDArray[np.f
     return _grey_ramp(values, least=MIN_WINDOW * (high - low))
 
 
+def not_beyond(greys: TransferFunction, white: float) -> TransferFunction:
+    """Greys of a maximum whose white is at most the value `white`."""
+    low, black, own = greys.opacity[0][0], greys.color[0][0], greys.color[-1][0]
+    return greys if own <= white or white <= low else _greys(low, min(black, low + 0.9 * (white - low)), white)
+
+
 def robust_range(volume: Volume | WaveletVolume) -> tuple[float, float]:
     """Values that count as smallest and largest: the 0.1 and 99.9 percentiles, or the extremes if those are equal."""
-    return robust_range_of(_finite(_subsampled(volume)))
+    return robust_range_of(_finite(subsampled(volume)))
 
 
 def finite_samples(volume: Volume | WaveletVolume) -> NDArray[np.float64]:
     """Samples that are numbers, some millions at most, spread evenly over the volume."""
-    return _finite(_subsampled(volume))
+    return _finite(subsampled(volume))
 
 
 def is_hounsfield(volume: Volume | WaveletVolume) -> bool:
@@ -116,17 +118,23 @@ def attenuation(volume: Volume | WaveletVolume) -> tuple[float, float]:
     return clear, UNKNOWN_DEPTH / most if most > 0 else 1.0
 
 
-def robust_range_of(values: NDArray[np.float64]) -> tuple[float, float]:
-    """The robust range of finite values, any number of them."""
-    low, high = np.percentile(values, ROBUST)
-    if not low < high:
-        low, high = values.min(), values.max()
-    return float(low), float(high)
-
-
-def _subsampled(volume: Volume | WaveletVolume) -> NDArray[Any]:
+def subsampled(volume: Volume | WaveletVolume) -> NDArray[Any]:
     """Every n-th sample along each axis, [z, y, x]."""
     return volume._every(step_for(math.prod(volume.shape), HISTOGRAM_SAMPLES))
+
+
+def without_padding(samples: NDArray[Any]) -> NDArray[np.float64]:
+    """Finite samples, flat, of an array [z, y, x] without the outer planes that have the value of its first corner.
+
+    Statistics of them do not depend on how much empty space was put around the data.
+    """
+    is_padding = ~np.isfinite(samples) | (samples == samples[0, 0, 0])
+    kept = []
+    for axis in range(3):
+        others = tuple(other for other in range(3) if other != axis)
+        planes = np.flatnonzero(~is_padding.all(axis=others))
+        kept.append(slice(planes[0], planes[-1] + 1) if planes.size else slice(None))
+    return _finite(samples[tuple(kept)])
 
 
 def _finite(samples: NDArray[Any]) -> NDArray[np.float64]:
@@ -136,23 +144,7 @@ def _finite(samples: NDArray[Any]) -> NDArray[np.float64]:
 
 def signed(volume: WaveletVolume) -> TransferFunction:
     """Diverging colours for wavelet details, full where they are as large as the largest thousandth."""
-    return TransferFunction.diverging(float(np.percentile(np.abs(_finite(_subsampled(volume))), 99.9)) or 1.0)
-
-
-def otsu(values: NDArray[np.float64], low: float, high: float) -> float:
-    """Otsu's threshold: it parts the values into the classes with the largest variance between their square roots."""
-    roots = np.sqrt(np.clip((values - low) / (high - low), 0.0, 1.0))
-    counts, edges = np.histogram(roots, bins=N_BINS, range=(0.0, 1.0))
-    centers = (edges[:-1] + edges[1:]) / 2
-    below = np.cumsum(counts)[:-1]
-    above = values.size - below
-    sum_below = np.cumsum(counts * centers)[:-1]
-    sum_above = (counts * centers).sum() - sum_below
-    with np.errstate(divide="ignore", invalid="ignore"):
-        between = below * above * (sum_below / below - sum_above / above) ** 2
-    # An empty gap between the classes makes a plateau; its middle is the steadiest choice.
-    best = np.flatnonzero(np.nan_to_num(between) >= np.nanmax(between) * (1 - 1e-9))
-    return float(low + edges[1:-1][best[len(best) // 2]] ** 2 * (high - low))
+    return TransferFunction.diverging(float(np.percentile(np.abs(_finite(subsampled(volume))), 99.9)) or 1.0)
 
 
 def _projected(volume: Volume | WaveletVolume, composite: str, clear: float = 0.0) -> NDArray[np.float64]:
@@ -160,7 +152,10 @@ def _projected(volume: Volume | WaveletVolume, composite: str, clear: float = 0.
 
     For an x-ray, the integral of the values above `clear`.
     """
-    samples = _subsampled(volume).astype(np.float64)
+    samples = subsampled(volume).astype(np.float64)
+    # Of a larger volume some samples were left out, and neighbours are not known.
+    if composite in MAXIMA and samples.shape == volume.shape:
+        _dim_hot_samples(samples)
     samples[~np.isfinite(samples)] = np.nan
     if composite == "x-ray":
         samples = np.maximum(samples - clear, 0.0)
@@ -171,6 +166,27 @@ def _projected(volume: Volume | WaveletVolume, composite: str, clear: float = 0.
         rays = np.isfinite(samples).any(axis=axis)
         pixels.append(reduce(np.where(np.expand_dims(rays, axis), samples, 0.0), axis=axis)[rays] * length)
     return np.concatenate(pixels)
+
+
+def _dim_hot_samples(samples: NDArray[np.float64]) -> None:
+    """Give lone samples that are far brighter than all neighbours, hot pixels of a camera, the largest of these.
+
+    samples : [z, y, x], changed in place.
+    """
+    finite = samples[np.isfinite(samples)]
+    if not finite.size:
+        return
+    background, bright = np.percentile(finite, (50.0, BRIGHT_PERCENT))
+    at = np.argwhere(samples > bright)
+    around = np.full(len(at), -np.inf)
+    for axis in range(3):
+        for side in (-1, 1):
+            beside = at.copy()
+            beside[:, axis] += side
+            is_inside = (beside[:, axis] >= 0) & (beside[:, axis] < samples.shape[axis])
+            around[is_inside] = np.fmax(around[is_inside], samples[tuple(beside[is_inside].T)])
+    is_hot = samples[tuple(at.T)] - background > HOT * (around - background)
+    samples[tuple(at[is_hot].T)] = around[is_hot]
 
 
 def _grey_ramp(values: NDArray[np.floating[Any]], least: float) -> TransferFunction:

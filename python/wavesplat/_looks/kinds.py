@@ -17,6 +17,8 @@ from numpy.typing import NDArray
 
 from wavesplat._looks.hounsfield import looks_like_hounsfield
 from wavesplat._looks.stored_offset import stored_offset
+from wavesplat._looks.thresholds import otsu, robust_range_of
+from wavesplat._model import units
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.thinning import KIND_SAMPLES, UNIT_SAMPLES, step_for
 from wavesplat._model.wavelet_volume import WaveletVolume
@@ -60,6 +62,10 @@ MIN_TAIL = 0.15
 MIN_WHOLE_TAIL = 0.5
 #: Dense tissue: least median, as a share of the range. (EM of a worm: 0.65; fluorescence: 0.1 to 0.2.)
 MIN_BRIGHT = 0.45
+#: Fluorescence, where only values tell: largest share of samples of one value (a background without noise was not
+#: counted from photons), least ratio of the 99.9th percentile to the median of the object, both above the background
+#: (cells 3.3 to 11, a mouse brain 3.9; vessels 1.3), and distance of samples in a file that has another unit, metres.
+MAX_EQUAL, MIN_GLOW, FINE_METRES = 0.25, 3.0, 1e-4
 #: Units that microscopes use.
 SMALL_UNITS = ("um", "nm", "angstrom", "pm")
 
@@ -155,9 +161,14 @@ def _by_facts(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tu
         kind = MODALITIES[modality]
         return kind, f"{'dose map' if kind == 'dose' else kind}: the file says {modality}"
     if volume.unit not in SMALL_UNITS:
-        if volume.facts.channel is None or volume.is_anatomical or _is_dense(values):
-            return None
-        return "fluorescence", "fluorescence: the file names channels, and mostly dark, by the values"
+        if volume.facts.channel is not None and not volume.is_anatomical and not _is_dense(values):
+            return "fluorescence", "fluorescence: the file names channels, and mostly dark, by the values"
+        if _is_fine(volume) and _glows(values):
+            said = (
+                "samples less than a tenth of a millimetre apart, and a few far brighter than the rest, by the values"
+            )
+            return "fluorescence", f"fluorescence: {said}"
+        return None
     # Fluorescence is dark with a bright tail; stained tissue in an electron microscope fills the picture.
     if _is_dense(values):
         return "EM", f"dense microscopy: lengths in {volume.unit}, and mostly bright, by the values"
@@ -181,12 +192,31 @@ def _by_values(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> t
         return "field", "a field of floating-point numbers"
     if _is_dense(values):
         return "EM", "dense matter that fills the volume, as in electron microscopy: mostly bright, by the values"
+    if volume.unit is None and _glows(values):
+        return "fluorescence", "fluorescence: noise, and a few samples far brighter than the rest, by the values"
     return "scan", "a scan of no fixed scale"
 
 
 def _is_dense(values: NDArray[np.float64]) -> bool:
     low, middle, high = np.percentile(values, (1.0, 50.0, 99.0))
     return bool(middle > low + MIN_BRIGHT * (high - low))
+
+
+def _is_fine(volume: Volume | WaveletVolume) -> bool:
+    """Whether samples are as close together as a microscope's, whatever unit the file has."""
+    metres = units.metres(volume.unit)
+    return metres is not None and min(volume.spacing) * metres < FINE_METRES
+
+
+def _glows(values: NDArray[np.float64]) -> bool:
+    """Whether values are those of light that few structures give off: a noisy background and a long bright tail."""
+    _, counts = np.unique(values, return_counts=True)
+    low, high = robust_range_of(values)
+    if not low < high or counts.max() > MAX_EQUAL * values.size:
+        return False
+    inside = values[values > otsu(values, low, high)]
+    background = float(np.median(values))
+    return bool(inside.size and high - background > MIN_GLOW * max(float(np.median(inside)) - background, 1e-12))
 
 
 def _tail(values: NDArray[np.float64]) -> float:

@@ -13,7 +13,7 @@ from os import PathLike, fspath
 from typing import Any, TypeAlias
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
 from wavesplat._files.patterns import matching_files
@@ -21,12 +21,13 @@ from wavesplat._looks import colors, label_grids, label_names
 from wavesplat._looks.default_colors import label_color
 from wavesplat._looks.label_files import opened_segmentation
 from wavesplat._looks.mask_files import merged, name_of
+from wavesplat._model import affine
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.convert_from import converted
 from wavesplat._model.cutting import Boxes, taken_out
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
-from wavesplat._model.sources import Source
+from wavesplat._model.sources import Source, then
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._public import public
@@ -298,6 +299,30 @@ class Labels:
         labels = cls(volume, smooth=smooth)
         looks = {number: Label(look.color, name=names[number]) for number, look in labels.labels.items()}
         return labels.with_looks(looks)._changed(_source=None, _notes=notes)
+
+    def moved(self, matrix: ArrayLike) -> Labels:
+        """The labels at another place, as by `Volume.moved`.
+
+        Parameters
+        ----------
+        matrix : array, shape (4, 4)
+            Affine from the segmentation's world to the new one, world units.
+
+        Raises
+        ------
+        ArgumentError
+            If it is no affine map, or has no inverse, or the segmentation has no place.
+        """
+        world_from_world = affine.checked_map(matrix, "labels: the matrix to move them by")
+        if self.world_from_index is None:
+            raise ArgumentError("labels: the segmentation has no place, so it cannot be moved; give it as a Volume")
+        return self._changed(
+            world_from_index=world_from_world @ self.world_from_index,
+            _has_place=True,
+            _placing=_Placing(),
+            _source=then(self._source, "moved", matrix=world_from_world.tolist()),
+            _codes_on_scans={},
+        )
 
     def on_samples_of(self, scan: Grid) -> Labels:
         """The labels on the samples of a scan; itself where it lies on them. Kept until another scan is asked for.

@@ -19,7 +19,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files.libraries import library
-from wavesplat._looks.histogram import finite_samples, is_hounsfield, otsu, robust_range
+from wavesplat._looks.histogram import finite_samples, is_hounsfield, robust_range
+from wavesplat._looks.thresholds import otsu
 from wavesplat._model import units
 from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.sources import then

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, field
 from os import PathLike
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Literal
 
 from wavesplat._looks import colors
 from wavesplat._looks.shading import Shading
@@ -21,6 +21,7 @@ from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from wavesplat._looks.colormaps import Opacity
     from wavesplat._looks.labels import Labels
 
 __all__ = ["Look"]
@@ -45,6 +46,9 @@ class Look:
         Colour behind the volume, as for `render`; None leaves it open.
     labels : Labels, optional
         A segmentation that is drawn with it.
+    part : str, optional
+        Part of the body that is drawn: "brain" of a head in MR, by a simple extraction, not for measuring. The samples
+        stay; where no brain can be told, all is drawn, and a note says why. None draws all.
     name : str
         Name of the preset, "auto", or "" for one of your own.
     reason : str
@@ -64,6 +68,7 @@ class Look:
     view: str | None = None
     background: str | None = None
     labels: Labels | None = None
+    part: Literal["brain"] | None = None
     name: str = ""
     reason: str = ""
 
@@ -71,6 +76,8 @@ class Look:
         for name in ("name", "reason"):
             if not isinstance(getattr(self, name), str):
                 raise ArgumentError(f"{name} of the look is {described(getattr(self, name))}; give a text")
+        if self.part not in (None, "brain"):
+            raise ArgumentError(f'part of the look is {described(self.part)}; give "brain" or None')
         for name in ("view", "background", "name", "reason"):
             check_text(getattr(self, name), f"{name} of the look")
         colors.parse(self.background)
@@ -142,7 +149,7 @@ class Look:
         cls,
         volume: VolumeLike,
         color: str | Iterable[float] | None = None,
-        window: Iterable[float] | None = None,
+        window: Iterable[float | str] | None = None,
         composite: Composite = "over",
     ) -> Look:
         """A look for a channel of fluorescence: light of one colour, without shading, that rises over a window.
@@ -154,9 +161,11 @@ class Look:
         color : colour, optional
             "green", "magenta", "cyan", "yellow", "red", "blue", "#rrggbb" or (r, g, b). None is what the file says, or
             green.
-        window : two numbers (low, high), optional
-            Values up to the first are clear, from the second on they have the full light. None is the window of the
-            file; where it has none, or one of all values that there could be, percentiles of the samples.
+        window : (low, high), optional
+            Values up to the first are clear, from the second on they have the full light: numbers, or percentiles of
+            the samples, such as ("1%", "99.8%"). None is the window of the file; where it has none, or one of all
+            values that there could be, or one that next to no sample or most of them exceed, percentiles of the
+            samples.
         composite : str, default "over"
             Operator: "over" shows what is in front of what; with "maximum", as microscopes show it, colours of several
             channels are added.
@@ -176,6 +185,52 @@ class Look:
         from wavesplat._looks import channels
 
         return channels.channel_look(as_volume(volume), color, window, composite)
+
+    @takes_its_types
+    def changed(
+        self,
+        *,
+        window: Iterable[float | str] | None = None,
+        gamma: float = 1.0,
+        opacity: Opacity | None = None,
+        exposure: float = 1.0,
+        volume: VolumeLike | None = None,
+    ) -> Look:
+        """The same look with another window, brightness or opacity: its colours, light and operator stay.
+
+        Parameters
+        ----------
+        window : (low, high), optional
+            Sample values that the look's first and last node move to, and the others in proportion: numbers, or
+            percentiles of the volume's samples, such as ("1%", "99.8%").
+        gamma : float, default 1
+            A value at place t of the window, 0..1, gets the colour of the place t ** gamma: less than 1 brightens
+            mid-tones. Opacities stay.
+        opacity : str, float or sequence, optional
+            Curve of opacity over the window, as for `TransferFunction.from_colormap`.
+        exposure : float, default 1
+            Factor of light, above 0. With shading it is the light's; without, matter gives off so much more light:
+            colours are brighter in the same hue, and above 1 matter is denser too.
+        volume : Volume or WaveletVolume, optional
+            Needed for percentiles.
+
+        Raises
+        ------
+        ArgumentError
+            If a number is out of range, or the look has no window: it is of labels, a step at one value, or a transfer
+            function of two dimensions.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> look = ws.Look.channel(ws.examples.ripples(16), "green", (0, 1))
+        >>> look.changed(window=(0.2, 0.8)).transfer_function.color[-1][0]
+        0.8
+        """
+        from wavesplat._looks import changed
+
+        shown = volume_or_none(volume)
+        return changed.changed(self, shown, window=window, gamma=gamma, opacity=opacity, exposure=exposure)
 
     @classmethod
     @takes_its_types

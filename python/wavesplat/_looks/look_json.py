@@ -3,7 +3,7 @@
     {"version": 1, "name": "ct-bone", "description": "Skeleton.", "kind": "ct",
      "transfer_function": {"values": "hounsfield", "opacity_unit": 1.0, "opacity": [...], "color": [...]},
      "shading": {"diffuse": 0.9, "lights": [{"direction": [-1, 1, 2]}]},
-     "composite": "over", "view": null, "background": null}
+     "composite": "over", "view": null, "background": null, "part": null}
 
 All but the version and the transfer function may be left out; `"shading": null` draws the colours as given.
 A transfer function of two dimensions has the field `rgba`; `transfer_function_json` describes one of the value alone.
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 __all__ = ["build", "build_shading", "fields_of", "fields_of_curves", "fields_of_shading", "parse", "write"]
 
 WHAT = "look"
-TEXTS = ("name", "description", "kind", "view", "composite", "background")
+TEXTS = ("name", "description", "kind", "view", "composite", "background", "part")
 FIELDS = {"version", "transfer_function", "shading", *TEXTS}
 
 
@@ -56,6 +56,7 @@ def fields_of(look: Look, curves: dict[str, Any] | None = None) -> dict[str, Any
         "composite": look.composite,
         "view": look.view,
         "background": look.background,
+        **({} if look.part is None else {"part": look.part}),
     }
 
 
@@ -72,6 +73,7 @@ def build(document: dict[str, Any], volume: Volume | WaveletVolume | None) -> Lo
         if not isinstance(document.get(name), str | None):
             raise ArgumentError(f"{WHAT}: field {name!r} is {document[name]!r}; it must be a text or null")
     composite: Any = document.get("composite") or "over"
+    part: Any = document.get("part")
     if composite not in get_args(Composite):
         raise ArgumentError(f"{WHAT}: field 'composite' is {composite!r}; use one of: {', '.join(get_args(Composite))}")
     curves = document["transfer_function"]
@@ -89,6 +91,7 @@ def build(document: dict[str, Any], volume: Volume | WaveletVolume | None) -> Lo
         composite=composite,
         view=document.get("view"),
         background=document.get("background"),
+        part=part,
         name=document.get("name") or "",
         reason=document.get("description") or "",
     )

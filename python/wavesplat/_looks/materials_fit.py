@@ -26,6 +26,7 @@ from numpy.typing import NDArray
 from wavesplat._files.libraries import library
 from wavesplat._looks import histogram
 from wavesplat._looks.materials import Material, Materials
+from wavesplat._looks.thresholds import robust_range_of
 from wavesplat._model.argument_types import described
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat.errors import ArgumentError
@@ -88,13 +89,13 @@ def _quantiles(volume: Volume | WaveletVolume, n_materials: int) -> NDArray[np.f
 
     Without the outermost thousandths, which are padding and metal.
     """
-    samples = histogram._subsampled(volume).astype(np.float64)
+    samples = histogram.subsampled(volume).astype(np.float64)
     samples[~np.isfinite(samples)] = np.nan
     steepness = np.sqrt(sum(np.gradient(samples, axis=axis) ** 2 for axis in range(3) if samples.shape[axis] > 1))
     usable = np.isfinite(samples) & np.isfinite(steepness)
     counts, edges = np.zeros(1), np.zeros(2)
     if usable.any():
-        low, high = histogram.robust_range_of(samples[usable])
+        low, high = robust_range_of(samples[usable])
         weights = 1.0 / (1.0 + (steepness[usable] / (CALM * ((high - low) or 1.0))) ** 2)
         counts, edges = np.histogram(samples[usable], N_BINS, (low, high), weights=weights)
     n_different = np.count_nonzero(counts)

@@ -10,6 +10,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from itertools import pairwise
+from math import isfinite
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
@@ -20,6 +21,7 @@ from wavesplat._looks.kinds import Kind
 from wavesplat._looks.look import Look
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._looks.window_ends import End, values_of
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -35,6 +37,8 @@ Window: TypeAlias = tuple[float, float] | None
 #: colour maps that these get instead, in turn.
 MAPPED_KINDS: tuple[Kind, ...] = ("CT", "MR", "PET", "ultrasound", "EM", "field", "scan")
 OVERLAY_MAPS = ("hot", "winter", "summer", "cool")
+#: The map of values of two signs.
+TWO_SIGNS = "coolwarm"
 #: Opacity by place in the values, 0..1, of a layer without a window. The lowest tenth is background, of which a ray
 #: passes through much; tuned on PET over CT, in space and on slices.
 PLACES, ALPHAS = (0.0, 0.08, 0.2, 0.45, 1.0), (0.0, 0.0, 0.08, 0.45, 1.0)
@@ -46,9 +50,17 @@ RISE = 0.15
 DARK = 0.02
 
 
-def overlay(volume: Volume | WaveletVolume, name: str, given: Iterable[float] | None) -> Look:
+def overlay(
+    volume: Volume | WaveletVolume, name: str | None, given: Iterable[End] | None, threshold: float | None = None
+) -> Look:
     """See `Layer.overlay`."""
-    window = None if given is None else channels.checked_window(given)
+    window = None if given is None else values_of(given, volume)
+    if threshold is not None:
+        if name is None and window is None:
+            name = TWO_SIGNS if _has_two_signs(volume) else OVERLAY_MAPS[0]
+        return _beyond(overlay(volume, name, window), threshold)
+    if name is None:
+        name = "gray"
     is_preset = presets.plain(name) in {presets.plain(one) for one in presets.names()}
     if window is None and is_preset:
         return Look.preset(name, volume)
@@ -60,6 +72,30 @@ def overlay(volume: Volume | WaveletVolume, name: str, given: Iterable[float] | 
         has_values = f"the preset {name!r} has values of its own, so leave out the window" if is_preset else error
         raise ArgumentError(f"the look of a layer is a preset, a colour or a colour map: {has_values}") from None
     return Look(transfer_function=function, shading=None, name=name)
+
+
+def _has_two_signs(volume: Volume | WaveletVolume) -> bool:
+    low, high = volume.value_range
+    return low < 0 < high
+
+
+def _beyond(look: Look, threshold: float) -> Look:
+    """The look, opaque from a threshold on; of two signs from it on both sides of 0."""
+    function = look.transfer_function
+    if isinstance(function, TransferFunction2D):
+        raise ArgumentError("a threshold of values is for colours of values, and this look is of gradients too")
+    if not isfinite(threshold):
+        raise ArgumentError(f"threshold is {threshold}; give a finite number, in the volume's values")
+    above = [(threshold, 0.0), (threshold, 1.0)]
+    if _is_of_two_signs(function):
+        if not threshold > 0:
+            raise ArgumentError(
+                f"threshold is {threshold:g}, and {look.name!r} shows values of two signs; give a positive number, "
+                "below whose magnitude they are hidden"
+            )
+        above = [(-threshold, 1.0), (-threshold, 0.0), *above]
+    curves = TransferFunction(above, function.color, function.opacity_unit)
+    return replace(look, transfer_function=curves, composite="over")
 
 
 def mapped(volume: Volume | WaveletVolume, colormap: str, window: Window = None) -> TransferFunction:
@@ -103,12 +139,18 @@ def cleared(look: Look, volume: Volume | WaveletVolume, composite: Composite) ->
     alphas = [alpha for _, alpha in function.opacity]
     shows_low = any(before > after for before, after in pairwise(alphas)) and alphas[-1] < alphas[0]
     # Looks of one's own mean what they say, and those that show low values, such as air, would be lost.
-    if not look.name or shows_low or not least < most or function([least])[0, 3] == 0:
+    if not look.name or shows_low or _is_of_two_signs(function) or not least < most or function([least])[0, 3] == 0:
         return look
     rise = RISE * (most - least)
     ramp = [least + place * rise for place in np.linspace(0, 1, 9)]
     smooth = _times(function, lambda values: np.clip((values - least) / rise, 0, 1) ** 2, ramp)
     return replace(look, transfer_function=smooth)
+
+
+def _is_of_two_signs(function: TransferFunction) -> bool:
+    """Whether values below 0 and above it show, and 0 does not: the lowest ones are no background."""
+    low, high = ([value for value, alpha in function.opacity if alpha > 0 and value * sign > 0] for sign in (-1, 1))
+    return bool(low and high and function([0.0])[0, 3] == 0)
 
 
 def _times(

@@ -175,7 +175,7 @@ class TransferFunction:
         name: str,
         volume: VolumeLike | None = None,
         *,
-        clim: tuple[float, float] | None = None,
+        clim: tuple[float | str, float | str] | None = None,
         opacity: Opacity = "linear",
         log: bool = False,
         gamma: float = 1.0,
@@ -191,8 +191,9 @@ class TransferFunction:
         volume : Volume or WaveletVolume, optional
             Needed if `clim` is not given.
         clim : (low, high), optional
-            Values of the first and the last colour; None takes those that count as the volume's smallest and largest,
-            for `log` as its smallest and largest of those above 0, with a warning if there are others.
+            Values of the first and the last colour, or percentiles of the volume's samples ("1%"); None takes those
+            that count as the volume's smallest and largest, for `log` as its smallest and largest of those above 0,
+            with a warning if there are others.
         opacity : str, float, sequence of float, or sequence of (value, alpha)
             Opacity of a slab one `opacity_unit` thick: "linear", "sigmoid" or "sqrt" from 0 at low to 1 at high; one
             number everywhere; numbers evenly over the range; or nodes in sample values. Numbers are 0..1.

@@ -33,7 +33,7 @@ Nodes: TypeAlias = list[tuple[float, ...]]
 ABSOLUTE = ("samples", "hounsfield")
 #: Percentile of the magnitudes that counts as the largest, and percentile of the object that counts as its largest.
 LARGEST_MAGNITUDE, LARGEST_OF_OBJECT = 99.9, 99.5
-#: Percentiles of the positive values that count as smallest and largest, as `histogram.ROBUST`.
+#: Percentiles of the positive values that count as smallest and largest, as `thresholds.ROBUST`.
 ROBUST = (0.1, 99.9)
 #: Nodes of a curve that is even in the logarithm; what lies between two is off by less than half a level of 255.
 N_LOG = 65
@@ -46,7 +46,8 @@ def _fraction(volume: Volume | WaveletVolume) -> tuple[float, float]:
 
 
 def _object(volume: Volume | WaveletVolume) -> tuple[float, float]:
-    from wavesplat._looks.histogram import finite_samples, otsu, robust_range
+    from wavesplat._looks.histogram import finite_samples, robust_range
+    from wavesplat._looks.thresholds import otsu
 
     low, high = robust_range(volume)
     if not low < high:

@@ -16,10 +16,21 @@ from numpy.typing import ArrayLike, NDArray
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
-__all__ = ["RAS_FROM_LPS", "affine_of", "axis_codes", "from_spacing", "spacing_of", "with_spacing", "world_bounds"]
+__all__ = [
+    "RAS_FROM_LPS",
+    "affine_of",
+    "axis_codes",
+    "checked_map",
+    "from_spacing",
+    "spacing_of",
+    "with_spacing",
+    "world_bounds",
+]
 
 Affine = NDArray[np.float64]
 
+#: Determinant of unit columns, below which a map has no inverse in float64.
+SINGULAR = 1e-9
 #: Half turn about z: ITK and DICOM count x towards the patient's left and y towards the back, RAS the other way.
 RAS_FROM_LPS: Affine = np.diag([-1.0, -1.0, 1.0, 1.0])
 
@@ -62,6 +73,25 @@ def checked_spacing(spacing: Sequence[float]) -> tuple[float, float, float]:
             "(an axis that runs backwards is written with world_from_index)"
         )
     return x, y, z
+
+
+def checked_map(matrix: ArrayLike, what: str) -> Affine:
+    """A copy of an affine map, shape (4, 4), or an `ArgumentError` that says why it is none; `what`: for messages."""
+    try:
+        found = np.array(matrix, np.float64)
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError(f"{what} is {described(matrix)}; give 4 x 4 numbers") from None
+    if found.shape != (4, 4):
+        raise ArgumentError(f"{what} has shape {found.shape}; it must be (4, 4)")
+    if not np.isfinite(found).all() or found[3].tolist() != [0, 0, 0, 1]:
+        raise ArgumentError(
+            f"{what} has the last row {found[3].tolist()}; give finite numbers, and 0, 0, 0, 1 as the last row"
+        )
+    # Against the lengths of the columns, which are any unit.
+    scale = float(np.prod(spacing_of(found)))
+    if not abs(np.linalg.det(found[:3, :3])) > SINGULAR * scale:
+        raise ArgumentError(f"{what} has no inverse: it maps the volume onto a plane; give one that can be undone")
+    return found
 
 
 def world_bounds(world_from_index: Affine, shape: tuple[int, int, int]) -> NDArray[np.float64]:

@@ -9,7 +9,8 @@ from math import dist, hypot, radians, tan
 from os import PathLike
 from typing import TYPE_CHECKING, Any
 
-from numpy.typing import ArrayLike
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
 from wavesplat._model import camera_fit
@@ -324,6 +325,42 @@ class Camera:
         from wavesplat._model import camera_path
 
         return camera_path.evenly(cameras, n, closed=closed)
+
+    @takes_its_types
+    def project(self, points: ArrayLike, *, size: Sequence[int]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+        """Places of world points in a picture of this camera, and their depths.
+
+        Parameters
+        ----------
+        points : array, shape (n, 3)
+            World positions (x, y, z).
+        size : two numbers (width, height)
+            Pixels of the picture, as for `render`.
+
+        Returns
+        -------
+        pixels : float64 array, shape (n, 2)
+            Column and row, not rounded. (0, 0) is the centre of the first pixel, the upper left one, as in
+            `picture.rgba[row, column]` and matplotlib's `imshow`. Points beside the picture lie beyond its pixels;
+            those that are not in front of a perspective camera are NaN.
+        depths : float64 array, shape (n,)
+            World units along the ray of the point, from the eye, or from the plane of an orthographic camera's
+            position, as in `Picture.depth`: a point whose depth is larger than the picture's there is hidden.
+
+        Raises
+        ------
+        ArgumentError
+            If the points are not of shape (n, 3), or the size is none.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> camera = ws.Camera((0, 500, 0), (0, 0, 0), (0, 0, 1), parallel_scale=100)
+        >>> pixels, depths = camera.project([(0, 0, 0), (-50, 100, 50)], size=(200, 200))
+        >>> pixels.tolist(), depths.tolist()
+        ([[99.5, 99.5], [149.5, 49.5]], [500.0, 400.0])
+        """
+        return camera_fit.projected(self, points, size)
 
     def as_json(self) -> dict[str, Any]:
         """The camera as an object that `json` can write, which `from_json` reads back exactly.

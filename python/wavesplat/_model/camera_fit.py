@@ -10,6 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from math import atan, cos, degrees, dist, isfinite, radians, sin, tan
+from operator import index
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
@@ -37,6 +38,7 @@ __all__ = [
     "orbit_axes",
     "placed",
     "placed_for_all",
+    "projected",
     "sin_cos_deg",
     "widened",
 ]
@@ -199,6 +201,28 @@ def axes_of(camera: Camera) -> Vectors:
     right = np.cross(camera.view_up, back)
     right /= np.linalg.norm(right)
     return np.array([right, np.cross(back, right), back])
+
+
+def projected(camera: Camera, points: ArrayLike, size: Sequence[int]) -> tuple[Vectors, Vectors]:
+    """See `Camera.project`. The inverse of `ray` of `crates/core/src/camera.rs`, whose pixel centres are at halves."""
+    seen = _checked_points(points) - camera.position
+    try:
+        width, height = (index(number) for number in size)
+    except (TypeError, ValueError):
+        width, height = 0, 0
+    if width < 1 or height < 1:
+        raise ArgumentError(f"size is {described(size)}; give (width, height), two whole numbers of pixels from 1")
+    right, up, back = axes_of(camera)
+    forward = -(seen @ back)
+    if camera.view_angle is None:
+        half_heights: Vectors | float = camera.parallel_scale or 0.0
+        depths = forward
+    else:
+        half_heights = np.where(forward > 0, forward, np.nan) * tan(radians(camera.view_angle) / 2)
+        depths = np.where(forward > 0, np.linalg.norm(seen, axis=1), np.nan)
+    columns = (width + height * (seen @ right) / half_heights) / 2 - 0.5
+    rows = height * (1 - (seen @ up) / half_heights) / 2 - 0.5
+    return np.stack([columns, rows], axis=1), depths
 
 
 def orbit_axes(azimuth: float, elevation: float) -> Vectors:

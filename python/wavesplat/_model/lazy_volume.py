@@ -28,6 +28,7 @@ from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
 from wavesplat._model.lazy_array import LazyArray, lazy_array
 from wavesplat._model.lazy_changes import look_again
+from wavesplat._model.stack import Box
 from wavesplat._model.survey import Survey, kept_survey, surveyed
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
@@ -321,6 +322,12 @@ class LazyVolume(Volume):
         other._cache = LazyCache(self._cache.n_changes)
         return other
 
+    def _placed(self, world_from_world: Matrix, facts: Facts, source: Source | None) -> LazyVolume:
+        levels = [Level(one.array, _frozen(world_from_world @ one.world_from_index)) for one in self._levels]
+        made = LazyVolume._made(levels, self.name, facts, memory=self._memory, keep=self._keep, holes=self._holes)
+        made._at, made._source = self._at, source
+        return made
+
     def _copy(self) -> LazyVolume:
         made = LazyVolume._made(
             self._levels, self.name, self.facts, memory=self._memory, keep=self._keep, holes=self._holes
@@ -362,6 +369,14 @@ class LazyVolume(Volume):
         if not is_whole_number_below(level, len(self._levels)):
             raise ArgumentError(f"level is {described(level)}; there are {len(self._levels)} levels, 0 is the finest")
         return level
+
+    def _stored_grid(self) -> Grid:
+        return self.grid_of(self._checked(None))
+
+    def _stored_box(self, box: Box) -> NDArray[Any]:
+        from wavesplat._model.lazy_parts import read_box
+
+        return read_box(self._levels[self._checked(None)].array, box)
 
     def preview(self) -> Volume:
         """A coarse copy in memory, of some millions of samples at most, for pictures that must come at once."""

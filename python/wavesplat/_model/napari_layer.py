@@ -5,6 +5,7 @@ Scale, rotation, shear, translation, affine and units are taken into account.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -17,8 +18,11 @@ from wavesplat.errors import ArgumentError
 __all__ = ["of_napari"]
 
 
-def of_napari(layer: Any) -> Converted:
-    """Convert an image or labels layer; of several levels, the finest."""
+def of_napari(layer: Any, at: Sequence[int] = ()) -> Converted:
+    """Convert an image or labels layer; of several levels, the finest.
+
+    at : index along the axes before the last three, such as the time; else these must have a length of 1.
+    """
     kind, name = type(layer).__name__, str(layer.name)
     if kind not in ("Image", "Labels") and not hasattr(getattr(layer, "data", None), "shape"):
         raise ArgumentError(f"a layer of {kind} has no samples on a grid; give an image or labels layer")
@@ -28,12 +32,12 @@ def of_napari(layer: Any) -> Converted:
         )
     data = layer.data[0] if getattr(layer, "multiscale", False) else layer.data
     extra = len(data.shape) - 3
-    if extra > 0 and set(data.shape[:extra]) != {1}:
+    if extra > 0 and not at and set(data.shape[:extra]) != {1}:
         raise ArgumentError(
             f"layer {name!r} has shape {tuple(data.shape)}; give one volume of it, as "
             f"wavesplat.Volume(layer.data[{', '.join(['0'] * extra)}], spacing=(x, y, z))"
         )
-    samples = loaded(data[(0,) * extra] if extra > 0 else data, name)
+    samples = loaded(data[tuple(at) or (0,) * extra] if extra > 0 else data, name)
     n = len(data.shape)
     # napari keeps its transforms apart, and composes them itself; the axes that are left out stay at 0.
     ends = np.array([layer.data_to_world(point) for point in np.vstack([np.zeros(n), np.eye(n)])], np.float64)

@@ -6,12 +6,18 @@ from collections import OrderedDict
 from collections.abc import Iterator, Sequence
 from math import isfinite
 from operator import index
+from os import PathLike
 from threading import RLock
-from typing import Any, Protocol, overload, runtime_checkable
+from typing import Any, Literal, Protocol, overload, runtime_checkable
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from wavesplat._files.paths import printable
-from wavesplat._model.argument_types import described, text_of
+from wavesplat._model import affine, volume_file
+from wavesplat._model.argument_types import described, takes_its_types, text_of
 from wavesplat._model.sources import Source, then
+from wavesplat._model.stack import stacked
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
@@ -111,6 +117,33 @@ class Series:
         """Unit of `times`, such as "s"; None where nothing is known."""
         return self._known_times()[1]
 
+    @takes_its_types
+    def save(self, path: str | PathLike[str], *, downsampling: Literal["mean", "nearest"] | None = None) -> None:
+        """Write all volumes, with their times, to one file; the suffix chooses the format.
+
+        Parameters
+        ----------
+        path, downsampling
+            As for `Volume.save`; `.ome.tif` and `.ome.zarr` hold several times.
+
+        Raises
+        ------
+        FileError
+            If the suffix is unknown or the file cannot be written; an existing file is replaced only by a whole one.
+        ArgumentError
+            If the volumes differ in shape or place, or the format holds one volume.
+
+        Examples
+        --------
+        >>> import numpy as np, wavesplat as ws
+        >>> beating = np.random.default_rng(1).integers(0, 255, (5, 8, 8, 8), np.uint8)
+        >>> series = ws.Series([ws.Volume(one) for one in beating], times=[0, 2, 4, 6, 8], time_unit="s")
+        >>> series.save("beating.ome.tif")
+        >>> ws.open_series("beating.ome.tif").times
+        (0.0, 2.0, 4.0, 6.0, 8.0)
+        """
+        volume_file.save(stacked([self], None, self.times, self.time_unit), path, downsampling)
+
     def __len__(self) -> int:
         return len(self._numbers)
 
@@ -132,6 +165,24 @@ class Series:
         if not -n <= place < n:
             raise ArgumentError(f"time point {place}, but {self._description()} holds {n}, 0..{n - 1}")
         return self._volume(self._numbers[place])
+
+    def moved(self, matrix: ArrayLike) -> Series:
+        """The series with volumes that are moved when they are read, as by `Volume.moved`.
+
+        Parameters
+        ----------
+        matrix : array, shape (4, 4)
+            Affine from the volumes' world to the new one, world units.
+
+        Raises
+        ------
+        ArgumentError
+            If it is no affine map, or has no inverse.
+        """
+        world_from_world = affine.checked_map(matrix, f"series {self.name!r}: the matrix to move it by")
+        made = Series(_Moved(self, world_from_world), name=self.name)
+        made._source = then(self._source, "moved", matrix=world_from_world.tolist())
+        return made
 
     def __iter__(self) -> Iterator[Volume]:
         return (self._volume(number) for number in self._numbers)
@@ -195,3 +246,22 @@ def _checked_times(times: Sequence[float], n: int) -> tuple[float, ...]:
     if not all(isfinite(time) for time in numbers):
         raise ArgumentError("times of a series must be finite numbers")
     return numbers
+
+
+class _Moved:
+    """The volumes of a series, moved when they are read."""
+
+    def __init__(self, series: Series, matrix: NDArray[np.float64]) -> None:
+        self._series, self._matrix = series, matrix
+
+    def __len__(self) -> int:
+        return len(self._series)
+
+    def __getitem__(self, number: int) -> Volume:
+        return self._series[number].moved(self._matrix)
+
+    def times(self) -> tuple[tuple[float, ...], str | None]:
+        return self._series.times, self._series.time_unit
+
+    def told(self) -> str:
+        return f"series {self._series.name!r}"

@@ -22,6 +22,7 @@ from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
 from wavesplat._model.lazy_checks import NATIVE, renderable_type
 from wavesplat._model.sources import Source, then
+from wavesplat._model.stack import Box, stacked
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
@@ -81,13 +82,15 @@ class Volume(Grid):
     """
 
     #: `_cut`: the boxes that were last taken out for a picture, and the volume without them (`_model.cutting`).
+    #: `_parts`: parts of it that were drawn, or why there is none: without the table, the brain (`_looks`).
     #: `_resampled`: the axes it was last resampled on, and the resampled volume (`_scene.resampling`).
     #: `_source`: its source for documents, None if unknown (`_model.sources`).
     #: `_lazily`: the volume as a lazy one, for pictures with lazy volumes (`_render.lazy_layers`).
-    __slots__ = ("_core", "_cut", "_lazily", "_resampled", "_samples", "_source")
+    __slots__ = ("_core", "_cut", "_lazily", "_parts", "_resampled", "_samples", "_source")
 
     _cut: tuple[tuple[Crop, ...], Volume] | None
     _resampled: tuple[bytes, Volume] | None
+    _parts: dict[str, Volume | str]
     _source: Source | None
     _lazily: LazyVolume | None
 
@@ -295,6 +298,44 @@ class Volume(Grid):
         source = then(self._source, "smoothed", deviation=number, unit=unit)
         return self._processed(samples, f"smoothed by a Gaussian, deviation {number:g} {named}", source)
 
+    def moved(self, matrix: ArrayLike) -> Volume:
+        """The volume at another place: the same samples, and an affine map after `world_from_index`.
+
+        Parameters
+        ----------
+        matrix : array, shape (4, 4)
+            Affine from the volume's world to the new one, column vectors, world units, such as `open_transform` reads
+            it from the file of a registration.
+
+        Returns
+        -------
+        Volume
+            Nothing is resampled. `facts.processing` says that it was moved.
+
+        Raises
+        ------
+        ArgumentError
+            If it is no affine map, or has no inverse.
+
+        Examples
+        --------
+        >>> import numpy as np, wavesplat as ws
+        >>> shift = np.eye(4)
+        >>> shift[:3, 3] = 5, 0, -2
+        >>> ws.examples.ripples(8).moved(shift).world_from_index[:3, 3] - ws.examples.ripples(8).world_from_index[:3, 3]
+        array([ 5.,  0., -2.])
+        """
+        world_from_world = affine.checked_map(matrix, f"volume {self._name!r}: the matrix to move it by")
+        facts = replace(self._facts, processing=(*self._facts.processing, "moved by an affine map"))
+        return self._placed(world_from_world, facts, then(self._source, "moved", matrix=world_from_world.tolist()))
+
+    def _placed(self, world_from_world: NDArray[np.float64], facts: Facts, source: Source | None) -> Volume:
+        """The volume with a map after its affine; `facts` and `source` are those of the result."""
+        matrix = world_from_world @ self._world_from_index
+        made = Volume(self._samples, world_from_index=matrix, name=self._name, facts=facts)
+        made._source = source
+        return made
+
     def to_xarray(self) -> xarray.DataArray:
         """The volume as an array with names: axes z, y, x, coordinates in the world, and the unit as their `units`.
 
@@ -356,19 +397,32 @@ class Volume(Grid):
         return convert_to.to_pyvista(self, self._samples)
 
     @takes_its_types
-    def save(self, path: str | PathLike[str]) -> None:
+    def save(self, path: str | PathLike[str], *, downsampling: Literal["mean", "nearest"] | None = None) -> None:
         """Write the volume to a file; the suffix chooses the format.
 
         Parameters
         ----------
         path : path
             `.nii.gz` or `.nii` (NIfTI; see `to_nibabel` for units and anatomy), or `.nrrd`, which keeps place, unit,
-            anatomy and modality as they are. Samples keep their type.
+            anatomy and modality as they are. `.ome.tif` (OME-TIFF): distances and their unit, name and colour of the
+            channel. `.ome.zarr` (OME-Zarr 0.5, a folder): the same, place and window, and coarser levels; it replaces
+            only a folder of Zarr. Samples keep their type. The last two are written part by part: lazy volumes stay in
+            their files.
+        downsampling : "mean" or "nearest", optional
+            For `.ome.zarr`: samples of coarser levels are means of finer ones, or every second one, for labels. None is
+            "nearest" for segmentations of DICOM, else "mean".
 
         Raises
         ------
         FileError
             If the suffix is unknown or the file cannot be written; an existing file is replaced only by a whole one.
+        LibraryError
+            If zarr is older than 3, which writes OME-Zarr 0.5 and needs Python 3.11.
+
+        Warns
+        -----
+        WavesplatWarning
+            If OME-TIFF or OME-Zarr has no place for a fact, such as anatomy or turned axes.
 
         Examples
         --------
@@ -377,7 +431,15 @@ class Volume(Grid):
         >>> ws.open("ripples.nrrd").shape
         (16, 16, 16)
         """
-        volume_file.save(self, self._samples, path)
+        volume_file.save(stacked([[self]]), path, downsampling)
+
+    def _stored_grid(self) -> Grid:
+        """Grid of the samples that `save` writes."""
+        return self
+
+    def _stored_box(self, box: Box) -> NDArray[Any]:
+        """Samples of a box, [z, y, x]."""
+        return self._samples[tuple(slice(lower, upper) for lower, upper in zip(*box, strict=True))]
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
         """The samples, as `numpy.asarray(volume)` asks for them: read-only, unless they are copied."""
@@ -401,6 +463,7 @@ class Volume(Grid):
         self._cut = None
         self._lazily = None
         self._resampled = None
+        self._parts = {}
 
     def _built(self) -> _native.Volume:
         return _native.Volume(self._samples, self._world_from_index, self._name)

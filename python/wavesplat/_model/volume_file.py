@@ -1,4 +1,4 @@
-"""Files of volumes: NIfTI by nibabel, and NRRD.
+"""Files of volumes: NIfTI by nibabel, NRRD, OME-TIFF and OME-Zarr; the last two also of channels and times.
 
 NRRD is written here, as SimpleITK writes neither units nor a world that is RAS:
 https://teem.sourceforge.net/nrrd/format.html, a header of lines and the samples, packed by gzip.
@@ -8,16 +8,19 @@ from __future__ import annotations
 
 import sys
 import zlib
-from collections.abc import Iterable
+from collections.abc import Callable, Iterable
 from os import PathLike
-from typing import Any
+from typing import Any, get_args
 
 import numpy as np
-from numpy.typing import NDArray
 
-from wavesplat._files.output import check_output, write_atomically
-from wavesplat._model import convert_to
+from wavesplat._files.output import check_output, write_atomically, write_folder_atomically
+from wavesplat._model import convert_to, ome_facts, ome_tiff_file, ome_zarr_file
+from wavesplat._model.argument_types import described
 from wavesplat._model.grid import Grid
+from wavesplat._model.ome_zarr_file import Downsampling
+from wavesplat._model.stack import Stack
+from wavesplat.errors import ArgumentError
 
 __all__ = ["save"]
 
@@ -38,9 +41,39 @@ GZIP_LEVEL = 3
 GZIP_WINDOW, PIECE_BYTES = 31, 1 << 20
 
 
-def save(grid: Grid, samples: NDArray[Any], path: str | PathLike[str]) -> None:
-    """Write samples and their place to a file, whole or not at all."""
+def save(
+    stack: Stack,
+    path: str | PathLike[str],
+    downsampling: Downsampling | None = None,
+    progress: Callable[[float], object] = lambda _fraction: None,
+) -> None:
+    """Write volumes and their place to a file, whole or not at all; the suffix chooses the format.
+
+    downsampling : None is "nearest" for segmentations (modality SEG), else "mean".
+    """
     suffix = check_output(path, "volumes")
+    if downsampling is not None and downsampling not in get_args(Downsampling):
+        raise ArgumentError(f'downsampling is {described(downsampling)}; it is "mean" or "nearest"')
+    if downsampling is not None and suffix != ".ome.zarr":
+        raise ArgumentError(f"downsampling is for .ome.zarr, which has levels of detail; leave it out: {path}")
+    if suffix.startswith(".ome"):
+        ome_facts.warn_of_lost(stack, path, is_zarr=suffix == ".ome.zarr")
+    if suffix == ".ome.zarr":
+        how = downsampling or ("nearest" if stack.facts.modality == "SEG" else "mean")
+        write_folder_atomically(path, lambda part: ome_zarr_file.write(stack, part, how, progress))
+    elif suffix.startswith(".ome"):
+        write_atomically(path, lambda part: ome_tiff_file.write(stack, part, progress))
+    else:
+        _save_one(stack, suffix, path)
+
+
+def _save_one(stack: Stack, suffix: str, path: str | PathLike[str]) -> None:
+    """Write a file of a format that holds one volume."""
+    if stack.n_times * stack.n_channels > 1:
+        n = f"{stack.n_channels} channels" if stack.n_channels > 1 else f"{stack.n_times} times"
+        raise ArgumentError(f"{suffix} holds one volume, not {n}; write .ome.tif or .ome.zarr, or choose one: {path}")
+    grid = stack.grid
+    samples = stack.read(0, 0, ((0, 0, 0), grid.shape))
     if suffix == ".nrrd":
         content = _nrrd_header(grid, samples.dtype) + _packed(samples)
     else:

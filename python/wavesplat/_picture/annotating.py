@@ -120,10 +120,10 @@ def annotated(rgba: NDArray[np.float32], report: Mapping[str, Any], figure: Figu
     return sheet.canvas(rgba, background, style, figure), told
 
 
-def with_caption(rgba: NDArray[np.float32], text: str) -> NDArray[np.float32]:
+def with_caption(rgba: NDArray[np.float32], text: str, color: Color = WHITE) -> NDArray[np.float32]:
     """The picture with a line of text in its upper left corner."""
     height, width = rgba.shape[:2]
-    style = Style(_font_px(Figure(), width, height), WHITE).on_picture()
+    style = Style(_font_px(Figure(), width, height), color).on_picture()
     mark = Text(0.5 * style.size, 1.2 * style.size, text, style.size, style.ink, "start", style.halo)
     return raster.drawn(Canvas(width, height, rgba, marks=(mark,)))
 

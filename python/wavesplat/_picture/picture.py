@@ -253,12 +253,14 @@ class Picture:
         Parameters
         ----------
         path : path
-            `.png`: integers, colour not multiplied by opacity. `.tif`, `.tiff`, `.exr`: float32, associated, as in
-            `rgba`; an `.exr` file also holds the depth, if there is one, as channel Z. `.jpg`, `.jpeg`, `.webp`: bytes,
-            compressed; JPEG has no transparency, what is transparent lies on white there. `.svg`, `.pdf`: the picture
-            embedded, and what `annotated` drew on it as vectors and text, on a transparent page where it is.
+            `.png`: integers, colour not multiplied by opacity. `.tif`, `.tiff`: the same, without opacity where nothing
+            is transparent; unless there is a `dpi`, with `pixel` and `unit` as ImageJ and Fiji read them, but for
+            perspective. `.exr`: float32, associated, as in `rgba`, and the depth, if there is one, as channel Z.
+            `.jpg`, `.jpeg`, `.webp`: bytes, compressed; JPEG has no transparency, what is transparent lies on white
+            there. `.svg`, `.pdf`: the picture embedded, and what `annotated` drew on it as vectors and text, on a
+            transparent page where it is.
         bits : 8 or 16, default 8
-            Bits per channel of a PNG file.
+            Bits per channel of a PNG or TIFF file.
         dpi : float, optional
             Pixels per inch when printed, which is written to PNG, JPEG, TIFF, SVG and PDF files; None is that of
             `annotated`.
@@ -321,7 +323,7 @@ class Picture:
             elif suffix == ".exr":
                 picture_files.write_exr(self, part)
             elif suffix in (".tif", ".tiff"):
-                picture_files.write_tiff(self, part, dpi=dpi)
+                picture_files.write_tiff(self, part, bits=bits, dpi=dpi)
             else:
                 picture_files.write_bytes_of(self, part, dpi=dpi, quality=quality)
 

@@ -1,6 +1,6 @@
 """Pictures as files: PNG, JPEG, WebP, TIFF and OpenEXR.
 
-Floats go to files as they are; bytes come from `straight_bytes`, which rounds as the PNG encoder does.
+OpenEXR holds the floats as they are; bytes come from `straight_bytes`, which rounds as the PNG encoder does.
 """
 
 from __future__ import annotations
@@ -37,6 +37,8 @@ __all__ = [
 #: Grey behind transparent pixels in formats without transparency.
 PAPER = 1.0
 METRES_PER_INCH = 0.0254
+#: Release of ImageJ that the description of a TIFF file names; any marks it as one whose unit ImageJ reads.
+IMAGEJ = "1.54f"
 
 
 def straight_bytes(rgba: NDArray[np.float32]) -> NDArray[np.uint8]:
@@ -97,20 +99,45 @@ def write_bytes_of(picture: Picture, path: Path, *, dpi: float | None, quality: 
     path.write_bytes(content.getvalue())
 
 
-def write_tiff(picture: Picture, path: Path, *, dpi: float | None) -> None:
-    """Write a TIFF file of floats, associated."""
+def write_tiff(picture: Picture, path: Path, *, bits: int, dpi: float | None) -> None:
+    """Write a TIFF file of whole numbers, RGB or, where something is transparent, RGBA; with the distance of pixels.
+
+    ImageJ reads the distance from the tags of resolution, pixels per unit, and the unit from its own description.
+    """
     import tifffile
 
-    options: dict[str, Any] = {} if dpi is None else {"resolution": (dpi, dpi), "resolutionunit": "INCH"}
+    pixels = straight_bytes(picture.rgba) if bits == 8 else _straight_words(picture.rgba)
+    is_opaque = bool((pixels[..., 3] == np.iinfo(pixels.dtype).max).all())
+    options: dict[str, Any] = {} if is_opaque else {"extrasamples": ["unassalpha"]}
+    step = _pixel_of_all(picture)
+    if dpi is not None:
+        options |= {"resolution": (dpi, dpi), "resolutionunit": "INCH"}
+    elif step is not None:
+        named = f"unit={picture.unit}\n" if picture.unit else ""
+        options |= {"resolution": (1 / step, 1 / step), "resolutionunit": "NONE"}
+        options["description"] = f"ImageJ={IMAGEJ}\n{named}"
     tifffile.imwrite(
         path,
-        picture.rgba,
+        pixels[..., :3] if is_opaque else pixels,
         photometric="rgb",
-        extrasamples=["assocalpha"],
         compression="zlib",
         metadata=None,
+        software="wavesplat",
         **options,
     )
+
+
+def _straight_words(rgba: NDArray[np.float32]) -> NDArray[np.uint16]:
+    """Associated floats as 16-bit numbers of straight colour and opacity, rounded as in PNG files."""
+    alpha = np.clip(rgba[..., 3:], 0, 1)
+    color = np.clip(rgba[..., :3] / np.where(alpha > 0, alpha, np.inf), 0, 1)
+    return np.floor(np.concatenate([color, alpha], axis=2) * 65535 + np.float32(0.5)).astype(np.uint16)
+
+
+def _pixel_of_all(picture: Picture) -> float | None:
+    """Distance of pixels, world units, where it is the same in all of the picture: not in perspective."""
+    camera = picture.report.get("camera") or {}
+    return None if camera.get("view_angle") is not None else picture.pixel
 
 
 def write_exr(picture: Picture, path: Path) -> None:

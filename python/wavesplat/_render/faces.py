@@ -16,8 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._looks import histogram
 from wavesplat._looks.hounsfield import looks_like_hounsfield
+from wavesplat._looks.thresholds import otsu, robust_range_of
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.camera import Camera
@@ -121,7 +121,7 @@ class _Head:
         if finite.size == 0 or finite.min() == finite.max():
             return None
         is_ct = volume.modality != "MR" and looks_like_hounsfield(finite, volume)
-        threshold = AIR_HU if is_ct else 0.6 * histogram.otsu(finite, *histogram.robust_range_of(finite))
+        threshold = AIR_HU if is_ct else 0.6 * otsu(finite, *robust_range_of(finite))
         values = np.where(np.isfinite(values), values, finite.min())
         return cls(
             values, values > threshold, step * np.asarray(volume.spacing)[order], np.column_stack([columns, origin])

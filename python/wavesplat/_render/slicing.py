@@ -46,7 +46,17 @@ from wavesplat._render.lazy_slices import part_around
 from wavesplat._render.notes import notes_on_slice
 from wavesplat.errors import ArgumentError
 
-__all__ = ["PIXEL_BYTES", "Planes", "positions_across", "sides_of", "sliced"]
+__all__ = [
+    "PIXEL_BYTES",
+    "Planes",
+    "in_colors",
+    "in_greys",
+    "normal_of",
+    "planes_through",
+    "positions_across",
+    "sides_of",
+    "sliced",
+]
 
 Array: TypeAlias = NDArray[np.float64]
 
@@ -69,8 +79,8 @@ def sliced(
     kernel: Kernel,
     thickness: float,
     slab: Slab,
-    window: str | tuple[float, float] | None,
-    clim: tuple[float, float] | None,
+    window: str | tuple[float | str, float | str] | None,
+    clim: tuple[float | str, float | str] | None,
     transfer_function: TransferFunction | str | None,
     background: str | Sequence[float] | None,
     threads: int | None,
@@ -105,18 +115,15 @@ def sliced(
     }
     if transfer_function is None:
         report["window"], report["clim"] = ((low + high) / 2, high - low), (low, high)
-        rgb = np.clip((values.astype(np.float64) - low) / (high - low), 0, 1)[..., None]
+        picture = in_greys(values, (low, high), background)
         colored = TransferFunction([(low, 1), (high, 1)], [(low, 0, 0, 0), (high, 1, 1, 1)])
-        shown = np.isfinite(values)
     else:
         curves = chosen_transfer_function(transfer_function, volume)
         if isinstance(curves, TransferFunction2D):
             raise ArgumentError("a slice shows values, not gradients; give a TransferFunction, or none for grey")
         colored = curves
-        rgba = curves(values.ravel()).reshape(*values.shape, 4)
-        rgb, shown = rgba[..., :3], np.isfinite(values) & (rgba[..., 3] > 0)
+        picture = in_colors(values, curves, background)
     report["shown"] = [shown_layer(volume.name, "over", colored, unit_of_values(volume))]
-    picture = _on_background(rgb, shown, background)
     if notes := notes_on_slice(picture, values, report.get("clim")):
         report["notes"] = notes
     return Picture(picture, value=values, report=Report(report)), planes
@@ -131,6 +138,13 @@ def positions_across(
     point, normal = _point_and_normal(plane)
     least, most = _extent(volume, normal)
     return least - float(normal @ point), most - float(normal @ point)
+
+
+def normal_of(volume: Grid, plane: Plane | tuple[Iterable[float], Iterable[float]] | None) -> Array:
+    """The unit normal of a plane, in the world."""
+    if plane is None or isinstance(plane, str):
+        return _cut(volume, plane, None).normal
+    return _point_and_normal(plane)[1]
 
 
 def sides_of(volume: Grid, plane: Plane | tuple[Iterable[float], Iterable[float]] | None) -> tuple[float, float]:
@@ -336,6 +350,30 @@ def _offsets(volume: Grid, cut: _Cut, thickness: float) -> Array:
 def _triple(numbers: Array) -> Vector:
     x, y, z = numbers.tolist()
     return x, y, z
+
+
+def in_greys(
+    values: NDArray[np.float32], limits: tuple[float, float], background: str | Sequence[float] | None
+) -> NDArray[np.float32]:
+    """Values as greys, over the background where there are none. `limits`: the values that are black and white."""
+    low, high = limits
+    grey = np.clip((values.astype(np.float64) - low) / (high - low), 0, 1)[..., None]
+    return _on_background(grey, np.isfinite(values), background)
+
+
+def in_colors(
+    values: NDArray[np.float32], curves: TransferFunction, background: str | Sequence[float] | None
+) -> NDArray[np.float32]:
+    """Values in the opaque colours of a transfer function, over the background where it or they are not seen."""
+    rgba = curves(values.ravel()).reshape(*values.shape, 4)
+    return _on_background(rgba[..., :3], np.isfinite(values) & (rgba[..., 3] > 0), background)
+
+
+def planes_through(volume: Grid, n: int, size: tuple[int, int]) -> list[Planes]:
+    """Planes of few pixels, spread evenly over the volume across its z axis, to take a sample of its values."""
+    least, most = positions_across(volume, None)
+    cuts = [_cut(volume, None, least + (number + 0.5) * (most - least) / n) for number in range(n)]
+    return [Planes(cut, _frame(volume, cut, size, 1.0, None), 0.0) for cut in cuts]
 
 
 def _on_background(

@@ -1,4 +1,4 @@
-"""Whether a picture of a CT shows the table that the patient lies on, so that a note can name what takes it out.
+"""Whether a picture of a CT shows a table that `_looks.tables` leaves, so that a note can name what takes it out.
 
 On a thinned copy, what is denser than air is matter. Opening by a sample (erosion, then more dilation within it) keeps
 what is thick, the body; a table, whose shells are thin, is what is left and shows. In the scans in hand that is
@@ -16,11 +16,16 @@ from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.volume import Volume
 
-__all__ = ["NOTE", "shows_table"]
+__all__ = ["LEFT_OUT", "NOTE", "shows_table"]
 
 NOTE = (
     "the picture seems to show the table beside the body; --remove-table (wavesplat.largest_body) takes it out of the "
     "scan"
+)
+
+LEFT_OUT = (
+    "the table below the body is left out of the picture, and stays in the samples; --keep-table (keep_table=True) "
+    "draws it"
 )
 
 #: Distance of the samples that are looked at, mm: twice that is thicker than the shells of tables.

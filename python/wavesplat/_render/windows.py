@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 from wavesplat._looks.histogram import robust_range
 from wavesplat._looks.presets import added_to_hounsfield, plain
+from wavesplat._looks.window_ends import End, are_percentiles, values_of
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
@@ -42,13 +43,18 @@ CT_WINDOWS = {
 
 
 def limits(
-    volume: Volume | WaveletVolume, window: str | Iterable[float] | None, clim: Iterable[float] | None
+    volume: Volume | WaveletVolume, window: str | Iterable[End] | None, clim: Iterable[End] | None
 ) -> tuple[float, float]:
-    """The values that are black and white; without a window those that count as the volume's smallest and largest."""
+    """The values that are black and white, given as numbers or percentiles.
+
+    Without a window they are those that count as the volume's smallest and largest.
+    """
     if window is not None and clim is not None:
         raise ArgumentError("window and clim both say which values are black and white; give one of them")
     if clim is not None:
-        return _checked(clim)
+        return values_of(clim, volume, "clim")
+    if are_percentiles(window):
+        return values_of(window, volume)  # type: ignore[arg-type]
     if window is not None:
         level, width = _named(window, volume) if isinstance(window, str) else _level_and_width(window)
         return level - width / 2, level + width / 2
@@ -69,7 +75,7 @@ def _named(name: str, volume: Volume | WaveletVolume) -> tuple[float, float]:
     return level + added_to_hounsfield(f"window {found!r}", volume), width
 
 
-def _level_and_width(window: Iterable[float]) -> tuple[float, float]:
+def _level_and_width(window: Iterable[End]) -> tuple[float, float]:
     try:
         level, width = (float(value) for value in window)
     except (TypeError, ValueError, OverflowError):
@@ -82,16 +88,3 @@ def _level_and_width(window: Iterable[float]) -> tuple[float, float]:
             "the lowest and the highest value are given as clim"
         )
     return level, width
-
-
-def _checked(clim: Iterable[float]) -> tuple[float, float]:
-    try:
-        low, high = (float(value) for value in clim)
-    except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(
-            f"clim is {described(clim)}; give (low, high), the values shown as black and white"
-        ) from None
-    if not (isfinite(low) and isfinite(high) and low < high):
-        hint = f"; did you mean ({high:g}, {low:g})?" if high < low else ""
-        raise ArgumentError(f"clim is ({low:g}, {high:g}); low must be less than high{hint}")
-    return low, high

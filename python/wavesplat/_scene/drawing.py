@@ -18,9 +18,11 @@ from wavesplat import _native
 from wavesplat._cluster.blocks import drawn_on_machines
 from wavesplat._looks import colors
 from wavesplat._looks.automatic import SOLID
+from wavesplat._looks.brain import PROCESSING as BRAIN
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.look import Look
 from wavesplat._looks.shading import Shading
+from wavesplat._looks.tables import PROCESSING as TABLE_LEFT_OUT
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model.camera import Camera
 from wavesplat._model.clips import Clipping
@@ -50,9 +52,16 @@ from wavesplat._render.faces import is_from_behind, shows_face
 from wavesplat._render.lazy_layers import FrameSpec, LazyLayers
 from wavesplat._render.notes import notes_on_layers, notes_on_picture
 from wavesplat._render.options import DrawOptions
+from wavesplat._render.tables import LEFT_OUT, shows_table
 from wavesplat._render.tables import NOTE as TABLE_NOTE
-from wavesplat._render.tables import shows_table
-from wavesplat._scene.drawn_layers import Curves, DrawnLayer, DrawnLayers, drawn_layers, drawn_volumes
+from wavesplat._scene.drawn_layers import (
+    Curves,
+    DrawnLayer,
+    DrawnLayers,
+    drawn_layers,
+    drawn_volumes,
+    why_no_brain,
+)
 from wavesplat._scene.reporting import facts_of
 from wavesplat._scene.summary import facts_of_layers, facts_of_picture
 from wavesplat.errors import ArgumentError
@@ -135,12 +144,34 @@ def _drawn_scene(scene: Scene, camera: Camera | str | None, options: DrawOptions
         picture.report["resampled"] = resampled
     if _has_face(frame, layers, functions):
         picture.report.setdefault("notes", []).append(FACE_NOTE)
+    if told := _notes_on_parts(layers):
+        picture.report.setdefault("notes", []).extend(told)
     if _has_table(frame, layers, functions):
         picture.report.setdefault("notes", []).append(TABLE_NOTE)
     told = picture.report["device"]
     if chosen_device(options.device) not in ("auto", "cpu") and told["name"] == "cpu" and told["reason"]:
         picture.report.setdefault("notes", []).append(f"drawn by the CPU: {told['reason']}")
     return picture
+
+
+def _notes_on_parts(layers: Sequence[DrawnLayer]) -> list[str]:
+    """Notes on layers of which a part is drawn, or was asked for."""
+    notes = [_note_on_brain(layer) for layer in layers if layer.look.part == "brain"]
+    is_left_out = any(TABLE_LEFT_OUT in layer.seen.facts.processing for layer in layers)
+    return [*notes, *([LEFT_OUT] if is_left_out else [])]
+
+
+def _note_on_brain(layer: DrawnLayer) -> str:
+    """Note on a layer of which the brain is asked for."""
+    why = why_no_brain(layer)
+    if why is not None:
+        return (
+            f"no brain could be told from skull and skin in {layer.name!r}, so all of it is drawn: {why}; "
+            "strip the skull first (mri_synthstrip, HD-BET), or take another look"
+        )
+    if BRAIN not in layer.seen.facts.processing:
+        return f"{layer.name!r} is no larger than a brain, so it is drawn as it is, as a scan without its skull"
+    return "the brain is drawn alone, by a simple extraction (thresholds and shapes), not for measuring"
 
 
 def _has_face(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> bool:
@@ -154,6 +185,8 @@ def _has_face(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[C
     iso_value = frame.operator.iso_value if isinstance(frame.operator, FirstHit) else None
 
     def found(layer: DrawnLayer, function: Curves) -> bool:
+        if BRAIN in layer.seen.facts.processing:
+            return False
         curves, clipping = layer.faded(function), replace(frame.clipping, boxes=layer.boxes)
         key: Any = id(layer.volume), "face"
         return frame.scene._cache.get_or_compute(
@@ -171,7 +204,7 @@ def _has_table(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[
         return False
 
     def found(layer: DrawnLayer, function: Curves) -> bool:
-        volume, curves = layer.volume, layer.faded(function)
+        volume, curves = layer.seen, layer.faded(function)
         if not isinstance(volume, Volume) or isinstance(volume, LazyVolume) or layer.boxes:
             return False
         key: Any = id(volume), "table"
@@ -296,7 +329,7 @@ def _in_one(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Cur
     if opacity != 1:
         result["rgba"] = _over_background(np.float32(opacity) * result["rgba"], frame.background)
     report["look"] = _layer_summary(layers[0])
-    report["processing"] = list(layers[0].volume.facts.processing)
+    report["processing"] = list(layers[0].seen.facts.processing)
     rgba, value = result["rgba"], result["value"]
     if len(layers) == 1:
         iso_value = frame.operator.iso_value if isinstance(frame.operator, FirstHit) else None

@@ -14,9 +14,11 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from wavesplat import _native
 from wavesplat._looks.automatic import automatic, tinted
+from wavesplat._looks.brain import brain_of
 from wavesplat._looks.kinds import kind_of
 from wavesplat._looks.look import Look
 from wavesplat._looks.overlays import MAPPED_KINDS, OVERLAY_MAPS, cleared, mapped
+from wavesplat._looks.tables import without_table
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.cutting import Boxes, in_samples_of
@@ -43,6 +45,7 @@ __all__ = [
     "look_over_others",
     "operator_name",
     "seen_parts",
+    "why_no_brain",
 ]
 
 Rgb = tuple[float, float, float]
@@ -68,7 +71,8 @@ class DrawnLayer:
     """A layer as it is drawn."""
 
     layer: Layer
-    #: The layer's volume, and that volume as drawn: on the first one's axes, with the boxes cut out.
+    #: The layer's volume, and that volume as drawn: the part of the look, or without a table, on the first one's axes,
+    #: with the boxes cut out.
     volume: Volume | WaveletVolume
     seen: Volume | WaveletVolume
     look: Look
@@ -177,11 +181,28 @@ def drawn_layers(scene: Scene, composite: Composite | None) -> DrawnLayers:
         looks = _over_others(scene, layers, looks, name)
     shown = []
     for layer, volume, look in zip(layers, volumes, looks, strict=True):
-        placed = on_axes_of(volume, volumes[0])
+        drawn = _part(volume, look, is_tableless=name == "over" and not (several or scene.keep_table))
+        placed = on_axes_of(drawn, volumes[0])
         boxes = in_samples_of(placed, scene._clipping.boxes, first)
         seen = cut_open(placed, boxes)
         shown.append(DrawnLayer(layer, volume, seen, look, _is_automatic(layer), boxes))
     return DrawnLayers(shown, name, first)
+
+
+def why_no_brain(layer: DrawnLayer) -> str | None:
+    """Why a layer is drawn whole whose look asks for the brain; None where it does not, or has it."""
+    found = brain_of(layer.volume) if layer.look.part == "brain" else None
+    return found if isinstance(found, str) else None
+
+
+def _part(volume: Volume | WaveletVolume, look: Look, *, is_tableless: bool) -> Volume | WaveletVolume:
+    """The part of the volume that is drawn: that of the look, or all but a CT's table; all where it is not found."""
+    if look.part == "brain":
+        found = brain_of(volume)
+        return volume if isinstance(found, str) else found
+    if not is_tableless or not isinstance(volume, Volume) or isinstance(volume, LazyVolume):
+        return volume
+    return without_table(volume) or volume
 
 
 def seen_parts(scene: Scene, look: Look) -> list[Part]:

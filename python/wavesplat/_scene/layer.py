@@ -95,8 +95,9 @@ class Layer:
         cls,
         volume: Any,
         look: str | None = None,
-        window: Iterable[float] | None = None,
+        window: Iterable[float | str] | None = None,
         *,
+        threshold: float | None = None,
         opacity: float = 1.0,
         time: int = 0,
         name: str | None = None,
@@ -110,11 +111,16 @@ class Layer:
         look : str, optional
             A colour map (see `TransferFunction.from_colormap`), a colour, as for `Look.channel`, or a preset. None is
             "gray" where there is a window, else the look of a layer without one.
-        window : two numbers (low, high), optional
-            Values up to the first are clear, and opacity rises to the second. Of a diverging map: the ends of the map
+        window : (low, high), optional
+            Values up to the first are clear, and opacity rises to the second: numbers, or percentiles of the samples,
+            such as ("1%", "99.8%"). Of a diverging map: the ends of the map
             where they have two signs, clear about 0; else a dead zone of both signs: (3, 10) is clear from -3 to 3, and
             opaque at -10 and 10. None: the values that count as the volume's smallest and largest, of a diverging map
             as far from 0 as the farthest; the lowest twelfth is clear. Presets have values of their own.
+        threshold : float, optional
+            Hide values below it, and show all others as opaque as the layer is, instead of opacity that rises over the
+            window: a statistic above its threshold. Of looks that show values of two signs it hides those between
+            -threshold and threshold. Without look and window the map is "coolwarm" or, without negative values, "hot".
 
         Raises
         ------
@@ -129,9 +135,10 @@ class Layer:
         ((-1.0, 1.0), (-0.3, 0.0), (0.3, 0.0), (1.0, 1.0))
         """
         layer = cls(volume, opacity=opacity, time=time, name=name)
-        if window is None and (look is None or look.lower() == "auto"):
+        name = None if look is None or look.lower() == "auto" else look
+        if name is None and window is None and threshold is None:
             return layer
-        return replace(layer, look=overlays.overlay(layer.looked_at, look or "gray", window))
+        return replace(layer, look=overlays.overlay(layer.looked_at, name, window, threshold))
 
     @property
     def drawn(self) -> Volume | WaveletVolume:

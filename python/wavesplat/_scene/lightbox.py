@@ -18,10 +18,12 @@ from wavesplat._model.views import PLANES, named_plane, planes_of
 from wavesplat._picture.annotating import with_caption
 from wavesplat._picture.picture import Picture
 from wavesplat._picture.report import Report
+from wavesplat._picture.style import WHITE
 from wavesplat._public import public
 from wavesplat._render.arguments import check_picture_memory, checked_size
 from wavesplat._render.isolines import Isolines
-from wavesplat._render.slicing import PIXEL_BYTES, positions_across, sides_of
+from wavesplat._render.slicing import PIXEL_BYTES, normal_of, positions_across, sides_of
+from wavesplat._scene.reference_lines import color_of, scout_of, with_reference_lines
 from wavesplat._scene.scene import as_scene
 from wavesplat._scene.slicing import slice
 from wavesplat.errors import ArgumentError
@@ -48,6 +50,7 @@ def lightbox(
     *,
     columns: int | None = None,
     letters: bool = True,
+    reference_lines: bool | None = None,
     scale_bar: bool | float | str = False,
     size: tuple[int, int] | None = None,
     zoom: float = 1.0,
@@ -55,9 +58,12 @@ def lightbox(
     kernel: Kernel = "linear",
     thickness: float = 0.0,
     slab: Slab = "maximum",
-    window: str | tuple[float, float] | None = None,
-    clim: tuple[float, float] | None = None,
+    window: str | tuple[float | str, float | str] | None = None,
+    clim: tuple[float | str, float | str] | None = None,
     transfer_function: Any = None,
+    checkerboard: Any = None,
+    tiles: int = 8,
+    difference: Any = None,
     contours: Labels | Sequence[Labels | Region] | None = None,
     isolines: Isolines | Sequence[Isolines] | None = None,
     background: str | Sequence[float] | None = "black",
@@ -80,19 +86,26 @@ def lightbox(
         Slices in a row; None makes the sheet about square, and puts the planes of "all" in one row. Not for "ortho".
     letters : bool, default True
         Write the position in each slice, and R, L, A, P, S, I at its edges where the world is a patient's.
+    reference_lines : bool, optional
+        Draw where the other planes cross each of the three, as thin lines, and write positions in the planes' colours:
+        red for those across z (axial), green across y (coronal), blue across x (sagittal). Of one plane: add a scout, a
+        slice at right angles that shows all positions as lines, in its whole and at its own scale. None draws them on
+        three planes only.
     scale_bar : bool, float or str
         A scale bar in the first slice of the last row, as for `Picture.annotated`.
     size : (width, height), optional
         Pixels of each slice; of three planes those that the largest fits into. None: 256 along the longest side, and
         512 of three planes.
-    zoom, center, kernel, thickness, slab, window, clim, transfer_function, contours, isolines, background, threads
+    zoom, center, kernel, thickness, slab, window, clim, transfer_function, background, threads
+        As for `slice`.
+    checkerboard, tiles, difference, contours, isolines
         As for `slice`.
 
     Returns
     -------
     Picture
         The sheet, without `value`. `report` is that of the slices; `panels` has plane, position, and the place on the
-        sheet (left, top, width and height, pixels) of each.
+        sheet (left, top, width and height, pixels) of each; the last one is the scout, if there is one.
 
     Raises
     ------
@@ -114,7 +127,10 @@ def lightbox(
     chosen: AnyPlane = named_plane("xy", is_anatomical=volume.is_anatomical) if plane is None else plane
     is_three, is_aligned = chosen in ("all", "ortho"), chosen == "ortho"
     cuts = _cuts(volume, chosen, positions, center)
-    count = _columns(columns, len(cuts), chosen)
+    has_lines = is_three if reference_lines is None else bool(reference_lines)
+    scout = _scout(volume, chosen) if has_lines and not is_three else None
+    n_cells = len(cuts) + (scout is not None)
+    count = _columns(columns, n_cells, chosen)
     if not (isfinite(zoom) and zoom > 0):
         raise ArgumentError(f"zoom is {zoom}; give a positive finite number, 1 shows the whole volume")
     # Beside xy, yz has the same rows: y downwards.
@@ -122,45 +138,48 @@ def lightbox(
     sides = [sides_of(volume, one) for one, _ in cuts]
     sides = [side[::-1] if turned else side for side, turned in zip(sides, is_turned, strict=True)]
     sizes, pixel = _sizes(sides, size, is_three)
-    cells = sizes if is_three else [(max(w for w, _ in sizes), max(h for _, h in sizes))] * len(cuts)
+    cells = sizes if is_three else [(max(w for w, _ in sizes), max(h for _, h in sizes))] * n_cells
     places, whole = _places(cells, count)
     check_picture_memory(whole, PIXEL_BYTES)
-    behind = colors.parse(background) or (0.0, 0.0, 0.0, 0.0)
-    sheet = np.empty((whole[1], whole[0], 4), np.float32)
-    sheet[:] = [*(share * behind[3] for share in behind[:3]), behind[3]]
-    with_bar = (len(cuts) - 1) // count * count
-    panels, told = list[dict[str, Any]](), list[list[str]]()
-    report: dict[str, Any] = {}
-    for (one, position), shown, (width, height), (left, top), turned in zip(
-        cuts, sides, sizes, places, is_turned, strict=True
-    ):
+    options: Any = {
+        "kernel": kernel,
+        "slab": slab,
+        "window": window,
+        "clim": clim,
+        "transfer_function": transfer_function,
+        "checkerboard": checkerboard,
+        "tiles": tiles,
+        "difference": difference,
+        "contours": contours,
+        "isolines": isolines,
+        "background": background,
+        "threads": threads,
+    }
+    pictures = []
+    for (one, position), shown, (width, height), turned in zip(cuts, sides, sizes, is_turned, strict=True):
         # The scale of `slice` follows the size; the zoom makes it that of the sheet.
         own = max(side / (max(n, 2) - 1) for side, n in zip(shown, (width, height), strict=True))
-        picture = slice(
-            scene,
-            one,
-            position,
-            size=(height, width) if turned else (width, height),
-            zoom=zoom * own / pixel,
-            center=center,
-            kernel=kernel,
-            thickness=thickness,
-            slab=slab,
-            window=window,
-            clim=clim,
-            transfer_function=transfer_function,
-            contours=contours,
-            isolines=isolines,
-            background=background,
-            threads=threads,
-        )
-        if turned:
-            picture = _transposed(picture)
-        if scale_bar is not False and len(panels) == with_bar:
-            picture = picture.annotated(scale_bar=scale_bar)
-        told.append(picture.report.pop("notes", []))
+        size_of_slice = (height, width) if turned else (width, height)
+        place: Any = {"size": size_of_slice, "zoom": zoom * own / pixel, "center": center, "thickness": thickness}
+        picture = slice(scene, one, position, **place, **options)
+        pictures.append(_transposed(picture) if turned else picture)
+    if scout is not None:
+        pictures.append(slice(scene, scout, size=cells[-1], **options))
+    if has_lines:
+        pictures = _with_lines(pictures, scout is not None)
+    with_bar = (len(cuts) - 1) // count * count
+    if scale_bar is not False:
+        pictures[with_bar] = pictures[with_bar].annotated(scale_bar=scale_bar)
+    told = [picture.report.pop("notes", []) for picture in pictures][: len(cuts)]
+    shown_planes = [*(one for one, _ in cuts), *([] if scout is None else [scout])]
+    inks = [color_of(picture.report) if has_lines else WHITE for picture in pictures]
+    sheet = _blank(whole, background)
+    panels = list[dict[str, Any]]()
+    report: dict[str, Any] = {}
+    for picture, one, ink, (left, top) in zip(pictures, shown_planes, inks, places, strict=True):
         report = _joined(report, picture.report)
-        sheet[top : top + height, left : left + width] = _lettered(picture, one) if letters else picture.rgba
+        height, width = picture.rgba.shape[:2]
+        sheet[top : top + height, left : left + width] = _lettered(picture, one, ink) if letters else picture.rgba
         name = one if isinstance(one, str) else "oblique"
         placed = {"left": left, "top": top, "width": width, "height": height}
         panels.append({"plane": name, "position": picture.report["position"], **placed})
@@ -241,6 +260,30 @@ def _places(cells: Sequence[tuple[int, int]], columns: int) -> tuple[list[tuple[
     return places, (width, top - GAP_PX)
 
 
+def _scout(volume: Any, plane: AnyPlane) -> Any:
+    """The name of the plane that shows slices as lines."""
+    return scout_of(normal_of(volume, plane), planes_of(is_anatomical=volume.is_anatomical))
+
+
+def _blank(size: tuple[int, int], background: str | Sequence[float] | None) -> NDArray[np.float32]:
+    """A sheet of this width and height without slices."""
+    behind = colors.parse(background) or (0.0, 0.0, 0.0, 0.0)
+    sheet = np.empty((size[1], size[0], 4), np.float32)
+    sheet[:] = [*(share * behind[3] for share in behind[:3]), behind[3]]
+    return sheet
+
+
+def _with_lines(pictures: Sequence[Picture], has_scout: bool) -> list[Picture]:
+    """Three planes with the lines of the other two in each; or slices as they are, and the last one with all lines."""
+    reports = [picture.report for picture in pictures]
+    if has_scout:
+        return [*pictures[:-1], with_reference_lines(pictures[-1], reports[:-1])]
+    return [
+        with_reference_lines(picture, [*reports[:number], *reports[number + 1 :]])
+        for number, picture in enumerate(pictures)
+    ]
+
+
 def _transposed(picture: Picture) -> Picture:
     """The picture with its columns as rows."""
     report = picture.report | {"right": picture.report["down"], "down": picture.report["right"]}
@@ -264,9 +307,9 @@ def _joined(report: dict[str, Any], other: Any) -> dict[str, Any]:
     return joined
 
 
-def _lettered(picture: Picture, plane: AnyPlane) -> NDArray[np.float32]:
-    """The slice with its position, and the letters of its edges where there are any."""
+def _lettered(picture: Picture, plane: AnyPlane, ink: tuple[float, float, float]) -> NDArray[np.float32]:
+    """The slice with its position, and the letters of its edges where there are any; `ink`: the position's colour."""
     lettered = picture.annotated(orientation="letters") if picture.report.get("letters") else picture
     axis = f"{PLANES[plane].across} " if isinstance(plane, str) else ""
     text = f"{axis}{picture.report['position']:.4g}{f' {picture.unit}' if picture.unit else ''}"
-    return with_caption(lettered.rgba, text)
+    return with_caption(lettered.rgba, text, ink)

@@ -25,11 +25,21 @@ EXAMPLES = {name: getattr(examples, name) for name in examples.__all__}
 STEPS: dict[str, Callable[..., Any]] = {
     "smoothed": Volume.smoothed,
     "largest_body": largest_body,
+    "moved": lambda volume, matrix: volume.moved(matrix),
     "wavelets": WaveletVolume.from_volume,
     "level": WaveletVolume.level,
     "bands": WaveletVolume.bands,
     "to_volume": WaveletVolume.to_volume,
     "times": lambda series, start=None, stop=None, step=None: series[start:stop:step],
+}
+
+#: Types that steps are for, where it is not a volume of samples.
+KINDS: dict[str, tuple[type, ...]] = {
+    "moved": (Volume, Series),
+    "level": (WaveletVolume,),
+    "bands": (WaveletVolume,),
+    "to_volume": (WaveletVolume,),
+    "times": (Series,),
 }
 
 
@@ -91,9 +101,10 @@ def _done(volume: Any, step: Any, what: str) -> Any:
     ((name, options),) = step.items()
     if not isinstance(options, dict):
         raise ArgumentError(f"{what}.{name} is {described(options)}; it must be an object")
-    kind = Series if name == "times" else WaveletVolume if name in ("level", "bands", "to_volume") else Volume
-    if not isinstance(volume, kind):
-        raise ArgumentError(f"{what}: {name!r} is for a {kind.__name__}, and this is a {type(volume).__name__}")
+    kinds = KINDS.get(name, (Volume,))
+    if not isinstance(volume, kinds):
+        kind = " or ".join(kind.__name__ for kind in kinds)
+        raise ArgumentError(f"{what}: {name!r} is for a {kind}, and this is a {type(volume).__name__}")
     return _called(lambda **given: STEPS[name](volume, **given), options, f"{what}.{name}", STEPS[name])
 
 

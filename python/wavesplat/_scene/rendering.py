@@ -36,6 +36,7 @@ def render(
     shading: Shading | Literal["look"] | None = "look",
     clip: Clip | Iterable[Clip] = (),
     background: str | Sequence[float] | None = None,
+    keep_table: bool = False,
     **options: Unpack[RenderOptions],
 ) -> Picture:
     """A picture of a volume or a scene, by high-resolution splatting.
@@ -62,6 +63,8 @@ def render(
         `Crop` keeps a box, `ClipPlane` keeps a side of a plane, `CutOut` takes a box out.
     background : colour, optional
         (r, g, b), (r, g, b, a), "#rrggbb" or a name. None is the look's own or, where it has none, transparent.
+    keep_table : bool, default False
+        Draw the table below a patient in a CT, which is else left out where it can be told from the body (`Scene`).
     **options : RenderOptions
         Pixels, quality, operator, and how and where it is drawn.
 
@@ -92,5 +95,7 @@ def render(
     -----
     ARCHITECTURE.md describes the method; Mueller, Moeller and Crawfis (1999) its idea.
     """
-    scene = as_scene(what, look, labels=labels, shading=shading, clip=clip, background=background)
+    scene = as_scene(
+        what, look, labels=labels, shading=shading, clip=clip, background=background, keep_table=keep_table
+    )
     return draw(scene, camera, DrawOptions(**options))

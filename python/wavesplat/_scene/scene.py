@@ -99,6 +99,9 @@ class Scene:
         of the first layer.
     background : colour, optional
         (r, g, b), (r, g, b, a), "#rrggbb" or a name. None is that of the first look or, where it has none, transparent.
+    keep_table : bool, default False
+        Draw the table below a patient in a CT. Else "over" leaves it out, of a single layer in memory, where it can be
+        told from the body; the report's `notes` say so, and the samples stay.
 
     Raises
     ------
@@ -120,6 +123,7 @@ class Scene:
     shading: Shading | Literal["look"] | None
     clip: tuple[Clip, ...]
     background: str | tuple[float, ...] | None
+    keep_table: bool
     _clipping: Clipping = field(init=False, repr=False)
     _cache: Cache = field(init=False, repr=False)
 
@@ -132,12 +136,15 @@ class Scene:
         shading: Shading | Literal["look"] | None = "look",
         clip: Clip | Iterable[Clip] = (),
         background: str | Sequence[float] | None = None,
+        keep_table: bool = False,
     ) -> None:
         given: object = shading
         if not (labels is None or isinstance(labels, Labels)):
             raise ArgumentError(f"labels is a {type(labels).__name__}; give a wavesplat.Labels(segmentation, ...)")
         if not (given is None or isinstance(given, Shading) or (isinstance(given, str) and given == "look")):
             raise ArgumentError(f'shading is {described(shading)}; give a wavesplat.Shading or None or "look"')
+        if not isinstance(keep_table, bool):
+            raise ArgumentError(f"keep_table is {described(keep_table)}; give True or False")
         clips = clip_tuple(clip)
         colors.parse(background)  # or an error
         values: dict[str, Any] = {
@@ -146,6 +153,7 @@ class Scene:
             "shading": shading,
             "clip": clips,
             "background": background if background is None or isinstance(background, str) else tuple(background),
+            "keep_table": keep_table,
             "_clipping": combined_clips(clips),
             "_cache": Cache(),
         }
@@ -153,7 +161,7 @@ class Scene:
             object.__setattr__(self, name, value)
 
     def with_(self, **changes: Any) -> Scene:
-        """The scene with other `layers`, `labels`, `shading`, `clip` or `background`; it shares what is kept.
+        """The scene with another field, of those that it is made with, such as `layers`; it shares what is kept.
 
         Raises
         ------
@@ -167,7 +175,7 @@ class Scene:
         >>> scene.with_(background="white").background
         'white'
         """
-        names = ("layers", "labels", "shading", "clip", "background")
+        names = ("layers", "labels", "shading", "clip", "background", "keep_table")
         for name in changes:
             if name not in names:
                 raise ArgumentError(f"a scene has no {name!r} to change; it has {', '.join(names)}")
@@ -255,6 +263,40 @@ class Scene:
 
         place = None if folder is None else expanded(folder).absolute()
         return scene_json.parse(text, place, external_files=external_files).scene
+
+    @takes_its_types
+    def save_volumes(
+        self, path: str | PathLike[str], *, downsampling: Literal["mean", "nearest"] | None = None
+    ) -> None:
+        """Write the samples of all layers to one file, a channel each, with their times where they are series.
+
+        Parameters
+        ----------
+        path, downsampling
+            As for `Volume.save`; `.ome.tif` and `.ome.zarr` hold several channels. Names are those of the layers, and
+            colours, and windows in `.ome.zarr`, those that the looks show; of looks that are not `Look.channel` those
+            of the volumes. Layers that are not visible are written too, as such in `.ome.zarr`.
+
+        Raises
+        ------
+        FileError
+            If the suffix is unknown or the file cannot be written; an existing file is replaced only by a whole one.
+        ArgumentError
+            If the layers differ in shape, place or number of times, or one has no samples.
+
+        Examples
+        --------
+        >>> import numpy as np, wavesplat as ws
+        >>> cells = [ws.Volume(np.random.default_rng(n).random((8, 8, 8), np.float32), unit="um") for n in (1, 2)]
+        >>> looks = [ws.Look.channel(cells[0], "blue", (0, 1)), ws.Look.channel(cells[1], "green", (0.5, 1))]
+        >>> scene = ws.Scene([ws.Layer(*pair, name=name) for *pair, name in zip(cells, looks, ("DAPI", "GFP"))])
+        >>> scene.save_volumes("cells.ome.tif")
+        >>> [layer.name for layer in ws.open_scene("cells.ome.tif").layers]
+        ['DAPI', 'GFP']
+        """
+        from wavesplat._scene import scene_volumes
+
+        scene_volumes.save(self.layers, path, downsampling)
 
     @takes_its_types
     def save(self, path: str | PathLike[str]) -> None:
@@ -356,7 +398,7 @@ class Scene:
         return draw(self, camera, DrawOptions(**options))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        how = {name: getattr(self, name) for name in ("labels", "shading", "clip", "background")}
+        how = {name: getattr(self, name) for name in ("labels", "shading", "clip", "background", "keep_table")}
         return partial(Scene, **how), (self.layers,)
 
     def __repr__(self) -> str:
@@ -364,15 +406,19 @@ class Scene:
         return f"<Scene: {names}>"
 
 
-def as_scene(what: Any, look: Any, *, labels: Any, shading: Any, clip: Any, background: Any) -> Scene:
+def as_scene(
+    what: Any, look: Any, *, labels: Any, shading: Any, clip: Any, background: Any, keep_table: bool = False
+) -> Scene:
     """A scene of volumes or layers; or the scene itself, changed by what is given."""
     if not isinstance(what, Scene):
-        return Scene(what, look, labels=labels, shading=shading, clip=clip, background=background)
+        given = {"labels": labels, "shading": shading, "clip": clip, "background": background}
+        return Scene(what, look, **given, keep_table=keep_table)
     if look is not None:
         raise ArgumentError(
             "a scene brings its looks; leave out look, or change its layers with scene.with_(layers=...)"
         )
     changes = {"labels": labels, "background": background, "clip": clip_tuple(clip) or None}
+    changes["keep_table"] = keep_table or None
     changes = {name: value for name, value in changes.items() if value is not None}
     if not (isinstance(shading, str) and shading == "look"):
         changes["shading"] = shading

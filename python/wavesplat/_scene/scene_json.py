@@ -4,7 +4,7 @@
      "layers": [{"volume": {"path": "ct.nii.gz", "then": [{"smoothed": {"deviation": 0.7}}]},
                  "name": "ct", "look": {"transfer_function": {...}}, "visible": true, "opacity": 1, "time": 0}],
      "labels": null, "shading": "look", "clip": [{"plane": {"point": [0, 0, 0], "normal": [0, 1, 0]}}],
-     "background": "black",
+     "background": "black", "keep_table": false,
      "camera": {...}, "render": {"size": [512, 512], "quality": "normal", "kernel": "linear", "composite": "over"}}
 
 A volume is a file and the options that it is opened with, or an example, and what is done to it then. A look is an
@@ -62,7 +62,7 @@ KIND, VERSION = "scene", 1
 WHAT = "scene"
 LABELS = ("volume", "labels", "smooth")
 LAYER = ("volume", "name", "look", "visible", "opacity", "time")
-SCENE = ("layers", "labels", "shading", "clip", "background")
+SCENE = ("layers", "labels", "shading", "clip", "background", "keep_table")
 KNOWN = ("wavesplat", "version", *SCENE, "camera", "render", "figure", "view")
 RENDER = ("size", "quality", "psnr", "kernel", "composite", "depth")
 OPERATORS: dict[str, Any] = {kind.name: kind for kind in (FirstHit, LocalMaximum, DepthShadedMaximum, XRay)}
@@ -106,6 +106,7 @@ def document_of(scene: Scene, *, strict: bool = True, look_of: Callable[[Layer],
         for number, layer in enumerate(scene.layers)
     ]
     shading = scene.shading
+    kept = {"keep_table": True} if scene.keep_table else {}
     return {
         "wavesplat": KIND,
         "version": VERSION,
@@ -114,6 +115,7 @@ def document_of(scene: Scene, *, strict: bool = True, look_of: Callable[[Layer],
         "shading": look_json.fields_of_shading(shading) if isinstance(shading, Shading) else shading,
         "clip": [_fields_of_clip(clip) for clip in scene.clip],
         "background": list(scene.background) if isinstance(scene.background, tuple) else scene.background,
+        **kept,
     }
 
 
@@ -224,6 +226,7 @@ def _document(document: dict[str, Any], reach: Reach) -> Document:
             shading=shading,
             clip=clips,
             background=background,
+            keep_table=document.get("keep_table", False),
         ),
     )
     eye = camera_of(document.get("camera"))

@@ -31,6 +31,7 @@ from wavesplat._render.isolines import Isolines
 from wavesplat._render.slicing import Planes, sliced
 from wavesplat._scene import label_slices
 from wavesplat._scene.channel_slices import added, channels_of, window_of
+from wavesplat._scene.compared_slices import comparison
 from wavesplat._scene.drawn_layers import identity_of, look_over_others
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.resampling import check_units
@@ -60,9 +61,12 @@ def slice(
     kernel: Kernel = "linear",
     thickness: float = 0.0,
     slab: Slab = "maximum",
-    window: str | tuple[float, float] | None = None,
-    clim: tuple[float, float] | None = None,
+    window: str | tuple[float | str, float | str] | None = None,
+    clim: tuple[float | str, float | str] | None = None,
     transfer_function: TransferFunction | str | None = None,
+    checkerboard: Any = None,
+    tiles: int = 8,
+    difference: Any = None,
     contours: Labels | Sequence[Labels | Region] | None = None,
     isolines: Isolines | Sequence[Isolines] | None = None,
     background: str | Sequence[float] | None = "black",
@@ -109,11 +113,21 @@ def slice(
         "abdomen", "angio", "bone", "brain", "liver", "lung", "mediastinum", "soft-tissue", "spine", "stroke",
         "subdural" or "temporal-bone".
     clim : (low, high), optional
-        Instead of a window: the values shown as black and as white. Without both these are the ones that count as the
-        volume's smallest and largest.
+        Instead of a window: the values shown as black and as white, or percentiles of the samples ("1%", "99.8%").
+        Without both these are the ones that count as the volume's smallest and largest.
     transfer_function : TransferFunction or str, optional
         Instead of a window: the colours, opaque, of all values that are not transparent. Looks of the first layer are
         for pictures in space.
+    checkerboard : Volume, or what else `Volume` takes, optional
+        A second scan, shown in squares in turn with the first one, to see whether edges meet after a registration.
+        It has the first one's window where a value means the same in both (Hounsfield units, SUV, or scans of one kind
+        under a given window), else one of its own.
+    tiles : int, default 8
+        Squares of the checkerboard along the longer side.
+    difference : Volume, or what else `Volume` takes, optional
+        A second scan, whose values are subtracted: the picture shows first - second, float32, both read between their
+        samples, in the map "coolwarm", red where the first one is larger. `clim` or `window` say the values of its
+        ends; without them these are as far from 0 as the largest hundredth of the differences in the whole scan.
     contours : Labels, Region, or sequence of them, optional
         Regions as lines: those of a structure set (RTSTRUCT), `wavesplat.Region.open(path)`, or the outlines of labels.
         A slice parallel to a region's lines shows those of the nearest plane, if it lies within half the distance of
@@ -128,7 +142,7 @@ def slice(
     Returns
     -------
     Picture
-        `value` holds the values, float32, shape (height, width), NaN outside the volume.
+        `value` holds the values, or the differences, float32, shape (height, width), NaN outside the volume.
         `report` says where the pixels lie in the world (`origin`, the centre of the first one, `right`, `down` and
         `pixel`), the letters of the edges (None without anatomy), the window, as `window` (level, width) and `clim`
         (low, high), what was done to the samples (`Facts.processing`), and in `layers` name, opacity, time and
@@ -140,7 +154,8 @@ def slice(
     ------
     ArgumentError
         If an argument cannot work, the plane lies outside the first volume (the message has the range), or lengths of
-        layers are in different units; or if regions of a patient are drawn on a volume that says nothing of one.
+        layers, or values of a difference, are in different units; or if regions of a patient are drawn on a volume that
+        says nothing of one.
 
     Warns
     -----
@@ -162,10 +177,15 @@ def slice(
     scene = as_scene(what, None, labels=None, shading="look", clip=(), background=None)
     first = scene.layers[0]
     lines = lines_over(contours, isolines)
+    channels = channels_of(scene)
+    compared = comparison(checkerboard, tiles, difference, n_channels=len(channels))
     all_volumes = [*(layer.drawn for layer in scene.layers), *(lines.volumes if lines else ())]
+    all_volumes += [compared.other] if compared else []
     compare(all_volumes)
     check_units(all_volumes)
-    channels = channels_of(scene)
+    given: Any = {"window": window, "clim": clim, "transfer_function": transfer_function, "background": background}
+    if compared is not None and transfer_function is None:
+        window, clim = compared.window_of_first(window, clim)
     if all(one is None for one in (window, clim, transfer_function)):
         clim = _limits(scene, channels)
     elif channels:
@@ -189,18 +209,20 @@ def slice(
         background=background,
         threads=threads,
     )
+    options: dict[str, Any] = {"kernel": kernel, "slab": slab, "threads": threads}
+    if compared is not None:
+        picture = compared.shown(scene, picture, planes, given, **options)
     report = picture.report
     report["layers"] = [_facts_of(layer) for layer in scene.layers]
     report.update(facts_of_time(scene))
     notes: list[str] = report.pop("notes", [])
     notes += _note_on_plane(plane, first.drawn)
-    options: dict[str, Any] = {"kernel": kernel, "slab": slab, "threads": threads}
     if channels:
         behind = np.broadcast_to(_associated(background), picture.rgba.shape)
         rgba, report["shown"] = added(behind, planes, channels, **options)
     else:
         rgba = _with_opacity(picture, first, background)
-        report["shown"] = [{**shown, "name": first.name} for shown in report["shown"]] if first.is_shown else []
+        report["shown"] = _named(report["shown"], first, is_compared=compared is not None) if first.is_shown else []
         notes = notes if first.is_shown else []
     others = scene.layers[len(channels) or 1 :]
     rgba = _with_layers(rgba, planes, scene, others, (report, notes), **options)
@@ -227,6 +249,11 @@ def _limits(scene: Scene, channels: Sequence[Layer]) -> tuple[float, float]:
     volume = scene.layers[0].drawn
     key = (id(volume), "limits")
     return scene._cache.get_or_compute(key, identity_of(volume), lambda: windows.limits(volume, None, None))
+
+
+def _named(shown: list[dict[str, Any]], first: Layer, *, is_compared: bool) -> list[dict[str, Any]]:
+    """The report's entries for the colours of the first layer, by the layer's name; two scans have those of both."""
+    return shown if is_compared else [{**one, "name": first.name} for one in shown]
 
 
 def _note_on_plane(plane: Any, volume: Grid) -> list[str]:

@@ -53,6 +53,8 @@ def python_of(state: ViewerState, size: tuple[int, int]) -> str:
     if scene.clip:
         lines.append(f"    clip=[{', '.join(map(_clip, scene.clip))}],")
     lines.append(f"    background={scene.background!r},")
+    if scene.keep_table:
+        lines.append("    keep_table=True,")
     lines.append(")")
     camera = state.camera
     lens = (

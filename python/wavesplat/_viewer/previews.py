@@ -6,7 +6,6 @@ from dataclasses import replace
 from typing import Any
 
 from wavesplat._model.lazy_volume import LazyVolume
-from wavesplat._model.series import Series
 from wavesplat._scene.scene import Scene
 
 __all__ = ["has_lazy", "preview_of"]
@@ -30,7 +29,7 @@ def preview_of(scene: Scene) -> Scene:
     layers = []
     for layer in scene.layers:
         volume: Any = layer.volume
-        if isinstance(volume, LazyVolume) and not isinstance(volume, Series):
+        if isinstance(volume, LazyVolume):
             volume = volume.preview()
         layers.append(replace(layer, volume=volume))
     # Boxes in samples are in those of the volume itself.

@@ -95,6 +95,8 @@ class ViewerState:
         if labels is not None:
             labels["volume"] = {"path": None}
         document["background"] = document["background"] or "black"
+        # It is the scene's, which the page does not change.
+        document.pop("keep_table", None)
         quality = given.get("quality", "normal")
         document["render"] = {
             "quality": quality if isinstance(quality, str) else scene_json.fields_of_sampling(quality),
@@ -134,7 +136,7 @@ class ViewerState:
         layers = [
             {**layer, "volume": source} for layer, source in zip(self.document["layers"], self.sources, strict=True)
         ]
-        document = {**self.document, "layers": layers}
+        document = {**self.document, "layers": layers, **({"keep_table": True} if self.scene.keep_table else {})}
         if self.document["labels"] is not None:
             document["labels"] = {**self.document["labels"], "volume": self.label_source}
         if size is not None:

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING
 
 from wavesplat._files import json_object
 from wavesplat._looks import look_json, slicer_files
+from wavesplat._looks.brain import brain_of
 from wavesplat._looks.histogram import is_hounsfield
 from wavesplat._looks.kinds import Evidence, Kind, evidence, offset_of
 from wavesplat._looks.look import Look
@@ -69,6 +70,8 @@ class Preset:
     description: str
     is_hounsfield: bool
     build: Callable[[Volume | WaveletVolume | None], Look]
+    #: Part of the body that it draws; None is all.
+    part: str | None = None
 
 
 @cache
@@ -97,11 +100,19 @@ def preset(name: str, volume: Volume | WaveletVolume | None) -> Look:
             raise ArgumentError("preset 'auto' is made from a volume's histogram; pass the volume too")
         return Look.auto(volume)
     entry = catalogue()[found]
-    look = replace(entry.build(volume), name=found)
+    look = replace(entry.build(_looked_at(entry, volume)), name=found)
     if not (entry.is_hounsfield and volume is not None):
         return look
     offset = added_to_hounsfield(f"preset {found!r}", volume)
     return replace(look, transfer_function=look.transfer_function._moved(offset)) if offset else look
+
+
+def _looked_at(entry: Preset, volume: Volume | WaveletVolume | None) -> Volume | WaveletVolume | None:
+    """The volume whose values a preset is fitted to: the part that it draws, where that is found."""
+    if entry.part != "brain" or volume is None:
+        return volume
+    found = brain_of(volume)
+    return volume if isinstance(found, str) else found
 
 
 def fitting(volume: Volume | WaveletVolume) -> list[Preset]:
@@ -162,7 +173,7 @@ def _read(name: str) -> Preset:
     document = json_object.parse(text, "preset", "transfer_function")
     is_hounsfield = document["transfer_function"].get("values") == "hounsfield"
     build = partial(look_json.build, document)
-    return Preset(name, document["kind"], document["description"], is_hounsfield, build)
+    return Preset(name, document["kind"], document["description"], is_hounsfield, build, document.get("part"))
 
 
 def _in_words(one: slicer_files.VolumeProperty) -> str:

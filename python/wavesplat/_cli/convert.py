@@ -1,0 +1,131 @@
+"""`wavesplat convert`."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from wavesplat._cli.outputs import check_outputs
+from wavesplat._cli.parsers import one_of
+from wavesplat._cli.printing import is_terminal, message, print_result, warnings_as_notes
+from wavesplat._cli.reader_options import Input, ReaderOptions, print_guesses, takes_reader_options
+from wavesplat._cli.several_inputs import takes_several_inputs
+from wavesplat._cli.shared_options import Json, Quiet
+
+if TYPE_CHECKING:
+    from wavesplat._model.series import Series
+    from wavesplat._model.stack import Stack
+
+__all__ = ["convert"]
+
+
+@takes_several_inputs(".ome.zarr")
+@takes_reader_options
+def convert(
+    input: Input,
+    output: Annotated[
+        Path,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="OUT",
+            help="File to write: .ome.zarr, .ome.tif, .nrrd, .nii.gz or .nii.",
+            show_default=False,
+        ),
+    ],
+    *,
+    downsampling: Annotated[
+        Any,
+        typer.Option(
+            metavar="mean|nearest",
+            parser=one_of(("mean", "nearest")),
+            help="Of .ome.zarr: coarser levels of means, or for labels of every second sample; by the kind of data.",
+            show_default=False,
+        ),
+    ] = None,
+    reader: ReaderOptions,
+    json: Json = False,
+    quiet: Quiet = False,
+) -> None:
+    """Write a volume to a file of another format: all channels and times to .ome.zarr and .ome.tif, one to others."""
+    check_outputs(input, output, "volumes")
+    from wavesplat._cli.progress import bar
+    from wavesplat._model import volume_file
+
+    is_ome = ".ome." in output.name.lower()
+    with warnings_as_notes(quiet=quiet):
+        stack = _stack_of(input, reader) if is_ome else _one_of(input, reader)
+        if not quiet:
+            first: Any = stack.volumes[0][0]
+            print_guesses([first])
+        if downsampling is None and output.name.lower().endswith(".zarr") and _holds_labels(stack):
+            downsampling = "nearest"
+            if not quiet:
+                message("note: taken for labels, so coarser levels have every second sample; or --downsampling mean")
+        with bar("writing", shown=not quiet and is_terminal()) as progress:
+            volume_file.save(stack, output, downsampling, progress)
+    facts = {
+        "file": str(output),
+        "input": input,
+        "shape": list(stack.grid.shape),
+        "n_channels": stack.n_channels,
+        "n_times": stack.n_times,
+        "dtype": str(stack.dtype),
+    }
+    print_result(facts, output, as_json=json, written=output)
+
+
+def _one_of(input: str, reader: ReaderOptions) -> Stack:
+    """The volume of an input; an error that says how to choose where it holds several."""
+    from wavesplat._model.stack import stacked
+    from wavesplat._readers.opening import open as open_volume
+
+    return stacked([[open_volume(input, **vars(reader))]])
+
+
+def _stack_of(input: str, reader: ReaderOptions) -> Stack:
+    """All channels and times of an input, or those that are chosen."""
+    from wavesplat._model.stack import stacked
+
+    channels = [_times_of(input, reader, number) for number in _channels_of(input, reader)]
+    return stacked(channels, None, channels[0].times, channels[0].time_unit)
+
+
+def _channels_of(input: str, reader: ReaderOptions) -> list[int | None]:
+    from wavesplat._readers.request import SeveralError
+
+    try:
+        _ = _times_of(input, reader, reader.channel)[0]
+    except SeveralError as several:
+        if several.option != "channel":
+            raise
+        return list(range(len(several.names)))
+    return [reader.channel]
+
+
+def _times_of(input: str, reader: ReaderOptions, channel: int | None) -> Series:
+    from wavesplat._readers.time_points import open_series
+
+    options = vars(replace(reader, time=None, channel=channel))
+    options.pop("time")
+    series = open_series(input, **options)
+    return series if reader.time is None else series[reader.time : reader.time + 1 or None]
+
+
+def _holds_labels(stack: Stack) -> bool:
+    """Whether the first volume is a segmentation by its values; of a lazy one only by its facts."""
+    from wavesplat._looks.kinds import kind_of
+    from wavesplat._model.lazy_volume import LazyVolume
+    from wavesplat._model.volume import Volume
+
+    first: Any = stack.volumes[0][0]
+    return (
+        stack.n_channels == 1
+        and isinstance(first, Volume)
+        and not isinstance(first, LazyVolume)
+        and first.dtype.kind in "iu"
+        and kind_of(first) in ("labels", "mask")
+    )

@@ -1,0 +1,263 @@
+"""The table under a patient in a CT, told from the body by the shape that only tables have.
+
+A table is the same from slice to slice, thin, wide, and lies below all of the body. So, on a coarse copy of about 3 mm:
+
+1. In each axial slice, opening (erosion, then dilation) keeps what is thick, the body; what it removes is thin.
+2. Places of a slice at which most slices have something thin are parts of a prism along the body, which anatomy is not.
+3. Connected places are a table if they are long and narrow, and below the middle of the body, none of it below them.
+   Matter below a wide one is no part of the patient either: a second shell, rails, mechanics.
+
+Arms, legs and hands are thick, or change from slice to slice, so they stay. A scan in which thin walls prevail (dry
+bones, hollow phantoms), one of a few slices, on oblique axes, or without Hounsfield units stays as it is, and so does a
+table that touches the body along its whole width. It needs NumPy only, and some hundredths of a second.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._looks.hounsfield import looks_like_hounsfield
+from wavesplat._looks.stored_offset import stored_offset
+from wavesplat._model.volume import Volume
+
+__all__ = ["PROCESSING", "without_table"]
+
+#: Text in `Facts.processing` of a volume that is drawn without its table.
+PROCESSING = "the table below the body left out of the picture"
+
+#: Value between air and matter, and value of air, Hounsfield units.
+AIR_HU, EMPTY_HU = -400.0, -1000.0
+#: Distances of the samples that are looked at, and of places, of which each has the largest of its samples; mm.
+SAMPLE_MM, PLACE_MM, SLICE_MM = 1.7, 3.4, 4.0
+#: Largest number of slices that are looked at.
+N_SLICES = 100
+#: Places that erosion takes on either side: what is thinner than twice that and one, 15 mm, is thin.
+N_ERODED = 2
+#: Least share of the slices that have something thin at a place of a table.
+MIN_SLICES = 0.7
+#: Least length of the scan along the body, and least width of a table or a visible end of it; mm.
+MIN_LENGTH_MM, MIN_WIDTH_MM = 60.0, 60.0
+#: Largest mean thickness of a table, with the places around it that count: two shells; mm.
+MAX_THICKNESS_MM = 25.0
+#: Largest share of a table's places that lie among thick parts of the body, or in them.
+MAX_ENCLOSED = 0.1
+#: Least share of all matter but the table that is thick. (Patients: 0.95 and more; dry bones and hollow phantoms: below
+#: 0.5.)
+MIN_THICK = 0.6
+#: Largest share of what is thick that may lie below a table, such as its mechanics.
+MAX_BELOW = 0.02
+#: Largest volume that is copied, bytes.
+LARGEST = 2**31
+#: Places from an edge of the scan within which an upright part may be an arm that it cuts; and those beside a wide
+#: table that belong to it.
+EDGE = 2
+#: Least cosine of the angle between the volume's axes and the patient's.
+MIN_COSINE = 0.85
+
+Mask = NDArray[np.bool_]
+
+
+def without_table(volume: Volume) -> Volume | None:
+    """A copy of a patient's CT with air in place of the table; None where no table can be told from the body.
+
+    Type, shape, place and name are the same; `facts.processing` says that the table is left out. It is kept with the
+    volume.
+    """
+    if "without table" not in volume._parts:
+        volume._parts["without table"] = _found(volume) or ""
+    found = volume._parts["without table"]
+    return None if isinstance(found, str) else found
+
+
+def _found(volume: Volume) -> Volume | None:
+    if not (volume.is_anatomical and volume.unit == "mm" and volume.modality in (None, "CT")):
+        return None
+    if volume.samples.nbytes > LARGEST:
+        return None
+    if PROCESSING in volume.facts.processing or any("largest body" in done for done in volume.facts.processing):
+        return None
+    grid = _Places.of(volume)
+    if grid is None or grid.length < MIN_LENGTH_MM:
+        return None
+    offset = grid.offset(volume)
+    if offset is None:
+        return None
+    matter = grid.matter(AIR_HU + offset)
+    out = _table(matter, grid.distances)
+    if out is None:
+        return None
+    samples = volume.samples.copy()
+    grid.empty(samples, out, max(EMPTY_HU + offset, float(volume.value_range[0])))
+    return volume._processed(samples, PROCESSING, volume._source)
+
+
+@dataclass(frozen=True)
+class _Places:
+    """A coarse grid of places on a volume: slices from the feet up, rows from the front to the back, columns."""
+
+    #: The samples, their axes turned and exchanged.
+    samples: NDArray[Any]
+    order: tuple[int, int, int]
+    turned: tuple[slice, slice, slice]
+    #: Steps from one sample that is looked at to the next, and how many of them make a place.
+    steps: tuple[int, int, int]
+    together: tuple[int, int]
+    #: Length of the scan, and height and width of a place; mm.
+    length: float
+    distances: tuple[float, float]
+
+    @classmethod
+    def of(cls, volume: Volume) -> _Places | None:
+        """The places of a volume; None where its axes are not nearly those of the patient."""
+        axes = volume.world_from_index[:3, :3] / np.linalg.norm(volume.world_from_index[:3, :3], axis=0)
+        of_world = [int(np.abs(axes[world]).argmax()) for world in (2, 1, 0)]
+        cosines = [axes[world, axis] for world, axis in zip((2, 1, 0), of_world, strict=True)]
+        if sorted(of_world) != [0, 1, 2] or min(np.abs(cosines)) < MIN_COSINE:
+            return None
+        z, y, x = (2 - axis for axis in of_world)
+        # Rows go down to the back: against the world's y.
+        turned = tuple(
+            slice(None, None, 1 if c * sign > 0 else -1) for c, sign in zip(cosines, (1, -1, 1), strict=True)
+        )
+        samples = volume.samples.transpose(z, y, x)[turned]
+        between, *across = (volume.spacing[axis] for axis in of_world)
+        n_slices = samples.shape[0]
+        apart = max(1, -(-n_slices // N_SLICES), int(SLICE_MM / between))
+        steps = [max(1, int(SAMPLE_MM / distance)) for distance in across]
+        together = [max(1, int(PLACE_MM / (n * distance))) for n, distance in zip(steps, across, strict=True)]
+        height, width = (d * n * k for d, n, k in zip(across, steps, together, strict=True))
+        return cls(
+            samples,
+            (z, y, x),
+            (turned[0], turned[1], turned[2]),
+            (apart, steps[0], steps[1]),
+            (together[0], together[1]),
+            n_slices * between,
+            (height, width),
+        )
+
+    @property
+    def looked_at(self) -> NDArray[Any]:
+        """The samples that are looked at."""
+        return self.samples[tuple(slice(None, None, step) for step in self.steps)]
+
+    def offset(self, volume: Volume) -> float | None:
+        """The offset of the values from Hounsfield units; None where they do not look like such units."""
+        some = self.looked_at[::2, ::2, ::2].astype(np.float64)
+        some = some[np.isfinite(some)]
+        if looks_like_hounsfield(some, volume):
+            return 0.0
+        # Quick: most volumes that are none have smaller values.
+        offset = stored_offset(some) if volume.value_range[0] >= 0 else 0.0
+        return offset or None
+
+    def matter(self, least: float) -> Mask:
+        """Whether a place has a sample above a value, shape (slices, rows, columns)."""
+        found: Mask = self.looked_at > least
+        for axis, n in enumerate(self.together, 1):
+            found = _any_of(found, n, axis)
+        return found
+
+    def empty(self, samples: NDArray[Any], out: Mask, value: float) -> None:
+        """Give the samples at some places a value; `samples` has the volume's axes."""
+        view = samples.transpose(self.order)[self.turned]
+        rows, columns = (np.flatnonzero(out.any(axis=(0, 3 - axis))) for axis in (1, 2))
+        steps = [n * k for n, k in zip(self.steps[1:], self.together, strict=True)]
+        (top, bottom), (left, right) = (
+            (int(places[0]) * step, (int(places[-1]) + 1) * step)
+            for places, step in zip((rows, columns), steps, strict=True)
+        )
+        part = view[:, top:bottom, left:right]
+        row, column = (
+            np.arange(start, start + n) // step
+            for start, n, step in zip((top, left), part.shape[1:], steps, strict=True)
+        )
+        at = np.minimum((np.arange(len(view)) + self.steps[0] // 2) // self.steps[0], len(out) - 1)
+        for plane, k in zip(part, at, strict=True):
+            # NaN and infinity stay as they are.
+            is_out = out[k][np.ix_(row, column)] & np.isfinite(plane)
+            plane[is_out] = value
+
+
+def _table(matter: Mask, distances: tuple[float, float]) -> Mask | None:
+    """The places of a table; None where there is none, or it is in doubt."""
+    thick = matter & _dilated(_eroded(matter, N_ERODED), N_ERODED + 1)
+    n_thick = np.count_nonzero(thick)
+    thin = matter & ~thick
+    height, width = distances
+    prism = _dilated(thin, 1).mean(axis=0) >= MIN_SLICES
+    if not (n_thick and prism.any()):
+        return None
+    rows = thick.sum(axis=(0, 2))
+    middle = float((rows * np.arange(rows.size)).sum() / n_thick)
+    enclosed = np.logical_or.accumulate(thick, axis=1) & np.logical_or.accumulate(thick[:, ::-1], axis=1)[:, ::-1]
+    table, below = np.zeros_like(prism), np.zeros_like(prism)
+    for y, x in _parts(prism):
+        # Without the places around it that the prism has.
+        tall, wide = (np.ptp(y) - 1) * height, (np.ptp(x) - 1) * width
+        longest = max(tall, wide)
+        is_plate = longest >= MIN_WIDTH_MM and y.size * height * width <= MAX_THICKNESS_MM * longest
+        if not is_plate or y.min() <= middle or enclosed[:, y, x].mean() > MAX_ENCLOSED:
+            continue
+        if wide < tall and not EDGE <= x.min() <= x.max() < prism.shape[1] - EDGE:
+            continue
+        table[y, x] = True
+        if wide >= tall:
+            # A little beyond its ends too, where shells meet.
+            for beside in range(-EDGE, EDGE + 1):
+                below[y, np.clip(x + beside, 0, prism.shape[1] - 1)] = True
+    if not table.any():
+        return None
+    # The prism has a place above the table too, on which something may lie.
+    below[2:] = np.logical_or.accumulate(below, axis=0)[:-2]
+    below[:2] = False
+    body = thick & ~below
+    n_body = np.count_nonzero(body)
+    if n_body < (1 - MAX_BELOW) * n_thick or n_body < MIN_THICK * np.count_nonzero(matter & ~(below | table)):
+        return None
+    out: Mask = (below | table) & ~_dilated(matter & ~(below | table) | body, 1)
+    return out
+
+
+def _any_of(mask: Mask, n: int, axis: int) -> Mask:
+    """Whether one of each `n` neighbours along an axis is in the mask; the last ones may be fewer."""
+    starts = np.arange(0, mask.shape[axis], n)
+    return mask if n == 1 else np.logical_or.reduceat(mask, starts, axis=axis)
+
+
+def _eroded(mask: Mask, n: int) -> Mask:
+    """The mask without what is within `n` rows or columns of others; the edges of slices are no surfaces."""
+    return ~_dilated(~mask, n)
+
+
+def _dilated(mask: Mask, n: int) -> Mask:
+    """The mask with what is within `n` steps along rows and columns."""
+    for _ in range(n):
+        grown = mask.copy()
+        for axis in (1, 2):
+            own, of = (np.moveaxis(each, axis, 0) for each in (grown, mask))
+            own[1:] |= of[:-1]
+            own[:-1] |= of[1:]
+        mask = grown
+    return mask
+
+
+def _parts(mask: Mask) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:
+    """Rows and columns of each connected part of a slice, corners included."""
+    left, parts = set(zip(*(places.tolist() for places in np.nonzero(mask)), strict=True)), []
+    around = [(y, x) for y in (-1, 0, 1) for x in (-1, 0, 1)]
+    while left:
+        part, todo = [], [left.pop()]
+        while todo:
+            y, x = todo.pop()
+            part.append((y, x))
+            near = left.intersection((y + down, x + across) for down, across in around)
+            left -= near
+            todo.extend(near)
+        rows, columns = np.array(part, dtype=np.intp).T
+        parts.append((rows, columns))
+    return parts

@@ -1,0 +1,51 @@
+"""Facts of volumes as OME files hold them, and those that such a file has no place for."""
+
+from __future__ import annotations
+
+import warnings
+from os import PathLike
+
+import numpy as np
+
+from wavesplat._model.stack import Stack
+from wavesplat.errors import WavesplatWarning
+
+__all__ = ["hex_of", "steps_of", "warn_of_lost"]
+
+#: Part of the spacing by which an axis may lean and still count as one of the world's.
+TOLERANCE = 1e-6
+
+
+def steps_of(stack: Stack) -> tuple[float, float, float] | None:
+    """Signed steps along x, y and z where these are the world's axes; None for a grid that is turned."""
+    matrix = stack.grid.world_from_index[:3, :3]
+    x, y, z = (float(step) for step in np.diag(matrix))
+    off = np.abs(matrix - np.diag((x, y, z))).max(axis=0)
+    return None if (off > TOLERANCE * np.array(stack.grid.spacing)).any() else (x, y, z)
+
+
+def hex_of(color: tuple[float, float, float]) -> str:
+    """A colour as RRGGBB."""
+    return "".join(f"{round(255 * share):02X}" for share in color)
+
+
+def warn_of_lost(stack: Stack, path: str | PathLike[str], *, is_zarr: bool) -> None:
+    """Warn of facts that the file cannot hold."""
+    steps, facts = steps_of(stack), stack.facts
+    lost = [] if steps is not None else ["how its axes are turned"]
+    if not is_zarr:
+        lost += ["which axes are mirrored"] if steps is not None and min(steps) < 0 else []
+        lost += ["its place"] if np.abs(stack.grid.world_from_index[:3, 3]).max() > 0 else []
+    lost += ["that its axes are a patient's"] if facts.is_anatomical else []
+    lost += [f"the modality ({facts.modality})"] if facts.modality not in (None, "fluorescence") else []
+    lost += [f"the unit of its values ({facts.value_unit})"] if facts.value_unit is not None else []
+    if stack.n_times > 1 and stack.time_unit is not None and stack.time_step is None and is_zarr:
+        lost += ["its times, which are not evenly spaced"]
+    if lost:
+        kind = "OME-Zarr" if is_zarr else "OME-TIFF"
+        warnings.warn(
+            f"{kind} has no place for some facts of volume {stack.grid.name!r}: {', '.join(lost)}; .nrrd keeps those "
+            f"of single volumes: {path}",
+            WavesplatWarning,
+            stacklevel=5,
+        )

@@ -1,0 +1,257 @@
+"""Stacks as OME-Zarr 0.5 (Zarr 3) with a pyramid, by zarr: block after block, so that lazy volumes stay in their files.
+
+https://ngff.openmicroscopy.org/0.5. The metadata are ours, since the packages that write them bring a hundred megabytes
+of others. Axes are halved level by level: those with the smallest distances first, so that samples become cubes.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from itertools import product
+from math import prod
+from pathlib import Path
+from typing import Any, Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._model.facts import Channel
+from wavesplat._model.ome_facts import hex_of, steps_of
+from wavesplat._model.stack import Box, Stack
+from wavesplat.errors import LibraryError
+
+__all__ = ["Downsampling", "write"]
+
+#: How samples of coarser levels are made of finer ones: their mean, or the first one, for labels.
+Downsampling = Literal["mean", "nearest"]
+
+#: Samples of a chunk along each axis, at most: 4 MB of 16 bits. A level of one chunk is the last.
+CHUNK = 128
+#: Samples along an axis from which it is halved.
+MIN_HALVED = 4
+#: Bytes of samples that are read at once, unless one chunk is made of more; means take about five times as much.
+MAX_BYTES = 1 << 25
+#: Percentiles of the coarsest level that make the window of a channel that has none.
+WINDOW = (1.0, 99.8)
+#: Our names of units -> those of OME-Zarr.
+UNITS = {
+    "km": "kilometer",
+    "m": "meter",
+    "dm": "decimeter",
+    "cm": "centimeter",
+    "mm": "millimeter",
+    "um": "micrometer",
+    "nm": "nanometer",
+    "angstrom": "angstrom",
+    "pm": "picometer",
+}
+TIME_UNITS = {"s": "second", "ms": "millisecond", "us": "microsecond", "ns": "nanosecond", "min": "minute", "h": "hour"}
+
+Triple = tuple[int, int, int]
+
+
+def write(stack: Stack, folder: Path, downsampling: Downsampling, progress: Callable[[float], object]) -> None:
+    """Write a stack as a folder."""
+    import zarr
+
+    if int(zarr.__version__.partition(".")[0]) < 3:
+        raise LibraryError(
+            f"zarr {zarr.__version__} writes no OME-Zarr 0.5; install zarr 3 or newer, which needs Python 3.11, or "
+            "write OME-TIFF"
+        )
+    factors = _factors(stack.grid.shape, stack.grid.spacing)
+    n_extra = (stack.n_times,) * (stack.n_times > 1) + (stack.n_channels,) * bool(stack.channels)
+    group: Any = zarr.create_group(folder, zarr_format=3)
+    levels: list[Any] = []
+    for number, factor in enumerate(factors):
+        shape = _shape_at(stack.grid.shape, factor)
+        levels.append(
+            group.create_array(
+                str(number),
+                shape=(*n_extra, *shape),
+                dtype=stack.dtype,
+                chunks=(*[1] * len(n_extra), *(min(n, CHUNK) for n in shape)),
+                dimension_names=_axes(stack),
+            )
+        )
+    pyramid = _Pyramid(levels, factors, downsampling)
+    n_volumes = stack.n_times * stack.n_channels
+    for number in range(n_volumes):
+        done = number / n_volumes
+
+        def told(part: float, done: float = done) -> None:
+            progress(done + part / n_volumes)
+
+        _write_pyramid(stack, divmod(number, stack.n_channels), pyramid, told)
+    group.attrs["ome"] = {
+        "version": "0.5",
+        "multiscales": [_multiscales(stack, factors, downsampling)],
+        **_omero(stack, levels[-1]),
+    }
+
+
+@dataclass(frozen=True)
+class _Pyramid:
+    """Arrays of the levels, the finest first, and how many of its samples are in one of each."""
+
+    levels: list[Any]
+    factors: list[Triple]
+    downsampling: Downsampling
+
+    def ratio(self, level: int) -> Triple:
+        """Samples of the next finer level in one of a level, along (z, y, x)."""
+        finer = self.factors[max(level - 1, 0)]
+        z, y, x = (own // n for own, n in zip(self.factors[level], finer, strict=True))
+        return z, y, x
+
+
+def _write_pyramid(
+    stack: Stack, which: tuple[int, int], pyramid: _Pyramid, progress: Callable[[float], object]
+) -> None:
+    """Write all levels of one volume. `which`: its time and channel."""
+    place = _index(stack, *which)
+    for level, array in enumerate(pyramid.levels):
+        ratio = pyramid.ratio(level)
+        for lower, upper in _boxes(array.shape[-3:], MAX_BYTES // (stack.dtype.itemsize * prod(ratio))):
+            inside = tuple(slice(a, b) for a, b in zip(lower, upper, strict=True))
+            if level == 0:
+                array[(*place, *inside)] = stack.read(*which, (lower, upper))
+                progress(upper[0] / array.shape[-3])
+            else:
+                wider = tuple(slice(n * part.start, n * part.stop) for n, part in zip(ratio, inside, strict=True))
+                fine = np.asarray(pyramid.levels[level - 1][(*place, *wider)])
+                array[(*place, *inside)] = reduced(fine, ratio, pyramid.downsampling)
+
+
+def reduced(samples: NDArray[Any], ratio: Triple, downsampling: Downsampling) -> NDArray[Any]:
+    """Means of blocks of `ratio` samples along (z, y, x), or the first sample of each.
+
+    Blocks at the upper faces may be cut; of floats those that are not finite are left out of the means.
+    """
+    if downsampling == "nearest":
+        return samples[:: ratio[0], :: ratio[1], :: ratio[2]]
+    is_float = samples.dtype.kind == "f"
+    if not is_float:
+        narrow = samples.dtype.itemsize <= 2
+        sums = _summed(samples, ratio, np.dtype(np.int32 if narrow else np.int64))
+        counts = _summed(np.ones(samples.shape, np.bool_), ratio, np.dtype(np.uint8))
+        rounded: NDArray[Any] = np.rint(sums / counts.astype(np.float32 if narrow else np.float64))
+        return rounded.astype(samples.dtype)
+    finite = np.isfinite(samples)
+    sums = _summed(np.where(finite, samples, 0), ratio, np.dtype(np.float64))
+    with np.errstate(invalid="ignore"):
+        means: NDArray[Any] = sums / _summed(finite, ratio, np.dtype(np.uint8))  # 0 / 0: a block that is missing
+    return means.astype(samples.dtype)
+
+
+def _summed(samples: NDArray[Any], ratio: Triple, dtype: np.dtype[Any]) -> NDArray[Any]:
+    """Sums of blocks of one or two samples along each axis."""
+    for axis, n in enumerate(ratio):
+        if n == 2:
+            first, second = (samples[(slice(None),) * axis + (slice(start, None, 2),)] for start in (0, 1))
+            samples = first.astype(dtype)
+            samples[(slice(None),) * axis + (slice(second.shape[axis]),)] += second
+    return samples.astype(dtype, copy=False)
+
+
+def _factors(shape: Triple, spacing: tuple[float, float, float]) -> list[Triple]:
+    """Samples of the finest level in one of each level, along (z, y, x)."""
+    found: list[Triple] = [(1, 1, 1)]
+    while max(_shape_at(shape, found[-1])) > CHUNK:
+        last = found[-1]
+        sizes = _shape_at(shape, last)
+        steps = [factor * step for factor, step in zip(last, reversed(spacing), strict=True)]
+        can = [n >= MIN_HALVED for n in sizes]
+        finest = min(step for step, own in zip(steps, can, strict=True) if own)
+        z, y, x = (
+            2 * factor if own and step < 2 * finest else factor
+            for factor, step, own in zip(last, steps, can, strict=True)
+        )
+        found.append((z, y, x))
+    return found
+
+
+def _shape_at(shape: Triple, factor: Triple) -> Triple:
+    z, y, x = (-(-n // f) for n, f in zip(shape, factor, strict=True))
+    return z, y, x
+
+
+def _boxes(shape: Triple, n_samples: int) -> Iterator[Box]:
+    """Boxes of whole chunks that fill a level, of at most `n_samples` where a chunk allows it."""
+    size = [min(n, CHUNK) for n in shape]
+    for axis in (2, 1, 0):
+        others = prod(size) // size[axis]
+        size[axis] = min(shape[axis], max(1, n_samples // (others * CHUNK)) * CHUNK)
+    for lower in product(*(range(0, n, step) for n, step in zip(shape, size, strict=True))):
+        z, y, x = (min(a + step, n) for a, step, n in zip(lower, size, shape, strict=True))
+        yield (lower[0], lower[1], lower[2]), (z, y, x)
+
+
+def _axes(stack: Stack) -> list[str]:
+    return ["t"] * (stack.n_times > 1) + ["c"] * bool(stack.channels) + ["z", "y", "x"]
+
+
+def _index(stack: Stack, time: int, channel: int) -> tuple[int, ...]:
+    """Index of a volume along the axes before z."""
+    return (time,) * (stack.n_times > 1) + (channel,) * bool(stack.channels)
+
+
+def _multiscales(stack: Stack, factors: list[Triple], downsampling: Downsampling) -> dict[str, Any]:
+    steps = steps_of(stack)
+    # A turned grid keeps its distances.
+    zyx = np.array((steps or stack.grid.spacing)[::-1])
+    first = np.zeros(3) if steps is None else stack.grid.world_from_index[2::-1, 3]
+    before = [(stack.time_step or 1.0, stack.times[0])] * (stack.n_times > 1) + [(1.0, 0.0)] * bool(stack.channels)
+    datasets = []
+    for number, factor in enumerate(factors):
+        # A mean lies in the middle of its block.
+        shift = (np.array(factor) - 1) / 2 if downsampling == "mean" else np.zeros(3)
+        scale = [*(step for step, _ in before), *(zyx * factor).tolist()]
+        moved = [*(start for _, start in before), *(first + zyx * shift).tolist()]
+        placed = [{"type": "scale", "scale": scale}, {"type": "translation", "translation": moved}]
+        datasets.append({"path": str(number), "coordinateTransformations": placed})
+    return {
+        "name": stack.grid.name,
+        "axes": [_axis(name, stack) for name in _axes(stack)],
+        "datasets": datasets,
+        "type": downsampling,
+    }
+
+
+def _axis(name: str, stack: Stack) -> dict[str, str]:
+    if name == "c":
+        return {"name": name, "type": "channel"}
+    kind, unit = ("time", stack.time_unit) if name == "t" else ("space", stack.grid.unit)
+    if name == "t" and stack.time_step is None:
+        unit = None
+    written = {} if unit is None else {"unit": (TIME_UNITS if name == "t" else UNITS).get(unit, unit)}
+    return {"name": name, "type": kind, **written}
+
+
+def _omero(stack: Stack, coarsest: Any) -> dict[str, Any]:
+    """Names, colours and windows of the channels. Each needs a window; one that has none gets percentiles."""
+    if not stack.channels:
+        return {}
+    channels = []
+    for number, channel in enumerate(stack.channels):
+        values = np.asarray(coarsest[_index(stack, 0, number)], np.float64)
+        values = values[np.isfinite(values)]
+        low, high = (float(end) for end in np.percentile(values, WINDOW)) if values.size else (0.0, 0.0)
+        start, end = channel.window or (low, high if high > low else low + 1.0)
+        lowest, highest = (float(values.min()), float(values.max())) if values.size else (start, end)
+        window = {"min": min(lowest, start), "max": max(highest, end), "start": start, "end": end}
+        channels.append(_channel(channel, number, window))
+    return {"omero": {"channels": channels}}
+
+
+def _channel(channel: Channel, number: int, window: dict[str, float]) -> dict[str, Any]:
+    told: dict[str, Any] = {
+        "label": channel.name or f"channel {number}",
+        "color": hex_of(channel.color or (1.0, 1.0, 1.0)),
+        "window": window,
+        "active": channel.is_active,
+    }
+    if channel.emission_nm is not None:
+        told["emission_wavelength"] = channel.emission_nm
+    return told

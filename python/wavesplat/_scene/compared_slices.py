@@ -1,0 +1,205 @@
+"""Two scans on one slice: squares of either in turn, a checkerboard, or the difference of their values."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from math import ceil
+from typing import Any, TypeAlias
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._looks.kinds import kind_of, unit_of_values
+from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._model.argument_types import described
+from wavesplat._model.volume import Volume
+from wavesplat._model.volume_like import VolumeLike, as_volume
+from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._picture.picture import Picture
+from wavesplat._picture.report_facts import shown_layer
+from wavesplat._render import windows
+from wavesplat._render.arguments import chosen_transfer_function
+from wavesplat._render.slicing import Planes, in_colors, in_greys, planes_through
+from wavesplat._scene.drawn_layers import identity_of
+from wavesplat._scene.scene import Scene
+from wavesplat.errors import ArgumentError
+
+__all__ = ["Comparison", "comparison"]
+
+AnyVolume: TypeAlias = Volume | WaveletVolume
+Values: TypeAlias = NDArray[np.float32]
+
+#: The map of differences, and the percentile of their magnitudes that counts as the largest.
+COLORMAP, LARGEST = "coolwarm", 99.0
+#: Planes and pixels over which the magnitudes of differences are found.
+N_PLANES, SIDE_PX = 32, 64
+MAX_TILES = 1000
+
+
+@dataclass(frozen=True)
+class Comparison:
+    """The second scan of a slice, and how both are shown.
+
+    tiles : squares along the longer side of a checkerboard; None is the difference.
+    """
+
+    other: AnyVolume
+    tiles: int | None
+
+    def shown(self, scene: Scene, picture: Picture, planes: Planes, given: dict[str, Any], **options: Any) -> Picture:
+        """The slice with the second scan.
+
+        picture : the slice of the scene's first volume.
+        given : the slice's arguments window, clim, transfer_function and background.
+        options : kernel, slab and threads, as for `wavesplat.slice`.
+        """
+        values = planes.values_of(self.other, **options)
+        first = scene.layers[0].drawn
+        if self.tiles is not None:
+            shown = _checkered(self, first, picture, values, **given)
+        else:
+            shown = _differing(self, first, picture, values, scene, **given)
+        if not np.isfinite(values).any():
+            shown.report["notes"] = [
+                *shown.report.get("notes", []),
+                f"no part of {self.other.name!r} lies in the slice",
+            ]
+        return shown
+
+    def window_of_first(self, window: Any, clim: Any) -> tuple[Any, Any]:
+        """Arguments window and clim of the first scan's slice; given ones are for the difference, if there is one."""
+        return (None, (0.0, 1.0)) if self.tiles is None else (window, clim)
+
+
+def comparison(
+    checkerboard: VolumeLike | None, tiles: int, difference: VolumeLike | None, *, n_channels: int
+) -> Comparison | None:
+    """The arguments checkerboard, tiles and difference, checked; None where there is no second scan."""
+    if n_channels and not (checkerboard is None and difference is None):
+        raise ArgumentError(f"a second scan is for one volume, and the scene has {n_channels} channels; choose one")
+    if checkerboard is not None and difference is not None:
+        raise ArgumentError("checkerboard and difference both show a second scan; give one of them")
+    if difference is not None:
+        return Comparison(as_volume(difference, argument="difference"), None)
+    if checkerboard is None:
+        return None
+    given: object = tiles
+    if isinstance(given, bool) or not isinstance(given, int | np.integer) or not 2 <= given <= MAX_TILES:
+        raise ArgumentError(f"tiles is {described(tiles)}; give 2 to {MAX_TILES} squares along the longer side")
+    return Comparison(as_volume(checkerboard, argument="checkerboard"), int(tiles))
+
+
+def _checkered(
+    chosen: Comparison,
+    first: AnyVolume,
+    picture: Picture,
+    values: Values,
+    *,
+    window: Any,
+    clim: Any,
+    transfer_function: Any,
+    background: str | Sequence[float] | None,
+) -> Picture:
+    """Squares of both scans in turn; the upper left one is of the first."""
+    report = picture.report
+    other = chosen.other
+    fields: dict[str, Any] = {"checkerboard": other.name, "tiles": chosen.tiles}
+    if transfer_function is not None:
+        curves: Any = chosen_transfer_function(transfer_function, first)
+        rgba = in_colors(values, curves, background)
+    else:
+        limits = _limits_of(other, first, report["clim"], window, clim)
+        rgba = in_greys(values, limits, background)
+        fields["clim"] = limits
+        if limits != tuple(report["clim"]):
+            greys = TransferFunction([(limits[0], 1), (limits[1], 1)], [(limits[0], 0, 0, 0), (limits[1], 1, 1, 1)])
+            report["shown"] += [shown_layer(other.name, "over", greys, unit_of_values(other))]
+            low, high = report["clim"]
+            note = (
+                f"black and white are {low:g} and {high:g} of {first.name!r}, {limits[0]:g} and {limits[1]:g} of "
+                f"{other.name!r}: their values have no scale in common"
+            )
+            report["notes"] = [*report.get("notes", []), note]
+    report["compared"] = fields
+    height, width = values.shape
+    side = ceil(max(width, height) / fields["tiles"])
+    rows, columns = np.arange(height) // side, np.arange(width) // side
+    is_other = (rows[:, None] + columns) % 2 == 1
+    assert picture.value is not None
+    return Picture(
+        np.where(is_other[..., None], rgba, picture.rgba),
+        value=np.where(is_other, values, picture.value),
+        report=report,
+    )
+
+
+def _limits_of(
+    other: AnyVolume, first: AnyVolume, of_first: tuple[float, float], window: Any, clim: Any
+) -> tuple[float, float]:
+    """The values of the second scan that are black and white: those of the first one, where a value means the same."""
+    if window is not None or clim is not None:
+        is_alike = kind_of(other) == kind_of(first)
+        return windows.limits(other, window, clim) if is_alike else windows.limits(other, None, None)
+    unit = unit_of_values(first)
+    low, high = of_first
+    return (low, high) if unit and unit == unit_of_values(other) else windows.limits(other, None, None)
+
+
+def _differing(
+    chosen: Comparison,
+    first: AnyVolume,
+    picture: Picture,
+    values: Values,
+    scene: Scene,
+    *,
+    window: Any,
+    clim: Any,
+    transfer_function: Any,
+    background: str | Sequence[float] | None,
+) -> Picture:
+    """Values of the first scan less those of the second one, float32, in a map of two signs."""
+    other = chosen.other
+    units = unit_of_values(first), unit_of_values(other)
+    if all(units) and units[0] != units[1]:
+        raise ArgumentError(
+            f"values of {first.name!r} are in {units[0]}, those of {other.name!r} in {units[1]}, so they have no "
+            "difference; open both in one unit"
+        )
+    if isinstance(window, str):
+        raise ArgumentError(
+            f"window {window!r} is for Hounsfield units, not for differences; give clim, such as (-200, 200)"
+        )
+    assert picture.value is not None
+    value = picture.value - values
+    report = picture.report
+    report.pop("notes", None)  # on the greys of the first scan
+    for name in ("window", "clim"):
+        report.pop(name, None)
+    if transfer_function is not None:
+        curves: Any = chosen_transfer_function(transfer_function, first)
+    else:
+        if window is None and clim is None:
+            key = (id(first), id(other), "difference")
+            identity = identity_of(first), identity_of(other)
+            most = scene._cache.get_or_compute(key, identity, lambda: _largest(first, other))
+            clim = (-most, most)
+        low, high = windows.limits(first, window, clim)
+        curves = TransferFunction.from_colormap(COLORMAP, clim=(low, high), opacity=1.0)
+        report["window"], report["clim"] = ((low + high) / 2, high - low), (low, high)
+    report["compared"] = {"difference": other.name}
+    name = f"{first.name} - {other.name}"
+    report["shown"] = [shown_layer(name, "over", curves, units[0] if units[0] == units[1] else "")]
+    return Picture(in_colors(value, curves, background), value=value, report=report)
+
+
+def _largest(first: AnyVolume, other: AnyVolume) -> float:
+    """The magnitude that counts as the largest of the differences, over the whole of the first scan."""
+    options: Any = {"kernel": "linear", "slab": "maximum", "threads": None}
+    found = [np.zeros(0, np.float32)]
+    for planes in planes_through(first, N_PLANES, (SIDE_PX, SIDE_PX)):
+        part = planes.values_of(first, **options) - planes.values_of(other, **options)
+        found.append(np.abs(part[np.isfinite(part)]))
+    magnitudes = np.concatenate(found)
+    most = float(np.percentile(magnitudes, LARGEST)) if magnitudes.size else 0.0
+    return most if most > 0 else 1.0

@@ -260,7 +260,7 @@ def _volume_of(name: str, array: Any, request: Request) -> _Variable:
 
 
 def _role(array: Any, axis: Any) -> str:
-    """What an axis is: "x", "y", "z", "time", or "" where nothing says so."""
+    """The role of an axis: "x", "y", "z", "time", or "" where nothing says which."""
     said = getattr(array.coords[axis], "attrs", {}) if axis in array.coords else {}
     units = str(said.get("units", "")).lower()
     by_axis = {"T": "time", "X": "x", "Y": "y", "Z": "z"}.get(str(said.get("axis", "")).upper(), "")

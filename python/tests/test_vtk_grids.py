@@ -299,3 +299,31 @@ def test_damage_is_said_without_words_of_vtk(tmp_path, capfd):
         with pytest.raises(FileError):
             ws.open(tmp_path / "b.vtr")
     assert capfd.readouterr().err == ""
+
+
+@pytest.mark.parametrize(
+    ("old", "new"),
+    [
+        (b"0.1 -1 0", b"0j1 -1 0"),
+        (b"0.1 -1 0", b"0_1 -1 0"),
+        (b"DIMENSIONS 6 5 4", b"DIMENSIONS 6 5 5"),
+        (b"POINT_DATA 120", b"POINT_DATA 100"),
+        (b"Version 5", b"VersionR5"),
+        (b"Version 5.1\nvtk output\nASCII\nDATASET UNSTR", b"Version 3.0\nvtk output\nASCII\nDATASET UNSTR"),
+        (b"0 1 7 6 ", b"0 1 7 999 "),
+        (b"0 8 16 24 ", b"0 8 6 24 "),
+        (b"\n12\n12", b"\n12\n10"),
+    ],
+)
+def test_what_would_end_the_process_is_refused(tmp_path, old, new):
+    grids = (filled(structured(UNEVEN), UNEVEN), unstructured(filled(structured(UNEVEN), UNEVEN)))
+    n_changed = 0
+    for grid in grids:
+        path = write_legacy(tmp_path / "a.vtk", grid, as_text=True)
+        content = path.read_bytes()
+        n_changed += old in content
+        path.write_bytes(content.replace(old, new, 1))
+        if old in content:
+            with pytest.raises(FileError):
+                ws.open(path, resample=9)
+    assert n_changed > 0

@@ -37,12 +37,12 @@ __all__ = ["is_netcdf", "lazy_samples", "read"]
 EXTRA = "netcdf"
 #: First bytes of HDF5, and of the form of netCDF-3 with 64-bit sizes, which SciPy does not read.
 HDF5, CDF5 = b"\x89HDF", b"CDF\5"
-#: Coordinates' attribute `units`, in small letters, -> axis: degrees_north, degree_N, degreesE and others of CF.
+#: Coordinates' attribute `units` -> axis.
 OF_UNITS = {
-    f"{degrees}{end}": axis
-    for degrees in ("degree", "degrees")
+    f"degree{plural}{end}": axis
     for axis, ends in (("y", ("_north", "_n", "n")), ("x", ("_east", "_e", "e")))
     for end in ends
+    for plural in ("", "s")
 }
 #: Names of axes of time.
 TIMES = ("time", "t")
@@ -260,7 +260,7 @@ def _volume_of(name: str, array: Any, request: Request) -> _Variable:
 
 
 def _role(array: Any, axis: Any) -> str:
-    """What an axis is: "x", "y", "z", "time", or "" where nothing says so."""
+    """The role of an axis: "x", "y", "z", "time", or "" where nothing says which."""
     said = getattr(array.coords[axis], "attrs", {}) if axis in array.coords else {}
     units = str(said.get("units", "")).lower()
     by_axis = {"T": "time", "X": "x", "Y": "y", "Z": "z"}.get(str(said.get("axis", "")).upper(), "")

@@ -66,7 +66,7 @@ def other_grid(kind: str, path: object) -> FileError:
 
 
 def described_grid(kind: str) -> str:
-    """What data of a kind are, by VTK's name of it."""
+    """The description of a kind of data, in messages, by VTK's name of the kind."""
     is_parallel = kind.upper().startswith("P") and kind.upper() != "POLYDATA"
     name = kind.upper().replace("_", "").removeprefix("VTK")
     held = GRIDS.get(name.removeprefix("P") if is_parallel else name)

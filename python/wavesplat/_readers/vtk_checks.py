@@ -50,12 +50,20 @@ def check_grid(grid: Any) -> None:
         _check_cells(grid, n_points, n_cells)
 
 
+def _types_of(grid: Any) -> Any:
+    """The type of each cell; the method has another name since VTK 9.6."""
+    try:
+        return grid.GetCellTypes()
+    except TypeError:  # before, it wanted a list to fill
+        return grid.GetCellTypesArray()
+
+
 def _check_cells(grid: Any, n_points: int, n_cells: int) -> None:
     from vtkmodules.util.numpy_support import vtk_to_numpy
 
     offsets: NDArray[Any] = vtk_to_numpy(grid.GetCells().GetOffsetsArray())
     points: NDArray[Any] = vtk_to_numpy(grid.GetCells().GetConnectivityArray())
-    types: NDArray[Any] = vtk_to_numpy(grid.GetCellTypesArray())
+    types: NDArray[Any] = vtk_to_numpy(_types_of(grid))
     if len(types) != n_cells or len(offsets) != n_cells + 1:
         raise ValueError(f"{len(types)} types and {len(offsets)} offsets of {n_cells} cells")
     sizes = np.diff(offsets)

@@ -93,7 +93,7 @@ def test_figures_from_the_command_line(wavesplat, tmp_path, suffix):
     scan = files("wavesplat") / "data" / "ct_pelvis" / "ct_pelvis.nii.gz"
     out = tmp_path / f"a.{suffix}"
     options = "--preset ct-bone --size 200x200 --background white --cube --scale-bar --colorbar --title Pelvis"
-    done = wavesplat("render", scan, "-o", out, *options.split(), "--dpi", "300", "--json")
+    done = wavesplat("render", scan, "-o", out, *options.split(), "--dpi", "300", "--json", "--keep-table")
     assert (done.returncode, done.stderr) == (0, "")
     facts = json.loads(done.stdout)
     assert facts["report"]["scale_bar"]["text"] == "100 mm"

@@ -110,7 +110,12 @@ def automatic(volume: Volume | WaveletVolume, composite: Composite | None, color
             low, high = window_of_values(without_padding(histogram.subsampled(volume)))
             function = histogram.not_beyond(function, low + MAX_WHITE * (high - low))
         return Look(transfer_function=function, composite=composite, shading=None, name="auto", reason=known.reason)
-    if known.kind == "labels" and composite is None and isinstance(volume, Volume) and volume.dtype.kind in "iu":
+    if (
+        known.kind == "labels"
+        and composite in (None, "over")
+        and isinstance(volume, Volume)
+        and volume.dtype.kind in "iu"
+    ):
         clear = TransferFunction([(0.0, 0.0)], [(0.0, 1.0, 1.0, 1.0)])
         return Look(transfer_function=clear, labels=Labels(volume), shading=SOLID, name="auto", reason=known.reason)
     if composite is None and known.kind in IN_GREYS and axis_of_few_slices(volume) is not None:

@@ -31,7 +31,8 @@ OPAQUE = 0.995
 
 def opaque_after(grid: Grid) -> float:
     """Number of voxels of the largest values that are opaque together: `N_OPAQUE`, or what a thinner box has."""
-    voxel = math.prod(grid.spacing) ** (1 / 3)
+    # By logarithms, since the product of tiny spacings is 0.
+    voxel = math.exp(sum(map(math.log, grid.spacing)) / 3)
     thickness = min(n * step for n, step in zip(grid.shape, reversed(grid.spacing), strict=True)) / voxel
     return min(N_OPAQUE, thickness)
 

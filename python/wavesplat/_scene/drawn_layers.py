@@ -16,6 +16,7 @@ from wavesplat import _native
 from wavesplat._looks.automatic import automatic, tinted
 from wavesplat._looks.brain import brain_of
 from wavesplat._looks.kinds import kind_of
+from wavesplat._looks.labels import Labels
 from wavesplat._looks.look import Look
 from wavesplat._looks.overlays import MAPPED_KINDS, OVERLAY_MAPS, cleared, mapped
 from wavesplat._looks.tables import without_table
@@ -25,6 +26,7 @@ from wavesplat._model.cutting import Boxes, in_samples_of
 from wavesplat._model.lazy_changes import compare
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.options import Composite
+from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._render.arguments import chosen_look, cut_open
@@ -181,6 +183,7 @@ def drawn_layers(scene: Scene, composite: Composite | None) -> DrawnLayers:
         looks = _over_others(scene, layers, looks, name)
     shown = []
     for layer, volume, look in zip(layers, volumes, looks, strict=True):
+        look = _with_own_labels(scene, layer, volume, look)  # noqa: PLW2901 - the look of this time
         drawn = _part(volume, look, is_tableless=name == "over" and not (several or scene.keep_table))
         placed = on_axes_of(drawn, volumes[0])
         boxes = in_samples_of(placed, scene._clipping.boxes, first)
@@ -209,6 +212,14 @@ def seen_parts(scene: Scene, look: Look) -> list[Part]:
     """The volumes as drawn, and their looks; the look of the first layer is `look`, whatever its own."""
     layers = drawn_layers(scene, look.composite).layers
     return [(layer.seen, look if number == 0 else layer.look) for number, layer in enumerate(layers)]
+
+
+def _with_own_labels(scene: Scene, layer: Layer, volume: Volume | WaveletVolume, look: Look) -> Look:
+    """The automatic look of a segmentation, with the labels of its own time, where it was chosen for a series."""
+    if look.labels is None or look.name != "auto" or not isinstance(layer.volume, Series):
+        return look
+    labels = scene._cache.get_or_compute((id(volume), "labels"), identity_of(volume), lambda: Labels(volume))
+    return replace(look, labels=labels)
 
 
 def _is_automatic(layer: Layer) -> bool:

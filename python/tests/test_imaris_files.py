@@ -66,8 +66,7 @@ def test_choices_and_scenes(tmp_path):
     scene = ws.open_scene(path)
     assert [layer.name for layer in scene.layers] == ["DAPI", "channel 1"]
     assert ws.open_series(path, channel=0).times == (0, 30.5, 61)
-    low, high = (stop[0] for stop in scene.layers[0].look.transfer_function.color[::2])
-    assert (low, high) == (100, 900)
+    assert scene.layers[0].volume[0].facts.channel.window == (100, 900)
 
 
 @pytest.mark.parametrize(

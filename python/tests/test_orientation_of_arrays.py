@@ -158,3 +158,19 @@ def test_the_command_draws_all_channels(wavesplat, tmp_path):
     colors = np.asarray(Image.open(tmp_path / "all.png").convert("RGB"), int)
     assert np.ptp(colors, axis=2).max() > 100
     assert np.ptp(np.asarray(Image.open(tmp_path / "one.png").convert("RGB"), int), axis=2).max() == 0
+
+
+@pytest.mark.parametrize(("spacing", "view"), [((1, 1, 3), "xy"), ((4, 1, 1), "yz"), ((1, 1, 2), "isometric")])
+def test_stacks_with_distant_slices_are_seen_as_slices(spacing, view):
+    """Their sides are blurred, as those of confocal stacks and of sections for electron microscopy."""
+    rng = np.random.default_rng(0)
+    volume = ws.Volume(rng.normal(500, 100, (30, 40, 40)).astype(np.float32), spacing=spacing, unit="um")
+    shown = ws.render(volume, size=(20, 20)).report["camera"]
+    there = ws.Camera.view(volume, view)
+    seen, along = (
+        np.subtract(position, focal) / np.linalg.norm(np.subtract(position, focal))
+        for position, focal in ((shown["position"], shown["focal_point"]), (there.position, there.focal_point))
+    )
+    np.testing.assert_allclose(seen, along, atol=1e-9)
+    body = ws.Volume(volume.samples, spacing=spacing, unit="mm", anatomical=True)
+    assert ws.render(body, size=(20, 20)).report["camera"]["view_up"] == [0, 0, 1]

@@ -39,6 +39,9 @@ EVERYTHING = Clipping()
 FILLED = 0.92
 #: Largest ratio of the thinnest side to the second one of a thin stack, which is seen along its thin side.
 THIN = 0.3
+#: Least ratio of the distances of samples, across slices and within them, of a stack that is seen along it. (Confocal
+#: stacks: 4; electron microscopy of sections: 10.)
+COARSE = 3.0
 #: Largest number of samples that are looked at.
 N_SAMPLES_MAX = 500_000
 #: Least opacity of a visible sample, as a share of the largest one, and least opacity of a visible voxel.
@@ -48,12 +51,16 @@ WITHIN = (0.05, 99.95)
 
 
 def natural_view(volume: Volume | WaveletVolume) -> tuple[float, float]:
-    """Azimuth and elevation, degrees: a patient from the front, thin stacks and a few slices face on, else oblique."""
+    """Azimuth and elevation, degrees: a patient from the front, thin and coarse stacks face on, else oblique."""
     sides = np.ptp(volume.bounds, axis=0)
     thinnest = int(sides.argmin())
     is_thin = bool(sides[thinnest] < THIN * np.sort(sides)[1])
     if (axis := axis_of_few_slices(volume)) is not None:
         thinnest, is_thin = axis, True
+    elif not volume.is_anatomical and max(volume.spacing) >= COARSE * np.sort(volume.spacing)[1]:
+        # Its sides are blurred: slices are what such data have.
+        coarsest = volume.world_from_index[:3, int(np.argmax(volume.spacing))]
+        thinnest, is_thin = int(np.argmax(np.abs(coarsest))), True
     # Thin stacks as slices of them are looked at.
     name = ("yz", "xz", "xy")[thinnest] if is_thin else "anterior" if volume.is_anatomical else "isometric"
     return view_angles(name, is_anatomical=volume.is_anatomical)

@@ -215,3 +215,17 @@ def test_the_options_exclude_each_other(wavesplat: Any, tmp_path: Any) -> None:
     done = wavesplat(*command, "--keep-table", "--remove-table")
     assert done.returncode == 2
     assert "give one of them" in done.stderr
+
+
+@pytest.mark.parametrize(("x", "y", "radius"), [(70, 10, 105), (70, 0, 95), (80, 10, 95), (60, 0, 95)])
+def test_a_chest_wall_that_a_round_field_of_view_cuts_thin_stays(x, y, radius):
+    """Lung above and padding below make a thin crescent of it, alike in all slices, as a table is."""
+    columns, rows = np.meshgrid((np.arange(256) - 128) * 1.5, (np.arange(256) - 128) * 1.5)
+    body = (columns / 160) ** 2 + (rows / 110) ** 2 < 1
+    lungs = ((np.abs(columns) - 75) / 58) ** 2 + ((rows + 15) / 73) ** 2 < 1
+    plane = np.where(body, np.where(lungs, -850, 40), -1000)
+    noisy = plane + np.random.default_rng(0).normal(0, 15, (24, 256, 256))
+    noisy[:, (columns - x) ** 2 + (rows - y) ** 2 > radius**2] = -1024
+    facts = ws.Facts(unit="mm", is_anatomical=True, modality="CT")
+    scan = ws.Volume(noisy.astype(np.int16), world_from_index=np.diag([1.5, 1.5, 3, 1]), facts=facts)
+    assert without_table(scan) is None

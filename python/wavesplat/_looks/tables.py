@@ -183,6 +183,15 @@ class _Places:
             plane[is_out] = value
 
 
+def _is_wall(y: NDArray[np.intp], x: NDArray[np.intp], body_at: Mask) -> bool:
+    """Whether both ends of a wide part run into the body, as a chest wall's that a round field of view cuts thin.
+
+    y, x : places of the part. body_at : places of the body in most slices. A table has free ends.
+    """
+    left, right = x <= x.min() + EDGE, x >= x.max() - EDGE
+    return all(bool(body_at[y[end], x[end]].any()) for end in (left, right))
+
+
 def _table(matter: Mask, distances: tuple[float, float]) -> Mask | None:
     """The places of a table; None where there is none, or it is in doubt."""
     thick = matter & _dilated(_eroded(matter, N_ERODED), N_ERODED + 1)
@@ -195,6 +204,7 @@ def _table(matter: Mask, distances: tuple[float, float]) -> Mask | None:
     rows = thick.sum(axis=(0, 2))
     middle = float((rows * np.arange(rows.size)).sum() / n_thick)
     enclosed = np.logical_or.accumulate(thick, axis=1) & np.logical_or.accumulate(thick[:, ::-1], axis=1)[:, ::-1]
+    body_at = _dilated(thick, EDGE).mean(axis=0) > MIN_SLICES
     table, below = np.zeros_like(prism), np.zeros_like(prism)
     for y, x in _parts(prism):
         # Without the places around it that the prism has.
@@ -204,6 +214,8 @@ def _table(matter: Mask, distances: tuple[float, float]) -> Mask | None:
         if not is_plate or y.min() <= middle or enclosed[:, y, x].mean() > MAX_ENCLOSED:
             continue
         if wide < tall and not EDGE <= x.min() <= x.max() < prism.shape[1] - EDGE:
+            continue
+        if wide >= tall and _is_wall(y, x, body_at):
             continue
         table[y, x] = True
         if wide >= tall:

@@ -169,3 +169,16 @@ def test_the_command_line_compares_scans_and_registered_ones(wavesplat, tmp_path
     ):
         done = wavesplat(*command, *options)
         assert (done.returncode, message in done.stderr) == (2, True), done.stderr
+
+
+def test_differences_have_no_percentiles_and_one_zero():
+    with pytest.raises(ArgumentError, match="percentiles of a difference are not known"):
+        ws.slice(A, difference=B, clim=("1%", "99%"))
+    ct = ws.examples.ct_pelvis()
+    facts = ws.Facts(unit="mm", is_anatomical=True, modality="CT")
+    stored = ws.Volume((ct.samples + 1024).astype(np.uint16), world_from_index=ct.world_from_index, facts=facts)
+    with pytest.raises(ArgumentError, match="with 1024, so their difference says nothing"):
+        ws.slice(ct, difference=stored)
+    both = ws.slice(ct, checkerboard=stored, size=(60, 60), clim=None)
+    alone = ws.slice(ct, size=(60, 60))
+    np.testing.assert_allclose(both.rgba, alone.rgba, atol=0.02)

@@ -237,3 +237,11 @@ def test_the_command_line_fuses(wavesplat, tmp_path):
     picture = ws.slice([volumes[0], ws.Layer(volumes[1], hot)], "coronal", size=(80, 70))
     picture.annotated(colorbar=True).save(tmp_path / "python.png")
     assert (tmp_path / "python.png").read_bytes() == (tmp_path / "fused.png").read_bytes()
+
+
+def test_slices_of_a_series_have_one_window():
+    volumes = [ws.Volume((scale * np.random.default_rng(0).random((6, 8, 9))).astype(np.float32)) for scale in (1, 10)]
+    scene = ws.Scene(ws.Layer(ws.Series(volumes)))
+    windows = [ws.slice(scene.at_time(time)).report["clim"] for time in range(2)]
+    assert windows[0] == windows[1]
+    assert windows[0][1] > 9

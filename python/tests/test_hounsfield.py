@@ -49,3 +49,12 @@ def test_scans_of_patients_are():
 
 def test_whole_numbers_of_both_signs_are_a_field():
     assert kind_of(ws.Volume(noise(300, "i2"))) == "signed field"
+
+
+@pytest.mark.parametrize("padding", [-2000, -3024])
+def test_padding_that_was_resampled_is_no_noise(padding):
+    ct = ws.examples.ct_pelvis()
+    outside = np.hypot(*np.indices(ct.shape)[1:] - np.array(ct.shape[1:])[:, None, None, None] / 2) > 45
+    padded = np.where(outside, padding, ct.samples).astype(np.float32)
+    shifted = (padded[:, :, 1:] + padded[:, :, :-1]) / 2
+    assert kind_of(ws.Volume(shifted, unit="mm", anatomical=True)) == "CT"

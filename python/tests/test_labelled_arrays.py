@@ -147,3 +147,16 @@ def test_more_channels_than_colours_are_refused():
     with pytest.raises(ArgumentError, match=r"9 channels along 'C', a scene at most 8; choose some"):
         ws.Scene(array)
     assert len(ws.Scene(array.isel(C=range(8))).layers) == 8
+
+
+def test_times_as_dates_are_seconds_from_the_first():
+    xarray = pytest.importorskip("xarray")
+    samples = np.random.default_rng(0).random((3, 4, 5, 6)).astype(np.float32)
+    dates = np.array(["2026-01-01T00:00", "2026-01-01T00:01", "2026-01-01T00:05"], "datetime64[ns]")
+    for times, wanted in ((dates, (0, 60, 300)), (dates - dates[0], (0, 60, 300))):
+        array = xarray.DataArray(samples, dims=("T", "Z", "Y", "X"), coords={"T": times})
+        series = ws.Scene(array).layers[0].volume
+        assert (series.times, series.time_unit) == (wanted, "s")
+    array = xarray.DataArray(samples, dims=("T", "Z", "Y", "X"), coords={"T": [0.0, 1, 3]})
+    array.coords["T"].attrs["units"] = "days since 2001-01-01"
+    assert ws.Scene(array).layers[0].volume.time_unit == "days"

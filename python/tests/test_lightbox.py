@@ -156,3 +156,8 @@ def test_contours_and_isolines_are_those_of_each_slice():
         one = ws.slice(SCAN, "axial", position, size=(58, 46), **lines)
         np.testing.assert_array_equal(cut_out(sheet, number), one.rgba)
     assert [line["name"] for line in sheet.report["lines"]] == [line["name"] for line in one.report["lines"]]
+
+
+def test_a_plane_may_be_an_array():
+    sheet = ws.lightbox(SCAN, np.array([[20, 20, 20], [0, 0, 1.0]]), 2, size=(40, 40))
+    assert [panel["plane"] for panel in sheet.report["panels"]] == ["oblique", "oblique"]

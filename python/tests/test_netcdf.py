@@ -213,3 +213,14 @@ def test_damage_is_said(tmp_path, packed):
             path.write_bytes(content[:n])
             with pytest.raises(FileError):
                 ws.open(path, time=2)
+
+
+def test_depth_grows_downwards_in_pictures_too(tmp_path, packed):
+    attributes = {**ATTRIBUTES, "lev": {"units": "m", "positive": "down"}}
+    coordinates = {"lev": LEV, "lat": LAT, "lon": LON}
+    path = save_netcdf3(tmp_path / "sea.nc", {"t": (("lev", "lat", "lon"), packed[0])}, coordinates, attributes)
+    volume = ws.open(path)
+    surface = volume.world_from_index @ (0, 0, list(LEV).index(0.0), 1)
+    deepest = volume.world_from_index @ (0, 0, len(LEV) - 1, 1)
+    assert (surface[2], deepest[2]) == (0, -1500)
+    assert any("z is minus lev" in guess for guess in volume.guesses)

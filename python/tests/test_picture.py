@@ -239,3 +239,10 @@ def test_figures_need_matplotlib(monkeypatch):
     monkeypatch.setitem(sys.modules, "matplotlib", None)
     with pytest.raises(ws.errors.LibraryError, match=r'matplotlib is not installed.*pip install "\.\[figure\]"'):
         PICTURE.figure()
+
+
+@pytest.mark.parametrize(("unit", "spacing"), [("Ω", 1.0), (None, 1e-12)])
+def test_tiff_leaves_out_what_it_cannot_hold(tmp_path, unit, spacing):
+    volume = ws.Volume(np.arange(64, dtype=np.uint8).reshape(4, 4, 4), spacing=(spacing,) * 3, unit=unit)
+    ws.render(volume, "grey", size=(8, 8)).save(tmp_path / "p.tif")
+    assert (tmp_path / "p.tif").stat().st_size > 100

@@ -346,3 +346,21 @@ def test_the_command_knows_labels(tmp_path, wavesplat):
     assert made.returncode == 0, made.stderr
     assert "taken for labels" in made.stderr
     assert set(np.unique(ws.open(tmp_path / "b.ome.zarr", level=1).samples)) <= set(np.unique(labels))
+
+
+def test_an_image_that_is_there_is_no_folder_for_results(wavesplat, tmp_path):
+    """The second result was written inside the first one, with success."""
+    rng = np.random.default_rng(0)
+    for name in "ab":
+        np.save(tmp_path / f"{name}.npy", rng.integers(0, 200, (8, 9, 10)).astype(np.uint8))
+    for name in "ab":
+        assert wavesplat("convert", f"{name}.npy", "-o", "out.ome.zarr", cwd=tmp_path).returncode == 0
+    np.testing.assert_array_equal(ws.open(tmp_path / "out.ome.zarr").samples, np.load(tmp_path / "b.npy"))
+    assert not list((tmp_path / "out.ome.zarr").glob("*.zarr"))
+
+
+def test_times_without_a_unit_are_told_to_be_lost(tmp_path):
+    volumes = [ws.Volume(np.full((4, 5, 6), k, np.uint8) + np.arange(6, dtype=np.uint8)) for k in range(3)]
+    for name in ("a.ome.zarr", "a.ome.tif"):
+        with pytest.warns(ws.errors.WavesplatWarning, match="its times, which have no unit"):
+            ws.Series(volumes, times=(0, 1, 5)).save(tmp_path / name)

@@ -78,3 +78,19 @@ def test_labels_are_labels(name, dtype):
 @pytest.mark.parametrize("name", SCANS)
 def test_scans_of_few_levels_are_no_labels(name):
     assert kind_of(ws.Volume(SCANS[name].astype(np.uint8))) != "labels"
+
+
+def test_a_cell_has_one_colour_at_all_times():
+    """Colours were by rank among the numbers of each time, so that they swapped where a cell came or went."""
+    z, y, x = np.indices((24, 24, 60))
+    volumes = []
+    for present in ((1, 2, 3), (2, 3), (1, 2, 3)):
+        samples = np.zeros((24, 24, 60), np.uint16)
+        for number in present:
+            samples[(z - 12) ** 2 + (y - 12) ** 2 + (x - 20 * number + 10) ** 2 < 49] = 7 * number
+        volumes.append(ws.Volume(samples, unit="um"))
+    scene = ws.Scene(ws.Layer(ws.Series(volumes)), background="black")
+    camera = ws.Camera.view(volumes[0], "xz")
+    shown = [scene.at_time(time).render(camera, size=(90, 90)).rgba for time in range(3)]
+    np.testing.assert_array_equal(shown[0], shown[2])
+    np.testing.assert_allclose(shown[1][:, 45:], shown[0][:, 45:], atol=0.02)

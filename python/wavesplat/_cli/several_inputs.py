@@ -111,7 +111,9 @@ def _runs(
             places |= _places_in_plate(input)
         places |= {word: f"{{{word}}}" for word in left}
         own = {option: _named(options[option], places) for option in ("output", "report") if options.get(option)}
-        if suffix is not None and "output" in own and is_folder(own["output"]):
+        # A folder of Zarr that is there is a result, not a place for results.
+        is_place = suffix is not None and "output" in own and not own["output"].name.lower().endswith(".zarr")
+        if is_place and is_folder(own["output"]):
             own["output"] /= f"{places['stem']}{suffix}"
         for option, path in own.items():
             if len(inputs) > 1 and path == options[option]:

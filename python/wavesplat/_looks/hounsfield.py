@@ -23,8 +23,10 @@ __all__ = ["looks_like_hounsfield"]
 
 #: Least shares of samples within 200 of air (-1000) and of soft tissue (0).
 MIN_SHARE = 0.02
-#: Lowest value of air with its noise, and largest share of samples below that, beside the commonest of them.
+#: Lowest value of air with its noise, and largest share of samples below that where they are no padding.
 AIR, MAX_BELOW = -1100.0, 0.001
+#: Values that padding may have.
+N_PADDINGS = 2
 #: Samples beyond this on both sides of 0, and their largest ratio, above to below.
 FAR, MAX_ABOVE = 900.0, 0.3
 #: Ranges of soft tissue and of bone, and the least ratio of their densities.
@@ -45,7 +47,9 @@ def looks_like_hounsfield(values: NDArray[Any], volume: Volume | WaveletVolume) 
     if not may_be_fractional and not np.all(values == np.round(values)):
         return False
     below = values[values < AIR]
-    n_below = below.size - (np.unique(below, return_counts=True)[1].max() if below.size else 0)
+    # Padding is a value or two, with others between them and air where a scan was resampled; noise has no such peak.
+    padding = np.sort(np.unique(below, return_counts=True)[1])[-N_PADDINGS:].sum() if below.size else 0
+    n_below = 0 if 2 * padding > below.size else below.size
     if n_below > MAX_BELOW * values.size or np.sum(values > FAR) > MAX_ABOVE * np.sum(values < -FAR):
         return False
     soft, bone = (np.mean((values >= low) & (values < high)) for low, high in (SOFT_TISSUE, BONE))

@@ -120,10 +120,10 @@ def cleared(look: Look, volume: Volume | WaveletVolume, composite: Composite) ->
         return look
     if composite in histogram.PROJECTIONS:
         # Light that the lowest value adds, as the white of `pet` does, would cover all other layers.
-        is_dark = max(function.color[0][1:]) <= DARK
+        low, high = function.color[0][0], function.color[-1][0]
+        is_dark = max(function.color[0][1:]) <= DARK or function([low])[0, 3] == 0
         if look.composite not in histogram.PROJECTIONS or is_dark:
             return look
-        low, high = function.color[0][0], function.color[-1][0]
         return replace(look, transfer_function=_times(function, lambda values: (values - low) / (high - low)))
     if look.composite in histogram.PROJECTIONS:
         low, high = function.color[0][0], function.color[-1][0]

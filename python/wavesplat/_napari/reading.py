@@ -82,8 +82,8 @@ def _layer(series: Series, number: int | None) -> LayerData:
     name = (channel.name if channel is not None else "") or ("" if number is None else f"channel {number}")
     told: dict[str, Any] = {"name": f"{first.name} {name}".strip(), **_place(series, first)}
     if is_segmentation:
-        samples = _samples(series)
-        return samples if samples.dtype.kind in "iu" else samples.astype(np.int32), told, "labels"
+        # 32 bits, since numbers of a later time may be larger than those of the first.
+        return _samples(series, np.dtype(np.int32) if len(series) > 1 else first.dtype), told, "labels"
     told["contrast_limits"] = _window(first)
     if channel is not None:
         told["colormap"] = "gray" if channel.color is None else _hex(channel.color)
@@ -93,7 +93,7 @@ def _layer(series: Series, number: int | None) -> LayerData:
     if isinstance(first, LazyVolume) and len(series) == 1:
         levels = _levels(first)
         return (levels, {**told, "multiscale": True}, "image") if len(levels) > 1 else (levels[0], told, "image")
-    return _samples(series), told, "image"
+    return _samples(series, np.result_type(first.dtype, series[-1].dtype)), told, "image"
 
 
 def _place(series: Series, first: Volume) -> dict[str, Any]:
@@ -136,7 +136,7 @@ def _window(volume: Volume) -> tuple[float, float]:
     return (low, high) if high > low else (low, low + 1.0)
 
 
-def _samples(series: Series) -> Any:
+def _samples(series: Series, dtype: np.dtype[Any]) -> Any:
     """Samples of all times: of one an array in memory, of several one of Dask, which reads them when they are shown."""
     first = series[0]
     if len(series) == 1:
@@ -144,14 +144,14 @@ def _samples(series: Series) -> Any:
     dask = library("dask.array", extra="dask")
     delayed = library("dask", extra="dask").delayed
     parts = [
-        dask.from_delayed(delayed(_samples_at)(series, time), shape=first.shape, dtype=first.dtype)
+        dask.from_delayed(delayed(_samples_at)(series, time, dtype), shape=first.shape, dtype=dtype)
         for time in range(len(series))
     ]
     return dask.stack(parts)
 
 
-def _samples_at(series: Series, time: int) -> NDArray[Any]:
-    return np.asarray(series[time])
+def _samples_at(series: Series, time: int, dtype: np.dtype[Any]) -> NDArray[Any]:
+    return np.asarray(series[time]).astype(dtype, copy=False)
 
 
 def _levels(volume: LazyVolume) -> list[Any]:

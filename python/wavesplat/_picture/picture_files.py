@@ -99,6 +99,10 @@ def write_bytes_of(picture: Picture, path: Path, *, dpi: float | None, quality: 
     path.write_bytes(content.getvalue())
 
 
+#: Least distance of pixels that a ratio of 32-bit numbers holds, in its unit.
+LEAST_STEP = 1e-8
+
+
 def write_tiff(picture: Picture, path: Path, *, bits: int, dpi: float | None) -> None:
     """Write a TIFF file of whole numbers, RGB or, where something is transparent, RGBA; with the distance of pixels.
 
@@ -112,8 +116,9 @@ def write_tiff(picture: Picture, path: Path, *, bits: int, dpi: float | None) ->
     step = _pixel_of_all(picture)
     if dpi is not None:
         options |= {"resolution": (dpi, dpi), "resolutionunit": "INCH"}
-    elif step is not None:
-        named = f"unit={picture.unit}\n" if picture.unit else ""
+    elif step is not None and LEAST_STEP < step < 1 / LEAST_STEP:
+        # Descriptions are in ASCII.
+        named = f"unit={picture.unit}\n" if picture.unit and picture.unit.isascii() else ""
         options |= {"resolution": (1 / step, 1 / step), "resolutionunit": "NONE"}
         options["description"] = f"ImageJ={IMAGEJ}\n{named}"
     tifffile.imwrite(

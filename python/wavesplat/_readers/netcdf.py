@@ -256,6 +256,11 @@ def _volume_of(name: str, array: Any, request: Request) -> _Variable:
     order = [list(array.dims).index(axis) for axis in found.samples.dims]
     index = tuple(picked.get(axis) for axis in array.dims)
     matrix = np.eye(4) if found.world_from_index is None else found.world_from_index
+    if request.spacing is None and _is_downwards(volume, spatial[0]):
+        # Up is up in pictures: the surface of the sea is on top.
+        matrix = np.diag([1.0, 1.0, -1.0, 1.0]) @ matrix
+        told = f"z is minus {spatial[0]}, which grows downwards"
+        facts = replace(facts, guesses=(*facts.guesses, told))
     return _Variable(found.samples, facts, matrix, (order[0], order[1], order[2]), index, name)
 
 
@@ -267,6 +272,11 @@ def _role(array: Any, axis: Any) -> str:
     by_name = "time" if str(axis).lower() in TIMES else NAMES.get(str(axis).lower(), "")
     by_place = "z" if str(said.get("positive", "")).lower() in ("up", "down") else ""
     return by_axis or ("time" if " since " in units else "") or OF_UNITS.get(units, "") or by_place or by_name
+
+
+def _is_downwards(array: Any, axis: Any) -> bool:
+    said = getattr(array.coords[axis], "attrs", {}) if axis in array.coords else {}
+    return str(said.get("positive", "")).lower() == "down"
 
 
 def _spatial(axes: list[tuple[Any, str]], sizes: Any) -> list[Any]:

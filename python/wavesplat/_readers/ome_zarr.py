@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files import size_checks
+from wavesplat._files.addresses import is_address
 from wavesplat._files.reading import reading
 from wavesplat._files.zarr_chunks import check_chunks
 from wavesplat._files.zarr_place import METADATA_NAMES, ZarrPlace
@@ -203,7 +204,7 @@ def _several_wells(wells: Sequence[layout.Well], images: list[str], request: Req
         f"this is {kind} with {len(images)} images; choose one with dataset={images[0]!r} (--dataset {images[0]}), or "
         f"name its folder, {own}/{images[0]}"
     )
-    if len(wells) > 1:
+    if len(wells) > 1 and not is_address(request.path):
         message += f"; of each well the first: wavesplat render '{own}/*/*/{wells[0].fields[0]}' -o '{{well}}.png'"
     message += f": {request.safe_path}"
     described = [f"{image} ({well.name})" for well in wells for image in well.images]

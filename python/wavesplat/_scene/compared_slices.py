@@ -10,8 +10,9 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._looks.kinds import kind_of, unit_of_values
+from wavesplat._looks.kinds import kind_of, offset_of, unit_of_values
 from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._looks.window_ends import are_percentiles
 from wavesplat._model.argument_types import described
 from wavesplat._model.volume import Volume
 from wavesplat._model.volume_like import VolumeLike, as_volume
@@ -142,7 +143,8 @@ def _limits_of(
         is_alike = kind_of(other) == kind_of(first)
         return windows.limits(other, window, clim) if is_alike else windows.limits(other, None, None)
     unit = unit_of_values(first)
-    low, high = of_first
+    shift = offset_of(other) - offset_of(first)
+    low, high = of_first[0] + shift, of_first[1] + shift
     return (low, high) if unit and unit == unit_of_values(other) else windows.limits(other, None, None)
 
 
@@ -166,6 +168,12 @@ def _differing(
             f"values of {first.name!r} are in {units[0]}, those of {other.name!r} in {units[1]}, so they have no "
             "difference; open both in one unit"
         )
+    offsets = offset_of(first), offset_of(other)
+    if offsets[0] != offsets[1]:
+        raise ArgumentError(
+            f"values of {first.name!r} are Hounsfield units with {offsets[0]:g} added, those of {other.name!r} with "
+            f"{offsets[1]:g}, so their difference says nothing; subtract these from the samples first"
+        )
     if isinstance(window, str):
         raise ArgumentError(
             f"window {window!r} is for Hounsfield units, not for differences; give clim, such as (-200, 200)"
@@ -184,6 +192,11 @@ def _differing(
             identity = identity_of(first), identity_of(other)
             most = scene._cache.get_or_compute(key, identity, lambda: _largest(first, other))
             clim = (-most, most)
+        if are_percentiles(window) or are_percentiles(clim):
+            raise ArgumentError(
+                "percentiles of a difference are not known before it is drawn; give its window or clim in values, such "
+                "as clim=(-100, 100)"
+            )
         low, high = windows.limits(first, window, clim)
         curves = TransferFunction.from_colormap(COLORMAP, clim=(low, high), opacity=1.0)
         report["window"], report["clim"] = ((low + high) / 2, high - low), (low, high)

@@ -15,8 +15,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from wavesplat import _native
 from wavesplat._looks.automatic import automatic, tinted
 from wavesplat._looks.brain import brain_of
+from wavesplat._looks.default_colors import label_color
 from wavesplat._looks.kinds import kind_of
-from wavesplat._looks.labels import Labels
+from wavesplat._looks.labels import Label, Labels
 from wavesplat._looks.look import Look
 from wavesplat._looks.overlays import MAPPED_KINDS, OVERLAY_MAPS, cleared, mapped
 from wavesplat._looks.tables import without_table
@@ -218,8 +219,16 @@ def _with_own_labels(scene: Scene, layer: Layer, volume: Volume | WaveletVolume,
     """The automatic look of a segmentation, with the labels of its own time, where it was chosen for a series."""
     if look.labels is None or look.name != "auto" or not isinstance(layer.volume, Series):
         return look
-    labels = scene._cache.get_or_compute((id(volume), "labels"), identity_of(volume), lambda: Labels(volume))
-    return replace(look, labels=labels)
+    known = look.labels.labels
+
+    def labels_of_time() -> Labels:
+        own = Labels(volume)
+        # A number has one colour at all times, whichever others are there.
+        looks = {n: known.get(n) or Label(label_color(n - 1), name=str(n)) for n in own.labels}
+        return Labels(volume, looks)
+
+    key = (id(volume), "labels", id(look.labels))
+    return replace(look, labels=scene._cache.get_or_compute(key, identity_of(volume), labels_of_time))
 
 
 def _is_automatic(layer: Layer) -> bool:

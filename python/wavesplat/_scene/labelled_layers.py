@@ -37,10 +37,14 @@ class _Times:
     def times(self) -> tuple[tuple[float, ...], str | None]:
         """Time of each volume, and their unit; 0, 1, 2, ... without numbers as coordinates."""
         places = self._array.coords.get(self._axis)
+        if places is not None and places.dtype.kind in "mM" and not np.isnat(places.values).any():
+            seconds = (places.values - places.values[0]) / np.timedelta64(1, "s")
+            return tuple(float(time) for time in seconds), "s"
         if places is None or places.dtype.kind not in "iuf" or not np.isfinite(places.values).all():
             return tuple(float(number) for number in range(len(self))), None
         unit = places.attrs.get("units", places.attrs.get("unit"))
-        return tuple(float(time) for time in places.values), None if unit is None else str(unit)
+        # "days since 2001-01-01" are days.
+        return tuple(float(time) for time in places.values), None if unit is None else str(unit).split(" since ")[0]
 
     def told(self) -> str:
         """The array, in messages."""

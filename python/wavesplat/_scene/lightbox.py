@@ -125,12 +125,13 @@ def lightbox(
     scene = as_scene(what, None, labels=None, shading="look", clip=(), background=None)
     volume = scene.layers[0].drawn
     chosen: AnyPlane = named_plane("xy", is_anatomical=volume.is_anatomical) if plane is None else plane
-    is_three, is_aligned = chosen in ("all", "ortho"), chosen == "ortho"
+    name_of_plane = chosen if isinstance(chosen, str) else ""
+    is_three, is_aligned = name_of_plane in ("all", "ortho"), name_of_plane == "ortho"
     cuts = _cuts(volume, chosen, positions, center)
     has_lines = is_three if reference_lines is None else bool(reference_lines)
     scout = _scout(volume, chosen) if has_lines and not is_three else None
     n_cells = len(cuts) + (scout is not None)
-    count = _columns(columns, n_cells, chosen)
+    count = _columns(columns, n_cells, name_of_plane)
     if not (isfinite(zoom) and zoom > 0):
         raise ArgumentError(f"zoom is {zoom}; give a positive finite number, 1 shows the whole volume")
     # Beside xy, yz has the same rows: y downwards.
@@ -197,7 +198,7 @@ def _cuts(
     volume: Any, plane: Any, positions: Any, center: Iterable[float] | None
 ) -> list[tuple[AnyPlane, float | None]]:
     """Plane and position of each slice."""
-    if plane in ("all", "ortho"):
+    if isinstance(plane, str) and plane in ("all", "ortho"):
         if positions is not None:
             raise ArgumentError(f'positions are for one plane; leave them out, or give another plane than "{plane}"')
         names = planes_of(is_anatomical=volume.is_anatomical)
@@ -224,7 +225,7 @@ def _cuts(
     return [(plane, position) for position in listed]
 
 
-def _columns(columns: int | None, n: int, plane: AnyPlane) -> int:
+def _columns(columns: int | None, n: int, plane: str) -> int:
     if columns is None:
         return n if plane == "all" else ceil(sqrt(n))
     if plane == "ortho":

@@ -246,7 +246,7 @@ def _limits(scene: Scene, channels: Sequence[Layer]) -> tuple[float, float]:
     """The values that the first layer shows as black and white, where none are given."""
     if channels:
         return window_of(channels[0])
-    volume = scene.layers[0].drawn
+    volume = scene.layers[0].looked_at
     key = (id(volume), "limits")
     return scene._cache.get_or_compute(key, identity_of(volume), lambda: windows.limits(volume, None, None))
 

@@ -364,3 +364,16 @@ def test_times_without_a_unit_are_told_to_be_lost(tmp_path):
     for name in ("a.ome.zarr", "a.ome.tif"):
         with pytest.warns(ws.errors.WavesplatWarning, match="its times, which have no unit"):
             ws.Series(volumes, times=(0, 1, 5)).save(tmp_path / name)
+
+
+def test_lazy_labels_are_not_averaged(wavesplat, tmp_path):
+    """Coarser levels of a large segmentation had numbers that no cell has."""
+    z, y, x = np.indices((8, 300, 300)) // 8
+    labels = (1 + 100 * ((z + y + x) % 3)).astype(np.uint16)
+    labels[0] = 0
+    ws.Volume(labels, unit="um").save(tmp_path / "a.ome.zarr", downsampling="nearest")
+    options = ("--memory", "1MB", "-o", "b.ome.zarr")
+    done = wavesplat("convert", "a.ome.zarr", *options, cwd=tmp_path)
+    assert done.returncode == 0, done.stderr
+    assert "taken for labels" in done.stderr
+    assert set(np.unique(ws.open(tmp_path / "b.ome.zarr", level=1).samples)) <= set(np.unique(labels))

@@ -21,6 +21,9 @@ if TYPE_CHECKING:
 
 __all__ = ["convert"]
 
+#: Samples along each side of the box that tells whether a lazy volume is a segmentation.
+SIDE_OF_BOX = 96
+
 
 @takes_several_inputs(".ome.zarr")
 @takes_reader_options
@@ -116,16 +119,16 @@ def _times_of(input: str, reader: ReaderOptions, channel: int | None) -> Series:
 
 
 def _holds_labels(stack: Stack) -> bool:
-    """Whether the first volume is a segmentation by its values; of a lazy one only by its facts."""
+    """Whether the first volume is a segmentation by its values; of a lazy one by those of a box in its middle."""
     from wavesplat._looks.kinds import kind_of
     from wavesplat._model.lazy_volume import LazyVolume
     from wavesplat._model.volume import Volume
 
     first: Any = stack.volumes[0][0]
-    return (
-        stack.n_channels == 1
-        and isinstance(first, Volume)
-        and not isinstance(first, LazyVolume)
-        and first.dtype.kind in "iu"
-        and kind_of(first) in ("labels", "mask")
-    )
+    if stack.n_channels > 1 or not isinstance(first, Volume) or first.dtype.kind not in "iu":
+        return False
+    if isinstance(first, LazyVolume):
+        lower = [max(0, (n - SIDE_OF_BOX) // 2) for n in stack.grid.shape]
+        upper = [min(n, start + SIDE_OF_BOX) for n, start in zip(stack.grid.shape, lower, strict=True)]
+        first = Volume(stack.read(0, 0, ((lower[0], lower[1], lower[2]), (upper[0], upper[1], upper[2]))))
+    return kind_of(first) in ("labels", "mask")

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 import wavesplat as ws
-from wavesplat._model.options import VIEWS
+from wavesplat._model.views import VIEWS
 from wavesplat._render.framing import framed
 from wavesplat.errors import ArgumentError, CancelledError, LimitError
 

@@ -336,3 +336,17 @@ def test_a_layer_beside_the_slice_has_no_colour_bar_fault_18(scan):
     assert [layer["name"] for layer in shown] == ["scan", "head"]
     assert [layer["name"] for layer in beside["shown"]] == ["scan"]
     assert "the layer 'head' does not show: no part of it lies in the picture" in beside["notes"][0]
+
+
+@pytest.mark.parametrize("composite", ["maximum", "mean"])
+def test_projections_of_layers_are_drawn_again_as_they_were(tmp_path, composite):
+    """A look that was written out for a projection was made clearer once more when it was read."""
+    scan = ws.examples.ct_pelvis()
+    scan.save(tmp_path / "pet.nii.gz")
+    ct, pet = ws.open(tmp_path / "pet.nii.gz"), ws.open(tmp_path / "pet.nii.gz")
+    picture = ws.Scene([ct, ws.Layer.overlay(pet, "hot")]).render(size=(40, 40), composite=composite)
+    picture.save(tmp_path / "p.png")
+    again = ws.Scene.load(tmp_path / "p.png").render(
+        ws.Camera.from_json(picture.report["camera"]), size=(40, 40), composite=composite
+    )
+    np.testing.assert_allclose(again.rgba, picture.rgba, atol=1e-6)

@@ -309,3 +309,16 @@ def test_the_widget_draws_to_a_window(monkeypatch):
     picture = viewer.layers["Wavesplat"]
     assert (picture.rgb, picture.data.shape, picture.data.dtype) == (True, (120, 160, 3), np.uint8)
     assert picture.metadata["report"]["composite"] == "maximum"
+
+
+def test_numbers_of_later_times_are_kept(tmp_path):
+    """64-bit labels are held in the narrowest type of each time: 300 became 44 beside a first time of bytes."""
+    labels = np.zeros((2, 12, 14, 16), np.int64)
+    labels[0, 2:10, 2:12, 2:14], labels[1, 2:10, 2:12, 2:14] = 200, 300
+    labels[:, 4:8, 4:8, 4:8] = 7
+    np.save(tmp_path / "cells.npy", labels)
+    ((samples, _, kind),) = reading.layers_of(str(tmp_path / "cells.npy"))
+    assert kind == "labels"
+    np.testing.assert_array_equal(samples.compute(), labels)
+    with pytest.raises(ArgumentError, match="time 1 has samples of uint16"):
+        reading._samples_at(ws.Series([ws.Volume(one) for one in labels]), 1, np.dtype(np.uint8))

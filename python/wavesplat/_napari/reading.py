@@ -23,6 +23,7 @@ from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
 from wavesplat._readers.request import SeveralError
 from wavesplat._readers.time_points import open_series
+from wavesplat.errors import ArgumentError
 
 __all__ = ["LayerData", "get_reader", "layers_of"]
 
@@ -82,8 +83,8 @@ def _layer(series: Series, number: int | None) -> LayerData:
     name = (channel.name if channel is not None else "") or ("" if number is None else f"channel {number}")
     told: dict[str, Any] = {"name": f"{first.name} {name}".strip(), **_place(series, first)}
     if is_segmentation:
-        # 32 bits, since numbers of a later time may be larger than those of the first.
-        return _samples(series, np.dtype(np.int32) if len(series) > 1 else first.dtype), told, "labels"
+        # Numbers of a later time may be larger than those of the first.
+        return _samples(series, np.result_type(first.dtype, np.int32)), told, "labels"
     told["contrast_limits"] = _window(first)
     if channel is not None:
         told["colormap"] = "gray" if channel.color is None else _hex(channel.color)
@@ -93,7 +94,7 @@ def _layer(series: Series, number: int | None) -> LayerData:
     if isinstance(first, LazyVolume) and len(series) == 1:
         levels = _levels(first)
         return (levels, {**told, "multiscale": True}, "image") if len(levels) > 1 else (levels[0], told, "image")
-    return _samples(series, np.result_type(first.dtype, series[-1].dtype)), told, "image"
+    return _samples(series, first.dtype), told, "image"
 
 
 def _place(series: Series, first: Volume) -> dict[str, Any]:
@@ -151,7 +152,14 @@ def _samples(series: Series, dtype: np.dtype[Any]) -> Any:
 
 
 def _samples_at(series: Series, time: int, dtype: np.dtype[Any]) -> NDArray[Any]:
-    return np.asarray(series[time]).astype(dtype, copy=False)
+    samples = np.asarray(series[time])
+    # Whole numbers of 64 bits are held in the narrowest type of each time; a cast would change larger ones in silence.
+    if not np.can_cast(samples.dtype, dtype):
+        raise ArgumentError(
+            f"time {time} has samples of {samples.dtype}, and the layer those of {dtype}; store all times in one type "
+            "of 32 bits or fewer, or as floats"
+        )
+    return samples.astype(dtype, copy=False)
 
 
 def _levels(volume: LazyVolume) -> list[Any]:

@@ -139,6 +139,8 @@ picture = ws.render(layers, background="black", **view).annotated(scale_bar=True
           "render mri_head.nii.gz --composite maximum --view left"),
     Entry("depth_shaded", "Depth-shaded maximum", "The same, and what lies behind is darker.",
           "render mri_head.nii.gz --composite depth-shaded-maximum --depth-shading 0.7 --view left"),
+    Entry("depth_colored", "Depth in colour", "The maximum's value is the brightness, its place the hue.",
+          "render mri_head.nii.gz --depth-color turbo --view left --size 288x240 --colorbar"),
     Entry("local_maximum", "First local maximum", "On every ray the first peak above a value.",
           "render ct_pelvis.nii.gz --composite local-maximum --local-threshold 250 --kernel bspline3 "
           "--azimuth 25 --elevation 15"),

@@ -27,6 +27,8 @@ CALLS = {
     "FirstHit": (ws.FirstHit, {"iso_value": 100}),
     "LocalMaximum": (ws.LocalMaximum, {}),
     "DepthShadedMaximum": (ws.DepthShadedMaximum, {}),
+    "DepthColoredMaximum": (ws.DepthColoredMaximum, {}),
+    "AttenuatedMaximum": (ws.AttenuatedMaximum, {}),
     "XRay": (ws.XRay, {}),
     "Sampling": (ws.Sampling, {}),
     "ClipPlane": (ws.ClipPlane, {"point": (0, 0, 0), "normal": (0, 0, 1)}),
@@ -120,7 +122,7 @@ def test_what_is_no_volume(volume):
     ("argument", "value", "message"),
     [
         ("kernel", None, "kernel is None; give a name"),
-        ("composite", 3, "composite is 3; give a name or FirstHit"),
+        ("composite", 3, "composite is 3; give a name or an object of wavesplat: FirstHit"),
         ("quality", ["high"], "quality is a list; give draft, normal, fine, high, or wavesplat.Sampling"),
         ("shading", "phong", "shading is 'phong'; give a wavesplat.Shading or None"),
         ("clip", None, r"clip is None; give wavesplat.Crop\(lower, upper\) to keep a box, ClipPlane"),

@@ -21,11 +21,13 @@ COST = ws.Cost((8, 8, 8), 0, 1, 1, 1, 1, 1, 512, 512, True, 512, 512, {}, {}, 1,
 #: Of every public dataclass one object, and a field with another value for it.
 SAMPLES = [
     (CAMERA, "position", (1.0, 2.0, 30.0)),
+    (ws.AttenuatedMaximum(), None, None),
     (ws.Channel("a"), "name", "b"),
     (ws.ClipPlane((0, 0, 0), (0, 1, 0)), "point", (0.0, 1.0, 0.0)),
     (BOX, "upper", (2.0, 2.0, 2.0)),
     (COST, "workers", 2),
     (ws.CutOut(BOX), "crop", ws.Crop((0, 0, 0), (2, 2, 2))),
+    (ws.DepthColoredMaximum(), None, None),
     (ws.DepthShadedMaximum(), None, None),
     (ws.Facts(modality="CT"), "modality", "MR"),
     (ws.FirstHit(0.5), None, None),

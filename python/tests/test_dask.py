@@ -69,11 +69,22 @@ def _pelvis(folder):
     return volume, lazy
 
 
-OPERATORS = ("over", "maximum", "depth-shaded-maximum", "local-maximum", "minimum", "mean", "x-ray", ws.FirstHit(250.0))
+OPERATORS = (
+    "over",
+    "maximum",
+    "depth-shaded-maximum",
+    "local-maximum",
+    "minimum",
+    "mean",
+    "x-ray",
+    ws.FirstHit(250.0),
+    "depth-colored-maximum",
+    "attenuated-maximum",
+)
 
 
 def _scenes(volume):
-    """24 scenes: operators, cameras, kernels, light, clips."""
+    """30 scenes: operators, cameras, kernels, light, clips."""
     views = [
         ws.Camera.orbit(volume, 30, 20),
         ws.Camera.orbit(volume, 45, 35, view_angle=60),
@@ -85,7 +96,7 @@ def _scenes(volume):
         for view in views:
             kernel = ("linear", "catmull-rom", "bspline3")[k % 3]
             clip = ws.ClipPlane((0, 0, 0), (0, 1, 0.3)) if k % 4 == 3 else ()
-            depth = operator == "over" or isinstance(operator, ws.FirstHit)
+            depth = operator in ("over", "maximum", "attenuated-maximum") or isinstance(operator, ws.FirstHit)
             options = {"size": (90, 70), "kernel": kernel, "composite": operator, "depth": depth}
             scenes.append((look, clip, view, options))
     return scenes
@@ -99,7 +110,7 @@ def _same(a, b):
 def test_blocks_have_the_bytes_of_one_machine(client, tmp_path):
     volume, lazy = _pelvis(tmp_path)
     scenes = _scenes(volume)
-    assert len(scenes) == 24
+    assert len(scenes) == 30
     for look, clip, view, options in scenes:
         here = ws.Scene(volume, look, clip=clip).render(view, **options)
         there = ws.Scene(lazy, look, clip=clip).render(view, client=client, **options)
@@ -118,7 +129,7 @@ def test_segments_have_the_bytes_of_one_machine_with_segments(client, tmp_path):
         there = ws.Scene(lazy, look, clip=clip).render(view, client=client, **own)
         assert _same(here, there), options
         n += 1
-    assert n == 21
+    assert n == 27
 
 
 def test_frames_have_the_bytes_of_one_machine(client, tmp_path):

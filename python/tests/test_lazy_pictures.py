@@ -13,6 +13,8 @@ OPERATORS = (
     "over",
     "maximum",
     "depth-shaded-maximum",
+    "depth-colored-maximum",
+    "attenuated-maximum",
     "local-maximum",
     "minimum",
     "mean",

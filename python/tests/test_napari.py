@@ -232,7 +232,8 @@ def test_what_cannot_be_drawn_is_told():
 
 @pytest.mark.parametrize("rendering", ["translucent", "additive", "attenuated_mip", "minip", "average", "iso"])
 def test_every_rendering_draws(rendering):
-    layer = fakes.Image(np.pad(letter(), ((2, 2), (0, 0), (0, 0))), rendering=rendering, iso_threshold=500.0)
+    samples = np.pad(letter(), ((2, 2), (0, 0), (0, 0)))
+    layer = fakes.Image(samples, rendering=rendering, iso_threshold=500.0, attenuation=0.05)
     camera = fakes.Camera(center=(4.5, 29.5, 23.5))
     green = ws.napari.draw(fakes.viewer(layer, camera=camera, size=(60, 48))).rgba[..., 1]
     assert (green.max() > 0.3) == (rendering != "minip")

@@ -53,7 +53,7 @@ def test_examples_of_public_names_run(name, tmp_path, monkeypatch):
 def test_public_names_say_where_to_import_them_from():
     things = [getattr(ws, name) for name in ws.__all__]
     things = [thing for thing in things if callable(thing)]
-    assert len(things) == 52
+    assert len(things) == 54
     assert [thing for thing in things if thing.__module__ != "wavesplat"] == []
 
 
@@ -65,6 +65,7 @@ def test_pickles_hold_no_private_place():
     things += [ws.Light((0, 0, 1)), ws.Crop((0, 0, 0), (1, 1, 1)), ws.Materials.preset("ct"), ws.study.Ablation()]
     things += [ws.study.StandardSplatting(), ws.Look.preset("ct-bone"), ws.Labels(np.eye(3, dtype=np.uint8)[None])]
     things += [ws.Picture(np.zeros((2, 2, 4))), ws.FirstHit(3), ws.LocalMaximum(), ws.DepthShadedMaximum(), ws.XRay()]
+    things += [ws.DepthColoredMaximum(), ws.AttenuatedMaximum()]
     things += [ws.Sampling(2, 1), ws.ClipPlane((0, 0, 0), (0, 0, 1)), ws.CutOut(ws.Crop((0, 0, 0), (1, 1, 1)))]
     things += [ws.Layer(volume), ws.Scene(volume)]
     for thing in things:

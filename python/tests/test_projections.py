@@ -16,6 +16,9 @@ from wavesplat.errors import ArgumentError
 PROJECTIONS = [name for name in get_args(Composite) if name not in ("over", "first-hit")]
 GREY = ws.TransferFunction([(0, 1)], [(0, 0, 0, 0), (1, 1, 1, 1)])
 
+#: Projections of which the defaults look otherwise.
+OWN_GREYS = ("minimum", "depth-colored-maximum", "attenuated-maximum")
+
 #: Size of a pixel; samples lie 2, 1 and 4 pixels apart along x, y and z, as texel positions are exact for powers of 2.
 PIXEL = 0.35
 SPACING = (0.7, 0.35, 1.4)
@@ -256,9 +259,12 @@ def test_values_without_a_scale_get_one_for_x_rays():
 
 
 @pytest.mark.parametrize("scan", [ws.examples.ct_pelvis, ws.examples.mri_head])
-@pytest.mark.parametrize("composite", [name for name in PROJECTIONS if name != "minimum"])
+@pytest.mark.parametrize("composite", [name for name in PROJECTIONS if name not in OWN_GREYS])
 def test_the_picture_of_defaults_uses_the_greys_and_leaves_out_what_is_empty(scan, composite):
-    """Minima are for crop boxes: rays that leave the patient have the value of the air."""
+    """Minima are for crop boxes: rays that leave the patient have the value of the air.
+
+    `test_maxima_in_depth` has the brightness of the other two.
+    """
     picture = ws.render(scan(), size=(96, 96), composite=composite)
     drawn = picture.rgba[..., 3] > 0.9
     grey = picture.rgba[..., 1][drawn]

@@ -35,7 +35,14 @@ if TYPE_CHECKING:
     from wavesplat._mesh.triangle_mesh import Mesh, Meshes
     from wavesplat._model.camera import Camera
     from wavesplat._model.clips import ClipPlane, CutOut
-    from wavesplat._model.composites import DepthShadedMaximum, FirstHit, LocalMaximum, XRay
+    from wavesplat._model.composites import (
+        AttenuatedMaximum,
+        DepthColoredMaximum,
+        DepthShadedMaximum,
+        FirstHit,
+        LocalMaximum,
+        XRay,
+    )
     from wavesplat._model.crop import Crop
     from wavesplat._model.facts import Channel, Facts
     from wavesplat._model.lazy_volume import LazyVolume
@@ -67,12 +74,14 @@ if TYPE_CHECKING:
     from wavesplat._viewer.viewer import Viewer, view
 
 __all__ = [
+    "AttenuatedMaximum",
     "Camera",
     "Channel",
     "ClipPlane",
     "Cost",
     "Crop",
     "CutOut",
+    "DepthColoredMaximum",
     "DepthShadedMaximum",
     "Facts",
     "FirstHit",
@@ -136,6 +145,8 @@ _HOMES = {
     "Cost": "_scene.cost",
     "Crop": "_model.crop",
     "CutOut": "_model.clips",
+    "AttenuatedMaximum": "_model.composites",
+    "DepthColoredMaximum": "_model.composites",
     "DepthShadedMaximum": "_model.composites",
     "Facts": "_model.facts",
     "FirstHit": "_model.composites",

@@ -73,6 +73,8 @@ class FrameArguments(TypedDict):
     threads: int | None
     device: str
     depth: bool
+    #: Colours, and the world axis that they are along; None is the view.
+    depth_colors: tuple[Sequence[tuple[float, float, float]], tuple[float, float, float] | None] | None
     pre_integration: bool
     early_ray_termination: bool
 

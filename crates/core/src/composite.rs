@@ -7,6 +7,7 @@
 //! | --- | --- |
 //! | maximum | `max v` |
 //! | depth-shaded maximum | `max (black + (v − black) · (1 − strength · t))` where `v > black`, else `v`; `t` rises from 0 at the nearest to 1 at the farthest point of what is drawn, along the view |
+//! | attenuated maximum | `max (black + (v − black) · exp(−attenuation ∫ b ds))` where `v > black`, else `v`; the integral goes from the eye, `b` rises from 0 at `black` to 1 at `white` |
 //! | local maximum | the first local maximum of at least `threshold`; `max v` where there is none |
 //! | minimum | `min v` |
 //! | mean | `∫ v ds / L` |
@@ -14,7 +15,8 @@
 //! | x-ray | `exp(−∫ μ ds)`, `μ = attenuation · max(0, v − clear)` |
 //!
 //! Sources: depth shading, Heidrich et al., *Interactive maximum projection volume rendering*, IEEE Visualization 1995,
-//! as a factor, Mroz et al., *Maximum intensity projection at warp speed*, Computers & Graphics 24(3), 2000; local
+//! as a factor, Mroz et al., *Maximum intensity projection at warp speed*, Computers & Graphics 24(3), 2000;
+//! attenuated maximum, napari's `attenuated_mip`, which sums samples; here the integral is exact between sheets; local
 //! maximum, Sato et al., *Local maximum intensity projection (LMIP): a new rendering method for vascular
 //! visualization*, J. Computer Assisted Tomography 22(6), 1998; x-ray, the law of Beer and Lambert, which of CT makes a
 //! digitally reconstructed radiograph.
@@ -34,6 +36,15 @@ pub enum Composite {
         strength: f64,
         /// Sample value towards which values are dimmed.
         black: f64,
+    },
+    /// Largest value along the ray after dimming by the bright matter in front of it.
+    AttenuatedMaximum {
+        /// Sample value that dims nothing, and towards which values are dimmed.
+        black: f64,
+        /// Sample value from which on matter dims most, above `black`.
+        white: f64,
+        /// Optical depth of matter at `white`, per world length, `>= 0`.
+        attenuation: f64,
     },
     /// The first local maximum along the ray of at least `threshold`; the largest value where there is none.
     LocalMaximum {
@@ -66,6 +77,18 @@ impl Composite {
         !matches!(self, Self::Over | Self::FirstHit { .. })
     }
 
+    /// Whether the result is an extreme, which has a place on the ray.
+    pub fn has_places(self) -> bool {
+        match self {
+            Self::Maximum
+            | Self::DepthShadedMaximum { .. }
+            | Self::AttenuatedMaximum { .. }
+            | Self::LocalMaximum { .. }
+            | Self::Minimum => true,
+            Self::Over | Self::FirstHit { .. } | Self::Mean | Self::Sum | Self::XRay { .. } => false,
+        }
+    }
+
     /// Checks ranges.
     pub fn validate(self) -> Result<()> {
         let finite = |what: &str, value: f64, mend| {
@@ -87,6 +110,19 @@ impl Composite {
                     return Err(Error::out_of_range(what, strength, "between 0 and 1", mend));
                 }
                 finite("black of depth shading", black, "give the sample value that values are dimmed towards")
+            }
+            Self::AttenuatedMaximum { black, white, attenuation } => {
+                finite("black of attenuated maxima", black, "give the sample value that dims nothing")?;
+                if !(white.is_finite() && white > black) {
+                    let mend = "give a sample value above black: there matter dims most what is behind it";
+                    return Err(Error::out_of_range("white of attenuated maxima", white, "above black", mend));
+                }
+                if !(attenuation.is_finite() && attenuation >= 0.0) {
+                    let what = "attenuation of attenuated maxima";
+                    let mend = "give the optical depth of white matter per world length; 0 dims nothing";
+                    return Err(Error::out_of_range(what, attenuation, "a number of at least 0", mend));
+                }
+                Ok(())
             }
             Self::XRay { clear, attenuation } => {
                 let mend = "give a sample value that absorbs nothing, -1000 for Hounsfield units";
@@ -114,6 +150,7 @@ mod tests {
         let projections = [
             Composite::Maximum,
             Composite::DepthShadedMaximum { strength: 0.5, black: 3.0 },
+            Composite::AttenuatedMaximum { black: 1.0, white: 9.0, attenuation: 0.2 },
             Composite::LocalMaximum { threshold: 2.0 },
             Composite::Minimum,
             Composite::Mean,
@@ -134,6 +171,10 @@ mod tests {
         check(Composite::DepthShadedMaximum { strength: 1.5, black: 0.0 }, ["strength", "between 0 and 1"]);
         check(Composite::DepthShadedMaximum { strength: 1.0, black: f64::NAN }, ["black", "dimmed"]);
         check(Composite::XRay { clear: f64::NAN, attenuation: 1.0 }, ["clear", "Hounsfield"]);
+        let attenuated = |black, white, attenuation| Composite::AttenuatedMaximum { black, white, attenuation };
+        check(attenuated(f64::NAN, 1.0, 1.0), ["black", "dims nothing"]);
+        check(attenuated(1.0, 1.0, 1.0), ["white", "above black"]);
+        check(attenuated(0.0, 1.0, -1.0), ["attenuation", "at least 0"]);
         for attenuation in [0.0, -1.0, f64::NAN, f64::INFINITY] {
             check(Composite::XRay { clear: 0.0, attenuation }, ["attenuation", "positive"]);
         }

@@ -7,6 +7,7 @@
 mod camera;
 mod composite;
 mod decoder;
+mod depth_colors;
 mod error;
 mod grid;
 mod label;
@@ -21,6 +22,7 @@ mod volume;
 pub use camera::{Camera, Projection, Ray};
 pub use composite::Composite;
 pub use decoder::Decoder;
+pub use depth_colors::DepthColors;
 pub use error::{Error, ErrorKind, Result};
 pub use grid::Grid;
 pub use label::LabelLook;

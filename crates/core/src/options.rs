@@ -3,6 +3,7 @@
 use glam::DVec3;
 
 use crate::composite::Composite;
+use crate::depth_colors::DepthColors;
 use crate::error::{Error, Result};
 
 /// Reconstruction kernel, separable; the same along all three axes.
@@ -294,6 +295,8 @@ pub struct RenderOptions {
     pub background: Option<[f32; 4]>,
     /// Whether the picture has depth.
     pub with_depth: bool,
+    /// Hues by the place of the extreme, for projections that have one.
+    pub depth_colors: Option<DepthColors>,
     /// Worker threads; `None` uses all processors.
     pub n_threads: Option<usize>,
 }
@@ -314,6 +317,7 @@ impl Default for RenderOptions {
             clip_planes: Vec::new(),
             background: None,
             with_depth: false,
+            depth_colors: None,
             n_threads: None,
         }
     }
@@ -349,6 +353,7 @@ impl RenderOptions {
             ));
         }
         self.composite.validate()?;
+        self.depth_colors.as_ref().map_or(Ok(()), |colors| colors.validate(self.composite))?;
         for (index, plane) in self.clip_planes.iter().enumerate() {
             if !plane.origin.is_finite() || plane.normal.try_normalize().is_none() {
                 let value = format!("{:?}, {:?}", plane.origin.to_array(), plane.normal.to_array());

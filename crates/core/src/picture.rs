@@ -11,8 +11,8 @@ pub struct Picture {
     pub height_px: usize,
     /// `height · width` associated RGBA pixels.
     pub rgba: Vec<[f32; 4]>,
-    /// World distance along the ray at opacity ½, NaN where it is never reached; from the eye, or from the camera's
-    /// plane for parallel rays.
+    /// World distance along the ray at opacity ½, or at the extreme of a projection, NaN where there is none; from the
+    /// eye, or from the camera's plane for parallel rays.
     pub depth: Option<Vec<f32>>,
     /// For projections: the projected value, in sample units (`Sum`: times world length), NaN outside the volume.
     pub value: Option<Vec<f32>>,

@@ -75,7 +75,8 @@ pub struct GpuFrame {
     pub slabs: [u32; 4],
     /// The axis called w; 1 where this dispatch begins the rays.
     pub axes: [u32; 4],
-    /// Parameter of the operator: opacity at which a ray is done, iso-value, threshold, or level.
+    /// Parameters of the operator: opacity at which a ray is done, iso-value, threshold, or the two levels of a
+    /// projection; then the rate of attenuated maxima.
     pub number: [f32; 4],
     /// Colour of the first hit.
     pub color: [f32; 4],

@@ -229,11 +229,14 @@ fn frame_of(plan: &Plan, family: &FamilyPlan, arrays: &BasePlaneArrays) -> GpuFr
         to_next: arrays.direction_forms(0).to_next.map(|v| four(v.as_vec3().to_array())),
         ..GpuFrame::default()
     };
-    frame.number[0] = match plan.operator {
-        Operator::Over { opaque, .. } => opaque,
-        Operator::FirstHit { iso } => iso,
-        Operator::LocalMaximum { threshold } => threshold,
-        Operator::Project { level, .. } => level,
+    frame.number = match plan.operator {
+        Operator::Over { opaque, .. } => [opaque, 0.0, 0.0, 0.0],
+        Operator::FirstHit { iso } => [iso, 0.0, 0.0, 0.0],
+        Operator::LocalMaximum { threshold } => [threshold, 0.0, 0.0, 0.0],
+        Operator::Project { composite, levels: [first, second] } => {
+            let rate = if let Composite::AttenuatedMaximum { attenuation, .. } = composite { attenuation } else { 0.0 };
+            [first, second, rate as f32, 0.0]
+        }
     };
     if let Operator::FirstHit { iso } = plan.operator {
         let [r, g, b, _] = plan.layers[0].tables.look_up_one(iso);

@@ -36,6 +36,8 @@ pub enum GpuProjection {
     Minimum,
     /// Greatest density, dimmed by depth.
     DepthShaded,
+    /// Greatest density, dimmed by what is in front.
+    Attenuated,
     /// Integral of the density's excess over a level.
     XRay,
     /// First local maximum of the density.
@@ -150,7 +152,7 @@ pub struct Permutation {
     pub fields: FieldKinds,
     /// Whether four samples are fetched at once, where the device does it right.
     pub gather: bool,
-    /// Whether the position of opacity 1/2 is recorded.
+    /// Whether the position of opacity 1/2, of the surface or of the extreme is recorded.
     pub with_depth: bool,
     /// Whether fetches and texels are counted.
     pub counted: bool,
@@ -164,10 +166,11 @@ const KERNELS: [(&str, Kernel); 5] = [
     ("GAUSSIAN", Kernel::Gaussian),
 ];
 
-const PROJECTIONS: [(&str, GpuProjection); 6] = [
+const PROJECTIONS: [(&str, GpuProjection); 7] = [
     ("MAXIMUM", GpuProjection::Maximum),
     ("MINIMUM", GpuProjection::Minimum),
     ("DEPTH_SHADED", GpuProjection::DepthShaded),
+    ("ATTENUATED", GpuProjection::Attenuated),
     ("X_RAY", GpuProjection::XRay),
     ("LOCAL_MAXIMUM", GpuProjection::LocalMaximum),
     ("INTEGRAL", GpuProjection::Integral),
@@ -311,7 +314,10 @@ impl Permutation {
             let number = PROJECTIONS.iter().position(|(_, own)| *own == projection).unwrap_or_default();
             add("PROJECTION", "u32", &format!("{number}u"));
             first_value = match projection {
-                GpuProjection::Maximum | GpuProjection::DepthShaded | GpuProjection::LocalMaximum => "-3.0e38f",
+                GpuProjection::Maximum
+                | GpuProjection::DepthShaded
+                | GpuProjection::Attenuated
+                | GpuProjection::LocalMaximum => "-3.0e38f",
                 GpuProjection::Minimum => "3.0e38f",
                 GpuProjection::XRay | GpuProjection::Integral => "0.0f",
             };

@@ -70,6 +70,7 @@ pub(crate) fn permutation_of(plan: &Plan, slices: &[&Slices], gather: bool) -> G
             Composite::Maximum => GpuProjection::Maximum,
             Composite::Minimum => GpuProjection::Minimum,
             Composite::DepthShadedMaximum { .. } => GpuProjection::DepthShaded,
+            Composite::AttenuatedMaximum { .. } => GpuProjection::Attenuated,
             Composite::XRay { .. } => GpuProjection::XRay,
             _ => GpuProjection::Integral,
         }),

@@ -140,6 +140,7 @@ fn operators() {
         of("sum", Composite::Sum),
         of("x-ray", Composite::XRay { clear: 40.0, attenuation: 0.0005 }),
         of("depth-shaded maximum", Composite::DepthShadedMaximum { strength: 0.8, black: 20.0 }),
+        of("attenuated maximum", Composite::AttenuatedMaximum { black: 20.0, white: 180.0, attenuation: 0.05 }),
         stored(of("maximum f32", Composite::Maximum), Stored::F32WithHoles),
         // Which of two maxima of nearly the same density is the first is a matter of rounding.
         (of("local maximum", Composite::LocalMaximum { threshold: 100.0 }).0, Allowed::But(60.0)),

@@ -8,8 +8,8 @@ use pyo3::exceptions::{PyTypeError, PyValueError};
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use wavesplat::{
-    ClipPlane, Composite, Crop, DrawnBy, Effort, Frame, FrameOptions, Framing, Kernel, Measured, Picture, Plane,
-    PngBits, PsnrTarget, Reduction, RungError, Sampling, Scene, SceneLayer, StageTimes, ThickSlab, png_of_rgba,
+    ClipPlane, Composite, Crop, DepthColors, DrawnBy, Effort, Frame, FrameOptions, Framing, Kernel, Measured, Picture,
+    Plane, PngBits, PsnrTarget, Reduction, RungError, Sampling, Scene, SceneLayer, StageTimes, ThickSlab, png_of_rgba,
 };
 
 use crate::arguments::{PyCamera, PyShading, PyTransferFunction, Triple, vector};
@@ -33,6 +33,9 @@ fn composite(name: &str, numbers: &[f64]) -> PyResult<Composite> {
         ("over", []) => Composite::Over,
         ("maximum", []) => Composite::Maximum,
         ("depth-shaded-maximum", &[strength, black]) => Composite::DepthShadedMaximum { strength, black },
+        ("attenuated-maximum", &[black, white, attenuation]) => {
+            Composite::AttenuatedMaximum { black, white, attenuation }
+        }
         ("local-maximum", &[threshold]) => Composite::LocalMaximum { threshold },
         ("minimum", []) => Composite::Minimum,
         ("mean", []) => Composite::Mean,
@@ -141,6 +144,7 @@ pub struct PyFrame<'py> {
     threads: Option<usize>,
     device: String,
     depth: bool,
+    depth_colors: Option<(Vec<[f32; 3]>, Option<Triple>)>,
     pre_integration: bool,
     early_ray_termination: bool,
 }
@@ -159,6 +163,10 @@ impl PyFrame<'_> {
             composite: composite(&self.composite, &self.numbers)?,
             effort,
             with_depth: self.depth,
+            depth_colors: self
+                .depth_colors
+                .clone()
+                .map(|(colors, axis)| DepthColors { colors, axis: axis.map(vector) }),
             pre_integration: self.pre_integration,
             early_ray_termination: self.early_ray_termination,
             device: device(&self.device),
@@ -228,6 +236,9 @@ pub fn picture_and_report(py: Python<'_>, frame: Frame) -> PyResult<Bound<'_, Py
     numbers.set_item("n_base_texels", report.n_base_texels)?;
     numbers.set_item("n_sheets", report.n_sheets)?;
     numbers.set_item("n_nonfinite_samples", report.n_nonfinite_samples)?;
+    if let Some(range) = report.depth_colors {
+        numbers.set_item("depth_colors", range)?;
+    }
     numbers.set_item("n_threads", report.n_threads)?;
     numbers.set_item("simd", report.simd)?;
     let DrawnBy { name, reason, gpu } = drawn_by;

@@ -510,7 +510,7 @@ mod properties {
             kernel in 0_usize..5,
             quality in (0.1_f64..5.0, 0.2_f64..2.5),
             shaded in any::<bool>(),
-            composite in 0_usize..9,
+            composite in 0_usize..10,
         ) {
             let from = DVec3::from_array(direction);
             prop_assume!(from.length() > 0.1);
@@ -527,6 +527,7 @@ mod properties {
                 Composite::FirstHit { iso_value: 100.0 },
                 Composite::DepthShadedMaximum { strength: 0.8, black: 50.0 },
                 Composite::LocalMaximum { threshold: 150.0 },
+                Composite::AttenuatedMaximum { black: 50.0, white: 180.0, attenuation: 0.3 },
                 Composite::XRay { clear: 30.0, attenuation: 0.001 },
             ];
             let options = RenderOptions {

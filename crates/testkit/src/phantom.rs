@@ -6,9 +6,10 @@ use wavesplat_core::{
 };
 
 /// Every projection, with parameters that suit [`Phantom::sheared_waves`].
-pub const PROJECTIONS: [Composite; 7] = [
+pub const PROJECTIONS: [Composite; 8] = [
     Composite::Maximum,
     Composite::DepthShadedMaximum { strength: 0.7, black: 60.0 },
+    Composite::AttenuatedMaximum { black: 60.0, white: 200.0, attenuation: 0.1 },
     Composite::LocalMaximum { threshold: 150.0 },
     Composite::Minimum,
     Composite::Mean,

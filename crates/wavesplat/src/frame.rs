@@ -5,7 +5,7 @@ use std::sync::{Mutex, PoisonError};
 
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::Level;
-use wavesplat_core::{Camera, Composite, Error, Kernel, LADDER, Picture, RenderOptions, Result};
+use wavesplat_core::{Camera, Composite, DepthColors, Error, Kernel, LADDER, Picture, RenderOptions, Result};
 use wavesplat_splat::quality::ladder::{Ladder, Sampling};
 use wavesplat_splat::quality::target_psnr::{Estimate, render_to_psnr};
 use wavesplat_splat::render::frame::{finish, slices_of};
@@ -28,6 +28,8 @@ pub struct FrameOptions {
     pub effort: Effort,
     /// Whether the picture has depth.
     pub with_depth: bool,
+    /// Hues by the place of the extreme, for projections that have one.
+    pub depth_colors: Option<DepthColors>,
     /// Whether slabs between sheets are pre-integrated where the transfer function is steep.
     pub pre_integration: bool,
     /// Whether rays stop at a transmittance of 1e-4; else they continue until nothing more can be seen.
@@ -47,6 +49,7 @@ impl Default for FrameOptions {
             composite: Composite::Over,
             effort: Effort::Named(Quality::Normal),
             with_depth: false,
+            depth_colors: None,
             pre_integration: true,
             early_ray_termination: true,
             device: Device::Cpu,
@@ -241,6 +244,7 @@ impl Scene<'_> {
             clip_planes: self.clip_planes.clone(),
             background: self.background,
             with_depth: options.with_depth,
+            depth_colors: options.depth_colors.clone(),
             n_threads: options.n_threads,
         }
     }

@@ -48,6 +48,20 @@ class SceneOptions(LookOptions):
     depth_shading: Annotated[
         float | None, typer.Option(metavar="0..1", help="How much depth-shaded-maximum dims the farthest; 0.6.")
     ] = None
+    depth_color: Annotated[
+        str | None,
+        typer.Option(
+            metavar="MAP[:x|y|z]",
+            help="Draw the maximum in the colours of its depth, such as turbo, or of its place along an axis: turbo:z.",
+        ),
+    ] = None
+    attenuate: Annotated[
+        float | None,
+        typer.Option(
+            metavar="PER_VOXEL",
+            help="Of attenuated-maximum: how much a voxel of the brightest matter dims what is behind it; 0.05.",
+        ),
+    ] = None
     attenuation: Annotated[
         Any,
         typer.Option(
@@ -81,6 +95,13 @@ class SceneOptions(LookOptions):
             show_default=False,
         ),
     ] = False
+
+    @property
+    def operator(self) -> Composite | None:
+        """Name of the operator, which some options imply; None leaves it to the look."""
+        named = super().operator
+        implied = next((owner for option, owner in IMPLYING.items() if getattr(self, option) is not None), None)
+        return implied if implied is not None and named in (None, "maximum") else named
 
 
 def takes_scene_options(command: Callable[..., None]) -> Callable[..., None]:
@@ -216,13 +237,26 @@ NUMBERS = {
     "iso_value": "first-hit",
     "local_threshold": "local-maximum",
     "depth_shading": "depth-shaded-maximum",
+    "depth_color": "depth-colored-maximum",
+    "attenuate": "attenuated-maximum",
     "attenuation": "x-ray",
 }
 
 
+#: Options that say which operator they are for, where none or a plain maximum is named.
+IMPLYING: dict[str, Composite] = {"depth_color": "depth-colored-maximum", "attenuate": "attenuated-maximum"}
+
+
 def _operator(composite: Composite, showing: SceneOptions) -> Operator:
     """The operator with its number; an `ArgumentError` where the number is for another operator."""
-    from wavesplat._model.composites import DepthShadedMaximum, FirstHit, LocalMaximum, XRay
+    from wavesplat._model.composites import (
+        AttenuatedMaximum,
+        DepthColoredMaximum,
+        DepthShadedMaximum,
+        FirstHit,
+        LocalMaximum,
+        XRay,
+    )
 
     for name, owner in NUMBERS.items():
         if getattr(showing, name) is not None and composite != owner:
@@ -238,9 +272,27 @@ def _operator(composite: Composite, showing: SceneOptions) -> Operator:
         return LocalMaximum(showing.local_threshold)
     if composite == "depth-shaded-maximum":
         return DepthShadedMaximum() if showing.depth_shading is None else DepthShadedMaximum(showing.depth_shading)
+    if composite == "depth-colored-maximum":
+        return DepthColoredMaximum() if showing.depth_color is None else _in_depth_colors(showing.depth_color)
+    if composite == "attenuated-maximum":
+        return AttenuatedMaximum() if showing.attenuate is None else AttenuatedMaximum(showing.attenuate)
     if composite == "x-ray":
         return XRay(*(showing.attenuation or ()))
     return composite
+
+
+def _in_depth_colors(text: str) -> Operator:
+    """The operator of --depth-color."""
+    from wavesplat._looks.colormaps import colors_of
+    from wavesplat._model.composites import AXES, DepthColoredMaximum
+
+    name, separator, axis = text.rpartition(":")
+    # Names of maps can have colons too, as "cmocean:thermal".
+    if not separator or axis not in AXES:
+        name, axis = text, ""
+    colors_of(name)
+    chosen: Any = axis or None
+    return DepthColoredMaximum(name, chosen)
 
 
 def _levels(volume: Volume | WaveletVolume, showing: SceneOptions) -> Volume | WaveletVolume:

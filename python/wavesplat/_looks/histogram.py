@@ -44,15 +44,15 @@ N_RADIOGRAPH = 65
 #: Largest grey of the median of a mean's or a sum's pixels.
 BRIGHTEST_MEDIAN = 0.6
 #: Projections whose values do not depend much on where the volume is seen from.
-MAXIMA = ("maximum", "depth-shaded-maximum", "local-maximum")
+MAXIMA = ("maximum", "depth-shaded-maximum", "depth-colored-maximum", "attenuated-maximum", "local-maximum")
+#: Maxima whose black is the value that most of an object exceeds, so that its front stands out.
+HIDING = ("depth-shaded-maximum", "local-maximum")
 #: Percentile of the samples beyond which some may be hot pixels of a camera, and how many times as far above the
 #: background as all their neighbours these are.
 BRIGHT_PERCENT, HOT = 99.8, 3.0
 #: Reduction of a ray by each projection; a sum is a mean times the ray's length.
 PROJECTIONS: dict[str, Callable[..., Any]] = {
-    "maximum": np.nanmax,
-    "depth-shaded-maximum": np.nanmax,
-    "local-maximum": np.nanmax,
+    **dict.fromkeys(MAXIMA, np.nanmax),
     "minimum": np.nanmin,
     "mean": np.nanmean,
     "sum": np.nanmean,
@@ -79,7 +79,7 @@ def exposed(volume: Volume | WaveletVolume, composite: str, values: NDArray[np.f
     if composite == "x-ray":
         return _radiograph(-np.log(np.maximum(values, np.finfo(np.float32).tiny)))
     if composite in MAXIMA:
-        return _of_maxima(values, hides_half=composite != "maximum")
+        return _of_maxima(values, hides_half=composite in HIDING)
     low, high = robust_range(volume)
     return _grey_ramp(values, least=MIN_WINDOW * (high - low))
 

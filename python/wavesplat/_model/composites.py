@@ -7,6 +7,8 @@
 | `FirstHit` | the isosurface |
 | `LocalMaximum` | the first maximum that reaches a threshold |
 | `DepthShadedMaximum` | the maximum, dimmed by depth |
+| `DepthColoredMaximum` | the maximum, in the colour of its depth |
+| `AttenuatedMaximum` | the maximum, dimmed by what is in front of it |
 | `XRay` | the fraction of light that is transmitted |
 """
 
@@ -14,14 +16,27 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from math import isfinite
-from typing import Any, ClassVar, TypeAlias, get_args
+from typing import Any, ClassVar, Literal, TypeAlias, get_args
 
 from wavesplat._model.argument_types import described
 from wavesplat._model.options import COMPOSITE_SYNONYMS, Composite
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
-__all__ = ["DepthShadedMaximum", "FirstHit", "LocalMaximum", "Operator", "XRay", "checked_operator", "name_of"]
+__all__ = [
+    "AttenuatedMaximum",
+    "DepthColoredMaximum",
+    "DepthShadedMaximum",
+    "FirstHit",
+    "LocalMaximum",
+    "Operator",
+    "XRay",
+    "checked_operator",
+    "name_of",
+]
+
+#: World axes along which a place can be measured.
+AXES = ("x", "y", "z")
 
 
 @public
@@ -125,6 +140,93 @@ class DepthShadedMaximum:
 
 @public
 @dataclass(frozen=True)
+class DepthColoredMaximum:
+    """The largest value along a ray, in a colour that tells where it is: Fiji's temporal-color code, of depth.
+
+    The hue is that of the maximum's place, the brightness that of its value, as a share of the brightest. Where
+    nothing is bright, the picture is clear. `Picture.annotated(colorbar=True)` draws the scale of places.
+
+    Parameters
+    ----------
+    cmap : str, default "turbo"
+        A colour map, by its name. Its first colour is the nearest, or the lowest along `axis`.
+    axis : "x", "y" or "z", optional
+        World axis along which the place is measured, so that a colour means the same place from everywhere. None is
+        the depth along the view, from the nearest to the farthest point of what is drawn.
+
+    Raises
+    ------
+    ArgumentError
+        If the axis is another one, or, when it is drawn, if no colour map has that name.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> picture = ws.render(ws.examples.ripples(8), composite=ws.DepthColoredMaximum("viridis", "z"), size=(8, 8))
+    >>> picture.report["depth_colors"]["axis"]
+    'z'
+    """
+
+    cmap: str = "turbo"
+    axis: Literal["x", "y", "z"] | None = None
+
+    name: ClassVar[Composite] = "depth-colored-maximum"
+
+    def __post_init__(self) -> None:
+        cmap: object = self.cmap
+        if not isinstance(cmap, str):
+            raise ArgumentError(f"cmap of DepthColoredMaximum is {described(cmap)}; give the name of a colour map")
+        axis: object = self.axis
+        if axis is not None and (not isinstance(axis, str) or axis not in AXES):
+            raise ArgumentError(
+                f'axis of DepthColoredMaximum is {described(axis)}; give "x", "y" or "z", or None for the view'
+            )
+
+
+@public
+@dataclass(frozen=True)
+class AttenuatedMaximum:
+    """The largest value along a ray, dimmed by the bright matter in front of it, so that near things hide far ones.
+
+    A value `v` above black counts `black + (v - black) * exp(-attenuation * n)`, where n is the number of voxels of
+    the brightest matter that lie in front; darker ones count by their share of the way from black to white. Black and
+    white are the values of the first and of the last colour. napari's "attenuated_mip" sums samples where this
+    integrates.
+
+    Parameters
+    ----------
+    attenuation : float, default 0.05
+        Optical depth of one voxel of the brightest matter; a voxel is as long as the geometric mean of its sides.
+        0 dims nothing.
+
+    Raises
+    ------
+    ArgumentError
+        If it is negative or no finite number.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> ws.render(ws.examples.ripples(8), composite=ws.AttenuatedMaximum(0.1), size=(8, 8)).size
+    (8, 8)
+    """
+
+    attenuation: float = 0.05
+
+    name: ClassVar[Composite] = "attenuated-maximum"
+
+    def __post_init__(self) -> None:
+        attenuation = _finite(self.attenuation, "attenuation of AttenuatedMaximum")
+        if attenuation < 0:
+            raise ArgumentError(
+                f"attenuation of AttenuatedMaximum is {attenuation:g}; give a number of at least 0: how much one voxel "
+                "of the brightest matter dims what is behind it"
+            )
+        object.__setattr__(self, "attenuation", attenuation)
+
+
+@public
+@dataclass(frozen=True)
 class XRay:
     """The fraction of light that is transmitted, 0..1, as in a radiograph.
 
@@ -168,23 +270,29 @@ class XRay:
 
 
 #: Types of the argument `composite`, checked.
-Operator: TypeAlias = Composite | FirstHit | LocalMaximum | DepthShadedMaximum | XRay
+Operator: TypeAlias = (
+    Composite | FirstHit | LocalMaximum | DepthShadedMaximum | DepthColoredMaximum | AttenuatedMaximum | XRay
+)
 
 #: Plain names of operators with numbers -> their class, called without arguments; "first-hit" needs its number.
-WITH_DEFAULTS: dict[str, Any] = {kind.name: kind for kind in (LocalMaximum, DepthShadedMaximum, XRay)}
+WITH_DEFAULTS: dict[str, Any] = {
+    kind.name: kind for kind in (LocalMaximum, DepthShadedMaximum, DepthColoredMaximum, AttenuatedMaximum, XRay)
+}
 
 
 def checked_operator(given: object) -> Operator | None:
     """The operator of a plain name, a synonym or an object; an `ArgumentError` for anything else."""
-    if given is None or isinstance(given, FirstHit | LocalMaximum | DepthShadedMaximum | XRay):
+    if given is None or isinstance(
+        given, FirstHit | LocalMaximum | DepthShadedMaximum | DepthColoredMaximum | AttenuatedMaximum | XRay
+    ):
         return given
     known = get_args(Composite)
     if isinstance(given, type) and getattr(given, "__module__", "") == "wavesplat" and hasattr(given, "name"):
         raise ArgumentError(f"composite is the class {given.__name__}; give an object, as {given.__name__}(...)")
     if not isinstance(given, str):
         raise ArgumentError(
-            f"composite is {described(given)}; give a name or FirstHit, LocalMaximum, "
-            "DepthShadedMaximum or XRay of wavesplat"
+            f"composite is {described(given)}; give a name or an object of wavesplat: FirstHit, LocalMaximum, "
+            "DepthShadedMaximum, DepthColoredMaximum, AttenuatedMaximum or XRay"
         )
     name: Any = COMPOSITE_SYNONYMS.get(given, given)
     if name not in known:

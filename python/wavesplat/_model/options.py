@@ -22,7 +22,17 @@ MAX_SIDE_PX = 16384
 Buffer: TypeAlias = Literal["axis", "view"]
 Kernel: TypeAlias = Literal["linear", "catmull-rom", "bspline2", "bspline3", "gaussian"]
 Composite: TypeAlias = Literal[
-    "over", "maximum", "depth-shaded-maximum", "local-maximum", "minimum", "mean", "sum", "x-ray", "first-hit"
+    "over",
+    "maximum",
+    "depth-shaded-maximum",
+    "depth-colored-maximum",
+    "attenuated-maximum",
+    "local-maximum",
+    "minimum",
+    "mean",
+    "sum",
+    "x-ray",
+    "first-hit",
 ]
 #: Other names of operators.
 COMPOSITE_SYNONYMS = {"mip": "maximum", "minip": "minimum", "average": "mean", "isosurface": "first-hit"}

@@ -11,7 +11,7 @@ import numpy as np
 from wavesplat._looks.labels import Label, Labels
 from wavesplat._looks.look import Look
 from wavesplat._looks.transfer_function import TransferFunction
-from wavesplat._model.composites import FirstHit
+from wavesplat._model.composites import AttenuatedMaximum, FirstHit
 from wavesplat._model.napari_layer import of_napari
 from wavesplat._model.options import Composite, Quality
 from wavesplat._model.volume import Volume
@@ -27,7 +27,6 @@ __all__ = ["draw", "scene_of"]
 #: napari's ways to show a volume -> operators; the rest are "over".
 OPERATORS: dict[str, Composite] = {
     "mip": "maximum",
-    "attenuated_mip": "maximum",
     "minip": "minimum",
     "average": "mean",
 }
@@ -36,7 +35,7 @@ N_NODES = 33
 #: Note of pictures that are mirrored.
 MIRRORED = "mirrored, left and right, as napari shows its world"
 
-Operator: TypeAlias = Composite | FirstHit
+Operator: TypeAlias = Composite | FirstHit | AttenuatedMaximum
 
 
 def scene_of(viewer: Any, composite: Composite | None = None) -> Scene:
@@ -101,8 +100,9 @@ def draw(
     quality : str, default "normal"
         As for `render`.
     composite : str, optional
-        Operator, as for `render`; None is the rendering of the first visible image: "maximum" for mip, "minimum" for
-        minip, "mean" for average, an isosurface for iso, "over" for others.
+        Operator, as for `render`; None is the rendering of the first visible image: "maximum" for mip, an
+        `AttenuatedMaximum` for attenuated_mip, "minimum" for minip, "mean" for average, an isosurface for iso, "over"
+        for others.
 
     Returns
     -------
@@ -135,6 +135,8 @@ def _operator_of(viewer: Any) -> Any:
             rendering = str(layer.rendering)
             if rendering == "iso":
                 return FirstHit(float(layer.iso_threshold))
+            if rendering == "attenuated_mip":
+                return AttenuatedMaximum(float(layer.attenuation))
             return OPERATORS.get(rendering, "over")
     return "over"
 

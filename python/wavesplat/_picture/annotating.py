@@ -350,12 +350,19 @@ def _colored(figure: Figure, report: Mapping[str, Any]) -> list[tuple[report_fac
     ]
 
 
+def _scales(figure: Figure, report: Mapping[str, Any], behind: Color) -> list[color_bar.Scale]:
+    """Scales of the colour bars: of depth colours those of the places, else those of the layers."""
+    if (depth_colors := report.get("depth_colors")) is not None:
+        return [color_bar.scale_of_depths(depth_colors, report.get("unit"))]
+    colored = _colored(figure, report)
+    return [color_bar.scale_of(layer.function, layer.composite, title, behind) for layer, title in colored]
+
+
 def _color_bars(
     figure: Figure, report: Mapping[str, Any], height: int, style: Style, behind: Color, *, taken: float
 ) -> list[Block]:
     """Colour bars, one above the other where all have room. `taken`: height that blocks above them take."""
-    colored = _colored(figure, report)
-    scales = [color_bar.scale_of(layer.function, layer.composite, title, behind) for layer, title in colored]
+    scales = _scales(figure, report, behind)
     for scale in scales:
         lettering.check_length(scale.title, "the name of a layer")
         lettering.check_letters(scale.title, style.font, "the name of a layer")

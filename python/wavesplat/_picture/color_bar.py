@@ -5,20 +5,24 @@ Projections show colour times opacity over the background; else opacity is left 
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
 from math import ceil, floor, isfinite, log10
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._looks import colormaps
 from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._model import units
 from wavesplat._picture.lettering import CAP_HEIGHT, text_width
 from wavesplat._picture.marks import UPWARDS, Block, Color, Mark, Ramp, Rectangle, Text
 from wavesplat._picture.style import Style
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Scale", "block", "round_ticks", "scale_of"]
+__all__ = ["Scale", "block", "round_ticks", "scale_of", "scale_of_depths"]
 
 #: Sizes of the bar, in sizes of the font: width, length of a tick, gap to its number, least height for a number.
 WIDTH, TICK, GAP, SPACE = 1.0, 0.3, 0.3, 2.4
@@ -88,6 +92,19 @@ def scale_of(curves: TransferFunction | None, composite: str, title: str, backgr
         ):
             stops.append(stop)
     return Scale(low, high, tuple(stops), is_log, title)
+
+
+def scale_of_depths(depth_colors: Mapping[str, Any], unit: str | None) -> Scale:
+    """The scale of the report's depth colours: depths from the nearest place, or coordinates along an axis."""
+    axis, (low, high) = depth_colors["axis"], depth_colors["range"]
+    low, high = (0.0, high - low) if axis is None else (low, high)
+    places, colors = colormaps.colors_of(depth_colors["cmap"])
+    stops = tuple(
+        (place, (red, green, blue)) for place, (red, green, blue) in zip(places, colors.tolist(), strict=True)
+    )
+    return Scale(
+        low, high, stops, is_log=False, title=(axis or "depth") + (f" ({units.written(unit)})" if unit else "")
+    )
 
 
 def block(scale: Scale, height: float, style: Style, background: Color | None = None) -> Block:

@@ -39,7 +39,8 @@ class Picture:
     rgba : float32 array, shape (height, width, 4)
         Red, green, blue associated with (multiplied by) opacity, and opacity, 0..1; row 0 is the top.
     depth : float32 array, shape (height, width), or None
-        World units along the ray to where it is half absorbed; NaN where it never is.
+        World units along the ray to where it is half absorbed, to the surface, or to the maximum or minimum; NaN where
+        there is none, and of means, sums and x-rays.
     value : float32 array, shape (height, width), or None
         For projections and slices: the value, in sample units (sum: times world units); NaN outside the volume.
     report : Report

@@ -62,6 +62,14 @@ FIELDS: dict[str, Field] = {
     "depth_shading": Field(
         TWO, "Of depth-shaded maxima: share of light that is lost at the back; value that is black."
     ),
+    "depth_colors": Field(
+        OBJECT,
+        "Of maxima in depth colours: colour map; axis, none for the view; range of places, world units: coordinates "
+        "along the axis, or depths along the view.",
+    ),
+    "attenuated": Field(
+        THREE, "Of attenuated maxima: value that dims nothing; value that dims most; its optical depth per world unit."
+    ),
     "attenuation": Field(TWO, "Of X-rays: value that is clear; optical depth per unit of value and of the world."),
     "sheets_per_slice": Field(NUMBER, "Sheets for each distance of slices."),
     "oversampling": Field(NUMBER, "Texels for each pixel, along each side."),

@@ -52,8 +52,9 @@ class RenderOptions(FrameOptions, total=False):
     composite : str or object, optional
         None is the look's own. "over": emission and absorption. `FirstHit(iso_value)`: an isosurface. The others
         are projections: one number per ray, `Picture.value`, which is then coloured. "maximum" (MIP), "minimum",
-        "mean" and "sum" (the integral) of the values; "depth-shaded-maximum", "local-maximum" and "x-ray", which are
-        `DepthShadedMaximum`, `LocalMaximum` and `XRay` with what is usual. On a light background greys that are chosen
+        "mean" and "sum" (the integral) of the values; "depth-shaded-maximum", "depth-colored-maximum",
+        "attenuated-maximum", "local-maximum" and "x-ray", which are `DepthShadedMaximum`, `DepthColoredMaximum`,
+        `AttenuatedMaximum`, `LocalMaximum` and `XRay` with what is usual. On a light background greys that are chosen
         here are inverted: black is much. Of several layers each is projected, and their colours are added as light;
         there is no value then.
     threads : int, optional
@@ -66,7 +67,7 @@ class RenderOptions(FrameOptions, total=False):
     progress : callable, optional
         Called with the part done, 0..1; returning False stops.
     depth : bool
-        Also give `Picture.depth`.
+        Also give `Picture.depth`: of opacities and surfaces, and of maxima and minima.
     client : dask.distributed.Client or "threads", optional
         Draw blocks of the picture on the workers of a Dask cluster, each of which opens the files itself; the bytes are
         those of this machine. "threads" is Dask's scheduler in this process.

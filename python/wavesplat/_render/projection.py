@@ -7,25 +7,39 @@ the volume, so that their greys are chosen as a radiograph is exposed: by a smal
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TypedDict
+from typing import TypeAlias, TypedDict
 
 import numpy as np
 
-from wavesplat._looks import colors, histogram
+from wavesplat._looks import colormaps, colors, histogram
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.camera import Camera
-from wavesplat._model.composites import DepthShadedMaximum, LocalMaximum, Operator, XRay
+from wavesplat._model.composites import (
+    AXES,
+    AttenuatedMaximum,
+    DepthColoredMaximum,
+    DepthShadedMaximum,
+    LocalMaximum,
+    Operator,
+    XRay,
+    name_of,
+)
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture.picture import Picture
 
-__all__ = ["Numbers", "absorption", "exposed_by", "numbers", "on"]
+__all__ = ["Numbers", "absorption", "compiled_name", "depth_colors", "exposed_by", "in_order", "numbers", "on"]
 
 #: Transfer function of a picture of which only the values are used, and its longer side, pixels.
 ANY_CURVES = TransferFunction([(0.0, 1.0)], [(0.0, 1.0, 1.0, 1.0)])
 OVERVIEW_PX = 128
 
+#: A colour, or a vector.
+Three: TypeAlias = tuple[float, float, float]
+
+#: Number of colours that the compiled module gets for depths.
+N_DEPTH_COLORS = 256
 #: Threshold of local maxima, as a share of the way from the first to the last colour.
 LOCAL_THRESHOLD = 0.25
 
@@ -35,6 +49,7 @@ class Numbers(TypedDict, total=False):
 
     local_threshold: float
     depth_shading: tuple[float, float]
+    attenuated: tuple[float, float, float]
     attenuation: tuple[float, float]
 
 
@@ -67,7 +82,9 @@ def on(
     Nothing is transparent then, so that the least is as white as what is behind.
     """
     is_light = background is not None and sum(background[:3]) * background[3] > 1.5
-    if composite not in histogram.PROJECTIONS or not is_light or isinstance(function, TransferFunction2D):
+    # In depth colours what is dark is clear, on any background.
+    is_grey = composite in histogram.PROJECTIONS and composite != DepthColoredMaximum.name
+    if not is_grey or not is_light or isinstance(function, TransferFunction2D):
         return function
     color = [(value, 1.0 - red, 1.0 - green, 1.0 - blue) for value, red, green, blue in function.color]
     return TransferFunction([(color[0][0], 1.0)], color)
@@ -85,7 +102,10 @@ def absorption(operator: XRay, volume: Volume | WaveletVolume) -> tuple[float, f
 
 
 def numbers(
-    operator: Operator, curves: TransferFunction | TransferFunction2D, absorbs: tuple[float, float] | None
+    operator: Operator,
+    curves: TransferFunction | TransferFunction2D,
+    volume: Volume | WaveletVolume,
+    absorbs: tuple[float, float] | None,
 ) -> Numbers:
     """The numbers of one operator; where nothing is given they follow the colours, so that they fit what is shown."""
     if isinstance(curves, TransferFunction2D):
@@ -97,6 +117,11 @@ def numbers(
         return {"local_threshold": between if operator.threshold is None else operator.threshold}
     if isinstance(operator, DepthShadedMaximum):
         return {"depth_shading": (operator.strength, first)}
+    if isinstance(operator, AttenuatedMaximum):
+        voxel = float(np.prod(volume.spacing)) ** (1 / 3)
+        # Inverted greys have no other black; a window of one value is given a width.
+        white = last if last > first else first + max(abs(first), 1.0) * 1e-6
+        return {"attenuated": (first, white, operator.attenuation / voxel)}
     return {} if absorbs is None else {"attenuation": absorbs}
 
 
@@ -104,4 +129,22 @@ def in_order(named: Numbers) -> list[float]:
     """The numbers of an operator as the compiled module takes them, without their names."""
     if "local_threshold" in named:
         return [named["local_threshold"]]
-    return [*named.get("depth_shading", ()), *named.get("attenuation", ())]
+    return [*named.get("depth_shading", ()), *named.get("attenuated", ()), *named.get("attenuation", ())]
+
+
+def depth_colors(
+    operator: Operator,
+) -> tuple[list[tuple[float, float, float]], tuple[float, float, float] | None] | None:
+    """Colours of depths and the world axis that they are along, as the compiled module takes them; None without."""
+    if not isinstance(operator, DepthColoredMaximum):
+        return None
+    places, rgb = colormaps.colors_of(operator.cmap)
+    even = np.linspace(0, 1, N_DEPTH_COLORS)
+    red, green, blue = (np.interp(even, places, channel).tolist() for channel in rgb.T)
+    x, y, z = (float(name == operator.axis) for name in AXES)
+    return list(zip(red, green, blue, strict=True)), None if operator.axis is None else (x, y, z)
+
+
+def compiled_name(operator: Operator) -> str:
+    """The operator's name in the compiled module, where colours of depths are an option of a maximum."""
+    return "maximum" if isinstance(operator, DepthColoredMaximum) else name_of(operator)

@@ -296,6 +296,7 @@ def _stream(core: _native.LazyVolume, camera: Camera, size: tuple[int, int], str
         "threads": None,
         "device": "cpu",
         "depth": False,
+        "depth_colors": None,
         "pre_integration": True,
         "early_ray_termination": True,
     }

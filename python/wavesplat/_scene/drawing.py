@@ -26,7 +26,7 @@ from wavesplat._looks.tables import PROCESSING as TABLE_LEFT_OUT
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model.camera import Camera
 from wavesplat._model.clips import Clipping
-from wavesplat._model.composites import FirstHit, Operator, XRay, checked_operator, name_of
+from wavesplat._model.composites import DepthColoredMaximum, FirstHit, Operator, XRay, checked_operator, name_of
 from wavesplat._model.forked import drawing
 from wavesplat._model.lazy_changes import comparing_once
 from wavesplat._model.lazy_volume import LazyVolume
@@ -425,7 +425,7 @@ def _rendered(
         for core, function, light in zip(cores, faded, lights, strict=True)
     ]
     absorbs = projection.absorption(operator, layers[0].volume) if isinstance(operator, XRay) else None
-    numbers = projection.numbers(operator, functions[0], absorbs)
+    numbers = projection.numbers(operator, functions[0], layers[0].volume, absorbs)
     errors = _MeasuredErrors(frame, layers, functions)
     with drawing(*(layer.volume for layer in layers)):
         sheets_per_slice, oversampling = _sampling(frame, drawn)
@@ -435,7 +435,7 @@ def _rendered(
             "width": width,
             "height": height,
             "kernel": options.kernel,
-            "composite": frame.composite,
+            "composite": projection.compiled_name(operator),
             "numbers": [operator.iso_value] if isinstance(operator, FirstHit) else projection.in_order(numbers),
             "sheets_per_slice": sheets_per_slice,
             "oversampling": oversampling,
@@ -446,6 +446,7 @@ def _rendered(
             "threads": chosen_threads(options.threads),
             "device": chosen_device(options.device),
             "depth": bool(options.depth),
+            "depth_colors": projection.depth_colors(operator),
             "pre_integration": bool(options.pre_integration),
             "early_ray_termination": bool(options.early_ray_termination),
         }
@@ -461,7 +462,13 @@ def _rendered(
                 drawn_stream = drawn_on_machines(spec, options.client, options.progress)
             result = lazy.finished(*drawn_stream)
     errors.remember(result["report"])
-    return result, result["report"] | numbers
+    report = result["report"] | numbers
+    if isinstance(operator, DepthColoredMaximum):
+        places = list(result["report"]["depth_colors"])
+        report["depth_colors"] = {"cmap": operator.cmap, "axis": operator.axis, "range": places}
+        if not options.depth:
+            result["depth"] = None
+    return result, report
 
 
 def _sampling(frame: _Frame, drawn: Sequence[tuple[Any, Any, Any]]) -> tuple[float, float]:

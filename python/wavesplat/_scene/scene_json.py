@@ -32,7 +32,7 @@ from wavesplat._model import camera_json
 from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
 from wavesplat._model.clips import Clip, ClipPlane, CutOut
-from wavesplat._model.composites import DepthShadedMaximum, FirstHit, LocalMaximum, Operator, XRay, checked_operator
+from wavesplat._model.composites import WITH_DEFAULTS, FirstHit, Operator, checked_operator
 from wavesplat._model.crop import Crop
 from wavesplat._model.options import MAX_SIDE_PX
 from wavesplat._model.sampling import Sampling
@@ -65,7 +65,7 @@ LAYER = ("volume", "name", "look", "visible", "opacity", "time")
 SCENE = ("layers", "labels", "shading", "clip", "background", "keep_table")
 KNOWN = ("wavesplat", "version", *SCENE, "camera", "render", "figure", "view")
 RENDER = ("size", "quality", "psnr", "kernel", "composite", "depth")
-OPERATORS: dict[str, Any] = {kind.name: kind for kind in (FirstHit, LocalMaximum, DepthShadedMaximum, XRay)}
+OPERATORS: dict[str, Any] = {FirstHit.name: FirstHit} | WITH_DEFAULTS
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 // The check that a document is a state of the viewer: the twin of `python/wavesplat/_viewer/state.py`. Both are held to the
 // fixtures in `web/schema`. Checks that only the renderer can make, such as the order of points, are left to it.
 
+import { COMPOSITE_NAMES } from "./composites.ts";
 import { OVERLAYS, PANES, QUALITIES, type ViewerState } from "./state.ts";
 
 type Check = (value: unknown, where: string) => void;
@@ -84,7 +85,7 @@ const curves: Check = (value, where) => {
     "gradient_opacity?": nodes(number(0), share),
   })(value, where);
 };
-const COMPOSITES = ["over", "maximum", "depth-shaded-maximum", "local-maximum", "minimum", "mean", "sum", "x-ray", "first-hit"];
+const COMPOSITES = Object.keys(COMPOSITE_NAMES);
 const composite: Check = (value, where) => {
   if (value === null || typeof value === "string") oneOf(null, ...COMPOSITES)(value, where);
   else fields(Object.fromEntries(COMPOSITES.map((name) => [`${name}?`, fields({ "*": either(null, any) })])))(value, where);

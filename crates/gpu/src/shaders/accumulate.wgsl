@@ -1,9 +1,9 @@
 // State of a ray: colour and opacity, composited front to back. Twin of crates/splat/src/ray/accumulator.rs.
 
 // Associated colour and opacity. Projections: the density or its integral, then the length of the way; a local maximum
-// has 1 there once the ray has ended.
+// has 1 there once the ray has ended; then the optical depth so far, of attenuated maxima.
 var<private> gathered: vec4<f32>;
-// Position of opacity 1/2; NONE where it is not reached.
+// Position of opacity 1/2, of the surface or of the extreme; NONE where there is none.
 var<private> s_half: f32;
 
 // Composites a fragment of unassociated colour behind the state; its opacity grows evenly over `length` from `begin`.

@@ -47,8 +47,22 @@ fn mean_above(near: f32, far: f32) -> f32 {
     return 0.5f * hi * hi / max(hi - lo, 1e-30f);
 }
 
+// Keeps a density and its position if it is more extreme than what was met before.
+fn keep(density: f32, s: f32, is_more: bool) {
+    if is_more {
+        gathered.x = density;
+        s_half = s;
+    }
+}
+
+// Keeps the larger of the densities at the ends of a segment.
+fn keep_larger(near: f32, far: f32, part: Segment) {
+    keep(near, part.s_near, near > gathered.x);
+    keep(far, part.s_far, far > gathered.x);
+}
+
 // Takes the density at one end of a segment on the way to a local maximum; a drop of more than rounding ends the ray.
-fn climb(density: f32) {
+fn climb(density: f32, s: f32) {
     if gathered.y > 0.0f {
         return;
     }
@@ -56,7 +70,7 @@ fn climb(density: f32) {
         gathered.y = 1.0f;
         return;
     }
-    gathered.x = max(gathered.x, density);
+    keep(density, s, density > gathered.x);
 }
 
 fn add_segment(ray: Ray, part: Segment) {
@@ -66,10 +80,11 @@ fn add_segment(ray: Ray, part: Segment) {
     let level = parameters.frame.number.x;
     switch PROJECTION {
         case MAXIMUM: {
-            gathered.x = max(gathered.x, max(part.near, part.far));
+            keep_larger(part.near, part.far, part);
         }
         case MINIMUM: {
-            gathered.x = min(gathered.x, min(part.near, part.far));
+            keep(part.near, part.s_near, part.near < gathered.x);
+            keep(part.far, part.s_far, part.far < gathered.x);
         }
         case DEPTH_SHADED: {
             let texel = vec3<f32>(1.0f, vec2<f32>(ray.texel));
@@ -77,14 +92,24 @@ fn add_segment(ray: Ray, part: Segment) {
             let per_s = dot(parameters.frame.fade[1].xyz, texel);
             let near = dimmed(part.near, level, at_zero + per_s * part.s_near);
             let far = dimmed(part.far, level, at_zero + per_s * part.s_far);
-            gathered.x = max(gathered.x, max(near, far));
+            keep_larger(near, far, part);
+        }
+        case ATTENUATED: {
+            let white = parameters.frame.number.y;
+            let mean = mean_above(part.near - level, part.far - level) - mean_above(part.near - white, part.far - white);
+            let here = max(mean * (parameters.frame.number.z / (white - level)) * part.length, 0.0f);
+            let behind = gathered.z + here;
+            let near = dimmed(part.near, level, 1.0f - one_minus_exp_neg(gathered.z));
+            let far = dimmed(part.far, level, 1.0f - one_minus_exp_neg(behind));
+            gathered.z = behind;
+            keep_larger(near, far, part);
         }
         case X_RAY: {
             gathered.x += mean_above(part.near - level, part.far - level) * part.length;
         }
         case LOCAL_MAXIMUM: {
-            climb(part.near);
-            climb(part.far);
+            climb(part.near, part.s_near);
+            climb(part.far, part.s_far);
         }
         default: {
             gathered.x += 0.5f * (part.near + part.far) * part.length;

@@ -2,6 +2,7 @@
 
 pub mod base_picture;
 pub mod color_projection;
+pub mod depth_colors;
 mod edge_texels;
 pub mod edges;
 pub mod resample;

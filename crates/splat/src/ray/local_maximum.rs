@@ -23,6 +23,8 @@ pub struct LocalMaximum {
     threshold: f32,
     /// The largest density so far; −∞ where nothing was drawn.
     highest: Vec<Lanes>,
+    /// Positions of the largest density so far; empty where no depth is wanted.
+    places: Vec<Lanes>,
     /// Rays that have found their maximum, as bits.
     found: Vec<u16>,
     done: Vec<bool>,
@@ -30,14 +32,16 @@ pub struct LocalMaximum {
 
 impl LocalMaximum {
     /// Continues from `state`; `None`: nothing is drawn yet. `threshold` is a density.
-    pub fn new(threshold: f32, state: Option<TileState>) -> Self {
+    pub fn new(threshold: f32, with_depth: bool, state: Option<TileState>) -> Self {
         let state = state.unwrap_or_else(|| TileState {
             value: TileState::per_chunk(Lanes::splat(f32::NEG_INFINITY)),
+            s_half: if with_depth { TileState::per_chunk(Lanes::splat(f32::NAN)) } else { Vec::new() },
             found: TileState::per_chunk(0),
             done: TileState::per_chunk(false),
             ..TileState::default()
         });
-        Self { threshold, highest: state.value, found: state.found, done: state.done }
+        let TileState { value: highest, s_half: places, found, done, .. } = state;
+        Self { threshold, highest, places, found, done }
     }
 }
 
@@ -52,7 +56,8 @@ impl Compositor for LocalMaximum {
         let segment = DrawnSegment::new(s, chunk, rays, slab);
         let highest = &mut self.highest[chunk.index()].0;
         let mut found = self.found[chunk.index()];
-        for densities in [&segment.near, &segment.far] {
+        for (end, densities) in [&segment.near, &segment.far].into_iter().enumerate() {
+            let before = *highest;
             let mut falls = 0;
             for i in 0..LANES {
                 let is_drawn = segment.length[i] > 0.0;
@@ -63,6 +68,12 @@ impl Compositor for LocalMaximum {
                 highest[i] = if goes_on { highest[i].max(densities[i]) } else { highest[i] };
             }
             found |= falls;
+            if let Some(kept) = self.places.get_mut(chunk.index()) {
+                let places = segment.places(chunk, rays, slab.s)[end];
+                for i in 0..LANES {
+                    kept.0[i] = if highest[i] == before[i] { kept.0[i] } else { places[i] };
+                }
+            }
         }
         self.found[chunk.index()] = found;
         self.done[chunk.index()] = found | rays.missed(chunk) == u16::MAX;
@@ -71,10 +82,11 @@ impl Compositor for LocalMaximum {
     fn finish(&self, chunk: Chunk) -> Texels {
         let highest = &self.highest[chunk.index()].0;
         let texel = |i: usize| if highest[i] > f32::NEG_INFINITY { [highest[i], 0.0, 0.0, 1.0] } else { [0.0; 4] };
-        Texels { rgba: std::array::from_fn(texel), s_half: None }
+        Texels { rgba: std::array::from_fn(texel), s_half: self.places.get(chunk.index()).map(|places| places.0) }
     }
 
     fn into_state(self) -> TileState {
-        TileState { value: self.highest, found: self.found, done: self.done, ..TileState::default() }
+        let Self { highest: value, places: s_half, found, done, .. } = self;
+        TileState { value, s_half, found, done, ..TileState::default() }
     }
 }

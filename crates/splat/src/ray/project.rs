@@ -1,4 +1,5 @@
-//! Projections (MIP, minimum, mean, sum, X-ray): one number per ray from the densities along it.
+//! Projections (MIP, minimum, mean, sum, X-ray): one number per ray from the densities along it; of extremes also where
+//! they are.
 //!
 //! Densities are linear between two sheets, so extremes are looked for on the sheets and where rays enter and leave;
 //! integrals of a slab are exact. Formulas and sources: [`Composite`].
@@ -6,6 +7,7 @@
 use wavesplat_compute::simd::{LANES, Lanes, Simd};
 use wavesplat_core::Composite;
 
+use crate::optics::classify::one_minus_exp_neg;
 use crate::ray::compositor::Slab;
 use crate::ray::compositor::{Compositor, Ends, Texels};
 use crate::ray::state::TileState;
@@ -59,46 +61,117 @@ impl DrawnSegment {
         }
         segment
     }
+
+    /// Positions where the segments begin and end. `s`: those of the slab.
+    #[inline(always)]
+    pub fn places(&self, chunk: Chunk, rays: &Rays, [s_front, s_back]: [f32; 2]) -> [[f32; LANES]; 2] {
+        let mut places = [[0.0; LANES]; 2];
+        if let Some([starts, ends]) = &self.part {
+            let way = s_back - s_front;
+            for i in 0..LANES {
+                (places[0][i], places[1][i]) = (s_front + starts[i] * way, s_front + ends[i] * way);
+            }
+        } else {
+            let [lo, hi] = rays.lanes(chunk);
+            for i in 0..LANES {
+                (places[0][i], places[1][i]) = (lo.0[i].max(s_front), hi.0[i].min(s_back));
+            }
+        }
+        places
+    }
 }
 
 /// All projections but the local maximum ([`crate::ray::local_maximum`]).
 pub struct Project {
     operator: Composite,
-    /// Density towards which depth shading dims, or above which X-rays are absorbed.
-    level: f32,
+    /// See [`Project::levels`].
+    levels: [f32; 2],
     value: Vec<Lanes>,
     length: Vec<Lanes>,
+    /// Optical depth in front of the next sheet; empty but for attenuated maxima.
+    absorbed: Vec<Lanes>,
+    /// Positions of the extremes; empty where no depth is wanted.
+    places: Vec<Lanes>,
 }
 
 impl Project {
-    /// Continues from `state`; `None`: nothing is drawn yet. `level`: see [`Project::level`].
-    pub fn new(operator: Composite, level: f32, state: Option<TileState>) -> Self {
+    /// Continues from `state`; `None`: nothing is drawn yet. `levels`: see [`Project::levels`].
+    pub fn new(operator: Composite, levels: [f32; 2], with_depth: bool, state: Option<TileState>) -> Self {
         let nothing = match operator {
-            Composite::Maximum | Composite::DepthShadedMaximum { .. } => f32::NEG_INFINITY,
+            Composite::Maximum | Composite::DepthShadedMaximum { .. } | Composite::AttenuatedMaximum { .. } => {
+                f32::NEG_INFINITY
+            }
             Composite::Minimum => f32::INFINITY,
             _ => 0.0,
         };
+        let where_wanted =
+            |wanted: bool, x: f32| if wanted { TileState::per_chunk(Lanes::splat(x)) } else { Vec::new() };
         let state = state.unwrap_or_else(|| TileState {
             value: TileState::per_chunk(Lanes::splat(nothing)),
             length: TileState::per_chunk(Lanes::splat(0.0)),
+            absorbed: where_wanted(matches!(operator, Composite::AttenuatedMaximum { .. }), 0.0),
+            s_half: where_wanted(with_depth, f32::NAN),
             ..TileState::default()
         });
-        Self { operator, level, value: state.value, length: state.length }
+        let TileState { value, length, absorbed, s_half: places, .. } = state;
+        Self { operator, levels, value, length, absorbed, places }
     }
 
-    /// Density towards which an operator dims, or above which X-rays are absorbed. `density` maps sample values.
-    pub fn level(operator: Composite, density: impl Fn(f64) -> f32) -> f32 {
+    /// Two densities: that which values are dimmed towards, or above which matter absorbs; and that from which on matter
+    /// dims most. 0 where an operator has none. `density` maps sample values.
+    pub fn levels(operator: Composite, density: impl Fn(f64) -> f32) -> [f32; 2] {
         match operator {
-            Composite::DepthShadedMaximum { black, .. } => density(black),
-            Composite::XRay { clear, .. } => density(clear),
-            _ => 0.0,
+            Composite::DepthShadedMaximum { black, .. } => [density(black), 0.0],
+            Composite::AttenuatedMaximum { black, white, .. } => [density(black), density(white)],
+            Composite::XRay { clear, .. } => [density(clear), 0.0],
+            _ => [0.0; 2],
         }
+    }
+
+    /// Keeps the extreme of the rays of a chunk so far and of both ends of a segment, and where it is.
+    #[inline(always)]
+    fn keep(
+        &mut self,
+        k: usize,
+        [near, far]: [&[f32; LANES]; 2],
+        length: &[f32; LANES],
+        places: impl Fn() -> [[f32; LANES]; 2],
+        extreme: impl Fn(f32, f32) -> f32,
+    ) {
+        let value = &mut self.value[k].0;
+        let before = *value;
+        for i in 0..LANES {
+            let new = extreme(value[i], extreme(near[i], far[i]));
+            value[i] = if length[i] > 0.0 { new } else { value[i] };
+        }
+        let Some(kept) = self.places.get_mut(k) else { return };
+        let [begin, end] = places();
+        for i in 0..LANES {
+            let here = if near[i] == value[i] { begin[i] } else { end[i] };
+            // The first of equal extremes stays.
+            kept.0[i] = if value[i] == before[i] { kept.0[i] } else { here };
+        }
+    }
+
+    /// Optical depth of the segments of the rays of a chunk, of matter that absorbs `rate` per length at the second
+    /// level.
+    #[inline(always)]
+    fn optical_depth(&self, segment: &DrawnSegment, rate: f32) -> [f32; LANES] {
+        let [black, white] = self.levels;
+        let per_density = rate / (white - black);
+        let mut depth = [0.0; LANES];
+        for i in 0..LANES {
+            let (near, far) = (segment.near[i], segment.far[i]);
+            let mean = mean_above(near - black, far - black) - mean_above(near - white, far - white);
+            depth[i] = if segment.length[i] > 0.0 { (mean * per_density * segment.length[i]).max(0.0) } else { 0.0 };
+        }
+        depth
     }
 }
 
 /// The density with its excess over a level scaled by `factor`.
 #[inline(always)]
-fn dimmed(density: f32, level: f32, factor: f32) -> f32 {
+pub fn dimmed(density: f32, level: f32, factor: f32) -> f32 {
     if density > level { level + (density - level) * factor } else { density }
 }
 
@@ -107,6 +180,24 @@ fn dimmed(density: f32, level: f32, factor: f32) -> f32 {
 fn mean_above(near: f32, far: f32) -> f32 {
     let (lo, hi) = (near.min(far), near.max(far).max(0.0));
     if lo >= 0.0 { 0.5 * (near + far) } else { 0.5 * hi * hi / (hi - lo) }
+}
+
+/// Fractions of light that optical depths absorb.
+#[inline(always)]
+fn absorbed_of<S: Simd>(s: S, depth: &[f32; LANES]) -> [f32; LANES] {
+    let mut fractions = [0.0; LANES];
+    s.store(one_minus_exp_neg(s, s.load(depth)), &mut fractions);
+    fractions
+}
+
+#[inline(always)]
+fn larger(a: f32, b: f32) -> f32 {
+    a.max(b)
+}
+
+#[inline(always)]
+fn smaller(a: f32, b: f32) -> f32 {
+    a.min(b)
 }
 
 impl Compositor for Project {
@@ -118,49 +209,53 @@ impl Compositor for Project {
     #[inline(always)]
     fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) {
         let segment = DrawnSegment::new(s, chunk, rays, slab);
-        let (value, length) = (&mut self.value[chunk.index()].0, &mut self.length[chunk.index()].0);
-        let DrawnSegment { near, far, length: extent, part } = &segment;
-        let level = self.level;
+        let (k, s_of_slab) = (chunk.index(), slab.s);
+        let places = || segment.places(chunk, rays, s_of_slab);
+        let DrawnSegment { near, far, length: extent, .. } = &segment;
+        let [level, _] = self.levels;
         // One loop per operator, so that none of them branches inside.
-        let mut new = *value;
         match self.operator {
-            Composite::Maximum => {
-                for i in 0..LANES {
-                    new[i] = new[i].max(near[i].max(far[i]));
-                }
-            }
-            Composite::Minimum => {
-                for i in 0..LANES {
-                    new[i] = new[i].min(near[i].min(far[i]));
-                }
-            }
+            Composite::Maximum => self.keep(k, [near, far], extent, places, larger),
+            Composite::Minimum => self.keep(k, [near, far], extent, places, smaller),
             Composite::DepthShadedMaximum { .. } => {
-                let ([at_zero, per_s], [lo, hi]) = (rays.fade(chunk), rays.lanes(chunk));
+                let ([at_zero, per_s], [begin, end]) = (rays.fade(chunk), places());
+                let (mut near, mut far) = (*near, *far);
                 for i in 0..LANES {
-                    let [mut s_near, mut s_far] = [lo.0[i].max(slab.s[0]), hi.0[i].min(slab.s[1])];
-                    if let Some([starts, ends]) = part {
-                        let way = slab.s[1] - slab.s[0];
-                        (s_near, s_far) = (slab.s[0] + starts[i] * way, slab.s[0] + ends[i] * way);
-                    }
-                    let near = dimmed(near[i], level, at_zero.0[i] + per_s.0[i] * s_near);
-                    let far = dimmed(far[i], level, at_zero.0[i] + per_s.0[i] * s_far);
-                    new[i] = new[i].max(near.max(far));
+                    near[i] = dimmed(near[i], level, at_zero.0[i] + per_s.0[i] * begin[i]);
+                    far[i] = dimmed(far[i], level, at_zero.0[i] + per_s.0[i] * end[i]);
                 }
+                self.keep(k, [&near, &far], extent, places, larger);
+            }
+            Composite::AttenuatedMaximum { attenuation, .. } => {
+                let here = self.optical_depth(&segment, attenuation as f32);
+                let absorbed = &mut self.absorbed[k].0;
+                let before = absorbed_of(s, absorbed);
+                for i in 0..LANES {
+                    absorbed[i] += here[i];
+                }
+                let behind = absorbed_of(s, absorbed);
+                let (mut near, mut far) = (*near, *far);
+                for i in 0..LANES {
+                    near[i] = dimmed(near[i], level, 1.0 - before[i]);
+                    far[i] = dimmed(far[i], level, 1.0 - behind[i]);
+                }
+                self.keep(k, [&near, &far], extent, places, larger);
             }
             Composite::XRay { .. } => {
-                for i in 0..LANES {
-                    new[i] += mean_above(near[i] - level, far[i] - level) * extent[i];
+                for (i, value) in self.value[k].0.iter_mut().enumerate() {
+                    let above = mean_above(near[i] - level, far[i] - level) * extent[i];
+                    *value = if extent[i] > 0.0 { *value + above } else { *value };
                 }
             }
             _ => {
-                for i in 0..LANES {
-                    new[i] += 0.5 * (near[i] + far[i]) * extent[i];
+                for (i, value) in self.value[k].0.iter_mut().enumerate() {
+                    let integral = 0.5 * (near[i] + far[i]) * extent[i];
+                    *value = if extent[i] > 0.0 { *value + integral } else { *value };
                 }
             }
         }
-        for i in 0..LANES {
-            value[i] = if extent[i] > 0.0 { new[i] } else { value[i] };
-            length[i] += extent[i];
+        for (length, extent) in self.length[k].0.iter_mut().zip(extent) {
+            *length += extent;
         }
     }
 
@@ -173,11 +268,12 @@ impl Compositor for Project {
             let value = if self.operator == Composite::Mean { value / length } else { value };
             [value, length, 0.0, 1.0]
         });
-        Texels { rgba, s_half: None }
+        Texels { rgba, s_half: self.places.get(chunk.index()).map(|places| places.0) }
     }
 
     fn into_state(self) -> TileState {
-        TileState { value: self.value, length: self.length, ..TileState::default() }
+        let Self { value, length, absorbed, places: s_half, .. } = self;
+        TileState { value, length, absorbed, s_half, ..TileState::default() }
     }
 }
 

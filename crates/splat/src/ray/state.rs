@@ -7,6 +7,9 @@ use wavesplat_compute::simd::{LANES, Lanes};
 
 use crate::sheet::tile_layout::Chunk;
 
+/// Bytes of the lengths of the eight arrays.
+const HEAD: usize = 32;
+
 /// State of the rays of a tile, chunk by chunk ([`Chunk::index`]).
 ///
 /// Arrays that an operator does not need are empty.
@@ -18,7 +21,9 @@ pub struct TileState {
     pub value: Vec<Lanes>,
     /// Length of the way through the volume so far (projections).
     pub length: Vec<Lanes>,
-    /// Position of opacity 1/2, or of the surface, along the ray; NaN where it is not reached.
+    /// Optical depth in front of the next sheet (attenuated maxima).
+    pub absorbed: Vec<Lanes>,
+    /// Position of opacity 1/2, of the surface, or of the extreme, along the ray; NaN where there is none.
     pub s_half: Vec<Lanes>,
     /// Where rays entered matter through a cut last, in s ([`crate::ray::cut_faces`]).
     pub entries: Vec<Lanes>,
@@ -31,16 +36,18 @@ pub struct TileState {
 impl TileState {
     /// Serialises the state, little-endian.
     ///
-    /// The lengths of the seven arrays, then the arrays in the order of the fields. [`TileState::from_bytes`] reads them
+    /// The lengths of the eight arrays, then the arrays in the order of the fields. [`TileState::from_bytes`] reads them
     /// back.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let Self { rgba, value, length, s_half, entries, found, done } = self;
-        let n_lanes = 4 * rgba.len() + value.len() + length.len() + s_half.len() + entries.len();
-        let mut bytes = Vec::with_capacity(28 + 4 * LANES * n_lanes);
-        for n in [rgba.len(), value.len(), length.len(), s_half.len(), entries.len(), found.len(), done.len()] {
+        let Self { rgba, value, length, absorbed, s_half, entries, found, done } = self;
+        let of_lanes = [value, length, absorbed, s_half, entries];
+        let lens = [rgba.len()].into_iter().chain(of_lanes.map(Vec::len)).chain([found.len(), done.len()]);
+        let n_lanes = 4 * rgba.len() + of_lanes.iter().map(|own| own.len()).sum::<usize>();
+        let mut bytes = Vec::with_capacity(HEAD + 4 * LANES * n_lanes);
+        for n in lens {
             bytes.extend_from_slice(&(n as u32).to_le_bytes());
         }
-        let lanes = rgba.as_flattened().iter().chain(value).chain(length).chain(s_half).chain(entries);
+        let lanes = rgba.as_flattened().iter().chain(of_lanes.into_iter().flatten());
         lanes.flat_map(|lanes| lanes.0).for_each(|x| bytes.extend_from_slice(&x.to_le_bytes()));
         for bits in found {
             bytes.extend_from_slice(&bits.to_le_bytes());
@@ -51,16 +58,16 @@ impl TileState {
 
     /// Reads the output of [`TileState::to_bytes`]; `None` where the bytes are not a state.
     pub fn from_bytes(bytes: &[u8]) -> Option<Self> {
-        let (head, rest) = bytes.split_at_checked(28)?;
+        let (head, rest) = bytes.split_at_checked(HEAD)?;
         let (head, _) = head.as_chunks::<4>();
         let n: Vec<usize> = head.iter().map(|n| u32::from_le_bytes(*n) as usize).collect();
         if n.iter().any(|n| *n != 0 && *n != Chunk::N) {
             return None;
         }
-        let n_lanes = 4 * n[0] + n[1] + n[2] + n[3] + n[4];
+        let n_lanes = 4 * n[0] + n[1..6].iter().sum::<usize>();
         let (lanes, rest) = rest.split_at_checked(4 * LANES * n_lanes)?;
-        let (found, done) = rest.split_at_checked(2 * n[5])?;
-        if done.len() != n[6] {
+        let (found, done) = rest.split_at_checked(2 * n[6])?;
+        if done.len() != n[7] {
             return None;
         }
         let mut lanes = lanes.chunks_exact(4 * LANES).map(|own| {
@@ -69,9 +76,10 @@ impl TileState {
         });
         let mut take = |n: usize| lanes.by_ref().take(n).collect::<Vec<_>>();
         let rgba = take(4 * n[0]).as_chunks::<4>().0.to_vec();
-        let [value, length, s_half, entries] = [n[1], n[2], n[3], n[4]].map(&mut take);
+        let [value, length, absorbed, s_half, entries] = [n[1], n[2], n[3], n[4], n[5]].map(&mut take);
         let found = found.as_chunks::<2>().0.iter().map(|bits| u16::from_le_bytes(*bits)).collect();
-        Some(Self { rgba, value, length, s_half, entries, found, done: done.iter().map(|done| *done != 0).collect() })
+        let done = done.iter().map(|done| *done != 0).collect();
+        Some(Self { rgba, value, length, absorbed, s_half, entries, found, done })
     }
 
     /// An array with `value` for every chunk.
@@ -97,10 +105,11 @@ mod tests {
         };
         let bytes = state.to_bytes();
         assert_eq!(TileState::from_bytes(&bytes).unwrap().to_bytes(), bytes);
-        let other = TileState { value: lanes(2.0), length: lanes(3.0), ..TileState::default() };
+        let other = TileState { value: lanes(2.0), length: lanes(3.0), absorbed: lanes(0.5), ..TileState::default() };
         let read = TileState::from_bytes(&other.to_bytes()).unwrap();
         assert!(read.value[5].0[3] == 2.0 && read.length[127].0[15] == 3.0 && read.rgba.is_empty());
-        for n in [0, 27, bytes.len() - 1] {
+        assert!(read.absorbed[9].0[1] == 0.5 && read.s_half.is_empty());
+        for n in [0, HEAD - 1, bytes.len() - 1] {
             assert!(TileState::from_bytes(&bytes[..n]).is_none(), "{n}");
         }
         assert!(TileState::from_bytes(&[bytes.as_slice(), &[0]].concat()).is_none());

@@ -197,6 +197,9 @@ pub(crate) fn warped(
     if let Some(composite) = plan.operator.projection() {
         let layer = &plan.layers[0];
         picture.value = Some(color_projection(&mut picture.rgba, &layer.grid, &layer.transfer_function, composite));
+        if let Some(colors) = &plan.depth_colors {
+            colors.color(&mut picture, &plan.camera, &layer.transfer_function);
+        }
     }
     picture
 }

@@ -131,8 +131,8 @@ fn with_operator<U: WithCompositor>(plan: &Plan, family: &FamilyPlan, work: U) -
             work.call(|state| Over::<false>::new(tables, shader, modifiers, pre_integrated, opaque, depth, state))
         }
         Operator::FirstHit { iso } => work.call(|state| FirstHit::new(iso, tables, shader, state)),
-        Operator::LocalMaximum { threshold } => work.call(|state| LocalMaximum::new(threshold, state)),
-        Operator::Project { composite, level } => work.call(|state| Project::new(composite, level, state)),
+        Operator::LocalMaximum { threshold } => work.call(|state| LocalMaximum::new(threshold, depth, state)),
+        Operator::Project { composite, levels } => work.call(|state| Project::new(composite, levels, depth, state)),
     }
 }
 

@@ -19,6 +19,7 @@ use crate::optics::modifiers::Modifiers;
 use crate::optics::occlusion::{ExtinctionGrid, LightFields};
 use crate::optics::shade::Shader;
 use crate::optics::visibility_cache::TabulatedFunction;
+use crate::picture::depth_colors::PlacedDepthColors;
 use crate::picture::supersampling::reads_per_axis;
 use crate::ray::project::Project;
 use crate::render::layer::Layer;
@@ -63,6 +64,8 @@ pub struct Plan {
     pub layers: Vec<LayerPlan>,
     /// Depth shading, if it is wanted.
     pub depth_cue: Option<DepthCue>,
+    /// Hues by the place of the extreme, of a projection.
+    pub depth_colors: Option<PlacedDepthColors>,
     /// Light and labels as fields, on grids of their own beside the first layer's, and which field holds which.
     pub fields: Arc<FieldPlan>,
     /// Sheets per slice distance, approximately.
@@ -123,8 +126,8 @@ pub enum Operator {
     Project {
         /// The projection.
         composite: Composite,
-        /// Density that values are dimmed towards, or above which X-rays are absorbed ([`Project::level`]).
-        level: f32,
+        /// Densities at which the projection dims or absorbs ([`Project::levels`]).
+        levels: [f32; 2],
     },
 }
 
@@ -238,6 +241,10 @@ impl Plan {
                 }
                 _ => None,
             },
+            depth_colors: options
+                .depth_colors
+                .as_ref()
+                .map(|colors| PlacedDepthColors::new(colors, camera, &grid, region.bounds)),
             grid,
             silhouette: Silhouette::new(plans.iter().map(|layer| &layer.region)),
             region,
@@ -250,7 +257,7 @@ impl Plan {
             } else {
                 layers.iter().filter_map(|l| l.shading).map(brightest).fold(1.0, f32::max)
             },
-            with_depth: options.with_depth,
+            with_depth: options.with_depth || options.depth_colors.is_some(),
             background: options.background,
             layers: plans,
         };
@@ -424,10 +431,11 @@ fn operator(options: &RenderOptions, grid: &Grid, needs_preintegration: impl Fn(
         Composite::LocalMaximum { threshold } => Operator::LocalMaximum { threshold: density(threshold) },
         composite @ (Composite::Maximum
         | Composite::DepthShadedMaximum { .. }
+        | Composite::AttenuatedMaximum { .. }
         | Composite::Minimum
         | Composite::Mean
         | Composite::Sum
-        | Composite::XRay { .. }) => Operator::Project { composite, level: Project::level(composite, density) },
+        | Composite::XRay { .. }) => Operator::Project { composite, levels: Project::levels(composite, density) },
     }
 }
 

@@ -19,6 +19,8 @@ pub struct Report {
     pub n_sheets: Vec<usize>,
     /// Samples drawn as empty because they are NaN or infinite.
     pub n_nonfinite_samples: usize,
+    /// Places of the first and the last depth colour along the view, from the camera, or along their axis.
+    pub depth_colors: Option<[f64; 2]>,
     /// Threads that were used.
     pub n_threads: usize,
     /// Name of the SIMD level that was used.
@@ -34,6 +36,7 @@ impl Report {
             n_base_planes: plan.families.len(),
             n_base_texels: plan.families.iter().map(n_base_texels).sum(),
             n_sheets: plan.families.iter().map(|family| family.spacing.n_slabs + 1).collect(),
+            depth_colors: plan.depth_colors.as_ref().map(|colors| colors.range),
             n_threads: parallel::n_threads(),
             simd: plan.simd.name(),
             ..Self::default()

@@ -9,6 +9,7 @@
 use wavesplat_compute::simd::{LANES, Lanes};
 use wavesplat_core::Composite;
 
+use crate::ray::project::dimmed;
 use crate::ray::state::TileState;
 use crate::render::plan::Operator;
 
@@ -49,17 +50,26 @@ pub fn fold(operator: Operator, front: Option<TileState>, back: Option<TileState
                 front.done[k] |= back.done[k];
             }
         }
-        Operator::Project { composite, .. } => {
-            for (near, far) in front.value.iter_mut().zip(&back.value) {
-                for (near, far) in near.0.iter_mut().zip(far.0) {
+        Operator::Project { composite, levels } => {
+            for k in 0..front.value.len() {
+                for (i, far) in back.value[k].0.into_iter().enumerate() {
+                    let near = &mut front.value[k].0[i];
+                    let before = *near;
                     *near = match composite {
                         Composite::Maximum | Composite::DepthShadedMaximum { .. } => near.max(far),
+                        Composite::AttenuatedMaximum { .. } => {
+                            near.max(dimmed(far, levels[0], (-front.absorbed[k].0[i]).exp()))
+                        }
                         Composite::Minimum => near.min(far),
                         _ => *near + far,
                     };
+                    if let Some(place) = front.s_half.get_mut(k).filter(|_| *near != before) {
+                        place.0[i] = back.s_half[k].0[i];
+                    }
                 }
             }
-            for (near, far) in front.length.iter_mut().zip(&back.length) {
+            let sums = [(&mut front.length, &back.length), (&mut front.absorbed, &back.absorbed)];
+            for (near, far) in sums.into_iter().flat_map(|(near, far)| near.iter_mut().zip(far)) {
                 near.0.iter_mut().zip(far.0).for_each(|(near, far)| *near += far);
             }
         }

@@ -10,6 +10,19 @@ use wavesplat_core::{Camera, Grid, Projection};
 
 use crate::view::base_plane::BasePlane;
 
+/// Distances from the camera's position along a unit vector, of the first and the last corner of a box of index
+/// positions; along the view of a perspective camera of what is in front of the eye.
+pub fn extent(direction: DVec3, camera: &Camera, grid: &Grid, [lo, hi]: [DVec3; 2]) -> [f64; 2] {
+    let corners = (0..8).map(|c| {
+        let pick = |bit: usize| if c >> bit & 1 == 0 { lo } else { hi };
+        let world = grid.world_from_index().transform_point3(DVec3::new(pick(0).x, pick(1).y, pick(2).z));
+        direction.dot(world - camera.position())
+    });
+    let (near, far) = corners.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), z| (a.min(z), b.max(z)));
+    let sees_front = matches!(camera.projection(), Projection::Perspective { .. }) && direction == camera.forward();
+    [if sees_front { near.max(0.0) } else { near }, far]
+}
+
 /// A factor that is affine in the index position.
 #[derive(Clone, Copy, Debug)]
 pub struct DepthCue {
@@ -19,17 +32,11 @@ pub struct DepthCue {
 
 impl DepthCue {
     /// Shading that takes away the fraction `strength` at the farthest corner of the box `[lo, hi]`, index positions.
-    pub fn new(strength: f64, camera: &Camera, grid: &Grid, [lo, hi]: [DVec3; 2]) -> Self {
+    pub fn new(strength: f64, camera: &Camera, grid: &Grid, corners: [DVec3; 2]) -> Self {
         let world_from_index = grid.world_from_index();
         let per_index = world_from_index.matrix3.transpose() * camera.forward();
         let at_origin = camera.forward().dot(world_from_index.translation - camera.position());
-        let corners = (0..8).map(|c| {
-            let pick = |bit: usize| if c >> bit & 1 == 0 { lo } else { hi };
-            at_origin + per_index.dot(DVec3::new(pick(0).x, pick(1).y, pick(2).z))
-        });
-        let (near, far) = corners.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), z| (a.min(z), b.max(z)));
-        // Nothing is seen behind an eye.
-        let near = if matches!(camera.projection(), Projection::Perspective { .. }) { near.max(0.0) } else { near };
+        let [near, far] = extent(camera.forward(), camera, grid, corners);
         let per_length = if far > near { strength / (far - near) } else { 0.0 };
         Self { at_origin: 1.0 - per_length * (at_origin - near), per_index: -per_length * per_index }
     }

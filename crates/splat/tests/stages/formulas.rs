@@ -328,7 +328,15 @@ pub fn over_segments(curves: &Curves, densities: &[f64], interval: [f64; 2], per
 }
 
 /// A projection: the extreme or the integral along the ray, and the drawn length. `parts`: the drawn parts of spaces.
-pub fn project(operator: &str, parts: &[Drawn], per_s: f64, level: f64, fade: impl Fn(f64) -> f64) -> [f64; 2] {
+///
+/// `level`, `white` and `attenuation`: what values are dimmed towards, what dims most, and how much per length.
+pub fn project(
+    operator: &str,
+    parts: &[Drawn],
+    per_s: f64,
+    [level, white, attenuation]: [f64; 3],
+    fade: impl Fn(f64) -> f64,
+) -> [f64; 2] {
     let length = parts.iter().map(|part| (part.s[1] - part.s[0]) * per_s).sum();
     let ends = || parts.iter().flat_map(|part| [0, 1].map(|end| (part.s[end], part.density[end])));
     let integral = |of: &dyn Fn(f64, f64) -> f64| -> f64 {
@@ -350,6 +358,22 @@ pub fn project(operator: &str, parts: &[Drawn], per_s: f64, level: f64, fade: im
         "maximum" => ends().map(|end| end.1).fold(f64::NEG_INFINITY, f64::max),
         "minimum" => ends().map(|end| end.1).fold(f64::INFINITY, f64::min),
         "depth-shaded maximum" => ends().map(dimmed).fold(f64::NEG_INFINITY, f64::max),
+        "attenuated maximum" => {
+            // The integral of the part between level and white, by the trapezia of many small steps.
+            let bright = |d: f64| ((d - level) / (white - level)).clamp(0.0, 1.0);
+            let (mut depth, mut largest) = (0.0, f64::NEG_INFINITY);
+            for Drawn { s, density } in parts {
+                let n = 20_000;
+                let at = |k: i32| bright(density[0] + (density[1] - density[0]) * (f64::from(k) + 0.5) / f64::from(n));
+                let mean = (0..n).map(at).sum::<f64>() / f64::from(n);
+                let behind = depth + attenuation * mean * (s[1] - s[0]) * per_s;
+                for (d, depth) in [(density[0], depth), (density[1], behind)] {
+                    largest = largest.max(if d > level { level + (d - level) * f64::exp(-depth) } else { d });
+                }
+                depth = behind;
+            }
+            largest
+        }
         "x-ray" => integral(&above),
         _ => integral(&|a, b| 0.5 * (a + b)),
     };

@@ -81,10 +81,14 @@ pub fn over() -> Fixture {
     }
 }
 
+/// Density that dims most, and optical depth per length there, of attenuated maxima.
+const WHITE: f64 = 208.0;
+const ATTENUATION: f64 = 0.25;
+
 pub fn project() -> Fixture {
     let mut random = Random(41);
     let mut cases = Vec::new();
-    for operator in ["maximum", "minimum", "mean", "sum", "x-ray", "depth-shaded maximum"] {
+    for operator in ["maximum", "minimum", "mean", "sum", "x-ray", "depth-shaded maximum", "attenuated maximum"] {
         for (rays, interval, per_s) in RAYS {
             let densities = ray_densities(&mut random);
             let (level, strength) = (if operator == "x-ray" { 96.0 } else { 16.0 }, 0.75);
@@ -93,16 +97,19 @@ pub fn project() -> Fixture {
             let answers: Vec<[f64; 2]> = (0..N_RAYS)
                 .map(|ray| {
                     let parts = formulas::drawn(&of_ray(&densities, ray), interval);
-                    formulas::project(operator, &parts, per_s, level, fade)
+                    formulas::project(operator, &parts, per_s, [level, WHITE, ATTENUATION], fade)
                 })
                 .collect();
             let mut case =
                 rays_case(format!("{operator}, {rays}"), &densities, interval, per_s).with_text("operator", operator);
-            if operator == "x-ray" || operator == "depth-shaded maximum" {
+            if ["x-ray", "depth-shaded maximum", "attenuated maximum"].contains(&operator) {
                 case = case.with("level", level);
             }
             if operator == "depth-shaded maximum" {
                 case = case.with("strength", strength);
+            }
+            if operator == "attenuated maximum" {
+                case = case.with("white", WHITE).with("attenuation", ATTENUATION);
             }
             let case = case
                 .answer("value", answers.iter().map(|answer| answer[0]))
@@ -116,7 +123,8 @@ pub fn project() -> Fixture {
                interval, the part of s that is drawn; length_per_s, length along a ray per s. value: the extreme, or the \
                integral over the length: of the density (mean, sum), or of what of it is above level (x-ray). Depth shading \
                multiplies what is above level by 1 - strength (s - interval[0]) / (interval[1] - interval[0]) first, at the \
-               ends of each space between two sheets. length: of the way.",
+               ends of each space between two sheets. Attenuation multiplies it by exp(-attenuation I) instead, where I is the \
+               integral over the length, so far, of what rises from 0 at level to 1 at white. length: of the way.",
         made_from: FORMULAS,
         tolerance: [1e-5, 1e-5],
         exact: &[],

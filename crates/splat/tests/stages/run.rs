@@ -408,6 +408,11 @@ fn project(level: Level, case: &Case) -> Arrays {
         "mean" => Composite::Mean,
         "sum" => Composite::Sum,
         "x-ray" => Composite::XRay { clear: case.number("level"), attenuation: 1.0 },
+        "attenuated maximum" => Composite::AttenuatedMaximum {
+            black: case.number("level"),
+            white: case.number("white"),
+            attenuation: case.number("attenuation"),
+        },
         _ => Composite::DepthShadedMaximum { strength: case.number("strength"), black: case.number("level") },
     };
     let state = rays(level, case, &any_transfer_function(), composite, false);

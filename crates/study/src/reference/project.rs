@@ -66,6 +66,21 @@ fn project(operator: Composite, pieces: &[RayPiece], share: impl Fn(DVec3) -> f6
             };
             ends().map(shaded).fold(f64::NEG_INFINITY, f64::max)
         }
+        Composite::AttenuatedMaximum { black, white, attenuation } => {
+            let mut depth = 0.0;
+            let mut largest = f64::NEG_INFINITY;
+            for piece in pieces {
+                let [near, far] = piece.values;
+                let share = mean_above(near - black, far - black) - mean_above(near - white, far - white);
+                let behind = depth + attenuation * share / (white - black) * piece.length();
+                for (value, depth) in [(near, depth), (far, behind)] {
+                    let dimmed = if value > black { black + (value - black) * (-depth).exp() } else { value };
+                    largest = largest.max(dimmed);
+                }
+                depth = behind;
+            }
+            largest
+        }
         Composite::LocalMaximum { threshold } => {
             let values: Vec<f64> = values().collect();
             let falls = |k: &usize| {
@@ -77,21 +92,23 @@ fn project(operator: Composite, pieces: &[RayPiece], share: impl Fn(DVec3) -> f6
             values[..end].iter().copied().fold(f64::NEG_INFINITY, f64::max)
         }
         Composite::XRay { clear, attenuation } => {
-            let above = integral(&|[a, b]| {
-                let (a, b) = (a - clear, b - clear);
-                let (lo, hi) = (a.min(b), a.max(b));
-                if lo >= 0.0 {
-                    0.5 * (a + b)
-                } else if hi <= 0.0 {
-                    0.0
-                } else {
-                    // A triangle over the part of the piece that absorbs.
-                    0.5 * hi * hi / (hi - lo)
-                }
-            });
+            let above = integral(&|[a, b]| mean_above(a - clear, b - clear));
             (-attenuation * above).exp()
         }
         Composite::Over | Composite::FirstHit { .. } => f64::NAN,
+    }
+}
+
+/// Mean of the positive part of a value that goes evenly from `a` to `b`.
+fn mean_above(a: f64, b: f64) -> f64 {
+    let (lo, hi) = (a.min(b), a.max(b));
+    if lo >= 0.0 {
+        0.5 * (a + b)
+    } else if hi <= 0.0 {
+        0.0
+    } else {
+        // A triangle over the part above 0.
+        0.5 * hi * hi / (hi - lo)
     }
 }
 

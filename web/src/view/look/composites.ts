@@ -1,18 +1,6 @@
-// Operators along a ray: their names for people, and the numbers that some of them have.
+// Operators along a ray: the numbers that some of them have; and the names of kernels for people.
 
 import type { Composite } from "../../state/state.ts";
-
-export const COMPOSITE_NAMES: Readonly<Record<string, string>> = {
-  over: "Volume rendering (over)",
-  maximum: "Maximum intensity (MIP)",
-  "depth-shaded-maximum": "Maximum, dimmed by depth",
-  "local-maximum": "First local maximum (LMIP)",
-  minimum: "Minimum intensity (MinIP)",
-  mean: "Mean",
-  sum: "Sum",
-  "x-ray": "X-ray",
-  "first-hit": "Isosurface (first hit)",
-};
 
 export const KERNEL_NAMES: Readonly<Record<string, string>> = {
   linear: "Linear",

@@ -3,11 +3,11 @@
 import { useRef } from "preact/hooks";
 import type { Problem } from "../../engine/engine.ts";
 import { set } from "../../state/patch.ts";
+import { COMPOSITE_NAMES } from "../../state/composites.ts";
 import type { Light, Shading, Vec3 } from "../../state/state.ts";
 import type { PartProps } from "../part.ts";
 import {
   DIMMING,
-  COMPOSITE_NAMES,
   compositeNamed,
   KERNEL_NAMES,
   nameOf,

@@ -251,7 +251,5 @@ def test_defaults_are_as_bright_as_the_maximum_where_nothing_is_in_front(scan):
     inside = plain.rgba[..., 3] > 0.9
     bright = attenuated.rgba[..., 1][inside] / np.maximum(plain.rgba[..., 1][inside], 1e-3)
     assert bright.max() < 1.03, "brighter by no more than the filter overshoots"
-        "dimmed, and brighter by no more than the filter overshoots"
-    )
     assert np.percentile(attenuated.rgba[..., 1][inside], 99) > 0.4
     assert 0.3 < np.median(bright[plain.rgba[..., 1][inside] > 0.3]) < 0.95

@@ -65,7 +65,9 @@ mod tests {
             (1.0, [1.0, 0.0, 0.0]),
             (7.0, [1.0, 0.0, 0.0]),
         ];
-        pairs.iter().for_each(|(share, want)| assert_eq!(depth_colors.at(*share), *want, "{share}"));
+        for (share, want) in pairs {
+            assert_eq!(depth_colors.at(share), want, "{share}");
+        }
     }
 
     #[test]

@@ -30,7 +30,8 @@ def test_a_picture_of_a_function_of_two_dimensions_opens_in_pillow(tmp_path):
     curves = ws.TransferFunction2D(np.linspace(0, 255, 200), np.linspace(0, 90, 120), table)
     ws.render(volume, curves, size=(16, 16)).save(tmp_path / "a.png")
     assert len(text_in((tmp_path / "a.png").read_bytes(), "wavesplat")) > 1 << 20
-    assert Image.open(tmp_path / "a.png").size == (16, 16)
+    with Image.open(tmp_path / "a.png") as opened:
+        assert opened.size == (16, 16)
 
 
 def test_bombs_are_refused(monkeypatch):

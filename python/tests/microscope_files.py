@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import h5py
 import numpy as np
 
@@ -115,4 +117,33 @@ def save_bdv(folder, samples, **options):
     save_bdv_samples(folder / "bdv.h5", samples)
     xml = folder / "bdv.xml"
     xml.write_text(bdv_xml(n_setups=samples.shape[1], n_times=samples.shape[0], **options), encoding="utf-8")
+    return xml
+
+
+def save_bdv_n5(folder, samples, *, name="bdv.n5", n_levels=2, compression="gzip", **options):
+    """Write a folder of N5 with uint16 as it is, and its XML; the path of the XML."""
+    import tensorstore
+
+    root = folder / name
+    root.mkdir()
+    (root / "attributes.json").write_text('{"n5": "2.5.1"}')
+    for s in range(samples.shape[1]):
+        (root / f"setup{s}").mkdir()
+        told = {"dataType": str(samples.dtype), "downsamplingFactors": [[2**level] * 3 for level in range(n_levels)]}
+        (root / f"setup{s}" / "attributes.json").write_text(json.dumps(told))
+        for t in range(samples.shape[0]):
+            for level in range(n_levels):
+                one = at_level(samples[t, s], level)
+                place = {"driver": "file", "path": str(root / f"setup{s}/timepoint{t}/s{level}")}
+                metadata = {
+                    "dimensions": one.shape[::-1],
+                    "blockSize": [4, 3, 2],
+                    "dataType": str(one.dtype),
+                    "compression": {"type": compression},
+                }
+                spec = {"driver": "n5", "kvstore": place, "metadata": metadata}
+                tensorstore.open(spec, create=True).result()[...] = one.T
+    xml = folder / "bdv.xml"
+    own = {"n_setups": samples.shape[1], "n_times": samples.shape[0], "format": "bdv.n5", "tag": "n5", "name": name}
+    xml.write_text(bdv_xml(**own, **options), encoding="utf-8")
     return xml

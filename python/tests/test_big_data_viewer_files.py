@@ -124,7 +124,8 @@ def test_int16_that_is_said_to_be_signed_stays(tmp_path):
 @pytest.mark.parametrize(
     ("options", "message"),
     [
-        ({"format": "bdv.n5", "tag": "n5", "name": "a.n5"}, "are in N5, which zarr does not read.*resave"),
+        ({"format": "bdv.n5", "tag": "n5", "name": "a.n5"}, "are not there .'a.n5'.*folder beside the XML"),
+        ({"format": "bdv.n5", "tag": "n5", "name": "../a.n5"}, r"'../a.n5', in another folder.*external_files"),
         ({"format": "bdv.multimg.zarr", "tag": "zarr", "name": "a.zarr"}, r"in OME-Zarr; name one .*\(a.zarr\)"),
         ({"format": "spimreconstruction.filemap2"}, "another form .spimreconstruction.filemap2."),
         ({"name": "../other.h5"}, r"'../other.h5', in another folder.*external_files"),

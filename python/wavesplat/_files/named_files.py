@@ -14,12 +14,14 @@ from wavesplat.errors import FileError
 __all__ = ["check_named_file", "check_within", "refused"]
 
 
-def check_named_file(name: str, path: Path, *, anywhere: bool, within: Path | None = None) -> None:
+def check_named_file(
+    name: str, path: Path, *, anywhere: bool, within: Path | None = None, is_folder: bool = False
+) -> None:
     """Raise a `FileError` if the file `name`, named by the file `path`, lies in another folder or is no file.
 
     Links in the folder are followed: they were made by the user, not by the file; but where a document in the folder
     `within` names the file, they may have come with it, and must lead to what lies there. A file that is not there is
-    left to the reader, which says what it misses.
+    left to the reader, which says what it misses. `is_folder`: a folder is named, not a file.
     """
     folder = Path.cwd() / path.parent
     named = Path(os.path.normpath(folder / name))
@@ -28,7 +30,7 @@ def check_named_file(name: str, path: Path, *, anywhere: bool, within: Path | No
         raise refused(f"{name!r}, in another folder", path)
     if within is not None and not lies_in(str(named), within):
         raise refused(f"{name!r}, a link to another folder", path)
-    if named.exists() and not named.is_file():
+    if named.exists() and not (named.is_dir() if is_folder else named.is_file()):
         raise FileError(f"the file names {name!r} as one that holds its samples, which is no file: {path}")
 
 

@@ -1,6 +1,6 @@
-"""BigDataViewer: an XML with places, and an HDF5 file with a dataset for each time point, setup and level.
+"""BigDataViewer: an XML with places, and an HDF5 file or a folder of N5 with an array for each time, setup and level.
 
-Either file may be named; the HDF5 file finds the XML beside it. Setups are channels here, each at the place of its
+Either may be named; the samples find the XML beside them. Setups are channels here, each at the place of its
 registration, also those that are tiles or angles.
 Datasets of int16 hold uint16: HDF5 files of BigDataViewer are written so. A sample of a coarser level is the mean of a
 block, in whose middle it lies. Source: https://imagej.net/plugins/bdv, "File format"; see also `bdv_xml`.
@@ -11,7 +11,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,12 +20,14 @@ from wavesplat._files.named_files import check_named_file, check_within
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Channel, Facts
 from wavesplat._model.hdf5_files import read_hdf5
+from wavesplat._readers.bdv_n5 import N5Samples
 from wavesplat._readers.bdv_xml import Setup, SpimData, parsed
 from wavesplat._readers.hdf5_levels import (
     StoredImage,
     StoredLevel,
     checked_dataset,
     grid_of,
+    lazy_levels_of,
     level_numbers,
     member_at,
     numbered,
@@ -37,9 +39,11 @@ from wavesplat.errors import FileError
 if TYPE_CHECKING:
     import h5py
 
+    from wavesplat._model.lazy_array import SlicedArray
+
 __all__ = ["described", "opened", "read"]
 
-#: XML files that are looked into beside an HDF5 file, at most.
+#: XML files that are looked into beside samples, at most.
 MAX_BESIDE = 50
 #: Levels of an image, at most.
 MAX_LEVELS = 64
@@ -51,13 +55,13 @@ ROUNDING = 1e-4
 
 def read(request: Request) -> Grid:
     """A setup of BigDataViewer's at one time, at the level that is asked for."""
-    with reading("BigDataViewer's HDF5", request.path), opened(request) as (file, data):
-        return grid_of(file, described(file, data, request), request)
+    with reading("BigDataViewer's HDF5 or N5", request.path), opened(request) as (samples, data):
+        return samples.grid(described(samples, data, request))
 
 
 @contextmanager
-def opened(request: Request) -> Iterator[tuple[h5py.File, SpimData | None]]:
-    """The HDF5 file of a request, which names it or its XML, and the content of the XML; None where there is none."""
+def opened(request: Request) -> Iterator[tuple[Samples, SpimData | None]]:
+    """The samples of a request, which names them or their XML, and the content of the XML; None where there is none."""
     path = request.file
     if path.suffix.lower() != ".xml":
         data = _beside(path, request)
@@ -66,25 +70,107 @@ def opened(request: Request) -> Iterator[tuple[h5py.File, SpimData | None]]:
         if data is None:
             raise FileError(f"the XML is none of BigDataViewer (SpimData); name the image that it belongs to: {path}")
         path = _samples_of(data, request)
+    if path.is_dir():
+        yield N5Samples(path, request), data
+        return
     with read_hdf5(path) as file:
-        yield file, data
+        yield Hdf5Samples(file, request), data
+
+
+class Samples(Protocol):
+    """Samples of BigDataViewer's, in HDF5 or N5: arrays by names, which are told for views (time point, setup)."""
+
+    path: Path
+
+    def setups(self) -> list[int]:
+        """Numbers of the setups that are there."""
+
+    def times(self) -> list[int]:
+        """Numbers of the time points that are there."""
+
+    def factors(self, setup: int) -> Any:
+        """Samples of the finest level, along x, y, z, for one of each level; None where nothing says so."""
+
+    def name(self, view: tuple[int, int], level: int) -> str:
+        """The array of a view (time point, setup) at a level."""
+
+    def shape(self, name: str) -> tuple[int, int, int]:
+        """Shape (z, y, x) of an array of samples; a `FileError` if it is none."""
+
+    def is_unsigned(self, setup: int, name: str) -> bool:
+        """Whether int16 stands for uint16."""
+
+    def grid(self, image: StoredImage) -> Grid:
+        """The samples of the first of the image's levels."""
+
+    def lazy_levels(self, image: StoredImage) -> list[SlicedArray]:
+        """Arrays of all levels of the image, which are read as they are drawn."""
+
+
+class Hdf5Samples:
+    """Samples in an HDF5 file that is open."""
+
+    def __init__(self, file: h5py.File, request: Request) -> None:
+        self.path = Path(file.filename)
+        self._file, self._request = file, request
+
+    def setups(self) -> list[int]:
+        """Numbers of the setups in the file."""
+        return numbered(self._file["/"], "s")
+
+    def times(self) -> list[int]:
+        """Numbers of the time points in the file."""
+        return numbered(self._file["/"], "t")
+
+    def factors(self, setup: int) -> Any:
+        """Samples of the finest level, along x, y, z, for one of each level; None where the file does not say."""
+        found = member_at(self._file, f"s{setup:02d}/resolutions", self._request)
+        is_table = found is not None and getattr(found, "size", 0) <= 3 * MAX_LEVELS
+        return found[...] if is_table else None
+
+    def name(self, view: tuple[int, int], level: int) -> str:
+        """The dataset of a view (time point, setup) at a level."""
+        return f"t{view[0]:05d}/s{view[1]:02d}/{level}/cells"
+
+    def shape(self, name: str) -> tuple[int, int, int]:
+        """Shape (z, y, x) of a dataset of samples."""
+        z, y, x = (int(n) for n in checked_dataset(self._file, name, self._request).shape)
+        return z, y, x
+
+    def is_unsigned(self, setup: int, name: str) -> bool:
+        """Whether int16 stands for uint16: so it is unless the setup names another type."""
+        said = self._file[f"s{setup:02d}"].attrs.get("dataType", b"")
+        said = said.decode("ascii", "replace") if isinstance(said, bytes) else str(said)
+        return bool(self._file[name].dtype == np.int16) and said != "int16"
+
+    def grid(self, image: StoredImage) -> Grid:
+        """The samples of the level that is asked for, else of the finest."""
+        return grid_of(self._file, image, self._request)
+
+    def lazy_levels(self, image: StoredImage) -> list[SlicedArray]:
+        """Arrays of all levels, which are read as they are drawn."""
+        return lazy_levels_of(self._file, image, self._request)
 
 
 def _samples_of(data: SpimData, request: Request) -> Path:
-    """The HDF5 file that an XML names; an error for other formats."""
-    if data.format != "bdv.hdf5":
+    """The HDF5 file or the folder of N5 that an XML names; an error for other formats."""
+    if data.format not in ("bdv.hdf5", "bdv.n5"):
         raise FileError(_other_format(data, request))
-    check_named_file(data.samples, request.file, anywhere=request.external_files, within=request.within)
+    is_folder = data.format == "bdv.n5"
+    check_named_file(
+        data.samples, request.file, anywhere=request.external_files, within=request.within, is_folder=is_folder
+    )
     path = request.file.parent / data.samples
-    if not path.is_file():
-        raise FileError(f"the samples are not there ({data.samples!r}); put their file beside the XML: {request.path}")
+    if not (path.is_dir() if is_folder else path.is_file()):
+        what = "folder" if is_folder else "file"
+        raise FileError(
+            f"the samples are not there ({data.samples!r}); put their {what} beside the XML: {request.path}"
+        )
     return path
 
 
 def _other_format(data: SpimData, request: Request) -> str:
-    if "n5" in data.format:
-        what, way = "N5, which zarr does not read", OF_N5
-    elif "zarr" in data.format:
+    if "zarr" in data.format:
         what, way = "OME-Zarr", f"name one of the images in it ({data.samples or 'the .zarr beside it'})"
     else:
         what, way = f"another form ({data.format[:40] or 'without a name'})", OF_N5
@@ -92,7 +178,7 @@ def _other_format(data: SpimData, request: Request) -> str:
 
 
 def _beside(path: Path, request: Request) -> SpimData | None:
-    """The content of the XML beside an HDF5 file: of the same name, else one that names the file."""
+    """The content of the XML beside samples: of the same name, else one that names them."""
     own = path.with_suffix(".xml")
     others = sorted(one for one in path.parent.glob("*.xml") if one != own)[:MAX_BESIDE]
     for xml in (own, *others):
@@ -110,11 +196,10 @@ def _beside(path: Path, request: Request) -> SpimData | None:
     return None
 
 
-def described(file: h5py.File, data: SpimData | None, request: Request) -> StoredImage:
+def described(samples: Samples, data: SpimData | None, request: Request) -> StoredImage:
     """Levels, place and facts of the setup and time that are asked for."""
-    root = file["/"]
-    setups = data.setups if data else tuple(Setup(number) for number in numbered(root, "s"))
-    times = data.times if data else tuple(numbered(root, "t"))
+    setups = data.setups if data else tuple(Setup(number) for number in samples.setups())
+    times = data.times if data else tuple(samples.times())
     channels = [Channel(name) for name in _names(setups)]
     time = choose("time", len(times), request.time, request.safe_path)
     number = choose(
@@ -123,10 +208,9 @@ def described(file: h5py.File, data: SpimData | None, request: Request) -> Store
     setup, view = setups[number], (times[time], setups[number].number)
     if data is not None and view in data.missing:
         raise FileError(f"the view of time {time} and channel {number} is missing, as the XML says: {request.path}")
-    factors = _factors(file, setup, request)
-    names = [f"t{view[0]:05d}/s{view[1]:02d}/{level}/cells" for level in range(len(factors))]
-    datasets = [checked_dataset(file, name, request) for name in names]
-    shapes = [(int(one.shape[0]), int(one.shape[1]), int(one.shape[2])) for one in datasets]
+    factors = _factors(samples, setup, request)
+    names = [samples.name(view, level) for level in range(len(factors))]
+    shapes = [samples.shape(name) for name in names]
     finest, guesses = _place(data, setup, view)
     wanted = level_numbers(len(names), request)
     stored = [StoredLevel(names[k], shapes[k], finest @ _of_blocks(factors[k] / factors[0])) for k in wanted]
@@ -140,27 +224,23 @@ def described(file: h5py.File, data: SpimData | None, request: Request) -> Store
         levels=tuple(shapes) if len(shapes) > 1 else (),
         guesses=(*guesses, *_told_of_setups(setups)),
     )
-    return StoredImage(Path(file.filename), stored, facts, is_unsigned=_is_unsigned(file, setup, datasets[0]))
+    return StoredImage(samples.path, stored, facts, is_unsigned=samples.is_unsigned(setup.number, names[0]))
 
 
-def _factors(file: h5py.File, setup: Setup, request: Request) -> NDArray[np.float64]:
+def _factors(samples: Samples, setup: Setup, request: Request) -> NDArray[np.float64]:
     """Samples of the finest level, along x, y, z, for one of each level."""
-    found = member_at(file, f"s{setup.number:02d}/resolutions", request)
-    is_table = found is not None and getattr(found, "size", 0) <= 3 * MAX_LEVELS
-    factors = np.asarray(found[...], np.float64) if is_table else np.zeros(0)
-    if factors.ndim != 2 or factors.shape[1] != 3 or not (np.isfinite(factors).all() and (factors > 0).all()):
+    found = samples.factors(setup.number)
+    try:
+        factors = np.asarray([] if found is None else found, np.float64)
+    except (TypeError, ValueError):
+        factors = np.zeros(0)
+    is_table = factors.ndim == 2 and factors.shape[1] == 3 and len(factors) <= MAX_LEVELS
+    if not is_table or not (np.isfinite(factors).all() and (factors > 0).all()):
         raise FileError(
-            f"the file says nothing of setup {setup.number} (s{setup.number:02d}/resolutions); copy or export it "
-            f"again: {request.path}"
+            f"nothing is said of the levels of setup {setup.number} (resolutions, downsamplingFactors); copy or "
+            f"export it again: {request.path}"
         )
     return factors
-
-
-def _is_unsigned(file: h5py.File, setup: Setup, dataset: h5py.Dataset) -> bool:
-    """Whether int16 stands for uint16: so it is unless the setup names another type."""
-    said = file[f"s{setup.number:02d}"].attrs.get("dataType", b"")
-    said = said.decode("ascii", "replace") if isinstance(said, bytes) else str(said)
-    return bool(dataset.dtype == np.int16) and said != "int16"
 
 
 def _of_blocks(factors: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -279,8 +279,10 @@ def _of_imaris(request: Request) -> LazyGrid:
 
 
 def _of_big_data_viewer(request: Request) -> LazyGrid:
-    with bdv.opened(request) as (file, data):
-        return _of_levels(file, bdv.described(file, data, request), request)
+    with bdv.opened(request) as (samples, data):
+        image = bdv.described(samples, data, request)
+        matrices = [level.world_from_index for level in image.levels]
+        return LazyGrid([*samples.lazy_levels(image)], matrices, image.facts)
 
 
 def _of_levels(file: Any, image: StoredImage, request: Request) -> LazyGrid:
@@ -370,7 +372,7 @@ NAMES = {
     "hdf5": "HDF5",
     "netcdf": "netCDF",
     "imaris": "an Imaris file",
-    "bdv": "BigDataViewer's HDF5",
+    "bdv": "BigDataViewer's HDF5 or N5",
     "ome_zarr": "Zarr",
     "tiff": "TIFF",
     "bioio_files": "a microscope's file",

@@ -30,6 +30,7 @@ from wavesplat._model.volume import Volume
 from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._public import public
 from wavesplat._readers import bioio_files, lazy_files, netcdf, vasp, vtk_grids
+from wavesplat._readers.bdv_n5 import holds_setups
 from wavesplat._readers.hdf5 import kind_of as hdf5_kind
 from wavesplat._readers.options import OpenOptions
 from wavesplat._readers.request import Grid, Request, requested
@@ -333,6 +334,8 @@ def _family_of_folder(folder: Path) -> str:
         return "ome_zarr"
     if any(name.lower().endswith((".tif", ".tiff")) for name in names):
         return "tiff"
+    if holds_setups(names):
+        return "bdv"
     if (error := foreign_folder(folder, names)) is not None:
         raise error
     return "dicom"

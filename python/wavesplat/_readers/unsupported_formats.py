@@ -74,7 +74,7 @@ def foreign_folder(folder: Path, names: list[str]) -> FileError | None:
     """The error that describes a folder by the names in it; None where it may be one of slices."""
     if "attributes.json" not in names:
         return None
-    return FileError(f"the folder holds N5, which zarr does not read; {OF_N5}: {folder}")
+    return FileError(f"the folder holds N5 of another form than BigDataViewer's; {OF_N5}: {folder}")
 
 
 def foreign_content(path: Path, start: bytes) -> FileError | None:

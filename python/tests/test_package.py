@@ -117,7 +117,20 @@ def test_extras_are_installed_from_the_checkout():
     named = {extra for text in texts for extra in re.findall(r'extra="(\w+)"|pip install "\.\[(\w+)\]"', text)}
     project = (root / "pyproject.toml").read_text(encoding="utf-8")
     extras = {name for pair in named for name in pair if name}
-    assert extras == {"bio", "body", "dask", "figure", "fit", "http", "mesh", "movie", "notebook", "pyvista", "xarray"}
+    assert extras == {
+        "bio",
+        "body",
+        "dask",
+        "figure",
+        "fit",
+        "http",
+        "mesh",
+        "movie",
+        "n5",
+        "notebook",
+        "pyvista",
+        "xarray",
+    }
     assert [name for name in extras if not re.search(rf"^{name} = \[", project, re.MULTILINE)] == []
 
 

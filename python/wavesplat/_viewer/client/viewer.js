@@ -682,6 +682,21 @@ async function through(bytes, stream) {
   return new Uint8Array(await new Response(piped).arrayBuffer());
 }
 
+// src/state/composites.ts
+var COMPOSITE_NAMES = {
+  over: "Volume rendering (over)",
+  maximum: "Maximum intensity (MIP)",
+  "depth-shaded-maximum": "Maximum, dimmed by depth",
+  "depth-colored-maximum": "Maximum, colour by depth",
+  "attenuated-maximum": "Maximum, attenuated",
+  "local-maximum": "First local maximum (LMIP)",
+  minimum: "Minimum intensity (MinIP)",
+  mean: "Mean",
+  sum: "Sum",
+  "x-ray": "X-ray",
+  "first-hit": "Isosurface (first hit)"
+};
+
 // src/state/state.ts
 var QUALITIES = ["draft", "normal", "fine", "high"];
 var PANES = ["axial", "coronal", "sagittal"];
@@ -750,7 +765,7 @@ var curves = (value, where) => {
     "gradient_opacity?": nodes(number(0), share)
   })(value, where);
 };
-var COMPOSITES = ["over", "maximum", "depth-shaded-maximum", "local-maximum", "minimum", "mean", "sum", "x-ray", "first-hit"];
+var COMPOSITES = Object.keys(COMPOSITE_NAMES);
 var composite = (value, where) => {
   if (value === null || typeof value === "string") oneOf(null, ...COMPOSITES)(value, where);
   else fields(Object.fromEntries(COMPOSITES.map((name) => [`${name}?`, fields({ "*": either(null, any) })])))(value, where);
@@ -2939,17 +2954,6 @@ function Ramp({ layer }) {
 }
 
 // src/view/look/composites.ts
-var COMPOSITE_NAMES = {
-  over: "Volume rendering (over)",
-  maximum: "Maximum intensity (MIP)",
-  "depth-shaded-maximum": "Maximum, dimmed by depth",
-  "local-maximum": "First local maximum (LMIP)",
-  minimum: "Minimum intensity (MinIP)",
-  mean: "Mean",
-  sum: "Sum",
-  "x-ray": "X-ray",
-  "first-hit": "Isosurface (first hit)"
-};
 var KERNEL_NAMES = {
   linear: "Linear",
   "catmull-rom": "Catmull-Rom (sharp)",

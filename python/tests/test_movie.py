@@ -10,6 +10,7 @@ from test_bad_arguments import BAD, said
 
 import wavesplat as ws
 from wavesplat._movie import encoding, movie, png_sequence
+from wavesplat._render.options import DrawOptions
 from wavesplat.errors import ArgumentError, CancelledError, FileError, LibraryError
 
 av = pytest.importorskip("av")
@@ -246,7 +247,7 @@ def test_what_is_chosen_by_the_data_is_chosen_once(tmp_path, composite):
     samples[4:12, 4:12, 6:10] = np.linspace(100, 200, 4)
     cube = ws.Volume(samples)
     scene = ws.Scene(cube, background="black")
-    shots = movie._shots(scene, ws.Turn(frames=4), 30, composite, (32, 32))
+    shots = movie._shots(scene, ws.Turn(frames=4), 30, DrawOptions(composite=composite, size=(32, 32)))
     looks = {id(shots[k].scene.layers[0].look) for k in range(4)}
     assert len(looks) == 1
     assert isinstance(shots[0].scene.layers[0].look, ws.Look)
@@ -263,7 +264,7 @@ def test_several_layers_turn_together(tmp_path):
 
 def test_a_wanted_psnr_is_measured_once(tmp_path):
     scene = ws.Scene(VOLUME, LOOK)
-    shots = movie._shots(scene, ws.Turn(frames=3), 30, None, (32, 32))
+    shots = movie._shots(scene, ws.Turn(frames=3), 30, DrawOptions(size=(32, 32)))
     spreads = [
         shots[k].scene.render(shots[k].camera, size=(32, 32), psnr=40).report["expected_psnr_spread_db"]
         for k in range(3)

@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from wavesplat._model.lazy_volume import LazyVolume
     from wavesplat._model.sampling import Sampling
     from wavesplat._model.series import Series
+    from wavesplat._model.stereo import Stereo
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
     from wavesplat._movie.frames import render_frames
@@ -107,6 +108,7 @@ __all__ = [
     "Scene",
     "Series",
     "Shading",
+    "Stereo",
     "TransferFunction",
     "TransferFunction2D",
     "Turn",
@@ -172,6 +174,7 @@ _HOMES = {
     "Scene": "_scene.scene",
     "Series": "_model.series",
     "Shading": "_looks.shading",
+    "Stereo": "_model.stereo",
     "TransferFunction": "_looks.transfer_function",
     "TransferFunction2D": "_looks.transfer_function_2d",
     "Turn": "_movie.turn",

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from wavesplat._cli.crop_options import CutOptions, takes_cut_options
+from wavesplat._cli.eye_options import EyeOptions, eye_arguments, takes_eye_options
 from wavesplat._cli.figure_options import FigureOptions, check_figure, marks_of, takes_frame_figure_options
 from wavesplat._cli.layer_options import LayerOptions, takes_layer_options, times_of
 from wavesplat._cli.light_options import LightOptions, takes_light_options
@@ -36,6 +37,7 @@ from wavesplat._cli.view_options import (
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from wavesplat._model.camera import Camera
     from wavesplat._movie.key_frame import KeyFrame
     from wavesplat._movie.turn import Turn
 
@@ -55,6 +57,7 @@ TURN = 120
 @takes_processing_options
 @takes_sampling_options
 @takes_scene_options
+@takes_eye_options
 @takes_view_options
 def movie(
     input: Input,
@@ -88,6 +91,7 @@ def movie(
     showing: SceneOptions,
     colors: ColorOptions,
     viewing: ViewOptions,
+    eyes: EyeOptions,
     size: Size = "512x512",
     sampling: SamplingOptions,
     cuts: CutOptions,
@@ -101,6 +105,7 @@ def movie(
     """Draw a movie of a volume, a turn, all time points or both, and print its path."""
     check_scene_options(showing, colors, cuts)
     check_view_options(viewing)
+    of_eyes = eye_arguments(eyes)
     check_figure(figure)
     from wavesplat._cli import progress
     from wavesplat._movie.movie import check_movie
@@ -122,7 +127,7 @@ def movie(
         processing=processing,
         quiet=quiet,
     )
-    along = _along(chosen, round_trip, layering.times, viewing, size=size, fps=fps)
+    along = _along(chosen, round_trip, layering.times, viewing, size=size, fps=fps, eyes=eyes)
     n = along.frames if isinstance(along, Turn) else len(along)
     arguments = drawing_arguments(sampling) | marks_of(figure, chosen.unit, quiet=quiet)
     if sampling.quality is None and sampling.sheets_per_slice is None and sampling.oversampling is None:
@@ -136,6 +141,7 @@ def movie(
                 fps=fps,
                 size=size,
                 composite=chosen.operator,
+                **of_eyes,
                 crf=crf,
                 resume=resume,
                 progress=told,
@@ -160,11 +166,18 @@ def _along(
     *,
     size: tuple[int, int],
     fps: float,
-) -> list[KeyFrame] | Turn:
+    eyes: EyeOptions,
+) -> list[KeyFrame] | list[Camera] | Turn:
     """A turn, through the times if any are given, or a key frame for each of them."""
     from wavesplat._movie.key_frame import KeyFrame
+    from wavesplat._movie.turn import key_frames, turned_in_place
 
     numbers = None if times is None else _numbers(chosen, times)
+    if turn is not None and eyes.eye is not None:
+        scenes = [chosen.scene] if numbers is None else [chosen.scene.at_time(number) for number in numbers]
+        turn = replace(turn, times=numbers)
+        cameras = turned_in_place(turn, camera_for(scenes, chosen.look, viewing, size, eyes))
+        return cameras if numbers is None else key_frames(turn, cameras, fps)
     if turn is not None:
         turn = replace(turn, times=numbers)
         camera = given_camera(viewing)
@@ -181,7 +194,7 @@ def _along(
             view_angle=viewing.perspective,
         )
     assert numbers is not None
-    camera = camera_for([chosen.scene.at_time(number) for number in numbers], chosen.look, viewing, size)
+    camera = camera_for([chosen.scene.at_time(number) for number in numbers], chosen.look, viewing, size, eyes)
     return [KeyFrame(k / fps, camera=camera, time=number) for k, number in enumerate(numbers)]
 
 

@@ -63,6 +63,10 @@ WORDS: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("rotate", "rotation", "yaw", "angle", "turn", "azim"), ("--azimuth DEG",)),
     **dict.fromkeys(("pitch", "tilt", "elev"), ("--elevation DEG",)),
     **dict.fromkeys(("fov", "view-angle", "field-of-view"), ("--perspective DEG",)),
+    **dict.fromkeys(("stereo-mode", "stereo-type", "anaglyph", "stereoscopic", "3d"), ("--stereo LAYOUT",)),
+    **dict.fromkeys(("360", "vr", "equirectangular", "spherical", "fisheye", "panoramic"), ("--panorama",)),
+    **dict.fromkeys(("eye-angle", "eye-separation", "interocular", "baseline"), ("--eye-distance LENGTH",)),
+    **dict.fromkeys(("focal-distance", "zero-parallax"), ("--convergence LENGTH",)),
     **dict.fromkeys(("scale", "magnification", "dolly"), ("--zoom FACTOR",)),
     **dict.fromkeys(
         ("voxel-size", "voxelsize", "voxel-spacing", "pixel-size", "pixelsize", "z-step", "zstep", "pitch-um"),

@@ -11,6 +11,7 @@ import typer
 
 from wavesplat._cli.batches import Batch
 from wavesplat._cli.crop_options import CutOptions, takes_cut_options
+from wavesplat._cli.eye_options import EyeOptions, eye_arguments, takes_eye_options
 from wavesplat._cli.figure_options import FigureOptions, annotated, check_figure, takes_figure_options
 from wavesplat._cli.from_document import draw_from
 from wavesplat._cli.layer_options import LayerOptions, names_of_pictures, takes_layer_options, times_of
@@ -51,6 +52,7 @@ __all__ = ["render"]
 @takes_processing_options
 @takes_sampling_options
 @takes_scene_options
+@takes_eye_options
 @takes_view_options
 def render(
     context: typer.Context,
@@ -69,6 +71,7 @@ def render(
     showing: SceneOptions,
     colors: ColorOptions,
     viewing: ViewOptions,
+    eyes: EyeOptions,
     size: Size = "512x512",
     sampling: SamplingOptions,
     cuts: CutOptions,
@@ -102,6 +105,7 @@ def render(
         raise ArgumentError("INPUT is missing: name a volume, a file, folder or URL, or give --from")
     check_scene_options(showing, colors, cuts)
     check_view_options(viewing)
+    of_eyes = eye_arguments(eyes)
     check_outputs(input, output, "pictures", report)
     from wavesplat._picture.picture import check_bits
 
@@ -123,10 +127,10 @@ def render(
         )
 
     batch = batch or Batch([input], is_quiet=quiet)
-    chosen = batch.chosen(input, choose, lambda one: _settled(one, viewing, size))
+    chosen = batch.chosen(input, choose, lambda one: _settled(one, viewing, size, eyes))
     scene, look, operator = chosen.scene, chosen.look, chosen.operator
     pictures = _pictures(scene, layering.times, input, output)
-    camera = camera_for([one for one, _ in pictures], look, viewing, size)
+    camera = camera_for([one for one, _ in pictures], look, viewing, size, eyes)
     made = _drawn_all(
         pictures,
         camera,
@@ -139,6 +143,7 @@ def render(
         quiet=quiet,
         size=size,
         composite=operator,
+        **of_eyes,
         **drawing_arguments(sampling),
     )
     facts = made[0] if layering.times is None else {"pictures": made}
@@ -147,13 +152,13 @@ def render(
     print_result(facts, "\n".join(str(path) for _, path in pictures), as_json=json, written=pictures[-1][1])
 
 
-def _settled(chosen: ChosenScene, viewing: ViewOptions, size: tuple[int, int]) -> ChosenScene:
+def _settled(chosen: ChosenScene, viewing: ViewOptions, size: tuple[int, int], eyes: EyeOptions) -> ChosenScene:
     """The scene with greys written out that else follow each view."""
     from wavesplat._movie.seen import with_settled_looks
 
     if all(layer.look is not None for layer in chosen.scene.layers):
         return chosen
-    camera = camera_for([chosen.scene], chosen.look, viewing, size)
+    camera = camera_for([chosen.scene], chosen.look, viewing, size, eyes)
     scene, _ = with_settled_looks(chosen.scene, chosen.operator, camera, size)
     first: Any = scene.layers[0].look
     return chosen._replace(scene=scene, look=first)

@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from wavesplat._cli import parsers
+from wavesplat._cli.eye_options import EyeOptions, at_the_eye, chosen_eyes
 from wavesplat._cli.option_groups import with_options_of
 from wavesplat._cli.shared_options import Zoom
+from wavesplat._model.stereo import PLAIN
 from wavesplat._model.views import VIEWS
 
 if TYPE_CHECKING:
@@ -72,7 +74,13 @@ def given_camera(viewing: ViewOptions) -> Camera | None:
     return turned if viewing.zoom == 1 else turned.zoomed(viewing.zoom)
 
 
-def camera_for(scenes: Sequence[Scene], look: Look, viewing: ViewOptions, size: tuple[int, int]) -> Camera:
+def camera_for(
+    scenes: Sequence[Scene],
+    look: Look,
+    viewing: ViewOptions,
+    size: tuple[int, int],
+    eyes: EyeOptions | None = None,
+) -> Camera:
     """The camera of the view that is named, or of a side chosen from the data, turned by the angles.
 
     Several scenes are time points; the camera frames the first, the middle and the last. `look`: of the first layer.
@@ -80,15 +88,18 @@ def camera_for(scenes: Sequence[Scene], look: Look, viewing: ViewOptions, size: 
     from wavesplat._render.arguments import chosen_camera
     from wavesplat._scene.drawn_layers import seen_parts
 
+    own = PLAIN if eyes is None else chosen_eyes(eyes)
     wanted = dict.fromkeys((0, len(scenes) // 2, len(scenes) - 1))
     parts = [part for number in wanted for part in seen_parts(scenes[number], look)]
     is_turned = viewing.azimuth is not None or viewing.elevation is not None
-    return chosen_camera(
+    camera = chosen_camera(
         given_camera(viewing) or viewing.view,
         parts,
         scenes[0]._clipping,
-        size[0] / size[1] if min(size) > 0 else 1.0,  # the renderer refuses an empty picture
+        own.aspect_of(size) if min(size) > 0 else 1.0,  # the renderer refuses an empty picture
         turned=(viewing.azimuth or 0.0, viewing.elevation or 0.0) if is_turned else None,
         zoom=viewing.zoom,
         view_angle=viewing.perspective,
+        eyes=own,
     )
+    return camera if eyes is None else at_the_eye(camera, eyes)

@@ -195,7 +195,7 @@ KINDS: dict[str, tuple[Callable[[object], bool], str]] = {
 #: Types whose values the functions check themselves, since they take them in several forms, or say what to do instead.
 CHECKED_BY_FUNCTIONS = frozenset(
     {
-        *("Any", "object", "VolumeLike", "Scene", "Labels", "AnyLook", "Sampling", "Operator", "Opacity"),
+        *("Any", "object", "VolumeLike", "Scene", "Labels", "AnyLook", "Sampling", "Stereo", "Operator", "Opacity"),
         *("Camera", "Clip", "Along", "Plane", "Orientation", "Corner", "Side", "Fit", "Ablation", "StandardSplatting"),
         *("tuple", "Iterable", "Sequence", "Mapping", "Literal", "PathLike", "ArrayLike", "DTypeLike", "Isolines"),
     }

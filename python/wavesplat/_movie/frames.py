@@ -16,6 +16,7 @@ from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.option_lists import takes_options
+from wavesplat._model.stereo import checked_eyes
 from wavesplat._movie.seen import camera_of, with_settled_looks
 from wavesplat._picture.picture import Picture
 from wavesplat._public import public
@@ -85,7 +86,9 @@ def render_frames(
     width, height = checked_size(size)
     if isinstance(cameras, Camera | str) or not (given := list(cameras)):
         raise ArgumentError(f"cameras is {described(cameras)}; give a list with a camera, or a view, for each picture")
-    chosen = [camera_of(scene, camera, composite, width / max(height, 1)) for camera in given]
+    eyes = checked_eyes(options.get("stereo"), options.get("panorama", False))
+    aspect = eyes.aspect_of((width, height))
+    chosen = [camera_of(scene, camera, composite, aspect, eyes=eyes) for camera in given]
     scene, _ = with_settled_looks(scene, composite, chosen[0], (width, height))
     shots = [(scene, camera) for camera in chosen]
     return _reporting(drawn_by_client(shots, {**options, "depth": depth}, client), len(chosen), progress)

@@ -14,7 +14,6 @@ from wavesplat._files.output import check_output, removed_when_terminated, write
 from wavesplat._looks.look import Look
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.camera import Camera
-from wavesplat._model.composites import Operator
 from wavesplat._model.option_lists import takes_options
 from wavesplat._model.sampling import Sampling
 from wavesplat._movie import encoding, png_sequence
@@ -134,7 +133,8 @@ def movie(
         raise ArgumentError(f"size is {width} x {height} pixels; width and height must be at least 1")
     check_client(client, values.psnr)
     scene = as_scene(what, look, labels=None, shading="look", clip=(), background=background)
-    shots = _shots(scene, Turn() if along is None else along, fps, values.composite, (width, height))
+    eyes = values.eyes
+    shots = _shots(scene, Turn() if along is None else along, fps, values)
     figure = FrameFigure(marks, is_still=shots.have_one_look)
     quality = values.quality
     if quality is None:
@@ -144,6 +144,8 @@ def movie(
         "psnr": values.psnr,
         "kernel": values.kernel,
         "composite": values.composite,
+        "stereo": eyes.stereo,
+        "panorama": eyes.panorama,
     }
     told = Progress(values.progress, len(shots))
     draw = _Drawing(shots, told, values.threads, client, size=(width, height), device=values.device, **same)
@@ -260,14 +262,15 @@ class _Shots:
         return Shot(scene, camera)
 
 
-def _shots(scene: Scene, along: Along, fps: float, composite: Operator | None, size: tuple[int, int]) -> _Shots:
-    aspect = size[0] / size[1]
+def _shots(scene: Scene, along: Along, fps: float, values: DrawOptions) -> _Shots:
+    composite, size, eyes = values.composite, checked_size(values.size), values.eyes
+    aspect = eyes.aspect_of(size)
     if isinstance(along, Turn):
-        cameras = cameras_of(along, scene, composite, aspect)
+        cameras = cameras_of(along, scene, composite, aspect, eyes)
         settled, name = with_settled_looks(scene, composite, cameras[0], size)
         if along.times is not None:
             keys = key_frames(along, cameras, fps)
-            return _Shots(Timeline(keys, settled, fps=fps, composite=composite, name=name, aspect=aspect))
+            return _Shots(Timeline(keys, settled, fps=fps, composite=composite, name=name, aspect=aspect, eyes=eyes))
         return _Shots([Shot(settled, camera) for camera in cameras])
     try:
         steps = list(along)
@@ -282,9 +285,10 @@ def _shots(scene: Scene, along: Along, fps: float, composite: Operator | None, s
         raise ArgumentError(
             f"along is {described(along)}; give a wavesplat.Turn, a list of Camera, or a list of KeyFrame"
         )
-    first = camera_of(scene, next((key.camera for key in keys if key.camera is not None), None), composite, aspect)
+    begin = next((key.camera for key in keys if key.camera is not None), None)
+    first = camera_of(scene, begin, composite, aspect, eyes=eyes)
     settled, name = with_settled_looks(scene, composite, first, size)
-    return _Shots(Timeline(keys, settled, fps=fps, composite=composite, name=name, aspect=aspect))
+    return _Shots(Timeline(keys, settled, fps=fps, composite=composite, name=name, aspect=aspect, eyes=eyes))
 
 
 def _missing(pattern: Path, n: int, hash_of: Callable[[int], str], told: Progress) -> list[int]:

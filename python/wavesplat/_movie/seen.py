@@ -15,6 +15,7 @@ from wavesplat._model.composites import Operator, checked_operator, name_of
 from wavesplat._model.options import BY_VIEW, Composite
 from wavesplat._model.sampling import Sampling
 from wavesplat._model.series import Series
+from wavesplat._model.stereo import PLAIN, Eyes
 from wavesplat._model.views import view_angles
 from wavesplat._render import framing, projection
 from wavesplat._render.arguments import chosen_camera
@@ -41,9 +42,11 @@ def camera_of(
     composite: Operator | None,
     aspect: float,
     times: Sequence[int] | None = None,
+    *,
+    eyes: Eyes = PLAIN,
 ) -> Camera:
     """The camera itself, or the one that a view's name or None stands for, which frames all of these times."""
-    return chosen_camera(given, *_parts(scene, composite, times), aspect)
+    return chosen_camera(given, *_parts(scene, composite, times), aspect, eyes=eyes)
 
 
 def direction_of(scene: Scene, name: str | None, composite: Operator | None) -> tuple[float, float]:

@@ -17,6 +17,7 @@ from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
 from wavesplat._model.camera_path import MAX_FRAMES, CameraPath
 from wavesplat._model.series import Series
+from wavesplat._model.stereo import PLAIN, Eyes
 from wavesplat._movie.blending import blended_clips, blended_look
 from wavesplat._movie.key_frame import KeyFrame
 from wavesplat._movie.seen import camera_of
@@ -71,6 +72,7 @@ class Timeline:
         composite: Operator | None,
         name: Composite,
         aspect: float,
+        eyes: Eyes = PLAIN,
     ) -> None:
         times = [key.time_s for key in keys]
         for number, (before, after) in enumerate(pairwise(times)):
@@ -86,7 +88,9 @@ class Timeline:
             )
         self._n = round(n_steps) + 1
         self._time = self._time_track(keys)
-        self._camera = self._camera_track(keys, composite, aspect)
+        self._camera = self._camera_track(
+            keys, partial(camera_of, scene, composite=composite, aspect=aspect, eyes=eyes)
+        )
         self._looks = [self._look_track(keys, number, name) for number in range(len(scene.layers))]
         said = [(key.time_s, key.clip) for key in keys if key.clip is not None]
         self._clip: _Track[Any] | None = _Track(*zip(*said, strict=True)) if said else None
@@ -128,15 +132,13 @@ class Timeline:
             changes["layers"] = layers
         return self._scene.with_(**changes) if changes else self._scene
 
-    def _camera_track(
-        self, keys: Sequence[KeyFrame], composite: Operator | None, aspect: float
-    ) -> Callable[[float], Camera]:
+    def _camera_track(self, keys: Sequence[KeyFrame], eye_of: Callable[..., Camera]) -> Callable[[float], Camera]:
         said = [key for key in keys if key.camera is not None]
         if not said:
             times = sorted({key.time for key in keys if key.time is not None})
-            still = camera_of(self._scene, None, composite, aspect, times)
+            still = eye_of(None, times=times)
             return lambda _: still
-        cameras = [camera_of(self._scene, key.camera, composite, aspect) for key in said]
+        cameras = [eye_of(key.camera) for key in said]
         return CameraPath(cameras, [key.time_s for key in said])
 
     def _look_track(self, keys: Sequence[KeyFrame], number: int, composite: Composite) -> _Track[Look] | None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from math import isfinite
 from operator import index
 from typing import TYPE_CHECKING, Any
@@ -14,6 +14,7 @@ from wavesplat._model import camera_fit
 from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
 from wavesplat._model.camera_path import MAX_FRAMES
+from wavesplat._model.stereo import PLAIN, VIEW_ANGLE, Eyes, within
 from wavesplat._model.vectors import Vector, vector
 from wavesplat._movie.key_frame import KeyFrame
 from wavesplat._movie.seen import direction_of, what_is_seen
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
     from wavesplat._model.composites import Operator
     from wavesplat._scene.scene import Scene
 
-__all__ = ["Turn", "cameras_of", "key_frames"]
+__all__ = ["Turn", "cameras_of", "key_frames", "turned_in_place"]
 
 #: Number of directions that decide the scale of a turn; between two, less than the margin can be missing.
 N_DIRECTIONS = 48
@@ -123,8 +124,10 @@ def key_frames(turn: Turn, cameras: Sequence[Camera], fps: float) -> list[KeyFra
     ]
 
 
-def cameras_of(turn: Turn, scene: Scene, composite: Operator | None, aspect: float) -> list[Camera]:
-    """The cameras of a turn about what is seen of a scene."""
+def cameras_of(turn: Turn, scene: Scene, composite: Operator | None, aspect: float, eyes: Eyes = PLAIN) -> list[Camera]:
+    """The cameras of a turn about what is seen of a scene; of panoramas they turn in the middle of it."""
+    if not eyes.are_plain and turn.view_angle is None and not isinstance(turn.start, Camera):
+        turn = replace(turn, view_angle=VIEW_ANGLE)
     first = _first(turn, scene, composite, aspect)
     offset, up = np.subtract(first.position, first.focal_point), np.array(first.view_up)
     lens: Any = {"parallel_scale": first.parallel_scale, "view_angle": first.view_angle}
@@ -132,7 +135,17 @@ def cameras_of(turn: Turn, scene: Scene, composite: Operator | None, aspect: flo
     for angle in turn.angles[1:]:
         matrix = camera_fit.about(turn.axis, angle)
         cameras.append(Camera(first.focal_point + matrix @ offset, first.focal_point, matrix @ up, **lens))
-    return cameras
+    if eyes.panorama and not isinstance(turn.start, Camera):
+        return [within(camera) for camera in cameras]
+    return [eyes.camera(camera) for camera in cameras]
+
+
+def turned_in_place(turn: Turn, camera: Camera) -> list[Camera]:
+    """Cameras that turn where a camera is."""
+    ahead: Any = np.subtract(camera.focal_point, camera.position)
+    up: Any = np.array(camera.view_up)
+    turns = [camera_fit.about(turn.axis, angle) for angle in turn.angles]
+    return [replace(camera, focal_point=camera.position + m @ ahead, view_up=m @ up) for m in turns]
 
 
 def _first(turn: Turn, scene: Scene, composite: Operator | None, aspect: float) -> Camera:

@@ -39,6 +39,11 @@ FIELDS: dict[str, Field] = {
     "unit": Field(_or_none(TEXT), "Unit of the world's lengths; none where unknown."),
     "anatomical": Field(FLAG, "Whether the world's axes are a patient's: x to the right, y to the front, z up."),
     "camera": Field(OBJECT, "The camera, as `Camera.from_json` takes it; slices have none."),
+    "stereo": Field(
+        OBJECT,
+        "Of two eyes: layout, distance of the eyes, and of the plane without parallax, world units; null is infinity.",
+    ),
+    "panorama": Field(FLAG, "Whether it shows all around, longitudes and latitudes."),
     "background": Field(
         _or_none({"anyOf": [{"type": "array", "items": NUMBER}, TEXT]}), "Colour behind all; none is transparent."
     ),

@@ -23,6 +23,7 @@ from wavesplat._model.clips import Clipping
 from wavesplat._model.cutting import Boxes, without
 from wavesplat._model.grid import Grid
 from wavesplat._model.options import MAX_SIDE_PX, Composite
+from wavesplat._model.stereo import PLAIN, VIEW_ANGLE, Eyes, within
 from wavesplat._model.views import view_angles
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
@@ -111,17 +112,19 @@ def chosen_camera(
     turned: tuple[float, float] | None = None,
     zoom: float = 1.0,
     view_angle: float | None = None,
+    eyes: Eyes = PLAIN,
 ) -> Camera:
     """The camera itself, or the one that a view's name or None stands for: near enough that what is seen fits.
 
     parts : volumes and their looks, of which the first chooses the view.
     turned : azimuth and elevation by which the eye turns from the view, at its scale as long as all stays in view; None
         of a look without a view is then the front.
+    eyes : in whose pictures it fits; two, and panoramas, have cameras of perspective.
     """
     if isinstance(given, Camera):
         for volume, _ in parts:
             check_view(given, volume)
-        return given
+        return eyes.camera(given)
     if not (given is None or isinstance(given, str)):
         raise ArgumentError(f"camera is a {type(given).__name__}; give a Camera or the name of a view")
     for volume, _ in parts:
@@ -133,13 +136,15 @@ def chosen_camera(
     else:
         azimuth, elevation = view_angles("anterior" if view is None else view, is_anatomical=first.is_anatomical)
     # A picture without pixels has no aspect; the compiled module refuses it.
+    if view_angle is None and not eyes.are_plain:
+        view_angle = VIEW_ANGLE
     fitting: Any = {"clipping": clipping, "zoom": zoom, "aspect": aspect if aspect > 0 else 1.0}
     camera = framing.framed(parts, azimuth, elevation, view_angle=view_angle, **fitting)
     if turned is not None:
         camera = framing.in_view_again(camera.turned(*turned), parts, **fitting)
     for volume, _ in parts:
         check_view(camera, volume)
-    return camera
+    return within(camera) if eyes.panorama else camera
 
 
 def cut_open(volume: Volume | WaveletVolume, boxes: Boxes) -> Volume | WaveletVolume:

@@ -9,6 +9,7 @@ from typing import Any, TypedDict
 from wavesplat._model.composites import Operator
 from wavesplat._model.options import Kernel, Quality
 from wavesplat._model.sampling import Sampling
+from wavesplat._model.stereo import Eyes, Stereo, checked_eyes
 from wavesplat._public import public
 
 __all__ = ["DrawOptions", "FrameOptions", "RenderOptions"]
@@ -22,6 +23,8 @@ class FrameOptions(TypedDict, total=False):
     psnr: float | None
     kernel: Kernel
     composite: Operator | None
+    stereo: Stereo | str | None
+    panorama: bool
     threads: int | None
     device: str
     progress: Callable[[float], object] | None
@@ -57,6 +60,14 @@ class RenderOptions(FrameOptions, total=False):
         `AttenuatedMaximum`, `LocalMaximum` and `XRay` with what is usual. On a light background greys that are chosen
         here are inverted: black is much. Of several layers each is projected, and their colours are added as light;
         there is no value then.
+    stereo : Stereo or str, optional
+        Pictures for two eyes: a `Stereo`, or its layout, "side-by-side", "top-bottom", "anaglyph", "left" or "right".
+        An orthographic camera is drawn in perspective of 30 degrees then, at the same scale in the focal plane.
+    panorama : bool, default False
+        All that is around the camera's position, 360 degrees in width and 180 in height (equirectangular): the focal
+        point in the middle, the camera's up at the upper edge. For names of views and None the eye is in the middle of
+        what is shown. Give twice as many pixels in width as in height, for each eye. Its light stays where it is in the
+        view ahead.
     threads : int, optional
         Worker threads; None uses all cores. The picture does not depend on it.
     device : str
@@ -99,6 +110,8 @@ class DrawOptions:
     psnr: float | None = None
     kernel: Kernel = "linear"
     composite: Operator | None = None
+    stereo: Stereo | str | None = None
+    panorama: bool = False
     threads: int | None = None
     device: str = "auto"
     progress: Callable[[float], object] | None = None
@@ -111,3 +124,8 @@ class DrawOptions:
     #: Called with a stream and the number of a block of it that was drawn, for pictures that are shown before they are
     #: done.
     after_block: Callable[[Any, int], object] | None = None
+
+    @property
+    def eyes(self) -> Eyes:
+        """The eyes that see the picture; an `ArgumentError` where there are no such."""
+        return checked_eyes(self.stereo, self.panorama)

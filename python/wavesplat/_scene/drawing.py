@@ -32,6 +32,7 @@ from wavesplat._model.lazy_changes import comparing_once
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.options import BY_VIEW
 from wavesplat._model.sampling import Sampling, checked_quality
+from wavesplat._model.stereo import Eyes
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture.picture import Picture
@@ -47,6 +48,7 @@ from wavesplat._render.arguments import (
     region,
 )
 from wavesplat._render.devices import chosen_device
+from wavesplat._render.eyes import facts_of_eyes, in_world, n_pictures, notes_on_eyes, put_together
 from wavesplat._render.faces import NOTE as FACE_NOTE
 from wavesplat._render.faces import is_from_behind, shows_face
 from wavesplat._render.lazy_layers import FrameSpec, LazyLayers
@@ -99,6 +101,8 @@ class _Frame:
     labels: Labels | None
     background: colors.Rgba | None
     options: DrawOptions
+    #: Whose light it has, in a panorama.
+    light: Camera | None = None
 
     @property
     def composite(self) -> str:
@@ -113,7 +117,7 @@ def draw(scene: Scene, camera: Camera | str | None, options: DrawOptions) -> Pic
 
 
 def _drawn_scene(scene: Scene, camera: Camera | str | None, options: DrawOptions) -> Picture:
-    size = checked_size(options.size)
+    size, eyes = checked_size(options.size), options.eyes
     sampling = checked_quality("normal" if options.quality is None else options.quality)
     if options.psnr is not None and (sampling.sheets_per_slice is not None or sampling.oversampling is not None):
         raise ArgumentError("psnr chooses sheets_per_slice and oversampling; leave out either psnr or the Sampling")
@@ -128,30 +132,62 @@ def _drawn_scene(scene: Scene, camera: Camera | str | None, options: DrawOptions
     if labels is not None:
         _check_labels(composite, layers)
     parts = [(layer.seen, layer.look) for layer in layers]
-    eye = chosen_camera(camera, parts or _hidden_parts(scene), clipping, size[0] / max(size[1], 1))
+    eye = chosen_camera(camera, parts or _hidden_parts(scene), clipping, eyes.aspect_of(size), eyes=eyes)
+    eyes = eyes.settled(eye)
     look = layers[0].look if layers else None
     behind = colors.parse(look.background if look is not None and scene.background is None else scene.background)
     frame = _Frame(scene, eye, size, sampling, operator, clipping, labels, behind, options)
     functions = [_function(frame, layer, len(layers)) for layer in layers]
-    is_projected = labels is not None and composite != "over"
-    picture = _under_labels(frame, layers, functions) if is_projected else _drawn(frame, layers, functions)
-    picture.report.update(facts_of_picture(scene, eye, size, behind, labels))
+    picture = _seen_by(eyes, frame, layers, functions)
+    picture.report.update(facts_of_picture(scene, eye, eyes.size_of(size), behind, labels))
     picture.report.update(facts_of_layers(scene, layers, functions, composite))
-    picture.report.update(_facts(frame, layers, functions, picture.report))
-    if labels is not None and (notes := _placed_labels(labels, shown.first, picture.report).notes):
-        picture.report.setdefault("notes", []).extend(notes)
+    picture.report.update(_facts(frame, eyes, layers, functions, picture.report))
     if resampled := shown.resampled:
         picture.report["resampled"] = resampled
-    if _has_face(frame, layers, functions):
-        picture.report.setdefault("notes", []).append(FACE_NOTE)
-    if told := _notes_on_parts(layers):
-        picture.report.setdefault("notes", []).extend(told)
-    if _has_table(frame, layers, functions):
-        picture.report.setdefault("notes", []).append(TABLE_NOTE)
-    told = picture.report["device"]
-    if chosen_device(options.device) not in ("auto", "cpu") and told["name"] == "cpu" and told["reason"]:
-        picture.report.setdefault("notes", []).append(f"drawn by the CPU: {told['reason']}")
+    notes = [] if labels is None else list(_placed_labels(labels, shown.first, picture.report).notes)
+    notes += [*_notes(frame, layers, functions, picture.report), *notes_on_eyes(eyes, size)]
+    if notes:
+        picture.report.setdefault("notes", []).extend(notes)
     return picture
+
+
+def _notes(
+    frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves], report: Mapping[str, Any]
+) -> list[str]:
+    """Notes on what may be recognised or was left out, and on who drew."""
+    notes = [FACE_NOTE] if _has_face(frame, layers, functions) else []
+    notes += _notes_on_parts(layers)
+    if _has_table(frame, layers, functions):
+        notes.append(TABLE_NOTE)
+    told = report["device"]
+    if chosen_device(frame.options.device) not in ("auto", "cpu") and told["name"] == "cpu" and told["reason"]:
+        notes.append(f"drawn by the CPU: {told['reason']}")
+    return notes
+
+
+def _seen_by(eyes: Eyes, frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> Picture:
+    """The picture of the eyes: one, or several from other places and in other directions, put together."""
+    is_projected = frame.labels is not None and frame.composite != "over"
+    drawn = _under_labels if is_projected else _drawn
+    if eyes.are_plain:
+        return drawn(frame, layers, functions)
+    check_picture_memory(frame.size, PIXEL_BYTES)
+    n, done = n_pictures(eyes), 0
+    sampling, options = frame.sampling, replace(frame.options, after_block=None)
+
+    def draw(camera: Camera, size: tuple[int, int]) -> Picture:
+        nonlocal done, sampling, options
+        own = replace(options, progress=_part_of(frame.options.progress, done, n))
+        light = frame.camera if eyes.panorama else None
+        of_one = replace(frame, camera=camera, size=size, sampling=sampling, options=own, light=light)
+        picture = drawn(of_one, layers, functions)
+        done += 1
+        if options.psnr is not None and len(layers) == 1:  # the same for all, as what the first needs
+            sampling = Sampling(picture.report["sheets_per_slice"], picture.report["oversampling"])
+            options = replace(options, psnr=None)
+        return picture
+
+    return put_together(eyes, frame.camera, frame.size, draw)
 
 
 def _notes_on_parts(layers: Sequence[DrawnLayer]) -> list[str]:
@@ -215,13 +251,13 @@ def _has_table(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[
 
 def camera_of(scene: Scene, camera: Camera | str | None, options: DrawOptions) -> Camera:
     """The camera that `draw` takes."""
-    size = checked_size(options.size)
+    size, eyes = checked_size(options.size), options.eyes
     asked = checked_operator(options.composite)
     with comparing_once(drawn_volumes(scene)):
         shown = drawn_layers(scene, None if asked is None else name_of(asked))
         clipping = _clipping_of(scene, shown)
         parts = [(layer.seen, layer.look) for layer in shown.layers]
-        return chosen_camera(camera, parts or _hidden_parts(scene), clipping, size[0] / max(size[1], 1))
+        return chosen_camera(camera, parts or _hidden_parts(scene), clipping, eyes.aspect_of(size), eyes=eyes)
 
 
 def _clipping_of(scene: Scene, shown: DrawnLayers) -> Clipping:
@@ -244,13 +280,14 @@ def _drawn(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curv
 
 
 def _facts(
-    frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves], report: dict[str, Any]
+    frame: _Frame, eyes: Eyes, layers: Sequence[DrawnLayer], functions: Sequence[Curves], report: dict[str, Any]
 ) -> dict[str, Any]:
     """Further fields of the report; for a wanted PSNR the sampling that it took, to draw the same again."""
     sampling, psnr = frame.sampling, frame.options.psnr
     if psnr is not None and len(layers) == 1:
         sampling, psnr = Sampling(report["sheets_per_slice"], report["oversampling"]), None
-    return facts_of(
+    of_eyes = facts_of_eyes(eyes, frame.camera, frame.size)
+    return of_eyes | facts_of(
         frame.scene,
         layers,
         functions,
@@ -260,6 +297,7 @@ def _facts(
         psnr=psnr,
         kernel=frame.options.kernel,
         operator=frame.operator,
+        eyes=eyes,
     )
 
 
@@ -407,8 +445,11 @@ def _with_opacity(frame: _Frame, layer: DrawnLayer, function: Curves) -> Curves:
     return layer.faded(function) if frame.composite == "over" else function
 
 
-def _light(scene: Scene, layer: DrawnLayer) -> Shading | None:
-    return scene.shading if scene.shading is None or isinstance(scene.shading, Shading) else layer.look.shading
+def _light(scene: Scene, layer: DrawnLayer, of: Camera | None) -> Shading | None:
+    """Light of a layer; that of the camera `of` in pictures from elsewhere."""
+    own = scene.shading is None or isinstance(scene.shading, Shading)
+    light: Any = scene.shading if own else layer.look.shading
+    return light if of is None else in_world(light, of)
 
 
 def _rendered(
@@ -419,7 +460,7 @@ def _rendered(
     lazy = LazyLayers.of([layer.seen for layer in layers], frame.camera, frame.size, options)
     cores = [layer.core for layer in layers] if lazy is None else lazy.cores
     faded = [_with_opacity(frame, layer, function) for layer, function in zip(layers, functions, strict=True)]
-    lights = [_light(frame.scene, layer) for layer in layers]
+    lights = [_light(frame.scene, layer, frame.light) for layer in layers]
     drawn = [
         (core, function._core, None if light is None else light._core)
         for core, function, light in zip(cores, faded, lights, strict=True)

@@ -104,7 +104,9 @@ def _first(scene: Scene, camera: Camera, options: DrawOptions) -> Iterator[Pictu
     if not coarser:
         if any(isinstance(layer.volume, LazyVolume) for layer in scene.layers):
             return
-        width, height = (max(1, round(QUICK_SHARE * n)) for n in options.size)
+        # Two eyes share even numbers of pixels.
+        unit = 1 if options.eyes.are_plain else 2
+        width, height = (unit * max(1, round(QUICK_SHARE * n / unit)) for n in options.size)
         quick = draw(scene, camera, replace(quiet, size=(width, height), quality=QUICK, psnr=None))
         yield _enlarged(quick, options.size)
         return
@@ -149,7 +151,7 @@ def _enlarged(picture: Picture, size: tuple[int, int]) -> Picture:
 def _in_blocks(scene: Scene, camera: Camera, options: DrawOptions, coarse: Picture | None) -> Iterator[Picture]:
     """The wanted picture, shown now and then as its blocks are done, over the coarser one."""
     made: queue.Queue[Any] = queue.Queue()
-    told = facts_of_picture(scene, camera, options.size, None, scene.labels)
+    told = facts_of_picture(scene, camera, options.eyes.size_of(options.size), None, scene.labels)
     stopped = threading.Event()
     shown = [time.monotonic()]
 

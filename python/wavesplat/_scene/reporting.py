@@ -16,6 +16,7 @@ from wavesplat._looks.look import Look
 from wavesplat._model.camera import Camera
 from wavesplat._model.composites import Operator, name_of
 from wavesplat._model.sampling import Sampling
+from wavesplat._model.stereo import Eyes
 from wavesplat._scene import scene_json
 from wavesplat._scene.drawn_layers import Curves, DrawnLayer
 
@@ -40,6 +41,7 @@ def facts_of(
     psnr: float | None,
     kernel: str,
     operator: Operator,
+    eyes: Eyes,
 ) -> dict[str, Any]:
     """Fields of the report: version, scene, quality, kernel and operator."""
     quality, composite = scene_json.fields_of_sampling(sampling), scene_json.fields_of_operator(operator)
@@ -55,6 +57,10 @@ def facts_of(
     if document["background"] is None and layers:
         document["background"] = layers[0].look.background
     document["render"] = {"size": list(size), "quality": quality, "kernel": kernel, "composite": composite}
+    if eyes.stereo is not None:
+        document["render"]["stereo"] = scene_json.settings(eyes.stereo)
+    if eyes.panorama:
+        document["render"]["panorama"] = True
     if psnr is not None:
         document["render"]["psnr"] = psnr
     return {

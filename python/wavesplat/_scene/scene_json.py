@@ -36,6 +36,7 @@ from wavesplat._model.composites import WITH_DEFAULTS, FirstHit, Operator, check
 from wavesplat._model.crop import Crop
 from wavesplat._model.options import MAX_SIDE_PX
 from wavesplat._model.sampling import Sampling
+from wavesplat._model.stereo import Stereo, checked_eyes
 from wavesplat._scene.document_paths import Reach
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.named_volumes import volume_named
@@ -64,7 +65,7 @@ LABELS = ("volume", "labels", "smooth")
 LAYER = ("volume", "name", "look", "visible", "opacity", "time")
 SCENE = ("layers", "labels", "shading", "clip", "background", "keep_table")
 KNOWN = ("wavesplat", "version", *SCENE, "camera", "render", "figure", "view")
-RENDER = ("size", "quality", "psnr", "kernel", "composite", "depth")
+RENDER = ("size", "quality", "psnr", "kernel", "composite", "depth", "stereo", "panorama")
 OPERATORS: dict[str, Any] = {FirstHit.name: FirstHit} | WITH_DEFAULTS
 
 
@@ -349,6 +350,12 @@ def options_of(render: Any) -> dict[str, Any]:
         known = [field.name for field in fields(Sampling)]
         _check(quality, f"{what}.quality", needed=(), known=known)
         options["quality"] = _made(f"{what}.quality", lambda: Sampling(**quality))
+    stereo = options.get("stereo")
+    if isinstance(stereo, dict):
+        _check(stereo, f"{what}.stereo", needed=(), known=[field.name for field in fields(Stereo)])
+        distances: dict[str, Any] = stereo
+        options["stereo"] = _made(f"{what}.stereo", lambda: Stereo(**distances))
+    _made(what, lambda: checked_eyes(options.get("stereo"), options.get("panorama", False)))
     if "composite" in options:
         options["composite"] = _operator(options["composite"], f"{what}.composite")
     return options

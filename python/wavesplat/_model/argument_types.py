@@ -29,7 +29,7 @@ MAX_WHOLE = 2**63
 
 VOLUME = (
     "a wavesplat.Volume, as from wavesplat.open(path), an array [z, y, x], or an image of SimpleITK, ITK, nibabel, "
-    "xarray, PyVista, VTK, PyTorch or napari"
+    "xarray, PyVista, VTK, PyTorch, yt or napari"
 )
 
 

@@ -23,6 +23,7 @@ from wavesplat._model.napari_layer import of_napari
 from wavesplat._model.nibabel_image import of_nibabel
 from wavesplat._model.tensor import of_array, of_torch
 from wavesplat._model.vtk_image import of_vtk
+from wavesplat._model.yt_grid import of_unyt, of_yt
 from wavesplat.errors import ArgumentError
 
 __all__ = ["converted", "is_rows"]
@@ -43,11 +44,11 @@ def converted(thing: Any, what: str, *, has_place: bool = False) -> Converted:
     what : name of the argument in messages.
     has_place : the caller gives the place, so the object's own does not count.
     """
+    libraries = {base.__module__.partition(".")[0] for base in type(thing).__mro__}
     if isinstance(thing, np.ndarray):
-        return Converted(thing)
+        return of_unyt(thing) if "unyt" in libraries else Converted(thing)
     if is_labelled(thing):
         return unlabelled(thing, has_place=has_place)
-    libraries = {base.__module__.partition(".")[0] for base in type(thing).__mro__}
     take = next((take for name, take in CONVERTERS.items() if name in libraries), None)
     try:
         found = _of_any(thing) if take is None else take(thing)
@@ -140,4 +141,5 @@ CONVERTERS: dict[str, Callable[[Any], Converted | None]] = {
     "dask": _of_lazy,
     "zarr": _of_lazy,
     "h5py": _of_hdf5,
+    "yt": of_yt,
 }

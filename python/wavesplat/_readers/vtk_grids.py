@@ -28,6 +28,7 @@ from wavesplat._model.facts import Facts
 from wavesplat._readers.components import component_of
 from wavesplat._readers.request import Grid, Request
 from wavesplat._readers.vti import parsed
+from wavesplat._readers.vtk_amr import Box, boxes_of, on_one_grid, sizes_of
 from wavesplat._readers.vtk_arrays import chosen, described_grid, other_grid
 from wavesplat._readers.vtk_checks import check_grid
 from wavesplat._readers.vtk_legacy import check_whole
@@ -70,12 +71,17 @@ def read(request: Request) -> Grid:
         is_one = not data.IsA("vtkCompositeDataSet")
         if is_one and (matrix := uniform_place(data, of_cells=array.of_cells)) is not None:
             return _as_it_is(data, array, matrix, request)
+        boxes = boxes_of(data) if array.of_cells else None
+        if request.resample is None and boxes:
+            raise _which_level(data, boxes, request)
         if request.resample is None:
             held = described_grid(data.GetClassName())
             raise FileError(
                 f"the file holds {held}, not an image of evenly spaced samples; sample it on one, with N "
                 f"samples along its longest side, by resample=N (--resample N): {request.path}"
             )
+        if boxes:
+            return _of_level(data, boxes, array, request)
         return _resampled(data, blocks, array, request)
 
 
@@ -264,6 +270,33 @@ def _as_it_is(grid: Any, array: _Array, matrix: NDArray[np.float64], request: Re
     nx, ny, nz = (max(n - 1, 1) if array.of_cells else n for n in n_points(grid))
     samples, told = component_of(numbers.reshape(nz, ny, nx, -1), request, array.name)
     return Grid(np.array(samples), matrix, Facts(guesses=told))
+
+
+def _which_level(data: Any, boxes: list[Box], request: Request) -> FileError:
+    """The error that asks for a level of an adaptive mesh."""
+    sizes = sizes_of(boxes)
+    levels = ", ".join(f"{level}: {' x '.join(map(str, sizes[level]))}" for level in sorted(sizes))
+    return FileError(
+        f"the file holds {described_grid(data.GetClassName())}, with samples x, y, z at the spacing of level {levels}; "
+        f"resample=N (--resample N) takes the finest of at most N along its longest side, such as "
+        f"{max(size.max() for size in sizes.values())}: {request.path}"
+    )
+
+
+def _of_level(data: Any, boxes: list[Box], array: _Array, request: Request) -> Grid:
+    """The samples of an adaptive mesh on the grid of one of its levels."""
+    told: tuple[str, ...] = ()
+
+    def values_of(grid: Any) -> NDArray[Any] | None:
+        nonlocal told
+        numbers = array.numbers_of(grid)
+        if numbers is None:
+            return None
+        values, told = component_of(numbers, request, array.name)
+        return np.asarray(values)
+
+    samples, matrix, sampled = on_one_grid(boxes, values_of, request)
+    return Grid(samples, matrix, Facts(guesses=(f"{described_grid(data.GetClassName())}, {sampled}", *told)))
 
 
 def _resampled(data: Any, blocks: list[Any], array: _Array, request: Request) -> Grid:

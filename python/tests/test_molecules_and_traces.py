@@ -1,5 +1,7 @@
 """Cubes, VASP's grids, bricks of values and SEG-Y: values, cells and units as the formats say."""
 
+import gzip
+import re
 import sys
 
 import numpy as np
@@ -196,3 +198,46 @@ def test_traces_that_are_no_cube(tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "segyio", None)
     with pytest.raises(LibraryError, match=r"segy\]"):
         ws.open(path)
+
+
+@pytest.mark.parametrize("letter", ["", "D"])
+def test_exponents_of_fortran(tmp_path, values, letter):
+    """Fortran drops the E where an exponent has three digits, and NumPy takes that for two numbers."""
+    small = values.copy()
+    small[1, 2, 3], small[0, 0, 0], small[3, 4, 5] = 1.234e-100, -5.5e-300, 2.5e101
+    cube, charges = save_cube(tmp_path / "a.cube", small), save_vasp(tmp_path / "LOCPOT", [small, 2 * small])
+    for path in (cube, charges):
+        text = path.read_text()
+        changed = re.sub(r"E([-+]\d{3})", rf"{letter}\1", text)
+        if letter:
+            changed = re.sub(r"(\d)E([-+]\d\d)\b", r"\1D\2", changed)
+        assert changed != text
+        path.write_text(changed)
+    np.testing.assert_allclose(ws.open(cube).samples, small.T, rtol=1e-5)
+    np.testing.assert_allclose(ws.open(charges, dataset="up").samples, small.T, rtol=1e-5)
+    np.testing.assert_allclose(ws.open(charges, dataset="down").samples, 2 * small.T, rtol=1e-5)
+    cube.write_text(re.sub(r"1\.23400-100|1\.23400D-100", "1.2x400-100", cube.read_text()))
+    with pytest.raises(FileError, match="a word that is no number"):
+        ws.open(cube)
+
+
+def test_packed_files_and_names_that_end_in_vasp(tmp_path, values):
+    plain = save_cube(tmp_path / "a.cube", values), save_vasp(tmp_path / "CHGCAR", [values])
+    for path in plain:
+        packed = path.with_name(path.name + ".gz")
+        packed.write_bytes(gzip.compress(path.read_bytes()))
+        np.testing.assert_array_equal(ws.open(packed).samples, ws.open(path).samples)
+        packed.write_bytes(packed.read_bytes()[:-30])
+        with pytest.raises(FileError, match="truncated or damaged, as gzip finds"):
+            ws.open(packed)
+    named = save_vasp(tmp_path / "water.vasp", [values])
+    np.testing.assert_array_equal(ws.open(named).samples, ws.open(plain[1]).samples)
+    assert "a charge density (CHGCAR)" in ws.open(named).guesses[0]
+    (tmp_path / "water.vasp.gz").write_bytes(gzip.compress(named.read_bytes()))
+    np.testing.assert_array_equal(ws.open(tmp_path / "water.vasp.gz").samples, ws.open(named).samples)
+    potential = ws.open(save_vasp(tmp_path / "water_LOCPOT.vasp", [values]))
+    np.testing.assert_array_equal(potential.samples, values.T)
+    assert (potential.value_unit, potential.guesses) == ("eV", ())
+    (tmp_path / "POSCAR.vasp").write_text(named.read_text().split("\n\n")[0] + "\n")
+    with pytest.raises(FileError, match="no grid behind the places of the atoms"):
+        ws.open(tmp_path / "POSCAR.vasp")

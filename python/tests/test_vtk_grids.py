@@ -327,3 +327,41 @@ def test_what_would_end_the_process_is_refused(tmp_path, old, new):
             with pytest.raises(FileError):
                 ws.open(path, resample=9)
     assert n_changed > 0
+
+
+@pytest.mark.parametrize(("first", "second"), [("f4", "f8"), ("i2", "i4"), ("u1", "f4"), ("f4", None)])
+def test_blocks_may_differ_in_type_and_lack_an_array(tmp_path, first, second):
+    whole = data_model.vtkMultiBlockDataSet()
+    for number, (start, dtype) in enumerate(((0, first), (5, second))):
+        axes = {**EVEN, "x": start + np.arange(6.0), "y": np.arange(5.0), "z": np.arange(4.0)}
+        grid = rectilinear(axes)
+        _, y, x = places(axes)
+        if dtype is not None:
+            put(grid, "v", (x + 2 * y).astype(dtype))
+        put(grid, "w", x)
+        whole.SetBlock(number, grid)
+    path = write(tmp_path / "a.vtm", whole, vtkIOXML.vtkXMLMultiBlockDataWriter)
+    volume = ws.open(path, resample=11, dataset="v")
+    x, y, _ = world_places(volume)
+    assert volume.bounds[1, 0] == pytest.approx(5 if second is None else 10, abs=1e-4)
+    np.testing.assert_allclose(volume.samples, x + 2 * y, atol=1e-3)
+    assert ("blocks without 'v', which are left out: 1 of 2" in volume.guesses) == (second is None)
+
+
+def test_an_image_in_several_files_has_directions(tmp_path):
+    grid = filled(image((0, 0, 0), SHAPE[::-1]), EVEN)
+    grid.SetDirectionMatrix([0, -1, 0, 1, 0, 0, 0, 0, 1])
+    whole = ws.open(write(tmp_path / "a.vti", grid))
+    writer = vtkIOParallelXML.vtkXMLPImageDataWriter()
+    writer.SetFileName(str(tmp_path / "a.pvti"))
+    writer.SetInputData(grid)
+    writer.SetNumberOfPieces(1)
+    writer.Write()
+    volume = ws.open(tmp_path / "a.pvti")
+    np.testing.assert_array_equal(volume.world_from_index, whole.world_from_index)
+    np.testing.assert_array_equal(volume.samples, whole.samples)
+    # Said in the file itself, as others write it.
+    text = (tmp_path / "a.pvti").read_text()
+    (tmp_path / "a.pvti").write_text(text.replace("<PImageData ", '<PImageData Direction="1 0 0 0 1 0 0 0 1" '))
+    with pytest.raises(FileError, match="2 different directions"):
+        ws.open(tmp_path / "a.pvti")

@@ -172,7 +172,7 @@ def slice(
     )
     if difference is not None:
         _check_colors(first, tf)
-    of_plane: Any = plane if normal is None else (point, normal)
+    of_plane: Any = plane or _only_plane(first.volume) if normal is None else (point, normal)
     if size is None and not is_sheet:
         size = _size(first.volume, of_plane)
     options: Any = {
@@ -217,6 +217,18 @@ def slice(
     print_result(facts, output, as_json=json, written=output)
 
 
+def _only_plane(volume: Any) -> str | None:
+    """The plane that a file of a single one holds; None of a volume."""
+    from wavesplat._readers.single_planes import TOLD
+
+    if TOLD not in volume.guesses:
+        return None
+    across = 2 - volume.shape.index(min(volume.shape))
+    axis = max(range(3), key=lambda number: abs(volume.world_from_index[number, across]))
+    names = ("sagittal", "coronal", "axial") if volume.is_anatomical else ("yz", "xz", "xy")
+    return names[axis]
+
+
 class _First(NamedTuple):
     """The volume that decides the plane, as a layer or, of several channels, as layers, and its colours."""
 
@@ -244,12 +256,17 @@ def _first(
     quiet: bool,
 ) -> _First:
     layering = LayerOptions(channel=channel)
-    opened: Any = in_uptake(
-        lambda suv: opened_layers(input, replace(reader, suv=suv), layering, processing, composite=None, quiet=quiet),
-        modality_of,
-        suv=reader.suv,
-        is_alone=is_alone,
-    )
+    from wavesplat._readers.request import taking_planes
+
+    with taking_planes():
+        opened: Any = in_uptake(
+            lambda suv: opened_layers(
+                input, replace(reader, suv=suv), layering, processing, composite=None, quiet=quiet
+            ),
+            modality_of,
+            suv=reader.suv,
+            is_alone=is_alone,
+        )
     # A window or a range alone maps to greys.
     is_grey = colors == ColorOptions(clim=colors.clim, window=colors.window)
     if isinstance(opened, Channels):

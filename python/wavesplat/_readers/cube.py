@@ -14,7 +14,7 @@ from wavesplat._files import size_checks
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
 from wavesplat._readers.request import Grid, Request, several
-from wavesplat._readers.text_numbers import numbers_of_text
+from wavesplat._readers.text_numbers import n_bytes_of, numbers_of_text, opened_text
 from wavesplat.errors import ArgumentError
 
 __all__ = ["BOHR", "read"]
@@ -28,7 +28,7 @@ MOST = 1 << 20
 def read(request: Request) -> Grid:
     """The samples of a cube, or of one of its orbitals, in angstroms."""
     path = request.file
-    with reading("a Gaussian cube", path), path.open("rb") as file:
+    with reading("a Gaussian cube", path), opened_text(path) as file:
         file.readline()
         file.readline()
         words = file.readline().split()
@@ -46,7 +46,7 @@ def read(request: Request) -> Grid:
         names = _names(file, words, has_orbitals=n_atoms < 0)
         shape = (*size, len(names))
         # Each number takes at least a digit and a space.
-        stored = path.stat().st_size // 2
+        stored = n_bytes_of(file) // 2
         size_checks.check_stored(shape, np.dtype("u1"), stored, path, held=(1,))
         size_checks.check_memory(size_checks.n_bytes(shape, np.dtype("f8")), path)
         values = numbers_of_text(file, int(np.prod(shape)), path).reshape(shape)[..., _chosen(names, request)]

@@ -14,6 +14,7 @@ from importlib import import_module
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from urllib.parse import urlsplit
 
 import numpy as np
 
@@ -29,7 +30,7 @@ from wavesplat._model.option_lists import takes_options
 from wavesplat._model.volume import Volume
 from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._public import public
-from wavesplat._readers import bioio_files, lazy_files, netcdf, vasp, vtk_grids
+from wavesplat._readers import bioio_files, lazy_files, netcdf, single_planes, vasp, vtk_grids
 from wavesplat._readers.bdv_n5 import holds_setups
 from wavesplat._readers.hdf5 import kind_of as hdf5_kind
 from wavesplat._readers.options import OpenOptions
@@ -80,8 +81,8 @@ SUFFIXES = {
     ".h5": "hdf5",
     ".hdf5": "hdf5",
     ".hdf": "hdf5",
-    ".cube": "cube",
-    ".cub": "cube",
+    **dict.fromkeys((".cube", ".cub", ".cube.gz", ".cub.gz"), "cube"),
+    **dict.fromkeys((".vasp", ".vasp.gz"), "vasp"),
     ".bov": "bov",
     ".sgy": "segy",
     ".segy": "segy",
@@ -282,6 +283,7 @@ def _facts(said: Facts, losses: Sequence[str], request: Request) -> Facts:
 
 
 def _volume(grid: Grid, request: Request) -> Volume:
+    grid = single_planes.as_volume(grid, request)
     world_from_index = grid.world_from_index
     if request.spacing is not None:
         world_from_index = affine.with_spacing(world_from_index, request.spacing)
@@ -298,6 +300,7 @@ def _family(request: Request) -> str:
     if request.shape is not None or request.dtype is not None:
         return "raw"
     if request.is_url:
+        _check_address(request)
         return "ome_zarr"
     path = request.file
     check_no_pipe(path)
@@ -324,6 +327,18 @@ def _family(request: Request) -> str:
             f"unknown kind of file; wavesplat reads {KINDS}; for raw samples pass shape=(z, y, x) and dtype=: {path}"
         )
     return family
+
+
+def _check_address(request: Request) -> None:
+    """Refuse an address whose name is that of a file that is not Zarr: other formats are read from disks."""
+    name = urlsplit(str(request.path)).path.rstrip("/").lower()
+    suffix = next((suffix for suffix in SUFFIXES if name.endswith(suffix)), None)
+    if suffix is None or SUFFIXES[suffix] == "ome_zarr":
+        return
+    raise FileError(
+        f"the address names a {suffix} file, and only Zarr is read from addresses; get the file first, as with "
+        f"curl -O or wget, and open it, or write it as OME-Zarr beside: {request.safe_path}"
+    )
 
 
 def _family_of_folder(folder: Path) -> str:

@@ -166,6 +166,21 @@ def requested(path: str | PathLike[str], **options: Any) -> Request:
 NAMED_WITHIN: ContextVar[Path | None] = ContextVar("named_within", default=None)
 
 
+#: Whether a single plane is taken as two equal ones beside each other. Not an argument of functions that open, as of
+#: what they give a picture is drawn.
+PLANES_ARE_TAKEN: ContextVar[bool] = ContextVar("planes_are_taken", default=False)
+
+
+@contextmanager
+def taking_planes() -> Iterator[None]:
+    """Take files of a single plane meanwhile, for slices."""
+    token = PLANES_ARE_TAKEN.set(True)
+    try:
+        yield
+    finally:
+        PLANES_ARE_TAKEN.reset(token)
+
+
 @contextmanager
 def named_within(folder: Path | None) -> Iterator[None]:
     """Confine the requests made meanwhile to `folder`, that of the document that names files; None: the user does."""

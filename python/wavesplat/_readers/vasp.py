@@ -18,12 +18,14 @@ from wavesplat._files import size_checks
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
 from wavesplat._readers.request import Grid, Request, several
-from wavesplat._readers.text_numbers import numbers_of_text
+from wavesplat._readers.text_numbers import n_bytes_of, numbers_of_text, opened_text
 from wavesplat.errors import ArgumentError
 
 __all__ = ["is_named", "read"]
 
 NAME = re.compile(r"^(CHGCAR|CHG|PARCHG|AECCAR[0-2]?|LOCPOT|ELFCAR)(?![A-Za-z0-9])")
+#: The kind of file in a name that ends in .vasp.
+IN_NAME = re.compile(r"(?<![A-Za-z0-9])(CHGCAR|CHG|PARCHG|AECCAR[0-2]?|LOCPOT|ELFCAR)(?![A-Za-z0-9])")
 #: Kinds of files whose values are no charges times the volume: -> the unit of their values.
 PLAIN = {"LOCPOT": "eV", "ELFCAR": None}
 MOST_ATOMS = 1 << 24
@@ -44,9 +46,9 @@ def is_named(path: Path) -> bool:
 def read(request: Request) -> Grid:
     """The samples of a grid, in angstroms."""
     path = request.file
-    found = NAME.match(path.name)
+    found = NAME.match(path.name) or IN_NAME.search(path.name)
     kind = found[1] if found else "CHGCAR"
-    with reading("a grid of VASP", path), path.open("rb") as file:
+    with reading("a grid of VASP", path), opened_text(path) as file:
         cell = _cell(file)
         grids = list(_grids(file, path))
     name = (OF_POTENTIALS if kind == "LOCPOT" else GRIDS).get(len(grids))
@@ -58,7 +60,8 @@ def read(request: Request) -> Grid:
     matrix = np.eye(4)
     # The cell repeats: its far faces are the next cell's near ones.
     matrix[:3, :3] = (cell / np.array(samples.shape[::-1])[:, None]).T
-    return Grid(samples, matrix, Facts(unit="angstrom", value_unit=unit))
+    told = () if found else ("a charge density (CHGCAR): the name says nothing else, such as LOCPOT or ELFCAR",)
+    return Grid(samples, matrix, Facts(unit="angstrom", value_unit=unit, guesses=told))
 
 
 def _cell(file: IO[bytes]) -> NDArray[np.float64]:
@@ -94,7 +97,7 @@ def _grids(file: IO[bytes], path: Path) -> Iterator[NDArray[np.float64]]:
             continue
         size = words
         nx, ny, nz = (int(word) for word in size)
-        size_checks.check_stored((nz, ny, nx), np.dtype("u1"), path.stat().st_size // 2, path, held=(1,))
+        size_checks.check_stored((nz, ny, nx), np.dtype("u1"), n_bytes_of(file) // 2, path, held=(1,))
         size_checks.check_memory(size_checks.n_bytes((nz, ny, nx), np.dtype("f8")), path)
         yield numbers_of_text(file, nx * ny * nz, path).reshape(nz, ny, nx)
     if not size:

@@ -32,7 +32,14 @@ from wavesplat._readers.vtk_amr import Box, boxes_of, on_one_grid, sizes_of
 from wavesplat._readers.vtk_arrays import chosen, described_grid, other_grid
 from wavesplat._readers.vtk_checks import check_grid
 from wavesplat._readers.vtk_legacy import check_whole
-from wavesplat._readers.vtk_sampling import GHOSTS, n_points, sampled_on_image, set_only_array, uniform_place
+from wavesplat._readers.vtk_sampling import (
+    GHOSTS,
+    n_points,
+    sampled_on_image,
+    set_only_array,
+    type_of_samples,
+    uniform_place,
+)
 from wavesplat.errors import FileError
 
 __all__ = ["SUFFIXES", "is_grid", "read"]
@@ -48,6 +55,8 @@ COUNTS = re.compile(
     re.MULTILINE,
 )
 EXTENTS = re.compile(rb"""\bExtent\s*=\s*["']([-\d\s]+)["']|^\s*DIMENSIONS((?:[ \t]+\d+){3})""", re.MULTILINE)
+#: The directions of an image's axes, of its element.
+DIRECTION = re.compile(rb"""<ImageData\b[^>]*?\bDirection\s*=\s*["']([^"']*)["']""")
 #: The window that VTK writes errors to is one for all threads.
 _WINDOW = Lock()
 #: Files that files name, one in the other, at most.
@@ -192,9 +201,34 @@ def _loaded(request: Request) -> Any:
     with _told_by_vtk() as told:
         reader.Update()
     data = reader.GetOutputDataObject(0)
+    if is_xml and data is not None and data.IsA("vtkImageData") and (turned := _direction_of(request.file)):
+        data.SetDirectionMatrix(turned)
     if data is None or any("ERR" in line for line in told):
         raise ValueError("truncated or damaged, as VTK finds")
     return data
+
+
+def _direction_of(path: Path) -> list[float] | None:
+    """The directions of the axes of an image in several files, which VTK reads of none of them."""
+    with path.open("rb") as file:
+        if _kind_of_xml(head := file.read(HEAD_BYTES)) != "PImageData":
+            return None
+        whole = parsed(head + file.read())
+    found = {tuple(_numbers(one.get("Direction"))) for one in whole.iter("PImageData") if one.get("Direction")}
+    for piece in whole.iter("Piece"):
+        with (path.parent / piece.get("Source", "")).open("rb") as file:
+            said = DIRECTION.search(file.read(HEAD_BYTES))
+        found.add(tuple(_numbers(said[1].decode("ascii", "replace"))) if said else (1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0))
+    if len(found) > 1:
+        raise FileError(f"its pieces have axes in {len(found)} different directions; write them alike: {path}")
+    return list(found.pop()) if found else None
+
+
+def _numbers(text: str | None) -> list[float]:
+    numbers = [float(word) for word in (text or "").split()]
+    if len(numbers) != 9:
+        raise ValueError(f"a Direction of {len(numbers)} numbers")
+    return numbers
 
 
 @contextmanager
@@ -302,14 +336,32 @@ def _of_level(data: Any, boxes: list[Box], array: _Array, request: Request) -> G
 def _resampled(data: Any, blocks: list[Any], array: _Array, request: Request) -> Grid:
     """The samples of an image that covers the grid."""
     told: tuple[str, ...] = ()
+    values: list[NDArray[Any] | None] = []
     for block in blocks:
         numbers = array.numbers_of(block)
-        if numbers is None:
-            set_only_array(block, None, of_cells=array.of_cells)
-            continue
-        values, told = component_of(numbers, request, array.name)
-        set_only_array(block, values, of_cells=array.of_cells)
-    samples, matrix, sampled = sampled_on_image(data, blocks, request)
+        if numbers is not None:
+            numbers, told = component_of(numbers, request, array.name)
+        values.append(numbers)
+    there = [one for one in values if one is not None]
+    dtype = type_of_samples(there)
+    having = [(block, one) for block, one in zip(blocks, values, strict=True) if one is not None]
+    for block, one in having:
+        set_only_array(block, one.astype(dtype), of_cells=array.of_cells)
+    sampled_data = data
+    if len(having) < len(blocks):
+        sampled_data = _together([block for block, _ in having])
+        told += (f"blocks without {array.name!r}, which are left out: {len(blocks) - len(having)} of {len(blocks)}",)
+    samples, matrix, sampled = sampled_on_image(sampled_data, [block for block, _ in having], request)
     what = f"{described_grid(data.GetClassName())}, {sampled}"
     of_cells = (f"{array.name!r} is of cells, and constant in each",) if array.of_cells else ()
     return Grid(samples, matrix, Facts(guesses=(what, *of_cells, *told)))
+
+
+def _together(blocks: list[Any]) -> Any:
+    """Grids as blocks of one data object."""
+    from vtkmodules.vtkCommonDataModel import vtkMultiBlockDataSet
+
+    whole = vtkMultiBlockDataSet()
+    for number, block in enumerate(blocks):
+        whole.SetBlock(number, block)
+    return whole

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,7 @@ from wavesplat._readers.request import Request
 from wavesplat._readers.vtk_arrays import world_from_index
 from wavesplat.errors import FileError
 
-__all__ = ["GHOSTS", "n_points", "sampled_on_image", "set_only_array", "uniform_place"]
+__all__ = ["GHOSTS", "n_points", "sampled_on_image", "set_only_array", "type_of_samples", "uniform_place"]
 
 #: Places of a uniform grid are off by at most this fraction of a step.
 TOLERANCE = 1e-4
@@ -70,19 +71,25 @@ def _of_points(points: NDArray[np.float64], *, of_cells: bool) -> NDArray[np.flo
     return world_from_index(steps, (1, 1, 1), origin, (0, 0, 0), of_cells=of_cells)
 
 
-def set_only_array(block: Any, values: NDArray[Any] | None, *, of_cells: bool) -> None:
-    """Replace the arrays of a grid, but those of hidden cells, by the one that is sampled."""
+def type_of_samples(values: Sequence[NDArray[Any]]) -> type[np.floating[Any]]:
+    """The type of floats that the numbers of all blocks are sampled in."""
+    # Integers would be interpolated as such; 24 bits hold those of 16.
+    is_wide = any(one.dtype.itemsize > 4 or (one.dtype.kind in "iu" and one.dtype.itemsize == 4) for one in values)
+    return np.float64 if is_wide else np.float32
+
+
+def set_only_array(block: Any, values: NDArray[Any], *, of_cells: bool) -> None:
+    """Replace the arrays of a grid, but those of hidden cells, by the one that is sampled.
+
+    VTK samples blocks together only where all of them have it, in one type.
+    """
     from vtkmodules.util.numpy_support import numpy_to_vtk
 
     for part in (block.GetPointData(), block.GetCellData()):
         for name in [part.GetArrayName(number) for number in range(part.GetNumberOfArrays())]:
             if name != GHOSTS:
                 part.RemoveArray(name)
-    if values is None:
-        return
-    # Integers would be interpolated as such; 24 bits hold those of 16.
-    wide = values.dtype.itemsize > 4 or (values.dtype.kind in "iu" and values.dtype.itemsize == 4)
-    array = numpy_to_vtk(np.ascontiguousarray(values, np.float64 if wide else np.float32), deep=1)
+    array = numpy_to_vtk(np.ascontiguousarray(values), deep=1)
     array.SetName(SAMPLED)
     (block.GetCellData() if of_cells else block.GetPointData()).AddArray(array)
 

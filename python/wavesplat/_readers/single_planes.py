@@ -1,0 +1,40 @@
+"""Files of a single plane, such as a picture of a microscope or one slice: no volume, but a slice shows them."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from wavesplat._readers.request import PLANES_ARE_TAKEN, Grid, Request
+from wavesplat.errors import FileError
+
+__all__ = ["TOLD", "as_volume"]
+
+TOLD = "a single plane: it is shown as it is, and has no thickness"
+
+
+def as_volume(grid: Grid, request: Request) -> Grid:
+    """The grid itself; of a single plane two equal ones around it where these are taken, else a `FileError`."""
+    samples = np.asarray(grid.samples) if np.ndim(grid.samples) == 2 else grid.samples
+    shape = (1, *samples.shape) if samples.ndim == 2 else samples.shape
+    if len(shape) != 3 or min(shape) != 1 or sorted(shape)[1] < 2:
+        return grid
+    axis = shape.index(1)
+    if not PLANES_ARE_TAKEN.get():
+        z, y, x = shape
+        raise FileError(
+            f"the file holds a single plane of x {x}, y {y}, z {z} samples, which fills no space; "
+            f"`wavesplat slice` shows it, and a volume is a file or a folder of several slices: {request.safe_path}"
+        )
+    matrix = np.array(grid.world_from_index, np.float64)
+    across = 2 - axis
+    column = matrix[:3, across]
+    if not np.linalg.norm(column) > 0:
+        one, other = (matrix[:3, number] for number in range(3) if number != across)
+        normal = np.cross(one, other)
+        column = normal / np.linalg.norm(normal) * min(np.linalg.norm(one), np.linalg.norm(other))
+        matrix[:3, across] = column
+    matrix[:3, 3] -= column / 2
+    facts = replace(grid.facts, guesses=(*grid.facts.guesses, TOLD))
+    return grid._replace(samples=np.repeat(np.reshape(samples, shape), 2, axis), world_from_index=matrix, facts=facts)

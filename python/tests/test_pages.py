@@ -17,6 +17,7 @@ PAGES = [
     "scenes.md",
     "radiotherapy.md",
     "coming_from.md",
+    "coming_from_paraview.md",
     "simulations.md",
 ]
 

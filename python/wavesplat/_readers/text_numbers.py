@@ -26,7 +26,7 @@ GZIP = b"\x1f\x8b"
 PIECE_BYTES = 1 << 24
 #: An exponent of Fortran: of three digits without a letter (1.234-100), or with a D.
 EXPONENT = re.compile(rb"(?<=[\d.])(?:[Dd]([-+]?\d{1,3})|([-+]\d{3}))(?![\d.])")
-#: What only such numbers have behind a digit.
+#: Letters that only such numbers have behind a digit.
 SIGNS = b"+-Dd"
 
 

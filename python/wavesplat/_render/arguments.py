@@ -135,9 +135,9 @@ def chosen_camera(
         azimuth, elevation = framing.natural_view(first)
     else:
         azimuth, elevation = view_angles("anterior" if view is None else view, is_anatomical=first.is_anatomical)
-    # A picture without pixels has no aspect; the compiled module refuses it.
     if view_angle is None and not eyes.are_plain:
         view_angle = VIEW_ANGLE
+    # A picture without pixels has no aspect; the compiled module refuses it.
     fitting: Any = {"clipping": clipping, "zoom": zoom, "aspect": aspect if aspect > 0 else 1.0}
     camera = framing.framed(parts, azimuth, elevation, view_angle=view_angle, **fitting)
     if turned is not None:

@@ -84,6 +84,8 @@ MAX_OVERSAMPLING = 1e6
 LABEL_SHARE = 0.6
 #: Transfer function of a scan of which only labels are drawn.
 CLEAR = TransferFunction([(0.0, 0.0)], [(0.0, 1.0, 1.0, 1.0)])
+#: Operators whose colours or brightness say how far behind something is.
+BY_DEPTH = ("depth-shaded-maximum", "depth-colored-maximum")
 #: Sampling of overview pictures.
 COARSE = Sampling(sheets_per_slice=1, quality="draft")
 
@@ -171,6 +173,11 @@ def _seen_by(eyes: Eyes, frame: _Frame, layers: Sequence[DrawnLayer], functions:
     drawn = _under_labels if is_projected else _drawn
     if eyes.are_plain:
         return drawn(frame, layers, functions)
+    if eyes.panorama and frame.composite in BY_DEPTH:
+        raise ArgumentError(
+            f"{frame.composite} tells depths along one line of sight, and a panorama has all: take maximum, or leave "
+            "out panorama"
+        )
     check_picture_memory(frame.size, PIXEL_BYTES)
     n, done = n_pictures(eyes), 0
     sampling, options = frame.sampling, replace(frame.options, after_block=None)

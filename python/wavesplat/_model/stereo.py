@@ -6,7 +6,6 @@ from dataclasses import dataclass, replace
 from math import dist, isfinite, radians, tan
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, get_args
 
-from wavesplat._model import camera_fit
 from wavesplat._model.argument_types import described
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
@@ -171,6 +170,8 @@ def checked_eyes(stereo: object, panorama: object) -> Eyes:
 
 def in_perspective(camera: Camera) -> Camera:
     """A perspective camera that shows as much in the focal plane as an orthographic one, from where 30 degrees do."""
+    from wavesplat._model import camera_fit  # with NumPy, which the command line starts without
+
     if camera.view_angle is not None:
         return camera
     back = camera_fit.axes_of(camera)[2]

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from wavesplat._looks import histogram
 from wavesplat._looks.channels import LUMINANCE, channel_window, lightened, ramp, window_of_values
 from wavesplat._looks.colormaps import colors_of
+from wavesplat._looks.field_curves import Curves, of_field, of_signed_field
 from wavesplat._looks.histogram import without_padding
 from wavesplat._looks.kinds import Evidence, Kind, evidence, offset_of
 from wavesplat._looks.labels import Labels
@@ -25,7 +26,7 @@ from wavesplat._looks.shading import Shading
 from wavesplat._looks.thresholds import otsu, robust_range_of
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
-from wavesplat._looks.voxel_opacity import opacity_of_voxel, opaque_after, rising
+from wavesplat._looks.voxel_opacity import opacity_of_voxel, opaque_after
 from wavesplat._model import units
 from wavesplat._model.few_slices import axis_of_few_slices
 from wavesplat._model.options import BY_VIEW
@@ -67,18 +68,23 @@ GREEN = (0.35, 1.0, 0.45)
 MAX_LUMINANCE = 0.75
 #: White of a maximum projection of fluorescence, at most so many widths of the window of the samples above its low end.
 MAX_WHITE = 2.0
-#: Colours of values below and above zero, brighter than on paper: they are seen against black.
-SIGNS = [(0.28, 0.56, 1.0), (0.75, 0.88, 1.0), (1.0, 0.87, 0.78), (1.0, 0.4, 0.26)]
 #: Kinds of data that are shown in greys where there are but a few slices: their looks are translucent, millimetre by
 #: millimetre.
 IN_GREYS = ("CT", "MR", "ultrasound", "scan")
 #: Hounsfield units in black and in white: level 40, width 400, the usual window of soft tissue.
 CT_WINDOW = (-160.0, 240.0)
 MASK = (0.98, 0.80, 0.56)
-#: The map of `cmap` that fields are shown in.
-FIELD_MAP = "inferno"
-#: How many times as far as into light one sees into fields, which fill their box.
-FIELD_DEPTH = 3.0
+#: The map of `cmap` that fields are shown in, and where it begins: its dark end cannot be seen on black.
+FIELD_MAP, FIELD_START = "inferno", 0.4
+#: Places, 0..1, and colours of values below and above zero: strong at the ends, none paler than is seen on white or
+#: darker than is seen on black.
+SIGNS = [
+    (0.00, 0.20, 0.48, 1.00),
+    (0.35, 0.46, 0.67, 0.95),
+    (0.50, 0.70, 0.70, 0.70),
+    (0.65, 0.95, 0.63, 0.46),
+    (1.00, 1.00, 0.34, 0.20),
+]
 #: The map of `cmap` that doses are shown in, blue to red as in programs for radiotherapy, and the least share of the
 #: largest dose that shows.
 DOSE_MAP, LEAST_DOSE = "turbo", 0.1
@@ -241,30 +247,25 @@ def _em(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
 
 
 def _signed_field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
-    limit = float(np.percentile(np.abs(known.values), 99.5))
-    solid = opacity_of_voxel(0.995, opaque_after(volume))
-    places = [(-limit, solid), (-0.3 * limit, 0.0), (0.3 * limit, 0.0), (limit, solid)]
-    nodes = [(value, *color) for value, color in zip((-1.0, -0.3, 0.3, 1.0), SIGNS, strict=True)]
-    return TransferFunction(places, [(limit * value, *color) for value, *color in nodes]), SOFT
+    """A look in blue below zero and red above, as strong at a value as at minus it."""
+    curves = of_signed_field(known.values, opaque_after(volume))
+    table = np.array(SIGNS)
+    rgb = np.stack([np.interp(curves.places, table[:, 0], table[:, channel]) for channel in (1, 2, 3)], axis=1)
+    return _of_curves(curves, [(value, *one) for value, one in zip(curves.values.tolist(), rgb.tolist(), strict=True)])
 
 
 def _field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
-    """A look in a perceptual colour map, logarithmic where a few values are far larger than the others."""
-    low, middle, upper, high = (float(v) for v in np.percentile(known.values, (1.0, 50.0, 99.0, 99.9)))
-    positive = known.values[known.values > 0]
-    is_heavy = positive.size > 0.9 * known.values.size and high > 8.0 * max(middle, 1e-300) and middle > 0
-    places = np.linspace(0.0, 1.0, 17)
-    if is_heavy:
-        low = float(np.percentile(positive, 5.0))
-        nodes = low * (high / low) ** places
-    else:
-        nodes = low + (upper - low) * places
-    nodes = np.array(_increasing(nodes.tolist(), high - low))
-    # Seven tenths of the volume are clear, so that what is left can be seen inside of it.
-    clear = float(np.interp(np.percentile(known.values, 70.0), nodes, places))
-    rise = np.clip((places - clear) / max(1.0 - clear, 1e-3), 0.0, 1.0)
-    opacity = list(zip(nodes.tolist(), rising(rise, FIELD_DEPTH * opaque_after(volume)).tolist(), strict=True))
-    return TransferFunction(opacity, _mapped(FIELD_MAP, nodes, start=0.4)), SOFT
+    """A look in a perceptual colour map, bright where few samples are."""
+    curves = of_field(known.values, opaque_after(volume))
+    color = _mapped(FIELD_MAP, curves.values, start=FIELD_START)
+    if curves.shows_low:
+        color = [(value, *rgb) for value, (_, *rgb) in zip(curves.values.tolist(), reversed(color), strict=True)]
+    return _of_curves(curves, color)
+
+
+def _of_curves(curves: Curves, color: list[tuple[float, ...]]) -> Made:
+    opacity = list(zip(curves.values.tolist(), curves.opacity.tolist(), strict=True))
+    return TransferFunction(opacity, color), SOFT
 
 
 def _mask(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
@@ -337,8 +338,8 @@ def _colored(colors: Sequence[Rgb], low: float, high: float) -> list[tuple[float
     return [(float(v), *color) for v, color in zip(np.linspace(low, high, len(colors)), colors, strict=True)]
 
 
-def _mapped(name: str, nodes: NDArray[np.float64], *, start: float) -> list[tuple[float, float, float, float]]:
-    """Colours of a map from `start` on: its dark end cannot be seen on black."""
+def _mapped(name: str, nodes: NDArray[np.float64], *, start: float) -> list[tuple[float, ...]]:
+    """Colours of a map from `start` on at nodes, evenly."""
     places, colors = colors_of(name)
     wanted = np.linspace(start, 1.0, nodes.size)
     red, green, blue = (np.interp(wanted, places, colors[:, c]).tolist() for c in range(3))

@@ -2,8 +2,8 @@
 
 Facts of the file (modality, unit, whether the axes are a patient's) come first. Where they are missing, the values
 decide by tests that are reported beside it: Hounsfield units have air and soft tissue at the fixed points of their
-scale; a mask has two values; labels are whole numbers that are the same from sample to sample; a field has both signs;
-PET has no negative values, coarse samples and a few very bright spots.
+scale; a mask has two values; labels are whole numbers that are the same from sample to sample; a field has both signs,
+or fractions, or no noise; PET has no negative values, coarse samples and a few very bright spots.
 """
 
 from __future__ import annotations
@@ -16,10 +16,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._looks.hounsfield import looks_like_hounsfield
+from wavesplat._looks.roughness import is_smooth
 from wavesplat._looks.stored_offset import stored_offset
 from wavesplat._looks.thresholds import otsu, robust_range_of
 from wavesplat._model import units
 from wavesplat._model.lazy_volume import LazyVolume
+from wavesplat._model.placement import is_placed_by_default
 from wavesplat._model.thinning import KIND_SAMPLES, UNIT_SAMPLES, step_for
 from wavesplat._model.wavelet_volume import WaveletVolume
 
@@ -27,6 +29,7 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
 
 __all__ = [
+    "FIELDS",
     "Evidence",
     "Kind",
     "evidence",
@@ -39,6 +42,8 @@ Kind: TypeAlias = Literal[
     "CT", "MR", "PET", "dose", "ultrasound", "fluorescence", "EM", "signed field", "field", "mask", "labels", "scan"
 ]
 
+#: Kinds of data whose numbers are quantities at places, as simulations write them.
+FIELDS: tuple[Kind, ...] = ("field", "signed field", "dose")
 #: DICOM's modalities of the kinds that have a look of their own. Angiography is X-ray: bright vessels, no fixed scale.
 MODALITIES: dict[str, Kind] = {
     "MR": "MR",
@@ -56,8 +61,9 @@ PET_SPACING_MM, PET_TAIL = 1.8, 8.0
 #: Labels: largest number of them, and least share of samples in regions of one value. (Balls of radius 2: 0.86, larger
 #: ones and nuclei: over 0.95; scans of 8 bits: up to 0.35; noise: 0.3; scans enlarged 4 times by repetition: 0.76.)
 MAX_LABELS, MIN_ALIKE = 2000, 0.8
-#: Signs: least ratio of the smaller of the two tails to the larger one.
-MIN_TAIL = 0.15
+#: Signs: least ratio of the smaller of the two tails to the larger one. A tail ends at a percentile; of data without
+#: noise, of which no sample is an accident, at the extreme.
+MIN_TAIL, TAILS = 0.15, (0.5, 99.5)
 #: The same of whole numbers, which are scans with an offset more often.
 MIN_WHOLE_TAIL = 0.5
 #: Dense tissue: least median, as a share of the range. (EM of a worm: 0.65; fluorescence: 0.1 to 0.2.)
@@ -68,6 +74,8 @@ MIN_BRIGHT = 0.45
 MAX_EQUAL, MIN_GLOW, FINE_METRES = 0.25, 3.0, 1e-4
 #: Units that microscopes use.
 SMALL_UNITS = ("um", "nm", "angstrom", "pm")
+#: Units of atoms and molecules, whose densities and orbitals are floating-point numbers.
+ATOMIC_UNITS = ("angstrom", "pm")
 
 
 @dataclass(frozen=True)
@@ -94,11 +102,16 @@ def evidence(volume: Volume | WaveletVolume) -> Evidence:
     # `hypot`, since the squares of samples near the limits of float64 overflow.
     gradients = np.hypot.reduce([np.zeros_like(values), *differences])
     finite = np.isfinite(values) & np.isfinite(gradients)
-    alike = _share_alike(samples, neighbours)
     values, gradients = values[finite], gradients[finite]
     if not values.size:
         values, gradients = np.array(volume.value_range), np.zeros(2)
-    kind, reason = _kind(volume, values, alike)
+    has_noise = not is_smooth(samples, neighbours)
+    kind, reason = (
+        _segmentation(volume, values, _share_alike(samples, neighbours))
+        or _by_facts(volume, values)
+        or _by_microscope(volume, values, has_noise=has_noise)
+        or _by_values(volume, values, has_noise=has_noise)
+    )
     return Evidence(kind, reason, values, gradients)
 
 
@@ -130,10 +143,6 @@ def _offset(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> floa
     return stored_offset(values) if may_be else 0.0
 
 
-def _kind(volume: Volume | WaveletVolume, values: NDArray[np.float64], alike: float) -> tuple[Kind, str]:
-    return _segmentation(volume, values, alike) or _by_facts(volume, values) or _by_values(volume, values)
-
-
 def _segmentation(volume: Volume | WaveletVolume, values: NDArray[np.float64], alike: float) -> tuple[Kind, str] | None:
     n_values = np.unique(values).size
     if n_values <= 2:
@@ -160,6 +169,18 @@ def _by_facts(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tu
     if modality in MODALITIES:
         kind = MODALITIES[modality]
         return kind, f"{'dose map' if kind == 'dose' else kind}: the file says {modality}"
+    return None
+
+
+def _by_microscope(
+    volume: Volume | WaveletVolume, values: NDArray[np.float64], *, has_noise: bool
+) -> tuple[Kind, str] | None:
+    """The kind by the channels and the lengths of microscopes; atoms and plasmas are calculated at such lengths too."""
+    numbers = _numbers(volume)
+    two_signs = _has_two_signs(values, numbers, is_of_patient=False, has_noise=has_noise)
+    is_calculated = numbers == "f" and (two_signs or not has_noise or volume.unit in ATOMIC_UNITS)
+    if is_calculated and volume.facts.channel is None:
+        return None
     if volume.unit not in SMALL_UNITS:
         if volume.facts.channel is not None and not volume.is_anatomical and not _is_dense(values):
             return "fluorescence", "fluorescence: the file names channels, and mostly dark, by the values"
@@ -175,26 +196,44 @@ def _by_facts(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tu
     return "fluorescence", f"fluorescence: lengths in {volume.unit}, and mostly dark, by the values"
 
 
-def _by_values(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tuple[Kind, str]:
-    numbers = getattr(volume, "dtype", np.dtype(np.float32)).kind
-    low, high = np.percentile(values, (0.5, 99.5))
-    least = MIN_TAIL if numbers == "f" else MIN_WHOLE_TAIL
-    may_be_signed = numbers == "f" or (numbers == "i" and not volume.is_anatomical)
-    if may_be_signed and low < 0 < high and min(-low, high) >= least * max(-low, high):
+def _by_values(volume: Volume | WaveletVolume, values: NDArray[np.float64], *, has_noise: bool) -> tuple[Kind, str]:
+    numbers = _numbers(volume)
+    is_of_patient = volume.is_anatomical and (has_noise or not is_placed_by_default(volume))
+    if _has_two_signs(values, numbers, is_of_patient=is_of_patient, has_noise=has_noise):
         return "signed field", "a field with two signs, by the values"
-    if volume.is_anatomical:
-        if numbers == "u" or values.min() < 0:
-            return "scan", "a scan of no fixed scale"
-        if min(volume.spacing) >= PET_SPACING_MM and _tail(values) >= PET_TAIL:
-            return "PET", "PET: coarse samples and a few very bright spots, by the values"
-        return "MR", "MR, or another scan of a patient without a fixed scale, by the values"
+    if is_of_patient:
+        return _of_patient(volume, values, numbers)
     if numbers == "f":
         return "field", "a field of floating-point numbers"
+    if not has_noise:
+        return "field", "a field of whole numbers without noise, by the values"
     if _is_dense(values):
         return "EM", "dense matter that fills the volume, as in electron microscopy: mostly bright, by the values"
     if volume.unit is None and _glows(values):
         return "fluorescence", "fluorescence: noise, and a few samples far brighter than the rest, by the values"
     return "scan", "a scan of no fixed scale"
+
+
+def _of_patient(volume: Volume | WaveletVolume, values: NDArray[np.float64], numbers: str) -> tuple[Kind, str]:
+    if numbers == "u" or values.min() < 0:
+        return "scan", "a scan of no fixed scale"
+    if min(volume.spacing) >= PET_SPACING_MM and _tail(values) >= PET_TAIL:
+        return "PET", "PET: coarse samples and a few very bright spots, by the values"
+    return "MR", "MR, or another scan of a patient without a fixed scale, by the values"
+
+
+def _numbers(volume: Volume | WaveletVolume) -> str:
+    """The kind of the samples' type, as NumPy names it; coefficients of wavelets are floating-point numbers."""
+    return str(getattr(volume, "dtype", np.dtype(np.float32)).kind)
+
+
+def _has_two_signs(values: NDArray[np.float64], numbers: str, *, is_of_patient: bool, has_noise: bool) -> bool:
+    """Whether values go to both sides of 0, neither by the noise of a background nor by an offset."""
+    if numbers not in "fi" or (numbers == "i" and is_of_patient):
+        return False
+    low, high = np.percentile(values, TAILS) if has_noise else (values.min(), values.max())
+    least = MIN_TAIL if numbers == "f" else MIN_WHOLE_TAIL
+    return bool(low < 0 < high and min(-low, high) >= least * max(-low, high))
 
 
 def _is_dense(values: NDArray[np.float64]) -> bool:

@@ -8,7 +8,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import pairwise
-from math import ceil, floor, isfinite, log10
+from math import ceil, copysign, floor, isfinite, log1p, log10
 from typing import Any
 
 import numpy as np
@@ -57,9 +57,13 @@ class Scale:
     stops: tuple[tuple[float, Color], ...]
     is_log: bool
     title: str
+    #: Size of values with a sign up to which the scale is about linear, where it is logarithmic beyond; 0 elsewhere.
+    linear: float = 0.0
 
     def place(self, value: float) -> float:
         """Place of a value along the bar, 0..1."""
+        if self.linear:
+            return (_symlog(value, self.linear) / _symlog(self.high, self.linear) + 1) / 2
         if self.is_log:
             return log10(value / self.low) / log10(self.high / self.low)
         return (value - self.low) / (self.high - self.low)
@@ -74,14 +78,17 @@ def scale_of(curves: TransferFunction | None, composite: str, title: str, backgr
         )
     low, high = _window(curves)
     is_log = _is_log(curves) and low > 0
+    linear = _linear_part(curves) if low == -high else 0.0
     nodes = sorted({value for value, *_ in (*curves.opacity, *curves.color) if low < value < high} | {low, high})
-    values = _between(np.array(nodes), is_log=is_log) if is_log or composite not in MIXING else np.array(nodes)
+    values = (
+        _between(np.array(nodes), is_log=is_log) if is_log or linear or composite not in MIXING else np.array(nodes)
+    )
     # Both sides of a step: the curves just below a node, and just above it.
     sides = [(value, side) for value in values.tolist() for side in (-1, 1)]
     rgba = curves(np.array([value + side * 1e-9 * (high - low) for value, side in sides]))
     rgba[:, 3] = np.where(composite in MIXING, 1.0, rgba[:, 3])
     rgb = rgba[:, :3] * rgba[:, 3:] + (1 - rgba[:, 3:]) * np.array(background)
-    scale = Scale(low, high, (), is_log, title)
+    scale = Scale(low, high, (), is_log, title, linear)
     stops: list[tuple[float, Color]] = []
     for (value, _), (red, green, blue) in zip(sides, rgb.tolist(), strict=True):
         stop = (min(max(scale.place(value), 0.0), 1.0), (round(red, 6), round(green, 6), round(blue, 6)))
@@ -91,7 +98,7 @@ def scale_of(curves: TransferFunction | None, composite: str, title: str, backgr
             or (stop[0] != stops[-1][0])
         ):
             stops.append(stop)
-    return Scale(low, high, tuple(stops), is_log, title)
+    return Scale(low, high, tuple(stops), is_log, title, linear)
 
 
 def scale_of_depths(depth_colors: Mapping[str, Any], unit: str | None) -> Scale:
@@ -168,6 +175,14 @@ def _ticks(scale: Scale, most: int) -> tuple[list[tuple[float, str]], int]:
         kept = list(exponents)[:: max(1, ceil(len(exponents) / most))]
         if len(kept) >= 2:
             return [(10.0**power, _power(power)) for power in kept], 0
+    if scale.linear:
+        # Powers of ten from the linear part on, on both sides of 0.
+        exponents = range(ceil(log10(scale.linear) - 1e-9), floor(log10(scale.high) + 1e-9) + 1)
+        kept = list(exponents)[:: -max(1, ceil(2 * len(exponents) / most))][::-1]
+        above = [(10.0**power, _power(power)) for power in kept]
+        if above:
+            below = [(-value, MINUS + text) for value, text in reversed(above)]
+            return [*below, (0.0, "0"), *above], 0
     values = round_ticks(scale.low, scale.high, most)
     largest = max(abs(value) for value in values)
     exponent = max(floor(log10(largest)), MIN_EXPONENT) if largest and not SMALL <= largest < LARGE else 0
@@ -228,6 +243,29 @@ def _is_log(curves: TransferFunction) -> bool:
         return False
     steps = np.diff(np.log(values))
     return bool(np.ptp(steps) <= LOG_EVEN * steps.mean())
+
+
+def _linear_part(curves: TransferFunction) -> float:
+    """Size of values up to which colours are about even, where they are even in symmetric logarithms; 0 elsewhere.
+
+    The scale is sign(v) log(1 + |v| / linear). Of even places the first two values above 0 give `linear`.
+    """
+    values = np.array([value for value, *_ in curves.color])
+    n = len(values) // 2
+    if len(values) < LOG_NODES or len(values) % 2 == 0 or values[n] != 0 or not np.allclose(values, -values[::-1]):
+        return 0.0
+    above = values[n + 1 :]
+    ratio = above[1] / above[0] - 2
+    if ratio < LOG_EVEN:
+        return 0.0
+    linear = float(above[0] / ratio)
+    places = np.log1p(above / linear)
+    is_even = np.allclose(places, places[0] * np.arange(1, n + 1), rtol=LOG_EVEN)
+    return linear if is_even and above[-1] > 10**LOG_DECADES * linear else 0.0
+
+
+def _symlog(value: float, linear: float) -> float:
+    return copysign(log1p(abs(value) / linear), value)
 
 
 def _between(nodes: NDArray[np.float64], *, is_log: bool) -> NDArray[np.float64]:

@@ -1,0 +1,121 @@
+"""Curves of fields: values, opacities, and which end of the values is shown.
+
+What few samples have is seen, and most of the volume is clear: a field fills its box, and the box would be a wall.
+Values stand in a logarithm where a few are far larger than the others. Of a field whose values reach much further down
+than up the low ones are seen; of one with two signs, both ends are.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._looks.voxel_opacity import rising
+
+__all__ = ["Curves", "of_field", "of_signed_field"]
+
+Array = NDArray[np.float64]
+
+#: How many times as far as into light one sees into fields, which fill their box; those with two signs are seen at both
+#: ends, which are far from each other.
+FIELD_DEPTH, SIGNED_DEPTH = 3.0, 1.5
+#: Share of the samples that is seen of a field, and of one with two signs of each sign.
+SEEN, SEEN_SIGNED = 0.3, 0.2
+#: Heavy tails: least ratio of the 99.9th percentile to the median; of magnitudes with a sign, of the 99.5th to the
+#: 95th. (Normal noise: 1.4; its exponential: 3; the exponential of twice its size: 6; Cauchy's distribution: 10.)
+HEAVY, HEAVY_SIGNED = 8.0, 5.0
+#: Decades of a logarithmic scale, at most; share of values below 0, at most, which solvers leave of densities; and the
+#: largest byte, since bytes were scaled by somebody who saw them.
+MAX_DECADES, MAX_NEGATIVE, MAX_BYTE = 6.0, 0.02, 255
+#: Nodes of colours, and of those with two signs, which are even on both sides of 0.
+N_NODES, N_SIGNED = 17, 33
+#: Low values stand out: least ratio of the lower part of the range to the upper one. A background in the middle: the
+#: largest share of the range that half of the samples have.
+MIN_LOW, MAX_INNER = 3.0, 0.1
+#: Least place of what is seen of a field with two signs.
+LEAST_SIGNED = 0.12
+
+
+@dataclass(frozen=True)
+class Curves:
+    """Growing values with the opacity of a voxel at each, and their places in a colour map, 0..1.
+
+    shows_low : whether the low values are those that are seen, so that the map's bright end is theirs.
+    """
+
+    values: Array
+    opacity: Array
+    places: Array
+    shows_low: bool = False
+
+
+def of_field(samples: Array, n_voxels: float) -> Curves:
+    """Curves of a field of one sign: the end that fewer samples have is opaque.
+
+    samples : finite samples, any number. n_voxels : voxels of light that are opaque together.
+    """
+    low, middle, upper, high = (float(v) for v in np.percentile(samples, (1.0, 50.0, 99.0, 99.9)))
+    places = np.linspace(0.0, 1.0, N_NODES)
+    least = _least_of_logarithm(samples)
+    # Below a median of 0 nothing is few.
+    if least is not None and high > HEAVY * middle and middle > 0:
+        values = least * (high / least) ** places
+    else:
+        low, upper = (low, upper) if low < upper else (float(samples.min()), float(samples.max()))
+        values = low + (upper - low) * places
+    below, above = middle - values[0], values[-1] - middle
+    inner = float(np.ptp(np.percentile(samples, (25.0, 75.0))))
+    shows_low = bool(below > MIN_LOW * above)
+    # A background in the middle, such as a pressure's: both what is below it and what is above it is seen.
+    shows_both = inner < MAX_INNER * (below + above) and MIN_LOW * min(below, above) > max(below, above)
+    share = 100.0 * (SEEN / 2 if shows_both else SEEN)
+    opacity = np.zeros(N_NODES)
+    for is_shown, risen, few in ((shows_low, 1.0 - places, share), (not shows_low, places, 100.0 - share)):
+        if is_shown or shows_both:
+            clear = float(np.interp(np.percentile(samples, few), values, risen))
+            opacity += rising(_beyond(risen, clear), FIELD_DEPTH * n_voxels)
+    return Curves(values, opacity, places, shows_low)
+
+
+def of_signed_field(samples: Array, n_voxels: float) -> Curves:
+    """Curves of a field with two signs, as long below 0 as above it; of each sign some is seen.
+
+    samples : finite samples, any number. n_voxels : voxels of light that are opaque together.
+    """
+    sizes = np.abs(samples)
+    limit, upper = (float(v) for v in np.percentile(sizes, (99.5, 95.0)))
+    limit = limit or float(sizes.max())
+    places = np.linspace(-1.0, 1.0, N_SIGNED)
+    if limit > HEAVY_SIGNED * upper:
+        # Linear up to the median: symmetric logarithms.
+        linear = max(float(np.median(sizes[sizes > 0])), limit * 10**-MAX_DECADES)
+        values = linear * np.sign(places) * np.expm1(np.abs(places) * np.log1p(limit / linear))
+    else:
+        values = limit * places
+    opacity = np.zeros(N_SIGNED)
+    for sign in (-1, 1):
+        side = sign * places > 0
+        ends = np.percentile(sign * samples, (100.0 * (1.0 - SEEN_SIGNED), 99.95))
+        few, most = np.interp(ends, sign * values[side][::sign], sign * places[side][::sign]).tolist()
+        # Each sign is seen to its own end, so that the weaker one is not lost beside the stronger one.
+        if most > LEAST_SIGNED:
+            clear = min(max(LEAST_SIGNED, few), 0.8 * most)
+            opacity += rising(_beyond(sign * places, clear, most), SIGNED_DEPTH * n_voxels)
+    return Curves(values, opacity, (places + 1.0) / 2.0)
+
+
+def _beyond(places: Array, clear: float, end: float = 1.0) -> Array:
+    """Shares of the way from the place up to which all is clear to that of the end, 0..1."""
+    return np.asarray(np.clip((places - clear) / max(end - clear, 1e-3), 0.0, 1.0))
+
+
+def _least_of_logarithm(samples: Array) -> float | None:
+    """The value at which a logarithmic scale of mostly positive samples begins; None where they have none."""
+    positive = samples[samples > 0]
+    is_of_bytes = samples.max() <= MAX_BYTE and np.array_equal(samples, np.round(samples))
+    if 2 * positive.size < samples.size or np.mean(samples < 0) > MAX_NEGATIVE or is_of_bytes:
+        return None
+    top = float(np.percentile(samples, 99.9))
+    return max(float(np.percentile(positive, 5.0)), top * 10**-MAX_DECADES)

@@ -1,0 +1,24 @@
+"""Whether a grid's place is one that nobody measured: axis-aligned, with the origin at its first sample or its middle.
+
+Programs that know nothing of a place write such headers, and formats of medicine then say "left-posterior-superior" by
+default: an image that ITK made has that space, distances of 1 and the origin at its first sample.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+
+from wavesplat._model.grid import Grid
+
+__all__ = ["is_placed_by_default"]
+
+
+def is_placed_by_default(grid: Grid) -> bool:
+    """Whether a grid has axes along the world's, and the world's origin at its first sample or its middle."""
+    matrix = grid.world_from_index
+    if not np.array_equal(matrix[:3, :3], np.diag(np.diag(matrix[:3, :3]))):
+        return False
+    origin = np.linalg.solve(matrix[:3, :3], -matrix[:3, 3])  # in samples
+    # Formats differ in where the middle of an even number of samples is.
+    middle = (np.array(grid.shape[::-1]) - 1) / 2
+    return bool(np.abs(origin).max() < 1e-6 or np.abs(origin - middle).max() <= 1 + 1e-6)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -16,6 +16,7 @@ from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._picture.picture import Picture
+    from wavesplat._scene.scene import Scene
 
 __all__ = [
     "FigureOptions",
@@ -31,6 +32,12 @@ __all__ = [
 class FigureOptions:
     """Options of a figure, as `Picture.annotated` takes them."""
 
+    figure: Annotated[
+        bool,
+        typer.Option(
+            "--figure", help="Draw what a figure needs: a scale bar, the axes or letters, a colour bar of a field."
+        ),
+    ] = False
     scale_bar: Annotated[
         bool, typer.Option("--scale-bar", help="Draw a bar of a round length, in the file's unit or --unit.")
     ] = False
@@ -75,7 +82,7 @@ def takes_figure_options(command: Callable[..., None]) -> Callable[..., None]:
 
 def takes_frame_figure_options(command: Callable[..., None]) -> Callable[..., None]:
     """Give a command the options of figures that are not printed, in the place of its parameter `figure`."""
-    return with_options_of(FigureOptions, "figure", command, without=["dpi"])
+    return with_options_of(FigureOptions, "figure", command, without=["dpi", "figure"])
 
 
 def check_figure(options: FigureOptions) -> None:
@@ -89,14 +96,38 @@ def check_figure(options: FigureOptions) -> None:
         lettering.opened(str(options.font), 12)
     if options.title:
         lettering.check_letters(options.title, None if options.font is None else str(options.font), "--title")
-    if options.colorbar_label is not None and not options.colorbar:
+    if options.colorbar_label is not None and not (options.colorbar or options.figure):
         raise ArgumentError("--colorbar-label names what a colour bar shows; give it with --colorbar")
 
 
-def annotated(picture: Picture, options: FigureOptions, *, quiet: bool) -> Picture:
-    """The picture as a figure, with the marks that the options ask for."""
+def annotated(picture: Picture, options: FigureOptions, scene: Scene, *, quiet: bool) -> Picture:
+    """The picture as a figure, with the marks that the options ask for. `scene`: what is drawn."""
+    bars: bool | str = options.colorbar
+    if options.figure:
+        from wavesplat._render.framing import is_of_patient
+
+        of_patient = is_of_patient(scene.layers[0].drawn)
+        is_marked = options.letters or options.cube or options.axes
+        options = replace(
+            options,
+            scale_bar=options.scale_bar or picture.unit is not None,
+            letters=options.letters or (not is_marked and of_patient),
+            axes=options.axes or (not is_marked and not of_patient),
+        )
+        bars = bars or _bars_of_fields(picture, scene)
+        options = replace(options, colorbar=bool(bars))
     marks = marks_of(options, picture.unit, quiet=quiet)
-    return picture.annotated(**marks, dpi=options.dpi) if marks else picture
+    return picture.annotated(**marks | {"colorbar": bars}, dpi=options.dpi) if marks else picture
+
+
+def _bars_of_fields(picture: Picture, scene: Scene) -> bool | str:
+    """The layers that get a colour bar by themselves: fields, but no surfaces of one colour; one by its name."""
+    from wavesplat._looks.kinds import FIELDS, kind_of
+
+    shown = [one for one in picture.report.get("shown") or () if one["composite"] != "first-hit"]
+    fields = {layer.name or layer.drawn.name for layer in scene.layers if kind_of(layer.drawn) in FIELDS}
+    named = [one["name"] for one in shown if one["name"] in fields and one["transfer_function"] is not None]
+    return len(named) == len(shown) or named[0] if named else False
 
 
 def marks_of(options: FigureOptions, unit: str | None, *, quiet: bool) -> dict[str, Any]:

@@ -72,7 +72,9 @@ def draw_from(
         print_notes(picture)
     if document.figure and figure == FigureOptions():
         picture = picture.annotated(**document.figure)
-    annotated(picture, figure, quiet=quiet).save(output, bits=bits, dpi=figure.dpi, embed_paths=embed_paths)
+    annotated(picture, figure, document.scene, quiet=quiet).save(
+        output, bits=bits, dpi=figure.dpi, embed_paths=embed_paths
+    )
     facts = {"picture": str(output), "size": list(picture.size), "input": str(path), "report": picture.report}
     if report is not None:
         write_report(report, facts, embed_paths=embed_paths)

@@ -202,7 +202,7 @@ def _drawn_all(
         picture = _drawn(scene, camera, shown=not quiet and is_terminal(), **options)
         if not quiet:
             print_notes(picture)
-        picture = annotated(picture, figure, quiet=quiet)
+        picture = annotated(picture, figure, scene, quiet=quiet)
         batch.add(input, picture.report["time"]["text"] if len(pictures) > 1 else None, picture)
         picture.save(path, bits=bits, dpi=figure.dpi, scene=embed_scene, embed_paths=embed_paths)
         made.append({"picture": str(path), "size": list(picture.size), "input": input, "report": picture.report})

@@ -206,12 +206,12 @@ def slice(
             options |= {"columns": columns, "reference_lines": reference_lines, "scale_bar": bar}
             picture = lightbox(scene, of_plane, positions, **options)
             # Each slice has its letters, and one of them the bar.
-            figure = replace(figure, letters=False, scale_bar=False, bar_length=None)
+            figure = replace(figure, figure=False, letters=False, scale_bar=False, bar_length=None)
         else:
             picture = cut(scene, of_plane, position, **options)
     if not quiet:
         print_notes(picture)
-    picture = annotated(picture, figure, quiet=quiet)
+    picture = annotated(picture, figure, scene, quiet=quiet)
     picture.save(output, bits=bits, dpi=figure.dpi)
     facts = {"picture": str(output), "size": list(picture.size), "input": input, "report": picture.report}
     print_result(facts, output, as_json=json, written=output)

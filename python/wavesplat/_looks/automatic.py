@@ -23,7 +23,7 @@ from wavesplat._looks.kinds import Evidence, Kind, evidence, offset_of
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.look import Look
 from wavesplat._looks.shading import Shading
-from wavesplat._looks.thresholds import otsu, robust_range_of
+from wavesplat._looks.thresholds import otsu, otsu_of_scan, robust_range_of
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._looks.voxel_opacity import opacity_of_voxel, opaque_after
@@ -197,7 +197,8 @@ def _tissue(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
 
 def _scan(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     """A look that shows boundaries: opacity follows the mean gradient at a value, relative to that of other values."""
-    low, threshold, high = _parted(known)
+    low, high = robust_range_of(known.values)
+    threshold, low = otsu_of_scan(known.values, low, high)
     colors = TISSUE if volume.is_anatomical else MATTER
     values = np.linspace(low, high, 65)
     strength = _boundary_strength(known, values)

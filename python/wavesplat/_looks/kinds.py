@@ -87,6 +87,8 @@ class Evidence:
     values: NDArray[np.float64]
     #: Magnitudes of the differences of neighbours, sample units per voxel, at `values`.
     gradients: NDArray[np.float64]
+    #: Whether samples have noise, unlike results of calculations.
+    has_noise: bool = True
 
     @property
     def is_guess(self) -> bool:
@@ -112,7 +114,7 @@ def evidence(volume: Volume | WaveletVolume) -> Evidence:
         or _by_microscope(volume, values, has_noise=has_noise)
         or _by_values(volume, values, has_noise=has_noise)
     )
-    return Evidence(kind, reason, values, gradients)
+    return Evidence(kind, reason, values, gradients, has_noise)
 
 
 def kind_of(volume: Volume | WaveletVolume) -> Kind:

@@ -48,7 +48,7 @@ def to_xarray(grid: Grid, samples: NDArray[Any]) -> xarray.DataArray:
     for name, first, step, n in zip("xyz", firsts, steps, reversed(grid.shape), strict=True):
         coordinates[name] = (name, first + step * np.arange(n), said)
     made: xarray.DataArray = library("xarray", extra="xarray").DataArray(
-        samples, dims=("z", "y", "x"), coords=coordinates, name=grid.name, attrs=attributes
+        samples, dims=("z", "y", "x"), coords=coordinates, name=grid.facts.quantity or grid.name, attrs=attributes
     )
     return made
 
@@ -100,8 +100,10 @@ def to_pyvista(grid: Grid, samples: NDArray[Any]) -> pyvista.ImageData:
         origin=matrix[:3, 3],
         direction_matrix=matrix[:3, :3] / spacing,
     )
-    image.point_data[grid.name] = samples.ravel()
-    image.set_active_scalars(grid.name)
+    # Images of several datasets of a file are combined by the names of their arrays.
+    name = grid.facts.quantity or grid.name
+    image.point_data[name] = samples.ravel()
+    image.set_active_scalars(name)
     if grid.unit is not None:
         image.field_data[vtk_image.UNIT] = [grid.unit]
     if grid.is_anatomical:

@@ -14,12 +14,18 @@ from wavesplat._model.short_repr import short_repr
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Channel", "Facts", "value_unit_of"]
+__all__ = ["Channel", "Facts", "quantity_of", "value_unit_of"]
 
 #: Bound of time points: more than any file has.
 MAX_TIMES = 2**53
 #: Longest name of a unit of values.
 LONGEST_UNIT = 40
+#: Longest name of a quantity, and names of datasets and arrays that name none.
+LONGEST_QUANTITY = 80
+NO_QUANTITIES = {
+    *("", "0", "arr_0", "array", "data", "dataset", "exported_data", "image", "imagefile", "imagescalars", "metaimage"),
+    *("nrrdimage", "raw", "samples", "scalars", "tiff scalars", "values", "volume"),
+}
 
 
 @public
@@ -88,6 +94,9 @@ class Facts:
     value_unit : str, optional
         Unit of the samples' values: "HU", "Bq/ml", "SUV", "Gy", "a.u." (of MR, whose numbers have no scale), ...; None
         where the file does not say.
+    quantity : str, optional
+        Name of the values, such as "temperature": of the dataset or array that they are in; None where the file has
+        none.
     channel : Channel, optional
         The channel of the samples.
     channels : sequence of Channel
@@ -125,6 +134,7 @@ class Facts:
     is_anatomical: bool = False
     modality: str | None = None
     value_unit: str | None = None
+    quantity: str | None = None
     channel: Channel | None = None
     channels: tuple[Channel, ...] = ()
     n_times: int = 1
@@ -147,6 +157,7 @@ class Facts:
             "is_anatomical": bool(self.is_anatomical),
             "modality": None if self.modality is None else text_of(self.modality, "facts: modality"),
             "value_unit": _value_unit(self.value_unit),
+            "quantity": _quantity(self.quantity),
             "channels": channels,
             "n_times": self.n_times,
             "time_step": _step(self.time_step),
@@ -192,6 +203,25 @@ def value_unit_of(name: object) -> str | None:
     """A unit of values as another program names it; None where it names none that can be shown."""
     told = name.strip() if isinstance(name, str) else ""
     return told if told and told.isprintable() and len(told) <= LONGEST_UNIT else None
+
+
+def quantity_of(name: object) -> str | None:
+    """The quantity that a dataset or an array in a file is named after; None where its name says nothing.
+
+    name : may be a path within the file, such as "native_fields/temperature", or bytes.
+    """
+    text = name.decode("utf-8", "replace") if isinstance(name, bytes) else name
+    told = " ".join(text.rstrip("/").rpartition("/")[2].split()) if isinstance(text, str) else ""
+    is_name = told.lower() not in NO_QUANTITIES and told.isprintable() and len(told) <= LONGEST_QUANTITY
+    return told if is_name else None
+
+
+def _quantity(name: object) -> str | None:
+    if name is None:
+        return None
+    if not isinstance(name, str) or len(name) > LONGEST_QUANTITY or not name.isprintable():
+        raise ArgumentError(f'facts: quantity is {described(name)}; give a name of one line, such as "temperature"')
+    return name.strip() or None
 
 
 def _value_unit(unit: object) -> str | None:

@@ -10,7 +10,10 @@ import numpy as np
 
 from wavesplat._model.grid import Grid
 
-__all__ = ["is_placed_by_default"]
+__all__ = ["NO_PLACE", "is_placed_by_default"]
+
+#: A convention of a file, told among its facts: it names a patient's axes, and nothing else of a place.
+NO_PLACE = "axes of a patient: the file names them, but its samples are 1 apart, from the origin on, as by default"
 
 
 def is_placed_by_default(grid: Grid) -> bool:

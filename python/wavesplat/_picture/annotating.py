@@ -342,12 +342,15 @@ def _colored(figure: Figure, report: Mapping[str, Any]) -> list[tuple[report_fac
         )
     if figure.values is not None:
         return [(layer, figure.values) for layer in layers]
-    if len(layers) == 1:
-        return [(layers[0], layers[0].values or report_facts.plain_name(layers[0].name))]
-    return [
-        (layer, report_facts.plain_name(layer.name) + (f" ({layer.values})" if layer.values else ""))
-        for layer in layers
-    ]
+    if len(layers) == 1 and layers[0].values and not layers[0].quantity:
+        return [(layers[0], layers[0].values)]
+    return [(layer, _title_of_values(layer)) for layer in layers]
+
+
+def _title_of_values(layer: report_facts.ShownLayer) -> str:
+    """The title of a layer's colour bar: the name of its values and their unit, such as "temperature (K)"."""
+    name = layer.quantity or report_facts.plain_name(layer.name)
+    return f"{name} ({layer.values})" if layer.values else name
 
 
 def _scales(figure: Figure, report: Mapping[str, Any], behind: Color) -> list[color_bar.Scale]:

@@ -175,8 +175,8 @@ class Picture:
         unit : str, optional
             Unit of the world's lengths, where the file does not say it.
         values : str, optional
-            What the values are called, above the colour bar; None is their unit where it is known ("HU"), else the
-            layer's name.
+            What the values are called, above the colour bar; None is the name of the dataset with the unit of its
+            values ("temperature (K)"), else the unit ("HU"), else the layer's name.
         dpi : float, optional
             Pixels per inch when printed, as for `save`; it is also how large an SVG or PDF file is (None: 96).
         font_size : float, optional

@@ -58,6 +58,7 @@ class View:
 class ShownLayer:
     """A layer that is drawn: its name, operator and colours, and the unit of its values, such as "HU".
 
+    quantity : what the values are, such as "temperature", where a file names it and the layer has no name of its own.
     function : None where colours depend on more than the value.
     """
 
@@ -65,6 +66,7 @@ class ShownLayer:
     composite: str
     function: TransferFunction | None
     values: str = ""
+    quantity: str = ""
 
 
 def view_of(report: Mapping[str, Any]) -> View:
@@ -92,6 +94,7 @@ def layers_of(report: Mapping[str, Any]) -> list[ShownLayer]:
             layer.get("composite") or "over",
             None if layer.get("transfer_function") is None else _curves(layer["transfer_function"]),
             layer.get("values") or "",
+            layer.get("quantity") or "",
         )
         for number, layer in enumerate(report.get("shown") or [])
     ]
@@ -109,7 +112,9 @@ def swatches_of(report: Mapping[str, Any]) -> list[tuple[str, Rgb]]:
     found = [(str(one["name"]), _rgb(one["color"])) for one in named]
     layers = layers_of(report) if report.get("shown") else []
     if len(layers) > 1:
-        found += [(layer.name, _brightest(layer.function)) for layer in layers if layer.function is not None]
+        found += [
+            (layer.quantity or layer.name, _brightest(layer.function)) for layer in layers if layer.function is not None
+        ]
     return found
 
 
@@ -129,10 +134,14 @@ def background_of(report: Mapping[str, Any], rgba: NDArray[np.float32]) -> tuple
     return red, green, blue, 1.0
 
 
-def shown_layer(name: str, composite: str, function: Any, values: str) -> dict[str, Any]:
-    """The report's entry for a layer, for colour bars and legends; `layers_of` reads it."""
+def shown_layer(name: str, composite: str, function: Any, values: str, quantity: str | None = None) -> dict[str, Any]:
+    """The report's entry for a layer, for colour bars and legends; `layers_of` reads it.
+
+    values : their unit. quantity : what the values are, where that is known.
+    """
     curves = transfer_function_json.fields_of(function) if isinstance(function, TransferFunction) else None
-    return {"name": name, "values": values, "composite": composite, "transfer_function": curves}
+    named = {"quantity": quantity} if quantity else {}
+    return {"name": name, **named, "values": values, "composite": composite, "transfer_function": curves}
 
 
 def facts_of_view(camera: Camera, size: tuple[int, int], facts: Facts) -> dict[str, Any]:

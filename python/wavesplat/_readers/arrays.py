@@ -12,7 +12,7 @@ from wavesplat._files import size_checks
 from wavesplat._files.bounded_file import BoundedFile
 from wavesplat._files.npz import check_members, npy_header
 from wavesplat._files.reading import reading
-from wavesplat._model.facts import Facts
+from wavesplat._model.facts import Facts, quantity_of
 from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, one_volume_of, several, unwarned
 from wavesplat.errors import ArgumentError
 
@@ -23,10 +23,10 @@ def read(request: Request) -> Grid:
     """The array in a .npy or .npz file."""
     path = request.file
     with reading("a NumPy file", path), unwarned("numpy"):
-        array = _from_npz(request) if zipfile.is_zipfile(path) else _from_npy(request)
+        name, array = _from_npz(request) if zipfile.is_zipfile(path) else (None, _from_npy(request))
         samples = array[index_unnamed_axes(array.shape, request)]
         samples = np.array(samples) if isinstance(array, np.memmap) else samples
-        return Grid(samples, np.eye(4), Facts(n_times=n_times_of(array.shape, request)))
+        return Grid(samples, np.eye(4), Facts(quantity=quantity_of(name), n_times=n_times_of(array.shape, request)))
 
 
 def _from_npy(request: Request) -> NDArray[Any]:
@@ -43,7 +43,7 @@ def _from_npy(request: Request) -> NDArray[Any]:
     return array
 
 
-def _from_npz(request: Request) -> NDArray[Any]:
+def _from_npz(request: Request) -> tuple[str, NDArray[Any]]:
     path = request.file
     with zipfile.ZipFile(path) as archive:
         names = [name.removesuffix(".npy") for name in archive.namelist() if name.endswith(".npy")]
@@ -51,7 +51,7 @@ def _from_npz(request: Request) -> NDArray[Any]:
         check_members(archive, [f"{name}.npy"], path)
     with np.load(path, allow_pickle=False) as arrays:
         array: NDArray[Any] = arrays[name]
-    return array
+    return name, array
 
 
 def _chosen(names: list[str], request: Request) -> str:

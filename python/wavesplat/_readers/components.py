@@ -8,10 +8,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._model.facts import quantity_of
 from wavesplat._readers.request import Request, choose
 from wavesplat.errors import ArgumentError
 
-__all__ = ["AXES", "N_COMPONENTS", "component_of", "length_of", "number_of_component"]
+__all__ = ["AXES", "N_COMPONENTS", "component_of", "length_of", "number_of_component", "quantity_of_array"]
 
 AXES = "xyz"
 #: Components of a vector.
@@ -51,6 +52,14 @@ def component_of(numbers: NDArray[Any], request: Request, name: str) -> tuple[ND
         () if wanted else (f'{name!r} holds vectors, of which the length is drawn; or component="x" (--component x)',)
     )
     return length_of([numbers[..., number] for number in range(n)]), told
+
+
+def quantity_of_array(name: str, n: int, dtype: np.dtype[Any], request: Request) -> str | None:
+    """The name of what is drawn of an array of `n` components, such as "velocity magnitude"."""
+    quantity = quantity_of(name)
+    if quantity is None or n == 1 or not _are_vectors(n, dtype, request):
+        return quantity
+    return f"{quantity} {request.component or 'magnitude'}"
 
 
 def number_of_component(n: int, dtype: np.dtype[Any], request: Request, name: str) -> int:

@@ -12,11 +12,11 @@ import numpy as np
 from wavesplat._files import size_checks
 from wavesplat._files.named_files import refused
 from wavesplat._files.reading import reading
-from wavesplat._model.facts import Facts
+from wavesplat._model.facts import Facts, quantity_of, value_unit_of
 from wavesplat._model.hdf5_files import read_hdf5
 from wavesplat._model.hdf5_place import Place, place_of
 from wavesplat._readers import hdf5_vectors
-from wavesplat._readers.components import length_of
+from wavesplat._readers.components import AXES, length_of
 from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, several
 from wavesplat._readers.vtk_arrays import other_grid
 from wavesplat.errors import ArgumentError, FileError
@@ -24,7 +24,7 @@ from wavesplat.errors import ArgumentError, FileError
 if TYPE_CHECKING:
     import h5py
 
-__all__ = ["check_own", "check_way", "chosen_dataset", "facts_of", "kind_of", "place_of", "read"]
+__all__ = ["check_own", "check_way", "chosen_dataset", "facts_of", "kind_of", "named", "place_of", "read"]
 
 #: Groups and links on the path to a dataset, at most.
 MAX_STEPS = 100
@@ -62,12 +62,30 @@ def _read(request: Request) -> Grid:
         place = place_of(dataset)
         samples = dataset[index]
         facts = replace(facts_of(file, place), n_times=n_times_of(dataset.shape, request))
+        facts = replace(facts, **named(dataset, (of_axis or "magnitude") if are_vectors else None))
         if are_vectors and of_axis is None:
             samples = length_of([samples, dataset[..., 1], dataset[..., 2]])
             if request.component is None:
                 facts = replace(facts, guesses=(*facts.guesses, hdf5_vectors.TOLD.format(dataset.name.lstrip("/"))))
         samples = np.transpose(samples, place.zyx) if place.zyx != (0, 1, 2) else samples
         return Grid(samples, place.world_from_index, facts)
+
+
+def named(dataset: h5py.Dataset, component: str | None = None) -> dict[str, Any]:
+    """The name of a dataset's values, and their unit, where an attribute says it, as facts.
+
+    component : what is drawn of vectors. A component of a record of openPMD, such as "data/1/meshes/B/x", is named
+    after the record too.
+    """
+    quantity = quantity_of(dataset.name)
+    record = quantity_of(dataset.name.rpartition("/")[0])
+    if record is not None and quantity is not None and quantity in AXES:
+        quantity = f"{record} {quantity}"
+    if quantity is not None and component is not None:
+        quantity = f"{quantity} {component}"
+    unit = dataset.attrs.get("units")
+    unit = unit.decode("utf-8", "replace") if isinstance(unit, bytes) else unit
+    return {"quantity": quantity, "value_unit": value_unit_of(unit)}
 
 
 def facts_of(file: h5py.File, place: Place) -> Facts:

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wavesplat._model.facts import quantity_of
 from wavesplat._readers.components import AXES, N_COMPONENTS, length_of
 from wavesplat._readers.request import Grid, Request
 from wavesplat.errors import ArgumentError, FileError
@@ -54,10 +55,11 @@ def length_of_record(components: dict[str, str], request: Request, read: Callabl
         guesses.append(TOLD.format(request.dataset))
     if any(not np.allclose(part.world_from_index, first.world_from_index) for part in parts):
         guesses.append("the components lie at different places of a cell, and are taken as if all lay where x does")
+    quantity = quantity_of(request.dataset)
     return Grid(
         length_of([part.samples for part in parts]),
         first.world_from_index,
-        replace(first.facts, guesses=tuple(guesses)),
+        replace(first.facts, quantity=f"{quantity} magnitude" if quantity else None, guesses=tuple(guesses)),
         first.losses,
     )
 

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from wavesplat._model import units
 from wavesplat._model.facts import Facts, value_unit_of
 from wavesplat._model.itk_image import ANATOMICAL_SPACES, MODALITIES, UNIT, VALUE_UNIT
+from wavesplat._model.placement import NO_PLACE
 from wavesplat._readers.nrrd_for_itk import ListedAxis, listed_axis
 from wavesplat.errors import FileError
 
@@ -93,6 +94,8 @@ def of_nrrd(path: Path) -> Header:
         unit = "mm"
         conventions.append("unit mm: the file names none; programs that read NRRD of patients take millimetres")
     modality = MODALITIES.get(keys.get("modality", keys.get("0008|0060", "")).lower())
+    if conventions and modality is None and _has_no_place(fields):
+        conventions.append(NO_PLACE)
     guesses = (
         [] if {"spacings", "space directions"} & set(fields) else ["distances of samples 1, 1, 1: the file has none"]
     )
@@ -108,6 +111,14 @@ def of_nrrd(path: Path) -> Header:
     if axis is not None:
         facts = replace(facts, **_listed_times(axis.number, axis.size, fields, keys))
     return Header(fields, facts, index_factors, world_factors, keys, axis)
+
+
+def _has_no_place(fields: dict[str, str]) -> bool:
+    """Whether directions and origin of an NRRD file are those that ITK writes for an image without a place."""
+    directions, origin = (
+        _floats(re.sub(r"[(),]", " ", fields.get(name, "")).split()) for name in ("space directions", "space origin")
+    )
+    return directions == [1, 0, 0, 0, 1, 0, 0, 0, 1] and origin in ([], [0, 0, 0])
 
 
 def _listed_times(axis: int, count: int, fields: dict[str, str], keys: dict[str, str]) -> dict[str, Any]:

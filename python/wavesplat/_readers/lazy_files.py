@@ -252,6 +252,7 @@ def _of_hdf5(request: Request) -> LazyGrid:
             one = sorted(dataset.shape)[-3:]
             size_checks.check_stored(one, dataset.dtype, stored, request.path, ratio=size_checks.ANY_RATIO, held=(1,))
         place = hdf5.place_of(dataset)
+        component = request.component
         request = hdf5_vectors.as_channel(dataset.shape, dataset.dtype, request)
         order, picked = _unnamed(dataset.shape, request)
         zyx = (order[place.zyx[0]], order[place.zyx[1]], order[place.zyx[2]])
@@ -269,7 +270,9 @@ def _of_hdf5(request: Request) -> LazyGrid:
             token=f"HDF5 {request.file} {dataset.name}",
             files=files_of_dataset(dataset),
         )
-        facts = replace(hdf5.facts_of(file, place), n_times=n_times_of(dataset.shape, request))
+        facts = replace(
+            hdf5.facts_of(file, place), n_times=n_times_of(dataset.shape, request), **hdf5.named(dataset, component)
+        )
         return LazyGrid([array], [place.world_from_index], facts)
 
 

@@ -22,7 +22,7 @@ from wavesplat._files import size_checks
 from wavesplat._files.file_states import StoredFiles
 from wavesplat._files.libraries import library
 from wavesplat._files.reading import reading
-from wavesplat._model.facts import Facts
+from wavesplat._model.facts import Facts, quantity_of
 from wavesplat._model.hdf5_files import check_links, held_hdf5, read_hdf5
 from wavesplat._model.labelled_array import NAMES, TOLERANCE, in_order
 from wavesplat._model.lazy_array import SlicedArray
@@ -252,7 +252,7 @@ def _volume_of(name: str, array: Any, request: Request) -> _Variable:
     bare = [str(axis) for axis in spatial if axis not in volume.coords]
     if len(bare) == 3:
         guesses.append(f"distance of samples 1, 1, 1: the file has no coordinates along {', '.join(bare)}")
-    facts = replace(found.facts, guesses=(*found.facts.guesses, *guesses, *made), **said)
+    facts = replace(found.facts, quantity=quantity_of(name), guesses=(*found.facts.guesses, *guesses, *made), **said)
     order = [list(array.dims).index(axis) for axis in found.samples.dims]
     index = tuple(picked.get(axis) for axis in array.dims)
     matrix = np.eye(4) if found.world_from_index is None else found.world_from_index

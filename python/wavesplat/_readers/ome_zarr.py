@@ -21,7 +21,7 @@ from wavesplat._files.reading import reading
 from wavesplat._files.zarr_chunks import check_chunks
 from wavesplat._files.zarr_place import METADATA_NAMES, ZarrPlace
 from wavesplat._files.zarr_stores import place_of, store_of
-from wavesplat._model.facts import Facts
+from wavesplat._model.facts import Facts, quantity_of
 from wavesplat._readers import ome_zarr_layout as layout
 from wavesplat._readers import zarr_metadata
 from wavesplat._readers.ome_zarr_facts import Axes, channels_of, facts_of
@@ -52,7 +52,7 @@ def read(request: Request) -> Grid:
         zarr_metadata.check_numbers(node, request.safe_path)
         check_chunks(node, _all_axes(index, node.ndim), request.safe_path)
         samples = _samples(node, index)
-        facts = Facts(n_times=n_times_of(node.shape, request))
+        facts = Facts(quantity=quantity_of(request.dataset), n_times=n_times_of(node.shape, request))
         return Grid(samples, np.eye(4), facts, _refused_chunks(node, request))
 
 
@@ -89,7 +89,7 @@ def levels_of(request: Request) -> list[ZarrLevel]:
     axes = _all_axes(index, node.ndim)
     picked = [None if isinstance(part, slice) else part for part in axes]
     z, y, x = (axis for axis, part in enumerate(picked) if part is None)
-    facts = Facts(n_times=n_times_of(node.shape, request))
+    facts = Facts(quantity=quantity_of(request.dataset), n_times=n_times_of(node.shape, request))
     return [ZarrLevel(node, request.dataset or "", (z, y, x), picked, np.eye(4), facts)]
 
 

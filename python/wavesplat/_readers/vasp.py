@@ -53,7 +53,8 @@ def read(request: Request) -> Grid:
         grids = list(_grids(file, path))
     name = (OF_POTENTIALS if kind == "LOCPOT" else GRIDS).get(len(grids))
     names = list(name or (f"grid {number}" for number in range(1, len(grids) + 1)))
-    samples = grids[_chosen(names, request)]
+    number = _chosen(names, request)
+    samples = grids[number]
     unit = PLAIN.get(kind, "e/angstrom^3")
     if kind not in PLAIN:
         samples = samples / abs(np.linalg.det(cell))
@@ -61,7 +62,8 @@ def read(request: Request) -> Grid:
     # The cell repeats: its far faces are the next cell's near ones.
     matrix[:3, :3] = (cell / np.array(samples.shape[::-1])[:, None]).T
     told = () if found else ("a charge density (CHGCAR): the name says nothing else, such as LOCPOT or ELFCAR",)
-    return Grid(samples, matrix, Facts(unit="angstrom", value_unit=unit, guesses=told))
+    facts = Facts(unit="angstrom", value_unit=unit, quantity=names[number], guesses=told)
+    return Grid(samples, matrix, facts)
 
 
 def _cell(file: IO[bytes]) -> NDArray[np.float64]:

@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from wavesplat._files import size_checks
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
-from wavesplat._readers.components import component_of
+from wavesplat._readers.components import component_of, quantity_of_array
 from wavesplat._readers.request import Grid, Request
 from wavesplat._readers.vtk_arrays import chosen, other_grid, world_from_index
 from wavesplat.errors import FileError
@@ -65,6 +65,7 @@ def _read(request: Request, stored: _Stored) -> Grid:
     samples: NDArray[Any] | None = None
     n_cells = 0
     told: tuple[str, ...] = ()
+    quantity: str | None = None
     for piece in image.iter("Piece"):
         extent = _extent(piece.get("Extent", ""))
         if (extent[:, 0] < whole[:, 0]).any() or (extent[:, 1] > whole[:, 1]).any():
@@ -73,6 +74,7 @@ def _read(request: Request, stored: _Stored) -> Grid:
             if array.get("Name", "") == name:
                 numbers = stored.samples(array, (*_size(extent, of_cells)[::-1], n_components))
                 part, told = component_of(numbers, request, name)
+                quantity = quantity_of_array(name, n_components, numbers.dtype, request)
                 if samples is None:
                     size_checks.check_memory(size_checks.n_bytes(size, part.dtype), path)
                     samples = np.zeros(size[::-1], part.dtype)
@@ -82,7 +84,7 @@ def _read(request: Request, stored: _Stored) -> Grid:
     # Pieces share points, but no cells.
     if samples is None or n_cells != _n_cells(whole):
         raise FileError(f"the pieces of {name!r} do not fill the file's extent; write them all into one file: {path}")
-    return Grid(samples, _world_from_index(image, whole, of_cells), Facts(guesses=told))
+    return Grid(samples, _world_from_index(image, whole, of_cells), Facts(quantity=quantity, guesses=told))
 
 
 def _chosen(image: ET.Element, request: Request) -> tuple[bool, str, int]:

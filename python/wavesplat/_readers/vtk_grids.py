@@ -24,8 +24,8 @@ from wavesplat._files.libraries import library
 from wavesplat._files.mute_stderr import muted_stderr
 from wavesplat._files.named_files import check_named_file
 from wavesplat._files.reading import reading
-from wavesplat._model.facts import Facts
-from wavesplat._readers.components import component_of
+from wavesplat._model.facts import Facts, quantity_of
+from wavesplat._readers.components import component_of, quantity_of_array
 from wavesplat._readers.request import Grid, Request
 from wavesplat._readers.vti import parsed
 from wavesplat._readers.vtk_amr import Box, boxes_of, on_one_grid, sizes_of
@@ -303,7 +303,8 @@ def _as_it_is(grid: Any, array: _Array, matrix: NDArray[np.float64], request: Re
     # A layer of points counts as one of cells.
     nx, ny, nz = (max(n - 1, 1) if array.of_cells else n for n in n_points(grid))
     samples, told = component_of(numbers.reshape(nz, ny, nx, -1), request, array.name)
-    return Grid(np.array(samples), matrix, Facts(guesses=told))
+    quantity = quantity_of_array(array.name, numbers.shape[-1], numbers.dtype, request)
+    return Grid(np.array(samples), matrix, Facts(quantity=quantity, guesses=told))
 
 
 def _which_level(data: Any, boxes: list[Box], request: Request) -> FileError:
@@ -330,16 +331,19 @@ def _of_level(data: Any, boxes: list[Box], array: _Array, request: Request) -> G
         return np.asarray(values)
 
     samples, matrix, sampled = on_one_grid(boxes, values_of, request)
-    return Grid(samples, matrix, Facts(guesses=(f"{described_grid(data.GetClassName())}, {sampled}", *told)))
+    guesses = (f"{described_grid(data.GetClassName())}, {sampled}", *told)
+    return Grid(samples, matrix, Facts(quantity=quantity_of(array.name), guesses=guesses))
 
 
 def _resampled(data: Any, blocks: list[Any], array: _Array, request: Request) -> Grid:
     """The samples of an image that covers the grid."""
     told: tuple[str, ...] = ()
+    quantity: str | None = None
     values: list[NDArray[Any] | None] = []
     for block in blocks:
         numbers = array.numbers_of(block)
         if numbers is not None:
+            quantity = quantity_of_array(array.name, numbers.shape[-1], numbers.dtype, request)
             numbers, told = component_of(numbers, request, array.name)
         values.append(numbers)
     there = [one for one in values if one is not None]
@@ -354,7 +358,7 @@ def _resampled(data: Any, blocks: list[Any], array: _Array, request: Request) ->
     samples, matrix, sampled = sampled_on_image(sampled_data, [block for block, _ in having], request)
     what = f"{described_grid(data.GetClassName())}, {sampled}"
     of_cells = (f"{array.name!r} is of cells, and constant in each",) if array.of_cells else ()
-    return Grid(samples, matrix, Facts(guesses=(what, *of_cells, *told)))
+    return Grid(samples, matrix, Facts(quantity=quantity, guesses=(what, *of_cells, *told)))
 
 
 def _together(blocks: list[Any]) -> Any:

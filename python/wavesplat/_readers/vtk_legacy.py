@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from wavesplat._files import size_checks
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
-from wavesplat._readers.components import component_of, number_of_component
+from wavesplat._readers.components import component_of, number_of_component, quantity_of_array
 from wavesplat._readers.request import Grid, Request
 from wavesplat._readers.vtk_arrays import chosen, other_grid, world_from_index
 from wavesplat.errors import FileError
@@ -107,7 +107,8 @@ def read(request: Request) -> Grid:
         numbers = _numbers(content, array, path)
         # Not a view: the file is closed.
         samples, told = component_of(numbers.reshape(shape), request, array.name)
-        return Grid(np.array(samples), matrix, Facts(guesses=told))
+        quantity = quantity_of_array(array.name, array.n_components, array.dtype, request)
+        return Grid(np.array(samples), matrix, Facts(quantity=quantity, guesses=told))
 
 
 def chosen_array(request: Request) -> tuple[LegacyArray, int, tuple[int, ...], NDArray[np.float64]]:

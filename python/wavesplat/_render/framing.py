@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._looks.kinds import evidence
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model import camera_fit
 from wavesplat._model.camera import Camera
@@ -19,6 +20,7 @@ from wavesplat._model.clips import Clipping
 from wavesplat._model.facts import Facts
 from wavesplat._model.few_slices import axis_of_few_slices
 from wavesplat._model.grid import Grid
+from wavesplat._model.placement import NO_PLACE, is_placed_by_default
 from wavesplat._model.thinning import HISTOGRAM_SAMPLES, step_for
 from wavesplat._model.views import view_angles
 from wavesplat._model.wavelet_volume import WaveletVolume
@@ -28,7 +30,7 @@ if TYPE_CHECKING:
     from wavesplat._model.crop import Crop
     from wavesplat._model.volume import Volume
 
-__all__ = ["FILLED", "Part", "framed", "in_view_again", "natural_view", "shown_points"]
+__all__ = ["FILLED", "Part", "framed", "in_view_again", "is_of_patient", "natural_view", "shown_points"]
 
 #: A volume and its look.
 Part: TypeAlias = "tuple[Volume | WaveletVolume, Look]"
@@ -39,6 +41,9 @@ EVERYTHING = Clipping()
 FILLED = 0.92
 #: Largest ratio of the thinnest side to the second one of a thin stack, which is seen along its thin side.
 THIN = 0.3
+#: The same of a flat box, whose broad face is turned to the eye, and the azimuth of one that is flat along x, and the
+#: elevation of one that is flat along z, degrees.
+FLAT, TURNED, RAISED = 0.6, 120.0, 45.0
 #: Least ratio of the distances of samples, across slices and within them, of a stack that is seen along it. (Confocal
 #: stacks: 4; electron microscopy of sections: 10.)
 COARSE = 3.0
@@ -61,9 +66,28 @@ def natural_view(volume: Volume | WaveletVolume) -> tuple[float, float]:
         # Its sides are blurred: slices are what such data have.
         coarsest = volume.world_from_index[:3, int(np.argmax(volume.spacing))]
         thinnest, is_thin = int(np.argmax(np.abs(coarsest))), True
-    # Thin stacks as slices of them are looked at.
-    name = ("yz", "xz", "xy")[thinnest] if is_thin else "anterior" if volume.is_anatomical else "isometric"
-    return view_angles(name, is_anatomical=volume.is_anatomical)
+    if is_thin:
+        # Thin stacks as slices of them are looked at.
+        return view_angles(("yz", "xz", "xy")[thinnest], is_anatomical=volume.is_anatomical)
+    if is_of_patient(volume):
+        return view_angles("anterior", is_anatomical=True)
+    azimuth, elevation = view_angles("isometric", is_anatomical=False)
+    if sides[thinnest] < FLAT * np.sort(sides)[1]:
+        # Flat boxes turn their broad face to the eye.
+        azimuth, elevation = ((TURNED, elevation), (azimuth, elevation), (azimuth, RAISED))[thinnest]
+    return azimuth, elevation
+
+
+def is_of_patient(volume: Volume | WaveletVolume) -> bool:
+    """Whether a volume shows a patient.
+
+    Headers name a patient's axes for what was calculated too, and for things whose place nobody measured.
+    """
+    if not volume.is_anatomical or volume.modality is not None or not is_placed_by_default(volume):
+        return volume.is_anatomical
+    known = evidence(volume)
+    is_calculated = known.kind in ("field", "signed field") and not known.has_noise
+    return not is_calculated and not (known.kind == "scan" and NO_PLACE in volume.facts.conventions)
 
 
 def framed(

@@ -123,7 +123,7 @@ def sliced(
             raise ArgumentError("a slice shows values, not gradients; give a TransferFunction, or none for grey")
         colored = curves
         picture = in_colors(values, curves, background)
-    report["shown"] = [shown_layer(volume.name, "over", colored, unit_of_values(volume))]
+    report["shown"] = [shown_layer(volume.name, "over", colored, unit_of_values(volume), volume.facts.quantity)]
     if notes := notes_on_slice(picture, values, report.get("clim")):
         report["notes"] = notes
     return Picture(picture, value=values, report=Report(report)), planes

@@ -37,7 +37,7 @@ from wavesplat._scene.layer import Layer
 from wavesplat._scene.resampling import check_units
 from wavesplat._scene.scene import Scene, as_scene
 from wavesplat._scene.slice_lines import lines_over
-from wavesplat._scene.summary import facts_of_time, names_of
+from wavesplat._scene.summary import facts_of_time, names_of, quantity_of
 from wavesplat.errors import ArgumentError
 
 __all__ = ["slice"]
@@ -297,7 +297,9 @@ def _with_layers(
 def _shown(layer: Layer, values: Floats, curves: TransferFunction) -> list[dict[str, Any]]:
     """The report's entry for colour bars; a layer that lies beside the picture has none."""
     lies_here = np.isfinite(values).any()
-    return [shown_layer(_name_of(layer), "over", curves, unit_of_values(layer.drawn))] if lies_here else []
+    if not lies_here:
+        return []
+    return [shown_layer(_name_of(layer), "over", curves, unit_of_values(layer.drawn), quantity_of(layer))]
 
 
 def _facts_of(layer: Layer) -> dict[str, Any]:

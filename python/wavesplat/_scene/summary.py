@@ -15,9 +15,10 @@ from wavesplat._model.time_stamps import TimeStamp, time_stamp_of
 from wavesplat._picture.annotating import TIME
 from wavesplat._picture.report_facts import facts_of_view, shown_layer
 from wavesplat._scene.drawn_layers import DrawnLayer, identity_of
+from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import Scene
 
-__all__ = ["facts_of_layers", "facts_of_picture", "facts_of_time", "names_of", "stamped"]
+__all__ = ["facts_of_layers", "facts_of_picture", "facts_of_time", "names_of", "quantity_of", "stamped"]
 
 
 def facts_of_picture(
@@ -65,11 +66,22 @@ def facts_of_layers(
     """The report's list of visible layers with the colours that they are drawn with."""
     return {
         "shown": [
-            shown_layer(layer.layer.name or layer.volume.name, composite, function, _unit(scene, layer))
+            shown_layer(
+                layer.layer.name or layer.volume.name,
+                composite,
+                function,
+                _unit(scene, layer),
+                quantity_of(layer.layer),
+            )
             for layer, function in zip(layers, functions, strict=True)
             if layer.opacity > 0
         ]
     }
+
+
+def quantity_of(layer: Layer) -> str | None:
+    """The name of a layer's values by its file; None where there is none, or the layer has a name of its own."""
+    return layer.drawn.facts.quantity if layer.name == layer.volume.name else None
 
 
 def _unit(scene: Scene, layer: DrawnLayer) -> str:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from math import floor
+from pathlib import Path
 from typing import Any
 
 import typer
@@ -15,6 +16,7 @@ __all__ = [
     "cache_place",
     "choice",
     "color",
+    "file_and_name",
     "numbers",
     "one_of",
     "opacity",
@@ -152,6 +154,14 @@ def color(text: str) -> str:
     except ArgumentError as error:
         raise typer.BadParameter(str(error)) from None
     return text
+
+
+def file_and_name(path: Path) -> tuple[Path, str | None]:
+    """The file, and the name of what is meant in it, that "FILE#NAME" says; a file may have "#" in its name."""
+    if path.exists() or "#" not in str(path):
+        return path, None
+    file, _, name = str(path).rpartition("#")
+    return Path(file), name
 
 
 def refuse_pairs(**given: object) -> None:

@@ -37,7 +37,7 @@ TransferFunctionFile = Annotated[
     typer.Option(
         "--tf",
         metavar="FILE[#NAME]",
-        help="Look from a file: ours (.json), 3D Slicer's (.vp, .vp.json, presets.xml), ParaView's (.json, .xml).",
+        help="Look from a file: ours (.json), 3D Slicer's (.vp, .vp.json, .xml), ParaView's (.json, .xml, .pvsm, .py).",
     ),
 ]
 
@@ -213,7 +213,7 @@ def named_look(
         raise ArgumentError("--cmap and --log name a colour map, without --preset and --tf; give one look")
     with warnings_as_notes(quiet=quiet):
         if tf is not None:
-            path, _, name = str(tf).rpartition("#") if not tf.exists() and "#" in str(tf) else (str(tf), "", None)
+            path, name = parsers.file_and_name(tf)
             return Look.load(path, volume, name)
         if colors is not None and colors.are_given():
             return colors.look(volume, opacity)

@@ -38,7 +38,7 @@ class ViewOptions:
     ] = None
     camera: Annotated[
         Path | None,
-        typer.Option(metavar="FILE.json", help="The camera of a file, as Camera.save writes it, instead of a view."),
+        typer.Option(metavar="FILE[#NAME]", help="The camera of a file, ours (.json) or ParaView's (.pvsm, .py)."),
     ] = None
     azimuth: Annotated[
         float | None, typer.Option(metavar="DEG", help="Turn the eye from the view to the patient's left.")
@@ -70,7 +70,8 @@ def given_camera(viewing: ViewOptions) -> Camera | None:
 
     if viewing.camera is None:
         return None
-    turned = Camera.load(viewing.camera).turned(viewing.azimuth or 0.0, viewing.elevation or 0.0)
+    path, name = parsers.file_and_name(viewing.camera)
+    turned = Camera.load(path, name).turned(viewing.azimuth or 0.0, viewing.elevation or 0.0)
     return turned if viewing.zoom == 1 else turned.zoomed(viewing.zoom)
 
 

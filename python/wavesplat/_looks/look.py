@@ -276,7 +276,8 @@ class Look:
         ----------
         path : path
             JSON as `save` or `TransferFunction.save` writes it; 3D Slicer's `.vp`, `.vp.json` and scenes such as
-            `presets.xml`, with their light; ParaView's colour maps, `.json` and `.xml`.
+            `presets.xml`, with their light; ParaView's colour maps, `.json` and `.xml`, and those in its states,
+            `.pvsm` and `.py`, which are read and never run.
         volume : Volume or WaveletVolume, optional
             Needed where values are relative to a volume's. Colour maps of ParaView from 0 to 1 are stretched over its
             values; Slicer's gradients are per mean of its spacings.

@@ -5,12 +5,12 @@ from __future__ import annotations
 from os import PathLike
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-from xml.etree import ElementTree as ET
 
-from wavesplat._files import json_object, json_text
+from wavesplat._files import json_object, json_text, xml_text
 from wavesplat._looks import look_json, paraview_files, slicer_files, transfer_function_json
 from wavesplat._looks.look import Look
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._model import paraview_state
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -30,14 +30,19 @@ def load(path: str | PathLike[str], volume: Volume | WaveletVolume | None, name:
 def _parse(text: str, volume: Volume | WaveletVolume | None, name: str | None, path: Path) -> Look:
     start = text.lstrip("\ufeff \t\r\n")[:1]
     stem = path.name.partition(".")[0]
+    if paraview_state.is_state(text):
+        return paraview_files.look(_one(paraview_state.color_maps(text), "Name", name), volume)
     if start == "<":
-        root = _xml(text)
+        root = xml_text.parsed(text, WHAT)
         if any(True for _ in root.iter(paraview_files.TAG)):
             return paraview_files.look(_one(paraview_files.from_xml(root), "Name", name), volume)
         return _of_slicer(slicer_files.from_xml(root), volume, name)
-    if start not in ("{", "["):
-        return _of_slicer([slicer_files.from_vp(text, stem)], volume, name)
-    document = json_text.decode(text, WHAT)
+    if start in ("{", "["):
+        return _of_json(json_text.decode(text, WHAT), volume, name, stem)
+    return _of_slicer([slicer_files.from_vp(text, stem)], volume, name)
+
+
+def _of_json(document: Any, volume: Volume | WaveletVolume | None, name: str | None, stem: str) -> Look:
     if isinstance(document, dict) and "RGBPoints" in document:
         document = [document]
     if isinstance(document, list):
@@ -72,13 +77,3 @@ def _one(found: list[dict[str, Any]], field: str, name: str | None) -> dict[str,
         if known.lower() == name.lower():
             return one
     raise ArgumentError(f"{WHAT}: the file has no {name!r}; it has {', '.join(names)}")
-
-
-def _xml(text: str) -> ET.Element:
-    # Entities could stand for other files, or for gigabytes; these formats have none.
-    if "<!DOCTYPE" in text or "<!ENTITY" in text:
-        raise ArgumentError(f"{WHAT}: the XML text declares entities, which such files have not")
-    try:
-        return ET.fromstring(text.lstrip("\ufeff \t\r\n"))  # noqa: S314 - without entities
-    except ET.ParseError as error:
-        raise ArgumentError(f"{WHAT}: not XML: {error}") from None

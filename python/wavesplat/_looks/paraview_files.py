@@ -1,4 +1,4 @@
-"""Colour maps of ParaView: `.json` files, as it exports them, and the older `.xml`.
+"""Colour maps of ParaView: `.json` files, as it exports them, the older `.xml`, and those of states (`paraview_state`).
 
 What is taken over, and how:
 
@@ -6,7 +6,8 @@ What is taken over, and how:
   stretches a map over the data; any other points are sample values.
 - Colours: interpolated in the map's colour space, by short lines in RGB; CIEDE2000 is taken as Lab.
 - Opacity: the map's points, over the range of its colours if they reach from 0 to 1; without any a ramp from 0 to 1,
-  ParaView's own. ParaView's opacity unit is a property of the representation; here it is one voxel.
+  ParaView's own. ParaView's opacity unit is a property of the representation, which states have; else it is one voxel.
+- Logarithms (`UseLogScale`): colours are even in the logarithm between points, opacities are not, as in VTK.
 - Not taken over: colours of NaN and of what is out of range, and maps of categories.
 
 Sources: ParaView's Remoting/Views/ColorMaps.json and `vtkSMTransferFunctionProxy`, version 5 and 6.
@@ -87,24 +88,35 @@ def look(document: dict[str, Any], volume: Volume | WaveletVolume | None) -> Loo
     space = "HSVWrap" if space == "HSV" and document.get("HSVWrap") else space
     if space not in color_spaces.SPACES:
         raise ArgumentError(f"{WHAT}: {name!r} is in the space {space!r}; read are {', '.join(color_spaces.SPACES)}")
+    if document.get("IndexedLookup"):
+        raise ArgumentError(f"{WHAT}: {name!r} is a map of categories, which is not read")
     nodes = _table(document["RGBPoints"], 4, "RGBPoints")
     if not all(0 <= channel <= 1 for node in nodes for channel in node[1:]):
         raise ArgumentError(f'{WHAT}: {name!r} has a colour in "RGBPoints" that is not of three numbers 0..1')
-    color = _color(nodes, space)
-    low, high = color[0][0], color[-1][0]
+    nodes.sort(key=lambda node: node[0])
     points = document.get("Points")
-    opacity = vtk_curves.line_nodes(_table(points, 4, "Points")) if points else [(low, 0.0), (high, 1.0)]
-    if (opacity[0][0], opacity[-1][0]) == UNIT:
-        opacity = [(low + place * (high - low), alpha) for place, alpha in opacity]
-    if (low, high) == UNIT and volume is not None:
-        opacity, color = (value_scale.nodes_on("fraction", nodes, volume) for nodes in (opacity, color))
+    alphas = vtk_curves.line_nodes(_table(points, 4, "Points")) if points else [(0.0, 0.0), (1.0, 1.0)]
+    is_log, is_absolute = bool(document.get("UseLogScale")), bool(document.get("Absolute"))
+    low, high = nodes[0][0], nodes[-1][0]
+    if (alphas[0][0], alphas[-1][0]) == UNIT and not (is_absolute and points):
+        alphas = [(low + place * (high - low), alpha) for place, alpha in alphas]
+    if (low, high) == UNIT and volume is not None and not is_absolute:
+        scale = "log" if is_log else "fraction"
+        start, end = value_scale.ends(scale, volume)
+        alphas = [(start + place * (end - start), alpha) for place, alpha in alphas]
+        nodes = [(start * (end / start) ** x if is_log else start + x * (end - start), *rgb) for x, *rgb in nodes]
+    if is_log and nodes[0][0] <= 0:
+        raise ArgumentError(
+            f"{WHAT}: {name!r} is logarithmic and begins at {nodes[0][0]:g}, which has no logarithm; rescale it in "
+            "ParaView, or pass the volume"
+        )
+    function = TransferFunction(alphas, _color(nodes, space, is_log=is_log), document.get("OpacityUnit"))
     reason = f"ParaView's colour map {name}." if name else "A colour map of ParaView."
-    return Look(transfer_function=TransferFunction(opacity, color), name=name, reason=reason)
+    return Look(transfer_function=function, name=name, reason=reason)
 
 
-def _color(nodes: list[tuple[float, ...]], space: str) -> list[tuple[float, ...]]:
-    nodes = sorted(nodes, key=lambda node: node[0])
-    n_lines = 1 if space == "RGB" else N_LINES
+def _color(nodes: list[tuple[float, ...]], space: str, *, is_log: bool) -> list[tuple[float, ...]]:
+    n_lines = N_LINES if space != "RGB" or is_log else 1
     parts = np.linspace(0, 1, n_lines + 1)
     found = nodes[:1]
     for (x, *first), (next_x, *second) in pairwise(nodes):
@@ -113,7 +125,8 @@ def _color(nodes: list[tuple[float, ...]], space: str) -> list[tuple[float, ...]
         else:
             red, green, blue = first
             colors = color_spaces.between(space, (red, green, blue), (second[0], second[1], second[2]), parts[1:-1])
-            found += [(x + float(part) * (next_x - x), *rgb) for part, rgb in zip(parts[1:-1], colors, strict=True)]
+            inner = x * (next_x / x) ** parts[1:-1] if is_log else x + parts[1:-1] * (next_x - x)
+            found += [(float(value), *rgb) for value, rgb in zip(inner, colors, strict=True)]
         if x < next_x:
             found.append((next_x, *second))
     return found

@@ -263,19 +263,33 @@ class TransferFunction:
         return transfer_function_json.write(self)
 
     @classmethod
-    def load(cls, path: str | PathLike[str], volume: VolumeLike | None = None) -> TransferFunction:
-        """The transfer function in a JSON file; see `from_json`.
+    def load(
+        cls, path: str | PathLike[str], volume: VolumeLike | None = None, name: str | None = None
+    ) -> TransferFunction:
+        """The transfer function of a look in a file, ours or one of 3D Slicer or ParaView; see `Look.load`.
+
+        Parameters
+        ----------
+        path : path
+            See `Look.load`.
+        volume : Volume or WaveletVolume, optional
+            Needed where values are relative to a volume's.
+        name : str, optional
+            Which one, if the file holds several.
 
         Raises
         ------
         FileError
             If the file cannot be read.
         ArgumentError
-            If it does not describe a transfer function.
+            If it does not describe a transfer function, or one of two dimensions, or holds several and none is named.
         """
-        from wavesplat._looks import transfer_function_json
+        from wavesplat._looks.look import Look
 
-        return transfer_function_json.load(path, volume_or_none(volume))
+        function = Look.load(path, volume, name).transfer_function
+        if not isinstance(function, TransferFunction):
+            raise ArgumentError(f"this transfer function is of gradients too; read it by Look.load: {path}")
+        return function
 
     def save(self, path: str | PathLike[str]) -> None:
         """Write the transfer function to a JSON file.

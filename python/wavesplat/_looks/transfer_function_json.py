@@ -12,7 +12,6 @@
 from __future__ import annotations
 
 from collections.abc import Collection
-from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from wavesplat._files import json_object
@@ -24,7 +23,7 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["FIELDS", "build", "fields_of", "load", "parse", "write"]
+__all__ = ["FIELDS", "build", "fields_of", "parse", "write"]
 
 WHAT = "transfer function"
 FIELDS = {
@@ -56,11 +55,6 @@ def fields_of(transfer_function: TransferFunction) -> dict[str, Any]:
     if transfer_function.gradient_opacity:
         curves["gradient_opacity"] = transfer_function.gradient_opacity
     return curves
-
-
-def load(path: str | PathLike[str], volume: Volume | WaveletVolume | None) -> TransferFunction:
-    """The transfer function in a file."""
-    return json_object.load(path, WHAT, lambda text: parse(text, volume))
 
 
 def parse(text: str, volume: Volume | WaveletVolume | None) -> TransferFunction:

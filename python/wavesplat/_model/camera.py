@@ -429,20 +429,37 @@ class Camera:
 
     @classmethod
     @takes_its_types
-    def load(cls, path: str | PathLike[str]) -> Camera:
-        """The camera in a JSON file, as `save` writes it.
+    def load(cls, path: str | PathLike[str], name: str | None = None) -> Camera:
+        """The camera in a JSON file, as `save` writes it, or of a view in a file of ParaView.
+
+        Parameters
+        ----------
+        path : path
+            JSON, or ParaView's `.pvsm`, `.pvcc` or Python state, which is read and never run. Its world is VTK's: the
+            same as ours where a file keeps its place in both programs, and no patient's.
+        name : str, optional
+            Which view of a state with several; case does not matter.
 
         Raises
         ------
         FileError
             If the file cannot be read.
         ArgumentError
-            If it does not describe a camera; the message names the field.
+            If it does not describe a camera (the message names the field), or several and none is named.
         """
         from wavesplat._files import json_object
-        from wavesplat._model import camera_json
+        from wavesplat._model import camera_json, paraview_state
 
-        return json_object.load(path, "camera", camera_json.parse)
+        def build(text: str) -> Camera:
+            if not paraview_state.is_state(text):
+                if name is not None:
+                    raise ArgumentError(f"camera: the file holds one; leave out the name {name!r}")
+                return camera_json.parse(text)
+            view = paraview_state.view_named(text, name)
+            lens = {"parallel_scale": view.parallel_scale, "view_angle": view.view_angle}
+            return cls(view.position, view.focal_point, view.view_up, **lens)
+
+        return json_object.load(path, "camera", build)
 
     @classmethod
     @takes_its_types

@@ -28,7 +28,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality edges random-functions random-scenes looks looks-beside-vtk looks-beside-napari study study-wavelets study-lod study-cuts bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers scene-hashes roofline instructions gallery golden pictures \
+.PHONY: help demo test check fmt quality edges random-functions random-scenes looks looks-beside-vtk looks-beside-napari looks-beside-pyvista study study-wavelets study-lod study-cuts bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers scene-hashes roofline instructions gallery golden pictures \
 	clean wheel fuzz memcheck miri fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
 	rust-test python-test test-arm test-napari rust-lint python-lint stubs spelling licences docs readme
 
@@ -65,6 +65,11 @@ looks: $(STAMPS)/package $(STAMPS)/tools ## draw the first picture of many volum
 
 looks-beside-vtk: $(STAMPS)/bench $(STAMPS)/tools ## draw four volumes by ourselves, with 3D Slicer's looks, and by VTK with these
 	BENCH_DATA=$(BENCH_DATA) python benches/beside_vtk.py --out $(OUT)/looks
+
+looks-beside-pyvista: $(STAMPS)/package ## draw twelve fields by the defaults of PyVista and yt, and by ourselves; downloads 400 MB
+	$(BIN)/python -m venv .cache/pyvista && .cache/pyvista/bin/pip install --quiet 'pyvista>=0.49' 'yt>=4.4'
+	BENCH_DATA=$(BENCH_DATA) PYTHONPATH=$(CURDIR)/python:$$(python -c 'import sysconfig; print(sysconfig.get_path("purelib"))') \
+		.cache/pyvista/bin/python benches/beside_pyvista.py --out $(OUT)/looks
 
 looks-beside-napari: $(STAMPS)/package ## draw six stacks by napari, at its first picture and with limits set, and by ourselves; downloads 400 MB
 	$(BIN)/python -m venv .cache/napari && .cache/napari/bin/pip install --quiet 'napari[pyside6]>=0.6'

@@ -17,7 +17,8 @@ from typing import Any
 import napari
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image, ImageDraw, ImageFont
+from PIL import Image
+from sheets import Sheet, mean_luminance
 
 import wavesplat as ws
 
@@ -34,7 +35,6 @@ CASES: list[tuple[str, dict[str, Any]]] = [
 SIDE = 400
 #: Percentiles of the limits that somebody sets by hand.
 LIMITS = (1.0, 99.8)
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 def main() -> None:
@@ -42,21 +42,17 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, default=Path("out/looks"))
     arguments = parser.parse_args()
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    sheet = Image.new("RGB", (3 * SIDE, len(CASES) * (SIDE + 20)), (30, 30, 30))
-    pen, font = ImageDraw.Draw(sheet), ImageFont.load_default(13)
+    sheet = Sheet(3, len(CASES), SIDE)
     print(f"{'':34s} {'napari':>8s} {'1..99.8 %':>10s} {'ours':>6s}   mean luminance")
     for row, (name, options) in enumerate(CASES):
         scene = ws.open_scene(DATA / name, **options)
         pictures = [_by_napari(scene, by_hand=False), _by_napari(scene, by_hand=True), _ours(scene)]
-        means = [_mean(picture) for picture in pictures]
+        means = [mean_luminance(picture) for picture in pictures]
         print(f"{name:34s} {means[0]:8.0f} {means[1]:10.0f} {means[2]:6.0f}", flush=True)
         for column, (by, picture, mean) in enumerate(
             zip(("napari", "napari, limits set", "ours"), pictures, means, strict=True)
         ):
-            left, top = column * SIDE, row * (SIDE + 20)
-            sheet.paste(Image.fromarray(picture), (left, top))
-            pen.text((left + 4, top + SIDE + 2), f"{by}: mean {mean:.0f}", font=font, fill=(235, 235, 235))
+            sheet.put(column, row, picture, f"{by}: mean {mean:.0f}")
     sheet.save(arguments.out / "beside_napari.png")
 
 
@@ -86,11 +82,6 @@ def _by_napari(scene: ws.Scene, *, by_hand: bool) -> NDArray[np.uint8]:
     square = Image.new("RGB", (SIDE, SIDE))
     square.paste(picture, ((SIDE - picture.width) // 2, (SIDE - picture.height) // 2))
     return np.asarray(square)
-
-
-def _mean(picture: NDArray[np.uint8]) -> float:
-    seen = (picture > 6).any(axis=2)
-    return float((picture[seen] @ LUMINANCE).mean()) if seen.any() else 0.0
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ from typing import Any
 import numpy as np
 import vtk
 from numpy.typing import NDArray
-from PIL import Image, ImageDraw, ImageFont
+from sheets import Sheet, mean_luminance
 from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 
 import wavesplat as ws
@@ -39,9 +39,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--out", type=Path, default=Path("out/looks"))
     arguments = parser.parse_args()
-    arguments.out.mkdir(parents=True, exist_ok=True)
-    sheet = Image.new("RGB", (3 * SIDE, len(CASES) * (SIDE + 20)), (30, 30, 30))
-    pen, font = ImageDraw.Draw(sheet), ImageFont.load_default(14)
+    sheet = Sheet(3, len(CASES), SIDE)
     print(f"{'':46s} {'mean':>6s} {'clipped':>8s} {'dB':>6s}")
     for row, (path, preset) in enumerate(CASES):
         volume = ws.open(DATA / path)
@@ -58,13 +56,11 @@ def main() -> None:
             psnr = -10 * np.log10(max(float(np.mean((rgb - finer) ** 2)), 1e-12))
             encoded = np.round(255 * rgb)
             seen = (encoded > 6).any(axis=2)
-            mean = float((encoded @ np.array([0.2126, 0.7152, 0.0722]))[seen].mean())
+            mean = mean_luminance(encoded)
             clipped = 100 * float((encoded[seen] >= 255).all(axis=1).mean())
             text = f"{name}: mean {mean:.0f}, clipped {clipped:.2f} %, {psnr:.1f} dB"
             print(f"{volume.name[:20]:20s} {name:25s} {mean:6.1f} {clipped:8.2f} {psnr:6.1f}", flush=True)
-            left, top = column * SIDE, row * (SIDE + 20)
-            sheet.paste(Image.fromarray(encoded.astype(np.uint8)), (left, top))
-            pen.text((left + 4, top + SIDE + 2), text, font=font, fill=(235, 235, 235))
+            sheet.put(column, row, encoded.astype(np.uint8), text)
     sheet.save(arguments.out / "beside_vtk.png")
 
 

@@ -34,7 +34,7 @@ N_NODES, N_SIGNED = 17, 33
 #: Low values stand out: least ratio of the lower part of the range to the upper one. A background in the middle: the
 #: largest share of the range that half of the samples have.
 MIN_LOW, MAX_INNER = 3.0, 0.1
-#: Least place of what is seen of a field with two signs.
+#: Least place of what is seen beyond 0, and beyond a background in the middle, as a share of the way to the end.
 LEAST_SIGNED = 0.12
 
 
@@ -74,7 +74,9 @@ def of_field(samples: Array, n_voxels: float) -> Curves:
     opacity = np.zeros(N_NODES)
     for is_shown, risen, few in ((shows_low, 1.0 - places, share), (not shows_low, places, 100.0 - share)):
         if is_shown or shows_both:
-            clear = float(np.interp(np.percentile(samples, few), values, risen))
+            clear, background = (float(np.interp(v, values, risen)) for v in (np.percentile(samples, few), middle))
+            if shows_both:
+                clear = max(clear, background + LEAST_SIGNED * (1.0 - background))
             opacity += rising(_beyond(risen, clear), FIELD_DEPTH * n_voxels)
     return Curves(values, opacity, places, shows_low)
 

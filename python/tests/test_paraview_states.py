@@ -135,6 +135,19 @@ def test_maps(path):
     assert ws.TransferFunction.load(path) == function
 
 
+def test_maps_without_opacities_get_a_ramp_over_their_colours(tmp_path):
+    path = tmp_path / "state.py"
+    path.write_text("\n".join(line for line in PYTHON.splitlines() if "PWF" not in line))
+    function = ws.TransferFunction.load(path)
+    np.testing.assert_allclose(function([1, 500.5, 1000])[:, 3], [0, 0.5, 1], atol=1e-6)
+
+
+def test_spaces_of_colours_may_be_numbers(tmp_path):
+    path = tmp_path / "lab.pvsm"
+    path.write_text(state(view(7, (0, 0, 9)), space=2).replace("<Entry", "<Other"))
+    assert len(ws.TransferFunction.load(path).color) > 10
+
+
 def test_logarithms_are_taken_over(tmp_path):
     path = tmp_path / "log.pvsm"
     path.write_text(state(view(7, (0, 0, 9)), log=1))

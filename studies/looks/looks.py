@@ -59,7 +59,8 @@ CASES = [
     *(Case(path) for path in ("sim_heptane_jet_u8.nii.gz", "sim_fuel_u8.nii.gz", "sim_turbulence_f32.nhdr")),
     *_fields(
         "sim_cosmology_nyx_f32.h5",
-        *(f"native_fields/{name}" for name in ("baryon_density", "dark_matter_density", "temperature", "velocity_x")),
+        *(f"native_fields/{name}" for name in ("baryon_density", "dark_matter_density", "temperature")),
+        *(f"native_fields/velocity_{axis}" for axis in "xyz"),
     ),
     *(Case(path) for path in ("micro_mouse_brain_u16.nrrd", "micro_chromosomes_zstack.tif", "tiff_stack_em")),
     *_fields("micro_nuclei_noisy.h5", "raw", "label"),

@@ -58,8 +58,8 @@ COLORS = {
     "HSVWrap": 0.0,
     "IndexedLookup": 0.0,
 }
-#: Points of opacity without any: ParaView's ramp over the range of the colours.
-RAMP = (0.0, 0.0, 0.5, 0.0, 1.0, 1.0, 0.5, 0.0)
+#: Colour spaces by their numbers, where a file has no names of them.
+SPACES = ("RGB", "HSV", "Lab", "Diverging", "Lab/CIEDE2000", "Step")
 VIEWS, TABLES, OPACITIES = ("RenderView",), ("PVLookupTable",), ("PiecewiseFunction",)
 #: Functions of Python states that make, or get, a view, a map of colours and one of opacities.
 MAKERS = {
@@ -148,7 +148,10 @@ def color_maps(text: str) -> list[dict[str, Any]]:
                     "the state in ParaView (File > Save State), and give that file"
                 )
         made = {"Name": table.name, **{key: table.properties.get(key, default) for key, default in COLORS.items()}}
-        made["Points"] = RAMP if opacity is None else opacity.properties.get("Points", RAMP)
+        if isinstance(made["ColorSpace"], float):
+            made["ColorSpace"] = SPACES[int(made["ColorSpace"])] if made["ColorSpace"] in range(len(SPACES)) else "?"
+        if opacity is not None and "Points" in opacity.properties:
+            made["Points"] = opacity.properties["Points"]
         for one in proxies:
             unit = one.properties.get("ScalarOpacityUnitDistance")
             if one.properties.get("LookupTable") is table and isinstance(unit, int | float) and 0 < unit < inf:

@@ -42,6 +42,7 @@ from wavesplat._readers import (
     raw,
     vtk_legacy,
 )
+from wavesplat._readers.components import quantity_of_array
 from wavesplat._readers.hdf5_levels import StoredImage, lazy_levels_of
 from wavesplat._readers.request import Request, index_unnamed_axes, n_times_of, quiet
 from wavesplat._readers.stored_samples import stored_samples
@@ -233,7 +234,8 @@ def _of_vtk_legacy(request: Request) -> LazyGrid:
         raise FileError(f"the samples are written as {written}; open the file without memory=: {request.safe_path}")
     picked = [None, None, None, channel]
     array = stored_samples(request.file, stored.dtype, stored.begin, shape, order=(0, 1, 2), picked=picked)
-    return LazyGrid([array], [matrix])
+    quantity = quantity_of_array(stored.name, stored.n_components, stored.dtype, request)
+    return LazyGrid([array], [matrix], Facts(quantity=quantity))
 
 
 def _of_hdf5(request: Request) -> LazyGrid:

@@ -204,7 +204,7 @@ def test_damaged_and_foreign_files_are_replaced(own, tmp_path, damage):
     assert looked(path) == ("kept", wanted)
 
 
-@pytest.mark.parametrize("change", ["format", "samples statistics", "samples bounds", "samples strided 0"])
+@pytest.mark.parametrize("change", ["format", "samples statistics", "samples bounds", "samples light", "look 0"])
 def test_a_survey_of_something_else_is_not_believed(own, tmp_path, change):
     path = npy(tmp_path)
     wanted = looked(path)[1]
@@ -215,7 +215,8 @@ def test_a_survey_of_something_else_is_not_believed(own, tmp_path, change):
         "format": np.array([1]),
         "samples statistics": np.array([5.0, np.nan, 0]),
         "samples bounds": fields["samples bounds"][1:],
-        "samples strided 0": fields["samples strided 0"][:-1],
+        "samples light": fields["samples light"][:-1],
+        "look 0": fields["look 0"].astype("f8"),
     }
     with kept.open("wb") as file:
         np.savez_compressed(file, **{**fields, change: changed[change]})

@@ -85,11 +85,15 @@ def test_bounds_are_kept_for_other_programs(tmp_path):
     assert np.array_equal(picture[0].rgba, again.rgba)
 
 
-def test_too_little_memory_says_how_much_is_enough():
+@pytest.mark.parametrize("reads_parts", [False, True])
+def test_too_little_memory_says_how_much_is_enough(reads_parts):
     array = Chunked(shells(256), (64, 64, 64))
+    array.reads_parts = reads_parts
     volume = lazily(array, "50 kB")
-    volume.survey(0, "linear")
-    array.counts.clear()
+    if reads_parts:
+        # No chunk is too large; only the picture is.
+        volume.survey(0, "linear")
+        array.counts.clear()
     with pytest.raises(ws.errors.LimitError, match=r"memory is 50 kB.*give memory=\"(\d+) MB\"") as error:
         ws.render(volume, LOOK, "isometric", size=(300, 300))
     assert not array.counts, "it is told before anything is read"

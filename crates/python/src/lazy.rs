@@ -73,7 +73,7 @@ impl PySurvey {
         let (min, max, n_nonfinite) = statistics;
         let strided = strided.iter().map(|(step, array)| {
             let [nz, ny, nx] = *array.shape() else { return Err(PyTypeError::new_err("strided must be 3-D")) };
-            let own = StridedSamples { step: xyz(*step), size: [nx, ny, nz], densities: array.as_slice()?.to_vec() };
+            let own = StridedSamples { step: xyz(*step), size: [nx, ny, nz], values: array.as_slice()?.to_vec().into() };
             let fits = own.step.iter().all(|n| *n > 0) && [0, 1, 2].map(|a| size[a].div_ceil(own.step[a])) == own.size;
             if fits { Ok(own) } else { Err(PyValueError::new_err("strided samples of another volume")) }
         });
@@ -176,7 +176,7 @@ impl PySurvey {
 
 fn array_of<'py>(py: Python<'py>, own: &StridedSamples) -> PyResult<Bound<'py, PyArray3<f32>>> {
     let [nx, ny, nz] = own.size;
-    own.densities.clone().into_pyarray(py).reshape([nz, ny, nx])
+    own.values.to_vec().into_pyarray(py).reshape([nz, ny, nx])
 }
 
 fn checked_size(shape: Zyx) -> PyResult<[usize; 3]> {

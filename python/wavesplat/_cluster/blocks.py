@@ -188,7 +188,7 @@ def _draw(packed: bytes, token: str, block: int, steps: tuple[int, int] | None, 
         if own is not None and isinstance(array, ComputedArray):
             numbers, samples = own
             arrays[layer] = array.held(dict(zip(numbers, samples, strict=True)))
-    reading = Reading(arrays, spec.least)
+    reading = Reading(arrays, spec.least, memory=spec.budget)
     state = draw_segment(stream, block, steps or (0, stream.n_steps(block)), reading)
     counts = reading.counts
     return state.to_bytes(), counts.n_bytes, counts.n_boxes, counts.holes

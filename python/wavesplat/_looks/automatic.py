@@ -29,6 +29,7 @@ from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._looks.voxel_opacity import opacity_of_voxel, opaque_after
 from wavesplat._model import units
 from wavesplat._model.few_slices import axis_of_few_slices
+from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.options import BY_VIEW
 from wavesplat._model.units import METRES
 from wavesplat._model.volume import Volume
@@ -121,9 +122,12 @@ def automatic(volume: Volume | WaveletVolume, composite: Composite | None, color
         and composite in (None, "over")
         and isinstance(volume, Volume)
         and volume.dtype.kind in "iu"
+        and not (isinstance(volume, LazyVolume) and not volume.fits_in_budget)
     ):
         clear = TransferFunction([(0.0, 0.0)], [(0.0, 1.0, 1.0, 1.0)])
-        return Look(transfer_function=clear, labels=Labels(volume), shading=SOLID, name="auto", reason=known.reason)
+        # Labels lie in memory.
+        labels = Labels(volume.read() if isinstance(volume, LazyVolume) else volume)
+        return Look(transfer_function=clear, labels=labels, shading=SOLID, name="auto", reason=known.reason)
     if composite is None and known.kind in IN_GREYS and axis_of_few_slices(volume) is not None:
         n = min(volume.shape)
         reason = f"{known.reason}; its {n} slices in greys, since so few are too thin for a translucent look"

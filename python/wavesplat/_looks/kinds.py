@@ -271,6 +271,8 @@ Pairs: TypeAlias = "list[tuple[NDArray[Any], NDArray[Any]]]"
 def _looked_at(volume: Volume | WaveletVolume) -> tuple[NDArray[Any], Pairs]:
     """Samples spread evenly over the volume, and their two neighbours along each axis that has any, all flat."""
     step = step_for(math.prod(volume.shape), KIND_SAMPLES)
+    if isinstance(volume, LazyVolume) and (kept := volume._with_neighbours(step)) is not None:
+        return kept
     if isinstance(volume, WaveletVolume | LazyVolume):
         return _with_neighbours(volume._every(step), 1)
     return _with_neighbours(volume.samples, step)

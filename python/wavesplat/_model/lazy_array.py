@@ -123,6 +123,7 @@ class SlicedArray:
     order : which axes of the array are z, y, x.
     picked : the index along every axis, None for z, y and x.
     token : a name for the array; `files`, where given, identify its content.
+    reads_parts : whether a part of a chunk is read without the rest of it.
     """
 
     def __init__(
@@ -141,6 +142,7 @@ class SlicedArray:
         token: str | None = None,
         files: SourceFiles | None = None,
         check: Callable[[Any, Sequence[int | slice]], None] | None = None,
+        reads_parts: bool = False,
     ) -> None:
         self._array, self._opened = array, opened
         self._process = os.getpid()
@@ -157,6 +159,7 @@ class SlicedArray:
         self.token = None if token is None else f"{token} {self._stored.str} {order} {self._picked}"
         self.is_in_memory = isinstance(array, np.ndarray) and not isinstance(array, np.memmap)
         self.reads_together = False
+        self.reads_parts = reads_parts or isinstance(array, np.memmap)
 
     @property
     def _source(self) -> Any:
@@ -453,6 +456,7 @@ def _of_hdf5(dataset: Any) -> LazyConverted:
         n_readers=1,
         token=f"HDF5 {path} {dataset.name}" if is_own else None,
         files=files_of_dataset(dataset) if is_own else None,
+        reads_parts=dataset.chunks is None,
     )
     return LazyConverted([array], [place.world_from_index], place.facts, name)
 

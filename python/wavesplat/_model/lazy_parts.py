@@ -81,10 +81,7 @@ def nearest_every(volume: LazyVolume, level: Level, number: int, step: int) -> N
         samples = volume._overview(number)
         return samples[np.ix_(*places)]
     # The level is too large to be read as a whole: the nearest of the samples that its survey kept.
-    survey = volume.survey(number, "linear")
-    steps = [own for own in survey.steps if own[0] == own[1] == own[2]]
-    finest = min(steps)
-    strided = survey.core.strided(survey.steps.index(finest))
+    finest, strided = volume.survey(number, "linear").finest(is_cube=True)
     nearest = [
         np.minimum(np.rint(p / finest[0]).astype(np.int64), n - 1) for p, n in zip(places, strided.shape, strict=True)
     ]
@@ -98,10 +95,8 @@ def preview_of(volume: LazyVolume, number: int) -> Volume:
     if math.prod(level.array.shape) <= MAX_OVERVIEW:
         samples = volume._overview(number)
     else:
-        survey = volume.survey(number, "linear")
-        cubes = [step for step in survey.steps if step[0] == step[1] == step[2]]
-        step = min(cubes)
-        samples = survey.core.strided(survey.steps.index(step)).astype(level.array.dtype)
+        step, kept = volume.survey(number, "linear").finest(is_cube=True)
+        samples = kept.astype(level.array.dtype)
         matrix[:3, :3] *= step[0]
     return Volume(samples, world_from_index=matrix, name=volume.name, facts=volume.facts)
 
@@ -146,10 +141,7 @@ def _busiest(volume: LazyVolume, number: int, most: float) -> Box:
     shape = volume._levels[number].array.shape
     side = max(16, int(most ** (1 / 3)))
     size = [min(n, side) for n in shape]
-    survey = volume.survey(number, "linear")
-    # Of the strided samples that the survey kept, the closest ones.
-    which = min(range(len(survey.steps)), key=lambda k: math.prod(survey.steps[k]))
-    strided, steps = survey.core.strided(which), survey.steps[which]
+    steps, strided = volume.survey(number, "linear").finest()
     best, first = -1.0, [(n - s) // 2 for n, s in zip(shape, size, strict=True)]
     for z in range(0, shape[0] - size[0] + 1, max(size[0] // 2, 1)):
         for y in range(0, shape[1] - size[1] + 1, max(size[1] // 2, 1)):

@@ -279,6 +279,11 @@ class LazyVolume(Volume):
             return True
         return self.known_survey(level, "linear") is not None or (level, "linear") in self._cache.surveys
 
+    @property
+    def fits_in_budget(self) -> bool:
+        """Whether all samples take no more than a quarter of the budget."""
+        return math.prod(self.shape) * self.dtype.itemsize <= self._memory // 4
+
     def _surveyed_level(self) -> int:
         """The level that ranges and looks are made from: the finest of few samples (`SMALL`, `OVERVIEW_SHARE`)."""
         if self._at is not None:
@@ -438,13 +443,19 @@ class LazyVolume(Volume):
         """Every n-th sample along each axis, [z, y, x]; of a pyramid the nearest samples of a coarser level."""
         told_by = self._surveyed_level()
         if told_by == 0 and self._at is None:
-            survey = self.survey(0, "linear")
-            found = survey.every(step)
+            found = self.survey(0, "linear").looks.every(step)
             if found is not None:
-                return found.astype(self.dtype)
+                return found
         from wavesplat._model.lazy_parts import nearest_every
 
         return nearest_every(self, self._levels[told_by], told_by, step)
+
+    def _with_neighbours(self, step: int) -> tuple[NDArray[Any], list[tuple[NDArray[Any], NDArray[Any]]]] | None:
+        """Samples `step` apart and their neighbours along each axis, as its survey kept them; None of a pyramid."""
+        if self._surveyed_level() != 0 or self._at is not None:
+            return None
+        looks = self.survey(0, "linear").looks
+        return looks.with_neighbours if looks.neighbour_step == step else None
 
     def _overview(self, level: int) -> NDArray[Any]:
         """All samples of a small level."""

@@ -7,6 +7,7 @@ allowed, it is drawn as the smallest sample value, and reported.
 
 from __future__ import annotations
 
+import math
 import threading
 from collections.abc import Sequence
 from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
@@ -18,17 +19,22 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._files.byte_sizes import byte_size
 from wavesplat._files.file_states import FileChangedError
 from wavesplat._model.lazy_array import LazyArray
-from wavesplat.errors import FileError
+from wavesplat.errors import FileError, LimitError
 
-__all__ = ["Box", "BoxReader", "ReadCounts", "cells", "copy_overlap"]
+__all__ = ["FOR_UNPACKING", "Box", "BoxReader", "ReadCounts", "cells", "check_budget", "copy_overlap"]
 
 #: First index and end of a box along z, y, x.
 Box = tuple[tuple[int, int, int], tuple[int, int, int]]
 
-#: Approximate size of a part, in bytes.
+#: Size of a part, in bytes, at most, except that a part has at least one chunk.
 PART_BYTES = 8 << 20
+#: Memory that a part takes while it is unpacked, by its size: chunks as they are stored, unpacked, and put together.
+UNPACKED_TIMES = 3
+#: Share of a budget for what is being unpacked.
+FOR_UNPACKING = 0.25
 
 
 @dataclass
@@ -47,14 +53,21 @@ class ReadCounts:
 class BoxReader:
     """A pool of threads that fill boxes.
 
-    arrays : the arrays to read; as many threads as the largest of their `n_readers`.
+    arrays : the arrays to read; as many threads as the largest of their `n_readers`, or as `memory` allows.
     holes : for each array the value of samples that cannot be read; None raises their error.
+    memory : bytes for what all threads unpack at once; None does not bound it. A single chunk is always read.
     """
 
-    def __init__(self, arrays: Sequence[LazyArray], *, holes: Sequence[float] | None = None) -> None:
+    def __init__(
+        self, arrays: Sequence[LazyArray], *, holes: Sequence[float] | None = None, memory: int | None = None
+    ) -> None:
         self._arrays = arrays
         self._holes = holes
-        self._pool = ThreadPoolExecutor(max(array.n_readers for array in arrays), "wavesplat-read")
+        n_threads, self._part_bytes = max(array.n_readers for array in arrays), PART_BYTES
+        if memory is not None:
+            n_threads = min(n_threads, max(1, memory // max(1, *map(unpacked_bytes, arrays))))
+            self._part_bytes = min(PART_BYTES, memory // (UNPACKED_TIMES * n_threads))
+        self._pool = ThreadPoolExecutor(n_threads, "wavesplat-read")
         self._lock = threading.Lock()
         self._stopped = False
         self.counts = ReadCounts()
@@ -69,7 +82,7 @@ class BoxReader:
             pending.parts.append(self._pool.submit(self._read_together, which, samples, low, list(boxes)))
             return pending
         for box in boxes:
-            for part in cells(box, array.chunks, max(PART_BYTES // array.dtype.itemsize, 1)):
+            for part in cells(box, array.chunks, max(self._part_bytes // array.dtype.itemsize, 1)):
                 pending.parts.append(self._pool.submit(self._read, which, samples, low, part))
         return pending
 
@@ -160,6 +173,26 @@ class Pending:
     def samples(self) -> NDArray[Any]:
         """The samples, whether they are complete or not."""
         return self._samples
+
+
+def unpacked_bytes(array: LazyArray) -> int:
+    """Bytes that a chunk takes while it is unpacked; 0 where parts of it are read alone."""
+    if array.is_in_memory or getattr(array, "reads_parts", False):
+        return 0
+    return UNPACKED_TIMES * math.prod(array.chunks) * array.dtype.itemsize
+
+
+def check_budget(arrays: Sequence[LazyArray], memory: int) -> None:
+    """Raise a `LimitError` if a chunk of an array takes more than half of the budget while it is unpacked."""
+    for array in arrays:
+        needed = 2 * unpacked_bytes(array)
+        if needed > memory:
+            z, y, x = array.chunks
+            raise LimitError(
+                f"memory is {byte_size(memory)}, and a chunk of {array.name!r} (z {z}, y {y}, x {x}, {array.dtype}) "
+                f'needs {byte_size(needed)}; give memory="{-(-needed // 10**6)} MB" or more, or store '
+                "the samples in smaller chunks"
+            )
 
 
 def cells(box: Box, chunks: Sequence[int], most: int) -> list[Box]:

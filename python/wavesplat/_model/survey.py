@@ -1,4 +1,4 @@
-"""One pass over the samples of a lazy volume: range, bounds of bricks, and every n-th sample; and its cache.
+"""One pass over the samples of a lazy volume: range, bounds of bricks, and some of the samples; and its cache.
 
 A frame is planned with it before a sample is read: the range scales tables, bounds show which chunks are invisible, and
 a part of the samples is enough for looks, cameras and light. It is kept in a cache folder by the states of all files
@@ -13,6 +13,7 @@ import math
 import os
 import zipfile
 import zlib
+from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from typing import Any
@@ -22,16 +23,17 @@ from numpy.typing import NDArray
 
 from wavesplat import _native
 from wavesplat._files.cache_folder import CacheFolder, default_folder
+from wavesplat._files.memory import trim_heap
 from wavesplat._files.paths import expanded
 from wavesplat._model.lazy_array import LazyArray
-from wavesplat._model.read_ahead import Box, BoxReader, cells
-from wavesplat._model.thinning import HISTOGRAM_SAMPLES, KIND_SAMPLES, UNIT_SAMPLES, step_for
+from wavesplat._model.read_ahead import FOR_UNPACKING, Box, BoxReader, Pending, cells, check_budget
+from wavesplat._model.thinned_samples import LookSamples
 from wavesplat.errors import ArgumentError, CancelledError, WavesplatError
 
-__all__ = ["Survey", "kept_survey", "strides", "surveyed"]
+__all__ = ["Survey", "kept_survey", "surveyed"]
 
 #: Version of the cached files.
-FORMAT = 4
+FORMAT = 5
 #: Bytes that are read at once, and bytes of bounds that are kept in a file; both at most.
 STEP_BYTES, MAX_KEPT_BYTES = 64 << 20, 1 << 28
 
@@ -47,15 +49,6 @@ Place = tuple[CacheFolder, str]
 Matrix = NDArray[np.float64]
 
 
-def strides(shape: Shape, world_from_index: Matrix) -> list[Shape]:
-    """Steps between the samples that are kept: the step for light first."""
-    steps = [_native.light_step(shape, world_from_index)]
-    for most in (HISTOGRAM_SAMPLES, KIND_SAMPLES, UNIT_SAMPLES):
-        step = step_for(math.prod(shape), most)
-        steps.append((step, step, step))
-    return list(dict.fromkeys(steps))
-
-
 class Survey:
     """Results of one pass over the samples, for a kernel."""
 
@@ -65,17 +58,21 @@ class Survey:
         core: _native.Survey,
         prepared: _native.Survey | None,
         kernel: str,
-        steps: Sequence[Shape],
         *,
+        light_step: Shape,
+        looks: LookSamples,
         is_from_cache: bool = False,
     ) -> None:
         self.shape = shape
+        #: Samples for looks, cameras and kinds of data.
+        self.looks = looks
         #: Whether it comes from a cache folder: no sample was read for it.
         self.is_from_cache = is_from_cache
         self.core = core
         self.prepared = prepared
         self.kernel = kernel
-        self.steps = list(steps)
+        #: Steps (z, y, x) between the samples for light.
+        self.light_step = light_step
 
     @property
     def value_range(self) -> tuple[float, float]:
@@ -94,27 +91,41 @@ class Survey:
         if self.prepared is not None:
             self.prepared.forget_bounds()
 
+    def finest(self, *, is_cube: bool = False) -> tuple[Shape, NDArray[Any]]:
+        """The closest samples that were kept, and the steps between them; `is_cube`: equal along the axes."""
+        step, samples = self.looks.finest
+        of_looks, of_light = (step, step, step), self.light_step
+        if math.prod(of_looks) <= math.prod(of_light) or (is_cube and len(set(of_light)) > 1):
+            return of_looks, samples
+        return of_light, self.core.strided(0)
+
     def __reduce__(self) -> tuple[Any, ...]:
         parts = {name: (core.parts(), core.statistics) for name, core in self._cores()}
-        return _unpacked, (self.shape, self.kernel, self.steps, parts, self.is_from_cache)
+        place = self.shape, self.kernel, self.light_step
+        return _unpacked, (place, parts, self.looks, self.is_from_cache)
 
     def _cores(self) -> list[tuple[str, _native.Survey]]:
         pairs = (("samples", self.core), ("prepared", self.prepared))
         return [(name, core) for name, core in pairs if core is not None]
 
-    def every(self, step: int) -> NDArray[np.float32] | None:
-        """Every n-th sample along each axis; None where that step was not kept."""
-        wanted = (step, step, step)
-        # `steps[0]` is for light, which uses those of `prepared` where there is one.
-        return self.core.strided(self.steps.index(wanted)) if wanted in self.steps else None
 
-
-def _unpacked(shape: Shape, kernel: str, steps: list[Shape], parts: dict[str, Any], is_from_cache: bool) -> Survey:
-    made = {}
+def _unpacked(
+    place: tuple[Shape, str, Shape], parts: dict[str, Any], looks: LookSamples, is_from_cache: bool
+) -> Survey:
+    (shape, kernel, step), made = place, {}
     for name, ((side, bounds, strided), statistics) in parts.items():
-        own = list(zip(steps[: len(strided)], strided, strict=True))
-        made[name] = _native.Survey.from_parts(shape, kernel, side, statistics, bounds, own)
-    return Survey(shape, made["samples"], made.get("prepared"), kernel, steps, is_from_cache=is_from_cache)
+        made[name] = _native.Survey.from_parts(
+            shape, kernel, side, statistics, bounds, [(step, own) for own in strided]
+        )
+    return Survey(
+        shape,
+        made["samples"],
+        made.get("prepared"),
+        kernel,
+        light_step=step,
+        looks=looks,
+        is_from_cache=is_from_cache,
+    )
 
 
 def surveyed(
@@ -133,18 +144,22 @@ def surveyed(
     keep : True for the cache folder, the name of another folder, or False.
     holes : samples that cannot be read count as 0; the survey is not cached then.
     """
-    shape, steps = array.shape, strides(array.shape, world_from_index)
+    check_budget([array], memory)
+    shape = array.shape
+    light_step = _native.light_step(shape, world_from_index)
     if array.files is not None:
         # The files as they are before the first read; what is read later from files in another state is an error.
         array.files.begin()
     place = _place_of(array, world_from_index, kernel, keep)
-    if place is not None and (known := _kept(place, array, kernel, steps, memory)) is not None:
+    if place is not None and (known := _kept(place, array, kernel, light_step, memory)) is not None:
         return known
     n_passes = 2 if kernel.startswith("bspline") else 1
-    core = _native.Survey(shape, kernel, memory // 4, steps)
+    core = _native.Survey(shape, kernel, memory // 4, [light_step])
+    looks = LookSamples(shape, array.dtype)
 
     def add_samples(samples: NDArray[Any], box: Box) -> None:
         core.add(samples, box[0])
+        looks.take(samples, box[0])
 
     n_missing = _read_all(array, memory, add_samples, holes, _part_of(progress, 0, n_passes))
     low, high, n_nonfinite = core.statistics
@@ -152,7 +167,7 @@ def surveyed(
         raise ArgumentError(f"volume {array.name!r}: none of its samples is finite, so there is nothing to draw")
     prepared = None
     if n_passes == 2 or n_nonfinite:
-        made = prepared = _native.Survey(shape, kernel, memory // 4, steps[:1])
+        made = prepared = _native.Survey(shape, kernel, memory // 4, [light_step])
 
         def add(samples: NDArray[Any], box: Box, held: Box) -> None:
             made.add_prepared(samples, held[0], box, kernel, (low, high, n_nonfinite), world_from_index)
@@ -162,10 +177,11 @@ def surveyed(
 
         told = _part_of(progress, n_passes - 1, n_passes)
         _read_prepared(array, memory, around, add, holes=holes, progress=told)
-    survey = Survey(shape, core, prepared, kernel, steps)
+    survey = Survey(shape, core, prepared, kernel, light_step=light_step, looks=looks)
     if place is not None and not n_missing:
         with suppress(OSError):  # a full disk must not keep a picture from being drawn
             _keep(place, survey)
+        trim_heap()
     return survey
 
 
@@ -174,7 +190,8 @@ def kept_survey(
 ) -> Survey | None:
     """The cached survey; None where there is none."""
     place = _place_of(array, world_from_index, kernel, keep)
-    return None if place is None else _kept(place, array, kernel, strides(array.shape, world_from_index), memory)
+    step = _native.light_step(array.shape, world_from_index)
+    return None if place is None else _kept(place, array, kernel, step, memory)
 
 
 def _part_of(progress: Callable[[float], object] | None, number: int, n: int) -> Callable[[float], object] | None:
@@ -202,16 +219,23 @@ def _read_all(
 ) -> int:
     """Read every box once, the next ones ahead; return the number of chunks that could not be read."""
     boxes = _steps(array, memory)
-    with BoxReader([array], holes=[0.0] if holes else None) as reader:
-        ahead = max(2, array.n_readers)
-        pending = [reader.begin(0, box, [box]) for box in boxes[:ahead]]
+    with BoxReader([array], holes=[0.0] if holes else None, memory=int(memory * FOR_UNPACKING)) as reader:
+        pending = deque[Pending]()
+        n_begun, n_ahead = 0, _n_ahead(array, boxes, memory)
         for k, box in enumerate(boxes):
-            samples = pending.pop(0).result()
-            if k + ahead < len(boxes):
-                pending.append(reader.begin(0, boxes[k + ahead], [boxes[k + ahead]]))
-            add(samples, box)
+            while n_begun < min(k + 1 + n_ahead, len(boxes)):
+                pending.append(reader.begin(0, boxes[n_begun], [boxes[n_begun]]))
+                n_begun += 1
+            add(pending.popleft().result(), box)
+            trim_heap()
             _report(progress, (k + 1) / len(boxes))
         return len(reader.counts.holes)
+
+
+def _n_ahead(array: LazyArray, boxes: Sequence[Box], memory: int) -> int:
+    """Boxes that are read ahead: those that a quarter of the budget holds beside the one that is looked through."""
+    one = max(math.prod(b - a for a, b in zip(*box, strict=True)) for box in boxes) * array.dtype.itemsize
+    return min(max(2, array.n_readers) - 1, max(memory // 4 // one - 1, 0))
 
 
 def _read_prepared(
@@ -225,7 +249,7 @@ def _read_prepared(
 ) -> None:
     """Read every box together with the samples that `around` says it needs."""
     boxes = _steps(array, memory)
-    with BoxReader([array], holes=[0.0] if holes else None) as reader:
+    with BoxReader([array], holes=[0.0] if holes else None, memory=int(memory * FOR_UNPACKING)) as reader:
         held = around(boxes[0])
         pending = reader.begin(0, held, [held])
         for k, box in enumerate(boxes):
@@ -234,6 +258,8 @@ def _read_prepared(
                 held = around(boxes[k + 1])
                 pending = reader.begin(0, held, [held])
             add(samples, box, own)
+            del samples
+            trim_heap()
             _report(progress, (k + 1) / len(boxes))
 
 
@@ -266,12 +292,13 @@ def _keep(place: Place, survey: Survey) -> None:
                 return
             parts |= {f"{part} side": np.array([side]), f"{part} bounds": bounds}
             parts[f"{part} statistics"] = np.array(core.statistics, np.float64)
-            parts |= {f"{part} strided {k}": own for k, own in enumerate(strided)}
+            parts[f"{part} light"] = strided[0]
+    parts |= {f"look {k}": own for k, own in enumerate(survey.looks.parts())}
     folder, name = place
     folder.write(name, lambda file: np.savez_compressed(file, allow_pickle=False, **parts))
 
 
-def _kept(place: Place, array: LazyArray, kernel: str, steps: list[Shape], memory: int) -> Survey | None:
+def _kept(place: Place, array: LazyArray, kernel: str, light_step: Shape, memory: int) -> Survey | None:
     """The cached survey; None where there is none, it is damaged, or it takes more than the budget allows."""
     folder, name = place
     file = folder.open(name)
@@ -282,22 +309,25 @@ def _kept(place: Place, array: LazyArray, kernel: str, steps: list[Shape], memor
             # No more than is said here is unpacked.
             if sum(member.file_size for member in parts.zip.infolist()) > max(memory, 2 * MAX_KEPT_BYTES):
                 return None
-            core = _rebuilt(parts, "samples", array.shape, kernel, steps)
+            core = _rebuilt(parts, "samples", array.shape, kernel, light_step)
             prepared = None
             if "prepared side" in parts.files:
-                prepared = _rebuilt(parts, "prepared", array.shape, kernel, steps[:1])
+                prepared = _rebuilt(parts, "prepared", array.shape, kernel, light_step)
+            looks = LookSamples(array.shape, array.dtype)
+            looks.fill(parts[f"look {k}"] for k in range(len(looks.parts())))
             bounds = math.prod(parts["samples bounds"].shape) * 4
     except DAMAGED:
         return None
     # Bounds for a larger budget would not leave room for samples.
-    return None if bounds > memory // 3 else Survey(array.shape, core, prepared, kernel, steps, is_from_cache=True)
+    if bounds > memory // 3:
+        return None
+    return Survey(array.shape, core, prepared, kernel, light_step=light_step, looks=looks, is_from_cache=True)
 
 
-def _rebuilt(parts: Any, name: str, shape: Shape, kernel: str, steps: list[Shape]) -> _native.Survey:
+def _rebuilt(parts: Any, name: str, shape: Shape, kernel: str, light_step: Shape) -> _native.Survey:
     low, high, n_nonfinite = parts[f"{name} statistics"].tolist()
     if parts["format"].tolist() != [FORMAT] or not -math.inf < low <= high < math.inf:
         raise ValueError("a survey of another kind")
-    strided = [(step, parts[f"{name} strided {k}"]) for k, step in enumerate(steps)]
-    side = int(parts[f"{name} side"][0])
-    bounds = parts[f"{name} bounds"]
-    return _native.Survey.from_parts(shape, kernel, side, (low, high, int(n_nonfinite)), bounds, strided)
+    side, bounds = int(parts[f"{name} side"][0]), parts[f"{name} bounds"]
+    light = [(light_step, parts[f"{name} light"])]
+    return _native.Survey.from_parts(shape, kernel, side, (low, high, int(n_nonfinite)), bounds, light)

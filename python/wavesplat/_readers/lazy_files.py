@@ -271,6 +271,7 @@ def _of_hdf5(request: Request) -> LazyGrid:
             n_readers=1,
             token=f"HDF5 {request.file} {dataset.name}",
             files=files_of_dataset(dataset),
+            reads_parts=dataset.chunks is None,
         )
         facts = replace(
             hdf5.facts_of(file, place), n_times=n_times_of(dataset.shape, request), **hdf5.named(dataset, component)

@@ -46,4 +46,5 @@ def stored_samples(
         shape=(z, y, x),
         token=f"stored {path} {dtype.str} {offset} {tuple(shape)} {getattr(convert, 'keywords', None)}",
         files=StoredFiles([path]),
+        reads_parts=True,
     )

@@ -13,7 +13,7 @@ from wavesplat._files.file_states import FileChangedError
 from wavesplat._model.camera import Camera
 from wavesplat._model.lazy_array import LazyArray, lazy_array
 from wavesplat._model.lazy_volume import LazyVolume, Level, lazily
-from wavesplat._model.read_ahead import ReadCounts
+from wavesplat._model.read_ahead import ReadCounts, check_budget
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._render.arguments import chosen_labels
@@ -109,7 +109,7 @@ class LazyLayers:
     def streamed(self, spec: FrameSpec) -> tuple[_native.Stream, ReadCounts]:
         """The stream of a frame with all blocks, drawn by this process, and counts of what was read."""
         stream = spec.stream()
-        reading = Reading(spec.arrays, spec.least, self.options.progress)
+        reading = Reading(spec.arrays, spec.least, self.options.progress, spec.budget)
         return stream, streamed(stream, reading, self.options.after_block)
 
     def finished(self, stream: _native.Stream, counts: ReadCounts) -> _native.RenderResult:
@@ -169,6 +169,11 @@ class FrameSpec:
         """Slices of a segment of the rays."""
         return self.layers.options.segments
 
+    @property
+    def budget(self) -> int:
+        """Bytes for samples and bounds."""
+        return self.memory or self.layers.memory
+
     def stream(self) -> _native.Stream:
         """The stream of the frame, which is the same in every process."""
         for volume, packed in zip(self.layers.volumes, self.surveys or [], strict=False):
@@ -180,7 +185,8 @@ class FrameSpec:
         first, level = self.layers.volumes[0], self.layers.levels[0]
         labels = chosen_labels(self.labels, first, self.boxes, level=first.grid_of(level) if level else None)
         arguments: Any = {**self.arguments, "labels": labels}
-        streaming = Streaming(self.memory or self.layers.memory, self.n_blocks, self.segments)
+        check_budget(self.arrays, self.budget)
+        streaming = Streaming(self.budget, self.n_blocks, self.segments)
         return streaming.planned(drawn, self.camera._core, arguments)
 
     def __getstate__(self) -> dict[str, Any]:

@@ -16,8 +16,9 @@ from numpy.typing import NDArray
 
 from wavesplat import _native
 from wavesplat._files.byte_sizes import byte_size
+from wavesplat._files.memory import trim_heap
 from wavesplat._model.lazy_array import LazyArray
-from wavesplat._model.read_ahead import Box, BoxReader, Pending, ReadCounts, copy_overlap
+from wavesplat._model.read_ahead import FOR_UNPACKING, Box, BoxReader, Pending, ReadCounts, copy_overlap
 from wavesplat.errors import CancelledError, LimitError
 
 __all__ = ["Progress", "Reading", "Streaming", "draw_block", "draw_segment", "streamed"]
@@ -64,6 +65,8 @@ class Reading:
     #: Value in place of each layer's samples that cannot be read; None ends the picture.
     least: Sequence[float] | None
     progress: Progress | None = None
+    #: Budget, bytes; None reads without one.
+    memory: int | None = None
     counts: ReadCounts = field(default_factory=ReadCounts)
 
     def part(self, before: float, share: float) -> Reading:
@@ -105,7 +108,8 @@ def draw_segment(stream: _native.Stream, block: int, steps: tuple[int, int], rea
     state = _native.BlockState()
     started = time.perf_counter()
     waited = 0.0
-    with BoxReader(reading.arrays, holes=reading.least) as reader:
+    for_unpacking = None if reading.memory is None else int(reading.memory * FOR_UNPACKING)
+    with BoxReader(reading.arrays, holes=reading.least, memory=for_unpacking) as reader:
         ahead = _asked(stream, block, first, is_first=True, state=state, reader=reader)
         for step in range(first, end):
             held, boxes = stream.held(block, step), ahead
@@ -119,6 +123,8 @@ def draw_segment(stream: _native.Stream, block: int, steps: tuple[int, int], rea
                 for k, box in enumerate(stream.held(block, step + 1)):
                     copy_overlap(samples[k], held[k], ahead[k].samples, box)
             state = stream.draw(block, step, samples, state, own.progress)
+            del samples
+            trim_heap()
             if stream.is_done(block, state):
                 break
         reader.stop()

@@ -79,7 +79,7 @@ def fingerprint_of(scene: Scene) -> str:
         if isinstance(volume, LazyVolume):
             survey = volume.survey(volume._surveyed_level(), "linear")
             digest.update(repr((survey.value_range, survey.n_nonfinite)).encode())
-            digest.update(survey.core.strided(len(survey.steps) - 1).tobytes())
+            digest.update(survey.looks.coarsest.tobytes())
         elif isinstance(volume, Volume):
             samples = volume.samples.reshape(-1) if volume.samples.flags.c_contiguous else volume.samples.flat
             step = max(1, volume.samples.size // N_SAMPLES)

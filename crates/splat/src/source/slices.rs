@@ -38,8 +38,9 @@ pub(super) enum SampleSource<'a> {
     Samples(Samples<'a>),
     /// A volume without samples in memory; its block cache, if its densities are not all prepared.
     Decoded(Option<Arc<Blocks>>),
-    /// A volume whose boxes are read elsewhere: frames are planned with it, and drawn from the boxes.
-    Surveyed(Arc<StridedSamples>),
+    /// A volume whose boxes are read elsewhere: frames are planned with it, and drawn from the boxes. Samples for light,
+    /// and offset and scale of their densities.
+    Surveyed(Arc<StridedSamples>, (f64, f64)),
 }
 
 /// Samples of a box of a volume, `[z][y][x]`.
@@ -225,6 +226,7 @@ impl<'a> Slices<'a> {
 
     /// Slices of a volume whose boxes are read elsewhere ([`crate::source::survey`]): for plans, not to be drawn from.
     /// `range` bounds the densities, or spline coefficients; `strided`: the samples that light needs ([`light_steps`]).
+    /// `density_from_value`: offset and scale of their densities, `(value - offset) * scale`.
     ///
     /// [`light_steps`]: crate::source::strided::light_steps
     pub(super) fn of_survey(
@@ -233,14 +235,15 @@ impl<'a> Slices<'a> {
         range: [f32; 2],
         bricks: Bricks,
         strided: StridedSamples,
+        density_from_value: (f64, f64),
     ) -> Self {
         let prepared = Arc::new(Prepared::of_parts(kernel, grid.size(), range, bricks));
-        Self { source: SampleSource::Surveyed(Arc::new(strided)), grid: grid.clone(), prepared }
+        Self { source: SampleSource::Surveyed(Arc::new(strided), density_from_value), grid: grid.clone(), prepared }
     }
 
     /// Whether the samples are read elsewhere, box by box.
     pub fn is_surveyed(&self) -> bool {
-        matches!(self.source, SampleSource::Surveyed(_))
+        matches!(self.source, SampleSource::Surveyed(..))
     }
 
     /// Writes densities, or coefficients, of every n-th sample of the slice `z`, row by row; `z` is a multiple of the
@@ -248,9 +251,10 @@ impl<'a> Slices<'a> {
     pub fn strided_slice(&self, z: usize, step: [usize; 3], out: &mut Vec<f32>) {
         out.clear();
         let [nx, ny, _] = self.grid.size();
-        if let SampleSource::Surveyed(strided) = &self.source {
+        if let SampleSource::Surveyed(strided, (offset, scale)) = &self.source {
             debug_assert_eq!(strided.step, step, "as the survey was made");
-            return (0..ny).step_by(step[1]).for_each(|y| out.extend_from_slice(strided.row(y, z)));
+            let density = |value: &f32| ((f64::from(*value) - offset) * scale) as f32;
+            return (0..ny).step_by(step[1]).for_each(|y| out.extend(strided.row(y, z).iter().map(density)));
         }
         let mut slice = vec![0.0; nx * ny];
         let window = Window { u: [0, nx as i64 - 1], v: [0, ny as i64 - 1] };
@@ -318,7 +322,7 @@ impl<'a> Slices<'a> {
                 let (offset, scale) = self.grid.density_from_sample();
                 (samples.get(i) - offset) * scale
             }
-            (None, SampleSource::Surveyed(_)) => f64::NAN,
+            (None, SampleSource::Surveyed(..)) => f64::NAN,
             (None, SampleSource::Decoded(blocks)) => {
                 let mut part = DensityBox::default();
                 blocks.as_ref().map_or(f64::NAN, |blocks| {
@@ -356,7 +360,7 @@ impl<'a> Slices<'a> {
                 _ => with_samples!(*samples, s => whole.write(s, points, out, Sample::to_f64)),
             },
             (Some(densities), _) => whole.write(densities, points, out, sample),
-            (None, SampleSource::Surveyed(_)) => out.fill(f64::NAN),
+            (None, SampleSource::Surveyed(..)) => out.fill(f64::NAN),
             (None, SampleSource::Decoded(blocks)) => {
                 let (Some(blocks), Some((lo, hi))) = (blocks, whole.reached(points)) else { return };
                 let mut part = DensityBox::default();
@@ -398,7 +402,7 @@ impl<'a> Slices<'a> {
         }
         let samples = match &self.source {
             SampleSource::Samples(samples) => *samples,
-            SampleSource::Decoded(_) | SampleSource::Surveyed(_) => {
+            SampleSource::Decoded(_) | SampleSource::Surveyed(..) => {
                 let slices = taps.iter().fold([usize::MAX, 0], |[lo, hi], tap| [lo.min(tap.0), hi.max(tap.0)]);
                 let mut part = DensityBox::default();
                 self.load(axes, window, slices, &mut part);

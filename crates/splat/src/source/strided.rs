@@ -1,43 +1,46 @@
 //! Strided samples: every n-th along each axis of a volume that is not in memory, for uses that need no more.
 
+use std::sync::Arc;
+
 use wavesplat_core::Grid;
 
-/// Densities of every n-th sample along each axis.
+/// Values of every n-th sample along each axis, or densities of a volume whose samples are prepared.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct StridedSamples {
     /// Step from one to the next, in samples of the volume, along x, y, z.
     pub step: [usize; 3],
     /// Number of strided samples along x, y, z.
     pub size: [usize; 3],
-    /// The densities, `[z][y][x]`.
-    pub densities: Vec<f32>,
+    /// The values, `[z][y][x]`: up to 150 MB for light, so that a survey and the slices made of it share them.
+    pub values: Arc<Vec<f32>>,
 }
 
 impl StridedSamples {
     /// Strided samples of a volume of `size`, to be filled in.
     pub fn new(size: [usize; 3], step: [usize; 3]) -> Self {
         let own = [0, 1, 2].map(|a| size[a].div_ceil(step[a]));
-        Self { step, size: own, densities: vec![0.0; own.iter().product()] }
+        Self { step, size: own, values: Arc::new(vec![0.0; own.iter().product()]) }
     }
 
-    /// Copies the strided samples that lie in a box of `n` densities, `[z][y][x]`, that begins at `lo`.
-    pub fn take(&mut self, densities: impl Fn(usize) -> f32, lo: [usize; 3], n: [usize; 3]) {
+    /// Copies the strided samples that lie in a box of `n` values, `[z][y][x]`, that begins at `lo`.
+    pub fn take(&mut self, values: impl Fn(usize) -> f32, lo: [usize; 3], n: [usize; 3]) {
         let range = |a: usize| lo[a].div_ceil(self.step[a])..(lo[a] + n[a]).div_ceil(self.step[a]).min(self.size[a]);
         let [xs, ys, zs] = [range(0), range(1), range(2)];
+        let own = Arc::make_mut(&mut self.values);
         for z in zs {
             for y in ys.clone() {
                 let from = n[0] * (y * self.step[1] - lo[1] + n[1] * (z * self.step[2] - lo[2]));
                 let to = self.size[0] * (y + self.size[1] * z);
                 for x in xs.clone() {
-                    self.densities[to + x] = densities(from + x * self.step[0] - lo[0]);
+                    own[to + x] = values(from + x * self.step[0] - lo[0]);
                 }
             }
         }
     }
 
-    /// Row of densities at `y` and `z`, which are indices of the volume.
+    /// Row of values at `y` and `z`, which are indices of the volume.
     pub fn row(&self, y: usize, z: usize) -> &[f32] {
-        &self.densities[self.size[0] * (y / self.step[1] + self.size[1] * (z / self.step[2]))..][..self.size[0]]
+        &self.values[self.size[0] * (y / self.step[1] + self.size[1] * (z / self.step[2]))..][..self.size[0]]
     }
 }
 
@@ -68,7 +71,7 @@ mod tests {
                 let at = |i: usize| number([lo[0] + i % n[0], lo[1] + i / n[0] % n[1], lo[2] + i / (n[0] * n[1])]);
                 all.take(at, lo, n);
             }
-            for (i, got) in all.densities.iter().enumerate() {
+            for (i, got) in all.values.iter().enumerate() {
                 let [nx, ny, _] = all.size;
                 let p = [i % nx * step[0], i / nx % ny * step[1], i / (nx * ny) * step[2]];
                 assert_eq!(*got, number(p), "{step:?} {p:?}");

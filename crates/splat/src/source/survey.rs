@@ -57,7 +57,7 @@ impl Survey {
     ) -> Option<Self> {
         let fits = SIDES.contains(&side)
             && bounds.len() == n_bricks(side, size).iter().product::<usize>()
-            && strided.iter().all(|own| own.densities.len() == own.size.iter().product::<usize>());
+            && strided.iter().all(|own| own.values.len() == own.size.iter().product::<usize>());
         fits.then_some(Self { size, kernel, side, statistics, bounds, strided })
     }
 
@@ -142,14 +142,14 @@ impl Survey {
         let to_density = move |s: f32| ((f64::from(s) - offset) * scale) as f32;
         let Some(of_densities) = prepared else {
             let range = grid.density_range();
-            let mut strided = self.strided.get(light).cloned().unwrap_or_default();
-            strided.densities.iter_mut().for_each(|s| *s = to_density(*s));
-            return Slices::of_survey(grid, self.kernel, range, self.bricks(to_density, range), strided);
+            let strided = self.strided.get(light).cloned().unwrap_or_default();
+            let bricks = self.bricks(to_density, range);
+            return Slices::of_survey(grid, self.kernel, range, bricks, strided, (offset, scale));
         };
         let Statistics { min, max, .. } = of_densities.statistics;
         let range = [min as f32, max as f32];
         let strided = of_densities.strided.first().cloned().unwrap_or_default();
-        Slices::of_survey(grid, self.kernel, range, of_densities.bricks(|d| d, range), strided)
+        Slices::of_survey(grid, self.kernel, range, of_densities.bricks(|d| d, range), strided, (0.0, 1.0))
     }
 }
 

@@ -27,14 +27,17 @@ def peak():
     return next(1024 * int(line.split()[1]) for line in lines if line.startswith("VmHWM"))
 
 volume = ws.open(sys.argv[1], memory=sys.argv[2], cache=sys.argv[3])
+if len(sys.argv) > 4:
+    print(json.dumps({"memory": ws.plan(volume, size=(256, 256), read_rate="1 GB", draw_ns=4).memory}))
+    sys.exit()
 picture = ws.render(volume, size=(256, 256))
 print(json.dumps({"peak": peak(), "alpha": float(picture.rgba[..., 3].max()), **picture.report["lazy"]}))
 """
 
 
-def fresh(path, memory, cache):
-    """Report of a picture that a fresh process drew, and its peak memory."""
-    command = [sys.executable, "-c", CODE, str(path), memory, str(cache)]
+def fresh(path, memory, cache, *plan):
+    """Report of a picture that a fresh process drew, and its peak memory; with "plan", what it planned."""
+    command = [sys.executable, "-c", CODE, str(path), memory, str(cache), *plan]
     return json.loads(subprocess.run(command, capture_output=True, text=True, check=True, timeout=240).stdout)
 
 
@@ -60,6 +63,9 @@ def test_a_zarr_array_is_drawn_within_its_budget(large, tmp_path):
         assert told["surveys"] == [origin]
         assert told["alpha"] > 0.1
         assert told["peak"] < 24e6 + BEYOND, f"{told['peak'] / 1e6:.0f} MB"
+    # F8: 91.5 MB were planned of a process that took 598.
+    planned = fresh(large, "24 MB", tmp_path / "cache", "plan")["memory"]
+    assert planned == pytest.approx(told["peak"], rel=0.2)
 
 
 def test_a_budget_below_a_chunk_is_refused_with_what_is_enough():

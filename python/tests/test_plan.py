@@ -82,6 +82,28 @@ def test_bounds_that_are_known_count(tmp_path):
     assert known.bytes_read < unknown.bytes_read == 96**3
 
 
+def solid(n):
+    """A ball with bumps behind a veil: rays end in it, so that much behind it is not read."""
+    z, y, x = np.ogrid[-1 : 1 : n * 1j, -1 : 1 : n * 1j, -1 : 1 : n * 1j]
+    radius = np.sqrt(z * z + y * y + x * x) + 0.05 * np.sin(9 * x) * np.cos(7 * y + 3 * z)
+    return (250 * np.clip((0.9 - radius) / 0.3, 0, 1)).astype(np.uint8)
+
+
+@pytest.mark.parametrize("made", [shells, solid])
+@pytest.mark.parametrize("memory", ["4 MB", "20 MB"])
+def test_what_is_planned_is_what_is_read(tmp_path, made, memory):
+    """F8: blocks were 54 of 81, and bytes 1.5 to 1.6 times what was read."""
+    array = Chunked(made(200), (32, 32, 32))
+    array.token = "known"  # noqa: S105 - no secret
+    volume = ws.Volume.lazy(array, memory=memory, cache=tmp_path)
+    volume.survey(0, "linear")
+    cost = ws.plan(volume, size=(400, 400), read_rate="1 GB", draw_ns=4)
+    told = ws.render(volume, size=(400, 400)).report["lazy"]
+    assert cost.is_known
+    assert cost.blocks == told["blocks"]
+    assert cost.bytes_read == pytest.approx(told["bytes_read"], rel=0.2)
+
+
 def test_rates_are_measured_where_they_are_not_given():
     cost = ws.plan(ws.Volume.lazy(Chunked(shells(64)), memory="50 MB", cache=False), size=(100, 100))
     assert cost.rates["read"] > 1e6

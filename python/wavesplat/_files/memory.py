@@ -14,7 +14,7 @@ from typing import Any
 
 from wavesplat.errors import LimitError
 
-__all__ = ["check_room", "free_bytes", "trim_heap"]
+__all__ = ["check_room", "free_bytes", "resident_bytes", "trim_heap"]
 
 #: Allocations below this are not checked.
 SMALL_BYTES = 1 << 28
@@ -36,6 +36,14 @@ def free_bytes() -> int | None:
     """Free bytes: the least of the machine's, the container's and the process's; None where none is known."""
     found = [_of_machine(), _of_container(), _of_process()]
     return min((n for n in found if n is not None), default=None)
+
+
+def resident_bytes() -> int | None:
+    """Bytes of memory that this process takes; None where the system does not tell."""
+    try:
+        return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * os.sysconf("SC_PAGE_SIZE")
+    except (OSError, ValueError, IndexError, AttributeError):
+        return None
 
 
 def trim_heap() -> None:

@@ -108,6 +108,8 @@ class LazyLayers:
 
     def streamed(self, spec: FrameSpec) -> tuple[_native.Stream, ReadCounts]:
         """The stream of a frame with all blocks, drawn by this process, and counts of what was read."""
+        if self.options.before_plan is not None:
+            self.options.before_plan(spec)
         stream = spec.stream()
         reading = Reading(spec.arrays, spec.least, self.options.progress, spec.budget)
         return stream, streamed(stream, reading, self.options.after_block)
@@ -191,7 +193,7 @@ class FrameSpec:
 
     def __getstate__(self) -> dict[str, Any]:
         # Callbacks and connections stay in this process.
-        plain = replace(self.layers.options, progress=None, client=None, after_block=None)
+        plain = replace(self.layers.options, progress=None, client=None, before_plan=None, after_block=None)
         return {**self.__dict__, "layers": replace(self.layers, options=plain)}
 
 

@@ -121,6 +121,8 @@ class DrawOptions:
     #: Of `wavesplat.study.render`.
     pre_integration: bool = True
     early_ray_termination: bool = True
+    #: Called with the specification of a streamed frame before it is planned; an error ends the picture.
+    before_plan: Callable[[Any], object] | None = None
     #: Called with a stream and the number of a block of it that was drawn, for pictures that are shown before they are
     #: done.
     after_block: Callable[[Any, int], object] | None = None

@@ -4,8 +4,9 @@
     T_read = bytes · amplification / (workers · rate),   T_draw = texels · sheets · ns / (workers · cores),
     T_merge = 16 bytes · texels · segments / (workers · rate),   T_tasks = tasks · 1 ms
 
-Bytes are those of the plan that the picture would be drawn by, chunk by chunk; rates of reading and drawing are
-measured on this machine unless they are given. Blocks take unequal times: half of the whole is added for the last ones.
+Bytes are those of the plan that the picture would be drawn by, chunk by chunk, with the share that a rehearsal of it
+takes (`rehearsal.py`); rates of reading and drawing are measured on this machine unless they are given. Blocks take
+unequal times: half of the whole is added for the last ones.
 """
 
 from __future__ import annotations
@@ -13,7 +14,9 @@ from __future__ import annotations
 import math
 import os
 import time
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -21,18 +24,28 @@ import numpy as np
 from wavesplat import _native
 from wavesplat._cluster.machines import MAX_TASKS
 from wavesplat._files.byte_sizes import byte_size, bytes_of
+from wavesplat._files.memory import resident_bytes
 from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.camera import Camera
 from wavesplat._model.lazy_volume import LazyVolume, Level
-from wavesplat._model.read_ahead import cells
+from wavesplat._model.read_ahead import (
+    FOR_UNPACKING,
+    PART_BYTES,
+    UNPACKED_TIMES,
+    cells,
+    check_budget,
+    unpacked_bytes,
+)
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
 from wavesplat._render.arguments import checked_count, checked_size
 from wavesplat._render.framing import natural_view
 from wavesplat._render.lazy_layers import pixel_in_samples
+from wavesplat._render.options import DrawOptions
 from wavesplat._render.streaming import Streaming
+from wavesplat._scene.rehearsal import Shares, frame_of, rehearsed
 from wavesplat.errors import ArgumentError
 
 __all__ = ["Cost", "plan"]
@@ -41,6 +54,11 @@ __all__ = ["Cost", "plan"]
 BLOCKS_PER_WORKER = 4
 #: Seconds that a scheduler takes for a task, bytes of a texel of a partial picture, and bytes a second between workers.
 TASK_S, PARTIAL_BYTES, MERGE_RATE = 1e-3, 16, 200e6
+#: Bytes of a ray with its place in the picture, of a process that cannot tell, and of its threads while it draws; the
+#: last two measured (Linux, CPython 3.11, two threads).
+RAY_BYTES, PROCESS_BYTES, THREAD_BYTES = 40, 60_000_000, 60_000_000
+#: Cells along a side of the bricks that bounds are kept of, and samples that are kept for looks, at most.
+BRICK_SIDES, MAX_LOOK_SAMPLES = (4, 8, 16, 32, 64), 3_000_000
 #: Factor of the time for blocks that are done last.
 STRAGGLERS = 1.5
 #: Number of boxes that are read to measure the rate of reading, and bytes of each.
@@ -61,10 +79,12 @@ class Cost:
     blocks, steps, tasks, boxes : int
         Blocks of the picture, steps that all of them take, tasks of a cluster, boxes that are read.
     bytes_stored, bytes_read : int
-        Bytes of the level in memory, and of all reads: neighbouring blocks share chunks, and what shows nothing is not
-        read where bounds are known (`is_known`).
+        Bytes of the level in memory, and of all reads: neighbouring blocks share chunks. Where the samples were looked
+        through before (`is_known`), what shows nothing in their automatic look is not read, nor what lies behind opaque
+        matter, whose share is found by drawing a thinned copy. Else all counts, and the pass that looks through the
+        samples before the first picture reads them once more.
     memory : int
-        Bytes that a worker holds at once: samples, bounds, rays.
+        Bytes that a worker's process takes at most, Python and its libraries included.
     partial_bytes : int
         Bytes of partial pictures that are merged; 0 without segments.
     seconds : dict
@@ -95,7 +115,9 @@ class Cost:
         z, y, x = self.shape
         seconds = ", ".join(f"{name} {value:.3g}" for name, value in self.seconds.items() if name != "whole")
         known = (
-            "chunks that show nothing left out" if self.is_known else "nothing is known of the samples, so all of them"
+            "what shows nothing left out"
+            if self.is_known
+            else "nothing is known of the samples, so all of them, after a first pass over them"
         )
         tasks = f"{self.tasks} tasks for {self.workers} workers of {self.cores} cores"
         share = f"{self.bytes_read / max(self.bytes_stored, 1):.2f} of the level ({known})"
@@ -133,8 +155,8 @@ def plan(
     Parameters
     ----------
     volume : LazyVolume
-        From `open(path, memory=...)` or `Volume.lazy`. Bounds that were kept by earlier pictures leave out chunks that
-        show nothing; without bounds all chunks count.
+        From `open(path, memory=...)` or `Volume.lazy`. What earlier pictures kept of it leaves out chunks that show
+        nothing; without that all chunks count.
     size : (width, height), default (512, 512)
         Pixels.
     camera : Camera, optional
@@ -185,10 +207,18 @@ def plan(
     number = volume.level_for(lambda level: pixel_in_samples(level, eye, (width, height)))
     level = volume._levels[number]
     budget = volume.memory if memory is None else bytes_of(memory)
-    core, is_known = _core_of(volume, number, level)
+    check_budget([level.array], budget)
     n_blocks = 1 if workers == 1 else BLOCKS_PER_WORKER * workers
-    stream = _stream(core, eye, (width, height), Streaming(budget, n_blocks, segments))
-    costs = stream.bytes_to_read()
+    base = resident_bytes() or PROCESS_BYTES
+    survey = volume.known_survey(number, "linear") if volume.is_looked_through else None
+    options = DrawOptions(size=(width, height), segments=segments, device="cpu")
+    if survey is None:
+        stream, shares = _stream(_core_of(volume, level), eye, options, Streaming(budget, n_blocks, segments)), Shares()
+    else:
+        spec = replace(frame_of(volume, None, camera, options), n_blocks=n_blocks, memory=budget)
+        stream = spec.stream()
+        shares = rehearsed(spec, stream.n_blocks, level, survey)
+    costs = [round(shares.read * n) for n in stream.bytes_to_read()]
     n_segments = sum(len(stream.segments(block)) for block in range(stream.n_blocks))
     steps = sum(stream.n_steps(block) for block in range(stream.n_blocks))
     tasks = stream.n_blocks if segments is None else n_segments + stream.n_blocks
@@ -206,7 +236,7 @@ def plan(
     seconds = {
         "plan": planned,
         "read": sum(costs) / (workers * rates["read"]),
-        "draw": sum(texels) * rates["draw"] * 1e-9 / (workers * n_cores),
+        "draw": shares.drawn * sum(texels) * rates["draw"] * 1e-9 / (workers * n_cores),
         "merge": partial / (workers * MERGE_RATE),
         "tasks": 0.0 if workers == 1 else tasks * TASK_S,
     }
@@ -214,7 +244,7 @@ def plan(
     seconds["whole"] = seconds["plan"] + longest + seconds["merge"] + seconds["tasks"]
     n_chunks = math.prod(-(-n // c) for n, c in zip(level.array.shape, level.array.chunks, strict=True))
     held = max(stream.peak_sample_bytes(block) for block in range(stream.n_blocks))
-    rays = 20 * max(stream.n_rays(block) for block in range(stream.n_blocks))
+    rays = RAY_BYTES * sum(stream.n_rays(block) for block in range(stream.n_blocks)) // workers
     return Cost(
         shape=level.array.shape,
         level=number,
@@ -225,8 +255,8 @@ def plan(
         boxes=stream.n_boxes(),
         bytes_stored=math.prod(level.array.shape) * itemsize,
         bytes_read=sum(costs),
-        is_known=is_known,
-        memory=held + rays + min(budget // 8, math.prod(level.array.shape) // 128),
+        is_known=survey is not None,
+        memory=base + held + rays + _memory_beside(level, budget),
         partial_bytes=partial,
         seconds=seconds,
         rates=rates,
@@ -243,40 +273,45 @@ def _segment_blocks(stream: _native.Stream) -> list[int]:
 ALL_SEEN = TransferFunction([(0.0, 0.01), (1.0, 0.01)], [(0.0, 1.0, 1.0, 1.0)])
 
 
-def _core_of(volume: LazyVolume, number: int, level: Level) -> tuple[_native.LazyVolume, bool]:
-    """The level for the plan, by its known bounds, or as if all of it were visible; and whether bounds are known."""
-    known = volume.known_survey(number, "linear")
-    shape = level.array.shape
-    if known is None:
-        side = 64
-        n = [-(-(n - 1) // side) for n in shape]
-        bounds = np.broadcast_to(np.array([0, 1], np.float32), (*n, 2)).copy()
-        survey = _native.Survey.from_parts(shape, "linear", side, (0.0, 1.0, 0), bounds, [])
-    else:
-        survey = known.core
-    core = _native.LazyVolume(
+def _core_of(volume: LazyVolume, level: Level) -> _native.LazyVolume:
+    """The level for the plan, as if all of it were visible."""
+    shape, side = level.array.shape, 64
+    n = [-(-(n - 1) // side) for n in shape]
+    bounds = np.broadcast_to(np.array([0, 1], np.float32), (*n, 2)).copy()
+    return _native.LazyVolume(
         volume.name,
         shape,
         level.world_from_index,
         kernel="linear",
         is_narrow=True,
-        survey=survey,
+        survey=_native.Survey.from_parts(shape, "linear", side, (0.0, 1.0, 0), bounds, []),
         prepared=None,
         light=0,
         chunk=level.array.chunks,
         sample_bytes=level.array.dtype.itemsize,
         level=None,
     )
-    return core, known is not None
 
 
-def _stream(core: _native.LazyVolume, camera: Camera, size: tuple[int, int], streaming: Streaming) -> _native.Stream:
-    low, high = core.value_range
-    # With known bounds, values above the lowest tenth of their range count as visible: air and the empty field do not.
-    start = low if (low, high) == (0.0, 1.0) else low + 0.1 * (high - low)
-    function = TransferFunction([(start, 0.0), (start + 1e-6 * max(high - low, 1e-30), 0.01)], [(low, 1.0, 1.0, 1.0)])
-    function = ALL_SEEN if start == low else function
-    drawn = [(core, function._core, None)]
+def _memory_beside(level: Level, budget: int) -> int:
+    """Bytes beside samples and rays: samples for light and looks, bounds, what is being unpacked, threads."""
+    array, shape = level.array, level.array.shape
+    steps = _native.light_step(shape, level.world_from_index)
+    light = 4 * math.prod(-(-n // step) for n, step in zip(shape, steps, strict=True))
+    bounds = next((n for n in map(partial(_bounds_bytes, shape), BRICK_SIDES) if n <= budget // 4), 0)
+    looks = min(math.prod(shape), MAX_LOOK_SAMPLES) * array.dtype.itemsize
+    parts = min(int(budget * FOR_UNPACKING), UNPACKED_TIMES * PART_BYTES * array.n_readers)
+    return light + looks + bounds + max(unpacked_bytes(array), parts) + THREAD_BYTES
+
+
+def _bounds_bytes(shape: Sequence[int], side: int) -> int:
+    """Bytes of the bounds of bricks of so many cells along a side."""
+    return 8 * math.prod(-(-(n - 1) // side) for n in shape)
+
+
+def _stream(core: _native.LazyVolume, camera: Camera, options: DrawOptions, streaming: Streaming) -> _native.Stream:
+    """The stream of a volume of which nothing is known."""
+    drawn, size = [(core, ALL_SEEN._core, None)], options.size
     sheets, texels = _native.quality_settings("normal", drawn, camera._core, size[1])
     frame: Any = {
         "labels": None,
@@ -323,7 +358,6 @@ def _draw_ns() -> float:
     samples = (127 * (1 + np.sin(9 * x + 5 * z) * np.cos(7 * y))).astype(np.uint8)
     volume = Volume(samples, name="probe")
     look = TransferFunction([(0, 0.0), (255, 0.05)], [(0, 1.0, 1.0, 1.0)])
-    from wavesplat._render.options import DrawOptions
     from wavesplat._scene.drawing import draw
     from wavesplat._scene.scene import Scene
 

@@ -73,7 +73,8 @@ impl PySurvey {
         let (min, max, n_nonfinite) = statistics;
         let strided = strided.iter().map(|(step, array)| {
             let [nz, ny, nx] = *array.shape() else { return Err(PyTypeError::new_err("strided must be 3-D")) };
-            let own = StridedSamples { step: xyz(*step), size: [nx, ny, nz], values: array.as_slice()?.to_vec().into() };
+            let own =
+                StridedSamples { step: xyz(*step), size: [nx, ny, nz], values: array.as_slice()?.to_vec().into() };
             let fits = own.step.iter().all(|n| *n > 0) && [0, 1, 2].map(|a| size[a].div_ceil(own.step[a])) == own.size;
             if fits { Ok(own) } else { Err(PyValueError::new_err("strided samples of another volume")) }
         });

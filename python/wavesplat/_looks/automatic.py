@@ -89,6 +89,9 @@ SIGNS = [
 #: The map of `cmap` that doses are shown in, blue to red as in programs for radiotherapy, and the least share of the
 #: largest dose that shows.
 DOSE_MAP, LEAST_DOSE = "turbo", 0.1
+#: The map of `cmap` that shares are shown in. Fractional anisotropy that is clear and that is opaque: grey matter and
+#: fluid have less than the first, and single fibre bundles reach the second.
+SHARE_MAP, FA_ENDS = "hot", (0.2, 0.9)
 
 
 def automatic(volume: Volume | WaveletVolume, composite: Composite | None, color: Rgb | None = None) -> Look:
@@ -228,6 +231,27 @@ def _dose(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     return TransferFunction(opacity, _mapped(DOSE_MAP, nodes, start=0.1)), None
 
 
+def _fa(volume: Volume | WaveletVolume, _known: Evidence) -> Made:
+    """A look of fractional anisotropy: white matter gives light, and nothing has a skin."""
+    low, high = FA_ENDS
+    high = max(min(high, float(volume.value_range[1])), low + 0.1)
+    return _light(SHARE_MAP, low, high, opaque_after(volume)), None
+
+
+def _probability(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    """A look of probabilities: clear at 0, opaque at the largest."""
+    high = max(float(volume.value_range[1]), float(known.values.max()))
+    return _light(SHARE_MAP, 0.0, high, opaque_after(volume)), SOFT
+
+
+def _light(name: str, low: float, high: float, n_voxels: float) -> TransferFunction:
+    """A colour map from a clear value to one that `n_voxels` together make opaque."""
+    places = np.linspace(0.0, 1.0, 17)
+    nodes = np.array(_increasing((low + (high - low) * places).tolist(), high - low))
+    opacity = list(zip(nodes.tolist(), rising(places, n_voxels).tolist(), strict=True))
+    return TransferFunction(opacity, _mapped(name, nodes, start=0.3))
+
+
 def _ultrasound(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
     low, threshold, high = _parted(known)
     nodes = _increasing([threshold, threshold + 0.3 * (high - threshold), high], high - low)
@@ -296,6 +320,8 @@ LOOKS: dict[Kind, Callable[..., Made]] = {
     "ultrasound": _ultrasound,
     "fluorescence": _fluorescence,
     "EM": _em,
+    "FA": _fa,
+    "probability": _probability,
     "signed field": _signed_field,
     "field": _field,
     "mask": _mask,

@@ -3,7 +3,8 @@
 Facts of the file (modality, unit, whether the axes are a patient's) come first. Where they are missing, the values
 decide by tests that are reported beside it: Hounsfield units have air and soft tissue at the fixed points of their
 scale; a mask has two values; labels are whole numbers that are the same from sample to sample; a field has both signs,
-or fractions, or no noise; PET has no negative values, coarse samples and a few very bright spots.
+or fractions, or no noise; PET has no negative values, coarse samples and a few very bright spots. Shares, such as
+probabilities, have a file of their own: `shares.py`.
 """
 
 from __future__ import annotations
@@ -17,9 +18,11 @@ from numpy.typing import NDArray
 
 from wavesplat._looks.hounsfield import looks_like_hounsfield
 from wavesplat._looks.roughness import is_smooth
+from wavesplat._looks.shares import share_kind
 from wavesplat._looks.stored_offset import stored_offset
 from wavesplat._looks.thresholds import otsu, robust_range_of
 from wavesplat._model import units
+from wavesplat._model.facts import LENGTH
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.placement import is_placed_by_default
 from wavesplat._model.thinning import KIND_SAMPLES, UNIT_SAMPLES, step_for
@@ -39,7 +42,20 @@ __all__ = [
 ]
 
 Kind: TypeAlias = Literal[
-    "CT", "MR", "PET", "dose", "ultrasound", "fluorescence", "EM", "signed field", "field", "mask", "labels", "scan"
+    "CT",
+    "MR",
+    "PET",
+    "dose",
+    "ultrasound",
+    "fluorescence",
+    "EM",
+    "FA",
+    "probability",
+    "signed field",
+    "field",
+    "mask",
+    "labels",
+    "scan",
 ]
 
 #: Kinds of data whose numbers are quantities at places, as simulations write them.
@@ -61,6 +77,8 @@ PET_SPACING_MM, PET_TAIL = 1.8, 8.0
 #: Labels: largest number of them, and least share of samples in regions of one value. (Balls of radius 2: 0.86, larger
 #: ones and nuclei: over 0.95; scans of 8 bits: up to 0.35; noise: 0.3; scans enlarged 4 times by repetition: 0.76.)
 MAX_LABELS, MIN_ALIKE = 2000, 0.8
+#: Few labels, such as the parts of a lesion, and the same share of them: a scan has more values than these.
+FEW_LABELS, MIN_ALIKE_OF_FEW = 8, 0.5
 #: Signs: least ratio of the smaller of the two tails to the larger one. A tail ends at a percentile; of data without
 #: noise, of which no sample is an accident, at the extreme.
 MIN_TAIL, TAILS = 0.15, (0.5, 99.5)
@@ -147,14 +165,22 @@ def _offset(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> floa
 
 def _segmentation(volume: Volume | WaveletVolume, values: NDArray[np.float64], alike: float) -> tuple[Kind, str] | None:
     n_values = np.unique(values).size
-    if n_values <= 2:
+    if n_values <= 2 and not _has_others(volume, values):
         return "mask", "a mask: it has but two values"
     is_whole = bool(np.all(values == np.round(values)))
     if volume.modality == "SEG" and is_whole:
         return "labels", "labels: the file says SEG"
-    if is_whole and values.min() >= 0 and n_values <= MAX_LABELS and alike >= MIN_ALIKE:
+    if volume.modality == "SEG":
+        return "probability", "probabilities: the file says SEG, and has values between whole numbers"
+    least = MIN_ALIKE_OF_FEW if n_values <= FEW_LABELS else MIN_ALIKE
+    if is_whole and values.min() >= 0 and n_values <= MAX_LABELS and alike >= least:
         return "labels", "labels: whole numbers that are the same from sample to sample, by the values"
     return None
+
+
+def _has_others(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> bool:
+    """Whether a volume has values between whole numbers that samples spread over it missed, as of a small lesion."""
+    return any(value != np.round(value) and value not in values for value in volume.value_range)
 
 
 def _by_facts(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tuple[Kind, str] | None:
@@ -203,6 +229,8 @@ def _by_values(volume: Volume | WaveletVolume, values: NDArray[np.float64], *, h
     is_of_patient = volume.is_anatomical and (has_noise or not is_placed_by_default(volume))
     if _has_two_signs(values, numbers, is_of_patient=is_of_patient, has_noise=has_noise):
         return "signed field", "a field with two signs, by the values"
+    if LENGTH in volume.facts.processing:
+        return "field", "a field: the lengths of vectors"
     if is_of_patient:
         return _of_patient(volume, values, numbers)
     if numbers == "f":
@@ -217,6 +245,8 @@ def _by_values(volume: Volume | WaveletVolume, values: NDArray[np.float64], *, h
 
 
 def _of_patient(volume: Volume | WaveletVolume, values: NDArray[np.float64], numbers: str) -> tuple[Kind, str]:
+    if found := share_kind(volume, values):
+        return found
     if numbers == "u" or values.min() < 0:
         return "scan", "a scan of no fixed scale"
     if min(volume.spacing) >= PET_SPACING_MM and _tail(values) >= PET_TAIL:

@@ -14,7 +14,7 @@ from wavesplat._model.short_repr import short_repr
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Channel", "Facts", "quantity_of", "value_unit_of"]
+__all__ = ["LENGTH", "Channel", "Facts", "quantity_of", "value_unit_of"]
 
 #: Bound of time points: more than any file has.
 MAX_TIMES = 2**53
@@ -26,6 +26,8 @@ NO_QUANTITIES = {
     *("", "0", "arr_0", "array", "data", "dataset", "exported_data", "image", "imagefile", "imagescalars", "metaimage"),
     *("nrrdimage", "raw", "samples", "scalars", "tiff scalars", "values", "volume"),
 }
+#: Text in `Facts.processing` of samples that are the lengths of vectors.
+LENGTH = "the length of the vectors"
 
 
 @public

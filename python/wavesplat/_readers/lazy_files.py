@@ -135,6 +135,11 @@ def _of_nifti(request: Request) -> LazyGrid:
     path = request.file if not isinstance(file, str) else Path(file)
     if path.name.lower().endswith((".gz", ".mgz")):
         raise _one_stream(request.path, "gzip")
+    if request.component is not None:
+        raise ArgumentError(
+            "component= is for NIfTI that is read as a whole; choose one of several numbers with time= or channel=, "
+            f"or leave out memory=: {request.safe_path}"
+        )
     time, channel, colour = nifti.checked_picks(image, request)
     if colour is not None:
         raise FileError(f"the samples are colours; open the file without memory=: {request.safe_path}")

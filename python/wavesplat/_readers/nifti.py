@@ -24,6 +24,7 @@ from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
 from wavesplat._model.nibabel_image import facts_of as facts_of_image
 from wavesplat._model.nibabel_image import scaled, world_from_index
+from wavesplat._readers import nifti_vectors
 from wavesplat._readers.request import COLORS, Grid, Request, choose, quiet, unwarned
 from wavesplat.errors import FileError
 
@@ -43,8 +44,15 @@ def read(request: Request) -> Grid:
     with reading("NIfTI", request.path), quiet("nibabel.global"):
         image = loaded(request)
         _check_payload(image, request)
-        stored = _one_volume(image, request)
-        return Grid(_scaled(stored, image).T, world_from_index(image), _with_colors(facts_of(image), image, request))
+        facts = _with_colors(facts_of(image), image, request)
+        vectors = _vectors(image, request)
+        if vectors is not None:
+            if max(image.shape[4:], default=1) == 1:  # the fourth axis is none of times
+                facts = replace(facts, n_times=1, time_step=None, time_unit=None)
+            samples, facts = nifti_vectors.drawn(vectors, facts, request)
+        else:
+            samples = _scaled(_one_volume(image, request), image)
+        return Grid(samples.T, world_from_index(image), facts)
 
 
 def first_sample(image: SpatialImage) -> int:
@@ -144,6 +152,19 @@ def _check_payload(image: SpatialImage, request: Request) -> None:
         size_checks.check_stored(
             image.shape, proxy.dtype, max(path.stat().st_size - first_sample(image), 0), path, held=one
         )
+
+
+def _vectors(image: SpatialImage, request: Request) -> NDArray[Any] | None:
+    """Vectors [x, y, z, component] of a file that holds them."""
+    proxy: Any = image.dataobj
+    if _has_colors(proxy) or max(image.shape[5:], default=1) > 1:
+        return None
+
+    def read(place: tuple[int, int]) -> NDArray[Any]:
+        one = replace(request, time=place[0], channel=place[1], kept=None)
+        return _scaled(_one_volume(image, one), image)
+
+    return nifti_vectors.components(image.shape, proxy.dtype, request, read)
 
 
 def _one_volume(image: SpatialImage, request: Request) -> NDArray[Any]:

@@ -106,7 +106,7 @@ MAGIC = {
 N_FIRST_BYTES = 352
 #: Module -> options that it takes, besides `spacing` and `unit`, which all take.
 OPTIONS = {
-    "nifti": {"time", "channel"},
+    "nifti": {"time", "channel", "component"},
     "neuroimaging": {"time", "external_files"},
     "itk": {"time", "channel", "external_files"},
     "vti": {"channel", "component", "dataset"},

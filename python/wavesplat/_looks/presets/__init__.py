@@ -50,6 +50,8 @@ KINDS_FOR: dict[Kind, tuple[str, ...]] = {
     "ultrasound": (),
     "fluorescence": ("microscopy",),
     "EM": ("microscopy",),
+    "FA": (),
+    "probability": (),
     "signed field": ("simulation",),
     "field": ("microscopy", "simulation"),
     "mask": (),

@@ -66,6 +66,28 @@ def test_points_and_terms_are_those_of_slicer():
     assert ws.Look.preset("slicer-ct-soft-tissue").shading is None
 
 
+def test_a_smooth_bright_bone_does_not_burn_out_with_slicers_light():
+    """Fault 20 of the clinic: of a hip with CT-AAA 15 % of the pixels were clipped, of this shaft more."""
+    _, y, x = np.meshgrid(*[np.linspace(-1, 1, n) for n in (24, 64, 64)], indexing="ij")
+    r = np.hypot(x, y)
+    cortex = 1400 / (1 + np.exp((r - 0.5) / 0.02)) - 1380 / (1 + np.exp((r - 0.3) / 0.02))
+    shaft = ws.Volume((cortex + 50).astype(np.int16), facts=ws.Facts(unit="mm", is_anatomical=True, modality="CT"))
+    look = ws.Look.preset("CT-AAA", shaft)
+    light = look.shading
+    old = ws.Shading.headlight(ambient=light.ambient, diffuse=light.diffuse, specular=light.specular, specular_power=10)
+
+    def clipped_and_mean(shading):
+        rgb = ws.render(shaft, look, "front", shading=shading, size=(64, 64)).rgba[..., :3]
+        seen = rgb.max(axis=2) > 0.1
+        return (rgb.max(axis=2)[seen] > 253.5 / 255).mean(), np.clip(rgb, 0, 1)[seen].mean()
+
+    burnt, bright = clipped_and_mean(old)
+    assert burnt > 0.2
+    share, mean = clipped_and_mean("look")
+    assert share == 0
+    assert 0.9 * bright < mean < bright
+
+
 def test_gradients_of_slicer_are_per_mean_spacing():
     volume = ws.Volume(np.zeros((2, 2, 2)), spacing=(1, 2, 3))
     magnitudes = [magnitude for magnitude, _ in ws.Look.preset("uCT-Skull", volume).transfer_function.gradient_opacity]

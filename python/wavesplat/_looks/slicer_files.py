@@ -8,7 +8,11 @@ What is taken over, and how:
 - Gradient opacity: VTK's magnitudes are per mean of the three spacings, ours per world unit. VTK multiplies the opacity
   of a step by the factor, we the extinction: the same where a step is faint.
 - Light: one white headlight, its ambient, diffuse and specular terms, or none if the property is not shaded. Ours is
-  two-sided, and Slicer's background is blue; it shows black here.
+  two-sided, and Slicer's background is blue; it shows black here. The terms add up to more than 1 where a face is
+  turned to the light. VTK's mapper for CPUs clips that, so that a smooth bright bone is a white bar. Its mapper for
+  GPUs, which Slicer draws with, shows next to no highlights (of an upright cylinder, in the middle of its height only),
+  and less light away from the middle of the picture, since its headlight is at the eye. Ours keeps the highlights, and
+  compresses colours above our usual shoulder.
 - Not taken over: interpolation, effective range, and all but the first component.
 
 Sources: github.com/Slicer/Slicer, Modules/Loadable/VolumeRendering (storage nodes, schema, developer guide), commit
@@ -81,6 +85,7 @@ class VolumeProperty:
             diffuse=self.diffuse,
             specular=self.specular,
             specular_power=max(self.specular_power, 1.0),
+            shoulder=Shading().shoulder,
         )
         return Look(
             transfer_function=TransferFunction(self.opacity, self.color, self.opacity_unit, gradient),

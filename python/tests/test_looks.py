@@ -284,3 +284,21 @@ def test_draft_has_no_holes(name):
     shown = volume(name)
     draft, normal = (first_picture(shown, quality=quality).rgba[..., :3] for quality in ("draft", "normal"))
     assert -10 * np.log10(np.mean((draft - normal) ** 2)) > 25
+
+
+def test_skin_that_is_brighter_than_the_brain_is_not_white():
+    """The clinic's "bald heads": fat is the brightest seventh of a T1 scan, and was white all over."""
+    r = np.sqrt(X * X + Y * Y + Z * Z)
+    head = np.where(r < 0.65, 500, np.where(r < 0.75, 250, np.where(r < 0.85, 1000, 0))) * (
+        1 + 0.05 * RNG.normal(size=r.shape)
+    )
+    volume = ws.Volume(np.abs(head + noise(20)).astype(np.int16), facts=PATIENT)
+    look = ws.Look.auto(volume)
+    red, _, blue = look.transfer_function([1000])[0, :3]
+    assert red - blue > 0.15, "skin has a hue"
+    assert (look.transfer_function([np.percentile(volume.samples, 99.99)])[0, :3] > 0.9).all(), (
+        "white is left to the top"
+    )
+    rgb = ws.render(volume, size=(64, 64)).rgba[..., :3]
+    luminance = 255 * (rgb @ LUMINANCE)[rgb.max(axis=2) > 0.1]
+    assert 130 < luminance.mean() < 180

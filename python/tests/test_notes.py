@@ -82,3 +82,23 @@ def test_the_command_line_says_it(wavesplat, ramp_file, tmp_path):
     assert "no surface" in json.loads(quiet.stdout)["report"]["notes"][0]
     done = wavesplat("slice", ramp_file, "-o", tmp_path / "a.png", "--clim", "1000,2000")
     assert "note: the values in the picture" in done.stderr
+
+
+def test_steps_between_distant_slices_are_told_with_what_softens_them():
+    """The clinic's terraces: 25 slices of a head, 8 times as far apart as their samples."""
+    head = np.hypot(*np.meshgrid(np.linspace(-1, 1, 12), np.linspace(-1, 1, 40), indexing="ij"))[..., None]
+    samples = np.repeat(np.where(head < 0.8, 500, 5), 40, axis=2).astype(np.int16)
+
+    def told(spacing, **options):
+        volume = ws.Volume(samples, spacing=spacing, facts=ws.Facts(unit="mm", is_anatomical=True))
+        smooth = options.pop("smooth", 0)
+        picture = ws.render(volume.smoothed(smooth) if smooth else volume, size=(24, 24), **options)
+        return [note for note in picture.report.get("notes", []) if "steps" in note]
+
+    (note,) = told((0.8, 0.8, 6.4))
+    assert "8 times as far apart" in note
+    assert "--smooth 1" in note
+    assert told((0.8, 0.8, 1.6)) == []
+    assert told((0.8, 0.8, 6.4), smooth=1) == []
+    assert told((0.8, 0.8, 6.4), composite="maximum") == []
+    assert told((0.8, 0.8, 6.4), quality="draft") == []

@@ -1,4 +1,4 @@
-"""Notes on why a picture has one colour all over: nobody should wonder about a black one.
+"""Notes on pictures that nobody should wonder about: of one colour all over, or with steps between distant slices.
 
 Notes are for the eye: a difference of less than a step of 8 bits does not show.
 """
@@ -10,15 +10,19 @@ from numpy.typing import NDArray
 
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._render.framing import COARSE
 
-__all__ = ["notes_on_layers", "notes_on_picture", "notes_on_slice"]
+__all__ = ["note_on_steps", "notes_on_layers", "notes_on_picture", "notes_on_slice"]
 
 Floats = NDArray[np.float32]
 
 #: Least difference that shows in 8 bits.
 STEP = 1 / 255
+#: Beginning of the text in `Facts.processing` of a volume that is smoothed.
+SMOOTHED = "smoothed by"
 #: Least number of pixels of a picture with notes: smaller ones may well have one colour.
 MIN_PIXELS = 64
 
@@ -68,6 +72,19 @@ def notes_on_slice(rgba: Floats, value: Floats, window: tuple[float, float] | No
         return [f"every value in the picture is {least:g}"]
     where = f"the window, {window[0]:g} to {window[1]:g}" if window else "what the transfer function tells apart"
     return [f"the values in the picture, {least:g} to {most:g}, lie beyond {where}"]
+
+
+def note_on_steps(volume: Volume | WaveletVolume) -> str | None:
+    """Why surfaces of a patient's scan have steps, and what softens them; None where slices are not far apart."""
+    if not volume.is_anatomical or not isinstance(volume, Volume) or isinstance(volume, LazyVolume):
+        return None
+    within, between = sorted(volume.spacing)[1:]
+    if between < COARSE * within or any(SMOOTHED in done for done in volume.facts.processing):
+        return None
+    return (
+        f"the slices of {volume.name!r} are {between / within:.2g} times as far apart as the samples in them, so its "
+        "surfaces have steps; --smooth 1 (volume.smoothed(1)) softens them"
+    )
 
 
 def _on_values(value: Floats, composite: str, low: float, high: float) -> str:

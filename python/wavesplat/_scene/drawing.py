@@ -52,7 +52,7 @@ from wavesplat._render.eyes import facts_of_eyes, in_world, n_pictures, notes_on
 from wavesplat._render.faces import NOTE as FACE_NOTE
 from wavesplat._render.faces import is_from_behind, shows_face
 from wavesplat._render.lazy_layers import FrameSpec, LazyLayers
-from wavesplat._render.notes import notes_on_layers, notes_on_picture
+from wavesplat._render.notes import note_on_steps, notes_on_layers, notes_on_picture
 from wavesplat._render.options import DrawOptions
 from wavesplat._render.tables import LEFT_OUT, shows_table
 from wavesplat._render.tables import NOTE as TABLE_NOTE
@@ -158,7 +158,7 @@ def _notes(
 ) -> list[str]:
     """Notes on what may be recognised or was left out, and on who drew."""
     notes = [FACE_NOTE] if _has_face(frame, layers, functions) else []
-    notes += _notes_on_parts(layers)
+    notes += [*_notes_on_parts(layers), *_notes_on_steps(frame, layers)]
     if _has_table(frame, layers, functions):
         notes.append(TABLE_NOTE)
     told = report["device"]
@@ -202,6 +202,14 @@ def _notes_on_parts(layers: Sequence[DrawnLayer]) -> list[str]:
     notes = [_note_on_brain(layer) for layer in layers if layer.look.part == "brain"]
     is_left_out = any(TABLE_LEFT_OUT in layer.seen.facts.processing for layer in layers)
     return [*notes, *([LEFT_OUT] if is_left_out else [])]
+
+
+def _notes_on_steps(frame: _Frame, layers: Sequence[DrawnLayer]) -> list[str]:
+    """Notes on layers in the light whose slices are far apart; none on drafts."""
+    if frame.composite not in ("over", "first-hit") or frame.sampling.quality == "draft":
+        return []
+    lit = [layer for layer in layers if layer.opacity > 0 and layer.look.shading is not None]
+    return [note for layer in lit if (note := note_on_steps(layer.volume)) is not None]
 
 
 def _note_on_brain(layer: DrawnLayer) -> str:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -92,17 +93,97 @@ def test_documents_draw_the_same_again(tmp_path: Any) -> None:
         np.testing.assert_array_equal(again.render("left", size=(24, 24)).rgba, picture.rgba)
 
 
-def test_other_pictures_have_it() -> None:
+@pytest.mark.parametrize("composite", ["maximum", "depth-shaded-maximum", "local-maximum", "mean", "sum", "x-ray"])
+def test_projections_leave_it_out(composite: Any) -> None:
+    """An x-ray from the side had a bright line of table below the body."""
+    scan, bare = lying(), lying(table=False)
+    grey = ws.TransferFunction([(-1000, 1.0)], [(-1000, 0, 0, 0), (900, 1, 1, 1)])
+    options: Any = {"composite": composite, "size": (48, 48)}
+    got = ws.render(scan, grey, "left", **options)
+    np.testing.assert_array_equal(got.rgba, ws.render(bare, grey, "left", **options).rgba)
+    assert (got.rgba != ws.render(scan, grey, "left", keep_table=True, **options).rgba).any()
+    assert got.report["processing"] == [PROCESSING]
+    (note,) = notes(scan, composite=composite)
+    assert "--keep-table" in note
+
+
+def test_minima_are_those_of_the_samples() -> None:
+    """A table of air would be darker than a board in a ray that runs through nothing else."""
+    assert notes(lying(), composite="minimum") == []
+
+
+def pet() -> ws.Volume:
+    """Uptake on a coarser grid, 6 mm, in the body of `lying`."""
+    z, y, x = np.meshgrid(*(6.0 * (np.arange(n) - n / 2) for n in (16, 53, 60)), indexing="ij")
+    inside = (x / 120) ** 2 + ((y - 20) / 75) ** 2 < 1
+    samples = np.where(inside, 2.0, 0.0) + 18.0 * ((x - 30) ** 2 + (y - 20) ** 2 + z**2 < 20**2)
+    facts = ws.Facts(unit="mm", is_anatomical=True, modality="PT")
+    return ws.Volume(samples.astype(np.float32), world_from_index=np.diag([6.0, 6, 6, 1]), facts=facts)
+
+
+@pytest.mark.parametrize("composite", [None, "maximum"])
+@pytest.mark.parametrize("is_first", [True, False])
+def test_layers_leave_it_out(composite: Any, is_first: bool) -> None:
+    """PET over CT, and CT over PET."""
+
+    def drawn(**scan: Any) -> ws.Picture:
+        ct, uptake = ws.Layer(lying(**scan), "ct-skin"), ws.Layer.overlay(pet(), "hot", (4, 15))
+        layers = [ct, uptake] if is_first else [uptake, ct]
+        return ws.Scene(layers).render("left", size=(48, 48), composite=composite)
+
+    picture = drawn()
+    np.testing.assert_array_equal(picture.rgba, drawn(table=False).rgba)
+    assert [note for note in picture.report["notes"] if "--keep-table" in note]
+    if is_first:
+        assert picture.report["processing"] == [PROCESSING]
+
+
+def test_samples_that_are_read_or_decoded_keep_it_with_a_note() -> None:
     scan = lying()
-    assert notes(scan, composite="maximum") == []
-    two = [ws.Layer(scan, "ct-skin"), ws.Layer(lying(table=False), "ct-bone")]
-    assert all("--remove-table" in note for note in notes(two))
     lazy = ws.Volume.lazy(
         np.array(scan.samples), world_from_index=scan.world_from_index, facts=scan.facts, name="lazy", cache=False
     )
     plain, kept = (ws.render(lazy, "ct-skin", "left", size=(24, 24), keep_table=keep) for keep in (False, True))
     np.testing.assert_array_equal(plain.rgba, kept.rgba)
+    (note,) = notes(lazy, "ct-skin")
+    assert "read as they are drawn; open the scan without memory=" in note
+    (note,) = notes(ws.WaveletVolume.from_volume(scan), "ct-skin")
+    assert "decoded from wavelets as they are drawn; draw the scan itself" in note
     assert notes(ws.largest_body(scan)) == []
+
+
+def moving(table: bool = True) -> list[ws.Volume]:
+    """A body that breathes; at the last time a phantom, whose table is in doubt by itself."""
+
+    def breathing(deeper: float) -> ws.Volume:
+        return lying(table=table, body=lambda x, y, z: (x / 130) ** 2 + ((y - 20) / (85 + deeper)) ** 2 < 1)
+
+    rails = lying(table=table, body=lambda x, y, z: np.abs(np.hypot(x, y - 20) - 80) < 4.5)
+    return [*map(breathing, (0.0, 8.0, 4.0)), rails]
+
+
+def test_times_of_a_series_have_one_decision() -> None:
+    """Of a 4-D CT the table came and went, where single times were in doubt."""
+    assert without_table(moving()[-1]) is None
+    layer = ws.Layer(ws.Series(moving()), "ct-skin")
+    bare = ws.Layer(ws.Series(moving(table=False)), "ct-skin")
+    for time in range(4):
+        got, want = (ws.Scene(replace(one, time=time)).render("left", size=(48, 48)) for one in (layer, bare))
+        np.testing.assert_array_equal(got.rgba, want.rgba)
+
+
+def test_what_is_thick_at_another_time_stays() -> None:
+    still = lying()
+    on_it = lying(parts=lambda x, y, z: ((np.abs(x) - 60) / 25) ** 2 + ((y + 74) / 18) ** 2 < 1)
+    found = without_table(on_it, still)
+    assert found is not None
+    hands = (on_it.samples == WATER) & (lying(table=False).samples == AIR)
+    np.testing.assert_array_equal(found.samples[hands], on_it.samples[hands])
+    assert without_table(on_it, still) is found
+    # What is below at one time only cannot be told from mechanics: all stays.
+    assert without_table(lying(parts=lambda x, y, z: (x / 60) ** 2 + ((y + 120) / 25) ** 2 < 1), still) is None
+    other = lying(n_slices=30)
+    assert without_table(other, still) is without_table(other)
 
 
 def test_axes_of_the_file_do_not_matter() -> None:

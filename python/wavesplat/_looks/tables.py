@@ -61,19 +61,64 @@ MIN_COSINE = 0.85
 Mask = NDArray[np.bool_]
 
 
-def without_table(volume: Volume) -> Volume | None:
+def without_table(volume: Volume, decided_by: Volume | None = None) -> Volume | None:
     """A copy of a patient's CT with air in place of the table; None where no table can be told from the body.
 
     Type, shape, place and name are the same; `facts.processing` says that the table is left out. It is kept with the
     volume.
+
+    decided_by : of a series the volume whose table is taken for that of all times, so that it does not come and go; it
+        counts where it has the same grid. What is thick at the volume's own time stays. None is the volume itself.
     """
-    if "without table" not in volume._parts:
-        volume._parts["without table"] = _found(volume) or ""
-    found = volume._parts["without table"]
+    reference = decided_by if decided_by is not None and _has_grid_of(volume, decided_by) else volume
+    key = "without table", id(reference) if reference is not volume else 0
+    if key not in volume._parts:
+        # The reference with it, so that another volume does not get its identity.
+        volume._parts[key] = _found(volume, reference) or "", reference if reference is not volume else None
+    found, _ = volume._parts[key]
     return None if isinstance(found, str) else found
 
 
-def _found(volume: Volume) -> Volume | None:
+def _has_grid_of(volume: Volume, other: Volume) -> bool:
+    return volume.shape == other.shape and np.array_equal(volume.world_from_index, other.world_from_index)
+
+
+def _found(volume: Volume, reference: Volume) -> Volume | None:
+    decided = _decided(reference)
+    if decided is None or volume.samples.nbytes > LARGEST:
+        return None
+    grid = _Places.of(volume)
+    assert grid is not None  # the reference has it
+    offset = decided.offset
+    matter = grid.matter(AIR_HU + offset)
+    thick = _thick(matter)
+    # At another time, more than mechanics may lie there.
+    if np.count_nonzero(thick & decided.below) > MAX_BELOW * np.count_nonzero(thick):
+        return None
+    out = _outside(matter, thick, decided.table, decided.below)
+    samples = volume.samples.copy()
+    grid.empty(samples, out, max(EMPTY_HU + offset, float(volume.value_range[0])))
+    return volume._processed(samples, PROCESSING, volume._source)
+
+
+@dataclass(frozen=True)
+class _Decided:
+    """A table that was told from the body: its places [row, column], those below it, and the offset of the units."""
+
+    table: Mask
+    below: Mask
+    offset: float
+
+
+def _decided(volume: Volume) -> _Decided | None:
+    """The table of a volume; None where there is none, or it is in doubt. It is kept with the volume."""
+    if "table" not in volume._parts:
+        volume._parts["table"] = _told(volume) or ""
+    found = volume._parts["table"]
+    return None if isinstance(found, str) else found
+
+
+def _told(volume: Volume) -> _Decided | None:
     if not (volume.is_anatomical and volume.unit == "mm" and volume.modality in (None, "CT")):
         return None
     if volume.samples.nbytes > LARGEST:
@@ -86,13 +131,8 @@ def _found(volume: Volume) -> Volume | None:
     offset = grid.offset(volume)
     if offset is None:
         return None
-    matter = grid.matter(AIR_HU + offset)
-    out = _table(matter, grid.distances)
-    if out is None:
-        return None
-    samples = volume.samples.copy()
-    grid.empty(samples, out, max(EMPTY_HU + offset, float(volume.value_range[0])))
-    return volume._processed(samples, PROCESSING, volume._source)
+    found = _table(grid.matter(AIR_HU + offset), grid.distances)
+    return None if found is None else _Decided(*found, offset)
 
 
 @dataclass(frozen=True)
@@ -192,9 +232,20 @@ def _is_wall(y: NDArray[np.intp], x: NDArray[np.intp], body_at: Mask) -> bool:
     return all(bool(body_at[y[end], x[end]].any()) for end in (left, right))
 
 
-def _table(matter: Mask, distances: tuple[float, float]) -> Mask | None:
-    """The places of a table; None where there is none, or it is in doubt."""
-    thick = matter & _dilated(_eroded(matter, N_ERODED), N_ERODED + 1)
+def _thick(matter: Mask) -> Mask:
+    """The matter that is thicker than tables are."""
+    return matter & _dilated(_eroded(matter, N_ERODED), N_ERODED + 1)
+
+
+def _outside(matter: Mask, thick: Mask, table: Mask, below: Mask) -> Mask:
+    """The places of a table, and those below it, but for what is the body's and its neighbours."""
+    out: Mask = (below | table) & ~_dilated(matter & ~(below | table) | thick & ~below, 1)
+    return out
+
+
+def _table(matter: Mask, distances: tuple[float, float]) -> tuple[Mask, Mask] | None:
+    """The places [row, column] of a table, and those below it; None where there is none, or it is in doubt."""
+    thick = _thick(matter)
     n_thick = np.count_nonzero(thick)
     thin = matter & ~thick
     height, width = distances
@@ -231,8 +282,7 @@ def _table(matter: Mask, distances: tuple[float, float]) -> Mask | None:
     n_body = np.count_nonzero(body)
     if n_body < (1 - MAX_BELOW) * n_thick or n_body < MIN_THICK * np.count_nonzero(matter & ~(below | table)):
         return None
-    out: Mask = (below | table) & ~_dilated(matter & ~(below | table) | body, 1)
-    return out
+    return table, below
 
 
 def _any_of(mask: Mask, n: int, axis: int) -> Mask:

@@ -90,7 +90,7 @@ class Volume(Grid):
 
     _cut: tuple[tuple[Crop, ...], Volume] | None
     _resampled: tuple[bytes, Volume] | None
-    _parts: dict[str, Volume | str]
+    _parts: dict[Any, Any]
     _source: Source | None
     _lazily: LazyVolume | None
 

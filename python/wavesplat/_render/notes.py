@@ -13,7 +13,6 @@ from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
-from wavesplat._render.framing import COARSE
 
 __all__ = ["note_on_steps", "notes_on_layers", "notes_on_picture", "notes_on_slice"]
 
@@ -21,6 +20,9 @@ Floats = NDArray[np.float32]
 
 #: Least difference that shows in 8 bits.
 STEP = 1 / 255
+#: Least distance of slices, as a multiple of that of the samples in them, at which surfaces have steps that show.
+#: (CT at 3 times: faint; a head at 8 times: terraces.)
+COARSE = 5.0
 #: Beginning of the text in `Facts.processing` of a volume that is smoothed.
 SMOOTHED = "smoothed by"
 #: Least number of pixels of a picture with notes: smaller ones may well have one colour.

@@ -11,17 +11,27 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._looks.histogram import is_hounsfield
+from wavesplat._looks.histogram import is_hounsfield, subsampled
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.volume import Volume
+from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["LEFT_OUT", "NOTE", "shows_table"]
+__all__ = ["LEFT_OUT", "note_on_table"]
 
 NOTE = (
     "the picture seems to show the table beside the body; --remove-table (wavesplat.largest_body) takes it out of the "
     "scan"
 )
+
+#: The same of samples that are read, or decoded, as they are drawn: no copy of them can be changed.
+NOTE_ON_PARTS = (
+    "the picture seems to show the table beside the body, and it stays, since the samples are {} as they are drawn; "
+    "{}: then it leaves the picture by itself, or --remove-table takes it out of the scan"
+)
+READ = NOTE_ON_PARTS.format("read", "open the scan without memory= (--memory)")
+DECODED = NOTE_ON_PARTS.format("decoded from wavelets", "draw the scan itself")
 
 LEFT_OUT = (
     "the table below the body is left out of the picture, and stays in the samples; --keep-table (keep_table=True) "
@@ -38,14 +48,24 @@ MIN_SHARE = 0.015
 Mask = NDArray[np.bool_]
 
 
-def shows_table(volume: Volume, curves: TransferFunction | TransferFunction2D) -> bool:
+def note_on_table(volume: Volume | WaveletVolume, curves: TransferFunction | TransferFunction2D) -> str | None:
+    """Advice on the table that a picture shows; None where it shows none."""
+    if not _shows_table(volume, curves):
+        return None
+    return DECODED if isinstance(volume, WaveletVolume) else READ if isinstance(volume, LazyVolume) else NOTE
+
+
+def _shows_table(volume: Volume | WaveletVolume, curves: TransferFunction | TransferFunction2D) -> bool:
     """Whether a patient's CT, from which no table was taken yet, is drawn with thin matter beside the body."""
     if isinstance(curves, TransferFunction2D) or not (volume.is_anatomical and volume.unit == "mm"):
         return False
     if any("largest body" in done for done in volume.facts.processing) or not is_hounsfield(volume):
         return False
-    steps = [max(1, int(STEP_MM / spacing)) for spacing in reversed(volume.spacing)]
-    thinned = volume.samples[tuple(slice(None, None, step) for step in steps)]
+    samples = subsampled(volume) if isinstance(volume, WaveletVolume | LazyVolume) else volume.samples
+    # Steps between the samples that a lazy volume keeps, and between those that are looked at of them.
+    thinned_by = [-(-n // n_left) for n, n_left in zip(volume.shape, samples.shape, strict=True)]
+    steps = [max(1, int(STEP_MM / (d * n))) for d, n in zip(reversed(volume.spacing), thinned_by, strict=True)]
+    thinned = samples[tuple(slice(None, None, step) for step in steps)]
     matter: Mask = thinned > AIR_HU
     body = _eroded(matter)
     for _ in range(3):

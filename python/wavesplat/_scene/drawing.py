@@ -54,8 +54,7 @@ from wavesplat._render.faces import is_from_behind, shows_face
 from wavesplat._render.lazy_layers import FrameSpec, LazyLayers
 from wavesplat._render.notes import note_on_steps, notes_on_layers, notes_on_picture
 from wavesplat._render.options import DrawOptions
-from wavesplat._render.tables import LEFT_OUT, shows_table
-from wavesplat._render.tables import NOTE as TABLE_NOTE
+from wavesplat._render.tables import LEFT_OUT, note_on_table
 from wavesplat._scene.drawn_layers import (
     Curves,
     DrawnLayer,
@@ -158,9 +157,7 @@ def _notes(
 ) -> list[str]:
     """Notes on what may be recognised or was left out, and on who drew."""
     notes = [FACE_NOTE] if _has_face(frame, layers, functions) else []
-    notes += [*_notes_on_parts(layers), *_notes_on_steps(frame, layers)]
-    if _has_table(frame, layers, functions):
-        notes.append(TABLE_NOTE)
+    notes += [*_notes_on_parts(layers), *_notes_on_steps(frame, layers), *_notes_on_tables(frame, layers, functions)]
     told = report["device"]
     if chosen_device(frame.options.device) not in ("auto", "cpu") and told["name"] == "cpu" and told["reason"]:
         notes.append(f"drawn by the CPU: {told['reason']}")
@@ -249,19 +246,18 @@ def _has_face(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[C
     return any(found(layer, function) for layer, function in zip(layers, functions, strict=True) if layer.opacity > 0)
 
 
-def _has_table(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> bool:
-    """Whether a CT shows its table (`tables`); not asked of drafts, projections and scans that are cut."""
+def _notes_on_tables(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> list[str]:
+    """Notes on CTs that show their tables; none on drafts, projections and scans that are cut."""
     if frame.composite != "over" or frame.sampling.quality == "draft" or frame.clipping != Clipping():
-        return False
+        return []
 
-    def found(layer: DrawnLayer, function: Curves) -> bool:
+    def found(layer: DrawnLayer, function: Curves) -> str | None:
         volume, curves = layer.seen, layer.faded(function)
-        if not isinstance(volume, Volume) or isinstance(volume, LazyVolume) or layer.boxes:
-            return False
         key: Any = id(volume), "table"
-        return frame.scene._cache.get_or_compute(key, (layer.identity, curves), lambda: shows_table(volume, curves))
+        return frame.scene._cache.get_or_compute(key, (layer.identity, curves), lambda: note_on_table(volume, curves))
 
-    return any(found(layer, function) for layer, function in zip(layers, functions, strict=True) if layer.opacity > 0)
+    shown = [pair for pair in zip(layers, functions, strict=True) if pair[0].opacity > 0 and not pair[0].boxes]
+    return list(dict.fromkeys(note for layer, curves in shown if (note := found(layer, curves)) is not None))
 
 
 def camera_of(scene: Scene, camera: Camera | str | None, options: DrawOptions) -> Camera:
@@ -415,7 +411,7 @@ def _added(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curv
     rgba = _over_background(rgba, frame.background)
     report = {"n_texels": sum(report["n_texels"] for report in reports), "look": _layer_summary(layers[0])}
     report |= {name: reports[0][name] for name in ("sheets_per_slice", "oversampling", "n_threads", "simd", "device")}
-    report |= {"processing": list(layers[0].volume.facts.processing), "layers": reports}
+    report |= {"processing": list(layers[0].seen.facts.processing), "layers": reports}
     if notes := notes_on_layers(rgba):
         report["notes"] = notes
     return Picture(rgba, report=Report(report))

@@ -185,7 +185,7 @@ def drawn_layers(scene: Scene, composite: Composite | None) -> DrawnLayers:
     shown = []
     for layer, volume, look in zip(layers, volumes, looks, strict=True):
         look = _with_own_labels(scene, layer, volume, look)  # noqa: PLW2901 - the look of this time
-        drawn = _part(volume, look, is_tableless=name == "over" and not (several or scene.keep_table))
+        drawn = _part(layer, volume, look, is_tableless=name != "minimum" and not scene.keep_table)
         placed = on_axes_of(drawn, volumes[0])
         boxes = in_samples_of(placed, scene._clipping.boxes, first)
         seen = cut_open(placed, boxes)
@@ -199,14 +199,15 @@ def why_no_brain(layer: DrawnLayer) -> str | None:
     return found if isinstance(found, str) else None
 
 
-def _part(volume: Volume | WaveletVolume, look: Look, *, is_tableless: bool) -> Volume | WaveletVolume:
+def _part(layer: Layer, volume: Volume | WaveletVolume, look: Look, *, is_tableless: bool) -> Volume | WaveletVolume:
     """The part of the volume that is drawn: that of the look, or all but a CT's table; all where it is not found."""
     if look.part == "brain":
         found = brain_of(volume)
         return volume if isinstance(found, str) else found
     if not is_tableless or not isinstance(volume, Volume) or isinstance(volume, LazyVolume):
         return volume
-    return without_table(volume) or volume
+    decided_by = layer.looked_at if isinstance(layer.volume, Series) else volume
+    return without_table(volume, decided_by if isinstance(decided_by, Volume) else None) or volume
 
 
 def seen_parts(scene: Scene, look: Look) -> list[Part]:

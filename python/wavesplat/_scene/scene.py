@@ -100,8 +100,9 @@ class Scene:
     background : colour, optional
         (r, g, b), (r, g, b, a), "#rrggbb" or a name. None is that of the first look or, where it has none, transparent.
     keep_table : bool, default False
-        Draw the table below a patient in a CT. Else "over" leaves it out, of a single layer in memory, where it can be
-        told from the body; the report's `notes` say so, and the samples stay.
+        Draw the table below a patient in a CT. Else pictures leave it out, of every layer in memory, where it can be
+        told from the body, but for minima; the report's `notes` say so, and the samples stay. For all times of a series
+        it is decided once.
 
     Raises
     ------

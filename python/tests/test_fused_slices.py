@@ -206,7 +206,7 @@ def test_notes_say_why_a_layer_does_not_show():
     outside, below, left_out = picture.report["notes"]
     assert "the layer 'far' does not show: no part of it lies in the picture; it lies at x " in outside
     assert "the layer 'uptake' does not show: its values there, " in below
-    assert below.endswith("are transparent in its colours, which show from 20 on")
+    assert below.endswith("are clear in its look, which shows values from 20 on")
     assert left_out == "left out of the slice, since for pictures in space: the scene's clip"
     assert np.array_equal(picture.rgba, ws.slice(SCAN, size=(40, 30)).rgba)
 
@@ -245,3 +245,20 @@ def test_slices_of_a_series_have_one_window():
     windows = [ws.slice(scene.at_time(time)).report["clim"] for time in range(2)]
     assert windows[0] == windows[1]
     assert windows[0][1] > 9
+
+
+@pytest.mark.parametrize(
+    ("look", "window", "threshold", "shown"),
+    [
+        ("hot", (3, 10), 60, "from 60 on"),
+        ("hot", (20, 30), None, "from 20 on"),
+        (None, None, 60, "up to -60, and from 60 on"),
+        ("coolwarm", (-80, 80), 60, "up to -60, and from 60 on"),
+        ("coolwarm", (60, 80), None, "up to -60, and from 60 on"),
+    ],
+)
+def test_the_note_on_a_layer_below_its_threshold_names_the_threshold(look, window, threshold, shown):
+    """It named the low end of the window: "which show from 3 on", of values of 4 that a threshold of 60 hid."""
+    layer = ws.Layer.overlay(uptake(), look, window, threshold=threshold)
+    (note,) = ws.slice([SCAN, layer], size=(40, 30)).report["notes"]
+    assert note.endswith(f"are clear in its look, which shows values {shown}")

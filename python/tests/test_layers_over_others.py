@@ -264,6 +264,15 @@ def test_below_its_threshold_a_statistic_is_hidden_and_above_it_whole(look, wind
         assert layer.look.transfer_function.color == without.color
 
 
+@pytest.mark.parametrize("highest", [0.0, -1.0])
+def test_without_positive_values_a_threshold_shows_the_negative_ones(highest):
+    """The map was "hot" then, which hid all values below the threshold, so all of them."""
+    values = ws.Volume(np.broadcast_to(np.linspace(-12, highest, 49, dtype=np.float32), (4, 4, 49)).copy(), name="z")
+    curves = ws.Layer.overlay(values, threshold=3.1).look.transfer_function
+    np.testing.assert_array_equal(curves([-11, -3.2, -3, -1, 0])[:, 3], [1, 1, 0, 0, 0])
+    assert curves([-11])[0, 2] > curves([-11])[0, 0], "cold"
+
+
 def test_a_threshold_hides_to_the_pixel_and_shows_at_full_opacity():
     values = ramp()
     under = ws.Volume(np.full((4, 4, 97), 7, np.uint8), name="anatomy")
@@ -280,7 +289,7 @@ def test_a_threshold_hides_to_the_pixel_and_shows_at_full_opacity():
 @pytest.mark.parametrize(
     ("look", "threshold", "message"),
     [
-        ("coolwarm", -3, "give a positive number"),
+        ("coolwarm", -3, "values between -T and T are hidden, so give a positive T"),
         ("hot", float("nan"), "finite"),
         ("nonsense", 3, "the look of a layer"),
     ],

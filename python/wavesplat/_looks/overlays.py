@@ -57,7 +57,9 @@ def overlay(
     window = None if given is None else values_of(given, volume)
     if threshold is not None:
         if name is None and window is None:
-            name = TWO_SIGNS if _has_two_signs(volume) else OVERLAY_MAPS[0]
+            low, high = volume.value_range
+            name = TWO_SIGNS if low < 0 else OVERLAY_MAPS[0]
+            window = (low, -low) if high < 0 else None
         return _beyond(overlay(volume, name, window), threshold)
     if name is None:
         name = "gray"
@@ -74,11 +76,6 @@ def overlay(
     return Look(transfer_function=function, shading=None, name=name)
 
 
-def _has_two_signs(volume: Volume | WaveletVolume) -> bool:
-    low, high = volume.value_range
-    return low < 0 < high
-
-
 def _beyond(look: Look, threshold: float) -> Look:
     """The look, opaque from a threshold on; of two signs from it on both sides of 0."""
     function = look.transfer_function
@@ -90,8 +87,8 @@ def _beyond(look: Look, threshold: float) -> Look:
     if _is_of_two_signs(function):
         if not threshold > 0:
             raise ArgumentError(
-                f"threshold is {threshold:g}, and {look.name!r} shows values of two signs; give a positive number, "
-                "below whose magnitude they are hidden"
+                f"threshold is {threshold:g}, and {look.name!r} has colours for two signs: values between -T and T are "
+                "hidden, so give a positive T; to show one sign alone, a map such as 'hot'"
             )
         above = [(-threshold, 1.0), (-threshold, 0.0), *above]
     curves = TransferFunction(above, function.color, function.opacity_unit)

@@ -380,6 +380,18 @@ def _why_not_seen(layer: Layer, values: Floats, curves: TransferFunction) -> str
         (x, y, z), (to_x, to_y, to_z) = layer.drawn.bounds.tolist()
         where = f"x {x:g} to {to_x:g}, y {y:g} to {to_y:g}, z {z:g} to {to_z:g}"
         return f"{what}: no part of it lies in the picture; it lies at {where}"
-    nodes = sorted(value for value, alpha in curves.opacity if alpha > 0)
-    begins = f", which show from {_clear_below(curves):g} on" if nodes and np.isfinite(_clear_below(curves)) else ""
-    return f"{what}: its values there, {inside.min():g} to {inside.max():g}, are transparent in its colours{begins}"
+    shown = _shown_values(curves)
+    its = "" if shown is None else f", which shows values {shown}"
+    return f"{what}: its values there, {inside.min():g} to {inside.max():g}, are clear in its look{its}"
+
+
+def _shown_values(curves: TransferFunction) -> str | None:
+    """Which values show, where they are all from one on, or all beyond two, as of a threshold; None for other looks."""
+    nodes = curves.opacity
+    first = next((n for n, (_, alpha) in enumerate(nodes) if alpha > 0), None)
+    if first is not None and np.isfinite(lowest := _clear_below(curves)):
+        return f"from {nodes[first - 1][0] if first else lowest:g} on"
+    hidden = [value for value, alpha in nodes if alpha == 0]
+    if hidden and nodes[0][1] > 0 and nodes[-1][1] > 0:
+        return f"up to {min(hidden):g}, and from {max(hidden):g} on"
+    return None

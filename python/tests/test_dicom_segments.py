@@ -219,3 +219,32 @@ def test_contours_show_overlapping_segments_whole(tmp_path, wavesplat):
     assert '"liver"' in done.stdout, done.stderr
     assert '"body"' in done.stdout
     assert "hidden" not in done.stderr
+    assert "overlap" not in done.stderr
+    # The same of some, which do not overlap, and names of a table.
+    table = tmp_path / "names.tsv"
+    table.write_text("index\tname\tcolor\n1\tHepar\t#00ffff\n2\tCorpus\t#ff00ff\n")
+    options = ("--contours", labels, "--label-table", table, "--json", "--size", "99x99", "-o", tmp_path / "b.png")
+    named = wavesplat("slice", scan, *options)
+    assert '"Hepar"' in named.stdout, named.stderr
+    assert '"Corpus"' in named.stdout
+    one = wavesplat("slice", scan, *options, "--segment", "liver")
+    assert '"Corpus"' not in one.stdout
+
+
+def test_a_table_names_contours_that_do_not_overlap(tmp_path, wavesplat):
+    """`--label-table` needed `--labels`, which draws the labels themselves."""
+    scan = save(tmp_path / "ct", [slice_at(np.full(SHAPE[1:], 40 * n, np.int16), n) for n in range(SHAPE[0])])
+    apart = [(1, z, MASKS[1][1]) for z in range(6)]
+    labels = saved(tmp_path, segmentation(apart, segments={1: ("liver", GREEN)}))
+    table = tmp_path / "names.tsv"
+    table.write_text("index\tname\tcolor\n1\tHepar\t#00ffff\n")
+    options = ("--label-table", table, "--json", "--size", "99x99", "-o", tmp_path / "b.png")
+    named = wavesplat("slice", scan, "--contours", labels, *options)
+    assert '"Hepar"' in named.stdout, named.stderr
+    assert '"liver"' not in named.stdout
+    # Of both, the table is that of the labels.
+    both = wavesplat("slice", scan, "--contours", labels, "--labels", labels, *options)
+    assert '"Hepar"' in both.stdout, both.stderr
+    assert '"liver"' in both.stdout
+    alone = wavesplat("slice", scan, *options)
+    assert "--label-table names the labels of a segmentation; give it with --labels" in alone.stderr

@@ -31,7 +31,9 @@ LabelsFile = Annotated[
 LabelTable = Annotated[
     Path | None,
     typer.Option(
-        metavar="FILE", help="Their names and colours, from ITK-SNAP, FreeSurfer, 3D Slicer (.ctbl) or BIDS (.tsv)."
+        metavar="FILE",
+        help="Names and colours of the labels (of slices without --labels, of the contours), from ITK-SNAP, "
+        "FreeSurfer, 3D Slicer (.ctbl) or BIDS (.tsv).",
     ),
 ]
 Segments = Annotated[

@@ -6,6 +6,7 @@ import re
 import warnings
 from collections.abc import Sequence
 from contextlib import suppress
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
@@ -43,19 +44,18 @@ IsolinesTexts = Annotated[
 
 
 def opened_contours(
-    text: str | None, segments: Sequence[str] | None, scan: Grid, *, quiet: bool
+    text: str | None, table: Path | None, segments: Sequence[str] | None, scan: Grid, *, quiet: bool
 ) -> Sequence[Labels | Region] | None:
     """The regions of a structure set, or the labels of another segmentation, each whole also where they overlap.
 
+    table : names and colours of the labels, instead of those of their file.
     scan : the volume that a transform maps onto.
     """
-    from wavesplat._cli.printing import message, warnings_as_notes
+    from wavesplat._cli.printing import warnings_as_notes
     from wavesplat._files.paths import expanded
     from wavesplat._looks.labels import Labels
     from wavesplat._looks.regions import Region
-    from wavesplat._readers.dicom_segments import OVERLAP
     from wavesplat._readers.dicom_structures import is_structure_set
-    from wavesplat.errors import FileWarning
 
     if text is None:
         return None
@@ -66,33 +66,44 @@ def opened_contours(
             raise ArgumentError(
                 f"the lines of a structure set cannot be moved by reg=; draw them on their scan: {path}"
             )
+        if table is not None:
+            raise ArgumentError(f"a structure set has names and colours of its own; leave out --label-table: {path}")
         with warnings_as_notes(quiet=quiet):
             return Region.open(path, segments=chosen)
-    with warnings.catch_warnings(record=True) as caught:
-        warnings.simplefilter("always", FileWarning)
-        labels = Labels.open(path, segments=chosen)
-    notes = [str(one.message) for one in caught]
-    for note in notes:
-        if not (quiet or note.startswith(OVERLAP)):
-            message(f"note: {note}")
-    found = _whole(path, chosen) if any(note.startswith(OVERLAP) for note in notes) else [labels]
+    with warnings_as_notes(quiet=quiet):
+        found = _overlapping(path, table, chosen) or [Labels.open(path, table=table, segments=chosen)]
     if transform is None:
         return found
-    by = registered.map_of(transform, grid_of(labels, scan), scan, quiet=quiet)
+    by = registered.map_of(transform, grid_of(found[0], scan), scan, quiet=quiet)
     return [one.moved(by) for one in found]
 
 
-def _whole(path: str, chosen: Sequence[str | int] | None) -> list[Labels]:
-    """Each segment of a DICOM segmentation by itself: in one label map, of those that overlap the last one is whole."""
+def _overlapping(path: str, table: Path | None, chosen: Sequence[str | int] | None) -> list[Labels] | None:
+    """Each segment of a DICOM segmentation by itself, since in one label map others hide parts of it; None elsewhere.
+
+    None also where no segments overlap, so that one map has all of each.
+    """
+    from wavesplat._files.paths import expanded
     from wavesplat._looks import label_names
     from wavesplat._looks.default_colors import label_color
     from wavesplat._looks.labels import Label, Labels
+    from wavesplat._readers import dicom_labels
     from wavesplat.errors import ArgumentError, FileWarning
 
+    file = dicom_labels.segmentation_at(expanded(path))
+    if file is None:
+        return None
     named = label_names.in_file(path)
     numbers = list(named)
     if chosen is not None:
         numbers = label_names.chosen_numbers(chosen, {number: name for number, (name, _) in named.items()}, path)
+    map_of_all = dicom_labels.with_segments(file, numbers)
+    if map_of_all.overlap is None:
+        return None
+    for loss in map_of_all.losses:
+        warnings.warn(f"{loss}: {path}", FileWarning, stacklevel=2)
+    if table is not None:
+        named = {**named, **label_names.in_table(table)}
     found: list[Labels] = []
     for place, number in enumerate(numbers):
         name, color = named[number]

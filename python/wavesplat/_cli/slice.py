@@ -190,16 +190,16 @@ def slice(
     }
     with warnings_as_notes(quiet=quiet):
         further = further_layers(layer, first.volume, time=reader.time or 0, quiet=quiet, suv=reader.suv)
-        # Segments may be of the contours alone.
-        own_segment = segment if labels or not contours else None
-        shown_labels = opened_labels(labels, label_table, own_segment, first.volume, quiet=quiet)
+        # Segments, and the table, may be of the contours alone.
+        of_labels = (None, None) if contours and not labels else (label_table, segment)
+        shown_labels = opened_labels(labels, *of_labels, first.volume, quiet=quiet)
         scene = Scene([*first.layers, *further], labels=shown_labels)
         lines = opened_isolines(isolines, first.volume, time=reader.time or 0, quiet=quiet, suv=reader.suv)
         compared = opened_comparison(
             checkerboard, tiles, difference, first.volume, time=reader.time or 0, quiet=quiet, suv=reader.suv
         )
         check_uptake(scene, suv=reader.suv, others=[*(one.volume for one in lines or ()), *compared.volumes])
-        regions = opened_contours(contours, segment, first.volume, quiet=quiet)
+        regions = opened_contours(contours, None if labels else label_table, segment, first.volume, quiet=quiet)
         options |= {"contours": regions, "isolines": lines, **compared.arguments}
         if is_sheet:
             bar: Any = figure.scale_bar if figure.bar_length is None else figure.bar_length

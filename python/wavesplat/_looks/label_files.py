@@ -50,7 +50,7 @@ def opened_segmentation(
     alone = dicom_labels.with_segments(
         file, chosen_numbers(segments, {number: name for number, (name, _) in named.items()}, path)
     )
-    for loss in alone.losses:
+    for loss in alone.told:
         warnings.warn(f"{loss}: {path}", FileWarning, stacklevel=5)
     if np.array_equal(alone.samples != 0, np.isin(volume.samples, np.unique(alone.samples[alone.samples != 0]))):
         return volume, named  # which documents can name

@@ -32,7 +32,7 @@ from wavesplat.errors import ArgumentError, FileError
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["OVERLAP", "Segment", "is_segmentation", "read", "segments_in"]
+__all__ = ["Segment", "is_segmentation", "read", "segments_in"]
 
 SOP_CLASSES = {"1.2.840.10008.5.1.4.1.1.66.4", "1.2.840.10008.5.1.4.1.1.66.7"}
 #: Share of a voxel from which on it counts as a segment's.
@@ -43,8 +43,6 @@ PLACE_MM = 0.01
 TOLERANCE, DIRECTION = 0.05, 1e-3
 #: Slices at most, those left out included; no scan has as many.
 MAX_SLICES = 1 << 16
-#: Beginning of the sentence on voxels of several segments.
-OVERLAP = "segments overlap"
 #: Segments that a message names, at most.
 N_NAMED = 4
 
@@ -120,13 +118,13 @@ def read(header: Header, request: Request, wanted: Sequence[int] | None = None) 
         return Grid(samples, matrix, replace(facts, channel=own.channel, channels=own.channels))
     if said.kind == "LABELMAP":
         return Grid(_numbers_of(masks, header, shape, wanted), matrix, facts)
-    samples, losses = _label_map(masks, chosen, shape, request)
+    samples, overlap = _label_map(masks, chosen, shape, request)
+    losses: tuple[str, ...] = ()
     if said.kind == "FRACTIONAL":
         losses = (
             f"shares of voxels (FRACTIONAL) as whole ones, from {HALF:g} on; channel=0 has those of the first segment",
-            *losses,
         )
-    return Grid(samples, matrix, facts, losses)
+    return Grid(samples, matrix, facts, losses, overlap)
 
 
 # The header
@@ -282,7 +280,7 @@ def _of_one(masks: _Masks, number: int, shape: tuple[int, int, int], request: Re
 
 def _label_map(
     masks: _Masks, segments: Sequence[Segment], shape: tuple[int, int, int], request: Request
-) -> tuple[NDArray[Any], tuple[str, ...]]:
+) -> tuple[NDArray[Any], str | None]:
     """Numbers of the segments; where they overlap, the later one, and a sentence on the others."""
     most = max((segment.number for segment in segments), default=0)
     dtype = np.dtype(np.uint8 if most < 256 else np.uint16)
@@ -302,10 +300,10 @@ def _label_map(
         if hidden[segment.number]
     ]
     if not names:
-        return samples, ()
+        return samples, None
     more = ", ..." if len(names) > N_NAMED else ""
     shown = f"the last of the file is shown in {hidden[1:].sum()} voxels"
-    return samples, (f"{OVERLAP}, and {shown}: hidden are {', '.join(names[:N_NAMED])}{more}",)
+    return samples, f"segments overlap, and {shown}: hidden are {', '.join(names[:N_NAMED])}{more}"
 
 
 def _numbers_of(

@@ -227,7 +227,7 @@ def opened(request: Request, *, stacklevel: int = 2) -> Volume:
     grid: Grid = module.read(request)
     volume = _volume(grid, request)
     volume._source = sources.of_file(request.path, {name: getattr(request, name) for name in request.given()})
-    for loss in grid.losses:
+    for loss in grid.told:
         warnings.warn(f"{loss}: {request.safe_path}", FileWarning, stacklevel=stacklevel)
     return volume
 
@@ -287,7 +287,7 @@ def _volume(grid: Grid, request: Request) -> Volume:
     world_from_index = grid.world_from_index
     if request.spacing is not None:
         world_from_index = affine.with_spacing(world_from_index, request.spacing)
-    facts = _facts(grid.facts, grid.losses, request)
+    facts = _facts(grid.facts, grid.told, request)
     try:
         return Volume(grid.samples, world_from_index=world_from_index, name=request.name, facts=facts)
     except ArgumentError as error:

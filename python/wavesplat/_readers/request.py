@@ -55,6 +55,13 @@ class Grid(NamedTuple):
     facts: Facts = Facts()
     #: Parts of the file that are missing, a sentence each: warnings in Python, and guesses as well.
     losses: tuple[str, ...] = ()
+    #: A sentence on segments that overlap, of which one label map hides some voxels; None where none do.
+    overlap: str | None = None
+
+    @property
+    def told(self) -> tuple[str, ...]:
+        """The losses, that of overlapping segments included."""
+        return self.losses if self.overlap is None else (*self.losses, self.overlap)
 
 
 class SeveralError(FileError):

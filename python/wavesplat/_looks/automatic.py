@@ -26,7 +26,7 @@ from wavesplat._looks.shading import Shading
 from wavesplat._looks.thresholds import otsu, otsu_of_scan, robust_range_of
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
-from wavesplat._looks.voxel_opacity import opacity_of_voxel, opaque_after
+from wavesplat._looks.voxel_opacity import opacity_of_voxel, opaque_after, rising
 from wavesplat._model import units
 from wavesplat._model.few_slices import axis_of_few_slices
 from wavesplat._model.lazy_volume import LazyVolume

@@ -1,4 +1,5 @@
-//! Two-dimensional transfer functions: colour and opacity by sample value and gradient magnitude.
+//! Two-dimensional transfer functions: colour and opacity by sample value and gradient magnitude, or by the values of two
+//! fields.
 //!
 //! A value alone cannot distinguish the boundary of two materials from a third material of that value; with the
 //! magnitude of the gradient it often can (Levoy, *Display of surfaces from volume data*, 1988; Kindlmann & Durkin
@@ -13,14 +14,26 @@ pub struct TransferFunction2D {
     values: Vec<f64>,
     magnitudes: Vec<f64>,
     rgba: Vec<[f64; 4]>,
+    is_of_fields: bool,
 }
 
 impl TransferFunction2D {
     /// Checks the nodes. `values`: sample units, `magnitudes`: sample units per world unit, both in order; `rgba`: red,
     /// green, blue and opacity per `opacity_unit`, `0..=1`, one row of values per magnitude.
     pub fn new(values: Vec<f64>, magnitudes: Vec<f64>, rgba: Vec<[f64; 4]>) -> Result<Self> {
-        check_axis("values", &values, f64::NEG_INFINITY)?;
         check_axis("magnitudes", &magnitudes, 0.0)?;
+        Self::checked(values, magnitudes, rgba, false)
+    }
+
+    /// Checks the nodes of a function of two fields. `values`: sample units, `others`: those of the other field, both in
+    /// order; `rgba` as for [`TransferFunction2D::new`], one row of values per value of the other field.
+    pub fn of_fields(values: Vec<f64>, others: Vec<f64>, rgba: Vec<[f64; 4]>) -> Result<Self> {
+        check_axis("magnitudes", &others, f64::NEG_INFINITY)?;
+        Self::checked(values, others, rgba, true)
+    }
+
+    fn checked(values: Vec<f64>, magnitudes: Vec<f64>, rgba: Vec<[f64; 4]>, is_of_fields: bool) -> Result<Self> {
+        check_axis("values", &values, f64::NEG_INFINITY)?;
         if rgba.len() != values.len() * magnitudes.len() {
             let (n_magnitudes, n_values) = (magnitudes.len(), values.len());
             let what = format!(
@@ -36,7 +49,7 @@ impl TransferFunction2D {
             let mend = "scale red, green, blue and opacity to 0..1";
             return Err(Error::out_of_range(what, format!("{:?}", rgba[i]), "between 0 and 1", mend));
         }
-        Ok(Self { values, magnitudes, rgba })
+        Ok(Self { values, magnitudes, rgba, is_of_fields })
     }
 
     /// Nodes along the values.
@@ -44,7 +57,12 @@ impl TransferFunction2D {
         &self.values
     }
 
-    /// Nodes along the magnitudes.
+    /// Whether the rows are values of another field, in place of gradient magnitudes.
+    pub fn is_of_fields(&self) -> bool {
+        self.is_of_fields
+    }
+
+    /// Nodes along the magnitudes, or along the values of the other field.
     pub fn magnitudes(&self) -> &[f64] {
         &self.magnitudes
     }
@@ -134,5 +152,13 @@ mod tests {
         assert!(check(&[0.0, 1.0], &[-1.0], &[0.0, 1.0]).is_err());
         assert!(check(&[0.0, 1.0], &[0.0], &[0.0, 1.5]).is_err());
         assert!(check(&[0.0, 1.0], &[0.0], &[0.0]).is_err());
+    }
+
+    #[test]
+    fn values_of_another_field_may_be_negative() {
+        let rgba = || [0.0, 0.2, 0.4, 0.8].map(gray).to_vec();
+        let joint = TransferFunction2D::of_fields(vec![0.0, 1.0], vec![-2.0, 2.0], rgba()).unwrap();
+        assert!(joint.is_of_fields() && (joint.rgba(1.0, 0.0)[3] - 0.5).abs() < 1e-12);
+        assert!(TransferFunction2D::of_fields(vec![0.0, 1.0], vec![2.0, -2.0], rgba()).is_err());
     }
 }

@@ -162,7 +162,14 @@ pub(crate) fn test_picture(
         ..RenderOptions::default()
     };
     let (slices, cache) = (Slices::new(&volume, Kernel::Linear), VisibilityCache::default());
-    let layer = Layer { slices: &slices, transfer_function: &tf, shading: Some(&shading), labels: None, cache: &cache };
+    let layer = Layer {
+        slices: &slices,
+        transfer_function: &tf,
+        shading: Some(&shading),
+        labels: None,
+        color: None,
+        cache: &cache,
+    };
     let plan = Plan::new(Level::best(), &[layer], &camera, &options);
     let Ok(plan) = plan else { return Err(wrong("has no self-test")) };
     let Ok((want, _)) = draw_base_planes(&plan, &[&slices], &()) else { return Err(wrong("has no self-test")) };

@@ -7,9 +7,11 @@ use std::fmt::Write;
 
 use scenes::{Case, Stored};
 use serde_json::{Value, json};
-use wavesplat_core::{Composite, Kernel, Shading};
+use wavesplat_core::{Composite, Kernel, RenderOptions, Shading};
 use wavesplat_gpu::capture::{Capture, capture};
 use wavesplat_splat::render::frame::{draw_base_planes, slices_of};
+use wavesplat_splat::render::plan::Plan;
+use wavesplat_splat::{ColorField, Layer};
 
 fn cases() -> Vec<Case> {
     let hard = vec![(120.0, 0.0), (122.0, 0.95)];
@@ -92,4 +94,17 @@ fn a_dispatch_has_what_a_browser_needs() {
             }
         });
     }
+}
+
+/// No shader has the colours of a second field: such plans are left to the CPU, with the reason that reports have.
+#[test]
+fn layers_that_another_field_colours_are_left_to_the_cpu() {
+    Case::default().with_plan(&mut |plan, layers| {
+        let Layer { slices, transfer_function, cache, .. } = layers[0];
+        let colored = [Layer { color: Some(ColorField { slices, transfer_function, cache }), ..layers[0] }];
+        let options = RenderOptions { width_px: plan.size_px[0], height_px: plan.size_px[1], ..Default::default() };
+        let plan = Plan::new(plan.simd, &colored, &plan.camera, &options).unwrap();
+        let refused = capture(&plan, &slices_of(&colored)).err().unwrap();
+        assert_eq!(refused.to_string(), "layers that another field colours are drawn by the CPU");
+    });
 }

@@ -318,7 +318,8 @@ fn rays(gpu: &Gpu, case: &Case, tf: &TransferFunction, composite: Composite, ste
         ..RenderOptions::default()
     };
     let cache = VisibilityCache::default();
-    let layer = Layer { slices: &slices, transfer_function: tf, shading: None, labels: None, cache: &cache };
+    let layer =
+        Layer { slices: &slices, transfer_function: tf, shading: None, labels: None, color: None, cache: &cache };
     let mut plan = Plan::new(Level::best(), &[layer], &camera_along(2, phantom.centre()), &options).unwrap();
     if let Operator::Over { pre_integrated, .. } = &mut plan.operator {
         *pre_integrated = steep;

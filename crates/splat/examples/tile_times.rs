@@ -16,7 +16,8 @@ fn main() {
     scene::with_scene("tile_times", |scene| {
         let cache = VisibilityCache::default();
         let (tf, shading) = (&scene.tf, scene.options.shading.as_ref());
-        let layer = Layer { slices: &scene.slices, transfer_function: tf, shading, labels: None, cache: &cache };
+        let layer =
+            Layer { slices: &scene.slices, transfer_function: tf, shading, labels: None, color: None, cache: &cache };
         with_threads(Some(1), || {
             let plan = Plan::new(Level::best(), &[layer], &scene.camera, &scene.options).expect("a valid scene");
             for family in 0..plan.families.len() {

@@ -35,7 +35,7 @@ pub mod view;
 
 pub use optics::slab_variation::needs_preintegration;
 pub use render::frame::{render, render_base_planes, render_base_planes_at, render_layers};
-pub use render::layer::Layer;
+pub use render::layer::{ColorField, Layer};
 pub use render::progress::{ProgressCallback, ProgressPart};
 pub use render::report::Report;
 pub use wavesplat_compute::parallel::with_threads;

@@ -128,7 +128,8 @@ fn pre_integrated_slabs_converge_to_plain_sheets() {
         };
         let cache = VisibilityCache::default();
         let shading = options.shading.as_ref();
-        let layer = Layer { slices: &slices, transfer_function: &tf, shading, labels: None, cache: &cache };
+        let layer =
+            Layer { slices: &slices, transfer_function: &tf, shading, labels: None, color: None, cache: &cache };
         // Means of several reads have less of the sheets' errors.
         let plan = Plan { reads_per_axis: 1, ..Plan::new(Level::best(), &[layer], &camera, &options).unwrap() };
         let (base_pictures, _) = draw_base_planes(&plan, &[&slices], &()).unwrap();

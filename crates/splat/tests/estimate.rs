@@ -20,7 +20,7 @@ fn layer<'a>(
     options: &'a RenderOptions,
     cache: &'a VisibilityCache,
 ) -> [Layer<'a>; 1] {
-    [Layer { slices, transfer_function, shading: options.shading.as_ref(), labels: None, cache }]
+    [Layer { slices, transfer_function, shading: options.shading.as_ref(), labels: None, color: None, cache }]
 }
 
 const ORTHOGRAPHIC: Projection = Projection::Orthographic { parallel_scale: 22.0 };

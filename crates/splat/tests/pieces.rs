@@ -378,6 +378,7 @@ fn any_cut_gives_the_same_bytes() {
             transfer_function: &case.tf,
             shading: case.options.shading.as_ref(),
             labels: case.labels.as_ref(),
+            color: None,
             cache: &cache,
         };
         let plan = Plan::new(Level::best(), &[layer], &case.camera, &case.options).unwrap();
@@ -410,6 +411,7 @@ fn a_stream_of_boxes_gives_the_same_bytes() {
                 transfer_function: &case.tf,
                 shading: case.options.shading.as_ref(),
                 labels: case.labels.as_ref(),
+                color: None,
                 cache: &cache[k],
             };
             Plan::new(Level::best(), &[layer], &case.camera, &case.options).unwrap()
@@ -449,6 +451,7 @@ fn folded_segments_do_not_depend_on_how_they_were_read() {
             transfer_function: &case.tf,
             shading: case.options.shading.as_ref(),
             labels: case.labels.as_ref(),
+            color: None,
             cache: &cache,
         };
         let plan = Plan::new(Level::best(), &[layer], &case.camera, &case.options).unwrap().without_even_cuts();

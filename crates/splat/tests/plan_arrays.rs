@@ -24,7 +24,7 @@ fn with_plan(check: impl FnOnce(&Plan)) {
     let cache = VisibilityCache::default();
     let options = RenderOptions { width_px: 90, height_px: 60, ..RenderOptions::default() };
     let shading = options.shading.as_ref();
-    let layer = Layer { slices: &slices, transfer_function: &tf, shading, labels: None, cache: &cache };
+    let layer = Layer { slices: &slices, transfer_function: &tf, shading, labels: None, color: None, cache: &cache };
     check(&Plan::new(Level::best(), &[layer], &camera, &options).unwrap());
 }
 

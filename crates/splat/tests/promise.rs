@@ -91,6 +91,7 @@ impl Case<'_> {
             transfer_function: self.tf,
             shading: self.options.shading.as_ref(),
             labels: None,
+            color: None,
             cache: &cache,
         };
         let ladder = LADDER.map(|(sheets_per_slice, oversampling)| Sampling { sheets_per_slice, oversampling });

@@ -254,10 +254,16 @@ fn layers_end_where_their_own_boxes_do() {
         transfer_function: &functions[k],
         shading: None,
         labels: None,
+        color: None,
         cache: &caches[k],
     };
-    let cast =
-        |k: usize| CastLayer { volume: &volumes[k], transfer_function: &functions[k], shading: None, labels: None };
+    let cast = |k: usize| CastLayer {
+        volume: &volumes[k],
+        transfer_function: &functions[k],
+        shading: None,
+        labels: None,
+        color: None,
+    };
     let drawn = render_layers(&[layer(0), layer(1)], &camera, &options, &()).unwrap().0;
     let converged = raycast_layers(&[cast(0), cast(1)], &camera, &options, SAMPLING, &()).unwrap();
     let error = psnr_db(&drawn.rgba, &converged.rgba);
@@ -284,6 +290,7 @@ fn boxes_that_overlap_in_less_than_a_texel_leave_no_gap() {
             transfer_function: &function,
             shading: None,
             labels: None,
+            color: None,
             cache: &caches[k],
         });
         let middle = parts[0].centre() + DVec3::new(0.5 * (29.0 - overlap), 0.0, 0.0);

@@ -73,6 +73,7 @@ fn both(phantoms: &[Phantom], look: &[(f64, f64)], light: &Shading, camera: &Cam
             transfer_function: &functions[k],
             shading: Some(light),
             labels: labels_of(k),
+            color: None,
             cache: &caches[k],
         })
         .collect();
@@ -82,6 +83,7 @@ fn both(phantoms: &[Phantom], look: &[(f64, f64)], light: &Shading, camera: &Cam
             transfer_function: &functions[k],
             shading: Some(light),
             labels: labels_of(k),
+            color: None,
         })
         .collect();
     let options = RenderOptions { shading: Some(light.clone()), ..clipped() };
@@ -153,7 +155,14 @@ fn a_cut_face_shows_its_values() {
     let from_above = Projection::Orthographic { parallel_scale: scale };
     let camera = Camera::new(DVec3::new(12.5, 11.5, 60.0), DVec3::new(12.5, 11.5, 0.0), DVec3::Y, from_above).unwrap();
     let cache = VisibilityCache::default();
-    let layer = Layer { slices: &slices, transfer_function: &tf, shading: Some(&light), labels: None, cache: &cache };
+    let layer = Layer {
+        slices: &slices,
+        transfer_function: &tf,
+        shading: Some(&light),
+        labels: None,
+        color: None,
+        cache: &cache,
+    };
     let drawn = render_layers(&[layer], &camera, &options, &()).unwrap().0;
     let factors = [0, 1, 2].map(|c| {
         light.ambient + light.diffuse * light.unoriented * light.lights.iter().map(|one| one.rgb[c]).sum::<f32>()

@@ -101,11 +101,11 @@ fn labels_are_those_of_direct_evaluation() {
                 let labels = Labels::new(codes, looks.clone(), volume.grid(), kernel, 1 << 24).unwrap();
                 let options = fine(shading);
                 let (shading, labels) = (options.shading.as_ref(), Some(&labels));
-                let cast = CastLayer { volume: &volume, transfer_function: &tf, shading, labels };
+                let cast = CastLayer { volume: &volume, transfer_function: &tf, shading, labels, color: None };
                 let want = raycast_layers(&[cast], &camera, &options, SAMPLING, &()).unwrap();
                 let cache = VisibilityCache::default();
                 let got = render_layers(
-                    &[Layer { slices: &slices, transfer_function: &tf, shading, labels, cache: &cache }],
+                    &[Layer { slices: &slices, transfer_function: &tf, shading, labels, color: None, cache: &cache }],
                     &camera,
                     &options,
                     &(),
@@ -134,7 +134,14 @@ fn labels_with_the_looks_of_nothing_change_nothing() {
     let plain = render(&slices, &tf, &camera, &options, &()).unwrap().0;
     let (shading, cache) = (options.shading.as_ref(), VisibilityCache::default());
     let got = render_layers(
-        &[Layer { slices: &slices, transfer_function: &tf, shading, labels: Some(&labels), cache: &cache }],
+        &[Layer {
+            slices: &slices,
+            transfer_function: &tf,
+            shading,
+            labels: Some(&labels),
+            color: None,
+            cache: &cache,
+        }],
         &camera,
         &options,
         &(),

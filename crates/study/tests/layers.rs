@@ -87,6 +87,7 @@ fn draw(parts: &[Part], labels: Option<&Labels>, camera: &Camera, options: &Rend
             transfer_function: &parts[k].tf,
             shading: parts[k].shading.as_ref(),
             labels: labels.filter(|_| k == 0),
+            color: None,
             cache: &caches[k],
         })
         .collect();
@@ -101,6 +102,7 @@ fn cast(parts: &[Part], labels: Option<&Labels>, camera: &Camera, options: &Rend
             transfer_function: &parts[k].tf,
             shading: parts[k].shading.as_ref(),
             labels: labels.filter(|_| k == 0),
+            color: None,
         })
         .collect();
     raycast_layers(&layers, camera, options, SAMPLING, &()).unwrap()
@@ -208,6 +210,7 @@ fn the_bits_do_not_depend_on_how_it_is_drawn() {
                 transfer_function: &parts[k].tf,
                 shading: parts[k].shading.as_ref(),
                 labels: None,
+                color: None,
                 cache: &cache,
             })
             .collect();
@@ -331,6 +334,7 @@ fn oblique_layers_and_too_many_are_refused() {
         transfer_function: &parts[k].tf,
         shading: None,
         labels: None,
+        color: None,
         cache: &cache,
     };
     let error = |layers: &[Layer]| render_layers(layers, &camera(ORTHOGRAPHIC), &fine(), &()).unwrap_err().to_string();

@@ -11,7 +11,7 @@ use wavesplat_splat::quality::target_psnr::{Estimate, render_to_psnr};
 use wavesplat_splat::render::frame::{finish, slices_of};
 use wavesplat_splat::render::plan::Plan;
 use wavesplat_splat::source::slices::Slices;
-use wavesplat_splat::{Layer, ProgressCallback, Report};
+use wavesplat_splat::{ColorField, Layer, ProgressCallback, Report};
 
 use crate::device::{Device, DrawnBy};
 use crate::quality::{self, Effort, Quality};
@@ -119,6 +119,7 @@ impl Scene<'_> {
             let mend = "draw it with Scene::stream, which takes boxes as they are read";
             return Err(Error::out_of_range("layers of a picture in one go", "a lazy one", "in memory", mend));
         }
+        self.check_colors()?;
         parallel::with_threads(options.n_threads, || self.draw(camera, options, &render_options, fixed, callback))
     }
 
@@ -126,7 +127,7 @@ impl Scene<'_> {
     /// its layers' samplings.
     pub fn sampling(&self, quality: &str, camera: &Camera, height_px: usize) -> Result<Sampling> {
         let mut finest = Sampling::NONE;
-        for SceneLayer { volume, transfer_function: tf, shading } in &self.layers {
+        for SceneLayer { volume, transfer_function: tf, shading, .. } in &self.layers {
             let needs_preintegration = volume.needs_preintegration(tf, shading.as_ref())?;
             let own = Quality::sampling(quality, volume.grid(), tf, needs_preintegration, camera, height_px)?;
             finest = finest.max(own);
@@ -137,7 +138,7 @@ impl Scene<'_> {
     /// Samplings from which a picture of a wanted PSNR is chosen: for each rung the finest of the layers'.
     fn ladder(&self, camera: &Camera, height_px: usize) -> Result<Ladder> {
         let mut finest = [Sampling::NONE; LADDER.len()];
-        for SceneLayer { volume, transfer_function: tf, shading } in &self.layers {
+        for SceneLayer { volume, transfer_function: tf, shading, .. } in &self.layers {
             let needs_preintegration = volume.needs_preintegration(tf, shading.as_ref())?;
             let own = quality::ladder(volume.grid(), tf, needs_preintegration, camera, height_px);
             for (finest, own) in finest.iter_mut().zip(own) {
@@ -158,9 +159,14 @@ impl Scene<'_> {
         let now = || options.clock.map_or(0.0, |clock| clock());
         let start = now();
         let slices: Vec<_> = self.layers.iter().map(|layer| layer.volume.slices(options.kernel)).collect();
+        let colors: Vec<_> = self
+            .layers
+            .iter()
+            .map(|layer| layer.color.as_ref().map(|color| color.volume.slices(options.kernel)))
+            .collect();
         let prepared = now();
         let mut times = StageTimes { prepare: prepared - start, ..StageTimes::default() };
-        let frame = self.with_layers(options, &slices, |layers| {
+        let frame = self.with_layers(options, &slices, &colors, |layers| {
             if let Effort::Psnr(wanted) = options.effort {
                 let ladder = self.ladder(camera, render_options.height_px)?;
                 let drawn_by = Mutex::new(DrawnBy::default());
@@ -197,11 +203,25 @@ impl Scene<'_> {
         }
     }
 
-    /// Calls `work` with the layers as they are drawn. `slices`: one per layer.
+    /// Refuses fields that colour layers where either is not in memory as samples.
+    fn check_colors(&self) -> Result<()> {
+        let is_in_memory = |volume: &SceneVolume| matches!(volume, SceneVolume::Samples(..));
+        let mut pairs = self.layers.iter().filter_map(|layer| layer.color.as_ref().map(|color| (layer, color)));
+        if pairs.any(|(layer, color)| !is_in_memory(&layer.volume) || !is_in_memory(&color.volume)) {
+            let mend =
+                "open the layer and the field that colours it in memory, at a coarser level where they are large";
+            return Err(Error::out_of_range("layer of two fields", "read as it is drawn", "in memory", mend));
+        }
+        Ok(())
+    }
+
+    /// Calls `work` with the layers as they are drawn. `slices`: one per layer; `colors`: of the fields that colour
+    /// layers.
     pub(crate) fn with_layers<T>(
         &self,
         options: &FrameOptions,
         slices: &[Slices<'_>],
+        colors: &[Option<Slices<'_>>],
         work: impl FnOnce(&[Layer]) -> Result<T>,
     ) -> Result<T> {
         let look =
@@ -217,6 +237,9 @@ impl Scene<'_> {
                 transfer_function: look,
                 shading: layer.shading.as_ref(),
                 labels: self.labels.as_deref().filter(|_| k == 0),
+                color: colors.get(k).and_then(Option::as_ref).zip(layer.color.as_ref()).map(|(slices, color)| {
+                    ColorField { slices, transfer_function: &color.transfer_function, cache: color.volume.visibility() }
+                }),
                 cache: layer.volume.visibility(),
             })
             .collect();

@@ -83,7 +83,7 @@ pub use level_volume::LevelVolume;
 pub use png::{PngBits, encode_png, png_of_rgba};
 pub use quality::{Effort, Quality};
 pub use sample_reader::{SampleBuffer, SampleReader, StreamError};
-pub use scene::{Scene, SceneLayer, SceneVolume};
+pub use scene::{Scene, SceneColor, SceneLayer, SceneVolume};
 pub use stream::{Stream, StreamOptions};
 pub use volume_cache::VolumeCache;
 

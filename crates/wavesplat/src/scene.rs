@@ -39,6 +39,17 @@ pub struct SceneLayer<'a> {
     pub transfer_function: TransferFunction,
     /// Lights and Phong coefficients; `None` draws the colours as given.
     pub shading: Option<Shading>,
+    /// A field that gives the layer its colours, with [`Composite::Over`] and [`Composite::FirstHit`]; `None` for its own.
+    pub color: Option<SceneColor<'a>>,
+}
+
+/// A field whose values are coloured, where a layer's own samples say how opaque it is.
+#[derive(Clone)]
+pub struct SceneColor<'a> {
+    /// Samples in memory that cover the layer, on axes that are parallel to those of the scene's first volume.
+    pub volume: SceneVolume<'a>,
+    /// Transfer function of the field's values; its colours count.
+    pub transfer_function: TransferFunction,
 }
 
 /// Volume of a layer.
@@ -68,7 +79,7 @@ impl<'a> Scene<'a> {
 impl<'a> SceneLayer<'a> {
     /// Layer of a volume with the default shading.
     pub fn new(volume: SceneVolume<'a>, transfer_function: TransferFunction) -> Self {
-        Self { volume, transfer_function, shading: Some(Shading::default()) }
+        Self { volume, transfer_function, shading: Some(Shading::default()), color: None }
     }
 }
 

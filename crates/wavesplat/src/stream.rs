@@ -136,7 +136,7 @@ impl Scene<'static> {
             return Err(Error::out_of_range("kernel of a lazy volume", "another one", "the picture's", mend));
         }
         let plan = parallel::with_threads(options.n_threads, || {
-            self.with_layers(options, &slices, |layers| Plan::new(Level::best(), layers, camera, &render_options))
+            self.with_layers(options, &slices, &[], |layers| Plan::new(Level::best(), layers, camera, &render_options))
         })?;
         let plan = if streaming.segment_slices.is_some() { plan.without_even_cuts() } else { plan };
         if streaming.segment_slices.is_some() && !can_fold(plan.operator, plan.with_depth) {

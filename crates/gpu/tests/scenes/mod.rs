@@ -232,6 +232,7 @@ impl Case {
                 transfer_function: &tf,
                 shading: self.shading.as_ref(),
                 labels: labels.as_ref().filter(|_| k == 0),
+                color: None,
                 cache: &cache[k],
             })
             .collect();

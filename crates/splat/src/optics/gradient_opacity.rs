@@ -1,4 +1,5 @@
-//! Gradient opacity, and transfer functions of two dimensions: effects of the gradient magnitude beside shading.
+//! Gradient opacity, and transfer functions of two dimensions: effects of the gradient magnitude beside shading, or of a
+//! second field.
 //!
 //! Gradient opacity is a factor of the optical depth by the magnitude of the gradient, so that boundaries stand out and
 //! homogeneous regions recede (Levoy, *Display of surfaces from volume data*, 1988; the curve is that of VTK's volume
@@ -6,8 +7,8 @@
 //! not depend on the number of sheets: opacity `α` per unit becomes `1 − (1 − α)^f`,
 //! which for faint functions is `f · α`.
 //!
-//! A function of two dimensions ([`wavesplat_core::TransferFunction2D`]) is tabulated over densities and magnitudes,
-//! evenly along both, and looked up bilinearly.
+//! A function of two dimensions ([`wavesplat_core::TransferFunction2D`]) is tabulated over densities and magnitudes, or
+//! densities of two fields, evenly along both, and looked up bilinearly.
 
 use glam::DMat3;
 use wavesplat_compute::simd::{ROUND, Wide};
@@ -15,6 +16,7 @@ use wavesplat_core::{TransferFunction, TransferFunction2D};
 
 use crate::optics::classify::{Entry, OPAQUE_DEPTH};
 use crate::optics::shade::Metric;
+use crate::sheet::field_sheets::FieldPoint;
 use crate::view::family::Family;
 
 /// Entries of the table of factors.
@@ -33,6 +35,8 @@ const LEAST: f32 = 1e-36;
 pub struct GradientOpacity {
     metric: Metric,
     kind: Kind,
+    /// Number of the field whose values are the second dimension; `None`: gradient magnitudes.
+    second_field: Option<usize>,
 }
 
 #[derive(Clone)]
@@ -74,16 +78,21 @@ impl GradientOpacity {
         (self.metric.numbers(), tables)
     }
 
-    /// Tabulates `tf`; `None` where gradients have no effect. `density_from_sample`: offset and scale of the grid.
+    /// Tabulates `tf`; `None` where neither gradients nor a second field have an effect on opacity. `density_from_sample`:
+    /// offset and scale of the grid. `second`: number of the field that a function of two fields refers to, and its offset
+    /// and scale.
     pub fn new(
         tf: &TransferFunction,
         world_from_index: DMat3,
         family: &Family,
         density_from_sample: (f64, f64),
+        second: Option<(usize, (f64, f64))>,
     ) -> Option<Self> {
         let (_, density_scale) = density_from_sample;
+        let second = second.filter(|_| tf.function_2d().is_some_and(TransferFunction2D::is_of_fields));
         let kind = if let Some(joint) = tf.function_2d() {
-            Kind::Both(Table::new(joint, density_from_sample))
+            let of_second = second.map_or((0.0, density_scale), |(_, map)| map);
+            Kind::Both(Table::new(joint, density_from_sample, of_second))
         } else {
             // Constant beyond the last node; a curve of one node at 0 is constant everywhere.
             let last = tf.gradient_nodes().last()?.magnitude;
@@ -94,21 +103,30 @@ impl GradientOpacity {
             let per_magnitude = if last > 0.0 { (1.0 / (step * density_scale)) as f32 } else { 0.0 };
             Kind::Factor { table, per_magnitude }
         };
-        Some(Self { metric: Metric::new(world_from_index, family), kind })
+        Some(Self { metric: Metric::new(world_from_index, family), kind, second_field: second.map(|(field, _)| field) })
     }
 
-    /// Whether density and magnitude decide colour and opacity together, so that tables by density are only bounds.
+    /// Whether density and magnitude, or a second field, decide colour and opacity together, so that tables by density are only bounds.
     pub fn decides_color(&self) -> bool {
         matches!(self.kind, Kind::Both(_))
     }
 
-    /// Colour and optical depth of densities with index gradients along u, v, w. `of_density`: without their gradients.
+    /// Colour and optical depth of densities with index gradients along u, v, w, at a point of the fields. `of_density`:
+    /// without these.
     #[inline(always)]
-    pub fn classify<W: Wide>(&self, w: W, density: W::F, gradient: [W::F; 3], of_density: [W::F; 4]) -> [W::F; 4] {
+    pub fn classify<W: Wide>(
+        &self,
+        w: W,
+        density: W::F,
+        gradient: [W::F; 3],
+        point: &FieldPoint<W>,
+        of_density: [W::F; 4],
+    ) -> [W::F; 4] {
         let [r, g, b, depth] = of_density;
-        match &self.kind {
-            Kind::Factor { .. } => [r, g, b, w.mul(depth, self.factor(w, gradient))],
-            Kind::Both(table) => table.look_up(w, density, self.magnitude(w, gradient)),
+        match (&self.kind, self.second_field) {
+            (Kind::Factor { .. }, _) => [r, g, b, w.mul(depth, self.factor(w, gradient))],
+            (Kind::Both(table), None) => table.look_up(w, density, self.magnitude(w, gradient)),
+            (Kind::Both(table), Some(field)) => table.look_up(w, density, point.value(w, field)),
         }
     }
 
@@ -163,7 +181,8 @@ impl Side {
 }
 
 impl Table {
-    fn new(joint: &TransferFunction2D, (offset, scale): (f64, f64)) -> Self {
+    /// `map`: offset and scale from values to densities, and those of the second dimension.
+    fn new(joint: &TransferFunction2D, map: (f64, f64), of_second: (f64, f64)) -> Self {
         let [values, magnitudes] = [Side::new(joint.values()), Side::new(joint.magnitudes())];
         let entry = |i: usize| {
             let [r, g, b, opacity] = joint.rgba(values.node(i % values.n), magnitudes.node(i / values.n));
@@ -172,9 +191,12 @@ impl Table {
         // The last entry twice: look-ups read the one after theirs too.
         let last = values.n * magnitudes.n - 1;
         let entries = (0..=last).chain([last]).map(entry).collect();
-        let densities = Side { first: (values.first - offset) * scale, step: values.step * scale, ..values };
-        let gradients = Side { first: magnitudes.first * scale, step: magnitudes.step * scale, ..magnitudes };
-        Self { entries, along: [densities, gradients] }
+        let scaled = |side: Side, (offset, scale): (f64, f64)| Side {
+            first: (side.first - offset) * scale,
+            step: side.step * scale,
+            ..side
+        };
+        Self { entries, along: [scaled(values, map), scaled(magnitudes, of_second)] }
     }
 
     /// The cell that holds a position along an axis, and the fraction of the way through it.

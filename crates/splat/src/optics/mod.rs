@@ -2,6 +2,7 @@
 
 pub mod classify;
 mod depth_integral;
+pub mod field_color;
 pub mod gradient_opacity;
 pub mod labels;
 pub mod modifiers;

@@ -1,4 +1,4 @@
-//! Optional per-texel terms: gradient opacity, ambient occlusion and shadow, labels.
+//! Optional per-texel terms: gradient opacity, colour by a second field, ambient occlusion and shadow, labels.
 //!
 //! Light: the colour is multiplied by the openness of the place, and what the first light adds by how much of it gets
 //! there ([`crate::optics::occlusion`]). Labels: of the scan's optical depth the share `Σ c_l f_l` is left, its colour
@@ -7,6 +7,7 @@
 
 use wavesplat_compute::simd::Wide;
 
+use crate::optics::field_color::FieldColor;
 use crate::optics::gradient_opacity::GradientOpacity;
 use crate::optics::labels::LabelFields;
 use crate::optics::occlusion::LightFields;
@@ -18,6 +19,8 @@ use crate::sheet::field_sheets::FieldPoint;
 pub struct Modifiers {
     /// Gradient opacity, or a transfer function of two dimensions.
     pub by_gradient: Option<GradientOpacity>,
+    /// Field that gives the layer its colours.
+    pub color: Option<FieldColor>,
     /// Fields that hold light, with their strengths.
     pub light: Option<LightFields>,
     /// Fields that hold the effects of labels.
@@ -32,7 +35,7 @@ const LEAST: f32 = 1e-20;
 impl Modifiers {
     /// Whether there is any term.
     pub fn any(&self) -> bool {
-        self.by_gradient.is_some() || self.light.is_some() || self.labels.is_some()
+        self.by_gradient.is_some() || self.color.is_some() || self.light.is_some() || self.labels.is_some()
     }
 
     /// The field of the label medium's optical depth.
@@ -48,16 +51,40 @@ impl Modifiers {
         let four = |first: Option<usize>| first.map_or(0..0, |first| first..first + 4);
         let light = self.light.map(|light| [light.openness, light.shadow]).unwrap_or_default();
         let light = light.into_iter().flatten().map(|(field, _)| field);
-        let of_scan = labels.scan.into_iter().chain(four(labels.tint)).filter(move |_| scan);
+        let color = self.color.as_ref().map(|color| color.field);
+        let of_scan = labels.scan.into_iter().chain(four(labels.tint)).chain(color).filter(move |_| scan);
         light.chain(of_scan).chain(four(labels.medium).skip(1).filter(move |_| medium))
     }
 
     /// Share of the scan's optical depth that labels leave.
     #[inline(always)]
-    pub fn scan_share<W: Wide>(&self, w: W, point: &FieldPoint<W>) -> W::F {
+    fn left_by_labels<W: Wide>(&self, w: W, point: &FieldPoint<W>) -> W::F {
         match self.labels.as_ref().and_then(|labels| labels.scan) {
             Some(field) => point.value(w, field),
             None => w.splat(1.0),
+        }
+    }
+
+    /// Share of the scan's optical depth that labels leave, where the field that colours it is known. `own_missing`: the
+    /// missing share of the scan's own samples.
+    #[inline(always)]
+    pub fn scan_share<W: Wide>(&self, w: W, point: &FieldPoint<W>, own_missing: Option<W::F>) -> W::F {
+        let left = self.left_by_labels(w, point);
+        match &self.color {
+            Some(color) => w.mul(left, color.known_factor(w, point, own_missing)),
+            None => left,
+        }
+    }
+
+    /// The scan's colour before tint and light: that of the field that colours it, or `own`, by its density.
+    #[inline(always)]
+    pub fn rgb<W: Wide>(&self, w: W, own: [W::F; 3], point: &FieldPoint<W>) -> [W::F; 3] {
+        match &self.color {
+            // A function of two fields has given it already.
+            Some(color) if !self.by_gradient.as_ref().is_some_and(GradientOpacity::decides_color) => {
+                color.rgb(w, point)
+            }
+            _ => own,
         }
     }
 
@@ -67,7 +94,7 @@ impl Modifiers {
         let Some(labels) = &self.labels else { return rgb };
         let Some(tint) = labels.tint else { return rgb };
         // Tints relative to what labels leave of the scan.
-        let of_scan = w.div(w.splat(1.0), w.max(self.scan_share(w, point), w.splat(LEAST)));
+        let of_scan = w.div(w.splat(1.0), w.max(self.left_by_labels(w, point), w.splat(LEAST)));
         let kept = w.sub(w.splat(1.0), w.mul(point.value(w, tint), of_scan));
         let mut tinted = rgb;
         for c in 0..3 {

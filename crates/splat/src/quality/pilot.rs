@@ -278,8 +278,14 @@ mod tests {
         let slices = Slices::new(&volume, Kernel::Linear);
         let tf = opacity_ramp(&[(100.0, 0.0), (180.0, 0.3)], None);
         let (shading, cache) = (Shading::default(), VisibilityCache::default());
-        let layers =
-            [Layer { slices: &slices, transfer_function: &tf, shading: Some(&shading), labels: None, cache: &cache }];
+        let layers = [Layer {
+            slices: &slices,
+            transfer_function: &tf,
+            shading: Some(&shading),
+            labels: None,
+            color: None,
+            cache: &cache,
+        }];
         for (projection, distance, towards, composite) in [
             (Projection::Orthographic { parallel_scale: 17.0 }, 90.0, DVec3::new(0.7, 0.6, 0.5), Composite::Over),
             (Projection::Orthographic { parallel_scale: 17.0 }, 90.0, DVec3::X, Composite::Over),

@@ -1,13 +1,16 @@
-//! First hit, a shaded isosurface: the first crossing of an iso-value along each ray.
+//! First hit, a shaded isosurface: the first crossing of an iso-value along each ray, in the colour of that value, or of
+//! another field at the place of the crossing ([`FieldColor`]).
 
 use wavesplat_compute::simd::{LANES, Lanes, Simd};
 
 use crate::optics::classify::Classifier;
+use crate::optics::field_color::FieldColor;
 use crate::optics::shade::Shader;
 use crate::ray::accumulator::between;
 use crate::ray::compositor::Slab;
 use crate::ray::compositor::{Compositor, Ends, Texels};
 use crate::ray::state::TileState;
+use crate::sheet::field_sheets::{FieldPoint, FieldValues};
 use crate::sheet::tile_layout::Chunk;
 use crate::sheet::tile_rays::Rays;
 use crate::source::nonfinite::MISSING;
@@ -17,6 +20,9 @@ pub struct FirstHit<'a> {
     iso: f32,
     rgb: [f32; 3],
     shader: Option<&'a Shader>,
+    color: Option<&'a FieldColor>,
+    /// Values of the field on the front and the back sheet, at the chunk that was read last.
+    here: [FieldValues; 2],
     rgba: Vec<[Lanes; 4]>,
     s_hit: Vec<Lanes>,
     hit: Vec<u16>,
@@ -24,8 +30,15 @@ pub struct FirstHit<'a> {
 }
 
 impl<'a> FirstHit<'a> {
-    /// Continues from `state`; `None`: nothing is drawn yet. `iso` is a density.
-    pub fn new(iso: f32, classifier: &Classifier, shader: Option<&'a Shader>, state: Option<TileState>) -> Self {
+    /// Continues from `state`; `None`: nothing is drawn yet. `iso` is a density. `color`: the field that colours the
+    /// surface; `None` for the colour of `iso`.
+    pub fn new(
+        iso: f32,
+        classifier: &Classifier,
+        shader: Option<&'a Shader>,
+        color: Option<&'a FieldColor>,
+        state: Option<TileState>,
+    ) -> Self {
         let state = state.unwrap_or_else(|| TileState {
             rgba: TileState::per_chunk([Lanes::splat(0.0); 4]),
             s_half: TileState::per_chunk(Lanes::splat(f32::NAN)),
@@ -34,7 +47,17 @@ impl<'a> FirstHit<'a> {
             ..TileState::default()
         });
         let [r, g, b, _] = classifier.look_up_one(iso);
-        Self { iso, rgb: [r, g, b], shader, rgba: state.rgba, s_hit: state.s_half, hit: state.found, done: state.done }
+        Self {
+            iso,
+            rgb: [r, g, b],
+            shader,
+            color,
+            here: Default::default(),
+            rgba: state.rgba,
+            s_hit: state.s_half,
+            hit: state.found,
+            done: state.done,
+        }
     }
 }
 
@@ -66,6 +89,22 @@ impl Compositor for FirstHit<'_> {
             return;
         }
         let mut rgb = [s.splat(self.rgb[0]), s.splat(self.rgb[1]), s.splat(self.rgb[2])];
+        if let Some(color) = self.color {
+            // Elsewhere there is no crossing, and the place of one is no number.
+            (0..LANES).filter(|i| new >> i & 1 == 0).for_each(|i| at[i] = 0.0);
+            let from = (slab.field_geometries, slab.field_panels);
+            for (which, here) in self.here.iter_mut().enumerate() {
+                slab.fields[which].read(s, from, color.field, [chunk; 2], here);
+            }
+            let point = FieldPoint::between(&self.here, s.load(&at));
+            if color.has_mask {
+                new &= s.bits(s.lt(point.missing(s, color.field), s.splat(MISSING)));
+            }
+            rgb = color.rgb(s, &point);
+        }
+        if new == 0 {
+            return;
+        }
         if let Some(shader) = self.shader {
             slab.first.prepare_gradient(0, chunk.block());
             slab.first.prepare_gradient(1, chunk.block());

@@ -102,7 +102,8 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
         let gradient = if needs_gradient { Some(sheet.gradient(w, chunks)) } else { None };
         let mut classified = self.classifier.look_up(w, density);
         if let Some((by_gradient, gradient)) = by_gradient.zip(gradient) {
-            classified = by_gradient.classify(w, density, gradient, classified);
+            let point = FieldPoint::on(&self.here[which]);
+            classified = by_gradient.classify(w, density, gradient, &point, classified);
             let [.., depth] = classified;
             if !medium_ahead && self.so_far.see_where(w, chunks, rays, w.lt(w.splat(0.0), depth)) == [false; 2] {
                 return;
@@ -111,7 +112,8 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
         let [r, g, b, mut depth] = classified;
         let point = FieldPoint::on(&self.here[which]);
         if MODIFIED {
-            depth = w.mul(depth, if scan_ahead { self.modifiers.scan_share(w, &point) } else { w.splat(0.0) });
+            let share = if scan_ahead { self.modifiers.scan_share(w, &point, missing) } else { w.splat(0.0) };
+            depth = w.mul(depth, share);
         }
         let scan_depth = w.mul(depth, length);
         let mut alpha = one_minus_exp_neg(w, scan_depth);
@@ -192,7 +194,8 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
                 (length, shown_length) = (w.mul(length, factor), w.mul(shown_length, factor));
             }
             let share = if scan_ahead {
-                self.modifiers.scan_share(w, &FieldPoint::between(&self.here, at))
+                let missing_there = missing.map(|[front, back]| w.add_mul(front, at, w.sub(back, front)));
+                self.modifiers.scan_share(w, &FieldPoint::between(&self.here, at), missing_there)
             } else {
                 w.splat(0.0)
             };
@@ -291,7 +294,7 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
     ) -> [W::F; 3] {
         let (mut rgb, mut light) = (rgb, [None; 2]);
         if MODIFIED {
-            rgb = self.modifiers.tint(w, rgb, point);
+            rgb = self.modifiers.tint(w, self.modifiers.rgb(w, rgb, point), point);
             light = self.modifiers.light(w, point);
         }
         lit(w, rgb, self.shader.zip(gradient), to_eye, light, even)

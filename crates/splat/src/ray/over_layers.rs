@@ -207,14 +207,14 @@ impl<'a> OverLayers<'a> {
                     own.prepare_gradient(which, block);
                     gradient = Some(own.sheet(which).gradient(w, chunks));
                 }
-                let mut classified = medium.classifier.look_up(w, density);
-                if let Some((by_gradient, gradient)) = medium.modifiers.by_gradient.as_ref().zip(gradient) {
-                    classified = by_gradient.classify(w, density, gradient, classified);
-                }
                 self.read_fields(w, chunks, slab, which, layer);
                 let point = FieldPoint::on(&self.here[which]);
+                let mut classified = medium.classifier.look_up(w, density);
+                if let Some((by_gradient, gradient)) = medium.modifiers.by_gradient.as_ref().zip(gradient) {
+                    classified = by_gradient.classify(w, density, gradient, &point, classified);
+                }
                 let [r, g, b, depth] = classified;
-                let depth = w.mul(depth, medium.modifiers.scan_share(w, &point));
+                let depth = w.mul(depth, medium.modifiers.scan_share(w, &point, missing));
                 let own_rays = sheets(slab, layer).rays.as_ref().unwrap_or(rays);
                 let matter = Matter { begin, extent, depth: w.mul(depth, full_length), at, missing };
                 let even = self.cuts.even_share(w, chunks, own_rays, ANYWHERE, &matter);
@@ -294,13 +294,14 @@ impl<'a> OverLayers<'a> {
                 let half = w.splat(0.5);
                 let joint = medium.modifiers.by_gradient.as_ref().filter(|by_gradient| by_gradient.decides_color());
                 let (PartOpacities { first, last, mut depths }, joint_rgb) = match joint.zip(gradients) {
-                    Some((joint, gradients)) => joint_parts(w, joint, [front, back], gradients, cuts),
+                    Some((joint, gradients)) => joint_parts(w, joint, [front, back], gradients, &self.here, cuts),
                     None => (medium.classifier.preintegrate_parts(w, front, back, cuts), None),
                 };
                 // The factors at the middle of the visible range.
                 let middle = w.mul(w.add(first, last), half);
                 // As if no sample were missing: the matter that a cut makes a face of.
-                let share = medium.modifiers.scan_share(w, &FieldPoint::between(&self.here, middle));
+                let missing_there = missing.map(|[front, back]| w.add_mul(front, middle, w.sub(back, front)));
+                let share = medium.modifiers.scan_share(w, &FieldPoint::between(&self.here, middle), missing_there);
                 let mut shown_length = w.mul(length, share);
                 let mut length = w.mul(length, known_between(w, missing, middle));
                 length = w.mul(length, share);
@@ -411,11 +412,12 @@ fn joint_parts<W: Wide>(
     joint: &GradientOpacity,
     [front, back]: [W::F; 2],
     [on_front, on_back]: [[W::F; 3]; 2],
+    here: &[FieldValues; 2],
     cuts: [W::F; N_CUTS],
 ) -> (PartOpacities<W>, Option<[W::F; 3]>) {
     let unknown = [w.splat(0.0); 4];
-    let [r, g, b, depth] = joint.classify(w, front, on_front, unknown);
-    let [r2, g2, b2, depth2] = joint.classify(w, back, on_back, unknown);
+    let [r, g, b, depth] = joint.classify(w, front, on_front, &FieldPoint::on(&here[0]), unknown);
+    let [r2, g2, b2, depth2] = joint.classify(w, back, on_back, &FieldPoint::on(&here[1]), unknown);
     let mut depths = [w.splat(0.0); N_CUTS - 1];
     for k in 0..N_CUTS - 1 {
         let middle = w.mul(w.add(cuts[k], cuts[k + 1]), w.splat(0.5));
@@ -437,7 +439,7 @@ fn shaded<W: Wide>(
     (to_eye, even): ([W::F; 3], Option<W::F>),
     point: &FieldPoint<W>,
 ) -> [W::F; 3] {
-    let rgb = medium.modifiers.tint(w, rgb, point);
+    let rgb = medium.modifiers.tint(w, medium.modifiers.rgb(w, rgb, point), point);
     lit(w, rgb, medium.shader.zip(gradient), to_eye, medium.modifiers.light(w, point), even)
 }
 

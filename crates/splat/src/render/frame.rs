@@ -31,7 +31,7 @@ pub fn render(
     callback: &dyn ProgressCallback,
 ) -> Result<(Picture, Report)> {
     let (shading, cache) = (options.shading.as_ref(), VisibilityCache::default());
-    let layer = Layer { slices, transfer_function: tf, shading, labels: None, cache: &cache };
+    let layer = Layer { slices, transfer_function: tf, shading, labels: None, color: None, cache: &cache };
     render_layers(&[layer], camera, options, callback)
 }
 
@@ -71,15 +71,16 @@ pub fn render_base_planes_at(
     callback: &dyn ProgressCallback,
 ) -> Result<(Vec<BasePicture>, Report)> {
     let (shading, cache) = (options.shading.as_ref(), VisibilityCache::default());
-    let layer = Layer { slices, transfer_function: tf, shading, labels: None, cache: &cache };
+    let layer = Layer { slices, transfer_function: tf, shading, labels: None, color: None, cache: &cache };
     parallel::with_threads(options.n_threads, || {
         draw_base_planes(&Plan::new(level, &[layer], camera, options)?, &[slices], callback)
     })
 }
 
-/// Samples of the layers, in their order.
+/// Samples of the layers, in their order, then those of the fields that colour layers.
 pub fn slices_of<'a>(layers: &[Layer<'a>]) -> Vec<&'a Slices<'a>> {
-    layers.iter().map(|layer| layer.slices).collect()
+    let colors = layers.iter().filter_map(|layer| layer.color.map(|color| color.slices));
+    layers.iter().map(|layer| layer.slices).chain(colors).collect()
 }
 
 /// Draws the base planes of a plan, tile by tile, each through all its sheets. `slices`: per layer.

@@ -20,6 +20,22 @@ pub struct Layer<'a> {
     pub shading: Option<&'a Shading>,
     /// A segmentation of the volume; only the first layer's is drawn, and only with `Composite::Over`.
     pub labels: Option<&'a Labels>,
+    /// A field that gives the layer its colours in place of its own samples, with `Composite::Over` and
+    /// `Composite::FirstHit`.
+    pub color: Option<ColorField<'a>>,
     /// Cache of tables made from the transfer function, kept from frame to frame.
+    pub cache: &'a VisibilityCache,
+}
+
+/// A field whose values are coloured, where a layer's own values say how opaque it is.
+///
+/// Its axes are parallel to those of the first layer, and it covers the layer that it colours.
+#[derive(Clone, Copy)]
+pub struct ColorField<'a> {
+    /// The field's samples, ready for the layer's kernel.
+    pub slices: &'a Slices<'a>,
+    /// Transfer function of the field's values; its colours count.
+    pub transfer_function: &'a TransferFunction,
+    /// Cache of tables made from the transfer function.
     pub cache: &'a VisibilityCache,
 }

@@ -130,7 +130,9 @@ fn with_operator<U: WithCompositor>(plan: &Plan, family: &FamilyPlan, work: U) -
         Operator::Over { pre_integrated, opaque } => {
             work.call(|state| Over::<false>::new(tables, shader, modifiers, pre_integrated, opaque, depth, state))
         }
-        Operator::FirstHit { iso } => work.call(|state| FirstHit::new(iso, tables, shader, state)),
+        Operator::FirstHit { iso } => {
+            work.call(|state| FirstHit::new(iso, tables, shader, modifiers.color.as_ref(), state))
+        }
         Operator::LocalMaximum { threshold } => work.call(|state| LocalMaximum::new(threshold, depth, state)),
         Operator::Project { composite, levels } => work.call(|state| Project::new(composite, levels, depth, state)),
     }

@@ -13,6 +13,7 @@ use wavesplat_core::{
     Camera, Composite, Crop, Error, Gradient, Grid, RenderOptions, Result, Shading, TransferFunction,
 };
 
+use crate::optics::field_color::FieldColor;
 use crate::optics::gradient_opacity::GradientOpacity;
 use crate::optics::labels::LabelFields;
 use crate::optics::modifiers::Modifiers;
@@ -22,14 +23,14 @@ use crate::optics::visibility_cache::TabulatedFunction;
 use crate::picture::depth_colors::PlacedDepthColors;
 use crate::picture::supersampling::reads_per_axis;
 use crate::ray::project::Project;
-use crate::render::layer::Layer;
+use crate::render::layer::{ColorField, Layer};
 use crate::sheet::spacing::SheetSpacing;
 use crate::sheet::tile_rays::RayGeometry;
 use crate::source::field::Field;
 use crate::source::min_max_bricks::Bricks;
 use crate::source::occupancy::OccupancyGrid;
 use crate::view::base_plane::{BasePlane, base_planes};
-use crate::view::common_grid::{CommonGrid, IndexMap, from_layer};
+use crate::view::common_grid::{CommonGrid, IndexMap, from_layer, map_of_color};
 use crate::view::depth_cue::DepthCue;
 use crate::view::family::IndexRays;
 use crate::view::index_frame::light_direction;
@@ -100,6 +101,22 @@ pub struct LayerPlan {
     pub shading: Option<Shading>,
     /// Least and largest density, or spline coefficient.
     pub density_range: [f32; 2],
+    /// Field that gives the layer its colours.
+    pub color: Option<ColorPlan>,
+}
+
+/// Plan of a field that gives a layer its colours.
+pub struct ColorPlan {
+    /// Map from index positions of the frame to those of the field.
+    pub map: IndexMap,
+    /// Tables of the transfer function of the field's densities, of which the colours count.
+    pub tables: Arc<TabulatedFunction>,
+    /// Whether samples of the field are missing.
+    pub has_mask: bool,
+    /// Number among the sheets of fields: after those of light and labels.
+    pub field: usize,
+    /// Offset and scale from values of the field to its densities.
+    pub density_from_sample: (f64, f64),
 }
 
 /// Composite operator: how the sheets become one value per ray.
@@ -209,7 +226,7 @@ impl Plan {
         let rays = IndexRays::new(camera, grid.index_from_world(), size_px[0], size_px[1]);
         let planes = base_planes(camera, &rays, size_px, options.oversampling, region.bounds)?;
         let slab_length = grid.mean_spacing() / options.sheets_per_slice;
-        let plans: Vec<LayerPlan> = layers
+        let mut plans: Vec<LayerPlan> = layers
             .iter()
             .zip(common.layers)
             .map(|(layer, map)| LayerPlan::new(layer, map, &region, slab_length, is_projection, layers.len() == 1))
@@ -219,6 +236,14 @@ impl Plan {
             None if composite == Composite::Over => Arc::new(FieldPlan::new(layers, &plans, camera)?),
             None => Arc::default(),
         };
+        let mut n_fields = fields.fields.len();
+        for (plan, layer) in plans.iter_mut().zip(layers) {
+            if let Some(color) = &layer.color {
+                let map = map_of_color(&grid, (&plan.grid, &plan.map), color.slices.grid())?;
+                plan.color = Some(ColorPlan::new(color, map, slab_length / plan.opacity_unit, n_fields));
+                n_fields += 1;
+            }
+        }
         let needs_preintegration = || {
             let mut pairs = plans.iter().zip(layers);
             pairs.any(|(plan, layer)| {
@@ -279,10 +304,15 @@ impl Plan {
             let shading = layer.shading.as_ref();
             shading.map(|s| Shader::new(s, &self.camera, steps, &plane.family, range))
         };
-        let mut modifiers = Modifiers::default();
+        let of_color = layer.color.as_ref();
+        let mut modifiers = Modifiers {
+            color: of_color.map(|c| FieldColor { field: c.field, tables: c.tables.clone(), has_mask: c.has_mask }),
+            ..Modifiers::default()
+        };
         if matches!(self.operator, Operator::Over { .. }) {
             let map = layer.grid.density_from_sample();
-            modifiers.by_gradient = GradientOpacity::new(&layer.transfer_function, steps, &plane.family, map);
+            let second = of_color.map(|color| (color.field, color.density_from_sample));
+            modifiers.by_gradient = GradientOpacity::new(&layer.transfer_function, steps, &plane.family, map, second);
             // A further layer without shading has no light that could be occluded.
             modifiers.light = self.fields.light.filter(|_| k == 0 || layer.shading.is_some());
             if k == 0 {
@@ -365,7 +395,17 @@ impl LayerPlan {
             density_range: layer.slices.range(),
             grid: grid.clone(),
             map,
+            color: None,
         }
+    }
+}
+
+impl ColorPlan {
+    /// Plans the field that colours a layer. `slab_thickness`: of a typical slab, in `opacity_unit`s.
+    fn new(color: &ColorField, map: IndexMap, slab_thickness: f64, field: usize) -> Self {
+        let tables = color.cache.get(color.slices, color.transfer_function, slab_thickness);
+        let density_from_sample = color.slices.grid().density_from_sample();
+        Self { map, tables, has_mask: color.slices.has_mask(), field, density_from_sample }
     }
 }
 
@@ -403,6 +443,25 @@ fn check_layers(layers: &[Layer], composite: Composite) -> Result<()> {
     if layers.len() > 1 && composite != Composite::Over {
         let mend = "draw each of them on its own, and add the pictures";
         return Err(Error::out_of_range("layers of a projection or surface", layers.len(), "1", mend));
+    }
+    if composite.is_projection() && layers.iter().any(|layer| layer.color.is_some()) {
+        let mend = "draw it with Composite::Over or Composite::FirstHit, or without the field";
+        return Err(Error::out_of_range("layer of a projection", "coloured by a field", "coloured by itself", mend));
+    }
+    for layer in layers {
+        let Some(joint) = layer.transfer_function.function_2d() else { continue };
+        let what = "two-dimensional transfer function of a layer";
+        match (joint.is_of_fields(), layer.color.is_some()) {
+            (true, false) => {
+                let mend = "give the layer the field, or a function of value and gradient";
+                return Err(Error::out_of_range(what, "of two fields", "of the layer's own samples", mend));
+            }
+            (false, true) => {
+                let mend = "give a function of one dimension, or of two fields";
+                return Err(Error::out_of_range(what, "of value and gradient", "for a layer of two fields", mend));
+            }
+            _ => {}
+        }
     }
     if layers.iter().any(|layer| layer.slices.bricks().is_none()) {
         let mend = "plan with the slices of the whole volume, then draw pieces from boxes";

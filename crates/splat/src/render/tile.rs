@@ -6,12 +6,13 @@
 use std::ops::Range;
 
 use wavesplat_compute::simd::{LANES, Level, Simd, VectorKernel};
+use wavesplat_core::Gradient;
 
 use crate::kernel::footprint_table::bits;
 use crate::ray::compositor::{Compositor, Slab};
 use crate::ray::state::TileState;
 use crate::render::empty_space::ActiveSlab;
-use crate::render::plan::{FamilyLayer, FamilyPlan, Plan};
+use crate::render::plan::{ColorPlan, FamilyLayer, FamilyPlan, Plan};
 use crate::sheet::field_sheets::{FieldSheets, FieldSlices};
 use crate::sheet::layer_sheets::LayerSheets;
 use crate::sheet::spacing::SheetSpacing;
@@ -87,7 +88,7 @@ pub(super) struct LayerJob<'a> {
 
 impl<'a> TileJob<'a> {
     /// Job of a base plane. `slices`: per layer, the volume, or a box of it that holds all samples that the pieces
-    /// need.
+    /// need; then the fields that colour layers, in the order of these.
     pub fn new(plan: &'a Plan, family: &'a FamilyPlan, slices: &[&'a Slices<'a>]) -> Self {
         let plane = &family.plane;
         let map = &plan.layers[0].map;
@@ -105,7 +106,16 @@ impl<'a> TileJob<'a> {
         let widened = plan.region.widened(plane, plane.beyond);
         let rays = RayGeometry { region: &plan.region, widened, ..family.ray_geometry(plan, &plan.layers[0]) };
         let of_field = |field| SheetGeometry::of_field(plan.simd, plane, field, map);
-        Self { family, layers, rays, level: plan.simd, fields: plan.fields.fields.iter().map(of_field).collect() }
+        let colored = plan.layers.iter().zip(&family.layers);
+        let colors = colored.filter_map(|(layer, of_family)| Some((layer.color.as_ref()?, of_family.gradient)));
+        // With the layer's gradient, which is not made: footprints then begin at the same samples as the layer's, and sums
+        // of equal samples have the same order.
+        let of_color = |((color, gradient), slices): ((&ColorPlan, Option<Gradient>), &&'a Slices<'a>)| {
+            SheetGeometry::new(plan.simd, plane, slices, gradient).placed(&color.map)
+        };
+        let of_colors = colors.zip(&slices[plan.layers.len()..]).map(of_color);
+        let fields = plan.fields.fields.iter().map(of_field).chain(of_colors).collect();
+        Self { family, layers, rays, level: plan.simd, fields }
     }
 
     /// Chunks of rays of a tile, given by its first texel, that may see something, as bits ([`Chunk::index`]).

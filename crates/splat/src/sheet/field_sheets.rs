@@ -83,6 +83,10 @@ impl FieldSheets {
         sheet.prepare(&from.0[field], chunks[0].block().mask());
         out.values.resize(self.made.len(), Default::default());
         w.store_to(sheet.density(w, chunks), &mut out.values[field], [0, 1]);
+        if from.0[field].slices.has_mask() {
+            out.missing.resize(self.made.len(), Default::default());
+            w.store_to(sheet.missing(w, chunks), &mut out.missing[field], [0, 1]);
+        }
     }
 
     /// Reads the gradient of a field whose value has been read.
@@ -108,6 +112,8 @@ impl FieldSheets {
 #[derive(Default)]
 pub struct FieldValues {
     values: Vec<[Lanes; 2]>,
+    /// Missing shares, of fields with missing samples.
+    missing: Vec<[Lanes; 2]>,
     gradient: [[Lanes; 2]; 3],
 }
 
@@ -116,6 +122,12 @@ impl FieldValues {
     #[inline(always)]
     pub fn value<W: Wide>(&self, w: W, field: usize) -> W::F {
         w.load_from(&self.values[field], [0, 1])
+    }
+
+    /// Missing share of a field with missing samples.
+    #[inline(always)]
+    fn missing<W: Wide>(&self, w: W, field: usize) -> W::F {
+        w.load_from(&self.missing[field], [0, 1])
     }
 
     /// The gradient that was read, along u, v, w per index step of the field.
@@ -151,6 +163,16 @@ impl<'a, W: Wide> FieldPoint<'a, W> {
         let front = self.front.value(w, field);
         match self.back {
             Some((back, share)) => w.add_mul(front, share, w.sub(back.value(w, field), front)),
+            None => front,
+        }
+    }
+
+    /// Missing share at this place of a field with missing samples.
+    #[inline(always)]
+    pub fn missing(&self, w: W, field: usize) -> W::F {
+        let front = self.front.missing(w, field);
+        match self.back {
+            Some((back, share)) => w.add_mul(front, share, w.sub(back.missing(w, field), front)),
             None => front,
         }
     }

@@ -44,21 +44,14 @@ impl CommonGrid {
         if grids.iter().all(is_same) {
             return Ok(Self { grid: first.clone(), layers: vec![IDENTITY_MAP; grids.len()] });
         }
-        let index_from_world = first.index_from_world();
         let mut placed = Vec::new();
         for (k, grid) in grids.iter().enumerate() {
-            let own = index_from_world * grid.world_from_index();
-            let [x, y, z] = [own.matrix3.x_axis, own.matrix3.y_axis, own.matrix3.z_axis];
-            let steps = DVec3::new(x.x, y.y, z.z);
-            let aside = [DVec3::new(0.0, x.y, x.z), DVec3::new(y.x, 0.0, y.z), DVec3::new(z.x, z.y, 0.0)];
-            let is_parallel = (0..3).all(|a| aside[a].length() <= PARALLEL * steps[a].abs());
-            if !is_parallel {
+            let Some(place) = place_in(first, grid) else {
                 let what = format!("axes of layer {}", k + 1);
                 let mend = "resample the layer onto axes of the first one";
                 return Err(Error::out_of_range(what, "oblique to the first layer's", "parallel to these", mend));
-            }
-            let steps = steps.map(|step| whole(step.abs()) * step.signum());
-            placed.push((own.translation.map(whole), steps));
+            };
+            placed.push(place);
         }
         let mut step = DVec3::ONE;
         let [mut lo, mut hi] = [DVec3::INFINITY, DVec3::NEG_INFINITY];
@@ -97,6 +90,44 @@ impl CommonGrid {
         };
         Ok(Self { grid, layers: placed.iter().map(map).collect() })
     }
+}
+
+/// Position of a grid's first sample, and its steps, in index positions of another grid; `None` where axes are oblique.
+fn place_in(other: &Grid, grid: &Grid) -> Option<(DVec3, DVec3)> {
+    let own = other.index_from_world() * grid.world_from_index();
+    let [x, y, z] = [own.matrix3.x_axis, own.matrix3.y_axis, own.matrix3.z_axis];
+    let steps = DVec3::new(x.x, y.y, z.z);
+    let aside = [DVec3::new(0.0, x.y, x.z), DVec3::new(y.x, 0.0, y.z), DVec3::new(z.x, z.y, 0.0)];
+    let is_parallel = (0..3).all(|a| aside[a].length() <= PARALLEL * steps[a].abs());
+    is_parallel.then(|| (own.translation.map(whole), steps.map(|step| whole(step.abs()) * step.signum())))
+}
+
+/// Map from the common grid to a field that colours a layer; the layer's own map where both have the same grid.
+///
+/// # Errors
+///
+/// [`Error::OutOfRange`] where the field's axes are not parallel to those of the common grid, or the layer reaches further
+/// than one sample of the field beyond it.
+pub fn map_of_color(common: &Grid, (layer, of_layer): (&Grid, &IndexMap), field: &Grid) -> Result<IndexMap> {
+    if (field.size(), field.world_from_index()) == (layer.size(), layer.world_from_index()) {
+        return Ok(*of_layer);
+    }
+    let Some((origin, steps)) = place_in(common, field) else {
+        let (what, mend) = ("axes of the field that colours a layer", "resample the field onto the layer's samples");
+        return Err(Error::out_of_range(what, "oblique to the layer's", "parallel to these", mend));
+    };
+    let map: IndexMap = [0, 1, 2].map(|a| (-origin[a] / steps[a], 1.0 / steps[a]));
+    let [lo, hi] = field.bounds();
+    let reach = DVec3::splat(1.0 + WHOLE);
+    let covers = |end: DVec3| {
+        let end = to_layer(&map, from_layer(of_layer, end));
+        end.cmpge(lo - reach).all() && end.cmple(hi + reach).all()
+    };
+    if !layer.bounds().into_iter().all(covers) {
+        let mend = "crop the layer to where the field is, or give a field that covers it";
+        return Err(Error::out_of_range("extent of the field that colours a layer", "a part of it", "all of it", mend));
+    }
+    Ok(map)
 }
 
 /// `x`, rounded where it is within [`WHOLE`] of a whole number.

@@ -366,7 +366,8 @@ fn rays(level: Level, case: &Case, tf: &TransferFunction, composite: Composite, 
         ..RenderOptions::default()
     };
     let cache = VisibilityCache::default();
-    let layer = Layer { slices: &slices, transfer_function: tf, shading: None, labels: None, cache: &cache };
+    let layer =
+        Layer { slices: &slices, transfer_function: tf, shading: None, labels: None, color: None, cache: &cache };
     let mut plan = Plan::new(level, &[layer], &camera_along(2, phantom.centre()), &options).expect("a plan");
     if let Operator::Over { pre_integrated, .. } = &mut plan.operator {
         *pre_integrated = is_preintegrated;

@@ -7,6 +7,7 @@
 
 pub mod ablation;
 mod active_blocks;
+pub mod color_field;
 mod medium;
 mod mixture;
 pub mod original;

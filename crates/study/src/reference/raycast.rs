@@ -27,6 +27,7 @@ use wavesplat_splat::view::region::{HalfSpace, Region};
 use wavesplat_splat::view::scattered::scattered_position;
 
 use super::active_blocks::ActiveBlocks;
+use super::color_field::{CastColor, CastField};
 use super::medium::Medium;
 use super::mixture::Mixture;
 use super::reached_samples::for_each_tap;
@@ -61,6 +62,8 @@ pub struct CastLayer<'a> {
     pub shading: Option<&'a Shading>,
     /// A segmentation beside the samples.
     pub labels: Option<&'a Labels>,
+    /// A field that gives the samples their colours.
+    pub color: Option<CastColor<'a>>,
 }
 
 /// Draws `options.composite = over` by ray casting; sheets and oversampling of the options are not used.
@@ -72,7 +75,8 @@ pub fn raycast(
     sampling: RaycastOptions,
     monitor: &dyn ProgressCallback,
 ) -> Result<Picture> {
-    let layer = CastLayer { volume, transfer_function: tf, shading: options.shading.as_ref(), labels: None };
+    let layer =
+        CastLayer { volume, transfer_function: tf, shading: options.shading.as_ref(), labels: None, color: None };
     raycast_layers(&[layer], camera, options, sampling, monitor)
 }
 
@@ -101,7 +105,9 @@ pub fn raycast_layers(
     };
     parallel::with_threads(options.n_threads, || {
         let slices: Vec<Slices> = layers.iter().map(|layer| Slices::new(layer.volume, sampling.kernel)).collect();
-        let caster = RayCaster::new(layers, &slices, camera, options, sampling.step)?;
+        let colors: Vec<Option<Slices>> =
+            layers.iter().map(|layer| layer.color.map(|color| Slices::new(color.volume, sampling.kernel))).collect();
+        let caster = RayCaster::new(layers, (&slices, &colors), camera, options, sampling.step)?;
         let rays = IndexRays::new(camera, first.volume.grid().index_from_world(), options.width_px, options.height_px);
         let (width_px, n_pixels) = (options.width_px, options.width_px * options.height_px);
         let progress = Progress::new(monitor, n_pixels.div_ceil(N_PIXELS));
@@ -180,6 +186,12 @@ impl<'a> Sampler<'a> {
         let mut sum = 0.0;
         for_each_tap(self.slices.kernel(), self.size, position, |at, weight| sum += weight * self.slices.at(at));
         sum
+    }
+
+    /// Value at an index position, in sample units; see [`Sampler::density`].
+    fn value(&self, position: DVec3) -> f64 {
+        let (offset, scale) = self.density_map;
+        self.density(position) / scale + offset
     }
 
     /// The missing share at an index position: the weight that the linear kernel gives to missing samples there,
@@ -344,6 +356,7 @@ struct CastVolume<'a> {
     own_from_first: DAffine3,
     world_from_index: DMat3,
     blocks: ActiveBlocks,
+    color: Option<CastField<'a>>,
 }
 
 impl CastVolume<'_> {
@@ -356,7 +369,7 @@ impl CastVolume<'_> {
 impl<'a> RayCaster<'a> {
     fn new(
         layers: &[CastLayer<'a>],
-        slices: &'a [Slices<'a>],
+        (slices, colors): (&'a [Slices<'a>], &'a [Option<Slices<'a>>]),
         camera: &Camera,
         options: &RenderOptions,
         step: f64,
@@ -370,7 +383,7 @@ impl<'a> RayCaster<'a> {
         };
         let of_all = RenderOptions { crop: in_world, ..options.clone() };
         let mut volumes = Vec::new();
-        for (layer, slices) in layers.iter().zip(slices) {
+        for (layer, (slices, color)) in layers.iter().zip(slices.iter().zip(colors)) {
             let grid = layer.volume.grid();
             let region = match Region::new(grid, &of_all) {
                 // Another layer may lie in the box.
@@ -386,6 +399,7 @@ impl<'a> RayCaster<'a> {
                 region,
                 own_from_first: grid.index_from_world() * first.world_from_index(),
                 world_from_index: grid.world_from_index().matrix3,
+                color: layer.color.zip(color.as_ref()).map(|(of, slices)| CastField::new(of, slices, grid)),
             });
         }
         let finest = layers.iter().map(|layer| layer.volume.grid().spacing().min_element());
@@ -493,7 +507,10 @@ impl CastVolume<'_> {
         if own == 0.0 && !self.blocks.is_active(position) {
             return Medium::NONE;
         }
-        let known = sampler.known(position);
+        let mut known = sampler.known(position);
+        if let Some(color) = &self.color {
+            known = known.min(color.known(position));
+        }
         if known == 0.0 {
             return Medium::NONE;
         }
@@ -502,8 +519,7 @@ impl CastVolume<'_> {
             return Medium::NONE;
         }
         let gradient = if sampler.needs_gradient() { sampler.gradient(position) } else { DVec3::ZERO };
-        let mut depth = sampler.optical_depth(density, gradient);
-        let mut rgb = sampler.unshaded(density, gradient);
+        let (mut depth, mut rgb) = self.classified(position, density, gradient);
         if let Some(Mixture { scan, tint, tint_rgb, .. }) = &mixture {
             // Opacity 1 has infinite depth, of which a share of 0 is NaN: where nothing is left of the scan, it is
             // clear.
@@ -523,11 +539,28 @@ impl CastVolume<'_> {
         scan.and(&Medium { extinction: own * per_unit, color })
     }
 
+    /// Optical depth per `opacity_unit` and colour of the scan at an index position, without light: by its density and
+    /// gradient, or by a second field there.
+    fn classified(&self, position: DVec3, density: f64, gradient: DVec3) -> (f64, [f64; 3]) {
+        let sampler = &self.sampler;
+        let Some(color) = &self.color else {
+            return (sampler.optical_depth(density, gradient), sampler.unshaded(density, gradient));
+        };
+        let of_field = color.value(position);
+        match sampler.tf.function_2d() {
+            Some(_) => {
+                let value = sampler.value(position);
+                (sampler.tf.optical_depth(value, of_field), sampler.tf.color_at(value, of_field))
+            }
+            None => (sampler.optical_depth(density, gradient), color.rgb(of_field)),
+        }
+    }
+
     /// Extinction of the scan or the label medium, the larger, at an index position if no sample were missing.
     fn full_extinction(&self, position: DVec3) -> f64 {
         let sampler = &self.sampler;
         let gradient = if sampler.needs_gradient() { sampler.gradient(position) } else { DVec3::ZERO };
-        let depth = sampler.optical_depth(sampler.density(position), gradient);
+        let (depth, _) = self.classified(position, sampler.density(position), gradient);
         let Some(labels) = self.labels else { return depth / sampler.opacity_unit() };
         let Mixture { scan, own, .. } = Mixture::new(labels, self.size, position);
         let depth = if scan > 0.0 { depth * scan } else { 0.0 };

@@ -337,7 +337,7 @@ impl<'a> FamilyScene<'a> {
             family,
             occupied: bricks.map(|bricks| bricks.occupied(family.axes, scene.classifier.visible_ranges(bricks))),
             shader: shader.map(|s| Shader::new(s, scene.camera, matrix, &family, scene.slices.range())),
-            by_gradient: GradientOpacity::new(scene.tf, matrix, &family, scene.grid.density_from_sample()),
+            by_gradient: GradientOpacity::new(scene.tf, matrix, &family, scene.grid.density_from_sample(), None),
             sight: Sight::new(scene, &family),
         }
     }

@@ -8,6 +8,7 @@ use glam::DVec3;
 use wavesplat_compute::simd::{LANES, Lanes, Simd, VectorKernel};
 use wavesplat_core::RenderOptions;
 use wavesplat_splat::optics::classify::one_minus_exp_neg;
+use wavesplat_splat::sheet::field_sheets::{FieldPoint, FieldValues};
 use wavesplat_splat::source::window::Window;
 use wavesplat_splat::view::family::Family;
 
@@ -267,7 +268,8 @@ fn shade<S: Simd>(
             difference(s, densities, before, after),
         ];
         if let Some(by_gradient) = &family.by_gradient {
-            classified = by_gradient.classify(s, density, gradient, classified);
+            classified =
+                by_gradient.classify(s, density, gradient, &FieldPoint::on(&FieldValues::default()), classified);
         }
         if let Some(shader) = &family.shader {
             let [r, g, b, depth] = classified;

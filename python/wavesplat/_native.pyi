@@ -283,6 +283,7 @@ class TransferFunction:
         magnitudes: Sequence[float],
         rgba: Sequence[tuple[float, float, float, float]],
         opacity_unit: float | None,
+        of_fields: bool,
     ) -> TransferFunction: ...
     def evaluate(self, values: NDArray[np.float64]) -> NDArray[np.float64]: ...
     def evaluate_at(self, values: NDArray[np.float64], magnitudes: NDArray[np.float64]) -> NDArray[np.float64]: ...
@@ -347,7 +348,14 @@ class Ablation:
     ) -> Ablation: ...
 
 def render(
-    layers: Sequence[tuple[Volume | DecodedVolume | LazyVolume, TransferFunction, Shading | None]],
+    layers: Sequence[
+        tuple[
+            Volume | DecodedVolume | LazyVolume,
+            TransferFunction,
+            Shading | None,
+            tuple[Volume, TransferFunction] | None,
+        ]
+    ],
     camera: Camera,
     frame: FrameArguments,
     progress: Callable[[float], object] | None,
@@ -388,7 +396,7 @@ def render_standard(
     progress: Callable[[float], object] | None,
 ) -> RenderResult: ...
 def raycast(
-    layers: Sequence[tuple[Volume, TransferFunction, Shading | None]],
+    layers: Sequence[tuple[Volume, TransferFunction, Shading | None, tuple[Volume, TransferFunction] | None]],
     camera: Camera,
     *,
     labels: Labels | None,
@@ -448,7 +456,14 @@ def plane(
 ) -> NDArray[np.float32]: ...
 def quality_settings(
     name: str,
-    layers: Sequence[tuple[Volume | DecodedVolume | LazyVolume, TransferFunction, Shading | None]],
+    layers: Sequence[
+        tuple[
+            Volume | DecodedVolume | LazyVolume,
+            TransferFunction,
+            Shading | None,
+            tuple[Volume, TransferFunction] | None,
+        ]
+    ],
     camera: Camera,
     height: int,
 ) -> tuple[float, float]: ...

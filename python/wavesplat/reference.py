@@ -89,7 +89,12 @@ def raycast(
     first = shown.layers[0]
     rgba = _native.raycast(
         [
-            (volume._core, layer.faded(layer.look.transfer_function)._core, light._core if light is not None else None)
+            (
+                volume._core,
+                layer.faded(layer.look.transfer_function)._core,
+                light._core if light is not None else None,
+                None if layer.color is None else (layer.color.seen._core, layer.color.function._core),
+            )
             for volume, layer, light in zip(volumes, shown.layers, lights, strict=True)
         ],
         arguments.chosen_camera(camera, parts, clipping, width / max(height, 1))._core,

@@ -71,15 +71,21 @@ impl PyTransferFunction {
         tf.and_then(|tf| tf.with_gradient_opacity(gradient_opacity)).map(Self).map_err(to_py)
     }
 
-    /// A function of value and gradient magnitude; `rgba`: one row of values per magnitude.
+    /// A function of value and gradient magnitude, or, if `of_fields`, of the values of two fields; `rgba`: one row of
+    /// values per magnitude, or value of the other field.
     #[staticmethod]
     fn two_dimensional(
         values: Vec<f64>,
         magnitudes: Vec<f64>,
         rgba: Vec<[f64; 4]>,
         opacity_unit: Option<f64>,
+        of_fields: bool,
     ) -> PyResult<Self> {
-        let joint = TransferFunction2D::new(values, magnitudes, rgba);
+        let joint = if of_fields {
+            TransferFunction2D::of_fields(values, magnitudes, rgba)
+        } else {
+            TransferFunction2D::new(values, magnitudes, rgba)
+        };
         joint.and_then(|joint| TransferFunction::two_dimensional(joint, opacity_unit)).map(Self).map_err(to_py)
     }
 

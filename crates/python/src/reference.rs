@@ -5,6 +5,7 @@ use pyo3::prelude::*;
 use wavesplat::Kernel;
 use wavesplat_study::RenderOptions;
 use wavesplat_study::reference;
+use wavesplat_study::reference::color_field::CastColor;
 use wavesplat_study::reference::raycast::{CastLayer, RaycastOptions, raycast_layers};
 
 use crate::arguments::{PyCamera, PyShading, PyTransferFunction, Triple};
@@ -14,8 +15,12 @@ use crate::progress::PyProgress;
 use crate::rendering::{Corners, clip_planes, crop, image};
 use crate::volume::{PyVolume, with_samples_of_all};
 
-/// A volume, its transfer function, and its shading.
-type PyCastLayer<'py> = (PyRef<'py, PyVolume>, PyRef<'py, PyTransferFunction>, Option<PyRef<'py, PyShading>>);
+/// A field that colours a layer, and its transfer function.
+type PyCastColor<'py> = (PyRef<'py, PyVolume>, PyRef<'py, PyTransferFunction>);
+
+/// A volume, its transfer function, its shading, and the field that colours it.
+type PyCastLayer<'py> =
+    (PyRef<'py, PyVolume>, PyRef<'py, PyTransferFunction>, Option<PyRef<'py, PyShading>>, Option<PyCastColor<'py>>);
 
 /// See `_native.pyi`.
 #[pyfunction]
@@ -47,17 +52,25 @@ pub fn raycast<'py>(
         ..RenderOptions::default()
     };
     let sampling = RaycastOptions { kernel: Kernel::from_name(kernel).map_err(to_py)?, step, rays_per_pixel };
-    let volumes: Vec<&PyVolume> = layers.iter().map(|(volume, ..)| &**volume).collect();
+    let colors = layers.iter().filter_map(|(.., color)| color.as_ref()).map(|(volume, _)| &**volume);
+    let volumes: Vec<&PyVolume> = layers.iter().map(|(volume, ..)| &**volume).chain(colors).collect();
     let picture = with_samples_of_all(py, &volumes, &mut |volumes| {
+        // Behind the layers' volumes are those of the fields that colour layers.
+        let (volumes, of_colors) = volumes.split_at(layers.len());
+        let mut of_colors = of_colors.iter();
         let cast: Vec<CastLayer> = volumes
             .iter()
             .zip(&layers)
             .enumerate()
-            .map(|(k, (volume, (_, tf, shading)))| CastLayer {
+            .map(|(k, (volume, (_, tf, shading, color)))| CastLayer {
                 volume,
                 transfer_function: &tf.0,
                 shading: shading.as_ref().map(|shading| &shading.0),
                 labels: labels.filter(|_| k == 0).map(|labels| &*labels.0),
+                color: color.as_ref().and_then(|(_, tf)| {
+                    let volume = of_colors.next()?;
+                    Some(CastColor { volume, transfer_function: &tf.0 })
+                }),
             })
             .collect();
         let progress = PyProgress::new(None);

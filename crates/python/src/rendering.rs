@@ -9,7 +9,8 @@ use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
 use wavesplat::{
     ClipPlane, Composite, Crop, DepthColors, DrawnBy, Effort, Frame, FrameOptions, Framing, Kernel, Measured, Picture,
-    Plane, PngBits, PsnrTarget, Reduction, RungError, Sampling, Scene, SceneLayer, StageTimes, ThickSlab, png_of_rgba,
+    Plane, PngBits, PsnrTarget, Reduction, RungError, Sampling, Scene, SceneColor, SceneLayer, StageTimes, ThickSlab,
+    png_of_rgba,
 };
 
 use crate::arguments::{PyCamera, PyShading, PyTransferFunction, Triple, vector};
@@ -103,8 +104,12 @@ impl From<Measured> for PyMeasured {
     }
 }
 
-/// A volume, its transfer function, and its shading.
-pub type PyLayer<'py> = (Drawable<'py>, PyRef<'py, PyTransferFunction>, Option<PyRef<'py, PyShading>>);
+/// A field that colours a layer, and its transfer function.
+pub type PyColor<'py> = (Drawable<'py>, PyRef<'py, PyTransferFunction>);
+
+/// A volume, its transfer function, its shading, and the field that colours it.
+pub type PyLayer<'py> =
+    (Drawable<'py>, PyRef<'py, PyTransferFunction>, Option<PyRef<'py, PyShading>>, Option<PyColor<'py>>);
 
 /// Calls `work` with the scene of layers.
 fn with_scene<T>(
@@ -112,12 +117,20 @@ fn with_scene<T>(
     layers: &[PyLayer<'_>],
     mut work: impl FnMut(Scene<'_>) -> PyResult<T>,
 ) -> PyResult<T> {
-    let drawables: Vec<&Drawable<'_>> = layers.iter().map(|(drawable, ..)| drawable).collect();
-    with_volumes(py, &drawables, &mut |volumes| {
-        let layer = |(volume, (_, tf, shading)): (_, &PyLayer<'_>)| SceneLayer {
+    let colors = layers.iter().filter_map(|(.., color)| color.as_ref());
+    let drawables: Vec<&Drawable<'_>> =
+        layers.iter().map(|(drawable, ..)| drawable).chain(colors.map(|(drawable, _)| drawable)).collect();
+    with_volumes(py, &drawables, &mut |mut volumes| {
+        // Behind the layers' volumes are those of the fields that colour layers.
+        let mut of_colors = volumes.split_off(layers.len()).into_iter();
+        let layer = |(volume, (_, tf, shading, color)): (_, &PyLayer<'_>)| SceneLayer {
             volume,
             transfer_function: tf.0.clone(),
             shading: shading.as_ref().map(|shading| shading.0.clone()),
+            color: color.as_ref().and_then(|(_, tf)| {
+                let volume = of_colors.next()?;
+                Some(SceneColor { volume, transfer_function: tf.0.clone() })
+            }),
         };
         work(Scene::of(volumes.into_iter().zip(layers).map(layer).collect()))
     })

@@ -55,6 +55,7 @@ fn scene_of(layers: &[PyLazyLayer<'_>], frame: &PyFrame<'_>) -> PyResult<(Scene<
         volume: SceneVolume::Lazy(volume.0.clone()),
         transfer_function: tf.0.clone(),
         shading: shading.as_ref().map(|shading| shading.0.clone()),
+        color: None,
     };
     let mut scene = Scene::of(layers.iter().map(layer).collect());
     frame.fill(&mut scene);

@@ -150,7 +150,7 @@ def tinted(function: TransferFunction | TransferFunction2D, color: Rgb) -> Trans
     """The transfer function tinted: its white becomes a colour."""
     if isinstance(function, TransferFunction2D):
         rgba = function.rgba * np.array([*color, 1.0])
-        return TransferFunction2D(function.values, function.magnitudes, rgba, function.opacity_unit)
+        return function._with_rgba(rgba)
     red, green, blue = color
     nodes = [(value, r * red, g * green, b * blue) for value, r, g, b in function.color]
     return TransferFunction(function.opacity, nodes, function.opacity_unit, function.gradient_opacity)

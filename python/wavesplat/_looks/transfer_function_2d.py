@@ -1,4 +1,4 @@
-"""Transfer functions of two dimensions: sample value and magnitude of the gradient -> opacity and colour.
+"""Transfer functions of two dimensions: value and gradient, or the values of two fields -> opacity and colour.
 
 The boundary of two materials passes through all values between theirs, so a value alone cannot tell it from a third
 material; at a boundary the gradient is large, inside a material it is small.
@@ -11,8 +11,9 @@ from __future__ import annotations
 import json
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from os import PathLike
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -28,25 +29,32 @@ __all__ = ["TransferFunction2D"]
 WHAT = "two-dimensional transfer function"
 #: Ratio of the gradient at which a surface is whole to the least gradient at which there is one.
 FADE = 1.5
+ROWS = ("gradient", "field")
 
 
 @public
 @dataclass(frozen=True, init=False, eq=False)
 class TransferFunction2D:
-    """Opacity and colour by sample value and magnitude of the gradient: a table, bilinear between its nodes.
+    """Opacity and colour by sample value and magnitude of the gradient, or by the values of two fields.
+
+    A table, bilinear between its nodes.
 
     Parameters
     ----------
     values : sequence of float
         Sample values of the table's columns, in order; constant beyond the first and the last.
     magnitudes : sequence of float
-        Magnitudes of the gradient of its rows, sample units per world unit, 0 or more, in order; constant beyond.
+        Magnitudes of the gradient of its rows, sample units per world unit, 0 or more, in order; constant beyond. With
+        rows="field" values of the second field, in its units.
     rgba : array, shape (magnitudes, values, 4)
         Red, green, blue and opacity, 0..1. Opacity is that of a slab one `opacity_unit` thick.
         Colour is interpolated on its own, so give clear nodes the colour of their neighbours.
     opacity_unit : float, optional
         Thickness that the opacities belong to, world units.
         None takes the geometric mean of the volume's spacings.
+    rows : "gradient" or "field", default "gradient"
+        What the rows are: magnitudes of the gradient, or values of the field that colours a layer,
+        `Layer(volume, function, color_from=field)`.
 
     Raises
     ------
@@ -63,12 +71,20 @@ class TransferFunction2D:
     >>> tf = ws.TransferFunction2D([0, 255], [0, 20, 30], rgba)
     >>> tf([100, 100], [10, 25])[:, 3].tolist()
     [0.0, 0.5]
+
+    Of two fields: opaque where the first exceeds 10 and the second is negative:
+
+    >>> rgba = [[[1, 1, 1, 0], [0, 0, 1, 1]], [[1, 1, 1, 0], [1, 0, 0, 0]]]
+    >>> tf = ws.TransferFunction2D([9, 10], [-1, 1], rgba, rows="field")
+    >>> tf(10, [-1, 0, 1])[:, 3].round(2).tolist()
+    [1.0, 0.5, 0.0]
     """
 
     values: tuple[float, ...]
     magnitudes: tuple[float, ...]
     rgba: NDArray[np.float64]
     opacity_unit: float | None
+    rows: Literal["gradient", "field"]
     _core: _native.TransferFunction = field(init=False, repr=False)
 
     @takes_its_types
@@ -78,30 +94,35 @@ class TransferFunction2D:
         magnitudes: Iterable[float],
         rgba: ArrayLike,
         opacity_unit: float | None = None,
+        *,
+        rows: Literal["gradient", "field"] = "gradient",
     ) -> None:
-        columns, rows = _numbers(values, "values"), _numbers(magnitudes, "magnitudes")
+        if rows not in ROWS:
+            raise ArgumentError(f"{WHAT}: rows is {described(rows)}; give {' or '.join(map(repr, ROWS))}")
+        columns, places = _numbers(values, "values"), _numbers(magnitudes, "magnitudes")
         try:
             table = np.array(rgba, dtype=np.float64)
         except (TypeError, ValueError, OverflowError):
             raise ArgumentError(f"{WHAT}: rgba is no array of numbers; give shape (magnitudes, values, 4)") from None
-        if table.shape != (len(rows), len(columns), 4):
+        if table.shape != (len(places), len(columns), 4):
             raise ArgumentError(
-                f"{WHAT}: rgba has shape {table.shape}; with {len(rows)} magnitudes and {len(columns)} values it must "
-                f"be ({len(rows)}, {len(columns)}, 4)"
+                f"{WHAT}: rgba has shape {table.shape}; with {len(places)} magnitudes and {len(columns)} values it "
+                f"must be ({len(places)}, {len(columns)}, 4)"
             )
         table.flags.writeable = False
         unit = None if opacity_unit is None else float(opacity_unit)
         # Checked at once, so that an error points at the line that made it.
         core = _native.TransferFunction.two_dimensional(
-            columns, rows, [(r, g, b, a) for r, g, b, a in table.reshape(-1, 4).tolist()], unit
+            columns, places, [(r, g, b, a) for r, g, b, a in table.reshape(-1, 4).tolist()], unit, rows == "field"
         )
-        for name, value in zip(self.__dataclass_fields__, (columns, rows, table, unit, core), strict=True):
+        for name, value in zip(self.__dataclass_fields__, (columns, places, table, unit, rows, core), strict=True):
             object.__setattr__(self, name, value)
 
     def __repr__(self) -> str:
+        rows = "magnitudes" if self.rows == "gradient" else "values of a second field"
         return (
             f"<TransferFunction2D: {len(self.values)} values {self.values[0]:.4g} to {self.values[-1]:.4g}, "
-            f"{len(self.magnitudes)} magnitudes {self.magnitudes[0]:.4g} to {self.magnitudes[-1]:.4g}>"
+            f"{len(self.magnitudes)} {rows} {self.magnitudes[0]:.4g} to {self.magnitudes[-1]:.4g}>"
         )
 
     def __call__(self, values: ArrayLike, magnitudes: ArrayLike) -> NDArray[np.float64]:
@@ -112,19 +133,25 @@ class TransferFunction2D:
 
     def _moved(self, offset: float) -> TransferFunction2D:
         """The same colours and opacities at values that are larger by `offset`."""
-        return TransferFunction2D([v + offset for v in self.values], self.magnitudes, self.rgba, self.opacity_unit)
+        moved = [v + offset for v in self.values]
+        return TransferFunction2D(moved, self.magnitudes, self.rgba, self.opacity_unit, rows=self.rows)
+
+    def _with_rgba(self, rgba: NDArray[np.float64]) -> TransferFunction2D:
+        """The function with another table at the same nodes."""
+        return TransferFunction2D(self.values, self.magnitudes, rgba, self.opacity_unit, rows=self.rows)
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, TransferFunction2D):
             return NotImplemented
-        return (self.values, self.magnitudes, self.opacity_unit) == (
+        return (self.values, self.magnitudes, self.opacity_unit, self.rows) == (
             other.values,
             other.magnitudes,
             other.opacity_unit,
+            other.rows,
         ) and np.array_equal(self.rgba, other.rgba)
 
     def __hash__(self) -> int:
-        return hash((self.values, self.magnitudes, self.opacity_unit, self.rgba.tobytes()))
+        return hash((self.values, self.magnitudes, self.opacity_unit, self.rows, self.rgba.tobytes()))
 
     @classmethod
     @takes_its_types
@@ -213,12 +240,13 @@ class TransferFunction2D:
         from wavesplat._files import json_object
 
         needed = ("values", "magnitudes", "rgba")
-        known = {*needed, "version", "name", "description", "opacity_unit"}
+        known = {*needed, "version", "name", "description", "opacity_unit", "rows"}
         json_object.check_fields(document, WHAT, needed=needed, known=known, hint="TransferFunction2D.to_json")
         unit = document.get("opacity_unit")
         if unit is not None and (isinstance(unit, bool) or not isinstance(unit, int | float)):
             raise ArgumentError(f"{WHAT}: field 'opacity_unit' is {described(unit)}; it must be a number or null")
-        return cls(document["values"], document["magnitudes"], document["rgba"], unit)
+        rows = document.get("rows", "gradient")
+        return cls(document["values"], document["magnitudes"], document["rgba"], unit, rows=rows)
 
     def to_json(self) -> str:
         """The function as a JSON text, which `from_json` reads back exactly."""
@@ -227,7 +255,8 @@ class TransferFunction2D:
     def _fields(self) -> dict[str, Any]:
         """The table as the fields of its JSON object."""
         table = {"opacity_unit": self.opacity_unit, "values": self.values, "magnitudes": self.magnitudes}
-        return {**table, "rgba": self.rgba.tolist()}
+        rows = {} if self.rows == "gradient" else {"rows": self.rows}
+        return {**table, **rows, "rgba": self.rgba.tolist()}
 
     @classmethod
     def load(cls, path: str | PathLike[str]) -> TransferFunction2D:
@@ -258,7 +287,8 @@ class TransferFunction2D:
         output.write_atomically(path, lambda part: part.write_text(text, encoding="utf-8"))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.values, self.magnitudes, self.rgba, self.opacity_unit)
+        made = partial(type(self), rows=self.rows)
+        return made, (self.values, self.magnitudes, self.rgba, self.opacity_unit)
 
 
 def _numbers(numbers: Iterable[float], what: str) -> tuple[float, ...]:

@@ -105,10 +105,10 @@ def _blended_function(
             _blended_nodes(gradients[0] or whole, gradients[1] or whole, t) if any(gradients) else (),
         )
     if isinstance(a, TransferFunction2D) and isinstance(b, TransferFunction2D):
-        if np.array_equal(a.values, b.values) and np.array_equal(a.magnitudes, b.magnitudes):
-            return TransferFunction2D(a.values, a.magnitudes, (1 - t) * a.rgba + t * b.rgba, unit)
+        if a.rows == b.rows and a.values == b.values and a.magnitudes == b.magnitudes:
+            return TransferFunction2D(a.values, a.magnitudes, (1 - t) * a.rgba + t * b.rgba, unit, rows=a.rows)
         raise ArgumentError(
-            "transfer functions of two dimensions mix on one grid; give both the same values and magnitudes"
+            "transfer functions of two dimensions mix on one grid; give both the same values, magnitudes and rows"
         )
     raise ArgumentError(
         "a transfer function of one dimension does not mix with one of two; give key frames of one kind"

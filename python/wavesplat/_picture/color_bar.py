@@ -73,8 +73,8 @@ def scale_of(curves: TransferFunction | None, composite: str, title: str, backgr
     """The scale of a transfer function's bar; `curves` None is one that depends on more than the value."""
     if curves is None:
         raise ArgumentError(
-            f"the colours of {title!r} depend on the gradient too, so there is no colour bar for them; "
-            "leave it out, or draw with a TransferFunction"
+            f"the colours of {title!r} depend on the gradient or a second field too, so there is no colour bar for "
+            "them; leave it out, or draw with a TransferFunction"
         )
     low, high = _window(curves)
     is_log = _is_log(curves) and low > 0

@@ -61,6 +61,7 @@ from wavesplat._scene.drawn_layers import (
     DrawnLayers,
     drawn_layers,
     drawn_volumes,
+    identity_of,
     why_no_brain,
 )
 from wavesplat._scene.reporting import facts_of
@@ -141,7 +142,7 @@ def _drawn_scene(scene: Scene, camera: Camera | str | None, options: DrawOptions
     functions = [_function(frame, layer, len(layers)) for layer in layers]
     picture = _seen_by(eyes, frame, layers, functions)
     picture.report.update(facts_of_picture(scene, eye, eyes.size_of(size), behind, labels))
-    picture.report.update(facts_of_layers(scene, layers, functions, composite))
+    picture.report.update(facts_of_layers(scene, layers, functions, operator))
     picture.report.update(_facts(frame, eyes, layers, functions, picture.report))
     if resampled := shown.resampled:
         picture.report["resampled"] = resampled
@@ -473,13 +474,13 @@ def _rendered(
     faded = [_with_opacity(frame, layer, function) for layer, function in zip(layers, functions, strict=True)]
     lights = [_light(frame.scene, layer, frame.light) for layer in layers]
     drawn = [
-        (core, function._core, None if light is None else light._core)
-        for core, function, light in zip(cores, faded, lights, strict=True)
+        (core, function._core, None if light is None else light._core, _color(layer, function, operator))
+        for core, function, light, layer in zip(cores, faded, lights, layers, strict=True)
     ]
     absorbs = projection.absorption(operator, layers[0].volume) if isinstance(operator, XRay) else None
     numbers = projection.numbers(operator, functions[0], layers[0].volume, absorbs)
     errors = _MeasuredErrors(frame, layers, functions)
-    with drawing(*(layer.volume for layer in layers)):
+    with drawing(*(layer.volume for layer in layers), *(layer.color.volume for layer in layers if layer.color)):
         sheets_per_slice, oversampling = _sampling(frame, drawn)
         texels = 1 if options.psnr is not None else min(abs(oversampling), MAX_OVERSAMPLING) ** 2
         check_picture_memory(frame.size, PIXEL_BYTES + TEXEL_BYTES * texels)
@@ -523,7 +524,13 @@ def _rendered(
     return result, report
 
 
-def _sampling(frame: _Frame, drawn: Sequence[tuple[Any, Any, Any]]) -> tuple[float, float]:
+def _color(layer: DrawnLayer, function: Curves, operator: Operator) -> tuple[Any, Any] | None:
+    """The field that colours a layer, for the compiled module."""
+    color = layer.color
+    return None if color is None else (color.seen._core, color.function_at(function, operator)._core)
+
+
+def _sampling(frame: _Frame, drawn: Sequence[tuple[Any, Any, Any, Any]]) -> tuple[float, float]:
     """Sheets per slice and texels per pixel: as given, else what the quality says for the layer that needs most."""
     wanted, height = frame.sampling, frame.size[1]
     sheets, texels = _native.quality_settings(wanted.quality, drawn, frame.camera._core, height)
@@ -548,6 +555,7 @@ class _MeasuredErrors:
         )
         self._shown: Any = (
             [layer.identity for layer in layers],
+            [(identity_of(c.volume), c.function) if (c := layer.color) else None for layer in layers],
             functions,
             [layer.look.shading if shading == "look" else shading for layer in layers],
             frame.labels,

@@ -32,6 +32,7 @@ from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._render.arguments import chosen_look, cut_open
 from wavesplat._render.framing import Part
+from wavesplat._scene.drawn_color import DrawnColor, check_operator, check_rows, drawn_color
 from wavesplat._scene.resampling import check_units, is_oblique, on_axes_of
 from wavesplat.errors import ArgumentError
 
@@ -82,6 +83,8 @@ class DrawnLayer:
     is_automatic: bool
     #: Boxes that are cut out of it.
     boxes: Boxes
+    #: The field that colours it.
+    color: DrawnColor | None = None
 
     @property
     def core(self) -> _native.Volume | _native.DecodedVolume:
@@ -110,7 +113,7 @@ class DrawnLayer:
         if isinstance(function, TransferFunction2D):
             rgba = function.rgba.copy()
             rgba[..., 3] *= self.opacity
-            return TransferFunction2D(function.values, function.magnitudes, rgba, function.opacity_unit)
+            return function._with_rgba(rgba)
         nodes = [(value, self.opacity * alpha) for value, alpha in function.opacity]
         return TransferFunction(nodes, function.color, function.opacity_unit, function.gradient_opacity)
 
@@ -123,8 +126,10 @@ def identity_of(volume: Volume | WaveletVolume) -> tuple[object, int]:
 
 
 def drawn_volumes(scene: Scene) -> list[Volume | WaveletVolume]:
-    """The volumes of the visible layers."""
-    return [layer.drawn for layer in scene.layers if layer.is_shown]
+    """The volumes of the visible layers, and of the fields that colour them."""
+    shown = [layer for layer in scene.layers if layer.is_shown]
+    fields = [layer.color_from for layer in shown if layer.color_from is not None]
+    return [layer.drawn for layer in (*shown, *fields)]
 
 
 def operator_name(looks: Sequence[Look]) -> Composite:
@@ -169,11 +174,13 @@ def drawn_layers(scene: Scene, composite: Composite | None) -> DrawnLayers:
         if layer.is_shown or (number == 0 and scene.labels is not None)
     ]
     volumes = [layer.drawn for layer in layers]
+    fields = [layer.color_from.drawn for layer in layers if layer.color_from is not None]
     # Changed files are found before kept looks are used, which were chosen for the samples as they were.
-    compare(volumes)
+    compare([*volumes, *fields])
     first = volumes[0] if layers and layers[0] is scene.layers[0] else scene.layers[0].drawn
-    check_units(volumes)
-    looks = [_kept_look(scene, layer, composite) for layer in layers]
+    check_units([*volumes, *fields])
+    # Two fields are drawn as matter where nothing else is said.
+    looks = [_kept_look(scene, layer, composite or ("over" if layer.color_from else None)) for layer in layers]
     name = composite or operator_name(looks)
     several = len(layers) > 1
     if several:
@@ -188,9 +195,21 @@ def drawn_layers(scene: Scene, composite: Composite | None) -> DrawnLayers:
         drawn = _part(layer, volume, look, is_tableless=name != "minimum" and not scene.keep_table)
         placed = on_axes_of(drawn, volumes[0])
         boxes = in_samples_of(placed, scene._clipping.boxes, first)
+        color = _color(scene, layer, volume, volumes[0])
+        check_rows(layer, look)
+        check_operator(layer, name)
         seen = cut_open(placed, boxes)
-        shown.append(DrawnLayer(layer, volume, seen, look, _is_automatic(layer), boxes))
+        shown.append(DrawnLayer(layer, volume, seen, look, _is_automatic(layer), boxes, color))
     return DrawnLayers(shown, name, first)
+
+
+def _color(
+    scene: Scene, layer: Layer, volume: Volume | WaveletVolume, first: Volume | WaveletVolume
+) -> DrawnColor | None:
+    """The field that colours a layer, with its look."""
+    if layer.color_from is None:
+        return None
+    return drawn_color(layer, volume, _kept_look(scene, layer.color_from, "over"), first)
 
 
 def why_no_brain(layer: DrawnLayer) -> str | None:

@@ -50,6 +50,13 @@ class Layer:
         Which volume of a series.
     name : str, optional
         What legends and messages call it; None is the name of the volume.
+    color_from : Layer, Volume, Series, array, or what else `Volume` takes, optional
+        A second field, whose values give the colours, while those of `volume` say how opaque it is, or where its
+        surface lies (`FirstHit`): density coloured by temperature. Of a `Layer` the colours are those of its look, in
+        values of its own volume; its opacities count for nothing. Without a look one is chosen by the kind of data. Of
+        a series it is the volume of this layer's `time`. The field has its own samples and must cover `volume`; where
+        either value is missing (NaN), nothing is drawn. With a `TransferFunction2D(..., rows="field")` as `look` both
+        fields decide opacity and colour together. Both must be in memory. None colours the layer by its own values.
 
     Raises
     ------
@@ -63,6 +70,12 @@ class Layer:
     >>> scene = ws.Scene([ws.Layer(a, name="a"), ws.Layer(b, "grey", opacity=0.5, name="b")])
     >>> [layer.name for layer in scene.layers]
     ['a', 'b']
+
+    One field coloured by another:
+
+    >>> height = ws.Volume(np.indices((8, 8, 8))[0].astype(np.float32), name="height")
+    >>> ws.render(ws.Scene(ws.Layer(a, color_from=height)), size=(32, 32)).report["shown"][0]["name"]
+    'height'
     """
 
     volume: Any
@@ -72,6 +85,7 @@ class Layer:
     opacity: float = 1.0
     time: int = 0
     name: str | None = None
+    color_from: Any = None
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "time", _place(self.time))
@@ -88,6 +102,8 @@ class Layer:
             self, "name", self.volume.name if self.name is None else text_of(self.name, "name of the layer")
         )
         check_text(self.name, "name of the layer")
+        if self.color_from is not None:
+            object.__setattr__(self, "color_from", _color_layer(self.color_from, self.time))
 
     @classmethod
     @takes_its_types
@@ -155,6 +171,16 @@ class Layer:
     def is_shown(self) -> bool:
         """Whether the layer is visible, with an opacity above 0."""
         return self.visible and self.opacity > 0
+
+
+def _color_layer(given: object, time: int) -> Layer:
+    """The field that colours a layer, as a layer of its own."""
+    layer = given if isinstance(given, Layer) else Layer(given)
+    if layer.color_from is not None:
+        raise ArgumentError(
+            f"color_from is the layer {layer.name!r}, which has a color_from itself; give the field of its colours"
+        )
+    return replace(layer, time=time) if isinstance(layer.volume, Series) else layer
 
 
 def drawable(given: object) -> Volume | WaveletVolume:

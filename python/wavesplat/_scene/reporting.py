@@ -46,6 +46,8 @@ def facts_of(
     """Fields of the report: version, scene, quality, kernel and operator."""
     quality, composite = scene_json.fields_of_sampling(sampling), scene_json.fields_of_operator(operator)
     looks = {id(layer.layer): _resolved(scene, layer, curves) for layer, curves in zip(layers, functions, strict=True)}
+    colors = [layer.color for layer in layers if layer.color is not None]
+    looks |= {id(color.layer): look_json.fields_of(color.look, _curves(scene, color.function)) for color in colors}
 
     def look_of(layer: Layer) -> Any:
         return looks[id(layer)] if id(layer) in looks else scene_json.given_look(layer)

@@ -2,23 +2,25 @@
 
     {"wavesplat": "scene", "version": 1,
      "layers": [{"volume": {"path": "ct.nii.gz", "then": [{"smoothed": {"deviation": 0.7}}]},
-                 "name": "ct", "look": {"transfer_function": {...}}, "visible": true, "opacity": 1, "time": 0}],
+                 "name": "ct", "look": {"transfer_function": {...}}, "visible": true, "opacity": 1, "time": 0,
+                 "color_from": {"volume": {...}, "name": "dose", "look": "auto"}}],
      "labels": null, "shading": "look", "clip": [{"plane": {"point": [0, 0, 0], "normal": [0, 1, 0]}}],
      "background": "black", "keep_table": false,
      "camera": {...}, "render": {"size": [512, 512], "quality": "normal", "kernel": "linear", "composite": "over"}}
 
 A volume is a file and the options that it is opened with, or an example, and what is done to it then. A look is an
-object as `Look.to_json` writes it, the name of a preset, or null: by the kind of data. `camera` and `render` may be
-left out; the documents in reports and PNG files have them, and `figure`, the arguments of `Picture.annotated`, where
-something was drawn on the picture, and those of the viewer `view`, which only it reads. Relative paths start from the
-document's folder, and files lie in it (`document_paths`).
+object as `Look.to_json` writes it, the name of a preset, or null: by the kind of data. `color_from` is the field that
+colours a layer, if there is one. `camera` and `render` may be left out; the documents in reports and PNG files have
+them, and `figure`, the arguments of `Picture.annotated`, where something was drawn on the picture, and those of the
+viewer `view`, which only it reads. Relative paths start from the document's folder, and files lie in it
+(`document_paths`).
 """
 
 from __future__ import annotations
 
 import json
 from collections.abc import Callable, Collection, Mapping
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar
 
@@ -62,7 +64,8 @@ T = TypeVar("T")
 KIND, VERSION = "scene", 1
 WHAT = "scene"
 LABELS = ("volume", "labels", "smooth")
-LAYER = ("volume", "name", "look", "visible", "opacity", "time")
+LAYER = ("volume", "name", "look", "visible", "opacity", "time", "color_from")
+COLOR = ("volume", "name", "look")
 SCENE = ("layers", "labels", "shading", "clip", "background", "keep_table")
 KNOWN = ("wavesplat", "version", *SCENE, "camera", "render", "figure", "view")
 RENDER = ("size", "quality", "psnr", "kernel", "composite", "depth", "stereo", "panorama")
@@ -95,15 +98,7 @@ def document_of(scene: Scene, *, strict: bool = True, look_of: Callable[[Layer],
     look_of : fields of the look of a layer; None is as it was given.
     """
     layers = [
-        {
-            "volume": _source_of(layer, f"the volume of layer {number}", strict),
-            "name": layer.name,
-            "look": (look_of or given_look)(layer),
-            "visible": layer.visible,
-            "opacity": layer.opacity,
-            # A series without a source is written as the volume of its time, which may have one.
-            "time": layer.time if layer.volume._source is not None else 0,
-        }
+        _fields_of_layer(layer, f"layer {number}", strict, look_of or given_look)
         for number, layer in enumerate(scene.layers)
     ]
     shading = scene.shading
@@ -118,6 +113,22 @@ def document_of(scene: Scene, *, strict: bool = True, look_of: Callable[[Layer],
         "background": list(scene.background) if isinstance(scene.background, tuple) else scene.background,
         **kept,
     }
+
+
+def _fields_of_layer(layer: Layer, what: str, strict: bool, look_of: Callable[[Layer], Any]) -> dict[str, Any]:
+    told = {
+        "volume": _source_of(layer, f"the volume of {what}", strict),
+        "name": layer.name,
+        "look": look_of(layer),
+        "visible": layer.visible,
+        "opacity": layer.opacity,
+        # A series without a source is written as the volume of its time, which may have one.
+        "time": layer.time if layer.volume._source is not None else 0,
+    }
+    if layer.color_from is not None:
+        of_field = _fields_of_layer(layer.color_from, f"color_from of {what}", strict, look_of)
+        told["color_from"] = {name: of_field[name] for name in COLOR}
+    return told
 
 
 def _source_of(layer: Layer, what: str, strict: bool) -> dict[str, Any]:
@@ -249,7 +260,12 @@ def _names_of_figures() -> list[str]:
 
 def _layer(layer: Any, what: str, reach: Reach) -> Layer:
     _check(layer, what, needed=("volume",), known=LAYER)
-    return layer_of(layer, what, volume_named(layer["volume"], f"{what}.volume", reach))
+    made = layer_of(layer, what, volume_named(layer["volume"], f"{what}.volume", reach))
+    field, what = layer.get("color_from"), f"{what}.color_from"
+    if field is None:
+        return made
+    _check(field, what, needed=("volume",), known=COLOR)
+    return replace(made, color_from=layer_of(field, what, volume_named(field["volume"], f"{what}.volume", reach)))
 
 
 def layer_of(layer: Any, what: str, volume: Any) -> Layer:

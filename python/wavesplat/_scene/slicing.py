@@ -235,11 +235,20 @@ def slice(
         over = lines.over(rgba, planes, first.drawn, kernel=kernel, slab=slab, threads=threads)
         rgba, report["lines"] = over.rgba, over.shown
         notes += over.notes
-    if scene.clip:
-        notes.append("left out of the slice, since for pictures in space: the scene's clip")
+    notes += _notes_on_scene(scene)
     if notes:
         report["notes"] = notes
     return Picture(rgba, value=picture.value, report=report)
+
+
+def _notes_on_scene(scene: Scene) -> list[str]:
+    """Notes on parts of the scene that slices do not show."""
+    notes = []
+    if any(layer.color_from is not None for layer in scene.layers):
+        notes.append("slices show a layer's own values; give the field of color_from as a layer for those")
+    if scene.clip:
+        notes.append("left out of the slice, since for pictures in space: the scene's clip")
+    return notes
 
 
 def _limits(scene: Scene, channels: Sequence[Layer]) -> tuple[float, float]:

@@ -11,6 +11,7 @@ from wavesplat._looks.labels import Labels
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.camera import Camera
+from wavesplat._model.composites import Operator, name_of
 from wavesplat._model.time_stamps import TimeStamp, time_stamp_of
 from wavesplat._picture.annotating import TIME
 from wavesplat._picture.report_facts import facts_of_view, shown_layer
@@ -61,18 +62,12 @@ def facts_of_layers(
     scene: Scene,
     layers: Sequence[DrawnLayer],
     functions: Sequence[TransferFunction | TransferFunction2D],
-    composite: str,
+    operator: Operator,
 ) -> dict[str, Any]:
     """The report's list of visible layers with the colours that they are drawn with."""
     return {
         "shown": [
-            shown_layer(
-                layer.layer.name or layer.volume.name,
-                composite,
-                function,
-                _unit(scene, layer),
-                quantity_of(layer.layer),
-            )
+            _shown(scene, layer, function, operator)
             for layer, function in zip(layers, functions, strict=True)
             if layer.opacity > 0
         ]
@@ -84,9 +79,23 @@ def quantity_of(layer: Layer) -> str | None:
     return layer.drawn.facts.quantity if layer.name == layer.volume.name else None
 
 
-def _unit(scene: Scene, layer: DrawnLayer) -> str:
+def _shown(
+    scene: Scene, layer: DrawnLayer, function: TransferFunction | TransferFunction2D, operator: Operator
+) -> dict[str, Any]:
+    """The report's entry of a layer; of one that another field colours, that field's name, colours and unit."""
+    color, composite, own = layer.color, name_of(operator), layer.layer
+    is_of_both = isinstance(function, TransferFunction2D) and composite == "over"
+    if color is None or is_of_both:
+        name = own.name or layer.volume.name
+        return shown_layer(name, composite, function, _unit(scene, own), quantity_of(own))
+    # A surface that another field colours has as many colours as matter.
+    curves, of_field = color.function_at(function, operator), color.layer
+    return shown_layer(color.name, "over", curves, _unit(scene, of_field), quantity_of(of_field))
+
+
+def _unit(scene: Scene, layer: Layer) -> str:
     """The unit of a layer's values, found once for all pictures of a scene."""
     # A series has the unit of one of its volumes, which is kept anyway.
-    volume = layer.layer.looked_at
+    volume = layer.looked_at
     key: Any = id(volume), "unit"
     return scene._cache.get_or_compute(key, identity_of(volume), lambda: unit_of_values(volume))

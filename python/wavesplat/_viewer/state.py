@@ -76,6 +76,11 @@ class ViewerState:
         ArgumentError
             If an argument cannot work.
         """
+        if any(layer.color_from is not None for layer in scene.layers):
+            raise ArgumentError(
+                "the viewer shows each layer by its own values; draw two fields in one layer with wavesplat.render, or "
+                "leave out color_from"
+            )
         given = {name: value for name, value in (options or {}).items() if name in ("quality", "kernel", "composite")}
         picture = preview_of(scene).render(camera, size=FIRST_SIZE, **{**given, "quality": "draft"})
         document = picture.report["scene"]

@@ -1,0 +1,116 @@
+"""The field that colours a layer as it is drawn: its volume on the picture's axes, its look, and what cannot work."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from wavesplat._looks.look import Look
+from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._model.composites import FirstHit, Operator
+from wavesplat._model.grid import Grid
+from wavesplat._model.lazy_volume import LazyVolume
+from wavesplat._model.volume import Volume
+from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._scene.resampling import on_axes_of
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._scene.layer import Layer
+
+__all__ = ["DrawnColor", "check_operator", "check_rows", "drawn_color"]
+
+
+@dataclass(frozen=True)
+class DrawnColor:
+    """A field whose values give a layer its colours."""
+
+    layer: Layer
+    #: The field, and the field on the axes of the picture's first layer.
+    volume: Volume
+    seen: Volume
+    look: Look
+    function: TransferFunction
+
+    @property
+    def name(self) -> str:
+        """Name of the field in messages and colour bars."""
+        return self.layer.name or self.volume.name
+
+    def function_at(self, opacity: TransferFunction | TransferFunction2D, operator: Operator) -> TransferFunction:
+        """The colours by the field's values; on a surface, those of a function of two fields at its value."""
+        if not isinstance(opacity, TransferFunction2D) or not isinstance(operator, FirstHit):
+            return self.function
+        rows = opacity.magnitudes
+        rgba = opacity([operator.iso_value] * len(rows), rows).tolist()
+        nodes = [(value, r, g, b) for value, (r, g, b, _) in zip(rows, rgba, strict=True)]
+        return TransferFunction([(rows[0], 1.0)], nodes)
+
+
+def drawn_color(layer: Layer, drawn: Volume | WaveletVolume, look: Look, first: Grid) -> DrawnColor:
+    """The field that colours a layer, as it is drawn.
+
+    drawn : the layer's own volume. look : of the field. first : grid of the picture's first layer.
+
+    Raises
+    ------
+    ArgumentError
+        If either volume is not in memory, or the look has no colours by value.
+    """
+    of_field: Layer = layer.color_from
+    volume = of_field.drawn
+    for name, one in ((layer.name, drawn), (of_field.name, volume)):
+        _check_in_memory(layer, name, one)
+    assert isinstance(volume, Volume)
+    if look.labels is not None:
+        raise ArgumentError(
+            f"{of_field.name!r}, which colours {layer.name!r}, is a segmentation, whose numbers mean nothing between "
+            "two labels; give it as labels= of the scene"
+        )
+    function = look.transfer_function
+    if not isinstance(function, TransferFunction):
+        raise ArgumentError(
+            f"{of_field.name!r}, which colours {layer.name!r}, has a look of two dimensions; give it a "
+            'TransferFunction, and a TransferFunction2D(..., rows="field") as the look of the layer itself'
+        )
+    seen = on_axes_of(volume, first)
+    assert isinstance(seen, Volume)
+    return DrawnColor(of_field, volume, seen, look, function)
+
+
+def _check_in_memory(layer: Layer, name: str | None, volume: Volume | WaveletVolume) -> None:
+    where = f"{layer.name!r} is coloured by another field, for which both must be in memory, but {name!r}"
+    if isinstance(volume, LazyVolume):
+        raise ArgumentError(
+            f"{where} is read as it is drawn; open it without memory= (--memory), or, where it is too large for that, "
+            "at a coarser level= (--level)"
+        )
+    if isinstance(volume, WaveletVolume):
+        raise ArgumentError(f"{where} is a WaveletVolume; give its to_volume()")
+
+
+def check_rows(layer: Layer, look: Look) -> None:
+    """Raise an `ArgumentError` for a function of two dimensions whose rows the layer does not have."""
+    function = look.transfer_function
+    if not isinstance(function, TransferFunction2D):
+        return
+    if function.rows == "field" and layer.color_from is None:
+        raise ArgumentError(
+            f"the look of {layer.name!r} is a function of two fields, and the layer has one; give the other: "
+            "wavesplat.Layer(volume, function, color_from=field)"
+        )
+    if function.rows == "gradient" and layer.color_from is not None:
+        raise ArgumentError(
+            f"the look of {layer.name!r} has colours by value and gradient, and color_from others; leave out "
+            'color_from, or give a TransferFunction, or a TransferFunction2D(..., rows="field")'
+        )
+
+
+def check_operator(layer: Layer, composite: str) -> None:
+    """Raise an `ArgumentError` where a layer of two fields is to be projected."""
+    if layer.color_from is not None and composite not in ("over", "first-hit"):
+        raise ArgumentError(
+            f"{layer.name!r} is coloured by another field, and {composite!r} shows one number of each ray; "
+            'say composite="over" or FirstHit (--composite over, first-hit), or leave out color_from'
+        )

@@ -90,7 +90,9 @@ def test_urls_of_layers(text, layer):
 
 def test_layers_that_are_not_there(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    with pytest.raises(ArgumentError, match=r"begins with no file that is there; it is FILE\[:LOOK\]\[:LOW,HIGH\]"):
+    with pytest.raises(
+        ArgumentError, match=r"begins with no file that is there; it is FILE\[#DATASET\]\[:LOOK\]\[:LOW,HIGH\]"
+    ):
         layer_of("pet.nii.gz:hot")
 
 

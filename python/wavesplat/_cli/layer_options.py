@@ -1,7 +1,8 @@
 """Options of layers: channels of the file, further volumes, time points.
 
-`--channel NUMBER|NAME[:COLOUR][:LOW,HIGH]` and `--layer FILE[:LOOK][:LOW,HIGH][:threshold=T][:reg=FILE]` are read
-from the right, so that names of channels, drives of Windows and URLs may have colons.
+`--channel NUMBER|NAME[:COLOUR][:LOW,HIGH]` and `--layer FILE[#DATASET][:LOOK][:LOW,HIGH][:threshold=T][:reg=FILE]`
+are read from the right, so that names of channels, drives of Windows and URLs may have colons; `--color-by`, the field
+that gives a layer its colours, likewise (`color_field_options`).
 """
 
 from __future__ import annotations
@@ -33,20 +34,23 @@ __all__ = [
     "LayerText",
     "ShownChannels",
     "channel_of",
+    "dataset_of",
     "further_layers",
+    "is_there",
     "layer_of",
     "named_file",
     "names_of_pictures",
     "names_of_times",
     "takes_layer_options",
     "times_of",
+    "without_window",
 ]
 
 #: Ends of a window: sample values, or percentiles such as "1%".
 Ends: TypeAlias = tuple[float | str, float | str]
 
 CHANNEL = "NUMBER|NAME[:COLOR][:LOW,HIGH]"
-LAYER = f"FILE[:LOOK][:LOW,HIGH][:threshold=T]{registered.REG}"
+LAYER = f"FILE[#DATASET][:LOOK][:LOW,HIGH][:threshold=T]{registered.REG}"
 TIMES = "all|N,N,...|FIRST:END[:STEP]"
 #: Placeholder of the time in the name of its picture.
 PLACE_OF_TIME = "{time}"
@@ -80,12 +84,25 @@ ShownChannels = Annotated[
 ]
 
 
+#: The option `--color-by` of `render` and `movie`.
+ColorField = Annotated[
+    str | None,
+    typer.Option(
+        "--color-by",
+        metavar="FILE[#DATASET]|DATASET[:MAP][:LOW,HIGH]",
+        help="A second field that gives INPUT its colours, such as temperature:inferno:1e4,1e7, a dataset of INPUT; "
+        "INPUT itself says how opaque it is, or where its surface lies (first-hit).",
+    ),
+]
+
+
 @dataclass(frozen=True)
 class LayerOptions:
-    """Channels, further volumes and times."""
+    """Channels, further volumes, a field of colours, and times."""
 
     channel: ShownChannels = None
     layer: FurtherLayers = None
+    color_by: ColorField = None
     times: Annotated[
         str | None,
         typer.Option(
@@ -119,7 +136,7 @@ class ChannelText(NamedTuple):
 
 def channel_of(text: str) -> ChannelText:
     """Parse a `--channel`."""
-    rest, window = _without_window(text, f"--channel is {CHANNEL}")
+    rest, window = without_window(text, f"--channel is {CHANNEL}")
     name, colon, color = rest.rpartition(":")
     if not (colon and name and _is_color(color)):
         name, color = rest, ""
@@ -138,7 +155,7 @@ def _is_color(text: str) -> bool:
         return False
 
 
-def _without_window(text: str, syntax: str) -> tuple[str, Ends | None]:
+def without_window(text: str, syntax: str) -> tuple[str, Ends | None]:
     """The text before a window, and the window, or None if the text does not end with one."""
     rest, colon, last = text.rpartition(":")
     numbers = re.fullmatch(r"\s*([-+.\deE]+%?)\s*,\s*([-+.\deE]+%?)\s*", last) if colon else None
@@ -180,7 +197,7 @@ def layer_of(text: str) -> LayerText:
     said, threshold = _without_threshold(said)
     if Path(said).exists():
         return LayerText(said, None, None, threshold, transform)
-    rest, window = _without_window(said, f"--layer is {LAYER}")
+    rest, window = without_window(said, f"--layer is {LAYER}")
     path, look = named_file(rest, "--layer", LAYER, "pet.nii.gz:hot:2,8")
     return LayerText(path, look or None, window, threshold, transform)
 
@@ -208,10 +225,22 @@ def named_file(text: str, option: str, syntax: str, example: str) -> tuple[str, 
     for count in range(len(parts), 0, -1):
         path, rest = ":".join(parts[:count]), ":".join(parts[count:])
         # Whether a URL exists is not known: after its last slash, what follows a colon is the look.
-        is_whole = "/" in parts[count - 1] if is_address(path) else Path(path).expanduser().exists()
+        is_whole = "/" in parts[count - 1] if is_address(path) else is_there(path)
         if is_whole:
             return path, rest
     raise ArgumentError(f"{option} {text!r} begins with no file that is there; it is {syntax}, such as {example}")
+
+
+def is_there(path: str) -> bool:
+    """Whether FILE, or the file of FILE#DATASET, is there."""
+    return any(Path(one).expanduser().exists() for one in (path, dataset_of(path)[0]))
+
+
+def dataset_of(path: str) -> tuple[str, str | None]:
+    """The file of FILE#DATASET, and the dataset, which has no colon; None where the whole names a file."""
+    file, _, dataset = path.partition("#")
+    has_both = bool(file and dataset) and ":" not in dataset
+    return (file, dataset) if has_both and not Path(path).expanduser().exists() else (path, None)
 
 
 def further_layers(
@@ -258,7 +287,8 @@ def further_layers(
 def _opened(path: str, suv: bool) -> Series:
     from wavesplat._readers.time_points import open_series
 
-    series = open_series(path, suv=suv)
+    file, dataset = dataset_of(path)
+    series = open_series(file, suv=suv, dataset=dataset)
     series[0]
     return series
 

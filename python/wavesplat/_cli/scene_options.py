@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 import typer
 
 from wavesplat._cli import parsers
+from wavesplat._cli.color_field_options import color_layer
 from wavesplat._cli.crop_options import CutOptions, chosen_clip
 from wavesplat._cli.label_options import LabelsFile, LabelTable, Segments, opened_labels
 from wavesplat._cli.layer_options import LayerOptions, further_layers
@@ -205,6 +206,10 @@ def chosen_scene(
         is_plain = not colors.are_given() and exposure == 1
         by_view = is_chosen_here and is_plain and look.composite in BY_VIEW
         layers = [Layer(volume, None if by_view else look)]
+    if layering.color_by is not None:
+        if len(layers) > 1:
+            raise ArgumentError("--color-by gives one volume its colours, and channels have their own; choose one")
+        layers = [replace(layers[0], color_from=color_layer(layering.color_by, input, reader, quiet=quiet))]
     scene = Scene(
         [
             *layers,

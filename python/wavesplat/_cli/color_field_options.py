@@ -1,0 +1,74 @@
+"""The field that `--color-by FILE[#DATASET]|DATASET[:MAP][:LOW,HIGH]` names, opened, with its colours."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import TYPE_CHECKING, NamedTuple
+
+from wavesplat._cli.layer_options import Ends, dataset_of, is_there, named_file, without_window
+from wavesplat._cli.printing import warnings_as_notes
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from wavesplat._cli.reader_options import ReaderOptions
+    from wavesplat._model.volume import Volume
+    from wavesplat._scene.layer import Layer
+
+__all__ = ["ColorText", "color_layer", "color_of"]
+
+SYNTAX = "FILE[#DATASET]|DATASET[:MAP][:LOW,HIGH]"
+
+
+class ColorText(NamedTuple):
+    """A `--color-by`, parsed: a file, or None for INPUT; a dataset of it; colour map and window."""
+
+    path: str | None
+    dataset: str | None
+    colormap: str | None
+    window: Ends | None
+
+
+def color_of(text: str) -> ColorText:
+    """Parse a `--color-by`; what begins with no file that is there is a dataset of INPUT."""
+    if is_there(text):
+        return ColorText(*dataset_of(text), None, None)
+    rest, window = without_window(text, f"--color-by is {SYNTAX}")
+    try:
+        path, colormap = named_file(rest, "--color-by", SYNTAX, "temperature:inferno:1e4,1e7")
+    except ArgumentError:
+        # Maps have names such as cmocean:ice, which no dataset has.
+        dataset, _, colormap = rest.partition(":")
+        if not dataset:
+            raise
+        return ColorText(None, dataset, colormap or None, window)
+    return ColorText(*dataset_of(path), colormap or None, window)
+
+
+def color_layer(text: str, input: str, reader: ReaderOptions, *, quiet: bool) -> Layer:
+    """The field of colours as a layer.
+
+    reader : options of INPUT, which hold for its other datasets too.
+    """
+    from wavesplat._looks.field_colors import field_colors
+    from wavesplat._scene.layer import Layer
+
+    said = color_of(text)
+    with warnings_as_notes(quiet=quiet):
+        volume = _opened(said, text, input, reader)
+        if said.colormap is None and said.window is None:
+            return Layer(volume, name=said.dataset)
+        try:
+            return Layer(volume, field_colors(volume, said.colormap, said.window), name=said.dataset)
+        except ArgumentError as error:
+            raise ArgumentError(f"--color-by is {SYNTAX}: {error}") from None
+
+
+def _opened(said: ColorText, text: str, input: str, reader: ReaderOptions) -> Volume:
+    from wavesplat._cli.reader_options import ReaderOptions, open_samples
+
+    if said.path is not None:
+        return open_samples(said.path, ReaderOptions(dataset=said.dataset, time=reader.time), quiet=True)
+    try:
+        return open_samples(input, replace(reader, dataset=said.dataset), quiet=True)
+    except ArgumentError as error:
+        raise ArgumentError(f"--color-by {text!r} begins with no file that is there, and of INPUT: {error}") from None

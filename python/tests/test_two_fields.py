@@ -266,6 +266,18 @@ def test_color_by_a_dataset_of_input_or_of_another_file(wavesplat: Any, simulati
     assert np.array_equal(pixels(tmp_path / "again.png"), made[0])
 
 
+def test_color_by_follows_the_times_of_input(wavesplat: Any, tmp_path: Path) -> None:
+    np.save(tmp_path / "density.npy", np.stack([ball().samples] * 2))
+    np.save(tmp_path / "heat.npy", np.stack([np.full((N, N, N), heat, np.float32) for heat in (0, 31)]))
+    field = f"{tmp_path}/heat.npy:gray:0,31"
+    arguments = ("--times", "all", "--color-by", field, "--size", "48x48", "--no-shading")
+    result = wavesplat("render", tmp_path / "density.npy", *arguments, "-o", tmp_path / "t.png")
+    assert result.returncode == 0, result.stderr
+    dark, light = (pixels(tmp_path / f"t_{time}.png") for time in (0, 1))
+    assert dark.max() < 5
+    assert light.max() > 50
+
+
 def test_color_by_a_surface_has_a_colour_bar(wavesplat: Any, simulation: Path, tmp_path: Path) -> None:
     surface = ("--composite", "first-hit", "--iso-value", "4", "--colorbar")
     out = tmp_path / "surface.png"

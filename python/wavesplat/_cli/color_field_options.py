@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from wavesplat._cli.layer_options import Ends, dataset_of, is_there, named_file, without_window
 from wavesplat._cli.printing import warnings_as_notes
@@ -11,6 +11,7 @@ from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._cli.reader_options import ReaderOptions
+    from wavesplat._model.series import Series
     from wavesplat._model.volume import Volume
     from wavesplat._scene.layer import Layer
 
@@ -44,31 +45,46 @@ def color_of(text: str) -> ColorText:
     return ColorText(*dataset_of(path), colormap or None, window)
 
 
-def color_layer(text: str, input: str, reader: ReaderOptions, *, quiet: bool) -> Layer:
+def color_layer(text: str, input: str, reader: ReaderOptions, *, has_times: bool, quiet: bool) -> Layer:
     """The field of colours as a layer.
 
     reader : options of INPUT, which hold for its other datasets too.
+    has_times : whether INPUT is drawn at several times, and so at those of the field.
     """
     from wavesplat._looks.field_colors import field_colors
+    from wavesplat._looks.over_time import brightest
+    from wavesplat._model.series import Series
     from wavesplat._scene.layer import Layer
 
     said = color_of(text)
     with warnings_as_notes(quiet=quiet):
-        volume = _opened(said, text, input, reader)
+        volume = _opened(said, text, input, reader, has_times=has_times)
+        seen: Any = brightest(volume) if isinstance(volume, Series) else volume
         if said.colormap is None and said.window is None:
             return Layer(volume, name=said.dataset)
         try:
-            return Layer(volume, field_colors(volume, said.colormap, said.window), name=said.dataset)
+            return Layer(volume, field_colors(seen, said.colormap, said.window), name=said.dataset)
         except ArgumentError as error:
             raise ArgumentError(f"--color-by is {SYNTAX}: {error}") from None
 
 
-def _opened(said: ColorText, text: str, input: str, reader: ReaderOptions) -> Volume:
-    from wavesplat._cli.reader_options import ReaderOptions, open_samples
+def _opened(said: ColorText, text: str, input: str, reader: ReaderOptions, *, has_times: bool) -> Volume | Series:
+    from wavesplat._cli.reader_options import ReaderOptions
 
     if said.path is not None:
-        return open_samples(said.path, ReaderOptions(dataset=said.dataset, time=reader.time), quiet=True)
+        return _read(said.path, ReaderOptions(dataset=said.dataset, time=reader.time), has_times=has_times)
     try:
-        return open_samples(input, replace(reader, dataset=said.dataset), quiet=True)
+        return _read(input, replace(reader, dataset=said.dataset), has_times=has_times)
     except ArgumentError as error:
         raise ArgumentError(f"--color-by {text!r} begins with no file that is there, and of INPUT: {error}") from None
+
+
+def _read(path: str, reader: ReaderOptions, *, has_times: bool) -> Volume | Series:
+    from wavesplat._cli.opened_layers import series_options
+    from wavesplat._cli.reader_options import open_samples
+    from wavesplat._readers.time_points import open_series
+
+    if has_times and reader.time is None:
+        series = open_series(path, channel=reader.channel, **series_options(reader))
+        return series if len(series) > 1 else series[0]
+    return open_samples(path, reader, quiet=True)

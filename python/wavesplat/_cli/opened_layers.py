@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from wavesplat._model.wavelet_volume import WaveletVolume
     from wavesplat._scene.layer import Layer
 
-__all__ = ["Channels", "changed_channels", "modality_of", "opened_layers", "refuse_for_channels"]
+__all__ = ["Channels", "changed_channels", "modality_of", "opened_layers", "refuse_for_channels", "series_options"]
 
 
 class Channels(NamedTuple):
@@ -141,7 +141,7 @@ def _with_times(
     return replace(reader, time=0), layering
 
 
-def _options(reader: ReaderOptions) -> dict[str, Any]:
+def series_options(reader: ReaderOptions) -> dict[str, Any]:
     """Options of the reader as arguments of `open_series`, without time and channel."""
     return {name: value for name, value in vars(reader).items() if name not in ("time", "channel")}
 
@@ -153,7 +153,7 @@ def _series(path: str, reader: ReaderOptions, processing: ProcessingOptions, *, 
         raise ArgumentError("--time and --times say the same thing twice; give one of them")
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", FileWarning)  # they are among the guesses
-        series = open_series(path, channel=reader.channel, **_options(reader))
+        series = open_series(path, channel=reader.channel, **series_options(reader))
         first = series[0]
     if not quiet:
         print_guesses([first])
@@ -185,7 +185,7 @@ def _channels(
                 channels=None if said is None else [tuple(one) for one in said],
                 time=reader.time or 0,
                 composite=composite,
-                **_options(reader),
+                **series_options(reader),
             )
         except ArgumentError as error:
             if said is None:

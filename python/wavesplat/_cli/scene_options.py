@@ -209,7 +209,9 @@ def chosen_scene(
     if layering.color_by is not None:
         if len(layers) > 1:
             raise ArgumentError("--color-by gives one volume its colours, and channels have their own; choose one")
-        layers = [replace(layers[0], color_from=color_layer(layering.color_by, input, reader, quiet=quiet))]
+        has_times = isinstance(layers[0].volume, Series)
+        color = color_layer(layering.color_by, input, reader, has_times=has_times, quiet=quiet)
+        layers = [replace(layers[0], color_from=color)]
     scene = Scene(
         [
             *layers,

@@ -231,6 +231,8 @@ def _by_values(volume: Volume | WaveletVolume, values: NDArray[np.float64], *, h
         return "signed field", "a field with two signs, by the values"
     if LENGTH in volume.facts.processing:
         return "field", "a field: the lengths of vectors"
+    if volume.is_anatomical and (found := share_kind(volume, values)):
+        return found
     if is_of_patient:
         return _of_patient(volume, values, numbers)
     if numbers == "f":
@@ -245,8 +247,6 @@ def _by_values(volume: Volume | WaveletVolume, values: NDArray[np.float64], *, h
 
 
 def _of_patient(volume: Volume | WaveletVolume, values: NDArray[np.float64], numbers: str) -> tuple[Kind, str]:
-    if found := share_kind(volume, values):
-        return found
     if numbers == "u" or values.min() < 0:
         return "scan", "a scan of no fixed scale"
     if min(volume.spacing) >= PET_SPACING_MM and _tail(values) >= PET_TAIL:

@@ -48,6 +48,7 @@ SAMPLES = [
     (ws.Sampling(), "quality", "fine"),
     (ws.Scene(BALL), "background", "white"),
     (ws.Shading(), "specular", 0.0),
+    (ws.Stereo(), None, None),
     (FUNCTION, "opacity_unit", 2.0),
     (ws.TransferFunction2D([0, 1], [0, 1], np.ones((2, 2, 4))), "opacity_unit", 2.0),
     (ws.Turn(), None, None),

@@ -95,7 +95,7 @@ def test_several_layers_have_a_bar_each():
 
 def test_functions_of_two_dimensions_have_no_bar():
     table = ws.TransferFunction2D([0, 1], [0, 1], np.ones((2, 2, 4)))
-    with pytest.raises(ArgumentError, match="depend on the gradient too"):
+    with pytest.raises(ArgumentError, match="depend on the gradient or a second field too"):
         picture(shown=[shown_layer("ct", "over", table, "")]).annotated(colorbar=True)
 
 

@@ -174,12 +174,12 @@ def test_metaimage_without_the_length_of_its_zlib_stream(tmp_path):
             ws.open(save_meta(tmp_path / "b.mha", "CompressedData = True", data=data))
 
 
-def test_vtk_says_nothing(tmp_path):
+def test_vtk_says_no_more_than_the_name_of_the_array(tmp_path):
     import SimpleITK
 
     SimpleITK.WriteImage(SimpleITK.GetImageFromArray(SAMPLES), str(tmp_path / "a.vtk"))
-    for path in (tmp_path / "a.vtk", save_vti(tmp_path / "a.vti", {"d": SAMPLES})):
-        assert ws.open(path).facts == ws.Facts()
+    assert ws.open(tmp_path / "a.vtk").facts == ws.Facts()
+    assert ws.open(save_vti(tmp_path / "a.vti", {"d": SAMPLES})).facts == ws.Facts(quantity="d")
 
 
 # TIFF

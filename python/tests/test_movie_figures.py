@@ -9,12 +9,14 @@ import tifffile
 import wavesplat as ws
 from wavesplat._movie import movie, png_sequence
 from wavesplat._movie.frame_figure import FrameFigure
+from wavesplat._render.options import DrawOptions
 from wavesplat.errors import ArgumentError
 
 av = pytest.importorskip("av")
 images = pytest.importorskip("PIL.Image")
 
 SIZE = (120, 100)
+DRAWN = DrawOptions(size=SIZE)
 LOOK = ws.Look(
     transfer_function=ws.TransferFunction([(0, 0), (900, 0.8)], [(0, 1, 0.5, 0), (900, 1, 1, 1)]), shading=None
 )
@@ -44,7 +46,7 @@ def test_frames_are_figures_of_their_pictures(tmp_path):
     turn = ws.Turn(frames=3, times=range(3))
     marks = {"scale_bar": True, "orientation": "cube", "colorbar": True, "values": "light", "font_size": 12}
     pattern = ws.movie(scene, tmp_path / "f", turn, size=SIZE, quality="draft", title="t = {time}", **marks)
-    shots = movie._shots(scene, turn, 30, None, SIZE)
+    shots = movie._shots(scene, turn, 30, DRAWN)
     cameras = [shots[k].camera for k in range(len(shots))]
     for k, (frame, title) in enumerate(zip(frames_of(pattern, 3), ("\u20070 s", "30 s", "60 s"), strict=True)):
         picture = scene.at_time(k).render(cameras[k], size=SIZE, quality="draft")
@@ -143,9 +145,9 @@ def test_a_turn_shows_its_times_in_equal_shares(frames, times, shown):
     turn = ws.Turn(frames=frames, times=times)
     assert turn.time_of_frames == shown
     scene = ws.Scene(ws.Layer(series(4), LOOK))
-    shots = movie._shots(scene, turn, 24, None, SIZE)
+    shots = movie._shots(scene, turn, 24, DRAWN)
     assert [shots[k].scene.layers[0].time for k in range(len(shots))] == shown
-    still = movie._shots(scene.at_time(0), ws.Turn(frames=frames), 24, None, SIZE)
+    still = movie._shots(scene.at_time(0), ws.Turn(frames=frames), 24, DRAWN)
     for k in range(frames):
         angle = np.subtract(shots[k].camera.position, shots[k].camera.focal_point)
         same = np.subtract(still[k].camera.position, still[k].camera.focal_point)
@@ -158,13 +160,13 @@ def test_a_turn_has_all_of_its_times_in_view():
     )
     scene = ws.Scene(ws.Layer(moved, LOOK))
     scales = [
-        movie._shots(scene.at_time(k), ws.Turn(frames=2, times=times), 30, None, SIZE)[0].camera.parallel_scale
+        movie._shots(scene.at_time(k), ws.Turn(frames=2, times=times), 30, DRAWN)[0].camera.parallel_scale
         for k, times in ((0, None), (1, None), (0, (0, 1)))
     ]
     assert scales[0] < 0.7 * scales[1]
     assert scales[2] >= 0.99 * scales[1]
     # So has a movie of key frames without a camera.
-    shots = movie._shots(scene, [ws.KeyFrame(0, time=0), ws.KeyFrame(1, time=1)], 1, None, SIZE)
+    shots = movie._shots(scene, [ws.KeyFrame(0, time=0), ws.KeyFrame(1, time=1)], 1, DRAWN)
     assert shots[0].camera == shots[1].camera
     assert shots[0].camera.parallel_scale > 1.3 * scales[0]
 

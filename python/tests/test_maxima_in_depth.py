@@ -143,15 +143,13 @@ def test_a_colour_bar_shows_the_depths():
     volume = points()
     for axis, title in ((None, "depth (µm)"), ("z", "z (µm)")):
         picture = drawn(volume, ws.DepthColoredMaximum("turbo", axis), background="black").annotated(colorbar=True)
-        svg = picture.svg() if hasattr(picture, "svg") else None
         texts = [mark.text for mark in picture._canvas.marks if hasattr(mark, "text")]
-        assert svg is None or title in svg
         assert title in texts
         assert {"0", "40"} <= set(texts), texts
 
 
 def plates(gap, attenuation):
-    """The value behind a plate of value 150 and `gap` voxels, at a point of 180: attenuated, by the paper."""
+    """The maximum of a ray through a plate of 100, `gap` voxels thick, and a layer of 180 behind it, attenuated."""
     samples = np.zeros((41, 9, 9), np.float32)
     samples[4 : 4 + gap] = 100
     samples[30] = 180

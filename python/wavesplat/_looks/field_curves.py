@@ -18,8 +18,8 @@ __all__ = ["Curves", "of_field", "of_signed_field"]
 
 Array = NDArray[np.float64]
 
-#: How many times as far as into light one sees into fields, which fill their box; those with two signs are seen at both
-#: ends, which are far from each other.
+#: Voxels of a field that are opaque together, as a multiple of those of a channel: a field fills its box. With
+#: two signs fewer voxels have the values of an end.
 FIELD_DEPTH, SIGNED_DEPTH = 3.0, 1.5
 #: Share of the samples that is seen of a field, and of one with two signs of each sign.
 SEEN, SEEN_SIGNED = 0.3, 0.2

@@ -119,7 +119,7 @@ def numbers(
         return {"depth_shading": (operator.strength, first)}
     if isinstance(operator, AttenuatedMaximum):
         voxel = float(np.prod(volume.spacing)) ** (1 / 3)
-        # Inverted greys have no other black; a window of one value is given a width.
+        # White must lie above black, also where all colours have one value.
         white = last if last > first else first + max(abs(first), 1.0) * 1e-6
         return {"attenuated": (first, white, operator.attenuation / voxel)}
     return {} if absorbs is None else {"attenuation": absorbs}

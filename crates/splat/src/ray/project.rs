@@ -184,7 +184,7 @@ fn mean_above(near: f32, far: f32) -> f32 {
 
 /// Fractions of light that optical depths absorb.
 #[inline(always)]
-fn absorbed_of<S: Simd>(s: S, depth: &[f32; LANES]) -> [f32; LANES] {
+pub fn absorbed_of<S: Simd>(s: S, depth: &[f32; LANES]) -> [f32; LANES] {
     let mut fractions = [0.0; LANES];
     s.store(one_minus_exp_neg(s, s.load(depth)), &mut fractions);
     fractions

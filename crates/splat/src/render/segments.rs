@@ -6,10 +6,10 @@
 //! machine drew which segment, or when. Everything behind a ray that is done is ignored. Extremes, integrals and first
 //! hits are exact in any grouping.
 
-use wavesplat_compute::simd::{LANES, Lanes};
+use wavesplat_compute::simd::{LANES, Lanes, Plain};
 use wavesplat_core::Composite;
 
-use crate::ray::project::dimmed;
+use crate::ray::project::{absorbed_of, dimmed};
 use crate::ray::state::TileState;
 use crate::render::plan::Operator;
 
@@ -52,14 +52,14 @@ pub fn fold(operator: Operator, front: Option<TileState>, back: Option<TileState
         }
         Operator::Project { composite, levels } => {
             for k in 0..front.value.len() {
+                // By our own exponential, which has the same bits on every machine.
+                let absorbed = front.absorbed.get(k).map_or([0.0; LANES], |depth| absorbed_of(Plain, &depth.0));
                 for (i, far) in back.value[k].0.into_iter().enumerate() {
                     let near = &mut front.value[k].0[i];
                     let before = *near;
                     *near = match composite {
                         Composite::Maximum | Composite::DepthShadedMaximum { .. } => near.max(far),
-                        Composite::AttenuatedMaximum { .. } => {
-                            near.max(dimmed(far, levels[0], (-front.absorbed[k].0[i]).exp()))
-                        }
+                        Composite::AttenuatedMaximum { .. } => near.max(dimmed(far, levels[0], 1.0 - absorbed[i])),
                         Composite::Minimum => near.min(far),
                         _ => *near + far,
                     };

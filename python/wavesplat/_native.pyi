@@ -14,6 +14,7 @@ __all__ = [
     "Labels",
     "LazyVolume",
     "Shading",
+    "Shapes",
     "Stream",
     "Survey",
     "TransferFunction",
@@ -75,6 +76,7 @@ class FrameArguments(TypedDict):
     depth: bool
     #: Colours, and the world axis that they are along; None is the view.
     depth_colors: tuple[Sequence[tuple[float, float, float]], tuple[float, float, float] | None] | None
+    shapes: Shapes | None
     pre_integration: bool
     early_ray_termination: bool
 
@@ -333,6 +335,72 @@ class Labels:
         world_from_index: NDArray[np.float64],
         smooth: bool,
     ) -> Labels: ...
+
+@type_check_only
+class ShapePaint(TypedDict):
+    """Colours of vertices, positions or points: exactly one of the three is not `None`."""
+
+    rgb: tuple[float, float, float] | None
+    #: [n, 4], straight.
+    rgba: NDArray[np.float32] | None
+    #: A value each, the values of the first and the last colour, and the colours [m, 4]; NaN is not drawn.
+    mapped: tuple[NDArray[np.float32], tuple[float, float], NDArray[np.float32]] | None
+
+@type_check_only
+class MeshArrays(TypedDict):
+    """`vertices` [n, 3], `faces` [m, 3], `normals` [n, 3] or `None` for flat faces; `style`: opacity, lit, clipped."""
+
+    vertices: NDArray[np.float64]
+    faces: NDArray[np.uint32]
+    normals: NDArray[np.float32] | None
+    paint: ShapePaint
+    style: tuple[float, bool, bool]
+
+@type_check_only
+class PathArrays(TypedDict):
+    """`positions` [n, 3]; `starts`: the first position of each path, then n. Either `radius` (world) or `width_px`."""
+
+    positions: NDArray[np.float64]
+    starts: NDArray[np.uint32]
+    radius: float | None
+    width_px: float | None
+    paint: ShapePaint
+    style: tuple[float, bool, bool]
+
+@type_check_only
+class PointArrays(TypedDict):
+    """`centers` [n, 3]. Either `radii` [n] (world) or `diameters_px` [n]."""
+
+    centers: NDArray[np.float64]
+    radii: NDArray[np.float64] | None
+    diameters_px: NDArray[np.float64] | None
+    paint: ShapePaint
+    style: tuple[float, bool, bool]
+
+@type_check_only
+class CardArrays(TypedDict):
+    """A picture `rgba` [height, width, 4], straight, on the parallelogram of a corner and two ways."""
+
+    corner: tuple[float, float, float]
+    along_x: tuple[float, float, float]
+    along_y: tuple[float, float, float]
+    rgba: NDArray[np.float32]
+    style: tuple[float, bool, bool]
+
+@final
+class Shapes:
+    """Surfaces, lines, points and pictures in space, in world coordinates (crates/core/src/shapes.rs)."""
+
+    def __new__(
+        cls,
+        *,
+        meshes: Sequence[MeshArrays],
+        paths: Sequence[PathArrays],
+        points: Sequence[PointArrays],
+        cards: Sequence[CardArrays],
+    ) -> Shapes: ...
+    def bounds(self) -> tuple[list[float], list[float]] | None:
+        """Corners of the box that holds all; `None` without shapes."""
 
 @final
 class Ablation:

@@ -15,6 +15,7 @@ mod level_grid;
 mod options;
 mod picture;
 mod samples;
+mod shapes;
 mod transfer_function;
 mod transfer_function_2d;
 mod volume;
@@ -33,6 +34,7 @@ pub use options::{
 };
 pub use picture::Picture;
 pub use samples::{Sample, Samples, Statistics};
+pub use shapes::{Card, Mesh, Paint, Paths, Points, ShapeStyle, Shapes, Sizes, Thickness};
 pub use transfer_function::{ColorNode, GradientNode, OpacityNode, TransferFunction};
 pub use transfer_function_2d::TransferFunction2D;
 pub use volume::Volume;

@@ -1,10 +1,13 @@
 //! Render options: kernel, shading, lights, crop, clip planes, and the meaning of a named quality.
 
+use std::sync::Arc;
+
 use glam::DVec3;
 
 use crate::composite::Composite;
 use crate::depth_colors::DepthColors;
 use crate::error::{Error, Result};
+use crate::shapes::Shapes;
 
 /// Reconstruction kernel, separable; the same along all three axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -297,6 +300,8 @@ pub struct RenderOptions {
     pub with_depth: bool,
     /// Hues by the place of the extreme, for projections that have one.
     pub depth_colors: Option<DepthColors>,
+    /// Surfaces, lines and points in the picture, at their depth.
+    pub shapes: Arc<Shapes>,
     /// Worker threads; `None` uses all processors.
     pub n_threads: Option<usize>,
 }
@@ -318,6 +323,7 @@ impl Default for RenderOptions {
             background: None,
             with_depth: false,
             depth_colors: None,
+            shapes: Arc::default(),
             n_threads: None,
         }
     }

@@ -8,6 +8,7 @@ mod lazy;
 mod progress;
 mod reference;
 mod rendering;
+mod shapes;
 mod stream;
 mod study;
 mod volume;
@@ -42,6 +43,8 @@ mod _native {
     use crate::reference::{raycast, splat_literal};
     #[pymodule_export]
     use crate::rendering::{encode_png, plane, quality_settings, render, rgb_bytes, straight_bytes};
+    #[pymodule_export]
+    use crate::shapes::PyShapes;
     #[pymodule_export]
     use crate::stream::{PyBlockState, PyStream, smallest_budget};
     #[pymodule_export]

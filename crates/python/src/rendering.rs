@@ -18,6 +18,7 @@ use crate::errors::to_py;
 use crate::gpu::{device, report_of};
 use crate::labels::PyLabels;
 use crate::progress::PyProgress;
+use crate::shapes::PyShapes;
 use crate::volume::{Drawable, with_volumes};
 
 /// Corners of a crop box.
@@ -158,6 +159,7 @@ pub struct PyFrame<'py> {
     device: String,
     depth: bool,
     depth_colors: Option<(Vec<[f32; 3]>, Option<Triple>)>,
+    shapes: Option<PyRef<'py, PyShapes>>,
     pre_integration: bool,
     early_ray_termination: bool,
 }
@@ -188,12 +190,15 @@ impl PyFrame<'_> {
         })
     }
 
-    /// Fills in the scene's labels, crop, clip planes and background.
+    /// Fills in the scene's labels, crop, clip planes, background and shapes.
     pub fn fill(&self, scene: &mut Scene<'_>) {
         scene.labels = self.labels.as_ref().map(|labels| labels.0.clone());
         scene.crop = crop(self.crop_index, self.crop_world);
         scene.clip_planes = clip_planes(self.clip_planes.clone());
         scene.background = self.background;
+        if let Some(shapes) = &self.shapes {
+            scene.shapes = shapes.0.clone();
+        }
     }
 }
 

@@ -268,6 +268,7 @@ impl Scene<'_> {
             background: self.background,
             with_depth: options.with_depth,
             depth_colors: options.depth_colors.clone(),
+            shapes: self.shapes.clone(),
             n_threads: options.n_threads,
         }
     }

@@ -102,9 +102,10 @@ pub fn use_simd(name: &str) -> std::result::Result<(), String> {
 pub use glam;
 pub use wavesplat_compute::parallel::after_fork;
 pub use wavesplat_core::{
-    Camera, ClipPlane, ColorNode, Composite, Crop, DepthColors, Error, ErrorKind, Gradient, GradientNode, Grid, Kernel,
-    LabelLook, LevelGrid, Light, LightFrame, OpacityNode, Picture, Projection, Result, Samples, Shading, Statistics,
-    TransferFunction, TransferFunction2D, Volume,
+    Camera, Card, ClipPlane, ColorNode, Composite, Crop, DepthColors, Error, ErrorKind, Gradient, GradientNode, Grid,
+    Kernel, LabelLook, LevelGrid, Light, LightFrame, Mesh, OpacityNode, Paint, Paths, Picture, Points, Projection,
+    Result, Samples, Shading, ShapeStyle, Shapes, Sizes, Statistics, Thickness, TransferFunction, TransferFunction2D,
+    Volume,
 };
 #[cfg(feature = "gpu")]
 pub use wavesplat_gpu as gpu;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use wavesplat_core::{ClipPlane, Composite, Crop, Grid, Kernel, Result, Shading, TransferFunction, Volume};
+use wavesplat_core::{ClipPlane, Composite, Crop, Grid, Kernel, Result, Shading, Shapes, TransferFunction, Volume};
 use wavesplat_splat::optics::labels::Labels;
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
 use wavesplat_splat::source::slices::Slices;
@@ -28,6 +28,8 @@ pub struct Scene<'a> {
     pub clip_planes: Vec<ClipPlane>,
     /// Straight colour and opacity behind the volumes; `None` is transparent.
     pub background: Option<[f32; 4]>,
+    /// Surfaces, lines and points among the volumes, at their depth.
+    pub shapes: Arc<Shapes>,
 }
 
 /// A volume and its look.
@@ -72,7 +74,7 @@ impl<'a> Scene<'a> {
 
     /// Scene of layers, without labels, cuts and background.
     pub fn of(layers: Vec<SceneLayer<'a>>) -> Self {
-        Self { layers, labels: None, crop: None, clip_planes: Vec::new(), background: None }
+        Self { layers, labels: None, crop: None, clip_planes: Vec::new(), background: None, shapes: Arc::default() }
     }
 }
 

@@ -332,6 +332,7 @@ def _stream(core: _native.LazyVolume, camera: Camera, options: DrawOptions, stre
         "device": "cpu",
         "depth": False,
         "depth_colors": None,
+        "shapes": None,
         "pre_integration": True,
         "early_ray_termination": True,
     }

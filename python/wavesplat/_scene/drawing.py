@@ -500,6 +500,7 @@ def _rendered(
             "device": chosen_device(options.device),
             "depth": bool(options.depth),
             "depth_colors": projection.depth_colors(operator),
+            "shapes": None,
             "pre_integration": bool(options.pre_integration),
             "early_ray_termination": bool(options.early_ray_termination),
         }

@@ -61,6 +61,9 @@ pub(crate) fn permutation_of(plan: &Plan, slices: &[&Slices], gather: bool) -> G
     if plan.layers.iter().any(|layer| layer.color.is_some()) {
         return Err(Failure::DrawnByCpu("layers that another field colours are drawn by the CPU".to_owned()));
     }
+    if plan.shapes.is_some() {
+        return Err(Failure::DrawnByCpu("scenes with surfaces, lines or points are drawn by the CPU".to_owned()));
+    }
     if slices.iter().any(|slices| slices.must_load()) {
         return Err(Failure::DrawnByCpu("a level that is decoded block by block is drawn by the CPU".to_owned()));
     }

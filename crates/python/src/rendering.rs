@@ -257,6 +257,10 @@ pub fn picture_and_report(py: Python<'_>, frame: Frame) -> PyResult<Bound<'_, Py
     if let Some(range) = report.depth_colors {
         numbers.set_item("depth_colors", range)?;
     }
+    if report.n_fragments[0] > 0 {
+        numbers.set_item("n_fragments", report.n_fragments[0])?;
+        numbers.set_item("n_joined_rays", report.n_fragments[1])?;
+    }
     numbers.set_item("n_threads", report.n_threads)?;
     numbers.set_item("simd", report.simd)?;
     let DrawnBy { name, reason, gpu } = drawn_by;

@@ -5,7 +5,7 @@
 //! the sheet is composited. The folders follow the data; each imports only from those before it:
 //!
 //! `view` (camera, base planes) -> `kernel` (footprints) -> `source` (slices) -> `sheet` -> `optics` (classify, shade)
-//! -> `ray` (composite) -> `picture` (warp) -> `render` (the one place that knows the order) -> `quality`.
+//! -> `shapes` (surfaces, lines, points) -> `ray` (composite) -> `picture` (warp) -> `render` (the one place that knows the order) -> `quality`.
 //!
 //! Beside them stands [`slice_plane`]. The literal twins and the older technique that pictures are compared with are the
 //! crate `wavesplat-study`. Source of the method: "High Resolution Image Splatting", IJACEN 2(7), 2014.
@@ -25,6 +25,8 @@ pub mod quality;
 pub mod ray;
 #[doc(hidden)]
 pub mod render;
+#[doc(hidden)]
+pub mod shapes;
 #[doc(hidden)]
 pub mod sheet;
 pub mod slice_plane;

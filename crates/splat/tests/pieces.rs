@@ -6,8 +6,8 @@ use std::sync::Arc;
 use glam::{DAffine3, DMat3, DVec3};
 use wavesplat_compute::simd::Level;
 use wavesplat_core::{
-    Camera, ClipPlane, Composite, Crop, Gradient, GradientNode, Kernel, LabelLook, Light, Projection, RenderOptions,
-    Samples, Shading, TransferFunction, Volume,
+    Camera, ClipPlane, Composite, Crop, Gradient, GradientNode, Kernel, LabelLook, Light, Mesh, Paint, Paths, Points,
+    Projection, RenderOptions, Samples, Shading, ShapeStyle, Shapes, Sizes, Thickness, TransferFunction, Volume,
 };
 use wavesplat_splat::Layer;
 use wavesplat_splat::optics::labels::{Codes, Labels};
@@ -15,7 +15,7 @@ use wavesplat_splat::optics::visibility_cache::VisibilityCache;
 use wavesplat_splat::picture::base_picture::BasePicture;
 use wavesplat_splat::ray::state::TileState;
 use wavesplat_splat::render::frame::draw_base_planes;
-use wavesplat_splat::render::piece::{draw_piece, finish_tile, samples_of, tiles_of};
+use wavesplat_splat::render::piece::{draw_piece, finish_tile, samples_of, tiles_of, unseen_picture};
 use wavesplat_splat::render::plan::Plan;
 use wavesplat_splat::render::segments::{can_fold, fold};
 use wavesplat_splat::render::stream::{IndexBox, Storage, StreamPlan, volume_of};
@@ -188,6 +188,14 @@ fn cases() -> Vec<Case> {
     add("cut", bytes(), Kernel::Linear, &soft, &three_families, &RenderOptions { crop, clip_planes, ..plain.clone() });
     let light = Shading { ambient_occlusion: 0.7, shadow: 0.5, lights: vec![Light::HEADLIGHT], ..Shading::headlight() };
     add("occlusion", bytes(), Kernel::Linear, &soft, &aslant, &RenderOptions { shading: Some(light), ..plain.clone() });
+    let among_shapes = |options: &RenderOptions| RenderOptions { shapes: shapes(&phantom), ..options.clone() };
+    for (name, view) in &views {
+        add(&format!("soft with shapes {name}"), bytes(), Kernel::Linear, &soft, view, &among_shapes(&deep));
+        add(&format!("hard with shapes {name}"), with_holes(), Kernel::Linear, &hard, view, &among_shapes(&deep));
+    }
+    let surface = RenderOptions { with_depth: true, ..of(Composite::FirstHit { iso_value: 140.0 }) };
+    add("first hit with shapes", bytes(), Kernel::Linear, &soft, &aslant, &among_shapes(&surface));
+    add("maximum with shapes", bytes(), Kernel::Linear, &soft, &aslant, &among_shapes(&of(Composite::Maximum)));
     add("labels", bytes(), Kernel::Linear, &soft, &aslant, &plain);
     let codes: Vec<u8> = (0..SIZE.iter().product()).map(|i: usize| u8::from(i / SIZE[0] % SIZE[1] > 20)).collect();
     let look = LabelLook { rgb: [0.9, 0.1, 0.1], opacity: 0.4, scan: 0.3, tint: 0.2 };
@@ -197,6 +205,45 @@ fn cases() -> Vec<Case> {
     let labels = Labels::new(codes, vec![LabelLook::NONE, look], volume.grid(), Kernel::Gaussian, 1 << 24);
     all[last].labels = Some(labels.unwrap());
     all
+}
+
+/// Balls, tubes, triangles, strokes and discs in a phantom and beside it, opaque and translucent.
+fn shapes(phantom: &Phantom) -> Arc<Shapes> {
+    let mut random = Random(5);
+    let mut place = || {
+        let offset = [0, 1, 2].map(|_| random.below(7000) as f64 / 100.0 - 35.0);
+        (phantom.centre() + DVec3::from_array(offset)).to_array()
+    };
+    let mut places = |n: usize| -> Vec<[f64; 3]> { (0..n).map(|_| place()).collect() };
+    let style = |opacity| ShapeStyle { opacity, ..ShapeStyle::default() };
+    let mesh = |n: usize, vertices, opacity| Mesh {
+        vertices,
+        faces: (0..n as u32).map(|k| [3 * k, 3 * k + 1, 3 * k + 2]).collect(),
+        normals: Vec::new(),
+        paint: Paint::Even([0.9, 0.5, 0.1]),
+        style: style(opacity),
+    };
+    let meshes = vec![mesh(2, places(6), 1.0), mesh(6, places(18), 0.4)];
+    let paths = |thickness, positions: Vec<[f64; 3]>, opacity| Paths {
+        starts: vec![0, positions.len() as u32 / 2, positions.len() as u32],
+        thickness,
+        paint: Paint::Even([0.2, 0.9, 0.3]),
+        style: style(opacity),
+        positions,
+    };
+    let lines = vec![paths(Thickness::Radius(1.5), places(10), 0.6), paths(Thickness::WidthPx(2.5), places(10), 0.8)];
+    let points = |sizes, centers: Vec<[f64; 3]>, opacity| Points {
+        paint: Paint::Each((0..centers.len()).map(|k| [0.1 * (k % 10) as f32, 0.4, 0.8, 1.0]).collect()),
+        sizes,
+        style: style(opacity),
+        centers,
+    };
+    let spots = vec![
+        points(Sizes::Radii(vec![3.0; 12]), places(12), 1.0),
+        points(Sizes::Radii(vec![4.0; 12]), places(12), 0.5),
+        points(Sizes::DiametersPx(vec![6.0; 8]), places(8), 0.7),
+    ];
+    Arc::new(Shapes::new(meshes, lines, spots, Vec::new()).unwrap())
 }
 
 /// A random number of samples along each axis, for boxes that divide nothing.
@@ -253,8 +300,7 @@ fn streamed(plan: &Plan, slices: &Slices, data: &Data, streaming: &Streaming) ->
     let cut = |budget: usize| StreamPlan::new(plan, &[slices], &storage, budget, n_blocks, segment_slices);
     // Wide kernels and holes need more than a small budget.
     let steps = cut(budget_bytes).or_else(|_| cut(usize::MAX)).unwrap();
-    let mut pictures: Vec<BasePicture> =
-        plan.families.iter().map(|own| BasePicture::new(own.plane.clone(), plan.with_depth)).collect();
+    let mut pictures: Vec<BasePicture> = (0..plan.families.len()).map(|family| unseen_picture(plan, family)).collect();
     let mut n_read = 0;
     for (b, block) in steps.blocks.iter().enumerate() {
         let tiles = block.all_tiles();
@@ -292,8 +338,8 @@ fn streamed(plan: &Plan, slices: &Slices, data: &Data, streaming: &Streaming) ->
         let n_tiles_u = plan.families[block.family].plane.size[0].div_ceil(TILE_U);
         pictures[block.family].fill_tiles([TILE_U, TILE_V], None, |k, texels| {
             let place = tiles.iter().position(|tile| *tile == [k % n_tiles_u, k / n_tiles_u]);
-            if let Some(state) = place.and_then(|place| states[place].lock().unwrap().take()) {
-                finish_tile(plan, block.family, state, texels);
+            if let Some(place) = place {
+                finish_tile(plan, block.family, tiles[place], states[place].lock().unwrap().take(), texels);
             }
         });
     }
@@ -353,9 +399,8 @@ fn in_pieces(plan: &Plan, slices: &Slices, data: &Data, random: &mut Random) -> 
         let mut picture = BasePicture::new(family.plane.clone(), plan.with_depth);
         let states: Vec<_> = states.into_iter().map(std::sync::Mutex::new).collect();
         picture.fill_tiles([TILE_U, TILE_V], None, |k, texels| {
-            if let Some(state) = states[k].lock().unwrap().take() {
-                finish_tile(plan, f, state, texels);
-            }
+            let tile = [k % n_tiles_u, k / n_tiles_u];
+            finish_tile(plan, f, tile, states[k].lock().unwrap().take(), texels);
         });
         pictures.push(picture);
     }
@@ -455,7 +500,7 @@ fn folded_segments_do_not_depend_on_how_they_were_read() {
             cache: &cache,
         };
         let plan = Plan::new(Level::best(), &[layer], &case.camera, &case.options).unwrap().without_even_cuts();
-        if !can_fold(plan.operator, plan.with_depth) {
+        if !can_fold(&plan) {
             n_refused += 1;
             continue;
         }

@@ -11,7 +11,7 @@ use wavesplat_core::{Camera, Error, Kernel, Picture, Result, Samples};
 use wavesplat_splat::picture::base_picture::BasePicture;
 use wavesplat_splat::quality::ladder::Sampling;
 use wavesplat_splat::render::frame::finish;
-use wavesplat_splat::render::piece::{draw_piece, finish_tile};
+use wavesplat_splat::render::piece::{draw_piece, finish_tile, unseen_picture};
 use wavesplat_splat::render::plan::Plan;
 use wavesplat_splat::render::segments::{can_fold, fold};
 use wavesplat_splat::render::stream::{IndexBox, Storage, StreamPlan, volume_of};
@@ -77,7 +77,7 @@ impl Scene<'static> {
         let StreamOptions { budget_bytes, n_blocks, segment_slices } = *streaming;
         let cut = || StreamPlan::new(&plan, &of_slices, &storage, budget_bytes, n_blocks, segment_slices);
         let steps = parallel::with_threads(options.n_threads, cut)?;
-        let pictures = plan.families.iter().map(|own| BasePicture::new(own.plane.clone(), plan.with_depth)).collect();
+        let pictures = (0..plan.families.len()).map(|family| unseen_picture(&plan, family)).collect();
         let reason = "what is read as it is drawn is drawn by the CPU";
         let drawn_by = DrawnBy::cpu((options.device != Device::Cpu).then(|| reason.to_owned()));
         let report = parallel::with_threads(options.n_threads, || Report::of(&plan));
@@ -139,8 +139,8 @@ impl Scene<'static> {
             self.with_layers(options, &slices, &[], |layers| Plan::new(Level::best(), layers, camera, &render_options))
         })?;
         let plan = if streaming.segment_slices.is_some() { plan.without_even_cuts() } else { plan };
-        if streaming.segment_slices.is_some() && !can_fold(plan.operator, plan.with_depth) {
-            let mend = "draw it without segments, or without depth";
+        if streaming.segment_slices.is_some() && !can_fold(&plan) {
+            let mend = "draw it without segments, or without depth, surfaces, lines and points";
             return Err(Error::out_of_range("segments of this operator", "several", "one", mend));
         }
         Ok(Planned { plan, slices, storage, sampling })
@@ -307,9 +307,11 @@ impl Stream {
         }
         let plan = &self.plan;
         self.pictures[own.family].fill_tiles([TILE_U, TILE_V], None, |k, texels| {
-            let state = states.get(&k).and_then(|state| state.lock().ok()?.take());
-            if let Some(state) = state {
-                finish_tile(plan, own.family, state, texels);
+            let tile = [k % n_tiles_u, k / n_tiles_u];
+            let is_own = own.tiles[0].contains(&tile[0]) && own.tiles[1].contains(&tile[1]);
+            if is_own {
+                let state = states.get(&k).and_then(|state| state.lock().ok()?.take());
+                finish_tile(plan, own.family, tile, state, texels);
             }
         });
         self.report.n_texels += state.work.n_texels;

@@ -12,6 +12,7 @@
 //! Errors are mean square errors of the colours over black, peak 1, of the whole picture.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::LANES;
@@ -24,6 +25,7 @@ use crate::render::frame::{PixelRectangle, draw_base_plane, draw_base_planes, sl
 use crate::render::plan::{FamilyPlan, Plan};
 use crate::render::progress::{Progress, ProgressCallback};
 use crate::render::tile::n_tiles;
+use crate::shapes::fragments::Fragments;
 use crate::view::base_plane::BasePlane;
 use crate::view::family::{Family, IndexRays};
 
@@ -115,7 +117,8 @@ impl PilotTiles {
         let progress = Progress::new(callback, n_all);
         let draw_tile = |tile: &Tile, window: &Option<(&FamilyPlan, BasePlane)>| {
             let drawn = window.as_ref().map(|(family, plane)| {
-                let family = FamilyPlan { plane: plane.clone(), ..(*family).clone() };
+                let fragments = family.fragments.as_ref().map(|all| Arc::new(window_of(all, &family.plane, plane)));
+                let family = FamilyPlan { plane: plane.clone(), fragments, ..(*family).clone() };
                 draw_base_plane(plan, &family, &slices, &progress)
             });
             let drawn = drawn.transpose()?;
@@ -143,6 +146,12 @@ impl PilotTiles {
         let deviation = (n * variance * left_out).sqrt() / whole.max(f64::MIN_POSITIVE);
         MeanSquare { mean: whole / self.n_pixels as f64, deviation }
     }
+}
+
+/// Surfaces of shapes on a window of a base plane.
+fn window_of(all: &Fragments, plane: &BasePlane, window: &BasePlane) -> Fragments {
+    let first = ((window.origin - plane.origin) / plane.step).round();
+    all.window([first.x as i64, first.y as i64], window.size)
 }
 
 /// Chooses `n` of the items: each with a probability that is proportional to its weight, those with more than the `n`th

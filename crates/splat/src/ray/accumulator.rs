@@ -7,6 +7,7 @@ use wavesplat_compute::simd::{Lanes, Simd, Wide};
 use crate::optics::shade::Shader;
 use crate::ray::compositor::Texels;
 use crate::ray::state::TileState;
+use crate::ray::surfaces::ChunkSurfaces;
 use crate::sheet::tile_layout::Chunk;
 use crate::sheet::tile_rays::Rays;
 
@@ -99,6 +100,19 @@ impl Accumulator {
         for k in 0..W::N {
             self.done[places[k]] = opaque[k] | rays.missed(chunks[k]) == u16::MAX;
         }
+    }
+
+    /// Composites surfaces behind all earlier fragments.
+    #[inline(always)]
+    pub fn add_surfaces<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, surfaces: &ChunkSurfaces) {
+        let [r, g, b] = &surfaces.rgb;
+        let fragment = Fragment {
+            rgb: [s.load(r), s.load(g), s.load(b)],
+            alpha: s.load(&surfaces.alpha),
+            from: s.load(&surfaces.s),
+            extent: s.splat(0.0),
+        };
+        self.add_fragment(s, [chunk; 2], rays, &fragment);
     }
 
     /// Per chunk: is a live ray in `visible`?

@@ -10,6 +10,7 @@ use crate::source::geometry::SheetGeometry;
 use wavesplat_compute::simd::{LANES, Lanes, Simd};
 
 use crate::ray::state::TileState;
+use crate::ray::surfaces::ChunkSurfaces;
 
 /// The space between two consecutive sheets of a tile.
 pub struct Slab<'a, 'b> {
@@ -25,6 +26,24 @@ pub struct Slab<'a, 'b> {
     pub field_geometries: &'a [SheetGeometry<'b>],
     /// Samples that the fields' sheets are made of.
     pub field_panels: &'a FieldSlices,
+}
+
+impl Slab<'_, '_> {
+    /// Clips the layers' own rays of a chunk to what lies between two places each ([`Rays::cut`]).
+    #[inline(always)]
+    pub fn cut(&mut self, chunk: Chunk, places: [&Lanes; 2]) -> Vec<([Lanes; 2], [f32; 2])> {
+        let layers = std::iter::once(&mut *self.first).chain(self.more.iter_mut());
+        layers.filter_map(|layer| layer.rays.as_mut()).map(|rays| rays.cut(chunk, places)).collect()
+    }
+
+    /// Undoes [`Slab::cut`].
+    #[inline(always)]
+    pub fn restore(&mut self, chunk: Chunk, kept: Vec<([Lanes; 2], [f32; 2])>) {
+        let layers = std::iter::once(&mut *self.first).chain(self.more.iter_mut());
+        for (rays, kept) in layers.filter_map(|layer| layer.rays.as_mut()).zip(kept) {
+            rays.restore(chunk, kept);
+        }
+    }
 }
 
 /// Densities of a chunk on both sheets.
@@ -79,6 +98,16 @@ pub trait Compositor {
     fn reads_back_sheet(&self) -> bool {
         true
     }
+    /// Whether surfaces of shapes are composited with matter; else rays only end at those that are opaque.
+    const TAKES_SURFACES: bool = false;
+    /// Interval of s whose matter a slab adds to a block.
+    #[inline(always)]
+    fn covered(&self, _: Block, slab: &Slab) -> [f32; 2] {
+        slab.s
+    }
+    /// Composites surfaces behind all that was added before.
+    #[inline(always)]
+    fn add_surfaces<S: Simd>(&mut self, _: S, _: Chunk, _: &Rays, _: &ChunkSurfaces) {}
     /// Whether no ray of the chunk can change any more.
     fn is_done(&self, chunk: Chunk) -> bool;
     /// Adds the slab between two sheets to a chunk. Slabs come front to back, with densities ready on the sheets that

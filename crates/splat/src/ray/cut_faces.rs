@@ -80,7 +80,7 @@ impl CutFaces {
             return None;
         }
         let places = [chunks[0].index(), chunks[1].index()];
-        let [begins, _] = rays.interval(w, chunks);
+        let begins = rays.begins(w, chunks);
         // Where nothing is drawn, depth and extent are 0.
         let usual = w.max(w.mul(w.splat(DEPTH), matter.extent), w.splat(f32::MIN_POSITIVE));
         let dense = within_unit(w, w.sub(w.mul(w.splat(2.0), w.div(matter.depth, usual)), w.splat(0.5)));

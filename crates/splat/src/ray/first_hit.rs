@@ -10,6 +10,7 @@ use crate::ray::accumulator::between;
 use crate::ray::compositor::Slab;
 use crate::ray::compositor::{Compositor, Ends, Texels};
 use crate::ray::state::TileState;
+use crate::ray::surfaces::ChunkSurfaces;
 use crate::sheet::field_sheets::{FieldPoint, FieldValues};
 use crate::sheet::tile_layout::Chunk;
 use crate::sheet::tile_rays::Rays;
@@ -62,6 +63,24 @@ impl<'a> FirstHit<'a> {
 }
 
 impl Compositor for FirstHit<'_> {
+    const TAKES_SURFACES: bool = true;
+
+    #[inline(always)]
+    fn add_surfaces<S: Simd>(&mut self, _: S, chunk: Chunk, _: &Rays, surfaces: &ChunkSurfaces) {
+        let rgba = &mut self.rgba[chunk.index()];
+        for i in 0..LANES {
+            let before = rgba[3].0[i];
+            let weight = (1.0 - before) * surfaces.alpha[i];
+            for c in 0..3 {
+                rgba[c].0[i] += weight * surfaces.rgb[c][i];
+            }
+            rgba[3].0[i] += weight;
+            if before < 0.5 && rgba[3].0[i] >= 0.5 {
+                self.s_hit[chunk.index()].0[i] = surfaces.s[i];
+            }
+        }
+    }
+
     #[inline(always)]
     fn is_done(&self, chunk: Chunk) -> bool {
         self.done[chunk.index()]
@@ -120,10 +139,14 @@ impl Compositor for FirstHit<'_> {
             s.store(rgb[c], &mut shaded[c]);
         }
         for i in (0..LANES).filter(|i| new >> i & 1 == 1) {
+            // Surfaces of shapes may lie in front.
+            let left = 1.0 - rgba[3].0[i];
             for c in 0..4 {
-                rgba[c].0[i] = shaded[c][i];
+                rgba[c].0[i] += left * shaded[c][i];
             }
-            self.s_hit[chunk.index()].0[i] = s_front + (s_back - s_front) * at[i];
+            if left > 0.5 {
+                self.s_hit[chunk.index()].0[i] = s_front + (s_back - s_front) * at[i];
+            }
         }
         self.hit[chunk.index()] |= new;
         self.done[chunk.index()] = self.hit[chunk.index()] | rays.missed(chunk) == u16::MAX;

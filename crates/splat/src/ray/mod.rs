@@ -9,3 +9,4 @@ pub mod over;
 pub mod over_layers;
 pub mod project;
 pub mod state;
+pub mod surfaces;

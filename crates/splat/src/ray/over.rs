@@ -23,6 +23,7 @@ use crate::ray::accumulator::{Accumulator, Chunks, Fragment, between, extent, li
 use crate::ray::compositor::{Compositor, Slab, Texels};
 use crate::ray::cut_faces::{CutFaces, Matter, most_missing, place_between};
 use crate::ray::state::TileState;
+use crate::ray::surfaces::ChunkSurfaces;
 use crate::sheet::field_sheets::{FieldPoint, FieldValues};
 use crate::sheet::tile_layout::Block;
 use crate::sheet::tile_layout::Chunk;
@@ -424,6 +425,23 @@ impl<const MODIFIED: bool> Over<'_, MODIFIED> {
 }
 
 impl<const MODIFIED: bool> Compositor for Over<'_, MODIFIED> {
+    const TAKES_SURFACES: bool = true;
+
+    #[inline(always)]
+    fn covered(&self, block: Block, slab: &Slab) -> [f32; 2] {
+        let [front, back] = slab.s;
+        if self.needs_preintegration {
+            return slab.s;
+        }
+        let half = 0.5 * (back - front);
+        [front - half, if slab.first.is_last(block) { back } else { front + half }]
+    }
+
+    #[inline(always)]
+    fn add_surfaces<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, surfaces: &ChunkSurfaces) {
+        self.so_far.add_surfaces(s, chunk, rays, surfaces);
+    }
+
     fn reads_back_sheet(&self) -> bool {
         self.needs_preintegration
     }

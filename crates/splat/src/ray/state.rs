@@ -7,8 +7,8 @@ use wavesplat_compute::simd::{LANES, Lanes};
 
 use crate::sheet::tile_layout::Chunk;
 
-/// Bytes of the lengths of the eight arrays.
-const HEAD: usize = 32;
+/// Bytes of the lengths of the nine arrays.
+const HEAD: usize = 36;
 
 /// State of the rays of a tile, chunk by chunk ([`Chunk::index`]).
 ///
@@ -31,17 +31,20 @@ pub struct TileState {
     pub found: Vec<u16>,
     /// Chunks in which no ray can change any more: all are opaque, or have found.
     pub done: Vec<bool>,
+    /// Number of surfaces of shapes that each ray has passed; empty where there are none.
+    pub passed: Vec<[u8; LANES]>,
 }
 
 impl TileState {
     /// Serialises the state, little-endian.
     ///
-    /// The lengths of the eight arrays, then the arrays in the order of the fields. [`TileState::from_bytes`] reads them
+    /// The lengths of the nine arrays, then the arrays in the order of the fields. [`TileState::from_bytes`] reads them
     /// back.
     pub fn to_bytes(&self) -> Vec<u8> {
-        let Self { rgba, value, length, absorbed, s_half, entries, found, done } = self;
+        let Self { rgba, value, length, absorbed, s_half, entries, found, done, passed } = self;
         let of_lanes = [value, length, absorbed, s_half, entries];
-        let lens = [rgba.len()].into_iter().chain(of_lanes.map(Vec::len)).chain([found.len(), done.len()]);
+        let lens =
+            [rgba.len()].into_iter().chain(of_lanes.map(Vec::len)).chain([found.len(), done.len(), passed.len()]);
         let n_lanes = 4 * rgba.len() + of_lanes.iter().map(|own| own.len()).sum::<usize>();
         let mut bytes = Vec::with_capacity(HEAD + 4 * LANES * n_lanes);
         for n in lens {
@@ -53,6 +56,7 @@ impl TileState {
             bytes.extend_from_slice(&bits.to_le_bytes());
         }
         bytes.extend(done.iter().map(|done| u8::from(*done)));
+        bytes.extend(passed.as_flattened());
         bytes
     }
 
@@ -66,8 +70,9 @@ impl TileState {
         }
         let n_lanes = 4 * n[0] + n[1..6].iter().sum::<usize>();
         let (lanes, rest) = rest.split_at_checked(4 * LANES * n_lanes)?;
-        let (found, done) = rest.split_at_checked(2 * n[6])?;
-        if done.len() != n[7] {
+        let (found, rest) = rest.split_at_checked(2 * n[6])?;
+        let (done, passed) = rest.split_at_checked(n[7])?;
+        if passed.len() != LANES * n[8] {
             return None;
         }
         let mut lanes = lanes.chunks_exact(4 * LANES).map(|own| {
@@ -79,7 +84,8 @@ impl TileState {
         let [value, length, absorbed, s_half, entries] = [n[1], n[2], n[3], n[4], n[5]].map(&mut take);
         let found = found.as_chunks::<2>().0.iter().map(|bits| u16::from_le_bytes(*bits)).collect();
         let done = done.iter().map(|done| *done != 0).collect();
-        Some(Self { rgba, value, length, absorbed, s_half, entries, found, done })
+        let passed = passed.as_chunks::<LANES>().0.to_vec();
+        Some(Self { rgba, value, length, absorbed, s_half, entries, found, done, passed })
     }
 
     /// An array with `value` for every chunk.
@@ -101,6 +107,7 @@ mod tests {
             entries: lanes(-1.5),
             found: TileState::per_chunk(0xA5A5),
             done: TileState::per_chunk(true),
+            passed: TileState::per_chunk([7; LANES]),
             ..TileState::default()
         };
         let bytes = state.to_bytes();

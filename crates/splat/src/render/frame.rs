@@ -12,8 +12,8 @@ use crate::picture::color_projection::color_projection;
 use crate::picture::edges::{Edges, Scaling};
 use crate::picture::warp::warp;
 use crate::render::layer::Layer;
-use crate::render::piece::draw_tile;
-use crate::render::plan::{FamilyPlan, Operator, Plan};
+use crate::render::piece::{draw_surfaces, draw_tile};
+use crate::render::plan::{FamilyPlan, Operator, Plan, brightest};
 use crate::render::progress::{Progress, ProgressCallback};
 use crate::render::report::Report;
 use crate::render::tile::{Piece, TileJob, Work, n_tiles};
@@ -161,9 +161,25 @@ fn costs(job: &TileJob) -> Vec<usize> {
 pub fn finish(plan: &Plan, base_pictures: &[BasePicture]) -> Picture {
     let whole = PixelRectangle { first: [0; 2], size: plan.size_px };
     let mut picture = warped(plan, base_pictures, whole, plan.reads_per_axis, plan.with_depth);
+    if plan.shapes.is_some() && plan.operator.projection().is_some() {
+        put_behind(plan, &mut picture);
+    }
     depth_as_length(&plan.camera, &mut picture);
     picture.finish(plan.shading(), plan.background);
     picture
+}
+
+/// Puts the surfaces of shapes behind a projection, which shows what is in front of those that are opaque.
+fn put_behind(plan: &Plan, picture: &mut Picture) {
+    let surfaces: Vec<_> = plan.families.iter().map(|family| draw_surfaces(family, false)).collect();
+    let peak = plan.shapes.as_ref().map_or(1.0, |shapes| brightest(&shapes.shading));
+    let behind = warp(plan.simd, &surfaces, &plan.rays, plan.size_px, plan.reads_per_axis, peak, false, None).rgba;
+    for (rgba, behind) in picture.rgba.iter_mut().zip(behind) {
+        let left = 1.0 - rgba[3];
+        for c in 0..4 {
+            rgba[c] += left * behind[c];
+        }
+    }
 }
 
 /// A rectangle of pixels of a picture.
@@ -191,8 +207,10 @@ pub(crate) fn warped(
     };
     let is_projection = plan.operator.projection().is_some();
     let edges = Edges { silhouette: &plan.silhouette, scaling, is_projection };
-    let warped =
-        warp(plan.simd, base_pictures, &plan.rays.part(first), size, reads, plan.peak, with_depth, Some(edges));
+    // Shapes go on beyond the walls of volumes.
+    let edges = Some(edges).filter(|_| plan.shapes.is_none());
+    let rays = plan.rays.part(first);
+    let warped = warp(plan.simd, base_pictures, &rays, size, reads, plan.peak, with_depth, edges);
     let [width_px, height_px] = size;
     let mut picture = Picture { width_px, height_px, rgba: warped.rgba, depth: warped.ray_parameter, value: None };
     if let Some(composite) = plan.operator.projection() {

@@ -7,8 +7,8 @@ use std::ops::Range;
 
 use wavesplat_compute::parallel;
 
-use crate::picture::base_picture::TileTexels;
-use crate::ray::compositor::Compositor;
+use crate::picture::base_picture::{BasePicture, TileTexels};
+use crate::ray::compositor::{Compositor, Texels};
 use crate::ray::first_hit::FirstHit;
 use crate::ray::local_maximum::LocalMaximum;
 
@@ -16,10 +16,12 @@ use crate::ray::over::Over;
 use crate::ray::over_layers::{LayerOptics, OverLayers};
 use crate::ray::project::Project;
 use crate::ray::state::TileState;
+use crate::ray::surfaces::TileSurfaces;
 use crate::render::plan::{FamilyPlan, Operator, Plan};
 use crate::render::progress::{Progress, ProgressCallback};
 use crate::render::tile::{Piece, TileJob, Work, n_tiles};
-use crate::sheet::tile_layout::{BlockMask, Chunk, N_STRIPS, TILE_U, TILE_V};
+use crate::shapes::fragments::composite_behind;
+use crate::sheet::tile_layout::{BlockMask, Chunk, TILE_U, TILE_V};
 use crate::source::slices::{Slices, needed_samples};
 use wavesplat_compute::simd::LANES;
 use wavesplat_core::{Error, Result};
@@ -96,17 +98,62 @@ pub fn tiles_of(plan: &Plan, family: usize) -> Vec<[usize; 2]> {
     (0..n_u * n_v).map(|k| [k % n_u, k / n_u]).collect()
 }
 
-/// Writes the texels of a finished tile, given its state.
-pub fn finish_tile(plan: &Plan, family: usize, state: TileState, texels: &mut TileTexels) {
+/// Writes the texels of a finished tile, given its state; `None` where nothing of the volumes has been seen.
+pub fn finish_tile(plan: &Plan, family: usize, tile: [usize; 2], state: Option<TileState>, texels: &mut TileTexels) {
     let family = &plan.families[family];
-    with_operator(plan, family, Resume { state, finish: WriteTexels { texels, sign: family.sign() } });
+    let finish = WriteTexels { texels, sign: family.sign() };
+    let Some(mut state) = state else { return finish_unseen(plan, family, tile, finish) };
+    let surfaces = family.surfaces(first_of(tile), std::mem::take(&mut state.passed));
+    with_operator(plan, family, Resume { state, surfaces, finish });
+}
+
+/// Writes the surfaces of a tile in which nothing of the volumes is seen.
+fn finish_unseen(plan: &Plan, family: &FamilyPlan, tile: [usize; 2], finish: WriteTexels) {
+    // Projections hold no colours: surfaces are drawn beside them.
+    if plan.operator.projection().is_none()
+        && let Some(surfaces) = family.surfaces(first_of(tile), Vec::new())
+    {
+        finish.put_surfaces(&surfaces);
+    }
+}
+
+/// First texel of a tile.
+fn first_of(tile: [usize; 2]) -> [usize; 2] {
+    [tile[0] * TILE_U, tile[1] * TILE_V]
+}
+
+/// A base picture before anything of the volumes is drawn: the surfaces of shapes alone, where the operator composites
+/// them. Finished tiles are put into it.
+pub fn unseen_picture(plan: &Plan, family: usize) -> BasePicture {
+    let family = &plan.families[family];
+    if plan.operator.projection().is_some() {
+        return BasePicture::new(family.plane.clone(), plan.with_depth);
+    }
+    draw_surfaces(family, plan.with_depth)
+}
+
+/// The surfaces of shapes on a base plane, without matter.
+pub(super) fn draw_surfaces(family: &FamilyPlan, with_depth: bool) -> BasePicture {
+    let mut picture = BasePicture::new(family.plane.clone(), with_depth);
+    if family.fragments.is_none() {
+        return picture;
+    }
+    let [n_tiles_u, _] = n_tiles(&family.plane);
+    picture.fill_tiles([TILE_U, TILE_V], None, |k, texels| {
+        if let Some(surfaces) = family.surfaces(first_of([k % n_tiles_u, k / n_tiles_u]), Vec::new()) {
+            WriteTexels { texels, sign: family.sign() }.put_surfaces(&surfaces);
+        }
+    });
+    picture
 }
 
 /// Draws a piece of a tile and writes the tile's texels.
 pub(super) fn draw_tile(plan: &Plan, job: &TileJob, piece: &Piece, texels: &mut TileTexels) -> Work {
     let mut work = Work::default();
-    let put = WriteTexels { texels, sign: job.family.sign() };
-    with_operator(plan, job.family, Run { job, piece, state: None, work: &mut work, finish: put });
+    let put = WriteTexels { texels: &mut *texels, sign: job.family.sign() };
+    if with_operator(plan, job.family, Run { job, piece, state: None, work: &mut work, finish: put }).is_none() {
+        finish_unseen(plan, job.family, piece.tile, WriteTexels { texels, sign: job.family.sign() });
+    }
     work
 }
 
@@ -157,28 +204,30 @@ impl<T: Finish> WithCompositor for Run<'_, '_, T> {
     type Output = Option<T::Output>;
 
     fn call<C: Compositor>(self, new: impl FnOnce(Option<TileState>) -> C) -> Self::Output {
-        self.job.run(self.piece, self.state, new, self.work).map(|compositor| self.finish.end(compositor))
+        let run = self.job.run(self.piece, self.state, new, self.work);
+        run.map(|(compositor, surfaces)| self.finish.end(compositor, surfaces))
     }
 }
 
 /// Finishes a tile from a state that was composited before.
-struct Resume<T> {
+struct Resume<'a, T> {
     state: TileState,
+    surfaces: Option<TileSurfaces<'a>>,
     finish: T,
 }
 
-impl<T: Finish> WithCompositor for Resume<T> {
+impl<T: Finish> WithCompositor for Resume<'_, T> {
     type Output = T::Output;
 
     fn call<C: Compositor>(self, new: impl FnOnce(Option<TileState>) -> C) -> Self::Output {
-        self.finish.end(new(Some(self.state)))
+        self.finish.end(new(Some(self.state)), self.surfaces)
     }
 }
 
 /// Final step of a compositor: it becomes a state, or writes texels.
 trait Finish {
     type Output;
-    fn end<C: Compositor>(self, compositor: C) -> Self::Output;
+    fn end<C: Compositor>(self, compositor: C, surfaces: Option<TileSurfaces>) -> Self::Output;
 }
 
 struct IntoState;
@@ -186,8 +235,9 @@ struct IntoState;
 impl Finish for IntoState {
     type Output = TileState;
 
-    fn end<C: Compositor>(self, compositor: C) -> TileState {
-        compositor.into_state()
+    fn end<C: Compositor>(self, compositor: C, surfaces: Option<TileSurfaces>) -> TileState {
+        let passed = surfaces.filter(|_| C::TAKES_SURFACES).map(TileSurfaces::into_passed).unwrap_or_default();
+        TileState { passed, ..compositor.into_state() }
     }
 }
 
@@ -197,16 +247,35 @@ struct WriteTexels<'a, 'b> {
     sign: f32,
 }
 
+impl WriteTexels<'_, '_> {
+    /// Writes a chunk, in front of the surfaces that its rays have not passed.
+    fn put(&mut self, chunk: Chunk, mut of_rays: Texels, surfaces: Option<&TileSurfaces>) {
+        if let Some(surfaces) = surfaces.filter(|surfaces| surfaces.has_rest(chunk)) {
+            for lane in 0..LANES {
+                let s_half = of_rays.s_half.as_mut().map(|s_half| &mut s_half[lane]);
+                composite_behind(&mut of_rays.rgba[lane], surfaces.rest(chunk, lane), s_half);
+            }
+        }
+        let w_half = of_rays.s_half.map(|s| s.map(|s| s * self.sign));
+        self.texels.put(chunk.strip * LANES, chunk.row, &of_rays.rgba, w_half.as_ref());
+    }
+
+    /// Writes surfaces alone, for a tile in which nothing of the volumes is seen.
+    fn put_surfaces(mut self, surfaces: &TileSurfaces) {
+        for chunk in Chunk::all().filter(|chunk| surfaces.has_rest(*chunk)) {
+            let nothing = Texels { rgba: [[0.0; 4]; LANES], s_half: Some([f32::NAN; LANES]) };
+            self.put(chunk, nothing, Some(surfaces));
+        }
+    }
+}
+
 impl Finish for WriteTexels<'_, '_> {
     type Output = ();
 
-    fn end<C: Compositor>(self, compositor: C) {
-        for strip in 0..N_STRIPS {
-            for row in 0..TILE_V {
-                let chunk = compositor.finish(Chunk { strip, row });
-                let w_half = chunk.s_half.map(|s| s.map(|s| s * self.sign));
-                self.texels.put(strip * LANES, row, &chunk.rgba, w_half.as_ref());
-            }
+    fn end<C: Compositor>(mut self, compositor: C, surfaces: Option<TileSurfaces>) {
+        let surfaces = surfaces.filter(|_| C::TAKES_SURFACES);
+        for chunk in Chunk::all() {
+            self.put(chunk, compositor.finish(chunk), surfaces.as_ref());
         }
     }
 }

@@ -3,6 +3,7 @@
 use wavesplat_compute::parallel;
 
 use crate::render::plan::{FamilyPlan, Plan};
+use crate::shapes::fragments::Fragments;
 
 /// Counts of the work that a picture took, and how it was drawn.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -21,6 +22,8 @@ pub struct Report {
     pub n_nonfinite_samples: usize,
     /// Places of the first and the last depth colour along the view, from the camera, or along their axis.
     pub depth_colors: Option<[f64; 2]>,
+    /// Surfaces of shapes on all rays, and rays whose deepest ones were joined for their number.
+    pub n_fragments: [usize; 2],
     /// Threads that were used.
     pub n_threads: usize,
     /// Name of the SIMD level that was used.
@@ -37,6 +40,10 @@ impl Report {
             n_base_texels: plan.families.iter().map(n_base_texels).sum(),
             n_sheets: plan.families.iter().map(|family| family.spacing.n_slabs + 1).collect(),
             depth_colors: plan.depth_colors.as_ref().map(|colors| colors.range),
+            n_fragments: [0, 1].map(|k| {
+                let counts = |all: &Fragments| [all.len(), all.n_joined()][k];
+                plan.families.iter().filter_map(|own| own.fragments.as_deref()).map(counts).sum()
+            }),
             n_threads: parallel::n_threads(),
             simd: plan.simd.name(),
             ..Self::default()

@@ -11,14 +11,16 @@ use wavesplat_core::Composite;
 
 use crate::ray::project::{absorbed_of, dimmed};
 use crate::ray::state::TileState;
-use crate::render::plan::Operator;
+use crate::render::plan::{Operator, Plan};
 
-/// Whether segments of an operator can be folded: not if it must know what is in front of a segment.
-pub fn can_fold(operator: Operator, with_depth: bool) -> bool {
-    match operator {
-        Operator::Over { .. } => !with_depth,
+/// Whether segments of a plan can be folded: not if its operator must know what is in front of a segment, as it must
+/// where surfaces of shapes are counted from the eye.
+pub fn can_fold(plan: &Plan) -> bool {
+    match plan.operator {
+        Operator::Over { .. } => !plan.with_depth && plan.shapes.is_none(),
         Operator::LocalMaximum { .. } => false,
-        Operator::FirstHit { .. } | Operator::Project { .. } => true,
+        Operator::FirstHit { .. } => plan.shapes.is_none(),
+        Operator::Project { .. } => true,
     }
 }
 

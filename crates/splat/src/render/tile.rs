@@ -11,6 +11,7 @@ use wavesplat_core::Gradient;
 use crate::kernel::footprint_table::bits;
 use crate::ray::compositor::{Compositor, Slab};
 use crate::ray::state::TileState;
+use crate::ray::surfaces::TileSurfaces;
 use crate::render::empty_space::ActiveSlab;
 use crate::render::plan::{ColorPlan, FamilyLayer, FamilyPlan, Plan};
 use crate::sheet::field_sheets::{FieldSheets, FieldSlices};
@@ -142,18 +143,22 @@ impl<'a> TileJob<'a> {
         state: Option<TileState>,
         compositor: impl FnOnce(Option<TileState>) -> C,
         work: &mut Work,
-    ) -> Option<C> {
+    ) -> Option<(C, Option<TileSurfaces<'a>>)> {
         let spacing = &self.family.spacing;
         let first = [piece.tile[0] * TILE_U, piece.tile[1] * TILE_V];
+        let mut state = state;
+        let passed = state.as_mut().map(|state| std::mem::take(&mut state.passed)).unwrap_or_default();
+        let mut surfaces = self.family.surfaces(first, passed);
         let n_slabs = piece.slabs.end.min(spacing.n_slabs).saturating_sub(piece.slabs.start);
         let needed = self.needed_blocks(first) & piece.blocks;
         let bricks: Vec<Vec<bool>> =
             if needed == 0 { Vec::new() } else { self.layers.iter().map(|layer| layer.active_layers(first)).collect() };
         if n_slabs == 0 || !bricks.iter().any(|layers| layers.contains(&true)) {
             work.n_skipped += n_slabs as u64;
-            return state.map(|state| compositor(Some(state)));
+            return state.map(|state| (compositor(Some(state)), surfaces));
         }
-        let (rays, span) = Rays::new(&self.rays, self.level, first);
+        let (mut rays, span) = Rays::new(&self.rays, self.level, first);
+        surfaces.iter().for_each(|surfaces| surfaces.end_rays(&mut rays));
         let mut alive = needed & blocks_with(|chunk| !rays.draws_nothing(chunk));
         if let Some(state) = state.as_ref().filter(|state| !state.done.is_empty()) {
             alive &= blocks_with(|chunk| !rays.draws_nothing(chunk) && !state.done[chunk.index()]);
@@ -165,7 +170,8 @@ impl<'a> TileJob<'a> {
         for (layer, bricks) in self.layers.iter().zip(&bricks) {
             let (mut own_rays, mut range, mut own_alive) = (None, spacing.range(span), alive);
             if is_mixed && bricks.contains(&true) {
-                let (rays, span) = Rays::new(&layer.rays, self.level, first);
+                let (mut rays, span) = Rays::new(&layer.rays, self.level, first);
+                surfaces.iter().for_each(|surfaces| surfaces.end_rays(&mut rays));
                 range = spacing.range(span);
                 own_alive &= blocks_with(|chunk| !rays.draws_nothing(chunk));
                 own_rays = Some(rays);
@@ -182,11 +188,12 @@ impl<'a> TileJob<'a> {
         let places = places(&runs);
         work.n_skipped += (n_slabs - places.len()) as u64;
         if places.is_empty() {
-            return state.map(|state| compositor(Some(state)));
+            return state.map(|state| (compositor(Some(state)), surfaces));
         }
         let mut compositor = compositor(state);
-        self.run_slabs(first, &places, (&mut runs, &mut sheets), alive, &rays, &mut compositor, work);
-        Some(compositor)
+        let on_rays = (&mut rays, surfaces.as_mut().filter(|_| C::TAKES_SURFACES));
+        self.run_slabs(first, &places, (&mut runs, &mut sheets), alive, on_rays, &mut compositor, work);
+        Some((compositor, surfaces))
     }
 
     /// Composites active slabs, front to back.
@@ -197,7 +204,7 @@ impl<'a> TileJob<'a> {
         places: &[ActiveSlab],
         (runs, sheets): (&mut [LayerRun], &mut [LayerSheets<'s>]),
         mut alive: BlockMask,
-        rays: &Rays,
+        (rays, mut surfaces): (&mut Rays, Option<&mut TileSurfaces>),
         compositor: &mut C,
         work: &mut Work,
     ) {
@@ -232,7 +239,8 @@ impl<'a> TileJob<'a> {
             for block in bits(blocks) {
                 let done = self.level.dispatch(CompositeBlock {
                     compositor: &mut *compositor,
-                    rays,
+                    rays: &mut *rays,
+                    surfaces: surfaces.as_deref_mut(),
                     slab: Slab {
                         s: w.map(|w| sign * w as f32),
                         first: of_first,
@@ -375,19 +383,27 @@ fn texels_served(
 }
 
 /// Composites a slab onto the rays of a block; returns whether all of them are done.
-struct CompositeBlock<'a, 'b, C> {
+struct CompositeBlock<'a, 'b, 'f, C> {
     compositor: &'a mut C,
-    rays: &'a Rays,
+    rays: &'a mut Rays,
+    /// Surfaces of shapes, where there are any.
+    surfaces: Option<&'a mut TileSurfaces<'f>>,
     slab: Slab<'a, 'b>,
     block: Block,
 }
 
-impl<C: Compositor> VectorKernel for CompositeBlock<'_, '_, C> {
+impl<C: Compositor> VectorKernel for CompositeBlock<'_, '_, '_, C> {
     type Output = bool;
 
     #[inline(always)]
     fn run<S: Simd>(mut self, s: S) -> bool {
-        self.compositor.add(s, self.block, self.rays, &mut self.slab);
+        let covered = self.compositor.covered(self.block, &self.slab);
+        match self.surfaces {
+            Some(surfaces) if surfaces.has_before(self.block, covered[1]) => {
+                surfaces.add_slab(s, self.block, self.compositor, self.rays, &mut self.slab);
+            }
+            _ => self.compositor.add(s, self.block, self.rays, &mut self.slab),
+        }
         self.block.chunks().all(|chunk| self.rays.draws_nothing(chunk) || self.compositor.is_done(chunk))
     }
 }

@@ -38,6 +38,11 @@ impl Chunk {
     /// Number of chunks of a tile.
     pub const N: usize = N_STRIPS * TILE_V;
 
+    /// All chunks of a tile, in the order of their places.
+    pub fn all() -> impl Iterator<Item = Self> {
+        (0..Self::N).map(|index| Self { strip: index / TILE_V, row: index % TILE_V })
+    }
+
     /// The block that the chunk belongs to.
     #[inline(always)]
     pub fn block(self) -> Block {

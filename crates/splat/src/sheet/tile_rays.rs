@@ -20,6 +20,8 @@ pub struct Rays {
     common: Vec<[f32; 2]>,
     /// Largest s at which a ray of a chunk begins.
     last_entry: Vec<f32>,
+    /// Where each ray begins, where intervals are cut at surfaces; else empty.
+    begins: Vec<Lanes>,
     /// Rays that draw nothing, as bits.
     missed: Vec<u16>,
     /// Directions by chunk; a single entry where rays are parallel.
@@ -66,6 +68,7 @@ impl Rays {
             intervals: vec![[Lanes::splat(0.0); 2]; Chunk::N],
             common: vec![[0.0; 2]; Chunk::N],
             last_entry: vec![f32::NEG_INFINITY; Chunk::N],
+            begins: Vec::new(),
             missed: vec![u16::MAX; Chunk::N],
             directions: Vec::new(),
             fades: Vec::new(),
@@ -150,6 +153,59 @@ impl Rays {
         let ([lo_a, hi_a], [lo_b, hi_b]) = (self.lanes(chunks[0]), self.lanes(chunks[1]));
         let s = w.one();
         [w.join(s.load(&lo_a.0), s.load(&lo_b.0)), w.join(s.load(&hi_a.0), s.load(&hi_b.0))]
+    }
+
+    /// Where each ray begins, before any cut at a surface.
+    #[inline(always)]
+    pub fn begins<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> W::F {
+        if self.begins.is_empty() {
+            return self.interval(w, chunks)[0];
+        }
+        w.load_from(&self.begins, chunks.map(Chunk::index))
+    }
+
+    /// Ends the rays of a chunk where they meet something opaque. From now on they may be cut.
+    pub fn end_at(&mut self, chunk: Chunk, ends: &Lanes) {
+        self.allow_cuts();
+        let index = chunk.index();
+        let [lo, hi] = &mut self.intervals[index];
+        for k in 0..LANES {
+            if self.missed[index] >> k & 1 == 1 || ends.0[k] >= hi.0[k] {
+                continue;
+            }
+            hi.0[k] = ends.0[k].max(lo.0[k]);
+            self.missed[index] |= u16::from(lo.0[k] >= hi.0[k]) << k;
+        }
+        let least = hi.0.into_iter().fold(f32::INFINITY, f32::min);
+        let [from, to] = self.common[index];
+        self.common[index] = if self.missed[index] == 0 { [from, to.min(least)] } else { [0.0; 2] };
+    }
+
+    /// Keeps where rays begin, so that they may be cut.
+    pub fn allow_cuts(&mut self) {
+        if self.begins.is_empty() {
+            self.begins = self.intervals.iter().map(|[lo, _]| *lo).collect();
+        }
+    }
+
+    /// Clips the rays of a chunk to what lies between two places each. Returns what [`Rays::restore`] needs.
+    #[inline(always)]
+    pub fn cut(&mut self, chunk: Chunk, [from, to]: [&Lanes; 2]) -> ([Lanes; 2], [f32; 2]) {
+        let (interval, common) = (&mut self.intervals[chunk.index()], &mut self.common[chunk.index()]);
+        let kept = (*interval, *common);
+        let [lo, hi] = interval;
+        for k in 0..LANES {
+            lo.0[k] = lo.0[k].max(from.0[k]);
+            hi.0[k] = hi.0[k].min(to.0[k]).max(lo.0[k]);
+        }
+        *common = [f32::INFINITY, f32::NEG_INFINITY];
+        kept
+    }
+
+    /// Undoes [`Rays::cut`].
+    #[inline(always)]
+    pub fn restore(&mut self, chunk: Chunk, kept: ([Lanes; 2], [f32; 2])) {
+        (self.intervals[chunk.index()], self.common[chunk.index()]) = kept;
     }
 
     /// Thickness of one slice distance, in `opacity_unit`s ([`Directions::thickness`]).

@@ -89,6 +89,24 @@ impl BasePlane {
         }
     }
 
+    /// Eye in index coordinates along u, v, w; `None` for parallel rays.
+    pub fn eye(&self) -> Option<[f64; 3]> {
+        match self.model {
+            RayModel::Parallel { .. } => None,
+            RayModel::Perspective { eye } => Some(eye),
+        }
+    }
+
+    /// Pixel position of texel position `(i, j, 1)`, times a number that is positive ahead of the eye.
+    pub fn pixel_from_texel(&self) -> DMat3 {
+        let base_from_texel = DMat3::from_cols(
+            DVec3::new(self.step.x, 0.0, 0.0),
+            DVec3::new(0.0, self.step.y, 0.0),
+            self.origin.extend(1.0),
+        );
+        self.pixel_from_base * base_from_texel
+    }
+
     /// Whether the eye lies between two slices.
     pub fn eye_is_within(&self, [near, far]: [f64; 2]) -> bool {
         self.eye_w().is_some_and(|w| near <= w && w <= far)

@@ -42,6 +42,9 @@ pub struct Region {
     pub bounds: [DVec3; 2],
 }
 
+/// Walls of the volume's box, which are the first half spaces of a region.
+const N_BOX_WALLS: usize = 6;
+
 impl Region {
     /// The intersection of volume box, crop and clip planes.
     pub fn new(grid: &Grid, options: &RenderOptions) -> Result<Self> {
@@ -100,6 +103,12 @@ impl Region {
         region.add_box(DAffine3::IDENTITY, lo, hi);
         region.bounds = [region.bounds[0].max(lo), region.bounds[1].min(hi)];
         region
+    }
+
+    /// The region without the walls of the volume: what crop and clip planes leave of all space.
+    #[must_use]
+    pub fn without_box(&self) -> Self {
+        Self { half_spaces: self.half_spaces[N_BOX_WALLS..].to_vec(), bounds: self.bounds }
     }
 
     /// Whether an index position is inside.
@@ -214,7 +223,8 @@ fn narrow(at_zero: f64, slope: f64, lo: &mut f64, hi: &mut f64) {
     *hi = if to < *hi { to } else { *hi };
 }
 
-fn box_bounds(transform: DAffine3, lo: DVec3, hi: DVec3) -> [DVec3; 2] {
+/// Bounds of a box in another frame.
+pub fn box_bounds(transform: DAffine3, lo: DVec3, hi: DVec3) -> [DVec3; 2] {
     let corners = (0..8).map(|c| {
         let pick = |bit: usize| if c >> bit & 1 == 0 { lo } else { hi };
         transform.transform_point3(DVec3::new(pick(0).x, pick(1).y, pick(2).z))

@@ -1,0 +1,162 @@
+//! Surfaces of shapes on the rays of a tile: which come next, and matter cut where they lie.
+//!
+//! A slab is composited part by part: up to the next surface of each ray, then these surfaces, then on from there. Rays
+//! are clipped to the parts ([`Rays::cut`]), as they are to the volume's box, so matter is weighted exactly.
+
+use wavesplat_compute::simd::{LANES, Lanes, Simd};
+
+use crate::ray::compositor::{Compositor, Slab};
+use crate::ray::state::TileState;
+use crate::shapes::fragments::{Fragments, ShapeFragment};
+use crate::sheet::tile_layout::{Block, Chunk};
+use crate::sheet::tile_rays::Rays;
+
+/// One surface for each ray of a chunk, or none.
+pub struct ChunkSurfaces {
+    /// Colours, not associated.
+    pub rgb: [[f32; LANES]; 3],
+    /// Opacities; 0 for rays that meet none.
+    pub alpha: [f32; LANES],
+    /// Places along the rays.
+    pub s: [f32; LANES],
+}
+
+/// Surfaces on the rays of a tile, and how many of them each ray has passed.
+pub struct TileSurfaces<'a> {
+    fragments: &'a Fragments,
+    /// First texel of the tile.
+    first: [usize; 2],
+    /// Numbers of passed surfaces, chunk by chunk.
+    passed: Vec<[u8; LANES]>,
+    /// Place of the next surface of any ray of a chunk; infinite where there is none.
+    next: Vec<f32>,
+}
+
+impl<'a> TileSurfaces<'a> {
+    /// Surfaces on the rays of a tile whose first texel is `first`, after those that a state has passed.
+    pub fn new(fragments: &'a Fragments, first: [usize; 2], passed: Vec<[u8; LANES]>) -> Self {
+        let passed = if passed.is_empty() { TileState::per_chunk([0; LANES]) } else { passed };
+        let mut surfaces = Self { fragments, first, passed, next: TileState::per_chunk(f32::INFINITY) };
+        for chunk in Chunk::all() {
+            surfaces.find_next(chunk);
+        }
+        surfaces
+    }
+
+    /// Numbers of passed surfaces, for the state.
+    pub fn into_passed(self) -> Vec<[u8; LANES]> {
+        self.passed
+    }
+
+    /// Surfaces of a ray that it has not passed.
+    #[inline(always)]
+    pub fn rest(&self, chunk: Chunk, lane: usize) -> &'a [ShapeFragment] {
+        let [i, j] = [self.first[0] + chunk.strip * LANES + lane, self.first[1] + chunk.row];
+        &self.fragments.of(i, j)[usize::from(self.passed[chunk.index()][lane])..]
+    }
+
+    /// Whether any ray of a chunk has a surface that it has not passed.
+    pub fn has_rest(&self, chunk: Chunk) -> bool {
+        self.next[chunk.index()] < f32::INFINITY
+    }
+
+    fn find_next(&mut self, chunk: Chunk) {
+        let [i, j] = [self.first[0] + chunk.strip * LANES, self.first[1] + chunk.row];
+        let mut next = f32::INFINITY;
+        if self.fragments.any_in_row(i, j, LANES) {
+            for lane in 0..LANES {
+                next = self.rest(chunk, lane).first().map_or(next, |surface| next.min(surface.s));
+            }
+        }
+        self.next[chunk.index()] = next;
+    }
+
+    /// Ends rays where they meet an opaque surface: nothing behind it is drawn.
+    pub fn end_rays(&self, rays: &mut Rays) {
+        for chunk in Chunk::all().filter(|chunk| self.has_rest(*chunk)) {
+            let mut ends = Lanes::splat(f32::INFINITY);
+            for (lane, end) in ends.0.iter_mut().enumerate() {
+                if let Some(last) = self.rest(chunk, lane).last().filter(|last| last.alpha >= 1.0) {
+                    *end = last.s;
+                }
+            }
+            rays.end_at(chunk, &ends);
+        }
+    }
+
+    /// Whether any ray of a block meets a surface before a place.
+    #[inline(always)]
+    pub fn has_before(&self, block: Block, s: f32) -> bool {
+        block.chunks().any(|chunk| self.next[chunk.index()] < s)
+    }
+
+    /// Adds a slab, and the surfaces that lie in it or were left out in front of it, to the chunks of a block.
+    #[inline(always)]
+    pub fn add_slab<S: Simd, C: Compositor>(
+        &mut self,
+        s: S,
+        block: Block,
+        compositor: &mut C,
+        rays: &mut Rays,
+        slab: &mut Slab,
+    ) {
+        let covered = compositor.covered(block, slab);
+        for chunk in block.chunks() {
+            if rays.draws_nothing(chunk) || compositor.is_done(chunk) {
+                continue;
+            }
+            if self.next[chunk.index()] < covered[1] {
+                self.add_parts(s, chunk, compositor, rays, slab, covered);
+            } else {
+                compositor.add_chunk(s, chunk, rays, slab);
+            }
+        }
+    }
+
+    #[inline(always)]
+    fn add_parts<S: Simd, C: Compositor>(
+        &mut self,
+        s: S,
+        chunk: Chunk,
+        compositor: &mut C,
+        rays: &mut Rays,
+        slab: &mut Slab,
+        [from, to]: [f32; 2],
+    ) {
+        let mut begins = Lanes::splat(f32::NEG_INFINITY);
+        loop {
+            let (mut ends, mut met) = (Lanes::splat(to), 0_u16);
+            let mut surfaces = ChunkSurfaces { rgb: [[0.0; LANES]; 3], alpha: [0.0; LANES], s: [to; LANES] };
+            for lane in 0..LANES {
+                let Some(surface) = self.rest(chunk, lane).first().filter(|surface| surface.s < to) else { continue };
+                met |= 1 << lane;
+                ends.0[lane] = surface.s;
+                (surfaces.s[lane], surfaces.alpha[lane]) = (surface.s, surface.alpha);
+                for c in 0..3 {
+                    surfaces.rgb[c][lane] = surface.rgb[c];
+                }
+            }
+            if (0..LANES).any(|lane| begins.0[lane].max(from) < ends.0[lane]) {
+                let kept = rays.cut(chunk, [&begins, &ends]);
+                let kept_of_layers = slab.cut(chunk, [&begins, &ends]);
+                compositor.add_chunk(s, chunk, rays, slab);
+                rays.restore(chunk, kept);
+                slab.restore(chunk, kept_of_layers);
+            }
+            if met == 0 {
+                break;
+            }
+            compositor.add_surfaces(s, chunk, rays, &surfaces);
+            for lane in 0..LANES {
+                if met >> lane & 1 == 1 {
+                    self.passed[chunk.index()][lane] += 1;
+                }
+                begins.0[lane] = ends.0[lane];
+            }
+            if compositor.is_done(chunk) {
+                break;
+            }
+        }
+        self.find_next(chunk);
+    }
+}

@@ -175,12 +175,13 @@ impl Shapes {
         &self.cards
     }
 
-    /// Whether there is nothing to draw.
+    /// Whether nothing can be seen: there are no shapes, or all are clear.
     pub fn is_empty(&self) -> bool {
-        self.meshes.iter().all(|mesh| mesh.faces.is_empty())
-            && self.paths.iter().all(|paths| paths.positions.is_empty())
-            && self.points.iter().all(|points| points.centers.is_empty())
-            && self.cards.is_empty()
+        let is_clear = |style: &ShapeStyle| style.opacity == 0.0;
+        self.meshes.iter().all(|mesh| mesh.faces.is_empty() || is_clear(&mesh.style))
+            && self.paths.iter().all(|paths| paths.positions.is_empty() || is_clear(&paths.style))
+            && self.points.iter().all(|points| points.centers.is_empty() || is_clear(&points.style))
+            && self.cards.iter().all(|card| is_clear(&card.style))
     }
 
     /// Corners of the smallest box along the world axes that holds all shapes; sizes in pixels count as none. `None`

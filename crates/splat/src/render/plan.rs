@@ -422,7 +422,7 @@ impl PlannedShapes {
 
 /// Bounds of what is drawn in index space: of the volumes, and of shapes.
 fn bounds_with(grid: &Grid, [lo, hi]: [DVec3; 2], options: &RenderOptions) -> [DVec3; 2] {
-    let Some(shapes) = options.shapes.bounds() else { return [lo, hi] };
+    let Some(shapes) = options.shapes.bounds().filter(|_| !options.shapes.is_empty()) else { return [lo, hi] };
     let [first, last] = box_bounds(grid.index_from_world(), shapes[0], shapes[1]);
     // Strokes and discs are wider than their positions, by pixels that are not known here: some texels are added
     // around all that is shown.

@@ -28,7 +28,7 @@ pub struct TileSurfaces<'a> {
     first: [usize; 2],
     /// Numbers of passed surfaces, chunk by chunk.
     passed: Vec<[u8; LANES]>,
-    /// Place of the next surface of any ray of a chunk; infinite where there is none.
+    /// Place of the next surface of any ray of a chunk that is not opaque; infinite where there is none.
     next: Vec<f32>,
 }
 
@@ -57,7 +57,8 @@ impl<'a> TileSurfaces<'a> {
 
     /// Whether any ray of a chunk has a surface that it has not passed.
     pub fn has_rest(&self, chunk: Chunk) -> bool {
-        self.next[chunk.index()] < f32::INFINITY
+        let [i, j] = [self.first[0] + chunk.strip * LANES, self.first[1] + chunk.row];
+        self.fragments.any_in_row(i, j, LANES) && (0..LANES).any(|lane| !self.rest(chunk, lane).is_empty())
     }
 
     fn find_next(&mut self, chunk: Chunk) {
@@ -65,7 +66,9 @@ impl<'a> TileSurfaces<'a> {
         let mut next = f32::INFINITY;
         if self.fragments.any_in_row(i, j, LANES) {
             for lane in 0..LANES {
-                next = self.rest(chunk, lane).first().map_or(next, |surface| next.min(surface.s));
+                // Rays end at opaque surfaces, so these come after all matter.
+                let first = self.rest(chunk, lane).first().filter(|surface| surface.alpha < 1.0);
+                next = first.map_or(next, |surface| next.min(surface.s));
             }
         }
         self.next[chunk.index()] = next;
@@ -128,7 +131,8 @@ impl<'a> TileSurfaces<'a> {
             let (mut ends, mut met) = (Lanes::splat(to), 0_u16);
             let mut surfaces = ChunkSurfaces { rgb: [[0.0; LANES]; 3], alpha: [0.0; LANES], s: [to; LANES] };
             for lane in 0..LANES {
-                let Some(surface) = self.rest(chunk, lane).first().filter(|surface| surface.s < to) else { continue };
+                let is_here = |surface: &&ShapeFragment| surface.s < to && surface.alpha < 1.0;
+                let Some(surface) = self.rest(chunk, lane).first().filter(is_here) else { continue };
                 met |= 1 << lane;
                 ends.0[lane] = surface.s;
                 (surfaces.s[lane], surfaces.alpha[lane]) = (surface.s, surface.alpha);

@@ -162,22 +162,27 @@ pub fn finish(plan: &Plan, base_pictures: &[BasePicture]) -> Picture {
     let whole = PixelRectangle { first: [0; 2], size: plan.size_px };
     let mut picture = warped(plan, base_pictures, whole, plan.reads_per_axis, plan.with_depth);
     if plan.shapes.is_some() && plan.operator.projection().is_some() {
-        put_behind(plan, &mut picture);
+        put_over(plan, &mut picture);
     }
     depth_as_length(&plan.camera, &mut picture);
     picture.finish(plan.shading(), plan.background);
     picture
 }
 
-/// Puts the surfaces of shapes behind a projection, which shows what is in front of those that are opaque.
-fn put_behind(plan: &Plan, picture: &mut Picture) {
+/// Share of a projection that shows through the opaque surfaces of shapes: it is what lies in front of them, and is
+/// mostly opaque itself.
+const SHOWS_THROUGH: f32 = 0.25;
+
+/// Puts the surfaces of shapes over a projection, which shows through them.
+fn put_over(plan: &Plan, picture: &mut Picture) {
     let surfaces: Vec<_> = plan.families.iter().map(|family| draw_surfaces(family, false)).collect();
     let peak = plan.shapes.as_ref().map_or(1.0, |shapes| brightest(&shapes.shading));
-    let behind = warp(plan.simd, &surfaces, &plan.rays, plan.size_px, plan.reads_per_axis, peak, false, None).rgba;
-    for (rgba, behind) in picture.rgba.iter_mut().zip(behind) {
-        let left = 1.0 - rgba[3];
+    let warped = warp(plan.simd, &surfaces, &plan.rays, plan.size_px, plan.reads_per_axis, peak, false, None);
+    for (rgba, surface) in picture.rgba.iter_mut().zip(warped.rgba) {
+        let share = 1.0 - SHOWS_THROUGH * rgba[3].clamp(0.0, 1.0);
+        let left = 1.0 - share * surface[3];
         for c in 0..4 {
-            rgba[c] += left * behind[c];
+            rgba[c] = share * surface[c] + left * rgba[c];
         }
     }
 }

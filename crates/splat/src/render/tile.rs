@@ -404,6 +404,8 @@ impl<C: Compositor> VectorKernel for CompositeBlock<'_, '_, '_, C> {
             }
             _ => self.compositor.add(s, self.block, self.rays, &mut self.slab),
         }
-        self.block.chunks().all(|chunk| self.rays.draws_nothing(chunk) || self.compositor.is_done(chunk))
+        self.block.chunks().all(|chunk| {
+            self.rays.draws_nothing(chunk) || self.compositor.is_done(chunk) || self.rays.have_ended(chunk, covered[1])
+        })
     }
 }

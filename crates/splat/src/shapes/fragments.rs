@@ -5,6 +5,8 @@
 //! `G = Σ_k T_k / N` is left in front of it; so the ray's opacity there is `g / G`. Matter between fragments is the same
 //! at all places, so it is composited between them as between surfaces that cover the whole texel.
 
+use glam::Vec3;
+
 use crate::shapes::samples::{self, Mask};
 
 /// A surface that a ray meets.
@@ -62,8 +64,10 @@ pub struct Meeting {
     pub texel: u32,
     /// Place along the ray.
     pub s: f32,
-    /// Colour, lit, not associated.
+    /// Colour without light, not associated.
     pub rgb: [f32; 3],
+    /// Normal in the world; zero where no light shines on it.
+    pub normal: Vec3,
     /// Opacity of the surface, `> 0`.
     pub alpha: f32,
     /// Covered places of the texel.
@@ -75,14 +79,20 @@ pub struct Meeting {
 }
 
 impl Meeting {
+    /// Whether light shines on it.
+    pub fn is_lit(&self) -> bool {
+        self.normal != Vec3::ZERO
+    }
+
     /// Key that orders meetings front to back, and those at one place by what they look like: so the order of shapes
     /// means nothing.
-    fn key(&self) -> (u32, Side, [u32; 4], Mask) {
+    fn key(&self) -> (u32, Side, [u32; 7], Mask) {
         let [r, g, b] = self.rgb.map(f32::to_bits);
+        let [x, y, z] = self.normal.to_array().map(f32::to_bits);
         // Of floats, the order of the bits is that of the numbers once the sign is taken care of.
         let bits = self.s.to_bits();
         let ordered = if bits >> 31 == 1 { !bits } else { bits | 1 << 31 };
-        (ordered, self.side, [r, g, b, self.alpha.to_bits()], self.mask)
+        (ordered, self.side, [r, g, b, self.alpha.to_bits(), x, y, z], self.mask)
     }
 }
 
@@ -167,7 +177,8 @@ impl Fragments {
 }
 
 /// Sorts meetings texel by texel, front to back, and works out the opacities of the rays. `n_texels`: of the band.
-pub fn resolve(meetings: &[Meeting], n_texels: usize) -> Band {
+/// `lit`: the colour of a texel's meeting in the light.
+pub fn resolve(meetings: &[Meeting], n_texels: usize, lit: impl Fn(&Meeting) -> [f32; 3]) -> Band {
     let mut starts = vec![0_u32; n_texels + 1];
     for meeting in meetings {
         starts[meeting.texel as usize + 1] += 1;
@@ -183,7 +194,7 @@ pub fn resolve(meetings: &[Meeting], n_texels: usize) -> Band {
         *place += 1;
     }
     let mut band = Band { counts: vec![0; n_texels], all: Vec::new(), n_joined: 0 };
-    let mut here = Vec::new();
+    let (mut here, mut ray) = (Vec::new(), Vec::new());
     for texel in 0..n_texels {
         let own = &order[starts[texel] as usize..starts[texel + 1] as usize];
         if own.is_empty() {
@@ -195,14 +206,16 @@ pub fn resolve(meetings: &[Meeting], n_texels: usize) -> Band {
             here.sort_unstable_by_key(Meeting::key);
         }
         let first = band.all.len();
-        band.n_joined += usize::from(add_ray(&here, &mut band.all));
+        band.n_joined += usize::from(add_ray(&here, &mut ray));
+        band.all.extend(ray.drain(..).map(|seen| ShapeFragment { s: seen.s, rgb: lit(&seen), alpha: seen.alpha }));
         band.counts[texel] = (band.all.len() - first) as u32;
     }
     band
 }
 
-/// Appends the fragments of a ray that meets shapes in this order; returns whether some were joined for their number.
-fn add_ray(meetings: &[Meeting], all: &mut Vec<ShapeFragment>) -> bool {
+/// Appends what is seen on a ray that meets shapes in this order, with its opacities on the ray; returns whether some
+/// meetings were joined for their number.
+fn add_ray(meetings: &[Meeting], all: &mut Vec<Meeting>) -> bool {
     let first = all.len();
     let mut open = [1.0_f32; samples::N];
     let mut left = 1.0_f32;
@@ -226,7 +239,8 @@ fn add_ray(meetings: &[Meeting], all: &mut Vec<ShapeFragment>) -> bool {
             }
         }
         let n = all.len() - first;
-        let joins = n > 0 && (meeting.s - all[all.len() - 1].s <= SAME_PLACE || n == MAX_FRAGMENTS);
+        let is_near = |last: &Meeting| meeting.s - last.s <= SAME_PLACE && last.is_lit() == meeting.is_lit();
+        let joins = n > 0 && (is_near(&all[all.len() - 1]) || n == MAX_FRAGMENTS);
         if joins {
             is_joined |= n == MAX_FRAGMENTS;
             let last = all.last_mut().expect("a fragment");
@@ -235,12 +249,13 @@ fn add_ray(meetings: &[Meeting], all: &mut Vec<ShapeFragment>) -> bool {
             for c in 0..3 {
                 last.rgb[c] += part * (meeting.rgb[c] - last.rgb[c]);
             }
+            last.normal += (meeting.normal - last.normal) * part;
             // The place stays that of the first: what follows is compared with it.
             taken = sum;
             last.alpha = (taken / before).min(1.0);
         } else {
             (before, taken) = (left, share);
-            all.push(ShapeFragment { s: meeting.s, rgb: meeting.rgb, alpha: (share / left).min(1.0) });
+            all.push(Meeting { alpha: (share / left).min(1.0), ..*meeting });
         }
         left = sum_of(&open, Mask::MAX) / samples::N as f32;
         if left <= CLOSED {
@@ -315,11 +330,11 @@ mod tests {
     use super::*;
 
     fn sheet(s: f32, alpha: f32, mask: Mask) -> Meeting {
-        Meeting { texel: 0, s, rgb: [1.0, 0.5, 0.25], alpha, mask, side: Side::Sheet, solid: ALONE }
+        Meeting { texel: 0, s, rgb: [1.0, 0.5, 0.25], normal: Vec3::ZERO, alpha, mask, side: Side::Sheet, solid: ALONE }
     }
 
     fn ray(meetings: &[Meeting]) -> Vec<ShapeFragment> {
-        resolve(meetings, 1).all
+        resolve(meetings, 1, |seen| seen.rgb).all
     }
 
     #[test]
@@ -371,7 +386,7 @@ mod tests {
     #[test]
     fn rays_through_many_fragments_keep_all_their_opacity() {
         let many: Vec<Meeting> = (0..100).map(|k| sheet(k as f32, 0.02, Mask::MAX)).collect();
-        let band = resolve(&many, 1);
+        let band = resolve(&many, 1, |seen| seen.rgb);
         assert!(band.all.len() == MAX_FRAGMENTS && band.n_joined == 1);
         let left: f64 = band.all.iter().map(|f| 1.0 - f64::from(f.alpha)).product();
         assert!((left - 0.98_f64.powi(100)).abs() < 1e-5, "{left}");

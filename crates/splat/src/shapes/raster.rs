@@ -41,7 +41,6 @@ pub struct Canvas<'a> {
     /// Rows of the band.
     pub rows: Range<usize>,
     region: &'a Region,
-    light: &'a ShapeLight<'a>,
     meetings: Vec<Meeting>,
 }
 
@@ -78,13 +77,9 @@ impl Canvas<'_> {
         if style.is_clipped && !self.region.contains(self.view.index_at([x, y, s])) {
             return;
         }
-        let mut rgb = [r, g, b];
-        if let Some(normal) = normal.filter(|_| style.is_lit) {
-            let to_eye = -self.view.way(f64::from(x), f64::from(y));
-            rgb = self.light.shade(rgb, normal, to_eye.as_vec3(), self.view.index_at([x, y, s]));
-        }
         let texel = ((j - self.rows.start) * self.view.plane.size[0] + i) as u32;
-        self.meetings.push(Meeting { texel, s, rgb, alpha, mask, side, solid });
+        let normal = normal.filter(|_| style.is_lit).unwrap_or(Vec3::ZERO);
+        self.meetings.push(Meeting { texel, s, rgb: [r, g, b], normal, alpha, mask, side, solid });
     }
 
     /// Columns of texels from `lo` to `hi` that lie on the plane.
@@ -124,11 +119,23 @@ pub fn fragments_of(simd: Level, view: &PlaneView, shapes: &Shapes, region: &Reg
         if elements.is_empty() {
             return Band { counts: vec![0; n_texels], all: Vec::new(), n_joined: 0 };
         }
-        let mut canvas = Canvas { view, rows, region, light, meetings: Vec::new() };
-        for [shape, element] in elements {
-            placed[*shape as usize].draw_with(simd, *element as usize, &mut canvas);
-        }
-        resolve(&canvas.meetings, n_texels)
+        let mut canvas = Canvas { view, rows: rows.clone(), region, meetings: Vec::new() };
+        simd.run(
+            #[inline(always)]
+            || {
+                for [shape, element] in elements {
+                    placed[*shape as usize].draw(*element as usize, &mut canvas);
+                }
+            },
+        );
+        resolve(&canvas.meetings, n_texels, |seen| {
+            if !seen.is_lit() {
+                return seen.rgb;
+            }
+            let [i, j] = [seen.texel as usize % n_u, seen.texel as usize / n_u + rows.start];
+            let to_eye = -view.way(i as f64, j as f64);
+            light.shade(seen.rgb, seen.normal, to_eye.as_vec3(), view.index_at([i as f32, j as f32, seen.s]))
+        })
     });
     Fragments::new([n_u, n_v], drawn)
 }
@@ -143,14 +150,14 @@ fn on_plane<'a>(shapes: &'a Shapes, view: &PlaneView) -> Vec<Shape<'a>> {
     let mut n_solids = 0;
     for paths in shapes.paths().iter().filter(|paths| is_seen(&paths.style)) {
         placed.push(match paths.thickness {
-            wavesplat_core::Thickness::Radius(radius) => Shape::Tubes(Tubes::new(paths, radius, n_solids)),
+            wavesplat_core::Thickness::Radius(radius) => Shape::Tubes(Tubes::new(paths, radius, n_solids, view)),
             wavesplat_core::Thickness::WidthPx(width) => Shape::Strokes(Strokes::new(paths, width, n_solids, view)),
         });
         n_solids += paths.starts.len() as u32;
     }
     for points in shapes.points().iter().filter(|points| is_seen(&points.style)) {
         placed.push(match &points.sizes {
-            wavesplat_core::Sizes::Radii(radii) => Shape::Balls(Balls::new(points, radii)),
+            wavesplat_core::Sizes::Radii(radii) => Shape::Balls(Balls::new(points, radii, view)),
             wavesplat_core::Sizes::DiametersPx(sizes) => Shape::Discs(Discs::new(points, sizes, view)),
         });
     }
@@ -193,19 +200,16 @@ impl Shape<'_> {
         }
     }
 
-    /// Draws an element with the vectors of a SIMD level; all levels give the same bits.
-    fn draw_with(&self, simd: Level, element: usize, canvas: &mut Canvas) {
-        simd.run(
-            #[inline(always)]
-            || match self {
-                Self::Mesh(own) => own.draw(element, canvas),
-                Self::Tubes(own) => own.draw(element, canvas),
-                Self::Strokes(own) => own.draw(element, canvas),
-                Self::Balls(own) => own.draw(element, canvas),
-                Self::Discs(own) => own.draw(element, canvas),
-                Self::Card(own) => own.draw(element, canvas),
-            },
-        );
+    #[inline(always)]
+    fn draw(&self, element: usize, canvas: &mut Canvas) {
+        match self {
+            Self::Mesh(own) => own.draw(element, canvas),
+            Self::Tubes(own) => own.draw(element, canvas),
+            Self::Strokes(own) => own.draw(element, canvas),
+            Self::Balls(own) => own.draw(element, canvas),
+            Self::Discs(own) => own.draw(element, canvas),
+            Self::Card(own) => own.draw(element, canvas),
+        }
     }
 }
 

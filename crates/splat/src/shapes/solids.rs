@@ -8,7 +8,8 @@
 //! ([`crate::shapes::fragments`]).
 
 use glam::{DVec3, Vec3};
-use wavesplat_core::{Paths, Points};
+use wavesplat_compute::parallel;
+use wavesplat_core::{Paint, Paths, Points};
 
 use crate::shapes::fragments::{ALONE, Side};
 use crate::shapes::paint::color_at;
@@ -20,12 +21,13 @@ use crate::shapes::samples::{N, OFFSETS, mask_of, mean_offset};
 pub struct Balls<'a> {
     points: &'a Points,
     radii: &'a [f64],
+    ends: Vec<End>,
 }
 
 impl<'a> Balls<'a> {
     /// Balls around points.
-    pub fn new(points: &'a Points, radii: &'a [f64]) -> Self {
-        Self { points, radii }
+    pub fn new(points: &'a Points, radii: &'a [f64], view: &PlaneView) -> Self {
+        Self { points, radii, ends: ends_of(&points.centers, |k| radii[k], view) }
     }
 }
 
@@ -35,17 +37,16 @@ impl OnPlane for Balls<'_> {
     }
 
     fn rows(&self, element: usize, view: &PlaneView) -> Rows {
-        let uvw = view.uvw(vector(self.points.centers[element]));
-        rows_of_ends(view, &[End::new(view, uvw, self.radii[element])])
+        rows_of_ends(view, [self.ends[element]; 2])
     }
 
     #[inline(always)]
     fn draw(&self, element: usize, canvas: &mut Canvas) {
-        let center = self.points.centers[element];
-        let piece = Piece { ends: [vector(center); 2], radius: self.radii[element] };
+        let center = vector(self.points.centers[element]);
+        let piece = Piece { ends: [center; 2], radius: self.radii[element], on_plane: [self.ends[element]; 2] };
         let Some(rgba) = color_at(&self.points.paint, [element as u32], [1.0]) else { return };
         let is_opaque = rgba[3] * self.points.style.opacity >= 1.0;
-        draw_piece(&piece, is_opaque, canvas, |canvas, hit| {
+        draw_piece::<true>(&piece, is_opaque, canvas, |canvas, hit| {
             let Met { texel, at, mask, s, normal, side, .. } = hit;
             let surface = Surface { texel, at, mask, s, rgba, normal: Some(normal), side, solid: ALONE };
             canvas.add(self.points.style, &surface);
@@ -59,12 +60,32 @@ pub struct Tubes<'a> {
     radius: f64,
     /// Numbers of both positions of each piece, and of its solid.
     pieces: Vec<[u32; 3]>,
+    ends: Vec<End>,
 }
 
 impl<'a> Tubes<'a> {
     /// Tubes around paths. `first_solid`: number of the first path's solid.
-    pub fn new(paths: &'a Paths, radius: f64, first_solid: u32) -> Self {
-        Self { paths, radius, pieces: pieces_of(paths, first_solid) }
+    pub fn new(paths: &'a Paths, radius: f64, first_solid: u32, view: &PlaneView) -> Self {
+        let ends = ends_of(&paths.positions, |_| radius, view);
+        Self { paths, radius, pieces: pieces_of(paths, first_solid), ends }
+    }
+
+    #[inline(always)]
+    fn draw_as<const BALL: bool>(&self, element: usize, canvas: &mut Canvas) {
+        let [a, b, solid] = self.pieces[element];
+        let style = self.paths.style;
+        let piece = Piece {
+            ends: [a, b].map(|k| vector(self.paths.positions[k as usize])),
+            radius: self.radius,
+            on_plane: [a, b].map(|k| self.ends[k as usize]),
+        };
+        // Of opaque tubes, walls behind the first are hidden, whichever piece they belong to.
+        let is_opaque = style.opacity >= 1.0 && matches!(self.paths.paint, Paint::Even(_));
+        draw_piece::<BALL>(&piece, is_opaque, canvas, |canvas, hit| {
+            let Met { texel, at, mask, s, normal, side, along } = hit;
+            let Some(rgba) = color_at(&self.paths.paint, [a, b], [1.0 - along, along]) else { return };
+            canvas.add(style, &Surface { texel, at, mask, s, rgba, normal: Some(normal), side, solid });
+        });
     }
 }
 
@@ -83,33 +104,24 @@ pub fn pieces_of(paths: &Paths, first_solid: u32) -> Vec<[u32; 3]> {
     pieces
 }
 
-impl Tubes<'_> {
-    fn piece(&self, element: usize) -> Piece {
-        let [a, b, _] = self.pieces[element];
-        Piece { ends: [a, b].map(|k| vector(self.paths.positions[k as usize])), radius: self.radius }
-    }
-}
-
 impl OnPlane for Tubes<'_> {
     fn n_elements(&self) -> usize {
         self.pieces.len()
     }
 
     fn rows(&self, element: usize, view: &PlaneView) -> Rows {
-        let Piece { ends, radius } = self.piece(element);
-        rows_of_ends(view, &ends.map(|end| End::new(view, view.uvw(end), radius)))
+        let [a, b, _] = self.pieces[element];
+        rows_of_ends(view, [a, b].map(|k| self.ends[k as usize]))
     }
 
     #[inline(always)]
     fn draw(&self, element: usize, canvas: &mut Canvas) {
-        let [a, b, solid] = self.pieces[element];
-        let style = self.paths.style;
-        // Which of the pieces of a path a ray leaves last is not known here.
-        draw_piece(&self.piece(element), false, canvas, |canvas, hit| {
-            let Met { texel, at, mask, s, normal, side, along } = hit;
-            let Some(rgba) = color_at(&self.paths.paint, [a, b], [1.0 - along, along]) else { return };
-            canvas.add(style, &Surface { texel, at, mask, s, rgba, normal: Some(normal), side, solid });
-        });
+        let [a, b, _] = self.pieces[element];
+        if self.paths.positions[a as usize] == self.paths.positions[b as usize] {
+            self.draw_as::<true>(element, canvas);
+        } else {
+            self.draw_as::<false>(element, canvas);
+        }
     }
 }
 
@@ -117,18 +129,39 @@ impl OnPlane for Tubes<'_> {
 struct Piece {
     ends: [DVec3; 2],
     radius: f64,
+    on_plane: [End; 2],
 }
 
 /// An end of a piece on a base plane.
+#[derive(Clone, Copy, Default)]
 struct End {
     placed: Placed,
-    reach: Reach,
+    /// Half its size in texels along u and v; infinite around the eye, not a number where it cannot be seen.
+    reach: [f32; 2],
 }
 
 impl End {
-    fn new(view: &PlaneView, uvw: [f64; 3], radius: f64) -> Self {
-        Self { placed: view.place(uvw), reach: view.reach_of_ball(uvw, radius) }
+    fn is_unseen(&self) -> bool {
+        self.reach[0].is_nan()
     }
+}
+
+/// Balls around positions on a base plane.
+fn ends_of(positions: &[[f64; 3]], radius: impl Fn(usize) -> f64 + Sync, view: &PlaneView) -> Vec<End> {
+    const SOME: usize = 4096;
+    let mut ends = vec![End::default(); positions.len()];
+    parallel::for_each_chunk(&mut ends, SOME, |first, some| {
+        for (k, end) in some.iter_mut().enumerate() {
+            let uvw = view.uvw(vector(positions[first * SOME + k]));
+            let reach = match view.reach_of_ball(uvw, radius(first * SOME + k)) {
+                Reach::Nowhere => [f32::NAN; 2],
+                Reach::Within(reach) => reach.map(|reach| reach as f32),
+                Reach::Everywhere => [f32::INFINITY; 2],
+            };
+            *end = End { placed: view.place(uvw), reach };
+        }
+    });
+    ends
 }
 
 /// Where a ray meets a piece, on the covered places of a texel.
@@ -143,21 +176,24 @@ struct Met {
     along: f32,
 }
 
-fn rows_of_ends(view: &PlaneView, ends: &[End]) -> Rows {
-    if ends.iter().all(|end| end.reach == Reach::Nowhere) {
+fn rows_of_ends(view: &PlaneView, ends: [End; 2]) -> Rows {
+    if ends.iter().all(End::is_unseen) {
         return None;
     }
-    let [mut x, mut y] = [[f64::INFINITY, f64::NEG_INFINITY]; 2];
-    for end in ends {
-        let Reach::Within(reach) = end.reach else { return rows_of(view, [0.0, view.plane.size[1] as f64]) };
-        let [at_x, at_y] = [end.placed.x, end.placed.y].map(f64::from);
-        x = [x[0].min(at_x - reach[0]), x[1].max(at_x + reach[0])];
-        y = [y[0].min(at_y - reach[1]), y[1].max(at_y + reach[1])];
-    }
+    let Some(reach) = reach_of(ends) else { return rows_of(view, [0.0, view.plane.size[1] as f64]) };
+    let of = |k: usize, [a, b]: [f32; 2]| [f64::from(a.min(b)) - reach[k], f64::from(a.max(b)) + reach[k]];
+    let [x, y] = [of(0, ends.map(|end| end.placed.x)), of(1, ends.map(|end| end.placed.y))];
     if x[1] < -0.5 || x[0] > view.plane.size[0] as f64 - 0.5 {
         return None;
     }
     rows_of(view, y)
+}
+
+/// Half the size of the larger end; `None` where any is around the eye or behind it.
+fn reach_of([a, b]: [End; 2]) -> Option<[f64; 2]> {
+    let reach = [0, 1].map(|k| f64::from(a.reach[k].max(b.reach[k])));
+    let is_known = !a.is_unseen() && !b.is_unseen() && reach[0].is_finite() && reach[1].is_finite();
+    is_known.then_some(reach)
 }
 
 /// Columns that a chain of two discs reaches in a row. `ends`: texel positions; `reach`: half the discs' sizes.
@@ -175,16 +211,16 @@ pub fn columns_in_row(ends: [[f64; 2]; 2], reach: [f64; 2], row: f64) -> [f64; 2
 /// Calls `with` where rays enter a piece and where they leave it; where it `is_opaque`, leaving counts only if the eye is
 /// inside.
 #[inline(always)]
-fn draw_piece(piece: &Piece, is_opaque: bool, canvas: &mut Canvas, mut with: impl FnMut(&mut Canvas, Met)) {
+fn draw_piece<const BALL: bool>(
+    piece: &Piece,
+    is_opaque: bool,
+    canvas: &mut Canvas,
+    mut with: impl FnMut(&mut Canvas, Met),
+) {
     let view = canvas.view;
-    let uvw = piece.ends.map(|end| view.uvw(end));
-    let ends = uvw.map(|uvw| End::new(view, uvw, piece.radius));
     let [n_u, n_v] = view.plane.size;
-    let reach = match [ends[0].reach, ends[1].reach] {
-        [Reach::Within(a), Reach::Within(b)] => Some([a[0].max(b[0]), a[1].max(b[1])]),
-        _ => None,
-    };
-    let places = [0, 1].map(|k| [ends[k].placed.x, ends[k].placed.y].map(f64::from));
+    let reach = reach_of(piece.on_plane);
+    let places = piece.on_plane.map(|end| [end.placed.x, end.placed.y].map(f64::from));
     let rows = match reach {
         Some(reach) => {
             let [a, b] = [places[0][1], places[1][1]];
@@ -192,7 +228,7 @@ fn draw_piece(piece: &Piece, is_opaque: bool, canvas: &mut Canvas, mut with: imp
         }
         None => canvas.own_rows([0.0, n_v as f64]),
     };
-    let rays = PieceRays::new(piece, uvw[0], view);
+    let rays = PieceRays::<BALL>::new(piece, view.uvw(piece.ends[0]), view);
     for j in rows {
         let columns = match reach {
             Some(reach) => canvas.columns(columns_in_row(places, reach, j as f64)),
@@ -207,8 +243,12 @@ fn draw_piece(piece: &Piece, is_opaque: bool, canvas: &mut Canvas, mut with: imp
                 }
                 let offset = mean_offset(mask);
                 let (ray, way) = rays.ray([i, j], offset, view);
-                let Some(ends) = rays.meet(ray, way) else { continue };
-                let t = if side == Side::Enter { ends[0] } else { ends[1] };
+                let [enter, leave] = rays.meet(ray.to_array(), way.to_array());
+                let t = if side == Side::Enter { enter } else { leave };
+                // The middle of what is covered is covered, but for rounding.
+                if t.is_nan() {
+                    continue;
+                }
                 let from_first = ray + way * t;
                 let along = (from_first.dot(rays.axis) * rays.per_axis).clamp(0.0, 1.0);
                 let at = [i as f32 + offset[0], j as f32 + offset[1]];
@@ -219,8 +259,8 @@ fn draw_piece(piece: &Piece, is_opaque: bool, canvas: &mut Canvas, mut with: imp
     }
 }
 
-/// The rays of a base plane as seen from the first end of a piece.
-struct PieceRays {
+/// The rays of a base plane as seen from the first end of a piece, which is a `BALL` or has two ends.
+struct PieceRays<const BALL: bool> {
     /// Vector from that end to where the ray of texel (0, 0) passes its slice, and the change per texel.
     from_end: [DVec3; 3],
     per_texel: [Vec3; 2],
@@ -235,7 +275,7 @@ struct PieceRays {
     nearest: f32,
 }
 
-impl PieceRays {
+impl<const BALL: bool> PieceRays<BALL> {
     fn new(piece: &Piece, uvw: [f64; 3], view: &PlaneView) -> Self {
         let from_end = view.from_point(uvw);
         let axis = (piece.ends[1] - piece.ends[0]).as_vec3();
@@ -269,67 +309,70 @@ impl PieceRays {
     #[inline(always)]
     fn masks(&self, texel: [usize; 2], view: &PlaneView) -> [u16; 2] {
         let (middle, way) = self.ray(texel, [0.0; 2], view);
-        let [mut enters, mut leaves] = [[false; N]; 2];
+        let (middle, way) = (middle.to_array(), way.to_array());
+        let [per_u, per_v] = self.per_texel.map(|v| v.to_array());
+        let [way_u, way_v] = self.way_per_texel.map(|v| v.to_array());
+        let [mut enter, mut leave] = [[0.0; N]; 2];
+        // Without branches and closures, so that the loop becomes vectors.
         for k in 0..N {
             let (x, y) = (OFFSETS[0][k], OFFSETS[1][k]);
-            let ray = middle + self.per_texel[0] * x + self.per_texel[1] * y;
-            let way = way + self.way_per_texel[0] * x + self.way_per_texel[1] * y;
-            if let Some([enter, leave]) = self.meet(ray, way) {
-                enters[k] = enter > self.nearest;
-                leaves[k] = leave > self.nearest;
+            let (mut ray, mut own_way) = (middle, way);
+            for c in 0..3 {
+                ray[c] += per_u[c] * x + per_v[c] * y;
+                own_way[c] += way_u[c] * x + way_v[c] * y;
             }
+            [enter[k], leave[k]] = self.meet(ray, own_way);
         }
-        [mask_of(enters), mask_of(leaves)]
+        [mask_of(enter.map(|t| t > self.nearest)), mask_of(leave.map(|t| t > self.nearest))]
     }
 
-    /// Slices from the first end to where a ray enters the piece, and to where it leaves it.
+    /// Slices from the first end to where a ray enters the piece, and to where it leaves it; not a number where it does
+    /// not.
     #[inline(always)]
-    fn meet(&self, ray: Vec3, way: Vec3) -> Option<[f32; 2]> {
-        if self.per_axis == 0.0 {
-            return self.meet_ball(ray, way);
+    fn meet(&self, ray: [f32; 3], way: [f32; 3]) -> [f32; 2] {
+        let square = dot(way, way);
+        if BALL {
+            return self.meet_ball(ray, way, square);
         }
-        let [m, n] = [ray, way].map(|v| v.dot(self.axis) * self.per_axis);
-        let (across, way_across) = (ray - self.axis * m, way - self.axis * n);
-        let square = way_across.length_squared();
-        // A ray along the axis meets the ends only.
-        let is_along = square <= 1e-10 * way.length_squared();
-        let (middle, half) = if is_along {
-            if across.length_squared() > self.radius_squared {
-                return None;
-            }
-            (0.0, f32::INFINITY)
-        } else {
-            let middle = -across.dot(way_across) / square;
-            let left = self.radius_squared - (across + way_across * middle).length_squared();
-            if left < 0.0 {
-                return None;
-            }
-            (middle, (left / square).sqrt())
-        };
-        let mut ends = [0.0; 2];
-        for (end, side) in ends.iter_mut().zip([-1.0, 1.0]) {
-            *end = middle + side * half;
+        let axis = self.axis.to_array();
+        let (m, n) = (dot(ray, axis) * self.per_axis, dot(way, axis) * self.per_axis);
+        let (across, way_across) = (less(ray, axis, m), less(way, axis, n));
+        // Of a ray along the axis, which never leaves the cylinder, the ends are far beyond it.
+        let across_square = dot(way_across, way_across).max(1e-10 * square);
+        let middle = -dot(across, way_across) / across_square;
+        let nearest = less(across, way_across, -middle);
+        let left = (self.radius_squared - dot(nearest, nearest)) / across_square;
+        let half = left.max(0.0).sqrt();
+        let mut ends = [middle - half, middle + half];
+        for k in 0..2 {
             // Where the ray meets the cylinder beyond its ends, the balls there count.
-            let along = if is_along { side * n * f32::INFINITY } else { m + *end * n };
-            if !(0.0..=1.0).contains(&along) {
-                let ball = if along < 0.0 { ray } else { ray - self.axis };
-                let of_ball = self.meet_ball(ball, way)?;
-                *end = if side < 0.0 { of_ball[0] } else { of_ball[1] };
-            }
+            let along = m + ends[k] * n;
+            let first = if along < 0.5 { 0.0 } else { 1.0 };
+            let of_ball = self.meet_ball(less(ray, axis, first), way, square)[k];
+            ends[k] = if (along < 0.0) | (along > 1.0) { of_ball } else { ends[k] };
+            ends[k] = if left >= 0.0 { ends[k] } else { f32::NAN };
         }
-        Some(ends)
+        ends
     }
 
-    /// The same for a ball around the point that `ray` begins at.
+    /// The same for a ball around the point that `ray` begins at. `square`: of the way.
     #[inline(always)]
-    fn meet_ball(&self, ray: Vec3, way: Vec3) -> Option<[f32; 2]> {
-        let square = way.length_squared();
-        let middle = -ray.dot(way) / square;
-        let left = self.radius_squared - (ray + way * middle).length_squared();
-        if left < 0.0 {
-            return None;
-        }
-        let half = (left / square).sqrt();
-        Some([middle - half, middle + half])
+    fn meet_ball(&self, ray: [f32; 3], way: [f32; 3], square: f32) -> [f32; 2] {
+        let middle = -dot(ray, way) / square;
+        let nearest = less(ray, way, -middle);
+        let left = (self.radius_squared - dot(nearest, nearest)) / square;
+        let half = if left >= 0.0 { left.max(0.0).sqrt() } else { f32::NAN };
+        [middle - half, middle + half]
     }
+}
+
+#[inline(always)]
+fn dot(a: [f32; 3], b: [f32; 3]) -> f32 {
+    a[0] * b[0] + a[1] * b[1] + a[2] * b[2]
+}
+
+/// `a − b · share`.
+#[inline(always)]
+fn less(a: [f32; 3], b: [f32; 3], share: f32) -> [f32; 3] {
+    [a[0] - b[0] * share, a[1] - b[1] * share, a[2] - b[2] * share]
 }

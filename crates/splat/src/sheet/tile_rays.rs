@@ -22,6 +22,8 @@ pub struct Rays {
     last_entry: Vec<f32>,
     /// Where each ray begins, where intervals are cut at surfaces; else empty.
     begins: Vec<Lanes>,
+    /// Largest s at which a ray of a chunk ends, where they end at surfaces; else empty.
+    last_exit: Vec<f32>,
     /// Rays that draw nothing, as bits.
     missed: Vec<u16>,
     /// Directions by chunk; a single entry where rays are parallel.
@@ -69,6 +71,7 @@ impl Rays {
             common: vec![[0.0; 2]; Chunk::N],
             last_entry: vec![f32::NEG_INFINITY; Chunk::N],
             begins: Vec::new(),
+            last_exit: Vec::new(),
             missed: vec![u16::MAX; Chunk::N],
             directions: Vec::new(),
             fades: Vec::new(),
@@ -177,15 +180,24 @@ impl Rays {
             self.missed[index] |= u16::from(lo.0[k] >= hi.0[k]) << k;
         }
         let least = hi.0.into_iter().fold(f32::INFINITY, f32::min);
+        let seen = (0..LANES).filter(|k| self.missed[index] >> k & 1 == 0);
+        self.last_exit[index] = seen.map(|k| hi.0[k]).fold(f32::NEG_INFINITY, f32::max);
         let [from, to] = self.common[index];
         self.common[index] = if self.missed[index] == 0 { [from, to.min(least)] } else { [0.0; 2] };
     }
 
     /// Keeps where rays begin, so that they may be cut.
-    pub fn allow_cuts(&mut self) {
+    fn allow_cuts(&mut self) {
         if self.begins.is_empty() {
             self.begins = self.intervals.iter().map(|[lo, _]| *lo).collect();
+            self.last_exit = vec![f32::INFINITY; Chunk::N];
         }
+    }
+
+    /// Whether all rays of a chunk have ended at surfaces in front of a place.
+    #[inline(always)]
+    pub fn have_ended(&self, chunk: Chunk, s: f32) -> bool {
+        self.last_exit.get(chunk.index()).is_some_and(|last| *last <= s)
     }
 
     /// Clips the rays of a chunk to what lies between two places each. Returns what [`Rays::restore`] needs.

@@ -310,6 +310,9 @@ impl<const BALL: bool> PieceRays<BALL> {
     fn masks(&self, texel: [usize; 2], view: &PlaneView) -> [u16; 2] {
         let (middle, way) = self.ray(texel, [0.0; 2], view);
         let (middle, way) = (middle.to_array(), way.to_array());
+        if self.is_off(middle, way) {
+            return [0; 2];
+        }
         let [per_u, per_v] = self.per_texel.map(|v| v.to_array());
         let [way_u, way_v] = self.way_per_texel.map(|v| v.to_array());
         let [mut enter, mut leave] = [[0.0; N]; 2];
@@ -324,6 +327,25 @@ impl<const BALL: bool> PieceRays<BALL> {
             [enter[k], leave[k]] = self.meet(ray, own_way);
         }
         [mask_of(enter.map(|t| t > self.nearest)), mask_of(leave.map(|t| t > self.nearest))]
+    }
+
+    /// Whether a texel's ray passes the axis at more than the radius and half a texel.
+    #[inline(always)]
+    fn is_off(&self, ray: [f32; 3], way: [f32; 3]) -> bool {
+        let (mut across, mut way_across) = (ray, way);
+        if !BALL {
+            let axis = self.axis.to_array();
+            let (m, n) = (dot(ray, axis) * self.per_axis, dot(way, axis) * self.per_axis);
+            (across, way_across) = (less(ray, axis, m), less(way, axis, n));
+        }
+        let square = dot(way_across, way_across).max(1e-10 * dot(way, way));
+        let middle = -dot(across, way_across) / square;
+        let nearest = less(across, way_across, -middle);
+        let corner = |[u, v]: [Vec3; 2]| 0.5 * (u.length() + v.length());
+        let reach = 1.1 * (corner(self.per_texel) + middle.abs() * corner(self.way_per_texel));
+        // Of a ray along the axis the middle means nothing.
+        let limit = self.radius_squared.sqrt() + reach;
+        dot(nearest, nearest) > limit * limit
     }
 
     /// Slices from the first end to where a ray enters the piece, and to where it leaves it; not a number where it does

@@ -132,6 +132,15 @@ struct Met {
     along: f32,
 }
 
+/// Square of the distance of a pixel position from the line along `way` from the origin. `per_square`: inverse square of
+/// its length, 0 for a point.
+#[inline(always)]
+fn distance_off(pixel: [f32; 2], way: [f32; 2], per_square: f32) -> f32 {
+    let along = ((pixel[0] * way[0] + pixel[1] * way[1]) * per_square).clamp(0.0, 1.0);
+    let off = [pixel[0] - along * way[0], pixel[1] - along * way[1]];
+    off[0] * off[0] + off[1] * off[1]
+}
+
 /// Calls `with` for every texel of a canvas of which a stroke covers a place: where the pixel position is no further than
 /// `half_px` from the straight line between the pixel positions of the ends.
 #[inline(always)]
@@ -148,14 +157,18 @@ fn draw_stroke(ends: [Placed; 2], half_px: f64, canvas: &mut Canvas, mut with: i
     for j in rows {
         for i in canvas.columns(columns_in_row(places, reach, j as f64)) {
             let [x, y, scale] = view.pixels_around([i as f64, j as f64], first);
+            // How far the middle of the texel is off, and how much further its corners may be.
+            let corner = 0.5 * ((x[1].abs() + x[2].abs()).hypot(y[1].abs() + y[2].abs()) / scale[0].abs());
+            let off = distance_off([x[0] / scale[0], y[0] / scale[0]], way, per_square).sqrt();
+            if off > half_px as f32 + 1.1 * corner {
+                continue;
+            }
             let mut covered = [false; N];
             for k in 0..N {
                 let (u, v) = (OFFSETS[0][k], OFFSETS[1][k]);
                 let per = 1.0 / (scale[0] + scale[1] * u + scale[2] * v);
                 let pixel = [(x[0] + x[1] * u + x[2] * v) * per, (y[0] + y[1] * u + y[2] * v) * per];
-                let along = ((pixel[0] * way[0] + pixel[1] * way[1]) * per_square).clamp(0.0, 1.0);
-                let off = [pixel[0] - along * way[0], pixel[1] - along * way[1]];
-                covered[k] = off[0] * off[0] + off[1] * off[1] <= limit;
+                covered[k] = distance_off(pixel, way, per_square) <= limit;
             }
             let mask = mask_of(covered);
             if mask == 0 {

@@ -211,6 +211,6 @@ impl<'a> PlaneView<'a> {
         let [along_u, along_v] = [self.pixel([x + 0.5, y]), self.pixel([x, y + 0.5])]
             .map(|next| [2.0 * (next[0] - at[0]), 2.0 * (next[1] - at[1])]);
         let determinant = (along_u[0] * along_v[1] - along_u[1] * along_v[0]).abs().max(1e-12);
-        [along_v, along_u].map(|[a, b]| radius_px * a.hypot(b) / determinant)
+        [along_v, along_u].map(|[a, b]| radius_px * (a * a + b * b).sqrt() / determinant)
     }
 }

@@ -158,9 +158,10 @@ fn draw_stroke(ends: [Placed; 2], half_px: f64, canvas: &mut Canvas, mut with: i
         for i in canvas.columns(columns_in_row(places, reach, j as f64)) {
             let [x, y, scale] = view.pixels_around([i as f64, j as f64], first);
             // How far the middle of the texel is off, and how much further its corners may be.
-            let corner = 0.5 * ((x[1].abs() + x[2].abs()).hypot(y[1].abs() + y[2].abs()) / scale[0].abs());
-            let off = distance_off([x[0] / scale[0], y[0] / scale[0]], way, per_square).sqrt();
-            if off > half_px as f32 + 1.1 * corner {
+            let per = 1.0 / scale[0];
+            let corner = 0.5 * per.abs() * (x[1].abs() + x[2].abs() + y[1].abs() + y[2].abs());
+            let furthest = half_px as f32 + corner;
+            if distance_off([x[0] * per, y[0] * per], way, per_square) > furthest * furthest {
                 continue;
             }
             let mut covered = [false; N];

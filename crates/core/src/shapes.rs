@@ -184,6 +184,19 @@ impl Shapes {
             && self.cards.iter().all(|card| is_clear(&card.style))
     }
 
+    /// Largest radius of discs and half width of strokes, in pixels; 0 without any.
+    pub fn max_half_px(&self) -> f64 {
+        let widths = self.paths.iter().map(|paths| match paths.thickness {
+            Thickness::WidthPx(width) => width,
+            Thickness::Radius(_) => 0.0,
+        });
+        let diameters = self.points.iter().map(|points| match &points.sizes {
+            Sizes::DiametersPx(diameters) => diameters.iter().copied().fold(0.0, f64::max),
+            Sizes::Radii(_) => 0.0,
+        });
+        0.5 * widths.chain(diameters).fold(0.0, f64::max)
+    }
+
     /// Corners of the smallest box along the world axes that holds all shapes; sizes in pixels count as none. `None`
     /// without shapes.
     pub fn bounds(&self) -> Option<[DVec3; 2]> {
@@ -206,7 +219,9 @@ impl Shapes {
         }
         for card in &self.cards {
             let [corner, x, y] = [card.corner, card.along_x, card.along_y].map(DVec3::from_array);
-            [corner, corner + x, corner + y, corner + x + y].iter().for_each(|at| hold(at.to_array(), 0.0));
+            for at in [corner, corner + x, corner + y, corner + x + y] {
+                hold(at.to_array(), 0.0);
+            }
         }
         (bounds[0].x <= bounds[1].x).then_some(bounds)
     }
@@ -313,7 +328,7 @@ impl Paint {
 }
 
 impl ShapeStyle {
-    fn check(&self, name: &str) -> Result<()> {
+    fn check(self, name: &str) -> Result<()> {
         if (0.0..=1.0).contains(&self.opacity) {
             return Ok(());
         }

@@ -8,6 +8,7 @@ use wavesplat_core::{
     Camera, Card, ClipPlane, Composite, Kernel, Mesh, Paint, Paths, Picture, Points, Projection, RenderOptions,
     ShapeStyle, Shapes, Sizes, Thickness, TransferFunction,
 };
+use wavesplat_splat::picture::base_picture::BasePicture;
 use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::{Report, render, render_base_planes_at};
 use wavesplat_testkit::{Phantom, camera_towards, opacity_ramp};
@@ -174,7 +175,7 @@ fn many(turned: usize) -> Shapes {
         style: ShapeStyle { opacity: 0.4, ..ShapeStyle::default() },
     };
     let path = |first: usize| (first..first + 6).map(place).collect::<Vec<_>>();
-    let mut paths = vec![path(3), path(40), path(80)];
+    let mut paths = [path(3), path(40), path(80)];
     paths.rotate_left(turned % 3);
     let lines = |thickness, opacity| Paths {
         positions: paths.concat(),
@@ -210,6 +211,26 @@ fn cameras() -> Vec<Camera> {
 }
 
 #[test]
+fn wide_discs_beyond_all_positions_are_whole() {
+    let fog = Fog::new(0.001);
+    for projection in
+        [Projection::Orthographic { parallel_scale: 65.0 }, Projection::Perspective { view_angle_rad: 0.6 }]
+    {
+        let points = Points {
+            centers: vec![[16.0, 34.0, 16.0]],
+            sizes: Sizes::DiametersPx(vec![24.0]),
+            paint: Paint::Even([1.0, 0.0, 0.0]),
+            style: style(1.0),
+        };
+        let shapes = Shapes::new(Vec::new(), Vec::new(), vec![points], Vec::new()).unwrap();
+        let (picture, _) = fog.draw(shapes, &from_front(projection), &plain());
+        let sum: f32 = picture.rgba.iter().map(|[r, g, ..]| r - g).sum();
+        let area = std::f32::consts::PI * 144.0;
+        assert!((sum - area).abs() < 0.03 * area, "{sum} {area}");
+    }
+}
+
+#[test]
 fn order_of_shapes_changes_nothing() {
     let fog = Fog::new(0.02);
     for camera in cameras() {
@@ -232,7 +253,7 @@ fn threads_and_vectors_change_nothing() {
         let draw = |level, n_threads| {
             let options = RenderOptions { n_threads: Some(n_threads), ..options.clone() };
             let (pictures, _) = render_base_planes_at(level, &slices, &fog.tf, &camera, &options, &()).unwrap();
-            pictures.iter().flat_map(|picture| picture.texels()).flatten().map(f32::to_bits).collect::<Vec<_>>()
+            pictures.iter().flat_map(BasePicture::texels).flatten().map(f32::to_bits).collect::<Vec<_>>()
         };
         let wanted = draw(Level::best(), 1);
         for level in Level::all() {

@@ -240,9 +240,8 @@ fn the_bits_do_not_depend_on_how_it_is_drawn() {
                 let states: Vec<_> = states.into_iter().map(std::sync::Mutex::new).collect();
                 let mut picture = BasePicture::new(family.plane.clone(), true);
                 picture.fill_tiles([TILE_U, TILE_V], None, |k, texels| {
-                    if let Some(state) = states[k].lock().unwrap().take() {
-                        finish_tile(&whole_plan, f, state, texels);
-                    }
+                    let state = states[k].lock().unwrap().take();
+                    finish_tile(&whole_plan, f, tiles[k], state, texels);
                 });
                 cut.push(picture);
             }

@@ -313,9 +313,7 @@ fn pieces_and_threads_give_the_same_bytes() {
                 }
                 let mut joined = BasePicture::new(plan.families[family].plane.clone(), plan.with_depth);
                 joined.fill_tiles([TILE_U, TILE_V], None, |k, texels| {
-                    if let Some(state) = states[k].clone() {
-                        finish_tile(&plan, family, state, texels);
-                    }
+                    finish_tile(&plan, family, tiles[k], states[k].clone(), texels);
                 });
                 let bits = |picture: &BasePicture| -> Vec<[u32; 4]> {
                     picture.texels().iter().map(|texel| texel.map(f32::to_bits)).collect()

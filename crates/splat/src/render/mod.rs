@@ -9,5 +9,6 @@ pub mod plan_arrays;
 pub mod progress;
 pub mod report;
 pub mod segments;
+pub mod shape_plan;
 pub mod stream;
 pub mod tile;

@@ -8,9 +8,9 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use wavesplat_compute::simd::{LANES, Level};
+use wavesplat_compute::simd::Level;
 use wavesplat_core::{
-    Camera, Composite, Crop, Error, Gradient, Grid, RenderOptions, Result, Shading, Shapes, TransferFunction,
+    Camera, Composite, Crop, Error, Gradient, Grid, RenderOptions, Result, Shading, TransferFunction,
 };
 
 use crate::optics::field_color::FieldColor;
@@ -23,12 +23,9 @@ use crate::optics::visibility_cache::TabulatedFunction;
 use crate::picture::depth_colors::PlacedDepthColors;
 use crate::picture::supersampling::reads_per_axis;
 use crate::ray::project::Project;
-use crate::ray::surfaces::TileSurfaces;
 use crate::render::layer::{ColorField, Layer};
+use crate::render::shape_plan::{ShapePlan, bounds_with};
 use crate::shapes::fragments::Fragments;
-use crate::shapes::light::ShapeLight;
-use crate::shapes::placement::PlaneView;
-use crate::shapes::raster::fragments_of;
 use crate::sheet::spacing::SheetSpacing;
 use crate::sheet::tile_rays::RayGeometry;
 use crate::source::field::Field;
@@ -39,7 +36,7 @@ use crate::view::common_grid::{CommonGrid, IndexMap, from_layer, map_of_color};
 use crate::view::depth_cue::DepthCue;
 use crate::view::family::IndexRays;
 use crate::view::index_frame::light_direction;
-use crate::view::region::{Region, box_bounds};
+use crate::view::region::Region;
 use crate::view::silhouette::Silhouette;
 
 /// Early ray termination: opacity from which a ray stops. The rest is a tenth of a grey level of 1024.
@@ -87,18 +84,7 @@ pub struct Plan {
     /// Unassociated colour and opacity behind the volume.
     pub background: Option<[f32; 4]>,
     /// Surfaces, lines and points in the picture; `None` without.
-    pub shapes: Option<PlannedShapes>,
-}
-
-/// Shapes, and what their fragments on a base plane are made with.
-#[derive(Clone)]
-pub struct PlannedShapes {
-    /// The shapes.
-    pub shapes: Arc<Shapes>,
-    /// Lights: the first layer's that is lit, or the default.
-    pub shading: Shading,
-    /// What crop and clip planes leave of space, whatever the volume's box.
-    pub cuts: Region,
+    pub shapes: Option<ShapePlan>,
 }
 
 /// Plan of a layer.
@@ -244,12 +230,14 @@ impl Plan {
             Region::new(&grid, &RenderOptions { crop: in_common(options, &common.layers[0]), ..options.clone() })?;
         let size_px = [options.width_px, options.height_px];
         let rays = IndexRays::new(camera, grid.index_from_world(), size_px[0], size_px[1]);
-        let shapes = PlannedShapes::new(layers, options, &region);
-        let shown = bounds_with(&grid, region.bounds, options);
+        let shapes = ShapePlan::new(layers, options, &region);
+        let shown = bounds_with(&grid, region.bounds, camera, options);
         let mut planes = base_planes(camera, &rays, size_px, options.oversampling, shown)?;
         if shapes.is_some() {
             // Walls are not applied as the picture is made: shapes go on beyond them.
-            planes.iter_mut().for_each(|plane| plane.beyond = 0.0);
+            for plane in &mut planes {
+                plane.beyond = 0.0;
+            }
         }
         let slab_length = grid.mean_spacing() / options.sheets_per_slice;
         let mut plans: Vec<LayerPlan> = layers
@@ -322,17 +310,8 @@ impl Plan {
     pub(crate) fn family(&self, plane: BasePlane, layers: &[Layer]) -> FamilyPlan {
         let spacing = SheetSpacing::new(self.grid.size()[plane.family.axes[2]], self.sheets_per_slice);
         let layers = (0..layers.len()).map(|k| self.family_layer(k, &plane, layers[k].slices.bricks())).collect();
-        let fragments = self.fragments(&plane).map(Arc::new);
+        let fragments = ShapePlan::fragments(self, &plane).map(Arc::new);
         FamilyPlan { plane, spacing, layers, fragments }
-    }
-
-    /// Surfaces of the shapes on the rays of a base plane; `None` without shapes.
-    fn fragments(&self, plane: &BasePlane) -> Option<Fragments> {
-        let PlannedShapes { shapes, shading, cuts } = self.shapes.as_ref()?;
-        let view = PlaneView::new(plane, self.grid.world_from_index());
-        let occlusion = self.fields.light.map(|light| (light, self.layers[0].map));
-        let light = ShapeLight::new(shading, &self.camera, &self.fields.fields, occlusion);
-        Some(fragments_of(self.simd, &view, shapes, cuts, &light))
     }
 
     fn family_layer(&self, k: usize, plane: &BasePlane, bricks: Option<&Bricks>) -> FamilyLayer {
@@ -408,27 +387,6 @@ impl Plan {
     }
 }
 
-impl PlannedShapes {
-    /// Shapes of a picture; `None` where there are none. `region`: what is drawn of the volumes.
-    fn new(layers: &[Layer], options: &RenderOptions, region: &Region) -> Option<Self> {
-        let shapes = options.shapes.clone();
-        if shapes.is_empty() {
-            return None;
-        }
-        let shading = layers.iter().find_map(|layer| layer.shading).cloned().unwrap_or_default();
-        Some(Self { shapes, shading, cuts: region.without_box() })
-    }
-}
-
-/// Bounds of what is drawn in index space: of the volumes, and of shapes.
-fn bounds_with(grid: &Grid, [lo, hi]: [DVec3; 2], options: &RenderOptions) -> [DVec3; 2] {
-    let Some(shapes) = options.shapes.bounds().filter(|_| !options.shapes.is_empty()) else { return [lo, hi] };
-    let [first, last] = box_bounds(grid.index_from_world(), shapes[0], shapes[1]);
-    // Strokes and discs are wider than their positions, by pixels that are not known here: some texels are added
-    // around all that is shown.
-    [lo.min(first), hi.max(last)]
-}
-
 impl LayerPlan {
     /// Plans a layer. `slab_length`: world length of a typical slab. `is_alone`: it is the only layer, so `region` is
     /// its region.
@@ -481,13 +439,6 @@ impl FamilyPlan {
             opacity_unit: layer.opacity_unit,
             depth_cue: plan.depth_cue,
         }
-    }
-
-    /// Surfaces of shapes on the rays of the tile whose first texel is `first`, after those that a state has passed;
-    /// `None` without shapes.
-    pub(super) fn surfaces(&self, first: [usize; 2], passed: Vec<[u8; LANES]>) -> Option<TileSurfaces<'_>> {
-        let fragments = self.fragments.as_deref().filter(|fragments| !fragments.is_empty())?;
-        Some(TileSurfaces::new(fragments, first, passed))
     }
 
     /// Sign of w along the rays: 1 where w grows away from the eye, -1 where it falls.

@@ -158,7 +158,9 @@ impl<'a> TileJob<'a> {
             return state.map(|state| (compositor(Some(state)), surfaces));
         }
         let (mut rays, span) = Rays::new(&self.rays, self.level, first);
-        surfaces.iter().for_each(|surfaces| surfaces.end_rays(&mut rays));
+        if let Some(surfaces) = &surfaces {
+            surfaces.end_rays(&mut rays);
+        }
         let mut alive = needed & blocks_with(|chunk| !rays.draws_nothing(chunk));
         if let Some(state) = state.as_ref().filter(|state| !state.done.is_empty()) {
             alive &= blocks_with(|chunk| !rays.draws_nothing(chunk) && !state.done[chunk.index()]);
@@ -171,7 +173,9 @@ impl<'a> TileJob<'a> {
             let (mut own_rays, mut range, mut own_alive) = (None, spacing.range(span), alive);
             if is_mixed && bricks.contains(&true) {
                 let (mut rays, span) = Rays::new(&layer.rays, self.level, first);
-                surfaces.iter().for_each(|surfaces| surfaces.end_rays(&mut rays));
+                if let Some(surfaces) = &surfaces {
+                    surfaces.end_rays(&mut rays);
+                }
                 range = spacing.range(span);
                 own_alive &= blocks_with(|chunk| !rays.draws_nothing(chunk));
                 own_rays = Some(rays);

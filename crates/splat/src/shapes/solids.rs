@@ -371,7 +371,7 @@ impl<const BALL: bool> PieceRays<BALL> {
             let along = m + ends[k] * n;
             let first = if along < 0.5 { 0.0 } else { 1.0 };
             let of_ball = self.meet_ball(less(ray, axis, first), way, square)[k];
-            ends[k] = if (along < 0.0) | (along > 1.0) { of_ball } else { ends[k] };
+            ends[k] = if (0.0..=1.0).contains(&along) { ends[k] } else { of_ball };
             ends[k] = if left >= 0.0 { ends[k] } else { f32::NAN };
         }
         ends

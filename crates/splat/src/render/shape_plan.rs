@@ -1,0 +1,74 @@
+//! Plan of shapes: their lights, what cuts them, and their surfaces on the rays of a base plane.
+
+use std::sync::Arc;
+
+use glam::DVec3;
+use wavesplat_compute::simd::LANES;
+use wavesplat_core::{Camera, Grid, Projection, RenderOptions, Shading, Shapes};
+
+use crate::ray::surfaces::TileSurfaces;
+use crate::render::layer::Layer;
+use crate::render::plan::{FamilyPlan, Plan};
+use crate::shapes::fragments::Fragments;
+use crate::shapes::light::ShapeLight;
+use crate::shapes::placement::PlaneView;
+use crate::shapes::raster::fragments_of;
+use crate::view::base_plane::BasePlane;
+use crate::view::region::{Region, box_bounds};
+
+/// Shapes, and what their fragments on a base plane are made with.
+#[derive(Clone)]
+pub struct ShapePlan {
+    /// The shapes.
+    pub shapes: Arc<Shapes>,
+    /// Lights: the first layer's that is lit, or the default.
+    pub shading: Shading,
+    /// What crop and clip planes leave of space, whatever the volume's box.
+    pub cuts: Region,
+}
+
+impl ShapePlan {
+    /// Shapes of a picture; `None` where there are none. `region`: what is drawn of the volumes.
+    pub(super) fn new(layers: &[Layer], options: &RenderOptions, region: &Region) -> Option<Self> {
+        let shapes = options.shapes.clone();
+        if shapes.is_empty() {
+            return None;
+        }
+        let shading = layers.iter().find_map(|layer| layer.shading).cloned().unwrap_or_default();
+        Some(Self { shapes, shading, cuts: region.without_box() })
+    }
+
+    /// Surfaces of the shapes on the rays of a base plane; `None` without shapes.
+    pub(super) fn fragments(plan: &Plan, plane: &BasePlane) -> Option<Fragments> {
+        let Self { shapes, shading, cuts } = plan.shapes.as_ref()?;
+        let view = PlaneView::new(plane, plan.grid.world_from_index());
+        let occlusion = plan.fields.light.map(|light| (light, plan.layers[0].map));
+        let light = ShapeLight::new(shading, &plan.camera, &plan.fields.fields, occlusion);
+        Some(fragments_of(plan.simd, &view, shapes, cuts, &light))
+    }
+}
+
+/// Bounds of what is drawn in index space: of the volumes, and of shapes.
+pub(super) fn bounds_with(grid: &Grid, [lo, hi]: [DVec3; 2], camera: &Camera, options: &RenderOptions) -> [DVec3; 2] {
+    let Some(shapes) = options.shapes.bounds().filter(|_| !options.shapes.is_empty()) else { return [lo, hi] };
+    // The height of the picture in the world, at the furthest of the shapes.
+    let height = match camera.projection() {
+        Projection::Orthographic { parallel_scale } => 2.0 * parallel_scale,
+        Projection::Perspective { view_angle_rad } => {
+            let furthest = shapes.map(|corner| (corner - camera.position()).abs());
+            2.0 * (0.5 * view_angle_rad).tan() * furthest[0].max(furthest[1]).length()
+        }
+    };
+    let around = options.shapes.max_half_px() * height / options.height_px as f64;
+    let [first, last] = box_bounds(grid.index_from_world(), shapes[0] - around, shapes[1] + around);
+    [lo.min(first), hi.max(last)]
+}
+
+impl FamilyPlan {
+    /// Surfaces of shapes on the rays of the tile whose first texel is `first`, after those that a state has passed;
+    /// `None` without shapes.
+    pub(super) fn surfaces(&self, first: [usize; 2], passed: Vec<[u8; LANES]>) -> Option<TileSurfaces<'_>> {
+        let fragments = self.fragments.as_deref().filter(|fragments| !fragments.is_empty())?;
+        Some(TileSurfaces::new(fragments, first, passed))
+    }
+}

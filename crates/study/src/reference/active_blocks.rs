@@ -4,7 +4,7 @@ use glam::DVec3;
 use wavesplat_compute::parallel;
 use wavesplat_splat::kernel::weights::{mirror_index, overshoot, radius};
 
-use super::raycast::Sampler;
+use super::sampler::Sampler;
 
 /// Side of the blocks that are skipped where nothing in them is visible, in cells.
 const BLOCK: usize = 4;

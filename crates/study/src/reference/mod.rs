@@ -8,6 +8,7 @@
 pub mod ablation;
 mod active_blocks;
 pub mod color_field;
+mod lights;
 mod medium;
 mod mixture;
 pub mod original;
@@ -15,5 +16,6 @@ pub mod project;
 pub mod raycast;
 mod reached_samples;
 pub mod sampled_footprint;
+pub mod sampler;
 pub mod splat;
 pub mod standard;

@@ -13,7 +13,7 @@ use wavesplat_splat::view::family::{Family, IndexRays};
 use wavesplat_splat::view::region::Region;
 
 use super::ablation::Ablation;
-use super::raycast::Sampler;
+use super::sampler::Sampler;
 use super::splat::LiteralFootprint::Value;
 use super::splat::{BufferTexels, Layout, SheetBuffer, Splatter, from_uvw, over, sheet_spacing, slice_length};
 

@@ -10,7 +10,7 @@ use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::view::base_plane::{BasePlane, TexelRay};
 use wavesplat_splat::view::region::Region;
 
-use super::raycast::Sampler;
+use super::sampler::Sampler;
 
 /// A piece of a ray between two sheets: sample values and world positions of its ends.
 struct RayPiece {

@@ -42,8 +42,8 @@ use wavesplat_splat::view::region::Region;
 use wavesplat_splat::view::silhouette::Silhouette;
 
 use super::ablation::{Ablation, FootprintTable};
-use super::raycast::Sampler;
 use super::sampled_footprint::{NoisyTaps, nearest_sample, sheet_number, table_taps};
+use super::sampler::Sampler;
 
 /// A sheet buffer: one density per texel, row by row.
 pub(super) type SheetBuffer = Vec<f64>;

@@ -20,7 +20,7 @@ use wavesplat_splat::source::slices::Slices;
 use wavesplat_splat::view::base_plane::BasePlane;
 use wavesplat_splat::view::region::Region;
 
-use super::raycast::Sampler;
+use super::sampler::Sampler;
 use crate::standard::widening;
 use crate::standard::{Buffer, NEAREST_SLAB, NEAREST_SLICE, SliceDistance, StandardOptions, planes, validate};
 

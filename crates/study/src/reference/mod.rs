@@ -17,5 +17,6 @@ pub mod raycast;
 mod reached_samples;
 pub mod sampled_footprint;
 pub mod sampler;
+mod shapes;
 pub mod splat;
 pub mod standard;

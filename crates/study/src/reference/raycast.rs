@@ -4,7 +4,8 @@
 //! composites, with the exact curves of the transfer function. Model: emission and absorption, where a node of opacity
 //! 1 is opaque to rays that stay at its value, and has no length for those that pass it; central differences
 //! `[V(x + d) − V(x − d)] / 2d` along the index axes for the gradient, which with the linear kernel and d = 1 is the
-//! trilinearly interpolated central difference of the usual ray caster.
+//! trilinearly interpolated central difference of the usual ray caster. Shapes cut rays where they lie: the matter
+//! before one and behind it is stepped through apart.
 
 use std::cell::Cell;
 
@@ -16,6 +17,7 @@ use wavesplat_splat::optics::shade::vanishing_gradient_squared;
 use wavesplat_splat::ray::cut_faces::{DEPTH, NEAR, REACH};
 use wavesplat_splat::render::progress::{Progress, ProgressCallback};
 use wavesplat_splat::source::slices::Slices;
+use wavesplat_splat::view::common_grid::CommonGrid;
 use wavesplat_splat::view::family::IndexRays;
 use wavesplat_splat::view::region::{HalfSpace, Region};
 use wavesplat_splat::view::scattered::scattered_position;
@@ -25,6 +27,7 @@ use super::color_field::{CastColor, CastField};
 use super::medium::Medium;
 use super::mixture::Mixture;
 use super::sampler::Sampler;
+use super::shapes::CastShapes;
 
 /// Sampling of the reference.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -34,8 +37,8 @@ pub struct RaycastOptions {
     /// Distance of samples along the ray, in units of the smallest spacing.
     pub step: f64,
     /// Rays per pixel, a square number: through the middles of the cells of a square grid, or, where a wall of the
-    /// region passes through the pixel, through the positions at which the renderer counts shares
-    /// ([`wavesplat_splat::view::scattered`]).
+    /// region passes through the pixel, and in pictures with shapes, through the positions at which the renderer counts
+    /// shares ([`wavesplat_splat::view::scattered`]).
     pub rays_per_pixel: usize,
 }
 
@@ -76,7 +79,8 @@ pub fn raycast(
 
 /// Like [`raycast`], for several volumes in any positions, with a segmentation beside each: at every step extinctions
 /// add, and colours mix by extinction. The layers' shading is used, not that of the options. Index positions of a crop
-/// box are those of the first volume.
+/// box are those of the first volume, and shapes are lit by its lights; the volumes cast neither occlusion nor shadow on
+/// them.
 pub fn raycast_layers(
     layers: &[CastLayer],
     camera: &Camera,
@@ -117,9 +121,10 @@ pub fn raycast_layers(
                 let has_wall = [[1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].into_iter().any(|other| met(other) != corner);
                 for s in 0..sampling.rays_per_pixel {
                     let middle = || [s % per_axis, s / per_axis].map(|cell| (cell as f64 + 0.5) / per_axis as f64);
-                    let [dx, dy] = if has_wall { scattered_position(s, per_axis) } else { middle() };
+                    let is_scattered = has_wall || !caster.shapes.is_empty();
+                    let [dx, dy] = if is_scattered { scattered_position(s, per_axis) } else { middle() };
                     let (px, py) = (x + dx, y + dy);
-                    let rgba = caster.cast(rays.origin(px, py), rays.direction(px, py));
+                    let rgba = caster.cast(rays.origin(px, py), rays.direction(px, py), [px, py]);
                     (0..4).for_each(|c| sum[c] += rgba[c] / sampling.rays_per_pixel as f64);
                 }
                 sum.map(|c| c as f32)
@@ -140,6 +145,7 @@ pub fn raycast_layers(
 
 struct RayCaster<'a> {
     layers: Vec<CastVolume<'a>>,
+    shapes: CastShapes<'a>,
     /// Half spaces of a crop box in index positions of the first volume.
     crop: Vec<HalfSpace>,
     world_from_index: DMat3,
@@ -171,8 +177,8 @@ impl<'a> RayCaster<'a> {
     fn new(
         layers: &[CastLayer<'a>],
         (slices, colors): (&'a [Slices<'a>], &'a [Option<Slices<'a>>]),
-        camera: &Camera,
-        options: &RenderOptions,
+        camera: &'a Camera,
+        options: &'a RenderOptions,
         step: f64,
     ) -> Result<Self> {
         let first = layers[0].volume.grid();
@@ -203,9 +209,13 @@ impl<'a> RayCaster<'a> {
                 color: layer.color.zip(color.as_ref()).map(|(of, slices)| CastField::new(of, slices, grid)),
             });
         }
+        // Oblique layers share no slices: those of the first one count.
+        let grids: Vec<_> = layers.iter().map(|layer| layer.volume.grid()).collect();
+        let slices_from_world = CommonGrid::new(&grids).map_or(first.index_from_world(), |c| c.grid.index_from_world());
         let finest = layers.iter().map(|layer| layer.volume.grid().spacing().min_element());
         Ok(Self {
             layers: volumes,
+            shapes: CastShapes::new(options, camera, layers[0].shading, first.index_from_world(), slices_from_world),
             crop,
             world_from_index: first.world_from_index().matrix3,
             step_world: step * finest.fold(f64::INFINITY, f64::min),
@@ -230,8 +240,8 @@ impl<'a> RayCaster<'a> {
         self.drawn(origin, direction).iter().map(|[t_in, t_out]| t_in < t_out).collect()
     }
 
-    /// Associated RGBA along `origin + t · direction`, index space of the first volume.
-    fn cast(&self, origin: DVec3, direction: DVec3) -> [f64; 4] {
+    /// Associated RGBA along `origin + t · direction`, index space of the first volume, through a pixel position.
+    fn cast(&self, origin: DVec3, direction: DVec3, pixel: [f64; 2]) -> [f64; 4] {
         let world = self.world_from_index * direction;
         let to_eye = -world.normalize();
         let own_ray = |layer: &CastVolume| layer.own_ray(origin, direction);
@@ -239,13 +249,6 @@ impl<'a> RayCaster<'a> {
         let seen = || drawn.iter().filter(|[t_in, t_out]| t_in < t_out);
         let t_in = seen().fold(f64::INFINITY, |t, own| t.min(own[0]));
         let t_out = seen().fold(f64::NEG_INFINITY, |t, own| t.max(own[1]));
-        if t_in >= t_out {
-            return [0.0; 4];
-        }
-        let dt = self.step_world / world.length();
-        let n_steps = ((t_out - t_in) / dt).ceil();
-        let dt = (t_out - t_in) / n_steps;
-        let length = dt * world.length();
         // Slices are counted along the axis that the ray runs most along.
         let slices = direction.abs().max_element();
         // Where the ray entered matter through a cut last.
@@ -272,29 +275,69 @@ impl<'a> RayCaster<'a> {
             }
             mixture
         };
-        let mut rgb = [0.0; 3];
-        let mut transmittance = 1.0;
+        let mut color = RayColor::NONE;
+        let mut from = t_in;
+        for hit in self.shapes.hits(pixel) {
+            color.pass([from, hit.t.min(t_out)], self.step_world / world.length(), world.length(), &mixture_at);
+            color.over(hit.opacity, hit.rgb);
+            from = from.max(hit.t);
+        }
+        color.pass([from, t_out], self.step_world / world.length(), world.length(), &mixture_at);
+        color.rgba()
+    }
+}
+
+/// Colour of the part of a ray that was passed, front to back.
+struct RayColor {
+    rgb: [f64; 3],
+    transmittance: f64,
+}
+
+impl RayColor {
+    const NONE: Self = Self { rgb: [0.0; 3], transmittance: 1.0 };
+
+    /// Passes the matter between two ray parameters, in even steps of at most `step`. `speed`: length of a unit of the
+    /// parameter.
+    fn pass(&mut self, [from, to]: [f64; 2], step: f64, speed: f64, mixture_at: &impl Fn(f64) -> Medium) {
+        if from >= to {
+            return;
+        }
+        let n_steps = ((to - from) / step).ceil();
+        let dt = (to - from) / n_steps;
         for s in 0..n_steps as u64 {
-            let t = t_in + (s as f64 + 0.5) * dt;
+            if self.is_used_up() {
+                return;
+            }
+            let t = from + (s as f64 + 0.5) * dt;
             let mut mixture = mixture_at(t);
             if mixture.extinction.is_infinite() {
                 // A single value of opacity 1 is met at a point, which has no length; a range of such values fills both
                 // points beside.
                 mixture = mixture_at(t - 0.25 * dt).mean(&mixture_at(t + 0.25 * dt));
             }
-            if mixture.extinction <= 0.0 {
-                continue;
-            }
-            let opacity = -(-mixture.extinction * length).exp_m1();
-            for c in 0..3 {
-                rgb[c] += transmittance * opacity * mixture.color[c];
-            }
-            transmittance *= 1.0 - opacity;
-            if transmittance < TRANSPARENT {
-                break;
+            if mixture.extinction > 0.0 {
+                self.over(-(-mixture.extinction * dt * speed).exp_m1(), mixture.color);
             }
         }
-        [rgb[0], rgb[1], rgb[2], 1.0 - transmittance]
+    }
+
+    /// Passes a surface, or a step of matter, of this opacity and straight colour.
+    fn over(&mut self, opacity: f64, rgb: [f64; 3]) {
+        for c in 0..3 {
+            self.rgb[c] += self.transmittance * opacity * rgb[c];
+        }
+        self.transmittance *= 1.0 - opacity;
+    }
+
+    /// Whether what lies behind cannot be seen.
+    fn is_used_up(&self) -> bool {
+        self.transmittance < TRANSPARENT
+    }
+
+    /// Associated colour and opacity.
+    fn rgba(&self) -> [f64; 4] {
+        let [r, g, b] = self.rgb;
+        [r, g, b, 1.0 - self.transmittance]
     }
 }
 

@@ -4,6 +4,7 @@
 
 mod compare;
 mod phantom;
+pub mod shapes;
 
 pub use compare::{max_difference, mean_brightness, psnr_db};
 pub use phantom::{PROJECTIONS, Phantom, camera_towards, opacity_ramp, ripples_signal};

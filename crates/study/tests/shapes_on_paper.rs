@@ -1,0 +1,181 @@
+//! Shapes in fog whose pictures can be computed with a pencil.
+
+use std::sync::Arc;
+
+use glam::{DAffine3, DVec3};
+use wavesplat_core::{
+    Camera, ColorNode, Kernel, OpacityNode, Picture, Projection, RenderOptions, ShapeStyle, Shapes, TransferFunction,
+};
+use wavesplat_study::reference::raycast::{RaycastOptions, raycast};
+use wavesplat_testkit::Phantom;
+use wavesplat_testkit::shapes::{balls, of_meshes, of_points, sheet_mesh, sphere_mesh};
+
+/// Side of the box of fog, and the side of the picture in pixels: a pixel is one world unit.
+const SIDE: usize = 20;
+const FOG: [f64; 3] = [0.4, 0.5, 0.7];
+/// Extinction per world unit.
+const K: f64 = 0.06;
+const CENTRE: DVec3 = DVec3::splat(10.0);
+
+fn fog() -> Phantom {
+    Phantom::fog([SIDE + 1; 3], DAffine3::IDENTITY, 100.0)
+}
+
+fn tf() -> TransferFunction {
+    let opacity = vec![OpacityNode { value: 0.0, opacity: -(-K).exp_m1() }];
+    TransferFunction::new(opacity, vec![ColorNode { value: 0.0, rgb: FOG }], Some(1.0)).unwrap()
+}
+
+/// A camera that looks along z, from below, x to the right.
+fn camera() -> Camera {
+    let parallel_scale = 0.5 * SIDE as f64;
+    let eye = CENTRE - 50.0 * DVec3::Z;
+    Camera::new(eye, CENTRE, -DVec3::Y, Projection::Orthographic { parallel_scale }).unwrap()
+}
+
+fn options(shapes: Shapes) -> RenderOptions {
+    RenderOptions {
+        width_px: SIDE,
+        height_px: SIDE,
+        shading: None,
+        shapes: Arc::new(shapes),
+        ..RenderOptions::default()
+    }
+}
+
+fn cast(shapes: Shapes) -> Picture {
+    let sampling = RaycastOptions { kernel: Kernel::Linear, step: 0.5, rays_per_pixel: 1 };
+    raycast(&fog().volume(), &tf(), &camera(), &options(shapes), sampling, &()).unwrap()
+}
+
+/// Fog of a length, or a surface with its colour and opacity.
+#[derive(Clone, Copy)]
+enum Way {
+    Fog(f64),
+    Surface([f64; 3], f64),
+}
+
+/// Associated colour and opacity along a way, front to back.
+fn along(way: &[Way]) -> [f64; 4] {
+    let mut sum = [0.0; 4];
+    for part in way {
+        let (rgb, opacity) = match *part {
+            Way::Fog(length) => (FOG, 1.0 - (-K * length).exp()),
+            Way::Surface(rgb, opacity) => (rgb, opacity),
+        };
+        let weight = (1.0 - sum[3]) * opacity;
+        (0..3).for_each(|c| sum[c] += weight * rgb[c]);
+        sum[3] += weight;
+    }
+    sum
+}
+
+/// Nine places around the centre: pixels, and their distances from it.
+fn places() -> Vec<([usize; 2], f64)> {
+    let mut places = Vec::new();
+    for x in [6, 9, 12] {
+        for y in [7, 10, 13] {
+            let [dx, dy] = [x, y].map(|px| px as f64 + 0.5 - 10.0);
+            places.push(([x, y], dx.hypot(dy)));
+        }
+    }
+    places
+}
+
+/// Checks the nine places of a picture against the way of a ray at their distance from the centre.
+fn check(picture: &Picture, within: f64, way: impl Fn(f64) -> Vec<Way>) {
+    for ([x, y], distance) in places() {
+        let (got, want) = (picture.rgba[y * SIDE + x], along(&way(distance)));
+        for c in 0..4 {
+            assert!((f64::from(got[c]) - want[c]).abs() < within, "{x}, {y}: {got:?}, not {want:?}");
+        }
+    }
+}
+
+const RED: [f32; 3] = [1.0, 0.25, 0.0];
+const BLUE: [f32; 3] = [0.0, 0.25, 1.0];
+
+fn style(opacity: f32) -> ShapeStyle {
+    ShapeStyle { opacity, ..ShapeStyle::default() }
+}
+
+fn ball(radius: f64, rgb: [f32; 3], opacity: f32) -> wavesplat_core::Points {
+    let paint = wavesplat_core::Paint::Even(rgb);
+    wavesplat_core::Points { paint, style: style(opacity), ..balls(&[(CENTRE, radius)]) }
+}
+
+fn half_chord(radius: f64, distance: f64) -> f64 {
+    (radius * radius - distance * distance).sqrt()
+}
+
+#[test]
+fn fog_before_an_opaque_ball_dims_it() {
+    const RADIUS: f64 = 6.0;
+    let way = |distance: f64| {
+        let before = 10.0 - half_chord(RADIUS, distance);
+        vec![Way::Fog(before), Way::Surface(RED.map(f64::from), 1.0)]
+    };
+    check(&cast(of_points(vec![ball(RADIUS, RED, 1.0)])), 1e-6, way);
+    let mut mesh = sphere_mesh(CENTRE, RADIUS, 200);
+    mesh.paint = wavesplat_core::Paint::Even(RED);
+    // Its facets lie up to 0.0015 inside of the sphere.
+    check(&cast(of_meshes(vec![mesh])), 1e-4, way);
+}
+
+#[test]
+fn fog_lies_before_between_and_behind_translucent_shells() {
+    let [outer, inner] = [8.0, 5.5];
+    let shells = of_points(vec![ball(inner, BLUE, 0.5), ball(outer, RED, 0.25)]);
+    check(&cast(shells), 1e-6, |distance| {
+        let [outer, inner] = [outer, inner].map(|radius| half_chord(radius, distance));
+        let [red, blue] = [Way::Surface(RED.map(f64::from), 0.25), Way::Surface(BLUE.map(f64::from), 0.5)];
+        let [before, between] = [Way::Fog(10.0 - outer), Way::Fog(outer - inner)];
+        vec![before, red, between, blue, Way::Fog(2.0 * inner), blue, between, red, before]
+    });
+}
+
+#[test]
+fn surfaces_before_and_behind_the_volume_are_in_the_picture() {
+    let sheet = |z: f64, rgb: [f32; 3], opacity: f32| {
+        let sheet = sheet_mesh(DVec3::new(10.0, 10.0, z), 9.0 * DVec3::X, 9.0 * DVec3::Y);
+        wavesplat_core::Mesh { paint: wavesplat_core::Paint::Even(rgb), style: style(opacity), ..sheet }
+    };
+    let [red, blue] = [Way::Surface(RED.map(f64::from), 0.5), Way::Surface(BLUE.map(f64::from), 1.0)];
+    let both = of_meshes(vec![sheet(25.0, BLUE, 1.0), sheet(-5.0, RED, 0.5)]);
+    check(&cast(both), 1e-6, |_| vec![red, Way::Fog(20.0), blue]);
+    // An orthographic picture has no eye: what lies before the camera's position is in it, too.
+    let before_camera = of_meshes(vec![sheet(-60.0, RED, 0.5)]);
+    check(&cast(before_camera), 1e-6, |_| vec![red, Way::Fog(20.0)]);
+}
+
+#[test]
+fn an_eye_in_a_ball_sees_its_far_side_through_fog() {
+    let projection = Projection::Perspective { view_angle_rad: 0.8 };
+    let camera = Camera::new(CENTRE, CENTRE + DVec3::Z, -DVec3::Y, projection).unwrap();
+    let sampling = RaycastOptions { kernel: Kernel::Linear, step: 0.5, rays_per_pixel: 1 };
+    for opacity in [0.5, 1.0] {
+        let shapes = of_points(vec![ball(7.0, RED, opacity)]);
+        let options = options(shapes);
+        let picture = raycast(&fog().volume(), &tf(), &camera, &options, sampling, &()).unwrap();
+        let surface = Way::Surface(RED.map(f64::from), f64::from(opacity));
+        for ([x, y], distance) in places() {
+            // The box ends 10 units before the eye.
+            let slant = (1.0 + (distance / 10.0 * 0.4_f64.tan()).powi(2)).sqrt();
+            let want = along(&[Way::Fog(7.0), surface, Way::Fog(10.0 * slant - 7.0)]);
+            let got = picture.rgba[y * SIDE + x];
+            assert!((0..4).all(|c| (f64::from(got[c]) - want[c]).abs() < 1e-6), "{got:?}, not {want:?}");
+        }
+    }
+}
+
+#[test]
+fn the_order_of_shapes_changes_nothing() {
+    let points = |k: usize| ball(8.0 - 0.37 * k as f64, [RED, BLUE][k % 2], 0.3);
+    let forth = cast(of_points((0..12).map(points).collect()));
+    let back = cast(of_points((0..12).rev().map(points).collect()));
+    assert!(forth.rgba == back.rgba);
+    let none = cast(Shapes::default());
+    let clear = cast(of_points((0..12).map(|k| ball(1.0 + k as f64, RED, 0.0)).collect()));
+    let difference = wavesplat_testkit::max_difference(&clear.rgba, &none.rgba);
+    assert!(difference < 1e-6, "{difference}");
+}

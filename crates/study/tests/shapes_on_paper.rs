@@ -175,7 +175,7 @@ fn the_order_of_shapes_changes_nothing() {
     let back = cast(of_points((0..12).rev().map(points).collect()));
     assert!(forth.rgba == back.rgba);
     let none = cast(Shapes::default());
-    let clear = cast(of_points((0..12).map(|k| ball(1.0 + k as f64, RED, 0.0)).collect()));
+    let clear = cast(of_points((0..12).map(|k| ball(1.0 + f64::from(k), RED, 0.0)).collect()));
     let difference = wavesplat_testkit::max_difference(&clear.rgba, &none.rgba);
     assert!(difference < 1e-6, "{difference}");
 }

@@ -64,7 +64,7 @@ pub fn paths(paths: &[Vec<DVec3>], thickness: Thickness) -> Paths {
         Some(*n)
     }));
     Paths {
-        positions: paths.iter().flatten().map(|at| at.to_array()).collect(),
+        positions: paths.iter().flatten().map(DVec3::to_array).collect(),
         starts,
         thickness,
         paint: Paint::Even([0.8, 0.3, 0.7]),

@@ -277,7 +277,8 @@ mod tests {
             };
             let (mut n_hits, mut n_rim) = (0, 0);
             for k in 0..200 {
-                let ray = ray(view, DVec2::new(90.0 * (k as f64 * 0.618).fract(), 60.0 * (k as f64 * 0.755).fract()));
+                let ray =
+                    ray(view, DVec2::new(90.0 * (f64::from(k) * 0.618).fract(), 60.0 * (f64::from(k) * 0.755).fract()));
                 let mut hits = Vec::new();
                 strokes.meet(&ray, |t| t > ray.start, &mut |met| hits.push(met));
                 let mut n_want = 0;

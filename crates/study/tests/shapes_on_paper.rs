@@ -4,11 +4,14 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 use wavesplat_core::{
-    Camera, ColorNode, Kernel, OpacityNode, Picture, Projection, RenderOptions, ShapeStyle, Shapes, TransferFunction,
+    Camera, ColorNode, Kernel, Mesh, OpacityNode, Paint, Picture, Points, Projection, RenderOptions, ShapeStyle,
+    Shapes, TransferFunction,
 };
+use wavesplat_splat::render;
+use wavesplat_splat::source::slices::Slices;
 use wavesplat_study::reference::raycast::{RaycastOptions, raycast};
-use wavesplat_testkit::Phantom;
 use wavesplat_testkit::shapes::{balls, of_meshes, of_points, sheet_mesh, sphere_mesh};
+use wavesplat_testkit::{Phantom, max_difference};
 
 /// Side of the box of fog, and the side of the picture in pixels: a pixel is one world unit.
 const SIDE: usize = 20;
@@ -43,9 +46,16 @@ fn options(shapes: Shapes) -> RenderOptions {
     }
 }
 
-fn cast(shapes: Shapes) -> Picture {
+/// Pictures of the ray caster and of the renderer, and how far they may be from paper. Rays of the caster are the
+/// middles of pixels; the renderer reads a pixel at several places, and rounds to f32.
+fn pictures(shapes: Shapes, camera: &Camera) -> [(Picture, f64); 2] {
+    let fog = fog();
+    let volume = fog.volume();
+    let options = options(shapes);
     let sampling = RaycastOptions { kernel: Kernel::Linear, step: 0.5, rays_per_pixel: 1 };
-    raycast(&fog().volume(), &tf(), &camera(), &options(shapes), sampling, &()).unwrap()
+    let cast = raycast(&volume, &tf(), camera, &options, sampling, &()).unwrap();
+    let drawn = render(&Slices::new(&volume, Kernel::Linear), &tf(), camera, &options, &()).unwrap().0;
+    [(cast, 1e-6), (drawn, 2.0 / 255.0)]
 }
 
 /// Fog of a length, or a surface with its colour and opacity.
@@ -82,14 +92,21 @@ fn places() -> Vec<([usize; 2], f64)> {
     places
 }
 
-/// Checks the nine places of a picture against the way of a ray at their distance from the centre.
-fn check(picture: &Picture, within: f64, way: impl Fn(f64) -> Vec<Way>) {
-    for ([x, y], distance) in places() {
-        let (got, want) = (picture.rgba[y * SIDE + x], along(&way(distance)));
-        for c in 0..4 {
-            assert!((f64::from(got[c]) - want[c]).abs() < within, "{x}, {y}: {got:?}, not {want:?}");
+/// Checks the nine places of both pictures against the way of a ray at their distance from the centre. `facets`: what
+/// flat triangles in place of a sphere may add to the difference.
+fn check_from(camera: &Camera, shapes: Shapes, facets: f64, way: impl Fn(f64) -> Vec<Way>) {
+    for (picture, within) in pictures(shapes, camera) {
+        for ([x, y], distance) in places() {
+            let (got, want) = (picture.rgba[y * SIDE + x], along(&way(distance)));
+            for c in 0..4 {
+                assert!((f64::from(got[c]) - want[c]).abs() < within + facets, "{x}, {y}: {got:?}, not {want:?}");
+            }
         }
     }
+}
+
+fn check(shapes: Shapes, way: impl Fn(f64) -> Vec<Way>) {
+    check_from(&camera(), shapes, 0.0, way);
 }
 
 const RED: [f32; 3] = [1.0, 0.25, 0.0];
@@ -99,9 +116,9 @@ fn style(opacity: f32) -> ShapeStyle {
     ShapeStyle { opacity, ..ShapeStyle::default() }
 }
 
-fn ball(radius: f64, rgb: [f32; 3], opacity: f32) -> wavesplat_core::Points {
-    let paint = wavesplat_core::Paint::Even(rgb);
-    wavesplat_core::Points { paint, style: style(opacity), ..balls(&[(CENTRE, radius)]) }
+fn ball(radius: f64, rgb: [f32; 3], opacity: f32) -> Points {
+    let paint = Paint::Even(rgb);
+    Points { paint, style: style(opacity), ..balls(&[(CENTRE, radius)]) }
 }
 
 fn half_chord(radius: f64, distance: f64) -> f64 {
@@ -115,18 +132,18 @@ fn fog_before_an_opaque_ball_dims_it() {
         let before = 10.0 - half_chord(RADIUS, distance);
         vec![Way::Fog(before), Way::Surface(RED.map(f64::from), 1.0)]
     };
-    check(&cast(of_points(vec![ball(RADIUS, RED, 1.0)])), 1e-6, way);
-    let mut mesh = sphere_mesh(CENTRE, RADIUS, 200);
-    mesh.paint = wavesplat_core::Paint::Even(RED);
-    // Its facets lie up to 0.0015 inside of the sphere.
-    check(&cast(of_meshes(vec![mesh])), 1e-4, way);
+    check(of_points(vec![ball(RADIUS, RED, 1.0)]), way);
+    let mut mesh = sphere_mesh(CENTRE, RADIUS, 60);
+    mesh.paint = Paint::Even(RED);
+    // The facets lie up to 6 (1 - cos(π / 120)) = 0.002 inside of the sphere, and rays meet it at up to 50 degrees.
+    check_from(&camera(), of_meshes(vec![mesh]), K * 0.0034, way);
 }
 
 #[test]
 fn fog_lies_before_between_and_behind_translucent_shells() {
     let [outer, inner] = [8.0, 5.5];
     let shells = of_points(vec![ball(inner, BLUE, 0.5), ball(outer, RED, 0.25)]);
-    check(&cast(shells), 1e-6, |distance| {
+    check(shells, |distance| {
         let [outer, inner] = [outer, inner].map(|radius| half_chord(radius, distance));
         let [red, blue] = [Way::Surface(RED.map(f64::from), 0.25), Way::Surface(BLUE.map(f64::from), 0.5)];
         let [before, between] = [Way::Fog(10.0 - outer), Way::Fog(outer - inner)];
@@ -138,44 +155,40 @@ fn fog_lies_before_between_and_behind_translucent_shells() {
 fn surfaces_before_and_behind_the_volume_are_in_the_picture() {
     let sheet = |z: f64, rgb: [f32; 3], opacity: f32| {
         let sheet = sheet_mesh(DVec3::new(10.0, 10.0, z), 9.0 * DVec3::X, 9.0 * DVec3::Y);
-        wavesplat_core::Mesh { paint: wavesplat_core::Paint::Even(rgb), style: style(opacity), ..sheet }
+        Mesh { paint: Paint::Even(rgb), style: style(opacity), ..sheet }
     };
     let [red, blue] = [Way::Surface(RED.map(f64::from), 0.5), Way::Surface(BLUE.map(f64::from), 1.0)];
     let both = of_meshes(vec![sheet(25.0, BLUE, 1.0), sheet(-5.0, RED, 0.5)]);
-    check(&cast(both), 1e-6, |_| vec![red, Way::Fog(20.0), blue]);
+    check(both, |_| vec![red, Way::Fog(20.0), blue]);
     // An orthographic picture has no eye: what lies before the camera's position is in it, too.
     let before_camera = of_meshes(vec![sheet(-60.0, RED, 0.5)]);
-    check(&cast(before_camera), 1e-6, |_| vec![red, Way::Fog(20.0)]);
+    check(before_camera, |_| vec![red, Way::Fog(20.0)]);
 }
 
 #[test]
 fn an_eye_in_a_ball_sees_its_far_side_through_fog() {
     let projection = Projection::Perspective { view_angle_rad: 0.8 };
     let camera = Camera::new(CENTRE, CENTRE + DVec3::Z, -DVec3::Y, projection).unwrap();
-    let sampling = RaycastOptions { kernel: Kernel::Linear, step: 0.5, rays_per_pixel: 1 };
     for opacity in [0.5, 1.0] {
-        let shapes = of_points(vec![ball(7.0, RED, opacity)]);
-        let options = options(shapes);
-        let picture = raycast(&fog().volume(), &tf(), &camera, &options, sampling, &()).unwrap();
         let surface = Way::Surface(RED.map(f64::from), f64::from(opacity));
-        for ([x, y], distance) in places() {
+        check_from(&camera, of_points(vec![ball(7.0, RED, opacity)]), 0.0, |distance| {
             // The box ends 10 units before the eye.
             let slant = (1.0 + (distance / 10.0 * 0.4_f64.tan()).powi(2)).sqrt();
-            let want = along(&[Way::Fog(7.0), surface, Way::Fog(10.0 * slant - 7.0)]);
-            let got = picture.rgba[y * SIDE + x];
-            assert!((0..4).all(|c| (f64::from(got[c]) - want[c]).abs() < 1e-6), "{got:?}, not {want:?}");
-        }
+            vec![Way::Fog(7.0), surface, Way::Fog(10.0 * slant - 7.0)]
+        });
     }
 }
 
 #[test]
 fn the_order_of_shapes_changes_nothing() {
     let points = |k: usize| ball(8.0 - 0.37 * k as f64, [RED, BLUE][k % 2], 0.3);
-    let forth = cast(of_points((0..12).map(points).collect()));
-    let back = cast(of_points((0..12).rev().map(points).collect()));
-    assert!(forth.rgba == back.rgba);
-    let none = cast(Shapes::default());
-    let clear = cast(of_points((0..12).map(|k| ball(1.0 + f64::from(k), RED, 0.0)).collect()));
-    let difference = wavesplat_testkit::max_difference(&clear.rgba, &none.rgba);
-    assert!(difference < 1e-6, "{difference}");
+    let forth = pictures(of_points((0..12).map(points).collect()), &camera());
+    let back = pictures(of_points((0..12).rev().map(points).collect()), &camera());
+    let none = pictures(Shapes::default(), &camera());
+    let clear = pictures(of_points((0..12).map(|k| ball(1.0 + f64::from(k), RED, 0.0)).collect()), &camera());
+    for k in 0..2 {
+        assert!(forth[k].0.rgba == back[k].0.rgba);
+        let difference = max_difference(&clear[k].0.rgba, &none[k].0.rgba);
+        assert!(difference < 1e-6, "{difference}");
+    }
 }

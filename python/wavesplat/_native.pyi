@@ -476,6 +476,7 @@ def raycast(
     crop_index: tuple[tuple[float, float, float], tuple[float, float, float]] | None,
     crop_world: tuple[tuple[float, float, float], tuple[float, float, float]] | None,
     clip_planes: Sequence[tuple[tuple[float, float, float], tuple[float, float, float]]],
+    shapes: Shapes | None,
     threads: int | None,
 ) -> NDArray[np.float32]: ...
 def splat_literal(

@@ -38,6 +38,7 @@ def raycast(
     kernel: Kernel = "linear",
     shading: Shading | None = arguments.DEFAULT_SHADING,
     clip: Clip | Iterable[Clip] = (),
+    shapes: _native.Shapes | None = None,
     threads: int | None = None,
 ) -> Picture:
     """The converged picture, by casting rays in small steps (emission and absorption, "over").
@@ -53,6 +54,8 @@ def raycast(
         Distance between samples of a ray, in voxels.
     rays_per_pixel : int, default 1
         On a regular grid inside the pixel; a square number.
+    shapes : wavesplat._native.Shapes, optional
+        Surfaces, lines and points in the picture, met analytically, lit by the first layer's lights.
 
     Returns
     -------
@@ -105,6 +108,7 @@ def raycast(
         step=float(step),
         rays_per_pixel=arguments.checked_count(rays_per_pixel, "rays_per_pixel") or 0,
         **arguments.region(clipping),
+        shapes=shapes,
         threads=arguments.chosen_threads(threads),
     )
     return Picture(rgba)

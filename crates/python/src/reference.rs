@@ -13,6 +13,7 @@ use crate::errors::to_py;
 use crate::labels::PyLabels;
 use crate::progress::PyProgress;
 use crate::rendering::{Corners, clip_planes, crop, image};
+use crate::shapes::PyShapes;
 use crate::volume::{PyVolume, with_samples_of_all};
 
 /// A field that colours a layer, and its transfer function.
@@ -25,7 +26,7 @@ type PyCastLayer<'py> =
 /// See `_native.pyi`.
 #[pyfunction]
 #[pyo3(signature = (layers, camera, *, labels, width, height, kernel, step, rays_per_pixel,
-    crop_index, crop_world, clip_planes, threads))]
+    crop_index, crop_world, clip_planes, shapes, threads))]
 #[expect(clippy::too_many_arguments, reason = "keyword-only arguments of the binding")]
 #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands layers over by value")]
 pub fn raycast<'py>(
@@ -41,6 +42,7 @@ pub fn raycast<'py>(
     crop_index: Corners,
     crop_world: Corners,
     clip_planes: Vec<(Triple, Triple)>,
+    shapes: Option<&PyShapes>,
     threads: Option<usize>,
 ) -> PyResult<Bound<'py, PyArray3<f32>>> {
     let options = RenderOptions {
@@ -48,6 +50,7 @@ pub fn raycast<'py>(
         height_px: height,
         crop: crop(crop_index, crop_world),
         clip_planes: self::clip_planes(clip_planes),
+        shapes: shapes.map(|shapes| shapes.0.clone()).unwrap_or_default(),
         n_threads: threads,
         ..RenderOptions::default()
     };

@@ -2,11 +2,11 @@
 
 use glam::DVec3;
 use wavesplat_core::Thickness::{Radius, WidthPx};
-use wavesplat_core::{ClipPlane, Paint, Paths, Points, ShapeStyle, Shapes, Sizes, Thickness};
+use wavesplat_core::{ClipPlane, Paint, Paths, Points, RenderOptions, ShapeStyle, Shapes, Sizes, Thickness};
 use wavesplat_testkit::shapes::{balls, of_paths, of_points, paths, sheet_mesh, sphere_mesh};
 
 use super::Edges::{Hard, Soft};
-use super::{CENTRE, ShapeScene, ball, colors, heights, sheared, style};
+use super::{CENTRE, EYE, ShapeScene, ball, colors, heights, sheared, style};
 
 pub fn scenes() -> Vec<ShapeScene> {
     let mut scenes = Vec::new();
@@ -40,7 +40,6 @@ fn of_balls() -> Vec<ShapeScene> {
         let style = ShapeStyle { is_clipped: true, ..ShapeStyle::default() };
         of_points(vec![Points { style, ..many_balls(30, 1.0) }])
     };
-    let planes = vec![ClipPlane { origin: CENTRE, normal: DVec3::new(0.3, 0.8, -0.4) }];
     vec![
         ShapeScene::new("balls", Hard, of_points(vec![many_balls(30, 1.0)])),
         ShapeScene::new("balls in hard matter, perspective", Hard, of_points(vec![many_balls(30, 1.0)]))
@@ -51,7 +50,7 @@ fn of_balls() -> Vec<ShapeScene> {
             .seen_from_inside(),
         ShapeScene::new("balls on a sheared grid", Hard, of_points(vec![many_balls(30, 1.0)]))
             .in_volume(ball(sheared())),
-        ShapeScene::new("clipped balls", Hard, clipped()).with_options(|o| o.clip_planes = planes),
+        ShapeScene::new("clipped balls", Hard, clipped()).with_options(cut),
     ]
 }
 
@@ -85,10 +84,26 @@ fn spirals(thickness: Thickness, opacity: f32) -> Paths {
     Paths { style: style(opacity), paint: colors(&paths.positions, 1.0), ..paths }
 }
 
+/// The spirals, cut by clip planes.
+fn clipped(thickness: Thickness, opacity: f32) -> Shapes {
+    let style = ShapeStyle { is_clipped: true, ..style(opacity) };
+    of_paths(vec![Paths { style, ..spirals(thickness, opacity) }])
+}
+
+/// Cuts away what is before the centre.
+fn cut(options: &mut RenderOptions) {
+    options.clip_planes = vec![ClipPlane { origin: CENTRE, normal: DVec3::new(-0.7, 0.8, -0.3) }];
+}
+
 fn of_tubes() -> Vec<ShapeScene> {
     let by_height = || {
         let spirals = spirals(Radius(0.8), 1.0);
         of_paths(vec![Paths { paint: heights(&spirals.positions, 15.0), ..spirals }])
+    };
+    // The eye is in two pieces at once.
+    let in_tube = || {
+        let ways = [vec![EYE + DVec3::new(-1.0, -5.0, 1.0), EYE, EYE + DVec3::new(3.0, 4.0, -2.0)]];
+        of_paths(vec![Paths { style: style(0.4), ..paths(&ways, Radius(1.5)) }])
     };
     vec![
         ShapeScene::new("tubes", Hard, of_paths(vec![spirals(Radius(0.8), 1.0)])),
@@ -100,6 +115,8 @@ fn of_tubes() -> Vec<ShapeScene> {
             .in_perspective(),
         ShapeScene::new("tubes by values, some missing", Hard, by_height()),
         ShapeScene::new("tubes around the eye", Hard, of_paths(vec![spirals(Radius(0.6), 1.0)])).seen_from_inside(),
+        ShapeScene::new("eye in a tube", Hard, in_tube()).seen_from_inside(),
+        ShapeScene::new("clipped translucent tubes", Hard, clipped(Radius(1.2), 0.4)).with_options(cut),
     ]
 }
 
@@ -114,6 +131,7 @@ fn of_strokes() -> Vec<ShapeScene> {
         ShapeScene::new("translucent strokes on a sheared grid", Hard, of_paths(vec![spirals(WidthPx(5.0), 0.5)]))
             .in_volume(ball(sheared())),
         ShapeScene::new("strokes past the eye", Hard, of_paths(vec![spirals(WidthPx(4.0), 1.0)])).seen_from_inside(),
+        ShapeScene::new("clipped strokes", Hard, clipped(WidthPx(5.0), 0.7)).with_options(cut),
     ]
 }
 

@@ -40,6 +40,8 @@ pub struct ShapeScene {
 
 /// The middle of the first volume.
 pub const CENTRE: DVec3 = DVec3::new(12.0, 12.5, 11.0);
+/// An eye in the ball of fog.
+pub const EYE: DVec3 = DVec3::new(13.0, 10.5, 11.5);
 pub const ORTHOGRAPHIC: Projection = Projection::Orthographic { parallel_scale: 15.0 };
 pub const PERSPECTIVE: Projection = Projection::Perspective { view_angle_rad: 0.5 };
 const SIZE: [usize; 3] = [26, 25, 24];
@@ -70,9 +72,8 @@ impl ShapeScene {
 
     /// The scene from an eye in the ball of fog.
     fn seen_from_inside(self) -> Self {
-        let eye = CENTRE + DVec3::new(1.0, -2.0, 0.5);
         let projection = Projection::Perspective { view_angle_rad: 1.2 };
-        Self { camera: Camera::new(eye, eye + DVec3::new(0.6, 1.0, -0.3), DVec3::Z, projection).unwrap(), ..self }
+        Self { camera: Camera::new(EYE, EYE + DVec3::new(0.6, 1.0, -0.3), DVec3::Z, projection).unwrap(), ..self }
     }
 
     /// The scene with matter that has a surface.

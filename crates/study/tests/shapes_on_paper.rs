@@ -113,7 +113,7 @@ const RED: [f32; 3] = [1.0, 0.25, 0.0];
 const BLUE: [f32; 3] = [0.0, 0.25, 1.0];
 
 fn style(opacity: f32) -> ShapeStyle {
-    ShapeStyle { opacity, ..ShapeStyle::default() }
+    ShapeStyle { opacity, is_lit: false, ..ShapeStyle::default() }
 }
 
 fn ball(radius: f64, rgb: [f32; 3], opacity: f32) -> Points {
@@ -133,8 +133,7 @@ fn fog_before_an_opaque_ball_dims_it() {
         vec![Way::Fog(before), Way::Surface(RED.map(f64::from), 1.0)]
     };
     check(of_points(vec![ball(RADIUS, RED, 1.0)]), way);
-    let mut mesh = sphere_mesh(CENTRE, RADIUS, 60);
-    mesh.paint = Paint::Even(RED);
+    let mesh = Mesh { paint: Paint::Even(RED), style: style(1.0), ..sphere_mesh(CENTRE, RADIUS, 60) };
     // The facets lie up to 6 (1 - cos(π / 120)) = 0.002 inside of the sphere, and rays meet it at up to 50 degrees.
     check_from(&camera(), of_meshes(vec![mesh]), K * 0.0034, way);
 }

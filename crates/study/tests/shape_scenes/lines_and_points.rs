@@ -46,7 +46,7 @@ fn of_balls() -> Vec<ShapeScene> {
             .in_hard_matter()
             .in_perspective(),
         ShapeScene::new("translucent balls", Soft, of_points(vec![many_balls(6, 0.1)])),
-        ShapeScene::new("translucent balls around the eye", Hard, of_points(vec![many_balls(12, 0.4)]))
+        ShapeScene::new("translucent balls around the eye", Hard, of_points(vec![many_balls(24, 0.7)]))
             .seen_from_inside(),
         ShapeScene::new("balls on a sheared grid", Hard, of_points(vec![many_balls(30, 1.0)]))
             .in_volume(ball(sheared())),
@@ -103,7 +103,7 @@ fn of_tubes() -> Vec<ShapeScene> {
     // The eye is in two pieces at once.
     let in_tube = || {
         let ways = [vec![EYE + DVec3::new(-1.0, -5.0, 1.0), EYE, EYE + DVec3::new(3.0, 4.0, -2.0)]];
-        of_paths(vec![Paths { style: style(0.4), ..paths(&ways, Radius(1.5)) }])
+        of_paths(vec![Paths { style: style(0.8), ..paths(&ways, Radius(1.5)) }])
     };
     vec![
         ShapeScene::new("tubes", Hard, of_paths(vec![spirals(Radius(0.8), 1.0)])),

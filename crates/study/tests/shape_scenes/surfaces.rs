@@ -97,16 +97,16 @@ fn opaque() -> Vec<ShapeScene> {
 }
 
 fn translucent() -> Vec<ShapeScene> {
-    let shells = || of_meshes(vec![sphere(3.0, 0.3), sphere(5.0, 0.2), sphere(8.0, 0.1)]);
+    let shells = |most: f32| of_meshes(vec![sphere(3.0, most), sphere(5.0, 0.7 * most), sphere(8.0, 0.4 * most)]);
     let sheets = || {
         let red = Mesh { paint: Paint::Even([0.9, 0.2, 0.3]), ..wide_sheet(DVec3::new(0.3, -0.9, 0.2), 0.3) };
         of_meshes(vec![wide_sheet(DVec3::new(0.8, -0.5, 0.6), 0.3), red])
     };
     vec![
-        ShapeScene::new("translucent shells", Soft, shells()),
-        ShapeScene::new("translucent shells, perspective", Soft, shells()).in_perspective(),
-        ShapeScene::new("translucent shells in hard matter", Hard, shells()).in_hard_matter(),
-        ShapeScene::new("translucent shells around the eye", Soft, shells()).seen_from_inside(),
+        ShapeScene::new("translucent shells", Soft, shells(0.3)),
+        ShapeScene::new("translucent shells, perspective", Soft, shells(0.3)).in_perspective(),
+        ShapeScene::new("translucent shells in hard matter", Hard, shells(0.8)).in_hard_matter(),
+        ShapeScene::new("translucent shells around the eye", Soft, shells(0.3)).seen_from_inside(),
         ShapeScene::new("translucent sheets through all", Soft, sheets()),
         ShapeScene::new("translucent knot", Hard, of_meshes(vec![knot(0.5)])),
         ShapeScene::new("translucent knot around the eye", Hard, of_meshes(vec![knot(0.5)])).seen_from_inside(),

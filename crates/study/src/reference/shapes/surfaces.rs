@@ -83,7 +83,8 @@ pub(super) fn meet_card(card: &Card, ray: &ShapeRay) -> Option<Met> {
     is_on.then(|| Met { t, normal: None, rgba: pixel(card, [x, y]) })
 }
 
-/// The colour of a card at a share of its width and height: bilinear between the centres of pixels.
+/// The colour of a card at a share of its width and height: bilinear between the centres of pixels. Colours mix by
+/// their opacity, since that of a clear pixel means nothing.
 fn pixel(card: &Card, at: [f64; 2]) -> [f64; 4] {
     let taps = [0, 1].map(|axis| {
         let last = card.size[axis] - 1;
@@ -95,10 +96,13 @@ fn pixel(card: &Card, at: [f64; 2]) -> [f64; 4] {
     for (row, weight_y) in taps[1] {
         for (column, weight_x) in taps[0] {
             let color = card.rgba[row * card.size[0] + column];
-            (0..4).for_each(|c| rgba[c] += weight_x * weight_y * f64::from(color[c]));
+            let alpha = weight_x * weight_y * f64::from(color[3]);
+            (0..3).for_each(|c| rgba[c] += alpha * f64::from(color[c]));
+            rgba[3] += alpha;
         }
     }
-    rgba
+    let [r, g, b, alpha] = rgba;
+    if alpha > 0.0 { [r / alpha, g / alpha, b / alpha, alpha] } else { [0.0; 4] }
 }
 
 #[cfg(test)]
@@ -213,7 +217,7 @@ mod tests {
             })
         };
         assert_eq!([at(0.01, 0.01), at(0.25, 0.99)], [Some([1.0, 0.0, 0.0, 1.0]); 2]);
-        assert_eq!(at(0.5, 0.3), Some([0.5, 0.0, 0.5, 0.75]));
+        assert_eq!(at(0.5, 0.3), Some([0.666_667, 0.0, 0.333_333, 0.75]));
         assert_eq!([at(-0.01, 0.5), at(1.01, 0.5), at(0.5, -0.01), at(0.5, 1.01)], [None; 4]);
     }
 }

@@ -4,13 +4,13 @@ use std::sync::Arc;
 
 use glam::{DAffine3, DVec3};
 use wavesplat_core::{
-    Camera, ColorNode, Kernel, Mesh, OpacityNode, Paint, Picture, Points, Projection, RenderOptions, ShapeStyle,
-    Shapes, TransferFunction,
+    Camera, ClipPlane, ColorNode, Kernel, Mesh, OpacityNode, Paint, Paths, Picture, Points, Projection, RenderOptions,
+    ShapeStyle, Shapes, Thickness, TransferFunction,
 };
 use wavesplat_splat::render;
 use wavesplat_splat::source::slices::Slices;
 use wavesplat_study::reference::raycast::{RaycastOptions, raycast};
-use wavesplat_testkit::shapes::{balls, of_meshes, of_points, sheet_mesh, sphere_mesh};
+use wavesplat_testkit::shapes::{balls, of_meshes, of_paths, of_points, paths, sheet_mesh, sphere_mesh};
 use wavesplat_testkit::{Phantom, max_difference};
 
 /// Side of the box of fog, and the side of the picture in pixels: a pixel is one world unit.
@@ -48,13 +48,12 @@ fn options(shapes: Shapes) -> RenderOptions {
 
 /// Pictures of the ray caster and of the renderer, and how far they may be from paper. Rays of the caster are the
 /// middles of pixels; the renderer reads a pixel at several places, and rounds to f32.
-fn pictures(shapes: Shapes, camera: &Camera) -> [(Picture, f64); 2] {
+fn pictures(options: &RenderOptions, camera: &Camera) -> [(Picture, f64); 2] {
     let fog = fog();
     let volume = fog.volume();
-    let options = options(shapes);
     let sampling = RaycastOptions { kernel: Kernel::Linear, step: 0.5, rays_per_pixel: 1 };
-    let cast = raycast(&volume, &tf(), camera, &options, sampling, &()).unwrap();
-    let drawn = render(&Slices::new(&volume, Kernel::Linear), &tf(), camera, &options, &()).unwrap().0;
+    let cast = raycast(&volume, &tf(), camera, options, sampling, &()).unwrap();
+    let drawn = render(&Slices::new(&volume, Kernel::Linear), &tf(), camera, options, &()).unwrap().0;
     [(cast, 1e-6), (drawn, 2.0 / 255.0)]
 }
 
@@ -94,8 +93,8 @@ fn places() -> Vec<([usize; 2], f64)> {
 
 /// Checks the nine places of both pictures against the way of a ray at their distance from the centre. `facets`: what
 /// flat triangles in place of a sphere may add to the difference.
-fn check_from(camera: &Camera, shapes: Shapes, facets: f64, way: impl Fn(f64) -> Vec<Way>) {
-    for (picture, within) in pictures(shapes, camera) {
+fn check_from(camera: &Camera, options: &RenderOptions, facets: f64, way: impl Fn(f64) -> Vec<Way>) {
+    for (picture, within) in pictures(options, camera) {
         for ([x, y], distance) in places() {
             let (got, want) = (picture.rgba[y * SIDE + x], along(&way(distance)));
             for c in 0..4 {
@@ -106,7 +105,7 @@ fn check_from(camera: &Camera, shapes: Shapes, facets: f64, way: impl Fn(f64) ->
 }
 
 fn check(shapes: Shapes, way: impl Fn(f64) -> Vec<Way>) {
-    check_from(&camera(), shapes, 0.0, way);
+    check_from(&camera(), &options(shapes), 0.0, way);
 }
 
 const RED: [f32; 3] = [1.0, 0.25, 0.0];
@@ -119,6 +118,10 @@ fn style(opacity: f32) -> ShapeStyle {
 fn ball(radius: f64, rgb: [f32; 3], opacity: f32) -> Points {
     let paint = Paint::Even(rgb);
     Points { paint, style: style(opacity), ..balls(&[(CENTRE, radius)]) }
+}
+
+fn tube(ways: &[Vec<DVec3>], radius: f64, opacity: f32) -> Paths {
+    Paths { paint: Paint::Even(RED), style: style(opacity), ..paths(ways, Thickness::Radius(radius)) }
 }
 
 fn half_chord(radius: f64, distance: f64) -> f64 {
@@ -135,7 +138,7 @@ fn fog_before_an_opaque_ball_dims_it() {
     check(of_points(vec![ball(RADIUS, RED, 1.0)]), way);
     let mesh = Mesh { paint: Paint::Even(RED), style: style(1.0), ..sphere_mesh(CENTRE, RADIUS, 60) };
     // The facets lie up to 6 (1 - cos(π / 120)) = 0.002 inside of the sphere, and rays meet it at up to 50 degrees.
-    check_from(&camera(), of_meshes(vec![mesh]), K * 0.0034, way);
+    check_from(&camera(), &options(of_meshes(vec![mesh])), K * 0.0034, way);
 }
 
 #[test]
@@ -168,23 +171,66 @@ fn surfaces_before_and_behind_the_volume_are_in_the_picture() {
 fn an_eye_in_a_ball_sees_its_far_side_through_fog() {
     let projection = Projection::Perspective { view_angle_rad: 0.8 };
     let camera = Camera::new(CENTRE, CENTRE + DVec3::Z, -DVec3::Y, projection).unwrap();
+    // The box ends 10 units before the eye.
+    let slant = |distance: f64| (1.0 + (distance / 10.0 * 0.4_f64.tan()).powi(2)).sqrt();
     for opacity in [0.5, 1.0] {
         let surface = Way::Surface(RED.map(f64::from), f64::from(opacity));
-        check_from(&camera, of_points(vec![ball(7.0, RED, opacity)]), 0.0, |distance| {
-            // The box ends 10 units before the eye.
-            let slant = (1.0 + (distance / 10.0 * 0.4_f64.tan()).powi(2)).sqrt();
+        check_from(&camera, &options(of_points(vec![ball(7.0, RED, opacity)])), 0.0, |distance| {
+            let slant = slant(distance);
             vec![Way::Fog(7.0), surface, Way::Fog(10.0 * slant - 7.0)]
         });
     }
+    // In both pieces of a tube at once, of which the second ends with half a ball 3 units before the eye.
+    let ways = [vec![CENTRE - 4.0 * DVec3::Z, CENTRE, CENTRE + 3.0 * DVec3::Z]];
+    let tube = of_paths(vec![tube(&ways, 4.0, 0.5)]);
+    check_from(&camera, &options(tube), 0.0, |distance| {
+        let slant = slant(distance);
+        let (cos, sin_squared) = (1.0 / slant, 1.0 - 1.0 / (slant * slant));
+        let end = 3.0 * cos + (16.0 - 9.0 * sin_squared).sqrt();
+        vec![Way::Fog(end), Way::Surface(RED.map(f64::from), 0.5), Way::Fog(10.0 * slant - end)]
+    });
+}
+
+#[test]
+fn what_is_clipped_shows_its_inside() {
+    let behind = |z: f64, shapes: Shapes| RenderOptions {
+        clip_planes: vec![ClipPlane { origin: DVec3::new(0.0, 0.0, z), normal: DVec3::Z }],
+        ..options(shapes)
+    };
+    for opacity in [0.5, 1.0] {
+        let half = ball(6.0, RED, opacity);
+        let half = Points { style: ShapeStyle { is_clipped: true, ..half.style }, ..half };
+        check_from(&camera(), &behind(10.0, of_points(vec![half])), 0.0, |distance| {
+            let length = half_chord(6.0, distance);
+            vec![Way::Fog(length), Way::Surface(RED.map(f64::from), f64::from(opacity)), Way::Fog(10.0 - length)]
+        });
+    }
+    // The ray enters the first piece of the tube before the plane, and is in it where it enters the second.
+    let ways = [vec![CENTRE - 5.0 * DVec3::Z, CENTRE, CENTRE + 4.0 * DVec3::Z]];
+    let tube = tube(&ways, 6.0, 0.5);
+    let tube = Paths { style: ShapeStyle { is_clipped: true, ..tube.style }, ..tube };
+    check_from(&camera(), &behind(3.0, of_paths(vec![tube])), 0.0, |distance| {
+        let end = 14.0 + half_chord(6.0, distance);
+        vec![Way::Fog(end - 3.0), Way::Surface(RED.map(f64::from), 0.5), Way::Fog(20.0 - end)]
+    });
+}
+
+#[test]
+fn without_light_colours_are_shown_as_they_are() {
+    let lit = ball(6.0, RED, 1.0);
+    let lit = Points { style: ShapeStyle { is_lit: true, ..lit.style }, ..lit };
+    check(of_points(vec![lit]), |distance| {
+        vec![Way::Fog(10.0 - half_chord(6.0, distance)), Way::Surface(RED.map(f64::from), 1.0)]
+    });
 }
 
 #[test]
 fn the_order_of_shapes_changes_nothing() {
     let points = |k: usize| ball(8.0 - 0.37 * k as f64, [RED, BLUE][k % 2], 0.3);
-    let forth = pictures(of_points((0..12).map(points).collect()), &camera());
-    let back = pictures(of_points((0..12).rev().map(points).collect()), &camera());
-    let none = pictures(Shapes::default(), &camera());
-    let clear = pictures(of_points((0..12).map(|k| ball(1.0 + f64::from(k), RED, 0.0)).collect()), &camera());
+    let forth = pictures(&options(of_points((0..12).map(points).collect())), &camera());
+    let back = pictures(&options(of_points((0..12).rev().map(points).collect())), &camera());
+    let none = pictures(&options(Shapes::default()), &camera());
+    let clear = pictures(&options(of_points((0..12).map(|k| ball(1.0 + f64::from(k), RED, 0.0)).collect())), &camera());
     for k in 0..2 {
         assert!(forth[k].0.rgba == back[k].0.rgba);
         let difference = max_difference(&clear[k].0.rgba, &none[k].0.rgba);

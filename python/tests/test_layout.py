@@ -22,6 +22,7 @@ ROOMS = {
         "_picture",
         "examples",
         "gpu",
+        "_geometry",
         "_render",
         "_cluster",
         "_scene",

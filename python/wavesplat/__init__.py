@@ -12,8 +12,8 @@ modules that public names are defined in included: import `wavesplat.Volume`, fr
 says how long public names stay.
 
 Rooms, each of which imports only from those before it: `errors`, `_files`, `_model`, `_readers`, `_looks`, `_picture`,
-`examples`, `gpu`, `_render`, `_cluster`, `_scene`, `_movie`, `_mesh`, `_viewer`, `_napari`, `napari`, `reference`,
-`study`, `_cli`.
+`examples`, `gpu`, `_geometry`, `_render`, `_cluster`, `_scene`, `_movie`, `_mesh`, `_viewer`, `_napari`, `napari`,
+`reference`, `study`, `_cli`.
 """
 
 from __future__ import annotations
@@ -23,6 +23,11 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from wavesplat import errors, examples, gpu, napari, reference
+    from wavesplat._geometry.frame import Frame
+    from wavesplat._geometry.lines import Lines
+    from wavesplat._geometry.points import Points
+    from wavesplat._geometry.slice_plane import SlicePlane
+    from wavesplat._geometry.surface import Surface
     from wavesplat._looks.labels import Label, Labels
     from wavesplat._looks.largest_body import largest_body
     from wavesplat._looks.look import Look
@@ -86,6 +91,7 @@ __all__ = [
     "DepthShadedMaximum",
     "Facts",
     "FirstHit",
+    "Frame",
     "Isolines",
     "KeyFrame",
     "Label",
@@ -93,6 +99,7 @@ __all__ = [
     "Layer",
     "LazyVolume",
     "Light",
+    "Lines",
     "LocalMaximum",
     "Look",
     "Material",
@@ -101,6 +108,7 @@ __all__ = [
     "Meshes",
     "OpenOptions",
     "Picture",
+    "Points",
     "Region",
     "RenderOptions",
     "Report",
@@ -108,7 +116,9 @@ __all__ = [
     "Scene",
     "Series",
     "Shading",
+    "SlicePlane",
     "Stereo",
+    "Surface",
     "TransferFunction",
     "TransferFunction2D",
     "Turn",
@@ -152,6 +162,7 @@ _HOMES = {
     "DepthShadedMaximum": "_model.composites",
     "Facts": "_model.facts",
     "FirstHit": "_model.composites",
+    "Frame": "_geometry.frame",
     "Isolines": "_render.isolines",
     "KeyFrame": "_movie.key_frame",
     "Label": "_looks.labels",
@@ -159,6 +170,7 @@ _HOMES = {
     "Layer": "_scene.layer",
     "LazyVolume": "_model.lazy_volume",
     "Light": "_looks.shading",
+    "Lines": "_geometry.lines",
     "LocalMaximum": "_model.composites",
     "Look": "_looks.look",
     "Material": "_looks.materials",
@@ -167,6 +179,7 @@ _HOMES = {
     "Meshes": "_mesh.triangle_mesh",
     "OpenOptions": "_readers.options",
     "Picture": "_picture.picture",
+    "Points": "_geometry.points",
     "Region": "_looks.regions",
     "RenderOptions": "_render.options",
     "Report": "_picture.report",
@@ -174,7 +187,9 @@ _HOMES = {
     "Scene": "_scene.scene",
     "Series": "_model.series",
     "Shading": "_looks.shading",
+    "SlicePlane": "_geometry.slice_plane",
     "Stereo": "_model.stereo",
+    "Surface": "_geometry.surface",
     "TransferFunction": "_looks.transfer_function",
     "TransferFunction2D": "_looks.transfer_function_2d",
     "Turn": "_movie.turn",

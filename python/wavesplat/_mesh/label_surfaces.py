@@ -16,9 +16,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files.libraries import library
+from wavesplat._geometry.triangles import face_vectors, normals_of_faces
 from wavesplat._looks.labels import Labels
 from wavesplat._mesh.isosurface import isosurface
-from wavesplat._mesh.triangle_mesh import Mesh, face_vectors, normals_of_faces
+from wavesplat._mesh.triangle_mesh import Mesh
 from wavesplat._mesh.windowed_sinc import parts_of, smoothed
 from wavesplat._model.argument_types import described
 from wavesplat._model.volume import Volume

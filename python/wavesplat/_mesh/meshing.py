@@ -12,10 +12,11 @@ from typing import overload
 
 import numpy as np
 
+from wavesplat._geometry.triangles import normals_of_faces
 from wavesplat._looks.labels import Labels
 from wavesplat._mesh.isosurface import Isosurface, isosurface
 from wavesplat._mesh.label_surfaces import boxes_of, chosen_numbers, surface_of
-from wavesplat._mesh.triangle_mesh import Mesh, Meshes, normals_of_faces
+from wavesplat._mesh.triangle_mesh import Mesh, Meshes
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.crop import Crop
 from wavesplat._model.volume import Volume

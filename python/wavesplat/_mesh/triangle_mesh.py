@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from wavesplat._files.libraries import library
 from wavesplat._files.output import check_output, write_atomically
+from wavesplat._geometry.triangles import face_vectors
 from wavesplat._mesh import mesh_files
 from wavesplat._mesh.safe_names import safe_names
 from wavesplat._model.argument_types import described
@@ -26,7 +27,7 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     import trimesh
 
-__all__ = ["Mesh", "Meshes", "face_vectors", "normals_of_faces"]
+__all__ = ["Mesh", "Meshes"]
 
 Floats = NDArray[np.float64]
 
@@ -237,20 +238,3 @@ class Meshes:
 
 def _write(path: str | PathLike[str], content: bytes) -> None:
     write_atomically(path, lambda part: part.write_bytes(content))
-
-
-# Measures -------------------------------------------------------------------------------------------------------------
-
-
-def normals_of_faces(vertices: Floats, faces: NDArray[np.int32]) -> Floats:
-    """Sum of the vectors of the faces around each vertex: their mean by area."""
-    vectors = face_vectors(vertices, faces)
-    corners = faces.ravel()
-    return np.stack([np.bincount(corners, np.repeat(vectors[:, axis], 3), len(vertices)) for axis in range(3)], axis=1)
-
-
-def face_vectors(vertices: Floats, faces: NDArray[np.int32]) -> Floats:
-    """Outward vectors of twice the faces' areas."""
-    a, b, c = (vertices[faces[:, corner]] for corner in range(3))
-    vectors: Floats = np.cross(b - a, c - a)
-    return vectors

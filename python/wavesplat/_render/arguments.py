@@ -9,6 +9,9 @@ from math import isnan
 from operator import index
 from typing import Any
 
+import numpy as np
+from numpy.typing import NDArray
+
 from wavesplat import _native
 from wavesplat._files.memory import check_room
 from wavesplat._looks.labels import Labels
@@ -113,6 +116,7 @@ def chosen_camera(
     zoom: float = 1.0,
     view_angle: float | None = None,
     eyes: Eyes = PLAIN,
+    also: NDArray[np.float64] | None = None,
 ) -> Camera:
     """The camera itself, or the one that a view's name or None stands for: near enough that what is seen fits.
 
@@ -120,6 +124,7 @@ def chosen_camera(
     turned : azimuth and elevation by which the eye turns from the view, at its scale as long as all stays in view; None
         of a look without a view is then the front.
     eyes : in whose pictures it fits; two, and panoramas, have cameras of perspective.
+    also : world positions that are in view besides the volumes.
     """
     if isinstance(given, Camera):
         for volume, _ in parts:
@@ -138,7 +143,7 @@ def chosen_camera(
     if view_angle is None and not eyes.are_plain:
         view_angle = VIEW_ANGLE
     # A picture without pixels has no aspect; the compiled module refuses it.
-    fitting: Any = {"clipping": clipping, "zoom": zoom, "aspect": aspect if aspect > 0 else 1.0}
+    fitting: Any = {"clipping": clipping, "zoom": zoom, "aspect": aspect if aspect > 0 else 1.0, "also": also}
     camera = framing.framed(parts, azimuth, elevation, view_angle=view_angle, **fitting)
     if turned is not None:
         camera = framing.in_view_again(camera.turned(*turned), parts, **fitting)

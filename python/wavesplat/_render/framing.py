@@ -99,12 +99,13 @@ def framed(
     zoom: float = 1.0,
     view_angle: float | None = None,
     aspect: float = 1.0,
+    also: NDArray[np.float64] | None = None,
 ) -> Camera:
     """A camera on one side, with all that looks show of volumes just in view.
 
-    parts : volumes and looks; a box in samples is in those of the first.
+    parts : volumes and looks; a box in samples is in those of the first. also : world positions in view besides.
     """
-    around, points = shown_points(parts, clipping)
+    around, points = shown_points(parts, clipping, also)
     return Camera.orbit(
         around,
         azimuth,
@@ -124,17 +125,32 @@ def in_view_again(
     clipping: Clipping = EVERYTHING,
     zoom: float = 1.0,
     aspect: float = 1.0,
+    also: NDArray[np.float64] | None = None,
 ) -> Camera:
     """The camera itself where it shows all that looks show of volumes, else from further away or at a smaller scale.
 
     `zoom`: how much more than that it magnifies, which is kept.
     """
-    around, points = shown_points(parts, clipping)
+    around, points = shown_points(parts, clipping, also)
     return camera_fit.widened(camera, around if points is None else points, zoom=zoom, aspect=aspect)
 
 
-def shown_points(parts: Sequence[Part], clipping: Clipping = EVERYTHING) -> tuple[Grid, NDArray[np.float64] | None]:
-    """A grid around all volumes, and the world positions of their visible samples; None where all may be visible."""
+def shown_points(
+    parts: Sequence[Part], clipping: Clipping = EVERYTHING, also: NDArray[np.float64] | None = None
+) -> tuple[Grid, NDArray[np.float64] | None]:
+    """A grid around all volumes, and the world positions of their visible samples; None where all may be visible.
+
+    also : world positions that are visible besides, inside of the grid too.
+    """
+    around, points = _shown_of_volumes(parts, clipping)
+    if also is None:
+        return around, points
+    own = _corners(around, _inside(around, None)) if points is None else points
+    corners = _corners(around, _inside(around, None))
+    return _around([np.concatenate([corners, also])]), np.concatenate([own, also])
+
+
+def _shown_of_volumes(parts: Sequence[Part], clipping: Clipping) -> tuple[Grid, NDArray[np.float64] | None]:
     first = parts[0][0]
     within = [clipping if volume is first else clipping.in_world(first) for volume, _ in parts]
     seen = [_seen(*part, region) for part, region in zip(parts, within, strict=True)]
@@ -142,16 +158,16 @@ def shown_points(parts: Sequence[Part], clipping: Clipping = EVERYTHING) -> tupl
         around: Grid = first
         points = seen[0]
     else:
-        around = _around([volume for volume, _ in parts])
+        around = _around([volume.bounds for volume, _ in parts])
         whole = [_corners(volume, _inside(volume, None)) for volume, _ in parts]
         points = np.concatenate([a if b is None else b for a, b in zip(whole, seen, strict=True)])
     return around, points
 
 
-def _around(volumes: Sequence[Volume | WaveletVolume]) -> Grid:
-    """A grid of two samples along each axis, in the corners of the box around all volumes."""
-    bounds = np.array([volume.bounds for volume in volumes])
-    lower, upper = bounds[:, 0].min(axis=0), bounds[:, 1].max(axis=0)
+def _around(positions: Sequence[NDArray[np.float64]]) -> Grid:
+    """A grid of two samples along each axis, in the corners of the box around all positions."""
+    together = np.concatenate(positions)
+    lower, upper = together.min(axis=0), together.max(axis=0)
     matrix = np.eye(4)
     matrix[:3, :3], matrix[:3, 3] = np.diag(upper - lower), lower
     return Grid("scene", (2, 2, 2), matrix, Facts())
@@ -236,7 +252,7 @@ def _visibility(function: TransferFunction, values: NDArray[np.float64], composi
     return np.asarray((np.abs(rgba[:, :3] - darkest).max(axis=1) > 0.1).astype(np.float64))
 
 
-def _inside(volume: Volume | WaveletVolume, crop: Crop | None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+def _inside(volume: Grid, crop: Crop | None) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """The index box that is drawn, as (x, y, z)."""
     last = np.array([n - 1.0 for n in reversed(volume.shape)])
     if crop is None:
@@ -248,7 +264,7 @@ def _inside(volume: Volume | WaveletVolume, crop: Crop | None) -> tuple[NDArray[
     return np.clip(lower, 0.0, last), np.clip(upper, 0.0, last)
 
 
-def _index_corners(volume: Volume | WaveletVolume, crop: Crop) -> tuple[Any, Any]:
+def _index_corners(volume: Grid, crop: Crop) -> tuple[Any, Any]:
     corners = crop.corners_in("index")
     if corners is not None:
         return corners
@@ -259,13 +275,11 @@ def _index_corners(volume: Volume | WaveletVolume, crop: Crop) -> tuple[Any, Any
     return inside.min(axis=0), inside.max(axis=0)
 
 
-def _corners(
-    volume: Volume | WaveletVolume, box: tuple[NDArray[np.float64], NDArray[np.float64]]
-) -> NDArray[np.float64]:
+def _corners(volume: Grid, box: tuple[NDArray[np.float64], NDArray[np.float64]]) -> NDArray[np.float64]:
     lower, upper = box
     return _in_world(volume, np.stack([np.where([(k >> a) & 1 for a in range(3)], upper, lower) for k in range(8)]))
 
 
-def _in_world(volume: Volume | WaveletVolume, index: NDArray[np.float64]) -> NDArray[np.float64]:
+def _in_world(volume: Grid, index: NDArray[np.float64]) -> NDArray[np.float64]:
     matrix = volume.world_from_index
     return np.asarray(index @ matrix[:3, :3].T + matrix[:3, 3])

@@ -21,6 +21,7 @@ from wavesplat._render.streaming import Reading, Streaming, streamed
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from wavesplat._geometry.shape_arrays import ShapeArrays
     from wavesplat._looks.labels import Labels
     from wavesplat._looks.shading import Shading
     from wavesplat._looks.transfer_function import TransferFunction
@@ -143,8 +144,10 @@ class FrameSpec:
     #: Labels of the first layer, and boxes that are cut out of them.
     labels: Labels | None
     boxes: Boxes
-    #: The arguments of the compiled module, without labels.
+    #: The arguments of the compiled module, without labels and shapes.
     arguments: dict[str, Any]
+    #: What stands in space with the layers.
+    shapes: ShapeArrays | None = None
     n_blocks: int = 1
     memory: int | None = None
     #: Surveys of the samples, for processes that have not looked through them: pickled, by layer.
@@ -186,7 +189,8 @@ class FrameSpec:
         ]
         first, level = self.layers.volumes[0], self.layers.levels[0]
         labels = chosen_labels(self.labels, first, self.boxes, level=first.grid_of(level) if level else None)
-        arguments: Any = {**self.arguments, "labels": labels}
+        shapes = None if self.shapes is None else self.shapes.core
+        arguments: Any = {**self.arguments, "labels": labels, "shapes": shapes}
         check_budget(self.arrays, self.budget)
         streaming = Streaming(self.budget, self.n_blocks, self.segments)
         return streaming.planned(drawn, self.camera._core, arguments)

@@ -64,11 +64,14 @@ from wavesplat._scene.drawn_layers import (
     identity_of,
     why_no_brain,
 )
+from wavesplat._scene.measured_errors import MeasuredErrors
 from wavesplat._scene.reporting import facts_of
+from wavesplat._scene.scene_shapes import also_in_view, beside_shapes, facts_of_geometry, note_on_size, shapes_of
 from wavesplat._scene.summary import facts_of_layers, facts_of_picture
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from wavesplat._geometry.shape_arrays import ShapeArrays
     from wavesplat._scene.scene import Scene
 
 __all__ = ["camera_of", "draw"]
@@ -103,6 +106,8 @@ class _Frame:
     labels: Labels | None
     background: colors.Rgba | None
     options: DrawOptions
+    #: What stands in space with the layers.
+    shapes: ShapeArrays | None
     #: Whose light it has, in a panorama.
     light: Camera | None = None
 
@@ -134,15 +139,18 @@ def _drawn_scene(scene: Scene, camera: Camera | str | None, options: DrawOptions
     if labels is not None:
         _check_labels(composite, layers)
     parts = [(layer.seen, layer.look) for layer in layers]
-    eye = chosen_camera(camera, parts or _hidden_parts(scene), clipping, eyes.aspect_of(size), eyes=eyes)
+    parts, also = parts or _hidden_parts(scene), _also_in_view(scene)
+    eye = chosen_camera(camera, parts, clipping, eyes.aspect_of(size), eyes=eyes, also=also)
     eyes = eyes.settled(eye)
     look = layers[0].look if layers else None
     behind = colors.parse(look.background if look is not None and scene.background is None else scene.background)
-    frame = _Frame(scene, eye, size, sampling, operator, clipping, labels, behind, options)
+    first = scene.layers[0].drawn
+    shapes = shapes_of(scene.geometry, first, identity_of(first), eye, scene._cache.shapes_of)
+    frame = _Frame(scene, eye, size, sampling, operator, clipping, labels, behind, options, shapes)
     functions = [_function(frame, layer, len(layers)) for layer in layers]
     picture = _seen_by(eyes, frame, layers, functions)
     picture.report.update(facts_of_picture(scene, eye, eyes.size_of(size), behind, labels))
-    picture.report.update(facts_of_layers(scene, layers, functions, operator))
+    picture.report.update(facts_of_layers(scene, layers, functions, operator) | facts_of_geometry(scene.geometry))
     picture.report.update(_facts(frame, eyes, layers, functions, picture.report))
     if resampled := shown.resampled:
         picture.report["resampled"] = resampled
@@ -159,6 +167,7 @@ def _notes(
     """Notes on what may be recognised or was left out, and on who drew."""
     notes = [FACE_NOTE] if _has_face(frame, layers, functions) else []
     notes += [*_notes_on_parts(layers), *_notes_on_steps(frame, layers), *_notes_on_tables(frame, layers, functions)]
+    notes += note_on_size(frame.shapes, travels=frame.options.client is not None)
     told = report["device"]
     if chosen_device(frame.options.device) not in ("auto", "cpu") and told["name"] == "cpu" and told["reason"]:
         notes.append(f"drawn by the CPU: {told['reason']}")
@@ -269,7 +278,8 @@ def camera_of(scene: Scene, camera: Camera | str | None, options: DrawOptions) -
         shown = drawn_layers(scene, None if asked is None else name_of(asked))
         clipping = _clipping_of(scene, shown)
         parts = [(layer.seen, layer.look) for layer in shown.layers]
-        return chosen_camera(camera, parts or _hidden_parts(scene), clipping, eyes.aspect_of(size), eyes=eyes)
+        parts, also = parts or _hidden_parts(scene), _also_in_view(scene)
+        return chosen_camera(camera, parts, clipping, eyes.aspect_of(size), eyes=eyes, also=also)
 
 
 def _clipping_of(scene: Scene, shown: DrawnLayers) -> Clipping:
@@ -344,7 +354,8 @@ def _under_labels(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequen
     shading = SOLID if layers[0].look.shading is None else layers[0].look.shading
     clear = replace(layers[0], look=Look(transfer_function=CLEAR, shading=shading))
     options = replace(frame.options, psnr=None, depth=False, progress=_part_of(progress, 1, 2))
-    result, _ = _rendered(replace(frame, operator="over", background=None, options=options), [clear], [CLEAR])
+    above = replace(frame, operator="over", background=None, options=options, shapes=None)
+    result, _ = _rendered(above, [clear], [CLEAR])
     over = np.float32(LABEL_SHARE) * result["rgba"]
     report = picture.report
     report.setdefault("notes", []).append("labels laid over the projection, which has no depth")
@@ -355,9 +366,30 @@ def _is_coarse(layer: DrawnLayer) -> bool:
     return isinstance(layer.seen, WaveletVolume) and layer.seen.left_out != 0
 
 
+def _also_in_view(scene: Scene) -> NDArray[np.float64] | None:
+    """World positions of the scene's shapes that a camera is fitted to besides the volumes."""
+    return also_in_view(scene.geometry, scene.layers[0].drawn, scene.bounds)
+
+
+def _hidden_layer(scene: Scene) -> DrawnLayer:
+    """The first layer, whether it is visible or not."""
+    return drawn_layers(scene.with_(layers=replace(scene.layers[0], visible=True, opacity=1)), None).layers[0]
+
+
 def _hidden_parts(scene: Scene) -> list[Any]:
-    shown = drawn_layers(scene.with_(layers=replace(scene.layers[0], visible=True, opacity=1)), None)
-    return [(layer.seen, layer.look) for layer in shown.layers]
+    layer = _hidden_layer(scene)
+    return [(layer.seen, layer.look)]
+
+
+def _shapes_alone(frame: _Frame, layer: DrawnLayer) -> NDArray[np.float32] | None:
+    """The shapes' own picture, without matter: colours and opacity; None without any."""
+    if frame.shapes is None:
+        return None
+    own = replace(frame.options, psnr=None, depth=False, progress=None, before_plan=None, after_block=None)
+    clear = replace(layer, look=Look(transfer_function=CLEAR), color=None, boxes=())
+    alone = replace(frame, operator="over", labels=None, background=None, options=own)
+    result, _ = _rendered(alone, [clear], [CLEAR])
+    return result["rgba"]
 
 
 def _empty(frame: _Frame) -> Picture:
@@ -366,7 +398,9 @@ def _empty(frame: _Frame) -> Picture:
     if min(frame.size) < 1:
         raise ArgumentError(f"size is {width} x {height} pixels; width and height must be at least 1")
     check_picture_memory(frame.size, PIXEL_BYTES)
-    rgba = _over_background(np.zeros((height, width, 4), np.float32), frame.background)
+    alone = None if frame.shapes is None else _shapes_alone(frame, _hidden_layer(frame.scene))
+    rgba = np.zeros((height, width, 4), np.float32) if alone is None else alone
+    rgba = _over_background(rgba, frame.background)
     device = {"name": "cpu", "reason": "nothing is drawn"}
     report = {"n_texels": 0, "device": device, "layers": [], "notes": ["no layer of the scene is visible"]}
     return Picture(rgba, report=Report(report))
@@ -377,7 +411,9 @@ def _in_one(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Cur
     opacity = 1.0 if frame.composite == "over" else layers[0].opacity
     result, report = _rendered(frame if opacity == 1 else replace(frame, background=None), layers, functions)
     if opacity != 1:
-        result["rgba"] = _over_background(np.float32(opacity) * result["rgba"], frame.background)
+        alone = _shapes_alone(frame, layers[0])
+        faded = np.float32(opacity) * (result["rgba"] if alone is None else result["rgba"] - alone)
+        result["rgba"] = _over_background(faded if alone is None else alone + faded, frame.background)
     report["look"] = _layer_summary(layers[0])
     report["processing"] = list(layers[0].seen.facts.processing)
     rgba, value = result["rgba"], result["value"]
@@ -396,12 +432,16 @@ def _in_one(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Cur
 
 def _added(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> Picture:
     """Projections of several layers, their colours added as light."""
+    alone = _shapes_alone(frame, layers[0])
     light, covers, reports = np.zeros((frame.size[1], frame.size[0], 3)), [], []
+    if alone is not None:
+        light += alone[..., :3]
+        covers.append(1 - alone[..., 3].astype(np.float64))
     clear = replace(frame, background=None)
     for number, (layer, function) in enumerate(zip(layers, functions, strict=True)):
         options = replace(frame.options, depth=False, progress=_part_of(frame.options.progress, number, len(layers)))
         result, report = _rendered(replace(clear, options=options), [layer], [function])
-        shown = np.float32(layer.opacity) * result["rgba"]
+        shown = np.float32(layer.opacity) * beside_shapes(result["rgba"], alone)
         # In double precision the sum of a few float32 colours does not depend on their order.
         light += shown[..., :3]
         covers.append(1 - shown[..., 3].astype(np.float64))
@@ -442,7 +482,7 @@ def _function(frame: _Frame, layer: DrawnLayer, n_layers: int) -> Curves:
 
         def overview(curves: TransferFunction, at: Camera, of: tuple[int, int]) -> Picture:
             options = DrawOptions(kernel="linear", threads=frame.options.threads, device="cpu")
-            small = replace(frame, camera=at, size=of, sampling=COARSE, background=None, options=options)
+            small = replace(frame, camera=at, size=of, sampling=COARSE, background=None, options=options, shapes=None)
             result, _ = _rendered(small, [layer], [curves])
             return Picture(result["rgba"], value=result["value"])
 
@@ -479,7 +519,7 @@ def _rendered(
     ]
     absorbs = projection.absorption(operator, layers[0].volume) if isinstance(operator, XRay) else None
     numbers = projection.numbers(operator, functions[0], layers[0].volume, absorbs)
-    errors = _MeasuredErrors(frame, layers, functions)
+    errors = _measured_errors(frame, layers, functions)
     with drawing(*(layer.volume for layer in layers), *(layer.color.volume for layer in layers if layer.color)):
         sheets_per_slice, oversampling = _sampling(frame, drawn)
         texels = 1 if options.psnr is not None else min(abs(oversampling), MAX_OVERSAMPLING) ** 2
@@ -500,16 +540,16 @@ def _rendered(
             "device": chosen_device(options.device),
             "depth": bool(options.depth),
             "depth_colors": projection.depth_colors(operator),
-            "shapes": None,
             "pre_integration": bool(options.pre_integration),
             "early_ray_termination": bool(options.early_ray_termination),
         }
         labels, boxes = frame.labels, layers[0].boxes
         if lazy is None:
-            of_frame: Any = {**arguments, "labels": chosen_labels(labels, layers[0].volume, boxes)}
+            shapes = None if frame.shapes is None else frame.shapes.core
+            of_frame: Any = {**arguments, "labels": chosen_labels(labels, layers[0].volume, boxes), "shapes": shapes}
             result = _native.render(drawn, frame.camera._core, of_frame, options.progress)
         else:
-            spec = FrameSpec(lazy, faded, lights, frame.camera, labels, boxes, arguments)
+            spec = FrameSpec(lazy, faded, lights, frame.camera, labels, boxes, arguments, frame.shapes)
             if options.client is None:
                 drawn_stream = lazy.streamed(spec)
             else:
@@ -541,36 +581,21 @@ def _sampling(frame: _Frame, drawn: Sequence[tuple[Any, Any, Any, Any]]) -> tupl
     )
 
 
-class _MeasuredErrors:
-    """Errors measured for a wanted PSNR, kept for the next pictures that show the same."""
-
-    def __init__(self, frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> None:
-        self._is_wanted = frame.options.psnr is not None
-        self._cache = frame.scene._cache
-        shading = frame.scene.shading
-        self._key: Any = (
-            frame.operator,
-            frame.options.kernel,
-            tuple((id(layer.volume), layer.layer.opacity) for layer in layers),
-            id(frame.labels),
-        )
-        self._shown: Any = (
-            [layer.identity for layer in layers],
-            [(identity_of(c.volume), c.function) if (c := layer.color) else None for layer in layers],
-            functions,
-            [layer.look.shading if shading == "look" else shading for layer in layers],
-            frame.labels,
-        )
-
-    def recalled(self) -> dict[str, Any] | None:
-        """The last picture's measurements; None where there are none, or it showed something else."""
-        if not self._is_wanted or self._key not in self._cache.measured:
-            return None
-        shown, told = self._cache.measured[self._key]
-        measured: dict[str, Any] | None = told if shown == self._shown else None
-        return measured
-
-    def remember(self, report: dict[str, Any]) -> None:
-        """Keep the measurements in a picture's report."""
-        if self._is_wanted and report.get("measured") is not None:
-            self._cache.remember(self._key, self._shown, report["measured"])
+def _measured_errors(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> MeasuredErrors:
+    """Errors measured for a wanted PSNR, kept by the kind of picture."""
+    shading = frame.scene.shading
+    kind: Any = (
+        frame.operator,
+        frame.options.kernel,
+        tuple((id(layer.volume), layer.layer.opacity) for layer in layers),
+        id(frame.labels),
+    )
+    shown: Any = (
+        [layer.identity for layer in layers],
+        [(identity_of(c.volume), c.function) if (c := layer.color) else None for layer in layers],
+        functions,
+        [layer.look.shading if shading == "look" else shading for layer in layers],
+        frame.labels,
+        frame.shapes,
+    )
+    return MeasuredErrors(frame.options.psnr is not None, frame.scene._cache, kind, shown)

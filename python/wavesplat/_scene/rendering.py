@@ -37,6 +37,7 @@ def render(
     clip: Clip | Iterable[Clip] = (),
     background: str | Sequence[float] | None = None,
     keep_table: bool = False,
+    geometry: Any = (),
     **options: Unpack[RenderOptions],
 ) -> Picture:
     """A picture of a volume or a scene, by high-resolution splatting.
@@ -44,8 +45,8 @@ def render(
     Parameters
     ----------
     what : Volume, WaveletVolume, array, Layer, Scene, or up to eight volumes or layers in a list
-        What to draw, from `wavesplat.open` or an array, or from wavelet coefficients. For several pictures of the same
-        make a `Scene` once.
+        What to draw, from `wavesplat.open` or an array, or from wavelet coefficients; in a list `geometry` may stand
+        among it. For several pictures of the same make a `Scene` once.
     look : Look, TransferFunction, TransferFunction2D, Materials or str, optional
         How the values are shown; a text is the name of a preset. None chooses by the kind of data (`Look.auto`); the
         report says which and why. "minimum", "mean", "sum" and "x-ray" then get greys for what this view shows: pass a
@@ -65,6 +66,8 @@ def render(
         (r, g, b), (r, g, b, a), "#rrggbb" or a name. None is the look's own or, where it has none, transparent.
     keep_table : bool, default False
         Draw the table below a patient in a CT, which is else left out where it can be told from the body (`Scene`).
+    geometry : Surface, Lines, Points, SlicePlane, Frame, or several of them in a list
+        What stands in space with the volumes, as for `Scene`; to a scene it is added.
     **options : RenderOptions
         Pixels, quality, operator, and how and where it is drawn.
 
@@ -95,7 +98,6 @@ def render(
     -----
     ARCHITECTURE.md describes the method; Mueller, Moeller and Crawfis (1999) its idea.
     """
-    scene = as_scene(
-        what, look, labels=labels, shading=shading, clip=clip, background=background, keep_table=keep_table
-    )
+    given = {"labels": labels, "shading": shading, "clip": clip, "background": background}
+    scene = as_scene(what, look, **given, keep_table=keep_table, geometry=geometry)
     return draw(scene, camera, DrawOptions(**options))

@@ -13,6 +13,8 @@ from numpy.typing import NDArray
 
 from wavesplat._files import json_object
 from wavesplat._files.paths import expanded
+from wavesplat._geometry.shape import Shape
+from wavesplat._geometry.shape_arrays import as_shapes, is_geometry
 from wavesplat._looks import colors
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.shading import Shading
@@ -53,6 +55,8 @@ class Cache:
     documents: dict[int, tuple[Any, Any]] = field(default_factory=dict)
     #: Errors measured for a wanted PSNR, by kind of picture, each with what the picture showed.
     measured: dict[Any, tuple[Any, Any]] = field(default_factory=dict)
+    #: Arrays of shapes, by the sides that grids of frames lie on, each with the identity of what they were made from.
+    shapes: dict[Any, tuple[Any, Any]] = field(default_factory=dict)
 
     def get_or_compute(self, key: Any, identity: object, find: Callable[[], T]) -> T:
         """The result of `find`, computed once for the samples that `identity` stands for.
@@ -64,6 +68,16 @@ class Cache:
             if len(self.looks) >= MAX_KEPT:
                 self.looks.clear()
             found = self.looks[key] = identity, find()
+        value: T = found[1]
+        return value
+
+    def shapes_of(self, key: Any, identity: object, make: Callable[[], T]) -> T:
+        """The result of `make`, called once for the shapes that `identity` stands for."""
+        found = self.shapes.get(key)
+        if found is None or found[0] != identity:
+            others = {other: kept for other, kept in self.shapes.items() if kept[0] == identity}
+            found = identity, make()
+            self.shapes = {**others, key: found}
         value: T = found[1]
         return value
 
@@ -85,9 +99,10 @@ class Scene:
     Parameters
     ----------
     layers : Volume, WaveletVolume, array, Layer, or up to eight of them in a list
-        What is shown. An array of xarray with an axis of channels (C) is a layer for each, in a colour of its own; one
-        with an axis of times (T) is a series. At a point of space the extinctions of layers add and their colours mix
-        by extinction; projections are made of each layer, and their colours added as light.
+        What is shown; `geometry` may stand among them. An array of xarray with an axis of channels (C) is a layer for
+        each, in a colour of its own; one with an axis of times (T) is a series. At a point of space the extinctions of
+        layers add and their colours mix by extinction; projections are made of each layer, and their colours added as
+        light.
     look : Look, TransferFunction, TransferFunction2D, Materials or str, optional
         How values are shown, as for `Layer`; for several volumes one for each, in a list. Layers bring their own.
     labels : Labels, optional
@@ -103,6 +118,10 @@ class Scene:
         Draw the table below a patient in a CT. Else pictures leave it out, of every layer in memory, where it can be
         told from the body, but for minima; the report's `notes` say so, and the samples stay. For all times of a series
         it is decided once.
+    geometry : Surface, Lines, Points, SlicePlane, Frame, or several of them in a list
+        What stands in space with the volumes, in world coordinates, each thing at its depth: matter before it dims it,
+        and matter behind what is opaque is hidden. Meshes of `mesh`, and what those types take of other libraries, go
+        in as they are.
 
     Raises
     ------
@@ -125,6 +144,7 @@ class Scene:
     clip: tuple[Clip, ...]
     background: str | tuple[float, ...] | None
     keep_table: bool
+    geometry: tuple[Shape, ...]
     _clipping: Clipping = field(init=False, repr=False)
     _cache: Cache = field(init=False, repr=False)
 
@@ -138,6 +158,7 @@ class Scene:
         clip: Clip | Iterable[Clip] = (),
         background: str | Sequence[float] | None = None,
         keep_table: bool = False,
+        geometry: Any = (),
     ) -> None:
         given: object = shading
         if not (labels is None or isinstance(labels, Labels)):
@@ -148,6 +169,7 @@ class Scene:
             raise ArgumentError(f"keep_table is {described(keep_table)}; give True or False")
         clips = clip_tuple(clip)
         colors.parse(background)  # or an error
+        layers, among = _parted(layers)
         values: dict[str, Any] = {
             "layers": _layers(layers, look),
             "labels": labels,
@@ -155,6 +177,7 @@ class Scene:
             "clip": clips,
             "background": background if background is None or isinstance(background, str) else tuple(background),
             "keep_table": keep_table,
+            "geometry": as_shapes([*among, *(geometry if isinstance(geometry, list | tuple) else [geometry])]),
             "_clipping": combined_clips(clips),
             "_cache": Cache(),
         }
@@ -176,7 +199,7 @@ class Scene:
         >>> scene.with_(background="white").background
         'white'
         """
-        names = ("layers", "labels", "shading", "clip", "background", "keep_table")
+        names = ("layers", "labels", "shading", "clip", "background", "keep_table", "geometry")
         for name in changes:
             if name not in names:
                 raise ArgumentError(f"a scene has no {name!r} to change; it has {', '.join(names)}")
@@ -399,7 +422,8 @@ class Scene:
         return draw(self, camera, DrawOptions(**options))
 
     def __reduce__(self) -> tuple[Any, ...]:
-        how = {name: getattr(self, name) for name in ("labels", "shading", "clip", "background", "keep_table")}
+        names = ("labels", "shading", "clip", "background", "keep_table", "geometry")
+        how = {name: getattr(self, name) for name in names}
         return partial(Scene, **how), (self.layers,)
 
     def __repr__(self) -> str:
@@ -408,22 +432,46 @@ class Scene:
 
 
 def as_scene(
-    what: Any, look: Any, *, labels: Any, shading: Any, clip: Any, background: Any, keep_table: bool = False
+    what: Any,
+    look: Any,
+    *,
+    labels: Any,
+    shading: Any,
+    clip: Any,
+    background: Any,
+    keep_table: bool = False,
+    geometry: Any = (),
 ) -> Scene:
     """A scene of volumes or layers; or the scene itself, changed by what is given."""
     if not isinstance(what, Scene):
         given = {"labels": labels, "shading": shading, "clip": clip, "background": background}
-        return Scene(what, look, **given, keep_table=keep_table)
+        return Scene(what, look, **given, keep_table=keep_table, geometry=geometry)
     if look is not None:
         raise ArgumentError(
             "a scene brings its looks; leave out look, or change its layers with scene.with_(layers=...)"
         )
     changes = {"labels": labels, "background": background, "clip": clip_tuple(clip) or None}
     changes["keep_table"] = keep_table or None
+    changes["geometry"] = (*what.geometry, *shapes) if (shapes := as_shapes(geometry)) else None
     changes = {name: value for name, value in changes.items() if value is not None}
     if not (isinstance(shading, str) and shading == "look"):
         changes["shading"] = shading
     return what.with_(**changes) if changes else what
+
+
+def _parted(what: Any) -> tuple[Any, list[Any]]:
+    """Layers, and the geometry that stands among them in a list."""
+    if not isinstance(what, list | tuple) or is_rows(what):
+        if is_geometry(what):
+            raise ArgumentError(f"{described(what)} stands in space with volumes; give one too: Scene([volume, ...])")
+        return what, []
+    among = [thing for thing in what if is_geometry(thing)]
+    if not among:
+        return what, []
+    layers = [thing for thing in what if not is_geometry(thing)]
+    if not layers:
+        raise ArgumentError("the scene has geometry and no volume; give at least one volume too")
+    return layers, among
 
 
 def _layers(what: Any, look: Any) -> tuple[Layer, ...]:

@@ -1,0 +1,95 @@
+"""What surfaces, lines and points have in common: copies that know their file, and text for people."""
+
+from __future__ import annotations
+
+from collections.abc import Collection
+from dataclasses import fields, replace
+from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+
+from wavesplat._geometry.positions import checked_share
+from wavesplat._model.argument_types import check_text, described
+from wavesplat.errors import ArgumentError
+
+if TYPE_CHECKING:
+    from typing_extensions import Self
+
+__all__ = ["Shape", "of_source"]
+
+T = TypeVar("T", bound="Shape")
+
+
+class Shape:
+    """Something that stands in space with the volumes of a scene."""
+
+    #: What it is called in messages, documents and reports.
+    KIND: ClassVar[str] = "shape"
+    #: Fields that come from the file of a shape that was opened.
+    OF_FILE: ClassVar[Collection[str]] = ()
+    #: File and options that it was opened with, by which documents name it.
+    _source: dict[str, Any] | None = None
+    name: str | None
+
+    def with_(self, **changes: Any) -> Self:
+        """A copy with other fields, of those that it is made with, such as `color` or `opacity`.
+
+        Raises
+        ------
+        ArgumentError
+            If there is no field of that name, or it cannot work.
+        """
+        known = [field.name for field in fields(self) if field.init]  # type: ignore[arg-type]
+        for name in changes:
+            if name not in known:
+                raise ArgumentError(f"{self._told} has no {name!r} to change; it has {', '.join(known)}")
+        changed = replace(self, **changes)  # type: ignore[type-var]
+        if self._source is not None and not set(changes) & set(self.OF_FILE):
+            object.__setattr__(changed, "_source", self._source)
+        return changed
+
+    @property
+    def _told(self) -> str:
+        """The shape in messages."""
+        name = getattr(self, "name", None)
+        return f"the {self.KIND} {name!r}" if name else f"the {self.KIND}"
+
+    @property
+    def _mapped(self) -> Any:
+        """Values, colour map and its ends, of a shape that has values."""
+        values = getattr(self, "values", None)
+        return None if values is None else (values, getattr(self, "cmap", None), getattr(self, "clim", None))
+
+    def _take(self, found: dict[str, Any]) -> None:
+        """Take the fields of an object of another library; what was given by name counts more than what it has."""
+        if not found:
+            return
+        given_values, given_color = getattr(self, "values", None), getattr(self, "color", None)
+        own = {name: value for name, value in found.items() if name in self.OF_FILE or getattr(self, name) is None}
+        if given_color is not None or (given_values is not None and not isinstance(given_values, str)):
+            own.pop("values", None)
+        if isinstance(given_values, str):  # the name of an array, which was found
+            own["values"] = found["values"]
+        if given_values is not None or own.get("values") is not None:
+            own.pop("color", None)
+        self._set(**own)
+
+    def _set(self, **values: Any) -> None:
+        """Set checked fields."""
+        for name, value in values.items():
+            object.__setattr__(self, name, value)
+
+    def _check_style(self) -> None:
+        """Check name, opacity and switches, as all shapes have them."""
+        check_text(self.name, "name of the shape")
+        if not isinstance(self.name, str | None):
+            raise ArgumentError(f"name of the {self.KIND} is {described(self.name)}; give a text or None")
+        for switch in ("lit", "clipped"):
+            given = getattr(self, switch, None)
+            if not isinstance(given, bool | None):
+                raise ArgumentError(f"{switch} of {self._told} is {described(given)}; give True or False")
+        self._set(opacity=checked_share(getattr(self, "opacity", 1.0), f"opacity of {self._told}"))
+
+
+def of_source(shape: T, source: dict[str, Any] | None) -> T:
+    """The shape, which knows the file that it was read from."""
+    object.__setattr__(shape, "_source", source)
+    return shape

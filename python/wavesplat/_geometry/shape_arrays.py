@@ -1,0 +1,172 @@
+"""Shapes of a scene as arrays, which can be pickled, and as the compiled module takes them."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat import _native
+from wavesplat._geometry import foreign_shapes
+from wavesplat._geometry.frame import Frame
+from wavesplat._geometry.lines import Lines
+from wavesplat._geometry.points import Points
+from wavesplat._geometry.shape import Shape
+from wavesplat._geometry.slice_plane import SlicePlane
+from wavesplat._geometry.surface import Surface
+from wavesplat._model.argument_types import described
+from wavesplat._model.grid import Grid
+from wavesplat.errors import ArgumentError
+
+__all__ = ["LARGE_BYTES", "ShapeArrays", "as_shapes", "facts_of_shapes", "is_geometry", "positions_in_view"]
+
+#: Bytes of shapes that travel to workers without a note.
+LARGE_BYTES = 64 << 20
+#: Largest number of positions of a shape that a camera is fitted to.
+MAX_FITTED = 20_000
+#: How far from the volumes, in diagonals of their box, positions may lie that a camera is fitted to.
+REACH = 1.0
+
+
+@dataclass(eq=False)
+class ShapeArrays:
+    """Arrays of all shapes of a scene."""
+
+    meshes: list[_native.MeshArrays] = field(default_factory=list)
+    paths: list[_native.PathArrays] = field(default_factory=list)
+    points: list[_native.PointArrays] = field(default_factory=list)
+    cards: list[_native.CardArrays] = field(default_factory=list)
+    _core: _native.Shapes | None = field(default=None, repr=False)
+
+    @classmethod
+    def of(
+        cls,
+        shapes: Sequence[Shape],
+        card_of: Callable[[SlicePlane], _native.CardArrays],
+        bounds: NDArray[np.float64],
+        far: tuple[bool, bool, bool],
+    ) -> ShapeArrays:
+        """The arrays of shapes.
+
+        card_of : makes the picture of a slice. bounds : the box of frames without one. far : for x, y, z whether the
+        upper side of a frame lies behind it.
+        """
+        made = cls()
+        for shape in shapes:
+            if isinstance(shape, Surface):
+                made.meshes.append(shape._arrays())
+            elif isinstance(shape, Lines):
+                made.paths.append(shape._arrays())
+            elif isinstance(shape, Points):
+                made.points.append(shape._arrays())
+            elif isinstance(shape, SlicePlane):
+                made.cards.append(card_of(shape))
+            elif isinstance(shape, Frame):
+                made.paths += shape._arrays(bounds, far)
+        return made
+
+    @property
+    def core(self) -> _native.Shapes:
+        """The shapes for the compiled module, made once in each process."""
+        if self._core is None:
+            self._core = _native.Shapes(meshes=self.meshes, paths=self.paths, points=self.points, cards=self.cards)
+        return self._core
+
+    @property
+    def n_bytes(self) -> int:
+        """Bytes of all arrays."""
+        return sum(_bytes_of(arrays) for arrays in (self.meshes, self.paths, self.points, self.cards))
+
+    def __getstate__(self) -> dict[str, Any]:
+        return {**self.__dict__, "_core": None}
+
+
+def _bytes_of(thing: Any) -> int:
+    if isinstance(thing, np.ndarray):
+        return thing.nbytes
+    if isinstance(thing, dict):
+        return sum(map(_bytes_of, thing.values()))
+    return sum(map(_bytes_of, thing)) if isinstance(thing, list | tuple) else 0
+
+
+def is_geometry(thing: object) -> bool:
+    """Whether an object stands in space as a shape, and is no volume."""
+    return isinstance(thing, Shape) or _is_meshes(thing) or foreign_shapes.is_shape_like(thing)
+
+
+def _is_meshes(thing: object) -> bool:
+    return type(thing).__module__ == "wavesplat" and type(thing).__name__ == "Meshes"
+
+
+def as_shapes(given: Any) -> tuple[Shape, ...]:
+    """Shapes of one or several objects: ours, meshes, and those of other libraries."""
+    things = list(given) if isinstance(given, list | tuple) else [given]
+    return tuple(shape for thing in things for shape in _shapes_of(thing))
+
+
+def _shapes_of(thing: Any) -> list[Shape]:
+    if isinstance(thing, Shape):
+        return [thing]
+    if _is_meshes(thing):
+        return [Surface(mesh) for mesh in thing]
+    kind = foreign_shapes.kind_of(thing)
+    if kind is None:
+        raise ArgumentError(
+            f"geometry has {described(thing)}; give wavesplat.Surface, Lines, Points, SlicePlane or Frame, or a mesh "
+            "of wavesplat.mesh, trimesh, PyVista, VTK or vedo, streamlines of nibabel, or a layer of napari"
+        )
+    return [{"surface": Surface, "lines": Lines, "points": Points}[kind](thing)]
+
+
+def facts_of_shapes(shapes: Sequence[Shape]) -> list[dict[str, Any]]:
+    """Kind, name and number of triangles, paths or points of each shape, for reports."""
+    return [{"kind": shape.KIND, "name": shape.name, "count": _count(shape)} for shape in shapes]
+
+
+def _count(shape: Shape) -> int:
+    if isinstance(shape, Surface):
+        return len(shape.faces)
+    if isinstance(shape, Lines):
+        return len(shape.paths)
+    return len(shape.positions) if isinstance(shape, Points) else 1
+
+
+def positions_in_view(shapes: Sequence[Shape], bounds: NDArray[np.float64], volume: Grid) -> NDArray[np.float64] | None:
+    """Positions that a camera is fitted to: those of shapes, without what lies far from the volumes; None without any.
+
+    bounds : corners of the box around the volumes. volume : of the scene's first layer.
+    """
+    diagonal = float(np.linalg.norm(bounds[1] - bounds[0]))
+    found = [_outermost(shape, bounds, volume) for shape in shapes if getattr(shape, "opacity", 1) > 0]
+    if not found:
+        return None
+    together = np.concatenate(found)
+    is_near = ((together >= bounds[0] - REACH * diagonal) & (together <= bounds[1] + REACH * diagonal)).all(axis=1)
+    return together[is_near] if is_near.any() else None
+
+
+def _outermost(shape: Shape, bounds: NDArray[np.float64], volume: Grid) -> NDArray[np.float64]:
+    """Positions of a shape, few enough, those farthest along the axes included."""
+    if isinstance(shape, Frame):
+        return _corners(shape._around(bounds))
+    if isinstance(shape, SlicePlane):
+        own = volume if shape.volume is None else shape.volume
+        return _corners(np.asarray(getattr(own, "bounds", bounds)))
+    if not isinstance(shape, Surface | Lines | Points):
+        return np.empty((0, 3))
+    positions = shape._positions
+    radius = getattr(shape, "radius", None)
+    chosen = np.arange(0, len(positions), max(1, len(positions) // MAX_FITTED))
+    chosen = np.concatenate([chosen, positions.argmin(axis=0), positions.argmax(axis=0)])
+    if radius is None:
+        return positions[chosen]
+    reach = np.broadcast_to(np.reshape(radius, (-1, 1)), (len(positions), 1))[chosen]
+    sides = [positions[chosen] + side * reach * axis for side in (-1, 1) for axis in np.eye(3)]
+    return np.concatenate(sides)
+
+
+def _corners(box: NDArray[np.float64]) -> NDArray[np.float64]:
+    return np.stack([np.where([(k >> a) & 1 for a in range(3)], box[1], box[0]) for k in range(8)])

@@ -1,0 +1,118 @@
+"""Slices that stand in space."""
+
+from __future__ import annotations
+
+from dataclasses import KW_ONLY, dataclass
+from operator import index
+from typing import Any, ClassVar
+
+import numpy as np
+
+from wavesplat._geometry.shape import Shape
+from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._model.argument_types import described
+from wavesplat._model.series import Series
+from wavesplat._model.views import named_plane
+from wavesplat._model.volume_like import as_volume
+from wavesplat._public import public
+from wavesplat.errors import ArgumentError
+
+__all__ = ["SlicePlane"]
+
+
+@public
+@dataclass(frozen=True, eq=False, repr=False)
+class SlicePlane(Shape):
+    """A slice through a volume that stands in space, shown as `wavesplat.slice` shows it.
+
+    Parameters
+    ----------
+    volume : Volume or what else `Volume` takes, optional
+        What is cut; None is the volume of the scene's first layer.
+    plane : str or (point, normal), default "axial"
+        As for `wavesplat.slice`: "axial", "coronal" or "sagittal"; "xy", "xz" or "yz"; or any plane, world units.
+    position : float, optional
+        Where the plane crosses its axis, world units; None is the middle of the volume. Of (point, normal): how far
+        to move from the point along the normal.
+    index : int, optional
+        Instead of `position`: the number of the slice of samples along the axis, from 0; -1 is the last.
+    window, clim : optional
+        As for `wavesplat.slice`: which values are black and white, or the ends of the colour map.
+    cmap : str, optional
+        Colour map of the values; None is grey.
+    opacity : float, 0..1, default 1
+        Of the slice; outside of the volume it is clear.
+    clipped : bool, default False
+        The scene's clips cut it too.
+    name : str, optional
+        What legends and messages call it.
+
+    Raises
+    ------
+    ArgumentError
+        If an argument cannot work. Whether the plane meets the volume is checked when it is drawn.
+
+    Examples
+    --------
+    >>> import wavesplat as ws
+    >>> scene = ws.Scene(ws.examples.ct_pelvis(), "ct-bone", geometry=[ws.SlicePlane(window="soft-tissue")])
+    >>> scene.render(size=(32, 32)).report["geometry"]
+    [{'kind': 'slice plane', 'name': None, 'count': 1}]
+    """
+
+    KIND: ClassVar[str] = "slice plane"
+
+    volume: Any = None
+    plane: Any = "axial"
+    _: KW_ONLY
+    position: float | None = None
+    index: int | None = None
+    window: Any = None
+    clim: Any = None
+    cmap: str | None = None
+    opacity: float = 1.0
+    clipped: bool = False
+    name: str | None = None
+
+    def __post_init__(self) -> None:
+        self._check_style()
+        if self.volume is not None and not isinstance(self.volume, Series):
+            self._set(volume=as_volume(self.volume))
+        if isinstance(self.plane, str):
+            named_plane(self.plane, is_anatomical=True)  # or an error
+        else:
+            self._set(plane=_point_and_normal(self.plane))
+        if self.position is not None and self.index is not None:
+            raise ArgumentError(f"position and index of {self._told} both say where it lies; give one of them")
+        if self.index is not None:
+            self._set(index=_whole(self.index, f"index of {self._told}"))
+            if not isinstance(self.plane, str):
+                raise ArgumentError(
+                    f"index of {self._told} counts slices, and an oblique plane has none; give position"
+                )
+        if self.cmap is not None:
+            TransferFunction.from_colormap(self.cmap, clim=(0, 1))  # or an error
+
+    def __repr__(self) -> str:
+        name = f" {self.name!r}" if self.name else ""
+        return f"<SlicePlane{name}: {self.plane if isinstance(self.plane, str) else 'oblique'}>"
+
+
+def _point_and_normal(plane: Any) -> Any:
+    form = "the name of a plane, or (point, normal), three numbers each"
+    try:
+        point, normal = (tuple(float(x) for x in part) for part in plane)
+    except (TypeError, ValueError, OverflowError):
+        raise ArgumentError(f"plane is {described(plane)}; give {form}") from None
+    if len(point) != 3 or len(normal) != 3 or not np.isfinite([*point, *normal]).all() or not any(normal):
+        raise ArgumentError(f"plane is {described(plane)}; give {form}: finite, and a normal that is not zero")
+    return point, normal
+
+
+def _whole(number: Any, what: str) -> int:
+    try:
+        if isinstance(number, bool):
+            raise TypeError
+        return index(number)
+    except TypeError:
+        raise ArgumentError(f"{what} is {described(number)}; give a whole number, from 0") from None

@@ -1,0 +1,80 @@
+"""Shapes of a scene for its pictures: their arrays, made once, and the positions that cameras are fitted to."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from functools import partial
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._geometry.frame import Frame, far_sides
+from wavesplat._geometry.shape_arrays import LARGE_BYTES, ShapeArrays, facts_of_shapes, positions_in_view
+from wavesplat._scene.slice_cards import card_of
+
+if TYPE_CHECKING:
+    from wavesplat._geometry.shape import Shape
+    from wavesplat._model.camera import Camera
+    from wavesplat._model.grid import Grid
+
+__all__ = ["also_in_view", "beside_shapes", "facts_of_geometry", "note_on_size", "shapes_of"]
+
+#: Keeps the arrays that a function makes, by a key, and the identity of what they are made from.
+Keep = Callable[[Any, object, Callable[[], ShapeArrays]], ShapeArrays]
+
+
+def shapes_of(
+    geometry: Sequence[Shape], first: Grid, identity: object, camera: Camera, keep: Keep
+) -> ShapeArrays | None:
+    """Shapes as arrays, made once; None without any.
+
+    They depend on the camera only by the sides of frames that its grids lie on.
+    first : volume of the scene's first layer, and the `identity` of its samples.
+    """
+    shown = _visible(geometry)
+    if not shown:
+        return None
+    has_grid = any(isinstance(shape, Frame) and shape.grid for shape in shown)
+    far = far_sides(camera, first.bounds) if has_grid else (True, True, True)
+    cut = partial(card_of, of_scene=first)
+    return keep(far, (shown, identity), lambda: ShapeArrays.of(shown, cut, first.bounds, far))
+
+
+def also_in_view(geometry: Sequence[Shape], first: Grid, bounds: NDArray[np.float64]) -> NDArray[np.float64] | None:
+    """World positions of shapes that cameras are fitted to besides the volumes; None without any.
+
+    first : volume of the scene's first layer. bounds : of all layers.
+    """
+    shown = _visible(geometry)
+    return positions_in_view(shown, bounds, first) if shown else None
+
+
+def facts_of_geometry(geometry: Sequence[Shape]) -> dict[str, Any]:
+    """The report's list of shapes; empty without any."""
+    return {"geometry": facts_of_shapes(geometry)} if geometry else {}
+
+
+def note_on_size(shapes: ShapeArrays | None, *, travels: bool) -> list[str]:
+    """A note on shapes that are large to send to workers."""
+    if shapes is None or not travels or shapes.n_bytes <= LARGE_BYTES:
+        return []
+    size = shapes.n_bytes / (1 << 20)
+    return [f"the geometry has {size:.0f} MiB, and all of it is sent to each worker; thin it out if that takes long"]
+
+
+def beside_shapes(rgba: NDArray[np.float32], alone: NDArray[np.float32] | None) -> NDArray[np.float32]:
+    """What a picture shows beside its shapes: the light that comes through them, and the opacity of the rest alone.
+
+    alone : the shapes' own picture, which the projection is composited behind; None without any.
+    """
+    if alone is None:
+        return rgba
+    rest = rgba - alone
+    open_share = 1 - alone[..., 3]
+    rest[..., 3] = np.divide(rest[..., 3], open_share, out=np.zeros_like(open_share), where=open_share > 0)
+    return rest
+
+
+def _visible(geometry: Sequence[Shape]) -> tuple[Shape, ...]:
+    return tuple(shape for shape in geometry if getattr(shape, "opacity", 1.0) > 0)

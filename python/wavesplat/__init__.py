@@ -25,6 +25,7 @@ if TYPE_CHECKING:
     from wavesplat import errors, examples, gpu, napari, reference
     from wavesplat._geometry.frame import Frame
     from wavesplat._geometry.lines import Lines
+    from wavesplat._geometry.opening import open_geometry
     from wavesplat._geometry.points import Points
     from wavesplat._geometry.slice_plane import SlicePlane
     from wavesplat._geometry.surface import Surface
@@ -136,6 +137,7 @@ __all__ = [
     "movie",
     "napari",
     "open",
+    "open_geometry",
     "open_scene",
     "open_series",
     "open_transform",
@@ -203,6 +205,7 @@ _HOMES = {
     "mesh": "_mesh.meshing",
     "movie": "_movie.movie",
     "open": "_readers.opening",
+    "open_geometry": "_geometry.opening",
     "open_scene": "_scene.opening",
     "open_series": "_readers.time_points",
     "open_transform": "_readers.transform_files",

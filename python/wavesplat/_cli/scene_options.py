@@ -11,6 +11,7 @@ import typer
 from wavesplat._cli import parsers
 from wavesplat._cli.color_field_options import color_layer
 from wavesplat._cli.crop_options import CutOptions, chosen_clip
+from wavesplat._cli.geometry_options import GeometryOptions, opened_geometry
 from wavesplat._cli.label_options import LabelsFile, LabelTable, Segments, opened_labels
 from wavesplat._cli.layer_options import LayerOptions, further_layers
 from wavesplat._cli.light_options import LightOptions, chosen_shading, exposure_of
@@ -36,8 +37,8 @@ __all__ = ["ChosenScene", "SceneOptions", "check_scene_options", "chosen_scene",
 
 
 @dataclass(frozen=True)
-class SceneOptions(LookOptions):
-    """The look of a volume, its labels, operator, wavelets and background."""
+class SceneOptions(GeometryOptions, LookOptions):
+    """The look of a volume, its labels, operator, wavelets, background and geometry."""
 
     labels: LabelsFile = None
     label_table: LabelTable = None
@@ -222,6 +223,7 @@ def chosen_scene(
         clip=chosen_clip(cuts, layers[0].drawn),
         background=showing.background or look.background or "black",
         keep_table=showing.keep_table,
+        geometry=opened_geometry(showing, layers[0].drawn.facts.unit, quiet=quiet),
     )
     check_uptake(scene, suv=reader.suv)
     if not quiet:

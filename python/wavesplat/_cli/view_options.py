@@ -87,6 +87,7 @@ def camera_for(
     Several scenes are time points; the camera frames the first, the middle and the last. `look`: of the first layer.
     """
     from wavesplat._render.arguments import chosen_camera
+    from wavesplat._scene.drawing import geometry_in_view
     from wavesplat._scene.drawn_layers import seen_parts
 
     own = PLAIN if eyes is None else chosen_eyes(eyes)
@@ -102,5 +103,6 @@ def camera_for(
         zoom=viewing.zoom,
         view_angle=viewing.perspective,
         eyes=own,
+        also=geometry_in_view(scenes[0]),
     )
     return camera if eyes is None else at_the_eye(camera, eyes)

@@ -67,8 +67,9 @@ def _one(color: Any, what: str) -> Any:
 
 
 def checked_clim(clim: Any, values: NDArray[np.float64], what: str) -> tuple[float, float]:
-    """The values of both ends of a colour map; None is the least and the largest value."""
+    """The values of both ends of a colour map, given as numbers or percentiles; None is the least and the largest."""
     if clim is not None:
+        clim = _without_percentiles(clim, values)
         ends = numbers_of(clim, f"clim of {what}", "(low, high), two numbers")
         if ends.shape != (2,) or not np.isfinite(ends).all() or not ends[0] < ends[1]:
             raise ArgumentError(
@@ -82,6 +83,19 @@ def checked_clim(clim: Any, values: NDArray[np.float64], what: str) -> tuple[flo
     # One value for all has the middle of the map.
     middle, reach = (low + high) / 2, 0.5 * max(1.0, abs(low) * 1e-3)
     return (low, high) if low < high else (middle - reach, middle + reach)
+
+
+def _without_percentiles(clim: Any, values: NDArray[np.float64]) -> Any:
+    """The ends with values in place of percentiles, such as "1%"."""
+    if not isinstance(clim, list | tuple) or not any(isinstance(end, str) and end.endswith("%") for end in clim):
+        return clim
+    try:
+        return [
+            float(np.nanpercentile(values, float(end[:-1]))) if isinstance(end, str) and end.endswith("%") else end
+            for end in clim
+        ]
+    except ValueError:
+        return clim
 
 
 def checked_paint(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Collection
 from dataclasses import fields, replace
-from typing import TYPE_CHECKING, Any, ClassVar, TypeVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 from wavesplat._geometry.positions import checked_share
 from wavesplat._model.argument_types import check_text, described
@@ -13,9 +13,7 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-__all__ = ["Shape", "of_source"]
-
-T = TypeVar("T", bound="Shape")
+__all__ = ["Shape"]
 
 
 class Shape:
@@ -28,6 +26,8 @@ class Shape:
     #: File and options that it was opened with, by which documents name it.
     _source: dict[str, Any] | None = None
     name: str | None
+    #: What was assumed where its file says nothing, and what was done to the file's numbers; a sentence each.
+    guesses: tuple[str, ...] = ()
 
     def with_(self, **changes: Any) -> Self:
         """A copy with other fields, of those that it is made with, such as `color` or `opacity`.
@@ -42,8 +42,8 @@ class Shape:
             if name not in known:
                 raise ArgumentError(f"{self._told} has no {name!r} to change; it has {', '.join(known)}")
         changed = replace(self, **changes)  # type: ignore[type-var]
-        if self._source is not None and not set(changes) & set(self.OF_FILE):
-            object.__setattr__(changed, "_source", self._source)
+        if not set(changes) & set(self.OF_FILE):
+            changed._set(_source=self._source, guesses=self.guesses)
         return changed
 
     @property
@@ -87,9 +87,3 @@ class Shape:
             if not isinstance(given, bool | None):
                 raise ArgumentError(f"{switch} of {self._told} is {described(given)}; give True or False")
         self._set(opacity=checked_share(getattr(self, "opacity", 1.0), f"opacity of {self._told}"))
-
-
-def of_source(shape: T, source: dict[str, Any] | None) -> T:
-    """The shape, which knows the file that it was read from."""
-    object.__setattr__(shape, "_source", source)
-    return shape

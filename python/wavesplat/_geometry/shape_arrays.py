@@ -123,7 +123,11 @@ def _shapes_of(thing: Any) -> list[Shape]:
 
 def facts_of_shapes(shapes: Sequence[Shape]) -> list[dict[str, Any]]:
     """Kind, name and number of triangles, paths or points of each shape, for reports."""
-    return [{"kind": shape.KIND, "name": shape.name, "count": _count(shape)} for shape in shapes]
+    return [
+        {"kind": shape.KIND, "name": shape.name, "count": _count(shape)}
+        | ({"guesses": list(shape.guesses)} if shape.guesses else {})
+        for shape in shapes
+    ]
 
 
 def _count(shape: Shape) -> int:

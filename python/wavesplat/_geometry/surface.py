@@ -47,7 +47,7 @@ class Surface(Shape):
     cmap : str, optional
         Colour map of the values; None is "viridis".
     clim : (low, high), optional
-        Values of both ends of the map; None is the least and the largest.
+        Values of both ends of the map, or percentiles such as "1%"; None is the least and the largest.
     opacity : float, 0..1, default 1
         Of the surface, from whatever side and angle. Matter before it dims it, matter behind it is seen through it.
     normals : "smooth", "flat" or array, shape (n, 3)

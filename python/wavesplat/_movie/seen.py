@@ -19,6 +19,7 @@ from wavesplat._model.stereo import PLAIN, Eyes
 from wavesplat._model.views import view_angles
 from wavesplat._render import framing, projection
 from wavesplat._render.arguments import chosen_camera
+from wavesplat._scene.drawing import geometry_in_view
 from wavesplat._scene.drawn_layers import DrawnLayer, DrawnLayers, drawn_layers
 from wavesplat.errors import ArgumentError
 
@@ -46,7 +47,7 @@ def camera_of(
     eyes: Eyes = PLAIN,
 ) -> Camera:
     """The camera itself, or the one that a view's name or None stands for, which frames all of these times."""
-    return chosen_camera(given, *_parts(scene, composite, times), aspect, eyes=eyes)
+    return chosen_camera(given, *_parts(scene, composite, times), aspect, eyes=eyes, also=geometry_in_view(scene))
 
 
 def direction_of(scene: Scene, name: str | None, composite: Operator | None) -> tuple[float, float]:
@@ -65,7 +66,7 @@ def what_is_seen(
 
     The positions are None where all samples may be visible.
     """
-    return framing.shown_points(*_parts(scene, composite, times))
+    return framing.shown_points(*_parts(scene, composite, times), geometry_in_view(scene))
 
 
 def with_settled_looks(

@@ -42,7 +42,7 @@ from wavesplat._readers.vtk_sampling import (
 )
 from wavesplat.errors import FileError
 
-__all__ = ["SUFFIXES", "is_grid", "read"]
+__all__ = ["SUFFIXES", "check_promises", "is_grid", "loaded", "read"]
 
 SUFFIXES = (".vtr", ".vts", ".vtu", ".vtp", ".pvti", ".pvtr", ".pvts", ".pvtu", ".pvtp", ".vtm", ".vtmb", ".vthb")
 EXTRA = "vtk"
@@ -70,7 +70,7 @@ def read(request: Request) -> Grid:
             raise other_grid(kind, request.path)
         library("vtkmodules", extra=EXTRA)
         _check_file(request.file, request, MAX_DEPTH)
-        data = _loaded(request)
+        data = loaded(request.file)
         blocks = [block for block in _blocks(data) if block.GetNumberOfPoints() > 0]
         if not blocks:
             raise FileError(f"the grid has no points; write one that has: {request.path}")
@@ -156,7 +156,7 @@ def _check_file(path: Path, request: Request, depth: int) -> None:
         if kind is None:
             raise ValueError(f"{path.name} does not begin as VTK's files do")
         if kind in ("", "RectilinearGrid", "StructuredGrid", "UnstructuredGrid", "PolyData", "ImageData"):
-            _check_promises(content, path)
+            check_promises(content, path)
             return
         content += file.read()
     if depth == 0:
@@ -172,7 +172,7 @@ def _check_file(path: Path, request: Request, depth: int) -> None:
             _check_file(piece, request, depth - 1)
 
 
-def _check_promises(head: bytes, path: Path) -> None:
+def check_promises(head: bytes, path: Path) -> None:
     """Refuse a header with more points or cells than its file can hold, however packed."""
     counts = [int(number) for match in COUNTS.findall(head) for number in match if number]
     for match in EXTENTS.findall(head):
@@ -185,23 +185,23 @@ def _check_promises(head: bytes, path: Path) -> None:
         size_checks.check_stored([count], np.dtype("u1"), stored, path, ratio=ratio)
 
 
-def _loaded(request: Request) -> Any:
-    """The data object of a file, by VTK."""
-    with request.file.open("rb") as file:
+def loaded(path: Path) -> Any:
+    """The data object of a file that was checked, by VTK."""
+    with path.open("rb") as file:
         is_xml = file.read(HEAD_BYTES).lstrip().startswith(b"<")
     if is_xml:
         reader = library("vtkmodules.vtkIOXML", extra=EXTRA).vtkXMLGenericDataObjectReader()
     else:
-        check_whole(request.file)
+        check_whole(path)
         reader = library("vtkmodules.vtkIOLegacy", extra=EXTRA).vtkGenericDataObjectReader()
         # All arrays are read, not the first of each kind alone.
         for kind in ("Scalars", "Vectors", "Tensors", "Fields", "Normals", "TCoords"):
             getattr(reader, f"ReadAll{kind}On")()
-    reader.SetFileName(str(request.file))
+    reader.SetFileName(str(path))
     with _told_by_vtk() as told:
         reader.Update()
     data = reader.GetOutputDataObject(0)
-    if is_xml and data is not None and data.IsA("vtkImageData") and (turned := _direction_of(request.file)):
+    if is_xml and data is not None and data.IsA("vtkImageData") and (turned := _direction_of(path)):
         data.SetDirectionMatrix(turned)
     if data is None or any("ERR" in line for line in told):
         raise ValueError("truncated or damaged, as VTK finds")

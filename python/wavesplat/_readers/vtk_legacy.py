@@ -57,6 +57,8 @@ BLOCK_BYTES = 1 << 20
 MAX_LINE_BYTES = 1 << 16
 WORD = re.compile(rb"\S+")
 IS_SPACE = np.isin(np.arange(256), list(b" \t\n\r\v\f"))
+#: Words that begin cells: of a grid, and of the four kinds of a PolyData.
+CELLS = ("CELLS", "VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS")
 
 
 @dataclass(frozen=True)
@@ -223,7 +225,7 @@ class _Parser:
                 self._skip(rest[1], 3 * int(rest[0]), described=key)
             elif key == "CELL_TYPES":
                 self._skip("int", int(rest[0]), described=key)
-            elif key == "CELLS":
+            elif key in CELLS:
                 self._pass_over_cells(int(rest[0]), int(rest[1]))
             elif key != "DATASET" and not self._take_place(key, rest):
                 self._take(key, rest)

@@ -55,6 +55,7 @@ from wavesplat._render.lazy_layers import FrameSpec, LazyLayers
 from wavesplat._render.notes import note_on_steps, notes_on_layers, notes_on_picture
 from wavesplat._render.options import DrawOptions
 from wavesplat._render.tables import LEFT_OUT, note_on_table
+from wavesplat._scene.compositing import beside_shapes, over_background
 from wavesplat._scene.drawn_layers import (
     Curves,
     DrawnLayer,
@@ -66,7 +67,7 @@ from wavesplat._scene.drawn_layers import (
 )
 from wavesplat._scene.measured_errors import MeasuredErrors
 from wavesplat._scene.reporting import facts_of
-from wavesplat._scene.scene_shapes import also_in_view, beside_shapes, facts_of_geometry, note_on_size, shapes_of
+from wavesplat._scene.scene_shapes import also_in_view, facts_of_geometry, note_on_size, shapes_of
 from wavesplat._scene.summary import facts_of_layers, facts_of_picture
 from wavesplat.errors import ArgumentError
 
@@ -74,7 +75,7 @@ if TYPE_CHECKING:
     from wavesplat._geometry.shape_arrays import ShapeArrays
     from wavesplat._scene.scene import Scene
 
-__all__ = ["camera_of", "draw"]
+__all__ = ["camera_of", "draw", "geometry_in_view"]
 
 # Drivers do not like processes that end while a GPU is being opened.
 atexit.register(_native.gpu_settle)
@@ -139,7 +140,7 @@ def _drawn_scene(scene: Scene, camera: Camera | str | None, options: DrawOptions
     if labels is not None:
         _check_labels(composite, layers)
     parts = [(layer.seen, layer.look) for layer in layers]
-    parts, also = parts or _hidden_parts(scene), _also_in_view(scene)
+    parts, also = parts or _hidden_parts(scene), geometry_in_view(scene)
     eye = chosen_camera(camera, parts, clipping, eyes.aspect_of(size), eyes=eyes, also=also)
     eyes = eyes.settled(eye)
     look = layers[0].look if layers else None
@@ -278,7 +279,7 @@ def camera_of(scene: Scene, camera: Camera | str | None, options: DrawOptions) -
         shown = drawn_layers(scene, None if asked is None else name_of(asked))
         clipping = _clipping_of(scene, shown)
         parts = [(layer.seen, layer.look) for layer in shown.layers]
-        parts, also = parts or _hidden_parts(scene), _also_in_view(scene)
+        parts, also = parts or _hidden_parts(scene), geometry_in_view(scene)
         return chosen_camera(camera, parts, clipping, eyes.aspect_of(size), eyes=eyes, also=also)
 
 
@@ -366,7 +367,7 @@ def _is_coarse(layer: DrawnLayer) -> bool:
     return isinstance(layer.seen, WaveletVolume) and layer.seen.left_out != 0
 
 
-def _also_in_view(scene: Scene) -> NDArray[np.float64] | None:
+def geometry_in_view(scene: Scene) -> NDArray[np.float64] | None:
     """World positions of the scene's shapes that a camera is fitted to besides the volumes."""
     return also_in_view(scene.geometry, scene.layers[0].drawn, scene.bounds)
 
@@ -400,7 +401,7 @@ def _empty(frame: _Frame) -> Picture:
     check_picture_memory(frame.size, PIXEL_BYTES)
     alone = None if frame.shapes is None else _shapes_alone(frame, _hidden_layer(frame.scene))
     rgba = np.zeros((height, width, 4), np.float32) if alone is None else alone
-    rgba = _over_background(rgba, frame.background)
+    rgba = over_background(rgba, frame.background)
     device = {"name": "cpu", "reason": "nothing is drawn"}
     report = {"n_texels": 0, "device": device, "layers": [], "notes": ["no layer of the scene is visible"]}
     return Picture(rgba, report=Report(report))
@@ -413,7 +414,7 @@ def _in_one(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Cur
     if opacity != 1:
         alone = _shapes_alone(frame, layers[0])
         faded = np.float32(opacity) * (result["rgba"] if alone is None else result["rgba"] - alone)
-        result["rgba"] = _over_background(faded if alone is None else alone + faded, frame.background)
+        result["rgba"] = over_background(faded if alone is None else alone + faded, frame.background)
     report["look"] = _layer_summary(layers[0])
     report["processing"] = list(layers[0].seen.facts.processing)
     rgba, value = result["rgba"], result["value"]
@@ -449,7 +450,7 @@ def _added(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curv
     # Products do depend on it, so they are taken in the order of size.
     alpha = 1 - (np.sort(covers, axis=0) if len(covers) > 2 else np.array(covers)).prod(axis=0)
     rgba = np.dstack([light.clip(0, 1), alpha]).astype(np.float32)
-    rgba = _over_background(rgba, frame.background)
+    rgba = over_background(rgba, frame.background)
     report = {"n_texels": sum(report["n_texels"] for report in reports), "look": _layer_summary(layers[0])}
     report |= {name: reports[0][name] for name in ("sheets_per_slice", "oversampling", "n_threads", "simd", "device")}
     report |= {"processing": list(layers[0].seen.facts.processing), "layers": reports}
@@ -460,15 +461,6 @@ def _added(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curv
 
 def _part_of(progress: Callable[[float], object] | None, number: int, n: int) -> Callable[[float], object] | None:
     return None if progress is None else lambda done: progress((number + done) / n)
-
-
-def _over_background(rgba: NDArray[np.float32], background: colors.Rgba | None) -> NDArray[np.float32]:
-    if background is None:
-        return rgba
-    red, green, blue, alpha = background
-    below = np.array([red * alpha, green * alpha, blue * alpha, alpha], np.float32)
-    # Added light can exceed the opacity.
-    return np.minimum(rgba + (1 - rgba[..., 3:]) * below, 1).astype(np.float32)
 
 
 def _layer_summary(layer: DrawnLayer) -> dict[str, Any]:

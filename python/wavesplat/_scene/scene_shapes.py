@@ -18,7 +18,7 @@ if TYPE_CHECKING:
     from wavesplat._model.camera import Camera
     from wavesplat._model.grid import Grid
 
-__all__ = ["also_in_view", "beside_shapes", "facts_of_geometry", "note_on_size", "shapes_of"]
+__all__ = ["also_in_view", "facts_of_geometry", "note_on_size", "shapes_of"]
 
 #: Keeps the arrays that a function makes, by a key, and the identity of what they are made from.
 Keep = Callable[[Any, object, Callable[[], ShapeArrays]], ShapeArrays]
@@ -61,19 +61,6 @@ def note_on_size(shapes: ShapeArrays | None, *, travels: bool) -> list[str]:
         return []
     size = shapes.n_bytes / (1 << 20)
     return [f"the geometry has {size:.0f} MiB, and all of it is sent to each worker; thin it out if that takes long"]
-
-
-def beside_shapes(rgba: NDArray[np.float32], alone: NDArray[np.float32] | None) -> NDArray[np.float32]:
-    """What a picture shows beside its shapes: the light that comes through them, and the opacity of the rest alone.
-
-    alone : the shapes' own picture, which the projection is composited behind; None without any.
-    """
-    if alone is None:
-        return rgba
-    rest = rgba - alone
-    open_share = 1 - alone[..., 3]
-    rest[..., 3] = np.divide(rest[..., 3], open_share, out=np.zeros_like(open_share), where=open_share > 0)
-    return rest
 
 
 def _visible(geometry: Sequence[Shape]) -> tuple[Shape, ...]:

@@ -29,6 +29,8 @@ LARGE_BYTES = 64 << 20
 MAX_FITTED = 20_000
 #: How far from the volumes, in diagonals of their box, positions may lie that a camera is fitted to.
 REACH = 1.0
+#: Room around a frame for its numbers, as a share of its longest side.
+ROOM_FOR_NUMBERS = 0.08
 
 
 @dataclass(eq=False)
@@ -155,7 +157,9 @@ def positions_in_view(shapes: Sequence[Shape], bounds: NDArray[np.float64], volu
 def _outermost(shape: Shape, bounds: NDArray[np.float64], volume: Grid) -> NDArray[np.float64]:
     """Positions of a shape, few enough, those farthest along the axes included."""
     if isinstance(shape, Frame):
-        return _corners(shape._around(bounds))
+        box = shape._around(bounds)
+        around = ROOM_FOR_NUMBERS * (box[1] - box[0]).max() if shape.ticks else 0.0
+        return _corners(np.array([box[0] - around, box[1] + around]))
     if isinstance(shape, SlicePlane):
         own = volume if shape.volume is None else shape.volume
         return _corners(np.asarray(getattr(own, "bounds", bounds)))

@@ -25,7 +25,7 @@ from wavesplat._picture.marks import Block, Canvas, Color, Mark, Polygon, Text, 
 from wavesplat._picture.style import WHITE, Style, contrast
 from wavesplat.errors import ArgumentError
 
-__all__ = ["TIME", "Corner", "Figure", "Orientation", "Side", "annotated", "caption_strip", "with_caption"]
+__all__ = ["TIME", "Corner", "Figure", "Orientation", "Side", "annotated", "caption_strip", "style_of", "with_caption"]
 
 Corner: TypeAlias = Literal["lower left", "lower right", "upper left", "upper right"]
 Side: TypeAlias = Literal["beside", "lower left", "lower right", "upper left", "upper right"]
@@ -82,8 +82,10 @@ def _plain(value: Any) -> Any:
     return value if value is None or isinstance(value, str | float | int | PathLike) else list(value)
 
 
-def annotated(rgba: NDArray[np.float32], report: Mapping[str, Any], figure: Figure) -> tuple[Canvas, dict[str, Any]]:
-    """The canvas of a figure, and facts about its scale bar for the report."""
+def annotated(
+    rgba: NDArray[np.float32], report: Mapping[str, Any], figure: Figure, marks: Iterable[Mark] = ()
+) -> tuple[Canvas, dict[str, Any]]:
+    """The canvas of a figure, and facts about its scale bar for the report. `marks`: on the rendering, from before."""
     _check(figure)
     figure = replace(figure, title=_title_of(figure, report))
     height, width = rgba.shape[:2]
@@ -95,6 +97,7 @@ def annotated(rgba: NDArray[np.float32], report: Mapping[str, Any], figure: Figu
     on_picture = style.on_picture()
     margin = MARGIN * style.size
     sheet = _Sheet(width, height, margin, GAP * style.size)
+    sheet.marks += marks
     told: dict[str, Any] = {}
 
     if figure.scale_bar is not False:
@@ -118,6 +121,14 @@ def annotated(rgba: NDArray[np.float32], report: Mapping[str, Any], figure: Figu
         for block in _color_bars(figure, report, height, style if beside else on_picture, behind, taken=taken):
             sheet.put(block, figure.colorbar_at, "the colour bar")
     return sheet.canvas(rgba, background, style, figure), told
+
+
+def style_of(rgba: NDArray[np.float32], background: Any) -> Style:
+    """The style of what is written on a picture, over its background, red, green, blue and opacity, or None."""
+    height, width = rgba.shape[:2]
+    return Style(
+        _font_px(Figure(), width, height), contrast(WHITE if background is None else background[:3])
+    ).on_picture()
 
 
 def with_caption(rgba: NDArray[np.float32], text: str, color: Color = WHITE) -> NDArray[np.float32]:

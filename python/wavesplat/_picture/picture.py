@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import DTypeLike, NDArray
 
 from wavesplat._model.argument_types import described, takes_its_types
-from wavesplat._picture.marks import Canvas
+from wavesplat._picture.marks import Canvas, Mark
 from wavesplat._picture.report import Report
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
@@ -53,6 +53,8 @@ class Picture:
     report: Report = field(default_factory=Report)
     #: Canvas that `annotated` drew: the rendering and the marks on it, for files that hold vectors.
     _canvas: Canvas | None = field(default=None, init=False)
+    #: Canvas of the rendering with what is written beside things in space, which `rgba` has in its pixels.
+    _in_space: Canvas | None = field(default=None, init=False)
 
     def __post_init__(self) -> None:
         report: object = self.report
@@ -98,6 +100,15 @@ class Picture:
 
         camera = self.report.get("camera")
         return None if camera is None else Camera.from_json(camera)
+
+    def _with_marks(self, marks: tuple[Mark, ...]) -> Picture:
+        """The picture with marks on it: in its pixels, and apart for files that hold vectors."""
+        from wavesplat._picture import raster
+
+        canvas = Canvas(*self.size, self.rgba, marks=marks)
+        made = Picture(raster.drawn(canvas), self.depth, self.value, self.report)
+        object.__setattr__(made, "_in_space", canvas)
+        return made
 
     @takes_its_types
     def over(self, below: Picture) -> Picture:
@@ -230,7 +241,8 @@ class Picture:
             colorbar_at=colorbar_at,
             legend_at=legend_at,
         )
-        canvas, told = annotating.annotated(self.rgba, self.report, wanted)
+        under = self._in_space or Canvas(*self.size, self.rgba)
+        canvas, told = annotating.annotated(under.rgba, self.report, wanted, under.marks)
         if isinstance(self.report.get("scene"), dict):
             # So that the document of the picture has the figure too.
             told = told | {"scene": self.report["scene"] | {"figure": wanted.as_json()}}
@@ -302,7 +314,7 @@ class Picture:
         if not 1 <= quality <= 100:
             raise ArgumentError(f"quality is {quality}; give 1 to 100, 95 is good")
 
-        canvas = self._canvas or Canvas(*self.size, self.rgba)
+        canvas = self._canvas or self._in_space or Canvas(*self.size, self.rgba)
         canvas = canvas if dpi is None else replace(canvas, dpi=dpi)
         dpi = canvas.dpi
 

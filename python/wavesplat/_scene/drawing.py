@@ -67,7 +67,7 @@ from wavesplat._scene.drawn_layers import (
 )
 from wavesplat._scene.measured_errors import MeasuredErrors
 from wavesplat._scene.reporting import facts_of
-from wavesplat._scene.scene_shapes import also_in_view, facts_of_geometry, note_on_size, shapes_of
+from wavesplat._scene.scene_shapes import also_in_view, facts_of_geometry, note_on_size, shapes_of, with_text
 from wavesplat._scene.summary import facts_of_layers, facts_of_picture
 from wavesplat.errors import ArgumentError
 
@@ -150,6 +150,8 @@ def _drawn_scene(scene: Scene, camera: Camera | str | None, options: DrawOptions
     frame = _Frame(scene, eye, size, sampling, operator, clipping, labels, behind, options, shapes)
     functions = [_function(frame, layer, len(layers)) for layer in layers]
     picture = _seen_by(eyes, frame, layers, functions)
+    if eyes.are_plain:
+        picture = with_text(picture, scene.geometry, first, eye, behind)
     picture.report.update(facts_of_picture(scene, eye, eyes.size_of(size), behind, labels))
     picture.report.update(facts_of_layers(scene, layers, functions, operator) | facts_of_geometry(scene.geometry))
     picture.report.update(_facts(frame, eyes, layers, functions, picture.report))

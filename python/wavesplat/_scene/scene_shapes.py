@@ -11,14 +11,18 @@ from numpy.typing import NDArray
 
 from wavesplat._geometry.frame import Frame, far_sides
 from wavesplat._geometry.shape_arrays import LARGE_BYTES, ShapeArrays, facts_of_shapes, positions_in_view
+from wavesplat._geometry.text_marks import has_text, marks_in_space
+from wavesplat._picture.annotating import style_of
+from wavesplat._picture.picture import Picture
 from wavesplat._scene.slice_cards import card_of
 
 if TYPE_CHECKING:
     from wavesplat._geometry.shape import Shape
+    from wavesplat._looks.colors import Rgba
     from wavesplat._model.camera import Camera
     from wavesplat._model.grid import Grid
 
-__all__ = ["also_in_view", "facts_of_geometry", "note_on_size", "shapes_of"]
+__all__ = ["also_in_view", "facts_of_geometry", "note_on_size", "shapes_of", "with_text"]
 
 #: Keeps the arrays that a function makes, by a key, and the identity of what they are made from.
 Keep = Callable[[Any, object, Callable[[], ShapeArrays]], ShapeArrays]
@@ -48,6 +52,21 @@ def also_in_view(geometry: Sequence[Shape], first: Grid, bounds: NDArray[np.floa
     """
     shown = _visible(geometry)
     return positions_in_view(shown, bounds, first) if shown else None
+
+
+def with_text(
+    picture: Picture, geometry: Sequence[Shape], first: Grid, camera: Camera, background: Rgba | None
+) -> Picture:
+    """The picture with numbers of frames and names of points, if there are any.
+
+    first : volume of the scene's first layer. background : of the picture; None is transparent.
+    """
+    if not has_text(_visible(geometry)):
+        return picture
+    facts: Any = {"bounds": first.bounds, "unit": first.unit, "is_anatomical": first.is_anatomical}
+    style = style_of(picture.rgba, background)
+    marks = marks_in_space(_visible(geometry), camera, picture.size, style, **facts)
+    return picture._with_marks(marks) if marks else picture
 
 
 def facts_of_geometry(geometry: Sequence[Shape]) -> dict[str, Any]:

@@ -61,7 +61,7 @@ class _Page:
             reach = across
         else:
             left, top = at[0] - across / 2, (at[1] if towards[1] > 0 else at[1] - high)
-            reach = high
+            reach = abs(towards[1]) * high + abs(towards[0]) * across / 2
         rim = 0.15 * size
         box = (left - rim, top - rim, left + across + rim, top + high + rim)
         width, height = self.size
@@ -171,7 +171,13 @@ def _write_axis(page: _Page, ends: Array, axis: int, title: str, middle: Array) 
         page.marks.append(stroke((point[0], point[1]), (tip[0], tip[1]), width, font.ink, font.halo))
         reach = max(reach, page.write(f"{value:g}", tip + GAP * small * out, out, small) or 0.0)
     off = (TICK + TITLE_GAP) * font.size + GAP * small + reach
-    page.write(title, (a + b) / 2 + off * out, out, font.size)
+    if abs(out[0]) < BESIDE:  # a slanted edge is nearer to one end of the title than to its middle
+        off += abs(out[0]) * text_width(title, font.size, font.font) / 2
+    # In the middle, else behind one of the ends.
+    behind = 1.6 * font.size
+    for place, towards in (((a + b) / 2 + off * out, out), (b + behind * along, along), (a - behind * along, -along)):
+        if page.write(title, place, towards, font.size) is not None:
+            break
 
 
 # Names ----------------------------------------------------------------------------------------------------------------

@@ -19,7 +19,7 @@ from wavesplat._files.size_checks import check_readable
 from wavesplat._geometry.read_shape import Asked, ReadShape
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["FREESURFER", "is_freesurfer", "read_freesurfer", "read_gifti", "values_beside"]
+__all__ = ["is_freesurfer", "read_freesurfer", "read_gifti"]
 
 #: Ends of names of FreeSurfer's surfaces.
 FREESURFER = (".pial", ".white", ".inflated", ".orig", ".smoothwm", ".sphere", ".midthickness")
@@ -43,7 +43,8 @@ def read_freesurfer(asked: Asked) -> ReadShape:
     vertices, faces, meta = nib.freesurfer.read_geometry(str(asked.file), read_metadata=True)
     moved, told = _in_scanner(np.asarray(vertices, np.float64), meta or {})
     fields = {"vertices": moved, "faces": np.asarray(faces)}
-    return ReadShape("surface", fields | _values(asked, len(moved)), "mm", told)
+    values, values_from = _values(asked, len(moved))
+    return ReadShape("surface", fields | values, "mm", told, values_from)
 
 
 def _in_scanner(vertices: NDArray[np.float64], meta: Any) -> tuple[NDArray[np.float64], tuple[str, ...]]:
@@ -78,7 +79,8 @@ def read_gifti(asked: Asked) -> ReadShape:
         x, y, z = center.tolist()
         told = (f"moved by c_ras ({x:g}, {y:g}, {z:g}) mm into the scanner's world",)
     fields = {"vertices": vertices, "faces": np.asarray(triangles[0].data)}
-    return ReadShape("surface", fields | _values(asked, len(vertices)), "mm", told)
+    values, values_from = _values(asked, len(vertices))
+    return ReadShape("surface", fields | values, "mm", told, values_from)
 
 
 def _center_of(meta: Any) -> NDArray[np.float64] | None:
@@ -89,15 +91,16 @@ def _center_of(meta: Any) -> NDArray[np.float64] | None:
         return None
 
 
-def _values(asked: Asked, n: int) -> dict[str, Any]:
-    """Values or colours of the vertices, from the file that `values` names."""
-    return {} if asked.values is None else values_beside(asked, n)
+def _values(asked: Asked, n: int) -> tuple[dict[str, Any], Path | None]:
+    """Values or colours of `n` vertices, and their file, which `values` names: FreeSurfer's, GIfTI's, numbers as text.
 
-
-def values_beside(asked: Asked, n: int) -> dict[str, Any]:
-    """Values or colours of `n` vertices in a file beside a surface: FreeSurfer's, GIfTI's, or numbers as text."""
-    path = Path(str(asked.values)).expanduser()
-    path = path if path.is_absolute() or path.exists() else asked.file.parent / path
+    A relative name starts from the surface's folder or, where there is none of that name, from the working directory.
+    """
+    if asked.values is None:
+        return {}, None
+    path = Path(asked.values).expanduser()
+    beside = asked.file.parent / path
+    path = beside if beside.exists() else path.absolute()
     check_within(path, asked.within)
     if not path.exists():
         raise ArgumentError(
@@ -109,7 +112,7 @@ def values_beside(asked: Asked, n: int) -> dict[str, Any]:
     count = len(found.get("values", found.get("color", ())))
     if count != n:
         raise FileError(f"it has values of {count} vertices, and the surface has {n}; do they belong together: {path}")
-    return found
+    return found, path.absolute()
 
 
 def _fields_of_values(path: Path) -> dict[str, Any]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Callable
 from dataclasses import fields
 from os import PathLike
@@ -18,7 +19,7 @@ from wavesplat._geometry import brain_surfaces, mesh_formats, neurons, poly_data
 from wavesplat._geometry.lines import Lines
 from wavesplat._geometry.points import Points
 from wavesplat._geometry.read_shape import Asked, ReadShape
-from wavesplat._geometry.shape import Shape
+from wavesplat._geometry.shape import Shape, is_one
 from wavesplat._geometry.surface import Surface
 from wavesplat._model import sources, units
 from wavesplat._model.argument_types import described, takes_its_types
@@ -121,8 +122,11 @@ def open_geometry(
     guesses = list(found.guesses)
     if own is None and world is not None:
         guesses.append(f"positions are taken in {units.written(world)}, the volume's unit: the file names none")
-    options = {"kind": kind, "values": values, "unit": unit, "world_unit": world_unit}
+    options = {"kind": found.kind, "values": values, "unit": unit, "world_unit": world_unit}
+    if values is not None and found.values_from is not None:
+        options["values"] = os.path.relpath(found.values_from, place.absolute().parent)
     source = sources.of_file(path, {name: value for name, value in options.items() if value is not None})
+    source = source if all(is_one(*given) for given in look.items()) else None
     shape._set(guesses=tuple(guesses), _source=source)
     return shape  # type: ignore[no-any-return]
 

@@ -27,3 +27,5 @@ class ReadShape(NamedTuple):
     unit: str | None = None
     #: Assumptions where the file says nothing, and what was done to its numbers; a sentence each.
     guesses: tuple[str, ...] = ()
+    #: File that the values of the vertices come from, of a surface in another.
+    values_from: Path | None = None

@@ -13,7 +13,7 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from typing_extensions import Self
 
-__all__ = ["Shape"]
+__all__ = ["Shape", "is_one"]
 
 
 class Shape:
@@ -43,7 +43,9 @@ class Shape:
                 raise ArgumentError(f"{self._told} has no {name!r} to change; it has {', '.join(known)}")
         changed = replace(self, **changes)  # type: ignore[type-var]
         if not set(changes) & set(self.OF_FILE):
-            changed._set(_source=self._source, guesses=self.guesses)
+            # A value for each of its parts is not in the file.
+            kept = self._source if all(is_one(*change) for change in changes.items()) else None
+            changed._set(_source=kept, guesses=self.guesses)
         return changed
 
     @property
@@ -87,3 +89,10 @@ class Shape:
             if not isinstance(given, bool | None):
                 raise ArgumentError(f"{switch} of {self._told} is {described(given)}; give True or False")
         self._set(opacity=checked_share(getattr(self, "opacity", 1.0), f"opacity of {self._told}"))
+
+
+def is_one(name: str, value: Any) -> bool:
+    """Whether the value of a field is one for all of a shape, and not one for each of its parts."""
+    if value is None or isinstance(value, str | int | float):
+        return True
+    return name in ("color", "clim") and all(isinstance(part, str | int | float) for part in value)

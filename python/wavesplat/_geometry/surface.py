@@ -24,6 +24,8 @@ __all__ = ["Surface"]
 
 #: Colour of surfaces without one: that of ivory, on which shadows show.
 IVORY = (0.93, 0.88, 0.78)
+#: How far the length of a unit vector in float32 may be from 1.
+ROUNDED = 1e-6
 
 
 @public
@@ -181,4 +183,5 @@ def _normals(given: Any, n: int, told: str) -> Any:
         row = int(np.argmin(np.isfinite(lengths)))
         raise ArgumentError(f"normals[{row}] of {told} is not finite; give {form}")
     array[lengths == 0], lengths[lengths == 0] = (0, 0, 1), 1
+    lengths[np.abs(lengths - 1) < ROUNDED] = 1  # so that documents read back to the bit
     return frozen((array / lengths[:, None]).astype(np.float32))

@@ -362,6 +362,39 @@ class Camera:
         """
         return camera_fit.projected(self, points, size)
 
+    @takes_its_types
+    def unproject(self, pixels: ArrayLike, depths: ArrayLike, *, size: Sequence[int]) -> NDArray[np.float64]:
+        """World points at places in a picture of this camera, at depths along their rays: the inverse of `project`.
+
+        Parameters
+        ----------
+        pixels : array, shape (n, 2)
+            Column and row, as `project` gives them: (0, 0) is the centre of the first pixel.
+        depths : array, shape (n,), or one number for all
+            World units along the ray, as in `Picture.depth`: `picture.depth[row, column]` is where matter is half
+            absorbed, or a surface lies. Where it is NaN, so is the point.
+        size : two numbers (width, height)
+            Pixels of the picture, as for `render`.
+
+        Returns
+        -------
+        float64 array, shape (n, 3)
+            World positions (x, y, z).
+
+        Raises
+        ------
+        ArgumentError
+            If the shapes do not fit each other, or the size is none.
+
+        Examples
+        --------
+        >>> import wavesplat as ws
+        >>> camera = ws.Camera((0, 500, 0), (0, 0, 0), (0, 0, 1), parallel_scale=100)
+        >>> camera.unproject([(99.5, 99.5), (149.5, 49.5)], [500, 400], size=(200, 200)).tolist()
+        [[0.0, 0.0, 0.0], [-50.0, 100.0, 50.0]]
+        """
+        return camera_fit.unprojected(self, pixels, depths, size)
+
     def as_json(self) -> dict[str, Any]:
         """The camera as an object that `json` can write, which `from_json` reads back exactly.
 

@@ -40,6 +40,7 @@ __all__ = [
     "placed_for_all",
     "projected",
     "sin_cos_deg",
+    "unprojected",
     "widened",
 ]
 
@@ -206,12 +207,7 @@ def axes_of(camera: Camera) -> Vectors:
 def projected(camera: Camera, points: ArrayLike, size: Sequence[int]) -> tuple[Vectors, Vectors]:
     """See `Camera.project`. The inverse of `ray` of `crates/core/src/camera.rs`, whose pixel centres are at halves."""
     seen = _checked_points(points) - camera.position
-    try:
-        width, height = (index(number) for number in size)
-    except (TypeError, ValueError):
-        width, height = 0, 0
-    if width < 1 or height < 1:
-        raise ArgumentError(f"size is {described(size)}; give (width, height), two whole numbers of pixels from 1")
+    width, height = _checked_size(size)
     right, up, back = axes_of(camera)
     forward = -(seen @ back)
     if camera.view_angle is None:
@@ -223,6 +219,31 @@ def projected(camera: Camera, points: ArrayLike, size: Sequence[int]) -> tuple[V
     columns = (width + height * (seen @ right) / half_heights) / 2 - 0.5
     rows = height * (1 - (seen @ up) / half_heights) / 2 - 0.5
     return np.stack([columns, rows], axis=1), depths
+
+
+def unprojected(camera: Camera, pixels: ArrayLike, depths: ArrayLike, size: Sequence[int]) -> Vectors:
+    """See `Camera.unproject`."""
+    width, height = _checked_size(size)
+    try:
+        places, along = np.array(pixels, np.float64), np.array(depths, np.float64)
+    except (TypeError, ValueError, OverflowError):
+        places, along = np.empty(0), np.empty(0)
+    if places.ndim != 2 or places.shape[1] != 2 or along.shape not in ((), (len(places),)):
+        raise ArgumentError(
+            f"pixels has shape {places.shape} and depths {along.shape}; give columns and rows, shape (n, 2), and a depth "
+            "for each, shape (n,), or one number for all"
+        )
+    right, up, back = axes_of(camera)
+    # Distances from the middle of the picture, in half its heights.
+    across = (2 * (places[:, :1] + 0.5) - width) / height
+    upwards = 1 - 2 * (places[:, 1:] + 0.5) / height
+    along = np.broadcast_to(along, len(places))[:, None]
+    if camera.view_angle is None:
+        half = camera.parallel_scale or 0.0
+        return np.asarray(camera.position + half * (across * right + upwards * up) - along * back)
+    slope = tan(radians(camera.view_angle) / 2)
+    rays = slope * (across * right + upwards * up) - back
+    return np.asarray(camera.position + along * rays / np.linalg.norm(rays, axis=1, keepdims=True))
 
 
 def orbit_axes(azimuth: float, elevation: float) -> Vectors:
@@ -269,6 +290,16 @@ def _volume(what: object) -> Grid:
     from wavesplat._model.volume_like import as_volume
 
     return as_volume(what)
+
+
+def _checked_size(size: Sequence[int]) -> tuple[int, int]:
+    try:
+        width, height = (index(number) for number in size)
+    except (TypeError, ValueError):
+        width, height = 0, 0
+    if width < 1 or height < 1:
+        raise ArgumentError(f"size is {described(size)}; give (width, height), two whole numbers of pixels from 1")
+    return width, height
 
 
 def _tuple(point: Sequence[float] | Vectors) -> Vector:

@@ -6,14 +6,15 @@
                  "color_from": {"volume": {...}, "name": "dose", "look": "auto"}}],
      "labels": null, "shading": "look", "clip": [{"plane": {"point": [0, 0, 0], "normal": [0, 1, 0]}}],
      "background": "black", "keep_table": false,
+     "geometry": [{"surface": {"file": {"path": "liver.stl"}, "color": "red", "opacity": 0.5}}],
      "camera": {...}, "render": {"size": [512, 512], "quality": "normal", "kernel": "linear", "composite": "over"}}
 
 A volume is a file and the options that it is opened with, or an example, and what is done to it then. A look is an
 object as `Look.to_json` writes it, the name of a preset, or null: by the kind of data. `color_from` is the field that
-colours a layer, if there is one. `camera` and `render` may be left out; the documents in reports and PNG files have
-them, and `figure`, the arguments of `Picture.annotated`, where something was drawn on the picture, and those of the
-viewer `view`, which only it reads. Relative paths start from the document's folder, and files lie in it
-(`document_paths`).
+colours a layer, if there is one. `geometry` are shapes in space, of files or written out (`geometry_json`). `camera`
+and `render` may be left out; the documents in reports and PNG files have them, and `figure`, the arguments of
+`Picture.annotated`, where something was drawn on the picture, and those of the viewer `view`, which only it reads.
+Relative paths start from the document's folder, and files lie in it (`document_paths`).
 """
 
 from __future__ import annotations
@@ -22,7 +23,7 @@ import json
 from collections.abc import Callable, Collection, Mapping
 from dataclasses import dataclass, fields, replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from wavesplat._files import json_text
 from wavesplat._looks import look_json
@@ -39,6 +40,8 @@ from wavesplat._model.crop import Crop
 from wavesplat._model.options import MAX_SIDE_PX
 from wavesplat._model.sampling import Sampling
 from wavesplat._model.stereo import Stereo, checked_eyes
+from wavesplat._scene import geometry_json
+from wavesplat._scene.document_checks import check_fields, list_in, made_at
 from wavesplat._scene.document_paths import Reach
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.named_volumes import volume_named
@@ -59,14 +62,12 @@ __all__ = [
     "write",
 ]
 
-T = TypeVar("T")
-
 KIND, VERSION = "scene", 1
 WHAT = "scene"
 LABELS = ("volume", "labels", "smooth")
 LAYER = ("volume", "name", "look", "visible", "opacity", "time", "color_from")
 COLOR = ("volume", "name", "look")
-SCENE = ("layers", "labels", "shading", "clip", "background", "keep_table")
+SCENE = ("layers", "labels", "shading", "clip", "background", "keep_table", "geometry")
 KNOWN = ("wavesplat", "version", *SCENE, "camera", "render", "figure", "view")
 RENDER = ("size", "quality", "psnr", "kernel", "composite", "depth", "stereo", "panorama")
 OPERATORS: dict[str, Any] = {FirstHit.name: FirstHit} | WITH_DEFAULTS
@@ -102,7 +103,9 @@ def document_of(scene: Scene, *, strict: bool = True, look_of: Callable[[Layer],
         for number, layer in enumerate(scene.layers)
     ]
     shading = scene.shading
-    kept = {"keep_table": True} if scene.keep_table else {}
+    kept: dict[str, Any] = {"keep_table": True} if scene.keep_table else {}
+    if scene.geometry:
+        kept["geometry"] = geometry_json.fields_of(scene.geometry, strict=strict)
     return {
         "wavesplat": KIND,
         "version": VERSION,
@@ -219,18 +222,19 @@ def inside(found: Any) -> dict[str, Any]:
 def _document(document: dict[str, Any], reach: Reach) -> Document:
     from wavesplat._scene.scene import Scene
 
-    _check(document, WHAT, needed=("version", "layers"), known=KNOWN)
+    check_fields(document, WHAT, needed=("version", "layers"), known=KNOWN)
     version = document["version"]
     if version != VERSION or not isinstance(version, int) or isinstance(version, bool):
         raise ArgumentError(f"{WHAT}: field 'version' is {described(version)}; this release reads version {VERSION}")
-    layers = _list(document, "layers", WHAT)
+    layers = list_in(document, "layers", WHAT)
     built = [_layer(layer, f"{WHAT}: layers[{number}]", reach) for number, layer in enumerate(layers)]
     clips = clips_of(document)
     background = document.get("background")
     if not isinstance(background, str | list | None):
         raise ArgumentError(f"{WHAT}: field 'background' is {described(background)}; it must be a colour or null")
     shading = shading_of(document.get("shading", "look"))
-    scene = _made(
+    geometry = geometry_json.shapes_of(list_in(document, "geometry", WHAT), f"{WHAT}: geometry", reach)
+    scene = made_at(
         f"{WHAT}",
         lambda: Scene(
             built,
@@ -239,11 +243,12 @@ def _document(document: dict[str, Any], reach: Reach) -> Document:
             clip=clips,
             background=background,
             keep_table=document.get("keep_table", False),
+            geometry=geometry,
         ),
     )
     eye = camera_of(document.get("camera"))
     figure = document.get("figure") or {}
-    _check(figure, f"{WHAT}: figure", needed=(), known=_names_of_figures())
+    check_fields(figure, f"{WHAT}: figure", needed=(), known=_names_of_figures())
     if figure.get("font") is not None:
         figure = {**figure, "font": reach.of_name(figure["font"]).path(figure["font"], f"{WHAT}: figure.font")}
     view = document.get("view") or {}
@@ -259,43 +264,43 @@ def _names_of_figures() -> list[str]:
 
 
 def _layer(layer: Any, what: str, reach: Reach) -> Layer:
-    _check(layer, what, needed=("volume",), known=LAYER)
+    check_fields(layer, what, needed=("volume",), known=LAYER)
     made = layer_of(layer, what, volume_named(layer["volume"], f"{what}.volume", reach))
     field, what = layer.get("color_from"), f"{what}.color_from"
     if field is None:
         return made
-    _check(field, what, needed=("volume",), known=COLOR)
+    check_fields(field, what, needed=("volume",), known=COLOR)
     return replace(made, color_from=layer_of(field, what, volume_named(field["volume"], f"{what}.volume", reach)))
 
 
 def layer_of(layer: Any, what: str, volume: Any) -> Layer:
     """The layer that fields describe, of a volume that is open."""
-    _check(layer, what, needed=("volume",), known=LAYER)
+    check_fields(layer, what, needed=("volume",), known=LAYER)
     look = layer.get("look")
     if isinstance(look, dict):
         fields_of_look = {"version": 1, **look}
-        look = _made(f"{what}.look", lambda: look_json.build(fields_of_look, None))
+        look = made_at(f"{what}.look", lambda: look_json.build(fields_of_look, None))
     elif not isinstance(look, str | None):
         raise ArgumentError(f"{what}: field 'look' is {described(look)}; it must be an object, a name or null")
     for name, kind, form in (("visible", bool, "true or false"), ("time", int, "a whole number")):
         if not isinstance(layer.get(name, kind()), kind):
             raise ArgumentError(f"{what}: field {name!r} is {described(layer[name])}; it must be {form}")
     given = {name: layer[name] for name in ("visible", "opacity", "time", "name") if layer.get(name) is not None}
-    return _made(what, lambda: Layer(volume, look, **given))
+    return made_at(what, lambda: Layer(volume, look, **given))
 
 
 def _labels(labels: Any, what: str, reach: Reach) -> Labels | None:
     if labels is None:
         return None
-    _check(labels, what, needed=("volume",), known=LABELS)
+    check_fields(labels, what, needed=("volume",), known=LABELS)
     segmentation = volume_named(labels["volume"], f"{what}.volume", reach)
     chosen = looks_of_labels(labels, what)
-    return _made(what, lambda: Labels(segmentation, chosen, smooth=labels.get("smooth", True)))
+    return made_at(what, lambda: Labels(segmentation, chosen, smooth=labels.get("smooth", True)))
 
 
 def looks_of_labels(labels: Any, what: str) -> dict[int, Label] | None:
     """The looks by number that fields of labels describe; None if they have none."""
-    _check(labels, what, needed=("volume",), known=LABELS)
+    check_fields(labels, what, needed=("volume",), known=LABELS)
     looks = labels.get("labels")
     if not isinstance(looks, dict | None) or not all(isinstance(look, dict) for look in (looks or {}).values()):
         raise ArgumentError(f"{what}: field 'labels' is {described(looks)}; it must be an object of objects, by number")
@@ -303,7 +308,7 @@ def looks_of_labels(labels: Any, what: str) -> dict[int, Label] | None:
 
 
 def _label(look: dict[str, Any], what: str) -> Label:
-    return _made(f"{what}: labels", lambda: Label(**look))
+    return made_at(f"{what}: labels", lambda: Label(**look))
 
 
 def _number(text: str, what: str) -> int:
@@ -317,12 +322,12 @@ def camera_of(camera: Any) -> Camera | None:
     """The camera that fields describe, if there are any."""
     if not isinstance(camera, dict | None):
         raise ArgumentError(f"{WHAT}: field 'camera' is {described(camera)}; it must be an object")
-    return None if camera is None else _made(WHAT, lambda: camera_json.build(camera))
+    return None if camera is None else made_at(WHAT, lambda: camera_json.build(camera))
 
 
 def clips_of(document: dict[str, Any]) -> list[Clip]:
     """The clips that the document's field `clip` describes."""
-    return [_clip(clip, f"{WHAT}: clip[{number}]") for number, clip in enumerate(_list(document, "clip", WHAT))]
+    return [_clip(clip, f"{WHAT}: clip[{number}]") for number, clip in enumerate(list_in(document, "clip", WHAT))]
 
 
 def shading_of(shading: Any) -> Any:
@@ -336,21 +341,21 @@ def _clip(clip: Any, what: str) -> Clip:
         raise ArgumentError(f"{what} is {described(clip)}; it must be an object of one field: {', '.join(kinds)}")
     ((kind, numbers),) = clip.items()
     if kind == "plane":
-        _check(numbers, f"{what}.plane", needed=("point", "normal"), known=("point", "normal"))
-        return _made(what, lambda: ClipPlane(**numbers))
-    _check(numbers, f"{what}.{kind}", needed=("lower", "upper"), known=("lower", "upper", "space"))
-    box = _made(what, lambda: Crop(**numbers))
-    return box if kind == "keep" else _made(what, lambda: CutOut(box))
+        check_fields(numbers, f"{what}.plane", needed=("point", "normal"), known=("point", "normal"))
+        return made_at(what, lambda: ClipPlane(**numbers))
+    check_fields(numbers, f"{what}.{kind}", needed=("lower", "upper"), known=("lower", "upper", "space"))
+    box = made_at(what, lambda: Crop(**numbers))
+    return box if kind == "keep" else made_at(what, lambda: CutOut(box))
 
 
 def _shading(shading: Any) -> Shading | None:
-    return _made(WHAT, lambda: look_json.build_shading(shading))
+    return made_at(WHAT, lambda: look_json.build_shading(shading))
 
 
 def options_of(render: Any) -> dict[str, Any]:
     """Arguments of `Scene.render` that the field `render` describes."""
     what = f"{WHAT}: render"
-    _check(render, what, needed=(), known=RENDER)
+    check_fields(render, what, needed=(), known=RENDER)
     options = {name: value for name, value in render.items() if value is not None}
     if "size" in options:
         size = options["size"]
@@ -364,14 +369,14 @@ def options_of(render: Any) -> dict[str, Any]:
     quality = options.get("quality")
     if isinstance(quality, dict):
         known = [field.name for field in fields(Sampling)]
-        _check(quality, f"{what}.quality", needed=(), known=known)
-        options["quality"] = _made(f"{what}.quality", lambda: Sampling(**quality))
+        check_fields(quality, f"{what}.quality", needed=(), known=known)
+        options["quality"] = made_at(f"{what}.quality", lambda: Sampling(**quality))
     stereo = options.get("stereo")
     if isinstance(stereo, dict):
-        _check(stereo, f"{what}.stereo", needed=(), known=[field.name for field in fields(Stereo)])
+        check_fields(stereo, f"{what}.stereo", needed=(), known=[field.name for field in fields(Stereo)])
         distances: dict[str, Any] = stereo
-        options["stereo"] = _made(f"{what}.stereo", lambda: Stereo(**distances))
-    _made(what, lambda: checked_eyes(options.get("stereo"), options.get("panorama", False)))
+        options["stereo"] = made_at(f"{what}.stereo", lambda: Stereo(**distances))
+    made_at(what, lambda: checked_eyes(options.get("stereo"), options.get("panorama", False)))
     if "composite" in options:
         options["composite"] = _operator(options["composite"], f"{what}.composite")
     return options
@@ -385,39 +390,11 @@ def _operator(given: Any, what: str) -> Operator | None:
             )
         ((name, numbers),) = given.items()
         kind = OPERATORS[name]
-        _check(numbers, f"{what}.{name}", needed=(), known=[field.name for field in fields(kind)])
-        return _made(what, lambda: _operator_of(kind, numbers))
-    return _made(what, lambda: checked_operator(given))
+        check_fields(numbers, f"{what}.{name}", needed=(), known=[field.name for field in fields(kind)])
+        return made_at(what, lambda: _operator_of(kind, numbers))
+    return made_at(what, lambda: checked_operator(given))
 
 
 def _operator_of(kind: Any, numbers: dict[str, Any]) -> Operator:
     operator: Operator = kind(**numbers)
     return operator
-
-
-def _check(thing: Any, what: str, *, needed: Any, known: Any) -> None:
-    if not isinstance(thing, dict):
-        raise ArgumentError(f"{what} is {described(thing)}; it must be an object")
-    for name in needed:
-        if name not in thing:
-            raise ArgumentError(f"{what}: field {name!r} is missing")
-    unknown = sorted(set(thing) - set(known))
-    if unknown:
-        raise ArgumentError(f"{what}: unknown field {unknown[0]!r}; the fields are {', '.join(sorted(known))}")
-
-
-def _list(document: dict[str, Any], name: str, what: str) -> list[Any]:
-    found = document.get(name, [])
-    if not isinstance(found, list):
-        raise ArgumentError(f"{what}: field {name!r} is {described(found)}; it must be a list")
-    return found
-
-
-def _made(what: str, make: Callable[[], T]) -> T:
-    """The result of `make`; its errors get the place in the document."""
-    try:
-        return make()
-    except TypeError as error:
-        raise ArgumentError(f"{what}: {error}") from None
-    except ArgumentError as error:
-        raise ArgumentError(f"{what}: {error}") from None

@@ -10,7 +10,7 @@ from wavesplat._looks.labels import Labels
 from wavesplat._looks.look import Look
 from wavesplat._looks.shading import Shading
 from wavesplat._model.clips import Clip, ClipPlane, CutOut
-from wavesplat._scene import scene_json
+from wavesplat._scene import geometry_json, scene_json
 from wavesplat._scene.layer import Layer
 from wavesplat._viewer.state import ViewerState
 
@@ -55,6 +55,8 @@ def python_of(state: ViewerState, size: tuple[int, int]) -> str:
     lines.append(f"    background={scene.background!r},")
     if scene.keep_table:
         lines.append("    keep_table=True,")
+    if scene.geometry:
+        lines += ["    geometry=[", *[f"        {_shape(one)}," for one in _geometry_fields(state)], "    ],"]
     lines.append(")")
     camera = state.camera
     lens = (
@@ -123,6 +125,34 @@ def _look(name: str, layer: Layer, fields: dict[str, Any]) -> str:
         if preset == fields:
             return f"ws.Look.preset({known!r}, {name})"
     return f"ws.Look.from_json({json.dumps({'version': 1, **fields})!r})"
+
+
+def _geometry_fields(state: ViewerState) -> list[dict[str, Any]]:
+    """Geometry as documents have it, in JSON's types."""
+    found: list[dict[str, Any]] = json.loads(json.dumps(geometry_json.fields_of(state.scene.geometry, strict=False)))
+    return found
+
+
+def _shape(fields: dict[str, Any]) -> str:
+    ((name, own),) = fields.items()
+    own = {key: tuple(value) if key == "clim" else value for key, value in own.items()}
+    kind = geometry_json.TYPES[name].__name__
+    if (file := own.pop("file", None)) is not None:
+        if file["path"] is None:
+            return f"...  # give the {name} here: it comes from no file"
+        options = {"kind": name, **file}
+        path = options.pop("path")
+        return f"ws.open_geometry({', '.join(filter(None, (repr(path), _given(options), _given(own))))})"
+    volume = own.pop("volume", None)
+    if isinstance(own.get("plane"), dict):
+        own["plane"] = (own["plane"]["point"], own["plane"]["normal"])
+    own = {key: _with_nan(value) if key == "values" else value for key, value in own.items()}
+    first = [] if volume is None else [_volume(volume, "slice")]
+    return f"ws.{kind}({', '.join(filter(None, (*first, _given(own))))})"
+
+
+def _with_nan(values: list[Any]) -> Any:
+    return [float("nan") if value is None else value for value in values]
 
 
 def _labels(labels: Labels, source: dict[str, Any] | None) -> str:

@@ -100,8 +100,9 @@ class ViewerState:
         if labels is not None:
             labels["volume"] = {"path": None}
         document["background"] = document["background"] or "black"
-        # It is the scene's, which the page does not change.
+        # They are the scene's, which the page does not change.
         document.pop("keep_table", None)
+        document.pop("geometry", None)
         quality = given.get("quality", "normal")
         document["render"] = {
             "quality": quality if isinstance(quality, str) else scene_json.fields_of_sampling(quality),
@@ -141,7 +142,9 @@ class ViewerState:
         layers = [
             {**layer, "volume": source} for layer, source in zip(self.document["layers"], self.sources, strict=True)
         ]
-        document = {**self.document, "layers": layers, **({"keep_table": True} if self.scene.keep_table else {})}
+        own = scene_json.document_of(self.scene, strict=False)
+        document = {**self.document, "layers": layers}
+        document |= {name: own[name] for name in ("keep_table", "geometry") if name in own}
         if self.document["labels"] is not None:
             document["labels"] = {**self.document["labels"], "volume": self.label_source}
         if size is not None:

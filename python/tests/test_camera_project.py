@@ -89,3 +89,33 @@ def test_what_is_behind_a_perspective_camera_is_nowhere():
 def test_bad_arguments(points, size, said):
     with pytest.raises(ws.errors.ArgumentError, match=said):
         POSES["perspective"].project(points, size=size)
+
+
+@pytest.mark.parametrize("pose", POSES)
+def test_unproject_is_the_inverse(pose):
+    points = np.random.default_rng(3).uniform(-10, 15, (200, 3))
+    pixels, depths = POSES[pose].project(points, size=SIZE)
+    assert np.abs(POSES[pose].unproject(pixels, depths, size=SIZE) - points).max() < 1e-11
+
+
+def test_unproject_takes_the_depths_of_a_picture():
+    """A wall across the view: what its pixels see lies on it."""
+    wall = ws.Volume(np.ones((4, 40, 40), np.float32), spacing=(1, 1, 1))
+    camera = ws.Camera((20, 20, 90), (20, 20, 3), (0, 1, 0), view_angle=20)
+    opaque = ws.TransferFunction([(0, 1.0), (1, 1.0)], [(0, 1, 1, 1)])
+    picture = ws.render(wall, opaque, camera, size=SIZE, depth=True)
+    rows, columns = np.nonzero(np.isfinite(picture.depth))
+    seen = camera.unproject(np.stack([columns, rows], axis=1), picture.depth[rows, columns], size=SIZE)
+    assert len(seen) > 1000
+    # Half is absorbed in the first slab.
+    assert np.ptp(seen[:, 2]) < 1e-4
+    assert 2.8 < seen[0, 2] < 3
+
+
+def test_unproject_says_what_is_wrong():
+    camera = POSES["perspective"]
+    with pytest.raises(ws.errors.ArgumentError, match=r"pixels has shape \(3,\)"):
+        camera.unproject([1, 2, 3], 1, size=SIZE)
+    with pytest.raises(ws.errors.ArgumentError, match=r"depths \(3,\)"):
+        camera.unproject([(1, 2), (3, 4)], [1, 2, 3], size=SIZE)
+    assert np.isnan(camera.unproject([(1, 2)], [np.nan], size=SIZE)).all()

@@ -230,8 +230,8 @@ def unprojected(camera: Camera, pixels: ArrayLike, depths: ArrayLike, size: Sequ
         places, along = np.empty(0), np.empty(0)
     if places.ndim != 2 or places.shape[1] != 2 or along.shape not in ((), (len(places),)):
         raise ArgumentError(
-            f"pixels has shape {places.shape} and depths {along.shape}; give columns and rows, shape (n, 2), and a depth "
-            "for each, shape (n,), or one number for all"
+            f"pixels has shape {places.shape} and depths {along.shape}; give columns and rows, shape (n, 2), and a "
+            "depth for each, shape (n,), or one number for all"
         )
     right, up, back = axes_of(camera)
     # Distances from the middle of the picture, in half its heights.

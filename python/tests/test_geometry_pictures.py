@@ -1,4 +1,4 @@
-"""Pictures of scenes with geometry, by every way to draw: depth, layers, projections, labels, lazy volumes, clusters."""
+"""Pictures of scenes with geometry, by every way to draw: layers, projections, labels, lazy volumes, clusters."""
 
 from __future__ import annotations
 
@@ -90,38 +90,55 @@ def test_a_projection_ends_at_what_is_opaque_and_shines_through_what_is_not():
     assert np.allclose(middle(before), (0, 1, 0, 1), atol=1e-3)
 
 
-@pytest.mark.parametrize("opacity", [1.0, 0.5])
-def test_geometry_is_drawn_once_over_projections_of_several_layers(opacity):
-    """The light of layers is added; a wall in front must not be, however many there are."""
-    green = ws.TransferFunction([(0, 0.0), (1, 1.0)], [(0, 0, 0.2, 0), (1, 0, 0.2, 0)])
-    layers = [ws.Layer(box(), green, opacity=0.5), ws.Layer(box(), green), ws.Layer(box(), green, opacity=0.25)]
+GREEN = ws.TransferFunction([(0, 0.0), (1, 1.0)], [(0, 0, 0.2, 0), (1, 0, 0.2, 0)])
+
+
+def test_geometry_is_drawn_once_behind_projections_of_several_layers():
+    """The light of layers is added; a wall must not be, however many there are."""
+    layers = [ws.Layer(box(), GREEN, opacity=opacity) for opacity in (0.5, 0.5, 0.25)]
     options = {"size": SIZE, "composite": "maximum"}
-    bare = middle(ws.Scene(layers).render(CAMERA, **options))
-    seen = middle(ws.Scene([*layers, wall(25, opacity=opacity)]).render(CAMERA, **options))
-    expected = (opacity, (1 - opacity) * bare[1], 0, opacity + (1 - opacity) * bare[3])
-    assert np.allclose(seen, expected, atol=2e-3)
-    behind = middle(ws.Scene([*layers, wall(-5)], background="white").render(CAMERA, **options))
-    assert behind[3] == 1
+    left = 0.5 * 0.5 * 0.75
+    for opacity in (1.0, 0.5):
+        behind = ws.Scene([*layers, wall(-5, opacity=opacity)]).render(CAMERA, **options)
+        expected = (left * opacity, 0.25, 0, 1 - left + left * opacity)
+        assert np.allclose(middle(behind), expected, atol=2e-3)
+    # Rays end at what is opaque before anything of the layers is seen.
+    before = ws.Scene([*layers, wall(25)], background="white").render(CAMERA, **options)
+    assert np.allclose(middle(before), (1, 0, 0, 1), atol=2e-3)
+    # Without geometry nothing changes.
+    plain = ws.Scene(layers).render(CAMERA, **options)
+    assert np.allclose(middle(plain), (0, 0.25, 0, 1 - left), atol=2e-3)
 
 
 def test_a_faded_layer_does_not_fade_geometry():
-    green = ws.TransferFunction([(0, 0.0), (1, 1.0)], [(0, 0, 1, 0), (1, 0, 1, 0)])
-    scene = ws.Scene([ws.Layer(box(), green, opacity=0.3), wall(25, opacity=0.5)])
+    scene = ws.Scene([ws.Layer(box(), GREEN, opacity=0.3), wall(-5, opacity=0.5)])
     rgba = middle(scene.render(CAMERA, size=SIZE, composite="maximum"))
-    assert np.allclose(rgba, (0.5, 0.15, 0, 0.65), atol=2e-3)
+    assert np.allclose(rgba, (0.35, 0.06, 0, 0.65), atol=2e-3)
+
+
+def test_a_faded_surface_of_a_value_does_not_fade_geometry():
+    samples = np.zeros((21, 21, 21), np.float32)
+    samples[:, 8:13] = 1
+    scene = ws.Scene(ws.Layer(ws.Volume(samples, spacing=(1, 1, 1)), GREEN, opacity=0.3), shading=None)
+    options = {"size": SIZE, "composite": ws.FirstHit(0.5)}
+    before = scene.with_(geometry=wall(15)).render(CAMERA, **options)
+    assert np.allclose(middle(before), (1, 0, 0, 1), atol=2e-3)
+    behind = scene.with_(geometry=wall(4)).render(CAMERA, **options)
+    assert np.allclose(middle(behind), (0.7, 0.06, 0, 1), atol=2e-3)
 
 
 def test_geometry_is_seen_where_no_layer_is():
-    scene = ws.Scene([ws.Layer(box(), visible=False), wall(12)], background="blue")
+    scene = ws.Scene([ws.Layer(box(), fog(0.1), visible=False), wall(12)], background="blue")
     picture = scene.render(CAMERA, size=SIZE)
     assert np.allclose(middle(picture), (1, 0, 0, 1), atol=1e-3)
 
 
 def test_labels_over_a_projection_keep_geometry():
     segmentation = np.zeros((21, 21, 21), np.uint8)
+    segmentation[:3] = 1
     labels = ws.Labels(segmentation, {1: ws.Label("blue")})
-    green = ws.TransferFunction([(0, 1.0)], [(0, 0, 1, 0)])
-    scene = ws.Scene([box(), wall(25, opacity=0.5)], green, labels=labels)
+    half = ws.TransferFunction([(0, 0.5)], [(0, 0, 1, 0)])
+    scene = ws.Scene([box(), wall(-5)], half, labels=labels)
     picture = scene.render(CAMERA, size=SIZE, composite="maximum")
     assert np.allclose(middle(picture), (0.5, 0.5, 0, 1), atol=2e-3)
 

@@ -23,6 +23,8 @@ from wavesplat.errors import ArgumentError
 
 __all__ = ["LARGE_BYTES", "ShapeArrays", "as_shapes", "facts_of_shapes", "is_geometry", "positions_in_view"]
 
+#: Factor of colours and opacity that leaves the opacity alone.
+BLACK = np.array([0, 0, 0, 1], np.float32)
 #: Bytes of shapes that travel to workers without a note.
 LARGE_BYTES = 64 << 20
 #: Largest number of positions of a shape that a camera is fitted to.
@@ -42,6 +44,7 @@ class ShapeArrays:
     points: list[_native.PointArrays] = field(default_factory=list)
     cards: list[_native.CardArrays] = field(default_factory=list)
     _core: _native.Shapes | None = field(default=None, repr=False)
+    _black: ShapeArrays | None = field(default=None, repr=False)
 
     @classmethod
     def of(
@@ -80,10 +83,38 @@ class ShapeArrays:
     @property
     def n_bytes(self) -> int:
         """Bytes of all arrays."""
-        return sum(_bytes_of(arrays) for arrays in (self.meshes, self.paths, self.points, self.cards))
+        return sum(map(_bytes_of, self._kinds))
+
+    def in_black(self) -> ShapeArrays:
+        """The same shapes in black: they hide as much, and give no light."""
+        if self._black is None:
+            meshes, paths, points, cards = ([_in_black(arrays) for arrays in kind] for kind in self._kinds)
+            self._black = ShapeArrays(meshes, paths, points, cards)
+        return self._black
+
+    @property
+    def _kinds(self) -> tuple[list[Any], ...]:
+        return self.meshes, self.paths, self.points, self.cards
 
     def __getstate__(self) -> dict[str, Any]:
-        return {**self.__dict__, "_core": None}
+        return {**self.__dict__, "_core": None, "_black": None}
+
+
+def _in_black(arrays: Any) -> Any:
+    """The arrays of a shape with black colours, which no light makes brighter."""
+    opacity, _, is_clipped = arrays["style"]
+    dark = {**arrays, "style": (opacity, False, is_clipped)}
+    if "rgba" in arrays:
+        return dark | {"rgba": arrays["rgba"] * BLACK}
+    paint = dict(arrays["paint"])
+    if paint["rgb"] is not None:
+        paint["rgb"] = (0.0, 0.0, 0.0)
+    if paint["rgba"] is not None:
+        paint["rgba"] = paint["rgba"] * BLACK
+    if paint["mapped"] is not None:
+        values, ends, table = paint["mapped"]
+        paint["mapped"] = values, ends, table * BLACK
+    return dark | {"paint": paint}
 
 
 def _bytes_of(thing: Any) -> int:

@@ -55,7 +55,7 @@ from wavesplat._render.lazy_layers import FrameSpec, LazyLayers
 from wavesplat._render.notes import note_on_steps, notes_on_layers, notes_on_picture
 from wavesplat._render.options import DrawOptions
 from wavesplat._render.tables import LEFT_OUT, note_on_table
-from wavesplat._scene.compositing import beside_shapes, over_background
+from wavesplat._scene.compositing import AddedLight, over_background
 from wavesplat._scene.drawn_layers import (
     Curves,
     DrawnLayer,
@@ -411,7 +411,7 @@ def _empty(frame: _Frame) -> Picture:
 
 def _in_one(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> Picture:
     """A picture of all layers in one call."""
-    opacity = 1.0 if frame.composite == "over" else layers[0].opacity
+    opacity = 1.0 if _is_faded_by_itself(frame) else layers[0].opacity
     result, report = _rendered(frame if opacity == 1 else replace(frame, background=None), layers, functions)
     if opacity != 1:
         alone = _shapes_alone(frame, layers[0])
@@ -436,23 +436,16 @@ def _in_one(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Cur
 def _added(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> Picture:
     """Projections of several layers, their colours added as light."""
     alone = _shapes_alone(frame, layers[0])
-    light, covers, reports = np.zeros((frame.size[1], frame.size[0], 3)), [], []
-    if alone is not None:
-        light += alone[..., :3]
-        covers.append(1 - alone[..., 3].astype(np.float64))
-    clear = replace(frame, background=None)
+    added, reports = AddedLight(frame.size, alone), []
+    clear = replace(frame, background=None, shapes=None if frame.shapes is None else frame.shapes.in_black())
     for number, (layer, function) in enumerate(zip(layers, functions, strict=True)):
         options = replace(frame.options, depth=False, progress=_part_of(frame.options.progress, number, len(layers)))
         result, report = _rendered(replace(clear, options=options), [layer], [function])
-        shown = np.float32(layer.opacity) * beside_shapes(result["rgba"], alone)
-        # In double precision the sum of a few float32 colours does not depend on their order.
-        light += shown[..., :3]
-        covers.append(1 - shown[..., 3].astype(np.float64))
+        own = _with_opacity(frame, layer, function)
+        share = np.float32(layer.opacity if own is function else 1)
+        added.add(share * result["rgba"], result["value"], own)
         reports.append(report | _layer_summary(layer))
-    # Products do depend on it, so they are taken in the order of size.
-    alpha = 1 - (np.sort(covers, axis=0) if len(covers) > 2 else np.array(covers)).prod(axis=0)
-    rgba = np.dstack([light.clip(0, 1), alpha]).astype(np.float32)
-    rgba = over_background(rgba, frame.background)
+    rgba = over_background(added.rgba(), frame.background)
     report = {"n_texels": sum(report["n_texels"] for report in reports), "look": _layer_summary(layers[0])}
     report |= {name: reports[0][name] for name in ("sheets_per_slice", "oversampling", "n_threads", "simd", "device")}
     report |= {"processing": list(layers[0].seen.facts.processing), "layers": reports}
@@ -486,9 +479,17 @@ def _function(frame: _Frame, layer: DrawnLayer, n_layers: int) -> Curves:
     return function
 
 
+def _is_faded_by_itself(frame: _Frame) -> bool:
+    """Whether a layer's opacity is in its transfer function; else the light of its projection is scaled.
+
+    Shapes behind a projection are seen through what is left of it, so they need its own opacity.
+    """
+    return frame.composite == "over" or (frame.shapes is not None and frame.composite != "first-hit")
+
+
 def _with_opacity(frame: _Frame, layer: DrawnLayer, function: Curves) -> Curves:
-    """The transfer function with the layer's opacity; for projections it is the added light that is scaled."""
-    return layer.faded(function) if frame.composite == "over" else function
+    """The transfer function with the layer's opacity, where it is in there."""
+    return layer.faded(function) if _is_faded_by_itself(frame) else function
 
 
 def _light(scene: Scene, layer: DrawnLayer, of: Camera | None) -> Shading | None:

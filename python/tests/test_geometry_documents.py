@@ -96,7 +96,9 @@ def test_large_geometry_of_no_file_cannot_be_written_but_is_told_in_reports():
         scene(large).to_json()
     document = scene(large).render(size=(16, 16)).report["scene"]
     assert document["geometry"] == [{"points": {"file": {"path": None}, "name": "dust"}}]
-    with pytest.raises(ws.errors.ArgumentError, match=r"geometry\[0\].points.file came from no file when this was written"):
+    with pytest.raises(
+        ws.errors.ArgumentError, match=r"geometry\[0\].points.file came from no file when this was written"
+    ):
         ws.Scene.from_json(json.dumps(document))
 
 
@@ -158,7 +160,9 @@ def test_names_of_folders_are_not_published(tmp_path):
 
 def test_the_viewer_keeps_geometry_which_its_page_does_not_know(tmp_path):
     (tmp_path / "cells.csv").write_text("x,y,z\n1,2,3\n", encoding="utf-8")
-    own = scene(ws.open_geometry(tmp_path / "cells.csv", color="red"), *(SMALL[kind] for kind in ("values", "oblique", "frame")))
+    own = scene(
+        ws.open_geometry(tmp_path / "cells.csv", color="red"), *(SMALL[kind] for kind in ("values", "oblique", "frame"))
+    )
     state = ViewerState.of(own)
     assert "geometry" not in state.document
     changed = state.patched([{"op": "replace", "path": "/background", "value": "white"}])

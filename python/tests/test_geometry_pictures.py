@@ -128,7 +128,7 @@ def test_a_faded_surface_of_a_value_does_not_fade_geometry():
 
 
 def test_geometry_is_seen_where_no_layer_is():
-    scene = ws.Scene([ws.Layer(box(), fog(0.1), visible=False), wall(12)], background="blue")
+    scene = ws.Scene([ws.Layer(box(), fog(0.1), visible=False), wall(12)], background="blue", shading=None)
     picture = scene.render(CAMERA, size=SIZE)
     assert np.allclose(middle(picture), (1, 0, 0, 1), atol=1e-3)
 
@@ -190,7 +190,7 @@ def test_pictures_of_wavelets_have_geometry():
     wavelets = ws.WaveletVolume.from_volume(ws.examples.ripples(24))
     lower, upper = wavelets.bounds
     center = tuple(((lower + upper) / 2).tolist())
-    scene = ws.Scene([wavelets, ws.Points([center], size=400, color="red", lit=False)], CLEAR)
+    scene = ws.Scene([wavelets, ws.Points([center], size=400, color="red", lit=False)], CLEAR, shading=None)
     assert np.allclose(middle(scene.render("front", size=SIZE)), (1, 0, 0, 1), atol=1e-3)
 
 

@@ -67,7 +67,7 @@ from wavesplat._scene.drawn_layers import (
 )
 from wavesplat._scene.measured_errors import MeasuredErrors
 from wavesplat._scene.reporting import facts_of
-from wavesplat._scene.scene_shapes import also_in_view, facts_of_geometry, note_on_size, shapes_of, with_text
+from wavesplat._scene.scene_shapes import also_in_view, facts_of_geometry, notes_on_geometry, shapes_of, with_text
 from wavesplat._scene.summary import facts_of_layers, facts_of_picture
 from wavesplat.errors import ArgumentError
 
@@ -88,6 +88,8 @@ MAX_OVERSAMPLING = 1e6
 LABEL_SHARE = 0.6
 #: Transfer function of a scan of which only labels are drawn.
 CLEAR = TransferFunction([(0.0, 0.0)], [(0.0, 1.0, 1.0, 1.0)])
+#: Operator that finds no surface.
+NOWHERE = FirstHit(1e30)
 #: Operators whose colours or brightness say how far behind something is.
 BY_DEPTH = ("depth-shaded-maximum", "depth-colored-maximum")
 #: Sampling of overview pictures.
@@ -170,7 +172,7 @@ def _notes(
     """Notes on what may be recognised or was left out, and on who drew."""
     notes = [FACE_NOTE] if _has_face(frame, layers, functions) else []
     notes += [*_notes_on_parts(layers), *_notes_on_steps(frame, layers), *_notes_on_tables(frame, layers, functions)]
-    notes += note_on_size(frame.shapes, travels=frame.options.client is not None)
+    notes += notes_on_geometry(frame.scene.geometry, frame.shapes, frame.options)
     told = report["device"]
     if chosen_device(frame.options.device) not in ("auto", "cpu") and told["name"] == "cpu" and told["reason"]:
         notes.append(f"drawn by the CPU: {told['reason']}")
@@ -389,8 +391,9 @@ def _shapes_alone(frame: _Frame, layer: DrawnLayer) -> NDArray[np.float32] | Non
     if frame.shapes is None:
         return None
     own = replace(frame.options, psnr=None, depth=False, progress=None, before_plan=None, after_block=None)
-    clear = replace(layer, look=Look(transfer_function=CLEAR), color=None, boxes=())
-    alone = replace(frame, operator="over", labels=None, background=None, options=own)
+    clear = replace(layer, look=replace(layer.look, transfer_function=CLEAR), color=None, boxes=())
+    operator = NOWHERE if isinstance(frame.operator, FirstHit) else frame.operator
+    alone = replace(frame, operator=operator, labels=None, background=None, options=own)
     result, _ = _rendered(alone, [clear], [CLEAR])
     return result["rgba"]
 

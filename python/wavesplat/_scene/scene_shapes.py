@@ -21,8 +21,9 @@ if TYPE_CHECKING:
     from wavesplat._looks.colors import Rgba
     from wavesplat._model.camera import Camera
     from wavesplat._model.grid import Grid
+    from wavesplat._render.options import DrawOptions
 
-__all__ = ["also_in_view", "facts_of_geometry", "note_on_size", "shapes_of", "with_text"]
+__all__ = ["also_in_view", "facts_of_geometry", "notes_on_geometry", "shapes_of", "with_text"]
 
 #: Keeps the arrays that a function makes, by a key, and the identity of what they are made from.
 Keep = Callable[[Any, object, Callable[[], ShapeArrays]], ShapeArrays]
@@ -74,12 +75,15 @@ def facts_of_geometry(geometry: Sequence[Shape]) -> dict[str, Any]:
     return {"geometry": facts_of_shapes(geometry)} if geometry else {}
 
 
-def note_on_size(shapes: ShapeArrays | None, *, travels: bool) -> list[str]:
-    """A note on shapes that are large to send to workers."""
-    if shapes is None or not travels or shapes.n_bytes <= LARGE_BYTES:
-        return []
-    size = shapes.n_bytes / (1 << 20)
-    return [f"the geometry has {size:.0f} MiB, and all of it is sent to each worker; thin it out if that takes long"]
+def notes_on_geometry(geometry: Sequence[Shape], shapes: ShapeArrays | None, options: DrawOptions) -> list[str]:
+    """Notes on shapes that are large to send to workers, and on text that is not written."""
+    notes = []
+    if shapes is not None and options.client is not None and shapes.n_bytes > LARGE_BYTES:
+        size = f"{shapes.n_bytes / (1 << 20):.0f} MiB"
+        notes.append(f"the geometry has {size}, and all of it is sent to each worker; thin it out if that takes long")
+    if not options.eyes.are_plain and has_text(_visible(geometry)):
+        notes.append("numbers of frames and names of points are not written in pictures of two eyes, nor in panoramas")
+    return notes
 
 
 def _visible(geometry: Sequence[Shape]) -> tuple[Shape, ...]:

@@ -146,13 +146,17 @@ def _shape(fields: dict[str, Any]) -> str:
     volume = own.pop("volume", None)
     if isinstance(own.get("plane"), dict):
         own["plane"] = (own["plane"]["point"], own["plane"]["normal"])
-    own = {key: _with_nan(value) if key == "values" else value for key, value in own.items()}
     first = [] if volume is None else [_volume(volume, "slice")]
-    return f"ws.{kind}({', '.join(filter(None, (*first, _given(own))))})"
+    values = own.pop("values", None)
+    if values is not None:  # in JSON what is not a number is null
+        listed = ", ".join('float("nan")' if value is None else repr(value) for value in values)
+        first.append(f"values=[{listed}]")
+    return f"ws.{kind}({', '.join(filter(None, (*_places(own), *first, _given(own))))})"
 
 
-def _with_nan(values: list[Any]) -> Any:
-    return [float("nan") if value is None else value for value in values]
+def _places(own: dict[str, Any]) -> list[str]:
+    """Arguments that are positions, which go first, taken out of the fields of a shape."""
+    return [_given({name: own.pop(name)}) for name in ("vertices", "faces", "paths", "positions") if name in own]
 
 
 def _labels(labels: Labels, source: dict[str, Any] | None) -> str:

@@ -19,6 +19,7 @@ PAGES = [
     "coming_from.md",
     "coming_from_paraview.md",
     "simulations.md",
+    "geometry.md",
 ]
 
 

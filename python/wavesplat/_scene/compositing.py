@@ -1,4 +1,4 @@
-"""Pictures over a background, and projections with shapes behind them."""
+"""Pictures over a background, and projections of several layers with shapes over them."""
 
 from __future__ import annotations
 
@@ -12,8 +12,10 @@ from wavesplat._looks.transfer_function import TransferFunction
 
 __all__ = ["AddedLight", "over_background"]
 
-#: Least transparency of shapes at which the opacity of what is before them can be told from a picture of both.
-LEAST_OPEN = 0.02
+#: Share of an opaque projection that shows through the shapes over it, as in crates/splat/src/render/frame.rs.
+SHOWS_THROUGH = 0.25
+#: Least share of a projection that its light can be told from.
+LEAST_LEFT = 1e-3
 
 
 def over_background(rgba: NDArray[np.float32], background: colors.Rgba | None) -> NDArray[np.float32]:
@@ -27,10 +29,10 @@ def over_background(rgba: NDArray[np.float32], background: colors.Rgba | None) -
 
 
 class AddedLight:
-    """Projections of several layers, their colours added as light, with shapes behind them.
+    """Projections of several layers, their colours added as light, with shapes over them.
 
-    size : width and height. alone : the shapes' own picture; None without any. Projections then come with the light of
-    the shapes left out (`ShapeArrays.in_black`), and with their opacities, which say how much of shapes is seen.
+    size : width and height. alone : the shapes' own picture; None without any. Projections then come with black shapes
+    (`ShapeArrays.in_black`) over them, and with their opacities, which say how much shows through.
     """
 
     def __init__(self, size: tuple[int, int], alone: NDArray[np.float32] | None) -> None:
@@ -40,24 +42,30 @@ class AddedLight:
 
     def add(self, rgba: NDArray[np.float32], values: NDArray[np.float32] | None, curves: Any) -> None:
         """Add the projection of a layer. `values`, `curves`: what it shows, and its transfer function."""
-        # In double precision the sum of a few float32 colours does not depend on their order.
-        self.light += rgba[..., :3]
-        alpha = rgba[..., 3].astype(np.float64)
+        light, alpha = rgba[..., :3].astype(np.float64), rgba[..., 3].astype(np.float64)
         if self.alone is not None:
-            left = 1 - self.alone[..., 3].astype(np.float64)
-            # Behind opaque shapes the picture of both does not tell; the projected values do, but for edges of pixels.
-            known = _opacity_of(values, curves, alpha.shape)
-            alpha = np.divide(alpha - self.alone[..., 3], left, out=known, where=left > LEAST_OPEN).clip(0, 1)
+            # Below shapes the picture does not tell the projection's opacity; its values do, but for edges of pixels.
+            alpha = np.where(self.alone[..., 3] > 0, _opacity_of(values, curves, alpha.shape), alpha)
+            left = 1 - _share_of_shapes(alpha) * self.alone[..., 3]
+            light = np.divide(light, left[..., None], out=np.zeros_like(light), where=left[..., None] > LEAST_LEFT)
+        # In double precision the sum of a few float32 colours does not depend on their order.
+        self.light += light
         self.covers.append(1 - alpha)
 
     def rgba(self) -> NDArray[np.float32]:
         """Colours and opacity of all."""
         # Products depend on their order, so they are taken in that of size.
         left = (np.sort(self.covers, axis=0) if len(self.covers) > 2 else np.array(self.covers)).prod(axis=0)
-        light, alpha = self.light, 1 - left
+        whole = np.dstack([self.light, 1 - left])
         if self.alone is not None:
-            light, alpha = light + left[..., None] * self.alone[..., :3], alpha + left * self.alone[..., 3]
-        return np.dstack([light.clip(0, 1), alpha]).astype(np.float32)
+            share = _share_of_shapes(1 - left)[..., None]
+            whole = share * self.alone + (1 - share * self.alone[..., 3:]) * whole
+        return whole.clip(0, 1).astype(np.float32)
+
+
+def _share_of_shapes(alpha: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Share of shapes that is seen over a projection of an opacity."""
+    return 1 - SHOWS_THROUGH * alpha
 
 
 def _opacity_of(values: NDArray[np.float32] | None, curves: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:

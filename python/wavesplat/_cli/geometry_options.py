@@ -24,8 +24,8 @@ __all__ = ["GeometryOptions", "opened_geometry"]
 
 LOOK = "[:COLOR|MAP][:LOW,HIGH][:OPACITY][:values=NAME]"
 SURFACE = f"FILE{LOOK}[:flat]"
-LINES = f"FILE{LOOK}[:by-direction][:WIDTHpx|RADIUSmm]"
-POINTS = f"FILE{LOOK}[:SIZEpx|RADIUSmm]"
+LINES = f"FILE{LOOK}[:by-direction][:Npx|Nmm]"
+POINTS = f"FILE{LOOK}[:Npx|Nmm]"
 SLICE_PLANE = "PLANE[:INDEX|:POSITIONmm][:WINDOW|:MAP][:LOW,HIGH][:OPACITY]"
 #: A length with its unit, and a size in pixels.
 LENGTH = re.compile(r"([\d.]+(?:e[-+]?\d+)?)\s*([A-Za-zµμ]+)")

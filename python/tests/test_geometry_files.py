@@ -398,7 +398,7 @@ def _written(here):
 
 
 def _message(path):
-    """What is said of a file that cannot be read; None of one that can."""
+    """Message of the error for a file that cannot be read; None for one that can."""
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")
         try:

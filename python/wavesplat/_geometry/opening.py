@@ -132,7 +132,7 @@ def open_geometry(
 
 
 def _reader_of(path: Path) -> tuple[str, Callable[[Asked], ReadShape]]:
-    """What a file is called, and its reader; by its suffix, of FreeSurfer's surfaces by their first bytes."""
+    """Name of the kind of a file, and its reader; by its suffix, of FreeSurfer's surfaces by their first bytes."""
     if path.is_dir():
         raise FileError(f"this is a folder; name the file of a surface, of lines or of points: {path}")
     if brain_surfaces.is_freesurfer(path):

@@ -1,4 +1,4 @@
-"""What readers of surfaces, lines and points return."""
+"""Questions to readers of surfaces, lines and points, and their answers."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ __all__ = ["Asked", "ReadShape"]
 
 
 class Asked(NamedTuple):
-    """What is asked of a file: its path, the values of vertices or points by name, and the kind of shape."""
+    """A question to a reader: the path of a file, the values of vertices or points by name, and the kind of shape."""
 
     file: Path
     values: str | None = None

@@ -1,4 +1,4 @@
-"""What surfaces, lines and points have in common: copies that know their file, and text for people."""
+"""The base of surfaces, lines, points, slices and frames: names, looks, copies that know their file."""
 
 from __future__ import annotations
 
@@ -19,14 +19,14 @@ __all__ = ["Shape", "is_one"]
 class Shape:
     """Something that stands in space with the volumes of a scene."""
 
-    #: What it is called in messages, documents and reports.
+    #: Name of the type in messages and reports.
     KIND: ClassVar[str] = "shape"
     #: Fields that come from the file of a shape that was opened.
     OF_FILE: ClassVar[Collection[str]] = ()
     #: File and options that it was opened with, by which documents name it.
     _source: dict[str, Any] | None = None
     name: str | None
-    #: What was assumed where its file says nothing, and what was done to the file's numbers; a sentence each.
+    #: Assumptions where its file says nothing, and changes of the file's numbers; a sentence each.
     guesses: tuple[str, ...] = ()
 
     def with_(self, **changes: Any) -> Self:

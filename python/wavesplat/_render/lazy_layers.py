@@ -146,7 +146,7 @@ class FrameSpec:
     boxes: Boxes
     #: The arguments of the compiled module, without labels and shapes.
     arguments: dict[str, Any]
-    #: What stands in space with the layers.
+    #: Shapes in space with the layers; None without any.
     shapes: ShapeArrays | None = None
     n_blocks: int = 1
     memory: int | None = None

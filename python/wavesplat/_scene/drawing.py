@@ -109,7 +109,7 @@ class _Frame:
     labels: Labels | None
     background: colors.Rgba | None
     options: DrawOptions
-    #: What stands in space with the layers.
+    #: Shapes in space with the layers; None without any.
     shapes: ShapeArrays | None
     #: Whose light it has, in a panorama.
     light: Camera | None = None

@@ -15,7 +15,7 @@ class MeasuredErrors:
     is_wanted: bool
     #: The scene's `Cache`.
     cache: Any
-    #: What pictures with the same measurements have in common, and what this one shows.
+    #: Properties that pictures with the same measurements share, and all that this one shows.
     kind: Any
     shown: Any
 

@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._looks import colormaps, histogram
+from wavesplat._looks.channels import is_ramp
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.window_ends import End, values_of
 from wavesplat._model.argument_types import described
@@ -31,7 +32,7 @@ if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["changed"]
+__all__ = ["bent", "changed", "exposed"]
 
 #: Parts of a segment between two nodes where curves become bent.
 N_PARTS = 8
@@ -66,18 +67,25 @@ def changed(
         function = _in_window(function, low, high)
         done.append(f"window {low:g} to {high:g}")
     if gamma != 1:
-        function = _bent(function, gamma)
+        function = bent(function, gamma)
         done.append(f"gamma {gamma:g}")
     if opacity is not None:
         function = _with_opacity(function, opacity)
         done.append("opacity as given")
     if exposure != 1:
-        function = _exposed(look, function, exposure)
+        is_projection = look.composite in histogram.PROJECTIONS
+        function = exposed(function, exposure, is_channel=look.name == "channel", is_projection=is_projection)
         done.append(f"exposure {exposure:g}")
-    # Greys of projections keep their name, by which they are inverted on white.
-    name = "" if look.name == "auto" and look.composite not in histogram.PROJECTIONS else look.name
     reason = "; ".join([look.reason, *done] if look.reason else done)
-    return replace(look, transfer_function=function, name=name, reason=reason)
+    return replace(look, transfer_function=function, name=_name_of_changed(look), reason=reason)
+
+
+def _name_of_changed(look: Look) -> str:
+    """The name of a look after a change; of an automatic one what slices and backgrounds must know of it."""
+    # Greys of projections are inverted on white; light of channels is added on slices.
+    if look.name != "auto" or look.composite in histogram.PROJECTIONS:
+        return look.name
+    return "channel" if is_ramp(look) else ""
 
 
 def _checked(look: Look) -> TransferFunction:
@@ -112,7 +120,8 @@ def _in_window(function: TransferFunction, low: float, high: float) -> TransferF
     return TransferFunction(opacity, color, function.opacity_unit, gradients)
 
 
-def _bent(function: TransferFunction, gamma: float) -> TransferFunction:
+def bent(function: TransferFunction, gamma: float) -> TransferFunction:
+    """The colours moved, so that a value of place t has that of t ** gamma."""
     low, high = _window_of(function)
     color = _divided(function.color, N_PARTS)
     color[:, 0] = low + (high - low) * np.clip((color[:, 0] - low) / (high - low), 0, 1) ** (1 / gamma)
@@ -125,10 +134,10 @@ def _with_opacity(function: TransferFunction, opacity: Any) -> TransferFunction:
     return TransferFunction(nodes, function.color, function.opacity_unit, function.gradient_opacity)
 
 
-def _exposed(look: Look, function: TransferFunction, exposure: float) -> TransferFunction:
-    is_channel = look.name == "channel"
+def exposed(function: TransferFunction, exposure: float, *, is_channel: bool, is_projection: bool) -> TransferFunction:
+    """Colours of matter that gives off so many times the light; above 1 it is denser too, but for projections."""
     color, opacity = _divided(function.color, N_PARTS), np.array(function.opacity)
-    if exposure > 1 and look.composite not in histogram.PROJECTIONS:
+    if exposure > 1 and not is_projection:
         opacity = _divided(function.opacity, N_PARTS)
         at_nodes = np.stack([np.interp(opacity[:, 0], color[:, 0], part) for part in color[:, 1:].T], axis=1)
         denser = np.maximum(exposure * at_nodes.max(axis=1), 1.0) if is_channel else exposure

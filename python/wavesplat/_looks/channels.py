@@ -30,11 +30,14 @@ if TYPE_CHECKING:
 
 __all__ = [
     "CHANNEL_COLORS",
+    "DARKEST",
+    "FULL_COLOR",
+    "ROUNDING",
     "Rgb",
     "channel_look",
     "channel_window",
     "is_full_range_window",
-    "light_of",
+    "is_ramp",
     "lightened",
     "ramp",
     "window_of_values",
@@ -62,6 +65,8 @@ LUMINANCE = (0.2126, 0.7152, 0.0722)
 DARK_PART, MIN_SHARE, MAX_SHARE = 0.3, 3e-4, 0.3
 #: Share of a colour at the low end of a window, where matter is nearly clear, and the place of the full colour.
 DARKEST, FULL_COLOR = 0.2, 0.65
+#: Largest difference of colours that are equal but for rounding.
+ROUNDING = 1e-6
 #: Places of the nodes of opacity in the window: closest where its square bends most against a straight line.
 PLACES = np.array([0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 1.0])
 
@@ -159,13 +164,15 @@ def ramp(
     return TransferFunction(opacity, [(low, *dark), (middle, *color), (high, *bright)])
 
 
-def light_of(look: Look) -> tuple[float, float, Rgb]:
-    """The window of a channel's look, and its colour: the one that a projection has at the end of the window."""
-    nodes: Any = look.transfer_function.color  # type: ignore[union-attr]
-    low, high = nodes[0][0], nodes[-1][0]
-    # In space the colour is whiter beyond the first node at which it is full.
-    red, green, blue = max(nodes, key=lambda node: max(node[1:]))[1:4]
-    return low, high, (red, green, blue)
+def is_ramp(look: Look) -> bool:
+    """Whether a look has the colours of a `ramp`, as automatic looks of fluorescence have, and no light."""
+    function = look.transfer_function
+    if look.shading is not None or look.labels is not None or not isinstance(function, TransferFunction):
+        return False
+    nodes = np.array(function.color)
+    if len(nodes) != 3 or not nodes[0, 0] < nodes[-1, 0] or not nodes[1, 1:].max() > 0:
+        return False
+    return bool(np.allclose(nodes[0, 1:], DARKEST * nodes[1, 1:], rtol=0, atol=ROUNDING))
 
 
 def lightened(color: Rgb) -> Rgb:

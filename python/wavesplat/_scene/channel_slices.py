@@ -2,42 +2,53 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from itertools import takewhile
 from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._looks.channels import light_of
-from wavesplat._looks.kinds import unit_of_values
+from wavesplat._looks.channel_light import ChannelLight, light_of
+from wavesplat._looks.kinds import kind_of, unit_of_values
 from wavesplat._looks.look import Look
-from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._picture.report_facts import shown_layer
 from wavesplat._render.slicing import Planes
+from wavesplat._scene.drawn_layers import identity_of, is_automatic, looks_beside_each_other
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import Scene
 
-__all__ = ["added", "channels_of", "window_of"]
+__all__ = ["Channels", "added", "automatic_fluorescence", "channels_of"]
 
 Floats: TypeAlias = NDArray[np.float32]
+#: Layers that are channels, and their light.
+Channels: TypeAlias = "list[tuple[Layer, ChannelLight]]"
 
 
-def channels_of(scene: Scene) -> list[Layer]:
-    """The first layers of a scene as far as they are channels; none where there is one, which is shown in grey."""
-    channels = list(takewhile(_is_channel, scene.layers))
+def channels_of(scene: Scene) -> Channels:
+    """The first layers of a scene as far as they are channels; none where there is one, which is shown in grey.
+
+    A channel has a look of `Look.channel`, or is fluorescence without a look, in the colour that it has in space.
+    """
+    if len(scene.layers) == 1:
+        return []
+    found = takewhile(lambda one: one[1] is not None, ((layer, _light(scene, layer)) for layer in scene.layers))
+    channels = [(layer, light) for layer, light in found if light is not None]
     return channels if len(channels) > 1 else []
 
 
-def window_of(layer: Layer) -> tuple[float, float]:
-    """The values of a channel that are shown as black and as its full colour."""
-    low, high, _ = _light(layer)
-    return low, high
+def automatic_fluorescence(scene: Scene, layer: Layer) -> Look | None:
+    """The look that a layer of fluorescence without a look has in space, beside the others; None of other layers."""
+    if not is_automatic(layer):
+        return None
+    volume = layer.looked_at
+    kind = scene._cache.get_or_compute((id(volume), "kind"), identity_of(volume), lambda: kind_of(volume))
+    if kind != "fluorescence":
+        return None
+    shown = [one for one in scene.layers if one.is_shown or one is layer]
+    return looks_beside_each_other(scene, shown, "over")[next(n for n, one in enumerate(shown) if one is layer)]
 
 
-def added(
-    behind: Floats, planes: Planes, channels: Sequence[Layer], **options: Any
-) -> tuple[Floats, list[dict[str, Any]]]:
+def added(behind: Floats, planes: Planes, channels: Channels, **options: Any) -> tuple[Floats, list[dict[str, Any]]]:
     """The light of channels added over black, where one of them has values, else `behind`; and the report's entries.
 
     behind : associated RGBA, shape (height, width, 4).
@@ -46,29 +57,22 @@ def added(
     light = np.zeros((*behind.shape[:2], 3), np.float32)
     has_values = np.zeros(behind.shape[:2], bool)
     entries = []
-    for layer in channels:
+    for layer, own in channels:
         if not layer.is_shown:
             continue
-        low, high, color = _light(layer)
         values = planes.values_of(layer.drawn, **options)
         known = np.isfinite(values)
-        share = np.where(known, np.clip((values - low) / (high - low), 0.0, 1.0), 0.0)
-        light += np.float32(layer.opacity) * share[..., None] * np.array(color, np.float32)
+        light[known] += np.float32(layer.opacity) * own.curve(values[known])[:, :3].astype(np.float32)
         has_values |= known
-        curves = TransferFunction([(low, 1.0)], [(low, 0.0, 0.0, 0.0), (high, *color)])
         name = layer.name or layer.drawn.name
-        entries.append(shown_layer(name, "over", curves, unit_of_values(layer.drawn)))
+        entries.append(shown_layer(name, "over", own.curve, unit_of_values(layer.drawn)))
     rgba = np.array(behind)
     rgba[has_values, :3] = np.minimum(light[has_values], 1.0)
     rgba[has_values, 3] = 1.0
     return rgba, entries
 
 
-def _is_channel(layer: Layer) -> bool:
-    look: Any = layer.look
-    return isinstance(look, Look) and look.name == "channel"
-
-
-def _light(layer: Layer) -> tuple[float, float, tuple[float, float, float]]:
-    look: Any = layer.look
-    return light_of(look)
+def _light(scene: Scene, layer: Layer) -> ChannelLight | None:
+    """The light of a layer that is a channel."""
+    look = layer.look if isinstance(layer.look, Look) else automatic_fluorescence(scene, layer)
+    return None if look is None else light_of(look)

@@ -46,7 +46,10 @@ __all__ = [
     "DrawnLayers",
     "drawn_layers",
     "drawn_volumes",
+    "identity_of",
+    "is_automatic",
     "look_over_others",
+    "looks_beside_each_other",
     "operator_name",
     "seen_parts",
     "why_no_brain",
@@ -182,13 +185,8 @@ def drawn_layers(scene: Scene, composite: Composite | None) -> DrawnLayers:
     # Two fields are drawn as matter where nothing else is said.
     looks = [_kept_look(scene, layer, composite or ("over" if layer.color_from else None)) for layer in layers]
     name = composite or operator_name(looks)
-    several = len(layers) > 1
-    if several:
-        for k, (layer, volume) in enumerate(zip(layers, volumes, strict=True)):
-            if looks[k].composite != name or (looks[k].labels is not None and volume is not first):
-                looks[k] = _kept_look(scene, layer, name)
-        looks = _with_distinct_colors(scene, layers, looks, name)
-        looks = _over_others(scene, layers, looks, name)
+    if len(layers) > 1:
+        looks = looks_beside_each_other(scene, layers, name, looks)
     shown = []
     for layer, volume, look in zip(layers, volumes, looks, strict=True):
         look = _with_own_labels(scene, layer, volume, look)  # noqa: PLW2901 - the look of this time
@@ -199,8 +197,21 @@ def drawn_layers(scene: Scene, composite: Composite | None) -> DrawnLayers:
         check_rows(layer, look)
         check_operator(layer, name)
         seen = cut_open(placed, boxes)
-        shown.append(DrawnLayer(layer, volume, seen, look, _is_automatic(layer), boxes, color))
+        shown.append(DrawnLayer(layer, volume, seen, look, is_automatic(layer), boxes, color))
     return DrawnLayers(shown, name, first)
+
+
+def looks_beside_each_other(
+    scene: Scene, layers: Sequence[Layer], composite: Composite, looks: Sequence[Look] | None = None
+) -> list[Look]:
+    """The looks of layers that are drawn together with one operator. `looks`: those that each has alone."""
+    alone = [_kept_look(scene, layer, composite) for layer in layers] if looks is None else list(looks)
+    for k, layer in enumerate(layers):
+        has_labels_elsewhere = alone[k].labels is not None and layer.volume is not scene.layers[0].volume
+        if alone[k].composite != composite or has_labels_elsewhere:
+            alone[k] = _kept_look(scene, layer, composite)
+    alone = _with_distinct_colors(scene, layers, alone, composite)
+    return _over_others(scene, layers, alone, composite)
 
 
 def _color(
@@ -251,7 +262,8 @@ def _with_own_labels(scene: Scene, layer: Layer, volume: Volume | WaveletVolume,
     return replace(look, labels=scene._cache.get_or_compute(key, identity_of(volume), labels_of_time))
 
 
-def _is_automatic(layer: Layer) -> bool:
+def is_automatic(layer: Layer) -> bool:
+    """Whether the look of a layer is chosen by the kind of data."""
     return layer.look is None or (isinstance(layer.look, str) and layer.look.lower() == "auto")
 
 
@@ -273,7 +285,7 @@ def _with_distinct_colors(
     """The looks with distinct colours for channels of fluorescence and, in projections, for all without a look."""
     made, taken = list(looks), list[Rgb]()
     for k, layer in enumerate(layers):
-        if not _is_automatic(layer):
+        if not is_automatic(layer):
             continue
         volume = layer.looked_at
         if composite in ("over", "first-hit") and kind_of(volume) != "fluorescence":
@@ -293,7 +305,7 @@ def _over_others(scene: Scene, layers: Sequence[Layer], looks: Sequence[Look], c
         if layer is scene.layers[0]:
             continue
         volume = layer.looked_at
-        if not _is_automatic(layer):
+        if not is_automatic(layer):
             made[k] = _cleared(scene, layer, composite)
         elif composite == "over" and (kind := kind_of(volume)) in MAPPED_KINDS:
             colormap = next(maps)

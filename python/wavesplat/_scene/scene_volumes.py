@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
+from wavesplat._looks.channel_light import light_of
 from wavesplat._looks.look import Look
-from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model import volume_file
 from wavesplat._model.facts import Channel
 from wavesplat._model.ome_zarr_file import Downsampling
@@ -50,14 +50,11 @@ def _channel(layer: Layer) -> Channel:
 
 def _shown(look: object, own: Channel) -> tuple[Any, Any]:
     """Colour and window of a channel's look; of another look those of the volume."""
-    if not isinstance(look, Look) or look.name != "channel" or not isinstance(look.transfer_function, TransferFunction):
+    light = light_of(look) if isinstance(look, Look) else None
+    if light is None:
         return own.color, own.window
-    nodes = look.transfer_function.color
-    middle = nodes[1] if len(nodes) == 3 else nodes[-1]
-    color = tuple(float(share) for share in middle[1:4])
-    if own.color is not None and _are_of_one_hue(color, own.color):
-        color = own.color  # before it was lightened
-    return color, (float(nodes[0][0]), float(nodes[-1][0]))
+    is_own = own.color is not None and _are_of_one_hue(light.color, own.color)  # before it was lightened
+    return own.color if is_own else light.color, (light.low, light.high)
 
 
 def _are_of_one_hue(color: Sequence[float], other: Sequence[float]) -> bool:

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 from wavesplat._looks import colors
 from wavesplat._looks.kinds import kind_of, unit_of_values
 from wavesplat._looks.labels import Labels
+from wavesplat._looks.look import Look
 from wavesplat._looks.overlays import MAPPED_KINDS, OVERLAY_MAPS, mapped
 from wavesplat._looks.regions import Region
 from wavesplat._looks.transfer_function import TransferFunction
@@ -30,9 +31,9 @@ from wavesplat._render import windows
 from wavesplat._render.isolines import Isolines
 from wavesplat._render.slicing import Planes, sliced
 from wavesplat._scene import label_slices
-from wavesplat._scene.channel_slices import added, channels_of, window_of
+from wavesplat._scene.channel_slices import Channels, added, automatic_fluorescence, channels_of
 from wavesplat._scene.compared_slices import comparison
-from wavesplat._scene.drawn_layers import identity_of, look_over_others
+from wavesplat._scene.drawn_layers import identity_of, is_automatic, look_over_others
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.resampling import check_units
 from wavesplat._scene.scene import Scene, as_scene
@@ -79,7 +80,8 @@ def slice(
     what : Volume, WaveletVolume, array or what else `Volume` takes, Scene, Layer, or several in a list
         What to cut. The first volume decides plane, pixels and values, also where it is not visible. The others lie
         over it at the same places, in their order, as PET over CT does; of a series the volume of its time.
-        Channels, which have looks of `Look.channel`, are added in their colours over black instead.
+        Channels, which have looks of `Look.channel` or are fluorescence without a look, are added in their colours over
+        black instead, with the gamma and exposure of `Look.changed`.
         Their colours are those of their looks, or of a map such as "hot" where they have none, as in space.
         `Layer.opacity` is how opaque a layer is where the opacity of its look is greatest; elsewhere it is less in
         proportion. Below the low end of its look, where it is transparent and outside of its volume a layer does not
@@ -251,10 +253,11 @@ def _notes_on_scene(scene: Scene) -> list[str]:
     return notes
 
 
-def _limits(scene: Scene, channels: Sequence[Layer]) -> tuple[float, float]:
+def _limits(scene: Scene, channels: Channels) -> tuple[float, float]:
     """The values that the first layer shows as black and white, where none are given."""
     if channels:
-        return window_of(channels[0])
+        _, light = channels[0]
+        return light.low, light.high
     volume = scene.layers[0].looked_at
     key = (id(volume), "limits")
     return scene._cache.get_or_compute(key, identity_of(volume), lambda: windows.limits(volume, None, None))
@@ -334,7 +337,9 @@ def _curves_of(scene: Scene, layer: Layer, automatic: Iterator[str]) -> Transfer
     """The colours of a layer that lies over another one; `automatic`: colour maps for those without a look."""
     volume = layer.looked_at
     name = layer.look if isinstance(layer.look, str) else None
-    has_look = not (layer.look is None or (name is not None and name.lower() == "auto"))
+    has_look = not is_automatic(layer)
+    if not has_look and (look := automatic_fluorescence(scene, layer)) is not None:
+        return _of_values(layer, look)
     find = partial(_found_curves, layer, next(automatic) if not has_look and kind_of(volume) in MAPPED_KINDS else None)
     if has_look and name is None:
         return find()
@@ -346,7 +351,12 @@ def _found_curves(layer: Layer, colormap: str | None) -> TransferFunction:
     volume = layer.looked_at
     if colormap is not None:
         return mapped(volume, colormap)
-    curves = look_over_others(layer.look, volume, "over").transfer_function
+    return _of_values(layer, look_over_others(layer.look, volume, "over"))
+
+
+def _of_values(layer: Layer, look: Look) -> TransferFunction:
+    """The curves of a layer's look; those of values and gradients are refused."""
+    curves = look.transfer_function
     if isinstance(curves, TransferFunction2D):
         raise ArgumentError(
             f"a slice shows values, not gradients; give the layer {_name_of(layer)!r} a TransferFunction, as "

@@ -300,6 +300,21 @@ def test_types_of_channels_are_joined_without_loss(tmp_path):
     np.testing.assert_array_equal(read[0].samples, a.samples)
 
 
+@pytest.mark.parametrize("suffix", [".ome.tif", ".ome.zarr"])
+@pytest.mark.parametrize(
+    ("largest", "dtype"), [((5, 2**20, 300), np.uint32), ((5, 2**33), np.float64), ((7, -9), np.int16)]
+)
+def test_labels_of_64_bits_that_outgrow_the_first_time_are_saved(tmp_path, largest, dtype, suffix):
+    samples = [np.full(SHAPE, n, np.int64) for n in largest]
+    for n, one in enumerate(samples):
+        np.save(tmp_path / f"t{n}.npy", one)
+    ws.open_series(tmp_path / "t*.npy").save(tmp_path / f"all{suffix}")
+    read = ws.open_series(tmp_path / f"all{suffix}")
+    assert {volume.dtype for volume in read} == {np.dtype(dtype)}
+    assert all(np.array_equal(volume.samples, one) for volume, one in zip(read, samples, strict=True))
+    assert not [name for name in names_in(tmp_path) if "part" in name]
+
+
 def test_colours_and_windows_of_looks_are_written(tmp_path):
     volumes = [volume_of(0), volume_of(1)]
     looks = [ws.Look.channel(volumes[0]), ws.Look.channel(volumes[1], "red", (5, 700))]

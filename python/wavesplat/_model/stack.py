@@ -14,7 +14,7 @@ from wavesplat._model.facts import Channel, Facts
 from wavesplat._model.grid import Grid
 from wavesplat.errors import ArgumentError
 
-__all__ = ["Box", "Stack", "Stored", "VolumesOfTimes", "stacked"]
+__all__ = ["Box", "Stack", "Stored", "VolumesOfTimes", "WiderType", "stacked"]
 
 #: Lower and upper index (z, y, x) of a box of samples, the upper one not in it.
 Box = tuple[tuple[int, int, int], tuple[int, int, int]]
@@ -22,6 +22,14 @@ Box = tuple[tuple[int, int, int], tuple[int, int, int]]
 TOLERANCE = 1e-3
 #: Largest difference of two steps of time that count as equal, as a fraction.
 TOLERANCE_OF_TIMES = 1e-3
+
+
+class WiderType(Exception):  # noqa: N818 - caught by `volume_file.save`, which begins again
+    """A time was read whose samples do not fit into the type of a stack; `dtype` holds them and all before."""
+
+    def __init__(self, dtype: np.dtype[Any]) -> None:
+        super().__init__(dtype)
+        self.dtype = dtype
 
 
 class Stored(Protocol):
@@ -88,10 +96,13 @@ class Stack:
         return mean if all(abs(step - mean) <= TOLERANCE_OF_TIMES * mean for step in steps) else None
 
     def read(self, time: int, channel: int, box: Box) -> NDArray[Any]:
-        """Samples of a box, [z, y, x], in the type of the stack."""
+        """Samples of a box, [z, y, x], in the type of the stack; `WiderType` where they do not fit into it."""
         volume = self.volumes[channel][time]
         check_alike(volume._stored_grid(), self.grid)
         if not np.can_cast(volume.dtype, self.dtype):
+            # Whole numbers of 64 bits are held in the narrowest type that has those of one time.
+            if _are_whole_numbers(volume.dtype, self.dtype):
+                raise WiderType(np.result_type(volume.dtype, self.dtype))
             raise ArgumentError(
                 f"volume {volume._stored_grid().name!r} at time {time} has samples of {volume.dtype}, the first one "
                 f"{self.dtype}; give volumes of one type"
@@ -128,6 +139,11 @@ def stacked(
         channels = [grid.facts.channel or Channel() for grid in grids]
     is_told = len(channels) > 1 or channels[0] != Channel()
     return Stack(volumes, grids[0], dtype, tuple(channels) if is_told else (), tuple(map(float, times)), time_unit)
+
+
+def _are_whole_numbers(*dtypes: np.dtype[Any]) -> bool:
+    """Whether types may all hold whole numbers of 64 bits: integers, and float64 for those beyond 32 bits."""
+    return all(dtype.kind in "iu" or dtype == np.float64 for dtype in dtypes)
 
 
 def check_alike(grid: Grid, first: Grid) -> None:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import sys
 import zlib
 from collections.abc import Callable, Iterable
+from dataclasses import replace
 from os import PathLike
 from typing import Any, get_args
 
@@ -19,7 +20,7 @@ from wavesplat._model import convert_to, ome_facts, ome_tiff_file, ome_zarr_file
 from wavesplat._model.argument_types import described
 from wavesplat._model.grid import Grid
 from wavesplat._model.ome_zarr_file import Downsampling
-from wavesplat._model.stack import Stack
+from wavesplat._model.stack import Stack, WiderType
 from wavesplat.errors import ArgumentError
 
 __all__ = ["save"]
@@ -58,6 +59,32 @@ def save(
         raise ArgumentError(f"downsampling is for .ome.zarr, which has levels of detail; leave it out: {path}")
     if suffix.startswith(".ome"):
         ome_facts.warn_of_lost(stack, path, is_zarr=suffix == ".ome.zarr")
+    _save_in_type_of_all(stack, suffix, path, downsampling, progress)
+
+
+def _save_in_type_of_all(
+    stack: Stack,
+    suffix: str,
+    path: str | PathLike[str],
+    downsampling: Downsampling | None,
+    progress: Callable[[float], object],
+) -> None:
+    """Write volumes in the type of the stack, or again in a wider one where a time does not fit into it."""
+    try:
+        _save_in_type(stack, suffix, path, downsampling, progress)
+    except WiderType as wider:
+        wide = replace(stack, dtype=wider.dtype)
+        _save_in_type_of_all(wide, suffix, path, downsampling, progress)
+
+
+def _save_in_type(
+    stack: Stack,
+    suffix: str,
+    path: str | PathLike[str],
+    downsampling: Downsampling | None,
+    progress: Callable[[float], object],
+) -> None:
+    """Write volumes in the type of the stack."""
     if suffix == ".ome.zarr":
         how = downsampling or ("nearest" if stack.facts.modality == "SEG" else "mean")
         write_folder_atomically(path, lambda part: ome_zarr_file.write(stack, part, how, progress))

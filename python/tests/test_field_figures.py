@@ -55,7 +55,8 @@ def test_components_and_lengths_are_named(file):
 
 def test_names_of_other_formats(tmp_path):
     np.savez(tmp_path / "a.npz", pressure=DENSITY)
-    assert ws.open(tmp_path / "a.npz").facts.quantity == "pressure"
+    for memory in (None, "1 MB"):
+        assert ws.open(tmp_path / "a.npz", memory=memory).facts.quantity == "pressure"
     legacy = (
         "# vtk DataFile Version 3.0\nmade\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 2 2 2\nORIGIN 0 0 0\n"
         "SPACING 1 1 1\nPOINT_DATA 8\nSCALARS vorticity float\nLOOKUP_TABLE default\n0 1 2 3 4 5 6 7\n"

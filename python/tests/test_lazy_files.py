@@ -19,6 +19,11 @@ def _volume():
     return ws.Volume(samples, world_from_index=matrix, unit="mm", anatomical=True)
 
 
+def _npz(folder, volume):
+    np.savez(folder / "a.npz", other=np.zeros(3), density=np.asfortranarray(volume.samples))
+    return folder / "a.npz", {"dataset": "density"}
+
+
 def _npy(folder, volume):
     np.save(folder / "a.npy", volume.samples)
     return folder / "a.npy", {}
@@ -191,6 +196,7 @@ def _tiff_folder(folder, volume):
 
 KINDS = {
     "npy": _npy,
+    "npz": _npz,
     "npy of times": _npy_of_times,
     "raw": _raw,
     "NIfTI": _nifti,
@@ -296,6 +302,11 @@ def test_channels_of_a_file_become_lazy_layers(tmp_path):
     assert scene.render(size=(20, 20)).rgba[..., 3].max() > 0
 
 
+def _packed_npz(folder, volume):
+    np.savez_compressed(folder / "a.npz", volume.samples)
+    return folder / "a.npz"
+
+
 def _as_text(folder, volume):
     path, _ = _itk(".mha")(folder, volume)
     path.write_bytes(path.read_bytes().replace(b"BinaryData = True", b"BinaryData = False"))
@@ -309,7 +320,10 @@ def _as_text(folder, volume):
         (lambda folder, v: (v.save(folder / "a.nii.gz"), folder / "a.nii.gz")[1], "one stream.*gunzip"),
         (lambda folder, v: _itk(".nrrd", True)(folder, v)[0], "one stream"),
         (lambda folder, v: _itk(".mha", True)(folder, v)[0], "one stream"),
-        (lambda folder, v: (np.savez(folder / "a.npz", v.samples), folder / "a.npz")[1], "archive.*npy"),
+        (
+            lambda folder, v: (np.savez_compressed(folder / "a.npz", v.samples), folder / "a.npz")[1],
+            "compressed.*savez",
+        ),
         (_text_vtk, "without memory="),
     ],
 )

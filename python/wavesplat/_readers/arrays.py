@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import struct
 import zipfile
 from typing import Any
 
@@ -14,9 +15,13 @@ from wavesplat._files.npz import check_members, npy_header
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts, quantity_of
 from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, one_volume_of, several, unwarned
-from wavesplat.errors import ArgumentError
+from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["read"]
+__all__ = ["read", "stored_member"]
+
+#: A member of a zip file begins with a header of 30 bytes, whose lengths of name and extra field are at byte 26; these
+#: follow it (PKWARE's APPNOTE.TXT, 4.3.7).
+MEMBER_HEADER_BYTES, NAME_LENGTH_AT = 30, 26
 
 
 def read(request: Request) -> Grid:
@@ -46,12 +51,40 @@ def _from_npy(request: Request) -> NDArray[Any]:
 def _from_npz(request: Request) -> tuple[str, NDArray[Any]]:
     path = request.file
     with zipfile.ZipFile(path) as archive:
-        names = [name.removesuffix(".npy") for name in archive.namelist() if name.endswith(".npy")]
-        name = _chosen(names, request)
+        name = _chosen(_names(archive), request)
         check_members(archive, [f"{name}.npy"], path)
     with np.load(path, allow_pickle=False) as arrays:
         array: NDArray[Any] = arrays[name]
     return name, array
+
+
+def stored_member(request: Request) -> tuple[str, int, int]:
+    """Name of an array in a .npz file that is not compressed, where its .npy file begins in it, and its bytes.
+
+    Raises
+    ------
+    FileError
+        If the array is compressed.
+    """
+    path = request.file
+    with zipfile.ZipFile(path) as archive:
+        name = _chosen(_names(archive), request)
+        member = archive.getinfo(f"{name}.npy")
+        if member.compress_type != zipfile.ZIP_STORED:
+            raise FileError(
+                f"array {name!r} is compressed, so parts of it cannot be read; write it by numpy.savez or numpy.save: "
+                f"{path}"
+            )
+        with archive.open(member):  # raises an error where the member's own header is damaged
+            pass
+    with path.open("rb") as file:
+        file.seek(member.header_offset + NAME_LENGTH_AT)
+        n_name, n_extra = struct.unpack("<HH", file.read(4))
+    return name, member.header_offset + MEMBER_HEADER_BYTES + n_name + n_extra, member.file_size
+
+
+def _names(archive: zipfile.ZipFile) -> list[str]:
+    return [name.removesuffix(".npy") for name in archive.namelist() if name.endswith(".npy")]
 
 
 def _chosen(names: list[str], request: Request) -> str:

@@ -7,6 +7,7 @@ one stream have to be unpacked, or stored in chunks, first.
 
 from __future__ import annotations
 
+import zipfile
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -24,10 +25,11 @@ from wavesplat._files.npz import npy_header
 from wavesplat._files.reading import reading
 from wavesplat._files.zarr_states import chunk_files
 from wavesplat._files.zarr_stores import place_of
-from wavesplat._model.facts import Facts
+from wavesplat._model.facts import Facts, quantity_of
 from wavesplat._model.hdf5_files import files_of_dataset, open_hdf5, read_hdf5
 from wavesplat._model.lazy_array import LazyArray, SlicedArray
 from wavesplat._readers import (
+    arrays,
     bdv,
     bioio_files,
     detached_samples,
@@ -99,22 +101,24 @@ def _unnamed(shape: Sequence[int], request: Request) -> tuple[tuple[int, int, in
 
 def _of_npy(request: Request) -> LazyGrid:
     path = request.file
-    if path.suffix.lower() == ".npz":
-        raise FileError(f"an .npz file is an archive, so parts of its arrays cannot be read; save them as .npy: {path}")
+    name, start, n_bytes = arrays.stored_member(request) if zipfile.is_zipfile(path) else (None, 0, None)
     with BoundedFile(path) as file:
+        file.seek(start)
         shape, dtype = npy_header(file)
-        file.seek(0)
+        file.seek(start)
         version = np.lib.format.read_magic(file)
         read = np.lib.format.read_array_header_1_0 if version == (1, 0) else np.lib.format.read_array_header_2_0
         _, is_fortran, _ = read(file)
         offset = file.tell()
+    if n_bytes is not None:
+        size_checks.check_stored(shape, dtype, max(start + n_bytes - offset, 0), path, held=(1,))
     order, picked = _unnamed(shape, request)
     if is_fortran:
         # The first axis is the fastest: the same array with its axes the other way round.
         last = len(shape) - 1
         order, picked = (last - order[0], last - order[1], last - order[2]), picked[::-1]
     array = stored_samples(path, dtype, offset, shape[::-1] if is_fortran else shape, order=order, picked=picked)
-    return LazyGrid([array], [np.eye(4)], Facts(n_times=n_times_of(shape, request)))
+    return LazyGrid([array], [np.eye(4)], Facts(quantity=quantity_of(name), n_times=n_times_of(shape, request)))
 
 
 def _of_raw(request: Request) -> LazyGrid:

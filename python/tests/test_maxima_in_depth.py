@@ -220,7 +220,11 @@ def test_the_command_line_draws_them(tmp_path, monkeypatch):
         assert result.exit_code == 0, result.output
         assert f'"composite": "{name}"' in (tmp_path / "a.json").read_text()
     for options, word in (
-        (["--depth-color", "nosuchmap"], "nosuchmap"),
+        (["--depth-color", "nosuchmap"], "unknown colour map 'nosuchmap'"),
+        (["--depth-color", "nosuchmap:z"], "unknown colour map 'nosuchmap'"),
+        (["--depth-color", "turbo:w"], "the axis, x, y or z, not 'w'"),
+        (["--depth-color", "turbo:Z"], "the axis, x, y or z, not 'Z'"),
+        (["--depth-color", "cmocean:thermal:xy"], "the axis, x, y or z, not 'xy'"),
         (["--depth-color", "turbo", "--composite", "mean"], "depth-colored-maximum"),
         (["--attenuate", "-1"], "at least 0"),
     ):

@@ -295,13 +295,32 @@ def _in_depth_colors(text: str) -> Operator:
     from wavesplat._looks.colormaps import colors_of
     from wavesplat._model.composites import AXES, DepthColoredMaximum
 
-    name, separator, axis = text.rpartition(":")
+    name, _, axis = text.rpartition(":")
     # Names of maps can have colons too, as "cmocean:thermal".
-    if not separator or axis not in AXES:
-        name, axis = text, ""
-    colors_of(name)
-    chosen: Any = axis or None
-    return DepthColoredMaximum(name, chosen)
+    if axis in AXES and name:
+        colors_of(name)
+        chosen: Any = axis
+        return DepthColoredMaximum(name, chosen)
+    try:
+        colors_of(text)
+    except ArgumentError:
+        if name and _is_colormap(name):
+            raise ArgumentError(
+                f"--depth-color {text}: after the colon comes the axis, x, y or z, not {axis!r}; without a colon the "
+                "colours show the distance from the eye"
+            ) from None
+        raise
+    return DepthColoredMaximum(text)
+
+
+def _is_colormap(name: str) -> bool:
+    from wavesplat._looks.colormaps import colors_of
+
+    try:
+        colors_of(name)
+    except ArgumentError:
+        return False
+    return True
 
 
 def _levels(volume: Volume | WaveletVolume, showing: SceneOptions) -> Volume | WaveletVolume:

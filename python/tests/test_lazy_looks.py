@@ -60,6 +60,43 @@ def test_look_camera_and_picture_are_those_in_memory(kind, dtype):
     assert first.rgba[..., 3].max() > 0.1
 
 
+def _pyramid(samples, is_of_means):
+    """Three levels, each half as fine: means of eight samples, or every second one."""
+    levels = [samples]
+    for _ in range(2):
+        finer = levels[-1]
+        z, y, x = (n // 2 for n in finer.shape)
+        cut = finer[: 2 * z, : 2 * y, : 2 * x]
+        mean = cut.reshape(z, 2, y, 2, x, 2).mean(axis=(1, 3, 5)).round().astype(finer.dtype)
+        levels.append(mean if is_of_means else cut[::2, ::2, ::2].copy())
+    return ws.Volume.lazy([Chunked(one) for one in levels], memory="60 MB", cache=False)
+
+
+@pytest.mark.parametrize(
+    ("kind", "dtype", "is_of_means", "wanted"),
+    [
+        ("jets", "u1", True, "field"),
+        ("noise", "u1", True, "EM"),
+        ("labels", "u1", False, "labels"),
+        ("labels", "u2", False, "labels"),
+    ],
+)
+def test_noise_and_labels_of_a_pyramid_are_told_by_its_finest_level(kind, dtype, is_of_means, wanted):
+    """A jet of heptane, a field of bytes, became "a scan of no fixed scale" when it was opened as OME-Zarr."""
+    samples = _jets() if kind == "jets" else _made(kind)
+    samples = samples.astype(dtype)
+    lazy = _pyramid(samples, is_of_means)
+    assert lazy._surveyed_level() > 0
+    assert evidence(ws.Volume(samples)).kind == wanted
+    assert evidence(lazy).kind == wanted
+
+
+def _jets():
+    """Sheets that bend over some samples, so that every fourth one is rough."""
+    radius, x, y, z = _radius()
+    return 250 * np.exp(-(((radius - 0.5 - 0.1 * np.sin(9 * x + 5 * z) * np.cos(8 * y)) / 0.035) ** 2))
+
+
 def test_a_kept_survey_gives_the_same_look(tmp_path):
     samples = _made("noise").astype(np.float32)
     array = Chunked(samples)

@@ -126,9 +126,12 @@ def evidence(volume: Volume | WaveletVolume) -> Evidence:
     values, gradients = values[finite], gradients[finite]
     if not values.size:
         values, gradients = np.array(volume.value_range), np.zeros(2)
-    has_noise = not is_smooth(samples, neighbours)
+    # Coarser levels are means of what was noise, and steeper.
+    fine = volume._busiest_part() if isinstance(volume, LazyVolume) else None
+    side_by_side = (samples, neighbours) if fine is None else _with_neighbours(fine, 1)
+    has_noise = not is_smooth(*side_by_side)
     kind, reason = (
-        _segmentation(volume, values, _share_alike(samples, neighbours), has_steps=_has_steps(samples, neighbours))
+        _segmentation(volume, values, _share_alike(*side_by_side), has_steps=_has_steps(*side_by_side))
         or _by_facts(volume, values)
         or _by_microscope(volume, values, has_noise=has_noise)
         or _by_shares(volume, values)

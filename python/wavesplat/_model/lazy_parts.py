@@ -18,10 +18,14 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._model.lazy_volume import LazyVolume, Level
 
-__all__ = ["MAX_OVERVIEW", "level_in_finest", "nearest_every", "part_of", "preview_of", "read_box"]
+__all__ = ["MAX_OVERVIEW", "busiest_part", "level_in_finest", "nearest_every", "part_of", "preview_of", "read_box"]
 
 #: Samples of a finer level from which its brightness is learnt, and the ratio of its spacing, both at most.
 MAX_PART, MAX_FINER = 1 << 22, 4.5
+#: Least side of a box that is looked for in all of a level, samples.
+LEAST_SIDE = 16
+#: Samples of the finest level whose neighbours tell noise and labels, about.
+N_BUSIEST = 1 << 18
 #: Samples of a level that is read as a whole for looks, cameras and previews, at most.
 MAX_OVERVIEW = 1 << 24
 
@@ -112,24 +116,52 @@ def level_in_finest(volume: LazyVolume, number: int) -> tuple[Any, Any, Any] | N
     fitting = [k for k, ratio in enumerate(ratios) if ratio <= MAX_FINER]
     place = fitting[0] if fitting else number - 1
     finer = levels[place]
-    n_finer = math.prod(a / b for a, b in zip(own.spacing, finer.spacing, strict=True))
-    coarse_box = _busiest(volume, number, MAX_PART / n_finer)
+    coarse_box = _busiest(volume, number, MAX_PART / _ratio(own, finer))
     coarse = read_box(volume.arrays(number), coarse_box)
-    between = np.linalg.inv(finer.world_from_index) @ own.world_from_index
-    low, high = [], []
-    for axis in range(3):
-        a = 2 - axis
-        ends = [between[a, a] * index + between[a, 3] for index in (coarse_box[0][axis], coarse_box[1][axis] - 1)]
-        n = finer.array.shape[axis]
-        first = int(np.clip(math.floor(min(ends)), 0, n - 2))
-        low.append(first)
-        high.append(int(np.clip(math.ceil(max(ends)) + 1, first + 2, n)))
-    fine_box: Box = ((low[0], low[1], low[2]), (high[0], high[1], high[2]))
+    fine_box = _same_box(coarse_box, own, finer)
     fine = read_box(volume.arrays(place), fine_box)
     low_value = min(value_range[0], float(np.nanmin(fine)))
     high_value = max(value_range[1], float(np.nanmax(fine)))
     told = (finer.world_from_index, (_finite(fine), fine_box[0]), (_finite(coarse), coarse_box[0]))
     return finest.array.shape, finest.world_from_index, (*told, (low_value, high_value))
+
+
+def busiest_part(volume: LazyVolume, number: int) -> NDArray[Any]:
+    """Samples of the finest level, [z, y, x], side by side, where the values of a coarser one vary most."""
+    own, finest = volume._levels[number], volume._levels[0]
+    side = max(4, int((N_BUSIEST / _ratio(own, finest)) ** (1 / 3)))
+    box = _busiest(volume, number, max(side, LEAST_SIDE) ** 3)
+    # In two steps, since a small box has many places in a level.
+    within = [range(a, max(b - side, a) + 1, max(side // 2, 1)) for a, b in zip(*box, strict=True)]
+    coarse = read_box(volume.arrays(number), box)
+    places = [(z, y, x) for z in within[0] for y in within[1] for x in within[2]]
+
+    def spread(place: tuple[int, ...]) -> float:
+        cut = tuple(slice(at - first, at - first + side) for at, first in zip(place, box[0], strict=True))
+        return float(np.nan_to_num(np.std(coarse[cut].astype(np.float64))))
+
+    low = max(places, key=spread)
+    z, y, x = (min(at + side, end) for at, end in zip(low, box[1], strict=True))
+    return read_box(finest.array, _same_box((low, (z, y, x)), own, finest))
+
+
+def _ratio(coarse: Level, fine: Level) -> float:
+    """Samples of the finer of two levels in the place of one of the coarser."""
+    return math.prod(a / b for a, b in zip(coarse.spacing, fine.spacing, strict=True))
+
+
+def _same_box(box: Box, coarse: Level, fine: Level) -> Box:
+    """The samples of the finer of two levels in a box of the coarser."""
+    between = np.linalg.inv(fine.world_from_index) @ coarse.world_from_index
+    low, high = [], []
+    for axis in range(3):
+        a = 2 - axis
+        ends = [between[a, a] * index + between[a, 3] for index in (box[0][axis], box[1][axis] - 1)]
+        n = fine.array.shape[axis]
+        first = int(np.clip(math.floor(min(ends)), 0, n - 2))
+        low.append(first)
+        high.append(int(np.clip(math.ceil(max(ends)) + 1, first + 2, n)))
+    return ((low[0], low[1], low[2]), (high[0], high[1], high[2]))
 
 
 def _finite(samples: NDArray[Any]) -> NDArray[np.float32]:
@@ -139,7 +171,7 @@ def _finite(samples: NDArray[Any]) -> NDArray[np.float32]:
 def _busiest(volume: LazyVolume, number: int, most: float) -> Box:
     """A box of about `most` samples of a level, where the values that its survey kept vary most."""
     shape = volume._levels[number].array.shape
-    side = max(16, int(most ** (1 / 3)))
+    side = max(LEAST_SIDE, int(round(most ** (1 / 3), 6)))
     size = [min(n, side) for n in shape]
     steps, strided = volume.survey(number, "linear").finest()
     best, first = -1.0, [(n - s) // 2 for n, s in zip(shape, size, strict=True)]

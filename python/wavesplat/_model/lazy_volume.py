@@ -457,6 +457,18 @@ class LazyVolume(Volume):
         looks = self.survey(0, "linear").looks
         return looks.with_neighbours if looks.neighbour_step == step else None
 
+    def _busiest_part(self) -> NDArray[Any] | None:
+        """Samples of the finest level side by side, where values vary most; None where the survey kept neighbours."""
+        from wavesplat._model.lazy_parts import busiest_part
+
+        level = self._surveyed_level()
+        if level == 0:
+            return None
+        found: NDArray[Any] | None = self._cache.derived.get("busiest")
+        if found is None:
+            found = self._cache.derived["busiest"] = busiest_part(self, level)
+        return found
+
     def _overview(self, level: int) -> NDArray[Any]:
         """All samples of a small level."""
         from wavesplat._model.lazy_parts import read_box

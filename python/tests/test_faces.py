@@ -67,6 +67,36 @@ def test_without_a_face_there_is_none(volume, options):
     assert notes(volume, **options) == []
 
 
+def pelvis(width, *, is_cut):
+    """An ellipse of tissue along z, in a field of view of 240 mm, or of 320 with its front."""
+    n = 60 if is_cut else 80
+    across = 4.0 * (np.arange(n) - n / 2)
+    y, x = across[None, :, None], across[None, None, :]
+    samples = np.where(np.broadcast_to((x / (width / 2)) ** 2 + (y / 115) ** 2 < 1, (54, n, n)), 40, -1000)
+    facts = ws.Facts(modality="CT", is_anatomical=True, unit="mm")
+    front = samples[:, : n - 10] if is_cut else samples
+    return ws.Volume(front.astype(np.int16), world_from_index=np.diag([4.0, 4, 4, 1]), facts=facts)
+
+
+def test_a_pelvis_drawn_with_its_skin_has_none():
+    assert notes(pelvis(300, is_cut=False), "ct-skin") == []
+    assert notes(pelvis(230, is_cut=True), "ct-skin") == []
+    # As wide as a head, with its front in view: it errs towards a note.
+    assert notes(pelvis(180, is_cut=False), "ct-skin")
+
+
+@pytest.mark.parametrize("walls", [(8, 8), (0, 12), (12, 0)])
+def test_a_head_that_its_field_of_view_cuts_keeps_its_note(walls):
+    """Ears, the tip of the nose, or the vertex outside of the scan."""
+    whole = head()
+    cut = whole.samples[: 64 - walls[1], : 60 - walls[0] // 4, walls[0] // 2 : 48 - walls[0] // 2]
+    assert notes(ws.Volume(cut, world_from_index=whole.world_from_index, facts=whole.facts))
+
+
+def test_the_head_that_comes_with_the_package_has_the_note():
+    assert notes(ws.examples.mri_head(), None)
+
+
 def test_the_axes_of_the_file_do_not_matter():
     straight = head()
     lps = np.diag([-4.0, -4, 4, 1])

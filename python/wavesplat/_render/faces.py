@@ -3,10 +3,13 @@
 It is decided by simple facts, on a thinned copy of the samples, and errs towards a note:
 
 1. The volume is a patient's MR or CT (or of unknown kind) in millimetres, no larger across than a scan of a head.
-2. Its tissue is as large as a head, and the profile in the middle comes as far forward at nose and mouth, 95 to 140 mm
-   below the vertex, as at the forehead: in a defaced scan, and in an extracted brain, it does not.
-3. What is drawn is opaque within 12 mm of the surface, along most rays from the front that meet the face.
-4. The eye is not behind the head, and the clips leave the face.
+2. Its tissue is as large as a head, no wider (a pelvis is), and the profile in the middle comes as far forward at nose
+   and mouth, 95 to 140 mm below the vertex, as at the forehead: in a defaced scan, and in an extracted brain, it does
+   not.
+3. The skin of the face lies in the scan: most rays from the front meet tissue behind the scan's wall, where a pelvis
+   that fills its field of view is cut.
+4. What is drawn is opaque within 12 mm of the surface, along most rays from the front that meet the face.
+5. The eye is not behind the head, and the clips leave the face.
 """
 
 from __future__ import annotations
@@ -40,6 +43,10 @@ STEP_MM = 4.0
 MAX_ACROSS_MM, MAX_ALONG_MM = 330.0, 420.0
 #: Least extent of a head: to the left and right, and from the back to the front; a brain has 140 and 175. mm.
 MIN_WIDTH_MM, MIN_LENGTH_MM = 120.0, 165.0
+#: Largest width from the vertex to the mouth, with ears and a head rest, mm.
+MAX_WIDTH_MM = 260.0
+#: Least share of the rays from the front that meet tissue behind the wall of the scan.
+MIN_UNCUT = 0.5
 #: Heights below the vertex of the forehead, and of nose and mouth; how far the latter may lie behind. mm.
 FOREHEAD_MM, FACE_MM, MAX_BEHIND_MM = (30.0, 70.0), (95.0, 140.0), 15.0
 #: Half widths of the profile and of the face, mm.
@@ -142,7 +149,20 @@ class _Head:
         nose = self._front(profile, self._below(vertex, FACE_MM))
         if nose < forehead - MAX_BEHIND_MM / self.steps[1]:
             return None
-        return self._around(middle, FACE_HALF_MM), self._below(vertex, (FOREHEAD_MM[1], FACE_MM[1]))
+        across, along = self._around(middle, FACE_HALF_MM), self._below(vertex, (FOREHEAD_MM[1], FACE_MM[1]))
+        is_face = not self._is_too_wide(vertex) and self._has_its_surface(across, along)
+        return (across, along) if is_face else None
+
+    def _is_too_wide(self, vertex: int) -> bool:
+        """Whether tissue between the vertex and the mouth is wider than a head."""
+        filled = self.is_tissue[:, :, self._below(vertex, (0.0, FACE_MM[1]))].mean(axis=(1, 2)) > MIN_FILLED
+        return bool(np.ptp(np.flatnonzero(filled)) * self.steps[0] > MAX_WIDTH_MM) if filled.any() else False
+
+    def _has_its_surface(self, across: slice, along: slice) -> bool:
+        """Whether most rays from the front meet tissue behind the wall of the scan."""
+        part = self.is_tissue[across, :, along]
+        meets = part.any(axis=1)
+        return bool(meets.any() and np.mean(part[:, -1][meets]) <= 1 - MIN_UNCUT)
 
     def _around(self, middle: int, half_mm: float) -> slice:
         half = max(1, round(half_mm / self.steps[0]))

@@ -8,6 +8,7 @@ from typing import Any
 import nibabel
 import numpy as np
 import pytest
+from dicom_files import save, slice_at
 from numpy.typing import NDArray
 
 import wavesplat as ws
@@ -28,6 +29,8 @@ FA = np.where(HEAD, 0.12 + 0.6 * BUNDLES + np.abs(RNG.normal(0, 0.04, R.shape)),
 RIM = HEAD & (R > 0.86) & (RNG.random(R.shape) < 0.2)
 GREY = 1 / (1 + np.exp(-(0.08 - np.abs(R - 0.6)) / 0.012)) * HEAD
 LESION = np.exp(-((X - 0.3) ** 2 + Y**2 + (Z - 0.2) ** 2) / 0.02)
+DARK = SCAN**2
+P_VALUES = 1 - 0.999 * LESION / LESION.max()
 PATIENT = ws.Facts(unit="mm", is_anatomical=True)
 
 #: Name of the file, samples, and the kind. Checked by hand besides, as a real file each: FA and V1 of FSL (Papaya),
@@ -35,7 +38,14 @@ PATIENT = ws.Facts(unit="mm", is_anatomical=True)
 TABLE: dict[str, tuple[str, NDArray[Any], str]] = {
     "FA of FSL, with its rim": ("x.nii", np.where(RIM, 1.2247, FA), "FA"),
     "FA clipped to 1, by its name": ("sub-01_param-FA_dwimap.nii.gz", np.clip(np.where(RIM, 1.2, FA), 0, 1), "FA"),
-    "FA clipped to 1, without a name": ("x.nii", np.clip(np.where(RIM, 1.2, FA), 0, 1), "MR"),
+    "FA clipped to 1, without a name": ("x.nii", np.clip(np.where(RIM, 1.2, FA), 0, 1), "FA"),
+    "FA without a rim, up to 0.8, without a name": ("x.nii", FA, "MR"),
+    "a scan by its maximum, mostly dark": ("x.nii", DARK / DARK.max(), "MR"),
+    "a scan, mostly dark, clipped at a percentile": (
+        "x.nii",
+        np.clip(SCAN**2 / np.percentile(SCAN**2, 99), 0, 1),
+        "MR",
+    ),
     "a scan by flip angle, which is FA too": ("sub-01_FA20.nii", 900 * SCAN, "MR"),
     "grey matter": ("c1.nii", GREY, "probability"),
     "grey matter as stored in bytes": ("c1.nii", np.round(255 * GREY) / 255, "probability"),
@@ -43,11 +53,26 @@ TABLE: dict[str, tuple[str, NDArray[Any], str]] = {
     "a lesion of a network": ("x.nii", np.where(LESION > 0.01, LESION, 0), "probability"),
     "a structure of an atlas, at most 0.7": ("x.nii", np.where(LESION > 0.01, 0.7 * LESION, 0), "probability"),
     "an atlas in per cent, by its name": ("Oxford-prob-1mm.nii", np.round(100 * LESION), "probability"),
-    "p-values": ("x.nii", 1 - 0.99 * LESION, "MR"),
+    "p-values": ("x.nii", P_VALUES, "p-values"),
+    "p-values by their name": ("clusters_p_value.nii", np.clip(P_VALUES - 0.3 * GREY, 0, 1), "p-values"),
+    "p-values of a mask, by their name": ("pval.nii", np.where(HEAD, P_VALUES, 0), "map"),
+    "1 - p of randomise": ("tbss_tfce_corrp_tstat1.nii.gz", 0.98 * LESION, "probability"),
+    "an inverted head": ("x.nii", 1 - SCAN / SCAN.max(), "MR"),
     "a scan, 0 to 1 by its extremes": ("x.nii", SCAN / SCAN.max(), "MR"),
     "a scan, clipped at its 98th percentile": ("x.nii", np.clip(SCAN / np.percentile(SCAN, 98), 0, 1), "MR"),
     "a head without its skull, 0 to 1": ("x.nii", np.where(R < 0.7, SCAN / SCAN.max(), 0), "MR"),
-    "a relaxation time, 0 to 2.9 s": ("T1map.nii", 2.9 * SCAN / SCAN.max(), "MR"),
+    "a relaxation time, 0 to 2.9 s": ("T1map.nii", 2.9 * SCAN / SCAN.max(), "map"),
+    "a relaxation time in two words": ("sub-01_T2_map.nii.gz", 120 * SCAN, "map"),
+    "a relaxation time without a name": ("x.nii", 1400 * SCAN, "MR"),
+    "a T1-weighted scan": ("sub-01_T1w.nii.gz", 900 * SCAN, "MR"),
+    "ADC in mm²/s": ("x.nii", 0.003 * SCAN, "map"),
+    "ADC in 10⁻⁶ mm²/s, by its name": ("prostate_ADC.nii.gz", 3000 * SCAN, "map"),
+    "MD of FSL": ("dti_MD.nii.gz", 0.003 * SCAN, "map"),
+    "initials": ("MD_scan.nii.gz", 900 * SCAN, "MR"),
+    "blood flow": ("sub-01_cbf.nii.gz", 80 * SCAN, "map"),
+    "a statistic above its threshold": ("thresh_zstat1.nii.gz", np.where(LESION > 0.4, 2.3 + 4 * LESION, 0), "map"),
+    "a statistic of two signs": ("zstat1.nii.gz", 6 * LESION - 5 * np.roll(LESION, 12, axis=2), "signed field"),
+    "uptake, by its name": ("thigh_SUV.nii.gz", 6 * SCAN, "PET"),
     "parts of a tumour": ("x.nii", (LESION > 0.2) * 2.0 + (LESION > 0.5) * 2.0 - 3.0 * (LESION > 0.8), "labels"),
     "a patchy lesion map of four values": (
         "x.nii",
@@ -67,7 +92,7 @@ def test_the_table_of_derived_maps(what: str) -> None:
     name, samples, kind = TABLE[what]
     found = evidence(patient(name, samples))
     assert found.kind == kind, found.reason
-    if kind in ("FA", "probability"):
+    if kind in ("FA", "probability", "map", "p-values", "PET"):
         assert found.is_guess
         assert "by the values" in found.reason
 
@@ -78,6 +103,64 @@ def test_a_lesion_that_the_samples_looked_at_miss_is_no_mask() -> None:
     volume = patient("x.nii", lesion)
     assert len(np.unique(evidence(volume).values)) <= 2
     assert evidence(volume).kind == "probability"
+
+
+def test_maps_are_shown_by_light_and_low_p_values_alone() -> None:
+    adc = patient("prostate_ADC.nii.gz", 3000 * SCAN)
+    look = ws.Look.auto(adc)
+    assert look.shading is None
+    assert look.transfer_function([0.0, 300.0])[:, 3].max() < 0.03  # type: ignore[operator]
+    p_values = patient("x.nii", P_VALUES)
+    look = ws.Look.auto(p_values)
+    alphas = look.transfer_function([0.0, 0.03, 0.06, 0.5, 1.0])[:, 3]  # type: ignore[operator]
+    assert alphas[0] > alphas[1] > alphas[2] == alphas[3] == alphas[4] == 0
+    for volume in (adc, p_values):
+        picture = ws.render(volume, size=(48, 48))
+        assert picture.rgba[..., 3].max() > 0.5
+        assert picture.report["look"]["reason"].endswith("by the values")
+
+
+@pytest.mark.parametrize(
+    ("intent", "samples", "kind", "quantity"),
+    [
+        ("z score", np.abs(SCAN), "map", "z statistic"),
+        ("p value", P_VALUES, "p-values", "p-value"),
+        ("none", 900 * SCAN, "MR", None),
+        ("estimate", 900 * SCAN, "MR", None),
+    ],
+)
+def test_the_intent_of_nifti_says_what_a_map_holds(
+    tmp_path: Path, intent: str, samples: NDArray[Any], kind: str, quantity: str | None
+) -> None:
+    image = nibabel.Nifti1Image(samples.T.astype(np.float32), np.diag([2.0, 2, 2, 1]))
+    image.header.set_intent(intent, (1.0,) if intent == "t test" else ())
+    nibabel.save(image, tmp_path / "x.nii")
+    volume = ws.open(tmp_path / "x.nii")
+    found = evidence(volume)
+    assert (volume.facts.quantity, found.kind) == (quantity, kind)
+    assert found.is_guess == (quantity is None)
+
+
+@pytest.mark.parametrize(
+    ("image_type", "kind", "quantity"),
+    [
+        (["DERIVED", "PRIMARY", "DIFFUSION", "ADC"], "map", "apparent diffusion coefficient"),
+        (["DERIVED", "SECONDARY", "OTHER", "RCBV"], "map", "blood volume"),
+        (["DERIVED", "PRIMARY", "M", "T2 MAP"], "map", "relaxation time T2"),
+        (["DERIVED", "PRIMARY", "DIFFUSION", "TRACEW"], "MR", None),
+        (["ORIGINAL", "PRIMARY", "M", "ADC"], "MR", None),
+    ],
+)
+def test_the_image_type_of_dicom_says_what_a_map_holds(
+    tmp_path: Path, image_type: list[str], kind: str, quantity: str | None
+) -> None:
+    pixels = (2000 * SCAN).astype(np.uint16)[::4]
+    save(tmp_path / "mr", [slice_at(one, n, modality="MR", ImageType=image_type) for n, one in enumerate(pixels)])
+    volume = ws.open(tmp_path / "mr")
+    found = evidence(volume)
+    assert (found.kind, volume.facts.quantity) == (kind, quantity), found.reason
+    assert volume.value_unit == (None if quantity else "a.u.")
+    assert not found.is_guess
 
 
 def test_arrays_without_a_patient_are_fields_as_before() -> None:

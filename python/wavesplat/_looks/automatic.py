@@ -22,6 +22,7 @@ from wavesplat._looks.histogram import without_padding
 from wavesplat._looks.kinds import Evidence, Kind, evidence, offset_of
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.look import Look
+from wavesplat._looks.measured_maps import SIGNIFICANT
 from wavesplat._looks.shading import Shading
 from wavesplat._looks.thresholds import otsu, otsu_of_scan, robust_range_of
 from wavesplat._looks.transfer_function import TransferFunction
@@ -92,6 +93,8 @@ DOSE_MAP, LEAST_DOSE = "turbo", 0.1
 #: The map of `cmap` that shares are shown in. Fractional anisotropy that is clear and that is opaque: grey matter and
 #: fluid have less than the first, and single fibre bundles reach the second.
 SHARE_MAP, FA_ENDS = "hot", (0.2, 0.9)
+#: Percentiles of the values above 0 of a calculated map that are clear and opaque: fits leave a few that are far off.
+MAP_ENDS = (0.1, 99.5)
 
 
 def automatic(volume: Volume | WaveletVolume, composite: Composite | None, color: Rgb | None = None) -> Look:
@@ -248,6 +251,23 @@ def _probability(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     return _light(SHARE_MAP, 0.0, high, opaque_after(volume)), SOFT
 
 
+def _map(volume: Volume | WaveletVolume, known: Evidence) -> Made:
+    """A look of a calculated map: it gives light from the least value of the matter on, and nothing has a skin."""
+    values = known.values[known.values > 0]
+    low, high = (float(end) for end in np.percentile(values, MAP_ENDS)) if values.size else (0.0, 1.0)
+    # The least value of a statistic above its threshold; of a map without one, nearly 0.
+    least = max(1e-6 * abs(low), float(np.finfo(np.float32).tiny))
+    return _light(FIELD_MAP, low, max(high, low + least), opaque_after(volume)), None
+
+
+def _p_values(volume: Volume | WaveletVolume, _known: Evidence) -> Made:
+    """A look of p-values: clear from the significant ones on, opaque at 0."""
+    light = _light(SHARE_MAP, 0.0, SIGNIFICANT, opaque_after(volume))
+    opacity = [(SIGNIFICANT - value, alpha) for value, alpha in reversed(light.opacity)]
+    color = [(SIGNIFICANT - value, *rgb) for value, *rgb in reversed(light.color)]
+    return TransferFunction(opacity, color), None
+
+
 def _light(name: str, low: float, high: float, n_voxels: float) -> TransferFunction:
     """A colour map from a clear value to one that `n_voxels` together make opaque."""
     places = np.linspace(0.0, 1.0, 17)
@@ -326,6 +346,8 @@ LOOKS: dict[Kind, Callable[..., Made]] = {
     "EM": _em,
     "FA": _fa,
     "probability": _probability,
+    "map": _map,
+    "p-values": _p_values,
     "signed field": _signed_field,
     "field": _field,
     "mask": _mask,

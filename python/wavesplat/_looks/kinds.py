@@ -4,7 +4,7 @@ Facts of the file (modality, unit, whether the axes are a patient's) come first.
 decide by tests that are reported beside it: Hounsfield units have air and soft tissue at the fixed points of their
 scale; a mask has two values; labels are whole numbers that are the same from sample to sample; a field has both signs,
 or fractions, or no noise; PET has no negative values, coarse samples and a few very bright spots. Shares, such as
-probabilities, have a file of their own: `shares.py`.
+probabilities, and other calculated maps have files of their own: `shares.py`, `measured_maps.py`.
 """
 
 from __future__ import annotations
@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._looks.hounsfield import looks_like_hounsfield
+from wavesplat._looks.measured_maps import map_kind
 from wavesplat._looks.roughness import is_smooth
 from wavesplat._looks.shares import share_kind
 from wavesplat._looks.stored_offset import stored_offset
@@ -51,6 +52,8 @@ Kind: TypeAlias = Literal[
     "EM",
     "FA",
     "probability",
+    "map",
+    "p-values",
     "signed field",
     "field",
     "mask",
@@ -132,6 +135,7 @@ def evidence(volume: Volume | WaveletVolume) -> Evidence:
     has_noise = not is_smooth(*side_by_side)
     kind, reason = (
         _segmentation(volume, values, _share_alike(*side_by_side), has_steps=_has_steps(*side_by_side))
+        or _by_maps(volume, values)
         or _by_facts(volume, values)
         or _by_microscope(volume, values, has_noise=has_noise)
         or _by_shares(volume, values)
@@ -188,6 +192,11 @@ def _segmentation(
 def _has_others(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> bool:
     """Whether a volume has values between whole numbers that samples spread over it missed, as of a small lesion."""
     return any(value != np.round(value) and value not in values for value in volume.value_range)
+
+
+def _by_maps(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tuple[Kind, str] | None:
+    """Maps that were calculated from a patient's scan; lengths of vectors have names of what the vectors are."""
+    return None if LENGTH in volume.facts.processing else map_kind(volume, values)
 
 
 def _by_facts(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tuple[Kind, str] | None:

@@ -35,7 +35,7 @@ Window: TypeAlias = tuple[float, float] | None
 
 #: Kinds of data whose automatic looks are for surfaces, or are greys, which over other greys say nothing; and the
 #: colour maps that these get instead, in turn.
-MAPPED_KINDS: tuple[Kind, ...] = ("CT", "MR", "PET", "ultrasound", "EM", "FA", "probability", "field", "scan")
+MAPPED_KINDS: tuple[Kind, ...] = ("CT", "MR", "PET", "ultrasound", "EM", "FA", "probability", "map", "field", "scan")
 OVERLAY_MAPS = ("hot", "winter", "summer", "cool")
 #: The map of values of two signs.
 TWO_SIGNS = "coolwarm"

@@ -3,7 +3,8 @@
 Neither has a field in NIfTI that programs fill, so each is a guess, and is said to be one.
 
 - FA is at most the square root of 3/2, which tensors with a negative eigenvalue reach in noise, and mostly below a
-  third of that. Above 1, that range is its own; else the name must say FA, as a scan normalised to 1 has it too.
+  third of that. Above 1, that range is its own. Clipped to 1, the rim that noise makes is a heap at 1 above a gap,
+  which a scan that is clipped at a percentile has not. Else the name must say FA, as a scan normalised to 1 has it too.
 - Probabilities of tissue are mostly near their ends. Scans that are normalised to 1 are mostly between them.
 - Probabilities of a lesion, or of one structure of an atlas, are 0 in nearly all of the volume.
 """
@@ -24,6 +25,10 @@ __all__ = ["share_kind"]
 
 #: Largest anisotropy, and largest median of it inside the brain. (FSL's FA of a brain: 0.18.)
 MAX_FA, MAX_MEDIAN_FA = 1.2248, 0.45
+#: FA clipped to 1: largest median and 90th percentile of what is not 0, least share of exactly 0 outside of the brain,
+#: least share of exactly 1, and the value from which on less than that lies below 1. (FSL's FA of a brain, clipped: see
+#: `test_derived_maps`. Nine MR scans clipped at percentiles 98 and 99.9: none fits, four by the gap alone.)
+MAX_MEDIAN_CLIPPED, MAX_UPPER_CLIPPED, MIN_OUTSIDE, MIN_HEAP, GAP_FROM = 0.3, 0.75, 0.3, 2e-4, 0.9
 #: Least value of shares, which splines overshoot, and the value that no share reaches.
 LEAST, ABOVE_SHARES = -0.05, 1.1
 #: Largest value of shares in per cent.
@@ -57,6 +62,8 @@ def share_kind(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> F
     if high > MAX_FA or getattr(volume, "dtype", np.dtype(np.float32)).kind != "f":
         return None
     found = values[values > NOT_ZERO * high]
+    if found.size and _is_clipped_anisotropy(values, found, high):
+        return "FA", "fractional anisotropy: mostly small, with a heap at 1 to which it is clipped, by the values"
     return _anisotropy(found, high, words) or _probability(found, high, values.size)
 
 
@@ -69,6 +76,15 @@ def _anisotropy(found: NDArray[np.float64], high: float, words: set[str]) -> Fou
     if high > ABOVE_SHARES:
         return "FA", f"fractional anisotropy: mostly small, and up to {high:.3g}, by the values"
     return None
+
+
+def _is_clipped_anisotropy(values: NDArray[np.float64], found: NDArray[np.float64], high: float) -> bool:
+    """Whether samples are those of anisotropy that was clipped to 1. found : those of `values` that are not 0."""
+    if high != 1 or np.mean(values == 0) < MIN_OUTSIDE:
+        return False
+    median, upper = np.percentile(found, (50.0, 90.0))
+    heap, below = np.mean(found == 1), np.mean((found > GAP_FROM) & (found < 1))
+    return bool(median <= MAX_MEDIAN_CLIPPED and upper <= MAX_UPPER_CLIPPED and heap >= MIN_HEAP and heap > below)
 
 
 def _probability(found: NDArray[np.float64], high: float, n_values: int) -> Found:

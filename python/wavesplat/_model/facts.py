@@ -97,8 +97,8 @@ class Facts:
         Unit of the samples' values: "HU", "Bq/ml", "SUV", "Gy", "a.u." (of MR, whose numbers have no scale), ...; None
         where the file does not say.
     quantity : str, optional
-        Name of the values, such as "temperature": of the dataset or array that they are in; None where the file has
-        none.
+        Name of the values, such as "temperature": of the dataset or array that they are in, or of a calculated map, by
+        the intent of NIfTI or the image type of DICOM; None where the file has none.
     channel : Channel, optional
         The channel of the samples.
     channels : sequence of Channel

@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from wavesplat._model.converted import Converted
 from wavesplat._model.facts import Facts
+from wavesplat._model.quantities import OF_INTENTS
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -96,6 +97,12 @@ def world_from_index(image: SpatialImage) -> NDArray[np.float64]:
     return world_from_index
 
 
+def _quantity(image: Any) -> str | None:
+    """The quantity that the intent of NIfTI names; None where it has none, or one of images."""
+    get_intent = getattr(image.header, "get_intent", None)
+    return None if get_intent is None else OF_INTENTS.get(get_intent()[0])
+
+
 def _time_unit(image: SpatialImage, said: str) -> str | None:
     from nibabel.freesurfer.mghformat import MGHImage
 
@@ -151,6 +158,7 @@ def facts_of(image: SpatialImage) -> Facts:
     return Facts(
         unit=ours,
         is_anatomical=is_anatomical,
+        quantity=_quantity(image),
         n_times=max(n_times, 1),
         time_step=step,
         time_unit=_time_unit(image, time_unit) if step is not None else None,

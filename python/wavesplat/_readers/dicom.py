@@ -22,6 +22,7 @@ from wavesplat._files.named_files import check_within
 from wavesplat._files.reading import reading
 from wavesplat._model import affine
 from wavesplat._model.facts import Facts
+from wavesplat._model.quantities import quantity_of_image_type
 from wavesplat._readers import dicom_segments
 from wavesplat._readers.dicom_checks import check_alike, check_is_volume, mended
 from wavesplat._readers.dicom_header import Frame, Header, content_of, header_of
@@ -40,6 +41,7 @@ from wavesplat._readers.dicom_series import (
 )
 from wavesplat._readers.dicom_stack import Stack, stacked
 from wavesplat._readers.dicom_suv import uptake_of
+from wavesplat._readers.dicom_units import ARBITRARY
 from wavesplat._readers.dicom_volumes import FrameVolume, times_of, volumes_of
 from wavesplat._readers.request import COLORS, Grid, Request, SeveralError, choose, quiet, unwarned
 from wavesplat.errors import FileError, LimitError
@@ -167,6 +169,7 @@ def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Re
         is_anatomical=first.is_of_patient and is_placed,
         modality=first.modality,
         value_unit="SUV" if request.suv else _value_unit(headers, [*guesses, *mends]),
+        quantity=quantity_of_image_type(first.image_type),
         processing=processing,
         channels=colors,
         channel=colors[request.channel or 0] if colors else None,
@@ -195,6 +198,8 @@ def _value_unit(headers: Sequence[Header], told: Sequence[str]) -> str | None:
     """The unit of the values; None where files differ in it, or `told` says that values are as they are stored."""
     found = {header.value_unit for header in headers}
     is_stored = any(one.startswith(AS_STORED) for one in told)
+    if found == {ARBITRARY} and quantity_of_image_type(headers[0].image_type) is not None:
+        return None  # of scans, and a map has a scale
     return found.pop() if len(found) == 1 and not is_stored and headers[0].n_samples == 1 else None
 
 

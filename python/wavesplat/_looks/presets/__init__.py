@@ -52,6 +52,8 @@ KINDS_FOR: dict[Kind, tuple[str, ...]] = {
     "EM": ("microscopy",),
     "FA": (),
     "probability": (),
+    "map": (),
+    "p-values": (),
     "signed field": ("simulation",),
     "field": ("microscopy", "simulation"),
     "mask": (),

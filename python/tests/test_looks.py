@@ -150,6 +150,22 @@ def test_pet_is_black_on_white_as_radiology_reads_it():
     assert luminance[0, 0] > 0.999
 
 
+def test_the_air_of_a_pet_is_as_white_as_the_page():
+    """The largest noise along a ray is no 0, so the box of the scan was grey on white."""
+    rng = np.random.default_rng(3)
+    z, y, x = np.mgrid[-1:1:60j, -1:1:48j, -1:1:48j]
+    body = (x / 0.5) ** 2 + (y / 0.4) ** 2 < 1
+    hot = (x - 0.1) ** 2 + y**2 + (z - 0.3) ** 2 < 0.01
+    activity = np.where(hot, 60000, np.where(body, 2500, 0)) + np.abs(rng.normal(0, 60, body.shape))
+    facts = ws.Facts(modality="PT", is_anatomical=True, unit="mm")
+    scan = ws.Volume(activity.astype(np.float32), spacing=(3.5, 3.5, 3.5), facts=facts)
+    rgb = ws.render(scan, None, "anterior", size=(96, 96)).rgba[..., :3]
+    middle = rgb[48]
+    beside = middle[: int(96 * 0.2)]
+    assert np.array_equal(np.round(255 * beside), np.full_like(beside, 255.0))
+    assert np.round(255 * middle[48].max()) < 250  # the body is seen
+
+
 @pytest.mark.parametrize("composite", ["maximum", "mean", "sum"])
 def test_projections_on_white_are_inverted(composite):
     shown = volume("PET")

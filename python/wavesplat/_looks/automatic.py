@@ -93,6 +93,8 @@ DOSE_MAP, LEAST_DOSE = "turbo", 0.1
 #: The map of `cmap` that shares are shown in. Fractional anisotropy that is clear and that is opaque: grey matter and
 #: fluid have less than the first, and single fibre bundles reach the second.
 SHARE_MAP, FA_ENDS = "hot", (0.2, 0.9)
+#: Percentile of the pixels of air in a PET that is still white, and the largest share of the greys' range that white has.
+AIR_PERCENT, MAX_AIR = 99.5, 0.02
 #: Percentiles of the values above 0 of a calculated map that are clear and opaque: fits leave a few that are far off.
 MAP_ENDS = (0.1, 99.5)
 
@@ -161,8 +163,14 @@ def tinted(function: TransferFunction | TransferFunction2D, color: Rgb) -> Trans
 
 def _inverted_maximum(volume: Volume | WaveletVolume, known: Evidence) -> Look:
     """A look that shows the largest uptake along each ray, black on white."""
-    greys = histogram.projected(volume, "maximum")
+    pixels = histogram.pixels_of_maxima(volume)
+    greys = histogram.exposed(volume, "maximum", pixels)
     first, last = greys.color[0][0], greys.color[-1][0]
+    # The noise of air, whose largest value along a ray is no 0, showed the box of the scan as a grey one on white.
+    _, threshold, _ = _parted(known)
+    air = pixels[pixels < threshold]
+    if air.size:
+        first = max(first, min(float(np.percentile(air, AIR_PERCENT)), first + MAX_AIR * (last - first)))
     # Faint uptake must show: half of the greys for the lower third.
     color = [(first, 1.0, 1.0, 1.0), (first + 0.3 * (last - first), 0.48, 0.48, 0.48), (last, 0.0, 0.0, 0.0)]
     function = TransferFunction([(first, 1.0)], color)

@@ -84,6 +84,11 @@ def exposed(volume: Volume | WaveletVolume, composite: str, values: NDArray[np.f
     return _grey_ramp(values, least=MIN_WINDOW * (high - low))
 
 
+def pixels_of_maxima(volume: Volume | WaveletVolume) -> NDArray[np.float64]:
+    """Largest values of the rays along each of the three index axes, all together."""
+    return _projected(volume, "maximum")
+
+
 def not_beyond(greys: TransferFunction, white: float) -> TransferFunction:
     """Greys of a maximum whose white is at most the value `white`."""
     low, black, own = greys.opacity[0][0], greys.color[0][0], greys.color[-1][0]

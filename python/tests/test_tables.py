@@ -138,17 +138,63 @@ def test_layers_leave_it_out(composite: Any, is_first: bool) -> None:
         assert picture.report["processing"] == [PROCESSING]
 
 
-def test_samples_that_are_read_or_decoded_keep_it_with_a_note() -> None:
+def lazily(scan: ws.Volume, n_levels: int = 1) -> ws.LazyVolume:
+    """A lazy copy, of several levels, each of every second sample of the one before."""
+    levels = [np.array(scan.samples)]
+    for _ in range(n_levels - 1):
+        levels.append(levels[-1][::2, ::2, ::2].copy())
+    what = levels if n_levels > 1 else levels[0]
+    return ws.Volume.lazy(what, world_from_index=scan.world_from_index, facts=scan.facts, name="lazy", cache=False)
+
+
+@pytest.mark.parametrize("turned", [False, True])
+def test_lazy_scans_leave_it_out_by_the_same_decision(turned: bool) -> None:
+    scan, bare = lying(), lying(table=False)
+    if turned:
+        scan, bare = (
+            ws.Volume(
+                one.samples.transpose(1, 0, 2)[::-1].copy(),
+                world_from_index=one.world_from_index
+                @ np.array([[1.0, 0, 0, 0], [0, 0, -1, one.shape[1] - 1], [0, 1, 0, 0], [0, 0, 0, 1]]),
+                facts=one.facts,
+            )
+            for one in (scan, bare)
+        )
+    lazy = lazily(scan)
+    for look, options in (("ct-skin", {}), ("ct-bone", {"composite": "maximum"})):
+        got, want, alone = (ws.render(one, look, "left", size=(32, 32), **options) for one in (lazy, scan, bare))
+        np.testing.assert_array_equal(got.rgba, want.rgba)
+        np.testing.assert_array_equal(got.rgba, alone.rgba)
+        assert got.report["processing"] == [PROCESSING]
+        assert [note for note in got.report["notes"] if "--keep-table" in note]
+    kept = ws.render(lazy, "ct-skin", "left", size=(32, 32), keep_table=True)
+    np.testing.assert_array_equal(kept.rgba, ws.render(scan, "ct-skin", "left", size=(32, 32), keep_table=True).rgba)
+    np.testing.assert_array_equal(lazy.read().samples, scan.samples)
+
+
+def test_levels_of_a_lazy_scan_leave_it_out_alike() -> None:
+    lazy, bare = (lazily(lying(table=has_one, n_slices=48), 2) for has_one in (True, False))
+    for size, quality in (((32, 32), "draft"), ((160, 160), "normal")):
+        got, want = (ws.render(one, "ct-skin", "left", size=size, quality=quality) for one in (lazy, bare))
+        np.testing.assert_array_equal(got.rgba, want.rgba)
+        assert got.report["lazy"]["levels"] == want.report["lazy"]["levels"]
+
+
+def test_wavelets_of_a_scan_leave_it_out() -> None:
+    coefficients = ws.WaveletVolume.from_volume(lying())
+    got = ws.render(coefficients, "ct-skin", "left", size=(32, 32))
+    want = ws.render(ws.WaveletVolume.from_volume(lying(table=False)), "ct-skin", "left", size=(32, 32))
+    np.testing.assert_allclose(got.rgba, want.rgba, atol=0.02)
+    assert [note for note in got.report["notes"] if "--keep-table" in note]
+
+
+def test_what_is_in_doubt_keeps_it_with_a_note_that_names_what_takes_it_out() -> None:
+    """The same of samples that are read or decoded, whose table stays."""
     scan = lying()
-    lazy = ws.Volume.lazy(
-        np.array(scan.samples), world_from_index=scan.world_from_index, facts=scan.facts, name="lazy", cache=False
-    )
-    plain, kept = (ws.render(lazy, "ct-skin", "left", size=(24, 24), keep_table=keep) for keep in (False, True))
-    np.testing.assert_array_equal(plain.rgba, kept.rgba)
-    (note,) = notes(lazy, "ct-skin")
-    assert "read as they are drawn; open the scan without memory=" in note
-    (note,) = notes(ws.WaveletVolume.from_volume(scan), "ct-skin")
-    assert "decoded from wavelets as they are drawn; draw the scan itself" in note
+    (note,) = notes(lazily(scan), "ct-skin", keep_table=True)
+    assert "open it without memory=" in note
+    (note,) = notes(ws.WaveletVolume.from_volume(scan), "ct-skin", keep_table=True)
+    assert "draw the scan itself" in note
     assert notes(ws.largest_body(scan)) == []
 
 
@@ -169,6 +215,14 @@ def test_times_of_a_series_have_one_decision() -> None:
     bare = ws.Layer(ws.Series(moving(table=False)), "ct-skin")
     for time in range(4):
         got, want = (ws.Scene(replace(one, time=time)).render("left", size=(48, 48)) for one in (layer, bare))
+        np.testing.assert_array_equal(got.rgba, want.rgba)
+
+
+def test_times_of_a_lazy_series_have_one_decision() -> None:
+    layer = ws.Layer(ws.Series([lazily(one) for one in moving()]), "ct-skin")
+    in_memory = ws.Layer(ws.Series(moving()), "ct-skin")
+    for time in (0, 3):
+        got, want = (ws.Scene(replace(one, time=time)).render("left", size=(48, 48)) for one in (layer, in_memory))
         np.testing.assert_array_equal(got.rgba, want.rgba)
 
 

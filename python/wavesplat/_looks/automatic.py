@@ -93,9 +93,9 @@ DOSE_MAP, LEAST_DOSE = "turbo", 0.1
 #: The map of `cmap` that shares are shown in. Fractional anisotropy that is clear and that is opaque: grey matter and
 #: fluid have less than the first, and single fibre bundles reach the second.
 SHARE_MAP, FA_ENDS = "hot", (0.2, 0.9)
-#: Percentile of the pixels of air in a PET that is still white, and the largest share of the greys' range that white has.
+#: Percentile of the pixels of air in a PET that is still white, and the largest share of the greys that white has.
 AIR_PERCENT, MAX_AIR = 99.5, 0.02
-#: Percentiles of the values above 0 of a calculated map that are clear and opaque: fits leave a few that are far off.
+#: Percentiles of the values above 0 of a calculated map that are clear and opaque: fits leave a few far off.
 MAP_ENDS = (0.1, 99.5)
 
 

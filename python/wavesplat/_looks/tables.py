@@ -22,9 +22,20 @@ from numpy.typing import NDArray
 
 from wavesplat._looks.hounsfield import looks_like_hounsfield
 from wavesplat._looks.stored_offset import stored_offset
+from wavesplat._model.grid import Grid
 from wavesplat._model.volume import Volume
 
-__all__ = ["PROCESSING", "without_table"]
+__all__ = [
+    "EMPTY_HU",
+    "LARGEST",
+    "PROCESSING",
+    "Decided",
+    "Places",
+    "decided_by",
+    "may_have_table",
+    "out_of",
+    "without_table",
+]
 
 #: Text in `Facts.processing` of a volume that is drawn without its table.
 PROCESSING = "the table below the body left out of the picture"
@@ -87,22 +98,18 @@ def _found(volume: Volume, reference: Volume) -> Volume | None:
     decided = _decided(reference)
     if decided is None or volume.samples.nbytes > LARGEST:
         return None
-    grid = _Places.of(volume)
-    assert grid is not None  # the reference has it
-    offset = decided.offset
-    matter = grid.matter(AIR_HU + offset)
-    thick = _thick(matter)
-    # At another time, more than mechanics may lie there.
-    if np.count_nonzero(thick & decided.below) > MAX_BELOW * np.count_nonzero(thick):
+    places = Places.of(volume)
+    assert places is not None  # the reference has them
+    out = out_of(places, places.looked_at(volume.samples), decided)
+    if out is None:
         return None
-    out = _outside(matter, thick, decided.table, decided.below)
     samples = volume.samples.copy()
-    grid.empty(samples, out, max(EMPTY_HU + offset, float(volume.value_range[0])))
+    places.empty(samples, out, max(EMPTY_HU + decided.offset, float(volume.value_range[0])))
     return volume._processed(samples, PROCESSING, volume._source)
 
 
 @dataclass(frozen=True)
-class _Decided:
+class Decided:
     """A table that was told from the body: its places [row, column], those below it, and the offset of the units."""
 
     table: Mask
@@ -110,7 +117,7 @@ class _Decided:
     offset: float
 
 
-def _decided(volume: Volume) -> _Decided | None:
+def _decided(volume: Volume) -> Decided | None:
     """The table of a volume; None where there is none, or it is in doubt. It is kept with the volume."""
     if "table" not in volume._parts:
         volume._parts["table"] = _told(volume) or ""
@@ -118,29 +125,59 @@ def _decided(volume: Volume) -> _Decided | None:
     return None if isinstance(found, str) else found
 
 
-def _told(volume: Volume) -> _Decided | None:
+def _told(volume: Volume) -> Decided | None:
+    if not may_have_table(volume) or volume.samples.nbytes > LARGEST:
+        return None
+    places = Places.of(volume)
+    return None if places is None else decided_by(places, places.looked_at(volume.samples), volume)
+
+
+def may_have_table(volume: Grid) -> bool:
+    """Whether a volume may be a CT of a patient on a table, from which none was taken yet."""
     if not (volume.is_anatomical and volume.unit == "mm" and volume.modality in (None, "CT")):
+        return False
+    return PROCESSING not in volume.facts.processing and not any(
+        "largest body" in one for one in volume.facts.processing
+    )
+
+
+def decided_by(places: Places, looked_at: NDArray[Any], volume: Volume) -> Decided | None:
+    """The table in the samples of a volume that are looked at; None where there is none, or it is in doubt."""
+    if places.length < MIN_LENGTH_MM:
         return None
-    if volume.samples.nbytes > LARGEST:
-        return None
-    if PROCESSING in volume.facts.processing or any("largest body" in done for done in volume.facts.processing):
-        return None
-    grid = _Places.of(volume)
-    if grid is None or grid.length < MIN_LENGTH_MM:
-        return None
-    offset = grid.offset(volume)
+    offset = _offset(looked_at, volume)
     if offset is None:
         return None
-    found = _table(grid.matter(AIR_HU + offset), grid.distances)
-    return None if found is None else _Decided(*found, offset)
+    found = _table(places.matter(looked_at, AIR_HU + offset), places.distances)
+    return None if found is None else Decided(*found, offset)
+
+
+def out_of(places: Places, looked_at: NDArray[Any], decided: Decided) -> Mask | None:
+    """The places, [slice, row, column], of a table in samples that are looked at; None where the body may be there."""
+    matter = places.matter(looked_at, AIR_HU + decided.offset)
+    thick = _thick(matter)
+    # At another time, more than mechanics may lie there.
+    if np.count_nonzero(thick & decided.below) > MAX_BELOW * np.count_nonzero(thick):
+        return None
+    return _outside(matter, thick, decided.table, decided.below)
+
+
+def _offset(looked_at: NDArray[Any], volume: Volume) -> float | None:
+    """The offset of the values from Hounsfield units; None where they do not look like such units."""
+    some = looked_at[::2, ::2, ::2].astype(np.float64)
+    some = some[np.isfinite(some)]
+    if looks_like_hounsfield(some, volume):
+        return 0.0
+    # Quick: most volumes that are none have smaller values.
+    offset = stored_offset(some) if volume.value_range[0] >= 0 else 0.0
+    return offset or None
 
 
 @dataclass(frozen=True)
-class _Places:
+class Places:
     """A coarse grid of places on a volume: slices from the feet up, rows from the front to the back, columns."""
 
-    #: The samples, their axes turned and exchanged.
-    samples: NDArray[Any]
+    #: The axes z, y, x of the samples as those of slices, rows and columns, and the direction of each.
     order: tuple[int, int, int]
     turned: tuple[slice, slice, slice]
     #: Steps from one sample that is looked at to the next, and how many of them make a place.
@@ -151,9 +188,9 @@ class _Places:
     distances: tuple[float, float]
 
     @classmethod
-    def of(cls, volume: Volume) -> _Places | None:
+    def of(cls, grid: Grid) -> Places | None:
         """The places of a volume; None where its axes are not nearly those of the patient."""
-        axes = volume.world_from_index[:3, :3] / np.linalg.norm(volume.world_from_index[:3, :3], axis=0)
+        axes = grid.world_from_index[:3, :3] / np.linalg.norm(grid.world_from_index[:3, :3], axis=0)
         of_world = [int(np.abs(axes[world]).argmax()) for world in (2, 1, 0)]
         cosines = [axes[world, axis] for world, axis in zip((2, 1, 0), of_world, strict=True)]
         if sorted(of_world) != [0, 1, 2] or min(np.abs(cosines)) < MIN_COSINE:
@@ -163,15 +200,13 @@ class _Places:
         turned = tuple(
             slice(None, None, 1 if c * sign > 0 else -1) for c, sign in zip(cosines, (1, -1, 1), strict=True)
         )
-        samples = volume.samples.transpose(z, y, x)[turned]
-        between, *across = (volume.spacing[axis] for axis in of_world)
-        n_slices = samples.shape[0]
+        between, *across = (grid.spacing[axis] for axis in of_world)
+        n_slices = grid.shape[z]
         apart = max(1, -(-n_slices // N_SLICES), int(SLICE_MM / between))
         steps = [max(1, int(SAMPLE_MM / distance)) for distance in across]
         together = [max(1, int(PLACE_MM / (n * distance))) for n, distance in zip(steps, across, strict=True)]
         height, width = (d * n * k for d, n, k in zip(across, steps, together, strict=True))
         return cls(
-            samples,
             (z, y, x),
             (turned[0], turned[1], turned[2]),
             (apart, steps[0], steps[1]),
@@ -180,24 +215,32 @@ class _Places:
             (height, width),
         )
 
-    @property
-    def looked_at(self) -> NDArray[Any]:
-        """The samples that are looked at."""
-        return self.samples[tuple(slice(None, None, step) for step in self.steps)]
+    def looked_at(self, samples: NDArray[Any]) -> NDArray[Any]:
+        """The samples that are looked at, of all samples [z, y, x]: [slice, row, column]."""
+        turned = samples.transpose(self.order)[self.turned]
+        return turned[tuple(slice(None, None, step) for step in self.steps)]
 
-    def offset(self, volume: Volume) -> float | None:
-        """The offset of the values from Hounsfield units; None where they do not look like such units."""
-        some = self.looked_at[::2, ::2, ::2].astype(np.float64)
-        some = some[np.isfinite(some)]
-        if looks_like_hounsfield(some, volume):
-            return 0.0
-        # Quick: most volumes that are none have smaller values.
-        offset = stored_offset(some) if volume.value_range[0] >= 0 else 0.0
-        return offset or None
+    def indices(self, shape: tuple[int, int, int]) -> list[NDArray[np.intp]]:
+        """Indices along z, y, x of the samples that are looked at, in the order of slices, rows and columns."""
+        found = [np.empty(0, np.intp)] * 3
+        for axis, way, step in zip(self.order, self.turned, self.steps, strict=True):
+            found[axis] = np.arange(shape[axis])[way][::step]
+        return found
 
-    def matter(self, least: float) -> Mask:
+    def places(self, shape: tuple[int, int, int], n_slices: int) -> list[NDArray[np.intp]]:
+        """Number of the place of each sample, along z, y, x."""
+        found = [np.empty(0, np.intp)] * 3
+        across = [step * k for step, k in zip(self.steps[1:], self.together, strict=True)]
+        for axis, way, step in zip(self.order, self.turned, (self.steps[0], *across), strict=True):
+            n = np.arange(shape[axis])
+            is_slice = axis == self.order[0]
+            at = np.minimum((n + step // 2) // step, n_slices - 1) if is_slice else n // step
+            found[axis] = at[way]
+        return found
+
+    def matter(self, looked_at: NDArray[Any], least: float) -> Mask:
         """Whether a place has a sample above a value, shape (slices, rows, columns)."""
-        found: Mask = self.looked_at > least
+        found: Mask = looked_at > least
         for axis, n in enumerate(self.together, 1):
             found = _any_of(found, n, axis)
         return found

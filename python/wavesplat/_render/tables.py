@@ -27,11 +27,11 @@ NOTE = (
 
 #: The same of samples that are read, or decoded, as they are drawn: no copy of them can be changed.
 NOTE_ON_PARTS = (
-    "the picture seems to show the table beside the body, and it stays, since the samples are {} as they are drawn; "
-    "{}: then it leaves the picture by itself, or --remove-table takes it out of the scan"
+    "the picture seems to show the table beside the body; --remove-table (wavesplat.largest_body) takes it out of a "
+    "scan that is in memory: {}"
 )
-READ = NOTE_ON_PARTS.format("read", "open the scan without memory= (--memory)")
-DECODED = NOTE_ON_PARTS.format("decoded from wavelets", "draw the scan itself")
+READ = NOTE_ON_PARTS.format("open it without memory= (--memory)")
+DECODED = NOTE_ON_PARTS.format("draw the scan itself, not its wavelets")
 
 LEFT_OUT = (
     "the table below the body is left out of the picture, and stays in the samples; --keep-table (keep_table=True) "

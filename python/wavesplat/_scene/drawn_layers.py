@@ -18,6 +18,7 @@ from wavesplat._looks.brain import brain_of
 from wavesplat._looks.default_colors import label_color
 from wavesplat._looks.kinds import kind_of
 from wavesplat._looks.labels import Label, Labels
+from wavesplat._looks.lazy_tables import without_table_in_parts
 from wavesplat._looks.look import Look
 from wavesplat._looks.overlays import MAPPED_KINDS, OVERLAY_MAPS, cleared, mapped
 from wavesplat._looks.tables import without_table
@@ -32,6 +33,7 @@ from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._render.arguments import chosen_look, cut_open
 from wavesplat._render.framing import Part
+from wavesplat._render.tables import note_on_table
 from wavesplat._scene.drawn_color import DrawnColor, check_operator, check_rows, drawn_color
 from wavesplat._scene.resampling import check_units, is_oblique, on_axes_of
 from wavesplat.errors import ArgumentError
@@ -190,7 +192,7 @@ def drawn_layers(scene: Scene, composite: Composite | None) -> DrawnLayers:
     shown = []
     for layer, volume, look in zip(layers, volumes, looks, strict=True):
         look = _with_own_labels(scene, layer, volume, look)  # noqa: PLW2901 - the look of this time
-        drawn = _part(layer, volume, look, is_tableless=name != "minimum" and not scene.keep_table)
+        drawn = _part(scene, layer, volume, look, is_tableless=name != "minimum" and not scene.keep_table)
         placed = on_axes_of(drawn, volumes[0])
         boxes = in_samples_of(placed, scene._clipping.boxes, first)
         color = _color(scene, layer, volume, volumes[0])
@@ -229,15 +231,30 @@ def why_no_brain(layer: DrawnLayer) -> str | None:
     return found if isinstance(found, str) else None
 
 
-def _part(layer: Layer, volume: Volume | WaveletVolume, look: Look, *, is_tableless: bool) -> Volume | WaveletVolume:
+def _part(
+    scene: Scene, layer: Layer, volume: Volume | WaveletVolume, look: Look, *, is_tableless: bool
+) -> Volume | WaveletVolume:
     """The part of the volume that is drawn: that of the look, or all but a CT's table; all where it is not found."""
     if look.part == "brain":
         found = brain_of(volume)
         return volume if isinstance(found, str) else found
-    if not is_tableless or not isinstance(volume, Volume) or isinstance(volume, LazyVolume):
+    if not is_tableless:
         return volume
+    if isinstance(volume, LazyVolume | WaveletVolume):
+        return _part_of_parts(scene, volume, layer.looked_at if isinstance(layer.volume, Series) else volume, look)
     decided_by = layer.looked_at if isinstance(layer.volume, Series) else volume
     return without_table(volume, decided_by if isinstance(decided_by, Volume) else None) or volume
+
+
+def _part_of_parts(
+    scene: Scene, volume: LazyVolume | WaveletVolume, decided_on: Volume | WaveletVolume, look: Look
+) -> Volume | WaveletVolume:
+    """The same of samples that are read or decoded as they are drawn, of which more are needed to tell a table."""
+    if note_on_table(decided_on, look.transfer_function) is None:
+        return volume
+    key: Any = id(volume), "without table", id(decided_on)
+    find = partial(without_table_in_parts, volume, decided_on)
+    return scene._cache.get_or_compute(key, identity_of(volume), find) or volume
 
 
 def seen_parts(scene: Scene, look: Look) -> list[Part]:

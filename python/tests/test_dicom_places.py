@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import os
 import warnings
 import zipfile
 
@@ -290,3 +291,34 @@ def test_a_broken_sibling_does_not_hinder_the_named_file_fault_16(tmp_path, harm
     assert len(volume.guesses) == 1
     assert "damaged" in volume.guesses[0] or volume.guesses[0].startswith("without 1 file of the series")
     assert {type(one.message) for one in recwarn} <= {ws.errors.FileWarning}
+
+
+def test_the_list_of_files_is_kept_as_long_as_no_folder_changes(tmp_path, monkeypatch):
+    """Listing the folder anew took two fifths of the time of each further time point."""
+    from wavesplat._readers import dicom_places
+
+    (tmp_path / "a" / "b").mkdir(parents=True)
+    (tmp_path / "a" / "1.dcm").write_bytes(b"x")
+    long_ago = 1_000_000_000
+
+    def settle():
+        for folder in (tmp_path / "a", tmp_path / "a" / "b"):
+            os.utime(folder, (long_ago, long_ago))
+
+    listed = []
+    entries = dicom_places._entries
+    monkeypatch.setattr(dicom_places, "_entries", lambda *a, **k: listed.append(a[0]) or entries(*a, **k))
+    kept = {}
+
+    def names():
+        return [file.name for file in dicom_places.files_below(tmp_path / "a", None, kept)]
+
+    settle()
+    assert names() == names() == ["1.dcm"]
+    assert len(listed) == 2
+    (tmp_path / "a" / "b" / "2.dcm").write_bytes(b"y")
+    # Changed a moment ago: listed, and not kept, until it is settled.
+    assert names() == names() == ["1.dcm", "2.dcm"]
+    assert len(listed) == 6
+    (tmp_path / "a" / "1.dcm").unlink()
+    assert names() == ["2.dcm"]

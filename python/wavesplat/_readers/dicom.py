@@ -62,7 +62,7 @@ def read(request: Request) -> Grid:
                 # The archive is what a document names, and its files lie elsewhere.
                 return _read_files(files_below(folder), folder, replace(request, within=None))
         if path.is_dir():
-            return _read_files(files_below(path, request.within), path, request)
+            return _read_files(files_below(path, request.within, request.kept), path, request)
         first = header_of(path)
         if first is None:
             files, missing = files_of_directory(path, request.within)

@@ -15,6 +15,7 @@ import zipfile
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path, PurePosixPath
+from time import time_ns
 from typing import Any
 
 from wavesplat._files.bounded_file import BoundedFile
@@ -29,6 +30,8 @@ __all__ = ["N_FIRST", "SUFFIXES", "begins_as_dicom", "files_below", "files_of_di
 SUFFIXES = (".dcm", ".ima", ".dicom")
 #: Largest depth of folders, and number of entries: a study of a patient has some thousands, a disk millions.
 MAX_DEPTH, MAX_ENTRIES = 12, 100_000
+#: Time after which a folder's time of change tells later changes from earlier ones, nanoseconds: FAT has steps of 2 s.
+SETTLED_NS = 2_500_000_000
 #: Share of the free space for temporary files that an unpacked archive may take.
 MAX_SHARE = 0.5
 #: Folders that operating systems add, without images.
@@ -48,11 +51,37 @@ def begins_as_dicom(head: bytes) -> bool:
 # Folders
 
 
-def files_below(folder: Path, within: Path | None = None) -> list[Path]:
+def files_below(folder: Path, within: Path | None = None, kept: dict[str, Any] | None = None) -> list[Path]:
     """All files in a folder and in the folders below it, in order of names; each folder is entered once.
 
-    Hidden folders, and the files that macOS puts beside others ("._name"), are left out. `within`: see `check_within`.
+    Hidden folders, and the files that macOS puts beside others ("._name"), are left out.
+
+    within : see `check_within`. kept : what is kept between the time points of a series; the list is, as long as no
+        folder has another time of change.
     """
+    key = f"files below {folder}, within {within}"
+    known = None if kept is None else kept.get(key)
+    if known is not None and all(_changed(place) == time for place, time in known[1].items()):
+        files: list[Path] = known[0]
+        return files
+    started, times = time_ns(), dict[Path, int]()
+    found = _listed_below(folder, within, times)
+    # Of a folder that was changed a moment ago a later change may have the same time.
+    if kept is not None and max(times.values(), default=0) < started - SETTLED_NS:
+        kept[key] = found, times
+    return found
+
+
+def _changed(folder: Path) -> int | None:
+    """When names in a folder were last added, changed or taken out, nanoseconds; None where it is not there."""
+    try:
+        return folder.stat().st_mtime_ns
+    except OSError:
+        return None
+
+
+def _listed_below(folder: Path, within: Path | None, times: dict[Path, int]) -> list[Path]:
+    """See `files_below`. times : gets the time of change of each folder, taken before it is read."""
     found: list[Path] = []
     seen: set[tuple[int, int]] = set()
     waiting = [(folder, 0)]
@@ -62,6 +91,7 @@ def files_below(folder: Path, within: Path | None = None) -> list[Path]:
         if (state.st_dev, state.st_ino) in seen or depth > MAX_DEPTH:
             continue
         seen.add((state.st_dev, state.st_ino))
+        times[place] = state.st_mtime_ns
         folders: list[tuple[Path, int]] = []
         for name, is_file, is_folder in _entries(place, is_top=depth == 0):
             if len(found) + len(seen) + len(waiting) + len(folders) > MAX_ENTRIES:

@@ -171,13 +171,13 @@ def test_a_renderer_that_fails_is_told_and_goes_on(session, monkeypatch):
 def test_windows_share_the_state_and_have_their_own_views(session):
     one, other = Page(session), Page(session)
     one.show(size=(64, 48))
-    other.show("axial", size=(40, 30))
+    other.show("z", size=(40, 30))
     one.patch(viewer_fakes.turned(session.state.camera, 12))
     header, _ = other.wait(lambda header: header["type"] == "patch")
     assert header["cause"] == "other view"
     assert header["operations"][0]["path"] == "/camera"
     one.at_rest()
-    other.at_rest("axial", seq=0)
+    other.at_rest("z", seq=0)
     assert not other.frames(view="3d")
     one.client.close()
     assert session.n_clients == 1
@@ -237,15 +237,15 @@ def test_there_is_an_end_to_the_number_of_pages(session):
 
 def test_slices_are_those_of_slice_to_the_byte(session):
     page = Page(session)
-    page.show("coronal", size=(40, 36))
-    header, payload = page.at_rest("coronal")
+    page.show("y", size=(40, 36))
+    header, payload = page.at_rest("y")
     x, y, z = session.state.view["slices"]["crosshair"]
     picture = ws.slice(session.state.scene, "coronal", y, size=(40, 36))
     assert np.array_equal(pixels(payload), np.asarray(picture))
     assert header["slice"]["position"] == pytest.approx(y)
     assert header["slice"]["window"] == pytest.approx(picture.report["window"])
-    page.patch({"op": "add", "path": "/view/slices/normals", "value": {"coronal": [0.3, 1, 0]}})
-    _, payload = page.at_rest("coronal")
+    page.patch({"op": "add", "path": "/view/slices/normals", "value": {"y": [0.3, 1, 0]}})
+    _, payload = page.at_rest("y")
     oblique = ws.slice(session.state.scene, ((x, y, z), (0.3, 1, 0)), size=(40, 36))
     assert np.array_equal(pixels(payload), np.asarray(oblique))
 

@@ -246,9 +246,9 @@ describe("each control does what it says", () => {
 
   test("slices, crosshair, window and measures", async () => {
     await change(page, { op: "replace", path: "/view/layout", value: { name: "one-and-three", main: "3d" } });
-    await page.locator('[data-view="axial"] canvas[data-at-rest="true"]').waitFor();
-    await atRest(page, "axial");
-    const { x, y, width } = await middle(page, "axial");
+    await page.locator('[data-view="z"] canvas[data-at-rest="true"]').waitFor();
+    await atRest(page, "z");
+    const { x, y, width } = await middle(page, "z");
     const before = await state(page);
     await page.mouse.click(x + width / 5, y - 40);
     const after = await state(page);
@@ -259,12 +259,12 @@ describe("each control does what it says", () => {
     await page.mouse.wheel(0, 100);
     await expect.poll(async () => (await state(page)).view.slices.crosshair[2]).not.toBe(after.view.slices.crosshair[2]);
     await page.keyboard.down("Alt");
-    await drag(page, 40, 0, { view: "axial" });
+    await drag(page, 40, 0, { view: "z" });
     await page.keyboard.up("Alt");
     await expect.poll(async () => (await state(page)).view.slices.window).toBeDefined();
     await page.getByRole("slider", { name: "Tilt the coronal plane" }).first().focus();
     await page.keyboard.press("PageUp");
-    await expect.poll(async () => (await state(page)).view.slices.normals?.coronal).toBeDefined();
+    await expect.poll(async () => (await state(page)).view.slices.normals?.y).toBeDefined();
     await page.getByRole("radio", { name: "Measure a distance" }).click();
     await page.mouse.click(x - 40, y + 30);
     await page.mouse.click(x + 40, y + 30);

@@ -143,10 +143,10 @@ describe("playing", () => {
     expect(waitFor(1000, { at: 100, isShown: true }, 10)).toBe(0);
   });
   test("only views that are shown are waited for", () => {
-    const layout = (name: View["layout"]["name"]): View["layout"] => ({ name, main: "axial" });
+    const layout = (name: View["layout"]["name"]): View["layout"] => ({ name, main: "z" });
     expect([shownViews(layout("3d")), shownViews(layout("single")), shownViews(layout("two-by-two")).length]).toEqual([
       ["3d"],
-      ["axial"],
+      ["z"],
       4,
     ]);
   });

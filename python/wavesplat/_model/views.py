@@ -13,7 +13,17 @@ from typing import NamedTuple, TypeAlias
 
 from wavesplat.errors import ArgumentError
 
-__all__ = ["OF_BODIES", "PLANES", "VIEWS", "PlaneView", "named_plane", "nearest_plane", "planes_of", "view_angles"]
+__all__ = [
+    "OF_BODIES",
+    "PLANES",
+    "VIEWS",
+    "PlaneView",
+    "named_plane",
+    "nearest_plane",
+    "plane_across",
+    "planes_of",
+    "view_angles",
+]
 
 
 Vector: TypeAlias = "tuple[float, float, float]"
@@ -87,8 +97,12 @@ def named_plane(name: object, *, is_anatomical: bool) -> str:
     """The plane of data that a name stands for: xy of a body is axial, and axial of other data is xy."""
     if not isinstance(name, str) or name not in PLANES:
         raise ArgumentError(f"unknown plane {name!r}; use one of: {', '.join(PLANES)}, or (point, normal)")
-    across = PLANES[name].across
-    return next(own for own in planes_of(is_anatomical=is_anatomical) if PLANES[own].across == across)
+    return plane_across(PLANES[name].across, is_anatomical=is_anatomical)
+
+
+def plane_across(axis: str, *, is_anatomical: bool) -> str:
+    """The plane of data across an axis of the world, "x", "y" or "z"."""
+    return next(own for own in planes_of(is_anatomical=is_anatomical) if PLANES[own].across == axis)
 
 
 def nearest_plane(normal: Sequence[float], *, is_anatomical: bool) -> str:

@@ -1,4 +1,7 @@
-"""The slices of a viewer: how its state and a pane become a call of `wavesplat.slice`."""
+"""The slices of a viewer: how its state and a pane become a call of `wavesplat.slice`.
+
+A pane has the name of the world's axis across it: "z" is axial of a body, and xy of other data.
+"""
 
 from __future__ import annotations
 
@@ -9,7 +12,7 @@ from numpy.typing import NDArray
 
 from wavesplat._model.affine import box_corners
 from wavesplat._model.grid import Grid
-from wavesplat._model.views import PLANES, named_plane
+from wavesplat._model.views import plane_across
 from wavesplat._picture.picture import Picture
 from wavesplat._scene.slicing import slice as cut
 from wavesplat._viewer.state import ViewerState
@@ -38,7 +41,10 @@ def slice_arguments(state: ViewerState, pane: str) -> dict[str, Any]:
         "background": "black",
     }
     if slices.get("normals", {}).get(pane) is None:
-        arguments |= {"plane": named_plane(pane, is_anatomical=volume.is_anatomical), "position": float(normal @ point)}
+        arguments |= {
+            "plane": plane_across(pane, is_anatomical=volume.is_anatomical),
+            "position": float(normal @ point),
+        }
     else:
         arguments["plane"] = (point.tolist(), normal.tolist())
     if slices["zoom"] != 1:
@@ -77,7 +83,7 @@ def _plane(slices: dict[str, Any], pane: str, volume: Grid) -> tuple[Array, Arra
     """A point and the normal; the point is the crosshair, moved into the volume along the normal if need be."""
     given = slices.get("normals", {}).get(pane)
     if given is None:
-        normal = np.eye(3)["xyz".index(PLANES[pane].across)]
+        normal = np.eye(3)["xyz".index(pane)]
     else:
         normal = np.array(given, float)
         normal /= np.linalg.norm(normal)

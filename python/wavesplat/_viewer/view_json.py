@@ -2,7 +2,7 @@
 
     {"layout": {"name": "one-and-three", "main": "3d"},
      "slices": {"crosshair": [0, 0, 0], "window": [40, 400], "thickness": 0, "slab": "maximum", "zoom": 1,
-                "normals": {"axial": [0, 0.1, 0.995]}},
+                "normals": {"z": [0, 0.1, 0.995]}},
      "measures": [{"kind": "distance", "points": [[0, 0, 0], [10, 0, 0]]}],
      "overlays": {"scale_bar": true, "letters": true, "cube": true, "color_bar": false, "crosshair": true,
                   "crop_box": false, "legend": true},
@@ -18,12 +18,11 @@ from typing import Any, get_args
 
 from wavesplat._model.argument_types import described
 from wavesplat._model.options import Slab
-from wavesplat._model.views import OF_BODIES
 from wavesplat.errors import ArgumentError
 
 __all__ = ["OVERLAYS", "PANES", "VIEWS", "checked", "defaults"]
 
-PANES = OF_BODIES
+PANES = ("z", "y", "x")
 VIEWS = ("3d", *PANES)
 LAYOUTS = ("3d", "one-and-three", "two-by-two", "single")
 OVERLAYS = {

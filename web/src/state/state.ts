@@ -115,7 +115,8 @@ export interface Render {
   readonly composite: Composite;
 }
 
-export const PANES = ["axial", "coronal", "sagittal"] as const;
+/** Slices by the world's axis across them. */
+export const PANES = ["z", "y", "x"] as const;
 export type Pane = (typeof PANES)[number];
 export type ViewName = "3d" | Pane;
 

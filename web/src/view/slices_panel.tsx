@@ -1,7 +1,7 @@
 // Slices by numbers: crosshair, thickness, window and level, zoom, tilt.
 
 import { set } from "../state/patch.ts";
-import type { Vec3 } from "../state/state.ts";
+import { PANES, type Vec3 } from "../state/state.ts";
 import { Choice, NumberField } from "./fields.tsx";
 import type { PartProps } from "./part.ts";
 import { pick } from "./scene_view.tsx";
@@ -15,7 +15,7 @@ export function SlicesPanel(props: PartProps) {
   const info = welcome.volumes[0];
   const unit = info?.unit ?? "units";
   const settle = (): void => store.settle();
-  const automatic = ui.frames.axial?.slice?.window ?? ui.frames.coronal?.slice?.window ?? ui.frames.sagittal?.slice?.window;
+  const automatic = PANES.map((pane) => ui.frames[pane]?.slice?.window).find(Boolean);
   const robust = info?.robust_range ?? [0, 1];
   const [level, width] = slices.window ?? automatic ?? [(robust[0] + robust[1]) / 2, robust[1] - robust[0]];
   const span = (info?.range[1] ?? 1) - (info?.range[0] ?? 0) || 1;

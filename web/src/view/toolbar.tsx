@@ -5,6 +5,7 @@ import { PANES, type View } from "../state/state.ts";
 import { Icon, type IconName } from "./icons.tsx";
 import type { PartProps, Tool } from "./part.ts";
 import { showFrom } from "./scene_view.tsx";
+import { nameOf } from "./slices/slice_pane.tsx";
 import { themeOf } from "./theme.ts";
 
 const LAYOUTS: readonly (readonly [View["layout"]["name"], string])[] = [
@@ -48,7 +49,7 @@ export function Toolbar(props: PartProps & { readonly onHelp: () => void; readon
           value={layout.name}
           onChange={(event) => {
             const name = event.currentTarget.value as View["layout"]["name"];
-            const main = name === "single" && layout.main === "3d" ? "axial" : layout.main;
+            const main = name === "single" && layout.main === "3d" ? "z" : layout.main;
             store.change([set({ name, main: name === "single" ? main : "3d" }, "view", "layout")]);
           }}
         >
@@ -61,7 +62,7 @@ export function Toolbar(props: PartProps & { readonly onHelp: () => void; readon
         <label>
           <span class="hidden">Slice</span>
           <select value={layout.main} onChange={(event) => store.change([set(event.currentTarget.value, "view", "layout", "main")])}>
-            {PANES.map((pane) => <option key={pane} value={pane} selected={pane === layout.main}>{pane}</option>)}
+            {PANES.map((pane) => <option key={pane} value={pane} selected={pane === layout.main}>{nameOf({ welcome }, pane)}</option>)}
           </select>
         </label>
       )}

@@ -699,7 +699,7 @@ var COMPOSITE_NAMES = {
 
 // src/state/state.ts
 var QUALITIES = ["draft", "normal", "fine", "high"];
-var PANES = ["axial", "coronal", "sagittal"];
+var PANES = ["z", "y", "x"];
 var OVERLAYS = ["scale_bar", "letters", "cube", "color_bar", "crosshair", "crop_box", "legend"];
 
 // src/state/parse.ts
@@ -3899,7 +3899,7 @@ function Handle2(props) {
 }
 
 // src/view/slices/geometry.ts
-var AXES2 = { axial: [0, 0, 1], coronal: [0, 1, 0], sagittal: [1, 0, 0] };
+var AXES2 = { z: [0, 0, 1], y: [0, 1, 0], x: [1, 0, 0] };
 function normalOf(state2, pane) {
   const tilted2 = state2.view.slices.normals?.[pane];
   return tilted2 === void 0 ? AXES2[pane] : unit(tilted2);
@@ -5133,10 +5133,9 @@ function CropOnSlice(props) {
 }
 
 // src/view/slices/slice_pane.tsx
-var PANE_COLORS = { axial: "#ff6b6b", coronal: "#6bd46b", sagittal: "#6ba8ff" };
-var BODY = { axial: "Axial", coronal: "Coronal", sagittal: "Sagittal" };
-var AXIS = { axial: "z", coronal: "y", sagittal: "x" };
-var nameOf2 = ({ welcome }, pane) => (welcome.volumes[0]?.is_anatomical ? BODY : AXIS)[pane];
+var PANE_COLORS = { z: "#ff6b6b", y: "#6bd46b", x: "#6ba8ff" };
+var BODY = { z: "Axial", y: "Coronal", x: "Sagittal" };
+var nameOf2 = ({ welcome }, pane) => welcome.volumes[0]?.is_anatomical ? BODY[pane] : pane;
 var COARSE2 = 10;
 var PROBE_MS = 40;
 function SlicePane(props) {
@@ -5314,8 +5313,8 @@ function CrosshairLine(props) {
   ), /* @__PURE__ */ k(
     Handle2,
     {
-      label: `Tilt the ${other} plane`,
-      text: `Tilt of the ${other} plane`,
+      label: `Tilt the ${nameOf2(props, other)} plane`,
+      text: `Tilt of the ${nameOf2(props, other)} plane`,
       value: Math.atan2(line.dy, line.dx) * 180 / Math.PI,
       range: [-180, 180],
       x: at2.x + line.dx * far,
@@ -5362,7 +5361,7 @@ function SlicesPanel(props) {
   const info = welcome.volumes[0];
   const unit2 = info?.unit ?? "units";
   const settle = () => store.settle();
-  const automatic = ui.frames.axial?.slice?.window ?? ui.frames.coronal?.slice?.window ?? ui.frames.sagittal?.slice?.window;
+  const automatic = PANES.map((pane) => ui.frames[pane]?.slice?.window).find(Boolean);
   const robust = info?.robust_range ?? [0, 1];
   const [level, width] = slices.window ?? automatic ?? [(robust[0] + robust[1]) / 2, robust[1] - robust[0]];
   const span = (info?.range[1] ?? 1) - (info?.range[0] ?? 0) || 1;
@@ -5596,12 +5595,12 @@ function Toolbar(props) {
       value: layout.name,
       onChange: (event) => {
         const name = event.currentTarget.value;
-        const main = name === "single" && layout.main === "3d" ? "axial" : layout.main;
+        const main = name === "single" && layout.main === "3d" ? "z" : layout.main;
         store.change([set({ name, main: name === "single" ? main : "3d" }, "view", "layout")]);
       }
     },
     LAYOUTS.map(([name, text2]) => /* @__PURE__ */ k("option", { key: name, value: name, selected: name === layout.name }, text2))
-  )), layout.name === "single" && /* @__PURE__ */ k("label", null, /* @__PURE__ */ k("span", { class: "hidden" }, "Slice"), /* @__PURE__ */ k("select", { value: layout.main, onChange: (event) => store.change([set(event.currentTarget.value, "view", "layout", "main")]) }, PANES.map((pane) => /* @__PURE__ */ k("option", { key: pane, value: pane, selected: pane === layout.main }, pane)))), /* @__PURE__ */ k("div", { class: "group", role: "group", "aria-label": "Standard views" }, VIEWS.map((view, n2) => /* @__PURE__ */ k(
+  )), layout.name === "single" && /* @__PURE__ */ k("label", null, /* @__PURE__ */ k("span", { class: "hidden" }, "Slice"), /* @__PURE__ */ k("select", { value: layout.main, onChange: (event) => store.change([set(event.currentTarget.value, "view", "layout", "main")]) }, PANES.map((pane) => /* @__PURE__ */ k("option", { key: pane, value: pane, selected: pane === layout.main }, nameOf2({ welcome }, pane))))), /* @__PURE__ */ k("div", { class: "group", role: "group", "aria-label": "Standard views" }, VIEWS.map((view, n2) => /* @__PURE__ */ k(
     "button",
     {
       key: view,

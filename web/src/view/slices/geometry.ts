@@ -15,7 +15,7 @@ export interface SliceFrame {
   readonly height: number;
 }
 
-const AXES: Readonly<Record<Pane, Vec3>> = { axial: [0, 0, 1], coronal: [0, 1, 0], sagittal: [1, 0, 0] };
+const AXES: Readonly<Record<Pane, Vec3>> = { z: [0, 0, 1], y: [0, 1, 0], x: [1, 0, 0] };
 
 /** The unit normal of a pane's plane. */
 export function normalOf(state: ViewerState, pane: Pane): Vec3 {

@@ -17,11 +17,10 @@ import {
 } from "./geometry.ts";
 import { MeasuresOnSlice } from "./measures.tsx";
 
-export const PANE_COLORS: Readonly<Record<Pane, string>> = { axial: "#ff6b6b", coronal: "#6bd46b", sagittal: "#6ba8ff" };
+export const PANE_COLORS: Readonly<Record<Pane, string>> = { z: "#ff6b6b", y: "#6bd46b", x: "#6ba8ff" };
 /** Names of planes: radiology's for bodies, else the axis across the plane. */
-const BODY: Readonly<Record<Pane, string>> = { axial: "Axial", coronal: "Coronal", sagittal: "Sagittal" };
-const AXIS: typeof BODY = { axial: "z", coronal: "y", sagittal: "x" };
-const nameOf = ({ welcome }: PartProps, pane: Pane): string => (welcome.volumes[0]?.is_anatomical ? BODY : AXIS)[pane];
+const BODY: Readonly<Record<Pane, string>> = { z: "Axial", y: "Coronal", x: "Sagittal" };
+export const nameOf = ({ welcome }: Pick<PartProps, "welcome">, pane: Pane): string => (welcome.volumes[0]?.is_anatomical ? BODY[pane] : pane);
 /** Number of slices that a key with Shift, or PageUp, moves by. */
 const COARSE = 10;
 /** Least time between questions for the value under the pointer, ms. */
@@ -223,8 +222,8 @@ function CrosshairLine(props: PartProps & { pane: Pane; on: SliceFrame; other: P
         onEnd={() => store.settle()}
       />
       <Handle
-        label={`Tilt the ${other} plane`}
-        text={`Tilt of the ${other} plane`}
+        label={`Tilt the ${nameOf(props, other)} plane`}
+        text={`Tilt of the ${nameOf(props, other)} plane`}
         value={(Math.atan2(line.dy, line.dx) * 180) / Math.PI}
         range={[-180, 180]}
         x={at.x + line.dx * far}

@@ -14,7 +14,6 @@ from typing import NamedTuple, TypeAlias
 from wavesplat.errors import ArgumentError
 
 __all__ = [
-    "OF_BODIES",
     "PLANES",
     "VIEWS",
     "PlaneView",

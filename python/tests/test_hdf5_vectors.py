@@ -92,10 +92,13 @@ def test_components_at_other_places_of_a_cell_are_said(record):
     assert any("different places of a cell" in guess for guess in ws.open(record, dataset="data/1/meshes/B").guesses)
 
 
-def test_cylindrical_modes_are_refused_by_name(record):
+@pytest.mark.parametrize(
+    ("geometry", "route"), [("thetaMode", r"resample=N \(--resample N\)"), ("cylindrical", "sample it on a box")]
+)
+def test_meshes_about_an_axis_are_refused_by_name(record, geometry, route):
     with h5py.File(record, "r+") as file:
-        file["data/1/meshes/B"].attrs["geometry"] = np.bytes_("thetaMode")
+        file["data/1/meshes/B"].attrs["geometry"] = np.bytes_(geometry)
     for name in ("data/1/meshes/B", "data/1/meshes/B/x"):
         for options in ({}, {"memory": "1 MB"}):
-            with pytest.raises(FileError, match="thetaMode.*openpmd-viewer.*get_field"):
+            with pytest.raises(FileError, match=f"{geometry}.*{route}"):
                 ws.open(record, dataset=name, **options)

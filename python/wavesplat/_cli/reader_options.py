@@ -97,7 +97,7 @@ class ReaderOptions:
     ] = None
     resample: Annotated[
         int | None,
-        typer.Option(metavar="N", help="netCDF, VTK: sample an uneven grid evenly, N samples along the longest side."),
+        typer.Option(metavar="N", help="Files of uneven grids: sample them evenly, N samples along the longest side."),
     ] = None
     external_files: Annotated[
         bool, typer.Option("--external-files", help="Read files elsewhere that a trusted file or document names.")

@@ -18,7 +18,7 @@ from wavesplat._model.facts import Facts
 if TYPE_CHECKING:
     import h5py
 
-__all__ = ["Place", "place_of"]
+__all__ = ["Place", "best_unit", "numbers", "place_of", "text"]
 
 
 @dataclass(frozen=True)
@@ -43,10 +43,10 @@ def place_of(dataset: h5py.Dataset) -> Place:
 
 
 def _of_mesh(mesh: Any, component: h5py.Dataset) -> Place:
-    labels = [_text(label) for label in np.ravel(mesh.attrs["axisLabels"])]
+    labels = [text(label) for label in np.ravel(mesh.attrs["axisLabels"])]
     spacing = np.ravel(mesh.attrs["gridSpacing"]).astype(np.float64)
-    offset = _numbers(mesh, "gridGlobalOffset", np.zeros(3)) + _numbers(component, "position", np.zeros(3)) * spacing
-    if _text(mesh.attrs.get("dataOrder", "C")).upper() == "F":
+    offset = numbers(mesh, "gridGlobalOffset", np.zeros(3)) + numbers(component, "position", np.zeros(3)) * spacing
+    if text(mesh.attrs.get("dataOrder", "C")).upper() == "F":
         # Their first axis is the fastest: in the array it is the last one.
         labels, spacing, offset = labels[::-1], spacing[::-1], offset[::-1]
     guesses: tuple[str, ...] = ()
@@ -54,14 +54,14 @@ def _of_mesh(mesh: Any, component: h5py.Dataset) -> Place:
         guesses = (f"axes {', '.join(labels)} drawn as z, y, x, in their order in the file",)
         labels = ["z", "y", "x"]
     to_xyz = [labels.index(name) for name in "xyz"]
-    unit, factor = _best_unit(spacing, float(np.ravel(mesh.attrs.get("gridUnitSI", 1.0))[0]))
+    unit, factor = best_unit(spacing, float(np.ravel(mesh.attrs.get("gridUnitSI", 1.0))[0]))
     matrix = _diagonal(tuple(spacing[to_xyz] * factor))
     matrix[:3, 3] = offset[to_xyz] * factor
     z, y, x = (labels.index(name) for name in "zyx")
     return Place(matrix, Facts(unit=unit, guesses=guesses), (z, y, x))
 
 
-def _best_unit(spacing: NDArray[np.float64], metres: float) -> tuple[str, float]:
+def best_unit(spacing: NDArray[np.float64], metres: float) -> tuple[str, float]:
     """The largest unit in which the finest spacing is 0.01 or more, and the factor that converts lengths to it."""
     finest = float(np.abs(spacing).min()) * metres
     unit = next((unit for unit in ("m", "mm", "um", "nm") if finest >= 0.01 * units.METRES[unit]), "pm")
@@ -73,10 +73,12 @@ def _diagonal(xyz: tuple[float, ...]) -> NDArray[np.float64]:
     return np.diag([*xyz, 1.0])
 
 
-def _numbers(node: Any, name: str, default: NDArray[np.float64]) -> NDArray[np.float64]:
+def numbers(node: Any, name: str, default: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The numbers of an attribute, or `default` where it has not as many."""
     value = np.ravel(node.attrs.get(name, default))
     return value.astype(np.float64) if value.size == default.size else default
 
 
-def _text(value: Any) -> str:
+def text(value: Any) -> str:
+    """An attribute as text."""
     return value.decode("utf-8", "replace") if isinstance(value, bytes) else str(value)

@@ -15,7 +15,7 @@ from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts, quantity_of, value_unit_of
 from wavesplat._model.hdf5_files import read_hdf5
 from wavesplat._model.hdf5_place import Place, place_of
-from wavesplat._readers import hdf5_vectors
+from wavesplat._readers import hdf5_vectors, theta_modes
 from wavesplat._readers.components import AXES, length_of
 from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, several
 from wavesplat._readers.vtk_arrays import other_grid
@@ -38,6 +38,8 @@ def read(request: Request) -> Grid:
     """The samples of a dataset in an HDF5 file, or of a record of openPMD with several."""
     with reading("HDF5", request.path):
         with read_hdf5(request.file) as file:
+            if request.resample is not None:
+                return theta_modes.read(file, request, lambda own: _modes_dataset(file, own))
             components = hdf5_vectors.components_of_record(file, request)
         return hdf5_vectors.length_of_record(components, request, _read) if components else _read(request)
 
@@ -120,9 +122,26 @@ def chosen_dataset(file: h5py.File, request: Request) -> h5py.Dataset:
     dataset = _dataset(file, request)
     for node in (dataset, dataset.parent):
         hdf5_vectors.check_geometry(node, request)
+    _check_places(file, dataset, request)
+    return dataset
+
+
+def _modes_dataset(file: h5py.File, request: Request) -> h5py.Dataset:
+    """The dataset that is asked for, or the only one, of a mesh in cylindrical modes."""
+    _check_kind(file, request)
+    dataset = _dataset(file, request)
+    if theta_modes.NAME not in (theta_modes.geometry_of(node) for node in (dataset, dataset.parent)):
+        raise ArgumentError(
+            f"resample= is for grids that are not even; {dataset.name!r} is read as it is: {request.path}"
+        )
+    _check_places(file, dataset, request)
+    return dataset
+
+
+def _check_places(file: h5py.File, dataset: h5py.Dataset, request: Request) -> None:
+    """Raise a `FileError` if samples lie in other files, where these are not allowed."""
     if not request.external_files:
         check_own(file, dataset, request, set())
-    return dataset
 
 
 def _own_names(file: h5py.File) -> set[str]:

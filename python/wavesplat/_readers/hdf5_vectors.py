@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from wavesplat._model.facts import quantity_of
+from wavesplat._readers import theta_modes
 from wavesplat._readers.components import AXES, N_COMPONENTS, length_of
 from wavesplat._readers.request import Grid, Request
 from wavesplat.errors import ArgumentError, FileError
@@ -87,11 +88,14 @@ def as_channel(shape: Sequence[int], dtype: np.dtype[Any], request: Request) -> 
 
 def check_geometry(node: Any, request: Request) -> None:
     """Refuse a mesh of openPMD whose axes are no axes of space."""
-    said = node.attrs.get("geometry", b"cartesian")
-    geometry = said.decode("latin-1") if isinstance(said, bytes) else str(said)
-    if geometry in ("thetaMode", "cylindrical", "spherical"):
+    geometry = theta_modes.geometry_of(node)
+    if geometry == theta_modes.NAME:
         raise FileError(
-            f"the mesh is of {geometry} coordinates, so its axes are not x, y and z; give the box that openpmd-viewer "
-            "makes of it, as OpenPMDTimeSeries(folder).get_field(name, coord, iteration=n, theta=None), to "
-            f"wavesplat.Volume: {request.path}"
+            "the mesh is in cylindrical modes (thetaMode), so its axes are not x, y and z; sample it on a box of N "
+            f"samples along its longest side, by resample=N (--resample N): {request.path}"
+        )
+    if geometry in ("cylindrical", "spherical"):
+        raise FileError(
+            f"the mesh is of {geometry} coordinates, so its axes are not x, y and z; sample it on a box, and give that "
+            f"to wavesplat.Volume: {request.path}"
         )

@@ -248,6 +248,8 @@ def _of_vtk_legacy(request: Request) -> LazyGrid:
 
 
 def _of_hdf5(request: Request) -> LazyGrid:
+    if request.resample is not None:
+        raise ArgumentError(f"resample= reads all samples; leave out memory=: {request.path}")
     with read_hdf5(request.file) as file:
         if parts := hdf5_vectors.components_of_record(file, request):
             name = parts.get(request.component or "")

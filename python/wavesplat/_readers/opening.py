@@ -115,7 +115,7 @@ OPTIONS = {
     "tiff": {"time", "channel", "external_files"},
     "arrays": {"time", "channel", "dataset"},
     "raw": {"time", "channel", "shape", "dtype", "byte_order", "offset"},
-    "hdf5": {"time", "channel", "component", "dataset", "external_files"},
+    "hdf5": {"time", "channel", "component", "dataset", "resample", "external_files"},
     "imaris": {"time", "channel", "level", "external_files"},
     "bdv": {"time", "channel", "level", "external_files"},
     "bioio_files": {"series", "time", "channel"},

@@ -79,9 +79,9 @@ class OpenOptions(FileOptions, total=False):
         Of arrays of vectors (HDF5 and openPMD, VTK, NIfTI): which component, or their length. None is the length, with
         a note; of directions of fibres in NIfTI, three channels.
     resample : int, optional
-        netCDF, VTK: sample a grid that is not evenly spaced on one that is, with so many samples along its longest
-        side; netCDF, whose axes have units of their own, along each axis that is not even. Without it such a grid is an
-        error. A note says how much finer or coarser the samples are than the grid.
+        netCDF, VTK, openPMD's modes: sample a grid that is not evenly spaced on one that is, with so many samples along
+        its longest side; netCDF, whose axes have units of their own, along each axis that is not even. Without it such
+        a grid is an error. A note says how much finer or coarser the samples are than the grid.
     external_files : bool, default False
         NRRD, MetaImage, OME-TIFF, HDF5, BigDataViewer: also read samples from files that this one names in other
         folders; HDF5: from any that it names. Such a file can name whatever you may read: allow it for files that you

@@ -15,6 +15,8 @@ from numpy.typing import NDArray
 from PIL import Image
 
 import wavesplat as ws
+from wavesplat._viewer.code import python_of
+from wavesplat._viewer.state import ViewerState
 from wavesplat.errors import ArgumentError
 
 Floats = NDArray[np.float32]
@@ -308,3 +310,29 @@ def test_color_by_what_cannot_be_says_so(wavesplat: Any, simulation: Path, argum
     assert result.returncode == 2
     assert wanted in result.stderr
     assert not (simulation.parent / "x.png").exists()
+
+
+def test_the_viewer_keeps_the_field_of_the_colours(tmp_path: Path) -> None:
+    np.save(tmp_path / "density.npy", ball().samples)
+    np.save(tmp_path / "place.npy", along_x().samples)
+    density, place = ws.open(tmp_path / "density.npy"), ws.open(tmp_path / "place.npy")
+    scene = ws.Scene(ws.Layer(density, SOLID, color_from=ws.Layer(place, RED, name="x")), background="black")
+    state = ViewerState.of(scene)
+    # The page knows no such field, and its document must hold.
+    assert "color_from" not in state.document["layers"][0]
+    state = state.patched([{"op": "replace", "path": "/layers/0/opacity", "value": 0.5}])
+    assert state.scene.layers[0].opacity == 0.5
+    assert state.scene.layers[0].color_from.look == scene.layers[0].color_from.look
+    size = (48, 40)
+    picture = state.scene.render(state.camera, size=size, **state.options)
+    grey = ws.render(ws.Layer(density, SOLID), camera=state.camera, size=size, background="black")
+    assert np.abs(picture.rgba - grey.rgba).max() > 0.1
+    assert picture.report["device"]["name"] == "cpu"
+    # What it saves draws the same picture: the document, and the program.
+    document = ws.Scene.from_json(json.dumps(state.file_document(size)), folder=tmp_path)
+    again = document.render(state.camera, size=size, **state.options)
+    assert np.array_equal(again.rgba, picture.rgba)
+    names: dict[str, object] = {}
+    program = python_of(state, size).replace("picture.png", str(tmp_path / "picture.png"))
+    exec(program, names)  # noqa: S102 - the program that is shown
+    assert np.array_equal(names["picture"].rgba, picture.rgba)  # type: ignore[attr-defined]

@@ -39,9 +39,16 @@ def python_of(state: ViewerState, size: tuple[int, int]) -> str:
         name = "volume" if len(scene.layers) == 1 else f"volume_{number}"
         lines.append(f"{name} = {_volume(source, layer.volume.name)}")
         names.append(name)
+    colors: list[str | None] = []
+    for name, layer, field in zip(names, scene.layers, state.color_fields, strict=True):
+        if field is None:
+            colors.append(None)
+            continue
+        lines.append(f"{name}_colors = {_volume(field['volume'], layer.color_from.volume.name)}")
+        colors.append(_layer(f"{name}_colors", layer.color_from, field))
     arguments = [
-        _layer(name, layer, state.document["layers"][n])
-        for n, (name, layer) in enumerate(zip(names, scene.layers, strict=True))
+        _layer(name, layer, state.document["layers"][n], color)
+        for n, (name, layer, color) in enumerate(zip(names, scene.layers, colors, strict=True))
     ]
     lines += ["scene = ws.Scene(", "    ["]
     lines += [f"        {argument}," for argument in arguments]
@@ -72,12 +79,13 @@ def python_of(state: ViewerState, size: tuple[int, int]) -> str:
 
 
 def _all_sources(state: ViewerState) -> list[dict[str, Any]]:
-    labels = state.label_source
-    return [*state.sources, *([] if labels is None else [labels])]
+    labels, colors = state.label_source, [field["volume"] for field in state.color_fields if field is not None]
+    return [*state.sources, *colors, *([] if labels is None else [labels])]
 
 
 def _has_sources(state: ViewerState) -> bool:
-    return all(source.get("path") is not None or "example" in source for source in state.sources)
+    sources = [*state.sources, *(field["volume"] for field in state.color_fields if field is not None)]
+    return all(source.get("path") is not None or "example" in source for source in sources)
 
 
 def _volume(source: dict[str, Any], name: str) -> str:
@@ -109,12 +117,13 @@ def _given(options: dict[str, Any]) -> str:
     return ", ".join(f"{name}={value!r}" for name, value in options.items())
 
 
-def _layer(name: str, layer: Layer, fields: dict[str, Any]) -> str:
+def _layer(name: str, layer: Layer, fields: dict[str, Any], color_from: str | None = None) -> str:
     given: dict[str, Any] = {"name": layer.name} if layer.name not in (None, layer.volume.name) else {}
     given |= {} if layer.visible else {"visible": False}
     given |= {} if layer.opacity == 1 else {"opacity": layer.opacity}
     given |= {} if layer.time == 0 else {"time": layer.time}
     parts = [name, _look(name, layer, fields["look"]), _given(given)]
+    parts += [] if color_from is None else [f"color_from={color_from}"]
     return f"ws.Layer({', '.join(filter(None, parts))})"
 
 

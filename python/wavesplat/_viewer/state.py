@@ -54,6 +54,8 @@ class ViewerState:
     #: Sources of the volumes, and of the labels; None where they come from no file.
     sources: tuple[dict[str, Any], ...]
     label_source: dict[str, Any] | None
+    #: Fields that colour layers, as in files, which the page does not change; None where a layer has none.
+    color_fields: tuple[dict[str, Any] | None, ...]
 
     @property
     def view(self) -> dict[str, Any]:
@@ -76,11 +78,6 @@ class ViewerState:
         ArgumentError
             If an argument cannot work.
         """
-        if any(layer.color_from is not None for layer in scene.layers):
-            raise ArgumentError(
-                "the viewer shows each layer by its own values; draw two fields in one layer with wavesplat.render, or "
-                "leave out color_from"
-            )
         given = {name: value for name, value in (options or {}).items() if name in ("quality", "kernel", "composite")}
         picture = preview_of(scene).render(camera, size=FIRST_SIZE, **{**given, "quality": "draft"})
         document = picture.report["scene"]
@@ -89,6 +86,7 @@ class ViewerState:
         if scene.shading != "look" and any(layer["look"] is None for layer in document["layers"]):
             document["shading"] = scene_json.document_of(scene, strict=False)["shading"]
         sources = tuple(layer["volume"] for layer in document["layers"])
+        color_fields = tuple(layer.pop("color_from", None) for layer in document["layers"])
         labels = document["labels"]
         label_source = None if labels is None else labels["volume"]
         for layer, source in zip(document["layers"], scene.layers, strict=True):
@@ -110,7 +108,8 @@ class ViewerState:
             "composite": document["render"]["composite"],
         }
         document["view"] = view_json.checked(view or {}, _middle(scene))
-        first = cls({}, scene, Camera((0, 0, 1), (0, 0, 0), (0, 1, 0), parallel_scale=1), {}, sources, label_source)
+        nowhere = Camera((0, 0, 1), (0, 0, 0), (0, 1, 0), parallel_scale=1)
+        first = cls({}, scene, nowhere, {}, sources, label_source, color_fields)
         # In JSON's types, as the page sends it back: lists for tuples.
         return first._with(json.loads(json.dumps(document)))
 
@@ -140,7 +139,8 @@ class ViewerState:
     def file_document(self, size: tuple[int, int] | None = None) -> dict[str, Any]:
         """The document with the sources of volumes and labels, for files; `size`: of the picture, pixels."""
         layers = [
-            {**layer, "volume": source} for layer, source in zip(self.document["layers"], self.sources, strict=True)
+            {**layer, "volume": source, **({} if color is None else {"color_from": color})}
+            for layer, source, color in zip(self.document["layers"], self.sources, self.color_fields, strict=True)
         ]
         own = scene_json.document_of(self.scene, strict=False)
         document = {**self.document, "layers": layers}
@@ -171,7 +171,7 @@ class ViewerState:
             document = {**document, "view": view_json.checked(document["view"], _middle(self.scene))}
         changes = self._changes(document)
         scene = self.scene.with_(**changes) if changes else self.scene
-        return ViewerState(document, scene, camera, options, self.sources, self.label_source)
+        return replace(self, document=document, scene=scene, camera=camera, options=options)
 
     def _changes(self, document: Mapping[str, Any]) -> dict[str, Any]:
         """Scene fields that differ from the current state; volumes stay those that are open, whatever it says."""
@@ -277,6 +277,8 @@ def _layers(fields: Any, before: Any, scene: Scene) -> list[Layer]:
         if old is not None and "look" in new and is_same(new["look"], old["look"]):
             # The look stays the same object, for which results are cached.
             made = replace(made, look=layer.look)
+        if layer.color_from is not None:
+            made = replace(made, color_from=layer.color_from)
         if made.look is None or isinstance(made.look, str):
             raise ArgumentError(f"{what}: field 'look' is {described(new.get('look'))}; here it must be written out")
         _ = made.drawn  # or an error, for times

@@ -23,6 +23,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from wavesplat import errors, examples, gpu, napari, reference
+    from wavesplat._cluster.parts import PartialPicture, merge
     from wavesplat._geometry.frame import Frame
     from wavesplat._geometry.lines import Lines
     from wavesplat._geometry.opening import open_geometry
@@ -56,6 +57,7 @@ if TYPE_CHECKING:
     from wavesplat._model.series import Series
     from wavesplat._model.stereo import Stereo
     from wavesplat._model.volume import Volume
+    from wavesplat._model.volume_parts import VolumePart
     from wavesplat._model.wavelet_volume import WaveletVolume
     from wavesplat._movie.frames import render_frames
     from wavesplat._movie.key_frame import KeyFrame
@@ -74,6 +76,7 @@ if TYPE_CHECKING:
     from wavesplat._scene.layer import Layer
     from wavesplat._scene.lightbox import lightbox
     from wavesplat._scene.opening import open_scene
+    from wavesplat._scene.part_rendering import render_part
     from wavesplat._scene.progressive import progressive
     from wavesplat._scene.rendering import render
     from wavesplat._scene.scene import Scene
@@ -108,6 +111,7 @@ __all__ = [
     "Mesh",
     "Meshes",
     "OpenOptions",
+    "PartialPicture",
     "Picture",
     "Points",
     "Region",
@@ -125,6 +129,7 @@ __all__ = [
     "Turn",
     "Viewer",
     "Volume",
+    "VolumePart",
     "WaveletVolume",
     "XRay",
     "__version__",
@@ -133,6 +138,7 @@ __all__ = [
     "gpu",
     "largest_body",
     "lightbox",
+    "merge",
     "mesh",
     "movie",
     "napari",
@@ -146,6 +152,7 @@ __all__ = [
     "reference",
     "render",
     "render_frames",
+    "render_part",
     "slice",
     "study",
     "view",
@@ -180,6 +187,7 @@ _HOMES = {
     "Mesh": "_mesh.triangle_mesh",
     "Meshes": "_mesh.triangle_mesh",
     "OpenOptions": "_readers.options",
+    "PartialPicture": "_cluster.parts",
     "Picture": "_picture.picture",
     "Points": "_geometry.points",
     "Region": "_looks.regions",
@@ -197,11 +205,13 @@ _HOMES = {
     "Turn": "_movie.turn",
     "Viewer": "_viewer.viewer",
     "Volume": "_model.volume",
+    "VolumePart": "_model.volume_parts",
     "WaveletVolume": "_model.wavelet_volume",
     "XRay": "_model.composites",
     "__version__": "_native",
     "largest_body": "_looks.largest_body",
     "lightbox": "_scene.lightbox",
+    "merge": "_cluster.parts",
     "mesh": "_mesh.meshing",
     "movie": "_movie.movie",
     "open": "_readers.opening",
@@ -213,6 +223,7 @@ _HOMES = {
     "progressive": "_scene.progressive",
     "render": "_scene.rendering",
     "render_frames": "_movie.frames",
+    "render_part": "_scene.part_rendering",
     "slice": "_scene.slicing",
     "view": "_viewer.viewer",
 }

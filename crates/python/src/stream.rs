@@ -5,7 +5,7 @@ use std::sync::{PoisonError, RwLock, RwLockReadGuard};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use wavesplat::{BlockState, FrameOptions, Samples, Scene, SceneLayer, SceneVolume, Stream, StreamOptions};
+use wavesplat::{BlockState, FrameOptions, Part, Samples, Scene, SceneLayer, SceneVolume, Stream, StreamOptions};
 
 use crate::arguments::{PyCamera, PyShading, PyTransferFunction};
 use crate::errors::to_py;
@@ -82,6 +82,7 @@ pub fn smallest_budget(
 impl PyStream {
     #[new]
     #[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arguments over by value")]
+    #[expect(clippy::too_many_arguments, reason = "the frame, and how it is streamed")]
     fn new(
         py: Python<'_>,
         layers: Vec<PyLazyLayer<'_>>,
@@ -90,9 +91,14 @@ impl PyStream {
         budget_bytes: usize,
         n_blocks: usize,
         segment_slices: Option<usize>,
+        part: Option<[[f64; 3]; 2]>,
     ) -> PyResult<Self> {
         let (scene, options, size) = scene_of(&layers, &frame)?;
-        let streaming = StreamOptions { budget_bytes, n_blocks, segment_slices };
+        let part = part.map(|corners| {
+            let [lo, hi] = corners.map(Into::into);
+            Part { lo, hi }
+        });
+        let streaming = StreamOptions { budget_bytes, n_blocks, segment_slices, part };
         let camera = &camera.0;
         let stream = py.detach(|| scene.stream(camera, size, &options, &streaming)).map_err(to_py)?;
         let facts = PyStreamFacts { n_blocks: stream.n_blocks() };
@@ -200,6 +206,27 @@ impl PyStream {
     fn put(&self, py: Python<'_>, block: usize, state: &PyBlockState) -> PyResult<()> {
         self.check(block, None)?;
         py.detach(|| self.0.write().unwrap_or_else(PoisonError::into_inner).put(block, state.0.clone()));
+        Ok(())
+    }
+
+    #[getter]
+    fn n_planes(&self) -> usize {
+        self.locked().n_planes()
+    }
+
+    /// Number of the base plane of a block, and the block's state as one of all tiles of that plane.
+    fn plane_state(&self, block: usize, state: &PyBlockState) -> PyResult<(usize, PyBlockState)> {
+        self.check(block, None)?;
+        let (plane, state) = self.locked().plane_state(block, state.0.clone());
+        Ok((plane, PyBlockState(state)))
+    }
+
+    /// Puts the final state of the tiles of a base plane into the picture.
+    fn put_plane(&self, py: Python<'_>, plane: usize, state: &PyBlockState) -> PyResult<()> {
+        if plane >= self.n_planes() {
+            return Err(PyValueError::new_err("there is no such base plane"));
+        }
+        py.detach(|| self.0.write().unwrap_or_else(PoisonError::into_inner).put_plane(plane, state.0.clone()));
         Ok(())
     }
 

@@ -86,6 +86,7 @@ pub use sample_reader::{SampleBuffer, SampleReader, StreamError};
 pub use scene::{Scene, SceneColor, SceneLayer, SceneVolume};
 pub use stream::{Stream, StreamOptions};
 pub use volume_cache::VolumeCache;
+pub use wavesplat_splat::view::part::Part;
 
 /// Chooses the SIMD level by name (`plain`, `sse2`, `avx2`, `avx512`, `neon`) for all pictures from now on; all levels
 /// give the same bits. By default the widest level of the machine is used.

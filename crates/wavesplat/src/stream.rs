@@ -4,13 +4,16 @@
 //! independent, so that several machines can share a frame, and may be cut into segments that are folded afterwards.
 
 use std::ops::Range;
+use std::sync::Mutex;
 
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::Level;
 use wavesplat_core::{Camera, Error, Kernel, Picture, Result, Samples};
 use wavesplat_splat::picture::base_picture::BasePicture;
 use wavesplat_splat::quality::ladder::Sampling;
+use wavesplat_splat::ray::state::TileState;
 use wavesplat_splat::render::frame::finish;
+use wavesplat_splat::render::part_plan::PartPlan;
 use wavesplat_splat::render::piece::{draw_piece, finish_tile, unseen_picture};
 use wavesplat_splat::render::plan::Plan;
 use wavesplat_splat::render::segments::{can_fold, fold};
@@ -18,6 +21,7 @@ use wavesplat_splat::render::stream::{IndexBox, Storage, StreamPlan, volume_of};
 use wavesplat_splat::render::tile::n_tiles;
 use wavesplat_splat::sheet::tile_layout::{TILE_U, TILE_V};
 use wavesplat_splat::source::slices::{Slices, VolumeBox};
+use wavesplat_splat::view::part::Part;
 use wavesplat_splat::{ProgressCallback, Report};
 
 use crate::block_state::BlockState;
@@ -27,7 +31,7 @@ use crate::quality::Effort;
 use crate::scene::{Scene, SceneVolume};
 
 /// Options of a streamed frame.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq)]
 pub struct StreamOptions {
     /// Budget for samples in bytes: for a step, and for the next one, which is read meanwhile.
     pub budget_bytes: usize,
@@ -37,11 +41,13 @@ pub struct StreamOptions {
     /// folded afterwards. `None`: from front to back in one go. Both are right; they differ in where rays stop, by 2e-4
     /// of full light at most.
     pub segment_slices: Option<usize>,
+    /// Part of space that is drawn, where processes hold a part of the samples each; `None`: all.
+    pub part: Option<Part>,
 }
 
 impl Default for StreamOptions {
     fn default() -> Self {
-        Self { budget_bytes: 1 << 30, n_blocks: 1, segment_slices: None }
+        Self { budget_bytes: 1 << 30, n_blocks: 1, segment_slices: None, part: None }
     }
 }
 
@@ -74,7 +80,7 @@ impl Scene<'static> {
     ) -> Result<Stream> {
         let Planned { plan, slices, storage, sampling } = self.planned(camera, size_px, options, streaming)?;
         let of_slices: Vec<&Slices> = slices.iter().collect();
-        let StreamOptions { budget_bytes, n_blocks, segment_slices } = *streaming;
+        let StreamOptions { budget_bytes, n_blocks, segment_slices, .. } = *streaming;
         let cut = || StreamPlan::new(&plan, &of_slices, &storage, budget_bytes, n_blocks, segment_slices);
         let steps = parallel::with_threads(options.n_threads, cut)?;
         let pictures = (0..plan.families.len()).map(|family| unseen_picture(&plan, family)).collect();
@@ -139,9 +145,13 @@ impl Scene<'static> {
             self.with_layers(options, &slices, &[], |layers| Plan::new(Level::best(), layers, camera, &render_options))
         })?;
         let plan = if streaming.segment_slices.is_some() { plan.without_even_cuts() } else { plan };
-        if streaming.segment_slices.is_some() && !can_fold(&plan) {
-            let mend = "draw it without segments, or without depth, surfaces, lines and points";
-            return Err(Error::out_of_range("segments of this operator", "several", "one", mend));
+        let of_whole = |part| PartPlan::new(part, slices[0].clone(), plan.layers[0].tables.clone());
+        let part = streaming.part.map(of_whole);
+        let plan = Plan { part, ..plan };
+        let is_cut = streaming.segment_slices.is_some() || streaming.part.is_some();
+        if is_cut && !can_fold(&plan) {
+            let mend = "draw it in one piece, or without depth, surfaces, lines and points";
+            return Err(Error::out_of_range("pieces of rays of this operator", "several", "one", mend));
         }
         Ok(Planned { plan, slices, storage, sampling })
     }
@@ -297,21 +307,50 @@ impl Stream {
         all
     }
 
+    /// Number of base planes.
+    pub fn n_planes(&self) -> usize {
+        self.pictures.len()
+    }
+
+    /// Number of the base plane of a block, and the state of the block as one of all tiles of that plane. States of
+    /// several parts of space have other blocks, and the same planes.
+    pub fn plane_state(&self, block: usize, state: BlockState) -> (usize, BlockState) {
+        let own = &self.steps.blocks[block];
+        let [n_u, n_v] = n_tiles(&self.plan.families[own.family].plane);
+        let mut tiles = vec![None; n_u * n_v];
+        for ([u, v], state) in own.all_tiles().into_iter().zip(state.tiles) {
+            tiles[v * n_u + u] = state;
+        }
+        (own.family, BlockState { tiles, work: state.work })
+    }
+
     /// Puts the final state of a block into its base plane.
     pub fn put(&mut self, block: usize, state: BlockState) {
-        let own = &self.steps.blocks[block];
-        let [n_tiles_u, _] = n_tiles(&self.plan.families[own.family].plane);
-        let mut states = std::collections::BTreeMap::new();
-        for ([u, v], state) in own.all_tiles().into_iter().zip(state.tiles) {
-            states.extend(state.map(|state| (v * n_tiles_u + u, std::sync::Mutex::new(Some(state)))));
-        }
+        let [us, vs] = self.steps.blocks[block].tiles.clone();
+        let (plane, state) = self.plane_state(block, state);
+        self.fill(plane, state, |[u, v], _| us.contains(&u) && vs.contains(&v));
+    }
+
+    /// Puts the final state of tiles of a base plane, row by row, into it; tiles that saw nothing stay.
+    pub fn put_plane(&mut self, plane: usize, state: BlockState) {
+        self.fill(plane, state, |_, state| state.is_some());
+    }
+
+    /// Puts the final state of those tiles of a base plane that pass a test.
+    fn fill(
+        &mut self,
+        plane: usize,
+        state: BlockState,
+        is_put: impl Fn([usize; 2], Option<&TileState>) -> bool + Sync + Send,
+    ) {
         let plan = &self.plan;
-        self.pictures[own.family].fill_tiles([TILE_U, TILE_V], None, |k, texels| {
+        let [n_tiles_u, _] = n_tiles(&plan.families[plane].plane);
+        let states: Vec<Mutex<Option<TileState>>> = state.tiles.into_iter().map(Mutex::new).collect();
+        self.pictures[plane].fill_tiles([TILE_U, TILE_V], None, |k, texels| {
             let tile = [k % n_tiles_u, k / n_tiles_u];
-            let is_own = own.tiles[0].contains(&tile[0]) && own.tiles[1].contains(&tile[1]);
-            if is_own {
-                let state = states.get(&k).and_then(|state| state.lock().ok()?.take());
-                finish_tile(plan, own.family, tile, state, texels);
+            let state = states.get(k).and_then(|state| state.lock().ok()?.take());
+            if is_put(tile, state.as_ref()) {
+                finish_tile(plan, plane, tile, state, texels);
             }
         });
         self.report.n_texels += state.work.n_texels;

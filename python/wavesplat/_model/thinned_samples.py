@@ -94,6 +94,11 @@ class LookSamples:
         """All arrays, in an order that depends on shape alone."""
         return [part.samples for part in (*self._every.values(), *self._neighbours)]
 
+    def placed(self) -> list[tuple[NDArray[Any], tuple[Shape, Shape]]]:
+        """All arrays of `parts`, each with the index of its first sample and the steps between its samples."""
+        kept = (*self._every.values(), *self._neighbours)
+        return [(part.samples, (part.start, (part.step,) * 3)) for part in kept]
+
     def fill(self, parts: Iterable[NDArray[Any]]) -> None:
         """Take the arrays of `parts`; a `ValueError` for other shapes or types."""
         for own, part in zip((*self._every.values(), *self._neighbours), parts, strict=True):

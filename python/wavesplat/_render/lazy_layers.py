@@ -17,7 +17,7 @@ from wavesplat._model.read_ahead import ReadCounts, check_budget
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._render.arguments import chosen_labels
-from wavesplat._render.streaming import Reading, Streaming, streamed
+from wavesplat._render.streaming import Corners, Reading, Streaming, streamed
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -111,6 +111,9 @@ class LazyLayers:
         """The stream of a frame with all blocks, drawn by this process, and counts of what was read."""
         if self.options.before_plan is not None:
             self.options.before_plan(spec)
+        if self.options.draw_frame is not None:
+            drawn: tuple[_native.Stream, ReadCounts] = self.options.draw_frame(spec)
+            return drawn
         stream = spec.stream()
         reading = Reading(spec.arrays, spec.least, self.options.progress, spec.budget)
         return stream, streamed(stream, reading, self.options.after_block)
@@ -179,8 +182,8 @@ class FrameSpec:
         """Bytes for samples and bounds."""
         return self.memory or self.layers.memory
 
-    def stream(self) -> _native.Stream:
-        """The stream of the frame, which is the same in every process."""
+    def stream(self, part: Corners | None = None) -> _native.Stream:
+        """The stream of the frame, which is the same in every process; `part`: the index-space box that is drawn."""
         for volume, packed in zip(self.layers.volumes, self.surveys or [], strict=False):
             volume.take_surveys(packed)
         drawn = [
@@ -192,12 +195,13 @@ class FrameSpec:
         shapes = None if self.shapes is None else self.shapes.core
         arguments: Any = {**self.arguments, "labels": labels, "shapes": shapes}
         check_budget(self.arrays, self.budget)
-        streaming = Streaming(self.budget, self.n_blocks, self.segments)
+        streaming = Streaming(self.budget, self.n_blocks, self.segments, part)
         return streaming.planned(drawn, self.camera._core, arguments)
 
     def __getstate__(self) -> dict[str, Any]:
         # Callbacks and connections stay in this process.
-        plain = replace(self.layers.options, progress=None, client=None, before_plan=None, after_block=None)
+        nothing: Any = dict.fromkeys(("progress", "client", "before_plan", "after_block", "draw_frame"))
+        plain = replace(self.layers.options, **nothing)
         return {**self.__dict__, "layers": replace(self.layers, options=plain)}
 
 

@@ -126,6 +126,9 @@ class DrawOptions:
     #: Called with a stream and the number of a block of it that was drawn, for pictures that are shown before they are
     #: done.
     after_block: Callable[[Any, int], object] | None = None
+    #: Draws a streamed frame from its specification, instead of this process block by block: gives the stream, with
+    #: all that is drawn put into it, and counts of what was read.
+    draw_frame: Callable[[Any], tuple[Any, Any]] | None = None
 
     @property
     def eyes(self) -> Eyes:

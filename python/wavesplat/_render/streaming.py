@@ -21,13 +21,15 @@ from wavesplat._model.lazy_array import LazyArray
 from wavesplat._model.read_ahead import FOR_UNPACKING, Box, BoxReader, Pending, ReadCounts, copy_overlap
 from wavesplat.errors import CancelledError, LimitError
 
-__all__ = ["Progress", "Reading", "Streaming", "draw_block", "draw_segment", "streamed"]
+__all__ = ["Corners", "Progress", "Reading", "Streaming", "draw_block", "draw_segment", "streamed"]
 
 #: Share of a budget that is for the samples of two steps; the rest is for bounds, what is being unpacked, and what the
 #: allocator keeps: 512 MB of a 2048^3 Zarr array peak at 611 MB, Python included, by 0.25; at 657 by 0.3, 689 by 0.4.
 FOR_SAMPLES = 0.25
 
 Progress = Callable[[float], object]
+#: Lower and upper corner (x, y, z) of a box in index space; infinite where it has no face.
+Corners = tuple[Sequence[float], Sequence[float]]
 
 
 @dataclass
@@ -40,12 +42,14 @@ class Streaming:
     n_blocks: int = 1
     #: Slices of a segment of the rays, where they are cut into segments.
     segment_slices: int | None = None
+    #: The part of space that is drawn, where other processes draw the rest.
+    part: Corners | None = None
 
     def planned(self, layers: Sequence[Any], camera: Any, frame: _native.FrameArguments) -> _native.Stream:
         """The stream of a frame; a `LimitError` names the memory that suffices."""
         budget = int(self.memory * FOR_SAMPLES)
         try:
-            return _native.Stream(layers, camera, frame, budget, self.n_blocks, self.segment_slices)
+            return _native.Stream(layers, camera, frame, budget, self.n_blocks, self.segment_slices, self.part)
         except LimitError:
             pass
         least = _native.smallest_budget(layers, camera, frame, self.segment_slices)

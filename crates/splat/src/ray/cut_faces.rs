@@ -11,6 +11,9 @@
 //! even light ends earlier. The strength is the product of `2 τ − ½` for matter of an optical depth of `τ` times
 //! [`DEPTH`] per slice, of `2 − d` for matter `d` times [`NEAR`] behind the cut, and, at missing samples, of `4 m − 1`
 //! for a missing share `m`; each within 0 and 1.
+//!
+//! Where a part of space is drawn, rays that enter the region in another part have their entries from a survey of the
+//! whole ([`crate::render::part_plan`]).
 
 use wavesplat_compute::simd::{Lanes, Wide};
 
@@ -86,7 +89,11 @@ impl CutFaces {
         let dense = within_unit(w, w.sub(w.mul(w.splat(2.0), w.div(matter.depth, usual)), w.splat(0.5)));
         let behind = w.mul(w.sub(matter.begin, begins), w.splat(1.0 / NEAR));
         let near = within_unit(w, w.sub(w.splat(2.0), behind));
-        let mut entry = w.max(w.load_from(&self.entries, places), entry_of(w, begins, w.mul(dense, near)));
+        let mut own = entry_of(w, begins, w.mul(dense, near));
+        if let Some(outer) = rays.outer_entries(w, chunks) {
+            own = w.select(w.lt(outer, w.splat(2.0 * NO_ENTRY)), own, outer);
+        }
+        let mut entry = w.max(w.load_from(&self.entries, places), own);
         if let Some(missing) = matter.missing {
             let hole = within_unit(w, w.sub(w.mul(w.splat(4.0), missing), w.splat(1.0)));
             entry = w.max(entry, entry_of(w, matter.at, w.mul(dense, hole)));
@@ -108,6 +115,13 @@ impl CutFaces {
 fn entry_of<W: Wide>(w: W, at: W::F, strength: W::F) -> W::F {
     let in_front = w.mul(w.sub(strength, w.splat(1.0)), w.splat(REACH));
     w.select(w.lt(w.splat(0.0), strength), w.add(at, in_front), w.splat(NO_ENTRY))
+}
+
+/// Entry of one ray at a cut, given the optical depth per slice of the matter at a way behind it, in slices.
+pub fn entry_at_cut(cut: f32, behind: f32, depth_per_slice: f32) -> f32 {
+    let dense = (2.0 * depth_per_slice / DEPTH - 0.5).clamp(0.0, 1.0);
+    let strength = dense * (2.0 - behind / NEAR).clamp(0.0, 1.0);
+    if strength > 0.0 { cut + (strength - 1.0) * REACH } else { NO_ENTRY }
 }
 
 /// Place along s, given the share of the way between two sheets.

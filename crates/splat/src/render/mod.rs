@@ -3,6 +3,7 @@
 pub mod empty_space;
 pub mod frame;
 pub mod layer;
+pub mod part_plan;
 pub mod piece;
 pub mod plan;
 pub mod plan_arrays;

@@ -24,6 +24,7 @@ use crate::picture::depth_colors::PlacedDepthColors;
 use crate::picture::supersampling::reads_per_axis;
 use crate::ray::project::Project;
 use crate::render::layer::{ColorField, Layer};
+use crate::render::part_plan::PartPlan;
 use crate::render::shape_plan::{ShapePlan, bounds_with};
 use crate::shapes::fragments::Fragments;
 use crate::sheet::spacing::SheetSpacing;
@@ -59,6 +60,8 @@ pub struct Plan {
     pub rays: IndexRays,
     /// Part of space that is drawn: an intersection of half spaces.
     pub region: Region,
+    /// Part of that region that this process draws; `None`: all.
+    pub part: Option<PartPlan>,
     /// Silhouette of the regions of all layers.
     pub silhouette: Silhouette,
     /// Composite operator: how the sheets become one value per ray.
@@ -287,6 +290,7 @@ impl Plan {
             grid,
             silhouette: Silhouette::new(plans.iter().map(|layer| &layer.region)),
             region,
+            part: None,
             fields,
             sheets_per_slice: options.sheets_per_slice,
             families: Vec::new(),
@@ -434,6 +438,7 @@ impl FamilyPlan {
             region: &layer.region,
             widened: layer.region.widened(&self.plane, self.plane.beyond),
             silhouette: &plan.silhouette,
+            part: plan.part.as_ref().map(|own| own.part),
             world_from_index: plan.grid.world_from_index(),
             gradient_steps: layer.grid.world_from_index().matrix3,
             opacity_unit: layer.opacity_unit,

@@ -426,7 +426,10 @@ impl<'a> Reader<'a> {
     fn drawn_slabs(&self) -> Range<usize> {
         let spacing = self.spacing();
         let axis = self.family.plane.family.axes[2];
-        let [lo, hi] = self.plan.region.bounds;
+        let [mut lo, mut hi] = self.plan.region.bounds;
+        if let Some(own) = &self.plan.part {
+            (lo, hi) = (lo.max(own.part.lo), hi.min(own.part.hi));
+        }
         let sheets = spacing.range([lo[axis].max(0.0), hi[axis]]);
         if sheets.len() < 2 {
             return 0..0;

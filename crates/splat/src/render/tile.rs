@@ -13,6 +13,7 @@ use crate::ray::compositor::{Compositor, Slab};
 use crate::ray::state::TileState;
 use crate::ray::surfaces::TileSurfaces;
 use crate::render::empty_space::ActiveSlab;
+use crate::render::part_plan::PartPlan;
 use crate::render::plan::{ColorPlan, FamilyLayer, FamilyPlan, Plan};
 use crate::sheet::field_sheets::{FieldSheets, FieldSlices};
 use crate::sheet::layer_sheets::LayerSheets;
@@ -76,6 +77,8 @@ pub(super) struct TileJob<'a> {
     /// Geometry of the rays through all layers together.
     pub rays: RayGeometry<'a>,
     level: Level,
+    /// The part of space that is drawn; `None`: all.
+    part: Option<&'a PartPlan>,
     /// Geometry of the fields: where their samples lie on the sheets.
     pub fields: Vec<SheetGeometry<'a>>,
 }
@@ -116,7 +119,7 @@ impl<'a> TileJob<'a> {
         };
         let of_colors = colors.zip(&slices[plan.layers.len()..]).map(of_color);
         let fields = plan.fields.fields.iter().map(of_field).chain(of_colors).collect();
-        Self { family, layers, rays, level: plan.simd, fields }
+        Self { family, layers, rays, level: plan.simd, part: plan.part.as_ref(), fields }
     }
 
     /// Chunks of rays of a tile, given by its first texel, that may see something, as bits ([`Chunk::index`]).
@@ -158,6 +161,9 @@ impl<'a> TileJob<'a> {
             return state.map(|state| (compositor(Some(state)), surfaces));
         }
         let (mut rays, span) = Rays::new(&self.rays, self.level, first);
+        if let Some(part) = self.part {
+            part.tell_entries(&mut rays, &self.family.plane, first);
+        }
         if let Some(surfaces) = &surfaces {
             surfaces.end_rays(&mut rays);
         }

@@ -9,6 +9,7 @@ use crate::sheet::tile_layout::{Chunk, N_STRIPS, TILE_V};
 use crate::view::base_plane::BasePlane;
 use crate::view::depth_cue::DepthCue;
 use crate::view::index_frame::world_gradient_from_index;
+use crate::view::part::Part;
 use crate::view::region::Region;
 use crate::view::silhouette::Silhouette;
 
@@ -18,12 +19,17 @@ pub struct Rays {
     intervals: Vec<[Lanes; 2]>,
     /// Interval of s that all rays of a chunk draw.
     common: Vec<[f32; 2]>,
-    /// Largest s at which a ray of a chunk begins.
+    /// Largest s at which a ray of a chunk enters the drawn region.
     last_entry: Vec<f32>,
     /// Where each ray begins, where intervals are cut at surfaces; else empty.
     begins: Vec<Lanes>,
     /// Largest s at which a ray of a chunk ends, where they end at surfaces; else empty.
     last_exit: Vec<f32>,
+    /// Where each ray enters the drawn region, in s; empty where it begins there, as all rays do without parts.
+    entries: Vec<Lanes>,
+    /// Entries into matter of the rays that enter the region in another part, infinitely far in front for other rays;
+    /// empty without parts.
+    outer_entries: Vec<Lanes>,
     /// Rays that draw nothing, as bits.
     missed: Vec<u16>,
     /// Directions by chunk; a single entry where rays are parallel.
@@ -51,6 +57,8 @@ pub struct RayGeometry<'a> {
     pub widened: Region,
     /// The regions of all layers.
     pub silhouette: &'a Silhouette,
+    /// The part of space that is drawn of these regions; `None`: all.
+    pub part: Option<Part>,
     /// World position of an index position.
     pub world_from_index: DAffine3,
     /// World steps, by column, between the samples whose differences make gradients.
@@ -72,6 +80,8 @@ impl Rays {
             last_entry: vec![f32::NEG_INFINITY; Chunk::N],
             begins: Vec::new(),
             last_exit: Vec::new(),
+            entries: if geometry.part.is_some() { vec![Lanes::splat(0.0); Chunk::N] } else { Vec::new() },
+            outer_entries: Vec::new(),
             missed: vec![u16::MAX; Chunk::N],
             directions: Vec::new(),
             fades: Vec::new(),
@@ -84,8 +94,17 @@ impl Rays {
                     for row in 0..TILE_V.min(plane.size[1] - j0) {
                         let i = i0 + strip * LANES;
                         if i < plane.size[0] {
-                            let intervals = geometry.intervals(i as f64, (j0 + row) as f64);
-                            rays.set(Chunk { strip, row }, plane, intervals, plane.size[0] - i, &mut span);
+                            let j = j0 + row;
+                            let intervals = geometry.intervals(i as f64, j as f64);
+                            let chunk = Chunk { strip, row };
+                            let Some(part) = &geometry.part else {
+                                rays.set(chunk, plane, intervals, plane.size[0] - i, &mut span);
+                                continue;
+                            };
+                            let mut own = intervals;
+                            part.narrow(plane, i as f64, j as f64, &mut own);
+                            rays.set(chunk, plane, own, plane.size[0] - i, &mut span);
+                            rays.set_entries(chunk, plane, intervals);
                         }
                     }
                 }
@@ -142,6 +161,18 @@ impl Rays {
         self.common[chunk.index()] = if missed == 0 { common.map(|s| s as f32) } else { [0.0; 2] };
         self.last_entry[chunk.index()] = halved(entries, f64::max) as f32;
         self.missed[chunk.index()] = missed;
+    }
+
+    /// Sets where the rays of a chunk enter the drawn region, of which a part is drawn.
+    fn set_entries(&mut self, chunk: Chunk, plane: &BasePlane, [lo, hi]: [[f64; LANES]; 2]) {
+        let from = if plane.family.ascending { lo } else { hi.map(|w| -w) };
+        let missed = self.missed(chunk);
+        let mut last = f32::NEG_INFINITY;
+        for (i, from) in from.into_iter().enumerate().filter(|(i, _)| missed >> i & 1 == 0) {
+            self.entries[chunk.index()].0[i] = from as f32;
+            last = last.max(from as f32);
+        }
+        self.last_entry[chunk.index()] = last;
     }
 
     /// Interval of s that each ray draws; empty where lo ≥ hi.
@@ -220,6 +251,33 @@ impl Rays {
         (self.intervals[chunk.index()], self.common[chunk.index()]) = kept;
     }
 
+    /// Sets the entries into matter of rays that enter the region in another part. `entry`: given a chunk, a lane, where
+    /// that ray enters the region, in s, and the thickness of a slice along it.
+    pub fn set_outer_entries(&mut self, entry: impl Fn(Chunk, usize, f32, f32) -> f32) {
+        let mut outer = vec![Lanes::splat(f32::NEG_INFINITY); self.entries.len()];
+        for (index, outer) in outer.iter_mut().enumerate() {
+            let chunk = Chunk { strip: index / TILE_V, row: index % TILE_V };
+            for i in (0..LANES).filter(|i| self.missed(chunk) >> i & 1 == 0) {
+                let entered = self.entries[index].0[i];
+                if entered < self.intervals[index][0].0[i] {
+                    outer.0[i] = entry(chunk, i, entered, self.directions(chunk).thickness.0[i]);
+                }
+            }
+        }
+        self.outer_entries = outer;
+    }
+
+    /// Entries into matter of the rays that enter the region in another part, infinitely far in front for other rays;
+    /// `None` without parts.
+    #[inline(always)]
+    pub fn outer_entries<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> Option<W::F> {
+        if self.outer_entries.is_empty() {
+            return None;
+        }
+        let [a, b] = chunks.map(|chunk| &self.outer_entries[chunk.index()].0);
+        Some(w.join(w.one().load(a), w.one().load(b)))
+    }
+
     /// Thickness of one slice distance, in `opacity_unit`s ([`Directions::thickness`]).
     #[inline(always)]
     pub fn thickness<W: Wide>(&self, w: W, chunks: [Chunk; 2]) -> W::F {
@@ -247,7 +305,7 @@ impl Rays {
         lo <= from && to <= hi
     }
 
-    /// Largest s at which a ray of a chunk begins.
+    /// Largest s at which a ray of a chunk enters the drawn region.
     #[inline(always)]
     pub fn last_entry(&self, chunk: Chunk) -> f32 {
         self.last_entry[chunk.index()]
@@ -300,7 +358,7 @@ pub struct DirectionForms {
 }
 
 impl RayGeometry<'_> {
-    /// Intervals of w that [`LANES`] texels from `(i, j)` on draw; empty where lo ≥ hi.
+    /// Intervals of w that [`LANES`] texels from `(i, j)` on draw, of all parts; empty where lo ≥ hi.
     #[inline(always)]
     fn intervals(&self, i: f64, j: f64) -> [[f64; LANES]; 2] {
         let mut own = self.region.texel_intervals(self.plane, i, j);

@@ -11,6 +11,7 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
+use glam::DVec3;
 use wavesplat_compute::extent;
 use wavesplat_compute::simd::Level;
 use wavesplat_core::{Decoder, Grid, Kernel, Sample, Samples, Volume, with_samples};
@@ -244,6 +245,12 @@ impl<'a> Slices<'a> {
     /// Whether the samples are read elsewhere, box by box.
     pub fn is_surveyed(&self) -> bool {
         matches!(self.source, SampleSource::Surveyed(..))
+    }
+
+    /// Density at an index position, linear between the samples that a survey kept for light; `None` of other slices.
+    pub fn strided_density(&self, index: DVec3) -> Option<f32> {
+        let SampleSource::Surveyed(strided, (offset, scale)) = &self.source else { return None };
+        Some(((strided.linear(index) - offset) * scale) as f32)
     }
 
     /// Writes densities, or coefficients, of every n-th sample of the slice `z`, row by row; `z` is a multiple of the

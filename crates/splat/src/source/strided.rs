@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use glam::DVec3;
 use wavesplat_core::Grid;
 
 /// Values of every n-th sample along each axis, or densities of a volume whose samples are prepared.
@@ -38,6 +39,24 @@ impl StridedSamples {
         }
     }
 
+    /// Value at an index position, linear between strided samples; the nearest beyond the last of them.
+    pub fn linear(&self, index: DVec3) -> f64 {
+        let index = index.to_array();
+        let places = [0, 1, 2].map(|a| (index[a] / self.step[a] as f64).clamp(0.0, (self.size[a] - 1) as f64));
+        let mut sum = 0.0;
+        for corner in 0..8_usize {
+            let (mut weight, mut at) = (1.0, [0; 3]);
+            for (a, place) in places.into_iter().enumerate() {
+                let (below, share) = (place as usize, place.fract());
+                let is_above = corner >> a & 1 == 1;
+                weight *= if is_above { share } else { 1.0 - share };
+                at[a] = (below + usize::from(is_above)).min(self.size[a] - 1);
+            }
+            sum += weight * f64::from(self.values[at[0] + self.size[0] * (at[1] + self.size[1] * at[2])]);
+        }
+        sum
+    }
+
     /// Row of values at `y` and `z`, which are indices of the volume.
     pub fn row(&self, y: usize, z: usize) -> &[f32] {
         &self.values[self.size[0] * (y / self.step[1] + self.size[1] * (z / self.step[2]))..][..self.size[0]]
@@ -59,6 +78,19 @@ pub fn light_steps(grid: &Grid) -> ([usize; 3], [usize; 3]) {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn values_between_strided_samples_are_linear() {
+        let (size, step) = ([9, 8, 5], [2, 3, 1]);
+        let value = |p: DVec3| 1.0 + p.x - 2.0 * p.y + 3.0 * p.z;
+        let mut all = StridedSamples::new(size, step);
+        let at = |i: usize| value(DVec3::new((i % 9) as f64, (i / 9 % 8) as f64, (i / 72) as f64)) as f32;
+        all.take(at, [0; 3], size);
+        for p in [DVec3::ZERO, DVec3::new(3.5, 2.25, 1.75), DVec3::new(8.0, 6.0, 4.0)] {
+            assert!((all.linear(p) - value(p)).abs() < 1e-5, "{p}");
+        }
+        assert_eq!(all.linear(DVec3::new(-1.0, 7.0, 9.0)), value(DVec3::new(0.0, 6.0, 4.0)));
+    }
 
     #[test]
     fn boxes_that_divide_nothing_give_every_nth_sample() {

@@ -5,6 +5,7 @@ pub mod common_grid;
 pub mod depth_cue;
 pub mod family;
 pub mod index_frame;
+pub mod part;
 pub mod pixel_spacing;
 pub mod ray_model;
 pub mod region;

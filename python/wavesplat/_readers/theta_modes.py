@@ -9,7 +9,7 @@ stored as F₀, R₁, I₁, R₂, I₂, ... along the first axis; the attribute 
 symmetry: r below 0 at θ is the place |r| at θ + π.
 
 Source: https://github.com/openPMD/openPMD-standard, STANDARD.md, "Mesh Based Records"; Lifschitz et al. (2009),
-J. Comput. Phys. 228, 1803.
+Journal of Computational Physics 228, 1803.
 """
 
 from __future__ import annotations

@@ -28,7 +28,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality edges random-functions random-scenes looks looks-beside-vtk looks-beside-napari looks-beside-pyvista study study-wavelets study-lod study-cuts bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers scene-hashes roofline instructions gallery golden pictures \
+.PHONY: help demo test check fmt quality edges random-functions random-scenes looks looks-beside-vtk looks-beside-napari looks-beside-pyvista study study-wavelets study-lod study-cuts bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers bench-shapes scene-hashes roofline instructions gallery golden pictures \
 	clean wheel fuzz memcheck miri fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
 	rust-test python-test test-arm test-napari rust-lint python-lint stubs spelling licences docs readme
 
@@ -109,6 +109,9 @@ bench-usual: $(STAMPS)/package ## time the pictures that people ask for: look an
 
 bench-layers: $(STAMPS)/package ## time pictures of several volumes beside those of one
 	python benches/layers.py
+
+bench-shapes: $(STAMPS)/package $(STAMPS)/tools ## time surfaces, lines and points beside the frame without; BENCH_SHAPES="--vtk out/shapes" compares pictures
+	python benches/shapes.py $(BENCH_SHAPES)
 
 scene-hashes: $(STAMPS)/package ## draw 100 scenes and print a hash of each; SCENES="--compare FILE" holds them to others
 	python benches/scene_hashes.py $(SCENES)

@@ -1,7 +1,7 @@
 """Times of surfaces, lines and points in the picture, and pictures beside VTK's: `make bench-shapes`.
 
-Draws the bundled CT, 512 x 512, on the CPU, without shapes and with: 200,000 triangles, opaque and clear; 100,000 balls;
-10,000 paths of 100 positions, as strokes of two pixels and as tubes; and 5 million triangles. Told are the median
+Draws the bundled CT, 512 x 512, on the CPU, without shapes and with: 200,000 triangles, opaque and clear; 100,000
+balls; 10,000 paths of 100 positions, as strokes of two pixels and as tubes; 5 million triangles. Told are the median
 processor and wall times of frames, and what each takes beside the frame without shapes drawn right before it.
 
 With `--vtk FOLDER`: the same surface, balls and volume by VTK, with depth peeling, side by side with ours and with the

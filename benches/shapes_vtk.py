@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 import vtk
 from numpy.typing import NDArray
+from shapes import bumpy_ball
 from sheets import Sheet
 from vtk.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 
@@ -32,8 +33,6 @@ def compare(folder: Path) -> None:
     look = ws.TransferFunction(OPACITY, COLOR, opacity_unit=min(scan.spacing))
     eye = ws.Camera.orbit(scan, 30, 20)
     lower, upper = np.array(scan.bounds)
-    from shapes import bumpy_ball
-
     vertices, faces = bumpy_ball(120, (lower + upper) / 2, 90.0)
     spots = lower + np.random.default_rng(3).random((200, 3)) * (upper - lower)
     sheet = Sheet(3, 2, SIDE)
@@ -50,7 +49,8 @@ def compare(folder: Path) -> None:
         wanted = ws.reference.raycast(scene, eye, size=(SIDE, SIDE), step=0.1, rays_per_pixel=4).rgba[..., :3]
         pictures = {"ours": ours, "VTK": theirs, "ray caster": wanted}
         numbers = [psnr(picture, wanted) for picture in (ours, theirs)]
-        print(f"opacity {opacity:.1f} {numbers[0]:6.1f} dB {numbers[1]:6.1f} dB   {seconds[0]:.2f} s, {seconds[1]:.2f} s")
+        told = f"{numbers[0]:6.1f} dB {numbers[1]:6.1f} dB   {seconds[0]:.2f} s, {seconds[1]:.2f} s"
+        print(f"opacity {opacity:.1f} {told}")
         for column, (name, picture) in enumerate(pictures.items()):
             sheet.put(column, row, np.round(255 * np.clip(picture, 0, 1)).astype(np.uint8), f"{name}, {opacity}")
     sheet.save(folder / "shapes_beside_vtk.png")

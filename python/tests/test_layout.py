@@ -42,6 +42,7 @@ ROOMS = {
         "source",
         "sheet",
         "optics",
+        "shapes",
         "ray",
         "picture",
         "render",

@@ -5,9 +5,9 @@
 use wavesplat_compute::simd::{Lanes, Simd, Wide};
 
 use crate::optics::shade::Shader;
+use crate::ray::compositor::ChunkSurfaces;
 use crate::ray::compositor::Texels;
 use crate::ray::state::TileState;
-use crate::ray::surfaces::ChunkSurfaces;
 use crate::sheet::tile_layout::Chunk;
 use crate::sheet::tile_rays::Rays;
 

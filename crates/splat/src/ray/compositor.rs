@@ -10,7 +10,6 @@ use crate::source::geometry::SheetGeometry;
 use wavesplat_compute::simd::{LANES, Lanes, Simd};
 
 use crate::ray::state::TileState;
-use crate::ray::surfaces::ChunkSurfaces;
 
 /// The space between two consecutive sheets of a tile.
 pub struct Slab<'a, 'b> {
@@ -90,6 +89,16 @@ impl Texels {
         let [r, g, b, a] = rgba;
         Self { rgba: std::array::from_fn(|i| [r.0[i], g.0[i], b.0[i], a.0[i]]), s_half: s_half.map(|s| s.0) }
     }
+}
+
+/// One surface for each ray of a chunk, or none.
+pub struct ChunkSurfaces {
+    /// Colours, not associated.
+    pub rgb: [[f32; LANES]; 3],
+    /// Opacities; 0 for rays that meet none.
+    pub alpha: [f32; LANES],
+    /// Places along the rays.
+    pub s: [f32; LANES],
 }
 
 /// An operator at work on one tile.

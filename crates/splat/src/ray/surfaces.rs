@@ -5,21 +5,11 @@
 
 use wavesplat_compute::simd::{LANES, Lanes, Simd};
 
-use crate::ray::compositor::{Compositor, Slab};
+use crate::ray::compositor::{ChunkSurfaces, Compositor, Slab};
 use crate::ray::state::TileState;
 use crate::shapes::fragments::{Fragments, ShapeFragment};
 use crate::sheet::tile_layout::{Block, Chunk};
 use crate::sheet::tile_rays::Rays;
-
-/// One surface for each ray of a chunk, or none.
-pub struct ChunkSurfaces {
-    /// Colours, not associated.
-    pub rgb: [[f32; LANES]; 3],
-    /// Opacities; 0 for rays that meet none.
-    pub alpha: [f32; LANES],
-    /// Places along the rays.
-    pub s: [f32; LANES],
-}
 
 /// Surfaces on the rays of a tile, and how many of them each ray has passed.
 pub struct TileSurfaces<'a> {

@@ -8,7 +8,7 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use wavesplat_compute::simd::Level;
+use wavesplat_compute::simd::{LANES, Level};
 use wavesplat_core::{
     Camera, Composite, Crop, Error, Gradient, Grid, RenderOptions, Result, Shading, TransferFunction,
 };
@@ -23,6 +23,7 @@ use crate::optics::visibility_cache::TabulatedFunction;
 use crate::picture::depth_colors::PlacedDepthColors;
 use crate::picture::supersampling::reads_per_axis;
 use crate::ray::project::Project;
+use crate::ray::surfaces::TileSurfaces;
 use crate::render::layer::{ColorField, Layer};
 use crate::render::part_plan::PartPlan;
 use crate::render::shape_plan::{ShapePlan, bounds_with};
@@ -314,8 +315,15 @@ impl Plan {
     pub(crate) fn family(&self, plane: BasePlane, layers: &[Layer]) -> FamilyPlan {
         let spacing = SheetSpacing::new(self.grid.size()[plane.family.axes[2]], self.sheets_per_slice);
         let layers = (0..layers.len()).map(|k| self.family_layer(k, &plane, layers[k].slices.bricks())).collect();
-        let fragments = ShapePlan::fragments(self, &plane).map(Arc::new);
+        let fragments = self.fragments(&plane).map(Arc::new);
         FamilyPlan { plane, spacing, layers, fragments }
+    }
+
+    /// Surfaces of the shapes on the rays of a base plane; `None` without shapes.
+    fn fragments(&self, plane: &BasePlane) -> Option<Fragments> {
+        let occlusion = self.fields.light.map(|light| (light, self.layers[0].map));
+        let of_plane = (plane, &self.grid, &self.camera);
+        self.shapes.as_ref().map(|shapes| shapes.fragments(self.simd, of_plane, &self.fields.fields, occlusion))
     }
 
     fn family_layer(&self, k: usize, plane: &BasePlane, bricks: Option<&Bricks>) -> FamilyLayer {
@@ -444,6 +452,13 @@ impl FamilyPlan {
             opacity_unit: layer.opacity_unit,
             depth_cue: plan.depth_cue,
         }
+    }
+
+    /// Surfaces of shapes on the rays of the tile whose first texel is `first`, after those that a state has passed;
+    /// `None` without shapes.
+    pub(super) fn surfaces(&self, first: [usize; 2], passed: Vec<[u8; LANES]>) -> Option<TileSurfaces<'_>> {
+        let fragments = self.fragments.as_deref().filter(|fragments| !fragments.is_empty())?;
+        Some(TileSurfaces::new(fragments, first, passed))
     }
 
     /// Sign of w along the rays: 1 where w grows away from the eye, -1 where it falls.

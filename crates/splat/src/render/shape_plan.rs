@@ -3,17 +3,18 @@
 use std::sync::Arc;
 
 use glam::DVec3;
-use wavesplat_compute::simd::LANES;
+use wavesplat_compute::simd::Level;
 use wavesplat_core::{Camera, Grid, Projection, RenderOptions, Shading, Shapes};
 
-use crate::ray::surfaces::TileSurfaces;
+use crate::optics::occlusion::LightFields;
 use crate::render::layer::Layer;
-use crate::render::plan::{FamilyPlan, Plan};
 use crate::shapes::fragments::Fragments;
 use crate::shapes::light::ShapeLight;
 use crate::shapes::placement::PlaneView;
 use crate::shapes::raster::fragments_of;
+use crate::source::field::Field;
 use crate::view::base_plane::BasePlane;
+use crate::view::common_grid::IndexMap;
 use crate::view::region::{Region, box_bounds};
 
 /// Shapes, and what their fragments on a base plane are made with.
@@ -23,7 +24,7 @@ pub struct ShapePlan {
     pub shapes: Arc<Shapes>,
     /// Lights: the first layer's that is lit, or the default.
     pub shading: Shading,
-    /// What crop and clip planes leave of space, whatever the volume's box.
+    /// The part of space that crop and clip planes leave, whatever the volume's box.
     pub cuts: Region,
 }
 
@@ -38,13 +39,18 @@ impl ShapePlan {
         Some(Self { shapes, shading, cuts: region.without_box() })
     }
 
-    /// Surfaces of the shapes on the rays of a base plane; `None` without shapes.
-    pub(super) fn fragments(plan: &Plan, plane: &BasePlane) -> Option<Fragments> {
-        let Self { shapes, shading, cuts } = plan.shapes.as_ref()?;
-        let view = PlaneView::new(plane, plan.grid.world_from_index());
-        let occlusion = plan.fields.light.map(|light| (light, plan.layers[0].map));
-        let light = ShapeLight::new(shading, &plan.camera, &plan.fields.fields, occlusion);
-        Some(fragments_of(plan.simd, &view, shapes, cuts, &light))
+    /// Surfaces of the shapes on the rays of a base plane, in the index space of a grid. `fields`: fields of the plan, and
+    /// `occlusion`: those among them that hold light, with the map from the grid to the first layer.
+    pub(super) fn fragments(
+        &self,
+        simd: Level,
+        (plane, grid, camera): (&BasePlane, &Grid, &Camera),
+        fields: &[Field<'static>],
+        occlusion: Option<(LightFields, IndexMap)>,
+    ) -> Fragments {
+        let view = PlaneView::new(plane, grid.world_from_index());
+        let light = ShapeLight::new(&self.shading, camera, fields, occlusion);
+        fragments_of(simd, &view, &self.shapes, &self.cuts, &light)
     }
 }
 
@@ -62,13 +68,4 @@ pub(super) fn bounds_with(grid: &Grid, [lo, hi]: [DVec3; 2], camera: &Camera, op
     let around = options.shapes.max_half_px() * height / options.height_px as f64;
     let [first, last] = box_bounds(grid.index_from_world(), shapes[0] - around, shapes[1] + around);
     [lo.min(first), hi.max(last)]
-}
-
-impl FamilyPlan {
-    /// Surfaces of shapes on the rays of the tile whose first texel is `first`, after those that a state has passed;
-    /// `None` without shapes.
-    pub(super) fn surfaces(&self, first: [usize; 2], passed: Vec<[u8; LANES]>) -> Option<TileSurfaces<'_>> {
-        let fragments = self.fragments.as_deref().filter(|fragments| !fragments.is_empty())?;
-        Some(TileSurfaces::new(fragments, first, passed))
-    }
 }

@@ -2,11 +2,11 @@
 
 use wavesplat_core::{Card, ShapeStyle};
 
-use crate::shapes::fragments::{ALONE, Side};
+use crate::shapes::canvas::{Canvas, OnPlane, RowRange, SurfacePart, vector};
+use crate::shapes::fragments::{ALONE, Crossing};
 use crate::shapes::paint::texture_at;
 use crate::shapes::placement::{Placed, PlaneView};
-use crate::shapes::raster::{Canvas, OnPlane, Rows, Surface, vector};
-use crate::shapes::triangles::{Hit, cover, cut_by_near_plane, is_ahead, rows_of_triangle};
+use crate::shapes::triangles::{TriangleHit, cover, cut_by_near_plane, is_ahead, rows_of_triangle};
 
 /// A card on a base plane.
 pub struct CardOnPlane<'a> {
@@ -35,10 +35,13 @@ impl<'a> CardOnPlane<'a> {
     #[inline(always)]
     fn draw_triangle(&self, corners: [Placed; 3], shares: [[f32; 2]; 3], canvas: &mut Canvas) {
         let style = ShapeStyle { is_lit: false, ..self.card.style };
-        cover(corners, canvas, |canvas, Hit { texel, at, mask, s, weights }| {
+        cover(corners, canvas, |canvas, TriangleHit { texel, at, mask, s, weights }| {
             let share = [0, 1].map(|k| (0..3).map(|corner| weights[corner] * shares[corner][k]).sum());
             let rgba = texture_at(self.card, share);
-            canvas.add(style, &Surface { texel, at, mask, s, rgba, normal: None, side: Side::Sheet, solid: ALONE });
+            canvas.add(
+                style,
+                &SurfacePart { texel, at, mask, s, rgba, normal: None, side: Crossing::Sheet, solid: ALONE },
+            );
         });
     }
 }
@@ -48,7 +51,7 @@ impl OnPlane for CardOnPlane<'_> {
         TRIANGLES.len()
     }
 
-    fn rows(&self, element: usize, view: &PlaneView) -> Rows {
+    fn rows(&self, element: usize, view: &PlaneView) -> RowRange {
         rows_of_triangle(TRIANGLES[element].map(|k| self.corners[k].1), view)
     }
 

@@ -43,7 +43,7 @@ const CLOSED: f32 = 1e-6;
 
 /// Part of a solid that a ray meets.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Side {
+pub enum Crossing {
     /// A surface without inside.
     Sheet,
     /// The ray enters the solid.
@@ -73,7 +73,7 @@ pub struct Meeting {
     /// Covered places of the texel.
     pub mask: Mask,
     /// Which part of a solid.
-    pub side: Side,
+    pub side: Crossing,
     /// Number of the solid, which may consist of overlapping pieces; [`ALONE`] for others.
     pub solid: u32,
 }
@@ -86,7 +86,7 @@ impl Meeting {
 
     /// Key that orders meetings front to back, and those at one place by what they look like: so the order of shapes
     /// means nothing.
-    fn key(&self) -> (u32, Side, [u32; 7], Mask) {
+    fn key(&self) -> (u32, Crossing, [u32; 7], Mask) {
         let [r, g, b] = self.rgb.map(f32::to_bits);
         let [x, y, z] = self.normal.to_array().map(f32::to_bits);
         // Of floats, the order of the bits is that of the numbers once the sign is taken care of.
@@ -97,7 +97,7 @@ impl Meeting {
 }
 
 /// Fragments of some rows of texels.
-pub struct Band {
+pub struct FragmentBand {
     /// Number of fragments of each texel.
     pub counts: Vec<u32>,
     /// Fragments, texel after texel, front to back.
@@ -108,7 +108,7 @@ pub struct Band {
 
 impl Fragments {
     /// Puts bands of rows together. `size`: texels along u and v.
-    pub fn new(size: [usize; 2], bands: Vec<Band>) -> Self {
+    pub fn new(size: [usize; 2], bands: Vec<FragmentBand>) -> Self {
         let mut starts = Vec::with_capacity(size[0] * size[1] + 1);
         let mut all = Vec::with_capacity(bands.iter().map(|band| band.all.len()).sum());
         let (mut n, mut n_joined) = (0, 0);
@@ -178,7 +178,7 @@ impl Fragments {
 
 /// Sorts meetings texel by texel, front to back, and works out the opacities of the rays. `n_texels`: of the band.
 /// `lit`: the colour of a texel's meeting in the light.
-pub fn resolve(meetings: &[Meeting], n_texels: usize, lit: impl Fn(&Meeting) -> [f32; 3]) -> Band {
+pub fn resolve(meetings: &[Meeting], n_texels: usize, lit: impl Fn(&Meeting) -> [f32; 3]) -> FragmentBand {
     let mut starts = vec![0_u32; n_texels + 1];
     for meeting in meetings {
         starts[meeting.texel as usize + 1] += 1;
@@ -193,7 +193,7 @@ pub fn resolve(meetings: &[Meeting], n_texels: usize, lit: impl Fn(&Meeting) -> 
         order[*place as usize] = k as u32;
         *place += 1;
     }
-    let mut band = Band { counts: vec![0; n_texels], all: Vec::new(), n_joined: 0 };
+    let mut band = FragmentBand { counts: vec![0; n_texels], all: Vec::new(), n_joined: 0 };
     let (mut here, mut ray) = (Vec::new(), Vec::new());
     for texel in 0..n_texels {
         let own = &order[starts[texel] as usize..starts[texel + 1] as usize];
@@ -281,7 +281,7 @@ struct Solids {
 impl Solids {
     /// Places at which a meeting is on the outside of its solid. Takes note of it.
     fn visible(&mut self, meeting: &Meeting) -> Mask {
-        if meeting.solid == ALONE || meeting.side == Side::Sheet {
+        if meeting.solid == ALONE || meeting.side == Crossing::Sheet {
             return meeting.mask;
         }
         let known = self.depths.iter().position(|(solid, _)| *solid == meeting.solid);
@@ -295,11 +295,11 @@ impl Solids {
                 continue;
             }
             let (before, after) = match meeting.side {
-                Side::Leave => (*depth, depth.saturating_sub(1)),
+                Crossing::Leave => (*depth, depth.saturating_sub(1)),
                 _ => (*depth, depth.saturating_add(1)),
             };
             *depth = after;
-            let is_outside = if meeting.side == Side::Leave { after == 0 } else { before == 0 };
+            let is_outside = if meeting.side == Crossing::Leave { after == 0 } else { before == 0 };
             visible |= Mask::from(is_outside) << k;
         }
         visible
@@ -330,7 +330,16 @@ mod tests {
     use super::*;
 
     fn sheet(s: f32, alpha: f32, mask: Mask) -> Meeting {
-        Meeting { texel: 0, s, rgb: [1.0, 0.5, 0.25], normal: Vec3::ZERO, alpha, mask, side: Side::Sheet, solid: ALONE }
+        Meeting {
+            texel: 0,
+            s,
+            rgb: [1.0, 0.5, 0.25],
+            normal: Vec3::ZERO,
+            alpha,
+            mask,
+            side: Crossing::Sheet,
+            solid: ALONE,
+        }
     }
 
     fn ray(meetings: &[Meeting]) -> Vec<ShapeFragment> {
@@ -376,10 +385,14 @@ mod tests {
     fn pieces_of_a_solid_have_no_walls_inside() {
         let part = |s, side| Meeting { side, solid: 7, ..sheet(s, 0.5, Mask::MAX) };
         // Two overlapping pieces: only the first entry and the last exit count.
-        let union =
-            ray(&[part(1.0, Side::Enter), part(2.0, Side::Enter), part(3.0, Side::Leave), part(4.0, Side::Leave)]);
+        let union = ray(&[
+            part(1.0, Crossing::Enter),
+            part(2.0, Crossing::Enter),
+            part(3.0, Crossing::Leave),
+            part(4.0, Crossing::Leave),
+        ]);
         assert_eq!(union.iter().map(|f| f.s).collect::<Vec<_>>(), [1.0, 4.0]);
-        let strokes = ray(&[part(1.0, Side::Stroke), part(2.0, Side::Stroke)]);
+        let strokes = ray(&[part(1.0, Crossing::Stroke), part(2.0, Crossing::Stroke)]);
         assert_eq!(strokes.len(), 1);
     }
 

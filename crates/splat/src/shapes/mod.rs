@@ -8,6 +8,7 @@
 //! fragment, which is worked out from the places that are still open behind the fragments in front (the A-buffer of
 //! Carpenter 1984): two triangles that share an edge leave no gap, and hide what is behind like one.
 
+pub mod canvas;
 pub mod cards;
 pub mod fragments;
 pub mod light;

@@ -47,7 +47,7 @@ pub struct Placed {
 
 /// Half the size of something on a base plane, in texels along u and v.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Reach {
+pub enum PlaneReach {
     /// Nothing of it can be seen.
     Nowhere,
     /// Within this distance of its middle.
@@ -157,7 +157,7 @@ impl<'a> PlaneView<'a> {
     }
 
     /// How far a ball around index coordinates reaches on the plane.
-    pub fn reach_of_ball(&self, uvw @ [u, v, w]: [f64; 3], radius: f64) -> Reach {
+    pub fn reach_of_ball(&self, uvw @ [u, v, w]: [f64; 3], radius: f64) -> PlaneReach {
         if self.eye.is_none() {
             // The ray at an offset (x, y) passes the centre at the length of `m (x, y)`, so the ball is an ellipse.
             let [_, per_u, per_v] = self.from_point(uvw);
@@ -165,7 +165,7 @@ impl<'a> PlaneView<'a> {
             let [m, n] = [per_u, per_v].map(|per| per - way * per.dot(way));
             let [uu, uv, vv] = [m.dot(m), m.dot(n), n.dot(n)];
             let determinant = (uu * vv - uv * uv).max(f64::MIN_POSITIVE);
-            return Reach::Within([vv / determinant, uu / determinant].map(|x| radius * x.sqrt()));
+            return PlaneReach::Within([vv / determinant, uu / determinant].map(|x| radius * x.sqrt()));
         }
         // Half the size of the box around the ball, in samples along u, v, w.
         let inverse = self.index_from_world.matrix3.transpose();
@@ -173,11 +173,11 @@ impl<'a> PlaneView<'a> {
         let eye = self.eye.unwrap_or_default();
         let [nearest, furthest] = [-1.0, 1.0].map(|side| self.ahead(uvw) + side * half[2]);
         if furthest <= NEAR {
-            return Reach::Nowhere;
+            return PlaneReach::Nowhere;
         }
         if nearest <= NEAR {
             let is_aside = |k: usize| (uvw[k] - eye[k]).abs() - half[k] > STEEPEST * furthest;
-            return if is_aside(0) || is_aside(1) { Reach::Nowhere } else { Reach::Everywhere };
+            return if is_aside(0) || is_aside(1) { PlaneReach::Nowhere } else { PlaneReach::Everywhere };
         }
         let middle = self.place(uvw);
         let mut reach = [0.0_f64; 2];
@@ -187,7 +187,7 @@ impl<'a> PlaneView<'a> {
             reach[0] = reach[0].max(f64::from(at.x - middle.x).abs());
             reach[1] = reach[1].max(f64::from(at.y - middle.y).abs());
         }
-        Reach::Within(reach)
+        PlaneReach::Within(reach)
     }
 
     /// Map from texel offsets to pixel offsets from a pixel position, near a texel position: numerators along x and y,

@@ -1,111 +1,21 @@
 //! From shapes to fragments: which shapes reach which rows of texels, then band by band, on all threads.
 
-use std::ops::Range;
-
-use glam::{DVec3, Vec3};
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::Level;
 use wavesplat_core::{ShapeStyle, Shapes};
 
+use crate::shapes::canvas::{Canvas, OnPlane, RowRange};
 use crate::shapes::cards::CardOnPlane;
-use crate::shapes::fragments::{Band, Fragments, Meeting, Side, resolve};
+use crate::shapes::fragments::{FragmentBand, Fragments, resolve};
 use crate::shapes::light::ShapeLight;
 use crate::shapes::placement::PlaneView;
-use crate::shapes::samples::Mask;
-use crate::shapes::solids::{Balls, Tubes};
-use crate::shapes::strokes::{Discs, Strokes};
+use crate::shapes::solids::{BallsOnPlane, TubesOnPlane};
+use crate::shapes::strokes::{DiscsOnPlane, StrokesOnPlane};
 use crate::shapes::triangles::MeshOnPlane;
 use crate::view::region::Region;
 
 /// Rows of texels of a band.
 const BAND_ROWS: usize = 8;
-
-/// Rows of texels that an element of a shape reaches; `None`: it cannot be seen.
-pub type Rows = Option<[u32; 2]>;
-
-/// A shape as it lies on a base plane: a list of elements that are drawn one by one.
-pub trait OnPlane: Sync {
-    /// Number of elements: triangles, pieces of lines, points.
-    fn n_elements(&self) -> usize;
-    /// Rows that an element reaches.
-    fn rows(&self, element: usize, view: &PlaneView) -> Rows;
-    /// Draws the part of an element that lies in the rows of a canvas. Must be `#[inline(always)]`, so that its loops
-    /// use the vectors of the machine.
-    fn draw(&self, element: usize, canvas: &mut Canvas);
-}
-
-/// Rows of texels in which meetings of rays and shapes are collected.
-pub struct Canvas<'a> {
-    /// The base plane.
-    pub view: &'a PlaneView<'a>,
-    /// Rows of the band.
-    pub rows: Range<usize>,
-    region: &'a Region,
-    meetings: Vec<Meeting>,
-}
-
-/// What is met on a ray.
-pub struct Surface {
-    /// Texel.
-    pub texel: [usize; 2],
-    /// Texel position of the middle of what is covered.
-    pub at: [f32; 2],
-    /// Covered places.
-    pub mask: Mask,
-    /// Place along the ray.
-    pub s: f32,
-    /// Straight colour and opacity, without light.
-    pub rgba: [f32; 4],
-    /// World normal of any length, on either side; `None`: it is not lit.
-    pub normal: Option<Vec3>,
-    /// Which part of a solid.
-    pub side: Side,
-    /// Number of the solid.
-    pub solid: u32,
-}
-
-impl Canvas<'_> {
-    /// Takes note of a surface with the look of its shape.
-    #[inline]
-    pub fn add(&mut self, style: ShapeStyle, surface: &Surface) {
-        let Surface { texel: [i, j], at: [x, y], mask, s, rgba: [r, g, b, a], normal, side, solid } = *surface;
-        let alpha = a * style.opacity;
-        // False for numbers that are none, too.
-        if !(alpha > 0.0 && s.is_finite()) {
-            return;
-        }
-        if style.is_clipped && !self.region.contains(self.view.index_at([x, y, s])) {
-            return;
-        }
-        let texel = ((j - self.rows.start) * self.view.plane.size[0] + i) as u32;
-        let normal = normal.filter(|_| style.is_lit).unwrap_or(Vec3::ZERO);
-        self.meetings.push(Meeting { texel, s, rgb: [r, g, b], normal, alpha, mask, side, solid });
-    }
-
-    /// Columns of texels from `lo` to `hi` that lie on the plane.
-    pub fn columns(&self, [lo, hi]: [f64; 2]) -> Range<usize> {
-        range_of([lo, hi], self.view.plane.size[0])
-    }
-
-    /// Rows of texels from `lo` to `hi` that lie in the band.
-    pub fn own_rows(&self, [lo, hi]: [f64; 2]) -> Range<usize> {
-        let rows = range_of([lo, hi], self.view.plane.size[1]);
-        rows.start.max(self.rows.start)..rows.end.min(self.rows.end)
-    }
-}
-
-/// Texels whose squares meet an interval, of `n`.
-fn range_of([lo, hi]: [f64; 2], n: usize) -> Range<usize> {
-    let first = (lo + 0.5).floor().max(0.0);
-    let last = (hi + 0.5).floor().min(n as f64 - 1.0);
-    if first <= last { first as usize..last as usize + 1 } else { 0..0 }
-}
-
-/// Rows of texels of an interval; `None` where it lies beyond the plane, or is no interval.
-pub fn rows_of(view: &PlaneView, interval: [f64; 2]) -> Rows {
-    let rows = range_of(interval, view.plane.size[1]);
-    (!rows.is_empty()).then(|| [rows.start as u32, rows.end as u32 - 1])
-}
 
 /// Fragments of shapes on a base plane. `region`: what clip planes and crop leave.
 pub fn fragments_of(simd: Level, view: &PlaneView, shapes: &Shapes, region: &Region, light: &ShapeLight) -> Fragments {
@@ -117,7 +27,7 @@ pub fn fragments_of(simd: Level, view: &PlaneView, shapes: &Shapes, region: &Reg
         let n_texels = rows.len() * n_u;
         let elements = bands.of(band);
         if elements.is_empty() {
-            return Band { counts: vec![0; n_texels], all: Vec::new(), n_joined: 0 };
+            return FragmentBand { counts: vec![0; n_texels], all: Vec::new(), n_joined: 0 };
         }
         let mut canvas = Canvas { view, rows: rows.clone(), region, meetings: Vec::new() };
         simd.run(
@@ -150,15 +60,17 @@ fn on_plane<'a>(shapes: &'a Shapes, view: &PlaneView) -> Vec<Shape<'a>> {
     let mut n_solids = 0;
     for paths in shapes.paths().iter().filter(|paths| is_seen(&paths.style)) {
         placed.push(match paths.thickness {
-            wavesplat_core::Thickness::Radius(radius) => Shape::Tubes(Tubes::new(paths, radius, n_solids, view)),
-            wavesplat_core::Thickness::WidthPx(width) => Shape::Strokes(Strokes::new(paths, width, n_solids, view)),
+            wavesplat_core::Thickness::Radius(radius) => Shape::Tubes(TubesOnPlane::new(paths, radius, n_solids, view)),
+            wavesplat_core::Thickness::WidthPx(width) => {
+                Shape::Strokes(StrokesOnPlane::new(paths, width, n_solids, view))
+            }
         });
         n_solids += paths.starts.len() as u32;
     }
     for points in shapes.points().iter().filter(|points| is_seen(&points.style)) {
         placed.push(match &points.sizes {
-            wavesplat_core::Sizes::Radii(radii) => Shape::Balls(Balls::new(points, radii, view)),
-            wavesplat_core::Sizes::DiametersPx(sizes) => Shape::Discs(Discs::new(points, sizes, view)),
+            wavesplat_core::Sizes::Radii(radii) => Shape::Balls(BallsOnPlane::new(points, radii, view)),
+            wavesplat_core::Sizes::DiametersPx(sizes) => Shape::Discs(DiscsOnPlane::new(points, sizes, view)),
         });
     }
     for card in shapes.cards().iter().filter(|card| is_seen(&card.style)) {
@@ -170,10 +82,10 @@ fn on_plane<'a>(shapes: &'a Shapes, view: &PlaneView) -> Vec<Shape<'a>> {
 /// A shape on a base plane.
 enum Shape<'a> {
     Mesh(MeshOnPlane<'a>),
-    Tubes(Tubes<'a>),
-    Strokes(Strokes<'a>),
-    Balls(Balls<'a>),
-    Discs(Discs<'a>),
+    Tubes(TubesOnPlane<'a>),
+    Strokes(StrokesOnPlane<'a>),
+    Balls(BallsOnPlane<'a>),
+    Discs(DiscsOnPlane<'a>),
     Card(CardOnPlane<'a>),
 }
 
@@ -189,7 +101,7 @@ impl Shape<'_> {
         }
     }
 
-    fn rows(&self, element: usize, view: &PlaneView) -> Rows {
+    fn rows(&self, element: usize, view: &PlaneView) -> RowRange {
         match self {
             Self::Mesh(own) => own.rows(element, view),
             Self::Tubes(own) => own.rows(element, view),
@@ -223,7 +135,7 @@ struct Bands {
 impl Bands {
     fn new(shapes: &[Shape], view: &PlaneView, n_bands: usize) -> Self {
         const SOME: usize = 4096;
-        let rows: Vec<Vec<Rows>> = shapes
+        let rows: Vec<Vec<RowRange>> = shapes
             .iter()
             .map(|shape| {
                 let mut rows = vec![None; shape.n_elements()];
@@ -263,9 +175,4 @@ impl Bands {
     fn of(&self, band: usize) -> &[[u32; 2]] {
         &self.elements[self.starts[band]..self.starts[band + 1]]
     }
-}
-
-/// World positions as vectors.
-pub fn vector(position: [f64; 3]) -> DVec3 {
-    DVec3::from_array(position)
 }

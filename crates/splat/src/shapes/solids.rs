@@ -11,51 +11,51 @@ use glam::{DVec3, Vec3};
 use wavesplat_compute::parallel;
 use wavesplat_core::{Paint, Paths, Points};
 
-use crate::shapes::fragments::{ALONE, Side};
+use crate::shapes::canvas::{Canvas, OnPlane, RowRange, SurfacePart, rows_of, vector};
+use crate::shapes::fragments::{ALONE, Crossing};
 use crate::shapes::paint::color_at;
-use crate::shapes::placement::{NEAR, Placed, PlaneView, Reach};
-use crate::shapes::raster::{Canvas, OnPlane, Rows, Surface, rows_of, vector};
+use crate::shapes::placement::{NEAR, Placed, PlaneReach, PlaneView};
 use crate::shapes::samples::{N, OFFSETS, mask_of, mean_offset};
 
 /// Balls on a base plane.
-pub struct Balls<'a> {
+pub struct BallsOnPlane<'a> {
     points: &'a Points,
     radii: &'a [f64],
     ends: Vec<End>,
 }
 
-impl<'a> Balls<'a> {
+impl<'a> BallsOnPlane<'a> {
     /// Balls around points.
     pub fn new(points: &'a Points, radii: &'a [f64], view: &PlaneView) -> Self {
         Self { points, radii, ends: ends_of(&points.centers, |k| radii[k], view) }
     }
 }
 
-impl OnPlane for Balls<'_> {
+impl OnPlane for BallsOnPlane<'_> {
     fn n_elements(&self) -> usize {
         self.points.centers.len()
     }
 
-    fn rows(&self, element: usize, view: &PlaneView) -> Rows {
+    fn rows(&self, element: usize, view: &PlaneView) -> RowRange {
         rows_of_ends(view, [self.ends[element]; 2])
     }
 
     #[inline(always)]
     fn draw(&self, element: usize, canvas: &mut Canvas) {
         let center = vector(self.points.centers[element]);
-        let piece = Piece { ends: [center; 2], radius: self.radii[element], on_plane: [self.ends[element]; 2] };
+        let piece = Capsule { ends: [center; 2], radius: self.radii[element], on_plane: [self.ends[element]; 2] };
         let Some(rgba) = color_at(&self.points.paint, [element as u32], [1.0]) else { return };
         let is_opaque = rgba[3] * self.points.style.opacity >= 1.0;
         draw_piece::<true>(&piece, is_opaque, canvas, |canvas, hit| {
-            let Met { texel, at, mask, s, normal, side, .. } = hit;
-            let surface = Surface { texel, at, mask, s, rgba, normal: Some(normal), side, solid: ALONE };
+            let CapsuleHit { texel, at, mask, s, normal, side, .. } = hit;
+            let surface = SurfacePart { texel, at, mask, s, rgba, normal: Some(normal), side, solid: ALONE };
             canvas.add(self.points.style, &surface);
         });
     }
 }
 
 /// Tubes on a base plane.
-pub struct Tubes<'a> {
+pub struct TubesOnPlane<'a> {
     paths: &'a Paths,
     radius: f64,
     /// Numbers of both positions of each piece, and of its solid.
@@ -63,7 +63,7 @@ pub struct Tubes<'a> {
     ends: Vec<End>,
 }
 
-impl<'a> Tubes<'a> {
+impl<'a> TubesOnPlane<'a> {
     /// Tubes around paths. `first_solid`: number of the first path's solid.
     pub fn new(paths: &'a Paths, radius: f64, first_solid: u32, view: &PlaneView) -> Self {
         let ends = ends_of(&paths.positions, |_| radius, view);
@@ -74,7 +74,7 @@ impl<'a> Tubes<'a> {
     fn draw_as<const BALL: bool>(&self, element: usize, canvas: &mut Canvas) {
         let [a, b, solid] = self.pieces[element];
         let style = self.paths.style;
-        let piece = Piece {
+        let piece = Capsule {
             ends: [a, b].map(|k| vector(self.paths.positions[k as usize])),
             radius: self.radius,
             on_plane: [a, b].map(|k| self.ends[k as usize]),
@@ -82,9 +82,9 @@ impl<'a> Tubes<'a> {
         // Of opaque tubes, walls behind the first are hidden, whichever piece they belong to.
         let is_opaque = style.opacity >= 1.0 && matches!(self.paths.paint, Paint::Even(_));
         draw_piece::<BALL>(&piece, is_opaque, canvas, |canvas, hit| {
-            let Met { texel, at, mask, s, normal, side, along } = hit;
+            let CapsuleHit { texel, at, mask, s, normal, side, along } = hit;
             let Some(rgba) = color_at(&self.paths.paint, [a, b], [1.0 - along, along]) else { return };
-            canvas.add(style, &Surface { texel, at, mask, s, rgba, normal: Some(normal), side, solid });
+            canvas.add(style, &SurfacePart { texel, at, mask, s, rgba, normal: Some(normal), side, solid });
         });
     }
 }
@@ -104,12 +104,12 @@ pub fn pieces_of(paths: &Paths, first_solid: u32) -> Vec<[u32; 3]> {
     pieces
 }
 
-impl OnPlane for Tubes<'_> {
+impl OnPlane for TubesOnPlane<'_> {
     fn n_elements(&self) -> usize {
         self.pieces.len()
     }
 
-    fn rows(&self, element: usize, view: &PlaneView) -> Rows {
+    fn rows(&self, element: usize, view: &PlaneView) -> RowRange {
         let [a, b, _] = self.pieces[element];
         rows_of_ends(view, [a, b].map(|k| self.ends[k as usize]))
     }
@@ -126,7 +126,7 @@ impl OnPlane for Tubes<'_> {
 }
 
 /// A cylinder with half balls at its ends; a ball where both ends are one.
-struct Piece {
+struct Capsule {
     ends: [DVec3; 2],
     radius: f64,
     on_plane: [End; 2],
@@ -154,9 +154,9 @@ fn ends_of(positions: &[[f64; 3]], radius: impl Fn(usize) -> f64 + Sync, view: &
         for (k, end) in some.iter_mut().enumerate() {
             let uvw = view.uvw(vector(positions[first * SOME + k]));
             let reach = match view.reach_of_ball(uvw, radius(first * SOME + k)) {
-                Reach::Nowhere => [f32::NAN; 2],
-                Reach::Within(reach) => reach.map(|reach| reach as f32),
-                Reach::Everywhere => [f32::INFINITY; 2],
+                PlaneReach::Nowhere => [f32::NAN; 2],
+                PlaneReach::Within(reach) => reach.map(|reach| reach as f32),
+                PlaneReach::Everywhere => [f32::INFINITY; 2],
             };
             *end = End { placed: view.place(uvw), reach };
         }
@@ -165,18 +165,18 @@ fn ends_of(positions: &[[f64; 3]], radius: impl Fn(usize) -> f64 + Sync, view: &
 }
 
 /// Where a ray meets a piece, on the covered places of a texel.
-struct Met {
+struct CapsuleHit {
     texel: [usize; 2],
     at: [f32; 2],
     mask: u16,
     s: f32,
     normal: Vec3,
-    side: Side,
+    side: Crossing,
     /// Share of the way from the first end to the second.
     along: f32,
 }
 
-fn rows_of_ends(view: &PlaneView, ends: [End; 2]) -> Rows {
+fn rows_of_ends(view: &PlaneView, ends: [End; 2]) -> RowRange {
     if ends.iter().all(End::is_unseen) {
         return None;
     }
@@ -212,10 +212,10 @@ pub fn columns_in_row(ends: [[f64; 2]; 2], reach: [f64; 2], row: f64) -> [f64; 2
 /// inside.
 #[inline(always)]
 fn draw_piece<const BALL: bool>(
-    piece: &Piece,
+    piece: &Capsule,
     is_opaque: bool,
     canvas: &mut Canvas,
-    mut with: impl FnMut(&mut Canvas, Met),
+    mut with: impl FnMut(&mut Canvas, CapsuleHit),
 ) {
     let view = canvas.view;
     let [n_u, n_v] = view.plane.size;
@@ -228,7 +228,7 @@ fn draw_piece<const BALL: bool>(
         }
         None => canvas.own_rows([0.0, n_v as f64]),
     };
-    let rays = PieceRays::<BALL>::new(piece, view.uvw(piece.ends[0]), view);
+    let rays = CapsuleRays::<BALL>::new(piece, view.uvw(piece.ends[0]), view);
     for j in rows {
         let columns = match reach {
             Some(reach) => canvas.columns(columns_in_row(places, reach, j as f64)),
@@ -237,14 +237,14 @@ fn draw_piece<const BALL: bool>(
         for i in columns {
             let [enter, leave] = rays.masks([i, j], view);
             let leave = if is_opaque { leave & !enter } else { leave };
-            for (mask, side) in [(enter, Side::Enter), (leave, Side::Leave)] {
+            for (mask, side) in [(enter, Crossing::Enter), (leave, Crossing::Leave)] {
                 if mask == 0 {
                     continue;
                 }
                 let offset = mean_offset(mask);
                 let (ray, way) = rays.ray([i, j], offset, view);
                 let [enter, leave] = rays.meet(ray.to_array(), way.to_array());
-                let t = if side == Side::Enter { enter } else { leave };
+                let t = if side == Crossing::Enter { enter } else { leave };
                 // The middle of what is covered is covered, but for rounding.
                 if t.is_nan() {
                     continue;
@@ -253,14 +253,14 @@ fn draw_piece<const BALL: bool>(
                 let along = (from_first.dot(rays.axis) * rays.per_axis).clamp(0.0, 1.0);
                 let at = [i as f32 + offset[0], j as f32 + offset[1]];
                 let normal = from_first - rays.axis * along;
-                with(canvas, Met { texel: [i, j], at, mask, s: rays.s + t, normal, side, along });
+                with(canvas, CapsuleHit { texel: [i, j], at, mask, s: rays.s + t, normal, side, along });
             }
         }
     }
 }
 
 /// The rays of a base plane as seen from the first end of a piece, which is a `BALL` or has two ends.
-struct PieceRays<const BALL: bool> {
+struct CapsuleRays<const BALL: bool> {
     /// Vector from that end to where the ray of texel (0, 0) passes its slice, and the change per texel.
     from_end: [DVec3; 3],
     per_texel: [Vec3; 2],
@@ -275,8 +275,8 @@ struct PieceRays<const BALL: bool> {
     nearest: f32,
 }
 
-impl<const BALL: bool> PieceRays<BALL> {
-    fn new(piece: &Piece, uvw: [f64; 3], view: &PlaneView) -> Self {
+impl<const BALL: bool> CapsuleRays<BALL> {
+    fn new(piece: &Capsule, uvw: [f64; 3], view: &PlaneView) -> Self {
         let from_end = view.from_point(uvw);
         let axis = (piece.ends[1] - piece.ends[0]).as_vec3();
         let square = axis.length_squared();

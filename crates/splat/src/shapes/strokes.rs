@@ -2,16 +2,16 @@
 
 use wavesplat_core::{Paths, Points, ShapeStyle};
 
-use crate::shapes::fragments::{ALONE, Side};
+use crate::shapes::canvas::{Canvas, OnPlane, RowRange, SurfacePart, rows_of, vector};
+use crate::shapes::fragments::{ALONE, Crossing};
 use crate::shapes::paint::color_at;
 use crate::shapes::placement::{NEAR, Placed, PlaneView};
-use crate::shapes::raster::{Canvas, OnPlane, Rows, Surface, rows_of, vector};
 use crate::shapes::samples::{Mask, N, OFFSETS, mask_of, mean_offset};
 use crate::shapes::solids::{columns_in_row, pieces_of};
 use crate::shapes::triangles::is_ahead;
 
 /// Lines of a width in pixels on a base plane.
-pub struct Strokes<'a> {
+pub struct StrokesOnPlane<'a> {
     paths: &'a Paths,
     half_px: f64,
     /// Numbers of both positions of each piece, and of its path.
@@ -19,7 +19,7 @@ pub struct Strokes<'a> {
     placed: Vec<Placed>,
 }
 
-impl<'a> Strokes<'a> {
+impl<'a> StrokesOnPlane<'a> {
     /// Places the positions. `first_solid`: number of the first path.
     pub fn new(paths: &'a Paths, width_px: f64, first_solid: u32, view: &PlaneView) -> Self {
         let placed = view.place_all(&paths.positions);
@@ -45,12 +45,12 @@ impl<'a> Strokes<'a> {
     }
 }
 
-impl OnPlane for Strokes<'_> {
+impl OnPlane for StrokesOnPlane<'_> {
     fn n_elements(&self) -> usize {
         self.pieces.len()
     }
 
-    fn rows(&self, element: usize, view: &PlaneView) -> Rows {
+    fn rows(&self, element: usize, view: &PlaneView) -> RowRange {
         let (ends, _) = self.ends(element, view)?;
         rows_of_stroke(ends, self.half_px, view)
     }
@@ -60,34 +60,34 @@ impl OnPlane for Strokes<'_> {
         let Some((ends, shares)) = self.ends(element, canvas.view) else { return };
         let [a, b, solid] = self.pieces[element];
         let style = ShapeStyle { is_lit: false, ..self.paths.style };
-        draw_stroke(ends, self.half_px, canvas, |canvas, Met { texel, at, mask, s, along }| {
+        draw_stroke(ends, self.half_px, canvas, |canvas, StrokeHit { texel, at, mask, s, along }| {
             let along = shares[0] + along * (shares[1] - shares[0]);
             let Some(rgba) = color_at(&self.paths.paint, [a, b], [1.0 - along, along]) else { return };
-            canvas.add(style, &Surface { texel, at, mask, s, rgba, normal: None, side: Side::Stroke, solid });
+            canvas.add(style, &SurfacePart { texel, at, mask, s, rgba, normal: None, side: Crossing::Stroke, solid });
         });
     }
 }
 
 /// Points of a size in pixels on a base plane.
-pub struct Discs<'a> {
+pub struct DiscsOnPlane<'a> {
     points: &'a Points,
     diameters_px: &'a [f64],
     placed: Vec<Placed>,
 }
 
-impl<'a> Discs<'a> {
+impl<'a> DiscsOnPlane<'a> {
     /// Places the points.
     pub fn new(points: &'a Points, diameters_px: &'a [f64], view: &PlaneView) -> Self {
         Self { points, diameters_px, placed: view.place_all(&points.centers) }
     }
 }
 
-impl OnPlane for Discs<'_> {
+impl OnPlane for DiscsOnPlane<'_> {
     fn n_elements(&self) -> usize {
         self.placed.len()
     }
 
-    fn rows(&self, element: usize, view: &PlaneView) -> Rows {
+    fn rows(&self, element: usize, view: &PlaneView) -> RowRange {
         let center = self.placed[element];
         if !is_ahead(center) {
             return None;
@@ -100,8 +100,11 @@ impl OnPlane for Discs<'_> {
         let Some(rgba) = color_at(&self.points.paint, [element as u32], [1.0]) else { return };
         let style = ShapeStyle { is_lit: false, ..self.points.style };
         let half_px = 0.5 * self.diameters_px[element];
-        draw_stroke([self.placed[element]; 2], half_px, canvas, |canvas, Met { texel, at, mask, s, .. }| {
-            canvas.add(style, &Surface { texel, at, mask, s, rgba, normal: None, side: Side::Sheet, solid: ALONE });
+        draw_stroke([self.placed[element]; 2], half_px, canvas, |canvas, StrokeHit { texel, at, mask, s, .. }| {
+            canvas.add(
+                style,
+                &SurfacePart { texel, at, mask, s, rgba, normal: None, side: Crossing::Sheet, solid: ALONE },
+            );
         });
     }
 }
@@ -112,7 +115,7 @@ fn reach_of(ends: [Placed; 2], half_px: f64, view: &PlaneView) -> [f64; 2] {
     [a[0].max(b[0]), a[1].max(b[1])]
 }
 
-fn rows_of_stroke(ends: [Placed; 2], half_px: f64, view: &PlaneView) -> Rows {
+fn rows_of_stroke(ends: [Placed; 2], half_px: f64, view: &PlaneView) -> RowRange {
     let reach = reach_of(ends, half_px, view);
     let of = |k: usize, [a, b]: [f32; 2]| [f64::from(a.min(b)) - reach[k], f64::from(a.max(b)) + reach[k]];
     let [x, y] = [of(0, ends.map(|end| end.x)), of(1, ends.map(|end| end.y))];
@@ -123,7 +126,7 @@ fn rows_of_stroke(ends: [Placed; 2], half_px: f64, view: &PlaneView) -> Rows {
 }
 
 /// The part of a stroke in a texel.
-struct Met {
+struct StrokeHit {
     texel: [usize; 2],
     at: [f32; 2],
     mask: Mask,
@@ -144,7 +147,7 @@ fn distance_off(pixel: [f32; 2], way: [f32; 2], per_square: f32) -> f32 {
 /// Calls `with` for every texel of a canvas of which a stroke covers a place: where the pixel position is no further than
 /// `half_px` from the straight line between the pixel positions of the ends.
 #[inline(always)]
-fn draw_stroke(ends: [Placed; 2], half_px: f64, canvas: &mut Canvas, mut with: impl FnMut(&mut Canvas, Met)) {
+fn draw_stroke(ends: [Placed; 2], half_px: f64, canvas: &mut Canvas, mut with: impl FnMut(&mut Canvas, StrokeHit)) {
     let view = canvas.view;
     let reach = reach_of(ends, half_px, view);
     let places = ends.map(|end| [end.x, end.y].map(f64::from));
@@ -183,7 +186,7 @@ fn draw_stroke(ends: [Placed; 2], half_px: f64, canvas: &mut Canvas, mut with: i
             let [a, b] = [(1.0 - share) / ends[0].ahead, share / ends[1].ahead];
             let along = b / (a + b);
             let s = ends[0].s + along * (ends[1].s - ends[0].s);
-            with(canvas, Met { texel: [i, j], at: [i as f32 + u, j as f32 + v], mask, s, along });
+            with(canvas, StrokeHit { texel: [i, j], at: [i as f32 + u, j as f32 + v], mask, s, along });
         }
     }
 }

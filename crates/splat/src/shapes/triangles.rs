@@ -7,10 +7,10 @@
 use glam::Vec3;
 use wavesplat_core::Mesh;
 
-use crate::shapes::fragments::{ALONE, Side};
+use crate::shapes::canvas::{Canvas, OnPlane, RowRange, SurfacePart, rows_of, vector};
+use crate::shapes::fragments::{ALONE, Crossing};
 use crate::shapes::paint::color_at;
 use crate::shapes::placement::{NEAR, Placed, PlaneView};
-use crate::shapes::raster::{Canvas, OnPlane, Rows, Surface, rows_of, vector};
 use crate::shapes::samples::{Mask, N, OFFSETS, mask_of, mean_offset};
 
 /// A mesh on a base plane.
@@ -55,9 +55,12 @@ impl<'a> MeshOnPlane<'a> {
                 }
                 sum
             });
-            let Hit { texel, at, mask, s, .. } = hit;
+            let TriangleHit { texel, at, mask, s, .. } = hit;
             let normal = Some(normal);
-            canvas.add(self.mesh.style, &Surface { texel, at, mask, s, rgba, normal, side: Side::Sheet, solid: ALONE });
+            canvas.add(
+                self.mesh.style,
+                &SurfacePart { texel, at, mask, s, rgba, normal, side: Crossing::Sheet, solid: ALONE },
+            );
         });
     }
 }
@@ -67,7 +70,7 @@ impl OnPlane for MeshOnPlane<'_> {
         self.mesh.faces.len()
     }
 
-    fn rows(&self, element: usize, view: &PlaneView) -> Rows {
+    fn rows(&self, element: usize, view: &PlaneView) -> RowRange {
         let corners = self.mesh.faces[element].map(|v| self.vertices[v as usize]);
         rows_of_triangle(corners, view)
     }
@@ -92,7 +95,7 @@ pub fn is_ahead(corner: Placed) -> bool {
 }
 
 /// Rows that a triangle reaches.
-pub fn rows_of_triangle(corners: [Placed; 3], view: &PlaneView) -> Rows {
+pub fn rows_of_triangle(corners: [Placed; 3], view: &PlaneView) -> RowRange {
     let n_ahead = corners.iter().filter(|corner| is_ahead(**corner)).count();
     if n_ahead == 0 {
         return None;
@@ -138,7 +141,7 @@ pub fn cut_by_near_plane(own: [[f64; 3]; 3], view: &PlaneView) -> Vec<([Placed; 
 }
 
 /// Part of a triangle in a texel.
-pub struct Hit {
+pub struct TriangleHit {
     /// Texel.
     pub texel: [usize; 2],
     /// Texel position of the middle of what is covered.
@@ -208,7 +211,7 @@ impl Edge {
 
 /// Calls `with` for every texel of a canvas of which a triangle covers a place. The corners lie ahead of the near plane.
 #[inline(always)]
-pub fn cover(corners: [Placed; 3], canvas: &mut Canvas, mut with: impl FnMut(&mut Canvas, Hit)) {
+pub fn cover(corners: [Placed; 3], canvas: &mut Canvas, mut with: impl FnMut(&mut Canvas, TriangleHit)) {
     let [a, b, c] = corners;
     let edges = [Edge::new(b, c, a), Edge::new(c, a, b), Edge::new(a, b, c)];
     let double_area = edges[2].inside([c.x, c.y]);
@@ -240,7 +243,7 @@ pub fn cover(corners: [Placed; 3], canvas: &mut Canvas, mut with: impl FnMut(&mu
             let inverse = 1.0 / (areas[0] + areas[1] + areas[2]);
             let weights = areas.map(|area| area * inverse);
             let s = weights[0] * corners[0].s + weights[1] * corners[1].s + weights[2] * corners[2].s;
-            with(canvas, Hit { texel: [i, j], at, mask, s: s.clamp(ends[0], ends[1]), weights });
+            with(canvas, TriangleHit { texel: [i, j], at, mask, s: s.clamp(ends[0], ends[1]), weights });
         }
     }
 }

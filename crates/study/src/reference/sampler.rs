@@ -12,7 +12,7 @@ use wavesplat_splat::source::slices::Slices;
 use super::lights::Lights;
 use super::reached_samples::for_each_tap;
 
-/// What classification and shading of one volume need.
+/// The samples, tables and lights that classification and shading of one volume need.
 pub struct Sampler<'a> {
     pub(super) slices: &'a Slices<'a>,
     size: [usize; 3],

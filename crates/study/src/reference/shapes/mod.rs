@@ -14,7 +14,7 @@ use wavesplat_core::{Camera, ClipPlane, Crop, Mesh, Paths, Points, Projection, R
 use wavesplat_core::{Card, Sizes, Thickness};
 use wavesplat_splat::view::family::Family;
 
-use self::pixel_sized::{Discs, Strokes, View};
+use self::pixel_sized::{Discs, PixelView, Strokes};
 use self::solids::{Balls, Tubes};
 use self::surfaces::{Triangles, meet_card};
 use super::lights::Lights;
@@ -52,7 +52,7 @@ struct ShapeRay {
 
 impl ShapeRay {
     /// The ray of a view through a pixel position.
-    fn new(view: View, pixel: [f64; 2]) -> Self {
+    fn new(view: PixelView, pixel: [f64; 2]) -> Self {
         let [width_px, height_px] = view.size_px;
         let ray = view.camera.ray(pixel[0], pixel[1], width_px, height_px);
         let [_, _, w] = Family::of(view.index_from_world.transform_vector3(ray.direction)).axes;
@@ -91,7 +91,7 @@ enum Surface<'a> {
 /// The shapes of a picture.
 pub(super) struct CastShapes<'a> {
     surfaces: Vec<(Surface<'a>, ShapeStyle)>,
-    view: View<'a>,
+    view: PixelView<'a>,
     lights: Option<Lights<'a>>,
     /// Index positions of the first volume, in which a crop box may stand.
     first_from_world: DAffine3,
@@ -110,7 +110,7 @@ impl<'a> CastShapes<'a> {
         slices_from_world: DAffine3,
     ) -> Self {
         let size_px = [options.width_px, options.height_px];
-        let view = View { camera, size_px, index_from_world: slices_from_world };
+        let view = PixelView { camera, size_px, index_from_world: slices_from_world };
         let shapes = &*options.shapes;
         let of_mesh = |mesh: &'a Mesh| (Surface::Triangles(Triangles::new(mesh)), mesh.style);
         let of_paths = |paths: &'a Paths| {

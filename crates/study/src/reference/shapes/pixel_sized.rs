@@ -6,12 +6,12 @@ use wavesplat_core::{Camera, Paths, Points, Projection};
 
 use super::box_tree::BoxTree;
 use super::paint::color;
-use super::solids::{Piece, pieces};
+use super::solids::{PathPiece, pieces};
 use super::{Met, ShapeRay};
 
 /// The projection of a picture.
 #[derive(Clone, Copy)]
-pub(super) struct View<'a> {
+pub(super) struct PixelView<'a> {
     pub camera: &'a Camera,
     pub size_px: [usize; 2],
     pub index_from_world: DAffine3,
@@ -21,7 +21,7 @@ pub(super) struct View<'a> {
 /// they pass the eye.
 const NEAR: f64 = 1e-6;
 
-impl View<'_> {
+impl PixelView<'_> {
     /// Distance from the eye along the view.
     fn depth(&self, point: DVec3) -> f64 {
         (point - self.camera.position()).dot(self.camera.forward())
@@ -68,7 +68,7 @@ struct Disc {
 
 impl<'a> Discs<'a> {
     /// Discs of these diameters in pixels.
-    pub fn new(points: &'a Points, diameters_px: &[f64], view: View) -> Self {
+    pub fn new(points: &'a Points, diameters_px: &[f64], view: PixelView) -> Self {
         let mut discs = Vec::new();
         for (point, (centre, diameter_px)) in points.centers.iter().zip(diameters_px).enumerate() {
             let centre = DVec3::from_array(*centre);
@@ -105,7 +105,7 @@ pub(super) struct Strokes<'a> {
 
 /// The part of a piece in front of the eye.
 struct Stroke {
-    piece: Piece,
+    piece: PathPiece,
     /// Shares of the way along the piece at which the part begins and ends.
     shares: [f64; 2],
     depths: [f64; 2],
@@ -114,7 +114,7 @@ struct Stroke {
 
 impl<'a> Strokes<'a> {
     /// Strokes of this width in pixels.
-    pub fn new(paths: &'a Paths, width_px: f64, view: View) -> Self {
+    pub fn new(paths: &'a Paths, width_px: f64, view: PixelView) -> Self {
         let strokes: Vec<_> = pieces(paths).into_iter().filter_map(|piece| Stroke::new(paths, piece, view)).collect();
         let boxes: Vec<_> = strokes.iter().map(|stroke| box_around(&stroke.ends_px, 0.5 * width_px)).collect();
         Self { paths, width_px, has_eye: view.has_eye(), shown: strokes, tree: BoxTree::new(&boxes) }
@@ -146,7 +146,7 @@ impl<'a> Strokes<'a> {
 
 impl Stroke {
     /// The part of a piece in front of the eye; `None` where there is none.
-    fn new(paths: &Paths, piece: Piece, view: View) -> Option<Self> {
+    fn new(paths: &Paths, piece: PathPiece, view: PixelView) -> Option<Self> {
         let ends = piece.ends.map(|k| DVec3::from_array(paths.positions[k]));
         let depths = ends.map(|end| view.depth(end));
         let mut shares = [0.0, 1.0];
@@ -203,7 +203,7 @@ mod tests {
     const PROJECTIONS: [Projection; 2] =
         [Projection::Orthographic { parallel_scale: 9.0 }, Projection::Perspective { view_angle_rad: 0.9 }];
 
-    fn ray(view: View, pixel: DVec2) -> ShapeRay {
+    fn ray(view: PixelView, pixel: DVec2) -> ShapeRay {
         ShapeRay::new(view, pixel.to_array())
     }
 
@@ -211,7 +211,7 @@ mod tests {
     fn rays_pass_through_the_points_of_their_pixels() {
         for projection in PROJECTIONS {
             let camera = camera(projection);
-            let view = View { camera: &camera, size_px: SIZE_PX, index_from_world: DAffine3::IDENTITY };
+            let view = PixelView { camera: &camera, size_px: SIZE_PX, index_from_world: DAffine3::IDENTITY };
             for k in 0..100 {
                 let point = 6.0 * random_point(k);
                 let ray = ray(view, view.project(point));
@@ -226,7 +226,7 @@ mod tests {
         let camera = camera(PROJECTIONS[1]);
         // In these index positions the slices that rays of this camera cross are planes of constant y + z.
         let shear = DAffine3::from_cols_array(&[1.0, 0.0, 0.0, 0.0, 1.0, 0.0, 0.0, 1.0, 1.0, 0.0, 0.0, 0.0]);
-        let view = View { camera: &camera, size_px: SIZE_PX, index_from_world: shear };
+        let view = PixelView { camera: &camera, size_px: SIZE_PX, index_from_world: shear };
         let points = Points {
             centers: vec![[1.0, 2.0, 3.0], [3.0, -30.0, 5.0]],
             sizes: Sizes::DiametersPx(vec![12.0, 1000.0]),
@@ -255,7 +255,7 @@ mod tests {
         const WIDTH: f64 = 6.0;
         for projection in PROJECTIONS {
             let camera = camera(projection);
-            let view = View { camera: &camera, size_px: SIZE_PX, index_from_world: DAffine3::IDENTITY };
+            let view = PixelView { camera: &camera, size_px: SIZE_PX, index_from_world: DAffine3::IDENTITY };
             // The last piece runs past the eye, and its end lies behind it.
             let positions: Vec<[f64; 3]> = (0..7).map(|k| (6.0 * random_point(k)).to_array()).collect();
             let positions = [positions, vec![[3.5, -25.0, 5.0]]].concat();

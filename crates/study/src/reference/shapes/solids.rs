@@ -22,26 +22,26 @@ pub(super) struct Balls<'a> {
 pub(super) struct Tubes<'a> {
     paths: &'a Paths,
     radius: f64,
-    pieces: Vec<Piece>,
+    pieces: Vec<PathPiece>,
     tree: BoxTree,
 }
 
 /// A straight piece of a path between two positions, by their numbers.
 #[derive(Clone, Copy)]
-pub(super) struct Piece {
+pub(super) struct PathPiece {
     pub path: usize,
     pub ends: [usize; 2],
 }
 
 /// The pieces of paths that have colours; a path of one position is a piece without length.
-pub(super) fn pieces(paths: &Paths) -> Vec<Piece> {
+pub(super) fn pieces(paths: &Paths) -> Vec<PathPiece> {
     let mut pieces = Vec::new();
     for (path, of_path) in paths.starts.windows(2).enumerate() {
         let [first, end] = [of_path[0] as usize, of_path[1] as usize];
         if end == first + 1 {
-            pieces.push(Piece { path, ends: [first; 2] });
+            pieces.push(PathPiece { path, ends: [first; 2] });
         }
-        pieces.extend((first + 1..end).map(|k| Piece { path, ends: [k - 1, k] }));
+        pieces.extend((first + 1..end).map(|k| PathPiece { path, ends: [k - 1, k] }));
     }
     pieces.retain(|piece| has_colors(&paths.paint, &piece.ends));
     pieces
@@ -77,7 +77,7 @@ impl<'a> Tubes<'a> {
     /// Tubes of this radius.
     pub fn new(paths: &'a Paths, radius: f64) -> Self {
         let pieces = pieces(paths);
-        let bounds = |piece: &Piece| {
+        let bounds = |piece: &PathPiece| {
             let [a, b] = piece.ends.map(|k| DVec3::from_array(paths.positions[k]));
             [a.min(b) - radius, a.max(b) + radius]
         };

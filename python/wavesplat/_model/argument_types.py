@@ -198,5 +198,6 @@ CHECKED_BY_FUNCTIONS = frozenset(
         *("Any", "object", "VolumeLike", "Scene", "Labels", "AnyLook", "Sampling", "Stereo", "Operator", "Opacity"),
         *("Camera", "Clip", "Along", "Plane", "Orientation", "Corner", "Side", "Fit", "Ablation", "StandardSplatting"),
         *("tuple", "Iterable", "Sequence", "Mapping", "Literal", "PathLike", "ArrayLike", "DTypeLike", "Isolines"),
+        "_native.Shapes",
     }
 )

@@ -53,7 +53,7 @@ def test_examples_of_public_names_run(name, tmp_path, monkeypatch):
 def test_public_names_say_where_to_import_them_from():
     things = [getattr(ws, name) for name in ws.__all__]
     things = [thing for thing in things if callable(thing)]
-    assert len(things) == 64
+    assert len(things) == 65
     assert [thing for thing in things if thing.__module__ != "wavesplat"] == []
 
 

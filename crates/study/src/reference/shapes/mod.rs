@@ -6,15 +6,16 @@
 mod box_tree;
 mod paint;
 mod pixel_sized;
+mod shape_ray;
 mod solids;
 mod surfaces;
 
-use glam::{DAffine3, DVec2, DVec3};
-use wavesplat_core::{Camera, ClipPlane, Crop, Mesh, Paths, Points, Projection, RenderOptions, Shading, ShapeStyle};
+use glam::{DAffine3, DVec3};
+use wavesplat_core::{Camera, ClipPlane, Crop, Mesh, Paths, Points, RenderOptions, Shading, ShapeStyle};
 use wavesplat_core::{Card, Sizes, Thickness};
-use wavesplat_splat::view::family::Family;
 
-use self::pixel_sized::{Discs, PixelView, Strokes};
+use self::pixel_sized::{Discs, Strokes};
+use self::shape_ray::{Met, PixelView, ShapeRay};
 use self::solids::{Balls, Tubes};
 use self::surfaces::{Triangles, meet_card};
 use super::lights::Lights;
@@ -27,56 +28,6 @@ pub(super) struct Hit {
     /// Straight colour, after light.
     pub rgb: [f64; 3],
     pub opacity: f64,
-}
-
-/// A surface on the way of a ray, before light and style.
-struct Met {
-    t: f64,
-    /// Normal of length 1, towards either side; `None`: colours are shown as they are.
-    normal: Option<DVec3>,
-    /// Straight colour and opacity.
-    rgba: [f64; 4],
-}
-
-/// A ray through a pixel position, in the world.
-struct ShapeRay {
-    origin: DVec3,
-    direction: DVec3,
-    pixel: DVec2,
-    /// Ray parameter from which on it sees.
-    start: f64,
-    /// World vector whose product with a position is, but for a constant, the number of its slice, along the index axis
-    /// that the ray runs most along.
-    slice: DVec3,
-}
-
-impl ShapeRay {
-    /// The ray of a view through a pixel position.
-    fn new(view: PixelView, pixel: [f64; 2]) -> Self {
-        let [width_px, height_px] = view.size_px;
-        let ray = view.camera.ray(pixel[0], pixel[1], width_px, height_px);
-        let [_, _, w] = Family::of(view.index_from_world.transform_vector3(ray.direction)).axes;
-        Self {
-            origin: ray.origin,
-            direction: ray.direction,
-            pixel: DVec2::from_array(pixel),
-            start: match view.camera.projection() {
-                Projection::Orthographic { .. } => f64::NEG_INFINITY,
-                Projection::Perspective { .. } => 0.0,
-            },
-            slice: view.index_from_world.matrix3.row(w),
-        }
-    }
-
-    /// Position at a ray parameter.
-    fn at(&self, t: f64) -> DVec3 {
-        self.origin + self.direction * t
-    }
-
-    /// Ray parameter at which the ray passes the slice of a point.
-    fn at_slice_of(&self, point: DVec3) -> f64 {
-        (point - self.origin).dot(self.slice) / self.direction.dot(self.slice)
-    }
 }
 
 enum Surface<'a> {
@@ -201,6 +152,7 @@ impl<'a> CastShapes<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::DVec2;
 
     /// A point with coordinates between -1 and 1.
     pub fn random_point(k: usize) -> DVec3 {

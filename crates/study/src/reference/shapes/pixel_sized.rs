@@ -1,49 +1,17 @@
 //! Discs and strokes, which have a size in pixels: they are met where the pixel position of a ray is near their
 //! projection, in the slice of the volume through the projected point.
 
-use glam::{DAffine3, DVec2, DVec3};
-use wavesplat_core::{Camera, Paths, Points, Projection};
+use glam::{DVec2, DVec3};
+use wavesplat_core::{Paths, Points};
 
 use super::box_tree::BoxTree;
 use super::paint::color;
+use super::shape_ray::{Met, PixelView, ShapeRay};
 use super::solids::{PathPiece, pieces};
-use super::{Met, ShapeRay};
-
-/// The projection of a picture.
-#[derive(Clone, Copy)]
-pub(super) struct PixelView<'a> {
-    pub camera: &'a Camera,
-    pub size_px: [usize; 2],
-    pub index_from_world: DAffine3,
-}
 
 /// Depth from which on strokes are drawn, as a share of the depth of their further end: they have no projection where
 /// they pass the eye.
 const NEAR: f64 = 1e-6;
-
-impl PixelView<'_> {
-    /// Distance from the eye along the view.
-    fn depth(&self, point: DVec3) -> f64 {
-        (point - self.camera.position()).dot(self.camera.forward())
-    }
-
-    /// Whether points are seen only in front of the eye.
-    fn has_eye(&self) -> bool {
-        matches!(self.camera.projection(), Projection::Perspective { .. })
-    }
-
-    /// Pixel position of a point, which lies in front of the eye of a perspective.
-    fn project(&self, point: DVec3) -> DVec2 {
-        let half_height = match self.camera.projection() {
-            Projection::Orthographic { parallel_scale } => parallel_scale,
-            Projection::Perspective { view_angle_rad } => (view_angle_rad / 2.0).tan() * self.depth(point),
-        };
-        let from_eye = point - self.camera.position();
-        let [right, up] = [self.camera.right(), self.camera.up()].map(|axis| axis.dot(from_eye) / half_height);
-        let [width, height] = self.size_px.map(|n| n as f64);
-        0.5 * DVec2::new(width + right * height, height - up * height)
-    }
-}
 
 /// The box around what is near pixel positions, for the line through a pixel position along the third axis.
 fn box_around(positions: &[DVec2], reach: f64) -> [DVec3; 2] {
@@ -189,7 +157,8 @@ impl Stroke {
 
 #[cfg(test)]
 mod tests {
-    use wavesplat_core::{Paint, ShapeStyle, Sizes, Thickness};
+    use glam::DAffine3;
+    use wavesplat_core::{Camera, Paint, Projection, ShapeStyle, Sizes, Thickness};
 
     use super::super::tests::random_point;
     use super::*;

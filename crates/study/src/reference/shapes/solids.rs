@@ -9,7 +9,7 @@ use wavesplat_core::{Paths, Points};
 
 use super::box_tree::BoxTree;
 use super::paint::{color, has_colors};
-use super::{Met, ShapeRay};
+use super::shape_ray::{Met, ShapeRay};
 
 /// Balls around points.
 pub(super) struct Balls<'a> {

@@ -5,7 +5,7 @@ use wavesplat_core::{Card, Mesh};
 
 use super::box_tree::BoxTree;
 use super::paint::color;
-use super::{Met, ShapeRay};
+use super::shape_ray::{Met, ShapeRay};
 
 /// The triangles of a mesh.
 pub(super) struct Triangles<'a> {

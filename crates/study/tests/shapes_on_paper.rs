@@ -48,13 +48,13 @@ fn options(shapes: Shapes) -> RenderOptions {
 
 /// Pictures of the ray caster and of the renderer, and how far they may be from paper. Rays of the caster are the
 /// middles of pixels; the renderer reads a pixel at several places, and rounds to f32.
-fn pictures(options: &RenderOptions, camera: &Camera) -> [(Picture, f64); 2] {
+fn pictures(options: &RenderOptions, camera: &Camera) -> [(&'static str, Picture, f64); 2] {
     let fog = fog();
     let volume = fog.volume();
     let sampling = RaycastOptions { kernel: Kernel::Linear, step: 0.5, rays_per_pixel: 1 };
     let cast = raycast(&volume, &tf(), camera, options, sampling, &()).unwrap();
     let drawn = render(&Slices::new(&volume, Kernel::Linear), &tf(), camera, options, &()).unwrap().0;
-    [(cast, 1e-6), (drawn, 2.0 / 255.0)]
+    [("cast", cast, 1e-6), ("drawn", drawn, 2.0 / 255.0)]
 }
 
 /// Fog of a length, or a surface with its colour and opacity.
@@ -94,11 +94,14 @@ fn places() -> Vec<([usize; 2], f64)> {
 /// Checks the nine places of both pictures against the way of a ray at their distance from the centre. `facets`: what
 /// flat triangles in place of a sphere may add to the difference.
 fn check_from(camera: &Camera, options: &RenderOptions, facets: f64, way: impl Fn(f64) -> Vec<Way>) {
-    for (picture, within) in pictures(options, camera) {
+    for (name, picture, within) in pictures(options, camera) {
         for ([x, y], distance) in places() {
             let (got, want) = (picture.rgba[y * SIDE + x], along(&way(distance)));
             for c in 0..4 {
-                assert!((f64::from(got[c]) - want[c]).abs() < within + facets, "{x}, {y}: {got:?}, not {want:?}");
+                assert!(
+                    (f64::from(got[c]) - want[c]).abs() < within + facets,
+                    "{name} at {x}, {y}: {got:?}, not {want:?}"
+                );
             }
         }
     }
@@ -143,7 +146,7 @@ fn fog_before_an_opaque_ball_dims_it() {
 
 #[test]
 fn fog_lies_before_between_and_behind_translucent_shells() {
-    let [outer, inner] = [8.0, 5.5];
+    let [outer, inner] = [8.0, 6.5];
     let shells = of_points(vec![ball(inner, BLUE, 0.5), ball(outer, RED, 0.25)]);
     check(shells, |distance| {
         let [outer, inner] = [outer, inner].map(|radius| half_chord(radius, distance));
@@ -232,8 +235,8 @@ fn the_order_of_shapes_changes_nothing() {
     let none = pictures(&options(Shapes::default()), &camera());
     let clear = pictures(&options(of_points((0..12).map(|k| ball(1.0 + f64::from(k), RED, 0.0)).collect())), &camera());
     for k in 0..2 {
-        assert!(forth[k].0.rgba == back[k].0.rgba);
-        let difference = max_difference(&clear[k].0.rgba, &none[k].0.rgba);
+        assert!(forth[k].1.rgba == back[k].1.rgba);
+        let difference = max_difference(&clear[k].1.rgba, &none[k].1.rgba);
         assert!(difference < 1e-6, "{difference}");
     }
 }

@@ -172,7 +172,6 @@ CIRCLES_OF_RUST = [
     ["lazy", "volume", "wavelet"],
     ["optics.classify", "optics.preintegrate"],
     ["picture.edge_texels", "picture.edges"],
-    ["reference.active_blocks", "reference.raycast"],
     ["render.empty_space", "render.tile"],
     ["sheet.buffer", "sheet.missing", "sheet.upsample"],
     ["transform.norm", "transform.plan"],

@@ -123,11 +123,13 @@ def test_extras_are_installed_from_the_checkout():
         "dask",
         "figure",
         "fit",
+        "geometry",
         "http",
         "mesh",
         "movie",
         "n5",
         "notebook",
+        "parquet",
         "pyvista",
         "xarray",
     }

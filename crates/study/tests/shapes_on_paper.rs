@@ -219,10 +219,8 @@ fn what_is_clipped_shows_its_inside() {
 }
 
 #[test]
-fn without_light_colours_are_shown_as_they_are() {
-    let lit = ball(6.0, RED, 1.0);
-    let lit = Points { style: ShapeStyle { is_lit: true, ..lit.style }, ..lit };
-    check(of_points(vec![lit]), |distance| {
+fn colours_of_shapes_that_are_not_lit_are_shown_as_they_are() {
+    check(of_points(vec![ball(6.0, RED, 1.0)]), |distance| {
         vec![Way::Fog(10.0 - half_chord(6.0, distance)), Way::Surface(RED.map(f64::from), 1.0)]
     });
 }

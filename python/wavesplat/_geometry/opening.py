@@ -95,8 +95,8 @@ def open_geometry(
     Examples
     --------
     >>> import wavesplat as ws
-    >>> with open("cells.csv", "w") as file:
-    ...     _ = file.write("x_um,y_um,z_um,speed\n1,2,3,0.5\n4,5,6,0.7\n")
+    >>> from pathlib import Path
+    >>> _ = Path("cells.csv").write_text("x_um,y_um,z_um,speed\n1,2,3,0.5\n4,5,6,0.7\n")
     >>> ws.open_geometry("cells.csv", values="speed", world_unit="mm", size=8).positions.round(6).tolist()
     [[0.001, 0.002, 0.003], [0.004, 0.005, 0.006]]
     """

@@ -5,7 +5,7 @@ use std::ops::Range;
 use glam::{DVec3, Vec3};
 use wavesplat_core::ShapeStyle;
 
-use crate::shapes::fragments::{Crossing, Meeting};
+use crate::shapes::fragments::{ALONE, Crossing, Meeting};
 use crate::shapes::placement::PlaneView;
 use crate::shapes::samples::Mask;
 use crate::view::region::Region;
@@ -54,20 +54,28 @@ pub struct SurfacePart {
     pub side: Crossing,
     /// Number of the solid.
     pub solid: u32,
+    /// Whether it lies behind the eye, and counts only for what else is part of the solid.
+    pub is_hidden: bool,
 }
 
 impl Canvas<'_> {
     /// Takes note of a surface with the look of its shape.
     #[inline]
     pub fn add(&mut self, style: ShapeStyle, surface: &SurfacePart) {
-        let SurfacePart { texel: [i, j], at: [x, y], mask, s, rgba: [r, g, b, a], normal, side, solid } = *surface;
-        let alpha = a * style.opacity;
+        let SurfacePart { texel: [i, j], at: [x, y], mask, s, rgba: [r, g, b, a], normal, side, solid, is_hidden } =
+            *surface;
+        let mut alpha = a * style.opacity;
         // False for numbers that are none, too.
         if !(alpha > 0.0 && s.is_finite()) {
             return;
         }
-        if style.is_clipped && !self.region.contains(self.view.index_at([x, y, s])) {
-            return;
+        let is_cut_off = style.is_clipped && !self.region.contains(self.view.index_at([x, y, s]));
+        if is_cut_off || is_hidden {
+            // Where a solid is entered counts all the same, for the walls inside of it.
+            if solid == ALONE || side == Crossing::Stroke {
+                return;
+            }
+            alpha = 0.0;
         }
         let texel = ((j - self.rows.start) * self.view.plane.size[0] + i) as u32;
         let normal = normal.filter(|_| style.is_lit).unwrap_or(Vec3::ZERO);

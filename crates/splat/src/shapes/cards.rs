@@ -40,7 +40,17 @@ impl<'a> CardOnPlane<'a> {
             let rgba = texture_at(self.card, share);
             canvas.add(
                 style,
-                &SurfacePart { texel, at, mask, s, rgba, normal: None, side: Crossing::Sheet, solid: ALONE },
+                &SurfacePart {
+                    texel,
+                    at,
+                    mask,
+                    s,
+                    rgba,
+                    normal: None,
+                    side: Crossing::Sheet,
+                    solid: ALONE,
+                    is_hidden: false,
+                },
             );
         });
     }

@@ -68,7 +68,7 @@ pub struct Meeting {
     pub rgb: [f32; 3],
     /// Normal in the world; zero where no light shines on it.
     pub normal: Vec3,
-    /// Opacity of the surface, `> 0`.
+    /// Opacity of the surface; 0 where it counts only for what else is part of the solid.
     pub alpha: f32,
     /// Covered places of the texel.
     pub mask: Mask,

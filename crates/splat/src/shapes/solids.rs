@@ -45,10 +45,15 @@ impl OnPlane for BallsOnPlane<'_> {
         let center = vector(self.points.centers[element]);
         let piece = Capsule { ends: [center; 2], radius: self.radii[element], on_plane: [self.ends[element]; 2] };
         let Some(rgba) = color_at(&self.points.paint, [element as u32], [1.0]) else { return };
-        let is_opaque = rgba[3] * self.points.style.opacity >= 1.0;
+        // Through a cut the wall behind is seen, too.
+        let is_opaque = rgba[3] * self.points.style.opacity >= 1.0 && !self.points.style.is_clipped;
         draw_piece::<true>(&piece, is_opaque, canvas, |canvas, hit| {
-            let CapsuleHit { texel, at, mask, s, normal, side, .. } = hit;
-            let surface = SurfacePart { texel, at, mask, s, rgba, normal: Some(normal), side, solid: ALONE };
+            let CapsuleHit { texel, at, mask, s, normal, side, is_hidden, .. } = hit;
+            if is_hidden {
+                return;
+            }
+            let surface =
+                SurfacePart { texel, at, mask, s, rgba, normal: Some(normal), side, solid: ALONE, is_hidden: false };
             canvas.add(self.points.style, &surface);
         });
     }
@@ -80,11 +85,12 @@ impl<'a> TubesOnPlane<'a> {
             on_plane: [a, b].map(|k| self.ends[k as usize]),
         };
         // Of opaque tubes, walls behind the first are hidden, whichever piece they belong to.
-        let is_opaque = style.opacity >= 1.0 && matches!(self.paths.paint, Paint::Even(_));
+        let is_opaque = style.opacity >= 1.0 && matches!(self.paths.paint, Paint::Even(_)) && !style.is_clipped;
         draw_piece::<BALL>(&piece, is_opaque, canvas, |canvas, hit| {
-            let CapsuleHit { texel, at, mask, s, normal, side, along } = hit;
+            let CapsuleHit { texel, at, mask, s, normal, side, along, is_hidden } = hit;
             let Some(rgba) = color_at(&self.paths.paint, [a, b], [1.0 - along, along]) else { return };
-            canvas.add(style, &SurfacePart { texel, at, mask, s, rgba, normal: Some(normal), side, solid });
+            let normal = Some(normal);
+            canvas.add(style, &SurfacePart { texel, at, mask, s, rgba, normal, side, solid, is_hidden });
         });
     }
 }
@@ -174,6 +180,8 @@ struct CapsuleHit {
     side: Crossing,
     /// Share of the way from the first end to the second.
     along: f32,
+    /// Whether the eye is in the piece, which is entered behind it.
+    is_hidden: bool,
 }
 
 fn rows_of_ends(view: &PlaneView, ends: [End; 2]) -> RowRange {
@@ -235,16 +243,19 @@ fn draw_piece<const BALL: bool>(
             None => 0..n_u,
         };
         for i in columns {
-            let [enter, leave] = rays.masks([i, j], view);
+            let [enter, leave, inside] = rays.masks([i, j], view);
             let leave = if is_opaque { leave & !enter } else { leave };
-            for (mask, side) in [(enter, Crossing::Enter), (leave, Crossing::Leave)] {
+            let sides =
+                [(inside, Crossing::Enter, true), (enter, Crossing::Enter, false), (leave, Crossing::Leave, false)];
+            for (mask, side, is_hidden) in sides {
                 if mask == 0 {
                     continue;
                 }
                 let offset = mean_offset(mask);
                 let (ray, way) = rays.ray([i, j], offset, view);
                 let [enter, leave] = rays.meet(ray.to_array(), way.to_array());
-                let t = if side == Crossing::Enter { enter } else { leave };
+                // Pieces that the eye is in are entered where the rays begin.
+                let t = if is_hidden { rays.nearest } else { [enter, leave][usize::from(side == Crossing::Leave)] };
                 // The middle of what is covered is covered, but for rounding.
                 if t.is_nan() {
                     continue;
@@ -253,7 +264,7 @@ fn draw_piece<const BALL: bool>(
                 let along = (from_first.dot(rays.axis) * rays.per_axis).clamp(0.0, 1.0);
                 let at = [i as f32 + offset[0], j as f32 + offset[1]];
                 let normal = from_first - rays.axis * along;
-                with(canvas, CapsuleHit { texel: [i, j], at, mask, s: rays.s + t, normal, side, along });
+                with(canvas, CapsuleHit { texel: [i, j], at, mask, s: rays.s + t, normal, side, along, is_hidden });
             }
         }
     }
@@ -305,13 +316,13 @@ impl<const BALL: bool> CapsuleRays<BALL> {
         )
     }
 
-    /// Places of a texel whose rays enter the piece, and that leave it, ahead of the eye.
+    /// Places of a texel whose rays enter the piece ahead of the eye, that leave it there, and that begin in it.
     #[inline(always)]
-    fn masks(&self, texel: [usize; 2], view: &PlaneView) -> [u16; 2] {
+    fn masks(&self, texel: [usize; 2], view: &PlaneView) -> [u16; 3] {
         let (middle, way) = self.ray(texel, [0.0; 2], view);
         let (middle, way) = (middle.to_array(), way.to_array());
         if self.is_off(middle, way) {
-            return [0; 2];
+            return [0; 3];
         }
         let [per_u, per_v] = self.per_texel.map(|v| v.to_array());
         let [way_u, way_v] = self.way_per_texel.map(|v| v.to_array());
@@ -326,7 +337,8 @@ impl<const BALL: bool> CapsuleRays<BALL> {
             }
             [enter[k], leave[k]] = self.meet(ray, own_way);
         }
-        [mask_of(enter.map(|t| t > self.nearest)), mask_of(leave.map(|t| t > self.nearest))]
+        let [enter, leave] = [enter, leave].map(|of_all| mask_of(of_all.map(|t| t > self.nearest)));
+        [enter, leave, leave & !enter]
     }
 
     /// Whether a texel's ray passes the axis at more than the radius and half a texel.

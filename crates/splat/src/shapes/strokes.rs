@@ -63,7 +63,20 @@ impl OnPlane for StrokesOnPlane<'_> {
         draw_stroke(ends, self.half_px, canvas, |canvas, StrokeHit { texel, at, mask, s, along }| {
             let along = shares[0] + along * (shares[1] - shares[0]);
             let Some(rgba) = color_at(&self.paths.paint, [a, b], [1.0 - along, along]) else { return };
-            canvas.add(style, &SurfacePart { texel, at, mask, s, rgba, normal: None, side: Crossing::Stroke, solid });
+            canvas.add(
+                style,
+                &SurfacePart {
+                    texel,
+                    at,
+                    mask,
+                    s,
+                    rgba,
+                    normal: None,
+                    side: Crossing::Stroke,
+                    solid,
+                    is_hidden: false,
+                },
+            );
         });
     }
 }
@@ -103,7 +116,17 @@ impl OnPlane for DiscsOnPlane<'_> {
         draw_stroke([self.placed[element]; 2], half_px, canvas, |canvas, StrokeHit { texel, at, mask, s, .. }| {
             canvas.add(
                 style,
-                &SurfacePart { texel, at, mask, s, rgba, normal: None, side: Crossing::Sheet, solid: ALONE },
+                &SurfacePart {
+                    texel,
+                    at,
+                    mask,
+                    s,
+                    rgba,
+                    normal: None,
+                    side: Crossing::Sheet,
+                    solid: ALONE,
+                    is_hidden: false,
+                },
             );
         });
     }

@@ -59,7 +59,17 @@ impl<'a> MeshOnPlane<'a> {
             let normal = Some(normal);
             canvas.add(
                 self.mesh.style,
-                &SurfacePart { texel, at, mask, s, rgba, normal, side: Crossing::Sheet, solid: ALONE },
+                &SurfacePart {
+                    texel,
+                    at,
+                    mask,
+                    s,
+                    rgba,
+                    normal,
+                    side: Crossing::Sheet,
+                    solid: ALONE,
+                    is_hidden: false,
+                },
             );
         });
     }

@@ -212,10 +212,11 @@ impl<'a> RayCaster<'a> {
         // Oblique layers share no slices: those of the first one count.
         let grids: Vec<_> = layers.iter().map(|layer| layer.volume.grid()).collect();
         let slices_from_world = CommonGrid::new(&grids).map_or(first.index_from_world(), |c| c.grid.index_from_world());
+        let shading = layers.iter().find_map(|layer| layer.shading);
         let finest = layers.iter().map(|layer| layer.volume.grid().spacing().min_element());
         Ok(Self {
             layers: volumes,
-            shapes: CastShapes::new(options, camera, layers[0].shading, first.index_from_world(), slices_from_world),
+            shapes: CastShapes::new(options, camera, shading, first.index_from_world(), slices_from_world),
             crop,
             world_from_index: first.world_from_index().matrix3,
             step_world: step * finest.fold(f64::INFINITY, f64::min),

@@ -128,7 +128,7 @@ fn painted() -> Vec<ShapeScene> {
 
 fn in_other_volumes() -> Vec<ShapeScene> {
     let knot = |opacity: f32| of_meshes(vec![knot(opacity)]);
-    let mut without_light = ShapeScene::new("opaque knot without any light", Hard, knot(1.0));
+    let mut without_light = ShapeScene::new("opaque knot in a volume without light", Hard, knot(1.0));
     without_light.parts[0].shading = None;
     let thick = DAffine3::from_scale(DVec3::new(0.8, 1.0, 1.4));
     let along = |direction: DVec3| camera_towards(CENTRE, direction, 60.0, ORTHOGRAPHIC);

@@ -10,6 +10,8 @@ mod shape_ray;
 mod solids;
 mod surfaces;
 
+use std::sync::LazyLock;
+
 use glam::{DAffine3, DVec3};
 use wavesplat_core::{Camera, ClipPlane, Crop, Mesh, Paths, Points, RenderOptions, Shading, ShapeStyle};
 use wavesplat_core::{Card, Sizes, Thickness};
@@ -19,6 +21,9 @@ use self::shape_ray::{Met, PixelView, ShapeRay};
 use self::solids::{Balls, Tubes};
 use self::surfaces::{Triangles, meet_card};
 use super::lights::Lights;
+
+/// Light of shapes where no volume is lit.
+static USUAL_LIGHT: LazyLock<Shading> = LazyLock::new(Shading::default);
 
 /// A surface on the way of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,7 +48,7 @@ enum Surface<'a> {
 pub(super) struct CastShapes<'a> {
     surfaces: Vec<(Surface<'a>, ShapeStyle)>,
     view: PixelView<'a>,
-    lights: Option<Lights<'a>>,
+    lights: Lights<'a>,
     /// Index positions of the first volume, in which a crop box may stand.
     first_from_world: DAffine3,
     crop: Option<Crop>,
@@ -85,7 +90,7 @@ impl<'a> CastShapes<'a> {
         Self {
             surfaces,
             view,
-            lights: shading.map(|shading| Lights::new(shading, camera)),
+            lights: Lights::new(shading.unwrap_or(&USUAL_LIGHT), camera),
             first_from_world,
             crop: options.crop,
             clip_planes: &options.clip_planes,
@@ -128,8 +133,8 @@ impl<'a> CastShapes<'a> {
     fn hit(&self, ray: &ShapeRay, met: &Met, style: ShapeStyle) -> Hit {
         let [r, g, b, alpha] = met.rgba;
         let to_eye = -ray.direction.normalize();
-        let rgb = match (&self.lights, met.normal) {
-            (Some(lights), Some(normal)) if style.is_lit => lights.on_surface([r, g, b], normal, to_eye),
+        let rgb = match met.normal {
+            Some(normal) if style.is_lit => self.lights.on_surface([r, g, b], normal, to_eye),
             _ => [r, g, b],
         };
         Hit { t: met.t, rgb, opacity: f64::from(style.opacity) * alpha }
@@ -152,6 +157,7 @@ impl<'a> CastShapes<'a> {
 #[cfg(test)]
 mod tests {
     use super::*;
+
     use glam::DVec2;
 
     /// A point with coordinates between -1 and 1.

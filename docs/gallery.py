@@ -152,6 +152,94 @@ picture = ws.render(layers, background="black", **view).annotated(scale_bar=True
           "render mri_head.nii.gz --preset mr-head --azimuth 50 --elevation 15 --threshold 12"),
     Entry("levels", "A coarser level", "At its own resolution, and as bright as the whole.",
           "render mri_head.nii.gz --preset mr-head --azimuth 50 --elevation 15 --wavelet-level 2"),
+    Entry("tracts", "Tracts in a head",
+          "Curves made up by a formula, coloured by their direction, in a head of glass.",
+          code="""head = ws.open("mri_head.nii.gz")
+random = np.random.default_rng(7)
+t = np.linspace(-1, 1, 60)[:, None]
+tracts = []
+for side, a, b, c in zip(random.choice([-1, 1], 120), *random.normal(0, 1, (3, 120))):
+    arch = [side * (16 + 26 * t**2 + 3 * a), 12 + 62 * t + 4 * np.sin(3 * t + b), 48 - 42 * t**2 + 4 * c]
+    tracts.append(np.concatenate(arch, axis=1))
+glass = ws.TransferFunction([(6, 0), (14, 0.012), (60, 0.03)], [(0, 0.8, 0.85, 0.95)])
+scene = ws.Scene([head, ws.Lines(tracts, color="direction", radius=0.8)], glass, background="black")
+picture = scene.render(ws.Camera.orbit(head, 50, 15, fit="view"), size=(288, 288))
+"""),
+    Entry("spots_and_tracks", "Spots and tracks in cells",
+          "Cells made up by a formula; a spot in each nucleus, and the way that it took, coloured by time.",
+          code="""cells = np.zeros((48, 96, 96), np.float32)
+z, y, x = np.mgrid[:48, :96, :96]
+centers = np.random.default_rng(4).uniform((10, 14, 14), (38, 82, 82), (16, 3))
+for a, b, c in centers:
+    cells += 600 * np.exp(-((np.sqrt((z - a) ** 2 + (y - b) ** 2 + (x - c) ** 2) - 11) ** 2) / 3)
+volume = ws.Volume(cells, spacing=(0.5, 0.5, 0.5), unit="um")
+spots = 0.5 * centers[:, ::-1]
+steps = np.random.default_rng(1).normal(0, 0.35, (16, 40, 3)).cumsum(axis=1)
+tracks = [spot + way - way[-1] for spot, way in zip(spots, steps)]
+times = [np.arange(40.0)] * 16
+geometry = [ws.Points(spots, radius=1.2, color="yellow"), ws.Lines(tracks, values=times, cmap="turbo", radius=0.3)]
+picture = ws.render(volume, "fluorescence-magenta", geometry=geometry, size=(288, 288), background="black")
+"""),
+    Entry("implant", "An implant in bone",
+          "Rods and screws in a spine, made of tubes, from behind; bone hides the tips of the screws.",
+          code="""heights = [262, 296, 329, 362]
+rods = [[(x, 66, 252), (x, 70, 300), (x, 60, 376)] for x in (-26, 18)]
+screws = [[(x, 64, z), (-4 + (x + 4) * 0.45, 118, z + 4)] for x in (-26, 18) for z in heights]
+metal = [ws.Lines(rods, radius=3.5, color="#b8c4cc"), ws.Lines(screws, radius=2.8, color="#e0c060")]
+from_behind = ws.Camera.orbit(ct, 155, 12, fit="view")
+picture = ws.render(ct, "ct-bone", from_behind, geometry=metal, size=(288, 288), background="black")
+"""),
+    Entry("streamlines", "Streamlines in a flow",
+          "The ABC flow: its speed as smoke, streamlines coloured by it.",
+          code="""def flow(p):
+    x, y, z = np.moveaxis(p, -1, 0)
+    return np.stack([np.sin(z) + np.cos(y), np.sin(x) + np.cos(z), np.sin(y) + np.cos(x)], axis=-1)
+
+n, size = 64, 2 * np.pi
+grid = np.stack(np.meshgrid(*[np.linspace(0, size, n)] * 3, indexing="ij"), axis=-1)
+speed = np.linalg.norm(flow(grid), axis=-1).T.astype(np.float32)
+volume = ws.Volume(np.ascontiguousarray(speed), spacing=[size / (n - 1)] * 3, name="speed")
+lines = [np.random.default_rng(2).uniform(0, size, (60, 3))]
+for _ in range(150):
+    halfway = lines[-1] + 0.02 * flow(lines[-1])
+    lines.append(lines[-1] + 0.04 * flow(halfway))
+paths = [path[((path >= 0) & (path <= size)).all(axis=1)] for path in np.stack(lines, axis=1)]
+paths = [path for path in paths if len(path) > 20]
+speeds = [np.linalg.norm(flow(path), axis=1) for path in paths]
+streams = ws.Lines(paths, values=speeds, cmap="viridis", radius=0.035)
+smoke = ws.TransferFunction.from_colormap("gray", clim=(0, 2.5), opacity=[0.03, 0.01, 0])
+picture = ws.render(volume, smoke, geometry=[streams], size=(288, 288), background="black")
+"""),
+    Entry("box", "A box with ticks",
+          "The axes of a field, in its unit, with a grid on the far sides.",
+          code="""z, y, x = np.mgrid[-1:1:64j, -1:1:64j, -1:1:64j]
+field = np.exp(-4 * ((np.hypot(x, y) - 0.55) ** 2 + z**2) * 4).astype(np.float32)
+ring = ws.Volume(field, spacing=[2 / 63] * 3, unit="m", name="density")
+scene = ws.Scene([ring, ws.Frame(grid=True)], background="white")
+picture = scene.render(ws.Camera.orbit(ring, 30, 25, fit="view", zoom=0.8), size=(288, 288))
+"""),
+    Entry("electrodes", "Electrodes with their names",
+          "Balls on a head, with their names beside them.",
+          code="""head = ws.open("mri_head.nii.gz")
+angles = np.radians([(a, e) for a in (-50, -15) for e in (20, 45, 70)])
+around = np.array([(np.cos(e) * np.sin(a), np.cos(e) * np.cos(a), np.sin(e)) for a, e in angles])
+places = (-3, 5, 15) + (78, 96, 88) * around
+names = ["T1", "T2", "T3", "F1", "F2", "F3"]
+electrodes = ws.Points(places, radius=5, color="#ffc030", labels=names)
+picture = ws.render(head, "mr-head", ws.Camera.orbit(head, 50, 15, fit="view"), geometry=[electrodes], size=(288, 288))
+"""),
+    Entry("standing_slice", "A standing slice",
+          "A coronal slice in the window of the abdomen, behind the bones and in front of them.",
+          code="""slice = ws.SlicePlane(plane="coronal", window="abdomen")
+picture = ws.render(ct, "ct-bone", geometry=[slice], background="black", **view)
+"""),
+    Entry("segments", "Surfaces of segments",
+          "Skin and bones as surfaces in the scan, the skin translucent.",
+          code="""skin = ws.Surface(ws.mesh(ct, -300), color="#e0b090", opacity=0.25)
+bones = ws.Surface(ws.mesh(ct, 250), color="#f4ead0")
+clear = ws.TransferFunction([(-200, 0), (0, 0.004), (200, 0.01)], [(0, 0.8, 0.3, 0.2)])
+picture = ws.render(ct, clear, geometry=[skin, bones], background="black", **view)
+"""),
 )  # fmt: skip
 
 

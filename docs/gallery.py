@@ -191,9 +191,12 @@ picture = ws.render(ct, "ct-bone", from_behind, geometry=metal, size=(288, 288),
 """),
     Entry("streamlines", "Streamlines in a flow",
           "The ABC flow: its speed as smoke, streamlines coloured by it.",
-          code="""def flow(p):
+          code="""
+
+def flow(p):
     x, y, z = np.moveaxis(p, -1, 0)
     return np.stack([np.sin(z) + np.cos(y), np.sin(x) + np.cos(z), np.sin(y) + np.cos(x)], axis=-1)
+
 
 n, size = 64, 2 * np.pi
 grid = np.stack(np.meshgrid(*[np.linspace(0, size, n)] * 3, indexing="ij"), axis=-1)

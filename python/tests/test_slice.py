@@ -343,7 +343,7 @@ def test_threads_do_not_matter(oblique):
         ((), {"size": (10**6, 5)}, "give at most 16384 pixels a side"),
         ((), {"threads": 0}, "threads is 0"),
         ((), {"center": 3}, "center of the slice is 3"),
-        ((), {"background": "pink"}, "color is 'pink'"),
+        ((), {"background": "pinkish"}, "color is 'pinkish'"),
     ],
 )
 def test_mistakes_say_how_to_mend_them(arguments, options, message):

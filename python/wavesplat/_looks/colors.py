@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from typing import Any, TypeAlias
 
 from wavesplat._model.argument_types import described
@@ -13,7 +13,8 @@ __all__ = ["Rgba", "parse"]
 
 Rgba: TypeAlias = tuple[float, float, float, float]
 
-#: Colours by name, pure as those of microscopes' channels: this green is brighter than that of web pages.
+#: Colours by name, pure as those of microscopes' channels: this green is brighter than that of web pages. Others have
+#: the names of web pages.
 NAMES: dict[str, Rgba] = {
     "black": (0.0, 0.0, 0.0, 1.0),
     "white": (1.0, 1.0, 1.0, 1.0),
@@ -32,7 +33,7 @@ NAMES: dict[str, Rgba] = {
 def parse(color: str | Iterable[Any] | None) -> Rgba | None:
     """Red, green, blue and opacity, 0..1, not associated; None for None and for "transparent".
 
-    Takes three or four numbers 0..1, a name (black, red, green, ..., transparent), "#rrggbb", "#rrggbbaa", "r,g,b[,a]".
+    Takes three or four numbers 0..1, a name (black, red, skyblue, transparent), "#rrggbb", "#rrggbbaa", "r,g,b[,a]".
     """
     if color is None:
         return None
@@ -48,7 +49,16 @@ def _parse_text(text: str) -> Rgba:
         return NAMES[text]
     if re.fullmatch(r"#([0-9a-f]{6}|[0-9a-f]{8})", text):
         return _checked((byte / 255 for byte in bytes.fromhex(text[1:])), text)
+    if text in (web := _web_colors()):
+        return _checked((byte / 255 for byte in bytes.fromhex(web[text][1:])), text)
     return _checked(text.split(","), text)
+
+
+def _web_colors() -> Mapping[str, Any]:
+    """Colours of web pages by name, as "#rrggbb"."""
+    from PIL import ImageColor
+
+    return ImageColor.colormap
 
 
 def _checked(numbers: Iterable[Any], given: object) -> Rgba:
@@ -59,7 +69,7 @@ def _checked(numbers: Iterable[Any], given: object) -> Rgba:
     if len(channels) not in (3, 4) or not all(0 <= channel <= 1 for channel in channels):
         raise ArgumentError(
             f'color is {described(given)}; give (r, g, b) or (r, g, b, a) with numbers 0..1, "#rrggbb", black, white, '
-            "grey, red, green, blue, cyan, magenta, yellow, orange or transparent"
+            "grey, red, green, blue, cyan, magenta, yellow, orange, transparent or one of web pages (skyblue)"
         )
     red, green, blue, alpha = (*channels, 1.0)[:4]
     return red, green, blue, alpha

@@ -46,7 +46,7 @@ def compare(folder: Path) -> None:
         middle = time.perf_counter()
         theirs = by_vtk(scan, eye, (vertices, faces, opacity), spots)
         seconds = middle - begin, time.perf_counter() - middle
-        wanted = ws.reference.raycast(scene, eye, size=(SIDE, SIDE), step=0.1, rays_per_pixel=4).rgba[..., :3]
+        wanted = ws.reference.raycast(scene, camera=eye, size=(SIDE, SIDE), step=0.1, rays_per_pixel=4).rgba[..., :3]
         pictures = {"ours": ours, "VTK": theirs, "ray caster": wanted}
         numbers = [psnr(picture, wanted) for picture in (ours, theirs)]
         told = f"{numbers[0]:6.1f} dB {numbers[1]:6.1f} dB   {seconds[0]:.2f} s, {seconds[1]:.2f} s"

@@ -215,3 +215,23 @@ def test_progressive_pictures_and_frames_have_geometry():
     assert np.allclose(middle(last), middle(scene.render(CAMERA, size=SIZE)), atol=1e-6)
     frames = list(ws.render_frames(scene, [CAMERA, CAMERA.turned(10)], size=SIZE))
     assert all(frame.rgba[20, 24, 0] > 0.3 for frame in frames)
+
+
+def test_the_ray_caster_meets_the_same_geometry():
+    fog = ws.Volume(np.full((24, 24, 24), 100.0, np.float32), anatomical=False)
+    haze = ws.TransferFunction([(0, 0.02), (200, 0.02)], [(0, 0.9, 0.9, 0.9), (200, 0.9, 0.9, 0.9)])
+    middle = np.array(fog.bounds).mean(axis=0)
+    geometry = [
+        ws.Points([middle + np.array([4, 0, 0])], radius=3, color="red"),
+        ws.Lines([middle - 9, middle + 9], radius=1, color="blue", opacity=0.5),
+    ]
+    scene = ws.Scene(fog, haze, geometry=geometry)
+    eye = ws.Camera.orbit(fog, 30, 20)
+    ours = scene.render(eye, size=(96, 96), quality="high").rgba
+    theirs = ws.reference.raycast(scene, camera=eye, size=(96, 96), step=0.25, rays_per_pixel=9).rgba
+    psnr = -10 * np.log10(np.mean((ours - theirs) ** 2))
+    assert psnr > 45, psnr
+    alone = ws.reference.raycast(fog, haze, eye, size=(96, 96), step=0.25, geometry=geometry).rgba
+    assert np.abs(alone - theirs).mean() < 0.01
+    with pytest.raises(ws.errors.ArgumentError, match="its own looks, labels, clipping and geometry"):
+        ws.reference.raycast(scene, camera=eye, size=(8, 8), geometry=geometry)

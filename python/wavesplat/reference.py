@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from typing import Any
 
 from wavesplat import _native
 from wavesplat._looks.labels import Labels
@@ -18,8 +19,9 @@ from wavesplat._model.volume import Volume
 from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._picture.picture import Picture
 from wavesplat._render import arguments
-from wavesplat._scene.drawn_layers import drawn_layers
+from wavesplat._scene.drawn_layers import drawn_layers, identity_of
 from wavesplat._scene.scene import Scene
+from wavesplat._scene.scene_shapes import also_in_view, shapes_of
 from wavesplat.errors import ArgumentError
 
 __all__ = ["raycast", "splat_literal"]
@@ -38,7 +40,7 @@ def raycast(
     kernel: Kernel = "linear",
     shading: Shading | None = arguments.DEFAULT_SHADING,
     clip: Clip | Iterable[Clip] = (),
-    shapes: _native.Shapes | None = None,
+    geometry: Any = (),
     threads: int | None = None,
 ) -> Picture:
     """The converged picture, by casting rays in small steps (emission and absorption, "over").
@@ -54,8 +56,8 @@ def raycast(
         Distance between samples of a ray, in voxels.
     rays_per_pixel : int, default 1
         On a regular grid inside the pixel; a square number.
-    shapes : wavesplat._native.Shapes, optional
-        Surfaces, lines and points in the picture, met analytically, lit by the first layer's lights.
+    geometry : Surface, Lines, Points, SlicePlane, Frame, or several of them in a list
+        Stand in space with the volume, and are met analytically; those of a scene are its own.
 
     Returns
     -------
@@ -75,12 +77,17 @@ def raycast(
     """
     if isinstance(what, Scene):
         scene = what
-        if transfer_function is not None or labels is not None or combined_clips(clip) != combined_clips(()):
-            raise ArgumentError("a scene has its own looks, labels and clipping; leave these arguments out")
+        if (
+            transfer_function is not None
+            or labels is not None
+            or combined_clips(clip) != combined_clips(())
+            or geometry
+        ):
+            raise ArgumentError("a scene has its own looks, labels, clipping and geometry; leave these arguments out")
     else:
         volume = _checked_samples(what)
         look = arguments.chosen_look(transfer_function, volume, "over")
-        scene = Scene(volume, look, labels=labels, shading=shading, clip=clip)
+        scene = Scene(volume, look, labels=labels, shading=shading, clip=clip, geometry=geometry)
     shown = drawn_layers(scene, "over")
     lights = [layer.look.shading if scene.shading == "look" else scene.shading for layer in shown.layers]
     if any(isinstance(light, Shading) and (light.ambient_occlusion > 0 or light.shadow > 0) for light in lights):
@@ -89,7 +96,10 @@ def raycast(
     width, height = arguments.checked_size(size)
     clipping = scene._clipping if len(shown.layers) == 1 else scene._clipping.in_world(shown.first)
     parts = [(layer.seen, layer.look) for layer in shown.layers]
-    first = shown.layers[0]
+    first, of_frames = shown.layers[0], scene.layers[0].drawn
+    also = also_in_view(scene.geometry, of_frames, scene.bounds)
+    eye = arguments.chosen_camera(camera, parts, clipping, width / max(height, 1), also=also)
+    shapes = shapes_of(scene.geometry, of_frames, identity_of(of_frames), eye, scene._cache.shapes_of)
     rgba = _native.raycast(
         [
             (
@@ -100,7 +110,7 @@ def raycast(
             )
             for volume, layer, light in zip(volumes, shown.layers, lights, strict=True)
         ],
-        arguments.chosen_camera(camera, parts, clipping, width / max(height, 1))._core,
+        eye._core,
         labels=arguments.chosen_labels(scene.labels or first.look.labels, first.volume, first.boxes),
         width=width,
         height=height,
@@ -108,7 +118,7 @@ def raycast(
         step=float(step),
         rays_per_pixel=arguments.checked_count(rays_per_pixel, "rays_per_pixel") or 0,
         **arguments.region(clipping),
-        shapes=shapes,
+        shapes=None if shapes is None else shapes.core,
         threads=arguments.chosen_threads(threads),
     )
     return Picture(rgba)

@@ -7,6 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 __all__ = [
+    "SHOWS_THROUGH",
     "Ablation",
     "BlockState",
     "Camera",
@@ -42,6 +43,8 @@ __all__ = [
 ]
 
 __version__: str
+#: Share of an opaque projection that shows through the shapes over it.
+SHOWS_THROUGH: float
 
 @type_check_only
 class RenderResult(TypedDict):

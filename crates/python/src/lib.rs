@@ -66,6 +66,7 @@ mod _native {
             hooks.set_item("after_in_child", wrap_pyfunction!(after_fork, module)?)?;
             os.call_method("register_at_fork", (), Some(&hooks))?;
         }
+        module.add("SHOWS_THROUGH", wavesplat::SHOWS_THROUGH)?;
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 }

@@ -112,6 +112,7 @@ pub use wavesplat_core::{
 pub use wavesplat_gpu as gpu;
 pub use wavesplat_splat::optics::labels::{Codes, Labels};
 pub use wavesplat_splat::quality::target_psnr::{Estimate, Framing, Measured, PsnrTarget, RungError, Sampling};
+pub use wavesplat_splat::render::frame::SHOWS_THROUGH;
 pub use wavesplat_splat::render::stream::{IndexBox, Storage};
 pub use wavesplat_splat::slice_plane::{Plane, Reduction, ThickSlab};
 pub use wavesplat_splat::source::survey::Survey;

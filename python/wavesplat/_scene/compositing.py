@@ -7,13 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat import _native
 from wavesplat._looks import colors
 from wavesplat._looks.transfer_function import TransferFunction
 
 __all__ = ["AddedLight", "over_background"]
 
-#: Share of an opaque projection that shows through the shapes over it, as in crates/splat/src/render/frame.rs.
-SHOWS_THROUGH = 0.25
 #: Least share of a projection that its light can be told from.
 LEAST_LEFT = 1e-3
 
@@ -65,7 +64,7 @@ class AddedLight:
 
 def _share_of_shapes(alpha: NDArray[np.float64]) -> NDArray[np.float64]:
     """Share of shapes that is seen over a projection of an opacity."""
-    return 1 - SHOWS_THROUGH * alpha
+    return 1 - _native.SHOWS_THROUGH * alpha
 
 
 def _opacity_of(values: NDArray[np.float32] | None, curves: Any, shape: tuple[int, ...]) -> NDArray[np.float64]:

@@ -171,7 +171,7 @@ pub fn finish(plan: &Plan, base_pictures: &[BasePicture]) -> Picture {
 
 /// Share of a projection that shows through the opaque surfaces of shapes: it is what lies in front of them, and is
 /// mostly opaque itself.
-const SHOWS_THROUGH: f32 = 0.25;
+pub const SHOWS_THROUGH: f32 = 0.25;
 
 /// Puts the surfaces of shapes over a projection, which shows through them.
 fn put_over(plan: &Plan, picture: &mut Picture) {

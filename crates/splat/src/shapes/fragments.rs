@@ -275,7 +275,7 @@ fn sum_of(open: &[f32; samples::N], mask: Mask) -> f32 {
 #[derive(Default)]
 struct Solids {
     /// Number of each solid, and how many of its pieces each place is in.
-    depths: Vec<(u32, [u8; samples::N])>,
+    depths: Vec<(u32, [u16; samples::N])>,
 }
 
 impl Solids {

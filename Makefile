@@ -54,8 +54,8 @@ quality: $(STAMPS)/package ## compare with converged pictures; QUALITY="--size 1
 random-functions: $(STAMPS)/package ## draw N random transfer functions of a SEED at every quality and compare with arithmetic; N=400 BALLS=3 are more
 	python studies/random_functions/random_functions.py --seed $(SEED) --n $(N) --balls $(BALLS)
 
-random-scenes: $(STAMPS)/package ## draw N random scenes of a SEED and compare them with the reference; seconds a scene
-	python studies/scenes/random_scenes.py --seed $(SEED) --n $(N)
+random-scenes: $(STAMPS)/package ## draw N random scenes of a SEED and compare them with the reference; RANDOM_SCENES="--geometry --quality high"
+	python studies/scenes/random_scenes.py --seed $(SEED) --n $(N) $(RANDOM_SCENES)
 
 edges: $(STAMPS)/package ## compare the outermost rows and columns of volumes with the rest; EDGES="--only ct" takes a minute
 	BENCH_DATA=$(BENCH_DATA) python studies/edges/edges.py $(EDGES)

@@ -47,6 +47,17 @@ def test_pictures_are_those_of_the_reference(study, found):
     assert np.quantile(high, 0.1) >= 38
 
 
+def test_geometry_among_them_is_that_of_the_reference(study):
+    parts = study.generator.Parts(geometry=True)
+    found = []
+    for number in range(16):
+        drawn = study.generator.scene(SEED, number, parts)
+        found.append(study.psnr_db(drawn.draw("high"), drawn.cast(step=0.2)))
+    # Most pixels of so small a picture are edges of shapes.
+    assert min(found) >= 32, found
+    assert np.median(found) >= 40, found
+
+
 def test_a_scene_is_the_same_without_one_of_its_parts(study):
     """The other parts of a scene stay the same when a part is left out, so that faults can be found part by part."""
     whole = study.generator.scene(SEED, 3)

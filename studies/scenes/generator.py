@@ -63,6 +63,8 @@ class Parts:
     clips: bool = True
     light: bool = True
     layers: bool = True
+    #: Surfaces, lines and points, which scenes have only where they are asked for.
+    geometry: bool = False
     #: Kernel to draw with, in place of the scene's own.
     kernel: str | None = None
 
@@ -103,6 +105,8 @@ def scene(seed: int, number: int, parts: Parts | None = None) -> Scene:
         shading=_shading(draw) if parts.light else None,
         clip=_clips(draw, first) if parts.clips else (),
     )
+    if parts.geometry:
+        whole = whole.with_(geometry=_geometry(draw, first))
     camera = _camera(draw, first)
     kernel = parts.kernel or kernel
     return Scene(seed, number, (kernel, *draw.traits), whole, camera, kernel)
@@ -295,6 +299,37 @@ def _clips(draw: _Draw, volume: ws.Volume) -> tuple[ws.Crop | ws.ClipPlane | ws.
     draw.traits.append("cut-out")
     corner = last * random.uniform(0.3, 0.7, 3)
     return (ws.CutOut(ws.Crop((-1, -1, -1), corner, space="index")),)
+
+
+def _geometry(draw: _Draw, volume: ws.Volume) -> list[Any]:
+    """One to three shapes in the box of a volume and around it."""
+    random = draw.stream(6)
+    last = np.array(volume.shape[::-1]) - 1.0
+    matrix = volume.world_from_index
+    size = float(np.min(np.linalg.norm(matrix[:3, :3] * last, axis=0)))
+
+    def places(n: int) -> NDArray[np.float64]:
+        return np.asarray(random.uniform(-0.2, 1.2, (n, 3)) * last @ matrix[:3, :3].T + matrix[:3, 3])
+
+    shapes: list[Any] = []
+    for _ in range(int(random.integers(1, 4))):
+        kind = str(random.choice(["triangles", "balls", "tubes", "strokes", "discs"]))
+        r, g, b = (float(c) for c in random.random(3))
+        look: Any = {"color": (r, g, b), "opacity": float(random.choice([1.0, 0.7, 0.3]))}
+        look |= {"lit": bool(random.random() < 0.7), "clipped": bool(random.random() < 0.3)}
+        draw.traits.append(kind)
+        if kind == "triangles":
+            normals: Any = random.choice(["flat", "smooth"])
+            shapes.append(ws.Surface(places(6), [[0, 1, 2], [2, 1, 3], [3, 4, 5]], normals=str(normals), **look))
+        elif kind == "balls":
+            shapes.append(ws.Points(places(4), radius=size * random.uniform(0.05, 0.3), **look))
+        elif kind == "tubes":
+            shapes.append(ws.Lines([places(4), places(2)], radius=size * random.uniform(0.03, 0.15), **look))
+        elif kind == "strokes":
+            shapes.append(ws.Lines([places(4), places(3)], width=float(random.uniform(1, 4)), **look))
+        else:
+            shapes.append(ws.Points(places(5), size=float(random.uniform(2, 8)), **look))
+    return shapes
 
 
 def _camera(draw: _Draw, volume: ws.Volume) -> ws.Camera:

@@ -50,13 +50,15 @@ def main() -> int:
     parser.add_argument("--first", type=int, default=0, help="number of the first scene")
     parser.add_argument("--quality", default="normal", choices=("draft", "normal", "fine", "high"))
     parser.add_argument("--worst", type=int, default=10, help="how many of the worst scenes are listed")
+    parser.add_argument("--geometry", action="store_true", help="with surfaces, lines and points")
     given = parser.parse_args()
+    parts = generator.Parts(geometry=given.geometry)
     warnings.simplefilter("ignore")
     found: list[tuple[float, int, tuple[str, ...]]] = []
     unexplained: list[int] = []
     begin = time.perf_counter()
     for number in range(given.first, given.first + given.n):
-        drawn = generator.scene(given.seed, number)
+        drawn = generator.scene(given.seed, number, parts)
         got = drawn.draw(given.quality)
         if not (np.isfinite(got).all() and got.min() >= 0 and got.max() <= 1 + 1e-6):
             print(f"scene {number}: the picture leaves 0..1, from {got.min()} to {got.max()}")

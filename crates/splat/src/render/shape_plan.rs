@@ -22,7 +22,7 @@ use crate::view::region::{Region, box_bounds};
 pub struct ShapePlan {
     /// The shapes.
     pub shapes: Arc<Shapes>,
-    /// Lights: the first layer's that is lit, or the default.
+    /// Lights: those of the first layer that is lit, or a headlight.
     pub shading: Shading,
     /// The part of space that crop and clip planes leave, whatever the volume's box.
     pub cuts: Region,
@@ -35,7 +35,9 @@ impl ShapePlan {
         if shapes.is_empty() {
             return None;
         }
-        let shading = layers.iter().find_map(|layer| layer.shading).cloned().unwrap_or_default();
+        // The headlight makes no colour brighter than 1, so pictures without light need no shoulder for it.
+        let lit = layers.iter().filter(|_| !options.composite.is_projection()).find_map(|layer| layer.shading);
+        let shading = lit.cloned().unwrap_or_else(Shading::headlight);
         Some(Self { shapes, shading, cuts: region.without_box() })
     }
 

@@ -23,7 +23,7 @@ use self::surfaces::{Triangles, meet_card};
 use super::lights::Lights;
 
 /// Light of shapes where no volume is lit.
-static USUAL_LIGHT: LazyLock<Shading> = LazyLock::new(Shading::default);
+static HEADLIGHT: LazyLock<Shading> = LazyLock::new(Shading::headlight);
 
 /// A surface on the way of a ray.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -90,7 +90,7 @@ impl<'a> CastShapes<'a> {
         Self {
             surfaces,
             view,
-            lights: Lights::new(shading.unwrap_or(&USUAL_LIGHT), camera),
+            lights: Lights::new(shading.unwrap_or(&HEADLIGHT), camera),
             first_from_world,
             crop: options.crop,
             clip_planes: &options.clip_planes,

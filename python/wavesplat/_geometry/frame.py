@@ -60,6 +60,8 @@ class Frame(Shape):
         Of the edges, pixels.
     opacity : float, 0..1, default 1
         Of edges and grid.
+    visible : bool, default True
+        Whether it is drawn; a hidden one stays in the scene.
     name : str, optional
         What messages call it.
 
@@ -86,6 +88,7 @@ class Frame(Shape):
     color: Any = None
     width: float = 1.5
     opacity: float = 1.0
+    visible: bool = True
     name: str | None = None
 
     def __post_init__(self) -> None:

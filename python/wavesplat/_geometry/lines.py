@@ -50,7 +50,7 @@ class Lines(Shape):
         Tubes of this radius, world units: their thickness depends on the distance.
     width : float, optional
         Instead of `radius`: strokes of this width in pixels, everywhere. None of the two is a width of 2.
-    opacity, lit, clipped, name
+    opacity, lit, clipped, visible, name
         As for `Surface`.
 
     Raises
@@ -80,6 +80,7 @@ class Lines(Shape):
     opacity: float = 1.0
     lit: bool = True
     clipped: bool = False
+    visible: bool = True
     name: str | None = None
 
     def __post_init__(self) -> None:

@@ -43,7 +43,7 @@ class Points(Shape):
         Instead of `radius`: discs of this diameter in pixels, at every distance. None of the two is a size of 6.
     labels : sequence of str, optional
         A name for each point, written beside it; an empty one is not.
-    opacity, lit, clipped, name
+    opacity, lit, clipped, visible, name
         As for `Surface`.
 
     Raises
@@ -73,6 +73,7 @@ class Points(Shape):
     opacity: float = 1.0
     lit: bool = True
     clipped: bool = False
+    visible: bool = True
     name: str | None = None
 
     def __post_init__(self) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Collection
+from copy import copy
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -26,6 +27,7 @@ class Shape:
     #: File and options that it was opened with, by which documents name it.
     _source: dict[str, Any] | None = None
     name: str | None
+    visible: bool
     #: Assumptions where its file says nothing, and changes of the file's numbers; a sentence each.
     guesses: tuple[str, ...] = ()
 
@@ -47,6 +49,19 @@ class Shape:
             kept = self._source if all(is_one(*change) for change in changes.items()) else None
             changed._set(_source=kept, guesses=self.guesses)
         return changed
+
+    def _with_visible(self, visible: bool) -> Self:
+        """A copy that is shown or hidden and shares all arrays, which are not checked again."""
+        if visible == self.visible:
+            return self
+        changed = copy(self)
+        changed._set(visible=visible)
+        return changed
+
+    @property
+    def _is_seen(self) -> bool:
+        """Whether something of it is drawn."""
+        return self.visible and getattr(self, "opacity", 1.0) > 0
 
     @property
     def _told(self) -> str:
@@ -84,7 +99,7 @@ class Shape:
         check_text(self.name, "name of the shape")
         if not isinstance(self.name, str | None):
             raise ArgumentError(f"name of the {self.KIND} is {described(self.name)}; give a text or None")
-        for switch in ("lit", "clipped"):
+        for switch in ("lit", "clipped", "visible"):
             given = getattr(self, switch, None)
             if not isinstance(given, bool | None):
                 raise ArgumentError(f"{switch} of {self._told} is {described(given)}; give True or False")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -21,7 +22,15 @@ from wavesplat._model.argument_types import described
 from wavesplat._model.grid import Grid
 from wavesplat.errors import ArgumentError
 
-__all__ = ["LARGE_BYTES", "ShapeArrays", "as_shapes", "facts_of_shapes", "is_geometry", "positions_in_view"]
+__all__ = [
+    "LARGE_BYTES",
+    "ShapeArrays",
+    "as_shapes",
+    "facts_of_shapes",
+    "is_geometry",
+    "names_of_shapes",
+    "positions_in_view",
+]
 
 #: Factor of colours and opacity that leaves the opacity alone.
 BLACK = np.array([0, 0, 0, 1], np.float32)
@@ -158,9 +167,20 @@ def facts_of_shapes(shapes: Sequence[Shape]) -> list[dict[str, Any]]:
     """Kind, name and number of triangles, paths or points of each shape, for reports."""
     return [
         {"kind": shape.KIND, "name": shape.name, "count": _count(shape)}
+        | ({} if shape.visible else {"visible": False})
         | ({"guesses": list(shape.guesses)} if shape.guesses else {})
         for shape in shapes
     ]
+
+
+def names_of_shapes(shapes: Sequence[Shape]) -> list[str]:
+    """Names for people: a shape without one is called by its kind and its number among those of the kind, from 1."""
+    numbers = Counter[str]()
+    names = []
+    for shape in shapes:
+        numbers[shape.KIND] += 1
+        names.append(shape.name or f"{shape.KIND} {numbers[shape.KIND]}")
+    return names
 
 
 def _count(shape: Shape) -> int:
@@ -177,7 +197,7 @@ def positions_in_view(shapes: Sequence[Shape], bounds: NDArray[np.float64], volu
     bounds : corners of the box around the volumes. volume : of the scene's first layer.
     """
     diagonal = float(np.linalg.norm(bounds[1] - bounds[0]))
-    found = [_outermost(shape, bounds, volume) for shape in shapes if getattr(shape, "opacity", 1) > 0]
+    found = [_outermost(shape, bounds, volume) for shape in shapes if shape._is_seen]
     if not found:
         return None
     together = np.concatenate(found)

@@ -44,6 +44,8 @@ class SlicePlane(Shape):
         Of the slice; outside of the volume it is clear.
     clipped : bool, default False
         The scene's clips cut it too.
+    visible : bool, default True
+        Whether it is drawn; a hidden one stays in the scene.
     name : str, optional
         What legends and messages call it.
 
@@ -72,6 +74,7 @@ class SlicePlane(Shape):
     cmap: str | None = None
     opacity: float = 1.0
     clipped: bool = False
+    visible: bool = True
     name: str | None = None
 
     def __post_init__(self) -> None:

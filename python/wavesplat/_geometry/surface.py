@@ -60,6 +60,8 @@ class Surface(Shape):
         given.
     clipped : bool, default False
         The scene's clips cut it too.
+    visible : bool, default True
+        Whether it is drawn; a hidden one stays in the scene.
     name : str, optional
         What legends and messages call it.
 
@@ -91,6 +93,7 @@ class Surface(Shape):
     normals: Any = "smooth"
     lit: bool = True
     clipped: bool = False
+    visible: bool = True
     name: str | None = None
 
     def __post_init__(self) -> None:

@@ -87,4 +87,4 @@ def notes_on_geometry(geometry: Sequence[Shape], shapes: ShapeArrays | None, opt
 
 
 def _visible(geometry: Sequence[Shape]) -> tuple[Shape, ...]:
-    return tuple(shape for shape in geometry if getattr(shape, "opacity", 1.0) > 0)
+    return tuple(shape for shape in geometry if shape._is_seen)

@@ -1,4 +1,4 @@
-"""Answers to the page's questions: histograms, values, the point seen at a pixel, presets, files, code.
+"""Answers to the page's questions: histograms, values, the point and the shape seen at a pixel, presets, files, code.
 
 Names, arguments and answers are `Questions` in `web/src/engine/engine.ts`.
 """
@@ -18,14 +18,15 @@ from wavesplat._looks import look_json, presets
 from wavesplat._looks.histogram import finite_samples
 from wavesplat._looks.look import Look
 from wavesplat._model.argument_types import described
-from wavesplat._model.camera import Camera
-from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.volume import Volume
 from wavesplat._picture.picture import Picture
 from wavesplat._scene import scene_json
 from wavesplat._viewer import code, encoding, export_html
 from wavesplat._viewer.picturing import picture_of
 from wavesplat._viewer.previews import preview_of
+from wavesplat._viewer.probing import sample_at, value_at
+from wavesplat._viewer.shape_seen import shape_seen
+from wavesplat._viewer.sight import depth_of_matter, sight_at
 from wavesplat._viewer.state import ViewerState
 from wavesplat.errors import ArgumentError, WavesplatWarning
 
@@ -35,8 +36,6 @@ Answer: TypeAlias = tuple[dict[str, Any], bytes]
 Progress: TypeAlias = Callable[[float], object] | None
 
 MAX_BINS, MAX_PX, MAX_TEXT = 4096, 8192, 1 << 20
-#: Side, pixels, of the small picture around a pixel that finds the depth there.
-PICKED_PX = 3
 QUALITIES = ("draft", "normal", "fine", "high")
 
 
@@ -78,7 +77,9 @@ def state_from_text(state: ViewerState, text: str) -> ViewerState:
             "`wavesplat view --state FILE`"
         )
     open_now = state.document
-    whole: dict[str, Any] = {name: value for name, value in document.items() if name != "figure"}
+    whole: dict[str, Any] = {
+        name: value for name, value in document.items() if name not in ("figure", "keep_table", "geometry")
+    }
     whole["layers"] = [
         {**layer, "volume": now["volume"], "look": now["look"] if layer.get("look") is None else _look(state, n, layer)}
         if isinstance(layer, dict)
@@ -91,6 +92,8 @@ def state_from_text(state: ViewerState, text: str) -> ViewerState:
         whole["labels"] = {**whole["labels"], "volume": open_now["labels"]["volume"]}
     else:
         whole["labels"] = open_now["labels"]
+    if "geometry" in document:
+        whole["geometry"] = _shown_shapes(open_now["geometry"], document["geometry"])
     return state.replaced(
         {
             **open_now,
@@ -101,6 +104,21 @@ def state_from_text(state: ViewerState, text: str) -> ViewerState:
             },
         }
     )
+
+
+def _shown_shapes(open_now: list[dict[str, Any]], given: Any) -> list[dict[str, Any]]:
+    """The geometry that is open, shown as in the text of a file: a scene's shapes, or the list of a state."""
+    listed = given if isinstance(given, list) else []
+    shapes = [next(iter(one.values())) if isinstance(one, dict) and len(one) == 1 else one for one in listed]
+    if len(shapes) != len(open_now):
+        raise ArgumentError(
+            f"the file has {len(shapes)} shapes, and {len(open_now)} are open; open its own with `wavesplat view "
+            "--state FILE`"
+        )
+    return [
+        {**now, "visible": shape.get("visible", True) if isinstance(shape, dict) else None}
+        for now, shape in zip(open_now, shapes, strict=True)
+    ]
 
 
 def _look(state: ViewerState, number: int, layer: dict[str, Any]) -> Any:
@@ -126,15 +144,15 @@ def _probe(state: ViewerState, arguments: Mapping[str, Any], _: Progress) -> Ans
         if not isinstance(volume, Volume):
             values.append(None)
             continue
-        place = _sample_at(volume.world_from_index, volume.shape, point)
-        value = None if place is None else _value_at(volume, place)
+        place = sample_at(volume.world_from_index, volume.shape, point)
+        value = None if place is None else value_at(volume, place)
         values.append(value if value is not None and isfinite(value) else None)
     first = state.scene.layers[0].drawn
     matrix = np.linalg.inv(first.world_from_index)
     index = (matrix[:3, :3] @ point + matrix[:3, 3]).round(3).tolist()
     label = None
     labels = state.scene.labels
-    place = _sample_at(first.world_from_index, first.shape, point)
+    place = sample_at(first.world_from_index, first.shape, point)
     if labels is not None and place is not None:
         on_scan = labels.on_samples_of(first)
         number = on_scan.numbers[int(on_scan._codes[place])]
@@ -144,85 +162,17 @@ def _probe(state: ViewerState, arguments: Mapping[str, Any], _: Progress) -> Ans
     return {"values": values, "label": label, "index": index}, b""
 
 
-def _value_at(volume: Volume, place: tuple[int, int, int]) -> float:
-    if isinstance(volume, LazyVolume):
-        z, y, x = place
-        return float(volume.arrays(0).read(place, (z + 1, y + 1, x + 1))[0, 0, 0])
-    return float(volume.samples[place])
-
-
-def _sample_at(world_from_index: Any, shape: tuple[int, ...], point: Any) -> tuple[int, int, int] | None:
-    """The index [z, y, x] of the sample nearest to a point; None outside."""
-    matrix = np.linalg.inv(world_from_index)
-    index = np.rint(matrix[:3, :3] @ point + matrix[:3, 3])[::-1]
-    if not all(0 <= at < n for at, n in zip(index, shape, strict=True)):
-        return None  # also what is beyond whole numbers
-    z, y, x = (int(at) for at in index)
-    return z, y, x
-
-
 def _pick(state: ViewerState, arguments: Mapping[str, Any], progress: Progress) -> Answer:
     """The world point where opacity reaches one half at a pixel; in projections none."""
-    width, height = _size(arguments)
-    x, y = (_number(arguments, name) for name in ("x", "y"))
-    if not (0 <= x <= 1 and 0 <= y <= 1):
-        raise ArgumentError(f"pick: ({x:g}, {y:g}) lies outside the picture; x and y are shares, 0 to 1")
-    composite = state.options["composite"]
-    name = composite if isinstance(composite, str | None) else composite.name
-    if name not in (None, "over", "first-hit"):
-        return {"point": None}, b""
-    camera = state.camera
-    # A camera that sees only what is around the pixel, with pixels of the same size.
-    picture, ray = _around(state, camera, (x, y), (width, height), progress)
-    depth = picture.depth
-    if depth is None:
-        return {"point": None}, b""
-    near = depth[PICKED_PX // 2, PICKED_PX // 2]
-    if not np.isfinite(near):
-        finite = depth[np.isfinite(depth)]
-        if not finite.size:
-            return {"point": None}, b""
-        near = np.median(finite)
-    origin, direction = ray
-    return {"point": (origin + float(near) * direction).tolist()}, b""
+    sight = sight_at(state.camera, _place(arguments, "pick"), _size(arguments))
+    near = depth_of_matter(state, sight, progress)
+    return {"point": None if near is None else sight.point_at(near).tolist()}, b""
 
 
-def _around(
-    state: ViewerState, camera: Camera, at: tuple[float, float], size: tuple[int, int], progress: Progress
-) -> tuple[Picture, tuple[Any, Any]]:
-    """A few pixels around a place in the picture, with depths, and the ray of the middle one."""
-    width, height = size
-    back, up, right = _axes(camera)
-    eye, focal = np.array(camera.position), np.array(camera.focal_point)
-    across, upward = (2 * at[0] - 1) * width / height, 1 - 2 * at[1]
-    share = PICKED_PX / height
-    if camera.view_angle is None:
-        assert camera.parallel_scale is not None
-        shift = camera.parallel_scale * (across * right + upward * up)
-        small = Camera(eye + shift, focal + shift, camera.view_up, parallel_scale=camera.parallel_scale * share)
-        origin, direction = eye + shift, -back
-    else:
-        half = np.tan(np.radians(camera.view_angle) / 2)
-        direction = -back + half * (across * right + upward * up)
-        direction /= np.linalg.norm(direction)
-        distance = float(np.linalg.norm(focal - eye))
-        angle = float(np.degrees(2 * np.arctan(half * share)))
-        small = Camera(eye, eye + distance * direction, camera.view_up, view_angle=max(angle, 1e-3))
-        origin = eye
-    arguments = {"quality": "normal", "kernel": state.options["kernel"], "composite": state.options["composite"]}
-    picture = preview_of(state.scene).render(
-        small, size=(PICKED_PX, PICKED_PX), depth=True, progress=progress, **arguments
-    )
-    return picture, (origin, direction)
-
-
-def _axes(camera: Camera) -> Any:
-    back = np.array(camera.position) - np.array(camera.focal_point)
-    back = back / np.linalg.norm(back)
-    up = np.array(camera.view_up, float)
-    up = up - (up @ back) * back
-    up /= np.linalg.norm(up)
-    return back, up, np.cross(up, back)
+def _shape(state: ViewerState, arguments: Mapping[str, Any], progress: Progress) -> Answer:
+    """The shape that is seen at a pixel; None without any."""
+    sight = sight_at(state.camera, _place(arguments, "shape"), _size(arguments))
+    return {"shape": shape_seen(state, sight, progress)}, b""
 
 
 def _preset(state: ViewerState, arguments: Mapping[str, Any], _: Progress) -> Answer:
@@ -319,6 +269,7 @@ ANSWERS: dict[str, Callable[[ViewerState, Mapping[str, Any], Progress], Answer]]
     "histogram": _histogram,
     "probe": _probe,
     "pick": _pick,
+    "shape": _shape,
     "preset": _preset,
     "preset_picture": _preset_picture,
     "fitted": _fitted,
@@ -354,6 +305,13 @@ def _flag(arguments: Mapping[str, Any], name: str) -> bool:
     if not isinstance(value, bool):
         raise ArgumentError(f"{name} is {described(value)}; give true or false")
     return value
+
+
+def _place(arguments: Mapping[str, Any], question: str) -> tuple[float, float]:
+    x, y = (_number(arguments, name) for name in ("x", "y"))
+    if not (0 <= x <= 1 and 0 <= y <= 1):
+        raise ArgumentError(f"{question}: ({x:g}, {y:g}) lies outside the picture; x and y are shares, 0 to 1")
+    return x, y
 
 
 def _size(arguments: Mapping[str, Any]) -> tuple[int, int]:

@@ -14,6 +14,8 @@ from typing import Any
 
 import numpy as np
 
+from wavesplat._geometry.shape import Shape
+from wavesplat._geometry.shape_arrays import facts_of_shapes, names_of_shapes
 from wavesplat._looks import look_json
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.look import Look
@@ -34,7 +36,7 @@ WHAT = scene_json.WHAT
 #: Size of the picture that is drawn to find looks, operator and camera that are not given, pixels.
 FIRST_SIZE = (64, 48)
 #: Fields that change the picture in space.
-PICTURE = ("layers", "labels", "shading", "clip", "background", "camera", "render")
+PICTURE = ("layers", "labels", "shading", "clip", "background", "geometry", "camera", "render")
 KNOWN = ("wavesplat", "version", *PICTURE, "view")
 
 
@@ -98,9 +100,9 @@ class ViewerState:
         if labels is not None:
             labels["volume"] = {"path": None}
         document["background"] = document["background"] or "black"
-        # They are the scene's, which the page does not change.
+        # It is the scene's, which the page does not change.
         document.pop("keep_table", None)
-        document.pop("geometry", None)
+        document["geometry"] = _facts_of_shapes(scene)
         quality = given.get("quality", "normal")
         document["render"] = {
             "quality": quality if isinstance(quality, str) else scene_json.fields_of_sampling(quality),
@@ -143,7 +145,7 @@ class ViewerState:
             for layer, source, color in zip(self.document["layers"], self.sources, self.color_fields, strict=True)
         ]
         own = scene_json.document_of(self.scene, strict=False)
-        document = {**self.document, "layers": layers}
+        document = {name: value for name, value in self.document.items() if name != "geometry"} | {"layers": layers}
         document |= {name: own[name] for name in ("keep_table", "geometry") if name in own}
         if self.document["labels"] is not None:
             document["labels"] = {**self.document["labels"], "volume": self.label_source}
@@ -184,6 +186,7 @@ class ViewerState:
             "shading": lambda: scene_json.shading_of(document["shading"]),
             "clip": lambda: scene_json.clips_of(dict(document)),
             "background": lambda: _background(document["background"]),
+            "geometry": lambda: _shapes(document["geometry"], self.scene),
         }
         for name, make in made.items():
             if not _same(document, before, name):
@@ -302,6 +305,31 @@ def _labels(fields: Any, scene: Scene) -> Labels | None:
         return scene.labels.with_looks(looks or {}, smooth=smooth)
     except ArgumentError as error:
         raise ArgumentError(f"{what}: {error}") from None
+
+
+def _facts_of_shapes(scene: Scene) -> list[dict[str, Any]]:
+    """What the page lists of the geometry: kind, name, number of parts, and whether it is shown."""
+    facts = zip(scene.geometry, names_of_shapes(scene.geometry), facts_of_shapes(scene.geometry), strict=True)
+    return [
+        {"kind": shape.KIND, "name": name, "count": told["count"], "visible": shape.visible}
+        for shape, name, told in facts
+    ]
+
+
+def _shapes(fields: Any, scene: Scene) -> list[Shape]:
+    """The shapes, shown or hidden as a document says; all else about them stays."""
+    facts = _facts_of_shapes(scene)
+    if not isinstance(fields, list) or len(fields) != len(facts):
+        raise ArgumentError(
+            f"{WHAT}: field 'geometry' is {described(fields)}; it must be a list of {len(facts)}: so many are open"
+        )
+    for number, (new, old) in enumerate(zip(fields, facts, strict=True)):
+        what = f"{WHAT}: geometry[{number}]"
+        if not isinstance(new, Mapping) or not is_same({**new, "visible": old["visible"]}, old):
+            raise ArgumentError(f"{what} is {described(new)}; only its field 'visible' can be changed here")
+        if not isinstance(new.get("visible"), bool):
+            raise ArgumentError(f"{what}: field 'visible' is {described(new.get('visible'))}; it must be true or false")
+    return [shape._with_visible(new["visible"]) for shape, new in zip(scene.geometry, fields, strict=True)]
 
 
 def _plain_look(scene: Scene, layer: Layer) -> Look:

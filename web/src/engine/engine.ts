@@ -119,6 +119,22 @@ export interface Questions {
   };
   /** The world point that is seen at a pixel of the 3-D view (fractions 0..1 from the top left), or null. */
   pick: { question: { x: number; y: number; width: number; height: number }; answer: { point: Vec3 | null } };
+  /** The shape that is seen at a pixel of the 3-D view (fractions as for `pick`), or null; `text` is for people. */
+  shape: {
+    question: { x: number; y: number; width: number; height: number };
+    answer: {
+      shape: {
+        kind: string;
+        name: string;
+        /** Number of the point, path or triangle, from 0. */
+        part: number | null;
+        label: string;
+        value: number | null;
+        point: Vec3;
+        text: string;
+      } | null;
+    };
+  };
   preset: { question: { layer: number; name: string }; answer: { look: Look } };
   /** A small picture of a layer with a preset, from the direction of the camera; PNG. */
   preset_picture: { question: { layer: number; name: string; size: number }; answer: { bytes: Uint8Array<ArrayBuffer> } };

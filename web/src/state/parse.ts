@@ -113,6 +113,7 @@ const state = fields({
   shading: either("look", either(null, shading)),
   clip: list(clip),
   background: either(null, color),
+  geometry: list(fields({ kind: text, name: text, count: number(), visible: flag })),
   camera: fields({
     version: oneOf(1),
     position: point,

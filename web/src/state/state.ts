@@ -82,6 +82,15 @@ export interface Labels {
   readonly smooth: boolean;
 }
 
+/** A shape in space: surface, lines, points, slice plane or frame, and the number of its triangles, paths or points. */
+export interface Shape {
+  readonly kind: string;
+  readonly name: string;
+  readonly count: number;
+  /** The only field that the page can change. */
+  readonly visible: boolean;
+}
+
 export interface Box {
   readonly lower: Vec3;
   readonly upper: Vec3;
@@ -159,6 +168,7 @@ export interface ViewerState {
   readonly shading: "look" | null | Shading;
   readonly clip: readonly Clip[];
   readonly background: Color | null;
+  readonly geometry: readonly Shape[];
   readonly camera: Camera;
   readonly render: Render;
   readonly view: View;

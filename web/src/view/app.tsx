@@ -2,7 +2,7 @@
 
 import { render } from "preact";
 
-import type { Connection, Engine, Frame, Problem, Questions, Welcome } from "../engine/engine.ts";
+import type { Connection, Engine, Frame, Problem, Welcome } from "../engine/engine.ts";
 import { actionOf, keyName } from "../input/keys.ts";
 import { fromLink } from "../state/link.ts";
 import { parseViewerState } from "../state/parse.ts";
@@ -35,6 +35,8 @@ export interface Host {
 
 /** Least time between announcements, ms. */
 const ANNOUNCED_MS = 1000;
+/** Least time between questions for what is under the pointer, ms. */
+const PROBE_MS = 40;
 
 /** Shows the viewer in an element, and returns a function that removes it. */
 export function mountApp(parent: HTMLElement, engine: Engine, host: Host): () => void {
@@ -66,8 +68,8 @@ class App {
   private tool: Tool = "turn";
   private points: Vec3[] = [];
   private layer = 0;
-  private probe: Vec3 | null = null;
-  private probed: Questions["probe"]["answer"] | null = null;
+  private probed = "";
+  private probeTimer: ReturnType<typeof setTimeout> | undefined;
   private help = false;
   private figures = false;
   private showsPanels = true;
@@ -181,16 +183,21 @@ class App {
       app.layer = layer;
       app.schedule();
     },
-    get probe() {
-      return app.probe;
-    },
     get probed() {
       return app.probed;
     },
-    setProbe(point, found) {
-      if (point === null && app.probe === null) return;
-      [app.probe, app.probed] = [point, found];
-      app.schedule();
+    probe(ask) {
+      clearTimeout(app.probeTimer);
+      const tell = (text: string): void => {
+        if (app.probed !== text) app.schedule();
+        app.probed = text;
+      };
+      const timer = setTimeout(() => {
+        // An answer for an older place comes too late.
+        ask?.().then((text) => app.probeTimer === timer && tell(text), () => undefined);
+      }, PROBE_MS);
+      app.probeTimer = timer;
+      if (ask === null) tell("");
     },
     announce(text) {
       app.announce(text);
@@ -312,6 +319,18 @@ interface Shown {
   readonly onProblemClosed: () => void;
 }
 
+const PANELS = [
+  ["presets", "Presets", PresetsPanel],
+  ["function", "Colours and opacity", FunctionPanel],
+  ["layers", "Layers", LayersPanel],
+  ["labels", "Labels", LabelsPanel],
+  ["light", "Light and projection", LightPanel],
+  ["cut", "Cut", CutPanel],
+  ["slices", "Slices", SlicesPanel],
+  ["measure", "Measure", MeasurePanel],
+  ["share", "Pictures and sharing", SharePanel],
+] as const;
+
 function Whole(props: PartProps & { readonly app: Shown }) {
   const { app, ...part } = props;
   const { store } = part;
@@ -340,15 +359,10 @@ function Whole(props: PartProps & { readonly app: Shown }) {
       </main>
       {app.showsPanels && (
         <aside class="panels" aria-label="Panels">
-          <Panel name="presets" title="Presets" open={isOpen("presets")} {...panel}><PresetsPanel {...part} /></Panel>
-          <Panel name="function" title="Colours and opacity" open={isOpen("function")} {...panel}><FunctionPanel {...part} /></Panel>
-          <Panel name="layers" title="Layers" open={isOpen("layers")} {...panel}><LayersPanel {...part} /></Panel>
-          {store.state.labels !== null && <Panel name="labels" title="Labels" open={isOpen("labels")} {...panel}><LabelsPanel {...part} /></Panel>}
-          <Panel name="light" title="Light and projection" open={isOpen("light")} {...panel}><LightPanel {...part} /></Panel>
-          <Panel name="cut" title="Cut" open={isOpen("cut")} {...panel}><CutPanel {...part} /></Panel>
-          <Panel name="slices" title="Slices" open={isOpen("slices")} {...panel}><SlicesPanel {...part} /></Panel>
-          <Panel name="measure" title="Measure" open={isOpen("measure")} {...panel}><MeasurePanel {...part} /></Panel>
-          <Panel name="share" title="Pictures and sharing" open={isOpen("share")} {...panel}><SharePanel {...part} /></Panel>
+          {PANELS.map(([name, title, Body]) =>
+            (name !== "labels" || store.state.labels !== null) && (
+              <Panel key={name} name={name} title={title} open={isOpen(name)} {...panel}><Body {...part} /></Panel>
+            ))}
           <Panel name="settings" title="Settings" open={isOpen("settings")} {...panel}>
             <SettingsPanel {...part} figures={app.figures} onFigures={app.onFigures} />
           </Panel>

@@ -1,4 +1,4 @@
-// Distances and angles as a list; values under the pointer.
+// Distances and angles as a list.
 
 import { set } from "../state/patch.ts";
 import { shortNumber } from "./descriptions.ts";
@@ -73,16 +73,4 @@ export function MeasurePanel({ store, welcome, ui }: PartProps) {
       </div>
     </>
   );
-}
-
-/** Values and position under the pointer. */
-export function ProbeLine({ ui, welcome }: PartProps) {
-  const { probe, probed } = ui;
-  if (probe === null || probed === null) return null;
-  const values = probed.values.map((value, n) => {
-    const unit = welcome.volumes[n]?.value_unit ?? "";
-    return value === null ? "outside" : `${shortNumber(value, 5)} ${unit}`.trim();
-  });
-  const label = probed.label === null ? "" : ` · ${probed.label.name}`;
-  return <span>{`${values.join(", ")}${label} at (${probe.map((x) => shortNumber(x, 4)).join(", ")})`}</span>;
 }

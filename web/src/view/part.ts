@@ -1,6 +1,6 @@
 // The properties that every part of the interface is given.
 
-import type { Engine, Frame, Problem, Questions, Welcome } from "../engine/engine.ts";
+import type { Engine, Frame, Problem, Welcome } from "../engine/engine.ts";
 import type { FrameStatistics } from "./frame_statistics.ts";
 import type { Vec3, ViewName } from "../state/state.ts";
 import type { Store } from "../state/store.ts";
@@ -22,10 +22,10 @@ export interface Ui {
   /** The layer that the panels of the look are about. */
   readonly layer: number;
   setLayer(layer: number): void;
-  /** The world point under the pointer, if it is known. */
-  readonly probe: Vec3 | null;
-  readonly probed: Questions["probe"]["answer"] | null;
-  setProbe(point: Vec3 | null, found: Questions["probe"]["answer"] | null): void;
+  /** Value and place, or shape, under the pointer; "" where nothing is known. */
+  readonly probed: string;
+  /** Finds out what is under the pointer, for its newest place alone. */
+  probe(ask: (() => Promise<string>) | null): void;
   /** Adds a point to the measure under way, which its last point completes. */
   addPoint(point: Vec3): void;
   readonly points: readonly Vec3[];

@@ -93,6 +93,7 @@ export function SceneView(props: PartProps) {
         move(cameras.zoomed(camera(), factor), "wheel");
         settleSoon(store);
       }}
+      onHover={(place, size) => ui.probe(place && store.state.geometry.length > 0 ? () => shapeAt(props, place, size) : null)}
       transform={(frame, size) => instant(frame, camera(), size)}
     >
       {(frame, size) => <SceneOverlay {...props} frame={frame} size={size} />}
@@ -124,12 +125,18 @@ export function showFrom({ store }: PartProps, target: Camera): void {
   store.change([set(now.parallel_scale === undefined ? lens : { ...lens, parallel_scale: now.parallel_scale }, "camera")]);
 }
 
+const placed = (x: number, y: number, { width, height }: CssSize) => ({ x, y, width: Math.round(width), height: Math.round(height) });
+
+async function shapeAt({ engine }: PartProps, { x, y }: Place, size: CssSize): Promise<string> {
+  const { shape } = await engine.ask("shape", placed(x / size.width, y / size.height, size));
+  return shape?.text ?? "";
+}
+
 /** Picks the world point seen at a place: the crosshair moves there, or the tool in use gets a point. */
 export async function pick(props: PartProps, x: number, y: number, size: CssSize): Promise<void> {
   const { engine, store, ui } = props;
-  const asked = { x, y, width: Math.round(size.width), height: Math.round(size.height) };
   try {
-    const { point } = await engine.ask("pick", asked);
+    const { point } = await engine.ask("pick", placed(x, y, size));
     if (point === null) {
       ui.announce("Nothing is seen there");
       return;

@@ -1,7 +1,6 @@
 // The status of the viewer: opening, connection, problems, notes on the picture, statistics of frames.
 
 import type { Connection, Problem } from "../engine/engine.ts";
-import { ProbeLine } from "./measure_panel.tsx";
 import type { PartProps } from "./part.ts";
 
 export function Opening({ connection, problem }: { readonly connection: Connection; readonly problem: Problem | null }) {
@@ -48,7 +47,7 @@ export function Status(props: PartProps & { readonly connection: Connection; rea
       )}
       {connection.kind === "busy" && <span role="status">{connection.text}</span>}
       {notes.map((note) => <span key={note} role="note">{note}</span>)}
-      <ProbeLine {...props} />
+      {ui.probed && <span>{ui.probed}</span>}
       {figures && <Figures {...props} />}
     </div>
   );

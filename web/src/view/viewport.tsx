@@ -107,26 +107,22 @@ export function Viewport(props: ViewportProps) {
     };
     const keyUp = (): void => store.settle();
     const menu = (event: Event): void => event.preventDefault();
-    element.addEventListener("pointerdown", down);
-    element.addEventListener("pointermove", move);
-    element.addEventListener("pointerup", up);
-    element.addEventListener("pointercancel", cancel);
-    element.addEventListener("pointerleave", leave);
-    element.addEventListener("wheel", wheel, { passive: false });
-    element.addEventListener("keydown", key);
-    element.addEventListener("keyup", keyUp);
-    element.addEventListener("contextmenu", menu);
-    return () => {
-      element.removeEventListener("pointerdown", down);
-      element.removeEventListener("pointermove", move);
-      element.removeEventListener("pointerup", up);
-      element.removeEventListener("pointercancel", cancel);
-      element.removeEventListener("pointerleave", leave);
-      element.removeEventListener("wheel", wheel);
-      element.removeEventListener("keydown", key);
-      element.removeEventListener("keyup", keyUp);
-      element.removeEventListener("contextmenu", menu);
+    const stop = new AbortController();
+    const listeners = {
+      pointerdown: down,
+      pointermove: move,
+      pointerup: up,
+      pointercancel: cancel,
+      pointerleave: leave,
+      wheel,
+      keydown: key,
+      keyup: keyUp,
+      contextmenu: menu,
     };
+    for (const [name, listener] of Object.entries(listeners)) {
+      element.addEventListener(name, listener as EventListener, { passive: false, signal: stop.signal });
+    }
+    return () => stop.abort();
   }, []);
 
   const moved = frame !== undefined && transform !== undefined && size.width > 0 ? transform(frame, size) : "";

@@ -793,6 +793,7 @@ var state = fields({
   shading: either("look", either(null, shading)),
   clip: list(clip),
   background: either(null, color),
+  geometry: list(fields({ kind: text, name: text, count: number(), visible: flag })),
   camera: fields({
     version: oneOf(1),
     position: point,
@@ -1481,10 +1482,11 @@ function SelectField({ label, value, options, onChoice }) {
 }
 function CheckField({
   label,
+  note,
   checked,
   onCheck
 }) {
-  return /* @__PURE__ */ k("label", { class: "row look-check" }, /* @__PURE__ */ k("input", { type: "checkbox", checked, onChange: (event) => onCheck(event.currentTarget.checked) }), /* @__PURE__ */ k("span", null, label));
+  return /* @__PURE__ */ k("label", { class: "row look-check" }, /* @__PURE__ */ k("input", { type: "checkbox", checked, onChange: (event) => onCheck(event.currentTarget.checked) }), /* @__PURE__ */ k("span", null, label), note && /* @__PURE__ */ k("span", { class: "dim" }, note));
 }
 function ColorField({ label, value, onColor, onDone }) {
   const [picked, setPicked] = d2(null);
@@ -2888,8 +2890,8 @@ var TEXT7 = {
   look: (look) => `look: ${look || "of its own"}`
 };
 function LayersPanel({ store, ui }) {
-  const { layers } = store.state;
-  return /* @__PURE__ */ k("ul", { class: "look-list", "aria-label": "Layers" }, layers.map((layer, index) => /* @__PURE__ */ k("li", { key: index, class: "look-layer", "data-chosen": index === ui.layer && layers.length > 1 }, /* @__PURE__ */ k("div", { class: "row look-nowrap" }, /* @__PURE__ */ k(
+  const { layers, geometry } = store.state;
+  return /* @__PURE__ */ k($, null, /* @__PURE__ */ k("ul", { class: "look-list", "aria-label": "Layers" }, layers.map((layer, index) => /* @__PURE__ */ k("li", { key: index, class: "look-layer", "data-chosen": index === ui.layer && layers.length > 1 }, /* @__PURE__ */ k("div", { class: "row look-nowrap" }, /* @__PURE__ */ k(
     "input",
     {
       type: "checkbox",
@@ -2941,7 +2943,15 @@ function LayersPanel({ store, ui }) {
       checked: index === ui.layer,
       onChange: () => ui.setLayer(index)
     }
-  ), /* @__PURE__ */ k("span", null, TEXT7.edit), /* @__PURE__ */ k("span", { class: "dim" }, TEXT7.look(layer.look.name))))));
+  ), /* @__PURE__ */ k("span", null, TEXT7.edit), /* @__PURE__ */ k("span", { class: "dim" }, TEXT7.look(layer.look.name)))))), geometry.length > 0 && /* @__PURE__ */ k("ul", { class: "look-list", "aria-label": "Geometry" }, geometry.map(({ kind: kind2, name, count, visible }, index) => /* @__PURE__ */ k("li", { key: index }, /* @__PURE__ */ k(
+    CheckField,
+    {
+      label: name,
+      note: `${kind2} · ${count}`,
+      checked: visible,
+      onCheck: (on) => store.change([set(on, "geometry", index, "visible")])
+    }
+  )))));
 }
 function Ramp({ layer }) {
   const curves2 = layer.look.transfer_function;
@@ -3975,11 +3985,11 @@ function measured(measure, unit2) {
   return measure.kind === "distance" ? `${shortNumber(distance(measure.points), 4)} ${unit2}` : `${angleDeg(measure.points).toFixed(1)}°`;
 }
 function Drawn(props) {
-  const { store, welcome, ui, placed, moved, isNear } = props;
+  const { store, welcome, ui, placed: placed2, moved, isNear } = props;
   const unit2 = welcome.volumes[0]?.unit ?? "units";
-  const pending = ui.points.map(placed);
+  const pending = ui.points.map(placed2);
   return /* @__PURE__ */ k("g", null, store.state.view.measures.map((measure, n2) => {
-    const places = measure.points.map(placed);
+    const places = measure.points.map(placed2);
     if (!isNear(measure.points) || places.some((place) => place === null)) return null;
     const points = places;
     const middle2 = points[measure.kind === "angle" ? 1 : 0];
@@ -4091,16 +4101,6 @@ function MeasurePanel({ store, welcome, ui }) {
     },
     "Save as CSV"
   )));
-}
-function ProbeLine({ ui, welcome }) {
-  const { probe: probe2, probed } = ui;
-  if (probe2 === null || probed === null) return null;
-  const values = probed.values.map((value, n2) => {
-    const unit2 = welcome.volumes[n2]?.value_unit ?? "";
-    return value === null ? "outside" : `${shortNumber(value, 5)} ${unit2}`.trim();
-  });
-  const label = probed.label === null ? "" : ` · ${probed.label.name}`;
-  return /* @__PURE__ */ k("span", null, `${values.join(", ")}${label} at (${probe2.map((x2) => shortNumber(x2, 4)).join(", ")})`);
 }
 
 // src/view/overlay3d/box_handles.tsx
@@ -4582,26 +4582,22 @@ function Viewport(props) {
     };
     const keyUp = () => store.settle();
     const menu = (event) => event.preventDefault();
-    element.addEventListener("pointerdown", down);
-    element.addEventListener("pointermove", move);
-    element.addEventListener("pointerup", up);
-    element.addEventListener("pointercancel", cancel);
-    element.addEventListener("pointerleave", leave);
-    element.addEventListener("wheel", wheel, { passive: false });
-    element.addEventListener("keydown", key);
-    element.addEventListener("keyup", keyUp);
-    element.addEventListener("contextmenu", menu);
-    return () => {
-      element.removeEventListener("pointerdown", down);
-      element.removeEventListener("pointermove", move);
-      element.removeEventListener("pointerup", up);
-      element.removeEventListener("pointercancel", cancel);
-      element.removeEventListener("pointerleave", leave);
-      element.removeEventListener("wheel", wheel);
-      element.removeEventListener("keydown", key);
-      element.removeEventListener("keyup", keyUp);
-      element.removeEventListener("contextmenu", menu);
+    const stop = new AbortController();
+    const listeners = {
+      pointerdown: down,
+      pointermove: move,
+      pointerup: up,
+      pointercancel: cancel,
+      pointerleave: leave,
+      wheel,
+      keydown: key,
+      keyup: keyUp,
+      contextmenu: menu
     };
+    for (const [name, listener] of Object.entries(listeners)) {
+      element.addEventListener(name, listener, { passive: false, signal: stop.signal });
+    }
+    return () => stop.abort();
   }, []);
   const moved = frame !== void 0 && transform !== void 0 && size.width > 0 ? transform(frame, size) : "";
   return /* @__PURE__ */ k(
@@ -4826,6 +4822,7 @@ function SceneView(props) {
         move(zoomed(camera(), factor), "wheel");
         settleSoon(store);
       },
+      onHover: (place, size) => ui.probe(place && store.state.geometry.length > 0 ? () => shapeAt(props, place, size) : null),
       transform: (frame, size) => instant(frame, camera(), size)
     },
     (frame, size) => /* @__PURE__ */ k(SceneOverlay, { ...props, frame, size })
@@ -4849,11 +4846,15 @@ function showFrom({ store }, target) {
   const lens = withLens(target, now.view_angle);
   store.change([set(now.parallel_scale === void 0 ? lens : { ...lens, parallel_scale: now.parallel_scale }, "camera")]);
 }
+var placed = (x2, y3, { width, height }) => ({ x: x2, y: y3, width: Math.round(width), height: Math.round(height) });
+async function shapeAt({ engine }, { x: x2, y: y3 }, size) {
+  const { shape } = await engine.ask("shape", placed(x2 / size.width, y3 / size.height, size));
+  return shape?.text ?? "";
+}
 async function pick(props, x2, y3, size) {
   const { engine, store, ui } = props;
-  const asked = { x: x2, y: y3, width: Math.round(size.width), height: Math.round(size.height) };
   try {
-    const { point: point2 } = await engine.ask("pick", asked);
+    const { point: point2 } = await engine.ask("pick", placed(x2, y3, size));
     if (point2 === null) {
       ui.announce("Nothing is seen there");
       return;
@@ -5137,7 +5138,6 @@ var PANE_COLORS = { z: "#ff6b6b", y: "#6bd46b", x: "#6ba8ff" };
 var BODY = { z: "Axial", y: "Coronal", x: "Sagittal" };
 var nameOf2 = ({ welcome }, pane) => welcome.volumes[0]?.is_anatomical ? BODY[pane] : pane;
 var COARSE2 = 10;
-var PROBE_MS = 40;
 function SlicePane(props) {
   const { pane, store, ui, welcome } = props;
   const frame = () => ui.frames[pane];
@@ -5335,21 +5335,20 @@ function rangeOf([lower, upper], normal) {
   const sum = (pick2) => ends.reduce((total, end) => total + pick2(...end), 0);
   return [sum(Math.min), sum(Math.max)];
 }
-var probeTimer;
-function probe(props, on, place) {
-  const { engine, ui } = props;
-  clearTimeout(probeTimer);
+function probe({ engine, ui, welcome }, on, place) {
   if (on === null || place === null) {
-    ui.setProbe(null, null);
+    ui.probe(null);
     return;
   }
   const point2 = worldAt(on, place.x, place.y);
-  probeTimer = setTimeout(() => {
-    engine.ask("probe", { point: point2 }).then(
-      (found) => ui.setProbe(point2, found),
-      () => void 0
+  ui.probe(async () => {
+    const { values, label } = await engine.ask("probe", { point: point2 });
+    const shown = values.map(
+      (value, n2) => value === null ? "outside" : `${shortNumber(value, 5)} ${welcome.volumes[n2]?.value_unit ?? ""}`.trim()
     );
-  }, PROBE_MS);
+    const where = point2.map((x2) => shortNumber(x2, 4)).join(", ");
+    return `${shown.join(", ")}${label === null ? "" : ` · ${label.name}`} at (${where})`;
+  });
 }
 
 // src/view/slices_panel.tsx
@@ -5494,7 +5493,7 @@ function Status(props) {
   const { ui, engine, connection, figures } = props;
   const frame = ui.frames["3d"] ?? Object.values(ui.frames)[0];
   const notes = frame?.notes ?? [];
-  return /* @__PURE__ */ k("div", { class: "status" }, connection.kind === "lost" && /* @__PURE__ */ k("span", { class: "row", role: "alert" }, connection.problem.message, ". ", /* @__PURE__ */ k("span", { class: "dim" }, connection.problem.remedy), connection.retries && /* @__PURE__ */ k("button", { class: "button", onClick: () => engine.retry() }, "Try again")), connection.kind === "busy" && /* @__PURE__ */ k("span", { role: "status" }, connection.text), notes.map((note) => /* @__PURE__ */ k("span", { key: note, role: "note" }, note)), /* @__PURE__ */ k(ProbeLine, { ...props }), figures && /* @__PURE__ */ k(Figures, { ...props }));
+  return /* @__PURE__ */ k("div", { class: "status" }, connection.kind === "lost" && /* @__PURE__ */ k("span", { class: "row", role: "alert" }, connection.problem.message, ". ", /* @__PURE__ */ k("span", { class: "dim" }, connection.problem.remedy), connection.retries && /* @__PURE__ */ k("button", { class: "button", onClick: () => engine.retry() }, "Try again")), connection.kind === "busy" && /* @__PURE__ */ k("span", { role: "status" }, connection.text), notes.map((note) => /* @__PURE__ */ k("span", { key: note, role: "note" }, note)), ui.probed && /* @__PURE__ */ k("span", null, ui.probed), figures && /* @__PURE__ */ k(Figures, { ...props }));
 }
 function Figures({ ui }) {
   const recent = ui.statistics.recent(performance.now());
@@ -5645,6 +5644,7 @@ function letterOf(view, ends) {
 
 // src/view/app.tsx
 var ANNOUNCED_MS = 1e3;
+var PROBE_MS = 40;
 function mountApp(parent, engine, host) {
   const root = parent.shadowRoot ?? parent.attachShadow({ mode: "open" });
   const sheet = new CSSStyleSheet();
@@ -5701,8 +5701,8 @@ var App = class {
   tool = "turn";
   points = [];
   layer = 0;
-  probe = null;
-  probed = null;
+  probed = "";
+  probeTimer;
   help = false;
   figures = false;
   showsPanels = true;
@@ -5784,16 +5784,20 @@ var App = class {
       app.layer = layer;
       app.schedule();
     },
-    get probe() {
-      return app.probe;
-    },
     get probed() {
       return app.probed;
     },
-    setProbe(point2, found) {
-      if (point2 === null && app.probe === null) return;
-      [app.probe, app.probed] = [point2, found];
-      app.schedule();
+    probe(ask) {
+      clearTimeout(app.probeTimer);
+      const tell = (text2) => {
+        if (app.probed !== text2) app.schedule();
+        app.probed = text2;
+      };
+      const timer = setTimeout(() => {
+        ask?.().then((text2) => app.probeTimer === timer && tell(text2), () => void 0);
+      }, PROBE_MS);
+      app.probeTimer = timer;
+      if (ask === null) tell("");
     },
     announce(text2) {
       app.announce(text2);
@@ -5891,6 +5895,17 @@ var App = class {
     };
   }
 };
+var PANELS = [
+  ["presets", "Presets", PresetsPanel],
+  ["function", "Colours and opacity", FunctionPanel],
+  ["layers", "Layers", LayersPanel],
+  ["labels", "Labels", LabelsPanel],
+  ["light", "Light and projection", LightPanel],
+  ["cut", "Cut", CutPanel],
+  ["slices", "Slices", SlicesPanel],
+  ["measure", "Measure", MeasurePanel],
+  ["share", "Pictures and sharing", SharePanel]
+];
 function Whole(props) {
   const { app, ...part } = props;
   const { store } = part;
@@ -5913,7 +5928,7 @@ function Whole(props) {
     },
     /* @__PURE__ */ k(Toolbar, { ...part, onHelp: () => app.onHelp(true), onFit: () => void fit(part, part.ui.frames["3d"] ?? { width: 4, height: 3 }), panels: app.showsPanels, onPanels: app.onPanels }),
     /* @__PURE__ */ k("main", { class: "views", "data-layout": layout.name }, (layout.name !== "single" || layout.main === "3d") && /* @__PURE__ */ k(SceneView, { ...part }), (layout.name === "one-and-three" || layout.name === "two-by-two") && PANES.map((pane) => /* @__PURE__ */ k(SlicePane, { key: pane, ...part, pane })), layout.name === "single" && layout.main !== "3d" && /* @__PURE__ */ k(SlicePane, { key: layout.main, ...part, pane: layout.main })),
-    app.showsPanels && /* @__PURE__ */ k("aside", { class: "panels", "aria-label": "Panels" }, /* @__PURE__ */ k(Panel, { name: "presets", title: "Presets", open: isOpen("presets"), ...panel }, /* @__PURE__ */ k(PresetsPanel, { ...part })), /* @__PURE__ */ k(Panel, { name: "function", title: "Colours and opacity", open: isOpen("function"), ...panel }, /* @__PURE__ */ k(FunctionPanel, { ...part })), /* @__PURE__ */ k(Panel, { name: "layers", title: "Layers", open: isOpen("layers"), ...panel }, /* @__PURE__ */ k(LayersPanel, { ...part })), store.state.labels !== null && /* @__PURE__ */ k(Panel, { name: "labels", title: "Labels", open: isOpen("labels"), ...panel }, /* @__PURE__ */ k(LabelsPanel, { ...part })), /* @__PURE__ */ k(Panel, { name: "light", title: "Light and projection", open: isOpen("light"), ...panel }, /* @__PURE__ */ k(LightPanel, { ...part })), /* @__PURE__ */ k(Panel, { name: "cut", title: "Cut", open: isOpen("cut"), ...panel }, /* @__PURE__ */ k(CutPanel, { ...part })), /* @__PURE__ */ k(Panel, { name: "slices", title: "Slices", open: isOpen("slices"), ...panel }, /* @__PURE__ */ k(SlicesPanel, { ...part })), /* @__PURE__ */ k(Panel, { name: "measure", title: "Measure", open: isOpen("measure"), ...panel }, /* @__PURE__ */ k(MeasurePanel, { ...part })), /* @__PURE__ */ k(Panel, { name: "share", title: "Pictures and sharing", open: isOpen("share"), ...panel }, /* @__PURE__ */ k(SharePanel, { ...part })), /* @__PURE__ */ k(Panel, { name: "settings", title: "Settings", open: isOpen("settings"), ...panel }, /* @__PURE__ */ k(SettingsPanel, { ...part, figures: app.figures, onFigures: app.onFigures }))),
+    app.showsPanels && /* @__PURE__ */ k("aside", { class: "panels", "aria-label": "Panels" }, PANELS.map(([name, title, Body]) => (name !== "labels" || store.state.labels !== null) && /* @__PURE__ */ k(Panel, { key: name, name, title, open: isOpen(name), ...panel }, /* @__PURE__ */ k(Body, { ...part }))), /* @__PURE__ */ k(Panel, { name: "settings", title: "Settings", open: isOpen("settings"), ...panel }, /* @__PURE__ */ k(SettingsPanel, { ...part, figures: app.figures, onFigures: app.onFigures }))),
     /* @__PURE__ */ k("footer", { class: "bottom" }, hasTimes && /* @__PURE__ */ k(TimeBar, { ...part }), /* @__PURE__ */ k(Status, { ...part, connection: app.connection, figures: app.figures })),
     /* @__PURE__ */ k("p", { class: "hidden", role: "status", "aria-live": "polite" }, app.said),
     app.problem !== null && /* @__PURE__ */ k(ProblemCard, { problem: app.problem, onClose: app.onProblemClosed }),

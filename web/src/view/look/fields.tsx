@@ -206,10 +206,12 @@ export function SelectField({ label, value, options, onChoice }: SelectFieldProp
 
 export function CheckField({
   label,
+  note,
   checked,
   onCheck,
 }: {
   label: string;
+  note?: string;
   checked: boolean;
   onCheck(on: boolean): void;
 }) {
@@ -217,6 +219,7 @@ export function CheckField({
     <label class="row look-check">
       <input type="checkbox" checked={checked} onChange={(event) => onCheck(event.currentTarget.checked)} />
       <span>{label}</span>
+      {note && <span class="dim">{note}</span>}
     </label>
   );
 }

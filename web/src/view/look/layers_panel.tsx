@@ -1,10 +1,10 @@
-// The list of the scene's volumes: their visibility and opacity, and which one the panels of the look are about.
+// The list of the scene's volumes and shapes: their visibility and opacity, and which one the panels of the look are about.
 
 import { set } from "../../state/patch.ts";
 import type { Layer } from "../../state/state.ts";
 import type { PartProps } from "../part.ts";
 import { hexOf, isEditable, spanOf } from "./curves.ts";
-import { Button, SliderField } from "./fields.tsx";
+import { Button, CheckField, SliderField } from "./fields.tsx";
 import { isSolo, soloLayer } from "./layers.ts";
 
 const TEXT = {
@@ -20,68 +20,84 @@ const TEXT = {
 };
 
 export function LayersPanel({ store, ui }: PartProps) {
-  const { layers } = store.state;
+  const { layers, geometry } = store.state;
   return (
-    <ul class="look-list" aria-label="Layers">
-      {layers.map((layer, index) => (
-        <li key={index} class="look-layer" data-chosen={index === ui.layer && layers.length > 1}>
-          <div class="row look-nowrap">
-            <input
-              type="checkbox"
-              aria-label={TEXT.shown(layer.name)}
-              title={TEXT.shown(layer.name)}
-              checked={layer.visible}
-              onChange={(event) => store.change([set(event.currentTarget.checked, "layers", index, "visible")])}
-            />
-            <Ramp layer={layer} />
-            <input
-              type="text"
-              class="look-grow"
-              aria-label={TEXT.name(index)}
-              value={layer.name}
-              maxLength={200}
-              onChange={(event) => {
-                const name = event.currentTarget.value.trim();
-                if (name === "") event.currentTarget.value = layer.name;
-                else store.change([set(name, "layers", index, "name")]);
-              }}
+    <>
+      <ul class="look-list" aria-label="Layers">
+        {layers.map((layer, index) => (
+          <li key={index} class="look-layer" data-chosen={index === ui.layer && layers.length > 1}>
+            <div class="row look-nowrap">
+              <input
+                type="checkbox"
+                aria-label={TEXT.shown(layer.name)}
+                title={TEXT.shown(layer.name)}
+                checked={layer.visible}
+                onChange={(event) => store.change([set(event.currentTarget.checked, "layers", index, "visible")])}
+              />
+              <Ramp layer={layer} />
+              <input
+                type="text"
+                class="look-grow"
+                aria-label={TEXT.name(index)}
+                value={layer.name}
+                maxLength={200}
+                onChange={(event) => {
+                  const name = event.currentTarget.value.trim();
+                  if (name === "") event.currentTarget.value = layer.name;
+                  else store.change([set(name, "layers", index, "name")]);
+                }}
+              />
+              {layers.length > 1 && (
+                <Button
+                  label={TEXT.soloThis(layer.name)}
+                  pressed={isSolo(layers, index)}
+                  onClick={() => store.change(soloLayer(layers, index))}
+                >
+                  {TEXT.solo}
+                </Button>
+              )}
+            </div>
+            <SliderField
+              label={layers.length > 1 ? TEXT.opacityOf(layer.name) : TEXT.opacity}
+              shown={TEXT.opacity}
+              min={0}
+              max={1}
+              step={0.01}
+              value={layer.opacity}
+              onValue={(value) => store.change([set(value, "layers", index, "opacity")], `opacity of layer ${index}`)}
+              onDone={() => store.settle()}
             />
             {layers.length > 1 && (
-              <Button
-                label={TEXT.soloThis(layer.name)}
-                pressed={isSolo(layers, index)}
-                onClick={() => store.change(soloLayer(layers, index))}
-              >
-                {TEXT.solo}
-              </Button>
+              <label class="row look-check">
+                <input
+                  type="radio"
+                  name="look-layer"
+                  aria-label={TEXT.editThis(layer.name)}
+                  checked={index === ui.layer}
+                  onChange={() => ui.setLayer(index)}
+                />
+                <span>{TEXT.edit}</span>
+                <span class="dim">{TEXT.look(layer.look.name)}</span>
+              </label>
             )}
-          </div>
-          <SliderField
-            label={layers.length > 1 ? TEXT.opacityOf(layer.name) : TEXT.opacity}
-            shown={TEXT.opacity}
-            min={0}
-            max={1}
-            step={0.01}
-            value={layer.opacity}
-            onValue={(value) => store.change([set(value, "layers", index, "opacity")], `opacity of layer ${index}`)}
-            onDone={() => store.settle()}
-          />
-          {layers.length > 1 && (
-            <label class="row look-check">
-              <input
-                type="radio"
-                name="look-layer"
-                aria-label={TEXT.editThis(layer.name)}
-                checked={index === ui.layer}
-                onChange={() => ui.setLayer(index)}
+          </li>
+        ))}
+      </ul>
+      {geometry.length > 0 && (
+        <ul class="look-list" aria-label="Geometry">
+          {geometry.map(({ kind, name, count, visible }, index) => (
+            <li key={index}>
+              <CheckField
+                label={name}
+                note={`${kind} · ${count}`}
+                checked={visible}
+                onCheck={(on) => store.change([set(on, "geometry", index, "visible")])}
               />
-              <span>{TEXT.edit}</span>
-              <span class="dim">{TEXT.look(layer.look.name)}</span>
-            </label>
-          )}
-        </li>
-      ))}
-    </ul>
+            </li>
+          ))}
+        </ul>
+      )}
+    </>
   );
 }
 

@@ -23,8 +23,6 @@ const BODY: Readonly<Record<Pane, string>> = { z: "Axial", y: "Coronal", x: "Sag
 export const nameOf = ({ welcome }: Pick<PartProps, "welcome">, pane: Pane): string => (welcome.volumes[0]?.is_anatomical ? BODY[pane] : pane);
 /** Number of slices that a key with Shift, or PageUp, moves by. */
 const COARSE = 10;
-/** Least time between questions for the value under the pointer, ms. */
-const PROBE_MS = 40;
 
 export function SlicePane(props: PartProps & { readonly pane: Pane }) {
   const { pane, store, ui, welcome } = props;
@@ -248,21 +246,19 @@ function rangeOf([lower, upper]: readonly [Vec3, Vec3], normal: Vec3): readonly 
   return [sum(Math.min), sum(Math.max)];
 }
 
-let probeTimer: ReturnType<typeof setTimeout> | undefined;
-
-/** Asks for the values under the pointer, only for its newest place. */
-function probe(props: PartProps, on: SliceFrame | null, place: { x: number; y: number } | null): void {
-  const { engine, ui } = props;
-  clearTimeout(probeTimer);
+/** Asks for the values under the pointer. */
+function probe({ engine, ui, welcome }: PartProps, on: SliceFrame | null, place: { x: number; y: number } | null): void {
   if (on === null || place === null) {
-    ui.setProbe(null, null);
+    ui.probe(null);
     return;
   }
   const point = worldAt(on, place.x, place.y);
-  probeTimer = setTimeout(() => {
-    engine.ask("probe", { point }).then(
-      (found) => ui.setProbe(point, found),
-      () => undefined,
+  ui.probe(async () => {
+    const { values, label } = await engine.ask("probe", { point });
+    const shown = values.map((value, n) =>
+      value === null ? "outside" : `${shortNumber(value, 5)} ${welcome.volumes[n]?.value_unit ?? ""}`.trim(),
     );
-  }, PROBE_MS);
+    const where = point.map((x) => shortNumber(x, 4)).join(", ");
+    return `${shown.join(", ")}${label === null ? "" : ` · ${label.name}`} at (${where})`;
+  });
 }

@@ -12,6 +12,7 @@ import typer
 
 from wavesplat._cli import parsers
 from wavesplat._cli.crop_options import CutOptions, takes_cut_options
+from wavesplat._cli.geometry_options import opened_geometry
 from wavesplat._cli.layer_options import LayerOptions, takes_layer_options
 from wavesplat._cli.light_options import LightOptions, takes_light_options
 from wavesplat._cli.printing import message, print_lines
@@ -167,14 +168,20 @@ def _opened(
         shown = {name: value for name, value in document.options.items() if name in ("quality", "kernel", "composite")}
         return ViewerState.of(document.scene, document.camera, shown, document.view)
     if example is not None:
-        return _of_example(example, showing, viewing, colors, options)
+        return _of_example(example, showing, viewing, colors, options, quiet=others["quiet"])
     chosen = chosen_scene(str(input), showing, colors=colors, all_times=True, **others)
     camera = camera_for([chosen.scene], chosen.look, viewing, FIRST_SIZE)
     return ViewerState.of(chosen.scene, camera, {**options, "composite": chosen.operator})
 
 
 def _of_example(
-    name: str, showing: SceneOptions, viewing: ViewOptions, colors: ColorOptions, options: dict[str, Any]
+    name: str,
+    showing: SceneOptions,
+    viewing: ViewOptions,
+    colors: ColorOptions,
+    options: dict[str, Any],
+    *,
+    quiet: bool,
 ) -> ViewerState:
     from wavesplat import examples
     from wavesplat._scene.scene import Scene
@@ -182,7 +189,8 @@ def _of_example(
 
     volume = getattr(examples, name)()
     look = showing.look(volume, name, colors, quiet=True)
-    scene = Scene(volume, look, background=showing.background or look.background or "black")
+    geometry = opened_geometry(showing, volume.facts.unit, quiet=quiet)
+    scene = Scene(volume, look, background=showing.background or look.background or "black", geometry=geometry)
     camera = camera_for([scene], look, viewing, FIRST_SIZE)
     return ViewerState.of(scene, camera, {**options, "composite": showing.operator or look.composite})
 

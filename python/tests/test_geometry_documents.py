@@ -158,13 +158,14 @@ def test_names_of_folders_are_not_published(tmp_path):
     assert len(again.positions) == 1
 
 
-def test_the_viewer_keeps_geometry_which_its_page_does_not_know(tmp_path):
+def test_the_viewer_keeps_geometry_of_which_its_page_knows_names_alone(tmp_path):
     (tmp_path / "cells.csv").write_text("x,y,z\n1,2,3\n", encoding="utf-8")
     own = scene(
         ws.open_geometry(tmp_path / "cells.csv", color="red"), *(SMALL[kind] for kind in ("values", "oblique", "frame"))
     )
     state = ViewerState.of(own)
-    assert "geometry" not in state.document
+    assert {tuple(told) for told in state.document["geometry"]} == {("kind", "name", "count", "visible")}
+    assert "cells.csv" not in str(state.document)
     changed = state.patched([{"op": "replace", "path": "/background", "value": "white"}])
     assert changed.scene.geometry == own.geometry
     document = changed.file_document((64, 48))

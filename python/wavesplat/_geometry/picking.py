@@ -219,8 +219,9 @@ def _sides(x: Array, y: Array, reach: float) -> NDArray[np.uint8]:
     A part all of whose positions have a bit in common misses the ray, as most do.
     """
     tests = (x > reach, x < -reach, y > reach, y < -reach)
-    bits = [test.astype(np.uint8) << k for k, test in enumerate(tests)]
-    sides: NDArray[np.uint8] = bits[0] | bits[1] | bits[2] | bits[3]
+    sides = np.zeros(len(x), np.uint8)
+    for k, test in enumerate(tests):
+        sides |= test.astype(np.uint8) << np.uint8(k)
     return sides
 
 

@@ -20,7 +20,9 @@ from wavesplat._model.crop import Crop
 from wavesplat._model.grid import Grid
 from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
-from wavesplat._scene.slice_cards import card_of
+from wavesplat._scene.drawn_layers import identity_of
+from wavesplat._scene.scene_shapes import shapes_of
+from wavesplat._viewer.previews import preview_of
 from wavesplat._viewer.probing import sample_at, value_at
 from wavesplat._viewer.sight import Sight, depth_of_matter
 from wavesplat._viewer.state import ViewerState
@@ -41,7 +43,7 @@ def shape_seen(state: ViewerState, sight: Sight, progress: Any = None) -> dict[s
     ray = Ray(sight.origin, sight.direction, -inf if state.camera.view_angle is None else 0.0, sight.pixel_at)
     known: dict[str, Any] = {
         "is_kept": _kept_by(scene._clipping.in_world(first), first),
-        "card_of": lambda plane: card_of(plane, first),
+        "card_of": _cards(state).__getitem__,
         "bounds": first.bounds,
     }
     found = picked(ray, scene.geometry, **known)
@@ -53,6 +55,17 @@ def shape_seen(state: ViewerState, sight: Sight, progress: Any = None) -> dict[s
     if found.depth > seen_to:
         found = picked(ray, scene.geometry, farthest=seen_to, **known)
     return None if found is None else _told(scene.geometry, found, sight.point_at(found.depth), first)
+
+
+def _cards(state: ViewerState) -> dict[SlicePlane, Any]:
+    """The pictures of the slices that are shown, which those of the scene have made."""
+    scene = preview_of(state.scene)
+    planes = [shape for shape in scene.geometry if isinstance(shape, SlicePlane) and shape._is_seen]
+    first = scene.layers[0].drawn
+    arrays = (
+        shapes_of(scene.geometry, first, identity_of(first), state.camera, scene._cache.shapes_of) if planes else None
+    )
+    return {} if arrays is None else dict(zip(planes, arrays.cards, strict=True))
 
 
 def _kept_by(clipping: Clipping, grid: Grid) -> Callable[[Array], NDArray[np.bool_]]:

@@ -61,7 +61,7 @@ class Ray:
 
 @dataclass(frozen=True)
 class Picked:
-    """What a ray meets first.
+    """The shape that a ray meets first.
 
     number : of the shape. depth : world units along the ray. part : number of the point, path or triangle, from 0; None
     of a slice or a frame. value : of the shape's values there, or None.
@@ -75,7 +75,7 @@ class Picked:
 
 @dataclass(frozen=True, eq=False)
 class _Met:
-    """Where a ray meets the parts of a shape: arrays of shape (n,), values None where it has none."""
+    """Places where a ray meets the parts of a shape: arrays of shape (n,), values None where it has none."""
 
     depths: Array
     parts: NDArray[np.int64]
@@ -179,7 +179,7 @@ def _met_steps(
     size: tuple[float | None, float | None],
     look: tuple[Array, Array | None],
 ) -> _Met:
-    """Where a ray meets the segments between neighbouring positions.
+    """Places where a ray meets the segments between neighbouring positions.
 
     steps : which neighbours have a segment between them, and the number of the path of each position.
     size : radius in world units, or width in pixels. look : opacity of each position, and its value.
@@ -253,7 +253,7 @@ def _met_surface(ray: Ray, surface: Surface) -> _Met:
 
 
 def _met_card(ray: Ray, card: Any) -> _Met:
-    """Where a ray meets the picture on a parallelogram; its value is that of the volume, which is not known here."""
+    """The place where a ray meets the picture on a parallelogram; its value is that of the volume, which is not known here."""
     corner, along_x, along_y = (np.asarray(card[name]) for name in ("corner", "along_x", "along_y"))
     matrix = np.stack([along_x, along_y, -ray.direction], axis=1)
     if abs(np.linalg.det(matrix)) <= 1e-12 * np.linalg.norm(np.cross(along_x, along_y)):

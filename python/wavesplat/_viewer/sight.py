@@ -1,4 +1,4 @@
-"""What is seen at a pixel of the picture in space: its ray, and the depth where opacity reaches one half."""
+"""The sight of a pixel of the picture in space: its ray, and the depth where opacity reaches one half."""
 
 from __future__ import annotations
 

@@ -308,7 +308,7 @@ def _labels(fields: Any, scene: Scene) -> Labels | None:
 
 
 def _facts_of_shapes(scene: Scene) -> list[dict[str, Any]]:
-    """What the page lists of the geometry: kind, name, number of parts, and whether it is shown."""
+    """Facts of the geometry that the page lists: kind, name, number of parts, and whether it is shown."""
     facts = zip(scene.geometry, names_of_shapes(scene.geometry), facts_of_shapes(scene.geometry), strict=True)
     return [
         {"kind": shape.KIND, "name": name, "count": told["count"], "visible": shape.visible}

@@ -28,7 +28,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality edges random-functions random-scenes looks looks-beside-vtk looks-beside-napari looks-beside-pyvista study study-wavelets study-lod study-cuts bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers bench-shapes scene-hashes roofline instructions gallery golden pictures \
+.PHONY: help demo test check fmt quality edges random-functions random-scenes looks looks-beside-vtk looks-beside-napari looks-beside-pyvista study study-wavelets study-lod study-cuts bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers bench-shapes scene-hashes roofline instructions gallery concepts site golden pictures \
 	clean wheel fuzz memcheck miri fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
 	rust-test python-test test-arm test-napari rust-lint python-lint stubs spelling licences docs readme
 
@@ -196,6 +196,16 @@ miri: ## run the same in Miri, which also checks what the language allows; needs
 gallery: $(STAMPS)/tools ## draw the pictures of docs/gallery.md, each with the command that drew it
 	python docs/gallery.py
 
+concepts: $(STAMPS)/package ## draw the pictures of docs/concepts.md and print its numbers; seconds
+	python docs/concepts.py
+
+# The doctrees are kept, so that a page that was changed is built in seconds.
+site: $(STAMPS)/site ## build the documentation as a web site, out/site/index.html; a warning or a dead link is an error
+	rm -rf $(OUT)/site
+	python -m sphinx -q -W --keep-going -c docs/site -b html -d .cache/site . $(OUT)/site
+	python docs/site/check_links.py $(OUT)/site
+	@echo "The site is $(abspath $(OUT)/site/index.html)"
+
 pictures: $(STAMPS)/package ## draw the nine pictures of the README from the volumes of BENCH_DATA
 	BENCH_DATA=$(BENCH_DATA) python docs/first_pictures.py
 
@@ -286,6 +296,11 @@ $(STAMPS)/bench: pyproject.toml | $(STAMPS)/package
 # What the studies plot with.
 $(STAMPS)/study: pyproject.toml | $(STAMPS)/package
 	maturin develop --release --locked --extras study
+	@touch $@
+
+# What the documentation site is built with.
+$(STAMPS)/site: pyproject.toml | $(STAMPS)/package
+	maturin develop --release --locked --extras site
 	@touch $@
 
 # Built without optimisation: it runs for a second and would take twice as long to build.

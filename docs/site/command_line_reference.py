@@ -38,7 +38,7 @@ def section_of(name: str, command: Any, root: Any) -> nodes.section:
     context = command.context_class(command, info_name=name, parent=root)
     section = nodes.section(ids=[nodes.make_id(f"wavesplat-{name}")])
     section += nodes.title(text=f"wavesplat {name}")
-    section += [nodes.paragraph(text=" ".join(part.split())) for part in inspect.cleandoc(command.help).split("\n\n")]
+    section += [paragraph(part) for part in inspect.cleandoc(command.help).split("\n\n")]
     usage = " ".join([context.command_path, *command.collect_usage_pieces(context)])
     section += nodes.literal_block(usage, usage, language="none")
     records = [parameter.get_help_record(context) for parameter in command.get_params(context)]
@@ -51,6 +51,11 @@ def definitions(records: list[tuple[str, str]]) -> nodes.definition_list:
     listed = nodes.definition_list()
     for names, meaning in records:
         term = nodes.term("", "", nodes.literal(text=names))
-        text = " ".join(meaning.split()) or "See above."
-        listed += nodes.definition_list_item("", term, nodes.definition("", nodes.paragraph(text=text)))
+        listed += nodes.definition_list_item("", term, nodes.definition("", paragraph(meaning)))
     return listed
+
+
+def paragraph(text: str) -> nodes.paragraph:
+    """A text in one line, what stands between backquotes in it as code."""
+    parts = " ".join(text.split()).split("`")
+    return nodes.paragraph("", "", *(nodes.literal(text=p) if n % 2 else nodes.Text(p) for n, p in enumerate(parts)))

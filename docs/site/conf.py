@@ -55,11 +55,12 @@ source_suffix = {".md": "markdown"}
 
 myst_enable_extensions = ["colon_fence"]
 myst_heading_anchors = 4  # as web pages of repositories make them from headings, so that `page.md#heading` leads there
+smartquotes = False  # what stands in quotes is mostly to be typed
 suppress_warnings = ["myst.header"]  # `studies` and records begin some sections at a third level
 
 # Python
 
-autodoc_default_options = {"members": True, "show-inheritance": False}
+autodoc_default_options = {"members": True}
 autodoc_member_order = "alphabetical"
 autodoc_typehints_format = "short"
 python_use_unqualified_type_names = True
@@ -77,6 +78,11 @@ html_theme = "pydata_sphinx_theme"
 html_title = f"Wavesplat {release}"
 html_additional_pages = {"index": "first_page.html"}
 templates_path = ["templates"]
+html_sidebars: dict[str, list[str]] = {
+    "docs/concepts": [],
+    "docs/gallery": [],
+    "docs/glossary": [],
+}  # sections of a single page
 html_copy_source = False
 html_show_copyright = False
 html_theme_options = {

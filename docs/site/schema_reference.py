@@ -56,6 +56,8 @@ def section_of(name: str, kind: Mapping[str, Any]) -> nodes.section:
 def described(value: Any) -> list[nodes.Node]:
     """The words for the values that are allowed, with links to the kinds that they name."""
     parts = [*references(value), *choices(value), *own_words(value)]
+    if value.get("description"):
+        parts.append(nodes.Text(f"{'. ' if parts else ''}{value['description']}"))
     return parts or [nodes.Text("any value")]
 
 
@@ -79,7 +81,7 @@ def choices(value: Mapping[str, Any]) -> list[nodes.Node]:
 
 
 def own_words(value: Mapping[str, Any]) -> list[nodes.Node]:
-    """The type, the bounds, the fields, the items and the description that stand with a value itself."""
+    """The type, the bounds, the fields and the items that stand with a value itself."""
     words: list[nodes.Node] = []
     for text in (type_of(value), bounds_of(value)):
         if text:
@@ -91,8 +93,6 @@ def own_words(value: Mapping[str, Any]) -> list[nodes.Node]:
             words.append(nodes.Text(")"))
     if isinstance(value.get("items"), dict):
         words += [nodes.Text(" of "), *described(value["items"])]
-    if value.get("description"):
-        words.append(nodes.Text(f". {value['description']}" if words else value["description"]))
     return words
 
 

@@ -253,7 +253,7 @@ def _met_surface(ray: Ray, surface: Surface) -> _Met:
 
 
 def _met_card(ray: Ray, card: Any) -> _Met:
-    """The place where a ray meets the picture on a parallelogram; its value is that of the volume, which is not known here."""
+    """The place where a ray meets the picture on a parallelogram; the value there is not known here."""
     corner, along_x, along_y = (np.asarray(card[name]) for name in ("corner", "along_x", "along_y"))
     matrix = np.stack([along_x, along_y, -ray.direction], axis=1)
     if abs(np.linalg.det(matrix)) <= 1e-12 * np.linalg.norm(np.cross(along_x, along_y)):

@@ -221,17 +221,40 @@ def test_matter_hides_shapes():
     assert seen(state.replaced({**state.document, "render": {**state.document["render"], "composite": "maximum"}}))
 
 
-def test_clips_cut_what_they_cut_in_the_picture():
-    ball = ws.Points([[0, 0, 0]], radius=2)
-    clips = [
+@pytest.mark.parametrize(
+    "clip",
+    [
         ws.ClipPlane((0, 1, 0), (0, -1, 0)),
-        ws.CutOut(ws.Crop((4, 4, 4), (10, 10, 10), space="index")),
+        ws.ClipPlane((0, -3, 0), (0, -1, 0)),
         ws.Crop((-5, -5, -5), (5, 1.5, 5)),
-    ]
-    for clip in clips:
-        uncut, cut = (seen(state_of(ball.with_(clipped=clipped), clip=clip)) for clipped in (False, True))
-        assert uncut["point"] == pytest.approx([0, 2, 0])
-        assert cut is None
+        ws.Crop((0, 0, 0), (10, 6.5, 10), space="index"),
+        ws.CutOut(ws.Crop((4, 4, 4), (10, 10, 10), space="index")),
+    ],
+)
+@pytest.mark.parametrize("is_clipped", [False, True])
+@pytest.mark.parametrize(
+    "shape",
+    [
+        ws.Points([[0, 0, 0]], radius=2),
+        ws.Points([[0, 0, 0]], size=40),
+        ws.Lines([[-3, 0, 0], [3, 0, 0]], radius=2),
+        ws.Surface(SQUARE + NEARER, TRIANGLES),
+        ws.SlicePlane(clear(), "xz"),
+    ],
+    ids=repr,
+)
+def test_clips_and_depths_are_those_of_the_picture(shape, is_clipped, clip):
+    state = state_of(shape.with_(clipped=is_clipped), clip=clip)
+    picture = state.scene.render(FRONT, size=(101, 101), depth=True, composite="over")
+    found, depth = seen(state), picture.depth[50, 50]
+    assert (found is None) == np.isnan(depth)
+    if found:
+        assert 100 - found["point"][1] == pytest.approx(depth, abs=1e-3)
+
+
+def test_the_eye_in_a_ball_sees_its_far_side():
+    eye = ws.Camera((0, 1, 0), (0, 0, 0), (0, 0, 1), view_angle=30)
+    assert seen(state_of(ws.Points([[0, 0, 0]], radius=2), camera=eye))["point"] == pytest.approx([0, -2, 0])
 
 
 def test_slices_tell_the_value_of_their_volume():

@@ -86,6 +86,15 @@ class _Met:
         values = None if self.values is None else self.values[kept]
         return _Met(self.depths[kept], self.parts[kept], self.opacities[kept], values)
 
+    def on_both_sides(self, half: Array) -> _Met:
+        """The places where a ray enters and leaves solids, from those in their middles and half of the way through.
+
+        An eye in a solid sees its far side, and so does one before a clip that takes the near side away.
+        """
+        values = None if self.values is None else np.tile(self.values, 2)
+        depths = np.concatenate([self.depths - half, self.depths + half])
+        return _Met(depths, np.tile(self.parts, 2), np.tile(self.opacities, 2), values)
+
 
 def picked(
     ray: Ray,
@@ -164,12 +173,12 @@ def _met_points(ray: Ray, points: Points) -> _Met:
         radii = np.broadcast_to(np.asarray(SIZE_PX if points.size is None else points.size) / 2 * pixels, len(away))
     else:
         radii = np.broadcast_to(np.asarray(points.radius, np.float64), len(away))
-        half = np.sqrt(np.maximum(radii**2 - away**2, 0))
-        # The eye in a ball sees its far side.
-        depths = np.where(depths - half > ray.nearest, depths - half, depths + half)
     near = np.flatnonzero(away <= np.maximum(radii, SLACK_PX * pixels))
     values = None if points.values is None else points.values[near]
-    return _Met(depths[near], near, _alphas(points, len(away))[near], values)
+    met = _Met(depths[near], near, _alphas(points, len(away))[near], values)
+    if points.radius is None:
+        return met
+    return met.on_both_sides(np.sqrt(np.maximum(radii[near] ** 2 - away[near] ** 2, 0)))
 
 
 def _met_steps(
@@ -201,16 +210,16 @@ def _met_steps(
     radii = np.full(len(away), radius, np.float64) if radius is not None else width / 2 * pixels  # type: ignore[operator]
     near = np.flatnonzero(away <= np.maximum(radii, SLACK_PX * pixels))
     share, first = shares[near], first[near]
-    depths = depths[near]
-    if radius is not None:
-        # A tube is entered the earlier, the more it runs along the ray; its rounded ends as balls are.
-        lengths = np.linalg.norm(along[:, near], axis=0)
-        sines = np.sqrt(squares[near]) / np.where(lengths > 0, lengths, 1)
-        is_end = (share <= 0) | (share >= 1)
-        half = np.sqrt(np.maximum(radii[near] ** 2 - away[near] ** 2, 0))
-        depths = depths - half / np.where(is_end | (sines == 0), 1, sines)
     between = None if values is None else _mixed(values, first, share)
-    return _Met(depths, numbers[first], _mixed(alphas, first, share), between)
+    met = _Met(depths[near], numbers[first], _mixed(alphas, first, share), between)
+    if radius is None:
+        return met
+    # The way through a tube is the longer, the more it runs along the ray; its rounded ends are met as balls are.
+    lengths = np.linalg.norm(along[:, near], axis=0)
+    sines = np.sqrt(squares[near]) / np.where(lengths > 0, lengths, 1)
+    is_end = (share <= 0) | (share >= 1)
+    half = np.sqrt(np.maximum(radii[near] ** 2 - away[near] ** 2, 0))
+    return met.on_both_sides(half / np.where(is_end | (sines == 0), 1, sines))
 
 
 def _sides(x: Array, y: Array, reach: float) -> NDArray[np.uint8]:

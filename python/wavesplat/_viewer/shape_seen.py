@@ -16,8 +16,6 @@ from wavesplat._geometry.shape import Shape
 from wavesplat._geometry.shape_arrays import names_of_shapes
 from wavesplat._geometry.slice_plane import SlicePlane
 from wavesplat._model.clips import Clipping
-from wavesplat._model.crop import Crop
-from wavesplat._model.grid import Grid
 from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
 from wavesplat._scene.drawn_layers import identity_of
@@ -42,7 +40,7 @@ def shape_seen(state: ViewerState, sight: Sight, progress: Any = None) -> dict[s
     first = scene.layers[0].drawn
     ray = Ray(sight.origin, sight.direction, -inf if state.camera.view_angle is None else 0.0, sight.pixel_at)
     known: dict[str, Any] = {
-        "is_kept": _kept_by(scene._clipping.in_world(first), first),
+        "is_kept": _kept_by(scene._clipping.in_world(first)),
         "card_of": _cards(state).__getitem__,
         "bounds": first.bounds,
     }
@@ -68,29 +66,19 @@ def _cards(state: ViewerState) -> dict[SlicePlane, Any]:
     return {} if arrays is None else dict(zip(planes, arrays.cards, strict=True))
 
 
-def _kept_by(clipping: Clipping, grid: Grid) -> Callable[[Array], NDArray[np.bool_]]:
-    """Whether clips keep world points. `grid`: of boxes in samples."""
+def _kept_by(clipping: Clipping) -> Callable[[Array], NDArray[np.bool_]]:
+    """Whether clips in the world keep points; boxes that are cut out take samples alone, and no shapes."""
 
     def is_kept(points: Array) -> NDArray[np.bool_]:
         kept = np.ones(len(points), bool)
         if clipping.crop is not None:
-            kept &= _is_in(clipping.crop, points, grid)
+            lower, upper = np.sort([clipping.crop.lower, clipping.crop.upper], axis=0)
+            kept &= ((points >= lower) & (points <= upper)).all(axis=1)
         for plane in clipping.planes:
             kept &= (points - plane.point) @ np.array(plane.normal) >= 0
-        for box in clipping.boxes:
-            kept &= ~_is_in(box, points, grid)
         return kept
 
     return is_kept
-
-
-def _is_in(box: Crop, points: Array, grid: Grid) -> NDArray[np.bool_]:
-    lower, upper = np.sort([box.lower, box.upper], axis=0)
-    if box.space == "index":
-        matrix = np.linalg.inv(grid.world_from_index)
-        points = points @ matrix[:3, :3].T + matrix[:3, 3]
-    inside: NDArray[np.bool_] = ((points >= lower) & (points <= upper)).all(axis=1)
-    return inside
 
 
 def _told(shapes: tuple[Shape, ...], found: Picked, point: Array, first: Any) -> dict[str, Any]:

@@ -50,7 +50,10 @@ FIELDS: dict[str, Field] = {
     "look": Field(OBJECT, "Name of the first layer's look, and the reason why it was chosen."),
     "layers": Field(OBJECTS, "Of several layers a report each; of slices name, opacity, time and processing of each."),
     "shown": Field(OBJECTS, "The visible layers: name, unit of values, operator, and the colours of values."),
-    "geometry": Field(OBJECTS, "What stands in space with the volumes: kind, name, and number of parts of each."),
+    "geometry": Field(
+        OBJECTS,
+        "What stands in space with the volumes: kind, name, number of parts; `visible` is false of hidden ones.",
+    ),
     "labels": Field(OBJECTS, "Names and colours of the labels that show; of slices those in them."),
     "time": Field(OBJECT, "Of a time point: its number, and its time with the unit as text."),
     "panels": Field(OBJECTS, "Of a lightbox plane, position and place on the sheet, in pixels, of each slice."),

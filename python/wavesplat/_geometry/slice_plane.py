@@ -43,7 +43,7 @@ class SlicePlane(Shape):
     opacity : float, 0..1, default 1
         Of the slice; outside of the volume it is clear.
     clipped : bool, default False
-        The scene's clips cut it too.
+        The scene's crops and clip planes cut it, too; cut-out boxes do not.
     visible : bool, default True
         Whether it is drawn; a hidden one stays in the scene.
     name : str, optional

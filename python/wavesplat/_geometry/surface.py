@@ -59,7 +59,7 @@ class Surface(Shape):
         The scene's light shines on it, on both sides, and matter casts its shadow on it; else colours are shown as
         given.
     clipped : bool, default False
-        The scene's clips cut it too.
+        The scene's crops and clip planes cut it, too; cut-out boxes do not.
     visible : bool, default True
         Whether it is drawn; a hidden one stays in the scene.
     name : str, optional

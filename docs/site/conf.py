@@ -78,11 +78,8 @@ html_theme = "pydata_sphinx_theme"
 html_title = f"Wavesplat {release}"
 html_additional_pages = {"index": "first_page.html"}
 templates_path = ["templates"]
-html_sidebars: dict[str, list[str]] = {
-    "docs/concepts": [],
-    "docs/gallery": [],
-    "docs/glossary": [],
-}  # sections of a single page
+# Sections of a single page have nothing to list.
+html_sidebars: dict[str, list[str]] = {"docs/concepts": [], "docs/gallery": [], "docs/glossary": []}
 html_copy_source = False
 html_show_copyright = False
 html_theme_options = {

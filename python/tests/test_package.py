@@ -118,6 +118,7 @@ def test_extras_are_installed_from_the_checkout():
     project = (root / "pyproject.toml").read_text(encoding="utf-8")
     extras = {name for pair in named for name in pair if name}
     assert extras == {
+        "all",
         "bio",
         "body",
         "dask",
@@ -134,6 +135,17 @@ def test_extras_are_installed_from_the_checkout():
         "xarray",
     }
     assert [name for name in extras if not re.search(rf"^{name} = \[", project, re.MULTILINE)] == []
+
+
+def test_the_extra_of_all_has_what_the_others_have():
+    tomllib = pytest.importorskip("tomllib", reason="it reads the project's file; Python 3.11 has it")
+    project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    extras = project["optional-dependencies"]
+    for_work_on_the_package = {"dev", "bench", "study", "site"}
+    assert for_work_on_the_package <= set(extras)
+    users = set(extras) - for_work_on_the_package - {"all"}
+    assert "movie" in users
+    assert sorted(extras["all"]) == sorted({requirement for name in users for requirement in extras[name]})
 
 
 def test_the_page_of_what_is_public_names_all_modules_and_commands():

@@ -16,6 +16,10 @@ PICTURE = ws.render(BALL, size=(8, 6))
 CAMERA = PICTURE.camera
 assert CAMERA is not None
 
+CORNERS = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
+EIGHT = ((0, 8), (0, 8), (0, 8))
+PART = ws.VolumePart(BALL.samples, (0, 0, 0), EIGHT, (8, 8, 8))
+PARTIAL = ws.render_part(PART.whole([PART.overview()]), size=(8, 6))
 COST = ws.Cost((8, 8, 8), 0, 1, 1, 1, 1, 1, 512, 512, True, 512, 512, {}, {}, 1, 1)
 
 #: Of every public dataclass one object, and a field with another value for it.
@@ -31,20 +35,26 @@ SAMPLES = [
     (ws.DepthShadedMaximum(), None, None),
     (ws.Facts(modality="CT"), "modality", "MR"),
     (ws.FirstHit(0.5), None, None),
+    (ws.Frame(), "grid", True),
     (ws.Isolines(BALL, [0.5], color="red"), "values", (0.25,)),
     (ws.KeyFrame(0), "time_s", 2.0),
     (ws.Label("red", name="a"), "name", "b"),
     (ws.Labels(np.eye(4, dtype=np.uint8).reshape(1, 4, 4)), "smooth", False),
     (ws.Layer(BALL), "opacity", 0.5),
     (ws.Light((0, 0, 1)), "frame", "world"),
+    (ws.Lines(CORNERS), "width", 3.0),
     (ws.LocalMaximum(0.5), None, None),
     (ws.Look.preset("ct-bone"), "background", "white"),
     (FLESH, "opacity", 0.25),
     (ws.Materials([FLESH]), "opacity_unit", 2.0),
     (ws.Mesh(np.zeros((3, 3)), np.array([[0, 1, 2]], np.int32), np.ones((3, 3))), "faces", np.array([[0, 2, 1]])),
     (ws.Meshes((), ()), None, None),
+    (PARTIAL, "planes", {}),
     (PICTURE, "depth", np.ones((6, 8))),
+    (ws.Points(CORNERS), "opacity", 0.5),
     (ws.Region([[(0, 0, 0), (1, 0, 0), (0, 1, 0)]], "red", is_of_patient=True), "name", "b"),
+    (ws.SlicePlane(), "opacity", 0.5),
+    (ws.Surface(CORNERS, [[0, 1, 2]]), "normals", "flat"),
     (ws.Sampling(), "quality", "fine"),
     (ws.Scene(BALL), "background", "white"),
     (ws.Shading(), "specular", 0.0),

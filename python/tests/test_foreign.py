@@ -405,6 +405,7 @@ def _public_functions():
     """Public functions and methods that take a volume first, and what else they need."""
     more = {"mesh": {"iso_value": 1}, "view": {"name": "left"}, "corner": {"name": "left"}}
     more |= {"raycast": {"step": 1}, "Isolines": {"values": [1]}}
+    more |= {"VolumePart": {"start": (0, 0, 0), "own": ((0, 2), (0, 2), (0, 2)), "shape": (2, 2, 2)}}
     places = [(ws, name) for name in ws.__all__] + [
         (holder, name)
         for holder in (ws.reference, ws.study, ws.Look, ws.TransferFunction, ws.Materials, ws.Camera, ws.Crop)

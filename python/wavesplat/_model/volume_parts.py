@@ -19,6 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 from wavesplat import _native
 from wavesplat._files.paths import printable
 from wavesplat._model.argument_types import described, text_of
+from wavesplat._model.convert_from import converted
 from wavesplat._model.facts import Facts
 from wavesplat._model.lazy_checks import DEFAULT_SIDE, renderable_type
 from wavesplat._model.lazy_volume import LazyVolume, lazily
@@ -202,7 +203,7 @@ class VolumePart:
         name: str = "volume",
     ) -> None:
         self.name = printable(text_of(name, "name of the volume"))
-        given = np.asarray(samples)
+        given = np.asarray(converted(samples, "samples", has_place=True).samples)
         if given.ndim != 3 or min(given.shape) < 1:
             raise ArgumentError(f"part of {self.name!r}: samples have shape {given.shape}; give (z, y, x)")
         self._samples = np.asarray(given, renderable_type(given.dtype, self.name))

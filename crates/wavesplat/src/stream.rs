@@ -150,8 +150,8 @@ impl Scene<'static> {
         let plan = Plan { part, ..plan };
         let is_cut = streaming.segment_slices.is_some() || streaming.part.is_some();
         if is_cut && !can_fold(&plan) {
-            let mend = "draw it in one piece, or without depth, surfaces, lines and points";
-            return Err(Error::out_of_range("pieces of rays of this operator", "several", "one", mend));
+            let mend = "draw it without segments and parts, or without depth, surfaces, lines and points";
+            return Err(Error::out_of_range("segments of rays of this operator", "several", "one", mend));
         }
         Ok(Planned { plan, slices, storage, sampling })
     }

@@ -221,7 +221,7 @@ def test_what_needs_the_whole_volume_is_refused() -> None:
         ({"segments": 4}, "segments is for whole volumes"),
         ({"psnr": 40}, "psnr is for whole volumes"),
         ({"panorama": True}, "several pictures"),
-        ({"composite": ws.LocalMaximum(0.5)}, "in one piece"),
+        ({"composite": ws.LocalMaximum(0.5)}, "without segments and parts"),
     ):
         with pytest.raises(ArgumentError, match=message):
             ws.render_part(volume, SOFT, "left", **small, **options)  # type: ignore[arg-type]

@@ -3,7 +3,7 @@
 A file says what a map holds by its quantity (the intent of NIfTI, the image type of DICOM). Else it is told by words of
 the file's name, as BIDS, FSL, SPM and FreeSurfer write them, and is a guess. Of values alone, two kinds are told:
 
-- Diffusivities in mm²/s are floating-point numbers below 0.02: water in a body has 0.003, and no scan is so dark.
+- Diffusivities in mm²/s are floating-point numbers up to 0.001 at least and 0.02 at most: water in a body has 0.003.
 - p-values are near 1 nearly everywhere, outside of the body too, and fall to near 0 somewhere.
 
 Relaxation times and perfusion without a name look like scans of their own contrast, and stay such.
@@ -51,8 +51,8 @@ ONE_MINUS_P_WORDS = {"corrp"}
 UPTAKE_WORDS = {"suv", "suvbw", "suvlbm", "suvr"}
 #: The largest p that counts as significant, and the least share of zeros that are the outside of a mask.
 SIGNIFICANT, MIN_MASKED = 0.05, 0.2
-#: Largest value of diffusivities in mm²/s, with noise.
-MAX_DIFFUSIVITY = 0.02
+#: Largest value of diffusivities in mm²/s: least of maps of a body, which has water, and most, with noise.
+MIN_DIFFUSIVITY, MAX_DIFFUSIVITY = 0.001, 0.02
 #: Values that count as near 1, and the least share of them among p-values.
 NEAR_ONE, MIN_NEAR_ONE = 0.9, 0.7
 #: Longest word whose number at the end is a part of it, as in "T2".
@@ -78,7 +78,7 @@ def map_kind(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> Fou
         return found
     if low < 0 or getattr(volume, "dtype", np.dtype(np.float32)).kind != "f":
         return None
-    if 0 < high <= MAX_DIFFUSIVITY:
+    if MIN_DIFFUSIVITY <= high <= MAX_DIFFUSIVITY:
         return "map", f"a map of diffusion in mm²/s: up to {high:.2g}, by the values"
     if high <= 1 and low < SIGNIFICANT and np.mean(values > NEAR_ONE) >= MIN_NEAR_ONE:
         return "p-values", "p-values: near 1 nearly everywhere, and near 0 somewhere, by the values"

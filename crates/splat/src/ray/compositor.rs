@@ -28,6 +28,15 @@ pub struct Slab<'a, 'b> {
 }
 
 impl Slab<'_, '_> {
+    /// Interval of s for which the sheets stand where slabs are not pre-integrated: half a slab on both sides of the front
+    /// sheet, and the rest where the back sheet `is_last`.
+    #[inline(always)]
+    pub fn covered_by_sheets(&self, is_last: bool) -> [f32; 2] {
+        let [front, back] = self.s;
+        let half = 0.5 * (back - front);
+        [front - half, if is_last { back } else { front + half }]
+    }
+
     /// Clips the layers' own rays of a chunk to what lies between two places each ([`Rays::cut`]).
     #[inline(always)]
     pub fn cut(&mut self, chunk: Chunk, places: [&Lanes; 2]) -> Vec<([Lanes; 2], [f32; 2])> {

@@ -429,12 +429,7 @@ impl<const MODIFIED: bool> Compositor for Over<'_, MODIFIED> {
 
     #[inline(always)]
     fn covered(&self, block: Block, slab: &Slab) -> [f32; 2] {
-        let [front, back] = slab.s;
-        if self.needs_preintegration {
-            return slab.s;
-        }
-        let half = 0.5 * (back - front);
-        [front - half, if slab.first.is_last(block) { back } else { front + half }]
+        if self.needs_preintegration { slab.s } else { slab.covered_by_sheets(slab.first.is_last(block)) }
     }
 
     #[inline(always)]

@@ -462,19 +462,8 @@ impl Compositor for OverLayers<'_> {
 
     #[inline(always)]
     fn covered(&self, block: Block, slab: &Slab) -> [f32; 2] {
-        let [front, back] = slab.s;
-        if self.needs_preintegration {
-            return slab.s;
-        }
-        let half = 0.5 * (back - front);
-        [
-            front - half,
-            if slab.first.is_last(block) || slab.more.iter().any(|own| own.is_last(block)) {
-                back
-            } else {
-                front + half
-            },
-        ]
+        let is_last = slab.first.is_last(block) || slab.more.iter().any(|own| own.is_last(block));
+        if self.needs_preintegration { slab.s } else { slab.covered_by_sheets(is_last) }
     }
 
     #[inline(always)]

@@ -1,12 +1,12 @@
 // Bundles the viewer into the Python package: readable, not minified, the same bytes wherever it is built.
-// `node build.mjs --size` prints how large it is minified, and fails beyond the limit; `--check` fails if what is committed
-// is not what is built.
+// `node build.mjs --size` prints its sizes, and fails if it is larger than the limit when compressed, which is how it travels;
+// `--check` fails if what is committed is not what is built.
 import { build, transform } from "esbuild";
 import { gzipSync } from "node:zlib";
 import { readFile, writeFile } from "node:fs/promises";
 
 const OUT = new URL("../python/wavesplat/_viewer/client/viewer.js", import.meta.url);
-const MAX_MINIFIED = 150_000;
+const MAX_COMPRESSED = 80_000;
 
 const options = {
   entryPoints: [new URL("src/viewer.ts", import.meta.url).pathname],
@@ -38,8 +38,8 @@ const compressed = gzipSync(small, { level: 9 }).length;
 
 if (process.argv.includes("--size")) {
   console.log(`viewer.js: ${text.length} bytes, ${small.length} minified, ${compressed} compressed`);
-  if (small.length > MAX_MINIFIED) {
-    console.error(`too large: at most ${MAX_MINIFIED} minified`);
+  if (compressed > MAX_COMPRESSED) {
+    console.error(`too large: at most ${MAX_COMPRESSED} compressed`);
     process.exit(1);
   }
 } else if (process.argv.includes("--check")) {

@@ -6,8 +6,8 @@ import { join } from "node:path";
 import { chromium } from "playwright-core";
 
 const [, , link, seconds = "5"] = process.argv;
-/** Size of the window in which the picture in space has 1024 x 768 pixels: panels and bars lie beside it. */
-const WINDOW = { width: 1364, height: 832 };
+/** Size of the window, which the 3-D picture fills. */
+const WINDOW = { width: 1024, height: 768 };
 const EVENTS_PER_S = 60;
 const KEPT = 8;
 

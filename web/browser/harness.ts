@@ -164,9 +164,10 @@ export async function drag(page: Page, dx: number, dy: number, options: { button
   await page.mouse.up(how);
 }
 
-export async function openPanels(page: Page, ...names: string[]): Promise<void> {
-  await change(page, { op: "replace", path: "/view/interface/panels", value: names });
-  for (const name of names) await page.locator(`[data-panel="${name}"] .body`).waitFor();
+/** Opens the sheet of a panel, in place of the one that is open. */
+export async function openPanel(page: Page, name: string): Promise<void> {
+  await change(page, { op: "replace", path: "/view/interface/panels", value: [name] });
+  await page.locator(`[data-panel="${name}"] .body`).waitFor();
 }
 
 /** Runs Python in a folder, and returns what it prints. */

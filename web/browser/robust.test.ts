@@ -6,7 +6,7 @@ import { createRequire } from "node:module";
 import { afterAll, beforeAll, describe, expect, test } from "vitest";
 
 import {
-  atRest, change, drag, middle, openBrowser, openPanels, openViewer, pixels, records, startServer, state, type Browser, type Server,
+  atRest, change, drag, middle, openBrowser, openPanel, openViewer, pixels, records, startServer, state, type Browser, type Server,
 } from "./harness.ts";
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
@@ -33,7 +33,6 @@ describe("accessibility", () => {
 
   test.each(["dark", "light"])("axe finds nothing in %s", async (theme) => {
     const page = await openViewer(browser, theme === "dark" ? server.link : `http://127.0.0.1:${server.port}/`);
-    await openPanels(page, ...PANELS);
     await change(page, { op: "replace", path: "/view/interface/theme", value: theme },
       { op: "replace", path: "/view/layout", value: { name: "one-and-three", main: "3d" } },
       { op: "replace", path: "/view/overlays", value: Object.fromEntries(["scale_bar", "letters", "cube", "color_bar", "crosshair", "crop_box", "legend"].map((name) => [name, true])) },
@@ -48,6 +47,10 @@ describe("accessibility", () => {
         return violations.flatMap(({ id, nodes }) => nodes.map(({ target, failureSummary }) => `${id}: ${JSON.stringify(target)} ${failureSummary ?? ""}`));
       });
     expect(await find()).toEqual([]);
+    for (const name of PANELS) {
+      await openPanel(page, name);
+      expect(await find(), name).toEqual([]);
+    }
     await page.locator('[data-view="3d"]').focus();
     await page.keyboard.press("?");
     await page.getByRole("dialog").waitFor();

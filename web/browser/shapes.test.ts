@@ -7,7 +7,7 @@ import type { Page } from "playwright-core";
 import { afterAll, beforeAll, expect, test } from "vitest";
 
 import {
-  atRest, folder, middle, openBrowser, openPanels, openViewer, pixels, python, startServer, state, type Browser, type Server,
+  atRest, folder, middle, openBrowser, openPanel, openViewer, pixels, python, startServer, state, type Browser, type Server,
 } from "./harness.ts";
 
 /** In front of the patient, where no matter hides it. */
@@ -48,7 +48,7 @@ print(json.dumps(pixels[0].tolist()))`,
 }
 
 test("geometry is listed, hidden, shown and undone", async () => {
-  await openPanels(page, "layers");
+  await openPanel(page, "layers");
   const list = page.getByRole("list", { name: "Geometry" });
   await expect.poll(() => list.getByRole("listitem").count()).toBe(2);
   const shown = await pixels(page);

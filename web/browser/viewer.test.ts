@@ -8,7 +8,7 @@ import { afterAll, beforeAll, beforeEach, describe, expect, test } from "vitest"
 
 import type { TransferFunction, ViewerState } from "../src/state/state.ts";
 import {
-  atRest, change, command, drag, folder, middle, openBrowser, openPanels, openViewer, pixels, pngPixels, python, records,
+  atRest, change, command, drag, folder, middle, openBrowser, openPanel, openViewer, pixels, pngPixels, python, records,
   startServer, state, type Browser, type Server,
 } from "./harness.ts";
 
@@ -45,7 +45,7 @@ describe("the picture at rest", () => {
       { op: "replace", path: "/layers/0/look/shading/ambient_occlusion", value: 0.5 });
     await atRest(page);
     const seen = await pixels(page);
-    await openPanels(page, "share");
+    await openPanel(page, "share");
     const where = folder();
     await page.getByRole("button", { name: "Copy as Python" }).click();
     await page.getByLabel("What was copied").filter({ visible: true }).waitFor();
@@ -188,8 +188,8 @@ const CONTROLS: readonly (readonly [string, string, (page: Page) => Promise<unkn
   }, (s) => s.layers[0]?.look.transfer_function, true],
   ["a layer's opacity", "layers", (p) => p.locator('[data-panel="layers"]').getByRole("slider", { name: "Opacity" }).fill("0.4"), (s) => s.layers[0]?.opacity, true],
   ["a layer hidden", "layers", (p) => p.getByRole("checkbox", { name: /^Show ct_pelvis/ }).uncheck(), (s) => s.layers[0]?.visible, true],
-  ["the operator", "light", (p) => p.getByRole("combobox", { name: "Rays show" }).selectOption("maximum"), (s) => s.render.composite, true],
-  ["an isosurface", "light", (p) => p.getByRole("combobox", { name: "Rays show" }).selectOption("first-hit"), (s) => s.render.composite, true],
+  ["the operator", "light", (p) => p.getByRole("combobox", { name: "Projection" }).selectOption("maximum"), (s) => s.render.composite, true],
+  ["an isosurface", "light", (p) => p.getByRole("combobox", { name: "Projection" }).selectOption("first-hit"), (s) => s.render.composite, true],
   ["shading off", "light", (p) => p.getByRole("checkbox", { name: "Shading" }).uncheck(), (s) => [s.shading, s.layers[0]?.look.shading], true],
   ["ambient light", "light", (p) => p.getByRole("slider", { name: "Ambient" }).fill("0.6"), (s) => s.layers[0]?.look.shading?.ambient, true],
   ["occlusion", "light", (p) => p.getByRole("slider", { name: "Occlusion" }).fill("0.9"), (s) => s.layers[0]?.look.shading?.ambient_occlusion, true],
@@ -218,7 +218,7 @@ const CONTROLS: readonly (readonly [string, string, (page: Page) => Promise<unkn
 describe("each control does what it says", () => {
   test.each(CONTROLS)("%s", async (name, panel, act, read, changesPicture) => {
     if (name === "fit") await change(page, { op: "replace", path: "/camera/parallel_scale", value: 40 });
-    await openPanels(page, panel);
+    await openPanel(page, panel);
     await atRest(page);
     const [before, seen] = [await state(page), await pixels(page)];
     await act(page);
@@ -288,7 +288,9 @@ describe("each control does what it says", () => {
   });
 
   test("a face of the crop box is dragged", async () => {
-    await openPanels(page, "cut");
+    await openPanel(page, "cut");
+    // From a little farther away, so that the upper face of the box lies below the tools.
+    await change(page, { op: "replace", path: "/camera/parallel_scale", value: 1.3 * (first.camera.parallel_scale ?? 0) });
     await page.getByRole("button", { name: "Crop", exact: true }).click();
     await atRest(page);
     const handle = page.getByRole("slider", { name: "Crop, z to", exact: true }).first();
@@ -304,7 +306,7 @@ describe("each control does what it says", () => {
   });
 
   test("pictures, pages and states are saved", async () => {
-    await openPanels(page, "share");
+    await openPanel(page, "share");
     const where = folder();
     for (const [button, name] of [["Save picture", "picture.png"], ["Save page (HTML)", "view.html"], ["Save state", "view.json"]] as const) {
       const [saved] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: button }).click()]);
@@ -324,7 +326,7 @@ test("a link opens the same state in another window, and a page that is loaded a
   await drag(page, 60, 20);
   await atRest(page);
   const shown = await state(page);
-  await openPanels(page, "share");
+  await openPanel(page, "share");
   await page.getByRole("button", { name: "Copy link" }).click();
   await expect.poll(() => page.evaluate(() => navigator.clipboard.readText())).toContain("#state=");
   const link = await page.evaluate(() => navigator.clipboard.readText());
@@ -349,7 +351,7 @@ test("the keyboard alone does the main job", async () => {
   await expect.poll(() => page.getByRole("dialog").isVisible()).toBe(true);
   await page.keyboard.press("Escape");
   await expect.poll(() => page.getByRole("dialog").count()).toBe(0);
-  // Tab goes from the view through the page: to a preset, a point, a crop, the picture.
+  // Tab goes from the view through the page: to a preset, a point, a crop, the picture. The sheet follows the rail.
   const reach = async (name: RegExp): Promise<void> => {
     for (let n = 0; n < 220; n += 1) {
       await page.keyboard.press("Tab");
@@ -361,18 +363,21 @@ test("the keyboard alone does the main job", async () => {
     }
     throw new Error(`${name} is not reached by Tab`);
   };
-  await openPanels(page, "presets", "function", "cut", "share");
+  await openPanel(page, "presets");
   await reach(/ct-bone/);
   await page.keyboard.press("ArrowDown");
   await page.keyboard.press("Enter");
   await expect.poll(async () => (await state(page)).layers[0]?.look.name).not.toBe("ct-bone");
+  await openPanel(page, "function");
   await reach(/Point 2 of/);
   const before = JSON.stringify((await state(page)).layers[0]?.look.transfer_function);
   await page.keyboard.press("ArrowRight");
   await expect.poll(async () => JSON.stringify((await state(page)).layers[0]?.look.transfer_function)).not.toBe(before);
+  await openPanel(page, "cut");
   await reach(/^ ?Crop$/);
   await page.keyboard.press("Enter");
   await expect.poll(async () => (await state(page)).clip.length).toBe(1);
+  await openPanel(page, "share");
   await reach(/Save picture/);
   const [saved] = await Promise.all([page.waitForEvent("download"), page.keyboard.press("Enter")]);
   expect(saved.suggestedFilename()).toBe("picture.png");

@@ -41,7 +41,7 @@ export const KEYS: readonly Key[] = [
   { keys: ["Ctrl+z"], action: "undo", shown: "Ctrl Z", text: "Undo" },
   { keys: ["Ctrl+Shift+Z", "Ctrl+y"], action: "redo", shown: "Ctrl Shift Z", text: "Redo" },
   { keys: ["?"], action: "help", shown: "?", text: "Show this table" },
-  { keys: ["Escape"], action: "leave", shown: "Esc", text: "End it" },
+  { keys: ["Escape"], action: "leave", shown: "Esc", text: "Leave the tool, or close the sheet" },
 ];
 
 /** Gestures of mouse and fingers and their effects, for the table. */

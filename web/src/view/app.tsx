@@ -7,25 +7,17 @@ import { actionOf, keyName } from "../input/keys.ts";
 import { fromLink } from "../state/link.ts";
 import { parseViewerState } from "../state/parse.ts";
 import { set } from "../state/patch.ts";
-import { PANES, type Vec3, type ViewName } from "../state/state.ts";
+import type { Vec3, ViewName } from "../state/state.ts";
 import { createStore, type Store } from "../state/store.ts";
-import { CutPanel } from "./cut_panel.tsx";
-import { Panel } from "./fields.tsx";
 import { FrameStatistics } from "./frame_statistics.ts";
-import { Help } from "./help.tsx";
-import { css as lookCss, FunctionPanel, LabelsPanel, LayersPanel, LightPanel, PresetsPanel, TimeBar } from "./look/index.ts";
-import { MeasurePanel } from "./measure_panel.tsx";
+import { css as lookCss } from "./look/index.ts";
+import { Page, type Shown } from "./page.tsx";
 import type { PartProps, Tool, Ui } from "./part.ts";
-import { fit, SceneView } from "./scene_view.tsx";
-import { SettingsPanel } from "./settings_panel.tsx";
-import { openState, problemOf, SharePanel } from "./share.tsx";
-import { SlicePane } from "./slices/slice_pane.tsx";
+import { problemOf } from "./share.tsx";
 import { isMeasure } from "./slices/measures.tsx";
-import { SlicesPanel } from "./slices_panel.tsx";
-import { Opening, ProblemCard, Status } from "./status.tsx";
+import { Opening } from "./status.tsx";
 import style from "./style.css";
-import { onThemeChange, surrounding, themeOf } from "./theme.ts";
-import { Toolbar } from "./toolbar.tsx";
+import { onThemeChange, surrounding } from "./theme.ts";
 
 export interface Host {
   readonly kind: "page" | "widget";
@@ -72,7 +64,6 @@ class App {
   private probeTimer: ReturnType<typeof setTimeout> | undefined;
   private help = false;
   private figures = false;
-  private showsPanels = true;
   private said = "";
   private lastSaid = 0;
   private sayTimer: ReturnType<typeof setTimeout> | undefined;
@@ -253,12 +244,6 @@ class App {
     this.schedule();
   };
 
-  private readonly onPanel = (name: string, open: boolean): void => {
-    const panels = this.store?.state.view.interface.panels ?? [];
-    const next = open ? [...panels.filter((one) => one !== name), name] : panels.filter((one) => one !== name);
-    this.store?.change([set(next, "view", "interface", "panels")]);
-  };
-
   private draw(): void {
     const { store, welcome } = this;
     if (store === null || welcome === null) {
@@ -271,7 +256,7 @@ class App {
       return;
     }
     const part: PartProps = { store, engine: this.engine, welcome, ui: this.ui };
-    render(<Whole {...part} app={this.shown()} />, this.mount);
+    render(<Page {...part} app={this.shown()} />, this.mount);
   }
 
   private shown(): Shown {
@@ -280,10 +265,8 @@ class App {
       problem: this.problem,
       help: this.help,
       figures: this.figures,
-      showsPanels: this.showsPanels,
       said: this.said,
       onKey: this.onKey,
-      onPanel: this.onPanel,
       onHelp: (on) => {
         this.help = on;
         this.schedule();
@@ -292,89 +275,10 @@ class App {
         this.figures = on;
         this.schedule();
       },
-      onPanels: () => {
-        this.showsPanels = !this.showsPanels;
-        this.schedule();
-      },
       onProblemClosed: () => {
         this.problem = null;
         this.schedule();
       },
     };
   }
-}
-
-interface Shown {
-  readonly connection: Connection;
-  readonly problem: Problem | null;
-  readonly help: boolean;
-  readonly figures: boolean;
-  readonly showsPanels: boolean;
-  readonly said: string;
-  readonly onKey: (event: KeyboardEvent) => void;
-  readonly onPanel: (name: string, open: boolean) => void;
-  readonly onHelp: (on: boolean) => void;
-  readonly onFigures: (on: boolean) => void;
-  readonly onPanels: () => void;
-  readonly onProblemClosed: () => void;
-}
-
-const PANELS = [
-  ["presets", "Presets", PresetsPanel],
-  ["function", "Colours and opacity", FunctionPanel],
-  ["layers", "Layers", LayersPanel],
-  ["labels", "Labels", LabelsPanel],
-  ["light", "Light and projection", LightPanel],
-  ["cut", "Cut", CutPanel],
-  ["slices", "Slices", SlicesPanel],
-  ["measure", "Measure", MeasurePanel],
-  ["share", "Pictures and sharing", SharePanel],
-] as const;
-
-function Whole(props: PartProps & { readonly app: Shown }) {
-  const { app, ...part } = props;
-  const { store } = part;
-  const { layout, interface: shown } = store.state.view;
-  const isOpen = (name: string): boolean => shown.panels.includes(name);
-  const panel = { onToggle: app.onPanel };
-  const hasTimes = part.welcome.volumes.some((volume) => volume.n_times > 1);
-  return (
-    <div
-      class="wavesplat"
-      data-theme={themeOf(store.state)}
-      onKeyDown={app.onKey}
-      onDragOver={(event) => event.preventDefault()}
-      onDrop={(event) => {
-        event.preventDefault();
-        const file = event.dataTransfer?.files[0];
-        if (file !== undefined) void openState(part, file);
-      }}
-    >
-      <Toolbar {...part} onHelp={() => app.onHelp(true)} onFit={() => void fit(part, part.ui.frames["3d"] ?? { width: 4, height: 3 })} panels={app.showsPanels} onPanels={app.onPanels} />
-      <main class="views" data-layout={layout.name}>
-        {(layout.name !== "single" || layout.main === "3d") && <SceneView {...part} />}
-        {(layout.name === "one-and-three" || layout.name === "two-by-two") &&
-          PANES.map((pane) => <SlicePane key={pane} {...part} pane={pane} />)}
-        {layout.name === "single" && layout.main !== "3d" && <SlicePane key={layout.main} {...part} pane={layout.main} />}
-      </main>
-      {app.showsPanels && (
-        <aside class="panels" aria-label="Panels">
-          {PANELS.map(([name, title, Body]) =>
-            (name !== "labels" || store.state.labels !== null) && (
-              <Panel key={name} name={name} title={title} open={isOpen(name)} {...panel}><Body {...part} /></Panel>
-            ))}
-          <Panel name="settings" title="Settings" open={isOpen("settings")} {...panel}>
-            <SettingsPanel {...part} figures={app.figures} onFigures={app.onFigures} />
-          </Panel>
-        </aside>
-      )}
-      <footer class="bottom">
-        {hasTimes && <TimeBar {...part} />}
-        <Status {...part} connection={app.connection} figures={app.figures} />
-      </footer>
-      <p class="hidden" role="status" aria-live="polite">{app.said}</p>
-      {app.problem !== null && <ProblemCard problem={app.problem} onClose={app.onProblemClosed} />}
-      {app.help && <Help onClose={() => app.onHelp(false)} />}
-    </div>
-  );
 }

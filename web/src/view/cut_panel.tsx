@@ -6,7 +6,9 @@ import type { Box, Vec3 } from "../state/state.ts";
 import { NumberField, Switch } from "./fields.tsx";
 import { boxOf, placeOfBox, withFace, type Face } from "./overlay3d/box.ts";
 import type { PartProps } from "./part.ts";
+import { WORDS } from "../words.ts";
 
+const TEXT = WORDS.cut;
 const AXES = ["x", "y", "z"] as const;
 
 export function CutPanel(props: PartProps) {
@@ -18,7 +20,7 @@ export function CutPanel(props: PartProps) {
   return (
     <>
       <Switch
-        label="Handles in the views"
+        label={TEXT.handles}
         on={view.overlays.crop_box}
         onToggle={(on) => store.change([set(on, "view", "overlays", "crop_box")])}
       />
@@ -26,23 +28,22 @@ export function CutPanel(props: PartProps) {
         const place = placeOfBox(clip, kind);
         const found = clip[place];
         const box = found === undefined ? null : boxOf(found);
-        const title = kind === "keep" ? "Crop box" : "Box that is cut out";
         return (
           <fieldset key={kind}>
-            <legend>{title}</legend>
+            <legend>{TEXT[kind]}</legend>
             {box === null ? (
               <button
                 class="button"
                 onClick={() => add({ [kind]: kind === "keep" ? whole : corner(whole) })}
               >
-                {kind === "keep" ? "Crop" : "Cut a corner out"}
+                {kind === "keep" ? TEXT.crop : TEXT.cut}
               </button>
             ) : (
               <>
                 <BoxNumbers {...props} kind={kind} place={place} box={box} />
                 <div class="row">
-                  <button class="button" onClick={() => store.change([set({ [kind]: whole }, "clip", place)])}>Reset</button>
-                  <button class="button" onClick={() => remove(place)}>Remove</button>
+                  <button class="button" onClick={() => store.change([set({ [kind]: whole }, "clip", place)])}>{TEXT.reset}</button>
+                  <button class="button" onClick={() => remove(place)}>{TEXT.remove}</button>
                 </div>
               </>
             )}
@@ -50,7 +51,7 @@ export function CutPanel(props: PartProps) {
         );
       })}
       <fieldset>
-        <legend>Clip planes</legend>
+        <legend>{TEXT.planes}</legend>
         {clip.map((one, place) =>
           "plane" in one ? <PlaneNumbers key={place} {...props} place={place} plane={one.plane} onRemove={() => remove(place)} /> : null,
         )}
@@ -61,7 +62,7 @@ export function CutPanel(props: PartProps) {
             add({ plane: { point: store.state.view.slices.crosshair, normal: scaled(back, -1) } });
           }}
         >
-          Add a plane that faces you
+          {TEXT.add}
         </button>
       </fieldset>
     </>
@@ -87,7 +88,7 @@ function BoxNumbers(props: PartProps & { kind: "keep" | "cut_out"; place: number
           return (
             <NumberField
               key={`${name}${side}`}
-              label={`${name} ${side === "lower" ? "from" : "to"}`}
+              label={side === "lower" ? TEXT.from(name) : TEXT.to(name)}
               unit={unitName}
               value={box[side][a] ?? 0}
               min={low}
@@ -123,7 +124,7 @@ function PlaneNumbers(
   return (
     <div class="plane">
       <NumberField
-        label={`Plane ${number} at`}
+        label={TEXT.plane(number)}
         unit={welcome.volumes[0]?.unit ?? "units"}
         value={along}
         min={low}
@@ -137,7 +138,7 @@ function PlaneNumbers(
       <div class="row">
         {AXES.map((name, a) => (
           <label key={name} class="row">
-            {`Normal ${name}`}
+            {TEXT.normal(name)}
             <input
               type="number"
               step="any"
@@ -152,8 +153,8 @@ function PlaneNumbers(
         ))}
       </div>
       <div class="row">
-        <button class="button" onClick={() => change({ ...plane, normal: scaled(plane.normal, -1) })}>Flip</button>
-        <button class="button" onClick={onRemove}>Remove</button>
+        <button class="button" onClick={() => change({ ...plane, normal: scaled(plane.normal, -1) })}>{TEXT.flip}</button>
+        <button class="button" onClick={onRemove}>{TEXT.remove}</button>
       </div>
     </div>
   );

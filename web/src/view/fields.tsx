@@ -1,6 +1,4 @@
-// Controls of the panels for the 3-D view and slices, made of the look's controls; and a panel.
-
-import type { ComponentChildren } from "preact";
+// Controls of the panels for the 3-D view and slices, made of the look's controls.
 
 import { CheckField, SelectField, SliderField } from "./look/fields.tsx";
 
@@ -32,28 +30,4 @@ export function Choice(props: {
 
 export function Switch(props: { readonly label: string; readonly on: boolean; readonly onToggle: (on: boolean) => void }) {
   return <CheckField label={props.label} checked={props.on} onCheck={props.onToggle} />;
-}
-
-export function Panel(props: {
-  readonly name: string;
-  readonly title: string;
-  readonly open: boolean;
-  readonly onToggle: (name: string, open: boolean) => void;
-  readonly children: ComponentChildren;
-}) {
-  const { name, title, open, onToggle, children } = props;
-  return (
-    <details
-      class="panel"
-      open={open}
-      data-panel={name}
-      onToggle={(event) => {
-        const now = event.currentTarget.open;
-        if (now !== open) onToggle(name, now);
-      }}
-    >
-      <summary>{title}</summary>
-      {open && <div class="body">{children}</div>}
-    </details>
-  );
 }

@@ -2,19 +2,12 @@
 
 import { withLens } from "../input/camera.ts";
 import { set } from "../state/patch.ts";
-import { OVERLAYS, QUALITIES, type Overlay } from "../state/state.ts";
+import { OVERLAYS, QUALITIES } from "../state/state.ts";
+import { WORDS } from "../words.ts";
 import { Choice, NumberField, Switch } from "./fields.tsx";
 import type { PartProps } from "./part.ts";
 
-const OVERLAY_NAMES: Readonly<Record<Overlay, string>> = {
-  scale_bar: "Scale bar",
-  letters: "Letters of directions",
-  cube: "Orientation cube",
-  color_bar: "Colour bar",
-  crosshair: "Crosshair",
-  crop_box: "Crop box and clip planes",
-  legend: "Legend",
-};
+const TEXT = WORDS.settings;
 const FIRST_ANGLE = 30;
 
 export function SettingsPanel(props: PartProps & { readonly figures: boolean; readonly onFigures: (on: boolean) => void }) {
@@ -24,25 +17,25 @@ export function SettingsPanel(props: PartProps & { readonly figures: boolean; re
   return (
     <>
       <Choice
-        label="At rest"
+        label={TEXT.rest}
         value={isNamed ? render.quality : "own"}
-        options={[...QUALITIES.map((name) => [name, name] as const), ...(isNamed ? [] : [["own", "own sampling"] as const])]}
+        options={[...QUALITIES.map((name) => [name, name] as const), ...(isNamed ? [] : [["own", TEXT.custom] as const])]}
         onChoose={(value) => value !== "own" && store.change([set(value, "render", "quality")])}
       />
       <Choice
-        label="While moving"
+        label={TEXT.moving}
         value={view.quality.moving}
-        options={[["smooth", "Smooth: 30 frames/s"], ["balanced", "Balanced: better"], ["exact", "Exact: as at rest"]]}
+        options={Object.entries(TEXT.movings)}
         onChoose={(value) => store.change([set(value, "view", "quality", "moving")])}
       />
       <Switch
-        label="Perspective"
+        label={TEXT.perspective}
         on={camera.view_angle !== undefined}
         onToggle={(on) => store.change([set(withLens(camera, on ? FIRST_ANGLE : undefined), "camera")])}
       />
       {camera.view_angle !== undefined && (
         <NumberField
-          label="View angle"
+          label={TEXT.angle}
           unit="°"
           value={camera.view_angle}
           min={5}
@@ -52,22 +45,22 @@ export function SettingsPanel(props: PartProps & { readonly figures: boolean; re
         />
       )}
       <Choice
-        label="Theme"
+        label={TEXT.theme}
         value={view.interface.theme}
-        options={[["system", "As the system"], ["dark", "Dark"], ["light", "Light"]]}
+        options={Object.entries(TEXT.themes)}
         onChoose={(value) => store.change([set(value, "view", "interface", "theme")])}
       />
       <fieldset>
-        <legend>Over the views</legend>
+        <legend>{TEXT.over}</legend>
         {OVERLAYS.map((name) => (
           <Switch
             key={name}
-            label={OVERLAY_NAMES[name]}
+            label={TEXT.overlays[name]}
             on={view.overlays[name]}
             onToggle={(on) => store.change([set(on, "view", "overlays", name)])}
           />
         ))}
-        <Switch label="Frame rate, latency, error" on={figures} onToggle={onFigures} />
+        <Switch label={TEXT.figures} on={figures} onToggle={onFigures} />
       </fieldset>
     </>
   );

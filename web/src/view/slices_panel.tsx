@@ -50,7 +50,7 @@ export function SlicesPanel(props: PartProps) {
         onSettle={settle}
       />
       <Choice
-        label="Across it"
+        label="Slab"
         value={slices.slab}
         options={[["maximum", "Maximum"], ["minimum", "Minimum"], ["mean", "Mean"]]}
         onChoose={(value) => store.change([set(value, "view", "slices", "slab")])}

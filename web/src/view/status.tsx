@@ -64,7 +64,7 @@ function Figures({ ui }: PartProps) {
     `drawn in ${frame.ms.render.toFixed(0)} + ${frame.ms.encode.toFixed(0)} ms`,
     `${(frame.bytes.length / 1000).toFixed(0)} kB ${frame.format}`,
     `${frame.width} x ${frame.height}`,
-    `${Number(sheets_per_slice ?? 0).toFixed(1)} sheets a slice, ${(Number(oversampling ?? 0) * Number(scale ?? 1)).toFixed(2)} texels a pixel`,
+    `sampling ${Number(sheets_per_slice ?? 0).toFixed(1)} in depth, ${(Number(oversampling ?? 0) * Number(scale ?? 1)).toFixed(2)} across`,
     frame.expected_psnr_db === null ? null : `expected error ${frame.expected_psnr_db.toFixed(0)} dB`,
   ];
   return <span class="figures">{parts.filter((part) => part !== null).join(" · ")}</span>;

@@ -1,121 +1,134 @@
-// Layout, standard views, undo, tools, sharing, help, theme.
+// Groups of tools that float over the picture: title, layout, standard views, history, the tool of a drag.
+
+import type { ComponentChildren } from "preact";
 
 import { set } from "../state/patch.ts";
 import { PANES, type View } from "../state/state.ts";
+import { WORDS } from "../words.ts";
 import { Icon, type IconName } from "./icons.tsx";
 import type { PartProps, Tool } from "./part.ts";
 import { showFrom } from "./scene_view.tsx";
 import { nameOf } from "./slices/slice_pane.tsx";
-import { themeOf } from "./theme.ts";
 
-const LAYOUTS: readonly (readonly [View["layout"]["name"], string])[] = [
-  ["3d", "Space"],
-  ["one-and-three", "Space and three slices"],
-  ["two-by-two", "Two by two"],
-  ["single", "One slice"],
-];
+const TEXT = WORDS.toolbar;
+const LAYOUTS: readonly View["layout"]["name"][] = ["3d", "one-and-three", "two-by-two", "single"];
 const VIEWS = ["front", "back", "left", "right", "top", "bottom"] as const;
-const TOOLS: readonly (readonly [Tool, string, IconName])[] = [
-  ["turn", "Turn", "turn"],
-  ["window", "Window and level", "window"],
-  ["distance", "Measure a distance", "distance"],
-  ["angle", "Measure an angle", "angle"],
-];
+const TOOLS: readonly Tool[] = ["turn", "window", "distance", "angle"];
 
-export function Toolbar(props: PartProps & { readonly onHelp: () => void; readonly onFit: () => void; readonly panels: boolean; readonly onPanels: () => void }) {
-  const { store, welcome, ui, onHelp, onFit } = props;
+export function Toolbar(props: PartProps & { readonly onFit: () => void }) {
+  const { store, welcome, ui, onFit } = props;
   const { layout } = store.state.view;
-  const theme = themeOf(store.state);
-  const tools = (event: KeyboardEvent): void => {
+  const names = store.state.layers.map(({ name }) => name).join(", ");
+  const setLayout = (name: View["layout"]["name"]): void => {
+    const main = name === "single" ? (layout.main === "3d" ? "z" : layout.main) : "3d";
+    store.change([set({ name, main }, "view", "layout")]);
+  };
+  const hasScene = layout.name !== "single" || layout.main === "3d";
+  return (
+    <header class="toolbar">
+      <div class="group float title-group"><h1 class="title" title={names}>{names}</h1></div>
+      <div class="group float">
+        <Radios label={WORDS.layouts.title} names={LAYOUTS} value={layout.name} textOf={(name) => WORDS.layouts[name]} iconOf={(name) => name} onChoice={setLayout} />
+        {layout.name === "single" && (
+          <label>
+            <span class="hidden">{WORDS.layouts.slice}</span>
+            <select value={layout.main} onChange={(event) => store.change([set(event.currentTarget.value, "view", "layout", "main")])}>
+              {PANES.map((pane) => <option key={pane} value={pane} selected={pane === layout.main}>{nameOf({ welcome }, pane)}</option>)}
+            </select>
+          </label>
+        )}
+      </div>
+      <Group label={TEXT.history}>
+        <IconButton icon="undo" label={TEXT.undo} shortcut="Ctrl Z" disabled={!store.canUndo} onClick={() => store.undo()} />
+        <IconButton icon="redo" label={TEXT.redo} shortcut="Ctrl Shift Z" disabled={!store.canRedo} onClick={() => store.redo()} />
+      </Group>
+      <div class="group float">
+        <Radios label={TEXT.tools} names={TOOLS} value={ui.tool} textOf={(tool) => TEXT[tool]} iconOf={(tool) => tool} onChoice={(tool) => ui.setTool(tool)} />
+      </div>
+      {hasScene && (
+        <Group label={TEXT.views} more="standard-views">
+          {VIEWS.map((view, n) => (
+            <button
+              key={view}
+              class="icon-button"
+              title={`${TEXT.from(view)} (${n + 1})`}
+              aria-label={TEXT.lettered(letterOf(view, welcome.axis_ends), view)}
+              onClick={() => {
+                const camera = welcome.standard_views[view];
+                if (camera !== undefined) showFrom(props, camera);
+              }}
+            >
+              {letterOf(view, welcome.axis_ends)}
+            </button>
+          ))}
+          <IconButton icon="fit" label={TEXT.fit} shortcut="0" onClick={onFit} />
+        </Group>
+      )}
+    </header>
+  );
+}
+
+function Group({ label, more = "", children }: { readonly label: string; readonly more?: string; readonly children: ComponentChildren }) {
+  return <div class={`group float ${more}`} role="group" aria-label={label}>{children}</div>;
+}
+
+interface IconButtonProps {
+  readonly icon: IconName;
+  readonly label: string;
+  /** The key that does the same, for the tooltip. */
+  readonly shortcut?: string;
+  readonly disabled?: boolean;
+  onClick(): void;
+}
+
+export function IconButton({ icon, label, shortcut, disabled = false, onClick }: IconButtonProps) {
+  const title = shortcut === undefined ? label : `${label} (${shortcut})`;
+  return (
+    <button class="icon-button" title={title} aria-label={label} disabled={disabled} onClick={() => onClick()}>
+      <Icon name={icon} />
+    </button>
+  );
+}
+
+interface RadiosProps<Name extends string> {
+  readonly label: string;
+  readonly names: readonly Name[];
+  readonly value: Name;
+  textOf(name: Name): string;
+  iconOf(name: Name): IconName;
+  onChoice(name: Name): void;
+}
+
+/** A choice of one of several icons; arrows go from one to the next. */
+function Radios<Name extends string>({ label, names, value, textOf, iconOf, onChoice }: RadiosProps<Name>) {
+  const onKeyDown = (event: KeyboardEvent): void => {
     const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
     if (step === undefined) return;
     event.preventDefault();
     event.stopPropagation();
-    const now = TOOLS.findIndex(([tool]) => tool === ui.tool);
-    const next = TOOLS[(now + step + TOOLS.length) % TOOLS.length]?.[0];
+    const next = names[(names.indexOf(value) + step + names.length) % names.length];
     if (next === undefined) return;
-    ui.setTool(next);
-    const box = event.currentTarget as HTMLElement;
-    box.querySelector<HTMLElement>(`[data-tool="${next}"]`)?.focus();
+    onChoice(next);
+    (event.currentTarget as HTMLElement).querySelector<HTMLElement>(`[data-name="${next}"]`)?.focus();
   };
   return (
-    <header class="toolbar">
-      <h1 class="title" title={store.state.layers.map(({ name }) => name).join(", ")}>
-        {store.state.layers.map(({ name }) => name).join(", ")}
-      </h1>
-      <label>
-        <span class="hidden">Layout</span>
-        <select
-          value={layout.name}
-          onChange={(event) => {
-            const name = event.currentTarget.value as View["layout"]["name"];
-            const main = name === "single" && layout.main === "3d" ? "z" : layout.main;
-            store.change([set({ name, main: name === "single" ? main : "3d" }, "view", "layout")]);
-          }}
+    <div class="radios" role="radiogroup" aria-label={label} onKeyDown={onKeyDown}>
+      {names.map((name) => (
+        <button
+          key={name}
+          class="icon-button"
+          role="radio"
+          data-name={name}
+          tabIndex={name === value ? 0 : -1}
+          aria-checked={name === value}
+          aria-label={textOf(name)}
+          title={textOf(name)}
+          onClick={() => onChoice(name)}
         >
-          {LAYOUTS.map(([name, text]) => (
-            <option key={name} value={name} selected={name === layout.name}>{text}</option>
-          ))}
-        </select>
-      </label>
-      {layout.name === "single" && (
-        <label>
-          <span class="hidden">Slice</span>
-          <select value={layout.main} onChange={(event) => store.change([set(event.currentTarget.value, "view", "layout", "main")])}>
-            {PANES.map((pane) => <option key={pane} value={pane} selected={pane === layout.main}>{nameOf({ welcome }, pane)}</option>)}
-          </select>
-        </label>
-      )}
-      <div class="group" role="group" aria-label="Standard views">
-        {VIEWS.map((view, n) => (
-          <button
-            key={view}
-            class="icon-button"
-            title={`From the ${view} (${n + 1})`}
-            aria-label={`${letterOf(view, welcome.axis_ends)}, from the ${view}`}
-            onClick={() => {
-              const camera = welcome.standard_views[view];
-              if (camera !== undefined) showFrom(props, camera);
-            }}
-          >
-            {letterOf(view, welcome.axis_ends)}
-          </button>
-        ))}
-      </div>
-      <button class="icon-button" title="Fit (0)" aria-label="Fit all into view" onClick={onFit}><Icon name="fit" /></button>
-      <div class="group" role="group" aria-label="History">
-        <button class="icon-button" title="Undo (Ctrl Z)" aria-label="Undo" disabled={!store.canUndo} onClick={() => store.undo()}><Icon name="undo" /></button>
-        <button class="icon-button" title="Redo (Ctrl Shift Z)" aria-label="Redo" disabled={!store.canRedo} onClick={() => store.redo()}><Icon name="redo" /></button>
-      </div>
-      <div class="group" role="radiogroup" aria-label="Dragging" onKeyDown={tools}>
-        {TOOLS.map(([tool, text, icon]) => (
-          <button
-            key={tool}
-            class="icon-button"
-            role="radio"
-            data-tool={tool}
-            tabIndex={tool === ui.tool ? 0 : -1}
-            aria-checked={tool === ui.tool}
-            aria-label={text}
-            title={text}
-            onClick={() => ui.setTool(tool)}
-          >
-            <Icon name={icon} />
-          </button>
-        ))}
-      </div>
-      <span class="spring" />
-      <button
-        class="icon-button"
-        title={theme === "dark" ? "Light colours" : "Dark colours"}
-        aria-label={theme === "dark" ? "Light colours" : "Dark colours"}
-        onClick={() => store.change([set(theme === "dark" ? "light" : "dark", "view", "interface", "theme")])}
-      >
-        <Icon name={theme === "dark" ? "light" : "dark"} />
-      </button>
-      <button class="icon-button" title="Keys and gestures (?)" aria-label="Keys and gestures" onClick={onHelp}><Icon name="help" /></button>
-      <button class="icon-button" title="Panels" aria-label="Panels" aria-pressed={props.panels} onClick={props.onPanels}><Icon name="panels" /></button>
-    </header>
+          <Icon name={iconOf(name)} />
+        </button>
+      ))}
+    </div>
   );
 }
 

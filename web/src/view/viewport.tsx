@@ -132,7 +132,7 @@ export function Viewport(props: ViewportProps) {
       ref={box}
       tabIndex={0}
       role="group"
-      aria-label={view === "3d" ? "Picture in space" : `Slice, ${view}`}
+      aria-label={view === "3d" ? "3-D picture" : `Slice, ${view}`}
       data-view={view}
       onPointerDown={() => setHint(false)}
     >

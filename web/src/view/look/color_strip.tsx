@@ -6,11 +6,9 @@ import { numberText, outOfSight, rounded } from "./axis.ts";
 import { changePoints, Fill, Handle, MARGIN, useWidth } from "./curve_plot.tsx";
 import { hexOf, withMoved, withPointOn, type Curve, type Range } from "./curves.ts";
 import { pointKey } from "./point_keys.ts";
+import { WORDS } from "../../words.ts";
 
-const TEXT = {
-  label: "Colours of the values",
-  hidden: (n: number) => `${n} outside what is seen: show all points`,
-};
+const TEXT = WORDS.colorStrip;
 const RAMP_PX = 16;
 const HEIGHT_PX = 44;
 

@@ -17,11 +17,9 @@ import {
   type Range,
 } from "./curves.ts";
 import { pointKey } from "./point_keys.ts";
+import { WORDS } from "../../words.ts";
 
-const TEXT = {
-  below: (n: number) => `${n} below what is seen: show all points`,
-  above: (n: number) => `${n} above what is seen: show all points`,
-};
+const TEXT = WORDS.curvePlot;
 
 const KEYS = "Arrows move, Page up and down move far, Delete removes, Insert adds, Enter goes to the number";
 

@@ -25,36 +25,9 @@ import { Button, CheckField, NamedNumber, RelativeSlider, SelectField, SliderFie
 import { GradientEditor } from "./gradient_editor.tsx";
 import { lookAsChosen } from "./looks.ts";
 import { PointFields } from "./point_fields.tsx";
+import { WORDS } from "../../words.ts";
 
-const TEXT = {
-  layer: "Layer",
-  curve: "Opacity over the values",
-  opacity: "opacity",
-  log: "Log counts",
-  magnified: "Magnify low opacities",
-  seen: "Seen",
-  from: "Seen from",
-  to: "Seen to",
-  nearer: "Nearer",
-  farther: "Farther",
-  all: "All values",
-  points: "Points",
-  usual: "Usual values",
-  addOpacity: "Add opacity point",
-  addColor: "Add colour",
-  shift: "Shift",
-  width: "Width",
-  opacities: "Opacities ×",
-  global: "Layer opacity",
-  mirrorOpacity: "Mirror opacities",
-  mirrorColor: "Mirror colours",
-  reset: (name: string) => (name === "" ? "Reset" : `Reset to ${name}`),
-  gone: "The look as it was chosen is not known any more.",
-  table:
-    "This function is a table of value and gradient, which has no single curve to edit. " +
-    "Choose a preset to get one, or make another table in Python.",
-  hint: "Double click adds a point. Wheel zooms while a point has the focus, and with Ctrl.",
-};
+const TEXT = WORDS.functionPanel;
 const BINS = 256;
 const PLOT_PX = 190;
 /** Milliseconds for which the axis must be still before its histogram is asked for. */

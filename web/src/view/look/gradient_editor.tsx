@@ -9,19 +9,9 @@ import { around, rounded, within } from "./axis.ts";
 import { CurvePlot } from "./curve_plot.tsx";
 import { firstGradientCurve, spanOf, withMoved, without, withPointBeside, type Curve, type Range } from "./curves.ts";
 import { Button, NamedNumber } from "./fields.tsx";
+import { WORDS } from "../../words.ts";
 
-const TEXT = {
-  title: "Gradient opacity",
-  none: "Opacity does not depend on the gradient.",
-  add: "Make boundaries stand out",
-  remove: "Remove gradient opacity",
-  label: "Factor of the opacity over the gradient",
-  what: "factor",
-  gradient: "Gradient",
-  factor: "Factor",
-  addPoint: "Add point",
-  delete: "Delete point",
-};
+const TEXT = WORDS.gradientEditor;
 const PLOT_PX = 130;
 
 export interface GradientEditorProps extends PartProps {

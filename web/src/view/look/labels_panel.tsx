@@ -6,22 +6,9 @@ import type { PartProps } from "../part.ts";
 import { Button, CheckField, ColorField, SliderField } from "./fields.tsx";
 import { isSoloLabel, labelRows, shownLabels, type Hidden } from "./layers.ts";
 import { hexColor, namedColor } from "./looks.ts";
+import { WORDS } from "../../words.ts";
 
-const TEXT = {
-  none: "There is no segmentation. Open one with --labels FILE, or in Python with labels=.",
-  filter: "Filter",
-  showAll: "Show all",
-  hideAll: "Hide all",
-  smooth: "Smooth outlines",
-  count: (shown: number, all: number) => `${shown} of ${all} shown`,
-  more: (n: number) => `${n} more; filter by name or number to see them.`,
-  empty: "No label has this name or number.",
-  shown: (name: string) => `Show ${name}`,
-  color: (name: string) => `Colour of ${name}`,
-  opacity: (name: string) => `Opacity of ${name}`,
-  solo: "Solo",
-  soloThis: (name: string) => `Solo: show ${name} alone, or all again`,
-};
+const TEXT = WORDS.labelsPanel;
 /** Largest number of rows: a longer list is filtered, not scrolled. */
 const MAX_ROWS = 150;
 /** Number of labels from which on there is a filter. */

@@ -6,18 +6,9 @@ import type { PartProps } from "../part.ts";
 import { hexOf, isEditable, spanOf } from "./curves.ts";
 import { Button, CheckField, SliderField } from "./fields.tsx";
 import { isSolo, soloLayer } from "./layers.ts";
+import { WORDS } from "../../words.ts";
 
-const TEXT = {
-  edit: "Edit the look",
-  editThis: (name: string) => `Edit the look of ${name}`,
-  name: (index: number) => `Name of layer ${index + 1}`,
-  shown: (name: string) => `Show ${name}`,
-  opacity: "Opacity",
-  opacityOf: (name: string) => `Opacity of ${name}`,
-  solo: "Solo",
-  soloThis: (name: string) => `Solo: show ${name} alone, or all again`,
-  look: (look: string) => `look: ${look || "of its own"}`,
-};
+const TEXT = WORDS.layersPanel;
 
 export function LayersPanel({ store, ui }: PartProps) {
   const { layers, geometry } = store.state;

@@ -4,17 +4,9 @@ import { useRef } from "preact/hooks";
 import type { Vec3 } from "../../state/state.ts";
 import { NumberField } from "./fields.tsx";
 import { anglesOf, directionOf } from "./looks.ts";
+import { WORDS } from "../../words.ts";
 
-const TEXT = {
-  pad: "Direction of the light",
-  keys: "Arrows turn the light, with Page up and down far",
-  azimuth: "From right",
-  elevation: "From above",
-  degrees: "°",
-  text: (azimuth: number, elevation: number) =>
-    `${Math.abs(Math.round(azimuth))}° from the ${azimuth < 0 ? "left" : "right"}, ` +
-    `${Math.abs(Math.round(elevation))}° from ${elevation < 0 ? "below" : "above"}`,
-};
+const TEXT = WORDS.lightPad;
 const SIZE_PX = 96;
 const RADIUS_PX = 40;
 

@@ -21,37 +21,9 @@ import { Button, CheckField, ColorField, SelectField, SliderField } from "./fiel
 import { LayerChoice } from "./function_panel.tsx";
 import { LightPad } from "./light_pad.tsx";
 import { DEFAULT_LIGHTS, DEFAULT_SHADING, hexColor, lookAsChosen, namedColor, shadingOf } from "./looks.ts";
+import { WORDS } from "../../words.ts";
 
-const TEXT = {
-  composite: "Rays show",
-  overOnly: "Several layers, and labels, are drawn by volume rendering alone.",
-  iso: "Surface at",
-  threshold: "Threshold",
-  automatic: (what: string) => `${what}: automatic`,
-  strength: "Dimming",
-  clear: "Clear below",
-  attenuation: "Attenuation",
-  kernel: "Kernel",
-  background: "Background",
-  shading: "Shading",
-  all: "This light is that of all layers.",
-  unshaded: "This operator has no shading: light changes nothing here.",
-  ambient: "Ambient",
-  diffuse: "Diffuse",
-  specular: "Specular",
-  power: "Shininess",
-  exposure: "Exposure",
-  shoulder: "Highlights",
-  occlusion: "Occlusion",
-  radius: "Reach",
-  reach: "Reach of occlusion",
-  shadow: "Shadow",
-  smoothing: "Smoothing",
-  smoothingOn: "Smooth surfaces",
-  offset: "Normal width",
-  world: "The light stands still in the world.",
-  reset: "Reset light to the look's",
-};
+const TEXT = WORDS.lightPanel;
 /** Least and largest standard deviation of gradient smoothing, voxels, as `wavesplat.Shading` takes them. */
 const SMOOTHING: readonly [number, number] = [0.5, 1.25];
 const SMOOTH = 0.8;

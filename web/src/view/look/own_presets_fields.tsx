@@ -7,21 +7,9 @@ import type { PartProps } from "../part.ts";
 import { Button } from "./fields.tsx";
 import { lookFromText, lookText } from "./looks.ts";
 import { dropPreset, keepPreset, nameProblem, renamePreset, type OwnPreset } from "./own_presets.ts";
+import { WORDS } from "../../words.ts";
 
-const TEXT = {
-  title: "Save this look",
-  name: "Name",
-  save: "Save as preset",
-  rename: "Rename",
-  remove: "Delete",
-  export: "Export look…",
-  import: "Import look…",
-  saved: (name: string) => `Preset ${name} saved`,
-  removed: (name: string) => `Preset ${name} deleted`,
-  notKept: "This preset cannot be kept",
-  remedy: "Export the look to a file instead.",
-  notRead: "This file is no look",
-};
+const TEXT = WORDS.ownPresetsFields;
 const PICTURE_PX = 96;
 
 export interface OwnPresetsProps extends PartProps {

@@ -5,18 +5,9 @@ import type { ColorPoint, OpacityPoint, TransferFunction } from "../../state/sta
 import { hexOf, rgbOf, withMoved, without, type Curve, type Point as CurvePoint } from "./curves.ts";
 import { Button, ColorField, NamedNumber } from "./fields.tsx";
 import type { Selected } from "./function_panel.tsx";
+import { WORDS } from "../../words.ts";
 
-const TEXT = {
-  none: "Choose a point to type its numbers.",
-  opacityPoint: (n: number, of: number) => `Opacity point ${n} of ${of}`,
-  colorPoint: (n: number, of: number) => `Colour ${n} of ${of}`,
-  value: "Value",
-  opacity: "Opacity",
-  color: "Colour",
-  remove: "Delete",
-  before: "Point before",
-  after: "Next point",
-};
+const TEXT = WORDS.pointFields;
 
 export interface PointFieldsProps {
   readonly curves: TransferFunction;

@@ -2,8 +2,9 @@
 
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { PresetPictures } from "./preset_pictures.ts";
+import { WORDS } from "../../words.ts";
 
-const TEXT = { noPicture: "No picture" };
+const TEXT = WORDS.presetTiles;
 
 export interface Tile {
   readonly name: string;

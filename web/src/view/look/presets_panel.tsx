@@ -13,20 +13,9 @@ import { ownPresets } from "./own_presets.ts";
 import { PresetPictures } from "./preset_pictures.ts";
 import { PresetTiles, type Tile } from "./preset_tiles.tsx";
 import { matching } from "./preset_search.ts";
+import { WORDS } from "../../words.ts";
 
-const TEXT = {
-  search: "Search",
-  fitting: "Presets that fit",
-  own: "Your own",
-  all: (n: number) => `All presets (${n} more)`,
-  none: "No preset has this in its name or description.",
-  auto: "By the kind of data, from its histogram.",
-  redraw: "Draw the pictures anew",
-  old: "The camera or the time is another one than in these pictures.",
-  chosen: (name: string) => `Look ${name}`,
-  ownPreset: "Saved by you",
-  alone: "This look is made for a layer alone: with others it is drawn as a volume, which may hide them.",
-};
+const TEXT = WORDS.presetsPanel;
 
 /** Cosine of a turn that is hardly seen in a small picture. */
 const ALIKE = 0.996;

@@ -5,18 +5,9 @@ import { set } from "../../state/patch.ts";
 import type { PartProps } from "../part.ts";
 import { Button, CheckField, NumberField } from "./fields.tsx";
 import { nextTime, shownViews, waitFor } from "./time_steps.ts";
+import { WORDS } from "../../words.ts";
 
-const TEXT = {
-  title: "Time",
-  of: (time: number, count: number) => `${time + 1} of ${count}`,
-  before: "Time before",
-  next: "Next time",
-  play: "Play",
-  pause: "Pause",
-  rate: "Frames a second",
-  perSecond: "a second",
-  repeat: "Repeat",
-};
+const TEXT = WORDS.timeBar;
 const MAX_RATE = 60;
 const GESTURE = "time";
 

@@ -3,8 +3,9 @@
 import { set } from "../../state/patch.ts";
 import type { PartProps } from "../part.ts";
 import { isEditable, windowed } from "./curves.ts";
+import { WORDS } from "../../words.ts";
 
-const TEXT = { table: "The function of this layer is a table; it has no window" };
+const TEXT = WORDS.windowDrag;
 
 /** Applies one step of such a drag, in pixels since the last step. The caller settles the store when the drag ends. */
 export function windowDrag({ store, ui, welcome }: PartProps, dx: number, dy: number): void {

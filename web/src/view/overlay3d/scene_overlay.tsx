@@ -83,10 +83,10 @@ function EdgeLetters({ welcome, camera, size }: PartProps & { camera: Camera; si
   const names = edgeNames(camera, welcome.axis_ends);
   return (
     <g aria-hidden="true" text-anchor="middle">
-      <text x={16} y={size.height / 2}>{names.left}</text>
+      <text class="at-left" x={16} y={size.height / 2}>{names.left}</text>
       <text x={size.width - 16} y={size.height / 2}>{names.right}</text>
-      <text x={size.width / 2} y={18}>{names.top}</text>
-      <text x={size.width / 2} y={size.height - 8}>{names.bottom}</text>
+      <text class="at-top" x={size.width / 2} y={18}>{names.top}</text>
+      <text class="at-bottom" x={size.width / 2} y={size.height - 8}>{names.bottom}</text>
     </g>
   );
 }
@@ -98,7 +98,7 @@ function ScaleBar({ welcome, camera, size }: PartProps & { camera: Camera; size:
   const where = camera.parallel_scale === undefined ? " at the middle" : "";
   const [x, y] = [12, size.height - 14];
   return (
-    <g aria-hidden="true">
+    <g aria-hidden="true" class="at-corner">
       <path d={`M${x} ${y}h${bar / perPixel}`} stroke="#000" stroke-width="5" />
       <path d={`M${x} ${y}h${bar / perPixel}`} stroke="#fff" stroke-width="2.5" />
       <text x={x} y={y - 6}>{`${shortNumber(bar)} ${unit}${where}`}</text>

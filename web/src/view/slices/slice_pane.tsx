@@ -140,14 +140,14 @@ function SliceOverlay(props: PartProps & { pane: Pane; frame: Frame; size: CssSi
         <MeasuresOnSlice {...props} on={on} />
         {overlays.letters && letters !== null && (
           <g aria-hidden="true" text-anchor="middle">
-            <text x={14} y={size.height / 2}>{letters.left}</text>
+            <text class="at-left" x={14} y={size.height / 2}>{letters.left}</text>
             <text x={size.width - 14} y={size.height / 2}>{letters.right}</text>
-            <text x={size.width / 2} y={18}>{letters.top}</text>
-            <text x={size.width / 2} y={size.height - 8}>{letters.bottom}</text>
+            <text class="at-top" x={size.width / 2} y={18}>{letters.top}</text>
+            <text class="at-bottom" x={size.width / 2} y={size.height - 8}>{letters.bottom}</text>
           </g>
         )}
         {overlays.scale_bar && (
-          <g aria-hidden="true">
+          <g aria-hidden="true" class="at-corner">
             <path d={`M12 ${size.height - 14}h${bar / perCss}`} stroke="#000" stroke-width="5" />
             <path d={`M12 ${size.height - 14}h${bar / perCss}`} stroke="#fff" stroke-width="2.5" />
             <text x={12} y={size.height - 20}>{`${bar} ${unit}`}</text>

@@ -1,10 +1,12 @@
 // The face of the page: the rail, one sheet at a time, words, fields.
 
+import { join } from "node:path";
+
 import type { Page } from "playwright-core";
 import { afterAll, beforeAll, beforeEach, describe, expect, test } from "vitest";
 
 import type { ViewerState } from "../src/state/state.ts";
-import { atRest, change, openBrowser, openViewer, startServer, state, type Browser, type Server } from "./harness.ts";
+import { atRest, change, folder, openBrowser, openViewer, python, startServer, state, type Browser, type Server } from "./harness.ts";
 
 let server: Server;
 let browser: Browser;
@@ -76,4 +78,73 @@ describe("the rail", () => {
     await page.keyboard.press("Escape");
     expect(page.complaints).toEqual([]);
   });
+});
+
+/** The number fields whose text is wider than they are. */
+const cutFields = (): Promise<string[]> =>
+  page.evaluate(() =>
+    [...(document.getElementById("viewer")?.shadowRoot?.querySelectorAll<HTMLInputElement>('input[type="number"]') ?? [])]
+      .filter((field) => field.scrollWidth > field.clientWidth)
+      .map((field) => `${field.getAttribute("aria-label")}: ${field.value}`),
+  );
+
+describe("numbers", () => {
+  test("no number field cuts its text, at 100 and at 200 %", async () => {
+    const lower = [-177.95619, 50.00123, 150.4999];
+    await change(page, { op: "add", path: "/clip/-", value: { keep: { lower, upper: [100.123, 250.77, 400.1], space: "world" } } });
+    for (const [width, height] of [[1280, 800], [640, 400]] as const) {
+      await page.setViewportSize({ width, height });
+      for (const name of ["function", "layers", "light", "cut", "slices", "share", "settings"]) {
+        await page.locator(`[data-opens="${name}"]`).click();
+        await page.locator(`[data-panel="${name}"]`).waitFor();
+        expect(await cutFields(), name).toEqual([]);
+      }
+    }
+    await page.locator('[data-opens="cut"]').click();
+    expect(await page.getByRole("spinbutton", { name: "x from, number, mm" }).inputValue()).toBe("-178");
+  });
+
+  test("the card about the data says what is known and what was guessed", async () => {
+    await page.getByRole("button", { name: /about the data$/ }).click();
+    const card = page.locator('[data-panel="about"]');
+    const { volumes } = await page.evaluate(() => (document.getElementById("viewer") as unknown as { wavesplat: { welcome: { volumes: { shape: number[] }[] } } }).wavesplat.welcome);
+    const text = await card.innerText();
+    expect(text).toContain((volumes[0]?.shape ?? []).join(" × "));
+    expect(text).toMatch(/\d HU/);
+    expect(text).toContain("CT in Hounsfield units");
+  });
+});
+
+/** Starts a viewer of made samples of a spacing in a unit. */
+async function made(name: string, expression: string, spacing: number, unit: string): Promise<Server> {
+  const where = folder();
+  python(
+    `import numpy as np
+rng = np.random.default_rng(0)
+z, y, x = np.indices((40, 40, 40))
+samples = (${expression}).astype(np.float32)
+header = "NRRD0004\\ntype: float\\ndimension: 3\\nspace: left-posterior-superior\\nsizes: 40 40 40\\nspace directions: (${spacing},0,0) (0,${spacing},0) (0,0,${spacing})\\nspace units: ${[unit, unit, unit].map((one) => `\\"${one}\\"`).join(" ")}\\nspace origin: (0,0,0)\\nkinds: domain domain domain\\nencoding: raw\\nendian: little\\n\\n"
+open("${name}.nrrd", "wb").write(header.encode() + samples.tobytes())`,
+    where,
+  );
+  return startServer(join(where, `${name}.nrrd`));
+}
+
+test("what data were taken for is in the page, and micrometres are written µm", async () => {
+  const blobs = "rng.gamma(2, 1, z.shape) + 400 * np.exp(-((z - 20) ** 2 + (y - 12) ** 2 + (x - 20) ** 2) / 8) + 300 * np.exp(-((z - 30) ** 2 + (y - 25) ** 2 + (x - 10) ** 2) / 4)";
+  for (const [unit, spacing, kind] of [["mm", 4, "taken for PET"], ["um", 0.5, "µm"]] as const) {
+    const other = await made(unit, blobs, spacing, unit);
+    try {
+      const shown = await openViewer(browser, other.link);
+      await change(shown, { op: "replace", path: "/view/layout", value: { name: "two-by-two", main: "3d" } },
+        { op: "replace", path: "/view/interface/panels", value: ["about"] });
+      await atRest(shown, "z");
+      const text = await shown.locator(".wavesplat").evaluate((all) => all.textContent ?? "");
+      expect(text).toContain(kind);
+      expect(text).not.toMatch(/\d um/);
+      await shown.close();
+    } finally {
+      await other.stop();
+    }
+  }
 });

@@ -66,7 +66,7 @@ test("geometry is listed, hidden, shown and undone", async () => {
 
 test("the shape under the pointer is told, and no longer when it leaves", async () => {
   await page.mouse.move(...(await placeOf([0, 330, 260])));
-  const told = page.locator(".status").getByText(/^points 1, point 0, 1.5 at \(/);
+  const told = page.locator(".status").getByText(/^points 1, point 0, 1.5 at [RL] \d/);
   await told.waitFor();
   await page.mouse.move(...(await placeOf([0, 330, 700])));
   await told.waitFor({ state: "detached" });

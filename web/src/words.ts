@@ -23,8 +23,28 @@ export const WORDS = {
     settings: "Settings",
     close: (name: string) => `Close ${name}`,
   },
+  about: {
+    open: (names: string) => `${names}: about the data`,
+    kind: "Kind",
+    samples: "Samples",
+    spacing: "Spacing",
+    size: "Size",
+    values: "Values",
+    axes: "Axes",
+    axesOf: (letters: string) => `${letters} (where x, y and z point)`,
+    noAxes: "no directions of a patient",
+    times: "Times",
+    notes: "Known and guessed",
+    picture: "Of this picture",
+    kinds: {
+      CT: "CT", MR: "MRI", PET: "PET", dose: "Dose", ultrasound: "Ultrasound", fluorescence: "Fluorescence", EM: "Electron microscopy",
+      FA: "Anisotropy (FA)", probability: "Probability", map: "Map of measures", "p-values": "p-values", "signed field": "Field of both signs",
+      field: "Field", mask: "Mask", labels: "Labels", scan: "Scan of no fixed scale",
+    } as Readonly<Record<string, string>>,
+  },
   /** Headings of the sheets, longer than the names in the rail. */
   sheets: {
+    about: "About the data",
     presets: "Looks",
     function: "Colours and opacity",
     layers: "Layers",

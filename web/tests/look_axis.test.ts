@@ -2,6 +2,7 @@ import { describe, expect, test } from "vitest";
 
 import {
   around,
+  fieldText,
   heights,
   keyStep,
   numberText,
@@ -246,4 +247,18 @@ describe("keys at a point", () => {
       undefined,
     ]);
   });
+});
+
+test.each([
+  [-177.956, 1, "-178"],
+  [-177.956, 2, "-177.96"],
+  [0.25, 2, "0.25"],
+  [0.000123457, undefined, "1.2346e-4"],
+  [-0.000123457, undefined, "-1.235e-4"],
+  [-123456.789, undefined, "-123457"],
+  [-1.23456e-12, undefined, "-1.23e-12"],
+  [0.00001, 2, "1e-5"],
+  [5500000, 0, "5500000"],
+])("the text of %d with %s decimals in a field is %s", (value, decimals, text) => {
+  expect(fieldText(value, decimals)).toBe(text);
 });

@@ -10,7 +10,7 @@ import numpy as np
 from wavesplat import _native
 from wavesplat._looks import presets
 from wavesplat._looks.histogram import robust_range
-from wavesplat._looks.kinds import kind_of, unit_of_values
+from wavesplat._looks.kinds import Evidence, evidence, unit_of_values
 from wavesplat._model.camera import Camera
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.options import Composite, Kernel
@@ -30,6 +30,8 @@ BODY_ENDS = ("L", "R", "P", "A", "I", "S")
 AXIS_ENDS = ("-x", "+x", "-y", "+y", "-z", "+z")
 #: Number of samples of a volume that a fingerprint is made of, about.
 N_SAMPLES = 4096
+#: Units of lengths as people write them.
+SYMBOLS = {"um": "µm", "angstrom": "Å"}
 
 
 def welcome_of(state: ViewerState) -> dict[str, Any]:
@@ -89,6 +91,7 @@ def fingerprint_of(scene: Scene) -> str:
 
 def _volume(layer: Layer) -> dict[str, Any]:
     volume = layer.drawn
+    found = evidence(volume)
     low, high = robust_range(volume)
     least, most = (low, high)
     if isinstance(volume, LazyVolume):
@@ -101,9 +104,12 @@ def _volume(layer: Layer) -> dict[str, Any]:
         "name": layer.name or volume.name,
         "shape": list(reversed(volume.shape)),
         "spacing": list(volume.spacing),
-        "unit": volume.unit,
+        "unit": SYMBOLS.get(volume.unit, volume.unit) if volume.unit else volume.unit,
         "value_unit": unit_of_values(volume) or "",
-        "kind": kind_of(volume),
+        "kind": found.kind,
+        "dtype": str(volume.dtype),
+        "orientation": volume.orientation if volume.is_anatomical else None,
+        "notes": _notes(volume, found),
         "range": [least, most],
         "robust_range": [low, high],
         "bounds": volume.bounds.tolist(),
@@ -111,3 +117,11 @@ def _volume(layer: Layer) -> dict[str, Any]:
         "n_times": len(layer.volume) if isinstance(layer.volume, Series) else 1,
         "affine": volume.world_from_index.tolist(),
     }
+
+
+def _notes(volume: Volume, found: Evidence) -> list[str]:
+    """What was guessed of a volume, and what is wrong with its samples, as sentences for people."""
+    kind = f"taken for {found.reason}" if found.is_guess else found.reason
+    missing = volume.n_nonfinite
+    holes = [f"{missing} samples are NaN or infinite: they are missing, and matter around them is fainter"]
+    return [kind, *volume.guesses, *(holes if missing else [])]

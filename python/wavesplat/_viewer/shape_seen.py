@@ -93,7 +93,6 @@ def _told(shapes: tuple[Shape, ...], found: Picked, point: Array, first: Any) ->
     elif isinstance(shape, Lines):
         parts.append(f"path {found.part}")
     parts += [] if value is None else [f"{value:.5g}"]
-    place = ", ".join(f"{one:.4g}" for one in point)
     return {
         "kind": shape.KIND,
         "name": name,
@@ -101,7 +100,7 @@ def _told(shapes: tuple[Shape, ...], found: Picked, point: Array, first: Any) ->
         "label": label,
         "value": value,
         "point": point.tolist(),
-        "text": f"{', '.join(parts)} at ({place})",
+        "text": ", ".join(parts),
     }
 
 

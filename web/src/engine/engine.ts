@@ -9,11 +9,17 @@ export interface VolumeInfo {
   /** Samples along x, y, z. */
   readonly shape: Vec3;
   readonly spacing: Vec3;
-  /** Unit of lengths: "mm", "um", ...; null where the file names none. */
+  /** Unit of lengths: "mm", "µm", ...; null where the file names none. */
   readonly unit: string | null;
   /** Unit of values: "HU", ...; "" where unknown. */
   readonly value_unit: string;
   readonly kind: string;
+  /** Type of the samples, as NumPy names it. */
+  readonly dtype: string;
+  /** Directions of the axes of the samples, such as "RAS"; null where they are no patient's. */
+  readonly orientation: string | null;
+  /** Sentences on what was guessed of the data, and what is missing. */
+  readonly notes: readonly string[];
   /** Smallest and largest value; `robust_range`: the values that count as smallest and largest. */
   readonly range: readonly [number, number];
   readonly robust_range: readonly [number, number];

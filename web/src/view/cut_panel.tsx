@@ -5,6 +5,7 @@ import { set } from "../state/patch.ts";
 import type { Box, Vec3 } from "../state/state.ts";
 import { NumberField, Switch } from "./fields.tsx";
 import { boxOf, placeOfBox, withFace, type Face } from "./overlay3d/box.ts";
+import { decimalsOf } from "./descriptions.ts";
 import type { PartProps } from "./part.ts";
 import { WORDS } from "../words.ts";
 
@@ -88,6 +89,7 @@ function BoxNumbers(props: PartProps & { kind: "keep" | "cut_out"; place: number
           return (
             <NumberField
               key={`${name}${side}`}
+              decimals={decimalsOf(spacing[a] ?? 1)}
               label={side === "lower" ? TEXT.from(name) : TEXT.to(name)}
               unit={unitName}
               value={box[side][a] ?? 0}
@@ -124,6 +126,7 @@ function PlaneNumbers(
   return (
     <div class="plane">
       <NumberField
+        decimals={decimalsOf(Math.min(...(welcome.volumes[0]?.spacing ?? [1])))}
         label={TEXT.plane(number)}
         unit={welcome.volumes[0]?.unit ?? "units"}
         value={along}

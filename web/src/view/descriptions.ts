@@ -1,6 +1,7 @@
 // Descriptions of pictures in words: for screen readers, titles and announcements.
 
 import { axesOf, dot } from "../input/camera.ts";
+import type { Welcome } from "../engine/engine.ts";
 import type { Composite, Vec3, ViewerState } from "../state/state.ts";
 
 const SIDES: readonly (readonly [string, Vec3])[] = [
@@ -38,4 +39,21 @@ export function shortNumber(value: number, digits = 3): string {
   if (size < -4 || size > 7) return value.toExponential(digits - 1);
   const places = Math.max(0, digits - 1 - size);
   return String(Number(value.toFixed(Math.min(places, 8))));
+}
+
+/** Decimals of a length in data of a spacing: steps of about a tenth of it are told apart. */
+export function decimalsOf(spacing: number): number {
+  return spacing > 0 ? Math.min(9, Math.max(0, Math.floor(1.5 - Math.log10(spacing)))) : 3;
+}
+
+/** A world point for people: "R 3.5 A 176.3 S 274.2 mm" in a patient, else "x 3.5 y 176.3 z 274.2 µm". */
+export function placeText(point: Vec3, { volumes, axis_ends }: Pick<Welcome, "volumes" | "axis_ends">): string {
+  const volume = volumes[0];
+  const decimals = decimalsOf(Math.min(...(volume?.spacing ?? [1])));
+  const parts = point.map((value, axis) => {
+    const rounded = value.toFixed(decimals);
+    if (!volume?.is_anatomical) return `${"xyz"[axis]} ${rounded}`;
+    return `${axis_ends[2 * axis + (value < 0 ? 0 : 1)]} ${rounded.replace("-", "")}`;
+  });
+  return [...parts, volume?.unit ?? ""].join(" ").trim();
 }

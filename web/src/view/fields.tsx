@@ -9,6 +9,7 @@ export function NumberField(props: {
   readonly min: number;
   readonly max: number;
   readonly unit?: string;
+  readonly decimals?: number;
   readonly onInput: (value: number) => void;
   readonly onSettle: () => void;
 }) {

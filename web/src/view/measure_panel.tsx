@@ -1,7 +1,7 @@
 // Distances and angles as a list.
 
 import { set } from "../state/patch.ts";
-import { shortNumber } from "./descriptions.ts";
+import { placeText } from "./descriptions.ts";
 import type { PartProps } from "./part.ts";
 import { measured } from "./slices/measures.tsx";
 
@@ -54,7 +54,7 @@ export function MeasurePanel({ store, welcome, ui }: PartProps) {
                   ×
                 </button>
               </span>
-              <span class="dim">{one.points.map((point) => `(${point.map((x) => shortNumber(x, 4)).join(", ")})`).join(" – ")}</span>
+              <span class="dim">{one.points.map((point) => placeText(point, welcome)).join(" – ")}</span>
             </li>
           ))}
         </ol>

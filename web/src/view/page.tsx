@@ -6,6 +6,7 @@ import type { Connection, Problem } from "../engine/engine.ts";
 import { set } from "../state/patch.ts";
 import { PANES } from "../state/state.ts";
 import { WORDS } from "../words.ts";
+import { AboutPanel } from "./about_panel.tsx";
 import { CutPanel } from "./cut_panel.tsx";
 import { Help } from "./help.tsx";
 import { Icon } from "./icons.tsx";
@@ -38,6 +39,7 @@ export interface Shown {
 type PageProps = PartProps & { readonly app: Shown };
 
 const BODIES: Readonly<Record<Exclude<PanelName, "settings">, ComponentType<PartProps>>> = {
+  about: AboutPanel,
   presets: PresetsPanel,
   function: FunctionPanel,
   layers: LayersPanel,
@@ -54,7 +56,7 @@ export function Page({ app, ...part }: PageProps) {
   const { layout, interface: shown } = store.state.view;
   const panels = PANELS.filter((name) => name !== "labels" || store.state.labels !== null);
   const opened = openPanel(shown.panels);
-  const open = opened !== null && panels.includes(opened) ? opened : null;
+  const open = opened === "labels" && store.state.labels === null ? null : opened;
   const onPanel = (name: PanelName | null): void => store.change([set(name === null ? [] : [name], "view", "interface", "panels")]);
   const theme = themeOf(store.state);
   const hasTimes = welcome.volumes.some((volume) => volume.n_times > 1);
@@ -72,7 +74,7 @@ export function Page({ app, ...part }: PageProps) {
         if (file !== undefined) void openState(part, file);
       }}
     >
-      <Toolbar {...part} onFit={() => void fit(part, ui.frames["3d"] ?? { width: 4, height: 3 })} />
+      <Toolbar {...part} isAbout={open === "about"} onAbout={() => onPanel(open === "about" ? null : "about")} onFit={() => void fit(part, ui.frames["3d"] ?? { width: 4, height: 3 })} />
       <main class="views" data-layout={layout.name}>
         {(layout.name !== "single" || layout.main === "3d") && <SceneView {...part} />}
         {(layout.name === "one-and-three" || layout.name === "two-by-two") &&

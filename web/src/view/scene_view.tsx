@@ -6,7 +6,7 @@ import type { Gesture } from "../input/gestures.ts";
 import type { Action } from "../input/keys.ts";
 import { set } from "../state/patch.ts";
 import type { Camera, Vec3 } from "../state/state.ts";
-import { sceneLabel } from "./descriptions.ts";
+import { placeText, sceneLabel } from "./descriptions.ts";
 import { windowDrag } from "./look/window_drag.ts";
 import { SceneOverlay } from "./overlay3d/scene_overlay.tsx";
 import type { CssSize, PartProps } from "./part.ts";
@@ -127,9 +127,9 @@ export function showFrom({ store }: PartProps, target: Camera): void {
 
 const placed = (x: number, y: number, { width, height }: CssSize) => ({ x, y, width: Math.round(width), height: Math.round(height) });
 
-async function shapeAt({ engine }: PartProps, { x, y }: Place, size: CssSize): Promise<string> {
+async function shapeAt({ engine, welcome }: PartProps, { x, y }: Place, size: CssSize): Promise<string> {
   const { shape } = await engine.ask("shape", placed(x / size.width, y / size.height, size));
-  return shape?.text ?? "";
+  return shape === null ? "" : `${shape.text} at ${placeText(shape.point, welcome)}`;
 }
 
 /** Picks the world point seen at a place: the crosshair moves there, or the tool in use gets a point. */

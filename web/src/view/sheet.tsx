@@ -9,15 +9,16 @@ const TEXT = WORDS.panels;
 
 /** The panels, in the order of the rail. */
 export const PANELS = ["presets", "function", "layers", "labels", "light", "cut", "slices", "measure", "share", "settings"] as const;
-export type PanelName = (typeof PANELS)[number];
+/** A panel of the rail, or the card about the data, which the title opens. */
+export type PanelName = (typeof PANELS)[number] | "about";
 
 /** The panel whose sheet is shown: the one that was opened last. */
 export function openPanel(panels: readonly string[]): PanelName | null {
-  return PANELS.find((name) => name === panels.at(-1)) ?? null;
+  return [...PANELS, "about" as const].find((name) => name === panels.at(-1)) ?? null;
 }
 
 export interface RailProps {
-  readonly panels: readonly PanelName[];
+  readonly panels: readonly (typeof PANELS)[number][];
   readonly open: PanelName | null;
   /** Opens a panel, or closes the one that is open. */
   onPanel(name: PanelName | null): void;

@@ -3,6 +3,7 @@
 import { set } from "../state/patch.ts";
 import { PANES, type Vec3 } from "../state/state.ts";
 import { Choice, NumberField } from "./fields.tsx";
+import { decimalsOf } from "./descriptions.ts";
 import type { PartProps } from "./part.ts";
 import { pick } from "./scene_view.tsx";
 
@@ -28,6 +29,7 @@ export function SlicesPanel(props: PartProps) {
       {AXES.map((name, axis) => (
         <NumberField
           key={name}
+          decimals={decimalsOf(info?.spacing[axis] ?? 1)}
           label={`Crosshair ${name}`}
           unit={unit}
           value={slices.crosshair[axis] ?? 0}

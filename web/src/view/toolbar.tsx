@@ -15,8 +15,8 @@ const LAYOUTS: readonly View["layout"]["name"][] = ["3d", "one-and-three", "two-
 const VIEWS = ["front", "back", "left", "right", "top", "bottom"] as const;
 const TOOLS: readonly Tool[] = ["turn", "window", "distance", "angle"];
 
-export function Toolbar(props: PartProps & { readonly onFit: () => void }) {
-  const { store, welcome, ui, onFit } = props;
+export function Toolbar(props: PartProps & { readonly isAbout: boolean; onAbout(): void; onFit(): void }) {
+  const { store, welcome, ui, isAbout, onAbout, onFit } = props;
   const { layout } = store.state.view;
   const names = store.state.layers.map(({ name }) => name).join(", ");
   const setLayout = (name: View["layout"]["name"]): void => {
@@ -26,7 +26,9 @@ export function Toolbar(props: PartProps & { readonly onFit: () => void }) {
   const hasScene = layout.name !== "single" || layout.main === "3d";
   return (
     <header class="toolbar">
-      <div class="group float title-group"><h1 class="title" title={names}>{names}</h1></div>
+      <h1 class="group float title-group">
+        <button class="title" data-opens="about" aria-expanded={isAbout} aria-label={WORDS.about.open(names)} title={names} onClick={onAbout}>{names}</button>
+      </h1>
       <div class="group float">
         <Radios label={WORDS.layouts.title} names={LAYOUTS} value={layout.name} textOf={(name) => WORDS.layouts[name]} iconOf={(name) => name} onChoice={setLayout} />
         {layout.name === "single" && (

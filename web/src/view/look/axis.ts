@@ -49,6 +49,26 @@ export function numberText(value: number): string {
   return String(Number(value.toPrecision(6)));
 }
 
+/** Most characters that a number field shows, of 96 pixels. */
+const FIELD_LENGTH = 9;
+
+/** Text of a number in a field: rounded to decimals, where they are given, and short enough that nothing is cut. */
+export function fieldText(value: number, decimals?: number): string {
+  const whole = decimals === undefined ? value : Number(value.toFixed(Math.min(decimals, 20)));
+  const text = numberText(whole === 0 && value !== 0 ? value : whole);
+  if (text.length <= FIELD_LENGTH) return text;
+  for (let digits = 5; digits > 1; digits -= 1) {
+    const shorter = [String(Number(value.toPrecision(digits))), value.toExponential(digits - 1)].find((one) => one.length <= FIELD_LENGTH);
+    if (shorter !== undefined) return shorter;
+  }
+  return value.toExponential(0);
+}
+
+/** Decimals of a number that is set in steps: one more than the step has. */
+export function decimalsOfStep(step: number): number {
+  return Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(step) + 1e-9)));
+}
+
 /** Counts of points below and above the visible range. */
 export function outOfSight(curve: Curve, [low, high]: Range): { readonly below: number; readonly above: number } {
   const values = curve.map(([value]) => value ?? 0);

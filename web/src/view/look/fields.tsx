@@ -3,7 +3,7 @@
 import type { ComponentChildren } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import { clamped } from "./curves.ts";
-import { numberText, roundStep } from "./axis.ts";
+import { decimalsOfStep, fieldText, numberText, roundStep } from "./axis.ts";
 
 export interface NumberFieldProps {
   readonly label: string;
@@ -11,6 +11,8 @@ export interface NumberFieldProps {
   readonly min?: number;
   readonly max?: number;
   readonly step?: number | "any";
+  /** Decimals of the text; without them as many as fit. */
+  readonly decimals?: number;
   readonly unit?: string;
   readonly disabled?: boolean;
   readonly id?: string;
@@ -22,7 +24,7 @@ export interface NumberFieldProps {
 
 /** A number alone, named for screen readers. The text stays as typed until the field is left. */
 export function NumberField(props: NumberFieldProps) {
-  const { label, value, min, max, step = "any", unit = "", disabled = false, id } = props;
+  const { label, value, min, max, step = "any", unit = "", disabled = false, id, decimals } = props;
   const [typed, setTyped] = useState<string | null>(null);
   const done = (): void => {
     setTyped(null);
@@ -33,7 +35,7 @@ export function NumberField(props: NumberFieldProps) {
       type="number"
       id={id}
       aria-label={unit === "" ? label : `${label}, ${unit}`}
-      value={typed ?? numberText(value)}
+      value={typed ?? fieldText(value, decimals)}
       min={min}
       max={max}
       step={step}
@@ -94,10 +96,15 @@ export function SliderField(props: SliderFieldProps) {
     least,
     most,
   } = props;
-  const { shown = label } = props;
+  const { shown = label, decimals = step === "any" ? undefined : decimalsOfStep(step) } = props;
   return (
     <div class="field look-slider">
-      {shown !== "" && <span aria-hidden="true">{shown}</span>}
+      {shown !== "" && (
+        <span aria-hidden="true">
+          {shown}
+          {unit !== "" && <small>{unit}</small>}
+        </span>
+      )}
       <input
         type="range"
         aria-label={label}
@@ -110,7 +117,14 @@ export function SliderField(props: SliderFieldProps) {
         onInput={(event) => props.onValue(event.currentTarget.valueAsNumber)}
         onChange={() => props.onDone()}
       />
-      <NumberField {...props} min={least ?? min} max={most ?? max} step={step} label={`${label}, number`} />
+      <NumberField
+        {...props}
+        {...(decimals === undefined ? {} : { decimals })}
+        min={least ?? min}
+        max={most ?? max}
+        step={step}
+        label={`${label}, number`}
+      />
     </div>
   );
 }
@@ -148,7 +162,10 @@ export function RelativeSlider(props: RelativeSliderProps) {
   const shown = numberText(amount ?? neutral);
   return (
     <div class="field look-slider">
-      <span aria-hidden="true">{label}</span>
+      <span aria-hidden="true">
+        {label}
+        {unit !== "" && <small>{unit}</small>}
+      </span>
       <input
         type="range"
         aria-label={label}
@@ -169,7 +186,7 @@ export function RelativeSlider(props: RelativeSliderProps) {
         type="number"
         step="any"
         aria-label={`${label}, number${unit && `, ${unit}`}`}
-        value={amount === null ? typed : Number(amount.toPrecision(3))}
+        value={amount === null ? typed : fieldText(Number(amount.toPrecision(3)))}
         placeholder={numberText(neutral)}
         disabled={disabled}
         onInput={(event) => setTyped(event.currentTarget.value)}

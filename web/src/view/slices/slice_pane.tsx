@@ -6,7 +6,7 @@ import type { Gesture } from "../../input/gestures.ts";
 import type { Action } from "../../input/keys.ts";
 import { set } from "../../state/patch.ts";
 import type { Pane, Vec3 } from "../../state/state.ts";
-import { shortNumber } from "../descriptions.ts";
+import { placeText, shortNumber } from "../descriptions.ts";
 import { Handle, stepOf } from "../handle.tsx";
 import { CropOnSlice } from "../overlay3d/crop_on_slice.tsx";
 import type { CssSize, PartProps } from "../part.ts";
@@ -258,7 +258,6 @@ function probe({ engine, ui, welcome }: PartProps, on: SliceFrame | null, place:
     const shown = values.map((value, n) =>
       value === null ? "outside" : `${shortNumber(value, 5)} ${welcome.volumes[n]?.value_unit ?? ""}`.trim(),
     );
-    const where = point.map((x) => shortNumber(x, 4)).join(", ");
-    return `${shown.join(", ")}${label === null ? "" : ` · ${label.name}`} at (${where})`;
+    return `${shown.join(", ")}${label === null ? "" : ` · ${label.name}`} at ${placeText(point, welcome)}`;
   });
 }

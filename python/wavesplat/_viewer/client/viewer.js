@@ -637,7 +637,7 @@ var KEYS = [
   { keys: ["Ctrl+z"], action: "undo", shown: "Ctrl Z", text: "Undo" },
   { keys: ["Ctrl+Shift+Z", "Ctrl+y"], action: "redo", shown: "Ctrl Shift Z", text: "Redo" },
   { keys: ["?"], action: "help", shown: "?", text: "Show this table" },
-  { keys: ["Escape"], action: "leave", shown: "Esc", text: "End it" }
+  { keys: ["Escape"], action: "leave", shown: "Esc", text: "Leave the tool, or close the sheet" }
 ];
 var GESTURES = [
   ["Drag", "Turn"],
@@ -929,86 +929,42 @@ function createStore(initial, engine) {
   };
 }
 
-// src/input/camera.ts
-var TURN_DEG = 180;
-var MIN_ANGLE_DEG = 0.01;
-var MAX_ANGLE_DEG = 170;
-var add = (a3, b) => [a3[0] + b[0], a3[1] + b[1], a3[2] + b[2]];
-var sub = (a3, b) => [a3[0] - b[0], a3[1] - b[1], a3[2] - b[2]];
-var scaled = (a3, factor) => [a3[0] * factor, a3[1] * factor, a3[2] * factor];
-var dot = (a3, b) => a3[0] * b[0] + a3[1] * b[1] + a3[2] * b[2];
-var cross = (a3, b) => [
-  a3[1] * b[2] - a3[2] * b[1],
-  a3[2] * b[0] - a3[0] * b[2],
-  a3[0] * b[1] - a3[1] * b[0]
-];
-var length = (a3) => Math.hypot(a3[0], a3[1], a3[2]);
-var unit = (a3) => scaled(a3, 1 / length(a3));
-function axesOf(camera) {
-  const back = unit(sub(camera.position, camera.focal_point));
-  const right = unit(cross(camera.view_up, back));
-  return { right, up: cross(back, right), back };
-}
-function turnedAbout(vector2, axis, angle) {
-  const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
-  return add(
-    add(scaled(vector2, cos), scaled(cross(axis, vector2), sin)),
-    scaled(axis, dot(axis, vector2) * (1 - cos))
-  );
-}
-function turned(camera, dx, dy, height) {
-  const radians = TURN_DEG * Math.PI / 180 / height;
-  const { right, up } = axesOf(camera);
-  const about = (vector2) => turnedAbout(turnedAbout(vector2, up, -dx * radians), right, -dy * radians);
-  return {
-    ...camera,
-    position: add(camera.focal_point, about(sub(camera.position, camera.focal_point))),
-    view_up: about(up)
-  };
-}
-function rolled(camera, angle) {
-  const { back, up } = axesOf(camera);
-  return { ...camera, view_up: turnedAbout(up, back, angle) };
-}
-function unitsPerPixel(camera, height, distance2) {
-  if (camera.parallel_scale !== void 0) return 2 * camera.parallel_scale / height;
-  const away = distance2 ?? length(sub(camera.position, camera.focal_point));
-  return 2 * away * Math.tan((camera.view_angle ?? 30) / 2 * Math.PI / 180) / height;
-}
-function panned(camera, dx, dy, height) {
-  const { right, up } = axesOf(camera);
-  const pixel = unitsPerPixel(camera, height);
-  const way = add(scaled(right, -dx * pixel), scaled(up, dy * pixel));
-  return { ...camera, position: add(camera.position, way), focal_point: add(camera.focal_point, way) };
-}
-function zoomed(camera, factor) {
-  if (camera.parallel_scale !== void 0) return { ...camera, parallel_scale: camera.parallel_scale / factor };
-  const away = sub(camera.position, camera.focal_point);
-  return { ...camera, position: add(camera.focal_point, scaled(away, 1 / factor)) };
-}
-function withLens(camera, angle) {
-  const { parallel_scale: _scale, view_angle: _angle, ...place } = camera;
-  const { back } = axesOf(camera);
-  const half = unitsPerPixel(camera, 2);
-  if (angle === void 0) return { ...place, parallel_scale: half };
-  const bounded = Math.min(Math.max(angle, MIN_ANGLE_DEG), MAX_ANGLE_DEG);
-  const away = half / Math.tan(bounded / 2 * Math.PI / 180);
-  return { ...place, position: add(camera.focal_point, scaled(back, away)), view_angle: bounded };
-}
-function project(camera, size, point2) {
-  const { right, up, back } = axesOf(camera);
-  const away = sub(point2, camera.position);
-  const depth = -dot(away, back);
-  if (camera.parallel_scale === void 0 && depth <= 0) return null;
-  const pixel = unitsPerPixel(camera, size.height, depth);
-  return { x: size.width / 2 + dot(away, right) / pixel, y: size.height / 2 - dot(away, up) / pixel, depth };
-}
-function ray(camera, size, x2, y3) {
-  const { right, up, back } = axesOf(camera);
-  const pixel = unitsPerPixel(camera, size.height, 1);
-  const aside = add(scaled(right, (x2 - size.width / 2) * pixel), scaled(up, (size.height / 2 - y3) * pixel));
-  if (camera.parallel_scale !== void 0) return { origin: add(camera.position, aside), direction: scaled(back, -1) };
-  return { origin: camera.position, direction: unit(sub(aside, back)) };
+// src/view/frame_statistics.ts
+var MAX_RECORDS = 4e3;
+var MAX_EVENTS = 1e3;
+var FrameStatistics = class {
+  records = [];
+  events = [];
+  /** Records the time of the event that a change came from. */
+  event(seq, at2) {
+    this.events.push({ seq, at: at2 });
+    if (this.events.length > MAX_EVENTS) this.events.shift();
+  }
+  /** Records that a frame is on the canvas. */
+  drawn(frame, at2) {
+    const shown = this.events.filter((event) => event.seq <= frame.seq).at(-1);
+    if (shown !== void 0) this.events = this.events.filter((event) => event.seq > frame.seq);
+    const { bytes, ...header } = frame;
+    this.records.push({ at: at2, latency: shown === void 0 ? null : at2 - shown.at, bytes: bytes.length, frame: header });
+    if (this.records.length > MAX_RECORDS) this.records.shift();
+  }
+  /** Statistics of the moving frames of the last `span` milliseconds. */
+  recent(now, span = 2e3) {
+    const moving = this.records.filter((record) => record.at > now - span && !record.frame.at_rest);
+    const first = moving[0];
+    const last = moving.at(-1);
+    if (first === void 0 || last === void 0 || moving.length < 3) return null;
+    const latencies = moving.flatMap((record) => record.latency === null ? [] : [record.latency]);
+    return {
+      framesPerSecond: (moving.length - 1) * 1e3 / Math.max(last.at - first.at, 1),
+      latency: median(latencies),
+      kilobytes: (median(moving.map((record) => record.bytes)) ?? 0) / 1e3
+    };
+  }
+};
+function median(values) {
+  const sorted = [...values].sort((a3, b) => a3 - b);
+  return sorted[Math.floor(sorted.length / 2)] ?? null;
 }
 
 // node_modules/preact/hooks/dist/hooks.mjs
@@ -1307,7 +1263,7 @@ function wholeOf(data, points) {
   const room = 0.02 * (high > low ? high - low : Math.abs(low) || 1);
   return [low - room, high + room];
 }
-function zoomed2(seen, factor, centre, whole) {
+function zoomed(seen, factor, centre, whole) {
   const most = whole[1] - whole[0];
   const width = clamped((seen[1] - seen[0]) / factor, CLOSEST * most, most);
   const share2 = clamped((centre - seen[0]) / (seen[1] - seen[0]), 0, 1);
@@ -1332,6 +1288,20 @@ function numberText(value) {
   const size = Math.abs(value);
   if (size !== 0 && (size >= 1e7 || size < 1e-4)) return value.toExponential(2).replace(/\.?0+e/, "e");
   return String(Number(value.toPrecision(6)));
+}
+var FIELD_LENGTH = 9;
+function fieldText(value, decimals) {
+  const whole = decimals === void 0 ? value : Number(value.toFixed(Math.min(decimals, 20)));
+  const text2 = numberText(whole === 0 && value !== 0 ? value : whole);
+  if (text2.length <= FIELD_LENGTH) return text2;
+  for (let digits = 5; digits > 1; digits -= 1) {
+    const shorter = [String(Number(value.toPrecision(digits))), value.toExponential(digits - 1)].find((one) => one.length <= FIELD_LENGTH);
+    if (shorter !== void 0) return shorter;
+  }
+  return value.toExponential(0);
+}
+function decimalsOfStep(step) {
+  return Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(step) + 1e-9)));
 }
 function outOfSight(curve, [low, high]) {
   const values = curve.map(([value]) => value ?? 0);
@@ -1360,422 +1330,6 @@ function tidy(value, step) {
   return Number(value.toFixed(places)) + 0;
 }
 
-// src/view/look/fields.tsx
-function NumberField(props) {
-  const { label, value, min, max, step = "any", unit: unit2 = "", disabled = false, id } = props;
-  const [typed, setTyped] = d2(null);
-  const done2 = () => {
-    setTyped(null);
-    props.onDone();
-  };
-  return /* @__PURE__ */ k(
-    "input",
-    {
-      type: "number",
-      id,
-      "aria-label": unit2 === "" ? label : `${label}, ${unit2}`,
-      value: typed ?? numberText(value),
-      min,
-      max,
-      step,
-      disabled,
-      onInput: (event) => {
-        const field = event.currentTarget;
-        setTyped(field.value);
-        const number2 = field.valueAsNumber;
-        if (Number.isFinite(number2)) props.onValue(clamped(number2, min ?? -Infinity, max ?? Infinity));
-      },
-      onChange: done2,
-      onBlur: done2,
-      onKeyDown: (event) => {
-        if (event.key === "Enter") done2();
-      }
-    }
-  );
-}
-function NamedNumber(props) {
-  const { label, shown = label, unit: unit2 = "" } = props;
-  return /* @__PURE__ */ k("span", { class: "look-named" }, /* @__PURE__ */ k("span", { class: "dim", "aria-hidden": "true" }, shown), /* @__PURE__ */ k(NumberField, { ...props }), unit2 !== "" && /* @__PURE__ */ k("span", { class: "dim", "aria-hidden": "true" }, unit2));
-}
-function SliderField(props) {
-  const {
-    label,
-    value,
-    min,
-    max,
-    step = roundStep((max - min) / 500),
-    unit: unit2 = "",
-    disabled = false,
-    least,
-    most
-  } = props;
-  const { shown = label } = props;
-  return /* @__PURE__ */ k("div", { class: "field look-slider" }, shown !== "" && /* @__PURE__ */ k("span", { "aria-hidden": "true" }, shown), /* @__PURE__ */ k(
-    "input",
-    {
-      type: "range",
-      "aria-label": label,
-      "aria-valuetext": `${numberText(value)}${unit2 && ` ${unit2}`}`,
-      value,
-      min,
-      max,
-      step,
-      disabled,
-      onInput: (event) => props.onValue(event.currentTarget.valueAsNumber),
-      onChange: () => props.onDone()
-    }
-  ), /* @__PURE__ */ k(NumberField, { ...props, min: least ?? min, max: most ?? max, step, label: `${label}, number` }));
-}
-function RelativeSlider(props) {
-  const { label, neutral, unit: unit2 = "", disabled = false } = props;
-  const [amount, setAmount] = d2(null);
-  const [typed, setTyped] = d2("");
-  const done2 = () => {
-    setAmount(null);
-    props.onDone();
-  };
-  const apply = () => {
-    const number2 = Number(typed);
-    setTyped("");
-    if (typed.trim() === "" || !Number.isFinite(number2)) return;
-    props.onAmount(number2);
-    done2();
-  };
-  const shown = numberText(amount ?? neutral);
-  return /* @__PURE__ */ k("div", { class: "field look-slider" }, /* @__PURE__ */ k("span", { "aria-hidden": "true" }, label), /* @__PURE__ */ k(
-    "input",
-    {
-      type: "range",
-      "aria-label": label,
-      "aria-valuetext": `${shown}${unit2 && ` ${unit2}`}`,
-      min: -1,
-      max: 1,
-      step: 0.01,
-      value: amount === null ? 0 : props.position(amount),
-      disabled,
-      onInput: (event) => {
-        const next = props.amount(event.currentTarget.valueAsNumber);
-        setAmount(next);
-        props.onAmount(next);
-      },
-      onChange: done2
-    }
-  ), /* @__PURE__ */ k(
-    "input",
-    {
-      type: "number",
-      step: "any",
-      "aria-label": `${label}, number${unit2 && `, ${unit2}`}`,
-      value: amount === null ? typed : Number(amount.toPrecision(3)),
-      placeholder: numberText(neutral),
-      disabled,
-      onInput: (event) => setTyped(event.currentTarget.value),
-      onBlur: apply,
-      onKeyDown: (event) => {
-        if (event.key === "Enter") apply();
-      }
-    }
-  ));
-}
-function SelectField({ label, value, options, onChoice }) {
-  return /* @__PURE__ */ k("label", { class: "field" }, /* @__PURE__ */ k("span", null, label), /* @__PURE__ */ k("select", { class: "look-grow", value, onChange: (event) => onChoice(event.currentTarget.value) }, options.map((option) => /* @__PURE__ */ k("option", { key: option.value, value: option.value, disabled: option.disabled ?? false }, option.text))));
-}
-function CheckField({
-  label,
-  note,
-  checked,
-  onCheck
-}) {
-  return /* @__PURE__ */ k("label", { class: "row look-check" }, /* @__PURE__ */ k("input", { type: "checkbox", checked, onChange: (event) => onCheck(event.currentTarget.checked) }), /* @__PURE__ */ k("span", null, label), note && /* @__PURE__ */ k("span", { class: "dim" }, note));
-}
-function ColorField({ label, value, onColor, onDone }) {
-  const [picked, setPicked] = d2(null);
-  A2(() => setPicked(null), [value]);
-  return /* @__PURE__ */ k(
-    "input",
-    {
-      type: "color",
-      "aria-label": label,
-      value: picked ?? value,
-      onInput: (event) => {
-        setPicked(event.currentTarget.value);
-        onColor(event.currentTarget.value);
-      },
-      onChange: onDone,
-      onBlur: onDone
-    }
-  );
-}
-function Button(props) {
-  return /* @__PURE__ */ k(
-    "button",
-    {
-      type: "button",
-      class: "button",
-      "aria-label": props.label,
-      title: props.label,
-      "aria-pressed": props.pressed,
-      disabled: props.disabled ?? false,
-      onClick: () => props.onClick()
-    },
-    props.children
-  );
-}
-
-// src/view/fields.tsx
-function NumberField2(props) {
-  const { onInput, onSettle, ...others } = props;
-  return /* @__PURE__ */ k(SliderField, { ...others, least: -Infinity, most: Infinity, onValue: onInput, onDone: onSettle });
-}
-function Choice(props) {
-  const { label, value, options, onChoose } = props;
-  return /* @__PURE__ */ k(SelectField, { ...{ label, value }, options: options.map(([name, text2]) => ({ value: name, text: text2 })), onChoice: onChoose });
-}
-function Switch(props) {
-  return /* @__PURE__ */ k(CheckField, { label: props.label, checked: props.on, onCheck: props.onToggle });
-}
-function Panel(props) {
-  const { name, title, open, onToggle, children } = props;
-  return /* @__PURE__ */ k(
-    "details",
-    {
-      class: "panel",
-      open,
-      "data-panel": name,
-      onToggle: (event) => {
-        const now = event.currentTarget.open;
-        if (now !== open) onToggle(name, now);
-      }
-    },
-    /* @__PURE__ */ k("summary", null, title),
-    open && /* @__PURE__ */ k("div", { class: "body" }, children)
-  );
-}
-
-// src/view/overlay3d/box.ts
-var FACES = [0, 1, 2].flatMap((axis) => [
-  { axis, side: "lower" },
-  { axis, side: "upper" }
-]);
-function corners(box2) {
-  return [...Array(8).keys()].map(
-    (bits) => [0, 1, 2].map((axis) => (bits >> axis & 1 ? box2.upper : box2.lower)[axis])
-  );
-}
-var EDGES = [0, 1, 2].flatMap(
-  (axis) => [...Array(8).keys()].filter((bits) => !(bits >> axis & 1)).map((bits) => ({ a: bits, b: bits | 1 << axis, axis }))
-);
-function faceCenter(box2, { axis, side }) {
-  const middle2 = center(box2);
-  return middle2.map((value, a3) => a3 === axis ? box2[side][axis] : value);
-}
-var center = (box2) => scaled(add(box2.lower, box2.upper), 0.5);
-function isSeen(box2, face, camera) {
-  const outward = [0, 0, 0].map((_3, a3) => a3 === face.axis ? face.side === "upper" ? 1 : -1 : 0);
-  const toEye = camera.parallel_scale === void 0 ? sub(camera.position, faceCenter(box2, face)) : axesOf(camera).back;
-  return dot(outward, toEye) > 0;
-}
-function isHidden(box2, edge, camera) {
-  return [0, 1, 2].filter((axis) => axis !== edge.axis).every((axis) => {
-    const side = edge.a >> axis & 1 ? "upper" : "lower";
-    return !isSeen(box2, { axis, side }, camera);
-  });
-}
-function alongAxis(camera, size, from, axis, dx, dy) {
-  const here = project(camera, size, from);
-  const there = project(camera, size, add(from, axis));
-  if (here === null || there === null) return 0;
-  const [ux, uy] = [there.x - here.x, there.y - here.y];
-  const square = ux * ux + uy * uy;
-  return square < 1e-6 ? 0 : (dx * ux + dy * uy) / square;
-}
-function withFace(box2, face, to, bounds, least) {
-  const { axis, side } = face;
-  const [low, high] = [bounds[0][axis], bounds[1][axis]];
-  const inside = side === "lower" ? Math.max(low, Math.min(to, box2.upper[axis] - least)) : Math.min(high, Math.max(to, box2.lower[axis] + least));
-  const moved = box2[side].map((value, a3) => a3 === axis ? inside : value);
-  return { ...box2, [side]: moved };
-}
-function movedBy(box2, by, bounds) {
-  const clamped2 = by.map((way, a3) => {
-    const [room, back] = [(bounds[1][a3] ?? 0) - (box2.upper[a3] ?? 0), (bounds[0][a3] ?? 0) - (box2.lower[a3] ?? 0)];
-    return Math.min(Math.max(way, back), room);
-  });
-  return { ...box2, lower: add(box2.lower, clamped2), upper: add(box2.upper, clamped2) };
-}
-function inPicture(camera, size, from, dx, dy) {
-  const here = project(camera, size, from);
-  if (here === null) return [0, 0, 0];
-  const moved = ray(camera, size, here.x + dx, here.y + dy);
-  const { back } = axesOf(camera);
-  const depth = -dot(sub(from, moved.origin), back) / -dot(moved.direction, back);
-  return sub(add(moved.origin, scaled(moved.direction, depth)), from);
-}
-var placeOfBox = (clips, kind2) => clips.findIndex((clip2) => kind2 in clip2 && !isIndexed(boxOf(clip2)));
-function boxOf(clip2) {
-  return "keep" in clip2 ? clip2.keep : "cut_out" in clip2 ? clip2.cut_out : null;
-}
-var isIndexed = (box2) => box2?.space === "index";
-
-// src/view/cut_panel.tsx
-var AXES = ["x", "y", "z"];
-function CutPanel(props) {
-  const { store, welcome } = props;
-  const { clip: clip2, view } = store.state;
-  const whole = { lower: welcome.bounds[0], upper: welcome.bounds[1], space: "world" };
-  const add2 = (one) => store.change([set(one, "clip", "-"), set(true, "view", "overlays", "crop_box")]);
-  const remove = (place) => store.change([{ op: "remove", path: `/clip/${place}` }]);
-  return /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
-    Switch,
-    {
-      label: "Handles in the views",
-      on: view.overlays.crop_box,
-      onToggle: (on) => store.change([set(on, "view", "overlays", "crop_box")])
-    }
-  ), ["keep", "cut_out"].map((kind2) => {
-    const place = placeOfBox(clip2, kind2);
-    const found = clip2[place];
-    const box2 = found === void 0 ? null : boxOf(found);
-    const title = kind2 === "keep" ? "Crop box" : "Box that is cut out";
-    return /* @__PURE__ */ k("fieldset", { key: kind2 }, /* @__PURE__ */ k("legend", null, title), box2 === null ? /* @__PURE__ */ k(
-      "button",
-      {
-        class: "button",
-        onClick: () => add2({ [kind2]: kind2 === "keep" ? whole : corner(whole) })
-      },
-      kind2 === "keep" ? "Crop" : "Cut a corner out"
-    ) : /* @__PURE__ */ k($, null, /* @__PURE__ */ k(BoxNumbers, { ...props, kind: kind2, place, box: box2 }), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", onClick: () => store.change([set({ [kind2]: whole }, "clip", place)]) }, "Reset"), /* @__PURE__ */ k("button", { class: "button", onClick: () => remove(place) }, "Remove"))));
-  }), /* @__PURE__ */ k("fieldset", null, /* @__PURE__ */ k("legend", null, "Clip planes"), clip2.map(
-    (one, place) => "plane" in one ? /* @__PURE__ */ k(PlaneNumbers, { key: place, ...props, place, plane: one.plane, onRemove: () => remove(place) }) : null
-  ), /* @__PURE__ */ k(
-    "button",
-    {
-      class: "button",
-      onClick: () => {
-        const { back } = axesOf(store.state.camera);
-        add2({ plane: { point: store.state.view.slices.crosshair, normal: scaled(back, -1) } });
-      }
-    },
-    "Add a plane that faces you"
-  )));
-}
-function corner(box2) {
-  const middle2 = (axis) => ((box2.lower[axis] ?? 0) + (box2.upper[axis] ?? 0)) / 2;
-  return { ...box2, lower: [box2.lower[0], middle2(1), middle2(2)], upper: [middle2(0), box2.upper[1], box2.upper[2]] };
-}
-function BoxNumbers(props) {
-  const { store, welcome, kind: kind2, place, box: box2 } = props;
-  const spacing = welcome.volumes[0]?.spacing ?? [1, 1, 1];
-  const unitName = welcome.volumes[0]?.unit ?? "units";
-  return /* @__PURE__ */ k($, null, AXES.flatMap(
-    (name, a3) => ["lower", "upper"].map((side) => {
-      const face = { axis: a3, side };
-      const [low, high] = [welcome.bounds[0][a3] ?? 0, welcome.bounds[1][a3] ?? 1];
-      return /* @__PURE__ */ k(
-        NumberField2,
-        {
-          key: `${name}${side}`,
-          label: `${name} ${side === "lower" ? "from" : "to"}`,
-          unit: unitName,
-          value: box2[side][a3] ?? 0,
-          min: low,
-          max: high,
-          onInput: (value) => store.change(
-            [set({ [kind2]: withFace(box2, face, value, welcome.bounds, spacing[a3] ?? 1) }, "clip", place)],
-            `${kind2} ${name} ${side}`
-          ),
-          onSettle: () => store.settle()
-        }
-      );
-    })
-  ));
-}
-function PlaneNumbers(props) {
-  const { store, welcome, place, plane, onRemove } = props;
-  const normal = unit(plane.normal);
-  const [lower, upper] = welcome.bounds;
-  const ends = [0, 1, 2].map((a3) => [(lower[a3] ?? 0) * (normal[a3] ?? 0), (upper[a3] ?? 0) * (normal[a3] ?? 0)]);
-  const low = ends.reduce((sum, end) => sum + Math.min(...end), 0);
-  const high = ends.reduce((sum, end) => sum + Math.max(...end), 0);
-  const along = dot(plane.point, normal);
-  const change = (next, gesture) => store.change([set({ plane: next }, "clip", place)], gesture);
-  const number2 = store.state.clip.slice(0, place + 1).filter((clip2) => "plane" in clip2).length;
-  return /* @__PURE__ */ k("div", { class: "plane" }, /* @__PURE__ */ k(
-    NumberField2,
-    {
-      label: `Plane ${number2} at`,
-      unit: welcome.volumes[0]?.unit ?? "units",
-      value: along,
-      min: low,
-      max: high,
-      onInput: (value) => {
-        const point2 = plane.point.map((x2, a3) => x2 + (value - along) * (normal[a3] ?? 0));
-        change({ ...plane, point: point2 }, "plane at");
-      },
-      onSettle: () => store.settle()
-    }
-  ), /* @__PURE__ */ k("div", { class: "row" }, AXES.map((name, a3) => /* @__PURE__ */ k("label", { key: name, class: "row" }, `Normal ${name}`, /* @__PURE__ */ k(
-    "input",
-    {
-      type: "number",
-      step: "any",
-      value: Number((normal[a3] ?? 0).toFixed(4)),
-      onChange: (event) => {
-        const value = event.currentTarget.valueAsNumber;
-        const next = normal.map((x2, b) => b === a3 ? value : x2);
-        if (Number.isFinite(value) && next.some((x2) => x2 !== 0)) change({ ...plane, normal: unit(next) });
-      }
-    }
-  )))), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", onClick: () => change({ ...plane, normal: scaled(plane.normal, -1) }) }, "Flip"), /* @__PURE__ */ k("button", { class: "button", onClick: onRemove }, "Remove")));
-}
-
-// src/view/frame_statistics.ts
-var MAX_RECORDS = 4e3;
-var MAX_EVENTS = 1e3;
-var FrameStatistics = class {
-  records = [];
-  events = [];
-  /** Records the time of the event that a change came from. */
-  event(seq, at2) {
-    this.events.push({ seq, at: at2 });
-    if (this.events.length > MAX_EVENTS) this.events.shift();
-  }
-  /** Records that a frame is on the canvas. */
-  drawn(frame, at2) {
-    const shown = this.events.filter((event) => event.seq <= frame.seq).at(-1);
-    if (shown !== void 0) this.events = this.events.filter((event) => event.seq > frame.seq);
-    const { bytes, ...header } = frame;
-    this.records.push({ at: at2, latency: shown === void 0 ? null : at2 - shown.at, bytes: bytes.length, frame: header });
-    if (this.records.length > MAX_RECORDS) this.records.shift();
-  }
-  /** Statistics of the moving frames of the last `span` milliseconds. */
-  recent(now, span = 2e3) {
-    const moving = this.records.filter((record) => record.at > now - span && !record.frame.at_rest);
-    const first = moving[0];
-    const last = moving.at(-1);
-    if (first === void 0 || last === void 0 || moving.length < 3) return null;
-    const latencies = moving.flatMap((record) => record.latency === null ? [] : [record.latency]);
-    return {
-      framesPerSecond: (moving.length - 1) * 1e3 / Math.max(last.at - first.at, 1),
-      latency: median(latencies),
-      kilobytes: (median(moving.map((record) => record.bytes)) ?? 0) / 1e3
-    };
-  }
-};
-function median(values) {
-  const sorted = [...values].sort((a3, b) => a3 - b);
-  return sorted[Math.floor(sorted.length / 2)] ?? null;
-}
-
-// src/view/help.tsx
-function Help({ onClose }) {
-  const dialog = T2(null);
-  A2(() => {
-    dialog.current?.showModal();
-  }, []);
-  return /* @__PURE__ */ k("dialog", { ref: dialog, "aria-labelledby": "help-title", onClose }, /* @__PURE__ */ k("h2", { id: "help-title" }, "Keys and gestures"), /* @__PURE__ */ k("p", { class: "dim" }, "Keys act in the focused view; in slices arrows move the crosshair."), /* @__PURE__ */ k("table", null, /* @__PURE__ */ k("caption", { class: "hidden" }, "Mouse and touch"), /* @__PURE__ */ k("tbody", null, GESTURES.map(([gesture, what]) => /* @__PURE__ */ k("tr", { key: gesture }, /* @__PURE__ */ k("th", { scope: "row" }, gesture), /* @__PURE__ */ k("td", null, what))))), /* @__PURE__ */ k("table", null, /* @__PURE__ */ k("caption", { class: "hidden" }, "Keys"), /* @__PURE__ */ k("tbody", null, KEYS.map(({ shown, text: text2 }) => /* @__PURE__ */ k("tr", { key: shown }, /* @__PURE__ */ k("th", { scope: "row" }, /* @__PURE__ */ k("kbd", null, shown)), /* @__PURE__ */ k("td", null, text2))))), /* @__PURE__ */ k("form", { method: "dialog" }, /* @__PURE__ */ k("button", { class: "button" }, "Close")));
-}
-
 // src/view/look/point_keys.ts
 function pointKey(key, isShifted, seen, rise) {
   const share2 = isShifted ? 0.2 : 1;
@@ -1798,11 +1352,302 @@ function pointKey(key, isShifted, seen, rise) {
   return key === "Enter" ? { does: "type" } : null;
 }
 
-// src/view/look/curve_plot.tsx
-var TEXT = {
-  below: (n2) => `${n2} below what is seen: show all points`,
-  above: (n2) => `${n2} above what is seen: show all points`
+// src/words.ts
+var WORDS = {
+  layouts: {
+    title: "Layout",
+    "3d": "3-D",
+    "one-and-three": "3-D and three slices",
+    "two-by-two": "Two by two",
+    single: "One slice",
+    slice: "Slice"
+  },
+  panels: {
+    title: "Panels",
+    presets: "Looks",
+    function: "Colours",
+    layers: "Layers",
+    labels: "Labels",
+    light: "Light",
+    cut: "Cut",
+    slices: "Slices",
+    measure: "Measure",
+    share: "Share",
+    settings: "Settings",
+    close: (name) => `Close ${name}`
+  },
+  about: {
+    open: (names) => `${names}: about the data`,
+    kind: "Kind",
+    samples: "Samples",
+    spacing: "Spacing",
+    size: "Size",
+    values: "Values",
+    axes: "Axes",
+    axesOf: (letters) => `${letters} (where x, y and z point)`,
+    noAxes: "no directions of a patient",
+    times: "Times",
+    notes: "Known and guessed",
+    picture: "Of this picture",
+    kinds: {
+      CT: "CT",
+      MR: "MRI",
+      PET: "PET",
+      dose: "Dose",
+      ultrasound: "Ultrasound",
+      fluorescence: "Fluorescence",
+      EM: "Electron microscopy",
+      FA: "Anisotropy (FA)",
+      probability: "Probability",
+      map: "Map of measures",
+      "p-values": "p-values",
+      "signed field": "Field of both signs",
+      field: "Field",
+      mask: "Mask",
+      labels: "Labels",
+      scan: "Scan of no fixed scale"
+    }
+  },
+  /** Headings of the sheets, longer than the names in the rail. */
+  sheets: {
+    about: "About the data",
+    presets: "Looks",
+    function: "Colours and opacity",
+    layers: "Layers",
+    labels: "Labels",
+    light: "Light and projection",
+    cut: "Cut",
+    slices: "Slices",
+    measure: "Measure",
+    share: "Pictures and sharing",
+    settings: "Settings"
+  },
+  toolbar: {
+    tools: "Dragging",
+    turn: "Turn",
+    window: "Window and level",
+    distance: "Measure a distance",
+    angle: "Measure an angle",
+    history: "History",
+    undo: "Undo",
+    redo: "Redo",
+    views: "Standard views",
+    from: (view) => `From the ${view}`,
+    lettered: (letter, view) => `${letter}, from the ${view}`,
+    fit: "Fit all into view",
+    light: "Light colours",
+    dark: "Dark colours",
+    help: "Keys and gestures",
+    help_short: "Keys",
+    theme_short: "Theme"
+  },
+  settings: {
+    rest: "At rest",
+    moving: "While moving",
+    movings: { smooth: "Smooth: 30 frames/s", balanced: "Balanced: better", exact: "Exact: as at rest" },
+    custom: "Custom",
+    perspective: "Perspective",
+    angle: "View angle",
+    theme: "Theme",
+    themes: { system: "As the system", dark: "Dark", light: "Light" },
+    over: "Over the views",
+    overlays: {
+      scale_bar: "Scale bar",
+      letters: "Letters of directions",
+      cube: "Orientation cube",
+      color_bar: "Colour bar",
+      crosshair: "Crosshair",
+      crop_box: "Crop box and clip planes",
+      legend: "Legend"
+    },
+    figures: "Frame rate, latency, error"
+  },
+  cut: {
+    handles: "Handles in the views",
+    keep: "Crop box",
+    cut_out: "Cut-out box",
+    crop: "Crop",
+    cut: "Cut a corner out",
+    reset: "Reset",
+    remove: "Remove",
+    planes: "Clip planes",
+    add: "Add a plane that faces you",
+    from: (axis) => `${axis} from`,
+    to: (axis) => `${axis} to`,
+    plane: (n2) => `Plane ${n2} at`,
+    normal: (axis) => `Normal ${axis}`,
+    flip: "Flip"
+  },
+  colorStrip: {
+    label: "Colours of the values",
+    hidden: (n2) => `${n2} outside the shown range: show all points`
+  },
+  curvePlot: {
+    below: (n2) => `${n2} below the shown range: show all points`,
+    above: (n2) => `${n2} above the shown range: show all points`
+  },
+  functionPanel: {
+    layer: "Layer",
+    curve: "Opacity over the values",
+    opacity: "opacity",
+    log: "Logarithm",
+    magnified: "Magnify low opacities",
+    seen: "Shown range",
+    from: "Shown from",
+    to: "Shown to",
+    nearer: "Nearer",
+    farther: "Farther",
+    all: "All values",
+    points: "Fit to points",
+    usual: "Fit to data",
+    addOpacity: "Add opacity point",
+    addColor: "Add colour",
+    shift: "Shift",
+    width: "Width",
+    opacities: "Opacities ×",
+    global: "Layer opacity",
+    mirrorOpacity: "Mirror opacities",
+    mirrorColor: "Mirror colours",
+    reset: (name) => name === "" ? "Reset" : `Reset to ${name}`,
+    gone: "The look as it was chosen is not known any more.",
+    table: "This function is a table of value and gradient, which has no single curve to edit. Choose a preset to get one, or make another table in Python.",
+    hint: "Double click adds a point. Wheel zooms while a point has the focus, and with Ctrl."
+  },
+  gradientEditor: {
+    title: "Gradient opacity",
+    none: "Opacity does not depend on the gradient.",
+    add: "Make boundaries stand out",
+    remove: "Remove gradient opacity",
+    label: "Factor of the opacity over the gradient",
+    what: "factor",
+    gradient: "Gradient",
+    factor: "Factor",
+    addPoint: "Add point",
+    delete: "Delete point"
+  },
+  labelsPanel: {
+    none: "There is no segmentation. Open one with --labels FILE, or in Python with labels=.",
+    filter: "Filter",
+    showAll: "Show all",
+    hideAll: "Hide all",
+    smooth: "Smooth outlines",
+    count: (shown, all) => `${shown} of ${all} shown`,
+    more: (n2) => `${n2} more; filter by name or number to see them.`,
+    empty: "No label has this name or number.",
+    shown: (name) => `Show ${name}`,
+    color: (name) => `Colour of ${name}`,
+    opacity: (name) => `Opacity of ${name}`,
+    solo: "Solo",
+    soloThis: (name) => `Solo: show ${name} alone, or all again`
+  },
+  layersPanel: {
+    edit: "Edit the look",
+    editThis: (name) => `Edit the look of ${name}`,
+    name: (index) => `Name of layer ${index + 1}`,
+    shown: (name) => `Show ${name}`,
+    opacity: "Opacity",
+    opacityOf: (name) => `Opacity of ${name}`,
+    solo: "Solo",
+    soloThis: (name) => `Solo: show ${name} alone, or all again`,
+    look: (look) => `look: ${look || "of its own"}`
+  },
+  lightPad: {
+    pad: "Direction of the light",
+    keys: "Arrows turn the light, with Page up and down far",
+    azimuth: "From right",
+    elevation: "From above",
+    degrees: "°",
+    text: (azimuth, elevation) => `${Math.abs(Math.round(azimuth))}° from the ${azimuth < 0 ? "left" : "right"}, ${Math.abs(Math.round(elevation))}° from ${elevation < 0 ? "below" : "above"}`
+  },
+  lightPanel: {
+    composite: "Projection",
+    overOnly: "Several layers, and labels, are drawn by volume rendering alone.",
+    iso: "Surface at",
+    threshold: "Threshold",
+    automatic: (what) => `${what}: automatic`,
+    strength: "Dimming",
+    clear: "Transparent below",
+    attenuation: "Attenuation",
+    kernel: "Kernel",
+    background: "Background",
+    shading: "Shading",
+    all: "This light is that of all layers.",
+    unshaded: "This operator has no shading: light changes nothing here.",
+    ambient: "Ambient",
+    diffuse: "Diffuse",
+    specular: "Specular",
+    power: "Shininess",
+    exposure: "Exposure",
+    shoulder: "Highlights",
+    occlusion: "Occlusion",
+    radius: "Radius",
+    reach: "Occlusion radius",
+    shadow: "Shadow",
+    smoothing: "Smoothing",
+    smoothingOn: "Smooth surfaces",
+    offset: "Gradient width",
+    world: "The light stands still in the world.",
+    reset: "Reset light to the look's"
+  },
+  ownPresetsFields: {
+    title: "Save this look",
+    name: "Name",
+    save: "Save as preset",
+    rename: "Rename",
+    remove: "Delete",
+    export: "Export look…",
+    import: "Import look…",
+    saved: (name) => `Preset ${name} saved`,
+    removed: (name) => `Preset ${name} deleted`,
+    notKept: "This preset cannot be kept",
+    remedy: "Export the look to a file instead.",
+    notRead: "This file is no look"
+  },
+  pointFields: {
+    none: "Choose a point to type its numbers.",
+    opacityPoint: (n2, of) => `Opacity point ${n2} of ${of}`,
+    colorPoint: (n2, of) => `Colour ${n2} of ${of}`,
+    value: "Value",
+    opacity: "Opacity",
+    color: "Colour",
+    remove: "Delete",
+    before: "Point before",
+    after: "Next point"
+  },
+  presetTiles: {
+    noPicture: "No picture"
+  },
+  presetsPanel: {
+    search: "Search",
+    fitting: "Presets that fit",
+    own: "Your own",
+    all: (n2) => `All presets (${n2} more)`,
+    none: "No preset has this in its name or description.",
+    auto: "By the kind of data, from its histogram.",
+    redraw: "Draw the pictures anew",
+    old: "The camera or the time is another one than in these pictures.",
+    chosen: (name) => `Look ${name}`,
+    ownPreset: "Saved by you",
+    alone: "This look is made for a layer alone: with others it is drawn as a volume, which may hide them."
+  },
+  timeBar: {
+    title: "Time",
+    of: (time, count) => `${time + 1} of ${count}`,
+    before: "Time before",
+    next: "Next time",
+    play: "Play",
+    pause: "Pause",
+    rate: "Frames a second",
+    perSecond: "a second",
+    repeat: "Repeat"
+  },
+  windowDrag: {
+    table: "The function of this layer is a table; it has no window"
+  }
 };
+
+// src/view/look/curve_plot.tsx
+var TEXT = WORDS.curvePlot;
 var KEYS2 = "Arrows move, Page up and down move far, Delete removes, Insert adds, Enter goes to the number";
 var MARGIN = { left: 34, right: 12, top: 12, bottom: 20 };
 var DOT_PX = 6;
@@ -1879,7 +1724,7 @@ function CurvePlot(props) {
         const root = event.currentTarget.getRootNode();
         if (!event.ctrlKey && !event.currentTarget.contains(root.activeElement)) return;
         event.preventDefault();
-        props.onSeen(zoomed2(seen, event.deltaY < 0 ? WHEEL_ZOOM : 1 / WHEEL_ZOOM, valueAt(inside(event).x), whole));
+        props.onSeen(zoomed(seen, event.deltaY < 0 ? WHEEL_ZOOM : 1 / WHEEL_ZOOM, valueAt(inside(event).x), whole));
       },
       onDblClick: (event) => {
         const { x: x2, y: y3 } = inside(event);
@@ -2067,10 +1912,7 @@ function px(value) {
 }
 
 // src/view/look/color_strip.tsx
-var TEXT2 = {
-  label: "Colours of the values",
-  hidden: (n2) => `${n2} outside what is seen: show all points`
-};
+var TEXT2 = WORDS.colorStrip;
 var RAMP_PX = 16;
 var HEIGHT_PX = 44;
 function ColorStrip(props) {
@@ -2160,19 +2002,180 @@ function ColorStrip(props) {
   ), below + above > 0 && /* @__PURE__ */ k("button", { type: "button", class: "button", onClick: () => props.onShowPoints() }, TEXT2.hidden(below + above)));
 }
 
+// src/view/look/fields.tsx
+function NumberField(props) {
+  const { label, value, min, max, step = "any", unit: unit2 = "", disabled = false, id, decimals } = props;
+  const [typed, setTyped] = d2(null);
+  const done2 = () => {
+    setTyped(null);
+    props.onDone();
+  };
+  return /* @__PURE__ */ k(
+    "input",
+    {
+      type: "number",
+      id,
+      "aria-label": unit2 === "" ? label : `${label}, ${unit2}`,
+      value: typed ?? fieldText(value, decimals),
+      min,
+      max,
+      step,
+      disabled,
+      onInput: (event) => {
+        const field = event.currentTarget;
+        setTyped(field.value);
+        const number2 = field.valueAsNumber;
+        if (Number.isFinite(number2)) props.onValue(clamped(number2, min ?? -Infinity, max ?? Infinity));
+      },
+      onChange: done2,
+      onBlur: done2,
+      onKeyDown: (event) => {
+        if (event.key === "Enter") done2();
+      }
+    }
+  );
+}
+function NamedNumber(props) {
+  const { label, shown = label, unit: unit2 = "" } = props;
+  return /* @__PURE__ */ k("span", { class: "look-named" }, /* @__PURE__ */ k("span", { class: "dim", "aria-hidden": "true" }, shown), /* @__PURE__ */ k(NumberField, { ...props }), unit2 !== "" && /* @__PURE__ */ k("span", { class: "dim", "aria-hidden": "true" }, unit2));
+}
+function SliderField(props) {
+  const {
+    label,
+    value,
+    min,
+    max,
+    step = roundStep((max - min) / 500),
+    unit: unit2 = "",
+    disabled = false,
+    least,
+    most
+  } = props;
+  const { shown = label, decimals = step === "any" ? void 0 : decimalsOfStep(step) } = props;
+  return /* @__PURE__ */ k("div", { class: "field look-slider" }, shown !== "" && /* @__PURE__ */ k("span", { "aria-hidden": "true" }, shown, unit2 !== "" && /* @__PURE__ */ k("small", null, unit2)), /* @__PURE__ */ k(
+    "input",
+    {
+      type: "range",
+      "aria-label": label,
+      "aria-valuetext": `${numberText(value)}${unit2 && ` ${unit2}`}`,
+      value,
+      min,
+      max,
+      step,
+      disabled,
+      onInput: (event) => props.onValue(event.currentTarget.valueAsNumber),
+      onChange: () => props.onDone()
+    }
+  ), /* @__PURE__ */ k(
+    NumberField,
+    {
+      ...props,
+      ...decimals === void 0 ? {} : { decimals },
+      min: least ?? min,
+      max: most ?? max,
+      step,
+      label: `${label}, number`
+    }
+  ));
+}
+function RelativeSlider(props) {
+  const { label, neutral, unit: unit2 = "", disabled = false } = props;
+  const [amount, setAmount] = d2(null);
+  const [typed, setTyped] = d2("");
+  const done2 = () => {
+    setAmount(null);
+    props.onDone();
+  };
+  const apply = () => {
+    const number2 = Number(typed);
+    setTyped("");
+    if (typed.trim() === "" || !Number.isFinite(number2)) return;
+    props.onAmount(number2);
+    done2();
+  };
+  const shown = numberText(amount ?? neutral);
+  return /* @__PURE__ */ k("div", { class: "field look-slider" }, /* @__PURE__ */ k("span", { "aria-hidden": "true" }, label, unit2 !== "" && /* @__PURE__ */ k("small", null, unit2)), /* @__PURE__ */ k(
+    "input",
+    {
+      type: "range",
+      "aria-label": label,
+      "aria-valuetext": `${shown}${unit2 && ` ${unit2}`}`,
+      min: -1,
+      max: 1,
+      step: 0.01,
+      value: amount === null ? 0 : props.position(amount),
+      disabled,
+      onInput: (event) => {
+        const next = props.amount(event.currentTarget.valueAsNumber);
+        setAmount(next);
+        props.onAmount(next);
+      },
+      onChange: done2
+    }
+  ), /* @__PURE__ */ k(
+    "input",
+    {
+      type: "number",
+      step: "any",
+      "aria-label": `${label}, number${unit2 && `, ${unit2}`}`,
+      value: amount === null ? typed : fieldText(Number(amount.toPrecision(3))),
+      placeholder: numberText(neutral),
+      disabled,
+      onInput: (event) => setTyped(event.currentTarget.value),
+      onBlur: apply,
+      onKeyDown: (event) => {
+        if (event.key === "Enter") apply();
+      }
+    }
+  ));
+}
+function SelectField({ label, value, options, onChoice }) {
+  return /* @__PURE__ */ k("label", { class: "field" }, /* @__PURE__ */ k("span", null, label), /* @__PURE__ */ k("select", { class: "look-grow", value, onChange: (event) => onChoice(event.currentTarget.value) }, options.map((option) => /* @__PURE__ */ k("option", { key: option.value, value: option.value, disabled: option.disabled ?? false }, option.text))));
+}
+function CheckField({
+  label,
+  note,
+  checked,
+  onCheck
+}) {
+  return /* @__PURE__ */ k("label", { class: "row look-check" }, /* @__PURE__ */ k("input", { type: "checkbox", checked, onChange: (event) => onCheck(event.currentTarget.checked) }), /* @__PURE__ */ k("span", null, label), note && /* @__PURE__ */ k("span", { class: "dim" }, note));
+}
+function ColorField({ label, value, onColor, onDone }) {
+  const [picked, setPicked] = d2(null);
+  A2(() => setPicked(null), [value]);
+  return /* @__PURE__ */ k(
+    "input",
+    {
+      type: "color",
+      "aria-label": label,
+      value: picked ?? value,
+      onInput: (event) => {
+        setPicked(event.currentTarget.value);
+        onColor(event.currentTarget.value);
+      },
+      onChange: onDone,
+      onBlur: onDone
+    }
+  );
+}
+function Button(props) {
+  return /* @__PURE__ */ k(
+    "button",
+    {
+      type: "button",
+      class: "button",
+      "aria-label": props.label,
+      title: props.label,
+      "aria-pressed": props.pressed,
+      disabled: props.disabled ?? false,
+      onClick: () => props.onClick()
+    },
+    props.children
+  );
+}
+
 // src/view/look/gradient_editor.tsx
-var TEXT3 = {
-  title: "Gradient opacity",
-  none: "Opacity does not depend on the gradient.",
-  add: "Make boundaries stand out",
-  remove: "Remove gradient opacity",
-  label: "Factor of the opacity over the gradient",
-  what: "factor",
-  gradient: "Gradient",
-  factor: "Factor",
-  addPoint: "Add point",
-  delete: "Delete point"
-};
+var TEXT3 = WORDS.gradientEditor;
 var PLOT_PX = 130;
 function GradientEditor({ store, ui, curves: curves2, volume: volume2, latest }) {
   const curve = curves2.gradient_opacity ?? [];
@@ -2408,17 +2411,7 @@ function namedColor(name) {
 }
 
 // src/view/look/point_fields.tsx
-var TEXT4 = {
-  none: "Choose a point to type its numbers.",
-  opacityPoint: (n2, of) => `Opacity point ${n2} of ${of}`,
-  colorPoint: (n2, of) => `Colour ${n2} of ${of}`,
-  value: "Value",
-  opacity: "Opacity",
-  color: "Colour",
-  remove: "Delete",
-  before: "Point before",
-  after: "Next point"
-};
+var TEXT4 = WORDS.pointFields;
 function PointFields(props) {
   const { curves: curves2, selected, onDone } = props;
   const index = selected?.index ?? -1;
@@ -2481,33 +2474,7 @@ function Point(props) {
 }
 
 // src/view/look/function_panel.tsx
-var TEXT5 = {
-  layer: "Layer",
-  curve: "Opacity over the values",
-  opacity: "opacity",
-  log: "Log counts",
-  magnified: "Magnify low opacities",
-  seen: "Seen",
-  from: "Seen from",
-  to: "Seen to",
-  nearer: "Nearer",
-  farther: "Farther",
-  all: "All values",
-  points: "Points",
-  usual: "Usual values",
-  addOpacity: "Add opacity point",
-  addColor: "Add colour",
-  shift: "Shift",
-  width: "Width",
-  opacities: "Opacities ×",
-  global: "Layer opacity",
-  mirrorOpacity: "Mirror opacities",
-  mirrorColor: "Mirror colours",
-  reset: (name) => name === "" ? "Reset" : `Reset to ${name}`,
-  gone: "The look as it was chosen is not known any more.",
-  table: "This function is a table of value and gradient, which has no single curve to edit. Choose a preset to get one, or make another table in Python.",
-  hint: "Double click adds a point. Wheel zooms while a point has the focus, and with Ctrl."
-};
+var TEXT5 = WORDS.functionPanel;
 var BINS = 256;
 var PLOT_PX2 = 190;
 var STILL_MS = 120;
@@ -2675,7 +2642,7 @@ function Editor(props) {
       onDone: () => {
       }
     }
-  ), /* @__PURE__ */ k(Button, { label: TEXT5.nearer, onClick: () => setZoom(zoomed2(seen, 1.5, middle(seen), whole)) }, "+"), /* @__PURE__ */ k(Button, { label: TEXT5.farther, onClick: () => setZoom(zoomed2(seen, 1 / 1.5, middle(seen), whole)) }, "−")), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(Button, { onClick: () => setZoom(usual) }, TEXT5.usual), /* @__PURE__ */ k(Button, { onClick: () => setZoom(whole) }, TEXT5.all), /* @__PURE__ */ k(Button, { onClick: showPoints }, TEXT5.points)), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(CheckField, { label: TEXT5.log, checked: isLog, onCheck: setLog }), /* @__PURE__ */ k(CheckField, { label: TEXT5.magnified, checked: isMagnified, onCheck: setMagnified })), /* @__PURE__ */ k("p", { class: "dim look-small" }, TEXT5.hint), /* @__PURE__ */ k(
+  ), /* @__PURE__ */ k(Button, { label: TEXT5.nearer, onClick: () => setZoom(zoomed(seen, 1.5, middle(seen), whole)) }, "+"), /* @__PURE__ */ k(Button, { label: TEXT5.farther, onClick: () => setZoom(zoomed(seen, 1 / 1.5, middle(seen), whole)) }, "−")), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(Button, { onClick: () => setZoom(usual) }, TEXT5.usual), /* @__PURE__ */ k(Button, { onClick: () => setZoom(whole) }, TEXT5.all), /* @__PURE__ */ k(Button, { onClick: showPoints }, TEXT5.points)), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(CheckField, { label: TEXT5.log, checked: isLog, onCheck: setLog }), /* @__PURE__ */ k(CheckField, { label: TEXT5.magnified, checked: isMagnified, onCheck: setMagnified })), /* @__PURE__ */ k("p", { class: "dim look-small" }, TEXT5.hint), /* @__PURE__ */ k(
     RelativeSlider,
     {
       label: TEXT5.shift,
@@ -2792,21 +2759,7 @@ function isSoloLabel(rows, number2) {
 }
 
 // src/view/look/labels_panel.tsx
-var TEXT6 = {
-  none: "There is no segmentation. Open one with --labels FILE, or in Python with labels=.",
-  filter: "Filter",
-  showAll: "Show all",
-  hideAll: "Hide all",
-  smooth: "Smooth outlines",
-  count: (shown, all) => `${shown} of ${all} shown`,
-  more: (n2) => `${n2} more; filter by name or number to see them.`,
-  empty: "No label has this name or number.",
-  shown: (name) => `Show ${name}`,
-  color: (name) => `Colour of ${name}`,
-  opacity: (name) => `Opacity of ${name}`,
-  solo: "Solo",
-  soloThis: (name) => `Solo: show ${name} alone, or all again`
-};
+var TEXT6 = WORDS.labelsPanel;
 var MAX_ROWS = 150;
 var FILTERED_FROM = 9;
 function LabelsPanel({ store }) {
@@ -2878,17 +2831,7 @@ function LabelsPanel({ store }) {
 }
 
 // src/view/look/layers_panel.tsx
-var TEXT7 = {
-  edit: "Edit the look",
-  editThis: (name) => `Edit the look of ${name}`,
-  name: (index) => `Name of layer ${index + 1}`,
-  shown: (name) => `Show ${name}`,
-  opacity: "Opacity",
-  opacityOf: (name) => `Opacity of ${name}`,
-  solo: "Solo",
-  soloThis: (name) => `Solo: show ${name} alone, or all again`,
-  look: (look) => `look: ${look || "of its own"}`
-};
+var TEXT7 = WORDS.layersPanel;
 function LayersPanel({ store, ui }) {
   const { layers, geometry } = store.state;
   return /* @__PURE__ */ k($, null, /* @__PURE__ */ k("ul", { class: "look-list", "aria-label": "Layers" }, layers.map((layer, index) => /* @__PURE__ */ k("li", { key: index, class: "look-layer", "data-chosen": index === ui.layer && layers.length > 1 }, /* @__PURE__ */ k("div", { class: "row look-nowrap" }, /* @__PURE__ */ k(
@@ -2989,14 +2932,7 @@ function compositeNamed(name, isoValue) {
 }
 
 // src/view/look/light_pad.tsx
-var TEXT8 = {
-  pad: "Direction of the light",
-  keys: "Arrows turn the light, with Page up and down far",
-  azimuth: "From right",
-  elevation: "From above",
-  degrees: "°",
-  text: (azimuth, elevation) => `${Math.abs(Math.round(azimuth))}° from the ${azimuth < 0 ? "left" : "right"}, ${Math.abs(Math.round(elevation))}° from ${elevation < 0 ? "below" : "above"}`
-};
+var TEXT8 = WORDS.lightPad;
 var SIZE_PX = 96;
 var RADIUS_PX = 40;
 function LightPad({ direction, latest, onDirection, onDone }) {
@@ -3109,36 +3045,7 @@ function wrapped(degrees) {
 }
 
 // src/view/look/light_panel.tsx
-var TEXT9 = {
-  composite: "Rays show",
-  overOnly: "Several layers, and labels, are drawn by volume rendering alone.",
-  iso: "Surface at",
-  threshold: "Threshold",
-  automatic: (what) => `${what}: automatic`,
-  strength: "Dimming",
-  clear: "Clear below",
-  attenuation: "Attenuation",
-  kernel: "Kernel",
-  background: "Background",
-  shading: "Shading",
-  all: "This light is that of all layers.",
-  unshaded: "This operator has no shading: light changes nothing here.",
-  ambient: "Ambient",
-  diffuse: "Diffuse",
-  specular: "Specular",
-  power: "Shininess",
-  exposure: "Exposure",
-  shoulder: "Highlights",
-  occlusion: "Occlusion",
-  radius: "Reach",
-  reach: "Reach of occlusion",
-  shadow: "Shadow",
-  smoothing: "Smoothing",
-  smoothingOn: "Smooth surfaces",
-  offset: "Normal width",
-  world: "The light stands still in the world.",
-  reset: "Reset light to the look's"
-};
+var TEXT9 = WORDS.lightPanel;
 var SMOOTHING = [0.5, 1.25];
 var SMOOTH = 0.8;
 var WATER = 2059e-8;
@@ -3288,21 +3195,90 @@ function longestSide(bounds) {
   return Math.max(...upper.map((end, axis) => end - (lower[axis] ?? 0)));
 }
 
+// src/input/camera.ts
+var TURN_DEG = 180;
+var MIN_ANGLE_DEG = 0.01;
+var MAX_ANGLE_DEG = 170;
+var add = (a3, b) => [a3[0] + b[0], a3[1] + b[1], a3[2] + b[2]];
+var sub = (a3, b) => [a3[0] - b[0], a3[1] - b[1], a3[2] - b[2]];
+var scaled = (a3, factor) => [a3[0] * factor, a3[1] * factor, a3[2] * factor];
+var dot = (a3, b) => a3[0] * b[0] + a3[1] * b[1] + a3[2] * b[2];
+var cross = (a3, b) => [
+  a3[1] * b[2] - a3[2] * b[1],
+  a3[2] * b[0] - a3[0] * b[2],
+  a3[0] * b[1] - a3[1] * b[0]
+];
+var length = (a3) => Math.hypot(a3[0], a3[1], a3[2]);
+var unit = (a3) => scaled(a3, 1 / length(a3));
+function axesOf(camera) {
+  const back = unit(sub(camera.position, camera.focal_point));
+  const right = unit(cross(camera.view_up, back));
+  return { right, up: cross(back, right), back };
+}
+function turnedAbout(vector2, axis, angle) {
+  const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
+  return add(
+    add(scaled(vector2, cos), scaled(cross(axis, vector2), sin)),
+    scaled(axis, dot(axis, vector2) * (1 - cos))
+  );
+}
+function turned(camera, dx, dy, height) {
+  const radians = TURN_DEG * Math.PI / 180 / height;
+  const { right, up } = axesOf(camera);
+  const about = (vector2) => turnedAbout(turnedAbout(vector2, up, -dx * radians), right, -dy * radians);
+  return {
+    ...camera,
+    position: add(camera.focal_point, about(sub(camera.position, camera.focal_point))),
+    view_up: about(up)
+  };
+}
+function rolled(camera, angle) {
+  const { back, up } = axesOf(camera);
+  return { ...camera, view_up: turnedAbout(up, back, angle) };
+}
+function unitsPerPixel(camera, height, distance2) {
+  if (camera.parallel_scale !== void 0) return 2 * camera.parallel_scale / height;
+  const away = distance2 ?? length(sub(camera.position, camera.focal_point));
+  return 2 * away * Math.tan((camera.view_angle ?? 30) / 2 * Math.PI / 180) / height;
+}
+function panned(camera, dx, dy, height) {
+  const { right, up } = axesOf(camera);
+  const pixel = unitsPerPixel(camera, height);
+  const way = add(scaled(right, -dx * pixel), scaled(up, dy * pixel));
+  return { ...camera, position: add(camera.position, way), focal_point: add(camera.focal_point, way) };
+}
+function zoomed2(camera, factor) {
+  if (camera.parallel_scale !== void 0) return { ...camera, parallel_scale: camera.parallel_scale / factor };
+  const away = sub(camera.position, camera.focal_point);
+  return { ...camera, position: add(camera.focal_point, scaled(away, 1 / factor)) };
+}
+function withLens(camera, angle) {
+  const { parallel_scale: _scale, view_angle: _angle, ...place } = camera;
+  const { back } = axesOf(camera);
+  const half = unitsPerPixel(camera, 2);
+  if (angle === void 0) return { ...place, parallel_scale: half };
+  const bounded = Math.min(Math.max(angle, MIN_ANGLE_DEG), MAX_ANGLE_DEG);
+  const away = half / Math.tan(bounded / 2 * Math.PI / 180);
+  return { ...place, position: add(camera.focal_point, scaled(back, away)), view_angle: bounded };
+}
+function project(camera, size, point2) {
+  const { right, up, back } = axesOf(camera);
+  const away = sub(point2, camera.position);
+  const depth = -dot(away, back);
+  if (camera.parallel_scale === void 0 && depth <= 0) return null;
+  const pixel = unitsPerPixel(camera, size.height, depth);
+  return { x: size.width / 2 + dot(away, right) / pixel, y: size.height / 2 - dot(away, up) / pixel, depth };
+}
+function ray(camera, size, x2, y3) {
+  const { right, up, back } = axesOf(camera);
+  const pixel = unitsPerPixel(camera, size.height, 1);
+  const aside = add(scaled(right, (x2 - size.width / 2) * pixel), scaled(up, (size.height / 2 - y3) * pixel));
+  if (camera.parallel_scale !== void 0) return { origin: add(camera.position, aside), direction: scaled(back, -1) };
+  return { origin: camera.position, direction: unit(sub(aside, back)) };
+}
+
 // src/view/look/own_presets_fields.tsx
-var TEXT10 = {
-  title: "Save this look",
-  name: "Name",
-  save: "Save as preset",
-  rename: "Rename",
-  remove: "Delete",
-  export: "Export look…",
-  import: "Import look…",
-  saved: (name) => `Preset ${name} saved`,
-  removed: (name) => `Preset ${name} deleted`,
-  notKept: "This preset cannot be kept",
-  remedy: "Export the look to a file instead.",
-  notRead: "This file is no look"
-};
+var TEXT10 = WORDS.ownPresetsFields;
 var PICTURE_PX = 96;
 function OwnPresets({ store, ui, welcome, own, onOwn, onTake }) {
   const [name, setName] = d2("");
@@ -3527,7 +3503,7 @@ var PresetPictures = class {
 };
 
 // src/view/look/preset_tiles.tsx
-var TEXT11 = { noPicture: "No picture" };
+var TEXT11 = WORDS.presetTiles;
 function PresetTiles({ label, tiles, selected, pictures, onChoose }) {
   const list2 = T2(null);
   const [focused, setFocused] = d2(null);
@@ -3601,19 +3577,7 @@ function matching(presets, search) {
 }
 
 // src/view/look/presets_panel.tsx
-var TEXT12 = {
-  search: "Search",
-  fitting: "Presets that fit",
-  own: "Your own",
-  all: (n2) => `All presets (${n2} more)`,
-  none: "No preset has this in its name or description.",
-  auto: "By the kind of data, from its histogram.",
-  redraw: "Draw the pictures anew",
-  old: "The camera or the time is another one than in these pictures.",
-  chosen: (name) => `Look ${name}`,
-  ownPreset: "Saved by you",
-  alone: "This look is made for a layer alone: with others it is drawn as a volume, which may hide them."
-};
+var TEXT12 = WORDS.presetsPanel;
 var ALIKE = 0.996;
 function PresetsPanel(props) {
   const { store, engine, ui, welcome } = props;
@@ -3708,17 +3672,7 @@ function waitFor(now, last, perSecond) {
 }
 
 // src/view/look/time_bar.tsx
-var TEXT13 = {
-  title: "Time",
-  of: (time, count) => `${time + 1} of ${count}`,
-  before: "Time before",
-  next: "Next time",
-  play: "Play",
-  pause: "Pause",
-  rate: "Frames a second",
-  perSecond: "a second",
-  repeat: "Repeat"
-};
+var TEXT13 = WORDS.timeBar;
 var MAX_RATE = 60;
 var GESTURE = "time";
 function TimeBar({ store, ui, welcome }) {
@@ -3799,7 +3753,7 @@ function TimeBar({ store, ui, welcome }) {
 }
 
 // src/view/look/window_drag.ts
-var TEXT14 = { table: "The function of this layer is a table; it has no window" };
+var TEXT14 = WORDS.windowDrag;
 function windowDrag({ store, ui, welcome }, dx, dy) {
   const layer = store.state.layers[ui.layer];
   const range = welcome.volumes[ui.layer]?.robust_range;
@@ -3813,7 +3767,7 @@ function windowDrag({ store, ui, welcome }, dx, dy) {
 }
 
 // src/view/look/look.css
-var look_default = '.look-panel { display: grid; gap: 8px; min-width: 0 }\n.look-panel > *, .look-details > *, .look-list > * { min-width: 0 }\n.look-grow { flex: 1 1 0; min-width: 0 }\n.look-nowrap { flex-wrap: nowrap }\n.look-small { font-size: 12px }\n.look-check { min-height: 24px; flex-wrap: nowrap }\n.look-check > span { min-width: 0 }\n.look-panel .field > span:first-child { flex: 0 0 96px }\n.look-slider > span:first-child { flex: 0 0 96px }\n.look-slider input[type="number"] { flex: 0 0 72px; width: 72px }\n.look-plot { display: block; width: 100%; touch-action: pan-y; user-select: none; overflow: visible }\n.look-grid { stroke: var(--line); stroke-width: 1; opacity: .55 }\n.look-tick { fill: var(--dim); font-size: 11px }\n.look-counts { fill: var(--text); fill-opacity: .22 }\n.look-line { fill: none; stroke: var(--text); stroke-width: 1.5 }\n.look-line-under { fill: none; stroke: var(--panel); stroke-width: 4 }\n.look-handle { cursor: grab; touch-action: none }\n.wavesplat .look-handle:focus, .wavesplat .look-mark:focus, .look-pad:focus:not(:focus-visible) { outline: none }\n.look-handle:active { cursor: grabbing }\n.look-reach { fill: transparent; stroke: none }\n.look-dot { fill: var(--panel); stroke: var(--text); stroke-width: 2 }\n.look-handle[data-selected="true"] .look-dot { fill: var(--accent); stroke-width: 2.5 }\n.look-handle:focus-visible .look-reach { stroke: var(--focus); stroke-width: 2 }\n.look-mark { cursor: pointer }\n.look-mark path { fill: var(--accent); stroke: var(--panel) }\n.look-mark:focus-visible .look-reach { stroke: var(--focus); stroke-width: 2 }\n.look-ramp { stroke: var(--line) }\n.look-point { border: 1px solid var(--line); border-radius: var(--radius); display: grid; gap: 6px; margin: 0; padding: 4px 8px 8px; min-width: 0 }\n.look-point legend { color: var(--dim); font-size: 12px; padding: 0 4px }\n.look-details { border-top: 1px solid var(--line); padding-top: 6px }\n.look-details > summary { cursor: pointer; min-height: 24px; margin-bottom: 6px }\n.look-details > * + * { margin-top: 6px }\n.look-tiles { display: grid; grid-template-columns: repeat(auto-fill, 98px); gap: 6px; justify-content: space-between }\n.look-tile { display: grid; gap: 2px; border: 1px solid var(--line); border-radius: 4px; cursor: pointer; overflow: hidden; align-content: start }\n.look-tile:hover { border-color: var(--accent) }\n.look-tile[aria-selected="true"] { border-color: var(--accent); box-shadow: 0 0 0 2px var(--accent) }\n.look-tile[aria-selected="true"] .look-name { background: var(--accent); color: var(--accent-text) }\n.look-tile img, .look-blank { display: block; width: 96px; height: 96px; background: #000 }\n.look-blank { background: var(--raised); color: var(--dim); font-size: 12px; padding: 36px 0; text-align: center }\n.look-tile .look-name { padding: 1px 4px 3px; font-size: 12px; line-height: 1.25; overflow-wrap: anywhere }\n.look-name { min-width: 0; overflow: hidden; text-overflow: ellipsis }\n.wavesplat ul.look-list { list-style: none; margin: 0; padding: 0; display: grid; gap: 6px; max-height: 420px; overflow-y: auto }\n.look-layer { display: grid; gap: 4px; padding: 6px; border: 1px solid var(--line); border-radius: var(--radius) }\n.look-layer[data-chosen="true"] { border-color: var(--accent) }\n.look-chip { width: 30px }\n.look-label { display: flex; flex-wrap: wrap; align-items: center; gap: 2px 6px }\n.look-label > .look-name { white-space: nowrap }\n.look-label > .look-slider { flex: 1 0 100%; padding-left: 30px }\n.look-pad { flex: none; cursor: crosshair; touch-action: none; border-radius: var(--radius) }\n.look-ball { fill: var(--raised); stroke: var(--line) }\n.look-spot { fill: var(--accent); stroke: var(--text); stroke-width: 2 }\n.look-spot[data-behind="true"] { fill: none }\n.look-angles { display: grid; gap: 6px }\n.look-angles .row > span:first-child { flex: 0 0 92px; color: var(--dim) }\n.look-time { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 8px; padding: 4px 10px; background: var(--panel); border-top: 1px solid var(--line) }\n.look-time input[type="range"] { flex: 1 1 120px }\n.look-time input[type="number"] { width: 56px }\n.look-count { font-variant-numeric: tabular-nums; min-width: 62px }\n.look-file { position: relative; display: inline-flex; align-items: center }\n.look-file:focus-within { outline: 2px solid var(--focus); outline-offset: 1px }\n.look-why { color: var(--danger) }\n@media (pointer: coarse) { circle.look-reach { r: 22px } }\n@media (forced-colors: active) { .look-ramp, .look-dot, .look-spot { forced-color-adjust: none } }\n.look-named { display: inline-flex; align-items: center; gap: 4px }\n.look-panel .row input[type="number"] { width: 76px }\n';
+var look_default = '.look-panel { display: grid; gap: 8px; min-width: 0 }\n.look-panel > *, .look-details > *, .look-list > * { min-width: 0 }\n.look-grow { flex: 1 1 0; min-width: 0 }\n.look-nowrap { flex-wrap: nowrap }\n.look-small { font-size: 12px }\n.look-check { min-height: 24px; flex-wrap: nowrap }\n.look-check > span { min-width: 0 }\n.look-panel .field > span:first-child, .field.look-slider > span:first-child { flex: 0 0 96px }\n.look-slider input[type="number"] { flex: 0 0 96px; width: 96px }\n.field small { margin-left: 4px; font-size: 11px; opacity: .8 }\n.look-plot { display: block; width: 100%; touch-action: pan-y; user-select: none; overflow: visible }\n.look-grid { stroke: var(--line); stroke-width: 1; opacity: .55 }\n.look-tick { fill: var(--dim); font-size: 11px }\n.look-counts { fill: var(--text); fill-opacity: .22 }\n.look-line { fill: none; stroke: var(--text); stroke-width: 1.5 }\n.look-line-under { fill: none; stroke: var(--panel); stroke-width: 4 }\n.look-handle { cursor: grab; touch-action: none }\n.wavesplat .look-handle:focus, .wavesplat .look-mark:focus, .look-pad:focus:not(:focus-visible) { outline: none }\n.look-handle:active { cursor: grabbing }\n.look-reach { fill: transparent; stroke: none }\n.look-dot { fill: var(--panel); stroke: var(--text); stroke-width: 2 }\n.look-handle[data-selected="true"] .look-dot { fill: var(--accent); stroke-width: 2.5 }\n.look-handle:focus-visible .look-reach { stroke: var(--focus); stroke-width: 2 }\n.look-mark { cursor: pointer }\n.look-mark path { fill: var(--accent); stroke: var(--panel) }\n.look-mark:focus-visible .look-reach { stroke: var(--focus); stroke-width: 2 }\n.look-ramp { stroke: var(--line) }\n.look-point { border: 1px solid var(--line); border-radius: var(--radius); display: grid; gap: 6px; margin: 0; padding: 4px 8px 8px; min-width: 0 }\n.look-point legend { color: var(--dim); font-size: 12px; padding: 0 4px }\n.look-details { border-top: 1px solid var(--line); padding-top: 6px }\n.look-details > summary { cursor: pointer; min-height: 24px; margin-bottom: 6px }\n.look-details > * + * { margin-top: 6px }\n.look-tiles { display: grid; grid-template-columns: repeat(auto-fill, 98px); gap: 6px; justify-content: space-between }\n.look-tile { display: grid; gap: 2px; border: 1px solid var(--line); border-radius: 4px; cursor: pointer; overflow: hidden; align-content: start }\n.look-tile:hover { border-color: var(--accent) }\n.look-tile[aria-selected="true"] { border-color: var(--accent); box-shadow: 0 0 0 2px var(--accent) }\n.look-tile[aria-selected="true"] .look-name { background: var(--accent); color: var(--accent-text) }\n.look-tile img, .look-blank { display: block; width: 96px; height: 96px; background: #000 }\n.look-blank { background: var(--raised); color: var(--dim); font-size: 12px; padding: 36px 0; text-align: center }\n.look-tile .look-name { padding: 1px 4px 3px; font-size: 12px; line-height: 1.25; overflow-wrap: anywhere }\n.look-name { min-width: 0; overflow: hidden; text-overflow: ellipsis }\n.wavesplat ul.look-list { list-style: none; margin: 0; padding: 0; display: grid; gap: 6px; max-height: 420px; overflow-y: auto }\n.look-layer { display: grid; gap: 4px; padding: 6px; border: 1px solid var(--line); border-radius: var(--radius) }\n.look-layer[data-chosen="true"] { border-color: var(--accent) }\n.look-chip { width: 30px }\n.look-label { display: flex; flex-wrap: wrap; align-items: center; gap: 2px 6px }\n.look-label > .look-name { white-space: nowrap }\n.look-label > .look-slider { flex: 1 0 100%; padding-left: 30px }\n.look-pad { flex: none; cursor: crosshair; touch-action: none; border-radius: var(--radius) }\n.look-ball { fill: var(--raised); stroke: var(--line) }\n.look-spot { fill: var(--accent); stroke: var(--text); stroke-width: 2 }\n.look-spot[data-behind="true"] { fill: none }\n.look-angles { display: grid; gap: 6px }\n.look-angles .row > span:first-child { flex: 0 0 92px; color: var(--dim) }\n.look-time { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 8px; width: 100%; padding: 5px 10px; background: var(--glass); box-shadow: var(--lift); border-radius: var(--radius) }\n.look-time input[type="range"] { flex: 1 1 120px }\n.look-time input[type="number"] { width: 56px }\n.look-count { font-variant-numeric: tabular-nums; min-width: 62px }\n.look-file { position: relative; display: inline-flex; align-items: center }\n.look-file:focus-within { outline: 2px solid var(--focus); outline-offset: 1px }\n.look-why { color: var(--danger) }\n@media (pointer: coarse) { circle.look-reach { r: 22px } }\n@media (forced-colors: active) { .look-ramp, .look-dot, .look-spot { forced-color-adjust: none } }\n.look-named { display: inline-flex; align-items: center; gap: 4px }\n\n';
 
 // src/view/descriptions.ts
 var SIDES = [
@@ -3842,6 +3796,279 @@ function shortNumber(value, digits = 3) {
   if (size < -4 || size > 7) return value.toExponential(digits - 1);
   const places = Math.max(0, digits - 1 - size);
   return String(Number(value.toFixed(Math.min(places, 8))));
+}
+function decimalsOf(spacing) {
+  return spacing > 0 ? Math.min(9, Math.max(0, Math.floor(1.5 - Math.log10(spacing)))) : 3;
+}
+function placeText(point2, { volumes, axis_ends }) {
+  const volume2 = volumes[0];
+  const decimals = decimalsOf(Math.min(...volume2?.spacing ?? [1]));
+  const parts = point2.map((value, axis) => {
+    const rounded2 = value.toFixed(decimals);
+    if (!volume2?.is_anatomical) return `${"xyz"[axis]} ${rounded2}`;
+    return `${axis_ends[2 * axis + (value < 0 ? 0 : 1)]} ${rounded2.replace("-", "")}`;
+  });
+  return [...parts, volume2?.unit ?? ""].join(" ").trim();
+}
+
+// src/view/about_panel.tsx
+var TEXT15 = WORDS.about;
+function AboutPanel({ welcome, store, ui }) {
+  const notes = [...new Set(Object.values(ui.frames).flatMap((frame) => frame.notes))];
+  return /* @__PURE__ */ k($, null, welcome.volumes.map((volume2, n2) => /* @__PURE__ */ k("section", { key: n2, class: "about" }, /* @__PURE__ */ k("h3", null, store.state.layers[n2]?.name ?? volume2.name), /* @__PURE__ */ k("dl", null, facts(volume2).map(([name, text2]) => [/* @__PURE__ */ k("dt", { key: name }, name), /* @__PURE__ */ k("dd", { key: text2 }, text2)])), /* @__PURE__ */ k("h4", null, TEXT15.notes), /* @__PURE__ */ k(Notes, { of: volume2.notes }))), notes.length > 0 && /* @__PURE__ */ k("section", { class: "about" }, /* @__PURE__ */ k("h3", null, TEXT15.picture), /* @__PURE__ */ k(Notes, { of: notes })));
+}
+function Notes({ of }) {
+  return /* @__PURE__ */ k("ul", null, of.map((note) => /* @__PURE__ */ k("li", { key: note }, note)));
+}
+function facts(volume2) {
+  const { shape, spacing, bounds, range, unit: unit2, value_unit, orientation } = volume2;
+  const size = [0, 1, 2].map((a3) => (bounds[1][a3] ?? 0) - (bounds[0][a3] ?? 0));
+  const length2 = (all, decimals2) => `${all.map((one) => String(Number(one.toFixed(decimals2)))).join(" × ")} ${unit2 ?? ""}`.trim();
+  const decimals = decimalsOf(Math.min(...spacing));
+  const isEven = spacing.every((one) => Math.abs(one - spacing[0]) < 1e-6 * spacing[0]);
+  return [
+    [TEXT15.kind, TEXT15.kinds[volume2.kind] ?? volume2.kind],
+    [TEXT15.samples, `${shape.join(" × ")}, ${volume2.dtype}`],
+    [TEXT15.spacing, isEven ? `${shortNumber(spacing[0], 4)} ${unit2 ?? ""}`.trim() : length2(spacing, decimals + 2)],
+    [TEXT15.size, length2(size, decimals)],
+    [TEXT15.values, `${numberText(range[0])} to ${numberText(range[1])} ${value_unit}`.trim()],
+    [TEXT15.axes, orientation === null ? TEXT15.noAxes : TEXT15.axesOf(orientation)],
+    ...volume2.n_times > 1 ? [[TEXT15.times, String(volume2.n_times)]] : []
+  ];
+}
+
+// src/view/fields.tsx
+function NumberField2(props) {
+  const { onInput, onSettle, ...others } = props;
+  return /* @__PURE__ */ k(SliderField, { ...others, least: -Infinity, most: Infinity, onValue: onInput, onDone: onSettle });
+}
+function Choice(props) {
+  const { label, value, options, onChoose } = props;
+  return /* @__PURE__ */ k(SelectField, { ...{ label, value }, options: options.map(([name, text2]) => ({ value: name, text: text2 })), onChoice: onChoose });
+}
+function Switch(props) {
+  return /* @__PURE__ */ k(CheckField, { label: props.label, checked: props.on, onCheck: props.onToggle });
+}
+
+// src/view/overlay3d/box.ts
+var FACES = [0, 1, 2].flatMap((axis) => [
+  { axis, side: "lower" },
+  { axis, side: "upper" }
+]);
+function corners(box2) {
+  return [...Array(8).keys()].map(
+    (bits) => [0, 1, 2].map((axis) => (bits >> axis & 1 ? box2.upper : box2.lower)[axis])
+  );
+}
+var EDGES = [0, 1, 2].flatMap(
+  (axis) => [...Array(8).keys()].filter((bits) => !(bits >> axis & 1)).map((bits) => ({ a: bits, b: bits | 1 << axis, axis }))
+);
+function faceCenter(box2, { axis, side }) {
+  const middle2 = center(box2);
+  return middle2.map((value, a3) => a3 === axis ? box2[side][axis] : value);
+}
+var center = (box2) => scaled(add(box2.lower, box2.upper), 0.5);
+function isSeen(box2, face, camera) {
+  const outward = [0, 0, 0].map((_3, a3) => a3 === face.axis ? face.side === "upper" ? 1 : -1 : 0);
+  const toEye = camera.parallel_scale === void 0 ? sub(camera.position, faceCenter(box2, face)) : axesOf(camera).back;
+  return dot(outward, toEye) > 0;
+}
+function isHidden(box2, edge, camera) {
+  return [0, 1, 2].filter((axis) => axis !== edge.axis).every((axis) => {
+    const side = edge.a >> axis & 1 ? "upper" : "lower";
+    return !isSeen(box2, { axis, side }, camera);
+  });
+}
+function alongAxis(camera, size, from, axis, dx, dy) {
+  const here = project(camera, size, from);
+  const there = project(camera, size, add(from, axis));
+  if (here === null || there === null) return 0;
+  const [ux, uy] = [there.x - here.x, there.y - here.y];
+  const square = ux * ux + uy * uy;
+  return square < 1e-6 ? 0 : (dx * ux + dy * uy) / square;
+}
+function withFace(box2, face, to, bounds, least) {
+  const { axis, side } = face;
+  const [low, high] = [bounds[0][axis], bounds[1][axis]];
+  const inside = side === "lower" ? Math.max(low, Math.min(to, box2.upper[axis] - least)) : Math.min(high, Math.max(to, box2.lower[axis] + least));
+  const moved = box2[side].map((value, a3) => a3 === axis ? inside : value);
+  return { ...box2, [side]: moved };
+}
+function movedBy(box2, by, bounds) {
+  const clamped2 = by.map((way, a3) => {
+    const [room, back] = [(bounds[1][a3] ?? 0) - (box2.upper[a3] ?? 0), (bounds[0][a3] ?? 0) - (box2.lower[a3] ?? 0)];
+    return Math.min(Math.max(way, back), room);
+  });
+  return { ...box2, lower: add(box2.lower, clamped2), upper: add(box2.upper, clamped2) };
+}
+function inPicture(camera, size, from, dx, dy) {
+  const here = project(camera, size, from);
+  if (here === null) return [0, 0, 0];
+  const moved = ray(camera, size, here.x + dx, here.y + dy);
+  const { back } = axesOf(camera);
+  const depth = -dot(sub(from, moved.origin), back) / -dot(moved.direction, back);
+  return sub(add(moved.origin, scaled(moved.direction, depth)), from);
+}
+var placeOfBox = (clips, kind2) => clips.findIndex((clip2) => kind2 in clip2 && !isIndexed(boxOf(clip2)));
+function boxOf(clip2) {
+  return "keep" in clip2 ? clip2.keep : "cut_out" in clip2 ? clip2.cut_out : null;
+}
+var isIndexed = (box2) => box2?.space === "index";
+
+// src/view/cut_panel.tsx
+var TEXT16 = WORDS.cut;
+var AXES = ["x", "y", "z"];
+function CutPanel(props) {
+  const { store, welcome } = props;
+  const { clip: clip2, view } = store.state;
+  const whole = { lower: welcome.bounds[0], upper: welcome.bounds[1], space: "world" };
+  const add2 = (one) => store.change([set(one, "clip", "-"), set(true, "view", "overlays", "crop_box")]);
+  const remove = (place) => store.change([{ op: "remove", path: `/clip/${place}` }]);
+  return /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
+    Switch,
+    {
+      label: TEXT16.handles,
+      on: view.overlays.crop_box,
+      onToggle: (on) => store.change([set(on, "view", "overlays", "crop_box")])
+    }
+  ), ["keep", "cut_out"].map((kind2) => {
+    const place = placeOfBox(clip2, kind2);
+    const found = clip2[place];
+    const box2 = found === void 0 ? null : boxOf(found);
+    return /* @__PURE__ */ k("fieldset", { key: kind2 }, /* @__PURE__ */ k("legend", null, TEXT16[kind2]), box2 === null ? /* @__PURE__ */ k(
+      "button",
+      {
+        class: "button",
+        onClick: () => add2({ [kind2]: kind2 === "keep" ? whole : corner(whole) })
+      },
+      kind2 === "keep" ? TEXT16.crop : TEXT16.cut
+    ) : /* @__PURE__ */ k($, null, /* @__PURE__ */ k(BoxNumbers, { ...props, kind: kind2, place, box: box2 }), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", onClick: () => store.change([set({ [kind2]: whole }, "clip", place)]) }, TEXT16.reset), /* @__PURE__ */ k("button", { class: "button", onClick: () => remove(place) }, TEXT16.remove))));
+  }), /* @__PURE__ */ k("fieldset", null, /* @__PURE__ */ k("legend", null, TEXT16.planes), clip2.map(
+    (one, place) => "plane" in one ? /* @__PURE__ */ k(PlaneNumbers, { key: place, ...props, place, plane: one.plane, onRemove: () => remove(place) }) : null
+  ), /* @__PURE__ */ k(
+    "button",
+    {
+      class: "button",
+      onClick: () => {
+        const { back } = axesOf(store.state.camera);
+        add2({ plane: { point: store.state.view.slices.crosshair, normal: scaled(back, -1) } });
+      }
+    },
+    TEXT16.add
+  )));
+}
+function corner(box2) {
+  const middle2 = (axis) => ((box2.lower[axis] ?? 0) + (box2.upper[axis] ?? 0)) / 2;
+  return { ...box2, lower: [box2.lower[0], middle2(1), middle2(2)], upper: [middle2(0), box2.upper[1], box2.upper[2]] };
+}
+function BoxNumbers(props) {
+  const { store, welcome, kind: kind2, place, box: box2 } = props;
+  const spacing = welcome.volumes[0]?.spacing ?? [1, 1, 1];
+  const unitName = welcome.volumes[0]?.unit ?? "units";
+  return /* @__PURE__ */ k($, null, AXES.flatMap(
+    (name, a3) => ["lower", "upper"].map((side) => {
+      const face = { axis: a3, side };
+      const [low, high] = [welcome.bounds[0][a3] ?? 0, welcome.bounds[1][a3] ?? 1];
+      return /* @__PURE__ */ k(
+        NumberField2,
+        {
+          key: `${name}${side}`,
+          decimals: decimalsOf(spacing[a3] ?? 1),
+          label: side === "lower" ? TEXT16.from(name) : TEXT16.to(name),
+          unit: unitName,
+          value: box2[side][a3] ?? 0,
+          min: low,
+          max: high,
+          onInput: (value) => store.change(
+            [set({ [kind2]: withFace(box2, face, value, welcome.bounds, spacing[a3] ?? 1) }, "clip", place)],
+            `${kind2} ${name} ${side}`
+          ),
+          onSettle: () => store.settle()
+        }
+      );
+    })
+  ));
+}
+function PlaneNumbers(props) {
+  const { store, welcome, place, plane, onRemove } = props;
+  const normal = unit(plane.normal);
+  const [lower, upper] = welcome.bounds;
+  const ends = [0, 1, 2].map((a3) => [(lower[a3] ?? 0) * (normal[a3] ?? 0), (upper[a3] ?? 0) * (normal[a3] ?? 0)]);
+  const low = ends.reduce((sum, end) => sum + Math.min(...end), 0);
+  const high = ends.reduce((sum, end) => sum + Math.max(...end), 0);
+  const along = dot(plane.point, normal);
+  const change = (next, gesture) => store.change([set({ plane: next }, "clip", place)], gesture);
+  const number2 = store.state.clip.slice(0, place + 1).filter((clip2) => "plane" in clip2).length;
+  return /* @__PURE__ */ k("div", { class: "plane" }, /* @__PURE__ */ k(
+    NumberField2,
+    {
+      decimals: decimalsOf(Math.min(...welcome.volumes[0]?.spacing ?? [1])),
+      label: TEXT16.plane(number2),
+      unit: welcome.volumes[0]?.unit ?? "units",
+      value: along,
+      min: low,
+      max: high,
+      onInput: (value) => {
+        const point2 = plane.point.map((x2, a3) => x2 + (value - along) * (normal[a3] ?? 0));
+        change({ ...plane, point: point2 }, "plane at");
+      },
+      onSettle: () => store.settle()
+    }
+  ), /* @__PURE__ */ k("div", { class: "row" }, AXES.map((name, a3) => /* @__PURE__ */ k("label", { key: name, class: "row" }, TEXT16.normal(name), /* @__PURE__ */ k(
+    "input",
+    {
+      type: "number",
+      step: "any",
+      value: Number((normal[a3] ?? 0).toFixed(4)),
+      onChange: (event) => {
+        const value = event.currentTarget.valueAsNumber;
+        const next = normal.map((x2, b) => b === a3 ? value : x2);
+        if (Number.isFinite(value) && next.some((x2) => x2 !== 0)) change({ ...plane, normal: unit(next) });
+      }
+    }
+  )))), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", onClick: () => change({ ...plane, normal: scaled(plane.normal, -1) }) }, TEXT16.flip), /* @__PURE__ */ k("button", { class: "button", onClick: onRemove }, TEXT16.remove)));
+}
+
+// src/view/help.tsx
+function Help({ onClose }) {
+  const dialog = T2(null);
+  A2(() => {
+    dialog.current?.showModal();
+  }, []);
+  return /* @__PURE__ */ k("dialog", { ref: dialog, "aria-labelledby": "help-title", onClose }, /* @__PURE__ */ k("h2", { id: "help-title" }, "Keys and gestures"), /* @__PURE__ */ k("p", { class: "dim" }, "Keys act in the focused view; in slices arrows move the crosshair."), /* @__PURE__ */ k("table", null, /* @__PURE__ */ k("caption", { class: "hidden" }, "Mouse and touch"), /* @__PURE__ */ k("tbody", null, GESTURES.map(([gesture, what]) => /* @__PURE__ */ k("tr", { key: gesture }, /* @__PURE__ */ k("th", { scope: "row" }, gesture), /* @__PURE__ */ k("td", null, what))))), /* @__PURE__ */ k("table", null, /* @__PURE__ */ k("caption", { class: "hidden" }, "Keys"), /* @__PURE__ */ k("tbody", null, KEYS.map(({ shown, text: text2 }) => /* @__PURE__ */ k("tr", { key: shown }, /* @__PURE__ */ k("th", { scope: "row" }, /* @__PURE__ */ k("kbd", null, shown)), /* @__PURE__ */ k("td", null, text2))))), /* @__PURE__ */ k("form", { method: "dialog" }, /* @__PURE__ */ k("button", { class: "button" }, "Close")));
+}
+
+// src/view/icons.tsx
+var PATHS = {
+  undo: "M8 5 4 9l4 4M4 9h8a4 4 0 0 1 0 8H9",
+  redo: "M12 5l4 4-4 4M16 9H8a4 4 0 0 0 0 8h3",
+  fit: "M4 8V4h4M16 8V4h-4M4 12v4h4M16 12v4h-4M8 8h4v4H8z",
+  turn: "M15 6a7 3 0 1 0 1 4M16 3v4h-4M10 10v7",
+  window: "M10 3a7 7 0 1 0 0 14zM10 3a7 7 0 0 1 0 14",
+  distance: "M3 17 17 3M3 13v4h4M17 7V3h-4",
+  angle: "M16 16H4L14 4M9 16a6 6 0 0 0-1.5-4",
+  help: "M7.5 7.5a2.5 2.5 0 1 1 3.5 2.3c-.8.4-1 .9-1 1.7M10 14.6v.1M10 18a8 8 0 1 0 0-16 8 8 0 0 0 0 16z",
+  dark: "M16 12A7 7 0 0 1 8 4a7 7 0 1 0 8 8z",
+  close: "M5 5l10 10M15 5 5 15",
+  search: "M8.5 14a5.5 5.5 0 1 0 0-11 5.5 5.5 0 0 0 0 11zM12.5 12.5 17 17",
+  info: "M10 18a8 8 0 1 0 0-16 8 8 0 0 0 0 16zM10 9v5M10 6.2v.1",
+  "3d": "M10 2.5l6.5 3.7v7.6L10 17.5l-6.5-3.7V6.2zM3.5 6.2 10 10l6.5-3.8M10 10v7.5",
+  "one-and-three": "M3 3.5h14v13H3zM11.5 3.5v13M11.5 7.8H17M11.5 12.2H17",
+  "two-by-two": "M3 3.5h14v13H3zM10 3.5v13M3 10h14",
+  single: "M3 3.5h14v13H3zM10 7v6M7 10h6",
+  presets: "M10 2.5l1.7 4.6 4.8.2-3.8 3 1.3 4.7-4-2.7-4 2.7 1.3-4.7-3.8-3 4.8-.2z",
+  function: "M3 3v14h14M5 14c3 0 3-8 5.5-8S13 11 17 11",
+  layers: "M10 3l7.5 4L10 11 2.5 7zM2.5 10.5 10 14.5l7.5-4M2.5 14 10 18l7.5-4",
+  labels: "M3 3.5h6.5L17 11l-6 6-8-7.5zM6.5 6.8v.1",
+  light: "M10 2v2M10 16v2M2 10h2M16 10h2M4.5 4.5l1.4 1.4M14.1 14.1l1.4 1.4M15.5 4.5l-1.4 1.4M5.9 14.1l-1.4 1.4M10 6.5a3.5 3.5 0 1 0 0 7 3.5 3.5 0 0 0 0-7z",
+  cut: "M5.5 8a2.5 2.5 0 1 0 0-5 2.5 2.5 0 0 0 0 5zM5.5 17a2.5 2.5 0 1 0 0-5 2.5 2.5 0 0 0 0 5zM7.6 6.9 17 15M7.6 13.1 17 5",
+  slices: "M6 3.5h11v8M4.5 6H14v8.5M3 8.5h8.5v8H3z",
+  measure: "M13.5 2.5l4 4-11 11-4-4zM6 10l2 2M8.5 7.5 10 9M11 5l2 2",
+  share: "M10 12V3M6 7l4-4 4 4M4 11v6h12v-6",
+  settings: "M3 6h8M15 6h2M3 14h2M9 14h8M13 8a2 2 0 1 0 0-4 2 2 0 0 0 0 4zM7 16a2 2 0 1 0 0-4 2 2 0 0 0 0 4z"
+};
+function Icon({ name }) {
+  return /* @__PURE__ */ k("svg", { viewBox: "0 0 20 20", "aria-hidden": "true" }, /* @__PURE__ */ k("path", { d: PATHS[name] }));
 }
 
 // src/view/handle.tsx
@@ -4092,7 +4319,7 @@ function MeasurePanel({ store, welcome, ui }) {
       onClick: () => store.change([{ op: "remove", path: `/view/measures/${n2}` }])
     },
     "×"
-  )), /* @__PURE__ */ k("span", { class: "dim" }, one.points.map((point2) => `(${point2.map((x2) => shortNumber(x2, 4)).join(", ")})`).join(" – "))))), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", disabled: measures.length === 0, onClick: () => store.change([set([], "view", "measures")]) }, "Delete all"), /* @__PURE__ */ k(
+  )), /* @__PURE__ */ k("span", { class: "dim" }, one.points.map((point2) => placeText(point2, welcome)).join(" – "))))), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", disabled: measures.length === 0, onClick: () => store.change([set([], "view", "measures")]) }, "Delete all"), /* @__PURE__ */ k(
     "button",
     {
       class: "button",
@@ -4361,7 +4588,7 @@ function edgeNames(camera, names) {
 function EdgeLetters({ welcome, camera, size }) {
   if (!welcome.volumes[0]?.is_anatomical) return null;
   const names = edgeNames(camera, welcome.axis_ends);
-  return /* @__PURE__ */ k("g", { "aria-hidden": "true", "text-anchor": "middle" }, /* @__PURE__ */ k("text", { x: 16, y: size.height / 2 }, names.left), /* @__PURE__ */ k("text", { x: size.width - 16, y: size.height / 2 }, names.right), /* @__PURE__ */ k("text", { x: size.width / 2, y: 18 }, names.top), /* @__PURE__ */ k("text", { x: size.width / 2, y: size.height - 8 }, names.bottom));
+  return /* @__PURE__ */ k("g", { "aria-hidden": "true", "text-anchor": "middle" }, /* @__PURE__ */ k("text", { class: "at-left", x: 16, y: size.height / 2 }, names.left), /* @__PURE__ */ k("text", { x: size.width - 16, y: size.height / 2 }, names.right), /* @__PURE__ */ k("text", { class: "at-top", x: size.width / 2, y: 18 }, names.top), /* @__PURE__ */ k("text", { class: "at-bottom", x: size.width / 2, y: size.height - 8 }, names.bottom));
 }
 function ScaleBar({ welcome, camera, size }) {
   const perPixel = unitsPerPixel(camera, size.height);
@@ -4369,7 +4596,7 @@ function ScaleBar({ welcome, camera, size }) {
   const unit2 = welcome.volumes[0]?.unit ?? "units";
   const where = camera.parallel_scale === void 0 ? " at the middle" : "";
   const [x2, y3] = [12, size.height - 14];
-  return /* @__PURE__ */ k("g", { "aria-hidden": "true" }, /* @__PURE__ */ k("path", { d: `M${x2} ${y3}h${bar / perPixel}`, stroke: "#000", "stroke-width": "5" }), /* @__PURE__ */ k("path", { d: `M${x2} ${y3}h${bar / perPixel}`, stroke: "#fff", "stroke-width": "2.5" }), /* @__PURE__ */ k("text", { x: x2, y: y3 - 6 }, `${shortNumber(bar)} ${unit2}${where}`));
+  return /* @__PURE__ */ k("g", { "aria-hidden": "true", class: "at-corner" }, /* @__PURE__ */ k("path", { d: `M${x2} ${y3}h${bar / perPixel}`, stroke: "#000", "stroke-width": "5" }), /* @__PURE__ */ k("path", { d: `M${x2} ${y3}h${bar / perPixel}`, stroke: "#fff", "stroke-width": "2.5" }), /* @__PURE__ */ k("text", { x: x2, y: y3 - 6 }, `${shortNumber(bar)} ${unit2}${where}`));
 }
 function ColorBar({ store, welcome, ui }) {
   const layer = store.state.layers[ui.layer];
@@ -4607,7 +4834,7 @@ function Viewport(props) {
       ref: box2,
       tabIndex: 0,
       role: "group",
-      "aria-label": view === "3d" ? "Picture in space" : `Slice, ${view}`,
+      "aria-label": view === "3d" ? "3-D picture" : `Slice, ${view}`,
       "data-view": view,
       onPointerDown: () => setHint(false)
     },
@@ -4745,7 +4972,7 @@ function SceneView(props) {
     }
     if (gesture.kind === "pinch") {
       const { dx: dx2, dy: dy2, factor, angle } = gesture;
-      const moved = rolled(zoomed(panned(camera(), dx2, dy2, size.height), factor), angle);
+      const moved = rolled(zoomed2(panned(camera(), dx2, dy2, size.height), factor), angle);
       move(moved, "pinch");
       return;
     }
@@ -4753,7 +4980,7 @@ function SceneView(props) {
     const { what, dx, dy } = gesture;
     if (what === "window" || what === "main" && ui.tool === "window") windowDrag(props, dx, dy);
     else if (what === "pan") move(panned(camera(), dx, dy, size.height), "pan");
-    else if (what === "zoom") move(zoomed(camera(), Math.exp(-2 * dy / size.height)), "zoom");
+    else if (what === "zoom") move(zoomed2(camera(), Math.exp(-2 * dy / size.height)), "zoom");
     else if (what === "roll") move(rolled(camera(), Math.PI * dx / size.width), "roll");
     else move(turned(camera(), dx, dy, size.height), "turn");
   };
@@ -4792,10 +5019,10 @@ function SceneView(props) {
         pan(0, KEY_PX);
         return true;
       case "zoom-in":
-        move(zoomed(camera(), KEY_ZOOM), "key zoom");
+        move(zoomed2(camera(), KEY_ZOOM), "key zoom");
         return true;
       case "zoom-out":
-        move(zoomed(camera(), 1 / KEY_ZOOM), "key zoom");
+        move(zoomed2(camera(), 1 / KEY_ZOOM), "key zoom");
         return true;
       case "roll-left":
         move(rolled(camera(), -KEY_ROLL), "key roll");
@@ -4819,7 +5046,7 @@ function SceneView(props) {
       onGesture,
       onAction,
       onWheel: ({ factor }) => {
-        move(zoomed(camera(), factor), "wheel");
+        move(zoomed2(camera(), factor), "wheel");
         settleSoon(store);
       },
       onHover: (place, size) => ui.probe(place && store.state.geometry.length > 0 ? () => shapeAt(props, place, size) : null),
@@ -4847,9 +5074,9 @@ function showFrom({ store }, target) {
   store.change([set(now.parallel_scale === void 0 ? lens : { ...lens, parallel_scale: now.parallel_scale }, "camera")]);
 }
 var placed = (x2, y3, { width, height }) => ({ x: x2, y: y3, width: Math.round(width), height: Math.round(height) });
-async function shapeAt({ engine }, { x: x2, y: y3 }, size) {
+async function shapeAt({ engine, welcome }, { x: x2, y: y3 }, size) {
   const { shape } = await engine.ask("shape", placed(x2 / size.width, y3 / size.height, size));
-  return shape?.text ?? "";
+  return shape === null ? "" : `${shape.text} at ${placeText(shape.point, welcome)}`;
 }
 async function pick(props, x2, y3, size) {
   const { engine, store, ui } = props;
@@ -4885,15 +5112,7 @@ function instant(frame, camera, size) {
 var IDENTITY = "1.000000,0.000000,-0.000000,1.000000,0.000000,0.000000";
 
 // src/view/settings_panel.tsx
-var OVERLAY_NAMES = {
-  scale_bar: "Scale bar",
-  letters: "Letters of directions",
-  cube: "Orientation cube",
-  color_bar: "Colour bar",
-  crosshair: "Crosshair",
-  crop_box: "Crop box and clip planes",
-  legend: "Legend"
-};
+var TEXT17 = WORDS.settings;
 var FIRST_ANGLE = 30;
 function SettingsPanel(props) {
   const { store, figures, onFigures } = props;
@@ -4902,30 +5121,30 @@ function SettingsPanel(props) {
   return /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
     Choice,
     {
-      label: "At rest",
+      label: TEXT17.rest,
       value: isNamed ? render2.quality : "own",
-      options: [...QUALITIES.map((name) => [name, name]), ...isNamed ? [] : [["own", "own sampling"]]],
+      options: [...QUALITIES.map((name) => [name, name]), ...isNamed ? [] : [["own", TEXT17.custom]]],
       onChoose: (value) => value !== "own" && store.change([set(value, "render", "quality")])
     }
   ), /* @__PURE__ */ k(
     Choice,
     {
-      label: "While moving",
+      label: TEXT17.moving,
       value: view.quality.moving,
-      options: [["smooth", "Smooth: 30 frames/s"], ["balanced", "Balanced: better"], ["exact", "Exact: as at rest"]],
+      options: Object.entries(TEXT17.movings),
       onChoose: (value) => store.change([set(value, "view", "quality", "moving")])
     }
   ), /* @__PURE__ */ k(
     Switch,
     {
-      label: "Perspective",
+      label: TEXT17.perspective,
       on: camera.view_angle !== void 0,
       onToggle: (on) => store.change([set(withLens(camera, on ? FIRST_ANGLE : void 0), "camera")])
     }
   ), camera.view_angle !== void 0 && /* @__PURE__ */ k(
     NumberField2,
     {
-      label: "View angle",
+      label: TEXT17.angle,
       unit: "°",
       value: camera.view_angle,
       min: 5,
@@ -4936,20 +5155,20 @@ function SettingsPanel(props) {
   ), /* @__PURE__ */ k(
     Choice,
     {
-      label: "Theme",
+      label: TEXT17.theme,
       value: view.interface.theme,
-      options: [["system", "As the system"], ["dark", "Dark"], ["light", "Light"]],
+      options: Object.entries(TEXT17.themes),
       onChoose: (value) => store.change([set(value, "view", "interface", "theme")])
     }
-  ), /* @__PURE__ */ k("fieldset", null, /* @__PURE__ */ k("legend", null, "Over the views"), OVERLAYS.map((name) => /* @__PURE__ */ k(
+  ), /* @__PURE__ */ k("fieldset", null, /* @__PURE__ */ k("legend", null, TEXT17.over), OVERLAYS.map((name) => /* @__PURE__ */ k(
     Switch,
     {
       key: name,
-      label: OVERLAY_NAMES[name],
+      label: TEXT17.overlays[name],
       on: view.overlays[name],
       onToggle: (on) => store.change([set(on, "view", "overlays", name)])
     }
-  )), /* @__PURE__ */ k(Switch, { label: "Frame rate, latency, error", on: figures, onToggle: onFigures })));
+  )), /* @__PURE__ */ k(Switch, { label: TEXT17.figures, on: figures, onToggle: onFigures })));
 }
 
 // src/view/share.tsx
@@ -5077,6 +5296,52 @@ function problemOf(problem) {
     return { ...problem, code, message: String(problem.message) };
   }
   return { code: "failed", message: String(problem) };
+}
+
+// src/view/sheet.tsx
+var TEXT18 = WORDS.panels;
+var PANELS = ["presets", "function", "layers", "labels", "light", "cut", "slices", "measure", "share", "settings"];
+function openPanel(panels) {
+  return [...PANELS, "about"].find((name) => name === panels.at(-1)) ?? null;
+}
+function Rail({ panels, open, onPanel, children }) {
+  return /* @__PURE__ */ k("nav", { class: "rail float", "aria-label": TEXT18.title }, panels.map((name) => /* @__PURE__ */ k(
+    "button",
+    {
+      key: name,
+      class: "rail-button",
+      "data-opens": name,
+      "aria-expanded": name === open,
+      title: WORDS.sheets[name],
+      onClick: () => onPanel(name === open ? null : name)
+    },
+    /* @__PURE__ */ k(Icon, { name }),
+    /* @__PURE__ */ k("span", null, TEXT18[name])
+  )), /* @__PURE__ */ k("span", { class: "spring" }), children);
+}
+function Sheet({ name, onClose, children }) {
+  const title = WORDS.sheets[name];
+  const close = (event) => {
+    const root = event.currentTarget.getRootNode();
+    onClose();
+    root.querySelector(`[data-opens="${name}"]`)?.focus();
+  };
+  return /* @__PURE__ */ k(
+    "section",
+    {
+      class: "sheet float",
+      "data-panel": name,
+      "aria-label": title,
+      onKeyDown: (event) => {
+        if (event.key !== "Escape" || event.defaultPrevented) return;
+        event.preventDefault();
+        event.stopPropagation();
+        close(event);
+      }
+    },
+    /* @__PURE__ */ k("header", { class: "sheet-head" }, /* @__PURE__ */ k("h2", null, title), /* @__PURE__ */ k("button", { class: "icon-button", "aria-label": TEXT18.close(title), onClick: close }, /* @__PURE__ */ k(Icon, { name: "close" }))),
+    /* @__PURE__ */ k("div", { class: "body", tabIndex: -1 }, children)
+  );
 }
 
 // src/view/overlay3d/crop_on_slice.tsx
@@ -5253,7 +5518,7 @@ function SliceOverlay(props) {
   const bar = barLength(perCss * size.width * 0.3);
   const [level, width] = slices.window ?? geometry.window ?? [0, 0];
   const isTilted = slices.normals?.[pane] !== void 0;
-  return /* @__PURE__ */ k($, null, /* @__PURE__ */ k("svg", { class: "over", "aria-hidden": false }, overlays.crosshair && othersOf(pane).map((other) => /* @__PURE__ */ k(CrosshairLine, { key: other, ...props, on, other })), overlays.crop_box && /* @__PURE__ */ k(CropOnSlice, { ...props, on }), /* @__PURE__ */ k(MeasuresOnSlice, { ...props, on }), overlays.letters && letters !== null && /* @__PURE__ */ k("g", { "aria-hidden": "true", "text-anchor": "middle" }, /* @__PURE__ */ k("text", { x: 14, y: size.height / 2 }, letters.left), /* @__PURE__ */ k("text", { x: size.width - 14, y: size.height / 2 }, letters.right), /* @__PURE__ */ k("text", { x: size.width / 2, y: 18 }, letters.top), /* @__PURE__ */ k("text", { x: size.width / 2, y: size.height - 8 }, letters.bottom)), overlays.scale_bar && /* @__PURE__ */ k("g", { "aria-hidden": "true" }, /* @__PURE__ */ k("path", { d: `M12 ${size.height - 14}h${bar / perCss}`, stroke: "#000", "stroke-width": "5" }), /* @__PURE__ */ k("path", { d: `M12 ${size.height - 14}h${bar / perCss}`, stroke: "#fff", "stroke-width": "2.5" }), /* @__PURE__ */ k("text", { x: 12, y: size.height - 20 }, `${bar} ${unit2}`))), /* @__PURE__ */ k("div", { class: "corner", style: { color: PANE_COLORS[pane] } }, `${nameOf2(props, pane)}${isTilted ? ", tilted" : ""}
+  return /* @__PURE__ */ k($, null, /* @__PURE__ */ k("svg", { class: "over", "aria-hidden": false }, overlays.crosshair && othersOf(pane).map((other) => /* @__PURE__ */ k(CrosshairLine, { key: other, ...props, on, other })), overlays.crop_box && /* @__PURE__ */ k(CropOnSlice, { ...props, on }), /* @__PURE__ */ k(MeasuresOnSlice, { ...props, on }), overlays.letters && letters !== null && /* @__PURE__ */ k("g", { "aria-hidden": "true", "text-anchor": "middle" }, /* @__PURE__ */ k("text", { class: "at-left", x: 14, y: size.height / 2 }, letters.left), /* @__PURE__ */ k("text", { x: size.width - 14, y: size.height / 2 }, letters.right), /* @__PURE__ */ k("text", { class: "at-top", x: size.width / 2, y: 18 }, letters.top), /* @__PURE__ */ k("text", { class: "at-bottom", x: size.width / 2, y: size.height - 8 }, letters.bottom)), overlays.scale_bar && /* @__PURE__ */ k("g", { "aria-hidden": "true", class: "at-corner" }, /* @__PURE__ */ k("path", { d: `M12 ${size.height - 14}h${bar / perCss}`, stroke: "#000", "stroke-width": "5" }), /* @__PURE__ */ k("path", { d: `M12 ${size.height - 14}h${bar / perCss}`, stroke: "#fff", "stroke-width": "2.5" }), /* @__PURE__ */ k("text", { x: 12, y: size.height - 20 }, `${bar} ${unit2}`))), /* @__PURE__ */ k("div", { class: "corner", style: { color: PANE_COLORS[pane] } }, `${nameOf2(props, pane)}${isTilted ? ", tilted" : ""}
 ${shortNumber(geometry.position, 4)} ${unit2}`, slices.thickness > 0 ? `
 ${slices.slab} of ${shortNumber(slices.thickness)} ${unit2}` : ""), geometry.window && /* @__PURE__ */ k("div", { class: "corner right" }, `L ${shortNumber(level, 4)}
 W ${shortNumber(width, 4)}`));
@@ -5346,8 +5611,7 @@ function probe({ engine, ui, welcome }, on, place) {
     const shown = values.map(
       (value, n2) => value === null ? "outside" : `${shortNumber(value, 5)} ${welcome.volumes[n2]?.value_unit ?? ""}`.trim()
     );
-    const where = point2.map((x2) => shortNumber(x2, 4)).join(", ");
-    return `${shown.join(", ")}${label === null ? "" : ` · ${label.name}`} at (${where})`;
+    return `${shown.join(", ")}${label === null ? "" : ` · ${label.name}`} at ${placeText(point2, welcome)}`;
   });
 }
 
@@ -5371,6 +5635,7 @@ function SlicesPanel(props) {
     NumberField2,
     {
       key: name,
+      decimals: decimalsOf(info?.spacing[axis] ?? 1),
       label: `Crosshair ${name}`,
       unit: unit2,
       value: slices.crosshair[axis] ?? 0,
@@ -5396,7 +5661,7 @@ function SlicesPanel(props) {
   ), /* @__PURE__ */ k(
     Choice,
     {
-      label: "Across it",
+      label: "Slab",
       value: slices.slab,
       options: [["maximum", "Maximum"], ["minimum", "Minimum"], ["mean", "Mean"]],
       onChoose: (value) => store.change([set(value, "view", "slices", "slab")])
@@ -5506,14 +5771,11 @@ function Figures({ ui }) {
     `drawn in ${frame.ms.render.toFixed(0)} + ${frame.ms.encode.toFixed(0)} ms`,
     `${(frame.bytes.length / 1e3).toFixed(0)} kB ${frame.format}`,
     `${frame.width} x ${frame.height}`,
-    `${Number(sheets_per_slice ?? 0).toFixed(1)} sheets a slice, ${(Number(oversampling ?? 0) * Number(scale ?? 1)).toFixed(2)} texels a pixel`,
+    `sampling ${Number(sheets_per_slice ?? 0).toFixed(1)} in depth, ${(Number(oversampling ?? 0) * Number(scale ?? 1)).toFixed(2)} across`,
     frame.expected_psnr_db === null ? null : `expected error ${frame.expected_psnr_db.toFixed(0)} dB`
   ];
   return /* @__PURE__ */ k("span", { class: "figures" }, parts.filter((part) => part !== null).join(" · "));
 }
-
-// src/view/style.css
-var style_default = ':host { display: block; contain: content }\n.mount { height: 100%; container-type: inline-size }\n.wavesplat {\n  --bg: #0d1014; --panel: #171b21; --raised: #242a33; --line: #3a424e; --text: #e6e9ee; --dim: #a9b2bf;\n  --accent: #6cb2ff; --accent-text: #08131f; --focus: #ffd166; --danger: #ff8f8f; --gap: 8px; --radius: 6px;\n  box-sizing: border-box; display: grid; grid-template: auto minmax(0, 1fr) auto / minmax(0, 1fr) auto;\n  grid-template-areas: "bar bar" "views panels" "status status";\n  width: 100%; height: 100%; background: var(--bg); color: var(--text);\n  font: 14px/1.4 system-ui, sans-serif; color-scheme: dark; position: relative;\n}\n.wavesplat[data-theme="light"] {\n  --bg: #f4f5f7; --panel: #fff; --raised: #e9ecf0; --line: #8a93a0; --text: #161a20; --dim: #4b5563;\n  --accent: #0a5cb8; --accent-text: #fff; --focus: #b45309; --danger: #b42318; color-scheme: light;\n}\n.wavesplat *, .wavesplat *::before { box-sizing: border-box }\n.wavesplat :focus-visible { outline: 2px solid var(--focus); outline-offset: 1px }\n.wavesplat h2, .wavesplat h3, .wavesplat p { margin: 0; font-size: inherit; font-weight: 600 }\n.wavesplat p { font-weight: 400 }\n.wavesplat button, .wavesplat select, .wavesplat input, .wavesplat textarea { font: inherit; color: inherit }\n.wavesplat input[type="range"] { accent-color: var(--accent); min-width: 0; flex: 1; height: 24px; margin: 0 }\n.wavesplat input[type="checkbox"], .wavesplat input[type="radio"] { accent-color: var(--accent); width: 18px; height: 18px; margin: 3px }\n.wavesplat input[type="color"] { width: 34px; height: 26px; padding: 1px; border: 1px solid var(--line); border-radius: 4px; background: none }\n.wavesplat input[type="number"], .wavesplat input[type="text"], .wavesplat input[type="search"], .wavesplat select, .wavesplat textarea {\n  background: var(--raised); border: 1px solid var(--line); border-radius: 4px; padding: 2px 6px; min-height: 26px; min-width: 0;\n}\n.wavesplat input[type="number"] { width: 82px }\n.button {\n  background: var(--raised); border: 1px solid var(--line); border-radius: 4px; padding: 3px 10px; min-height: 28px; cursor: pointer;\n}\n.button:hover, .icon-button:hover { border-color: var(--accent) }\n.button:disabled, .icon-button:disabled { opacity: .45; cursor: default }\n.button[aria-pressed="true"], .icon-button[aria-pressed="true"], .icon-button[aria-checked="true"] {\n  background: var(--accent); color: var(--accent-text); border-color: var(--accent);\n}\n.icon-button {\n  display: inline-grid; place-items: center; min-width: 30px; height: 30px; padding: 0 6px; border: 1px solid transparent;\n  border-radius: 4px; background: none; cursor: pointer;\n}\n.icon-button svg { width: 18px; height: 18px; fill: none; stroke: currentColor; stroke-width: 1.6; stroke-linecap: round; stroke-linejoin: round }\n.row { display: flex; flex-wrap: wrap; align-items: center; gap: 6px }\n.field { display: flex; align-items: center; gap: 6px; min-width: 0 }\n.field > span:first-child { flex: 0 0 112px; color: var(--dim) }\n.toolbar { grid-area: bar; display: flex; flex-wrap: wrap; align-items: center; gap: 2px var(--gap); padding: 4px 8px; background: var(--panel); border-bottom: 1px solid var(--line) }\n.toolbar .group { display: flex; align-items: center; gap: 1px }\n.toolbar .spring { flex: 1 }\n.wavesplat .title { margin: 0; font-size: inherit; font-weight: 400; max-width: 260px; overflow: hidden; text-overflow: ellipsis; white-space: nowrap; color: var(--dim) }\n.views { grid-area: views; display: grid; gap: 2px; background: var(--line); min-height: 0; position: relative }\n.views[data-layout="3d"], .views[data-layout="single"] { grid-template: 1fr / 1fr }\n.views[data-layout="one-and-three"] { grid-template: repeat(3, minmax(0, 1fr)) / minmax(0, 2fr) minmax(0, 1fr) }\n.views[data-layout="one-and-three"] > :first-child { grid-row: 1 / 4 }\n.views[data-layout="two-by-two"] { grid-template: repeat(2, minmax(0, 1fr)) / repeat(2, minmax(0, 1fr)) }\n.viewport { position: relative; overflow: hidden; background: #000; min-width: 0; min-height: 0; touch-action: none; user-select: none; color: #fff }\n.viewport:focus-visible { outline-offset: -2px }\n.viewport canvas { position: absolute; inset: 0; width: 100%; height: 100%; display: block; transform-origin: 0 0 }\n.viewport svg.over { position: absolute; inset: 0; width: 100%; height: 100%; overflow: hidden; pointer-events: none }\n.viewport svg.over [data-handle] { pointer-events: auto; cursor: grab }\n.viewport svg.over text { fill: #fff; paint-order: stroke; stroke: #000; stroke-width: 3px; stroke-linejoin: round; font-size: 13px }\n.viewport .corner { position: absolute; left: 8px; top: 6px; font-size: 12px; text-shadow: 0 0 3px #000; pointer-events: none; white-space: pre-line }\n.viewport .corner.right { left: auto; right: 8px; text-align: right }\n.viewport .corner.low { top: auto; bottom: 6px }\n.hint { position: absolute; left: 50%; bottom: 12%; transform: translateX(-50%); background: #000c; padding: 6px 12px; border-radius: var(--radius) }\n.panels { grid-area: panels; width: 340px; overflow-y: auto; overflow-x: hidden; background: var(--panel); border-left: 1px solid var(--line) }\n.panel > summary { padding: 7px 12px; cursor: pointer; font-weight: 600; border-bottom: 1px solid var(--line); list-style-position: inside }\n.panel > .body { display: grid; gap: 8px; padding: 10px 12px; border-bottom: 1px solid var(--line) }\n.bottom { grid-area: status; background: var(--panel) }\n.status { display: flex; flex-wrap: wrap; gap: 4px 16px; padding: 3px 10px; background: var(--panel); border-top: 1px solid var(--line); color: var(--dim); font-size: 13px; min-height: 25px }\n.alert { position: absolute; left: 50%; top: 52px; transform: translateX(-50%); max-width: min(560px, 92%); z-index: 5; background: var(--panel); border: 1px solid var(--danger); border-radius: var(--radius); padding: 10px 14px; display: grid; gap: 6px }\n.opening { grid-area: views; display: grid; place-content: center; gap: 10px; padding: 24px; text-align: center }\n.opening progress { width: 260px; accent-color: var(--accent) }\n.dim { color: var(--dim) }\n.hidden { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); white-space: nowrap }\n.wavesplat dialog { background: var(--panel); color: var(--text); border: 1px solid var(--line); border-radius: var(--radius); padding: 16px 20px; max-width: min(640px, 94vw); max-height: 86vh; overflow: auto }\n.wavesplat dialog::backdrop { background: #0008 }\n.wavesplat table { border-collapse: collapse; width: 100% }\n.wavesplat th, .wavesplat td { text-align: left; padding: 3px 12px 3px 0; vertical-align: top; font-weight: 400 }\n.wavesplat kbd { background: var(--raised); border-radius: 3px; padding: 0 6px; font: inherit }\n.chip { width: 18px; height: 18px; border-radius: 3px; border: 1px solid var(--line); flex: none }\n@container (max-width: 700px) {\n  .wavesplat { grid-template: auto minmax(46%, 1fr) minmax(0, auto) auto / minmax(0, 1fr); grid-template-areas: "bar" "views" "panels" "status" }\n  .panels { width: auto; max-height: 44vh; border-left: 0; border-top: 1px solid var(--line) }\n  .views[data-layout="one-and-three"] { grid-template: minmax(0, 2fr) minmax(0, 1fr) / repeat(3, minmax(0, 1fr)) }\n  .views[data-layout="one-and-three"] > :first-child { grid-row: auto; grid-column: 1 / 4 }\n  .title { display: none }\n}\n@media (pointer: coarse) {\n  .icon-button, .button { min-width: 44px; min-height: 44px }\n}\n@media (forced-colors: active) {\n  .icon-button[aria-pressed="true"], .icon-button[aria-checked="true"], .button[aria-pressed="true"] { forced-color-adjust: none; background: Highlight; color: HighlightText }\n}\n.wavesplat fieldset { border: 1px solid var(--line); border-radius: var(--radius); margin: 0; padding: 6px 10px 10px; display: grid; gap: 6px; min-width: 0 }\n.wavesplat legend { padding: 0 4px; color: var(--dim) }\n.wavesplat ol, .wavesplat ul { margin: 0; padding-left: 20px }\n.viewport .legend { top: 8px; left: 8px; list-style: none; padding: 0; display: grid; gap: 3px }\n.viewport .legend li { display: flex; gap: 6px; align-items: center }\n.viewport .color-bar { display: grid; justify-items: end; gap: 3px; bottom: 24px }\n.viewport .color-bar .ramp { width: 14px; height: 150px; border: 1px solid #fff8 }\n';
 
 // src/view/theme.ts
 function themeOf(state2) {
@@ -5539,108 +5801,129 @@ function onThemeChange(listener) {
   };
 }
 
-// src/view/icons.tsx
-var PATHS = {
-  undo: "M8 5 4 9l4 4M4 9h8a4 4 0 0 1 0 8H9",
-  redo: "M12 5l4 4-4 4M16 9H8a4 4 0 0 0 0 8h3",
-  fit: "M4 8V4h4M16 8V4h-4M4 12v4h4M16 12v4h-4M8 8h4v4H8z",
-  turn: "M15 6a7 3 0 1 0 1 4M16 3v4h-4M10 10v7",
-  window: "M10 3a7 7 0 1 0 0 14zM10 3a7 7 0 0 1 0 14",
-  distance: "M3 17 17 3M3 13v4h4M17 7V3h-4",
-  angle: "M16 16H4L14 4M9 16a6 6 0 0 0-1.5-4",
-  share: "M10 12V3M6 7l4-4 4 4M4 11v6h12v-6",
-  help: "M7.5 7.5a2.5 2.5 0 1 1 3.5 2.3c-.8.4-1 .9-1 1.7M10 14.6v.1M10 18a8 8 0 1 0 0-16 8 8 0 0 0 0 16z",
-  light: "M10 2v2M10 16v2M2 10h2M16 10h2M4.5 4.5l1.4 1.4M14.1 14.1l1.4 1.4M15.5 4.5l-1.4 1.4M5.9 14.1l-1.4 1.4M10 6.5a3.5 3.5 0 1 0 0 7 3.5 3.5 0 0 0 0-7z",
-  dark: "M16 12A7 7 0 0 1 8 4a7 7 0 1 0 8 8z",
-  panels: "M3 4h14v12H3zM12 4v12"
-};
-function Icon({ name }) {
-  return /* @__PURE__ */ k("svg", { viewBox: "0 0 20 20", "aria-hidden": "true" }, /* @__PURE__ */ k("path", { d: PATHS[name] }));
-}
-
 // src/view/toolbar.tsx
-var LAYOUTS = [
-  ["3d", "Space"],
-  ["one-and-three", "Space and three slices"],
-  ["two-by-two", "Two by two"],
-  ["single", "One slice"]
-];
+var TEXT19 = WORDS.toolbar;
+var LAYOUTS = ["3d", "one-and-three", "two-by-two", "single"];
 var VIEWS = ["front", "back", "left", "right", "top", "bottom"];
-var TOOLS = [
-  ["turn", "Turn", "turn"],
-  ["window", "Window and level", "window"],
-  ["distance", "Measure a distance", "distance"],
-  ["angle", "Measure an angle", "angle"]
-];
+var TOOLS = ["turn", "window", "distance", "angle"];
 function Toolbar(props) {
-  const { store, welcome, ui, onHelp, onFit } = props;
+  const { store, welcome, ui, isAbout, onAbout, onFit } = props;
   const { layout } = store.state.view;
-  const theme = themeOf(store.state);
-  const tools = (event) => {
-    const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
-    if (step === void 0) return;
-    event.preventDefault();
-    event.stopPropagation();
-    const now = TOOLS.findIndex(([tool]) => tool === ui.tool);
-    const next = TOOLS[(now + step + TOOLS.length) % TOOLS.length]?.[0];
-    if (next === void 0) return;
-    ui.setTool(next);
-    const box2 = event.currentTarget;
-    box2.querySelector(`[data-tool="${next}"]`)?.focus();
+  const names = store.state.layers.map(({ name }) => name).join(", ");
+  const setLayout = (name) => {
+    const main = name === "single" ? layout.main === "3d" ? "z" : layout.main : "3d";
+    store.change([set({ name, main }, "view", "layout")]);
   };
-  return /* @__PURE__ */ k("header", { class: "toolbar" }, /* @__PURE__ */ k("h1", { class: "title", title: store.state.layers.map(({ name }) => name).join(", ") }, store.state.layers.map(({ name }) => name).join(", ")), /* @__PURE__ */ k("label", null, /* @__PURE__ */ k("span", { class: "hidden" }, "Layout"), /* @__PURE__ */ k(
-    "select",
-    {
-      value: layout.name,
-      onChange: (event) => {
-        const name = event.currentTarget.value;
-        const main = name === "single" && layout.main === "3d" ? "z" : layout.main;
-        store.change([set({ name, main: name === "single" ? main : "3d" }, "view", "layout")]);
-      }
-    },
-    LAYOUTS.map(([name, text2]) => /* @__PURE__ */ k("option", { key: name, value: name, selected: name === layout.name }, text2))
-  )), layout.name === "single" && /* @__PURE__ */ k("label", null, /* @__PURE__ */ k("span", { class: "hidden" }, "Slice"), /* @__PURE__ */ k("select", { value: layout.main, onChange: (event) => store.change([set(event.currentTarget.value, "view", "layout", "main")]) }, PANES.map((pane) => /* @__PURE__ */ k("option", { key: pane, value: pane, selected: pane === layout.main }, nameOf2({ welcome }, pane))))), /* @__PURE__ */ k("div", { class: "group", role: "group", "aria-label": "Standard views" }, VIEWS.map((view, n2) => /* @__PURE__ */ k(
+  const hasScene = layout.name !== "single" || layout.main === "3d";
+  return /* @__PURE__ */ k("header", { class: "toolbar" }, /* @__PURE__ */ k("h1", { class: "group float title-group" }, /* @__PURE__ */ k("button", { class: "title", "data-opens": "about", "aria-expanded": isAbout, "aria-label": WORDS.about.open(names), title: names, onClick: onAbout }, names)), /* @__PURE__ */ k("div", { class: "group float" }, /* @__PURE__ */ k(Radios, { label: WORDS.layouts.title, names: LAYOUTS, value: layout.name, textOf: (name) => WORDS.layouts[name], iconOf: (name) => name, onChoice: setLayout }), layout.name === "single" && /* @__PURE__ */ k("label", null, /* @__PURE__ */ k("span", { class: "hidden" }, WORDS.layouts.slice), /* @__PURE__ */ k("select", { value: layout.main, onChange: (event) => store.change([set(event.currentTarget.value, "view", "layout", "main")]) }, PANES.map((pane) => /* @__PURE__ */ k("option", { key: pane, value: pane, selected: pane === layout.main }, nameOf2({ welcome }, pane)))))), /* @__PURE__ */ k(Group, { label: TEXT19.history }, /* @__PURE__ */ k(IconButton, { icon: "undo", label: TEXT19.undo, shortcut: "Ctrl Z", disabled: !store.canUndo, onClick: () => store.undo() }), /* @__PURE__ */ k(IconButton, { icon: "redo", label: TEXT19.redo, shortcut: "Ctrl Shift Z", disabled: !store.canRedo, onClick: () => store.redo() })), /* @__PURE__ */ k("div", { class: "group float" }, /* @__PURE__ */ k(Radios, { label: TEXT19.tools, names: TOOLS, value: ui.tool, textOf: (tool) => TEXT19[tool], iconOf: (tool) => tool, onChoice: (tool) => ui.setTool(tool) })), hasScene && /* @__PURE__ */ k(Group, { label: TEXT19.views, more: "standard-views" }, VIEWS.map((view, n2) => /* @__PURE__ */ k(
     "button",
     {
       key: view,
       class: "icon-button",
-      title: `From the ${view} (${n2 + 1})`,
-      "aria-label": `${letterOf(view, welcome.axis_ends)}, from the ${view}`,
+      title: `${TEXT19.from(view)} (${n2 + 1})`,
+      "aria-label": TEXT19.lettered(letterOf(view, welcome.axis_ends), view),
       onClick: () => {
         const camera = welcome.standard_views[view];
         if (camera !== void 0) showFrom(props, camera);
       }
     },
     letterOf(view, welcome.axis_ends)
-  ))), /* @__PURE__ */ k("button", { class: "icon-button", title: "Fit (0)", "aria-label": "Fit all into view", onClick: onFit }, /* @__PURE__ */ k(Icon, { name: "fit" })), /* @__PURE__ */ k("div", { class: "group", role: "group", "aria-label": "History" }, /* @__PURE__ */ k("button", { class: "icon-button", title: "Undo (Ctrl Z)", "aria-label": "Undo", disabled: !store.canUndo, onClick: () => store.undo() }, /* @__PURE__ */ k(Icon, { name: "undo" })), /* @__PURE__ */ k("button", { class: "icon-button", title: "Redo (Ctrl Shift Z)", "aria-label": "Redo", disabled: !store.canRedo, onClick: () => store.redo() }, /* @__PURE__ */ k(Icon, { name: "redo" }))), /* @__PURE__ */ k("div", { class: "group", role: "radiogroup", "aria-label": "Dragging", onKeyDown: tools }, TOOLS.map(([tool, text2, icon]) => /* @__PURE__ */ k(
+  )), /* @__PURE__ */ k(IconButton, { icon: "fit", label: TEXT19.fit, shortcut: "0", onClick: onFit })));
+}
+function Group({ label, more = "", children }) {
+  return /* @__PURE__ */ k("div", { class: `group float ${more}`, role: "group", "aria-label": label }, children);
+}
+function IconButton({ icon, label, shortcut, disabled = false, onClick }) {
+  const title = shortcut === void 0 ? label : `${label} (${shortcut})`;
+  return /* @__PURE__ */ k("button", { class: "icon-button", title, "aria-label": label, disabled, onClick: () => onClick() }, /* @__PURE__ */ k(Icon, { name: icon }));
+}
+function Radios({ label, names, value, textOf, iconOf, onChoice }) {
+  const onKeyDown = (event) => {
+    const step = { ArrowRight: 1, ArrowDown: 1, ArrowLeft: -1, ArrowUp: -1 }[event.key];
+    if (step === void 0) return;
+    event.preventDefault();
+    event.stopPropagation();
+    const next = names[(names.indexOf(value) + step + names.length) % names.length];
+    if (next === void 0) return;
+    onChoice(next);
+    event.currentTarget.querySelector(`[data-name="${next}"]`)?.focus();
+  };
+  return /* @__PURE__ */ k("div", { class: "radios", role: "radiogroup", "aria-label": label, onKeyDown }, names.map((name) => /* @__PURE__ */ k(
     "button",
     {
-      key: tool,
+      key: name,
       class: "icon-button",
       role: "radio",
-      "data-tool": tool,
-      tabIndex: tool === ui.tool ? 0 : -1,
-      "aria-checked": tool === ui.tool,
-      "aria-label": text2,
-      title: text2,
-      onClick: () => ui.setTool(tool)
+      "data-name": name,
+      tabIndex: name === value ? 0 : -1,
+      "aria-checked": name === value,
+      "aria-label": textOf(name),
+      title: textOf(name),
+      onClick: () => onChoice(name)
     },
-    /* @__PURE__ */ k(Icon, { name: icon })
-  ))), /* @__PURE__ */ k("span", { class: "spring" }), /* @__PURE__ */ k(
-    "button",
-    {
-      class: "icon-button",
-      title: theme === "dark" ? "Light colours" : "Dark colours",
-      "aria-label": theme === "dark" ? "Light colours" : "Dark colours",
-      onClick: () => store.change([set(theme === "dark" ? "light" : "dark", "view", "interface", "theme")])
-    },
-    /* @__PURE__ */ k(Icon, { name: theme === "dark" ? "light" : "dark" })
-  ), /* @__PURE__ */ k("button", { class: "icon-button", title: "Keys and gestures (?)", "aria-label": "Keys and gestures", onClick: onHelp }, /* @__PURE__ */ k(Icon, { name: "help" })), /* @__PURE__ */ k("button", { class: "icon-button", title: "Panels", "aria-label": "Panels", "aria-pressed": props.panels, onClick: props.onPanels }, /* @__PURE__ */ k(Icon, { name: "panels" })));
+    /* @__PURE__ */ k(Icon, { name: iconOf(name) })
+  )));
 }
 function letterOf(view, ends) {
   const place = { left: 0, right: 1, back: 2, front: 3, bottom: 4, top: 5 }[view];
   return ends[place] ?? view;
 }
+
+// src/view/page.tsx
+var BODIES = {
+  about: AboutPanel,
+  presets: PresetsPanel,
+  function: FunctionPanel,
+  layers: LayersPanel,
+  labels: LabelsPanel,
+  light: LightPanel,
+  cut: CutPanel,
+  slices: SlicesPanel,
+  measure: MeasurePanel,
+  share: SharePanel
+};
+function Page({ app, ...part }) {
+  const { store, ui, welcome } = part;
+  const { layout, interface: shown } = store.state.view;
+  const panels = PANELS.filter((name) => name !== "labels" || store.state.labels !== null);
+  const opened = openPanel(shown.panels);
+  const open = opened === "labels" && store.state.labels === null ? null : opened;
+  const onPanel = (name) => store.change([set(name === null ? [] : [name], "view", "interface", "panels")]);
+  const theme = themeOf(store.state);
+  const hasTimes = welcome.volumes.some((volume2) => volume2.n_times > 1);
+  return /* @__PURE__ */ k(
+    "div",
+    {
+      class: "wavesplat",
+      "data-theme": theme,
+      "data-sheet": open !== null,
+      "data-times": hasTimes,
+      onKeyDown: app.onKey,
+      onDragOver: (event) => event.preventDefault(),
+      onDrop: (event) => {
+        event.preventDefault();
+        const file = event.dataTransfer?.files[0];
+        if (file !== void 0) void openState(part, file);
+      }
+    },
+    /* @__PURE__ */ k(Toolbar, { ...part, isAbout: open === "about", onAbout: () => onPanel(open === "about" ? null : "about"), onFit: () => void fit(part, ui.frames["3d"] ?? { width: 4, height: 3 }) }),
+    /* @__PURE__ */ k("main", { class: "views", "data-layout": layout.name }, (layout.name !== "single" || layout.main === "3d") && /* @__PURE__ */ k(SceneView, { ...part }), (layout.name === "one-and-three" || layout.name === "two-by-two") && PANES.map((pane) => /* @__PURE__ */ k(SlicePane, { key: pane, ...part, pane })), layout.name === "single" && layout.main !== "3d" && /* @__PURE__ */ k(SlicePane, { key: layout.main, ...part, pane: layout.main })),
+    /* @__PURE__ */ k(Rail, { panels, open, onPanel }, /* @__PURE__ */ k("button", { class: "rail-button", title: theme === "dark" ? WORDS.toolbar.light : WORDS.toolbar.dark, onClick: () => store.change([set(theme === "dark" ? "light" : "dark", "view", "interface", "theme")]) }, /* @__PURE__ */ k(Icon, { name: "dark" }), /* @__PURE__ */ k("span", null, WORDS.toolbar.theme_short)), /* @__PURE__ */ k("button", { class: "rail-button", title: `${WORDS.toolbar.help} (?)`, onClick: () => app.onHelp(true) }, /* @__PURE__ */ k(Icon, { name: "help" }), /* @__PURE__ */ k("span", null, WORDS.toolbar.help_short))),
+    open !== null && /* @__PURE__ */ k(Sheet, { key: open, name: open, onClose: () => onPanel(null) }, /* @__PURE__ */ k(Body, { ...part, app, name: open })),
+    /* @__PURE__ */ k("footer", { class: "bottom" }, hasTimes && /* @__PURE__ */ k(TimeBar, { ...part }), /* @__PURE__ */ k(Status, { ...part, connection: app.connection, figures: app.figures })),
+    /* @__PURE__ */ k("p", { class: "hidden", role: "status", "aria-live": "polite" }, app.said),
+    app.problem !== null && /* @__PURE__ */ k(ProblemCard, { problem: app.problem, onClose: app.onProblemClosed }),
+    app.help && /* @__PURE__ */ k(Help, { onClose: () => app.onHelp(false) })
+  );
+}
+function Body({ app, name, ...part }) {
+  if (name === "settings") return /* @__PURE__ */ k(SettingsPanel, { ...part, figures: app.figures, onFigures: app.onFigures });
+  const Panel = BODIES[name];
+  return /* @__PURE__ */ k(Panel, { ...part });
+}
+
+// src/view/style.css
+var style_default = '/* Sizes: --rail, --bar and --foot are what the rail, the tools above and the bar of times below take from the picture. */\n:host { display: block; contain: content }\n.mount { height: 100%; container-type: size }\n.wavesplat {\n  --bg: #0b0d10; --panel: #15191f; --raised: #232a33; --line: #39424e; --text: #e8ebf0; --dim: #a9b3c0;\n  --accent: #6cb2ff; --accent-text: #08131f; --focus: #ffd166; --danger: #ff8f8f;\n  --gap: 8px; --radius: 8px; --rail: 72px; --bar: 52px; --foot: 0px; --sheet: 344px;\n  --glass: #161a21eb; --lift: 0 0 0 1px #ffffff14, 0 6px 24px #0009;\n  box-sizing: border-box; position: relative; width: 100%; height: 100%; overflow: hidden; background: var(--bg); color: var(--text);\n  font: 13px/1.4 system-ui, "Segoe UI", Roboto, sans-serif; font-variant-numeric: tabular-nums; color-scheme: dark;\n}\n.wavesplat[data-theme="light"] {\n  --bg: #e7eaee; --panel: #fff; --raised: #eceff3; --line: #8a93a0; --text: #161a20; --dim: #4b5563;\n  --accent: #0a5cb8; --accent-text: #fff; --focus: #b45309; --danger: #b42318;\n  --glass: #fcfdfef2; --lift: 0 0 0 1px #0000001f, 0 6px 24px #0005; color-scheme: light;\n}\n.wavesplat[data-times="true"] { --foot: 56px }\n.wavesplat *, .wavesplat *::before { box-sizing: border-box }\n.wavesplat :focus-visible { outline: 2px solid var(--focus); outline-offset: 1px }\n.wavesplat h2, .wavesplat h3, .wavesplat p { margin: 0; font-size: inherit; font-weight: 600 }\n.wavesplat p { font-weight: 400 }\n.wavesplat button, .wavesplat select, .wavesplat input, .wavesplat textarea { font: inherit; color: inherit }\n.wavesplat input[type="range"] { accent-color: var(--accent); min-width: 0; flex: 1; height: 24px; margin: 0 }\n.wavesplat input[type="checkbox"], .wavesplat input[type="radio"] { accent-color: var(--accent); width: 18px; height: 18px; margin: 3px }\n.wavesplat input[type="color"] { width: 34px; height: 26px; padding: 1px; border: 1px solid var(--line); border-radius: 6px; background: none }\n.wavesplat input[type="number"], .wavesplat input[type="text"], .wavesplat input[type="search"], .wavesplat select, .wavesplat textarea {\n  background: var(--raised); border: 1px solid var(--line); border-radius: 6px; padding: 2px 7px; min-height: 28px; min-width: 0;\n}\n.wavesplat input[type="number"] { width: 96px; appearance: textfield; text-align: right }\n.wavesplat input[type="number"]::-webkit-inner-spin-button { display: none }\n.button {\n  background: var(--raised); border: 1px solid var(--line); border-radius: 6px; padding: 3px 10px; min-height: 28px; cursor: pointer;\n}\n.button:hover { border-color: var(--accent) }\n.icon-button:hover, .rail-button:hover, .title:hover, .title[aria-expanded="true"] { background: var(--raised) }\n.button:disabled, .icon-button:disabled { opacity: .45; cursor: default }\n.button[aria-pressed="true"], .icon-button[aria-pressed="true"], .icon-button[aria-checked="true"], .rail-button[aria-expanded="true"] {\n  background: var(--accent); color: var(--accent-text); border-color: var(--accent);\n}\n.icon-button {\n  display: inline-grid; place-items: center; min-width: 32px; height: 32px; padding: 0 6px; border: 0; border-radius: 6px;\n  background: none; cursor: pointer; flex: none;\n}\n.icon-button svg, .rail-button svg { width: 18px; height: 18px; fill: none; stroke: currentColor; stroke-width: 1.5; stroke-linecap: round; stroke-linejoin: round }\n.row { display: flex; flex-wrap: wrap; align-items: center; gap: 6px }\n.field { display: flex; align-items: center; gap: 6px; min-width: 0 }\n.field > span:first-child { flex: 0 0 112px; color: var(--dim) }\n.spring { flex: 1 }\n.float { background: var(--glass); box-shadow: var(--lift); border-radius: var(--radius) }\n.toolbar { position: absolute; z-index: 3; left: calc(var(--rail) + 8px); right: 104px; top: 8px; display: flex; align-items: center; gap: var(--gap); pointer-events: none }\n.toolbar > * { pointer-events: auto }\n.toolbar .group { display: flex; align-items: center; gap: 1px; padding: 3px; min-height: 38px }\n.toolbar .title-group { min-width: 0; margin: 0; flex: 0 1 auto }\n.radios { display: flex; gap: 1px }\n.wavesplat .title { border: 0; border-radius: 6px; background: none; height: 32px; padding: 0 10px; cursor: pointer; font-size: 13px; font-weight: 600; max-width: 220px; overflow: hidden; text-overflow: ellipsis; white-space: nowrap }\n.rail { position: absolute; z-index: 3; left: 8px; top: 8px; bottom: 8px; width: 64px; padding: 4px; display: flex; flex-direction: column; gap: 1px; overflow: auto; scrollbar-width: none }\n.rail-button {\n  display: grid; justify-items: center; align-content: center; gap: 2px; width: 100%; min-height: 46px; padding: 3px 0; border: 0; border-radius: 6px;\n  background: none; cursor: pointer; flex: none;\n}\n.wavesplat .rail-button { font-size: 11px; line-height: 1.1 }\n.sheet { position: absolute; z-index: 3; left: calc(var(--rail) + 8px); top: 54px; max-height: calc(100% - 62px - var(--foot)); width: var(--sheet); display: flex; flex-direction: column; overflow: hidden }\n.sheet-head { display: flex; align-items: center; justify-content: space-between; padding: 5px 6px 5px 14px; flex: none }\n.wavesplat .sheet-head h2 { font-size: 13px }\n.sheet > .body { display: grid; gap: 8px; padding: 4px 14px 14px; overflow-y: auto; overflow-x: hidden; min-height: 0; align-content: start }\n.sheet > .body:focus-visible { outline-offset: -2px }\n.views { position: absolute; inset: 0; display: grid; gap: 2px; background: var(--line) }\n.views[data-layout="3d"], .views[data-layout="single"] { grid-template: 1fr / 1fr }\n.views[data-layout="one-and-three"] { grid-template: repeat(3, minmax(0, 1fr)) / minmax(0, 2fr) minmax(0, 1fr) }\n.views[data-layout="one-and-three"] > :first-child { grid-row: 1 / 4 }\n.views[data-layout="two-by-two"] { grid-template: repeat(2, minmax(0, 1fr)) / repeat(2, minmax(0, 1fr)) }\n/* Several views make room for the sheet, which lies over the picture where there is but one. */\n.wavesplat[data-sheet="true"] .views:not([data-layout="3d"], [data-layout="single"]) { left: calc(var(--rail) + var(--sheet) + 12px) }\n.wavesplat[data-sheet="false"] .views > :first-child, .wavesplat[data-sheet="false"] .views[data-layout="two-by-two"] > :nth-child(3),\n.views[data-layout="3d"] > *, .views[data-layout="single"] > * { --left: var(--rail) }\n.views > :first-child, .views > :nth-child(2) { --top: var(--bar) }\n.views > :last-child, .views[data-layout="one-and-three"] > :first-child, .views[data-layout="two-by-two"] > :nth-child(3) { --bottom: var(--foot) }\n.viewport { --left: 0px; --top: 0px; --bottom: 0px; position: relative; overflow: hidden; background: #000; min-width: 0; min-height: 0; touch-action: none; user-select: none; color: #fff }\n.viewport:focus-visible { outline-offset: -2px }\n.viewport canvas { position: absolute; inset: 0; width: 100%; height: 100%; display: block; transform-origin: 0 0 }\n.viewport svg.over { position: absolute; inset: 0; width: 100%; height: 100%; overflow: hidden; pointer-events: none }\n.viewport svg.over [data-handle] { pointer-events: auto; cursor: grab }\n.viewport svg.over text { fill: #fff; paint-order: stroke; stroke: #000; stroke-width: 3px; stroke-linejoin: round; font-size: 13px }\n.viewport .corner { position: absolute; left: calc(8px + var(--left)); top: calc(6px + var(--top)); font-size: 12px; text-shadow: 0 0 3px #000; pointer-events: none; white-space: pre-line }\n.viewport .corner.right { left: auto; right: 8px; text-align: right }\n.viewport .corner.low { top: auto; bottom: calc(6px + var(--bottom)) }\n.over .at-left { transform: translateX(var(--left)) }\n.over .at-top { transform: translateY(var(--top)) }\n.over .at-bottom { transform: translateY(calc(-1 * var(--bottom))) }\n.over .at-corner { transform: translate(var(--left), calc(-1 * var(--bottom))) }\n.hint { position: absolute; left: 50%; bottom: 12%; transform: translateX(-50%); background: #000c; padding: 6px 12px; border-radius: var(--radius) }\n.bottom { position: absolute; z-index: 2; left: calc(var(--rail) + 8px); right: 8px; bottom: 8px; display: flex; flex-direction: column; align-items: flex-end; gap: 6px; pointer-events: none }\n.bottom > * { pointer-events: auto }\n.status { display: flex; flex-wrap: wrap; justify-content: flex-end; gap: 4px 6px; order: -1 }\n.status > * { background: var(--glass); box-shadow: var(--lift); border-radius: var(--radius); padding: 3px 10px; font-size: 12px }\n.status > [role="note"] { animation: noted 1s 9s forwards }\n@keyframes noted { to { opacity: 0; visibility: hidden } }\n.alert { position: absolute; left: 50%; top: 60px; transform: translateX(-50%); max-width: min(560px, 92%); z-index: 5; background: var(--panel); border: 1px solid var(--danger); border-radius: var(--radius); padding: 10px 14px; display: grid; gap: 6px }\n.opening { position: absolute; inset: 0; display: grid; place-content: center; gap: 10px; padding: 24px; text-align: center }\n.opening progress { width: 260px; accent-color: var(--accent) }\n.dim { color: var(--dim) }\n.hidden { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); white-space: nowrap }\n.wavesplat dialog { background: var(--panel); color: var(--text); border: 1px solid var(--line); border-radius: var(--radius); padding: 16px 20px; max-width: min(640px, 94vw); max-height: 86vh; overflow: auto }\n.wavesplat dialog::backdrop { background: #0008 }\n.wavesplat table { border-collapse: collapse; width: 100% }\n.wavesplat th, .wavesplat td { text-align: left; padding: 3px 12px 3px 0; vertical-align: top; font-weight: 400 }\n.wavesplat kbd { background: var(--raised); border-radius: 3px; padding: 0 6px; font: inherit }\n.chip { width: 18px; height: 18px; border-radius: 3px; border: 1px solid var(--line); flex: none }\n@container (max-width: 1000px) {\n  .standard-views { display: none !important }\n}\n@container (max-height: 620px) {\n  .wavesplat { --rail: 52px }\n  .rail { width: 40px; padding: 2px; left: 6px }\n  .rail-button { min-height: 28px }\n  .rail-button > span { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); white-space: nowrap }\n}\n/* A phone: tools in one row above, the rail below, and a sheet from below that leaves the picture 60 % of the height. */\n@container (max-width: 600px) {\n  .wavesplat { --rail: 0px; display: grid; grid-template: minmax(0, 1fr) auto auto / minmax(0, 1fr) }\n  .views, .wavesplat[data-sheet="true"] .views:not([data-layout="3d"], [data-layout="single"]) { position: relative; left: 0; grid-area: 1 / 1 }\n  .views[data-layout="one-and-three"] { grid-template: minmax(0, 2fr) minmax(0, 1fr) / repeat(3, minmax(0, 1fr)) }\n  .views[data-layout="one-and-three"] > :first-child { grid-row: auto; grid-column: 1 / 4 }\n  .toolbar { left: 6px; right: 6px; top: 6px; gap: 4px; overflow-x: auto; scrollbar-width: none }\n  .title-group { display: none !important }\n  .sheet { position: relative; left: 0; top: 0; width: auto; grid-area: 2 / 1; max-height: 31cqh; border-radius: 12px 12px 0 0 }\n  .rail { position: relative; left: 0; top: 0; bottom: 0; width: auto; grid-area: 3 / 1; flex-direction: row; border-radius: 0; padding: 2px 4px }\n  .rail .spring { display: none }\n  .rail-button { width: auto; min-width: 52px }\n  .bottom { position: relative; left: 0; right: 0; bottom: 0; grid-area: 1 / 1; align-self: end; padding: 6px }\n}\n@media (pointer: coarse) {\n  .icon-button, .button { min-width: 44px; min-height: 44px }\n}\n@media (forced-colors: active) {\n  .icon-button[aria-pressed="true"], .icon-button[aria-checked="true"], .button[aria-pressed="true"] { forced-color-adjust: none; background: Highlight; color: HighlightText }\n}\n.wavesplat fieldset { border: 1px solid var(--line); border-radius: var(--radius); margin: 0; padding: 6px 10px 10px; display: grid; gap: 6px; min-width: 0 }\n.wavesplat legend { padding: 0 4px; color: var(--dim) }\n.wavesplat ol, .wavesplat ul { margin: 0; padding-left: 20px }\n.viewport .legend { top: calc(8px + var(--top)); left: calc(8px + var(--left)); list-style: none; padding: 0; display: grid; gap: 3px }\n.viewport .legend li { display: flex; gap: 6px; align-items: center }\n.viewport .color-bar { display: grid; justify-items: end; gap: 3px; bottom: calc(44px + var(--bottom)) }\n.viewport .color-bar .ramp { width: 14px; height: 150px; border: 1px solid #fff8 }\n.about { display: grid; gap: 6px }\n.about dl { display: grid; grid-template-columns: auto 1fr; gap: 3px 14px; margin: 0 }\n.about dt { color: var(--dim) }\n.about dd { margin: 0; overflow-wrap: anywhere }\n.about h4 { margin: 4px 0 0; font-weight: 600; font-size: 12px; color: var(--dim) }\n.wavesplat .about ul { padding-left: 16px; display: grid; gap: 4px }\n';
 
 // src/view/app.tsx
 var ANNOUNCED_MS = 1e3;
@@ -5705,7 +5988,6 @@ var App = class {
   probeTimer;
   help = false;
   figures = false;
-  showsPanels = true;
   said = "";
   lastSaid = 0;
   sayTimer;
@@ -5849,11 +6131,6 @@ var App = class {
     event.stopPropagation();
     this.schedule();
   };
-  onPanel = (name, open) => {
-    const panels = this.store?.state.view.interface.panels ?? [];
-    const next = open ? [...panels.filter((one) => one !== name), name] : panels.filter((one) => one !== name);
-    this.store?.change([set(next, "view", "interface", "panels")]);
-  };
   draw() {
     const { store, welcome } = this;
     if (store === null || welcome === null) {
@@ -5864,7 +6141,7 @@ var App = class {
       return;
     }
     const part = { store, engine: this.engine, welcome, ui: this.ui };
-    Q(/* @__PURE__ */ k(Whole, { ...part, app: this.shown() }), this.mount);
+    Q(/* @__PURE__ */ k(Page, { ...part, app: this.shown() }), this.mount);
   }
   shown() {
     return {
@@ -5872,20 +6149,14 @@ var App = class {
       problem: this.problem,
       help: this.help,
       figures: this.figures,
-      showsPanels: this.showsPanels,
       said: this.said,
       onKey: this.onKey,
-      onPanel: this.onPanel,
       onHelp: (on) => {
         this.help = on;
         this.schedule();
       },
       onFigures: (on) => {
         this.figures = on;
-        this.schedule();
-      },
-      onPanels: () => {
-        this.showsPanels = !this.showsPanels;
         this.schedule();
       },
       onProblemClosed: () => {
@@ -5895,46 +6166,6 @@ var App = class {
     };
   }
 };
-var PANELS = [
-  ["presets", "Presets", PresetsPanel],
-  ["function", "Colours and opacity", FunctionPanel],
-  ["layers", "Layers", LayersPanel],
-  ["labels", "Labels", LabelsPanel],
-  ["light", "Light and projection", LightPanel],
-  ["cut", "Cut", CutPanel],
-  ["slices", "Slices", SlicesPanel],
-  ["measure", "Measure", MeasurePanel],
-  ["share", "Pictures and sharing", SharePanel]
-];
-function Whole(props) {
-  const { app, ...part } = props;
-  const { store } = part;
-  const { layout, interface: shown } = store.state.view;
-  const isOpen = (name) => shown.panels.includes(name);
-  const panel = { onToggle: app.onPanel };
-  const hasTimes = part.welcome.volumes.some((volume2) => volume2.n_times > 1);
-  return /* @__PURE__ */ k(
-    "div",
-    {
-      class: "wavesplat",
-      "data-theme": themeOf(store.state),
-      onKeyDown: app.onKey,
-      onDragOver: (event) => event.preventDefault(),
-      onDrop: (event) => {
-        event.preventDefault();
-        const file = event.dataTransfer?.files[0];
-        if (file !== void 0) void openState(part, file);
-      }
-    },
-    /* @__PURE__ */ k(Toolbar, { ...part, onHelp: () => app.onHelp(true), onFit: () => void fit(part, part.ui.frames["3d"] ?? { width: 4, height: 3 }), panels: app.showsPanels, onPanels: app.onPanels }),
-    /* @__PURE__ */ k("main", { class: "views", "data-layout": layout.name }, (layout.name !== "single" || layout.main === "3d") && /* @__PURE__ */ k(SceneView, { ...part }), (layout.name === "one-and-three" || layout.name === "two-by-two") && PANES.map((pane) => /* @__PURE__ */ k(SlicePane, { key: pane, ...part, pane })), layout.name === "single" && layout.main !== "3d" && /* @__PURE__ */ k(SlicePane, { key: layout.main, ...part, pane: layout.main })),
-    app.showsPanels && /* @__PURE__ */ k("aside", { class: "panels", "aria-label": "Panels" }, PANELS.map(([name, title, Body]) => (name !== "labels" || store.state.labels !== null) && /* @__PURE__ */ k(Panel, { key: name, name, title, open: isOpen(name), ...panel }, /* @__PURE__ */ k(Body, { ...part }))), /* @__PURE__ */ k(Panel, { name: "settings", title: "Settings", open: isOpen("settings"), ...panel }, /* @__PURE__ */ k(SettingsPanel, { ...part, figures: app.figures, onFigures: app.onFigures }))),
-    /* @__PURE__ */ k("footer", { class: "bottom" }, hasTimes && /* @__PURE__ */ k(TimeBar, { ...part }), /* @__PURE__ */ k(Status, { ...part, connection: app.connection, figures: app.figures })),
-    /* @__PURE__ */ k("p", { class: "hidden", role: "status", "aria-live": "polite" }, app.said),
-    app.problem !== null && /* @__PURE__ */ k(ProblemCard, { problem: app.problem, onClose: app.onProblemClosed }),
-    app.help && /* @__PURE__ */ k(Help, { onClose: () => app.onHelp(false) })
-  );
-}
 
 // src/hosts/page.ts
 var KEY2 = "wavesplat-session";

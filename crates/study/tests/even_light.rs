@@ -12,7 +12,7 @@ use wavesplat_splat::{Layer, render_layers};
 use wavesplat_study::reference::raycast::{CastLayer, RaycastOptions, raycast_layers};
 use wavesplat_testkit::{Phantom, camera_towards, psnr_db};
 
-const SAMPLING: RaycastOptions = RaycastOptions { kernel: Kernel::Linear, step: 0.05, rays_per_pixel: 9 };
+const SAMPLING: RaycastOptions = RaycastOptions { kernel: Kernel::Linear, step: 0.1, rays_per_pixel: 4 };
 
 /// Matter with a fine texture, whose gradients point everywhere, up to the walls.
 fn texture(seed: f64) -> Phantom {

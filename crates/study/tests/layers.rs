@@ -18,7 +18,7 @@ use wavesplat_splat::{Layer, Report, render_layers, with_threads};
 use wavesplat_study::reference::raycast::{CastLayer, RaycastOptions, raycast_layers};
 use wavesplat_testkit::{Phantom, camera_towards, psnr_db};
 
-const SAMPLING: RaycastOptions = RaycastOptions { kernel: Kernel::Linear, step: 0.08, rays_per_pixel: 9 };
+const SAMPLING: RaycastOptions = RaycastOptions { kernel: Kernel::Linear, step: 0.1, rays_per_pixel: 4 };
 
 /// A volume, its look, and its light.
 struct Part {

@@ -164,7 +164,7 @@ fn check_against_raycast(
             oversampling,
             ..RenderOptions::default()
         };
-        let sampling = RaycastOptions { kernel, step: 0.05, rays_per_pixel };
+        let sampling = RaycastOptions { kernel, step: 0.1, rays_per_pixel };
         let want = raycast(&volume, &tf, &camera, &options, sampling, &()).unwrap();
         let slices = Slices::new(&volume, kernel);
         let (got, _) = render(&slices, &tf, &camera, &options, &()).unwrap();
@@ -244,7 +244,7 @@ fn gradient_opacity_is_that_of_direct_evaluation() {
             oversampling: 3.0,
             ..RenderOptions::default()
         };
-        let sampling = RaycastOptions { kernel: Kernel::Linear, step: 0.05, rays_per_pixel: 9 };
+        let sampling = RaycastOptions { kernel: Kernel::Linear, step: 0.1, rays_per_pixel: 4 };
         let want = raycast(&volume, &tf, &camera, &options, sampling, &()).unwrap();
         let slices = Slices::new(&volume, Kernel::Linear);
         let draw = |tf| render(&slices, tf, &camera, &options, &()).unwrap().0;

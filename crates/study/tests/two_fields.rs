@@ -18,7 +18,7 @@ use wavesplat_study::reference::color_field::CastColor;
 use wavesplat_study::reference::raycast::{CastLayer, RaycastOptions, raycast_layers};
 use wavesplat_testkit::{Phantom, camera_towards, psnr_db};
 
-const SAMPLING: RaycastOptions = RaycastOptions { kernel: Kernel::Linear, step: 0.08, rays_per_pixel: 9 };
+const SAMPLING: RaycastOptions = RaycastOptions { kernel: Kernel::Linear, step: 0.1, rays_per_pixel: 4 };
 const SIZE: [usize; 3] = [26, 25, 24];
 const CENTRE: DVec3 = DVec3::new(12.0, 12.5, 11.0);
 const SOFT: [(f64, f64); 2] = [(60.0, 0.0), (240.0, 0.25)];

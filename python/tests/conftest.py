@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from command_server import CommandServer, can_fork
 from hypothesis import HealthCheck, settings
 
 # Other processes may hold the cores at any moment: how long an example takes says nothing about what it tests.
@@ -67,13 +68,24 @@ def ramp_file(tmp_path):
     return path
 
 
+@pytest.fixture(scope="session")
+def command_server():
+    """The process that forks for commands, of this worker."""
+    server = CommandServer()
+    yield server
+    server.close()
+
+
 @pytest.fixture
-def wavesplat():
+def wavesplat(command_server):
     """Run the command line in a process of its own; return its exit code, stdout and stderr."""
 
     def run(*arguments, cwd=None, **environment):
+        arguments = [*map(str, arguments)]
+        if can_fork(environment):
+            return command_server.run(arguments, cwd, environment, timeout=120)
         return subprocess.run(
-            [sys.executable, "-m", "wavesplat", *map(str, arguments)],
+            [sys.executable, "-m", "wavesplat", *arguments],
             capture_output=True,
             encoding="utf-8",  # libraries in this process may have changed its locale
             timeout=120,

@@ -18,6 +18,7 @@ from wavesplat._viewer.state import ViewerState
 from wavesplat.errors import ArgumentError
 
 SIZE = (60, 44)
+LEFT = ws.Camera.view(viewer_fakes.ball(), "left").as_json()
 
 
 @pytest.fixture(scope="module")
@@ -136,12 +137,6 @@ def test_pictures_are_drawn_anew(pelvis):
     assert not np.array_equal(pixels(written)[..., :3], pixels(content)[:1, :1, :3])
 
 
-def test_fitted_cameras_keep_their_direction(pelvis):
-    camera = pelvis.camera.turned(azimuth=33).zoomed(7)
-    told, _ = questions.answer(pelvis, "fitted", {"camera": camera.as_json(), "width": 400, "height": 300})
-    assert ws.Camera.from_json(told["camera"]) == camera.fitted(pelvis.scene, aspect=4 / 3)
-
-
 @pytest.mark.parametrize(
     ("question", "arguments"),
     [
@@ -162,7 +157,11 @@ def test_fitted_cameras_keep_their_direction(pelvis):
         ("open_state", {"text": "{"}),
         ("open_state", {"text": "{}"}),
         ("open_state", {"text": 3}),
-        ("fitted", {"width": 10, "height": 10}),
+        ("framed", {"width": 10, "height": 10}),
+        ("framed", {"width": 0, "height": 10, "camera": LEFT}),
+        ("first_view", {"width": 10}),
+        ("kept_in_view", {"width": 10, "height": 10, "aspect": 1}),
+        ("kept_in_view", {"width": 10, "height": 10, "aspect": 0, "camera": LEFT}),
         ("probe", []),
     ],
     ids=str,

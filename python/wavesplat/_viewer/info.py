@@ -12,6 +12,7 @@ from wavesplat._looks import presets
 from wavesplat._looks.histogram import robust_range
 from wavesplat._looks.kinds import Evidence, evidence, unit_of_values
 from wavesplat._model.camera import Camera
+from wavesplat._model.camera_fit import axes_of
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.options import Composite, Kernel
 from wavesplat._model.series import Series
@@ -67,6 +68,7 @@ def welcome_of(state: ViewerState) -> dict[str, Any]:
             ).as_json()
             for name in VIEWS
         },
+        "upright": _upright(state.first_view.camera),
         "axis_ends": list(BODY_ENDS if first.is_anatomical else AXIS_ENDS),
         "fingerprint": fingerprint_of(scene),
     }
@@ -87,6 +89,13 @@ def fingerprint_of(scene: Scene) -> str:
             step = max(1, volume.samples.size // N_SAMPLES)
             digest.update(np.asarray(samples[::step]).tobytes())
     return f"sha256:{digest.hexdigest()}"
+
+
+def _upright(camera: Camera) -> list[float]:
+    """The axis of the world, a unit vector, that is nearest to the upward direction of a camera's picture."""
+    _, up, _ = axes_of(camera)
+    axis = int(np.abs(up).argmax())
+    return [float(np.sign(up[axis])) if n == axis else 0.0 for n in range(3)]
 
 
 def _volume(layer: Layer) -> dict[str, Any]:

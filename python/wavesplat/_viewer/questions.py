@@ -18,10 +18,12 @@ from wavesplat._looks import look_json, presets
 from wavesplat._looks.histogram import finite_samples
 from wavesplat._looks.look import Look
 from wavesplat._model.argument_types import described
+from wavesplat._model.camera import Camera
 from wavesplat._model.volume import Volume
 from wavesplat._picture.picture import Picture
 from wavesplat._scene import scene_json
 from wavesplat._viewer import code, encoding, export_html
+from wavesplat._viewer.framed_cameras import framed, kept_in_view
 from wavesplat._viewer.picturing import picture_of
 from wavesplat._viewer.previews import preview_of
 from wavesplat._viewer.probing import sample_at, value_at
@@ -30,7 +32,7 @@ from wavesplat._viewer.sight import depth_of_matter, sight_at
 from wavesplat._viewer.state import ViewerState
 from wavesplat.errors import ArgumentError, WavesplatWarning
 
-__all__ = ["answer", "state_from_text"]
+__all__ = ["OF_CAMERAS", "answer", "state_from_text"]
 
 Answer: TypeAlias = tuple[dict[str, Any], bytes]
 Progress: TypeAlias = Callable[[float], object] | None
@@ -208,12 +210,26 @@ def _preset_picture(state: ViewerState, arguments: Mapping[str, Any], progress: 
     return {}, encoding.png_bytes(picture.rgba)
 
 
-def _fitted(state: ViewerState, arguments: Mapping[str, Any], _: Progress) -> Answer:
+def _framed(state: ViewerState, arguments: Mapping[str, Any], _: Progress) -> Answer:
     width, height = _size(arguments)
-    camera = scene_json.camera_of(arguments.get("camera"))
-    if camera is None:
-        raise ArgumentError("fitted: field 'camera' is missing")
-    return {"camera": camera.fitted(state.scene, aspect=width / height).as_json()}, b""
+    camera = framed(state.scene, state.options["composite"], _camera(arguments, "framed"), width / height)
+    return {"camera": camera.as_json()}, b""
+
+
+def _first_view(state: ViewerState, arguments: Mapping[str, Any], _: Progress) -> Answer:
+    width, height = _size(arguments)
+    camera = state.first_view.camera_for(state.scene, state.options["composite"], width / height)
+    return {"camera": camera.as_json()}, b""
+
+
+def _kept_in_view(state: ViewerState, arguments: Mapping[str, Any], _: Progress) -> Answer:
+    width, height = _size(arguments)
+    before = _number(arguments, "aspect")
+    if not before > 0:
+        raise ArgumentError(f"kept_in_view: aspect is {before:g}; give width over height, which is positive")
+    camera = _camera(arguments, "kept_in_view")
+    kept = kept_in_view(state.scene, state.options["composite"], camera, before, width / height)
+    return {"camera": kept.as_json()}, b""
 
 
 def _picture(state: ViewerState, arguments: Mapping[str, Any], progress: Progress) -> Answer:
@@ -272,11 +288,17 @@ ANSWERS: dict[str, Callable[[ViewerState, Mapping[str, Any], Progress], Answer]]
     "shape": _shape,
     "preset": _preset,
     "preset_picture": _preset_picture,
-    "fitted": _fitted,
+    "framed": _framed,
+    "first_view": _first_view,
+    "kept_in_view": _kept_in_view,
     "picture": _picture,
     "code": _code,
     "open_state": _open_state,
 }
+
+
+#: Questions that the page asks before it moves the camera; their answers take milliseconds.
+OF_CAMERAS = ("framed", "first_view", "kept_in_view")
 
 
 def _number(arguments: Mapping[str, Any], name: str) -> float:
@@ -305,6 +327,13 @@ def _flag(arguments: Mapping[str, Any], name: str) -> bool:
     if not isinstance(value, bool):
         raise ArgumentError(f"{name} is {described(value)}; give true or false")
     return value
+
+
+def _camera(arguments: Mapping[str, Any], question: str) -> Camera:
+    camera = scene_json.camera_of(arguments.get("camera"))
+    if camera is None:
+        raise ArgumentError(f"{question}: field 'camera' is missing")
+    return camera
 
 
 def _place(arguments: Mapping[str, Any], question: str) -> tuple[float, float]:

@@ -231,7 +231,17 @@ class Session:
                 pane.size = (width, height)
                 client.panes[view] = pane
                 self._touch(pane)
+                if view == "3d":
+                    self._frame_first(width / height)
             self._changed.notify_all()
+
+    def _frame_first(self, aspect: float) -> None:
+        """Frame a first picture that nobody has turned for the shape of its view, as in a file of that size."""
+        state = self._state.framed_first(aspect)
+        if state is not self._state:
+            self._become(
+                state, None, "python", [{"op": "replace", "path": "/camera", "value": state.document["camera"]}]
+            )
 
     def _shown(self, client: Client, header: Mapping[str, Any]) -> None:
         with self._changed:
@@ -244,6 +254,10 @@ class Session:
 
     def _ask(self, client: Client, header: Mapping[str, Any]) -> None:
         number, question = _whole(header, "id"), header.get("question")
+        if question in questions.OF_CAMERAS:
+            # At once: a key that moves the camera must not wait for a small picture that is being drawn.
+            self._answer(client, number, str(question), header.get("arguments", {}), self._state)
+            return
         with self._changed:
             if len(self._asked) >= MAX_QUESTIONS:
                 message = "too many questions wait for an answer; ask again"

@@ -26,6 +26,7 @@ from wavesplat._scene.drawn_layers import drawn_layers
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import Scene
 from wavesplat._viewer import view_json
+from wavesplat._viewer.framed_cameras import FirstView
 from wavesplat._viewer.patches import patched
 from wavesplat._viewer.previews import has_lazy, preview_of
 from wavesplat.errors import ArgumentError
@@ -58,6 +59,8 @@ class ViewerState:
     label_source: dict[str, Any] | None
     #: Fields that colour layers, as in files, which the page does not change; None where a layer has none.
     color_fields: tuple[dict[str, Any] | None, ...]
+    #: The view that key 0 goes back to.
+    first_view: FirstView
 
     @property
     def view(self) -> dict[str, Any]:
@@ -111,9 +114,17 @@ class ViewerState:
         }
         document["view"] = view_json.checked(view or {}, _middle(scene))
         nowhere = Camera((0, 0, 1), (0, 0, 0), (0, 1, 0), parallel_scale=1)
-        first = cls({}, scene, nowhere, {}, sources, label_source, color_fields)
+        unseen = FirstView(nowhere, 1.0, is_framed=False)
+        first = cls({}, scene, nowhere, {}, sources, label_source, color_fields, unseen)
         # In JSON's types, as the page sends it back: lists for tuples.
-        return first._with(json.loads(json.dumps(document)))
+        return first._with(json.loads(json.dumps(document))).begun()
+
+    def begun(self) -> ViewerState:
+        """The state as one that a viewer begins with: its view is the one that key 0 goes back to."""
+        width, height = FIRST_SIZE
+        return replace(
+            self, first_view=FirstView.of(self.scene, self.options["composite"], self.camera, width / height)
+        )
 
     def patched(self, operations: Sequence[Mapping[str, Any]]) -> ViewerState:
         """The state after some changes (JSON Patch).
@@ -137,6 +148,13 @@ class ViewerState:
     def with_camera(self, camera: Camera) -> ViewerState:
         """The state seen by another camera."""
         return replace(self, camera=camera, document={**self.document, "camera": camera.as_json()})
+
+    def framed_first(self, aspect: float) -> ViewerState:
+        """The state with the first picture framed for that width over height; itself once the camera is another one."""
+        if self.camera != self.first_view.camera:
+            return self
+        camera = self.first_view.camera_for(self.scene, self.options["composite"], aspect)
+        return self if camera == self.camera else self.with_camera(camera)
 
     def file_document(self, size: tuple[int, int] | None = None) -> dict[str, Any]:
         """The document with the sources of volumes and labels, for files; `size`: of the picture, pixels."""

@@ -310,7 +310,7 @@ def view(
     if is_whole:
         from wavesplat._viewer.questions import state_from_text
 
-        first = state_from_text(first, json.dumps(state))
+        first = state_from_text(first, json.dumps(state)).begun()
     in_notebook = browser is None and is_notebook()
     viewer = Viewer(first, port=None if in_notebook else port)
     if in_notebook:

@@ -75,6 +75,12 @@ export const WORDS = {
     help_short: "Keys",
     theme_short: "Theme",
   },
+  help: {
+    close: "Close",
+    where: "Keys act in the view that was used last; in slices arrows move the crosshair.",
+    gestures: "Mouse and touch",
+    keys: "Keys",
+  },
   settings: {
     rest: "At rest",
     moving: "While moving",
@@ -82,6 +88,8 @@ export const WORDS = {
     custom: "Custom",
     perspective: "Perspective",
     angle: "View angle",
+    turning: "Turning",
+    turnings: { turntable: "Turntable: stays upright", trackball: "Trackball: every way" },
     theme: "Theme",
     themes: { system: "As the system", dark: "Dark", light: "Light" },
     over: "Over the views",

@@ -4,7 +4,7 @@ import { axesOf, dot, scaled, unit } from "../input/camera.ts";
 import { set } from "../state/patch.ts";
 import type { Box, Vec3 } from "../state/state.ts";
 import { NumberField, Switch } from "./fields.tsx";
-import { boxOf, placeOfBox, withFace, type Face } from "./overlay3d/box.ts";
+import { boxOf, cornerTowards, placeOfBox, withFace, type Face } from "./overlay3d/box.ts";
 import { decimalsOf } from "./descriptions.ts";
 import type { PartProps } from "./part.ts";
 import { WORDS } from "../words.ts";
@@ -35,7 +35,7 @@ export function CutPanel(props: PartProps) {
             {box === null ? (
               <button
                 class="button"
-                onClick={() => add({ [kind]: kind === "keep" ? whole : corner(whole) })}
+                onClick={() => add({ [kind]: kind === "keep" ? whole : cornerTowards(whole, store.state.camera) })}
               >
                 {kind === "keep" ? TEXT.crop : TEXT.cut}
               </button>
@@ -68,12 +68,6 @@ export function CutPanel(props: PartProps) {
       </fieldset>
     </>
   );
-}
-
-/** The corner of a box at its front, left and top: half of each side. */
-function corner(box: Box): Box {
-  const middle = (axis: number): number => ((box.lower[axis] ?? 0) + (box.upper[axis] ?? 0)) / 2;
-  return { ...box, lower: [box.lower[0], middle(1), middle(2)], upper: [middle(0), box.upper[1], box.upper[2]] };
 }
 
 function BoxNumbers(props: PartProps & { kind: "keep" | "cut_out"; place: number; box: Box }) {

@@ -94,6 +94,20 @@ export function inPicture(camera: Camera, size: CssSize, from: Vec3, dx: number,
   return sub(add(moved.origin, scaled(moved.direction, depth)), from);
 }
 
+/** Shares of the picture's upward and right direction in the way to a corner, which choose where the eye looks along an axis. */
+const UPWARD = 0.3;
+const RIGHTWARD = 0.2;
+
+/** The eighth of a box whose corner is nearest to the eye: of several, that at the top right. */
+export function cornerTowards(box: Box, camera: Camera): Box {
+  const { right, up, back } = axesOf(camera);
+  const way = add(back, add(scaled(up, UPWARD), scaled(right, RIGHTWARD)));
+  const middle = center(box);
+  const pick = (isLower: boolean): Vec3 =>
+    middle.map((value, axis) => ((way[axis] ?? 0) > 0 === isLower ? value : (isLower ? box.lower : box.upper)[axis])) as unknown as Vec3;
+  return { ...box, lower: pick(true), upper: pick(false) };
+}
+
 /** Index of the box that is kept, or of the one that is cut out, in the list of clips; -1 if there is none. */
 export const placeOfBox = (clips: readonly Clip[], kind: "keep" | "cut_out"): number =>
   clips.findIndex((clip) => kind in clip && !isIndexed(boxOf(clip)));

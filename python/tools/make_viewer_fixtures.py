@@ -1,6 +1,7 @@
 """Write the fixtures of the viewer's page to `web/schema`: cameras and what is done to them, and a state.
 
-The page turns about the up direction of the picture, `Camera.turned` about +z: these are one where up is +z.
+The page turns freely about the up direction of the picture, and upright about +z, as `Camera.turned` does: both are one
+where up is +z.
 """
 
 from __future__ import annotations
@@ -44,6 +45,10 @@ def _fixture(camera: ws.Camera) -> dict[str, Any]:
     steps = [{"what": "turned", "numbers": [dx, 0], "camera": camera.turned(azimuth=-dx).as_json()} for dx in upright]
     steps += [
         {"what": "turned", "numbers": [0, dy], "camera": camera.turned(elevation=dy).as_json()} for dy in (12, -7)
+    ]
+    steps += [
+        {"what": "upright", "numbers": [dx, dy], "camera": camera.turned(azimuth=-dx, elevation=dy).as_json()}
+        for dx, dy in ((25, 14), (-100, -50))
     ]
     steps += [
         {"what": "rolled", "numbers": [angle], "camera": camera.turned(roll=angle).as_json()} for angle in (15, -40)

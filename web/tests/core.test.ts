@@ -12,6 +12,7 @@ import { remoteEngine } from "../src/engine/remote.ts";
 import * as cameras from "../src/input/camera.ts";
 import { Gestures, wheelFactor, type Gesture, type PointerLike } from "../src/input/gestures.ts";
 import { actionOf, keyName, KEYS } from "../src/input/keys.ts";
+import { turnedUpright } from "../src/input/turntable.ts";
 import { fromLink, linkPart } from "../src/state/link.ts";
 import { patched, pathOf, set, type Operation } from "../src/state/patch.ts";
 import type { Camera, Vec3, ViewerState } from "../src/state/state.ts";
@@ -72,7 +73,8 @@ describe("cameras", () => {
   test.each(fixtures.map((fixture, n) => ({ ...fixture, n })))("$n are those of Python", ({ camera, steps, points }) => {
     for (const { what, numbers, camera: expected } of steps) {
       const [a = 0, b = 0] = numbers;
-      const found = what === "turned" ? cameras.turned(camera, a, b, 180) : what === "zoomed" ? cameras.zoomed(camera, a) : cameras.rolled(camera, (-a * Math.PI) / 180);
+      const found = what === "upright" ? turnedUpright(camera, a, b, 180, [0, 0, 1])
+        : what === "turned" ? cameras.turned(camera, a, b, 180) : what === "zoomed" ? cameras.zoomed(camera, a) : cameras.rolled(camera, (-a * Math.PI) / 180);
       near(found.position, expected.position, 6);
       const [up, wanted] = [cameras.axesOf(found).up, cameras.axesOf(expected).up];
       near(up, wanted, 6);
@@ -153,7 +155,7 @@ describe("gestures", () => {
       gestures.up(pointer({ pointerId: 1 }), 0, 0);
       gestures.up(pointer({ pointerId: 2 }), 0, 20);
     });
-    expect(seen[0]).toMatchObject({ kind: "pinch", factor: 2, dx: -5, dy: 10 });
+    expect(seen[0]).toMatchObject({ kind: "pinch", factor: 2, x: 0, y: 10, dx: -5, dy: 10 });
     expect(seen[0]?.kind === "pinch" && seen[0].angle).toBeCloseTo(Math.PI / 2);
     expect(seen.at(-1)).toMatchObject({ kind: "pinch", phase: "end" });
   });

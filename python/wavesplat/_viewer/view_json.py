@@ -6,7 +6,8 @@
      "measures": [{"kind": "distance", "points": [[0, 0, 0], [10, 0, 0]]}],
      "overlays": {"scale_bar": true, "letters": true, "cube": true, "color_bar": false, "crosshair": true,
                   "crop_box": false, "legend": true},
-     "quality": {"moving": "smooth"}, "interface": {"theme": "system", "panels": ["presets"]}}
+     "quality": {"moving": "smooth"},
+     "interface": {"theme": "system", "panels": ["presets"], "turning": "turntable"}}
 
 Whatever is left out is as `defaults` has it. World units; `window` is (level, width), left out where it is automatic.
 """
@@ -36,6 +37,8 @@ OVERLAYS = {
 }
 MOVING = ("smooth", "balanced", "exact")
 THEMES = ("system", "dark", "light")
+#: Turning by a drag: about an upright axis, or freely.
+TURNINGS = ("turntable", "trackball")
 MEASURES = {"distance": 2, "angle": 3}
 #: Largest numbers of measures and panels, so that a state stays small.
 MAX_MEASURES, MAX_PANELS = 1000, 100
@@ -50,7 +53,7 @@ def defaults(crosshair: Iterable[float]) -> dict[str, Any]:
         "measures": [],
         "overlays": dict(OVERLAYS),
         "quality": {"moving": "smooth"},
-        "interface": {"theme": "system", "panels": ["presets"]},
+        "interface": {"theme": "system", "panels": ["presets"], "turning": "turntable"},
     }
 
 
@@ -79,6 +82,7 @@ def checked(view: Any, crosshair: Iterable[float]) -> dict[str, Any]:
             raise ArgumentError(f"{WHAT}.overlays.{name} is {described(shown)}; it must be true or false")
     _one_of(merged["quality"]["moving"], MOVING, "quality.moving")
     _one_of(merged["interface"]["theme"], THEMES, "interface.theme")
+    _one_of(merged["interface"]["turning"], TURNINGS, "interface.turning")
     panels = _list(merged["interface"]["panels"], "interface.panels", MAX_PANELS)
     for number, panel in enumerate(panels):
         if not isinstance(panel, str):

@@ -55,6 +55,8 @@ export interface Welcome {
   readonly window_names: Readonly<Record<string, readonly [number, number]>>;
   /** Cameras of "front", "back", "left", "right", "top", "bottom", fitted. */
   readonly standard_views: Readonly<Record<string, Camera>>;
+  /** The axis of the world, a unit vector, that is upright in the first picture. */
+  readonly upright: Vec3;
   /** Six letters or words at the ends of -x, +x, -y, +y, -z, +z. */
   readonly axis_ends: readonly string[];
   /** Fingerprint of the data, for links. */
@@ -144,8 +146,15 @@ export interface Questions {
   preset: { question: { layer: number; name: string }; answer: { look: Look } };
   /** A small picture of a layer with a preset, from the direction of the camera; PNG. */
   preset_picture: { question: { layer: number; name: string; size: number }; answer: { bytes: Uint8Array<ArrayBuffer> } };
-  /** The camera that shows everything from the direction of the one now. */
-  fitted: { question: { camera: Camera; width: number; height: number }; answer: { camera: Camera } };
+  /** A camera with the direction and lens of another one that frames what is seen, in a picture of that shape. */
+  framed: { question: { camera: Camera; width: number; height: number }; answer: { camera: Camera } };
+  /** The camera of the first picture, in a picture of that shape. */
+  first_view: { question: { width: number; height: number }; answer: { camera: Camera } };
+  /** A camera, in a picture of that shape, that shows all that another one shows at an aspect (width over height). */
+  kept_in_view: {
+    question: { camera: Camera; aspect: number; width: number; height: number };
+    answer: { camera: Camera };
+  };
   /** The picture at the quality at rest or better, PNG; `annotated` draws the overlays on it. */
   picture: {
     question: { width: number; height: number; quality: string; transparent: boolean; annotated: boolean };

@@ -5,7 +5,7 @@ import type { Camera, Vec3 } from "../state/state.ts";
 import type { CssSize } from "../view/part.ts";
 
 /** Degrees that a drag across the height of the view turns by. */
-const TURN_DEG = 180;
+export const TURN_DEG = 180;
 const MIN_ANGLE_DEG = 0.01;
 const MAX_ANGLE_DEG = 170;
 
@@ -37,7 +37,10 @@ export function turnedAbout(vector: Vec3, axis: Vec3, angle: number): Vec3 {
   );
 }
 
-/** The camera turned as if the object followed the pointer: a drag to the right shows more of its left side. */
+/**
+ * The camera turned freely, as if the object were a ball under the pointer: a drag to the right shows more of its left side.
+ * Nothing is upright: closed ways of the pointer leave a roll. See `turnedUpright` for a turntable.
+ */
 export function turned(camera: Camera, dx: number, dy: number, height: number): Camera {
   const radians = (TURN_DEG * Math.PI) / 180 / height;
   const { right, up } = axesOf(camera);
@@ -75,6 +78,17 @@ export function zoomed(camera: Camera, factor: number): Camera {
   if (camera.parallel_scale !== undefined) return { ...camera, parallel_scale: camera.parallel_scale / factor };
   const away = sub(camera.position, camera.focal_point);
   return { ...camera, position: add(camera.focal_point, scaled(away, 1 / factor)) };
+}
+
+/** The camera with a view magnified by a factor about a place of the view, in pixels: what is seen there stays there. */
+export function zoomedAt(camera: Camera, size: CssSize, factor: number, x: number, y: number): Camera {
+  const { right, up } = axesOf(camera);
+  const pixel = unitsPerPixel(camera, size.height);
+  const aside = add(scaled(right, (x - size.width / 2) * pixel), scaled(up, (size.height / 2 - y) * pixel));
+  // Everything shrinks towards the point under the pointer; its ray stays the same line.
+  const way = scaled(aside, 1 - 1 / factor);
+  const { position, focal_point, ...lens } = zoomed(camera, factor);
+  return { ...lens, position: add(position, way), focal_point: add(focal_point, way) };
 }
 
 /** The same view with another lens: a view angle in degrees, or undefined for parallel projection. */

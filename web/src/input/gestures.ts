@@ -16,6 +16,9 @@ export type Gesture =
   | {
       readonly kind: "pinch";
       readonly phase: "move" | "end";
+      /** The middle between the fingers; 0 at the end. */
+      readonly x: number;
+      readonly y: number;
       readonly dx: number;
       readonly dy: number;
       readonly factor: number;
@@ -94,7 +97,7 @@ export class Gestures {
     if (this.isPinching) {
       if (this.pointers.size === 0) {
         this.isPinching = false;
-        this.emit({ kind: "pinch", phase: "end", dx: 0, dy: 0, factor: 1, angle: 0 }, event.timeStamp);
+        this.emit({ kind: "pinch", phase: "end", x: 0, y: 0, dx: 0, dy: 0, factor: 1, angle: 0 }, event.timeStamp);
       }
       return;
     }
@@ -125,6 +128,8 @@ export class Gestures {
       {
         kind: "pinch",
         phase: "move",
+        x: (after.x + other.x) / 2,
+        y: (after.y + other.y) / 2,
         dx: (after.x - before.x) / 2,
         dy: (after.y - before.y) / 2,
         factor: lengths[0] > 0 ? lengths[1] / lengths[0] : 1,

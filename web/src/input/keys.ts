@@ -14,7 +14,7 @@ export type Action =
   | "pan-left" | "pan-right" | "pan-up" | "pan-down"
   | "zoom-in" | "zoom-out" | "roll-left" | "roll-right"
   | "view-front" | "view-back" | "view-left" | "view-right" | "view-top" | "view-bottom"
-  | "fit" | "slice-back" | "slice-on" | "undo" | "redo" | "help" | "leave";
+  | "fit" | "first-view" | "level" | "slice-back" | "slice-on" | "undo" | "redo" | "help" | "leave";
 
 export const KEYS: readonly Key[] = [
   { keys: ["ArrowLeft"], action: "turn-left", shown: "←", text: "Turn to the left" },
@@ -35,7 +35,9 @@ export const KEYS: readonly Key[] = [
   { keys: ["4"], action: "view-right", shown: "4", text: "From the right" },
   { keys: ["5"], action: "view-top", shown: "5", text: "From above" },
   { keys: ["6"], action: "view-bottom", shown: "6", text: "From below" },
-  { keys: ["0"], action: "fit", shown: "0", text: "Fit all into view" },
+  { keys: ["0"], action: "first-view", shown: "0", text: "The view of the first picture" },
+  { keys: ["f"], action: "fit", shown: "F", text: "Fit all into view" },
+  { keys: ["l"], action: "level", shown: "L", text: "Level: upright again" },
   { keys: ["["], action: "slice-back", shown: "[", text: "Slice back" },
   { keys: ["]"], action: "slice-on", shown: "]", text: "Next slice" },
   { keys: ["Ctrl+z"], action: "undo", shown: "Ctrl Z", text: "Undo" },
@@ -46,14 +48,15 @@ export const KEYS: readonly Key[] = [
 
 /** Gestures of mouse and fingers and their effects, for the table. */
 export const GESTURES: readonly (readonly [string, string])[] = [
-  ["Drag", "Turn"],
+  ["Drag", "Turn; freely with the trackball of the settings"],
   ["Shift drag, middle button", "Move"],
-  ["Wheel, right button", "Magnify"],
+  ["Wheel", "Magnify about the pointer"],
+  ["Right button", "Magnify"],
   ["Ctrl drag", "Roll"],
   ["Alt drag", "Window and level: of slices, in space of the opacities and colours"],
   ["Ctrl click", "Crosshair to what is seen"],
   ["Double click in a slice", "Window as it was"],
-  ["One finger, two fingers", "Turn; move, magnify and roll"],
+  ["One finger, two fingers", "Turn; move and magnify, with the trackball also roll"],
 ];
 
 /** The name of a key press, modifiers in front. */

@@ -2,7 +2,7 @@
 // fixtures in `web/schema`. Checks that only the renderer can make, such as the order of points, are left to it.
 
 import { COMPOSITE_NAMES } from "./composites.ts";
-import { OVERLAYS, PANES, QUALITIES, type ViewerState } from "./state.ts";
+import { OVERLAYS, PANES, QUALITIES, TURNINGS, type ViewerState } from "./state.ts";
 
 type Check = (value: unknown, where: string) => void;
 
@@ -159,7 +159,7 @@ const state = fields({
     }, 0, 1000),
     "overlays?": fields(Object.fromEntries(OVERLAYS.map((name) => [`${name}?`, flag]))),
     "quality?": fields({ "moving?": oneOf("smooth", "balanced", "exact") }),
-    "interface?": fields({ "theme?": oneOf("system", "dark", "light"), "panels?": list(text, 0, 100) }),
+    "interface?": fields({ "theme?": oneOf("system", "dark", "light"), "panels?": list(text, 0, 100), "turning?": oneOf(...TURNINGS) }),
   }),
 });
 

@@ -148,8 +148,15 @@ export interface View {
   readonly overlays: Readonly<Record<Overlay, boolean>>;
   /** While moving: "smooth" holds the frame rate, "balanced" a better picture, "exact" never draws less than at rest. */
   readonly quality: { readonly moving: "smooth" | "balanced" | "exact" };
-  readonly interface: { readonly theme: "system" | "dark" | "light"; readonly panels: readonly string[] };
+  readonly interface: {
+    readonly theme: "system" | "dark" | "light";
+    readonly panels: readonly string[];
+    /** Turning by a drag: about an upright axis, or freely. */
+    readonly turning: (typeof TURNINGS)[number];
+  };
 }
+
+export const TURNINGS = ["turntable", "trackball"] as const;
 
 export const OVERLAYS = ["scale_bar", "letters", "cube", "color_bar", "crosshair", "crop_box", "legend"] as const;
 export type Overlay = (typeof OVERLAYS)[number];

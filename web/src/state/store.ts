@@ -13,6 +13,8 @@ export interface Store {
   readonly seq: number;
   /** Changes the state. Changes of one `gesture` up to `settle` are one step of undo, and are drawn as moving pictures. */
   change(operations: readonly Operation[], gesture?: string): void;
+  /** Changes the state as no step of undo: for what the page mends by itself, such as the camera of a resized view. */
+  adjust(operations: readonly Operation[]): void;
   /** Ends the gesture under way: the picture at rest follows. */
   settle(): void;
   undo(): void;
@@ -80,6 +82,11 @@ export function createStore(initial: ViewerState, engine: Engine): Store {
       if (isStep && (name === undefined || name !== gesture)) remember(before);
       if (isStep) gesture = name ?? null;
       seq = engine.patch(operations, name !== undefined);
+      tell();
+    },
+    adjust(operations) {
+      state = patched(state, operations);
+      seq = engine.patch(operations, false);
       tell();
     },
     settle() {

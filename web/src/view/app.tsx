@@ -2,22 +2,23 @@
 
 import { render } from "preact";
 
-import type { Connection, Engine, Frame, Problem, Welcome } from "../engine/engine.ts";
+import type { Engine, Frame, Welcome } from "../engine/engine.ts";
 import { actionOf, keyName } from "../input/keys.ts";
 import { fromLink } from "../state/link.ts";
 import { parseViewerState } from "../state/parse.ts";
-import { set } from "../state/patch.ts";
-import type { Vec3, ViewName } from "../state/state.ts";
+import type { ViewName } from "../state/state.ts";
 import { createStore, type Store } from "../state/store.ts";
 import { FrameStatistics } from "./frame_statistics.ts";
 import { css as lookCss } from "./look/index.ts";
-import { Page, type Shown } from "./page.tsx";
-import type { PartProps, Tool, Ui } from "./part.ts";
+import cubeCss from "./overlay3d/cube.css";
+import { Page } from "./page.tsx";
+import { PageState } from "./page_state.ts";
+import type { PartProps, Ui } from "./part.ts";
 import { problemOf } from "./share.tsx";
-import { isMeasure } from "./slices/measures.tsx";
 import { Opening } from "./status.tsx";
 import style from "./style.css";
 import { onThemeChange, surrounding } from "./theme.ts";
+import { createUi } from "./ui.ts";
 
 export interface Host {
   readonly kind: "page" | "widget";
@@ -25,16 +26,11 @@ export interface Host {
   readonly link?: string | undefined;
 }
 
-/** Least time between announcements, ms. */
-const ANNOUNCED_MS = 1000;
-/** Least time between questions for what is under the pointer, ms. */
-const PROBE_MS = 40;
-
 /** Shows the viewer in an element, and returns a function that removes it. */
 export function mountApp(parent: HTMLElement, engine: Engine, host: Host): () => void {
   const root = parent.shadowRoot ?? parent.attachShadow({ mode: "open" });
   const sheet = new CSSStyleSheet();
-  sheet.replaceSync([style, lookCss].join("\n"));
+  sheet.replaceSync([style, lookCss, cubeCss].join("\n"));
   root.adoptedStyleSheets = [sheet];
   const mount = document.createElement("div");
   mount.className = "mount";
@@ -48,25 +44,14 @@ export function mountApp(parent: HTMLElement, engine: Engine, host: Host): () =>
   };
 }
 
-/** The viewer's page: its state outside of the document (connection, problems, frames), and the loop that draws it. */
+/** The viewer's page, and the loop that draws it when something has changed. */
 class App {
   private store: Store | null = null;
   private welcome: Welcome | null = null;
-  private connection: Connection = { kind: "connecting", text: "" };
-  private problem: Problem | null = null;
-  private failure: Problem | null = null;
+  private ui: Ui | null = null;
+  private readonly page = new PageState();
   private readonly frames: Partial<Record<ViewName, Frame>> = {};
   private readonly statistics = new FrameStatistics();
-  private tool: Tool = "turn";
-  private points: Vec3[] = [];
-  private layer = 0;
-  private probed = "";
-  private probeTimer: ReturnType<typeof setTimeout> | undefined;
-  private help = false;
-  private figures = false;
-  private said = "";
-  private lastSaid = 0;
-  private sayTimer: ReturnType<typeof setTimeout> | undefined;
   private isScheduled = false;
   private readonly stops: (() => void)[] = [];
 
@@ -77,34 +62,39 @@ class App {
     private readonly mount: HTMLElement,
   ) {
     this.stops.push(
-      engine.onConnection((connection) => {
-        this.connection = connection;
-        this.schedule();
-      }),
-      engine.onProblem((problem) => {
-        this.problem = problem;
-        this.schedule();
-      }),
+      this.page.subscribe(() => this.schedule()),
+      engine.onConnection((connection) => this.page.change({ connection })),
+      engine.onProblem((problem) => this.page.change({ problem })),
       onThemeChange(() => this.schedule()),
     );
     engine.welcome.then(
       (welcome) => void this.begin(welcome),
-      (problem: unknown) => {
-        this.failure = problemOf(problem);
-        this.schedule();
-      },
+      (problem: unknown) => this.page.change({ failure: problemOf(problem) }),
     );
     this.draw();
   }
 
   close(): void {
+    this.page.close();
     this.stops.forEach((stop) => stop());
   }
 
   private async begin(welcome: Welcome): Promise<void> {
-    this.welcome = welcome;
-    this.store = createStore(welcome.state, this.engine);
-    this.stops.push(this.store.subscribe(() => this.schedule()));
+    const store = createStore(welcome.state, this.engine);
+    [this.welcome, this.store] = [welcome, store];
+    this.ui = createUi(this.engine, store, this.page, {
+      root: this.root,
+      host: this.host.kind,
+      frames: this.frames,
+      statistics: this.statistics,
+      schedule: () => this.schedule(),
+    });
+    this.stops.push(store.subscribe(() => this.schedule()));
+    // On a page of its own keys are for the viewer, wherever the focus is; in a notebook only while it has the focus.
+    if (this.host.kind === "page") {
+      document.addEventListener("keydown", this.onKey);
+      this.stops.push(() => document.removeEventListener("keydown", this.onKey));
+    }
     this.expose();
     this.schedule();
     if (this.host.link === undefined) return;
@@ -113,10 +103,9 @@ class App {
       if (fingerprint !== welcome.fingerprint) throw new Error("The link is of other data than is open here");
       const text = JSON.stringify(parseViewerState(state));
       const { state: checked } = await this.engine.ask("open_state", { text });
-      this.store.change([{ op: "replace", path: "", value: checked }]);
+      store.change([{ op: "replace", path: "", value: checked }]);
     } catch (problem) {
-      this.problem = problemOf(problem);
-      this.schedule();
+      this.page.change({ problem: problemOf(problem) });
     }
   }
 
@@ -135,150 +124,48 @@ class App {
     this.isScheduled = true;
     requestAnimationFrame(() => {
       this.isScheduled = false;
+      const begun = performance.now();
       this.draw();
+      this.statistics.interfaceDrawn(performance.now() - begun);
     });
-  }
-
-  private readonly ui = ((app: App): Ui => ({
-    get root() {
-      return app.root;
-    },
-    get host() {
-      return app.host.kind;
-    },
-    statistics: app.statistics,
-    frames: app.frames,
-    frameShown(frame) {
-      app.frames[frame.view] = frame;
-      app.statistics.drawn(frame, performance.now());
-      app.schedule();
-    },
-    get tool() {
-      return app.tool;
-    },
-    setTool(tool) {
-      app.tool = tool;
-      app.points = [];
-      app.schedule();
-    },
-    get points() {
-      return app.points;
-    },
-    addPoint(point) {
-      app.addPoint(point);
-    },
-    get layer() {
-      return Math.min(app.layer, (app.store?.state.layers.length ?? 1) - 1);
-    },
-    setLayer(layer) {
-      app.layer = layer;
-      app.schedule();
-    },
-    get probed() {
-      return app.probed;
-    },
-    probe(ask) {
-      clearTimeout(app.probeTimer);
-      const tell = (text: string): void => {
-        if (app.probed !== text) app.schedule();
-        app.probed = text;
-      };
-      const timer = setTimeout(() => {
-        // An answer for an older place comes too late.
-        ask?.().then((text) => app.probeTimer === timer && tell(text), () => undefined);
-      }, PROBE_MS);
-      app.probeTimer = timer;
-      if (ask === null) tell("");
-    },
-    announce(text) {
-      app.announce(text);
-    },
-    problem(problem) {
-      app.problem = problemOf(problem);
-      app.schedule();
-    },
-    download(name, content, type) {
-      const url = URL.createObjectURL(new Blob([content], { type }));
-      const link = document.createElement("a");
-      link.href = url;
-      link.download = name;
-      link.click();
-      setTimeout(() => URL.revokeObjectURL(url), 10_000);
-    },
-  }))(this);
-
-  private addPoint(point: Vec3): void {
-    const kind = this.tool === "angle" ? "angle" : "distance";
-    const points = [...this.points, point];
-    if (points.length < (kind === "angle" ? 3 : 2)) {
-      this.points = points;
-    } else {
-      this.points = [];
-      if (isMeasure(points)) this.store?.change([set({ kind, points }, "view", "measures", "-")]);
-    }
-    this.schedule();
-  }
-
-  private announce(text: string): void {
-    clearTimeout(this.sayTimer);
-    const wait = Math.max(0, this.lastSaid + ANNOUNCED_MS - performance.now());
-    this.sayTimer = setTimeout(() => {
-      this.said = text;
-      this.lastSaid = performance.now();
-      this.schedule();
-    }, wait);
   }
 
   private readonly onKey = (event: KeyboardEvent): void => {
     const target = event.composedPath()[0];
     const isField = target instanceof HTMLElement && target.matches("input, select, textarea, [contenteditable]");
     const action = actionOf(keyName(event));
-    if (event.defaultPrevented || this.store === null || (isField && action !== "leave")) return;
-    if (action === "undo") this.store.undo();
-    else if (action === "redo") this.store.redo();
-    else if (action === "help") this.help = true;
-    else if (action === "leave" && (this.tool !== "turn" || this.points.length > 0)) this.ui.setTool("turn");
-    else return;
+    const { store, ui, page } = this;
+    if (event.defaultPrevented || store === null || ui === null || (isField && action !== "leave")) return;
+    if (action === "undo") store.undo();
+    else if (action === "redo") store.redo();
+    else if (action === "help") page.change({ help: true });
+    else if (action === "leave" && (ui.tool !== "turn" || ui.points.length > 0)) ui.setTool("turn");
+    else if (event.currentTarget === document && !page.fields.help && !isOfControl(target, event.key)) {
+      ui.views.receive(event);
+      return;
+    } else return;
     event.preventDefault();
     event.stopPropagation();
     this.schedule();
   };
 
   private draw(): void {
-    const { store, welcome } = this;
-    if (store === null || welcome === null) {
+    const { store, welcome, ui, page } = this;
+    if (store === null || welcome === null || ui === null) {
       render(
         <div class="wavesplat" data-theme={surrounding()}>
-          <Opening connection={this.connection} problem={this.failure} />
+          <Opening connection={page.fields.connection} problem={page.fields.failure} />
         </div>,
         this.mount,
       );
       return;
     }
-    const part: PartProps = { store, engine: this.engine, welcome, ui: this.ui };
-    render(<Page {...part} app={this.shown()} />, this.mount);
+    const part: PartProps = { store, engine: this.engine, welcome, ui };
+    render(<Page {...part} page={page.fields} onKey={this.onKey} onPage={(next) => page.change(next)} />, this.mount);
   }
+}
 
-  private shown(): Shown {
-    return {
-      connection: this.connection,
-      problem: this.problem,
-      help: this.help,
-      figures: this.figures,
-      said: this.said,
-      onKey: this.onKey,
-      onHelp: (on) => {
-        this.help = on;
-        this.schedule();
-      },
-      onFigures: (on) => {
-        this.figures = on;
-        this.schedule();
-      },
-      onProblemClosed: () => {
-        this.problem = null;
-        this.schedule();
-      },
-    };
-  }
+/** Whether a key belongs to the control that has the focus: arrows scroll panels and go through lists. */
+function isOfControl(target: EventTarget | undefined, key: string): boolean {
+  return target instanceof Element && target.matches("a, button, summary, [tabindex], dialog *") && /^(Arrow|Page|Home|End|Enter$| $)/.test(key);
 }

@@ -16,6 +16,8 @@ const MAX_EVENTS = 1000;
 
 export class FrameStatistics {
   readonly records: FrameRecord[] = [];
+  /** Milliseconds that the page took to draw its interface, the latest ones. */
+  readonly draws: number[] = [];
   private events: { readonly seq: number; readonly at: number }[] = [];
 
   /** Records the time of the event that a change came from. */
@@ -31,6 +33,12 @@ export class FrameStatistics {
     const { bytes, ...header } = frame;
     this.records.push({ at, latency: shown === undefined ? null : at - shown.at, bytes: bytes.length, frame: header });
     if (this.records.length > MAX_RECORDS) this.records.shift();
+  }
+
+  /** Records how long the interface took to draw, ms. */
+  interfaceDrawn(ms: number): void {
+    this.draws.push(ms);
+    if (this.draws.length > MAX_RECORDS) this.draws.shift();
   }
 
   /** Statistics of the moving frames of the last `span` milliseconds. */

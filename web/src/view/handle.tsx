@@ -1,4 +1,7 @@
 // Handles over the views: dragged by the pointer, moved by keys; sliders for those who do not see them.
+// The view takes all events of the pointer, and passes a gesture on to the handle on which it began.
+
+import type { Gesture } from "../input/gestures.ts";
 
 /** Number of steps that PageUp and PageDown move by. */
 const COARSE = 10;
@@ -40,32 +43,40 @@ export interface HandleProps {
   readonly onDouble?: () => void;
 }
 
+/** What a gesture on an element does. */
+export interface Held {
+  readonly element: SVGElement;
+  /** Takes a gesture; undefined for those that are for the view. */
+  readonly onGesture: (gesture: Gesture) => true | undefined;
+}
+
+const holders = new WeakMap<EventTarget, Held>();
+
+/** Makes an element take gestures: a function for its `ref`. */
+export function holding(onGesture: Held["onGesture"]): (element: SVGElement | null) => void {
+  return (element) => {
+    if (element !== null) holders.set(element, { element, onGesture });
+  };
+}
+
+/** The element that takes a gesture that begins with this event; undefined where that is the view. */
+export function heldAt(event: Event): Held | undefined {
+  return event.composedPath().flatMap((one) => holders.get(one) ?? [])[0];
+}
+
 /** A handle that is dragged, and moved by keys: a slider for those who do not see it. */
 export function Handle(props: HandleProps) {
   const { label, text, value, range, x, y, color, round, onDrag, onKey, onEnd, onDouble } = props;
-  const down = (event: PointerEvent): void => {
-    event.stopPropagation();
-    const element = event.currentTarget as SVGElement;
-    element.setPointerCapture(event.pointerId);
-    element.focus({ preventScroll: true });
-    const box = element.ownerSVGElement?.getBoundingClientRect();
-    let [px, py] = [event.clientX, event.clientY];
-    const move = (moved: PointerEvent): void => {
-      onDrag(moved.clientX - (box?.left ?? 0), moved.clientY - (box?.top ?? 0), moved.clientX - px, moved.clientY - py);
-      [px, py] = [moved.clientX, moved.clientY];
-    };
-    const up = (): void => {
-      element.removeEventListener("pointermove", move);
-      element.removeEventListener("pointerup", up);
-      element.removeEventListener("pointercancel", up);
-      onEnd();
-    };
-    element.addEventListener("pointermove", move);
-    element.addEventListener("pointerup", up);
-    element.addEventListener("pointercancel", up);
+  const onGesture = (gesture: Gesture): true => {
+    if (gesture.kind === "tap") {
+      if (gesture.double) onDouble?.();
+    } else if (gesture.phase === "end") onEnd();
+    else if (gesture.kind === "drag" && gesture.phase === "move") onDrag(gesture.x, gesture.y, gesture.dx, gesture.dy);
+    return true;
   };
   return (
     <g
+      ref={holding(onGesture)}
       data-handle
       role="slider"
       tabindex={0}
@@ -75,10 +86,8 @@ export function Handle(props: HandleProps) {
       aria-valuemax={Number(range[1].toFixed(3))}
       aria-valuetext={text}
       transform={`translate(${x} ${y})`}
-      onPointerDown={down}
       onKeyDown={onKey}
       onKeyUp={onEnd}
-      onDblClick={onDouble}
     >
       <circle r="13" fill="transparent" stroke="none" />
       {round ? (

@@ -2,9 +2,8 @@
 
 import type { ComponentType } from "preact";
 
-import type { Connection, Problem } from "../engine/engine.ts";
 import { set } from "../state/patch.ts";
-import { PANES } from "../state/state.ts";
+import { PANES, type Pane } from "../state/state.ts";
 import { WORDS } from "../words.ts";
 import { AboutPanel } from "./about_panel.tsx";
 import { CutPanel } from "./cut_panel.tsx";
@@ -12,6 +11,8 @@ import { Help } from "./help.tsx";
 import { Icon } from "./icons.tsx";
 import { FunctionPanel, LabelsPanel, LayersPanel, LightPanel, PresetsPanel, TimeBar } from "./look/index.ts";
 import { MeasurePanel } from "./measure_panel.tsx";
+import { Memo, shownByPanels, shownBySlices, shownByToolbar } from "./memo.tsx";
+import type { PageFields } from "./page_state.ts";
 import type { PartProps } from "./part.ts";
 import { fit, SceneView } from "./scene_view.tsx";
 import { SettingsPanel } from "./settings_panel.tsx";
@@ -23,20 +24,12 @@ import { ProblemCard, Status } from "./status.tsx";
 import { themeOf } from "./theme.ts";
 import { Toolbar } from "./toolbar.tsx";
 
-/** What the page shows beside the state of the viewer, and what it does with it. */
-export interface Shown {
-  readonly connection: Connection;
-  readonly problem: Problem | null;
-  readonly help: boolean;
-  readonly figures: boolean;
-  readonly said: string;
+interface PageProps extends PartProps {
+  /** The state of this page alone. */
+  readonly page: PageFields;
   readonly onKey: (event: KeyboardEvent) => void;
-  readonly onHelp: (on: boolean) => void;
-  readonly onFigures: (on: boolean) => void;
-  readonly onProblemClosed: () => void;
+  readonly onPage: (next: Partial<PageFields>) => void;
 }
-
-type PageProps = PartProps & { readonly app: Shown };
 
 const BODIES: Readonly<Record<Exclude<PanelName, "settings">, ComponentType<PartProps>>> = {
   about: AboutPanel,
@@ -51,14 +44,15 @@ const BODIES: Readonly<Record<Exclude<PanelName, "settings">, ComponentType<Part
   share: SharePanel,
 };
 
-export function Page({ app, ...part }: PageProps) {
-  const { store, ui, welcome } = part;
+export function Page({ page, onKey, onPage, ...part }: PageProps) {
+  const { store, welcome } = part;
   const { layout, interface: shown } = store.state.view;
   const panels = PANELS.filter((name) => name !== "labels" || store.state.labels !== null);
   const opened = openPanel(shown.panels);
   const open = opened === "labels" && store.state.labels === null ? null : opened;
   const onPanel = (name: PanelName | null): void => store.change([set(name === null ? [] : [name], "view", "interface", "panels")]);
   const theme = themeOf(store.state);
+  const slice = (pane: Pane) => <Memo key={pane} of={shownBySlices(part)}>{() => <SlicePane {...part} pane={pane} />}</Memo>;
   const hasTimes = welcome.volumes.some((volume) => volume.n_times > 1);
   return (
     <div
@@ -66,7 +60,7 @@ export function Page({ app, ...part }: PageProps) {
       data-theme={theme}
       data-sheet={open !== null}
       data-times={hasTimes}
-      onKeyDown={app.onKey}
+      onKeyDown={onKey}
       onDragOver={(event) => event.preventDefault()}
       onDrop={(event) => {
         event.preventDefault();
@@ -74,41 +68,48 @@ export function Page({ app, ...part }: PageProps) {
         if (file !== undefined) void openState(part, file);
       }}
     >
-      <Toolbar {...part} isAbout={open === "about"} onAbout={() => onPanel(open === "about" ? null : "about")} onFit={() => void fit(part, ui.frames["3d"] ?? { width: 4, height: 3 })} />
+      <Memo of={[...shownByToolbar(part), open]}>
+        {() => <Toolbar {...part} isAbout={open === "about"} onAbout={() => onPanel(open === "about" ? null : "about")} onFit={() => fit(part)} />}
+      </Memo>
       <main class="views" data-layout={layout.name}>
         {(layout.name !== "single" || layout.main === "3d") && <SceneView {...part} />}
-        {(layout.name === "one-and-three" || layout.name === "two-by-two") &&
-          PANES.map((pane) => <SlicePane key={pane} {...part} pane={pane} />)}
-        {layout.name === "single" && layout.main !== "3d" && <SlicePane key={layout.main} {...part} pane={layout.main} />}
+        {(layout.name === "one-and-three" || layout.name === "two-by-two") && PANES.map(slice)}
+        {layout.name === "single" && layout.main !== "3d" && slice(layout.main)}
       </main>
       <Rail panels={panels} open={open} onPanel={onPanel}>
         <button class="rail-button" title={theme === "dark" ? WORDS.toolbar.light : WORDS.toolbar.dark} onClick={() => store.change([set(theme === "dark" ? "light" : "dark", "view", "interface", "theme")])}>
           <Icon name="dark" />
           <span>{WORDS.toolbar.theme_short}</span>
         </button>
-        <button class="rail-button" title={`${WORDS.toolbar.help} (?)`} onClick={() => app.onHelp(true)}>
+        <button class="rail-button" title={`${WORDS.toolbar.help} (?)`} onClick={() => onPage({ help: true })}>
           <Icon name="help" />
           <span>{WORDS.toolbar.help_short}</span>
         </button>
       </Rail>
       {open !== null && (
         <Sheet key={open} name={open} onClose={() => onPanel(null)}>
-          <Body {...part} app={app} name={open} />
+          <Memo of={[...shownByPanels(part), page.figures]}>
+            {() => <Body {...part} name={open} figures={page.figures} onFigures={(figures) => onPage({ figures })} />}
+          </Memo>
         </Sheet>
       )}
       <footer class="bottom">
         {hasTimes && <TimeBar {...part} />}
-        <Status {...part} connection={app.connection} figures={app.figures} />
+        <Status {...part} connection={page.connection} figures={page.figures} />
       </footer>
-      <p class="hidden" role="status" aria-live="polite">{app.said}</p>
-      {app.problem !== null && <ProblemCard problem={app.problem} onClose={app.onProblemClosed} />}
-      {app.help && <Help onClose={() => app.onHelp(false)} />}
+      <p class="hidden" role="status" aria-live="polite">{page.said}</p>
+      {page.problem !== null && <ProblemCard problem={page.problem} onClose={() => onPage({ problem: null })} />}
+      {page.help && <Help onClose={() => onPage({ help: false })} />}
     </div>
   );
 }
 
-function Body({ app, name, ...part }: PageProps & { readonly name: PanelName }) {
-  if (name === "settings") return <SettingsPanel {...part} figures={app.figures} onFigures={app.onFigures} />;
+function Body({ name, figures, onFigures, ...part }: PartProps & {
+  readonly name: PanelName;
+  readonly figures: boolean;
+  readonly onFigures: (on: boolean) => void;
+}) {
+  if (name === "settings") return <SettingsPanel {...part} figures={figures} onFigures={onFigures} />;
   const Panel = BODIES[name];
   return <Panel {...part} />;
 }

@@ -1,8 +1,10 @@
 // The properties that every part of the interface is given.
 
 import type { Engine, Frame, Problem, Welcome } from "../engine/engine.ts";
+import type { CameraMover } from "./camera_mover.ts";
 import type { FrameStatistics } from "./frame_statistics.ts";
-import type { Vec3, ViewName } from "../state/state.ts";
+import type { Views } from "./views.ts";
+import type { Camera, Vec3, ViewName } from "../state/state.ts";
 import type { Store } from "../state/store.ts";
 
 /** The tool of a drag with the left button in the views. */
@@ -13,10 +15,16 @@ export interface Ui {
   readonly root: ShadowRoot | HTMLElement;
   readonly host: "page" | "widget";
   readonly statistics: FrameStatistics;
+  /** Moves the camera where no pointer leads it. */
+  readonly camera: CameraMover;
+  /** The views that are shown, and the one that keys are for. */
+  readonly views: Views;
   /** Reports that a frame is on the screen. */
   frameShown(frame: Frame): void;
   /** The frames that are on the screen now. */
   readonly frames: Readonly<Partial<Record<ViewName, Frame>>>;
+  /** The camera of the newest 3-D picture at rest. */
+  readonly restCamera: Camera | null;
   readonly tool: Tool;
   setTool(tool: Tool): void;
   /** The layer that the panels of the look are about. */

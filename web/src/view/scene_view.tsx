@@ -4,8 +4,10 @@ import type { Frame, Problem } from "../engine/engine.ts";
 import * as cameras from "../input/camera.ts";
 import type { Gesture } from "../input/gestures.ts";
 import type { Action } from "../input/keys.ts";
+import { leveled, turnedUpright } from "../input/turntable.ts";
 import { set } from "../state/patch.ts";
 import type { Camera, Vec3 } from "../state/state.ts";
+import type { Store } from "../state/store.ts";
 import { placeText, sceneLabel } from "./descriptions.ts";
 import { windowDrag } from "./look/window_drag.ts";
 import { SceneOverlay } from "./overlay3d/scene_overlay.tsx";
@@ -16,6 +18,8 @@ import { Viewport } from "./viewport.tsx";
 const KEY_PX = 24;
 const KEY_ZOOM = 1.1;
 const KEY_ROLL = Math.PI / 36;
+/** Milliseconds after which a turn of the wheel has ended. */
+const WHEEL_MS = 150;
 
 const VIEW_KEYS: Partial<Record<Action, string>> = {
   "view-front": "front",
@@ -29,7 +33,13 @@ const VIEW_KEYS: Partial<Record<Action, string>> = {
 export function SceneView(props: PartProps) {
   const { store, ui, welcome } = props;
   const camera = (): Camera => store.state.camera;
-  const move = (next: Camera, gesture?: string): void => store.change([set(next, "camera")], gesture);
+  const move = (next: Camera, gesture: string): void => {
+    ui.camera.stop();
+    store.change([set(next, "camera")], gesture);
+  };
+  const isFree = (): boolean => store.state.view.interface.turning === "trackball";
+  const turned = (dx: number, dy: number, { height }: CssSize): Camera =>
+    isFree() ? cameras.turned(camera(), dx, dy, height) : turnedUpright(camera(), dx, dy, height, welcome.upright);
 
   const onGesture = (gesture: Gesture, size: CssSize): void => {
     if (gesture.kind === "tap") {
@@ -41,9 +51,10 @@ export function SceneView(props: PartProps) {
       return;
     }
     if (gesture.kind === "pinch") {
-      const { dx, dy, factor, angle } = gesture;
-      const moved = cameras.rolled(cameras.zoomed(cameras.panned(camera(), dx, dy, size.height), factor), angle);
-      move(moved, "pinch");
+      const { x, y, dx, dy, factor, angle } = gesture;
+      const moved = cameras.zoomedAt(cameras.panned(camera(), dx, dy, size.height), size, factor, x, y);
+      // Fingers turn a little in every pinch, which would tip what is upright.
+      move(isFree() ? cameras.rolled(moved, angle) : moved, "pinch");
       return;
     }
     if (gesture.phase === "start") return;
@@ -52,12 +63,12 @@ export function SceneView(props: PartProps) {
     else if (what === "pan") move(cameras.panned(camera(), dx, dy, size.height), "pan");
     else if (what === "zoom") move(cameras.zoomed(camera(), Math.exp((-2 * dy) / size.height)), "zoom");
     else if (what === "roll") move(cameras.rolled(camera(), (Math.PI * dx) / size.width), "roll");
-    else move(cameras.turned(camera(), dx, dy, size.height), "turn");
+    else move(turned(dx, dy, size), "turn");
   };
 
   const onAction = (action: Action, _shift: boolean, size: CssSize): boolean => {
-    const turn = (dx: number, dy: number): void => move(cameras.turned(camera(), dx, dy, size.height), "key turn");
     const pan = (dx: number, dy: number): void => move(cameras.panned(camera(), dx, dy, size.height), "key pan");
+    const turn = (dx: number, dy: number): void => move(turned(dx, dy, size), "key turn");
     const view = VIEW_KEYS[action];
     if (view !== undefined) {
       const next = welcome.standard_views[view];
@@ -77,7 +88,9 @@ export function SceneView(props: PartProps) {
       case "zoom-out": move(cameras.zoomed(camera(), 1 / KEY_ZOOM), "key zoom"); return true;
       case "roll-left": move(cameras.rolled(camera(), -KEY_ROLL), "key roll"); return true;
       case "roll-right": move(cameras.rolled(camera(), KEY_ROLL), "key roll"); return true;
-      case "fit": void fit(props, size); return true;
+      case "level": ui.camera.to(leveled(camera(), welcome.upright)); return true;
+      case "fit": fit(props); return true;
+      case "first-view": void ui.camera.showFirst(); return true;
       default: return false;
     }
   };
@@ -89,10 +102,11 @@ export function SceneView(props: PartProps) {
       label={sceneLabel(store.state)}
       onGesture={onGesture}
       onAction={onAction}
-      onWheel={({ factor }) => {
-        move(cameras.zoomed(camera(), factor), "wheel");
+      onWheel={({ factor, x, y }, size) => {
+        move(cameras.zoomedAt(camera(), size, factor, x, y), "wheel");
         settleSoon(store);
       }}
+      onResize={(size) => void ui.camera.resized(size)}
       onHover={(place, size) => ui.probe(place && store.state.geometry.length > 0 ? () => shapeAt(props, place, size) : null)}
       transform={(frame, size) => instant(frame, camera(), size)}
     >
@@ -101,28 +115,21 @@ export function SceneView(props: PartProps) {
   );
 }
 
-/** Fits everything into the view, seen from the same direction. */
-export async function fit({ engine, store, ui }: PartProps, { width, height }: CssSize): Promise<void> {
-  try {
-    const asked = { camera: store.state.camera, width: Math.round(width), height: Math.round(height) };
-    store.change([set((await engine.ask("fitted", asked)).camera, "camera")]);
-  } catch (problem) {
-    ui.problem(problem as Problem);
-  }
+/** Frames what is seen, from the same direction. */
+export function fit({ store, ui }: PartProps): void {
+  void ui.camera.show(store.state.camera);
 }
 
-/** Timer that ends a turn of the wheel, which has no end of its own: it settles a while after the last notch. */
-let wheelTimer: ReturnType<typeof setTimeout> | undefined;
-export function settleSoon(store: PartProps["store"]): void {
-  clearTimeout(wheelTimer);
-  wheelTimer = setTimeout(() => store.settle(), 150);
+/** Frames what is seen from the direction of another camera, with the lens of the one now. */
+export function showFrom({ store, ui }: PartProps, target: Camera): void {
+  void ui.camera.show(cameras.withLens(target, store.state.camera.view_angle));
 }
 
-/** Changes to another camera, with the lens and the scale of the one now. */
-export function showFrom({ store }: PartProps, target: Camera): void {
-  const now = store.state.camera;
-  const lens = cameras.withLens(target, now.view_angle);
-  store.change([set(now.parallel_scale === undefined ? lens : { ...lens, parallel_scale: now.parallel_scale }, "camera")]);
+/** Timers that end turns of the wheel, which have no end of their own: each settles a while after the last notch. */
+const wheelTimers = new WeakMap<Store, ReturnType<typeof setTimeout>>();
+export function settleSoon(store: Store): void {
+  clearTimeout(wheelTimers.get(store));
+  wheelTimers.set(store, setTimeout(() => store.settle(), WHEEL_MS));
 }
 
 const placed = (x: number, y: number, { width, height }: CssSize) => ({ x, y, width: Math.round(width), height: Math.round(height) });

@@ -45,6 +45,12 @@ export function SettingsPanel(props: PartProps & { readonly figures: boolean; re
         />
       )}
       <Choice
+        label={TEXT.turning}
+        value={view.interface.turning}
+        options={Object.entries(TEXT.turnings)}
+        onChoose={(value) => store.change([set(value, "view", "interface", "turning")])}
+      />
+      <Choice
         label={TEXT.theme}
         value={view.interface.theme}
         options={Object.entries(TEXT.themes)}

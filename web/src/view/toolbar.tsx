@@ -63,7 +63,7 @@ export function Toolbar(props: PartProps & { readonly isAbout: boolean; onAbout(
               {letterOf(view, welcome.axis_ends)}
             </button>
           ))}
-          <IconButton icon="fit" label={TEXT.fit} shortcut="0" onClick={onFit} />
+          <IconButton icon="fit" label={TEXT.fit} shortcut="F" onClick={onFit} />
         </Group>
       )}
     </header>
@@ -79,6 +79,7 @@ interface IconButtonProps {
   readonly label: string;
   /** The key that does the same, for the tooltip. */
   readonly shortcut?: string;
+  /** Whether there is nothing to do now; the button keeps the focus. */
   readonly disabled?: boolean;
   onClick(): void;
 }
@@ -86,7 +87,7 @@ interface IconButtonProps {
 export function IconButton({ icon, label, shortcut, disabled = false, onClick }: IconButtonProps) {
   const title = shortcut === undefined ? label : `${label} (${shortcut})`;
   return (
-    <button class="icon-button" title={title} aria-label={label} disabled={disabled} onClick={() => onClick()}>
+    <button class="icon-button" title={title} aria-label={label} aria-disabled={disabled} onClick={() => onClick()}>
       <Icon name={icon} />
     </button>
   );

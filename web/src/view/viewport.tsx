@@ -8,16 +8,28 @@ import type { Frame, Problem } from "../engine/engine.ts";
 import { Gestures, wheelFactor, wheelSteps, type Gesture } from "../input/gestures.ts";
 import { actionOf, keyName, type Action } from "../input/keys.ts";
 import type { ViewName } from "../state/state.ts";
+import { heldAt, type Held } from "./handle.tsx";
 import type { CssSize, PartProps } from "./part.ts";
+
+/** A turn of the wheel at a place of the view. */
+export interface Wheel {
+  readonly factor: number;
+  readonly steps: number;
+  readonly ctrl: boolean;
+  readonly x: number;
+  readonly y: number;
+}
 
 export interface ViewportHandlers {
   /** Called with drags, pinches and taps; `size` is that of the view in CSS pixels. */
   readonly onGesture: (gesture: Gesture, size: CssSize) => void;
-  readonly onWheel: (wheel: { readonly factor: number; readonly steps: number; readonly ctrl: boolean }) => void;
+  readonly onWheel: (wheel: Wheel, size: CssSize) => void;
   /** Called with the action of a key; returns whether the key was for this view. */
   readonly onAction: (action: Action, shift: boolean, size: CssSize) => boolean;
   /** Called with the pointer's position, or null when it leaves. */
   readonly onHover?: (place: { readonly x: number; readonly y: number } | null, size: CssSize) => void;
+  /** Called with the size in CSS pixels when the view is shown first, and when it was resized. */
+  readonly onResize?: (size: CssSize) => void;
   /** CSS transform of the frame on the screen until the next one comes. */
   readonly transform?: (frame: Frame, size: CssSize) => string;
 }
@@ -44,7 +56,7 @@ export function Viewport(props: ViewportProps) {
   sizeNow.current = size;
   const frame = ui.frames[view];
 
-  useSize(box, props, setSize);
+  useSize(box, latest, setSize);
   useFrames(canvas, latest);
 
   useLayoutEffect(() => {
@@ -55,25 +67,27 @@ export function Viewport(props: ViewportProps) {
       act();
       if (store.seq !== before) ui.statistics.event(store.seq, at);
     };
+    // What is pressed, a handle or the view itself, gets the gesture up to its end.
+    let held: Held | undefined;
     const gestures = new Gestures((gesture, at) =>
-      noted(at, () => latest.current.onGesture(gesture, sizeNow.current)),
+      noted(at, () => held?.onGesture(gesture) ?? latest.current.onGesture(gesture, sizeNow.current)),
     );
     const place = (event: MouseEvent): [number, number] => {
       const { left, top } = element.getBoundingClientRect();
       return [event.clientX - left, event.clientY - top];
     };
-    const isHandle = (event: Event): boolean =>
-      event.composedPath().some((one) => one instanceof Element && one.hasAttribute("data-handle"));
     const down = (event: PointerEvent): void => {
-      if (isHandle(event)) return;
-      element.focus({ preventScroll: true });
+      if (!gestures.isActive) held = event.button === 0 ? heldAt(event) : undefined;
+      const focused = held !== undefined && held.element.tabIndex >= 0 ? held.element : element;
+      focused.focus({ preventScroll: true });
+      ui.views.use(view);
       element.setPointerCapture(event.pointerId);
       gestures.down(event, ...place(event));
     };
     const move = (event: PointerEvent): void => {
       // Every move is passed on at once, so that what is dragged does not lag.
       if (gestures.isActive) gestures.move(event, ...place(event));
-      else if (!isHandle(event)) {
+      else if (heldAt(event) === undefined) {
         const [x, y] = place(event);
         latest.current.onHover?.({ x, y }, sizeNow.current);
       }
@@ -92,8 +106,9 @@ export function Viewport(props: ViewportProps) {
       event.preventDefault();
       setHint(false);
       const { deltaY, deltaMode } = event;
-      const what = { factor: wheelFactor(deltaY, deltaMode), steps: wheelSteps(deltaY, deltaMode), ctrl: event.ctrlKey };
-      noted(event.timeStamp, () => latest.current.onWheel(what));
+      const [x, y] = place(event);
+      const what = { factor: wheelFactor(deltaY, deltaMode), steps: wheelSteps(deltaY, deltaMode), ctrl: event.ctrlKey, x, y };
+      noted(event.timeStamp, () => latest.current.onWheel(what, sizeNow.current));
     };
     const key = (event: KeyboardEvent): void => {
       const action = actionOf(keyName(event));
@@ -105,6 +120,7 @@ export function Viewport(props: ViewportProps) {
         }
       });
     };
+    const focus = (): void => ui.views.use(view);
     const keyUp = (): void => store.settle();
     const menu = (event: Event): void => event.preventDefault();
     const stop = new AbortController();
@@ -116,13 +132,18 @@ export function Viewport(props: ViewportProps) {
       pointerleave: leave,
       wheel,
       keydown: key,
+      focusin: focus,
       keyup: keyUp,
       contextmenu: menu,
     };
     for (const [name, listener] of Object.entries(listeners)) {
       element.addEventListener(name, listener as EventListener, { passive: false, signal: stop.signal });
     }
-    return () => stop.abort();
+    const remove = ui.views.add(view, key);
+    return () => {
+      stop.abort();
+      remove();
+    };
   }, []);
 
   const moved = frame !== undefined && transform !== undefined && size.width > 0 ? transform(frame, size) : "";
@@ -134,6 +155,7 @@ export function Viewport(props: ViewportProps) {
       role="group"
       aria-label={view === "3d" ? "3-D picture" : `Slice, ${view}`}
       data-view={view}
+      data-tool={ui.tool}
       onPointerDown={() => setHint(false)}
     >
       <canvas ref={canvas} role="img" aria-label={label} style={{ transform: moved }} />
@@ -146,18 +168,21 @@ export function Viewport(props: ViewportProps) {
 /** Tells the engine how many pixels the view has, and that it is not shown where it is not. */
 function useSize(
   box: { current: HTMLDivElement | null },
-  { engine, view }: ViewportProps,
+  latest: { current: ViewportProps },
   setSize: (size: CssSize) => void,
 ): void {
   useEffect(() => {
     const element = box.current;
     if (element === null) return undefined;
+    const { engine, view } = latest.current;
+    let css: CssSize = { width: 0, height: 0 };
     let timer: ReturnType<typeof setTimeout> | undefined;
     let pixels: { width: number; height: number } | null = null;
     let isSeen = true;
     const ask = (): void => {
       const shown = isSeen && !document.hidden ? pixels : null;
       engine.show(view, shown);
+      if (shown !== null) latest.current.onResize?.(css);
     };
     const resized = new ResizeObserver(([entry]) => {
       if (entry === undefined) return;
@@ -167,7 +192,8 @@ function useSize(
       const [w, h] = exact ? [exact.inlineSize, exact.blockSize] : [width * ratio, height * ratio];
       const isFirst = pixels === null;
       pixels = w >= 1 && h >= 1 ? { width: Math.round(w), height: Math.round(h) } : null;
-      setSize({ width, height });
+      css = { width, height };
+      setSize(css);
       clearTimeout(timer);
       if (isFirst) ask();
       else timer = setTimeout(ask, RESIZED_MS);

@@ -1,66 +1,58 @@
-// The orientation cube: faces with the names of directions, turned as the picture is; a click looks from there.
+// The orientation cube: bevelled and lit; a click on a face, an edge or a corner looks from there.
 
-import { axesOf, dot } from "../../input/camera.ts";
+import { axesOf, dot, seenFrom, unit } from "../../input/camera.ts";
+import { leveled } from "../../input/turntable.ts";
 import type { Camera, Vec3 } from "../../state/state.ts";
+import { holding } from "../handle.tsx";
 import type { PartProps } from "../part.ts";
 import { showFrom } from "../scene_view.tsx";
+import { CUBE_PLACES, type CubePlace } from "./cube_places.ts";
 
 /** Half an edge, and the distance of the middle from the corner of the view, in pixels. */
-const HALF = 24;
-const MARGIN = 54;
+const HALF = 27;
+const MARGIN = 56;
+/** Width of a view, pixels, up to which the toolbar lies over its upper right corner, and the height of the toolbar. */
+const UNDER_TOOLBAR = 960;
+const TOOLBAR = 44;
+/** Direction to the light in the picture: from above, a little from the left, towards the eye. Share of ambient light. */
+const LIGHT: Vec3 = unit([-0.35, 0.6, 0.8]);
+const AMBIENT = 0.3;
+/** Least cosines to the line of sight of places that are drawn, and of faces whose names can be read. */
+const SEEN = 0.02;
+const READABLE = 0.35;
 
-/** Faces in the order of `axis_ends`: -x, +x, -y, +y, -z, +z; each with the view that looks at it. */
-const SIDES: readonly { readonly outward: Vec3; readonly view: string }[] = [
-  { outward: [-1, 0, 0], view: "left" },
-  { outward: [1, 0, 0], view: "right" },
-  { outward: [0, -1, 0], view: "back" },
-  { outward: [0, 1, 0], view: "front" },
-  { outward: [0, 0, -1], view: "bottom" },
-  { outward: [0, 0, 1], view: "top" },
-];
+/** The standard views that look at the ends of -x, +x, -y, +y, -z, +z. */
+const VIEWS = ["left", "right", "back", "front", "bottom", "top"] as const;
 
 export function Cube(props: PartProps & { readonly camera: Camera; readonly width: number }) {
   const { camera, width, welcome } = props;
   const { right, up, back } = axesOf(camera);
   const flat = (point: Vec3): string => `${(dot(point, right) * HALF).toFixed(2)} ${(-dot(point, up) * HALF).toFixed(2)}`;
-  const seen = SIDES.map((side, n) => ({ ...side, name: welcome.axis_ends[n] ?? "", towards: dot(side.outward, back) }))
-    .filter(({ towards }) => towards > 0.02)
-    .sort((a, b) => a.towards - b.towards);
+  const top = MARGIN + (width < UNDER_TOOLBAR ? TOOLBAR : 0);
   return (
-    <g transform={`translate(${width - MARGIN} ${MARGIN})`}>
-      {seen.map(({ outward, view, name, towards }) => {
-        const axis = outward.findIndex((one) => one !== 0);
-        const corner = (a: number, b: number): Vec3 => {
-          const point = [...outward] as number[];
-          point[(axis + 1) % 3] = a;
-          point[(axis + 2) % 3] = b;
-          return point as unknown as Vec3;
-        };
-        const outline = [corner(1, 1), corner(1, -1), corner(-1, -1), corner(-1, 1)].map(flat).join("L");
-        const target = welcome.standard_views[view];
-        const go = (): void => {
-          if (target !== undefined) showFrom(props, target);
-        };
-        const shade = Math.round(38 + 70 * towards);
+    <g class="cube" role="group" aria-label="Orientation cube" transform={`translate(${width - MARGIN} ${top})`}>
+      {CUBE_PLACES.map((place) => {
+        const towards = dot(place.outward, back);
+        if (towards < SEEN) return null;
+        const lit = Math.max(0, dot(place.outward, right) * LIGHT[0] + dot(place.outward, up) * LIGHT[1] + towards * LIGHT[2]);
+        const name = place.ends.map((end) => welcome.axis_ends[end] ?? "").join("");
         return (
           <g
-            key={view}
+            key={place.ends.join()}
+            ref={holding((gesture) => {
+              // A drag that begins on the cube turns the picture.
+              if (gesture.kind !== "tap") return undefined;
+              lookFrom(props, place);
+              return true;
+            })}
             data-handle
             role="button"
             tabindex={-1}
-            aria-label={`${name}, from the ${view}`}
-            onClick={go}
-            onPointerDown={(event) => event.stopPropagation()}
-            style={{ cursor: "pointer" }}
+            aria-label={`${name}, from the ${place.ends.map((end) => VIEWS[end]).join(", ")}`}
           >
-            <path d={`M${outline}Z`} fill={`rgb(${shade},${shade},${shade})`} stroke="#cfd6e0" stroke-width="1" />
-            {towards > 0.3 && (
-              <text
-                x={dot(outward, right) * HALF}
-                y={-dot(outward, up) * HALF + 5}
-                text-anchor="middle"
-                style={{ strokeWidth: 0, fontWeight: 600 }}
-              >
+            <path d={`M${place.outline.map(flat).join("L")}Z`} style={{ "--light": (AMBIENT + (1 - AMBIENT) * lit).toFixed(3) }} />
+            {place.ends.length === 1 && towards > READABLE && (
+              <text x={dot(place.outward, right) * HALF} y={-dot(place.outward, up) * HALF + 5} opacity={Math.min(1, (towards - READABLE) * 4)}>
                 {name}
               </text>
             )}
@@ -69,4 +61,16 @@ export function Cube(props: PartProps & { readonly camera: Camera; readonly widt
       })}
     </g>
   );
+}
+
+/** Looks from a place of the cube: from faces as the standard views do, else upright. */
+function lookFrom(props: PartProps, { ends, outward }: CubePlace): void {
+  const { store, welcome } = props;
+  const [end] = ends;
+  const standard = ends.length === 1 && end !== undefined ? welcome.standard_views[VIEWS[end] ?? ""] : undefined;
+  const now = store.state.camera;
+  const { up } = axesOf(now);
+  // Where the view's up direction lies along the new line of sight, any other one does, which levelling replaces.
+  const across: Vec3 = Math.abs(dot(up, outward)) < 0.9 ? up : axesOf(now).right;
+  showFrom(props, standard ?? leveled(seenFrom(now, outward, across), welcome.upright));
 }

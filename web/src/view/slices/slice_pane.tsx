@@ -87,6 +87,7 @@ export function SlicePane(props: PartProps & { readonly pane: Pane }) {
       case "turn-down": return nudge(0, 1);
       case "zoom-in": zoom(1.1); return true;
       case "zoom-out": zoom(1 / 1.1); return true;
+      case "first-view":
       case "fit":
         store.change([set(1, "view", "slices", "zoom")]);
         return true;

@@ -1,0 +1,111 @@
+// Moves of the camera that no pointer leads: to standard views, to fit, to level; and the camera of a view that is resized.
+
+import type { Engine, Problem } from "../engine/engine.ts";
+import { between } from "../input/camera_path.ts";
+import { set } from "../state/patch.ts";
+import type { Camera } from "../state/state.ts";
+import type { Store } from "../state/store.ts";
+import type { CssSize } from "./part.ts";
+
+/** Duration of a move, ms, and least change of width over height that is one. */
+const EASE_MS = 200;
+const SAME_ASPECT = 1e-3;
+
+/** What the 3-D view showed when its camera was last chosen. */
+interface Seen {
+  readonly camera: Camera;
+  readonly aspect: number;
+  /** The camera that shows it in the view as it is now. */
+  readonly kept: Camera;
+}
+
+/** Moves the camera of one viewer: one move at a time, which the next one, or a gesture, ends. */
+export class CameraMover {
+  private number = 0;
+  private frame = 0;
+  private aspect = 0;
+  private size: CssSize = { width: 4, height: 3 };
+  private seen: Seen | null = null;
+
+  constructor(
+    private readonly engine: Engine,
+    private readonly store: Store,
+    private readonly fail: (problem: Problem) => void,
+  ) {}
+
+  /** Shows what is seen from the direction of a camera, with its lens: all of it, with the margin of first pictures. */
+  async show(camera: Camera): Promise<void> {
+    await this.ask(() => this.engine.ask("framed", { camera, ...whole(this.size) }));
+  }
+
+  /** Goes back to the view of the first picture. */
+  async showFirst(): Promise<void> {
+    await this.ask(() => this.engine.ask("first_view", whole(this.size)));
+  }
+
+  /** Moves to a camera: in 200 ms, or at once for those who want less motion, and in windows that are not seen. */
+  to(target: Camera): void {
+    this.stop();
+    const from = this.store.state.camera;
+    const isAtOnce = document.hidden || matchMedia("(prefers-reduced-motion: reduce)").matches;
+    if (isAtOnce) {
+      this.store.change([set(target, "camera")]);
+      return;
+    }
+    const begun = performance.now();
+    let last = from;
+    const step = (): void => {
+      // Somebody else has moved it.
+      if (this.store.state.camera !== last) return;
+      const t = Math.min(1, (performance.now() - begun) / EASE_MS);
+      this.store.change([set(between(from, target, t * t * (3 - 2 * t)), "camera")], "ease");
+      last = this.store.state.camera;
+      if (t < 1) this.frame = requestAnimationFrame(step);
+      else this.store.settle();
+    };
+    this.frame = requestAnimationFrame(step);
+  }
+
+  /** Ends a move where it is, as a gesture begins. */
+  stop(): void {
+    this.number += 1;
+    cancelAnimationFrame(this.frame);
+  }
+
+  /** Keeps in view what was in view, as the 3-D view gets another size. */
+  async resized(size: CssSize): Promise<void> {
+    const before = this.aspect;
+    this.size = size;
+    this.aspect = size.width / size.height;
+    // The session frames the first picture itself.
+    if (before === 0 || Math.abs(this.aspect / before - 1) < SAME_ASPECT) return;
+    const { camera } = this.store.state;
+    if (this.seen?.kept !== camera) this.seen = { camera, aspect: before, kept: camera };
+    const { seen, aspect } = this;
+    try {
+      const asked = { camera: seen.camera, aspect: seen.aspect, ...whole(size) };
+      const answer = await this.engine.ask("kept_in_view", asked);
+      if (this.store.state.camera !== camera || this.aspect !== aspect) return;
+      this.store.adjust([set(answer.camera, "camera")]);
+      this.seen = { ...seen, kept: this.store.state.camera };
+    } catch (problem) {
+      this.fail(problem as Problem);
+    }
+  }
+
+  private async ask(question: () => Promise<{ camera: Camera }>): Promise<void> {
+    this.stop();
+    const { number } = this;
+    try {
+      const { camera } = await question();
+      if (number === this.number) this.to(camera);
+    } catch (problem) {
+      this.fail(problem as Problem);
+    }
+  }
+}
+
+const whole = ({ width, height }: CssSize) => ({
+  width: Math.max(1, Math.round(width)),
+  height: Math.max(1, Math.round(height)),
+});

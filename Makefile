@@ -149,11 +149,11 @@ wasm-check: ## compile for browsers, without threads; needs rustup's target, whi
 	cargo check --locked --target $(WASM) -p wavesplat --no-default-features
 
 web: web/node_modules ## check, test and build the viewer's page; needs Node 20
-	cd web && npm run --silent types && npm test --silent && npm run --silent build
+	cd web && npm run --silent types && npm run --silent lint && npm test --silent && npm run --silent build
 
 web-check: ## the same, and whether what is committed is what is built; left out without Node
 	@command -v npm >/dev/null || { echo "web-check is left out: there is no Node"; exit 0; }; \
-		$(MAKE) --no-print-directory web/node_modules && cd web && npm run --silent types && npm test --silent && \
+		$(MAKE) --no-print-directory web/node_modules && cd web && npm run --silent types && npm run --silent lint && npm test --silent && \
 		node build.mjs --size && node build.mjs --check
 
 browser-test: $(STAMPS)/tools ## test the viewer in Chromium, and in JupyterLab, and the shaders of GPUs by WebGPU; left out without Node or Chromium

@@ -68,7 +68,8 @@ const task = (await taskSeconds()) - before;
 await page.evaluate((most) => {
   const { statistics } = document.getElementById("viewer").wavesplat;
   const canvas = document.getElementById("viewer").shadowRoot.querySelector('[data-view="3d"] canvas');
-  const kept = (window.kept = []);
+  const kept = [];
+  window.kept = kept;
   const drawn = statistics.drawn.bind(statistics);
   let n = 0;
   statistics.drawn = (frame, at) => {

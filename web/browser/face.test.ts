@@ -61,7 +61,7 @@ describe("the rail", () => {
     await page.getByRole("checkbox", { name: "Handles in the views" }).focus();
     await page.keyboard.press("Escape");
     await expect.poll(() => page.locator("[data-panel]").count()).toBe(0);
-    await expect.poll(() => page.evaluate(() => (document.getElementById("viewer")?.shadowRoot?.activeElement as HTMLElement).dataset["opens"])).toBe("cut");
+    await expect.poll(() => page.evaluate(() => (document.getElementById("viewer")?.shadowRoot?.activeElement as HTMLElement | null | undefined)?.dataset["opens"])).toBe("cut");
   });
 
   test("the picture has the whole window, and no panel has an unclear word", async () => {

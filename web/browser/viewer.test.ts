@@ -165,7 +165,7 @@ open("marker.nrrd", "wb").write(header.encode() + samples.tobytes())`,
   }
 });
 
-const nPoints = (s: ViewerState): number => (s.layers[0]?.look.transfer_function as TransferFunction).opacity.length;
+const nPoints = (s: ViewerState): number | undefined => (s.layers[0]?.look.transfer_function as TransferFunction | undefined)?.opacity.length;
 
 type Read = (found: ViewerState) => unknown;
 

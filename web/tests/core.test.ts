@@ -255,8 +255,14 @@ describe("the engine behind a channel", () => {
     const frames: (() => void)[] = [];
     const channel: Channel = {
       send: (header) => void sent.push(header),
-      onMessage: (listener) => ((message = listener), () => undefined),
-      onState: (listener) => ((changed = listener), () => undefined),
+      onMessage: (listener) => {
+        message = listener;
+        return () => undefined;
+      },
+      onState: (listener) => {
+        changed = listener;
+        return () => undefined;
+      },
       retry: () => undefined,
       close: () => undefined,
     };

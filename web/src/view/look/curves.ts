@@ -23,18 +23,18 @@ export function isEditable(curves: TransferFunction | TransferFunction2D): curve
 
 /** The curve at a value, without the value itself: opacity or colour. At a step it is that of the upper side. */
 export function at(curve: Curve, value: number): number[] {
-  const next = curve.findIndex((point) => valueOf(point) > value);
+  const next = curve.findIndex((point) => valueAt(point) > value);
   const right = next < 0 ? curve.length - 1 : next;
   const [a, b] = [curve[next < 0 ? right : Math.max(0, right - 1)], curve[right]];
   if (a === undefined || b === undefined) return [];
-  const width = valueOf(b) - valueOf(a);
-  const share = width > 0 ? clamped((value - valueOf(a)) / width, 0, 1) : 0;
+  const width = valueAt(b) - valueAt(a);
+  const share = width > 0 ? clamped((value - valueAt(a)) / width, 0, 1) : 0;
   return a.slice(1).map((start, k) => start + share * ((b[k + 1] ?? start) - start));
 }
 
 /** The curve with a point added, after those of the same value. */
 export function withPoint<P extends Point>(curve: Curve<P>, point: P): Edited<P> {
-  const next = curve.findIndex((other) => valueOf(other) > valueOf(point));
+  const next = curve.findIndex((other) => valueAt(other) > valueAt(point));
   const index = next < 0 ? curve.length : next;
   return { curve: [...curve.slice(0, index), point, ...curve.slice(index)], index };
 }
@@ -46,18 +46,18 @@ export function withPointOn<P extends Point>(curve: Curve<P>, value: number): Ed
 
 /** The curve with a point added in the middle between a point and the next one, or at the end the one before. */
 export function withPointBeside<P extends Point>(curve: Curve<P>, index: number, span: Range): Edited<P> {
-  const here = valueOf(curve[index] ?? [middle(span)]);
+  const here = valueAt(curve[index] ?? [middle(span)]);
   const [next, before] = [curve[index + 1], curve[index - 1]];
-  if (next !== undefined && valueOf(next) > here) return withPointOn(curve, (here + valueOf(next)) / 2);
-  if (before !== undefined && valueOf(before) < here) return withPointOn(curve, (here + valueOf(before)) / 2);
+  if (next !== undefined && valueAt(next) > here) return withPointOn(curve, (here + valueAt(next)) / 2);
+  if (before !== undefined && valueAt(before) < here) return withPointOn(curve, (here + valueAt(before)) / 2);
   return withPointOn(curve, here + 0.1 * (span[1] - span[0]));
 }
 
 /** The curve with a point moved: never beyond its neighbours, and all but the value kept within 0..1. */
 export function withMoved<P extends Point>(curve: Curve<P>, index: number, point: P): Curve<P> {
-  const least = index > 0 ? valueOf(curve[index - 1] ?? []) : -Infinity;
-  const most = index < curve.length - 1 ? valueOf(curve[index + 1] ?? []) : Infinity;
-  const moved = [clamped(valueOf(point), least, most), ...point.slice(1).map((share) => clamped(share, 0, 1))];
+  const least = index > 0 ? valueAt(curve[index - 1] ?? []) : -Infinity;
+  const most = index < curve.length - 1 ? valueAt(curve[index + 1] ?? []) : Infinity;
+  const moved = [clamped(valueAt(point), least, most), ...point.slice(1).map((share) => clamped(share, 0, 1))];
   return curve.map((other, k) => (k === index ? (moved as Point as P) : other));
 }
 
@@ -68,7 +68,7 @@ export function without<P extends Point>(curve: Curve<P>, index: number): Curve<
 
 /** Smallest and largest value of the points. */
 export function spanOf(...curves: readonly Curve[]): Range {
-  const values = curves.flat().map(valueOf);
+  const values = curves.flat().map(valueAt);
   return [Math.min(...values), Math.max(...values)];
 }
 
@@ -80,7 +80,7 @@ export function spanOfFunction(curves: TransferFunction): Range {
 /** The curve with each value v replaced by centre + factor * (v - centre) + shift; a negative factor reverses the order. */
 export function mapped<P extends Point>(curve: Curve<P>, factor: number, centre: number, shift = 0): Curve<P> {
   const points = curve.map((point) => {
-    const value = centre + factor * (valueOf(point) - centre) + shift;
+    const value = centre + factor * (valueAt(point) - centre) + shift;
     return [value, ...point.slice(1)] as Point as P;
   });
   return factor < 0 ? points.reverse() : points;
@@ -179,6 +179,6 @@ function onValues(curves: TransferFunction, factor: number, centre: number, shif
   };
 }
 
-function valueOf(point: Point): number {
+function valueAt(point: Point): number {
   return point[0] ?? 0;
 }

@@ -211,6 +211,23 @@ describe("the cube", () => {
   });
 });
 
+test("a drag with the ruler is one measure between what is seen at its ends", async () => {
+  await page.getByRole("radio", { name: "Measure a distance" }).click();
+  const { x, y, width, height } = await middle(page);
+  await page.mouse.move(x, y + 40);
+  await page.mouse.down();
+  for (let step = 1; step <= 10; step += 1) await page.mouse.move(x + 10 * step, y + 40);
+  const line = `M${width / 2} ${height / 2 + 40}L${width / 2 + 100} ${height / 2 + 40}`;
+  await expect.poll(() => page.locator("[data-view='3d'] svg.over path").last().getAttribute("d")).toBe(line);
+  await page.mouse.up();
+  await expect.poll(async () => (await state(page)).view.measures.length).toBe(1);
+  const now = await state(page);
+  expect(now.camera).toEqual(first.camera);
+  const places = (now.view.measures[0]?.points ?? []).map((point) => cameras.project(now.camera, { width, height }, point));
+  expect(Math.abs(Math.hypot((places[1]?.x ?? 0) - (places[0]?.x ?? 0), (places[1]?.y ?? 0) - (places[0]?.y ?? 0)) - 100)).toBeLessThan(2);
+  await page.keyboard.press("Escape");
+});
+
 test("a corner is cut out on the side from which one looks", async () => {
   const middles: number[] = [];
   for (const key of ["1", "2"]) {

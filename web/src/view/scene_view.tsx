@@ -11,7 +11,8 @@ import type { Store } from "../state/store.ts";
 import { placeText, sceneLabel } from "./descriptions.ts";
 import { windowDrag } from "./look/window_drag.ts";
 import { SceneOverlay } from "./overlay3d/scene_overlay.tsx";
-import type { CssSize, PartProps } from "./part.ts";
+import type { CssSize, PartProps, Tool } from "./part.ts";
+import { RulerLine, useRuler } from "./scene_ruler.tsx";
 import { Viewport } from "./viewport.tsx";
 
 /** Pixels of a drag that a key press stands for, and its factor of zoom and angle of roll. */
@@ -41,7 +42,12 @@ export function SceneView(props: PartProps) {
   const turned = (dx: number, dy: number, { height }: CssSize): Camera =>
     isFree() ? cameras.turned(camera(), dx, dy, height) : turnedUpright(camera(), dx, dy, height, welcome.upright);
 
+  const ruler = useRuler(props);
   const onGesture = (gesture: Gesture, size: CssSize): void => {
+    if (gesture.kind === "drag" && gesture.what === "main" && isMeasuring(ui.tool)) {
+      ruler.onDrag(gesture, size);
+      return;
+    }
     if (gesture.kind === "tap") {
       if (gesture.ctrl || ui.tool !== "turn") void pick(props, gesture.x / size.width, gesture.y / size.height, size);
       return;
@@ -110,7 +116,12 @@ export function SceneView(props: PartProps) {
       onHover={(place, size) => ui.probe(place && store.state.geometry.length > 0 ? () => shapeAt(props, place, size) : null)}
       transform={(frame, size) => instant(frame, camera(), size)}
     >
-      {(frame, size) => <SceneOverlay {...props} frame={frame} size={size} />}
+      {(frame, size) => (
+        <>
+          <SceneOverlay {...props} frame={frame} size={size} />
+          {ruler.line !== null && <RulerLine line={ruler.line} />}
+        </>
+      )}
     </Viewport>
   );
 }
@@ -139,19 +150,20 @@ async function shapeAt({ engine, welcome }: PartProps, { x, y }: Place, size: Cs
   return shape === null ? "" : `${shape.text} at ${placeText(shape.point, welcome)}`;
 }
 
-/** Picks the world point seen at a place: the crosshair moves there, or the tool in use gets a point. */
-export async function pick(props: PartProps, x: number, y: number, size: CssSize): Promise<void> {
+const isMeasuring = (tool: Tool): boolean => tool === "distance" || tool === "angle";
+
+/** Picks the world point seen at a place: the crosshair moves there, or the tool in use gets a point. Tells whether there is one. */
+export async function pick(props: PartProps, x: number, y: number, size: CssSize): Promise<boolean> {
   const { engine, store, ui } = props;
   try {
     const { point } = await engine.ask("pick", placed(x, y, size));
-    if (point === null) {
-      ui.announce("Nothing is seen there");
-      return;
-    }
-    if (ui.tool === "distance" || ui.tool === "angle") ui.addPoint(point);
+    if (point === null) ui.announce("Nothing is seen there");
+    else if (isMeasuring(ui.tool)) ui.addPoint(point);
     else store.change([set(point, "view", "slices", "crosshair")]);
+    return point !== null;
   } catch (problem) {
     ui.problem(problem as Problem);
+    return false;
   }
 }
 

@@ -102,7 +102,6 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
       state = (header as unknown as Welcome).state;
       welcomed(header as unknown as Welcome);
     }
-    for (const [view, { width, height }] of sizes) channel.send({ type: "view", view, size: [width, height] });
     if (!isFirst && state !== null) {
       // Changes that were made while there was no connection are sent as the whole state.
       outgoing = [{ op: "replace", path: "", value: state }];
@@ -110,6 +109,8 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
       isScheduled = true;
       flush();
     }
+    // After the state: a new session frames a first picture, which nobody has turned, for the first view that shows it.
+    for (const [view, { width, height }] of sizes) channel.send({ type: "view", view, size: [width, height] });
     tell({ kind: "open" });
   };
 

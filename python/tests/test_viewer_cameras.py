@@ -123,6 +123,17 @@ def test_a_session_frames_its_first_picture_for_the_view_that_shows_it():
         session.close()
 
 
+def test_a_second_page_does_not_frame_the_picture_of_the_first_one():
+    session = Session(viewer_fakes.state_of())
+    try:
+        first = session.state.camera
+        viewer_fakes.Page(session)
+        viewer_fakes.Page(session).show(size=(48, 96))
+        assert session.state.camera == first
+    finally:
+        session.close()
+
+
 def test_a_camera_is_told_while_a_small_picture_is_drawn(monkeypatch):
     session = Session(viewer_fakes.state_of())
     asked, goes_on = threading.Event(), threading.Event()

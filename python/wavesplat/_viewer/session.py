@@ -231,7 +231,8 @@ class Session:
                 pane.size = (width, height)
                 client.panes[view] = pane
                 self._touch(pane)
-                if view == "3d":
+                # Another page has a view of another shape, or comes back with what was turned in it.
+                if view == "3d" and len(self._clients) == 1:
                     self._frame_first(width / height)
             self._changed.notify_all()
 
@@ -239,9 +240,8 @@ class Session:
         """Frame a first picture that nobody has turned for the shape of its view, as in a file of that size."""
         state = self._state.framed_first(aspect)
         if state is not self._state:
-            self._become(
-                state, None, "python", [{"op": "replace", "path": "/camera", "value": state.document["camera"]}]
-            )
+            operation = {"op": "replace", "path": "/camera", "value": state.document["camera"]}
+            self._become(state, None, "python", [operation])
 
     def _shown(self, client: Client, header: Mapping[str, Any]) -> None:
         with self._changed:

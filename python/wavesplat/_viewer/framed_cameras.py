@@ -30,7 +30,7 @@ Seen: TypeAlias = tuple[Grid | Scene, NDArray[np.float64] | None]
 #: Largest relative difference of two cameras that count as the same one: what JSON and sums leave of 64-bit numbers.
 SAME = 1e-9
 
-#: What is seen of each scene, by its operator: positions are found once for all turns of the camera.
+#: Grid and positions by scene, with the operator: they are found once for all turns of the camera.
 _SEEN: WeakKeyDictionary[Scene, tuple[Any, Seen]] = WeakKeyDictionary()
 
 

@@ -254,8 +254,7 @@ class Session:
 
     def _ask(self, client: Client, header: Mapping[str, Any]) -> None:
         number, question = _whole(header, "id"), header.get("question")
-        if question in questions.OF_CAMERAS:
-            # At once: a key that moves the camera must not wait for a small picture that is being drawn.
+        if question in questions.OF_CAMERAS:  # keys that move the camera wait for no small picture
             self._answer(client, number, str(question), header.get("arguments", {}), self._state)
             return
         with self._changed:

@@ -11,7 +11,7 @@ import type { CssSize } from "./part.ts";
 const EASE_MS = 200;
 const SAME_ASPECT = 1e-3;
 
-/** What the 3-D view showed when its camera was last chosen. */
+/** The camera and the shape of the 3-D view when the camera was last chosen. */
 interface Seen {
   readonly camera: Camera;
   readonly aspect: number;

@@ -43,7 +43,7 @@ export interface HandleProps {
   readonly onDouble?: () => void;
 }
 
-/** What a gesture on an element does. */
+/** An element that takes gestures. */
 export interface Held {
   readonly element: SVGElement;
   /** Takes a gesture; undefined for those that are for the view. */

@@ -22,7 +22,7 @@ export class Memo extends Component<MemoProps> {
   }
 }
 
-/** What panels show: all of the state, but of the camera the lens and where it came to rest, as it moves with every frame of a turn. */
+/** The values that panels show: all of the state, but of the camera, which moves with every frame, only lens and last rest. */
 export function shownByPanels({ store, ui, welcome }: PartProps): readonly unknown[] {
   const { layers, labels, shading, clip, background, geometry, render, view, camera } = store.state;
   const windows = PANES.map((pane) => ui.frames[pane]?.slice?.window?.join());
@@ -30,13 +30,13 @@ export function shownByPanels({ store, ui, welcome }: PartProps): readonly unkno
   return [layers, labels, shading, clip, background, geometry, render, view, lens, ui.restCamera, ...windows, ui.layer, ui.tool, ui.points, welcome];
 }
 
-/** What the slices show. */
+/** The values that slices show. */
 export function shownBySlices({ store, ui, welcome }: PartProps): readonly unknown[] {
   const { layers, labels, clip, view } = store.state;
   return [layers, labels, clip, view, ...PANES.map((pane) => ui.frames[pane]), ui.layer, ui.tool, ui.points, welcome];
 }
 
-/** What the toolbar shows. */
+/** The values that the toolbar shows. */
 export function shownByToolbar({ store, ui }: PartProps): readonly unknown[] {
   const { layers, view } = store.state;
   return [layers, view.layout, view.interface, ui.tool, store.canUndo, store.canRedo];

@@ -20,7 +20,7 @@ export interface PageFields {
   /** Whether the table of keys, and the figures of frames, are shown. */
   readonly help: boolean;
   readonly figures: boolean;
-  /** What screen readers say. */
+  /** The text that screen readers say. */
   readonly said: string;
 }
 

@@ -5,7 +5,7 @@ import { between } from "../input/camera_path.ts";
 import { set } from "../state/patch.ts";
 import type { Camera } from "../state/state.ts";
 import type { Store } from "../state/store.ts";
-import type { CssSize } from "./part.ts";
+import type { PixelSize } from "./viewport.tsx";
 
 /** Duration of a move, ms, and least change of width over height that is one. */
 const EASE_MS = 200;
@@ -24,7 +24,7 @@ export class CameraMover {
   private number = 0;
   private frame = 0;
   private aspect = 0;
-  private size: CssSize = { width: 4, height: 3 };
+  private size: PixelSize = { width: 4, height: 3 };
   private seen: Seen | null = null;
 
   constructor(
@@ -35,12 +35,12 @@ export class CameraMover {
 
   /** Shows what is seen from the direction of a camera, with its lens: all of it, with the margin of first pictures. */
   async show(camera: Camera): Promise<void> {
-    await this.ask(() => this.engine.ask("framed", { camera, ...whole(this.size) }));
+    await this.ask(() => this.engine.ask("framed", { camera, ...this.size }));
   }
 
   /** Goes back to the view of the first picture. */
   async showFirst(): Promise<void> {
-    await this.ask(() => this.engine.ask("first_view", whole(this.size)));
+    await this.ask(() => this.engine.ask("first_view", this.size));
   }
 
   /** Moves to a camera: in 200 ms, or at once for those who want less motion, and in windows that are not seen. */
@@ -73,7 +73,7 @@ export class CameraMover {
   }
 
   /** Keeps in view what was in view, as the 3-D view gets another size. */
-  async resized(size: CssSize): Promise<void> {
+  async resized(size: PixelSize): Promise<void> {
     const before = this.aspect;
     this.size = size;
     this.aspect = size.width / size.height;
@@ -83,7 +83,7 @@ export class CameraMover {
     if (this.seen?.kept !== camera) this.seen = { camera, aspect: before, kept: camera };
     const { seen, aspect } = this;
     try {
-      const asked = { camera: seen.camera, aspect: seen.aspect, ...whole(size) };
+      const asked = { camera: seen.camera, aspect: seen.aspect, ...size };
       const answer = await this.engine.ask("kept_in_view", asked);
       if (this.store.state.camera !== camera || this.aspect !== aspect) return;
       this.store.adjust([set(answer.camera, "camera")]);
@@ -104,8 +104,3 @@ export class CameraMover {
     }
   }
 }
-
-const whole = ({ width, height }: CssSize) => ({
-  width: Math.max(1, Math.round(width)),
-  height: Math.max(1, Math.round(height)),
-});

@@ -20,6 +20,12 @@ export interface Wheel {
   readonly y: number;
 }
 
+/** Whole numbers of device pixels. */
+export interface PixelSize {
+  readonly width: number;
+  readonly height: number;
+}
+
 export interface ViewportHandlers {
   /** Called with drags, pinches and taps; `size` is that of the view in CSS pixels. */
   readonly onGesture: (gesture: Gesture, size: CssSize) => void;
@@ -28,8 +34,8 @@ export interface ViewportHandlers {
   readonly onAction: (action: Action, shift: boolean, size: CssSize) => boolean;
   /** Called with the pointer's position, or null when it leaves. */
   readonly onHover?: (place: { readonly x: number; readonly y: number } | null, size: CssSize) => void;
-  /** Called with the size in CSS pixels when the view is shown first, and when it was resized. */
-  readonly onResize?: (size: CssSize) => void;
+  /** Called with the size of the picture, in device pixels, when the view is shown first, and when it was resized. */
+  readonly onResize?: (size: PixelSize) => void;
   /** CSS transform of the frame on the screen until the next one comes. */
   readonly transform?: (frame: Frame, size: CssSize) => string;
 }
@@ -175,14 +181,13 @@ function useSize(
     const element = box.current;
     if (element === null) return undefined;
     const { engine, view } = latest.current;
-    let css: CssSize = { width: 0, height: 0 };
     let timer: ReturnType<typeof setTimeout> | undefined;
     let pixels: { width: number; height: number } | null = null;
     let isSeen = true;
     const ask = (): void => {
       const shown = isSeen && !document.hidden ? pixels : null;
       engine.show(view, shown);
-      if (shown !== null) latest.current.onResize?.(css);
+      if (shown !== null) latest.current.onResize?.(shown);
     };
     const resized = new ResizeObserver(([entry]) => {
       if (entry === undefined) return;
@@ -192,8 +197,7 @@ function useSize(
       const [w, h] = exact ? [exact.inlineSize, exact.blockSize] : [width * ratio, height * ratio];
       const isFirst = pixels === null;
       pixels = w >= 1 && h >= 1 ? { width: Math.round(w), height: Math.round(h) } : null;
-      css = { width, height };
-      setSize(css);
+      setSize({ width, height });
       clearTimeout(timer);
       if (isFirst) ask();
       else timer = setTimeout(ask, RESIZED_MS);

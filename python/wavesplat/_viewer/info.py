@@ -1,4 +1,4 @@
-"""The first message to a page: volumes, presets, operators, standard views."""
+"""The first message to a page, and facts of what is open: volumes, presets, standard views."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from wavesplat._scene.scene import Scene
 from wavesplat._viewer.framing import PROTOCOL
 from wavesplat._viewer.state import ViewerState
 
-__all__ = ["fingerprint_of", "welcome_of"]
+__all__ = ["data_of", "fingerprint_of", "welcome_of"]
 
 VIEWS = ("front", "back", "left", "right", "top", "bottom")
 #: Labels of the ends of -x, +x, -y, +y, -z, +z: for bodies, and for other data.
@@ -37,13 +37,20 @@ SYMBOLS = {"um": "µm", "angstrom": "Å"}
 
 def welcome_of(state: ViewerState) -> dict[str, Any]:
     """The first message to a page: the fields of `Welcome` in `web/src/engine/engine.ts`."""
-    scene = state.scene
-    first = scene.layers[0].drawn
-    fitting = [{preset.name for preset in presets.fitting(layer.drawn)} for layer in scene.layers]
     return {
         "protocol": PROTOCOL,
         "program": f"wavesplat {_native.__version__}",
         "state": state.document,
+        **data_of(state),
+    }
+
+
+def data_of(state: ViewerState) -> dict[str, Any]:
+    """Facts of what is open, which change with it: the fields of `Data` in `web/src/engine/engine.ts`."""
+    scene = state.scene
+    first = scene.layers[0].drawn
+    fitting = [{preset.name for preset in presets.fitting(layer.drawn)} for layer in scene.layers]
+    return {
         "volumes": [_volume(layer) for layer in scene.layers],
         "bounds": scene.bounds.tolist(),
         "presets": [

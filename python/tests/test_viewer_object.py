@@ -151,7 +151,7 @@ def test_the_command_opens_all_times(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "code", "text"),
     [
-        ([], 2, "INPUT: name one"),
+        (["--preset", "ct-bone"], 2, "INPUT: name one for --preset"),
         (["a.nii", "--example", "ripples"], 2, "INPUT and --example: name one"),
         (["missing.nii"], 1, "missing.nii"),
         (["--state", "missing.json"], 1, "missing.json"),

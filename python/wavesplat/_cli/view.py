@@ -15,6 +15,7 @@ from wavesplat._cli.crop_options import CutOptions, takes_cut_options
 from wavesplat._cli.geometry_options import opened_geometry
 from wavesplat._cli.layer_options import LayerOptions, takes_layer_options
 from wavesplat._cli.light_options import LightOptions, takes_light_options
+from wavesplat._cli.option_groups import given as options_given
 from wavesplat._cli.printing import message, print_lines
 from wavesplat._cli.processing_options import ProcessingOptions, takes_processing_options
 from wavesplat._cli.reader_options import InputOrNone, ReaderOptions, takes_reader_options_but_channel
@@ -24,6 +25,7 @@ from wavesplat._cli.transfer_function_options import ColorOptions, takes_color_o
 from wavesplat._cli.view_options import ViewOptions, camera_for, check_view_options, takes_view_options
 from wavesplat._files.addresses import is_address
 from wavesplat._model.options import Quality
+from wavesplat._viewer.example_names import EXAMPLES
 from wavesplat.errors import ArgumentError, WavesplatError
 
 if TYPE_CHECKING:
@@ -35,7 +37,6 @@ __all__ = ["view"]
 FIRST_SIZE = (1024, 768)
 #: Seconds that an error waits for a page that can show it.
 TELLING_S = 5.0
-EXAMPLES = ("ct_pelvis", "mri_head", "ripples")
 
 
 @takes_cut_options
@@ -56,7 +57,9 @@ def view(
     example: Annotated[
         Any,
         typer.Option(
-            metavar="NAME", parser=parsers.one_of(EXAMPLES), help=f"Instead of INPUT one of {', '.join(EXAMPLES)}."
+            metavar="NAME",
+            parser=parsers.one_of(tuple(EXAMPLES)),
+            help=f"Instead of INPUT one of {', '.join(EXAMPLES)}.",
         ),
     ] = None,
     layering: LayerOptions,
@@ -77,21 +80,17 @@ def view(
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Whether to open the page.")] = True,
     quiet: Quiet = False,
 ) -> None:
-    """Look at a volume and turn it, in the browser; Ctrl-C ends."""
+    """Look at a volume and turn it, in the browser; without INPUT choose one there; Ctrl-C ends."""
     given = [
         name for name, value in (("INPUT", input), ("--state", state), ("--example", example)) if value is not None
     ]
-    if len(given) != 1:
-        raise ArgumentError(
-            f"{' and '.join(given) or 'INPUT'}: name one: a volume, --state FILE.json or --example NAME"
-        )
+    if len(given) > 1:
+        raise ArgumentError(f"{' and '.join(given)}: name one: a volume, --state FILE.json or --example NAME")
+    if not given:
+        _refuse_options(showing, colors, viewing, layering, cuts, lighting, reader, processing)
     check_scene_options(showing, colors, cuts)
     check_view_options(viewing)
-    if input is not None and not is_address(input) and not Path(input).expanduser().exists():
-        # Checked before a page opens.
-        from wavesplat._files.size_checks import check_readable
-
-        check_readable(Path(input).expanduser())
+    _check_there(input)
     from wavesplat._viewer.server import Server
 
     server = Server(port)
@@ -101,6 +100,8 @@ def view(
             _tell_how_to_reach(server.port)
         if browser:
             server.open_in_browser()
+        if not given:
+            _serve(server, None)
         server.send_progress(f"Opening {_name(input, state, example)}")
         try:
             first = _opened(
@@ -125,7 +126,7 @@ def view(
             if server.has_reported.wait(TELLING_S if browser else 0):
                 threading.Event().wait(0.3)
             raise
-        _serve(server, first)
+        _serve(server, first, None if input is None else str(input))
     except KeyboardInterrupt:
         if not quiet:
             message("the viewer has ended")
@@ -133,18 +134,52 @@ def view(
         server.close()
 
 
-def _serve(server: Any, first: ViewerState) -> None:
+def _check_there(input: str | None) -> None:
+    """Refuse a file that is not there before a page opens."""
+    if input is not None and not is_address(input) and not Path(input).expanduser().exists():
+        from wavesplat._files.size_checks import check_readable
+
+        check_readable(Path(input).expanduser())
+
+
+def _refuse_options(*groups: Any) -> None:
+    """Refuse options about a volume where none is named: they would be about no file that is opened in the page."""
+    named = [name for group in groups for name in options_given(group)]
+    if named:
+        raise ArgumentError(
+            f"INPUT: name one for {', '.join(named)}: a volume, --state FILE.json or --example NAME; without these "
+            "options, and without INPUT, the page asks for a file"
+        )
+
+
+def _serve(server: Any, first: ViewerState | None, input: str | None = None) -> None:
+    """Serve a first state, or the start page, until Ctrl-C."""
+    from wavesplat._viewer.opening import Opener
+    from wavesplat._viewer.recent import Recent
     from wavesplat._viewer.session import Session
 
-    session = Session(first)
+    sessions: list[Session] = []
+
+    def begin(state: ViewerState) -> None:
+        sessions.append(Session(state))
+        server.show(sessions[0])
+
+    recent = Recent()
+    opener = Opener(lambda: sessions[0].state if sessions else None, begin, recent)
     try:
-        server.show(session)
+        if first is not None:
+            begin(first)
+        if input is not None:
+            recent.add(input)
+        server.offer(opener)
         ended = threading.Event()
         while True:
             # One wait after the other: Ctrl-C gets through between two.
             ended.wait(3600)
     finally:
-        session.close()
+        opener.close()
+        for session in sessions:
+            session.close()
 
 
 def _opened(

@@ -123,5 +123,6 @@ def _is_same_field(one: Any, other: Any) -> bool:
 
 def _n_bytes(thing: Any) -> int:
     volume = thing.volume if isinstance(thing, Layer) else None
-    is_held = isinstance(volume, Volume) and not isinstance(volume, LazyVolume)
-    return int(volume.samples.nbytes) if is_held else 0
+    if not isinstance(volume, Volume) or isinstance(volume, LazyVolume):
+        return 0
+    return int(volume.samples.nbytes)

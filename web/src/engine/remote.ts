@@ -4,7 +4,7 @@ import { patched, type Operation } from "../state/patch.ts";
 import type { ViewName, ViewerState } from "../state/state.ts";
 import type { Stop } from "../state/store.ts";
 import type { Channel } from "./channel.ts";
-import type { Connection, Engine, Frame, Problem, Question, Questions, Welcome } from "./engine.ts";
+import type { Connection, Engine, Frame, Offered, Problem, Question, Questions, Welcome } from "./engine.ts";
 import type { Header, Payload } from "./framing.ts";
 
 export interface RemoteOptions {
@@ -90,6 +90,16 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
 
   const sayHello = (): void => channel.send({ type: "hello", protocol: 1, ...options.hello() });
 
+  /** Nothing is open: the page is asked for a file. */
+  const offer = (header: Header): void => {
+    clearInterval(helloTimer);
+    if (typeof header["session"] === "string") options.onSession?.(header["session"]);
+    // The program was started again without the data that are shown here.
+    if (state !== null) options.onOtherData?.();
+    isOpen = true;
+    tell({ kind: "start", offered: header as unknown as Offered });
+  };
+
   const start = (header: Header): void => {
     clearInterval(helloTimer);
     if (typeof header["session"] === "string") options.onSession?.(header["session"]);
@@ -138,6 +148,9 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
   const receive = (header: Header, payload: Payload): void => {
     heard();
     switch (header["type"]) {
+      case "start":
+        offer(header);
+        return;
       case "welcome":
         start(header);
         return;
@@ -162,6 +175,8 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
       case "answer": {
         const one = waiting.get(Number(header["id"]));
         waiting.delete(Number(header["id"]));
+        // Facts of other data, which were opened here.
+        if (typeof header["fingerprint"] === "string") fingerprint = header["fingerprint"];
         one?.resolve(payload.length > 0 ? { ...header, bytes: payload } : header);
         return;
       }
@@ -231,6 +246,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
       question: Questions[Q]["question"],
       progress?: (part: number) => void,
       signal?: AbortSignal,
+      payload?: Payload,
     ) {
       const id = nextId;
       nextId += 1;
@@ -246,7 +262,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
         }
         // An answer is about what is shown here now.
         flush();
-        channel.send({ type: "ask", id, question: name, arguments: question as unknown as Header });
+        channel.send({ type: "ask", id, question: name, arguments: question as unknown as Header }, payload);
       });
     },
     retry: () => channel.retry(),

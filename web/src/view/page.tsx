@@ -12,11 +12,12 @@ import { Icon } from "./icons.tsx";
 import { FunctionPanel, LabelsPanel, LayersPanel, LightPanel, PresetsPanel, TimeBar } from "./look/index.ts";
 import { MeasurePanel } from "./measure_panel.tsx";
 import { Memo, shownByPanels, shownBySlices, shownByToolbar } from "./memo.tsx";
+import { Openings } from "./open/index.ts";
 import type { PageFields } from "./page_state.ts";
 import type { PartProps } from "./part.ts";
 import { fit, SceneView } from "./scene_view.tsx";
 import { SettingsPanel } from "./settings_panel.tsx";
-import { openState, SharePanel } from "./share.tsx";
+import { SharePanel } from "./share.tsx";
 import { openPanel, PANELS, Rail, Sheet, type PanelName } from "./sheet.tsx";
 import { SlicePane } from "./slices/slice_pane.tsx";
 import { SlicesPanel } from "./slices_panel.tsx";
@@ -61,12 +62,6 @@ export function Page({ page, onKey, onPage, ...part }: PageProps) {
       data-sheet={open !== null}
       data-times={hasTimes}
       onKeyDown={onKey}
-      onDragOver={(event) => event.preventDefault()}
-      onDrop={(event) => {
-        event.preventDefault();
-        const file = event.dataTransfer?.files[0];
-        if (file !== undefined) void openState(part, file);
-      }}
     >
       <Memo of={[...shownByToolbar(part), open]}>
         {() => <Toolbar {...part} isAbout={open === "about"} onAbout={() => onPanel(open === "about" ? null : "about")} onFit={() => fit(part)} />}
@@ -89,7 +84,7 @@ export function Page({ page, onKey, onPage, ...part }: PageProps) {
       {open !== null && (
         <Sheet key={open} name={open} onClose={() => onPanel(null)}>
           <Memo of={[...shownByPanels(part), page.figures]}>
-            {() => <Body {...part} name={open} figures={page.figures} onFigures={(figures) => onPage({ figures })} />}
+            {() => <Body key={welcome.fingerprint} {...part} name={open} figures={page.figures} onFigures={(figures) => onPage({ figures })} />}
           </Memo>
         </Sheet>
       )}
@@ -99,6 +94,7 @@ export function Page({ page, onKey, onPage, ...part }: PageProps) {
       </footer>
       <p class="hidden" role="status" aria-live="polite">{page.said}</p>
       {page.problem !== null && <ProblemCard problem={page.problem} onClose={() => onPage({ problem: null })} />}
+      <Openings {...part} />
       {page.help && <Help onClose={() => onPage({ help: false })} />}
     </div>
   );

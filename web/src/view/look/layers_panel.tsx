@@ -2,6 +2,7 @@
 
 import { set } from "../../state/patch.ts";
 import type { Layer } from "../../state/state.ts";
+import { withoutLayer, withoutShape } from "../open/index.ts";
 import type { PartProps } from "../part.ts";
 import { hexOf, isEditable, spanOf } from "./curves.ts";
 import { Button, CheckField, SliderField } from "./fields.tsx";
@@ -47,6 +48,11 @@ export function LayersPanel({ store, ui }: PartProps) {
                   {TEXT.solo}
                 </Button>
               )}
+              {layers.length > 1 && (
+                <Button label={TEXT.removeThis(layer.name)} onClick={() => store.change(withoutLayer(store.state, index))}>
+                  {TEXT.remove}
+                </Button>
+              )}
             </div>
             <SliderField
               label={layers.length > 1 ? TEXT.opacityOf(layer.name) : TEXT.opacity}
@@ -74,6 +80,7 @@ export function LayersPanel({ store, ui }: PartProps) {
           </li>
         ))}
       </ul>
+      <div class="row"><Button onClick={() => ui.opener.show(true)}>{TEXT.add}</Button></div>
       {geometry.length > 0 && (
         <ul class="look-list" aria-label="Geometry">
           {geometry.map(({ kind, name, count, visible }, index) => (
@@ -84,6 +91,7 @@ export function LayersPanel({ store, ui }: PartProps) {
                 checked={visible}
                 onCheck={(on) => store.change([set(on, "geometry", index, "visible")])}
               />
+              <Button label={TEXT.removeThis(name)} onClick={() => store.change(withoutShape(index))}>{TEXT.remove}</Button>
             </li>
           ))}
         </ul>

@@ -48,11 +48,6 @@ export function LayersPanel({ store, ui }: PartProps) {
                   {TEXT.solo}
                 </Button>
               )}
-              {layers.length > 1 && (
-                <Button label={TEXT.removeThis(layer.name)} onClick={() => store.change(withoutLayer(store.state, index))}>
-                  {TEXT.remove}
-                </Button>
-              )}
             </div>
             <SliderField
               label={layers.length > 1 ? TEXT.opacityOf(layer.name) : TEXT.opacity}
@@ -65,17 +60,22 @@ export function LayersPanel({ store, ui }: PartProps) {
               onDone={() => store.settle()}
             />
             {layers.length > 1 && (
-              <label class="row look-check">
-                <input
-                  type="radio"
-                  name="look-layer"
-                  aria-label={TEXT.editThis(layer.name)}
-                  checked={index === ui.layer}
-                  onChange={() => ui.setLayer(index)}
-                />
-                <span>{TEXT.edit}</span>
-                <span class="dim">{TEXT.look(layer.look.name)}</span>
-              </label>
+              <div class="row open-apart">
+                <label class="row look-check">
+                  <input
+                    type="radio"
+                    name="look-layer"
+                    aria-label={TEXT.editThis(layer.name)}
+                    checked={index === ui.layer}
+                    onChange={() => ui.setLayer(index)}
+                  />
+                  <span>{TEXT.edit}</span>
+                  <span class="dim">{TEXT.look(layer.look.name)}</span>
+                </label>
+                <Button label={TEXT.removeThis(layer.name)} onClick={() => store.change(withoutLayer(store.state, index))}>
+                  {TEXT.remove}
+                </Button>
+              </div>
             )}
           </li>
         ))}
@@ -84,7 +84,7 @@ export function LayersPanel({ store, ui }: PartProps) {
       {geometry.length > 0 && (
         <ul class="look-list" aria-label="Geometry">
           {geometry.map(({ kind, name, count, visible }, index) => (
-            <li key={index}>
+            <li key={index} class="row open-apart">
               <CheckField
                 label={name}
                 note={`${kind} · ${count}`}

@@ -2,6 +2,7 @@
 
 import { mkdirSync, mkdtempSync, readdirSync, readFileSync } from "node:fs";
 import { createServer, type Server as HttpServer } from "node:http";
+import { createRequire } from "node:module";
 import type { AddressInfo } from "node:net";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -12,6 +13,7 @@ import { afterAll, beforeAll, describe, expect, test } from "vitest";
 import { atRest, change, openBrowser, openPanel, openViewer, pixels, python, startServer, state, type Browser, type Server } from "./harness.ts";
 
 const DATA = mkdtempSync(join(tmpdir(), "wavesplat-test-"));
+const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
 /** Temporary files of the server. */
 const TEMPORARY = join(DATA, "tmp");
 mkdirSync(TEMPORARY);
@@ -84,6 +86,16 @@ describe("without a file", () => {
     expect(await page.getByRole("listitem").count()).toBe(3);
     expect(await page.getByText("Up to 4 GB").count()).toBe(1);
     expect(await page.getByRole("button", { name: "Clear list" }).count()).toBe(0);
+  });
+
+  test.each(["dark", "light"] as const)("axe finds nothing in %s", async (colorScheme) => {
+    await page.emulateMedia({ colorScheme });
+    await page.evaluate(AXE);
+    const found = await page.evaluate(async () => {
+      const { axe } = window as unknown as { axe: { run(): Promise<{ violations: { id: string }[] }> } };
+      return (await axe.run()).violations.map(({ id }) => id);
+    });
+    expect(found).toEqual([]);
   });
 
   test("a file that is none is said to be so, and nothing of it stays", async () => {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 import threading
 from pathlib import Path
@@ -93,6 +94,7 @@ def view(
     _check_there(input)
     from wavesplat._viewer.server import Server
 
+    _end_as_by_ctrl_c()
     server = Server(port)
     try:
         print_lines(server.link)
@@ -180,6 +182,14 @@ def _serve(server: Any, first: ViewerState | None, input: str | None = None) -> 
         opener.close()
         for session in sessions:
             session.close()
+
+
+def _end_as_by_ctrl_c() -> None:
+    """Let a closed terminal, or the system's request to end, do what Ctrl-C does: files that pages sent are removed."""
+    if threading.current_thread() is threading.main_thread():
+        for name in ("SIGTERM", "SIGHUP"):
+            if hasattr(signal, name):
+                signal.signal(getattr(signal, name), signal.default_int_handler)
 
 
 def _opened(

@@ -173,7 +173,10 @@ export class PageOpener {
       if ("upload" in source) this.page.engine.ask("upload_discard", { upload: source.upload }).catch(() => undefined);
       return;
     }
-    if (told.several !== undefined) return this.go({ kind: "several", name, source, ...told.several });
+    if (told.several !== undefined) {
+      this.isShown = false;
+      return this.go({ kind: "several", name, source, ...told.several });
+    }
     if (told.shown === true || told.opened === undefined) return this.done(name);
     const { found = [], notes = [], opened } = told;
     // Shapes stand beside what is open: there is nothing to choose.

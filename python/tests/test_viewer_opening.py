@@ -106,7 +106,8 @@ def label_samples(n=20):
     return np.where(x < n // 2, 1, np.where(z < n // 3, 2, 0)).astype(np.uint8)
 
 
-TRIANGLE = b"solid s\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 9 0 0\nvertex 0 9 0\nendloop\nendfacet\nendsolid s\n"
+CORNERS = b"vertex 0 0 0\nvertex 9 0 0\nvertex 0 9 0\n"
+TRIANGLE = b"solid s\nfacet normal 0 0 1\nouter loop\n" + CORNERS + b"endloop\nendfacet\nendsolid s\n"
 
 
 def test_a_file_begins_the_session_as_the_command_opens_it(started, tmp_path):

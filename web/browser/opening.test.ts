@@ -242,7 +242,7 @@ test("files of the command are listed, opened again and forgotten, and what was 
   server = await startServer();
   page = await browser.context.newPage();
   await page.goto(server.link);
-  const recent = page.getByRole("button", { name: /^pet\.nii\.gz/ });
+  const recent = page.locator(".open-recent").getByRole("button", { name: /^pet\.nii\.gz/ });
   await recent.waitFor();
   await recent.click();
   await page.locator('[data-view="3d"] canvas').waitFor();

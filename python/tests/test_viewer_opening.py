@@ -19,6 +19,7 @@ from wavesplat._cli.scene_options import SceneOptions
 from wavesplat._cli.transfer_function_options import ColorOptions
 from wavesplat._cli.view import _opened
 from wavesplat._cli.view_options import ViewOptions
+from wavesplat._viewer import start_page
 from wavesplat._viewer.notebook import _Pages
 from wavesplat._viewer.opening import Opener
 from wavesplat._viewer.session import Session
@@ -156,6 +157,26 @@ def test_examples_are_opened_and_have_pictures(started):
     assert begun[0].scene.layers[0].volume.name == "ripples(32)"
     assert "liver" in page.refusal("open", example="liver")
     assert "liver" in page.refusal("example_picture", name="liver")
+
+
+def test_a_file_does_not_wait_for_pictures_of_examples(started, monkeypatch):
+    page, begun = started
+    drawn, may_go = [], threading.Event()
+
+    def slow_picture(name):
+        assert may_go.wait(30)
+        drawn.append((name, len(begun)))
+        return b"picture"
+
+    monkeypatch.setattr(start_page, "example_picture", slow_picture)
+    for number, name in enumerate(("ct_pelvis", "mri_head", "ripples")):
+        ask = {"type": "ask", "id": number, "question": "example_picture", "arguments": {"name": name}}
+        page.opener.receive("other", lambda *_: None, ask, b"")
+    threading.Timer(0.2, may_go.set).start()
+    assert page.open({"scan.nii.gz": nifti_of(scan_samples())})["shown"]
+    # The one that was being drawn already is finished first.
+    assert drawn[0] == ("ct_pelvis", 0)
+    assert all(n_begun == 1 for _, n_begun in drawn[1:])
 
 
 def test_a_second_volume_replaces_the_first_and_undo_brings_it_back(opened):

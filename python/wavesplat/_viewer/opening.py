@@ -9,6 +9,7 @@ Questions that read run in a thread of their own; the bytes of files are written
 
 from __future__ import annotations
 
+import itertools
 import queue
 import threading
 from collections.abc import Callable, Mapping
@@ -63,7 +64,9 @@ class Opener:
         self._uploads = Uploads()
         self._read: dict[int, _Read] = {}
         self._next = 1
-        self._waiting: queue.Queue[Callable[[], None] | None] = queue.Queue(MAX_WAITING)
+        #: Questions by urgency, then by their order; None ends the thread.
+        self._waiting: queue.PriorityQueue[tuple[int, int, Callable[[], None] | None]] = queue.PriorityQueue()
+        self._order = itertools.count()
         self._questions: dict[str, Callable[[Any, Mapping[str, Any], bytes], Answer]] = {
             "offered": lambda *_: (self.offered(), b""),
             "clear_recent": self._clear_recent,
@@ -108,11 +111,12 @@ class Opener:
         if self._thread is None:
             self._thread = threading.Thread(target=self._work, name="wavesplat-viewer-opening", daemon=True)
             self._thread.start()
-        try:
-            self._waiting.put_nowait(answer)
-        except queue.Full:
+        if self._waiting.qsize() >= MAX_WAITING:
             message = "too many questions wait for an answer; ask again"
             send({"type": "failed", "id": number, "code": "busy", "message": message}, b"")
+            return
+        # Pictures of examples take a while, and a file that is opened should not wait for them.
+        self._waiting.put((int(question == "example_picture"), next(self._order), answer))
 
     def leave(self, owner: Any) -> None:
         """A page has gone: its unfinished uploads are removed."""
@@ -122,12 +126,12 @@ class Opener:
         """Remove all files that pages sent."""
         self._uploads.close()
         if self._thread is not None:
-            self._waiting.put(None)
+            self._waiting.put((-1, next(self._order), None))
             if self._thread is not threading.current_thread():
                 self._thread.join(timeout=5)
 
     def _work(self) -> None:
-        while (task := self._waiting.get()) is not None:
+        while (task := self._waiting.get()[2]) is not None:
             task()
 
     @staticmethod

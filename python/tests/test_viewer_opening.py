@@ -184,14 +184,20 @@ def test_a_second_volume_replaces_the_first_and_undo_brings_it_back(opened):
     before = viewer.session.state.document
     told = page.open({"other.nii.gz": nifti_of(scan_samples(16, 3))})
     assert not told["shown"]
-    operations = page.answer("show", opened=told["opened"], how="replace")[0]["operations"]
+    operations = page.answer("show", opened=told["opened"], how="replace", aspect=0.5)[0]["operations"]
     viewer.patch(*operations)
     state = viewer.session.state
+    # The camera frames the new volume in the page's view, and key 0 goes back to that.
+    assert state.camera == state.first_view.camera_for(state.scene, state.options["composite"], 0.5)
+    assert state.camera != state.first_view.camera
     assert [layer.volume.name for layer in state.scene.layers] == ["other.nii.gz"]
     assert state.scene.layers[0].volume.shape == (16, 16, 16)
     viewer.patch({"op": "replace", "path": "", "value": before})
     assert viewer.session.state.scene.layers[0].volume.name == "scan.nii.gz"
     assert viewer.session.state.camera.as_json() == before["camera"]
+    assert viewer.session.state.first_view.camera.as_json() == before["camera"]
+    again = page.open({"other.nii.gz": nifti_of(scan_samples(16, 3))})
+    assert "aspect is -1" in page.refusal("show", opened=again["opened"], how="replace", aspect=-1)
 
 
 def test_an_overlay_is_a_further_layer_as_the_option_layer_makes_it(opened, tmp_path):

@@ -1,4 +1,4 @@
-"""What pages may send and ask for: names, sizes and places of uploads, recent files, and who gets anything."""
+"""Limits of what pages send and ask for: names, sizes and places of uploads, recent files, pages from elsewhere."""
 
 import asyncio
 import contextlib

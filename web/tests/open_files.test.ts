@@ -74,6 +74,7 @@ describe("the steps of opening", () => {
     const page: Surroundings = {
       engine,
       hasData: () => hasData,
+      aspect: () => 1.5,
       change: (operations) => changes.push(operations),
       openState: vi.fn(),
       announce: () => undefined,
@@ -91,7 +92,7 @@ describe("the steps of opening", () => {
     await opener.files([file("b.nii", "abc")]);
     expect(opener.step).toMatchObject({ kind: "choosing", name: "b.nii", opened: 9 });
     await opener.choose("overlay");
-    expect(asked.at(-1)).toEqual(["show", { opened: 9, how: "overlay" }, 0]);
+    expect(asked.at(-1)).toEqual(["show", { opened: 9, how: "overlay", aspect: 1.5 }, 0]);
     expect(changes).toEqual([operations]);
     expect(opener.step.kind).toBe("idle");
   });

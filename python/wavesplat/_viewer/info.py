@@ -17,6 +17,7 @@ from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.options import Composite, Kernel
 from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
+from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._render.windows import CT_WINDOWS
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import Scene
@@ -123,7 +124,7 @@ def _volume(layer: Layer) -> dict[str, Any]:
         "unit": SYMBOLS.get(volume.unit, volume.unit) if volume.unit else volume.unit,
         "value_unit": unit_of_values(volume) or "",
         "kind": found.kind,
-        "dtype": str(volume.dtype),
+        "dtype": str(volume.dtype) if isinstance(volume, Volume) else "wavelets",
         "orientation": volume.orientation if volume.is_anatomical else None,
         "notes": _notes(volume, found),
         "range": [least, most],
@@ -135,9 +136,9 @@ def _volume(layer: Layer) -> dict[str, Any]:
     }
 
 
-def _notes(volume: Volume, found: Evidence) -> list[str]:
-    """What was guessed of a volume, and what is wrong with its samples, as sentences for people."""
+def _notes(volume: Volume | WaveletVolume, found: Evidence) -> list[str]:
+    """Guesses about a volume, and faults of its samples, as sentences for people."""
     kind = f"taken for {found.reason}" if found.is_guess else found.reason
-    missing = volume.n_nonfinite
+    missing = volume.n_nonfinite if isinstance(volume, Volume) else 0
     holes = [f"{missing} samples are NaN or infinite: they are missing, and matter around them is fainter"]
-    return [kind, *volume.guesses, *(holes if missing else [])]
+    return [kind, *volume.facts.guesses, *(holes if missing else [])]

@@ -15,10 +15,14 @@ Operations: TypeAlias = list[dict[str, Any]]
 OF_SCENE = ("layers", "labels", "shading", "clip", "background", "geometry", "camera")
 
 
-def replaced(state: ViewerState, scene: Scene) -> Operations:
-    """Changes that show another scene as it would be opened: with its own looks, background and camera."""
+def replaced(state: ViewerState, scene: Scene, aspect: float | None = None) -> Operations:
+    """Changes that show another scene as it would be opened: with its own looks, background and camera.
+
+    aspect : width over height of the page's view in space; None where it has none.
+    """
     kept = {name: state.options[name] for name in ("quality", "kernel")}
-    other = ViewerState.of(scene, options=kept, catalogue=state.catalogue).document
+    begun = ViewerState.of(scene, options=kept, catalogue=state.catalogue)
+    other = (begun if aspect is None else begun.framed_first(aspect)).document
     return [
         *[_set(f"/{name}", other[name]) for name in OF_SCENE],
         _set("/render/composite", other["render"]["composite"]),

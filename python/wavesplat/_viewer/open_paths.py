@@ -1,4 +1,4 @@
-"""What a path holds, opened as the command opens it: volumes as layers, a segmentation, or a shape."""
+"""Contents of a path, opened as the command opens it: volumes as layers, a segmentation, or a shape."""
 
 from __future__ import annotations
 
@@ -38,7 +38,7 @@ OF_BOTH = (".vtk", ".vtu", ".vtp")
 
 @dataclass(frozen=True)
 class Found:
-    """What a path holds.
+    """The contents of a path.
 
     kind : "volume"; "shape"; "labels", which can be drawn as a volume too, but for the lines of a structure set.
     layers : of volumes and labels; none of a structure set.
@@ -72,7 +72,7 @@ class Several(Exception):  # noqa: N818 - a question to the page, no error
 def found_at(
     path: Path | str, *, folder: Path | None = None, unit: str | None = None, choice: Mapping[str, Any] | None = None
 ) -> Found:
-    """What a path holds.
+    """The contents of a path.
 
     folder : of an upload, in which all that it names must lie; None where the user named the path.
     unit : of the world that shapes are brought to.
@@ -171,7 +171,7 @@ def _name(path: Path | str) -> str:
 
 
 def _named(found: Found) -> Found:
-    """What was found, with sources as they are on the user's side: files of an upload lie in no folder there."""
+    """The contents with sources as they are on the user's side: files of an upload lie in no folder there."""
     shape: Any = found.shape
     if shape is not None and shape.name is None:
         # Lists name shapes without a name by their number, which changes where one is removed.

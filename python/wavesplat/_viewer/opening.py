@@ -40,7 +40,7 @@ HOWS = ("replace", "overlay", "labels")
 
 @dataclass(frozen=True)
 class _Read:
-    """What was found at a question, and the number of its upload."""
+    """The contents of a path that was opened, and the number of its upload."""
 
     found: tuple[Found, ...]
     upload: int | None
@@ -80,7 +80,7 @@ class Opener:
         self._thread: threading.Thread | None = None
 
     def offered(self) -> dict[str, Any]:
-        """What the start page offers."""
+        """The offers of the start page."""
         return start_page.offered(self._recent)
 
     def takes(self, header: Mapping[str, Any]) -> bool:
@@ -206,7 +206,8 @@ class Opener:
             raise ArgumentError("show: this is not open any more; open it again")
         if how == "replace":
             with_volumes = any(one.kind == "volume" for one in read.found)
-            operations = replaced(state, scene_with(None, read.found, as_labels=with_volumes))
+            scene = scene_with(None, read.found, as_labels=with_volumes)
+            operations = replaced(state, scene, _aspect(arguments.get("aspect")))
         else:
             operations = added(state, scene_with(state.scene, read.found, as_labels=how == "labels"))
         del self._read[number]  # type: ignore[arg-type]
@@ -218,7 +219,7 @@ class Opener:
             self._uploads.discard(read.upload)
 
     def _found(self, owner: Any, arguments: Mapping[str, Any], state: ViewerState | None) -> tuple[Found, ...]:
-        """What the upload, the example or the recent file of a question holds."""
+        """The contents of the upload, the example or the recent file that a question names."""
         unit = None if state is None else state.scene.layers[0].drawn.facts.unit
         choice = _choice(arguments.get("choice"))
         if (example := arguments.get("example")) is not None:
@@ -250,12 +251,21 @@ class Opener:
 
 
 def _found_in(path: Path, folder: Path, unit: str | None, choice: Mapping[str, Any]) -> Found:
-    """What a path of an upload holds; errors without the folder, which the user does not know."""
+    """The contents of a path in an upload; errors come without the folder, which the user does not know."""
     try:
         return found_at(path, folder=folder, unit=unit, choice=choice)
     except WavesplatError as error:
         text = str(error).replace(f"{folder}/", "").replace(str(folder), "what was sent")
         raise (ArgumentError if isinstance(error, ArgumentError) else FileError)(text) from error
+
+
+def _aspect(given: object) -> float | None:
+    """Width over height of a page's view."""
+    if given is None:
+        return None
+    if not isinstance(given, int | float) or isinstance(given, bool) or not 1e-3 < given < 1e3:
+        raise ArgumentError(f"show: aspect is {described(given)}; give width over height, which is positive")
+    return float(given)
 
 
 def _choice(given: object) -> dict[str, Any]:

@@ -60,7 +60,7 @@ class Recent:
             self._file().unlink()
 
     def shown(self) -> list[dict[str, Any]]:
-        """What pages show: names, folders, and whether each is there."""
+        """The list as pages show it: names, folders, and whether each is there."""
         return [_shown(path) for path in self.paths()]
 
     def _file(self) -> Path:

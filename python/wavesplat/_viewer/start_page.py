@@ -1,4 +1,4 @@
-"""What the start page offers: examples with their pictures, and the files that the command opened last."""
+"""Offers of the start page: examples with their pictures, and the files that the command opened last."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ PICTURE_SIZE, PICTURE_QUALITY = (320, 240), 85
 
 
 def offered(recent: Recent | None) -> dict[str, Any]:
-    """What can be opened without a file, and the limit of what a page sends."""
+    """Examples, recent files, and the limit of what a page sends."""
     return {
         "examples": [{"name": name, "title": title} for name, title in EXAMPLES.items()],
         "recent": None if recent is None else recent.shown(),

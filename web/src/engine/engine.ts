@@ -67,7 +67,7 @@ export interface Welcome extends Data {
   readonly state: ViewerState;
 }
 
-/** What can be opened without a file; `recent` is null where there is no command that keeps a list. */
+/** Examples and recent files that can be opened; `recent` is null where there is no command that keeps a list. */
 export interface Offered {
   readonly examples: readonly { readonly name: string; readonly title: string }[];
   readonly recent: readonly { readonly name: string; readonly folder: string; readonly is_there: boolean }[] | null;
@@ -75,7 +75,7 @@ export interface Offered {
   readonly max_bytes: number;
 }
 
-/** What is opened: files that were sent, an example, or a file of the list. */
+/** The source of what is opened: files that were sent, an example, or a file of the list. */
 export type Source =
   | { readonly upload: number }
   | { readonly example: string }
@@ -165,8 +165,8 @@ export interface Questions {
       several?: { option: string; names: readonly (string | number)[]; described: readonly string[] };
     };
   };
-  /** The changes that show what was opened. */
-  show: { question: { opened: number; how: How }; answer: { operations: readonly Operation[] } };
+  /** The changes that show what was opened; `aspect` of the 3-D view is width over height. */
+  show: { question: { opened: number; how: How; aspect?: number }; answer: { operations: readonly Operation[] } };
   histogram: {
     question: { layer: number; bins: number; low: number; high: number };
     answer: { counts: number[]; low: number; high: number };

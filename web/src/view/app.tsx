@@ -68,6 +68,10 @@ class App {
     this.opener = new PageOpener({
       engine,
       hasData: () => this.store !== null,
+      aspect: () => {
+        const frame = this.frames["3d"];
+        return frame === undefined ? null : frame.width / frame.height;
+      },
       change: (operations) => this.store?.change(operations),
       openState: (file) => this.openState(file),
       announce: (text) => this.page.announce(text),

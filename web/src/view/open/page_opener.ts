@@ -33,6 +33,8 @@ export interface Surroundings {
   readonly engine: Engine;
   /** Whether something is open. */
   readonly hasData: () => boolean;
+  /** Width over height of the 3-D view; null without one. */
+  readonly aspect: () => number | null;
   readonly change: (operations: readonly Operation[]) => void;
   /** Shows the state of a file. */
   readonly openState: (file: File) => void;
@@ -46,9 +48,9 @@ export class PageOpener {
   /** Whether the dialog that offers files is shown, and whether files are being dragged over the page. */
   isShown = false;
   isOver = false;
-  /** What can be opened; null until it is known. */
+  /** Examples and recent files; null until it is known. */
   offered: Offered | null = null;
-  /** What went wrong last, for the start page. */
+  /** The last problem, for the start page. */
   failure: Problem | null = null;
   private abort: AbortController | null = null;
 
@@ -186,7 +188,8 @@ export class PageOpener {
   }
 
   private async place(opened: number, how: How, name: string, signal: AbortSignal): Promise<void> {
-    const { operations } = await this.page.engine.ask("show", { opened, how });
+    const aspect = this.page.aspect();
+    const { operations } = await this.page.engine.ask("show", { opened, how, ...(aspect === null ? {} : { aspect }) });
     if (signal.aborted) return;
     this.page.change(operations);
     this.done(name);

@@ -20,6 +20,8 @@ PAGES = [
     "coming_from_paraview.md",
     "simulations.md",
     "geometry.md",
+    "accuracy.md",
+    "privacy.md",
 ]
 
 

@@ -28,7 +28,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality edges random-functions random-scenes looks looks-beside-vtk looks-beside-napari looks-beside-pyvista study study-wavelets study-lod study-cuts bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers bench-shapes scene-hashes roofline instructions gallery concepts site golden pictures \
+.PHONY: help demo dev test check fmt quality edges random-functions random-scenes looks looks-beside-vtk looks-beside-napari looks-beside-pyvista study study-wavelets study-lod study-cuts bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers bench-shapes scene-hashes roofline instructions gallery concepts site golden pictures \
 	clean wheel fuzz memcheck miri fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
 	rust-test python-test test-arm test-napari rust-lint python-lint stubs spelling licences docs readme
 
@@ -42,6 +42,8 @@ demo: $(STAMPS)/package ## set up and draw the bundled volumes to out/
 test: rust-test python-test ## set up and pass all tests
 
 check: rust-lint docs python-lint stubs spelling licences test readme web-check browser-test ## all that CI asks for
+
+dev: $(STAMPS)/tools ## install what tests and linters need into the checkout's environment
 
 fmt: $(STAMPS)/tools ## format Rust and Python
 	cargo fmt --all

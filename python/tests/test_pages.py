@@ -18,6 +18,7 @@ PAGES = [
     "radiotherapy.md",
     "coming_from.md",
     "coming_from_paraview.md",
+    "coming_from_slicer.md",
     "simulations.md",
     "geometry.md",
     "accuracy.md",

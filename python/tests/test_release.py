@@ -6,6 +6,7 @@ import datetime as dt
 import importlib.util
 import re
 import shutil
+import zipfile
 
 import pages
 import pytest
@@ -158,3 +159,29 @@ def test_bills_of_materials_are_checked():
     assert sbom.faults_of({**bill, "components": [{"name": "a"}]}, set()) == ["a has no version"]
     assert sbom.page_packages() == {"preact"}
     assert {"numpy", "simpleitk", "pillow"} <= sbom.python_packages()
+
+
+def test_files_of_wheels_are_checked(tmp_path):
+    check = tool("check_wheel")
+    wheel = tmp_path / "a.whl"
+    names = [
+        *check.WANTED,
+        "wavesplat/_native.pyi",
+        "wavesplat/_native.abi3.so",
+        "a.dist-info/licenses/LICENSE-MIT",
+        "a.dist-info/LICENSE-APACHE",
+    ]
+
+    def faults(names):
+        with zipfile.ZipFile(wheel, "w") as file:
+            for name in names:
+                file.writestr(name, "x")
+        return check.faults_of(wheel)
+
+    assert faults(names) == []
+    assert faults([*names, "python/tests/test_a.py"]) == ["it has python/tests/test_a.py"]
+    assert faults(names[1:-1]) == ["it lacks wavesplat/__init__.py", "it lacks LICENSE-APACHE"]
+    assert faults([*names, "wavesplat/_native.pyd"]) == ["it has not one compiled module"]
+    with zipfile.ZipFile(wheel, "w") as file:
+        file.writestr("large", bytes(check.MAX_BYTES))
+    assert "more than 10" in check.faults_of(wheel)[0]

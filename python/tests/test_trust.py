@@ -12,7 +12,7 @@ ROOT = pages.ROOT
 #: The size of the README is the reader's time.
 MAX_README_BYTES = 6179
 FORMS = [path for path in sorted((ROOT / ".github" / "ISSUE_TEMPLATE").glob("*.yml")) if path.stem != "config"]
-#: What the front pages link to.
+#: Pages that the front pages link to.
 LINKED = {
     "README.md": "accuracy limits privacy trust SECURITY public_api CITATION.cff CODE_OF_CONDUCT CONTRIBUTING",
     "docs/site/project.md": "CITATION.cff public_api CONTRIBUTING CODE_OF_CONDUCT",

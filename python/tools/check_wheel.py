@@ -28,7 +28,7 @@ DRAW = "import wavesplat as ws; ws.render(ws.examples.ct_pelvis()).save('first.p
 
 
 def faults_of(wheel: Path) -> list[str]:
-    """What is wrong with the files of a wheel."""
+    """Faults of the files of a wheel: too large, missing, or not for users."""
     faults = []
     if (size := wheel.stat().st_size) > MAX_BYTES:
         faults.append(f"it has {size / 1e6:.1f} MB, more than {MAX_BYTES / 1e6:.0f}; run python/tools/strip_wheel.py")

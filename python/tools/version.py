@@ -25,6 +25,7 @@ COPIES = {
     "Cargo.lock": [r'(name = "wavesplat[a-z-]*"\nversion = ")' + NUMBER],
     "fuzz/Cargo.lock": [r'(name = "wavesplat-(?!fuzz)[a-z-]+"\nversion = ")' + NUMBER],
     "CITATION.cff": [r"(\nversion: )" + NUMBER],
+    "packaging/conda-forge/recipe.yaml": [r"(\n  version: )" + NUMBER],
     "web/package.json": [r'(\A\{\n  "name": "[^"]+",\n  "version": ")' + NUMBER],
     "web/package-lock.json": [
         r'(\A\{\n  "name": "[^"]+",\n  "version": ")' + NUMBER,

@@ -18,11 +18,8 @@ PAGES = [
     "radiotherapy.md",
     "coming_from.md",
     "coming_from_paraview.md",
-    "coming_from_slicer.md",
     "simulations.md",
     "geometry.md",
-    "accuracy.md",
-    "privacy.md",
 ]
 
 

@@ -2,6 +2,7 @@
 
 import threading
 import time
+import zlib
 
 import numpy as np
 
@@ -21,6 +22,19 @@ def state_of(volume=None, **options):
 
 def turned(camera, degrees):
     return {"op": "replace", "path": "/camera", "value": camera.turned(azimuth=degrees).as_json()}
+
+
+def decoded_values(header, payload):
+    """Values of each layer of a slice, and codes of its labels, shape (height, width) each, as the page reads them."""
+    shape = header["height"], header["width"]
+    pairs = np.frombuffer(zlib.decompress(payload), np.uint8).reshape(-1, 2, *shape).astype(np.uint16)
+    codes = np.cumsum(pairs[:, 0] + (pairs[:, 1] << 8), axis=-1, dtype=np.uint16)
+    layers = header["values"]["layers"]
+    values = [
+        np.where(plane == 0xFFFF, np.nan, layer["low"] + plane.astype(np.float64) * layer["step"])
+        for layer, plane in zip(layers, codes, strict=False)
+    ]
+    return [*values, *codes[len(layers) :]]
 
 
 class Page:

@@ -62,6 +62,7 @@ export const WORDS = {
     window: "Window and level",
     distance: "Measure a distance",
     angle: "Measure an angle",
+    area: "Measure a region",
     history: "History",
     undo: "Undo",
     redo: "Redo",

@@ -348,7 +348,7 @@ test("latency is from the newest event that a frame shows", () => {
 
 describe("slices", () => {
   const geometry = {
-    origin: [100, 50, 7], right: [-1, 0, 0], down: [0, -1, 0], normal: [0, 0, 1], pixel: 2, position: 7, range: [0, 20], letters: null, window: [0, 1],
+    origin: [100, 50, 7], right: [-1, 0, 0], down: [0, -1, 0], normal: [0, 0, 1], pixel: 2, zoom: 1, position: 7, range: [0, 20], letters: null, window: [0, 1], colors: "gray",
   } as const;
   const frame: slices.SliceFrame = { geometry, size: { width: 50, height: 40 }, width: 100, height: 80 };
   test("places are where the pixels are", () => {

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from wavesplat._model.grid import Grid
 
-__all__ = ["Mask", "mask_of"]
+__all__ = ["Mask", "even_odd", "mask_of"]
 
 #: Distance, in voxels, within which points are in one plane, and planes are one.
 FLAT = 0.1
@@ -64,7 +64,7 @@ def mask_of(lines: Sequence[NDArray[np.float64]], grid: Grid) -> Mask:
     inside = np.zeros([n[axis], n[row], n[column]], np.bool_)
     for slices, plane in _planes(flat, axis, first[axis], n[axis]):
         polygons = [line[:, [column, row]] - (first[column], first[row]) for line in plane]
-        inside[slices] = _even_odd(polygons, n[row], n[column])
+        inside[slices] = even_odd(polygons, n[row], n[column])
     # From (along the axis, row, column) to z, y, x.
     order = [(axis, row, column).index(along) for along in (2, 1, 0)]
     return Mask(inside.transpose(order), (first[2], first[1], first[0]), n_oblique)
@@ -111,8 +111,11 @@ def _box(lines: Sequence[NDArray[np.float64]], axis: int, shape: Sequence[int]) 
     return (first, n) if min(n) > 0 else None
 
 
-def _even_odd(polygons: Sequence[NDArray[np.float64]], n_rows: int, n_columns: int) -> NDArray[np.bool_]:
-    """Pixels inside an odd number of polygons, points (column, row) each: parity of the edges left of each centre."""
+def even_odd(polygons: Sequence[NDArray[np.float64]], n_rows: int, n_columns: int) -> NDArray[np.bool_]:
+    """Pixels [row, column] inside an odd number of polygons: parity of the edges left of each centre.
+
+    polygons : shape (points, 2) each, (column, row); the centre of the first pixel is at (0, 0).
+    """
     begins = np.concatenate(polygons)
     ends = np.concatenate([np.roll(polygon, -1, axis=0) for polygon in polygons])
     # An edge crosses the rows from its upper end on, its lower end left out: a corner is counted once.

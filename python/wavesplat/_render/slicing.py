@@ -52,6 +52,9 @@ __all__ = [
     "in_colors",
     "in_greys",
     "normal_of",
+    "place_of",
+    "planes_at",
+    "planes_of",
     "planes_through",
     "positions_across",
     "sides_of",
@@ -86,12 +89,7 @@ def sliced(
     threads: int | None,
 ) -> tuple[Picture, Planes]:
     """The slice of one volume, as `wavesplat.slice` describes it, and where it lies."""
-    check_place(volume)
-    cut = _cut(volume, plane, position)
-    frame = _frame(volume, cut, size, zoom, center)
-    check_picture_memory(frame.size, PIXEL_BYTES)
-    planes = Planes(cut, frame, float(thickness))
-    n_planes = len(planes.offsets_in(volume))  # or an error
+    planes = planes_of(volume, plane, position, size=size, zoom=zoom, center=center, thickness=thickness)
     if slab not in get_args(Slab):
         raise ArgumentError(f"slab is {described(slab)}; use one of: {', '.join(get_args(Slab))}")
     if (window is not None or clim is not None) and transfer_function is not None:
@@ -99,17 +97,11 @@ def sliced(
     low, high = windows.limits(volume, window, clim) if transfer_function is None else (0.0, 1.0)
     values = planes.values_of(volume, kernel, slab, threads)
     report: dict[str, Any] = {
-        "position": cut.position,
-        "normal": cut.normal.tolist(),
-        "origin": frame.origin.tolist(),
-        "right": cut.right.tolist(),
-        "down": (-cut.up + 0.0).tolist(),
-        "pixel": frame.pixel,
+        **place_of(planes, volume),
         "unit": volume.unit,
         "anatomical": volume.is_anatomical,
         "background": colors.parse(background),
-        "letters": orientation.edge_letters(cut.right, cut.up) if volume.is_anatomical else None,
-        "n_planes": n_planes,
+        "n_planes": len(planes.offsets_in(volume)),
         "kernel": kernel,
         "processing": list(volume.facts.processing),
     }
@@ -127,6 +119,40 @@ def sliced(
     if notes := notes_on_slice(picture, values, report.get("clim")):
         report["notes"] = notes
     return Picture(picture, value=values, report=Report(report)), planes
+
+
+def planes_of(
+    volume: Volume | WaveletVolume,
+    plane: Plane | tuple[Iterable[float], Iterable[float]] | None,
+    position: float | None,
+    *,
+    size: tuple[int, int] | None,
+    zoom: float,
+    center: Iterable[float] | None,
+    thickness: float,
+) -> Planes:
+    """Where the pixels of a slice lie, as `wavesplat.slice` describes it."""
+    check_place(volume)
+    cut = _cut(volume, plane, position)
+    frame = _frame(volume, cut, size, zoom, center)
+    check_picture_memory(frame.size, PIXEL_BYTES)
+    planes = Planes(cut, frame, float(thickness))
+    planes.offsets_in(volume)  # or an error
+    return planes
+
+
+def place_of(planes: Planes, volume: Grid) -> dict[str, Any]:
+    """The fields of a report that say where the pixels of a slice lie."""
+    cut, frame = planes.cut, planes.frame
+    return {
+        "position": cut.position,
+        "normal": cut.normal.tolist(),
+        "origin": frame.origin.tolist(),
+        "right": cut.right.tolist(),
+        "down": (-cut.up + 0.0).tolist(),
+        "pixel": frame.pixel,
+        "letters": orientation.edge_letters(cut.right, cut.up) if volume.is_anatomical else None,
+    }
 
 
 def positions_across(
@@ -374,6 +400,13 @@ def planes_through(volume: Grid, n: int, size: tuple[int, int]) -> list[Planes]:
     least, most = positions_across(volume, None)
     cuts = [_cut(volume, None, least + (number + 0.5) * (most - least) / n) for number in range(n)]
     return [Planes(cut, _frame(volume, cut, size, 1.0, None), 0.0) for cut in cuts]
+
+
+def planes_at(origin: Array, right: Array, up: Array, pixel: float, size: tuple[int, ...]) -> Planes:
+    """A plane of pixels anywhere in the world. origin : of the first pixel's centre. right, up : unit vectors."""
+    normal = np.cross(right, up)
+    offset = float(normal @ origin)
+    return Planes(_Cut(normal, right, up, offset, offset), _Frame(origin, pixel, (size[0], size[1])), 0.0)
 
 
 def _on_background(

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from wavesplat._looks.labels import Labels
 from wavesplat._render.slicing import Planes
 
-__all__ = ["laid_over"]
+__all__ = ["codes_at", "colors_of_labels", "laid_over"]
 
 #: Opacity of a label's inside, as a share of its outline's: the scan shows through.
 FILL = 0.4
@@ -23,11 +23,8 @@ def laid_over(rgba: NDArray[np.float32], planes: Planes, labels: Labels) -> tupl
 
     labels : on samples in the scan's order of axes, as `Labels.for_slices_of` gives them.
     """
-    codes = _codes_at(planes, labels)
-    looks = [labels.labels.get(number) for number in labels.numbers]
-    # The last entry is for pixels outside.
-    shares = np.array([0.0 if look is None else max(look.opacity, look.tint) for look in looks] + [0.0])
-    colors = np.array([(0.0,) * 3 if look is None else look.color for look in looks] + [(0.0,) * 3])
+    codes = codes_at(planes, labels)
+    shares, colors = colors_of_labels(labels)
     edge = np.zeros(codes.shape, bool)
     for one, other in ((np.s_[1:], np.s_[:-1]), (np.s_[:, 1:], np.s_[:, :-1])):
         differs = codes[one] != codes[other]
@@ -40,7 +37,15 @@ def laid_over(rgba: NDArray[np.float32], planes: Planes, labels: Labels) -> tupl
     return mixed, seen
 
 
-def _codes_at(planes: Planes, labels: Labels) -> NDArray[np.intp]:
+def colors_of_labels(labels: Labels) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Opacities of outlines, and colours, shape (n, 3), by the codes of `codes_at`; the last is for pixels outside."""
+    looks = [labels.labels.get(number) for number in labels.numbers]
+    shares = np.array([0.0 if look is None else max(look.opacity, look.tint) for look in looks] + [0.0])
+    colors = np.array([(0.0,) * 3 if look is None else look.color for look in looks] + [(0.0,) * 3])
+    return shares, colors
+
+
+def codes_at(planes: Planes, labels: Labels) -> NDArray[np.intp]:
     """Index of the label's number in `Labels.numbers` for every pixel; one more than the last outside their samples."""
     cut, frame = planes.cut, planes.frame
     assert labels.world_from_index is not None

@@ -41,7 +41,7 @@ from wavesplat._scene.slice_lines import lines_over
 from wavesplat._scene.summary import facts_of_time, names_of, quantity_of
 from wavesplat.errors import ArgumentError
 
-__all__ = ["slice"]
+__all__ = ["clear_below", "curves_over", "slice"]
 
 Floats: TypeAlias = NDArray[np.float32]
 
@@ -297,7 +297,7 @@ def _with_layers(
     automatic = iter(cycle(OVERLAY_MAPS))
     for layer in layers:
         if layer.is_shown:
-            curves = _curves_of(scene, layer, automatic)
+            curves = curves_over(scene, layer, automatic)
             values = planes.values_of(layer.drawn, **options)
             rgba, is_seen = _laid_over(rgba, values, curves, layer.opacity)
             report["shown"] += _shown(layer, values, curves)
@@ -333,7 +333,7 @@ def _associated(background: str | Sequence[float] | None) -> Floats:
     return np.array([red * alpha, green * alpha, blue * alpha, alpha], np.float32)
 
 
-def _curves_of(scene: Scene, layer: Layer, automatic: Iterator[str]) -> TransferFunction:
+def curves_over(scene: Scene, layer: Layer, automatic: Iterator[str]) -> TransferFunction:
     """The colours of a layer that lies over another one; `automatic`: colour maps for those without a look."""
     volume = layer.looked_at
     name = layer.look if isinstance(layer.look, str) else None
@@ -371,7 +371,7 @@ def _laid_over(rgba: Floats, values: Floats, curves: TransferFunction, opacity: 
     mixed, is_seen = np.array(rgba), False
     if most == 0:
         return mixed, False
-    lowest = _clear_below(curves)
+    lowest = clear_below(curves)
     rows = max(1, PIXELS_AT_ONCE // values.shape[1])
     for start in range(0, len(values), rows):
         part, below = values[start : start + rows], mixed[start : start + rows]
@@ -384,7 +384,7 @@ def _laid_over(rgba: Floats, values: Floats, curves: TransferFunction, opacity: 
     return mixed, is_seen
 
 
-def _clear_below(curves: TransferFunction) -> float:
+def clear_below(curves: TransferFunction) -> float:
     """The value below which nothing shows: the low end, unless less is more there, as in maps of two signs."""
     alphas = [alpha for _, alpha in curves.opacity]
     if any(low > high for low, high in pairwise(alphas)):
@@ -408,7 +408,7 @@ def _shown_values(curves: TransferFunction) -> str | None:
     """Which values show, where they are all from one on, or all beyond two, as of a threshold; None for other looks."""
     nodes = curves.opacity
     first = next((n for n, (_, alpha) in enumerate(nodes) if alpha > 0), None)
-    if first is not None and np.isfinite(lowest := _clear_below(curves)):
+    if first is not None and np.isfinite(lowest := clear_below(curves)):
         return f"from {nodes[first - 1][0] if first else lowest:g} on"
     hidden = [value for value, alpha in nodes if alpha == 0]
     if hidden and nodes[0][1] > 0 and nodes[-1][1] > 0:

@@ -25,6 +25,7 @@ from wavesplat._scene import scene_json
 from wavesplat._viewer import code, encoding, export_html
 from wavesplat._viewer.framed_cameras import framed, kept_in_view
 from wavesplat._viewer.info import data_of
+from wavesplat._viewer.measuring import label_statistics, region_statistics
 from wavesplat._viewer.picturing import picture_of
 from wavesplat._viewer.previews import preview_of
 from wavesplat._viewer.probing import sample_at, value_at
@@ -38,7 +39,7 @@ __all__ = ["OF_CAMERAS", "answer", "state_from_text"]
 Answer: TypeAlias = tuple[dict[str, Any], bytes]
 Progress: TypeAlias = Callable[[float], object] | None
 
-MAX_BINS, MAX_PX, MAX_TEXT = 4096, 8192, 1 << 20
+MAX_BINS, MAX_PX, MAX_TEXT, MAX_CORNERS = 4096, 8192, 1 << 20, 200
 QUALITIES = ("draft", "normal", "fine", "high")
 
 
@@ -163,6 +164,17 @@ def _probe(state: ViewerState, arguments: Mapping[str, Any], _: Progress) -> Ans
         if number or look is not None:
             label = {"number": number, "name": (look.name if look else "") or str(number)}
     return {"values": values, "label": label, "index": index}, b""
+
+
+def _region(state: ViewerState, arguments: Mapping[str, Any], _: Progress) -> Answer:
+    points = arguments.get("points")
+    if not isinstance(points, list) or not 3 <= len(points) <= MAX_CORNERS:
+        raise ArgumentError(f"points is {described(points)}; give 3 to {MAX_CORNERS} points")
+    return {"layers": region_statistics(state, np.array([_point({"point": one}, "point") for one in points]))}, b""
+
+
+def _label_statistics(state: ViewerState, _: Mapping[str, Any], __: Progress) -> Answer:
+    return {"labels": label_statistics(state)}, b""
 
 
 def _pick(state: ViewerState, arguments: Mapping[str, Any], progress: Progress) -> Answer:
@@ -290,6 +302,8 @@ ANSWERS: dict[str, Callable[[ViewerState, Mapping[str, Any], Progress], Answer]]
     "data": _data,
     "histogram": _histogram,
     "probe": _probe,
+    "region": _region,
+    "label_statistics": _label_statistics,
     "pick": _pick,
     "shape": _shape,
     "preset": _preset,

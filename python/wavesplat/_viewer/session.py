@@ -18,11 +18,12 @@ from wavesplat._model.argument_types import described
 from wavesplat._model.sampling import Sampling
 from wavesplat._picture.picture import Picture
 from wavesplat._viewer import encoding, questions
+from wavesplat._viewer.frame_facts import place_of_frame, settings_of_frame
 from wavesplat._viewer.info import welcome_of
 from wavesplat._viewer.pace import BUDGETS_MS, Pace, Settings, rungs_of
 from wavesplat._viewer.picturing import picture_of, pictures_at_rest
 from wavesplat._viewer.previews import has_lazy
-from wavesplat._viewer.slice_view import geometry_of
+from wavesplat._viewer.slice_values import SliceValues, slice_values
 from wavesplat._viewer.state import ViewerState, changes_picture, changes_slices
 from wavesplat._viewer.view_json import VIEWS
 from wavesplat.errors import ArgumentError, CancelledError, WavesplatError
@@ -419,8 +420,8 @@ class Session:
                 "height": picture.size[1],
                 "format": fmt,
                 "at_rest": at_rest and size == picture.size,
-                **_place(state, view, picture),
-                "settings": _settings(picture, settings),
+                **place_of_frame(state, view, picture),
+                "settings": settings_of_frame(picture, settings),
                 "expected_psnr_db": None if at_rest else picture.report.get("expected_psnr_db"),
                 "ms": {
                     "wait": round(waited_ms, 2),
@@ -440,13 +441,17 @@ class Session:
         goes_on: Callable[[float], bool],
         *,
         at_rest: bool,
-    ) -> Iterator[Picture]:
-        if view == "3d" and at_rest and has_lazy(state.scene):
+    ) -> Iterator[Picture | SliceValues]:
+        if view != "3d" and at_rest:
+            yield slice_values(state, view, size)
+        elif view == "3d" and at_rest and has_lazy(state.scene):
             yield from pictures_at_rest(state, size, goes_on)
         else:
             yield self._picture(state, view, size, settings, goes_on)
 
-    def _send_part(self, client: Client, view: str, state: ViewerState, seq: int, picture: Picture) -> None:
+    def _send_part(
+        self, client: Client, view: str, state: ViewerState, seq: int, picture: Picture | SliceValues
+    ) -> None:
         """Send a picture that a better one follows, if the page has shown those before."""
         fmt, payload = self._encoded(client, picture, at_rest=False)
         with self._changed:
@@ -464,8 +469,8 @@ class Session:
                 "height": picture.size[1],
                 "format": fmt,
                 "at_rest": False,
-                **_place(state, view, picture),
-                "settings": _settings(picture, Settings(None)),
+                **place_of_frame(state, view, picture),
+                "settings": settings_of_frame(picture, Settings(None)),
                 "expected_psnr_db": None,
                 "ms": {"wait": 0.0, "render": 0.0, "encode": 0.0},
                 "notes": [],
@@ -520,7 +525,9 @@ class Session:
                 sheets_per_slice=told["sheets_per_slice"], oversampling=abs(told["oversampling"])
             )
 
-    def _encoded(self, client: Client, picture: Picture, at_rest: bool) -> tuple[str, bytes]:
+    def _encoded(self, client: Client, picture: Picture | SliceValues, at_rest: bool) -> tuple[str, bytes]:
+        if isinstance(picture, SliceValues):
+            return "values", picture.payload
         if at_rest:
             return "png", encoding.png_bytes(picture.rgba)
         _, quality, subsampled = next(link for link in LINKS if client.delay_ms <= link[0])
@@ -571,22 +578,6 @@ class Session:
         message = str(error) if is_ours else f"the renderer failed: {type(error).__name__}: {error}"
         header = {"type": "failed", "id": number, "code": "failed", "message": message or type(error).__name__}
         client.send(header if seq is None else {**header, "seq": seq})
-
-
-def _place(state: ViewerState, view: str, picture: Picture) -> dict[str, Any]:
-    if view != "3d":
-        geometry = geometry_of(state, view, picture)
-        return {"slice": geometry, "pixel": geometry["pixel"]}
-    return {"camera": state.document["camera"], "pixel": picture.report["pixel"]}
-
-
-def _settings(picture: Picture, settings: Settings) -> dict[str, Any]:
-    names = ("sheets_per_slice", "oversampling")
-    return {
-        "scale": settings.scale,
-        "psnr": settings.psnr,
-        **{n: picture.report[n] for n in names if n in picture.report},
-    }
 
 
 def _whole(header: Mapping[str, Any], name: str) -> int:

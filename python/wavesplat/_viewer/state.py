@@ -13,8 +13,6 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
-import numpy as np
-
 from wavesplat._geometry.shape import Shape
 from wavesplat._geometry.shape_arrays import facts_of_shapes, names_of_shapes
 from wavesplat._looks import look_json
@@ -28,6 +26,7 @@ from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import MAX_LAYERS, Scene
 from wavesplat._viewer import view_json
 from wavesplat._viewer.catalogue import Catalogue, Entry
+from wavesplat._viewer.first_slices import first_crosshair
 from wavesplat._viewer.framed_cameras import FirstView
 from wavesplat._viewer.patches import patched
 from wavesplat._viewer.previews import has_lazy, preview_of
@@ -138,7 +137,7 @@ class ViewerState:
             "kernel": document["render"]["kernel"],
             "composite": document["render"]["composite"],
         }
-        document["view"] = view_json.checked(view or {}, _middle(scene))
+        document["view"] = view_json.checked(view or {}, first_crosshair(scene))
         nowhere = Camera((0, 0, 1), (0, 0, 0), (0, 1, 0), parallel_scale=1)
         unseen = FirstView(nowhere, 1.0, is_framed=False)
         first = cls({}, scene, nowhere, {}, tuple(entries), label_entry, shape_entries, known, unseen)
@@ -215,7 +214,7 @@ class ViewerState:
             # A viewer's picture has the size of the view.
             document = {**document, "render": {k: v for k, v in document["render"].items() if k != "size"}}
         if not _same(document, before, "view"):
-            document = {**document, "view": view_json.checked(document["view"], _middle(self.scene))}
+            document = {**document, "view": view_json.checked(document["view"], first_crosshair(self.scene))}
         entries = self._entries(document)
         changes = self._changes(document, entries)
         scene = self.scene.with_(**changes) if changes else self.scene
@@ -286,10 +285,30 @@ def changes_picture(before: ViewerState, after: ViewerState) -> bool:
 
 
 def changes_slices(before: ViewerState, after: ViewerState) -> bool:
-    """Whether slices may have changed."""
+    """Whether values of slices, or the colours that the page gives them, may have changed.
+
+    The page itself follows the window, and opacities of layers.
+    """
     old, new = before.document, after.document
-    same = old["layers"] is new["layers"] and old["labels"] is new["labels"]
-    return not (same and old["view"]["slices"] == new["view"]["slices"])
+    if old["labels"] is not new["labels"] or old["render"].get("kernel") != new["render"].get("kernel"):
+        return True
+    if _without(old["view"]["slices"], "window") != _without(new["view"]["slices"], "window"):
+        return True
+    if old["layers"] is new["layers"]:
+        return False
+    if len(old["layers"]) != len(new["layers"]):
+        return True
+    # A volume alone has the colours of its slices, whatever its look in space.
+    looks = ("look",) if len(new["layers"]) == 1 else ()
+    return any(
+        not is_same(_without(one, "opacity", *looks), _without(other, "opacity", *looks))
+        or (one["opacity"] > 0) != (other["opacity"] > 0)
+        for one, other in zip(old["layers"], new["layers"], strict=True)
+    )
+
+
+def _without(fields: Mapping[str, Any], *names: str) -> dict[str, Any]:
+    return {name: value for name, value in fields.items() if name not in names}
 
 
 def _same(document: Mapping[str, Any], before: Mapping[str, Any], name: str) -> bool:
@@ -444,8 +463,3 @@ def _options(render: Any) -> dict[str, Any]:
     if isinstance(quality, str) and quality not in ("draft", "normal", "fine", "high"):
         raise ArgumentError(f"{WHAT}: render: field 'quality' is {quality!r}; use one of: draft, normal, fine, high")
     return {"quality": "normal", "kernel": "linear", "composite": None, **options}
-
-
-def _middle(scene: Scene) -> list[float]:
-    middle: list[float] = np.mean(scene.layers[0].drawn.bounds, axis=0).tolist()
-    return middle

@@ -2,14 +2,16 @@
 
     {"layout": {"name": "one-and-three", "main": "3d"},
      "slices": {"crosshair": [0, 0, 0], "window": [40, 400], "thickness": 0, "slab": "maximum", "zoom": 1,
-                "normals": {"z": [0, 0.1, 0.995]}},
+                "center": [0, 0, 0], "colors": "gray", "normals": {"z": [0, 0.1, 0.995]}},
      "measures": [{"kind": "distance", "points": [[0, 0, 0], [10, 0, 0]]}],
      "overlays": {"scale_bar": true, "letters": true, "cube": true, "color_bar": false, "crosshair": true,
                   "crop_box": false, "legend": true},
      "quality": {"moving": "smooth"},
      "interface": {"theme": "system", "panels": ["presets"], "turning": "turntable"}}
 
-Whatever is left out is as `defaults` has it. World units; `window` is (level, width), left out where it is automatic.
+Whatever is left out is as `defaults` has it. World units; `window` is (level, width), and `colors` a colour map, both
+left out where they are those of the kind of data;
+`center` is the place in the middle of all panes, left out where it is the middle of the volume's box.
 """
 
 from __future__ import annotations
@@ -39,7 +41,12 @@ MOVING = ("smooth", "balanced", "exact")
 THEMES = ("system", "dark", "light")
 #: Turning by a drag: about an upright axis, or freely.
 TURNINGS = ("turntable", "trackball")
-MEASURES = {"distance": 2, "angle": 3}
+#: Colour maps of slices.
+COLORS = ("gray", "gray_r", "hot", "viridis", "coolwarm")
+#: Least and largest number of points.
+MEASURES = {"distance": (2, 2), "angle": (3, 3), "area": (3, 200)}
+#: Fields of slices without a default.
+MAY_LACK = ("center", "window", "colors", "normals")
 #: Largest numbers of measures and panels, so that a state stays small.
 MAX_MEASURES, MAX_PANELS = 1000, 100
 WHAT = "scene: view"
@@ -71,7 +78,7 @@ def checked(view: Any, crosshair: Iterable[float]) -> dict[str, Any]:
         name: _object(given.get(name, {}), f"{WHAT}.{name}", known[name])
         for name in ("layout", "overlays", "quality", "interface")
     }
-    slices = _object(given.get("slices", {}), f"{WHAT}.slices", {**known["slices"], "window": 0, "normals": 0})
+    slices = _object(given.get("slices", {}), f"{WHAT}.slices", dict.fromkeys((*known["slices"], *MAY_LACK)))
     merged: dict[str, Any] = {name: {**known[name], **fields} for name, fields in found.items()}
     merged["slices"] = {**known["slices"], **slices}
     _one_of(merged["layout"]["name"], LAYOUTS, "layout.name")
@@ -99,6 +106,10 @@ def _check_slices(slices: dict[str, Any]) -> None:
         raise ArgumentError(f"{WHAT}.slices.thickness is {described(slices['thickness'])}; it must be 0 or a length")
     if not (_is_number(slices["zoom"]) and 0.01 <= slices["zoom"] <= 1000):
         raise ArgumentError(f"{WHAT}.slices.zoom is {described(slices['zoom'])}; it must be a number, 0.01 to 1000")
+    if "center" in slices:
+        _point(slices["center"], "slices.center")
+    if "colors" in slices:
+        _one_of(slices["colors"], COLORS, "slices.colors")
     if "window" in slices:
         window = slices["window"]
         if not (isinstance(window, list) and len(window) == 2 and all(map(_is_number, window)) and window[1] > 0):
@@ -115,8 +126,9 @@ def _measure(measure: Any, number: int) -> dict[str, Any]:
     what = f"measures[{number}]"
     fields = _object(measure, f"{WHAT}.{what}", {"kind": 0, "points": 0})
     _one_of(fields.get("kind"), tuple(MEASURES), f"{what}.kind")
-    points, n = fields.get("points"), MEASURES[fields["kind"]]
-    if not (isinstance(points, list) and len(points) == n):
+    points, (least, most) = fields.get("points"), MEASURES[fields["kind"]]
+    if not (isinstance(points, list) and least <= len(points) <= most):
+        n = f"{least}" if least == most else f"{least} to {most}"
         raise ArgumentError(f"{WHAT}.{what}.points is {described(points)}; it must be a list of {n} points")
     for place, point in enumerate(points):
         _point(point, f"{what}.points[{place}]")

@@ -1,7 +1,8 @@
 // The interface of an engine, which draws the pictures. There is one so far, `remoteEngine`; one in the page may follow.
 
 import type { Operation } from "../state/patch.ts";
-import type { Camera, Look, Vec3, ViewName, ViewerState } from "../state/state.ts";
+import type { Camera, Look, SliceColors, Vec3, ViewName, ViewerState } from "../state/state.ts";
+import type { SliceValuesHeader } from "./slice_values.ts";
 import type { Stop } from "../state/store.ts";
 
 export interface VolumeInfo {
@@ -96,12 +97,16 @@ export interface SliceGeometry {
   readonly down: Vec3;
   readonly normal: Vec3;
   readonly pixel: number;
+  /** Magnification that `pixel` is for. */
+  readonly zoom: number;
   readonly position: number;
   /** Range of the crosshair along `normal`, world units from the origin of the world. */
   readonly range: readonly [number, number];
   readonly letters: { readonly left: string; readonly right: string; readonly top: string; readonly bottom: string } | null;
-  /** [level, width] and [low, high] of the greys. */
-  readonly window: readonly [number, number];
+  /** [level, width] where none is chosen; null of channels, which have windows of their own. */
+  readonly window: readonly [number, number] | null;
+  /** Colour map of the first layer; null of channels. */
+  readonly colors: SliceColors | null;
 }
 
 export interface Frame {
@@ -111,7 +116,9 @@ export interface Frame {
   readonly seq: number;
   readonly width: number;
   readonly height: number;
-  readonly format: "jpeg" | "png";
+  /** Of slices at rest: their values, to which the page gives colours. */
+  readonly format: "jpeg" | "png" | "values";
+  readonly values?: SliceValuesHeader;
   /** Whether it is the picture at rest. */
   readonly at_rest: boolean;
   readonly camera?: Camera;
@@ -140,6 +147,18 @@ export type Connection =
   | { readonly kind: "open" }
   | { readonly kind: "busy"; readonly text: string }
   | { readonly kind: "lost"; readonly problem: Problem; readonly retries: boolean };
+
+/** Statistics of a label. */
+export interface LabelFacts {
+  readonly number: number;
+  readonly name: string;
+  readonly n_voxels: number;
+  readonly volume: number;
+  readonly mean: number | null;
+  readonly sd: number | null;
+  readonly min: number | null;
+  readonly max: number | null;
+}
 
 /** Questions and their answers; files come as bytes. */
 export interface Questions {
@@ -175,6 +194,16 @@ export interface Questions {
   probe: {
     question: { point: Vec3 };
     answer: { values: (number | null)[]; label: { number: number; name: string } | null; index: Vec3 };
+  };
+  /** Statistics of the values of each layer in a plane region with corners in the world; null where a layer has none. */
+  region: {
+    question: { points: readonly Vec3[] };
+    answer: { layers: ({ mean: number; sd: number; min: number; max: number } | null)[] };
+  };
+  /** Every label: voxels, volume in cubed world units, and values of the first layer, null where none is finite. */
+  label_statistics: {
+    question: Readonly<Record<string, never>>;
+    answer: { labels: LabelFacts[] };
   };
   /** The world point that is seen at a pixel of the 3-D view (fractions 0..1 from the top left), or null. */
   pick: { question: { x: number; y: number; width: number; height: number }; answer: { point: Vec3 | null } };

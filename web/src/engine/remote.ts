@@ -29,6 +29,9 @@ interface Waiting {
 /** Milliseconds without an answer after which the kernel, or the line, counts as busy. */
 const BUSY_MS = 600;
 
+/** Fields that the page shows by itself: their changes are sent when a gesture ends, or with others. */
+const SHOWN_HERE: readonly string[] = ["/view/slices/window"];
+
 const LOST: Problem = { code: "lost", message: "the connection was lost" };
 
 export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
@@ -81,7 +84,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
   };
 
   const flush = (): void => {
-    if (!isScheduled || !isOpen) return;
+    if ((!isScheduled && outgoing.length === 0) || !isOpen) return;
     isScheduled = false;
     channel.send({ type: "patch", seq, operations: outgoing, moving: isMoving });
     if (outgoing.length > 0 && sizes.size > 0) expect();
@@ -223,7 +226,8 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
       seq += 1;
       outgoing.push(...operations);
       isMoving = moving;
-      if (!isScheduled) {
+      const waits = moving && operations.length > 0 && operations.every(({ path }) => SHOWN_HERE.includes(path));
+      if (!isScheduled && !waits) {
         isScheduled = true;
         nextFrame(flush);
       }

@@ -55,7 +55,9 @@ export const GESTURES: readonly (readonly [string, string])[] = [
   ["Ctrl drag", "Roll"],
   ["Alt drag", "Window and level: of slices, in space of the opacities and colours"],
   ["Ctrl click", "Crosshair to what is seen"],
-  ["Double click in a slice", "Window as it was"],
+  ["Wheel on a slice; with Ctrl", "Next slices; magnify about the pointer"],
+  ["Double click on a slice", "It fills the page, or goes back"],
+  ["Two fingers on a slice", "Up and down: next slices; sideways: move; apart: magnify"],
   ["One finger, two fingers", "Turn; move and magnify, with the trackball also roll"],
 ];
 

@@ -2,7 +2,7 @@
 // fixtures in `web/schema`. Checks that only the renderer can make, such as the order of points, are left to it.
 
 import { COMPOSITE_NAMES } from "./composites.ts";
-import { OVERLAYS, PANES, QUALITIES, TURNINGS, type ViewerState } from "./state.ts";
+import { MAX_REGION_POINTS, OVERLAYS, PANES, QUALITIES, SLICE_COLORS, TURNINGS, type ViewerState } from "./state.ts";
 
 type Check = (value: unknown, where: string) => void;
 
@@ -141,6 +141,8 @@ const state = fields({
       "thickness?": number(0),
       "slab?": oneOf("maximum", "minimum", "mean"),
       "zoom?": number(0.01, 1000),
+      "center?": point,
+      "colors?": oneOf(...SLICE_COLORS),
       "normals?": fields(
         Object.fromEntries(
           PANES.map((pane): [string, Check] => [
@@ -154,9 +156,9 @@ const state = fields({
       ),
     }),
     "measures?": list((value, where) => {
-      fields({ kind: oneOf("distance", "angle"), points: list(point) })(value, where);
+      fields({ kind: oneOf("distance", "angle", "area"), points: list(point) })(value, where);
       const { kind: what, points } = value as { kind: string; points: unknown[] };
-      list(any, what === "angle" ? 3 : 2, what === "angle" ? 3 : 2)(points, `${where}.points`);
+      list(any, what === "distance" ? 2 : 3, { distance: 2, angle: 3 }[what] ?? MAX_REGION_POINTS)(points, `${where}.points`);
     }, 0, 1000),
     "overlays?": fields(Object.fromEntries(OVERLAYS.map((name) => [`${name}?`, flag]))),
     "quality?": fields({ "moving?": oneOf("smooth", "balanced", "exact") }),

@@ -131,6 +131,10 @@ export const PANES = ["z", "y", "x"] as const;
 export type Pane = (typeof PANES)[number];
 export type ViewName = "3d" | Pane;
 
+/** Colour maps of slices. */
+export const SLICE_COLORS = ["gray", "gray_r", "hot", "viridis", "coolwarm"] as const;
+export type SliceColors = (typeof SLICE_COLORS)[number];
+
 /** The part of the state that scenes do not have: layout, slices, measures, overlays, interface. */
 export interface View {
   readonly layout: { readonly name: "3d" | "one-and-three" | "two-by-two" | "single"; readonly main: ViewName };
@@ -139,12 +143,16 @@ export interface View {
     readonly crosshair: Vec3;
     /** Unit normals of planes that were tilted; the others are at right angles to the world's axes. */
     readonly normals?: Readonly<Partial<Record<Pane, Vec3>>>;
-    /** [level, width]; absent: the values that count as smallest and largest. */
+    /** [level, width]; absent: that of the kind of data. */
     readonly window?: readonly [number, number];
+    /** Colour map of the first layer; absent: grey, of PET inverted. */
+    readonly colors?: SliceColors;
     /** Thickness of the slab, world units; 0 is a plane. */
     readonly thickness: number;
     readonly slab: "maximum" | "minimum" | "mean";
     readonly zoom: number;
+    /** World position in the middle of all panes; absent: the middle of the first volume's box. */
+    readonly center?: Vec3;
   };
   readonly measures: readonly Measure[];
   readonly overlays: Readonly<Record<Overlay, boolean>>;
@@ -163,9 +171,12 @@ export const TURNINGS = ["turntable", "trackball"] as const;
 export const OVERLAYS = ["scale_bar", "letters", "cube", "color_bar", "crosshair", "crop_box", "legend"] as const;
 export type Overlay = (typeof OVERLAYS)[number];
 
-/** A measure by world points: two for a distance; three for an angle, whose vertex is the second. */
+/** Largest number of corners of a region. */
+export const MAX_REGION_POINTS = 200;
+
+/** A measure by world points: two for a distance; three for an angle, whose vertex is the second; corners of a region. */
 export interface Measure {
-  readonly kind: "distance" | "angle";
+  readonly kind: "distance" | "angle" | "area";
   readonly points: readonly Vec3[];
 }
 

@@ -1,76 +1,87 @@
-// Distances and angles as a list.
+// Distances, angles and regions as a list, and statistics of labels.
 
 import { set } from "../state/patch.ts";
+import type { Measure } from "../state/state.ts";
 import { placeText } from "./descriptions.ts";
-import type { PartProps } from "./part.ts";
+import { LabelStatistics } from "./label_statistics.tsx";
+import type { PartProps, Tool } from "./part.ts";
+import { closeRegion } from "./slices/drawing.ts";
+import { measuresCsv } from "./slices/measure_csv.ts";
 import { measured } from "./slices/measures.tsx";
+import { regionFacts, textOfRegion, useRegionFacts } from "./slices/region_text.tsx";
 
-export function MeasurePanel({ store, welcome, ui }: PartProps) {
+const TOOLS: readonly (readonly [Tool & Measure["kind"], string, string])[] = [
+  ["distance", "Distance", "Drag from one end to the other, or click both."],
+  ["angle", "Angle", "Click a point on each leg and the corner between them, in their order."],
+  ["area", "Region", "Draw around it on a slice, or click its corners and close it by a double click."],
+];
+
+export function MeasurePanel(props: PartProps) {
+  const { store, welcome, ui } = props;
   const { measures } = store.state.view;
-  const unit = welcome.volumes[0]?.unit ?? "units";
-  const csv = (): string =>
-    ["kind,value,unit,points", ...measures.map((one) => {
-      const [value, of] = measured(one, unit).replace("°", " degree").split(" ");
-      return `${one.kind},${value},${of},"${one.points.map((point) => point.join(" ")).join("; ")}"`;
-    })].join("\n");
+  const tool = TOOLS.find(([name]) => name === ui.tool);
+  const save = async (): Promise<void> => {
+    const facts = await Promise.all(measures.map((one) => (one.kind === "area" ? regionFacts(props, one) : null)));
+    const { unit, value_unit } = welcome.volumes[0] ?? { unit: null, value_unit: "" };
+    ui.download("measures.csv", measuresCsv(measures, facts, unit ?? "units", value_unit), "text/csv");
+  };
   return (
     <>
       <div class="row">
-        {(["distance", "angle"] as const).map((tool) => (
-          <button
-            key={tool}
-            class="button"
-            aria-pressed={ui.tool === tool}
-            onClick={() => ui.setTool(ui.tool === tool ? "turn" : tool)}
-          >
-            {tool === "distance" ? "Distance" : "Angle"}
+        {TOOLS.map(([name, text]) => (
+          <button key={name} class="button" aria-pressed={ui.tool === name} onClick={() => ui.setTool(ui.tool === name ? "turn" : name)}>
+            {text}
           </button>
         ))}
-        <button
-          class="button"
-          onClick={() => {
-            const { crosshair } = store.state.view.slices;
-            ui.addPoint(crosshair);
-          }}
-          disabled={ui.tool !== "distance" && ui.tool !== "angle"}
-        >
+        <button class="button" onClick={() => ui.addPoint(store.state.view.slices.crosshair)} disabled={tool === undefined}>
           Point at the crosshair
         </button>
+        {ui.tool === "area" && ui.points.length > 2 && <button class="button" onClick={() => closeRegion(props)}>Close the region</button>}
       </div>
-      {ui.points.length > 0 && <p class="dim">{`${ui.points.length} of ${ui.tool === "angle" ? 3 : 2} points`}</p>}
-      {measures.length === 0 ? (
-        <p class="dim">Choose one, then click in a view.</p>
-      ) : (
-        <ol>
-          {measures.map((one, n) => (
-            <li key={n}>
-              <span class="row">
-                {measured(one, unit)}
-                <button
-                  class="icon-button"
-                  aria-label={`Delete measure ${n + 1}`}
-                  onClick={() => store.change([{ op: "remove", path: `/view/measures/${n}` }])}
-                >
-                  ×
-                </button>
-              </span>
-              <span class="dim">{one.points.map((point) => placeText(point, welcome)).join(" – ")}</span>
-            </li>
-          ))}
-        </ol>
-      )}
+      {ui.points.length > 0 && <p class="dim">{pointsSoFar(ui.tool, ui.points.length)}</p>}
+      {(tool !== undefined || measures.length === 0) && <p class="dim">{tool?.[2] ?? "Choose one, then draw it in a view."}</p>}
+      {measures.length > 0 && <ol>{measures.map((one, n) => <Row key={n} {...props} measure={one} number={n} />)}</ol>}
       <div class="row">
         <button class="button" disabled={measures.length === 0} onClick={() => store.change([set([], "view", "measures")])}>
           Delete all
         </button>
-        <button
-          class="button"
-          disabled={measures.length === 0}
-          onClick={() => ui.download("measures.csv", csv(), "text/csv")}
-        >
-          Save as CSV
-        </button>
+        <button class="button" disabled={measures.length === 0} onClick={() => void save()}>Save as CSV</button>
       </div>
+      {store.state.labels !== null && <LabelStatistics {...props} />}
     </>
   );
+}
+
+function pointsSoFar(tool: Tool, n: number): string {
+  return tool === "area" ? `${n} corners` : `${n} of ${tool === "angle" ? 3 : 2} points`;
+}
+
+function Row(props: PartProps & { readonly measure: Measure; readonly number: number }) {
+  const { store, welcome, measure, number } = props;
+  const { unit, value_unit } = welcome.volumes[0] ?? { unit: null, value_unit: "" };
+  return (
+    <li>
+      <span class="row">
+        {measured(measure, unit ?? "units")}
+        <button
+          class="icon-button"
+          aria-label={`Delete measure ${number + 1}`}
+          onClick={() => store.change([{ op: "remove", path: `/view/measures/${number}` }])}
+        >
+          ×
+        </button>
+      </span>
+      {measure.kind === "area" ? (
+        <RegionValues {...props} valueUnit={value_unit} />
+      ) : (
+        <span class="dim">{measure.points.map((point) => placeText(point, welcome)).join(" – ")}</span>
+      )}
+    </li>
+  );
+}
+
+function RegionValues(props: PartProps & { readonly measure: Measure; readonly valueUnit: string }) {
+  const facts = useRegionFacts(props, props.measure);
+  if (facts === null) return null;
+  return <span class="dim">{`${textOfRegion(facts, props.valueUnit)}, ${facts.min.toPrecision(4)} to ${facts.max.toPrecision(4)}`}</span>;
 }

@@ -76,6 +76,12 @@ export class PageState {
     if (ask === null) this.change({ probed: "" });
   }
 
+  /** Shows what is under the pointer, where it is known at once. */
+  tell(probed: string): void {
+    clearTimeout(this.probeTimer);
+    this.change({ probed });
+  }
+
   /** Announces a text to screen readers, at most once a second: the newest one. */
   announce(text: string): void {
     clearTimeout(this.sayTimer);

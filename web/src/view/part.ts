@@ -9,7 +9,7 @@ import type { Camera, Vec3, ViewName } from "../state/state.ts";
 import type { Store } from "../state/store.ts";
 
 /** The tool of a drag with the left button in the views. */
-export type Tool = "turn" | "distance" | "angle" | "window";
+export type Tool = "turn" | "distance" | "angle" | "area" | "window";
 
 /** State and actions of this page alone, which are no part of the viewer's state. */
 export interface Ui {
@@ -37,6 +37,8 @@ export interface Ui {
   readonly probed: string;
   /** Finds out what is under the pointer, for its newest place alone. */
   probe(ask: (() => Promise<string>) | null): void;
+  /** Shows what is under the pointer, where it is known at once. */
+  tell(text: string): void;
   /** Adds a point to the measure under way, which its last point completes. */
   addPoint(point: Vec3): void;
   readonly points: readonly Vec3[];

@@ -13,6 +13,7 @@ import { windowDrag } from "./look/window_drag.ts";
 import { SceneOverlay } from "./overlay3d/scene_overlay.tsx";
 import type { CssSize, PartProps, Tool } from "./part.ts";
 import { RulerLine, useRuler } from "./scene_ruler.tsx";
+import { crosshairAt } from "./slices/moves.ts";
 import { Viewport } from "./viewport.tsx";
 
 /** Pixels of a drag that a key press stands for, and its factor of zoom and angle of roll. */
@@ -159,7 +160,7 @@ export async function pick(props: PartProps, x: number, y: number, size: CssSize
     const { point } = await engine.ask("pick", placed(x, y, size));
     if (point === null) ui.announce("Nothing is seen there");
     else if (isMeasuring(ui.tool)) ui.addPoint(point);
-    else store.change([set(point, "view", "slices", "crosshair")]);
+    else store.change(crosshairAt(store.state, point));
     return point !== null;
   } catch (problem) {
     ui.problem(problem as Problem);

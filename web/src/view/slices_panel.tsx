@@ -1,11 +1,13 @@
 // Slices by numbers: crosshair, thickness, window and level, zoom, tilt.
 
 import { set } from "../state/patch.ts";
-import { PANES, type Vec3 } from "../state/state.ts";
+import { PANES, SLICE_COLORS, type Vec3 } from "../state/state.ts";
 import { Choice, NumberField } from "./fields.tsx";
 import { decimalsOf } from "./descriptions.ts";
 import type { PartProps } from "./part.ts";
 import { pick } from "./scene_view.tsx";
+import { crosshairAt, fitted, zoomedAbout } from "./slices/moves.ts";
+import { chooseWindow, COLOR_NAMES, namedWindows } from "./slices/window_menu.tsx";
 
 const AXES = ["x", "y", "z"] as const;
 
@@ -22,7 +24,8 @@ export function SlicesPanel(props: PartProps) {
   const span = (info?.range[1] ?? 1) - (info?.range[0] ?? 0) || 1;
   const setWindow = (next: readonly [number, number], gesture?: string): void =>
     store.change([set(next, "view", "slices", "window")], gesture);
-  const names = Object.entries(welcome.window_names);
+  const names = namedWindows(props);
+  const colors = PANES.map((pane) => ui.frames[pane]?.slice?.colors).find(Boolean);
   const named = names.find(([, [l, w]]) => slices.window?.[0] === l && slices.window[1] === w)?.[0];
   return (
     <>
@@ -57,7 +60,7 @@ export function SlicesPanel(props: PartProps) {
         options={[["maximum", "Maximum"], ["minimum", "Minimum"], ["mean", "Mean"]]}
         onChoose={(value) => store.change([set(value, "view", "slices", "slab")])}
       />
-      {info?.value_unit === "HU" && (
+      {names.length > 0 && (
         <Choice
           label="Window"
           value={named ?? (slices.window === undefined ? "automatic" : "own")}
@@ -66,13 +69,15 @@ export function SlicesPanel(props: PartProps) {
             ...names.map(([name, [l, w]]) => [name, `${name} (${l}, ${w})`] as const),
             ...(named === undefined && slices.window !== undefined ? [["own", "Own"] as const] : []),
           ]}
-          onChoose={(value) => {
-            const window = welcome.window_names[value];
-            if (window !== undefined) setWindow(window);
-            else if (slices.window !== undefined) store.change([{ op: "remove", path: "/view/slices/window" }]);
-          }}
+          onChoose={(value) => chooseWindow(props, value)}
         />
       )}
+      <Choice
+        label="Colours"
+        value={slices.colors ?? colors ?? "gray"}
+        options={SLICE_COLORS.map((name) => [name, COLOR_NAMES[name]] as const)}
+        onChoose={(value) => chooseWindow(props, value)}
+      />
       <NumberField
         label="Level"
         unit={info?.value_unit ?? ""}
@@ -96,7 +101,7 @@ export function SlicesPanel(props: PartProps) {
         value={slices.zoom}
         min={0.2}
         max={20}
-        onInput={(value) => store.change([set(Math.min(Math.max(value, 0.1), 100), "view", "slices", "zoom")], "zoom")}
+        onInput={(value) => store.change(zoomedAbout(store.state, welcome, slices.crosshair, value / slices.zoom), "zoom")}
         onSettle={settle}
       />
       <div class="row">
@@ -104,16 +109,19 @@ export function SlicesPanel(props: PartProps) {
           class="button"
           onClick={() => {
             const middle = [0, 1, 2].map((a) => ((lower[a] ?? 0) + (upper[a] ?? 0)) / 2) as unknown as Vec3;
-            store.change([set(middle, "view", "slices", "crosshair")]);
+            store.change(crosshairAt(store.state, middle));
           }}
         >
           Crosshair to the middle
         </button>
         <button class="button" onClick={() => void pick(props, 0.5, 0.5, ui.frames["3d"] ?? { width: 512, height: 512 })}>Crosshair to what is seen</button>
+        <button class="button" disabled={slices.center === undefined && slices.zoom === 1} onClick={() => store.change(fitted(store.state))}>
+          Whole slice
+        </button>
         <button
           class="button"
-          disabled={slices.window === undefined}
-          onClick={() => store.change([{ op: "remove", path: "/view/slices/window" }])}
+          disabled={slices.window === undefined && slices.colors === undefined}
+          onClick={() => chooseWindow(props, "automatic")}
         >
           Automatic window
         </button>

@@ -8,12 +8,12 @@ import { WORDS } from "../words.ts";
 import { Icon, type IconName } from "./icons.tsx";
 import type { PartProps, Tool } from "./part.ts";
 import { showFrom } from "./scene_view.tsx";
-import { nameOf } from "./slices/slice_pane.tsx";
+import { nameOf } from "./slices/panes.ts";
 
 const TEXT = WORDS.toolbar;
 const LAYOUTS: readonly View["layout"]["name"][] = ["3d", "one-and-three", "two-by-two", "single"];
 const VIEWS = ["front", "back", "left", "right", "top", "bottom"] as const;
-const TOOLS: readonly Tool[] = ["turn", "window", "distance", "angle"];
+const TOOLS: readonly Tool[] = ["turn", "window", "distance", "angle", "area"];
 
 export function Toolbar(props: PartProps & { readonly isAbout: boolean; onAbout(): void; onFit(): void }) {
   const { store, welcome, ui, isAbout, onAbout, onFit } = props;

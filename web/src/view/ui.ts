@@ -50,7 +50,8 @@ export function createUi(engine: Engine, store: Store, page: PageState, around: 
     addPoint(point) {
       const kind = page.fields.tool === "angle" ? "angle" : "distance";
       const points = [...page.fields.points, point];
-      const isWhole = points.length >= (kind === "angle" ? 3 : 2);
+      // A region has as many corners as it is given, until it is closed.
+      const isWhole = page.fields.tool !== "area" && points.length >= (kind === "angle" ? 3 : 2);
       page.change({ points: isWhole ? [] : points });
       if (isWhole && isMeasure(points)) store.change([set({ kind, points }, "view", "measures", "-")]);
     },
@@ -62,6 +63,7 @@ export function createUi(engine: Engine, store: Store, page: PageState, around: 
       return page.fields.probed;
     },
     probe: (ask) => page.probe(ask),
+    tell: (text) => page.tell(text),
     announce: (text) => page.announce(text),
     problem: (problem) => page.change({ problem: problemOf(problem) }),
     download(name, content, type) {

@@ -2,7 +2,7 @@
 // Gestures are passed on; the parts that place a viewport know what they mean in space or on a slice.
 
 import type { ComponentChildren } from "preact";
-import { useEffect, useLayoutEffect, useRef, useState } from "preact/hooks";
+import { useLayoutEffect, useRef, useState } from "preact/hooks";
 
 import type { Frame, Problem } from "../engine/engine.ts";
 import { Gestures, wheelFactor, wheelSteps, type Gesture } from "../input/gestures.ts";
@@ -36,6 +36,8 @@ export interface ViewportHandlers {
   readonly onHover?: (place: { readonly x: number; readonly y: number } | null, size: CssSize) => void;
   /** Called with the size of the picture, in device pixels, when the view is shown first, and when it was resized. */
   readonly onResize?: (size: PixelSize) => void;
+  /** Draws a frame of values into the canvas; such frames come where it is given. */
+  readonly onValues?: (frame: Frame, canvas: HTMLCanvasElement) => Promise<void>;
   /** CSS transform of the frame on the screen until the next one comes. */
   readonly transform?: (frame: Frame, size: CssSize) => string;
 }
@@ -171,13 +173,16 @@ export function Viewport(props: ViewportProps) {
   );
 }
 
-/** Tells the engine how many pixels the view has, and that it is not shown where it is not. */
+/**
+ * Tells the engine how many pixels the view has, and that it is not shown where it is not. With the layout, since a later
+ * effect of a view that has gone by then would hide the one that took its place.
+ */
 function useSize(
   box: { current: HTMLDivElement | null },
   latest: { current: ViewportProps },
   setSize: (size: CssSize) => void,
 ): void {
-  useEffect(() => {
+  useLayoutEffect(() => {
     const element = box.current;
     if (element === null) return undefined;
     const { engine, view } = latest.current;
@@ -226,7 +231,7 @@ function useSize(
 
 /** Draws the frames that come, the newest alone where several wait. */
 function useFrames(canvas: { current: HTMLCanvasElement | null }, latest: { current: ViewportProps }): void {
-  useEffect(() => {
+  useLayoutEffect(() => {
     const { engine, view } = latest.current;
     let newest: Frame | null = null;
     let isDecoding = false;
@@ -238,9 +243,14 @@ function useFrames(canvas: { current: HTMLCanvasElement | null }, latest: { curr
         const frame: Frame = newest;
         newest = null;
         try {
-          const picture = await decoded(frame);
-          if (!isGone && canvas.current !== null) drawn(canvas.current, picture, frame);
-          picture.close();
+          if (frame.format === "values") {
+            if (canvas.current !== null) await latest.current.onValues?.(frame, canvas.current);
+            if (canvas.current !== null) noted(canvas.current, frame);
+          } else {
+            const picture = await decoded(frame);
+            if (!isGone && canvas.current !== null) drawn(canvas.current, picture, frame);
+            picture.close();
+          }
           latest.current.ui.frameShown(frame);
         } catch (problem) {
           latest.current.ui.problem(problem as Problem);
@@ -281,6 +291,11 @@ function drawn(canvas: HTMLCanvasElement, picture: ImageBitmap, frame: Frame): v
   context.clearRect(0, 0, canvas.width, canvas.height);
   context.imageSmoothingQuality = "high";
   context.drawImage(picture, 0, 0, canvas.width, canvas.height);
+  noted(canvas, frame);
+}
+
+/** Notes on the canvas what it shows, for tests. */
+function noted(canvas: HTMLCanvasElement, frame: Frame): void {
   canvas.dataset["seq"] = String(frame.seq);
   canvas.dataset["atRest"] = String(frame.at_rest);
 }

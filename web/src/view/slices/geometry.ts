@@ -44,6 +44,31 @@ export function placeOf(frame: SliceFrame, point: Vec3): { x: number; y: number;
   };
 }
 
+/**
+ * A frame as the newest state has it: its magnification, its middle (world) and its plane, before the next frame comes.
+ * Planes that were tilted since are those of the frame.
+ */
+export function newest(frame: SliceFrame, state: ViewerState, pane: Pane, middle: Vec3): SliceFrame {
+  const { geometry, width, height } = frame;
+  const { right, down, range } = geometry;
+  const normal = unit(geometry.normal);
+  if (dot(normal, normalOf(state, pane)) < 1 - 1e-9) return frame;
+  const pixel = (geometry.pixel * geometry.zoom) / state.view.slices.zoom;
+  const along = Math.min(Math.max(dot(state.view.slices.crosshair, normal), range[0]), range[1]);
+  const column = dot(middle, right) - ((width - 1) / 2) * pixel;
+  const row = dot(middle, down) - ((height - 1) / 2) * pixel;
+  const origin = add(add(scaled(right, column), scaled(down, row)), scaled(normal, along));
+  return { ...frame, geometry: { ...geometry, origin, pixel, zoom: state.view.slices.zoom, position: along } };
+}
+
+/** CSS transform of the picture of one frame to its place in another one of the same plane. */
+export function transformOf(from: SliceFrame, to: SliceFrame): string {
+  const scale = from.geometry.pixel / to.geometry.pixel;
+  const { x, y } = placeOf(to, worldAt(from, 0, 0));
+  const isSame = Math.abs(scale - 1) < 1e-6 && Math.hypot(x, y) < 0.01;
+  return isSame ? "" : `matrix(${scale}, 0, 0, ${scale}, ${x}, ${y})`;
+}
+
 /** The direction, in CSS pixels, of the line in which another plane cuts the slice; null where they are parallel. */
 export function lineOf(frame: SliceFrame, other: Vec3): { dx: number; dy: number } | null {
   const along = cross(frame.geometry.normal, other);
@@ -108,3 +133,13 @@ export function angleDeg(points: readonly Vec3[]): number {
 }
 
 export const distance = (points: readonly Vec3[]): number => length(sub(points[1] as Vec3, points[0] as Vec3));
+
+/** Area of a plane polygon by its corners, in squared world units: half the length of the sum of their cross products. */
+export function areaOf(points: readonly Vec3[]): number {
+  const first = points[0] as Vec3;
+  const sum = points.reduce<Vec3>(
+    (total, point, n) => add(total, cross(sub(point, first), sub(points[(n + 1) % points.length] as Vec3, first))),
+    [0, 0, 0],
+  );
+  return length(sum) / 2;
+}

@@ -7,12 +7,16 @@ import type { Camera, Measure, Vec3 } from "../../state/state.ts";
 import { shortNumber } from "../descriptions.ts";
 import { Handle, take } from "../handle.tsx";
 import type { CssSize, PartProps } from "../part.ts";
-import { angleDeg, distance, placeOf, worldAt, type SliceFrame } from "./geometry.ts";
+import type { Drawing } from "./drawing.ts";
+import { RegionText } from "./region_text.tsx";
+import { angleDeg, areaOf, distance, placeOf, worldAt, type SliceFrame } from "./geometry.ts";
 
 const COLOR = "#7df0ff";
+const FILL = "#7df0ff22";
 
-/** Text of a measure: "12.3 mm", "45.0°". */
+/** Text of a measure: "12.3 mm", "45.0°", "123 mm²". */
 export function measured(measure: Measure, unit: string): string {
+  if (measure.kind === "area") return `${shortNumber(areaOf(measure.points), 4)} ${unit}²`;
   return measure.kind === "distance" ? `${shortNumber(distance(measure.points), 4)} ${unit}` : `${angleDeg(measure.points).toFixed(1)}°`;
 }
 
@@ -26,11 +30,11 @@ function Drawn(
     readonly placed: (point: Vec3) => Place | null;
     readonly moved: (point: Vec3, dx: number, dy: number) => Vec3;
     readonly isNear: (points: readonly Vec3[]) => boolean;
+    readonly drawing?: Drawing;
   },
 ) {
-  const { store, welcome, ui, placed, moved, isNear } = props;
+  const { store, welcome, placed, moved, isNear } = props;
   const unit = welcome.volumes[0]?.unit ?? "units";
-  const pending = ui.points.map(placed);
   return (
     <g>
       {store.state.view.measures.map((measure, n) => {
@@ -39,14 +43,21 @@ function Drawn(
         const points = places as Place[];
         const middle = points[measure.kind === "angle" ? 1 : 0] as Place;
         const text = measured(measure, unit);
+        const isRegion = measure.kind === "area";
         return (
           <g key={n}>
-            <path d={`M${points.map(({ x, y }) => `${x} ${y}`).join("L")}`} fill="none" stroke={COLOR} stroke-width="1.5" />
+            <path d={pathOf(points, isRegion)} fill={isRegion ? FILL : "none"} stroke={COLOR} stroke-width="1.5" />
             <text x={middle.x + 10} y={middle.y - 8}>{text}</text>
-            {points.map(({ x, y }, k) => {
-              const change = (to: Vec3, gesture: string): void =>
-                store.change([set(to, "view", "measures", n, "points", k)], gesture);
-              const now = (): Vec3 => store.state.view.measures[n]?.points[k] ?? (measure.points[k] as Vec3);
+            {isRegion && <RegionText {...props} measure={measure} x={middle.x + 10} y={middle.y + 8} />}
+            {/* A region is moved as a whole, by its first point. */}
+            {points.slice(0, isRegion ? 1 : undefined).map(({ x, y }, k) => {
+              const pointsNow = (): readonly Vec3[] => store.state.view.measures[n]?.points ?? measure.points;
+              const now = (): Vec3 => pointsNow()[k] as Vec3;
+              const change = (to: Vec3, gesture: string): void => {
+                const way = sub(to, now());
+                const next = pointsNow().map((point, p) => (isRegion || p === k ? add(point, way) : point));
+                store.change([set(next, "view", "measures", n, "points")], gesture);
+              };
               return (
                 <Handle
                   key={k}
@@ -76,12 +87,34 @@ function Drawn(
           </g>
         );
       })}
-      {pending.map((place, k) => place && <circle key={k} cx={place.x} cy={place.y} r="4" fill={COLOR} stroke="#000" />)}
+      <Pending {...props} />
     </g>
   );
 }
 
-export function MeasuresOnSlice(props: PartProps & { readonly on: SliceFrame }) {
+const pathOf = (places: readonly Place[], isClosed: boolean): string =>
+  `M${places.map(({ x, y }) => `${x} ${y}`).join("L")}${isClosed ? "Z" : ""}`;
+
+/** What is being drawn: the points so far, a line from the last one to the pointer with its length, or a line around a region. */
+function Pending(props: PartProps & { readonly placed: (point: Vec3) => Place | null; readonly drawing?: Drawing }) {
+  const { ui, welcome, placed, drawing } = props;
+  const points = [...ui.points, ...(drawing?.to ? [drawing.to] : [])];
+  const places = (drawing !== undefined && drawing.outline.length > 0 ? drawing.outline : points).map(placed);
+  if (places.length === 0 || places.some((place) => place === null)) return null;
+  const known = places as Place[];
+  const last = known.at(-1) as Place;
+  const kind = ui.tool === "angle" && points.length > 2 ? "angle" : "distance";
+  const text = ui.tool !== "area" && points.length > 1 ? measured({ kind, points }, welcome.volumes[0]?.unit ?? "units") : "";
+  return (
+    <g class="pending">
+      <path d={pathOf(known, false)} fill="none" stroke={COLOR} stroke-width="1.5" stroke-dasharray="5 3" />
+      {known.slice(0, ui.points.length).map(({ x, y }, k) => <circle key={k} cx={x} cy={y} r="4" fill={COLOR} stroke="#000" />)}
+      {text !== "" && <text x={last.x + 12} y={last.y - 10}>{text}</text>}
+    </g>
+  );
+}
+
+export function MeasuresOnSlice(props: PartProps & { readonly on: SliceFrame; readonly drawing: Drawing }) {
   const { on, store } = props;
   const thickness = Math.max(store.state.view.slices.thickness / 2, on.geometry.pixel * 1.5);
   return (

@@ -1,81 +1,153 @@
-// A slice: crosshair, scrolling, window and level, tilting, letters, scale bar, values under the pointer.
+// A slice: its gestures, wheel and keys; the picture follows them at once, until the session's next one comes.
+
+import { useLayoutEffect, useRef } from "preact/hooks";
 
 import type { Frame } from "../../engine/engine.ts";
-import { add, dot, scaled } from "../../input/camera.ts";
+import { add, scaled } from "../../input/camera.ts";
 import type { Gesture } from "../../input/gestures.ts";
 import type { Action } from "../../input/keys.ts";
-import { set } from "../../state/patch.ts";
+import { set, type Operation } from "../../state/patch.ts";
 import type { Pane, Vec3 } from "../../state/state.ts";
-import { placeText, shortNumber } from "../descriptions.ts";
-import { Handle, stepOf } from "../handle.tsx";
-import { CropOnSlice } from "../overlay3d/crop_on_slice.tsx";
+import { shortNumber } from "../descriptions.ts";
+import { windowDrag } from "../look/window_drag.ts";
 import type { CssSize, PartProps } from "../part.ts";
 import { settleSoon } from "../scene_view.tsx";
-import { Viewport } from "../viewport.tsx";
-import {
-  barLength, lineOf, normalOf, othersOf, placeOf, sampleStep, stepped, tilted, worldAt, type SliceFrame,
-} from "./geometry.ts";
-import { MeasuresOnSlice } from "./measures.tsx";
+import { Viewport, type Wheel } from "../viewport.tsx";
+import { useDrawing } from "./drawing.ts";
+import { newest, normalOf, sampleStep, stepped, transformOf, worldAt, type SliceFrame } from "./geometry.ts";
+import { toggleMaximised } from "./maximise.ts";
+import { centerOf, fitted, panned, TwoFingers, zoomedAbout } from "./moves.ts";
+import { nameOf } from "./panes.ts";
+import { probe } from "./probe.ts";
+import { SlicePainter } from "./slice_painter.ts";
+import { SliceOverlay } from "./slice_overlay.tsx";
 
-export const PANE_COLORS: Readonly<Record<Pane, string>> = { z: "#ff6b6b", y: "#6bd46b", x: "#6ba8ff" };
-/** Names of planes: radiology's for bodies, else the axis across the plane. */
-const BODY: Readonly<Record<Pane, string>> = { z: "Axial", y: "Coronal", x: "Sagittal" };
-export const nameOf = ({ welcome }: Pick<PartProps, "welcome">, pane: Pane): string => (welcome.volumes[0]?.is_anatomical ? BODY[pane] : pane);
-/** Number of slices that a key with Shift, or PageUp, moves by. */
+/** Number of slices that a key with Shift, or PageUp, moves by; pixels that a key moves the picture by. */
 const COARSE = 10;
+const KEY_PX = 24;
+const KEY_ZOOM = 1.1;
+
+/** A drag: the frame and the middle of the picture when it began, which hold until it ends. */
+interface Press {
+  readonly on: SliceFrame;
+  readonly center: Vec3;
+  readonly x: number;
+  readonly y: number;
+}
 
 export function SlicePane(props: PartProps & { readonly pane: Pane }) {
   const { pane, store, ui, welcome } = props;
-  // Handlers take the newest frame, which may have come since this was drawn.
-  const frame = (): Frame | undefined => ui.frames[pane];
+  const press = useRef<Press | null>(null);
+  const fingers = useRef(new TwoFingers());
+  const drawing = useDrawing(props);
+  const painter = useRef(new SlicePainter());
+  // After each change of the state, in the animation frame that draws it.
+  useLayoutEffect(() => {
+    if (ui.frames[pane] === painter.current.frame) painter.current.draw(store.state);
+  });
   const slices = () => store.state.view.slices;
+  const change = (operations: readonly Operation[], gesture?: string): void => {
+    if (operations.length > 0) store.change(operations, gesture);
+  };
+  // Handlers take the newest frame, which may have come since this was drawn, as the newest state has it.
+  const now = (size: CssSize): SliceFrame | null => {
+    const frame = sliceFrame(ui.frames[pane], size);
+    return frame === null ? null : newest(frame, store.state, pane, centerOf(store.state, welcome));
+  };
   const step = (): number => sampleStep(welcome.volumes[0]?.affine ?? [], normalOf(store.state, pane));
   const scroll = (n: number, gesture: string): void => {
-    const range = frame()?.slice?.range;
+    const range = ui.frames[pane]?.slice?.range;
     if (range === undefined) return;
-    store.change([set(stepped(store.state, pane, n * step(), range), "view", "slices", "crosshair")], gesture);
+    change([set(stepped(store.state, pane, n * step(), range), "view", "slices", "crosshair")], gesture);
   };
   const window = (dx: number, dy: number, size: CssSize): void => {
     const volume = welcome.volumes[0];
-    const now = slices().window ?? frame()?.slice?.window;
-    if (volume === undefined || !now) return;
+    const automatic = ui.frames[pane]?.slice?.window;
+    // Channels have windows of their own, in their looks.
+    if (automatic === null) windowDrag(props, dx, dy);
+    const before = automatic && (slices().window ?? automatic);
+    if (volume === undefined || !before) return;
     const span = volume.robust_range[1] - volume.robust_range[0] || 1;
-    const width = Math.max(now[1] + (dx / size.width) * span, span * 1e-4);
-    store.change([set([now[0] - (dy / size.height) * span, width], "view", "slices", "window")], "window");
+    const width = Math.max(before[1] + (dx / size.width) * span, span * 1e-4);
+    change([set([before[0] - (dy / size.height) * span, width], "view", "slices", "window")], "window");
   };
-  const moveTo = (x: number, y: number, size: CssSize, gesture?: string): void => {
-    const on = sliceFrame(frame(), size);
-    if (on !== null) store.change([set(worldAt(on, x, y), "view", "slices", "crosshair")], gesture);
+  const zoomAt = (size: CssSize, factor: number, x: number, y: number): void => {
+    const on = now(size);
+    if (on !== null) change(zoomedAbout(store.state, welcome, worldAt(on, x, y), factor), "slice zoom");
   };
-  const zoom = (factor: number): void => {
-    const next = Math.min(Math.max(slices().zoom * factor, 0.1), 100);
-    store.change([set(next, "view", "slices", "zoom")], "slice zoom");
+  const panBy = (size: CssSize, dx: number, dy: number, gesture: string): void => {
+    const on = now(size);
+    if (on !== null) change(panned(on, centerOf(store.state, welcome), dx, dy, welcome), gesture);
+  };
+
+  const onTap = (gesture: Gesture & { kind: "tap" }, size: CssSize): void => {
+    const on = now(size);
+    if (on === null) return;
+    if (drawing.isOn) drawing.onTap(on, gesture.x, gesture.y, gesture.double);
+    else if (gesture.double) toggleMaximised(store, pane);
+    else change([set(worldAt(on, gesture.x, gesture.y), "view", "slices", "crosshair")]);
+  };
+
+  const onDrag = (gesture: Gesture & { kind: "drag" }, size: CssSize): void => {
+    const { phase, what, x, y } = gesture;
+    if (phase === "start") {
+      const on = now(size);
+      press.current = on === null ? null : { on, center: centerOf(store.state, welcome), x, y };
+    }
+    const from = press.current;
+    if (from === null) return;
+    const isMain = what === "main" || what === "roll";
+    if (isMain && drawing.isOn) drawing.onDrag(from.on, gesture);
+    else if (phase === "end") store.settle();
+    else if (what === "pan") change(panned(from.on, from.center, x - from.x, y - from.y, welcome), "slice pan");
+    else if (phase === "start") return;
+    else if (what === "window" || (isMain && ui.tool === "window")) window(gesture.dx, gesture.dy, size);
+    else if (what === "zoom") zoomAt(size, Math.exp((-2 * gesture.dy) / size.height), from.x, from.y);
+    else if (isMain) change([set(worldAt(from.on, x, y), "view", "slices", "crosshair")], "crosshair");
+    if (phase === "end") press.current = null;
+  };
+
+  const onPinch = (gesture: Gesture & { kind: "pinch" }, size: CssSize): void => {
+    if (gesture.phase === "end") {
+      fingers.current.end();
+      store.settle();
+      return;
+    }
+    const told = fingers.current.moved(gesture.dx, gesture.dy, gesture.factor);
+    if (told === null) return;
+    if ("steps" in told) scroll(-told.steps, "touch slice");
+    else {
+      panBy(size, told.dx, told.dy, "slice pinch");
+      zoomAt(size, told.factor, gesture.x, gesture.y);
+    }
   };
 
   const onGesture = (gesture: Gesture, size: CssSize): void => {
-    if (gesture.kind === "tap") {
-      const on = sliceFrame(frame(), size);
-      if ((ui.tool === "distance" || ui.tool === "angle") && on !== null) ui.addPoint(worldAt(on, gesture.x, gesture.y));
-      else if (gesture.double && slices().window !== undefined) store.change([{ op: "remove", path: "/view/slices/window" }]);
-      else moveTo(gesture.x, gesture.y, size);
-      return;
-    }
-    if (gesture.phase === "end") store.settle();
-    else if (gesture.kind === "pinch") zoom(gesture.factor);
-    else if (gesture.phase === "start") return;
-    else if (gesture.what === "window" || (gesture.what === "main" && ui.tool === "window")) {
-      window(gesture.dx, gesture.dy, size);
-    } else if (gesture.what === "zoom") zoom(Math.exp((-2 * gesture.dy) / size.height));
-    else if (gesture.what === "main" || gesture.what === "pan") moveTo(gesture.x, gesture.y, size, "crosshair");
+    if (gesture.kind === "tap") onTap(gesture, size);
+    else if (gesture.kind === "pinch") onPinch(gesture, size);
+    else onDrag(gesture, size);
+  };
+
+  const onWheel = ({ factor, steps, ctrl, x, y }: Wheel, size: CssSize): void => {
+    if (ctrl) zoomAt(size, factor, x, y);
+    else scroll(-steps, "wheel slice");
+    settleSoon(store);
   };
 
   const onAction = (action: Action, shift: boolean, size: CssSize): boolean => {
-    const on = sliceFrame(frame(), size);
     const nudge = (right: number, down: number): boolean => {
+      const on = now(size);
       if (on === null) return true;
-      const { geometry } = on;
-      const moved = add(scaled(geometry.right, right * step()), scaled(geometry.down, down * step()));
-      store.change([set(add(slices().crosshair, moved), "view", "slices", "crosshair")], "key crosshair");
+      const moved = add(scaled(on.geometry.right, right * step()), scaled(on.geometry.down, down * step()));
+      change([set(add(slices().crosshair, moved), "view", "slices", "crosshair")], "key crosshair");
+      return true;
+    };
+    const magnify = (factor: number): boolean => {
+      change(zoomedAbout(store.state, welcome, slices().crosshair, factor), "slice zoom");
+      return true;
+    };
+    const pan = (dx: number, dy: number): boolean => {
+      panBy(size, dx, dy, "key pan");
       return true;
     };
     switch (action) {
@@ -85,180 +157,49 @@ export function SlicePane(props: PartProps & { readonly pane: Pane }) {
       case "turn-right": return nudge(1, 0);
       case "turn-up": return nudge(0, -1);
       case "turn-down": return nudge(0, 1);
-      case "zoom-in": zoom(1.1); return true;
-      case "zoom-out": zoom(1 / 1.1); return true;
+      case "pan-left": return pan(-KEY_PX, 0);
+      case "pan-right": return pan(KEY_PX, 0);
+      case "pan-up": return pan(0, -KEY_PX);
+      case "pan-down": return pan(0, KEY_PX);
+      case "zoom-in": return magnify(KEY_ZOOM);
+      case "zoom-out": return magnify(1 / KEY_ZOOM);
       case "first-view":
       case "fit":
-        store.change([set(1, "view", "slices", "zoom")]);
+        change(fitted(store.state));
         return true;
       default: return false;
     }
   };
 
-  const cutAt = frame()?.slice;
-  const position = cutAt === undefined ? "" : shortNumber(cutAt.position, 4);
+  const cutAt = ui.frames[pane]?.slice;
   return (
     <Viewport
       {...props}
       view={pane}
-      label={`${nameOf(props, pane)} slice at ${position}`}
+      label={`${nameOf(props, pane)} slice at ${cutAt === undefined ? "" : shortNumber(cutAt.position, 4)}`}
       onGesture={onGesture}
       onAction={onAction}
-      onWheel={({ factor, steps, ctrl }) => {
-        if (ctrl) zoom(factor);
-        else scroll(-steps, "wheel slice");
-        settleSoon(store);
+      onWheel={onWheel}
+      onHover={(place, size) => {
+        const on = place === null ? null : now(size);
+        drawing.onHover(on, place);
+        probe(props, painter.current, on, place);
       }}
-      onHover={(place, size) => probe(props, place === null ? null : sliceFrame(frame(), size), place)}
+      onValues={(frame, canvas) => painter.current.take(frame, canvas, store.state)}
+      transform={(frame, size) => {
+        const [from, to] = [sliceFrame(frame, size), now(size)];
+        return from === null || to === null ? "" : transformOf(from, to);
+      }}
     >
-      {(shown, size) => <SliceOverlay {...props} frame={shown} size={size} />}
+      {(frame, size) => {
+        const on = now(size);
+        return on !== null && <SliceOverlay {...props} frame={frame} on={on} drawing={drawing.drawing} />;
+      }}
     </Viewport>
   );
 }
 
-export function sliceFrame(frame: Frame | undefined, size: CssSize): SliceFrame | null {
+function sliceFrame(frame: Frame | undefined, size: CssSize): SliceFrame | null {
   if (frame?.slice === undefined || size.width === 0) return null;
   return { geometry: frame.slice, size, width: frame.width, height: frame.height };
-}
-
-function SliceOverlay(props: PartProps & { pane: Pane; frame: Frame; size: CssSize }) {
-  const { pane, frame, size, store, welcome } = props;
-  const { slices, overlays } = store.state.view;
-  const on = sliceFrame(frame, size);
-  if (on === null) return null;
-  const { geometry } = on;
-  const letters = geometry.letters;
-  const unit = welcome.volumes[0]?.unit ?? "units";
-  const perCss = (geometry.pixel * frame.width) / size.width;
-  const bar = barLength(perCss * size.width * 0.3);
-  const [level, width] = slices.window ?? geometry.window ?? [0, 0];
-  const isTilted = slices.normals?.[pane] !== undefined;
-  return (
-    <>
-      <svg class="over" aria-hidden={false}>
-        {overlays.crosshair && othersOf(pane).map((other) => <CrosshairLine key={other} {...props} on={on} other={other} />)}
-        {overlays.crop_box && <CropOnSlice {...props} on={on} />}
-        <MeasuresOnSlice {...props} on={on} />
-        {overlays.letters && letters !== null && (
-          <g aria-hidden="true" text-anchor="middle">
-            <text class="at-left" x={14} y={size.height / 2}>{letters.left}</text>
-            <text x={size.width - 14} y={size.height / 2}>{letters.right}</text>
-            <text class="at-top" x={size.width / 2} y={18}>{letters.top}</text>
-            <text class="at-bottom" x={size.width / 2} y={size.height - 8}>{letters.bottom}</text>
-          </g>
-        )}
-        {overlays.scale_bar && (
-          <g aria-hidden="true" class="at-corner">
-            <path d={`M12 ${size.height - 14}h${bar / perCss}`} stroke="#000" stroke-width="5" />
-            <path d={`M12 ${size.height - 14}h${bar / perCss}`} stroke="#fff" stroke-width="2.5" />
-            <text x={12} y={size.height - 20}>{`${bar} ${unit}`}</text>
-          </g>
-        )}
-      </svg>
-      <div class="corner" style={{ color: PANE_COLORS[pane] }}>
-        {`${nameOf(props, pane)}${isTilted ? ", tilted" : ""}\n${shortNumber(geometry.position, 4)} ${unit}`}
-        {slices.thickness > 0 ? `\n${slices.slab} of ${shortNumber(slices.thickness)} ${unit}` : ""}
-      </div>
-      {geometry.window && (
-        <div class="corner right">{`L ${shortNumber(level, 4)}\nW ${shortNumber(width, 4)}`}</div>
-      )}
-    </>
-  );
-}
-
-function CrosshairLine(props: PartProps & { pane: Pane; on: SliceFrame; other: Pane }) {
-  const { store, on, other, welcome } = props;
-  const { size } = on;
-  const normal = normalOf(store.state, other);
-  const line = lineOf(on, normal);
-  if (line === null) return null;
-  const at = placeOf(on, store.state.view.slices.crosshair);
-  const reach = size.width + size.height;
-  const color = PANE_COLORS[other];
-  // The handle for tilting lies near the edge of the view.
-  const far = Math.min(size.width, size.height) * 0.42;
-  const position = dot(normal, store.state.view.slices.crosshair);
-  const step = sampleStep(welcome.volumes[0]?.affine ?? [], normal);
-  const range = props.ui.frames[other]?.slice?.range ?? rangeOf(welcome.bounds, normal);
-  const move = (distance: number, gesture: string): void =>
-    store.change([set(stepped(store.state, other, distance, range), "view", "slices", "crosshair")], gesture);
-  const keys = (event: KeyboardEvent): void => {
-    const n = stepOf(event);
-    if (n === undefined) return;
-    move(n * step, "key plane");
-  };
-  const tilt = (x: number, y: number): void =>
-    store.change([tiltTo(store, other, tilted(on, normalOf(store.state, other), x - at.x, y - at.y))], "tilt");
-  const tiltKeys = (event: KeyboardEvent): void => {
-    const n = stepOf(event);
-    if (n === undefined) return;
-    const angle = Math.atan2(line.dy, line.dx) + (n * Math.PI) / 180;
-    store.change([tiltTo(store, other, tilted(on, normal, Math.cos(angle), Math.sin(angle)))], "key tilt");
-  };
-  return (
-    <g stroke={color} fill="none">
-      <path
-        d={`M${at.x - line.dx * reach} ${at.y - line.dy * reach}L${at.x + line.dx * reach} ${at.y + line.dy * reach}`}
-        stroke-width="1.2"
-        opacity="0.85"
-      />
-      <Handle
-        label={`${nameOf(props, other)} plane`}
-        text={`${nameOf(props, other)} plane at ${shortNumber(position, 4)}`}
-        value={position}
-        range={range}
-        x={at.x - line.dx * far * 0.55}
-        y={at.y - line.dy * far * 0.55}
-        color={color}
-        onDrag={(_x, _y, dx, dy) => {
-          // The plane moves by the part of the drag that lies along its normal.
-          const { geometry } = on;
-          const per = (geometry.pixel * on.width) / size.width;
-          const way = add(scaled(geometry.right, dx * per), scaled(geometry.down, dy * per));
-          move(dot(way, normal), "drag plane");
-        }}
-        onKey={keys}
-        onEnd={() => store.settle()}
-      />
-      <Handle
-        label={`Tilt the ${nameOf(props, other)} plane`}
-        text={`Tilt of the ${nameOf(props, other)} plane`}
-        value={(Math.atan2(line.dy, line.dx) * 180) / Math.PI}
-        range={[-180, 180]}
-        x={at.x + line.dx * far}
-        y={at.y + line.dy * far}
-        color={color}
-        round
-        onDrag={(x, y) => tilt(x, y)}
-        onKey={tiltKeys}
-        onEnd={() => store.settle()}
-      />
-    </g>
-  );
-}
-
-function tiltTo(store: PartProps["store"], pane: Pane, normal: Vec3) {
-  return set({ ...store.state.view.slices.normals, [pane]: normal }, "view", "slices", "normals");
-}
-
-function rangeOf([lower, upper]: readonly [Vec3, Vec3], normal: Vec3): readonly [number, number] {
-  const ends = [0, 1, 2].map((a) => [(lower[a] ?? 0) * (normal[a] ?? 0), (upper[a] ?? 0) * (normal[a] ?? 0)]);
-  const sum = (pick: (...values: number[]) => number): number => ends.reduce((total, end) => total + pick(...end), 0);
-  return [sum(Math.min), sum(Math.max)];
-}
-
-/** Asks for the values under the pointer. */
-function probe({ engine, ui, welcome }: PartProps, on: SliceFrame | null, place: { x: number; y: number } | null): void {
-  if (on === null || place === null) {
-    ui.probe(null);
-    return;
-  }
-  const point = worldAt(on, place.x, place.y);
-  ui.probe(async () => {
-    const { values, label } = await engine.ask("probe", { point });
-    const shown = values.map((value, n) =>
-      value === null ? "outside" : `${shortNumber(value, 5)} ${welcome.volumes[n]?.value_unit ?? ""}`.trim(),
-    );
-    return `${shown.join(", ")}${label === null ? "" : ` · ${label.name}`} at ${placeText(point, welcome)}`;
-  });
 }

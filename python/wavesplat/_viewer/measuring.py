@@ -1,0 +1,117 @@
+"""Statistics of what is measured: values in a region drawn on a slice, and of every label of a segmentation."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._looks.region_masks import even_odd
+from wavesplat._model.lazy_volume import LazyVolume
+from wavesplat._model.volume import Volume
+from wavesplat._render.slicing import planes_at
+from wavesplat._viewer.state import ViewerState
+from wavesplat.errors import ArgumentError
+
+__all__ = ["label_statistics", "region_statistics"]
+
+#: Pixels along the longer side of a region; values between samples are read at so many.
+REGION_PX = 256
+
+
+def region_statistics(state: ViewerState, points: NDArray[np.float64]) -> list[dict[str, float] | None]:
+    """Mean, standard deviation, least and largest value of each layer in a plane region; None without values there.
+
+    points : shape (n, 3), n >= 3. Corners in the world, in the order of the line around the region, which is closed.
+        Values are those of a plane through their middle, also where slices show slabs.
+
+    Raises
+    ------
+    ArgumentError
+        If the points lie on a line.
+    """
+    middle = points.mean(axis=0)
+    away = points - middle
+    normal = np.cross(away, np.roll(away, -1, axis=0)).sum(axis=0)
+    size = np.linalg.norm(normal)
+    if not size > 1e-12 * (away**2).sum():
+        raise ArgumentError("region: its points lie on a line; give corners of an area")
+    right = away[np.argmax((away**2).sum(axis=1))]
+    right = right - (right @ normal) * normal / size**2
+    right /= np.linalg.norm(right)
+    up = np.cross(normal / size, right)
+    columns, rows = away @ right, away @ -up
+    width, height = np.ptp(columns), np.ptp(rows)
+    pixel = float(max(width, height)) / REGION_PX
+    shape = tuple(max(1, int(np.ceil(side / pixel))) for side in (width, height))
+    origin = middle + (columns.min() + pixel / 2) * right - (rows.min() + pixel / 2) * up
+    planes = planes_at(origin, right, up, pixel, shape)
+    corners = np.stack([columns - columns.min(), rows - rows.min()], axis=1) / pixel - 0.5
+    inside = even_odd([corners], shape[1], shape[0])
+    found: list[dict[str, float] | None] = []
+    for layer in state.scene.layers:
+        values = planes.values_of(layer.drawn, state.options["kernel"], "mean", None)[inside].astype(np.float64)
+        values = values[np.isfinite(values)]
+        found.append(
+            {
+                "mean": float(values.mean()),
+                "sd": float(values.std()),
+                "min": float(values.min()),
+                "max": float(values.max()),
+            }
+            if values.size
+            else None
+        )
+    return found
+
+
+def label_statistics(state: ViewerState) -> list[dict[str, Any]]:
+    """Number, name, voxels, volume (cubed world units) and mean, sd, min and max of the first layer, of each label.
+
+    Labels without voxels are left out; values are None where all of a label's are not finite.
+
+    Raises
+    ------
+    ArgumentError
+        If there are no labels, or the volume is not in memory as a whole.
+    """
+    labels, volume = state.scene.labels, state.scene.layers[0].drawn
+    if labels is None:
+        raise ArgumentError("there are no labels; open some with --labels")
+    if isinstance(volume, LazyVolume) or not isinstance(volume, Volume):
+        raise ArgumentError(
+            f"statistics of labels read all samples, and {volume.name!r} is read in parts; open a smaller copy of it"
+        )
+    on_scan = labels.on_samples_of(volume)
+    codes = on_scan._codes.reshape(-1)
+    values = np.asarray(volume.samples).reshape(-1)
+    n_labels = len(on_scan.numbers)
+    n_voxels = np.bincount(codes, minlength=n_labels)
+    finite = np.isfinite(values)
+    codes, values = (codes, values) if finite.all() else (codes[finite], values[finite])
+    counts = np.bincount(codes, minlength=n_labels)
+    known = np.maximum(counts, 1)
+    mean = np.bincount(codes, values, n_labels) / known
+    # About the mean, as the difference of large squares would lose digits.
+    sd = np.sqrt(np.bincount(codes, (values - mean[codes]) ** 2, n_labels) / known)
+    least, most = np.full(n_labels, np.inf), np.full(n_labels, -np.inf)
+    np.minimum.at(least, codes, values)
+    np.maximum.at(most, codes, values)
+    voxel = abs(float(np.linalg.det(volume.world_from_index[:3, :3])))
+    told = []
+    for code, number in enumerate(on_scan.numbers):
+        look = on_scan.labels.get(number)
+        if n_voxels[code] == 0 or (number == 0 and look is None):
+            continue
+        facts = {"mean": mean[code], "sd": sd[code], "min": least[code], "max": most[code]}
+        told.append(
+            {
+                "number": int(number),
+                "name": (look.name if look else "") or str(number),
+                "n_voxels": int(n_voxels[code]),
+                "volume": float(n_voxels[code]) * voxel,
+                **{name: float(value) if counts[code] else None for name, value in facts.items()},
+            }
+        )
+    return told

@@ -1,0 +1,34 @@
+// The values under the pointer: those that are shown, read in the page.
+
+import { decimalsOf, placeText } from "../descriptions.ts";
+import type { PartProps } from "../part.ts";
+import { worldAt, type SliceFrame } from "./geometry.ts";
+import type { SlicePainter } from "./slice_painter.ts";
+
+/** Values are told in steps of about a tenth of this part of the volume's range. */
+const PARTS = 64;
+
+/** Tells the values, the label and the place under the pointer. `on`: the newest frame, null outside of the slice. */
+export function probe({ ui, welcome }: PartProps, painter: SlicePainter, on: SliceFrame | null, place: { x: number; y: number } | null): void {
+  const shown = painter.frame;
+  const slice = shown?.slice;
+  if (on === null || place === null || shown === null || slice === undefined || shown !== ui.frames[shown.view]) {
+    ui.tell("");
+    return;
+  }
+  const point = worldAt(on, place.x, place.y);
+  // The place in the values, which may be of a picture that was moved since.
+  const along = (way: readonly number[]): number =>
+    Math.round(point.reduce((sum, value, a) => sum + (value - (slice.origin[a] ?? 0)) * (way[a] ?? 0), 0) / slice.pixel);
+  const found = painter.at(along(slice.right), along(slice.down));
+  if (found === null) {
+    ui.tell("");
+    return;
+  }
+  const values = welcome.volumes.flatMap(({ robust_range: [low, high], value_unit }, n) => {
+    const value = found.values.get(n);
+    if (value === undefined) return [];
+    return [value === null ? "outside" : `${value.toFixed(decimalsOf((high - low) / PARTS))} ${value_unit}`.trim()];
+  });
+  ui.tell(`${values.join(", ")}${found.label === null ? "" : ` · ${found.label}`} at ${placeText(point, welcome)}`);
+}

@@ -1,0 +1,53 @@
+// Mean and deviation of the values in a region, which the session works out; each region is asked for once.
+
+import { useEffect, useState } from "preact/hooks";
+
+import type { Questions } from "../../engine/engine.ts";
+import type { Measure } from "../../state/state.ts";
+import { shortNumber } from "../descriptions.ts";
+import type { PartProps } from "../part.ts";
+
+/** Statistics of the values of a layer in a region; null where it has none there. */
+export type RegionFacts = NonNullable<Questions["region"]["answer"]["layers"][number]>;
+
+const known = new WeakMap<readonly unknown[], Map<number, Promise<RegionFacts | null>>>();
+
+/** Statistics of the first layer in a region. `time`: of its series. */
+export function regionFacts({ engine, store }: PartProps, { points }: Measure): Promise<RegionFacts | null> {
+  const time = store.state.layers[0]?.time ?? 0;
+  const times = known.get(points) ?? new Map<number, Promise<RegionFacts | null>>();
+  known.set(points, times);
+  const found = times.get(time) ?? engine.ask("region", { points }).then(({ layers }) => layers[0] ?? null, () => null);
+  times.set(time, found);
+  return found;
+}
+
+export function textOfRegion({ mean, sd }: RegionFacts, unit: string): string {
+  return `mean ${shortNumber(mean, 4)} ± ${shortNumber(sd, 3)} ${unit}`.trim();
+}
+
+/** Milliseconds for which a region must not move before it is asked for. */
+const SETTLED_MS = 150;
+
+export function useRegionFacts(props: PartProps, measure: Measure): RegionFacts | null {
+  const { points } = measure;
+  const time = props.store.state.layers[0]?.time ?? 0;
+  const [facts, setFacts] = useState<{ points: unknown; time: number; facts: RegionFacts | null } | null>(null);
+  useEffect(() => {
+    let isGone = false;
+    const timer = setTimeout(() => {
+      void regionFacts(props, measure).then((found) => !isGone && setFacts({ points, time, facts: found }));
+    }, SETTLED_MS);
+    return () => {
+      isGone = true;
+      clearTimeout(timer);
+    };
+  }, [points, time]);
+  return facts?.points === points && facts.time === time ? facts.facts : null;
+}
+
+export function RegionText(props: PartProps & { readonly measure: Measure; readonly x: number; readonly y: number }) {
+  const facts = useRegionFacts(props, props.measure);
+  if (facts === null) return null;
+  return <text x={props.x} y={props.y}>{textOfRegion(facts, props.welcome.volumes[0]?.value_unit ?? "")}</text>;
+}

@@ -1,4 +1,4 @@
-"""What slices of a viewer show at first, by the kind of data: window, colours, and the place where they cross.
+"""Window, colours and crosshair that the slices of a viewer begin with, by the kind of data.
 
 CT has the window of soft tissue, 40 and 400 Hounsfield units, where most of what is no air lies in it; PET is dark on
 white from 0 to a value that few samples of its body exceed, as it is read in clinics; channels have windows of their

@@ -11,7 +11,7 @@ import { worldAt, type SliceFrame } from "./geometry.ts";
 /** Least distance of the points of a drawn line, pixels. */
 const POINT_PX = 3;
 
-/** What is being drawn: the place of the pointer, to which a line runs from the last point, and a line around a region. */
+/** A measure under way: the place of the pointer, to which a line runs from the last point, and a line around a region. */
 export interface Drawing {
   readonly to: Vec3 | null;
   readonly outline: readonly Vec3[];

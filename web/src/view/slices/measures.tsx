@@ -95,7 +95,7 @@ function Drawn(
 const pathOf = (places: readonly Place[], isClosed: boolean): string =>
   `M${places.map(({ x, y }) => `${x} ${y}`).join("L")}${isClosed ? "Z" : ""}`;
 
-/** What is being drawn: the points so far, a line from the last one to the pointer with its length, or a line around a region. */
+/** The measure under way: the points so far, a line from the last one to the pointer with its length, or a line around a region. */
 function Pending(props: PartProps & { readonly placed: (point: Vec3) => Place | null; readonly drawing?: Drawing }) {
   const { ui, welcome, placed, drawing } = props;
   const points = [...ui.points, ...(drawing?.to ? [drawing.to] : [])];

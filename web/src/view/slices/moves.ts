@@ -56,7 +56,7 @@ const TOLD_PX = 12;
 const PINCHED = 0.12;
 export const TOUCH_STEP_PX = 14;
 
-/** What two fingers do: up and down together scroll through slices; else they move the picture and magnify it. */
+/** Recognises the gesture of two fingers: up and down together scroll through slices; else they move the picture and magnify it. */
 export class TwoFingers {
   private mode: "undecided" | "scroll" | "move" = "undecided";
   private dx = 0;

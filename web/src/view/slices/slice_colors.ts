@@ -3,7 +3,7 @@
 
 import { NOTHING, type ColorNode, type SliceValues, type ValueLayer } from "../../engine/slice_values.ts";
 
-/** What the state says of a slice's colours. */
+/** The fields of the state on which the colours of a slice depend. */
 export interface Coloring {
   /** [level, width] of layers of the kind "window". */
   readonly window: readonly [number, number];

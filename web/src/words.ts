@@ -23,6 +23,12 @@ export const WORDS = {
     settings: "Settings",
     close: (name: string) => `Close ${name}`,
   },
+  legend: {
+    title: "Legend",
+    more: (n: number) => `${n} more`,
+    hide: (name: string) => `${name}: hide`,
+    show: (name: string) => `${name}: show`,
+  },
   about: {
     open: (names: string) => `${names}: about the data`,
     kind: "Kind",

@@ -1,11 +1,11 @@
 // The legend of the segmentation: names, colours, opacities, and what is shown.
 
-import { useMemo, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 import { set } from "../../state/patch.ts";
 import { withoutLabels } from "../open/index.ts";
 import type { PartProps } from "../part.ts";
 import { Button, CheckField, ColorField, SliderField } from "./fields.tsx";
-import { isSoloLabel, labelRows, shownLabels, type Hidden } from "./layers.ts";
+import { hiddenOf, isSoloLabel, labelRows, shownLabels } from "./layers.ts";
 import { hexColor, namedColor } from "./looks.ts";
 import { WORDS } from "../../words.ts";
 
@@ -17,13 +17,12 @@ const FILTERED_FROM = 9;
 
 export function LabelsPanel({ store }: PartProps) {
   const [filter, setFilter] = useState("");
-  const hidden = useMemo((): Hidden => new Map(), [store]);
   const labels = store.state.labels;
   if (labels === null) return <p class="dim">{TEXT.none}</p>;
   const all = labelRows(labels.labels);
   const rows = labelRows(labels.labels, filter);
   const show = (isShown: (number: string) => boolean): void =>
-    store.change(shownLabels(store.state.labels?.labels ?? {}, isShown, hidden));
+    store.change(shownLabels(store.state.labels?.labels ?? {}, isShown, hiddenOf(store)));
   const inRows = new Set(rows.map(({ number }) => number));
   const isOnShown = new Map(all.map(({ number, isShown }) => [number, isShown]));
   const others = (number: string): boolean => isOnShown.get(number) ?? false;

@@ -1,12 +1,11 @@
 // The list of the scene's volumes and shapes: their visibility and opacity, and which one the panels of the look are about.
 
 import { set } from "../../state/patch.ts";
-import type { Layer } from "../../state/state.ts";
 import { withoutLayer, withoutShape } from "../open/index.ts";
 import type { PartProps } from "../part.ts";
-import { hexOf, isEditable, spanOf } from "./curves.ts";
 import { Button, CheckField, SliderField } from "./fields.tsx";
 import { isSolo, soloLayer } from "./layers.ts";
+import { Ramp } from "./ramp.tsx";
 import { WORDS } from "../../words.ts";
 
 const TEXT = WORDS.layersPanel;
@@ -98,15 +97,4 @@ export function LayersPanel({ store, ui }: PartProps) {
       )}
     </>
   );
-}
-
-/** The colours of a layer, from its lowest to its highest value. */
-function Ramp({ layer }: { readonly layer: Layer }) {
-  const curves = layer.look.transfer_function;
-  if (!isEditable(curves)) return <span class="chip" />;
-  const [low, high] = spanOf(curves.color);
-  const stops = curves.color.map((point) => `${hexOf(point)} ${(100 * (point[0] - low)) / (high - low || 1)}%`);
-  const first = curves.color[0];
-  const background = stops.length > 1 ? `linear-gradient(90deg, ${stops.join(", ")})` : first && hexOf(first);
-  return <span class="chip look-chip" style={{ background }} />;
 }

@@ -6,7 +6,7 @@ import type { Page } from "playwright-core";
 import { afterAll, beforeAll, beforeEach, describe, expect, test } from "vitest";
 
 import type { ViewerState } from "../src/state/state.ts";
-import { atRest, change, folder, openBrowser, openViewer, python, startServer, state, type Browser, type Server } from "./harness.ts";
+import { atRest, change, folder, openBrowser, openViewer, pixels, python, startServer, state, type Browser, type Server } from "./harness.ts";
 
 let server: Server;
 let browser: Browser;
@@ -147,4 +147,38 @@ test("what data were taken for is in the page, and micrometres are written µm",
       await other.stop();
     }
   }
+});
+
+/** Share of the pixels that are bone-coloured: bright, and with more blue than skin has. */
+async function boneShare(): Promise<number> {
+  const { data } = await pixels(page);
+  let n = 0;
+  for (let k = 0; k < data.length; k += 4) {
+    const [red = 0, , blue = 0] = data.subarray(k, k + 3);
+    if (red > 100 && blue > 0.7 * red) n += 1;
+  }
+  return n / (data.length / 4);
+}
+
+test("one drag of See-through shows the bones behind the skin, and is one step of undo", async () => {
+  await page.locator('[data-opens="presets"]').click();
+  await page.getByRole("option", { name: /^(ct-skin|Skin)/ }).click();
+  await expect.poll(async () => (await state(page)).layers[0]?.look.name).toBe("ct-skin");
+  await page.locator('[data-opens="function"]').click();
+  await atRest(page);
+  const before = await state(page);
+  expect(await boneShare()).toBeLessThan(0.02);
+  const slider = page.getByRole("slider", { name: "See-through", exact: true });
+  const box = await slider.boundingBox();
+  if (box === null) throw new Error("there is no knob");
+  await page.mouse.move(box.x + 8, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width - 8, box.y + box.height / 2, { steps: 12 });
+  await page.mouse.up();
+  await atRest(page);
+  expect(await boneShare()).toBeGreaterThan(0.05);
+  await page.locator('[data-view="3d"]').focus();
+  await page.keyboard.press("Control+z");
+  await expect.poll(async () => (await state(page)).layers[0]?.look).toEqual(before.layers[0]?.look);
+  await expect.poll(() => slider.inputValue()).toBe("0");
 });

@@ -23,6 +23,18 @@ export const WORDS = {
     settings: "Settings",
     close: (name: string) => `Close ${name}`,
   },
+  knobs: {
+    reveal: "Reveal",
+    soften: "Soften",
+    through: "See-through",
+  },
+  moods: {
+    title: "Mood",
+    soft: "Soft",
+    studio: "Studio",
+    dramatic: "Dramatic",
+    all: "All of the light",
+  },
   legend: {
     title: "Legend",
     more: (n: number) => `${n} more`,
@@ -150,8 +162,7 @@ export const WORDS = {
     usual: "Fit to data",
     addOpacity: "Add opacity point",
     addColor: "Add colour",
-    shift: "Shift",
-    width: "Width",
+    edit: "Edit curve",
     opacities: "Opacities ×",
     global: "Layer opacity",
     mirrorOpacity: "Mirror opacities",

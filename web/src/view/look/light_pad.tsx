@@ -1,14 +1,14 @@
 // The control of the first light's direction: a ball seen from the front, on which the bright spot is moved.
 
-import { useRef } from "preact/hooks";
+import { useId, useRef } from "preact/hooks";
 import type { Vec3 } from "../../state/state.ts";
 import { NumberField } from "./fields.tsx";
 import { anglesOf, directionOf } from "./looks.ts";
 import { WORDS } from "../../words.ts";
 
 const TEXT = WORDS.lightPad;
-const SIZE_PX = 96;
-const RADIUS_PX = 40;
+const SIZE_PX = 132;
+const RADIUS_PX = 60;
 
 export interface LightPadProps {
   readonly direction: Vec3;
@@ -20,6 +20,7 @@ export interface LightPadProps {
 
 export function LightPad({ direction, latest, onDirection, onDone }: LightPadProps) {
   const isDragging = useRef(false);
+  const shade = useId();
   const [azimuth, elevation] = anglesOf(direction);
   const length = Math.hypot(...direction) || 1;
   const spot = { x: (direction[0] / length) * RADIUS_PX, y: (-direction[1] / length) * RADIUS_PX };
@@ -85,8 +86,14 @@ export function LightPad({ direction, latest, onDirection, onDone }: LightPadPro
           turn(...step);
         }}
       >
-        <circle class="look-ball" r={RADIUS_PX} />
-        <path class="look-grid" d={`M${-RADIUS_PX} 0 H${RADIUS_PX} M0 ${-RADIUS_PX} V${RADIUS_PX}`} />
+        <defs>
+          <radialGradient id={shade} cx={spot.x} cy={spot.y} r={1.5 * RADIUS_PX} gradientUnits="userSpaceOnUse">
+            <stop offset="0" class={direction[2] < 0 ? "look-shade-behind" : "look-shade-lit"} />
+            <stop offset="0.55" class="look-shade-half" />
+            <stop offset="1" class="look-shade-dark" />
+          </radialGradient>
+        </defs>
+        <circle class="look-ball" r={RADIUS_PX} fill={`url(#${shade})`} />
         {/* Hollow: behind the ball. */}
         <circle class="look-spot" cx={spot.x} cy={spot.y} r={6} data-behind={direction[2] < 0} />
       </svg>

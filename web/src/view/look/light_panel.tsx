@@ -1,4 +1,4 @@
-// The panel of compositing: the operator with its parameters, light, and the kernel of reconstruction.
+// The panel of light and projection: one ball and three moods, all fields behind them; the operator; the kernel.
 
 import { useRef } from "preact/hooks";
 import type { Problem } from "../../engine/engine.ts";
@@ -20,6 +20,7 @@ import { surfaceValue } from "./curves.ts";
 import { Button, CheckField, ColorField, SelectField, SliderField } from "./fields.tsx";
 import { LayerChoice } from "./function_panel.tsx";
 import { LightPad } from "./light_pad.tsx";
+import { inMood, moodOf, MOODS, type MoodName } from "./moods.ts";
 import { DEFAULT_LIGHTS, DEFAULT_SHADING, hexColor, lookAsChosen, namedColor, shadingOf } from "./looks.ts";
 import { WORDS } from "../../words.ts";
 
@@ -33,9 +34,9 @@ const WATER = 2.059e-5;
 export function LightPanel(props: PartProps) {
   return (
     <div class="look-panel">
-      <Operator {...props} />
       <LayerChoice {...props} />
       <LightFields {...props} />
+      <Operator {...props} />
       <Rest {...props} />
     </div>
   );
@@ -135,8 +136,16 @@ function LightFields({ store, engine, ui, welcome }: PartProps) {
   };
   const toggle = (on: boolean): void => store.change([set(on ? (kept.current ?? DEFAULT_SHADING) : null, ...path)]);
   const resetButton = <Button onClick={() => void reset()}>{TEXT.reset}</Button>;
+  const mood = moodOf(shading);
   const head = (
     <>
+      <div class="row look-moods" role="group" aria-label={WORDS.moods.title}>
+        {(Object.keys(MOODS) as MoodName[]).map((one) => (
+          <Button key={one} pressed={one === mood} onClick={() => store.change([set(inMood(shading, one), ...path)])}>
+            {WORDS.moods[one]}
+          </Button>
+        ))}
+      </div>
       <CheckField label={TEXT.shading} checked={shading !== null} onCheck={toggle} />
       {!isShaded && <p class="dim look-small">{TEXT.unshaded}</p>}
       {state.shading !== "look" && state.layers.length > 1 && <p class="dim look-small">{TEXT.all}</p>}
@@ -174,7 +183,11 @@ function LightFields({ store, engine, ui, welcome }: PartProps) {
   const side = longestSide(welcome.volumes[ui.layer]?.bounds);
   return (
     <>
+      <LightPad direction={first.direction} latest={latest} onDirection={setDirection} onDone={done} />
+      {first["frame"] === "world" && <p class="dim look-small">{TEXT.world}</p>}
       {head}
+      <details class="look-details">
+      <summary>{WORDS.moods.all}</summary>
       {slider(TEXT.exposure, "exposure", 0, 3, { most: 100, step: 0.01 })}
       {slider(TEXT.ambient, "ambient", 0, 1, { most: 10, step: 0.01 })}
       {slider(TEXT.diffuse, "diffuse", 0, 2, { most: 10, step: 0.01 })}
@@ -196,8 +209,6 @@ function LightFields({ store, engine, ui, welcome }: PartProps) {
         </>
       )}
       {slider(TEXT.shadow, "shadow", 0, 1, { step: 0.01 })}
-      {first["frame"] === "world" && <p class="dim look-small">{TEXT.world}</p>}
-      <LightPad direction={first.direction} latest={latest} onDirection={setDirection} onDone={done} />
       <CheckField
         label={TEXT.smoothingOn}
         checked={isSmooth}
@@ -207,6 +218,7 @@ function LightFields({ store, engine, ui, welcome }: PartProps) {
         ? slider(TEXT.smoothing, "gradient_smoothing", ...SMOOTHING, { unit: "voxels", step: 0.01 })
         : slider(TEXT.offset, "gradient_offset", 0.01, 4, { unit: "voxels", step: 0.01 })}
       {resetButton}
+      </details>
     </>
   );
 }

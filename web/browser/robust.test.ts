@@ -10,7 +10,7 @@ import {
 } from "./harness.ts";
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-const PANELS = ["presets", "function", "layers", "light", "cut", "slices", "measure", "share", "settings"];
+const PANELS = ["presets", "looks", "about", "function", "layers", "light", "cut", "slices", "measure", "share", "settings"];
 
 let browser: Browser;
 

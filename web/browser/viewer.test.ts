@@ -171,7 +171,7 @@ type Read = (found: ViewerState) => unknown;
 
 /** Controls: panel, name, action, the part of the state that it changes, and whether the picture changes too. */
 const CONTROLS: readonly (readonly [string, string, (page: Page) => Promise<unknown>, Read, boolean])[] = [
-  ["a preset", "presets", (p) => p.getByRole("option", { name: /^ct-muscle/ }).click(), (s) => s.layers[0]?.look.name, true],
+  ["a preset", "presets", (p) => p.getByRole("option", { name: /^Muscle/ }).click(), (s) => s.layers[0]?.look.name, true],
   ["a point by keys", "function", async (p) => {
     await p.getByText("Edit curve").click();
     await p.getByRole("slider", { name: "Point 3 of 5" }).focus();
@@ -379,7 +379,7 @@ test("the keyboard alone does the main job", async () => {
     throw new Error(`${name} is not reached by Tab`);
   };
   await openPanel(page, "presets");
-  await reach(/ct-bone/);
+  await reach(/^Bone:/);
   await page.keyboard.press("ArrowDown");
   await page.keyboard.press("Enter");
   await expect.poll(async () => (await state(page)).layers[0]?.look.name).not.toBe("ct-bone");

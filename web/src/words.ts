@@ -35,6 +35,16 @@ export const WORDS = {
     dramatic: "Dramatic",
     all: "All of the light",
   },
+  /** Names of presets for people. */
+  looks: {
+    auto: "Automatic", "ct-angio": "Angiography", "ct-bone": "Bone", "ct-heart": "Heart", "ct-lung": "Lungs",
+    "ct-muscle": "Muscle", "ct-skin": "Skin", "ct-soft-tissue": "Soft tissue", "ct-vessels": "Vessels",
+    "mr-angio": "Angiography", "mr-brain": "Brain", "mr-head": "Head", "mr-vessels": "Bright vessels",
+    pet: "Uptake", "pet-hot-iron": "Hot iron", confocal: "Lit cells", em: "Stain",
+    "fluorescence-cyan": "Glow, cyan", "fluorescence-green": "Glow, green", "fluorescence-grey": "Glow, grey",
+    "fluorescence-magenta": "Glow, magenta", "fluorescence-red": "Glow, red", heat: "Heat", log: "Decades",
+    signed: "Two signs", grey: "Grey MIP",
+  } as Readonly<Record<string, string>>,
   legend: {
     title: "Legend",
     more: (n: number) => `${n} more`,
@@ -62,6 +72,7 @@ export const WORDS = {
   },
   /** Headings of the sheets, longer than the names in the rail. */
   sheets: {
+    looks: "All looks",
     about: "About the data",
     presets: "Looks",
     function: "Colours and opacity",
@@ -331,8 +342,7 @@ export const WORDS = {
     all: (n: number) => `All presets (${n} more)`,
     none: "No preset has this in its name or description.",
     auto: "By the kind of data, from its histogram.",
-    redraw: "Draw the pictures anew",
-    old: "The camera or the time is another one than in these pictures.",
+    allLooks: "All looks",
     chosen: (name: string) => `Look ${name}`,
     ownPreset: "Saved by you",
     alone: "This look is made for a layer alone: with others it is drawn as a volume, which may hide them.",

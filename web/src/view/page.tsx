@@ -9,7 +9,7 @@ import { AboutPanel } from "./about_panel.tsx";
 import { CutPanel } from "./cut_panel.tsx";
 import { Help } from "./help.tsx";
 import { Icon } from "./icons.tsx";
-import { FunctionPanel, LabelsPanel, LayersPanel, LightPanel, PresetsPanel, TimeBar } from "./look/index.ts";
+import { FunctionPanel, LabelsPanel, LayersPanel, LightPanel, LooksStrip, PresetsPanel, TimeBar } from "./look/index.ts";
 import { MeasurePanel } from "./measure_panel.tsx";
 import { Memo, shownByPanels, shownBySlices, shownByToolbar } from "./memo.tsx";
 import { Openings } from "./open/index.ts";
@@ -18,7 +18,7 @@ import type { PartProps } from "./part.ts";
 import { fit, SceneView } from "./scene_view.tsx";
 import { SettingsPanel } from "./settings_panel.tsx";
 import { SharePanel } from "./share.tsx";
-import { openPanel, PANELS, Rail, Sheet, type PanelName } from "./sheet.tsx";
+import { openSheet, PANELS, Rail, Sheet, toggled, type PanelName, type SheetName } from "./sheet.tsx";
 import { SlicePane } from "./slices/slice_pane.tsx";
 import { SlicesPanel } from "./slices_panel.tsx";
 import { ProblemCard, Status } from "./status.tsx";
@@ -32,9 +32,9 @@ interface PageProps extends PartProps {
   readonly onPage: (next: Partial<PageFields>) => void;
 }
 
-const BODIES: Readonly<Record<Exclude<PanelName, "settings">, ComponentType<PartProps>>> = {
+const BODIES: Readonly<Record<Exclude<SheetName, "settings">, ComponentType<PartProps>>> = {
   about: AboutPanel,
-  presets: PresetsPanel,
+  looks: PresetsPanel,
   function: FunctionPanel,
   layers: LayersPanel,
   labels: LabelsPanel,
@@ -49,9 +49,10 @@ export function Page({ page, onKey, onPage, ...part }: PageProps) {
   const { store, welcome } = part;
   const { layout, interface: shown } = store.state.view;
   const panels = PANELS.filter((name) => name !== "labels" || store.state.labels !== null);
-  const opened = openPanel(shown.panels);
+  const opened = openSheet(shown.panels);
   const open = opened === "labels" && store.state.labels === null ? null : opened;
-  const onPanel = (name: PanelName | null): void => store.change([set(name === null ? [] : [name], "view", "interface", "panels")]);
+  const hasStrip = shown.panels.includes("presets");
+  const onPanel = (name: PanelName): void => store.change([set(toggled(shown.panels, name), "view", "interface", "panels")]);
   const theme = themeOf(store.state);
   const slice = (pane: Pane) => <Memo key={pane} of={shownBySlices(part)}>{() => <SlicePane {...part} pane={pane} />}</Memo>;
   const hasTimes = welcome.volumes.some((volume) => volume.n_times > 1);
@@ -60,18 +61,19 @@ export function Page({ page, onKey, onPage, ...part }: PageProps) {
       class="wavesplat"
       data-theme={theme}
       data-sheet={open !== null}
+      data-strip={hasStrip}
       data-times={hasTimes}
       onKeyDown={onKey}
     >
       <Memo of={[...shownByToolbar(part), open]}>
-        {() => <Toolbar {...part} isAbout={open === "about"} onAbout={() => onPanel(open === "about" ? null : "about")} onFit={() => fit(part)} />}
+        {() => <Toolbar {...part} isAbout={open === "about"} onAbout={() => onPanel("about")} onFit={() => fit(part)} />}
       </Memo>
       <main class="views" data-layout={layout.name}>
         {(layout.name !== "single" || layout.main === "3d") && <SceneView {...part} />}
         {(layout.name === "one-and-three" || layout.name === "two-by-two") && PANES.map(slice)}
         {layout.name === "single" && layout.main !== "3d" && slice(layout.main)}
       </main>
-      <Rail panels={panels} open={open} onPanel={onPanel}>
+      <Rail panels={panels} open={[open ?? "", hasStrip ? "presets" : ""]} onPanel={onPanel}>
         <button class="rail-button" title={theme === "dark" ? WORDS.toolbar.light : WORDS.toolbar.dark} onClick={() => store.change([set(theme === "dark" ? "light" : "dark", "view", "interface", "theme")])}>
           <Icon name="dark" />
           <span>{WORDS.toolbar.theme_short}</span>
@@ -82,13 +84,14 @@ export function Page({ page, onKey, onPage, ...part }: PageProps) {
         </button>
       </Rail>
       {open !== null && (
-        <Sheet key={open} name={open} onClose={() => onPanel(null)}>
+        <Sheet key={open} name={open} onClose={() => onPanel(open)}>
           <Memo of={[...shownByPanels(part), page.figures]}>
             {() => <Body key={welcome.fingerprint} {...part} name={open} figures={page.figures} onFigures={(figures) => onPage({ figures })} />}
           </Memo>
         </Sheet>
       )}
       <footer class="bottom">
+        {hasStrip && <Memo of={shownByPanels(part)}>{() => <LooksStrip key={welcome.fingerprint} {...part} onAll={() => onPanel("looks")} />}</Memo>}
         {hasTimes && <TimeBar {...part} />}
         <Status {...part} connection={page.connection} figures={page.figures} />
       </footer>
@@ -101,7 +104,7 @@ export function Page({ page, onKey, onPage, ...part }: PageProps) {
 }
 
 function Body({ name, figures, onFigures, ...part }: PartProps & {
-  readonly name: PanelName;
+  readonly name: SheetName;
   readonly figures: boolean;
   readonly onFigures: (on: boolean) => void;
 }) {

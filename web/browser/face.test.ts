@@ -184,3 +184,40 @@ test("one drag of See-through shows the bones behind the skin, and is one step o
   await expect.poll(async () => (await state(page)).layers[0]?.look).toEqual(before.layers[0]?.look);
   await expect.poll(() => slider.inputValue()).toBe("0");
 });
+
+/** Groups that float over the picture: pairs that overlap, and those that leave the window. */
+const collisions = (): Promise<string[]> =>
+  page.evaluate(() => {
+    const root = document.getElementById("viewer")?.shadowRoot;
+    const all = [...(root?.querySelectorAll<HTMLElement>(".float, .status > *") ?? [])].filter((one) => one.offsetParent !== null);
+    const boxes = all.map((one) => ({ name: one.className, ...one.getBoundingClientRect().toJSON() }) as DOMRect & { name: string });
+    const isOver = (a: DOMRect, b: DOMRect): boolean =>
+      a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1;
+    return boxes.flatMap((a, n) => [
+      ...boxes.slice(n + 1).filter((b) => isOver(a, b)).map((b) => `${a.name} over ${b.name}`),
+      ...(a.top < -1 || a.left < -1 || a.bottom > innerHeight + 1 ? [`${a.name} beyond the window`] : []),
+    ]);
+  });
+
+describe("small windows", () => {
+  test("on a phone there is one row of tools, and a sheet from below leaves the picture 60 % of the height", async () => {
+    await page.setViewportSize({ width: 390, height: 844 });
+    for (const panels of [[], ["presets"], ["function"], ["light"], ["presets", "settings"]]) {
+      await change(page, { op: "replace", path: "/view/interface/panels", value: panels });
+      await page.waitForTimeout(300);
+      const [tools, picture] = [await page.locator(".toolbar").boundingBox(), await page.locator('[data-view="3d"]').boundingBox()];
+      expect(tools?.height ?? 844).toBeLessThan(60);
+      expect((picture?.height ?? 0) / 844, panels.join()).toBeGreaterThanOrEqual(0.6);
+      expect(await collisions(), panels.join()).toEqual([]);
+    }
+  });
+
+  test("at 200 % nothing that floats lies over another", async () => {
+    await page.setViewportSize({ width: 640, height: 400 });
+    for (const panels of [["presets"], ["function"], ["slices"], ["about"]]) {
+      await change(page, { op: "replace", path: "/view/interface/panels", value: panels });
+      await page.waitForTimeout(300);
+      expect(await collisions(), panels.join()).toEqual([]);
+    }
+  });
+});

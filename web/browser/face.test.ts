@@ -221,3 +221,30 @@ describe("small windows", () => {
     }
   });
 });
+
+describe("the palette", () => {
+  test("Ctrl K finds looks, layouts, windows and keys, without the mouse", async () => {
+    const run = async (text: string): Promise<void> => {
+      await page.keyboard.press("Control+k");
+      await page.getByRole("combobox", { name: /^Find a command/ }).waitFor();
+      await page.keyboard.type(text);
+      await page.keyboard.press("Enter");
+      await expect.poll(() => page.getByRole("dialog").count()).toBe(0);
+    };
+    await run("muscle look");
+    await expect.poll(async () => (await state(page)).layers[0]?.look.name).toBe("ct-muscle");
+    await run("two by");
+    await expect.poll(async () => (await state(page)).view.layout.name).toBe("two-by-two");
+    await run("bone window");
+    await expect.poll(async () => (await state(page)).view.slices.window).toEqual([400, 1800]);
+    const before = await state(page);
+    await run("from the left");
+    await expect.poll(async () => (await state(page)).camera.position).not.toEqual(before.camera.position);
+    await page.keyboard.press("Control+k");
+    await page.keyboard.type("no command has this");
+    await page.getByText("Nothing has these words.").waitFor();
+    await page.keyboard.press("Escape");
+    await expect.poll(() => page.getByRole("dialog").count()).toBe(0);
+    expect(page.complaints).toEqual([]);
+  });
+});

@@ -55,6 +55,10 @@ describe("accessibility", () => {
     await page.keyboard.press("?");
     await page.getByRole("dialog").waitFor();
     expect(await find()).toEqual([]);
+    await page.keyboard.press("Escape");
+    await page.keyboard.press("Control+k");
+    await page.getByRole("combobox", { name: /^Find a command/ }).waitFor();
+    expect(await find()).toEqual([]);
     await page.close();
   });
 

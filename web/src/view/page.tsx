@@ -1,7 +1,9 @@
 // The page: the picture over all of it; the title, tools, rail, sheet and status float over the picture.
 
 import type { ComponentType } from "preact";
+import { useEffect, useState } from "preact/hooks";
 
+import { actionOf, keyName } from "../input/keys.ts";
 import { set } from "../state/patch.ts";
 import { PANES, type Pane } from "../state/state.ts";
 import { WORDS } from "../words.ts";
@@ -15,6 +17,7 @@ import { Memo, shownByPanels, shownBySlices, shownByToolbar } from "./memo.tsx";
 import { Openings } from "./open/index.ts";
 import type { PageFields } from "./page_state.ts";
 import type { PartProps } from "./part.ts";
+import { Palette } from "./palette.tsx";
 import { fit, SceneView } from "./scene_view.tsx";
 import { SettingsPanel } from "./settings_panel.tsx";
 import { SharePanel } from "./share.tsx";
@@ -46,13 +49,15 @@ const BODIES: Readonly<Record<Exclude<SheetName, "settings">, ComponentType<Part
 };
 
 export function Page({ page, onKey, onPage, ...part }: PageProps) {
-  const { store, welcome } = part;
+  const { store, ui, welcome } = part;
   const { layout, interface: shown } = store.state.view;
   const panels = PANELS.filter((name) => name !== "labels" || store.state.labels !== null);
   const opened = openSheet(shown.panels);
   const open = opened === "labels" && store.state.labels === null ? null : opened;
   const hasStrip = shown.panels.includes("presets");
   const onPanel = (name: PanelName): void => store.change([set(toggled(shown.panels, name), "view", "interface", "panels")]);
+  const [isFinding, setFinding] = useState(false);
+  useFindKey(ui, () => setFinding(true));
   const theme = themeOf(store.state);
   const slice = (pane: Pane) => <Memo key={pane} of={shownBySlices(part)}>{() => <SlicePane {...part} pane={pane} />}</Memo>;
   const hasTimes = welcome.volumes.some((volume) => volume.n_times > 1);
@@ -74,6 +79,10 @@ export function Page({ page, onKey, onPage, ...part }: PageProps) {
         {layout.name === "single" && layout.main !== "3d" && slice(layout.main)}
       </main>
       <Rail panels={panels} open={[open ?? "", hasStrip ? "presets" : ""]} onPanel={onPanel}>
+        <button class="rail-button" title={`${WORDS.palette.find} (Ctrl K)`} onClick={() => setFinding(true)}>
+          <Icon name="search" />
+          <span>{WORDS.palette.open}</span>
+        </button>
         <button class="rail-button" title={theme === "dark" ? WORDS.toolbar.light : WORDS.toolbar.dark} onClick={() => store.change([set(theme === "dark" ? "light" : "dark", "view", "interface", "theme")])}>
           <Icon name="dark" />
           <span>{WORDS.toolbar.theme_short}</span>
@@ -98,6 +107,7 @@ export function Page({ page, onKey, onPage, ...part }: PageProps) {
       <p class="hidden" role="status" aria-live="polite">{page.said}</p>
       {page.problem !== null && <ProblemCard problem={page.problem} onClose={() => onPage({ problem: null })} />}
       <Openings {...part} />
+      {isFinding && <Palette {...part} onClose={() => setFinding(false)} />}
       {page.help && <Help onClose={() => onPage({ help: false })} />}
     </div>
   );
@@ -111,4 +121,18 @@ function Body({ name, figures, onFigures, ...part }: PartProps & {
   if (name === "settings") return <SettingsPanel {...part} figures={figures} onFigures={onFigures} />;
   const Panel = BODIES[name];
   return <Panel {...part} />;
+}
+
+/** Calls back at the key that opens the palette: on a page wherever the focus is, in a notebook inside of the viewer. */
+function useFindKey({ root, host }: PartProps["ui"], onFind: () => void): void {
+  useEffect(() => {
+    const target: EventTarget = host === "page" ? document : root;
+    const onKey = (event: Event): void => {
+      if (actionOf(keyName(event as KeyboardEvent)) !== "find") return;
+      event.preventDefault();
+      onFind();
+    };
+    target.addEventListener("keydown", onKey);
+    return () => target.removeEventListener("keydown", onKey);
+  }, [root, host]);
 }

@@ -19,7 +19,7 @@ import {
   type Curve,
   type Range,
 } from "./curves.ts";
-import { Button, CheckField, NamedNumber, RelativeSlider, SelectField, SliderField } from "./fields.tsx";
+import { Button, Switch, NamedNumber, RelativeSlider, Choice, NumberField } from "../fields.tsx";
 import { GradientEditor } from "./gradient_editor.tsx";
 import { KnobFields } from "./knob_fields.tsx";
 import { lookAsChosen } from "./looks.ts";
@@ -65,11 +65,11 @@ export function LayerChoice({ store, ui }: PartProps) {
   const { layers } = store.state;
   if (layers.length < 2) return null;
   return (
-    <SelectField
+    <Choice
       label={TEXT.layer}
       value={String(ui.layer)}
-      options={layers.map(({ name }, index) => ({ value: String(index), text: name }))}
-      onChoice={(value) => ui.setLayer(Number(value))}
+      options={layers.map(({ name }, index) => [String(index), name] as const)}
+      onChoose={(value) => ui.setLayer(Number(value))}
     />
   );
 }
@@ -170,7 +170,7 @@ function CurveEditor(props: EditorProps) {
         selected={opacityIndex}
         onSelect={(index) => setSelected({ kind: "opacity", index })}
         onCurve={setOpacity}
-        onDone={done}
+        onSettle={done}
         onSeen={setZoom}
         onShowPoints={showPoints}
         onType={typeValue}
@@ -183,7 +183,7 @@ function CurveEditor(props: EditorProps) {
         selected={colorIndex}
         onSelect={(index) => setSelected({ kind: "color", index })}
         onCurve={setColor}
-        onDone={done}
+        onSettle={done}
         onType={typeValue}
         onShowPoints={showPoints}
       />
@@ -194,7 +194,7 @@ function CurveEditor(props: EditorProps) {
           unit={unit}
           onOpacity={setOpacity}
           onColor={setColor}
-          onDone={done}
+          onSettle={done}
           onSelect={setSelected}
         />
       </div>
@@ -223,16 +223,16 @@ function CurveEditor(props: EditorProps) {
           shown={TEXT.seen}
           label={TEXT.from}
           value={rounded(seen[0], seen[1] - seen[0])}
-          onValue={(low) => low < seen[1] && setZoom([low, seen[1]])}
-          onDone={() => {}}
+          onInput={(low) => low < seen[1] && setZoom([low, seen[1]])}
+          onSettle={() => {}}
         />
         <NamedNumber
           shown="–"
           label={TEXT.to}
           unit={unit}
           value={rounded(seen[1], seen[1] - seen[0])}
-          onValue={(high) => high > seen[0] && setZoom([seen[0], high])}
-          onDone={() => {}}
+          onInput={(high) => high > seen[0] && setZoom([seen[0], high])}
+          onSettle={() => {}}
         />
         <Button label={TEXT.nearer} onClick={() => setZoom(zoomed(seen, 1.5, middle(seen), whole))}>
           +
@@ -247,8 +247,8 @@ function CurveEditor(props: EditorProps) {
         <Button onClick={showPoints}>{TEXT.points}</Button>
       </div>
       <div class="row">
-        <CheckField label={TEXT.log} checked={isLog} onCheck={setLog} />
-        <CheckField label={TEXT.magnified} checked={isMagnified} onCheck={setMagnified} />
+        <Switch label={TEXT.log} on={isLog} onToggle={setLog} />
+        <Switch label={TEXT.magnified} on={isMagnified} onToggle={setMagnified} />
       </div>
       <p class="dim look-small">{TEXT.hint}</p>
       <RelativeSlider
@@ -257,7 +257,7 @@ function CurveEditor(props: EditorProps) {
         amount={(position) => MAX_OPACITY ** position}
         position={(amount) => Math.log(amount) / Math.log(MAX_OPACITY)}
         onAmount={(amount) => amount >= 0 && setAll((before) => withOpacities(before, amount), "opacities")}
-        onDone={done}
+        onSettle={done}
       />
       <div class="row">
         <Button onClick={() => once((before) => ({ ...before, opacity: mirrored(before.opacity) }))}>
@@ -275,14 +275,15 @@ function CurveEditor(props: EditorProps) {
 function GlobalOpacity({ store, ui }: PartProps) {
   const opacity = store.state.layers[ui.layer]?.opacity ?? 1;
   return (
-    <SliderField
+    <NumberField
+      isBounded
       label={TEXT.global}
       min={0}
       max={1}
       step={0.01}
       value={opacity}
-      onValue={(value) => store.change([set(value, "layers", ui.layer, "opacity")], "layer opacity")}
-      onDone={() => store.settle()}
+      onInput={(value) => store.change([set(value, "layers", ui.layer, "opacity")], "layer opacity")}
+      onSettle={() => store.settle()}
     />
   );
 }

@@ -7,7 +7,7 @@ import type { TransferFunction } from "../../state/state.ts";
 import { WORDS } from "../../words.ts";
 import type { PartProps } from "../part.ts";
 import type { Range } from "./curves.ts";
-import { SliderField } from "./fields.tsx";
+import { NumberField } from "../fields.tsx";
 import { STILL, turned, type Knobs } from "./knobs.ts";
 
 const TEXT = WORDS.knobs;
@@ -29,7 +29,8 @@ export function KnobFields({ store, ui, curves, usual }: PartProps & { readonly 
   return (
     <div class="look-knobs">
       {NAMES.map((name) => (
-        <SliderField
+        <NumberField
+          isBounded
           key={name}
           label={TEXT[name]}
           unit="%"
@@ -38,8 +39,8 @@ export function KnobFields({ store, ui, curves, usual }: PartProps & { readonly 
           step={1}
           decimals={0}
           value={100 * now[name]}
-          onValue={(percent) => turn(name, percent)}
-          onDone={() => store.settle()}
+          onInput={(percent) => turn(name, percent)}
+          onSettle={() => store.settle()}
         />
       ))}
     </div>

@@ -4,7 +4,7 @@ import { useState } from "preact/hooks";
 import { set } from "../../state/patch.ts";
 import { withoutLabels } from "../open/index.ts";
 import type { PartProps } from "../part.ts";
-import { Button, CheckField, ColorField, SliderField } from "./fields.tsx";
+import { Button, Switch, ColorField, NumberField } from "../fields.tsx";
 import { hiddenOf, isSoloLabel, labelRows, shownLabels } from "./layers.ts";
 import { hexColor, namedColor } from "./looks.ts";
 import { WORDS } from "../../words.ts";
@@ -64,7 +64,7 @@ export function LabelsPanel({ store }: PartProps) {
               onColor={(hex) =>
                 store.change([set(hex, "labels", "labels", number, "color")], `colour of label ${number}`)
               }
-              onDone={() => store.settle()}
+              onSettle={() => store.settle()}
             />
             <span class="look-grow look-name" title={`${name} (${number})`}>
               {name}
@@ -76,26 +76,27 @@ export function LabelsPanel({ store }: PartProps) {
             >
               {TEXT.solo}
             </Button>
-            <SliderField
+            <NumberField
+              isBounded
               label={TEXT.opacity(name)}
               shown=""
               min={0}
               max={1}
               step={0.01}
               value={opacity}
-              onValue={(value) =>
+              onInput={(value) =>
                 store.change([set(value, "labels", "labels", number, "opacity")], `opacity of label ${number}`)
               }
-              onDone={() => store.settle()}
+              onSettle={() => store.settle()}
             />
           </li>
         ))}
       </ul>
       {rows.length > MAX_ROWS && <p class="dim">{TEXT.more(rows.length - MAX_ROWS)}</p>}
-      <CheckField
+      <Switch
         label={TEXT.smooth}
-        checked={labels.smooth}
-        onCheck={(on) => store.change([set(on, "labels", "smooth")])}
+        on={labels.smooth}
+        onToggle={(on) => store.change([set(on, "labels", "smooth")])}
       />
     </div>
   );

@@ -3,7 +3,7 @@
 import { set } from "../../state/patch.ts";
 import { withoutLayer, withoutShape } from "../open/index.ts";
 import type { PartProps } from "../part.ts";
-import { Button, CheckField, SliderField } from "./fields.tsx";
+import { Button, Switch, NumberField } from "../fields.tsx";
 import { isSolo, soloLayer } from "./layers.ts";
 import { Ramp } from "./ramp.tsx";
 import { WORDS } from "../../words.ts";
@@ -48,15 +48,16 @@ export function LayersPanel({ store, ui }: PartProps) {
                 </Button>
               )}
             </div>
-            <SliderField
+            <NumberField
+              isBounded
               label={layers.length > 1 ? TEXT.opacityOf(layer.name) : TEXT.opacity}
               shown={TEXT.opacity}
               min={0}
               max={1}
               step={0.01}
               value={layer.opacity}
-              onValue={(value) => store.change([set(value, "layers", index, "opacity")], `opacity of layer ${index}`)}
-              onDone={() => store.settle()}
+              onInput={(value) => store.change([set(value, "layers", index, "opacity")], `opacity of layer ${index}`)}
+              onSettle={() => store.settle()}
             />
             {layers.length > 1 && (
               <div class="row open-apart">
@@ -84,11 +85,11 @@ export function LayersPanel({ store, ui }: PartProps) {
         <ul class="look-list" aria-label="Geometry">
           {geometry.map(({ kind, name, count, visible }, index) => (
             <li key={index} class="row open-apart">
-              <CheckField
+              <Switch
                 label={name}
                 note={`${kind} · ${count}`}
-                checked={visible}
-                onCheck={(on) => store.change([set(on, "geometry", index, "visible")])}
+                on={visible}
+                onToggle={(on) => store.change([set(on, "geometry", index, "visible")])}
               />
               <Button label={TEXT.removeThis(name)} onClick={() => store.change(withoutShape(index))}>{TEXT.remove}</Button>
             </li>

@@ -2,7 +2,7 @@
 
 import { useId, useRef } from "preact/hooks";
 import type { Vec3 } from "../../state/state.ts";
-import { NumberField } from "./fields.tsx";
+import { NumberBox } from "../fields.tsx";
 import { anglesOf, directionOf } from "./looks.ts";
 import { WORDS } from "../../words.ts";
 
@@ -15,10 +15,10 @@ export interface LightPadProps {
   /** Returns the direction as it is now: keys can come more often than the page is drawn. */
   latest(): Vec3;
   onDirection(direction: Vec3): void;
-  onDone(): void;
+  onSettle(): void;
 }
 
-export function LightPad({ direction, latest, onDirection, onDone }: LightPadProps) {
+export function LightPad({ direction, latest, onDirection, onSettle }: LightPadProps) {
   const isDragging = useRef(false);
   const shade = useId();
   const [azimuth, elevation] = anglesOf(direction);
@@ -40,7 +40,7 @@ export function LightPad({ direction, latest, onDirection, onDone }: LightPadPro
     set([a, b, front]);
   };
   const stop = (): void => {
-    if (isDragging.current) onDone();
+    if (isDragging.current) onSettle();
     isDragging.current = false;
   };
   return (
@@ -67,7 +67,7 @@ export function LightPad({ direction, latest, onDirection, onDone }: LightPadPro
           if (isDragging.current) point(event);
         }}
         onLostPointerCapture={stop}
-        onKeyUp={onDone}
+        onKeyUp={onSettle}
         onKeyDown={(event) => {
           const steps: Partial<Record<string, readonly [number, number]>> = {
             ArrowLeft: [-2, 0],
@@ -102,35 +102,35 @@ export function LightPad({ direction, latest, onDirection, onDone }: LightPadPro
           label={TEXT.azimuth}
           value={azimuth}
           most={180}
-          onValue={(angle) => set(directionOf([angle, elevation]))}
-          onDone={onDone}
+          onInput={(angle) => set(directionOf([angle, elevation]))}
+          onSettle={onSettle}
         />
         <Angle
           label={TEXT.elevation}
           value={elevation}
           most={90}
-          onValue={(angle) => set(directionOf([azimuth, angle]))}
-          onDone={onDone}
+          onInput={(angle) => set(directionOf([azimuth, angle]))}
+          onSettle={onSettle}
         />
       </div>
     </div>
   );
 }
 
-function Angle(props: { label: string; value: number; most: number; onValue(angle: number): void; onDone(): void }) {
-  const { label, value, most, onValue, onDone } = props;
+function Angle(props: { label: string; value: number; most: number; onInput(angle: number): void; onSettle(): void }) {
+  const { label, value, most, onInput, onSettle } = props;
   return (
     <div class="row">
       <span aria-hidden="true">{label}</span>
-      <NumberField
+      <NumberBox
         label={label}
         unit="degrees"
         min={-most}
         max={most}
         step={1}
         value={Math.round(10 * value) / 10}
-        onValue={onValue}
-        onDone={onDone}
+        onInput={onInput}
+        onSettle={onSettle}
       />
       <span aria-hidden="true">{TEXT.degrees}</span>
     </div>

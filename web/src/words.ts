@@ -55,8 +55,8 @@ export const WORDS = {
     "ct-muscle": "Muscle", "ct-skin": "Skin", "ct-soft-tissue": "Soft tissue", "ct-vessels": "Vessels",
     "mr-angio": "Angiography", "mr-brain": "Brain", "mr-head": "Head", "mr-vessels": "Bright vessels",
     pet: "Uptake", "pet-hot-iron": "Hot iron", confocal: "Lit cells", em: "Stain",
-    "fluorescence-cyan": "Glow, cyan", "fluorescence-green": "Glow, green", "fluorescence-grey": "Glow, grey",
-    "fluorescence-magenta": "Glow, magenta", "fluorescence-red": "Glow, red", heat: "Heat", log: "Decades",
+    "fluorescence-cyan": "Cyan", "fluorescence-green": "Green", "fluorescence-grey": "Grey",
+    "fluorescence-magenta": "Magenta", "fluorescence-red": "Red", heat: "Heat", log: "Decades",
     signed: "Two signs", grey: "Grey MIP",
   } as Readonly<Record<string, string>>,
   legend: {

@@ -34,7 +34,7 @@ export function Legend(props: PartProps & { readonly height: number }) {
   const shown = rows.slice(0, most);
   const more = rows.length - shown.length;
   return (
-    <ul class="corner legend" aria-label={TEXT.title} data-handle>
+    <ul class="corner legend" aria-label={TEXT.title} onPointerDown={(event) => event.stopPropagation()}>
       {shown.map(({ key, name, isShown, chip, toggle }) => (
         <li key={key}>
           <button class="legend-row" aria-pressed={isShown} title={isShown ? TEXT.hide(name) : TEXT.show(name)} onClick={toggle}>

@@ -6,7 +6,7 @@ import type { Page } from "playwright-core";
 import { afterAll, beforeAll, beforeEach, describe, expect, test } from "vitest";
 
 import type { ViewerState } from "../src/state/state.ts";
-import { atRest, change, folder, openBrowser, openViewer, python, startServer, state, type Browser, type Server } from "./harness.ts";
+import { atRest, change, folder, openBrowser, openViewer, pixels, python, startServer, state, type Browser, type Server } from "./harness.ts";
 
 let server: Server;
 let browser: Browser;
@@ -46,13 +46,15 @@ describe("the rail", () => {
       await page.locator(`[data-opens="${name}"]`).click();
       const sheet = page.locator(`[data-panel="${name}"]`);
       await sheet.waitFor();
-      await expect.poll(() => page.locator("[data-panel]").count()).toBe(1);
+      // The strip of looks stays at the foot; sheets take each other's place.
+      await expect.poll(() => page.locator(".sheet").count()).toBe(name === "presets" ? 0 : 1);
       for (const box of [await sheet.boundingBox(), await page.locator(`[data-opens="${name}"]`).boundingBox()]) {
         expect(box?.y ?? -1).toBeGreaterThanOrEqual(0);
         expect((box?.y ?? 0) + (box?.height ?? 900)).toBeLessThanOrEqual(800);
       }
     }
     await page.locator(`[data-opens="${names.at(-1)}"]`).click();
+    await page.locator('[data-opens="presets"]').click();
     await expect.poll(() => page.locator("[data-panel]").count()).toBe(0);
   });
 
@@ -147,4 +149,102 @@ test("what data were taken for is in the page, and micrometres are written µm",
       await other.stop();
     }
   }
+});
+
+/** Share of the pixels that are bone-coloured: bright, and with more blue than skin has. */
+async function boneShare(): Promise<number> {
+  const { data } = await pixels(page);
+  let n = 0;
+  for (let k = 0; k < data.length; k += 4) {
+    const [red = 0, , blue = 0] = data.subarray(k, k + 3);
+    if (red > 100 && blue > 0.7 * red) n += 1;
+  }
+  return n / (data.length / 4);
+}
+
+test("one drag of See-through shows the bones behind the skin, and is one step of undo", async () => {
+  await page.locator('[data-opens="presets"]').click();
+  await page.getByRole("option", { name: /^Skin:/ }).click();
+  await expect.poll(async () => (await state(page)).layers[0]?.look.name).toBe("ct-skin");
+  await page.locator('[data-opens="function"]').click();
+  await atRest(page);
+  const before = await state(page);
+  expect(await boneShare()).toBeLessThan(0.02);
+  const slider = page.getByRole("slider", { name: "See-through", exact: true });
+  const box = await slider.boundingBox();
+  if (box === null) throw new Error("there is no knob");
+  await page.mouse.move(box.x + 8, box.y + box.height / 2);
+  await page.mouse.down();
+  await page.mouse.move(box.x + box.width - 8, box.y + box.height / 2, { steps: 12 });
+  await page.mouse.up();
+  await atRest(page);
+  expect(await boneShare()).toBeGreaterThan(0.05);
+  await page.locator('[data-view="3d"]').focus();
+  await page.keyboard.press("Control+z");
+  await expect.poll(async () => (await state(page)).layers[0]?.look).toEqual(before.layers[0]?.look);
+  await expect.poll(() => slider.inputValue()).toBe("0");
+});
+
+/** Groups that float over the picture: pairs that overlap, and those that leave the window. */
+const collisions = (): Promise<string[]> =>
+  page.evaluate(() => {
+    const root = document.getElementById("viewer")?.shadowRoot;
+    const all = [...(root?.querySelectorAll<HTMLElement>(".float, .status > *") ?? [])].filter((one) => one.offsetParent !== null);
+    const boxes = all.map((one) => ({ name: one.className, ...one.getBoundingClientRect().toJSON() }) as DOMRect & { name: string });
+    const isOver = (a: DOMRect, b: DOMRect): boolean =>
+      a.left < b.right - 1 && b.left < a.right - 1 && a.top < b.bottom - 1 && b.top < a.bottom - 1;
+    return boxes.flatMap((a, n) => [
+      ...boxes.slice(n + 1).filter((b) => isOver(a, b)).map((b) => `${a.name} over ${b.name}`),
+      ...(a.top < -1 || a.left < -1 || a.bottom > innerHeight + 1 ? [`${a.name} beyond the window`] : []),
+    ]);
+  });
+
+describe("small windows", () => {
+  test("on a phone there is one row of tools, and a sheet from below leaves the picture 60 % of the height", async () => {
+    await page.setViewportSize({ width: 390, height: 844 });
+    for (const panels of [[], ["presets"], ["function"], ["light"], ["presets", "settings"]]) {
+      await change(page, { op: "replace", path: "/view/interface/panels", value: panels });
+      await page.waitForTimeout(300);
+      const [tools, picture] = [await page.locator(".toolbar").boundingBox(), await page.locator('[data-view="3d"]').boundingBox()];
+      expect(tools?.height ?? 844).toBeLessThan(60);
+      expect((picture?.height ?? 0) / 844, panels.join()).toBeGreaterThanOrEqual(0.6);
+      expect(await collisions(), panels.join()).toEqual([]);
+    }
+  });
+
+  test("at 200 % nothing that floats lies over another", async () => {
+    await page.setViewportSize({ width: 640, height: 400 });
+    for (const panels of [["presets"], ["function"], ["slices"], ["about"]]) {
+      await change(page, { op: "replace", path: "/view/interface/panels", value: panels });
+      await page.waitForTimeout(300);
+      expect(await collisions(), panels.join()).toEqual([]);
+    }
+  });
+});
+
+describe("the palette", () => {
+  test("Ctrl K finds looks, layouts, windows and keys, without the mouse", async () => {
+    const run = async (text: string): Promise<void> => {
+      await page.keyboard.press("Control+k");
+      await page.getByRole("combobox", { name: /^Find a command/ }).waitFor();
+      await page.keyboard.type(text);
+      await page.keyboard.press("Enter");
+      await expect.poll(() => page.getByRole("dialog").count()).toBe(0);
+    };
+    await run("muscle look");
+    await expect.poll(async () => (await state(page)).layers[0]?.look.name).toBe("ct-muscle");
+    await run("two by");
+    await expect.poll(async () => (await state(page)).view.layout.name).toBe("two-by-two");
+    await run("bone window");
+    await expect.poll(async () => (await state(page)).view.slices.window).toEqual([400, 1800]);
+    const before = await state(page);
+    await run("from the left");
+    await expect.poll(async () => (await state(page)).camera.position).not.toEqual(before.camera.position);
+    await page.keyboard.press("Control+k");
+    await page.keyboard.type("no command has this");
+    await page.getByText("Nothing has these words.").waitFor();
+    await page.keyboard.press("Escape");
+    await expect.poll(() => page.getByRole("dialog").count()).toBe(0);
+    expect(page.complaints).toEqual([]);
+  });
 });

@@ -10,7 +10,7 @@ import {
 } from "./harness.ts";
 
 const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.min.js"), "utf8");
-const PANELS = ["presets", "function", "layers", "light", "cut", "slices", "measure", "share", "settings"];
+const PANELS = ["presets", "looks", "about", "function", "layers", "light", "cut", "slices", "measure", "share", "settings"];
 
 let browser: Browser;
 
@@ -54,6 +54,10 @@ describe("accessibility", () => {
     await page.locator('[data-view="3d"]').focus();
     await page.keyboard.press("?");
     await page.getByRole("dialog").waitFor();
+    expect(await find()).toEqual([]);
+    await page.keyboard.press("Escape");
+    await page.keyboard.press("Control+k");
+    await page.getByRole("combobox", { name: /^Find a command/ }).waitFor();
     expect(await find()).toEqual([]);
     await page.close();
   });

@@ -65,7 +65,7 @@ test("keys work on a page that was not clicked, and help opens at its top", asyn
   await page.keyboard.press("Escape");
   await expect.poll(() => page.getByRole("dialog").count()).toBe(0);
   // A key for the page is none in a field.
-  await openPanel(page, "presets");
+  await openPanel(page, "looks");
   const before = await camera();
   await page.getByRole("searchbox").first().pressSequentially("1f");
   expect(await camera()).toEqual(before);

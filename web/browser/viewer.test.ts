@@ -171,18 +171,23 @@ type Read = (found: ViewerState) => unknown;
 
 /** Controls: panel, name, action, the part of the state that it changes, and whether the picture changes too. */
 const CONTROLS: readonly (readonly [string, string, (page: Page) => Promise<unknown>, Read, boolean])[] = [
-  ["a preset", "presets", (p) => p.getByRole("option", { name: /^ct-muscle/ }).click(), (s) => s.layers[0]?.look.name, true],
+  ["a preset", "presets", (p) => p.getByRole("option", { name: /^Muscle/ }).click(), (s) => s.layers[0]?.look.name, true],
   ["a point by keys", "function", async (p) => {
+    await p.getByText("Edit curve").click();
     await p.getByRole("slider", { name: "Point 3 of 5" }).focus();
     await p.keyboard.press("PageUp");
   }, (s) => s.layers[0]?.look.transfer_function, true],
-  ["a point added", "function", (p) => p.getByRole("button", { name: "Add opacity point" }).click(), (s) => nPoints(s), false],
+  ["a point added", "function", async (p) => {
+    await p.getByText("Edit curve").click();
+    await p.getByRole("button", { name: "Add opacity point" }).click();
+  }, (s) => nPoints(s), false],
   ["a point deleted", "function", async (p) => {
+    await p.getByText("Edit curve").click();
     await p.getByRole("slider", { name: "Point 4 of 5" }).focus();
     await p.keyboard.press("Delete");
   }, (s) => nPoints(s), true],
-  ["a shift", "function", async (p) => {
-    await p.getByRole("slider", { name: "Shift" }).focus();
+  ["a knob", "function", async (p) => {
+    await p.getByRole("slider", { name: "Reveal", exact: true }).focus();
     for (let n = 0; n < 8; n += 1) await p.keyboard.press("ArrowRight");
     await p.keyboard.press("Tab");
   }, (s) => s.layers[0]?.look.transfer_function, true],
@@ -191,9 +196,19 @@ const CONTROLS: readonly (readonly [string, string, (page: Page) => Promise<unkn
   ["the operator", "light", (p) => p.getByRole("combobox", { name: "Projection" }).selectOption("maximum"), (s) => s.render.composite, true],
   ["an isosurface", "light", (p) => p.getByRole("combobox", { name: "Projection" }).selectOption("first-hit"), (s) => s.render.composite, true],
   ["shading off", "light", (p) => p.getByRole("checkbox", { name: "Shading" }).uncheck(), (s) => [s.shading, s.layers[0]?.look.shading], true],
-  ["ambient light", "light", (p) => p.getByRole("slider", { name: "Ambient" }).fill("0.6"), (s) => s.layers[0]?.look.shading?.ambient, true],
-  ["occlusion", "light", (p) => p.getByRole("slider", { name: "Occlusion" }).fill("0.9"), (s) => s.layers[0]?.look.shading?.ambient_occlusion, true],
-  ["a shadow", "light", (p) => p.getByRole("slider", { name: "Shadow" }).fill("0.8"), (s) => s.layers[0]?.look.shading?.shadow, true],
+  ["a mood", "light", (p) => p.getByRole("button", { name: "Dramatic" }).click(), (s) => s.layers[0]?.look.shading?.shadow, true],
+  ["ambient light", "light", async (p) => {
+    await p.getByText("All of the light").click();
+    await p.getByRole("slider", { name: "Ambient" }).fill("0.6");
+  }, (s) => s.layers[0]?.look.shading?.ambient, true],
+  ["occlusion", "light", async (p) => {
+    await p.getByText("All of the light").click();
+    await p.getByRole("slider", { name: "Occlusion" }).fill("0.9");
+  }, (s) => s.layers[0]?.look.shading?.ambient_occlusion, true],
+  ["a shadow", "light", async (p) => {
+    await p.getByText("All of the light").click();
+    await p.getByRole("slider", { name: "Shadow" }).fill("0.8");
+  }, (s) => s.layers[0]?.look.shading?.shadow, true],
   ["the kernel", "light", (p) => p.getByRole("combobox", { name: "Kernel" }).selectOption("bspline3"), (s) => s.render.kernel, true],
   ["cropping", "cut", async (p) => {
     await p.getByRole("button", { name: "Crop", exact: true }).click();
@@ -364,11 +379,13 @@ test("the keyboard alone does the main job", async () => {
     throw new Error(`${name} is not reached by Tab`);
   };
   await openPanel(page, "presets");
-  await reach(/ct-bone/);
+  await reach(/^Bone:/);
   await page.keyboard.press("ArrowDown");
   await page.keyboard.press("Enter");
   await expect.poll(async () => (await state(page)).layers[0]?.look.name).not.toBe("ct-bone");
   await openPanel(page, "function");
+  await reach(/Edit curve/);
+  await page.keyboard.press("Enter");
   await reach(/Point 2 of/);
   const before = JSON.stringify((await state(page)).layers[0]?.look.transfer_function);
   await page.keyboard.press("ArrowRight");

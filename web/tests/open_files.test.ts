@@ -43,7 +43,10 @@ describe("files that are sent", () => {
     let received = 0;
     const { engine, asked } = engineOf({
       upload_begin: () => ({ upload: 7 }),
-      upload: (_, payload) => ({ received: (received += payload?.length ?? 0) }),
+      upload: (_, payload) => {
+        received += payload?.length ?? 0;
+        return { received };
+      },
     });
     const parts: number[] = [];
     const files = [file("s/a", new Uint8Array(1_200_000)), file("s/b", "")];
@@ -61,7 +64,11 @@ describe("files that are sent", () => {
     await expect(send(refusing.engine, [file("a", "abc")], () => undefined, new AbortController().signal)).rejects.toBe(refusal);
     expect(refusing.asked.at(-1)?.[0]).toBe("upload_discard");
     const abort = new AbortController();
-    const slow = engineOf({ upload_begin: () => ({ upload: 2 }), upload: () => (abort.abort(), { received: 1 }) });
+    const upload = () => {
+      abort.abort();
+      return { received: 1 };
+    };
+    const slow = engineOf({ upload_begin: () => ({ upload: 2 }), upload });
     await expect(send(slow.engine, [file("a", "abc"), file("b", "abc")], () => undefined, abort.signal)).rejects.toThrow();
     expect(slow.asked.at(-1)).toEqual(["upload_discard", { upload: 2 }, 0]);
   });

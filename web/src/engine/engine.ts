@@ -15,7 +15,7 @@ export interface VolumeInfo {
   /** Unit of values: "HU", ...; "" where unknown. */
   readonly value_unit: string;
   readonly kind: string;
-  /** Type of the samples, as NumPy names it. */
+  /** Type of the samples, as NumPy names it; "wavelets" where there are coefficients in place of samples. */
   readonly dtype: string;
   /** Directions of the axes of the samples, such as "RAS"; null where they are no patient's. */
   readonly orientation: string | null;

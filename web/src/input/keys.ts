@@ -14,7 +14,7 @@ export type Action =
   | "pan-left" | "pan-right" | "pan-up" | "pan-down"
   | "zoom-in" | "zoom-out" | "roll-left" | "roll-right"
   | "view-front" | "view-back" | "view-left" | "view-right" | "view-top" | "view-bottom"
-  | "fit" | "first-view" | "level" | "slice-back" | "slice-on" | "undo" | "redo" | "help" | "leave";
+  | "fit" | "first-view" | "level" | "slice-back" | "slice-on" | "undo" | "redo" | "find" | "help" | "leave";
 
 export const KEYS: readonly Key[] = [
   { keys: ["ArrowLeft"], action: "turn-left", shown: "←", text: "Turn to the left" },
@@ -42,6 +42,7 @@ export const KEYS: readonly Key[] = [
   { keys: ["]"], action: "slice-on", shown: "]", text: "Next slice" },
   { keys: ["Ctrl+z"], action: "undo", shown: "Ctrl Z", text: "Undo" },
   { keys: ["Ctrl+Shift+Z", "Ctrl+y"], action: "redo", shown: "Ctrl Shift Z", text: "Redo" },
+  { keys: ["Ctrl+k"], action: "find", shown: "Ctrl K", text: "Find a command" },
   { keys: ["?"], action: "help", shown: "?", text: "Show this table" },
   { keys: ["Escape"], action: "leave", shown: "Esc", text: "Leave the tool, or close the sheet" },
 ];

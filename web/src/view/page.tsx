@@ -1,7 +1,9 @@
 // The page: the picture over all of it; the title, tools, rail, sheet and status float over the picture.
 
 import type { ComponentType } from "preact";
+import { useEffect, useState } from "preact/hooks";
 
+import { actionOf, keyName } from "../input/keys.ts";
 import { set } from "../state/patch.ts";
 import { PANES, type Pane } from "../state/state.ts";
 import { WORDS } from "../words.ts";
@@ -9,16 +11,17 @@ import { AboutPanel } from "./about_panel.tsx";
 import { CutPanel } from "./cut_panel.tsx";
 import { Help } from "./help.tsx";
 import { Icon } from "./icons.tsx";
-import { FunctionPanel, LabelsPanel, LayersPanel, LightPanel, PresetsPanel, TimeBar } from "./look/index.ts";
+import { FunctionPanel, LabelsPanel, LayersPanel, LightPanel, LooksStrip, PresetsPanel, TimeBar } from "./look/index.ts";
 import { MeasurePanel } from "./measure_panel.tsx";
 import { Memo, shownByPanels, shownBySlices, shownByToolbar } from "./memo.tsx";
 import { Openings } from "./open/index.ts";
 import type { PageFields } from "./page_state.ts";
 import type { PartProps } from "./part.ts";
+import { Palette } from "./palette.tsx";
 import { fit, SceneView } from "./scene_view.tsx";
 import { SettingsPanel } from "./settings_panel.tsx";
 import { SharePanel } from "./share.tsx";
-import { openPanel, PANELS, Rail, Sheet, type PanelName } from "./sheet.tsx";
+import { openSheet, PANELS, Rail, Sheet, toggled, type PanelName, type SheetName } from "./sheet.tsx";
 import { SlicePane } from "./slices/slice_pane.tsx";
 import { SlicesPanel } from "./slices_panel.tsx";
 import { ProblemCard, Status } from "./status.tsx";
@@ -32,9 +35,9 @@ interface PageProps extends PartProps {
   readonly onPage: (next: Partial<PageFields>) => void;
 }
 
-const BODIES: Readonly<Record<Exclude<PanelName, "settings">, ComponentType<PartProps>>> = {
+const BODIES: Readonly<Record<Exclude<SheetName, "settings">, ComponentType<PartProps>>> = {
   about: AboutPanel,
-  presets: PresetsPanel,
+  looks: PresetsPanel,
   function: FunctionPanel,
   layers: LayersPanel,
   labels: LabelsPanel,
@@ -46,12 +49,15 @@ const BODIES: Readonly<Record<Exclude<PanelName, "settings">, ComponentType<Part
 };
 
 export function Page({ page, onKey, onPage, ...part }: PageProps) {
-  const { store, welcome } = part;
+  const { store, ui, welcome } = part;
   const { layout, interface: shown } = store.state.view;
   const panels = PANELS.filter((name) => name !== "labels" || store.state.labels !== null);
-  const opened = openPanel(shown.panels);
+  const opened = openSheet(shown.panels);
   const open = opened === "labels" && store.state.labels === null ? null : opened;
-  const onPanel = (name: PanelName | null): void => store.change([set(name === null ? [] : [name], "view", "interface", "panels")]);
+  const hasStrip = shown.panels.includes("presets");
+  const onPanel = (name: PanelName): void => store.change([set(toggled(shown.panels, name), "view", "interface", "panels")]);
+  const [isFinding, setFinding] = useState(false);
+  useFindKey(ui, () => setFinding(true));
   const theme = themeOf(store.state);
   const slice = (pane: Pane) => <Memo key={pane} of={shownBySlices(part)}>{() => <SlicePane {...part} pane={pane} />}</Memo>;
   const hasTimes = welcome.volumes.some((volume) => volume.n_times > 1);
@@ -60,18 +66,23 @@ export function Page({ page, onKey, onPage, ...part }: PageProps) {
       class="wavesplat"
       data-theme={theme}
       data-sheet={open !== null}
+      data-strip={hasStrip}
       data-times={hasTimes}
       onKeyDown={onKey}
     >
       <Memo of={[...shownByToolbar(part), open]}>
-        {() => <Toolbar {...part} isAbout={open === "about"} onAbout={() => onPanel(open === "about" ? null : "about")} onFit={() => fit(part)} />}
+        {() => <Toolbar {...part} isAbout={open === "about"} onAbout={() => onPanel("about")} onFit={() => fit(part)} />}
       </Memo>
       <main class="views" data-layout={layout.name}>
         {(layout.name !== "single" || layout.main === "3d") && <SceneView {...part} />}
         {(layout.name === "one-and-three" || layout.name === "two-by-two") && PANES.map(slice)}
         {layout.name === "single" && layout.main !== "3d" && slice(layout.main)}
       </main>
-      <Rail panels={panels} open={open} onPanel={onPanel}>
+      <Rail panels={panels} open={[open ?? "", hasStrip ? "presets" : ""]} onPanel={onPanel}>
+        <button class="rail-button" title={`${WORDS.palette.find} (Ctrl K)`} onClick={() => setFinding(true)}>
+          <Icon name="search" />
+          <span>{WORDS.palette.open}</span>
+        </button>
         <button class="rail-button" title={theme === "dark" ? WORDS.toolbar.light : WORDS.toolbar.dark} onClick={() => store.change([set(theme === "dark" ? "light" : "dark", "view", "interface", "theme")])}>
           <Icon name="dark" />
           <span>{WORDS.toolbar.theme_short}</span>
@@ -82,30 +93,46 @@ export function Page({ page, onKey, onPage, ...part }: PageProps) {
         </button>
       </Rail>
       {open !== null && (
-        <Sheet key={open} name={open} onClose={() => onPanel(null)}>
+        <Sheet key={open} name={open} onClose={() => onPanel(open)}>
           <Memo of={[...shownByPanels(part), page.figures]}>
             {() => <Body key={welcome.fingerprint} {...part} name={open} figures={page.figures} onFigures={(figures) => onPage({ figures })} />}
           </Memo>
         </Sheet>
       )}
       <footer class="bottom">
+        {hasStrip && <Memo of={shownByPanels(part)}>{() => <LooksStrip key={welcome.fingerprint} {...part} onAll={() => onPanel("looks")} />}</Memo>}
         {hasTimes && <TimeBar {...part} />}
         <Status {...part} connection={page.connection} figures={page.figures} />
       </footer>
       <p class="hidden" role="status" aria-live="polite">{page.said}</p>
       {page.problem !== null && <ProblemCard problem={page.problem} onClose={() => onPage({ problem: null })} />}
       <Openings {...part} />
+      {isFinding && <Palette {...part} onClose={() => setFinding(false)} />}
       {page.help && <Help onClose={() => onPage({ help: false })} />}
     </div>
   );
 }
 
 function Body({ name, figures, onFigures, ...part }: PartProps & {
-  readonly name: PanelName;
+  readonly name: SheetName;
   readonly figures: boolean;
   readonly onFigures: (on: boolean) => void;
 }) {
   if (name === "settings") return <SettingsPanel {...part} figures={figures} onFigures={onFigures} />;
   const Panel = BODIES[name];
   return <Panel {...part} />;
+}
+
+/** Calls back at the key that opens the palette: on a page wherever the focus is, in a notebook inside of the viewer. */
+function useFindKey({ root, host }: PartProps["ui"], onFind: () => void): void {
+  useEffect(() => {
+    const target: EventTarget = host === "page" ? document : root;
+    const onKey = (event: Event): void => {
+      if (actionOf(keyName(event as KeyboardEvent)) !== "find") return;
+      event.preventDefault();
+      onFind();
+    };
+    target.addEventListener("keydown", onKey);
+    return () => target.removeEventListener("keydown", onKey);
+  }, [root, host]);
 }

@@ -9,19 +9,31 @@ const TEXT = WORDS.panels;
 
 /** The panels, in the order of the rail. */
 export const PANELS = ["presets", "function", "layers", "labels", "light", "cut", "slices", "measure", "share", "settings"] as const;
-/** A panel of the rail, or the card about the data, which the title opens. */
-export type PanelName = (typeof PANELS)[number] | "about";
+/** Panels that are opened from elsewhere: the card about the data by the title, all looks from the strip of looks. */
+const OTHERS = ["about", "looks"] as const;
+export type PanelName = (typeof PANELS)[number] | (typeof OTHERS)[number];
+/** The strip of looks lies at the foot, beside the sheet of another panel. */
+export type SheetName = Exclude<PanelName, "presets">;
 
 /** The panel whose sheet is shown: the one that was opened last. */
-export function openPanel(panels: readonly string[]): PanelName | null {
-  return [...PANELS, "about" as const].find((name) => name === panels.at(-1)) ?? null;
+export function openSheet(panels: readonly string[]): SheetName | null {
+  const last = panels.filter((name) => name !== "presets").at(-1);
+  return [...PANELS, ...OTHERS].filter((name) => name !== "presets").find((name) => name === last) ?? null;
+}
+
+/** The open panels after a click on the icon of one: sheets take each other's place, the strip of looks stays. */
+export function toggled(panels: readonly string[], name: PanelName): string[] {
+  const isStrip = panels.includes("presets");
+  const sheet = openSheet(panels);
+  if (name === "presets") return [...(isStrip ? [] : ["presets"]), ...(sheet === null ? [] : [sheet])];
+  return [...(isStrip ? ["presets"] : []), ...(sheet === name ? [] : [name])];
 }
 
 export interface RailProps {
   readonly panels: readonly (typeof PANELS)[number][];
-  readonly open: PanelName | null;
-  /** Opens a panel, or closes the one that is open. */
-  onPanel(name: PanelName | null): void;
+  readonly open: readonly string[];
+  /** Opens a panel, or closes it. */
+  onPanel(name: PanelName): void;
   /** Buttons at the foot of the rail. */
   readonly children: ComponentChildren;
 }
@@ -34,9 +46,9 @@ export function Rail({ panels, open, onPanel, children }: RailProps) {
           key={name}
           class="rail-button"
           data-opens={name}
-          aria-expanded={name === open}
+          aria-expanded={open.includes(name)}
           title={WORDS.sheets[name]}
-          onClick={() => onPanel(name === open ? null : name)}
+          onClick={() => onPanel(name)}
         >
           <Icon name={name} />
           <span>{TEXT[name]}</span>
@@ -49,7 +61,7 @@ export function Rail({ panels, open, onPanel, children }: RailProps) {
 }
 
 /** The sheet of a panel. Escape closes it, and gives the focus back to its icon. */
-export function Sheet({ name, onClose, children }: { readonly name: PanelName; onClose(): void; readonly children: ComponentChildren }) {
+export function Sheet({ name, onClose, children }: { readonly name: SheetName; onClose(): void; readonly children: ComponentChildren }) {
   const title = WORDS.sheets[name];
   const close = (event: Event): void => {
     const root = (event.currentTarget as HTMLElement).getRootNode() as ShadowRoot;

@@ -402,6 +402,7 @@ function doneInList(items, op, step, rest, value, what) {
 
 // src/engine/remote.ts
 var BUSY_MS = 600;
+var SHOWN_HERE = ["/view/slices/window"];
 var LOST = { code: "lost", message: "the connection was lost" };
 function remoteEngine(channel, options) {
   const frames = /* @__PURE__ */ new Set();
@@ -447,13 +448,20 @@ function remoteEngine(channel, options) {
     }, BUSY_MS);
   };
   const flush = () => {
-    if (!isScheduled || !isOpen) return;
+    if (!isScheduled && outgoing.length === 0 || !isOpen) return;
     isScheduled = false;
     channel.send({ type: "patch", seq, operations: outgoing, moving: isMoving });
     if (outgoing.length > 0 && sizes.size > 0) expect();
     outgoing = [];
   };
   const sayHello = () => channel.send({ type: "hello", protocol: 1, ...options.hello() });
+  const offer = (header) => {
+    clearInterval(helloTimer);
+    if (typeof header["session"] === "string") options.onSession?.(header["session"]);
+    if (state2 !== null) options.onOtherData?.();
+    isOpen = true;
+    tell({ kind: "start", offered: header });
+  };
   const start = (header) => {
     clearInterval(helloTimer);
     if (typeof header["session"] === "string") options.onSession?.(header["session"]);
@@ -465,13 +473,13 @@ function remoteEngine(channel, options) {
       state2 = header.state;
       welcomed(header);
     }
-    for (const [view, { width, height }] of sizes) channel.send({ type: "view", view, size: [width, height] });
     if (!isFirst && state2 !== null) {
       outgoing = [{ op: "replace", path: "", value: state2 }];
       isMoving = false;
       isScheduled = true;
       flush();
     }
+    for (const [view, { width, height }] of sizes) channel.send({ type: "view", view, size: [width, height] });
     tell({ kind: "open" });
   };
   const fail = (header) => {
@@ -481,10 +489,10 @@ function remoteEngine(channel, options) {
       ...typeof header["field"] === "string" ? { field: header["field"] } : {},
       ...typeof header["remedy"] === "string" ? { remedy: header["remedy"] } : {}
     };
-    const id = header["id"];
-    if (typeof id === "number") {
-      waiting.get(id)?.reject(problem);
-      waiting.delete(id);
+    const id2 = header["id"];
+    if (typeof id2 === "number") {
+      waiting.get(id2)?.reject(problem);
+      waiting.delete(id2);
       return;
     }
     if (state2 === null) {
@@ -497,6 +505,9 @@ function remoteEngine(channel, options) {
   const receive = (header, payload) => {
     heard();
     switch (header["type"]) {
+      case "start":
+        offer(header);
+        return;
       case "welcome":
         start(header);
         return;
@@ -521,6 +532,7 @@ function remoteEngine(channel, options) {
       case "answer": {
         const one = waiting.get(Number(header["id"]));
         waiting.delete(Number(header["id"]));
+        if (typeof header["fingerprint"] === "string") fingerprint = header["fingerprint"];
         one?.resolve(payload.length > 0 ? { ...header, bytes: payload } : header);
         return;
       }
@@ -563,7 +575,8 @@ function remoteEngine(channel, options) {
       seq += 1;
       outgoing.push(...operations);
       isMoving = moving;
-      if (!isScheduled) {
+      const waits = moving && operations.length > 0 && operations.every(({ path }) => SHOWN_HERE.includes(path));
+      if (!isScheduled && !waits) {
         isScheduled = true;
         nextFrame(flush);
       }
@@ -581,21 +594,21 @@ function remoteEngine(channel, options) {
     onState: (listener) => added(states, listener),
     onConnection: (listener) => added(connections, listener),
     onProblem: (listener) => added(problems, listener),
-    ask(name, question, progress, signal) {
-      const id = nextId;
+    ask(name, question, progress, signal, payload) {
+      const id2 = nextId;
       nextId += 1;
       return new Promise((resolve, reject) => {
-        waiting.set(id, { resolve, reject, progress });
+        waiting.set(id2, { resolve, reject, progress });
         signal?.addEventListener("abort", () => {
-          if (waiting.has(id)) channel.send({ type: "cancel", id });
+          if (waiting.has(id2)) channel.send({ type: "cancel", id: id2 });
         });
         if (!isOpen || signal?.aborted) {
-          waiting.delete(id);
+          waiting.delete(id2);
           reject(isOpen ? { ...LOST, code: "cancelled" } : LOST);
           return;
         }
         flush();
-        channel.send({ type: "ask", id, question: name, arguments: question });
+        channel.send({ type: "ask", id: id2, question: name, arguments: question }, payload);
       });
     },
     retry: () => channel.retry(),
@@ -631,23 +644,29 @@ var KEYS = [
   { keys: ["4"], action: "view-right", shown: "4", text: "From the right" },
   { keys: ["5"], action: "view-top", shown: "5", text: "From above" },
   { keys: ["6"], action: "view-bottom", shown: "6", text: "From below" },
-  { keys: ["0"], action: "fit", shown: "0", text: "Fit all into view" },
+  { keys: ["0"], action: "first-view", shown: "0", text: "The view of the first picture" },
+  { keys: ["f"], action: "fit", shown: "F", text: "Fit all into view" },
+  { keys: ["l"], action: "level", shown: "L", text: "Level: upright again" },
   { keys: ["["], action: "slice-back", shown: "[", text: "Slice back" },
   { keys: ["]"], action: "slice-on", shown: "]", text: "Next slice" },
   { keys: ["Ctrl+z"], action: "undo", shown: "Ctrl Z", text: "Undo" },
   { keys: ["Ctrl+Shift+Z", "Ctrl+y"], action: "redo", shown: "Ctrl Shift Z", text: "Redo" },
+  { keys: ["Ctrl+k"], action: "find", shown: "Ctrl K", text: "Find a command" },
   { keys: ["?"], action: "help", shown: "?", text: "Show this table" },
   { keys: ["Escape"], action: "leave", shown: "Esc", text: "Leave the tool, or close the sheet" }
 ];
 var GESTURES = [
-  ["Drag", "Turn"],
+  ["Drag", "Turn; freely with the trackball of the settings"],
   ["Shift drag, middle button", "Move"],
-  ["Wheel, right button", "Magnify"],
+  ["Wheel", "Magnify about the pointer"],
+  ["Right button", "Magnify"],
   ["Ctrl drag", "Roll"],
   ["Alt drag", "Window and level: of slices, in space of the opacities and colours"],
   ["Ctrl click", "Crosshair to what is seen"],
-  ["Double click in a slice", "Window as it was"],
-  ["One finger, two fingers", "Turn; move, magnify and roll"]
+  ["Wheel on a slice; with Ctrl", "Next slices; magnify about the pointer"],
+  ["Double click on a slice", "It fills the page, or goes back"],
+  ["Two fingers on a slice", "Up and down: next slices; sideways: move; apart: magnify"],
+  ["One finger, two fingers", "Turn; move and magnify, with the trackball also roll"]
 ];
 function keyName(event) {
   if (event.altKey) return "";
@@ -671,11 +690,11 @@ async function fromLink(part) {
   const binary = atob(part.replaceAll("-", "+").replaceAll("_", "/"));
   const bytes = Uint8Array.from(binary, (letter) => letter.charCodeAt(0));
   const text2 = new TextDecoder().decode(await through(bytes, new DecompressionStream("deflate-raw")));
-  const found = JSON.parse(text2);
-  if (typeof found !== "object" || found === null || !("fingerprint" in found) || !("state" in found)) {
+  const found2 = JSON.parse(text2);
+  if (typeof found2 !== "object" || found2 === null || !("fingerprint" in found2) || !("state" in found2)) {
     throw new Error("the link holds no state of the viewer");
   }
-  return { fingerprint: String(found.fingerprint), state: found.state };
+  return { fingerprint: String(found2.fingerprint), state: found2.state };
 }
 async function through(bytes, stream) {
   const piped = new Blob([bytes]).stream().pipeThrough(stream);
@@ -700,7 +719,10 @@ var COMPOSITE_NAMES = {
 // src/state/state.ts
 var QUALITIES = ["draft", "normal", "fine", "high"];
 var PANES = ["z", "y", "x"];
+var SLICE_COLORS = ["gray", "gray_r", "hot", "viridis", "coolwarm"];
+var TURNINGS = ["turntable", "trackball"];
 var OVERLAYS = ["scale_bar", "letters", "cube", "color_bar", "crosshair", "crop_box", "legend"];
+var MAX_REGION_POINTS = 200;
 
 // src/state/parse.ts
 function refuse(value, where, must) {
@@ -714,8 +736,8 @@ var number = (low = -Infinity, high = Infinity) => (value, where) => {
 var kind = (name) => (value, where) => {
   if (typeof value !== name) refuse(value, where, name === "string" ? "a text" : "true or false");
 };
-var oneOf = (...known) => (value, where) => {
-  if (!known.includes(value)) refuse(value, where, `one of ${known.join(", ")}`);
+var oneOf = (...known2) => (value, where) => {
+  if (!known2.includes(value)) refuse(value, where, `one of ${known2.join(", ")}`);
 };
 var either = (wanted, check) => (value, where) => {
   if (value !== wanted) check(value, where);
@@ -726,21 +748,21 @@ var list = (check, low = 0, high = Infinity) => (value, where) => {
   }
   value.forEach((one, n2) => check(one, `${where}[${n2}]`));
 };
-var fields = (known) => (value, where) => {
+var fields = (known2) => (value, where) => {
   if (typeof value !== "object" || value === null || Array.isArray(value)) refuse(value, where, "an object");
-  const found = value;
+  const found2 = value;
   const inside = (name) => where === "" ? name : `${where}.${name}`;
-  for (const [name, check] of Object.entries(known)) {
+  for (const [name, check] of Object.entries(known2)) {
     const plain = name.replace("?", "");
     if (name === "*") continue;
-    if (Object.hasOwn(found, plain)) check(found[plain], inside(plain));
+    if (Object.hasOwn(found2, plain)) check(found2[plain], inside(plain));
     else if (plain === name) throw new Error(`field '${inside(name)}' is missing`);
   }
-  for (const name of Object.keys(found)) {
-    if (name in known || `${name}?` in known) continue;
-    const other = known["*"];
+  for (const name of Object.keys(found2)) {
+    if (name in known2 || `${name}?` in known2) continue;
+    const other = known2["*"];
     if (other === void 0) throw new Error(`${where || "state"}: unknown field '${name}'`);
-    other(found[name], inside(name));
+    other(found2[name], inside(name));
   }
 };
 var share = number(0, 1);
@@ -754,7 +776,8 @@ var nodes = (...columns) => list((node, where) => {
   list(any, columns.length, columns.length)(node, where);
   columns.forEach((check, n2) => check(node[n2], where));
 }, 1);
-var volume = fields({ path: oneOf(null), "name?": text });
+var id = (value, where) => Number.isInteger(value) && Number(value) > 0 ? void 0 : refuse(value, where, "a whole number from 1");
+var volume = fields({ path: oneOf(null), "name?": text, "id?": id });
 var shading = fields({ ...Object.fromEntries(["ambient", "diffuse", "specular", "specular_power"].map((name) => [`${name}?`, number(0)])), "*": any });
 var curves = (value, where) => {
   if (Object.hasOwn(Object(value), "rgba")) return;
@@ -793,7 +816,7 @@ var state = fields({
   shading: either("look", either(null, shading)),
   clip: list(clip),
   background: either(null, color),
-  geometry: list(fields({ kind: text, name: text, count: number(), visible: flag })),
+  geometry: list(fields({ kind: text, name: text, count: number(), visible: flag, "id?": id })),
   camera: fields({
     version: oneOf(1),
     position: point,
@@ -819,6 +842,8 @@ var state = fields({
       "thickness?": number(0),
       "slab?": oneOf("maximum", "minimum", "mean"),
       "zoom?": number(0.01, 1e3),
+      "center?": point,
+      "colors?": oneOf(...SLICE_COLORS),
       "normals?": fields(
         Object.fromEntries(
           PANES.map((pane) => [
@@ -832,13 +857,13 @@ var state = fields({
       )
     }),
     "measures?": list((value, where) => {
-      fields({ kind: oneOf("distance", "angle"), points: list(point) })(value, where);
+      fields({ kind: oneOf("distance", "angle", "area"), points: list(point) })(value, where);
       const { kind: what, points } = value;
-      list(any, what === "angle" ? 3 : 2, what === "angle" ? 3 : 2)(points, `${where}.points`);
+      list(any, what === "distance" ? 2 : 3, { distance: 2, angle: 3 }[what] ?? MAX_REGION_POINTS)(points, `${where}.points`);
     }, 0, 1e3),
     "overlays?": fields(Object.fromEntries(OVERLAYS.map((name) => [`${name}?`, flag]))),
     "quality?": fields({ "moving?": oneOf("smooth", "balanced", "exact") }),
-    "interface?": fields({ "theme?": oneOf("system", "dark", "light"), "panels?": list(text, 0, 100) })
+    "interface?": fields({ "theme?": oneOf("system", "dark", "light"), "panels?": list(text, 0, 100), "turning?": oneOf(...TURNINGS) })
   })
 });
 function parseViewerState(document2) {
@@ -857,8 +882,8 @@ function createStore(initial, engine) {
   let future = [];
   const listeners = /* @__PURE__ */ new Set();
   const tell = () => listeners.forEach((listener) => listener());
-  const remember = (before) => {
-    past = [...past.slice(1 - MAX_STEPS), before];
+  const remember = (before2) => {
+    past = [...past.slice(1 - MAX_STEPS), before2];
     future = [];
   };
   const go = (target) => {
@@ -870,11 +895,11 @@ function createStore(initial, engine) {
   };
   engine.onState((operations) => {
     state2 = patched(state2, operations);
-    const also = (before) => {
+    const also = (before2) => {
       try {
-        return operations.some(({ path }) => path === "") ? before : patched(before, operations);
+        return operations.some(({ path }) => path === "") ? before2 : patched(before2, operations);
       } catch {
-        return before;
+        return before2;
       }
     };
     past = past.map(also);
@@ -889,12 +914,17 @@ function createStore(initial, engine) {
       return seq;
     },
     change(operations, name) {
-      const before = state2;
+      const before2 = state2;
       state2 = patched(state2, operations);
       const isStep = operations.some(({ path }) => !INTERFACE.some((start) => path.startsWith(start)));
-      if (isStep && (name === void 0 || name !== gesture)) remember(before);
+      if (isStep && (name === void 0 || name !== gesture)) remember(before2);
       if (isStep) gesture = name ?? null;
       seq = engine.patch(operations, name !== void 0);
+      tell();
+    },
+    adjust(operations) {
+      state2 = patched(state2, operations);
+      seq = engine.patch(operations, false);
       tell();
     },
     settle() {
@@ -934,6 +964,8 @@ var MAX_RECORDS = 4e3;
 var MAX_EVENTS = 1e3;
 var FrameStatistics = class {
   records = [];
+  /** Milliseconds that the page took to draw its interface, the latest ones. */
+  draws = [];
   events = [];
   /** Records the time of the event that a change came from. */
   event(seq, at2) {
@@ -947,6 +979,11 @@ var FrameStatistics = class {
     const { bytes, ...header } = frame;
     this.records.push({ at: at2, latency: shown === void 0 ? null : at2 - shown.at, bytes: bytes.length, frame: header });
     if (this.records.length > MAX_RECORDS) this.records.shift();
+  }
+  /** Records how long the interface took to draw, ms. */
+  interfaceDrawn(ms) {
+    this.draws.push(ms);
+    if (this.draws.length > MAX_RECORDS) this.draws.shift();
   }
   /** Statistics of the moving frames of the last `span` milliseconds. */
   recent(now, span = 2e3) {
@@ -1136,49 +1173,49 @@ var LEVEL_PX = 500;
 function isEditable(curves2) {
   return !("rgba" in curves2);
 }
-function at(curve, value) {
-  const next = curve.findIndex((point2) => valueOf(point2) > value);
-  const right = next < 0 ? curve.length - 1 : next;
-  const [a3, b] = [curve[next < 0 ? right : Math.max(0, right - 1)], curve[right]];
+function at(curve2, value) {
+  const next = curve2.findIndex((point2) => valueAt(point2) > value);
+  const right = next < 0 ? curve2.length - 1 : next;
+  const [a3, b] = [curve2[next < 0 ? right : Math.max(0, right - 1)], curve2[right]];
   if (a3 === void 0 || b === void 0) return [];
-  const width = valueOf(b) - valueOf(a3);
-  const share2 = width > 0 ? clamped((value - valueOf(a3)) / width, 0, 1) : 0;
+  const width = valueAt(b) - valueAt(a3);
+  const share2 = width > 0 ? clamped((value - valueAt(a3)) / width, 0, 1) : 0;
   return a3.slice(1).map((start, k3) => start + share2 * ((b[k3 + 1] ?? start) - start));
 }
-function withPoint(curve, point2) {
-  const next = curve.findIndex((other) => valueOf(other) > valueOf(point2));
-  const index = next < 0 ? curve.length : next;
-  return { curve: [...curve.slice(0, index), point2, ...curve.slice(index)], index };
+function withPoint(curve2, point2) {
+  const next = curve2.findIndex((other) => valueAt(other) > valueAt(point2));
+  const index = next < 0 ? curve2.length : next;
+  return { curve: [...curve2.slice(0, index), point2, ...curve2.slice(index)], index };
 }
-function withPointOn(curve, value) {
-  return withPoint(curve, [value, ...at(curve, value)]);
+function withPointOn(curve2, value) {
+  return withPoint(curve2, [value, ...at(curve2, value)]);
 }
-function withPointBeside(curve, index, span) {
-  const here = valueOf(curve[index] ?? [middle(span)]);
-  const [next, before] = [curve[index + 1], curve[index - 1]];
-  if (next !== void 0 && valueOf(next) > here) return withPointOn(curve, (here + valueOf(next)) / 2);
-  if (before !== void 0 && valueOf(before) < here) return withPointOn(curve, (here + valueOf(before)) / 2);
-  return withPointOn(curve, here + 0.1 * (span[1] - span[0]));
+function withPointBeside(curve2, index, span) {
+  const here = valueAt(curve2[index] ?? [middle(span)]);
+  const [next, before2] = [curve2[index + 1], curve2[index - 1]];
+  if (next !== void 0 && valueAt(next) > here) return withPointOn(curve2, (here + valueAt(next)) / 2);
+  if (before2 !== void 0 && valueAt(before2) < here) return withPointOn(curve2, (here + valueAt(before2)) / 2);
+  return withPointOn(curve2, here + 0.1 * (span[1] - span[0]));
 }
-function withMoved(curve, index, point2) {
-  const least = index > 0 ? valueOf(curve[index - 1] ?? []) : -Infinity;
-  const most = index < curve.length - 1 ? valueOf(curve[index + 1] ?? []) : Infinity;
-  const moved = [clamped(valueOf(point2), least, most), ...point2.slice(1).map((share2) => clamped(share2, 0, 1))];
-  return curve.map((other, k3) => k3 === index ? moved : other);
+function withMoved(curve2, index, point2) {
+  const least = index > 0 ? valueAt(curve2[index - 1] ?? []) : -Infinity;
+  const most = index < curve2.length - 1 ? valueAt(curve2[index + 1] ?? []) : Infinity;
+  const moved = [clamped(valueAt(point2), least, most), ...point2.slice(1).map((share2) => clamped(share2, 0, 1))];
+  return curve2.map((other, k3) => k3 === index ? moved : other);
 }
-function without(curve, index) {
-  return curve.length > 1 ? curve.filter((_3, k3) => k3 !== index) : curve;
+function without(curve2, index) {
+  return curve2.length > 1 ? curve2.filter((_3, k3) => k3 !== index) : curve2;
 }
 function spanOf(...curves2) {
-  const values = curves2.flat().map(valueOf);
+  const values = curves2.flat().map(valueAt);
   return [Math.min(...values), Math.max(...values)];
 }
 function spanOfFunction(curves2) {
   return spanOf(curves2.opacity, curves2.color);
 }
-function mapped(curve, factor, centre, shift = 0) {
-  const points = curve.map((point2) => {
-    const value = centre + factor * (valueOf(point2) - centre) + shift;
+function mapped(curve2, factor, centre, shift = 0) {
+  const points = curve2.map((point2) => {
+    const value = centre + factor * (valueAt(point2) - centre) + shift;
     return [value, ...point2.slice(1)];
   });
   return factor < 0 ? points.reverse() : points;
@@ -1193,8 +1230,8 @@ function withOpacities(curves2, factor) {
   const opacity = curves2.opacity.map(([value, alpha]) => [value, clamped(factor * alpha, 0, 1)]);
   return { ...curves2, opacity };
 }
-function mirrored(curve) {
-  return mapped(curve, -1, middle(spanOf(curve)));
+function mirrored(curve2) {
+  return mapped(curve2, -1, middle(spanOf(curve2)));
 }
 function windowed(look, dx, dy, range) {
   const curves2 = look.transfer_function;
@@ -1217,9 +1254,9 @@ function surfaceValue(curves2, range) {
   const rise = b[1] - a3[1];
   return rise > 0 ? a3[0] + (half - a3[1]) / rise * (b[0] - a3[0]) : b[0];
 }
-function outline(curve, [low, high], pieces = 1) {
-  const ends = [low, high].map((value) => [value, at(curve, value)[0] ?? 0]);
-  const inside = curve.filter(([value]) => value > low && value < high);
+function outline(curve2, [low, high], pieces = 1) {
+  const ends = [low, high].map((value) => [value, at(curve2, value)[0] ?? 0]);
+  const inside = curve2.filter(([value]) => value > low && value < high);
   const [first, last] = ends;
   const corners2 = [first, ...inside, last];
   return corners2.flatMap((to, k3) => {
@@ -1252,7 +1289,7 @@ function onValues(curves2, factor, centre, shift) {
     color: mapped(curves2.color, factor, centre, shift)
   };
 }
-function valueOf(point2) {
+function valueAt(point2) {
   return point2[0] ?? 0;
 }
 
@@ -1303,8 +1340,8 @@ function fieldText(value, decimals) {
 function decimalsOfStep(step) {
   return Math.min(12, Math.max(0, 1 - Math.floor(Math.log10(step) + 1e-9)));
 }
-function outOfSight(curve, [low, high]) {
-  const values = curve.map(([value]) => value ?? 0);
+function outOfSight(curve2, [low, high]) {
+  const values = curve2.map(([value]) => value ?? 0);
   return { below: values.filter((value) => value < low).length, above: values.filter((value) => value > high).length };
 }
 function around(points, whole) {
@@ -1376,6 +1413,67 @@ var WORDS = {
     settings: "Settings",
     close: (name) => `Close ${name}`
   },
+  knobs: {
+    reveal: "Reveal",
+    soften: "Soften",
+    through: "See-through"
+  },
+  palette: {
+    title: "Commands",
+    find: "Find a command, look, window or label",
+    open: "Find",
+    none: "Nothing has these words.",
+    layout: "Layout",
+    panel: "Panel",
+    look: "Look",
+    window: "Window of slices",
+    theme: "Theme",
+    label: "Label",
+    hide: (name) => `Hide ${name}`,
+    show: (name) => `Show ${name}`
+  },
+  moods: {
+    title: "Mood",
+    soft: "Soft",
+    studio: "Studio",
+    dramatic: "Dramatic",
+    all: "All of the light"
+  },
+  /** Names of presets for people. */
+  looks: {
+    auto: "Automatic",
+    "ct-angio": "Angiography",
+    "ct-bone": "Bone",
+    "ct-heart": "Heart",
+    "ct-lung": "Lungs",
+    "ct-muscle": "Muscle",
+    "ct-skin": "Skin",
+    "ct-soft-tissue": "Soft tissue",
+    "ct-vessels": "Vessels",
+    "mr-angio": "Angiography",
+    "mr-brain": "Brain",
+    "mr-head": "Head",
+    "mr-vessels": "Bright vessels",
+    pet: "Uptake",
+    "pet-hot-iron": "Hot iron",
+    confocal: "Lit cells",
+    em: "Stain",
+    "fluorescence-cyan": "Cyan",
+    "fluorescence-green": "Green",
+    "fluorescence-grey": "Grey",
+    "fluorescence-magenta": "Magenta",
+    "fluorescence-red": "Red",
+    heat: "Heat",
+    log: "Decades",
+    signed: "Two signs",
+    grey: "Grey MIP"
+  },
+  legend: {
+    title: "Legend",
+    more: (n2) => `${n2} more`,
+    hide: (name) => `${name}: hide`,
+    show: (name) => `${name}: show`
+  },
   about: {
     open: (names) => `${names}: about the data`,
     kind: "Kind",
@@ -1410,6 +1508,7 @@ var WORDS = {
   },
   /** Headings of the sheets, longer than the names in the rail. */
   sheets: {
+    looks: "All looks",
     about: "About the data",
     presets: "Looks",
     function: "Colours and opacity",
@@ -1428,6 +1527,7 @@ var WORDS = {
     window: "Window and level",
     distance: "Measure a distance",
     angle: "Measure an angle",
+    area: "Measure a region",
     history: "History",
     undo: "Undo",
     redo: "Redo",
@@ -1441,6 +1541,12 @@ var WORDS = {
     help_short: "Keys",
     theme_short: "Theme"
   },
+  help: {
+    close: "Close",
+    where: "Keys act in the view that was used last; in slices arrows move the crosshair.",
+    gestures: "Mouse and touch",
+    keys: "Keys"
+  },
   settings: {
     rest: "At rest",
     moving: "While moving",
@@ -1448,6 +1554,8 @@ var WORDS = {
     custom: "Custom",
     perspective: "Perspective",
     angle: "View angle",
+    turning: "Turning",
+    turnings: { turntable: "Turntable: stays upright", trackball: "Trackball: every way" },
     theme: "Theme",
     themes: { system: "As the system", dark: "Dark", light: "Light" },
     over: "Over the views",
@@ -1502,8 +1610,7 @@ var WORDS = {
     usual: "Fit to data",
     addOpacity: "Add opacity point",
     addColor: "Add colour",
-    shift: "Shift",
-    width: "Width",
+    edit: "Edit curve",
     opacities: "Opacities ×",
     global: "Layer opacity",
     mirrorOpacity: "Mirror opacities",
@@ -1525,8 +1632,46 @@ var WORDS = {
     addPoint: "Add point",
     delete: "Delete point"
   },
+  opening: {
+    open: "Open",
+    openTitle: "Open a file, a folder or an example",
+    drop: "Drop a scan here",
+    dropNow: "Drop to open",
+    kinds: "NIfTI, DICOM folders, NRRD, MetaImage, TIFF, OME-Zarr, HDF5, NumPy and more; segmentations, surfaces and points too.",
+    limit: (bytes) => `Up to ${Math.round(bytes / 2 ** 30)} GB, read on this machine alone. Larger data open where they lie: wavesplat view FILE`,
+    limitOfKernel: (bytes) => `Up to ${Math.round(bytes / 2 ** 30)} GB, sent to the kernel. What lies beside the kernel opens in Python: viewer.scene = ws.open_scene("FILE")`,
+    files: "Choose files",
+    folder: "Choose a folder",
+    examples: "Examples",
+    recent: "Recent",
+    gone: "not there now",
+    clear: "Clear list",
+    cleared: "The list of recent files is empty",
+    close: "Close",
+    cancel: "Cancel",
+    sending: (name) => `Sending ${name}`,
+    reading: (name) => `Reading ${name}`,
+    several: (name) => `${name} holds several`,
+    whichOne: (option) => option === "series" ? "Series" : "Dataset",
+    openIt: "Open",
+    how: (name) => `How should ${name} be shown?`,
+    replace: "Replace",
+    replaceNote: "Close what is open; undo brings it back",
+    overlay: "Overlay",
+    overlayNote: "A further layer, placed by its world coordinates",
+    labels: "Segmentation",
+    labelsNote: (scan) => `Regions of ${scan}, each in a colour`,
+    shown: (name) => `${name} is open`,
+    tooLarge: (size, most) => `These files have ${(size / 2 ** 30).toFixed(1)} GB, and a page sends up to ${(most / 2 ** 30).toFixed(1)} GB`,
+    tooLargeRemedy: "Open them where they lie: wavesplat view FILE.",
+    nothing: "Nothing was dropped that is a file",
+    stateAlone: "A saved state names its volumes, which a page may not open",
+    stateRemedy: "Open it with: wavesplat view --state FILE."
+  },
   labelsPanel: {
-    none: "There is no segmentation. Open one with --labels FILE, or in Python with labels=.",
+    none: "There is no segmentation. Drop its file here, open it with --labels FILE, or in Python with labels=.",
+    remove: "Remove",
+    removeAll: "Remove the segmentation",
     filter: "Filter",
     showAll: "Show all",
     hideAll: "Hide all",
@@ -1541,6 +1686,9 @@ var WORDS = {
     soloThis: (name) => `Solo: show ${name} alone, or all again`
   },
   layersPanel: {
+    add: "Add a layer",
+    remove: "Remove",
+    removeThis: (name) => `Remove ${name}`,
     edit: "Edit the look",
     editThis: (name) => `Edit the look of ${name}`,
     name: (index) => `Name of layer ${index + 1}`,
@@ -1624,8 +1772,7 @@ var WORDS = {
     all: (n2) => `All presets (${n2} more)`,
     none: "No preset has this in its name or description.",
     auto: "By the kind of data, from its histogram.",
-    redraw: "Draw the pictures anew",
-    old: "The camera or the time is another one than in these pictures.",
+    allLooks: "All looks",
     chosen: (name) => `Look ${name}`,
     ownPreset: "Saved by you",
     alone: "This look is made for a layer alone: with others it is drawn as a volume, which may hide them."
@@ -1657,7 +1804,7 @@ var PIECES = 16;
 var WHEEL_ZOOM = 1.2;
 var N_TICKS = 5;
 function CurvePlot(props) {
-  const { label, height, seen, whole, unit: unit2, curve, colors, histogram, isMagnified, selected } = props;
+  const { label, height, seen, whole, unit: unit2, curve: curve2, colors, histogram, isMagnified, selected } = props;
   const [svg, width] = useWidth();
   const drag = T2(null);
   const fill = P2();
@@ -1665,7 +1812,7 @@ function CurvePlot(props) {
   const power = isMagnified ? ROOT : 1;
   const xOf = (value) => MARGIN.left + (value - seen[0]) / (seen[1] - seen[0]) * inner.width;
   const yOf = (alpha) => MARGIN.top + (1 - alpha ** power) * inner.height;
-  const valueAt = (x2) => seen[0] + (x2 - MARGIN.left) / inner.width * (seen[1] - seen[0]);
+  const valueAt2 = (x2) => seen[0] + (x2 - MARGIN.left) / inner.width * (seen[1] - seen[0]);
   const alphaAt = (y3) => clamped(1 - (y3 - MARGIN.top) / inner.height, 0, 1) ** (1 / power);
   const inside = (event) => {
     const box2 = svg.current?.getBoundingClientRect();
@@ -1675,20 +1822,20 @@ function CurvePlot(props) {
     Math.max(props.least ?? -Infinity, rounded(value, seen[1] - seen[0])),
     Number(alpha.toPrecision(3))
   ];
-  const move = (index, value, alpha) => props.onCurve(withMoved(curve, index, tidy2(value, alpha)), index);
+  const move = (index, value, alpha) => props.onCurve(withMoved(curve2, index, tidy2(value, alpha)), index);
   const onPlotMove = (event) => {
     const begun = drag.current;
     if (begun === null) return;
     const { x: x2, y: y3 } = inside(event);
     if (begun.index !== null) {
-      move(begun.index, valueAt(x2 - begun.x), alphaAt(y3 - begun.y));
+      move(begun.index, valueAt2(x2 - begun.x), alphaAt(y3 - begun.y));
       return;
     }
     const shift = (begun.x - x2) / inner.width * (begun.seen[1] - begun.seen[0]);
     props.onSeen(within([begun.seen[0] + shift, begun.seen[1] + shift], whole));
   };
   const onPlotUp = () => {
-    if (drag.current?.index != null) props.onDone();
+    if (drag.current?.index != null) props.onSettle();
     drag.current = null;
   };
   const onHandleKey = (event, index) => {
@@ -1706,10 +1853,10 @@ function CurvePlot(props) {
     event.preventDefault();
     event.stopPropagation();
   };
-  const line = outline(curve, seen, isMagnified ? PIECES : 1).map(
+  const line = outline(curve2, seen, isMagnified ? PIECES : 1).map(
     ([value, alpha]) => `${px(xOf(value))},${px(yOf(alpha))}`
   );
-  const hidden = outOfSight(curve, seen);
+  const hidden = outOfSight(curve2, seen);
   const marks = isMagnified ? [0, 0.01, 0.1, 0.5, 1] : [0, 0.25, 0.5, 0.75, 1];
   const marked = ticks(seen, N_TICKS).filter((value) => unit2 === "" || xOf(value) > MARGIN.left + 14);
   return /* @__PURE__ */ k(
@@ -1724,13 +1871,13 @@ function CurvePlot(props) {
         const root = event.currentTarget.getRootNode();
         if (!event.ctrlKey && !event.currentTarget.contains(root.activeElement)) return;
         event.preventDefault();
-        props.onSeen(zoomed(seen, event.deltaY < 0 ? WHEEL_ZOOM : 1 / WHEEL_ZOOM, valueAt(inside(event).x), whole));
+        props.onSeen(zoomed(seen, event.deltaY < 0 ? WHEEL_ZOOM : 1 / WHEEL_ZOOM, valueAt2(inside(event).x), whole));
       },
       onDblClick: (event) => {
         const { x: x2, y: y3 } = inside(event);
-        const added2 = withPoint(curve, tidy2(valueAt(x2), alphaAt(y3)));
+        const added2 = withPoint(curve2, tidy2(valueAt2(x2), alphaAt(y3)));
         props.onCurve(added2.curve, added2.index);
-        props.onDone();
+        props.onSettle();
       },
       onPointerDown: (event) => {
         if (event.button !== 0) return;
@@ -1760,7 +1907,7 @@ function CurvePlot(props) {
         onClick: props.onShowPoints
       }
     ),
-    curve.map(
+    curve2.map(
       (point2, index) => point2[0] < seen[0] || point2[0] > seen[1] ? null : /* @__PURE__ */ k(
         Handle,
         {
@@ -1769,13 +1916,13 @@ function CurvePlot(props) {
           y: yOf(point2[1]),
           isSelected: index === selected,
           color: null,
-          label: `Point ${index + 1} of ${curve.length}`,
+          label: `Point ${index + 1} of ${curve2.length}`,
           value: point2[0],
           range: seen,
           text: `${props.what} ${numberText(point2[1])} at ${numberText(point2[0])}${unit2 && ` ${unit2}`}`,
           onSelect: () => props.onSelect(index),
           onKeyDown: (event) => onHandleKey(event, index),
-          onKeyUp: () => props.onDone(),
+          onKeyUp: () => props.onSettle(),
           onGrab: (event) => {
             const { x: x2, y: y3 } = inside(event);
             svg.current?.setPointerCapture(event.pointerId);
@@ -1787,14 +1934,14 @@ function CurvePlot(props) {
     props.children
   );
 }
-function changePoints({ latest, seen, onCurve, onDone }, what, index) {
-  const curve = latest();
-  if (what === "remove") onCurve(without(curve, index), Math.min(index, curve.length - 2));
+function changePoints({ latest, seen, onCurve, onSettle }, what, index) {
+  const curve2 = latest();
+  if (what === "remove") onCurve(without(curve2, index), Math.min(index, curve2.length - 2));
   else {
-    const added2 = withPointBeside(curve, index, seen);
+    const added2 = withPointBeside(curve2, index, seen);
     onCurve(added2.curve, added2.index);
   }
-  onDone();
+  onSettle();
 }
 function Handle(props) {
   const { x: x2, y: y3, isSelected, color: color2, range, value } = props;
@@ -1857,7 +2004,7 @@ function Mark(props) {
   );
 }
 function Fill({
-  id,
+  id: id2,
   colors,
   xOf
 }) {
@@ -1867,7 +2014,7 @@ function Fill({
   return /* @__PURE__ */ k("defs", null, /* @__PURE__ */ k(
     "linearGradient",
     {
-      id,
+      id: id2,
       gradientUnits: "userSpaceOnUse",
       x1: xOf(first[0]),
       x2: xOf(first[0] + width),
@@ -1916,13 +2063,13 @@ var TEXT2 = WORDS.colorStrip;
 var RAMP_PX = 16;
 var HEIGHT_PX = 44;
 function ColorStrip(props) {
-  const { seen, unit: unit2, curve, selected } = props;
+  const { seen, unit: unit2, curve: curve2, selected } = props;
   const [svg, width] = useWidth();
   const drag = T2(null);
   const fill = P2();
   const inner = width - MARGIN.left - MARGIN.right;
   const xOf = (value) => MARGIN.left + (value - seen[0]) / (seen[1] - seen[0]) * inner;
-  const valueAt = (x2) => seen[0] + (x2 - MARGIN.left) / inner * (seen[1] - seen[0]);
+  const valueAt2 = (x2) => seen[0] + (x2 - MARGIN.left) / inner * (seen[1] - seen[0]);
   const inside = (event) => event.clientX - (svg.current?.getBoundingClientRect().left ?? 0);
   const move = (index, value) => {
     const latest = props.latest();
@@ -1930,21 +2077,21 @@ function ColorStrip(props) {
     if (point2 !== void 0) props.onCurve(withMoved(latest, index, [value, point2[1], point2[2], point2[3]]), index);
   };
   const onUp = () => {
-    if (drag.current !== null) props.onDone();
+    if (drag.current !== null) props.onSettle();
     drag.current = null;
   };
   const onKeyDown = (event, index) => {
     const key = pointKey(event.key, event.shiftKey, seen, 0);
-    if (key === null || key.does === "remove" && curve.length === 1) return;
+    if (key === null || key.does === "remove" && curve2.length === 1) return;
     if (key.does === "move") move(index, (props.latest()[index]?.[0] ?? 0) + key.value);
     else if (key.does === "type") props.onType();
     else changePoints(props, key.does, index);
     event.preventDefault();
     event.stopPropagation();
   };
-  const { below, above } = outOfSight(curve, seen);
-  const only = curve[0];
-  const isPlain = curve.length === 1 && only !== void 0;
+  const { below, above } = outOfSight(curve2, seen);
+  const only = curve2[0];
+  const isPlain = curve2.length === 1 && only !== void 0;
   return /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
     "svg",
     {
@@ -1954,17 +2101,17 @@ function ColorStrip(props) {
       role: "group",
       "aria-label": TEXT2.label,
       onDblClick: (event) => {
-        const added2 = withPointOn(curve, rounded(valueAt(inside(event)), seen[1] - seen[0]));
+        const added2 = withPointOn(curve2, rounded(valueAt2(inside(event)), seen[1] - seen[0]));
         props.onCurve(added2.curve, added2.index);
-        props.onDone();
+        props.onSettle();
       },
       onPointerMove: (event) => {
         const begun = drag.current;
-        if (begun !== null) move(begun.index, rounded(valueAt(inside(event) - begun.x), seen[1] - seen[0]));
+        if (begun !== null) move(begun.index, rounded(valueAt2(inside(event) - begun.x), seen[1] - seen[0]));
       },
       onLostPointerCapture: onUp
     },
-    /* @__PURE__ */ k(Fill, { id: fill, colors: curve, xOf }),
+    /* @__PURE__ */ k(Fill, { id: fill, colors: curve2, xOf }),
     /* @__PURE__ */ k(
       "rect",
       {
@@ -1976,7 +2123,7 @@ function ColorStrip(props) {
         fill: isPlain ? hexOf(only) : `url(#${fill})`
       }
     ),
-    curve.map(
+    curve2.map(
       (point2, index) => point2[0] < seen[0] || point2[0] > seen[1] ? null : /* @__PURE__ */ k(
         Handle,
         {
@@ -1985,13 +2132,13 @@ function ColorStrip(props) {
           y: RAMP_PX + 13,
           isSelected: index === selected,
           color: hexOf(point2),
-          label: `Colour ${index + 1} of ${curve.length}`,
+          label: `Colour ${index + 1} of ${curve2.length}`,
           value: point2[0],
           range: seen,
           text: `${hexOf(point2)} at ${numberText(point2[0])}${unit2 && ` ${unit2}`}`,
           onSelect: () => props.onSelect(index),
           onKeyDown: (event) => onKeyDown(event, index),
-          onKeyUp: () => props.onDone(),
+          onKeyUp: () => props.onSettle(),
           onGrab: (event) => {
             svg.current?.setPointerCapture(event.pointerId);
             drag.current = { index, x: inside(event) - xOf(point2[0]) };
@@ -2002,19 +2149,19 @@ function ColorStrip(props) {
   ), below + above > 0 && /* @__PURE__ */ k("button", { type: "button", class: "button", onClick: () => props.onShowPoints() }, TEXT2.hidden(below + above)));
 }
 
-// src/view/look/fields.tsx
-function NumberField(props) {
-  const { label, value, min, max, step = "any", unit: unit2 = "", disabled = false, id, decimals } = props;
+// src/view/fields.tsx
+function NumberBox(props) {
+  const { label, value, min, max, step = "any", unit: unit2 = "", disabled = false, id: id2, decimals } = props;
   const [typed, setTyped] = d2(null);
   const done2 = () => {
     setTyped(null);
-    props.onDone();
+    props.onSettle();
   };
   return /* @__PURE__ */ k(
     "input",
     {
       type: "number",
-      id,
+      id: id2,
       "aria-label": unit2 === "" ? label : `${label}, ${unit2}`,
       value: typed ?? fieldText(value, decimals),
       min,
@@ -2025,7 +2172,7 @@ function NumberField(props) {
         const field = event.currentTarget;
         setTyped(field.value);
         const number2 = field.valueAsNumber;
-        if (Number.isFinite(number2)) props.onValue(clamped(number2, min ?? -Infinity, max ?? Infinity));
+        if (Number.isFinite(number2)) props.onInput(clamped(number2, min ?? -Infinity, max ?? Infinity));
       },
       onChange: done2,
       onBlur: done2,
@@ -2037,9 +2184,9 @@ function NumberField(props) {
 }
 function NamedNumber(props) {
   const { label, shown = label, unit: unit2 = "" } = props;
-  return /* @__PURE__ */ k("span", { class: "look-named" }, /* @__PURE__ */ k("span", { class: "dim", "aria-hidden": "true" }, shown), /* @__PURE__ */ k(NumberField, { ...props }), unit2 !== "" && /* @__PURE__ */ k("span", { class: "dim", "aria-hidden": "true" }, unit2));
+  return /* @__PURE__ */ k("span", { class: "look-named" }, /* @__PURE__ */ k("span", { class: "dim", "aria-hidden": "true" }, shown), /* @__PURE__ */ k(NumberBox, { ...props }), unit2 !== "" && /* @__PURE__ */ k("span", { class: "dim", "aria-hidden": "true" }, unit2));
 }
-function SliderField(props) {
+function NumberField(props) {
   const {
     label,
     value,
@@ -2048,8 +2195,9 @@ function SliderField(props) {
     step = roundStep((max - min) / 500),
     unit: unit2 = "",
     disabled = false,
-    least,
-    most
+    isBounded = false,
+    least = isBounded ? min : -Infinity,
+    most = isBounded ? max : Infinity
   } = props;
   const { shown = label, decimals = step === "any" ? void 0 : decimalsOfStep(step) } = props;
   return /* @__PURE__ */ k("div", { class: "field look-slider" }, shown !== "" && /* @__PURE__ */ k("span", { "aria-hidden": "true" }, shown, unit2 !== "" && /* @__PURE__ */ k("small", null, unit2)), /* @__PURE__ */ k(
@@ -2063,16 +2211,16 @@ function SliderField(props) {
       max,
       step,
       disabled,
-      onInput: (event) => props.onValue(event.currentTarget.valueAsNumber),
-      onChange: () => props.onDone()
+      onInput: (event) => props.onInput(event.currentTarget.valueAsNumber),
+      onChange: () => props.onSettle()
     }
   ), /* @__PURE__ */ k(
-    NumberField,
+    NumberBox,
     {
       ...props,
       ...decimals === void 0 ? {} : { decimals },
-      min: least ?? min,
-      max: most ?? max,
+      min: least,
+      max: most,
       step,
       label: `${label}, number`
     }
@@ -2084,7 +2232,7 @@ function RelativeSlider(props) {
   const [typed, setTyped] = d2("");
   const done2 = () => {
     setAmount(null);
-    props.onDone();
+    props.onSettle();
   };
   const apply = () => {
     const number2 = Number(typed);
@@ -2129,18 +2277,13 @@ function RelativeSlider(props) {
     }
   ));
 }
-function SelectField({ label, value, options, onChoice }) {
-  return /* @__PURE__ */ k("label", { class: "field" }, /* @__PURE__ */ k("span", null, label), /* @__PURE__ */ k("select", { class: "look-grow", value, onChange: (event) => onChoice(event.currentTarget.value) }, options.map((option) => /* @__PURE__ */ k("option", { key: option.value, value: option.value, disabled: option.disabled ?? false }, option.text))));
+function Choice({ label, value, options, onChoose }) {
+  return /* @__PURE__ */ k("label", { class: "field" }, /* @__PURE__ */ k("span", null, label), /* @__PURE__ */ k("select", { class: "look-grow", value, onChange: (event) => onChoose(event.currentTarget.value) }, options.map(([name, text2, disabled = false]) => /* @__PURE__ */ k("option", { key: name, value: name, disabled }, text2))));
 }
-function CheckField({
-  label,
-  note,
-  checked,
-  onCheck
-}) {
-  return /* @__PURE__ */ k("label", { class: "row look-check" }, /* @__PURE__ */ k("input", { type: "checkbox", checked, onChange: (event) => onCheck(event.currentTarget.checked) }), /* @__PURE__ */ k("span", null, label), note && /* @__PURE__ */ k("span", { class: "dim" }, note));
+function Switch({ label, note, on, onToggle }) {
+  return /* @__PURE__ */ k("label", { class: "row look-check" }, /* @__PURE__ */ k("input", { type: "checkbox", checked: on, onChange: (event) => onToggle(event.currentTarget.checked) }), /* @__PURE__ */ k("span", null, label), note && /* @__PURE__ */ k("span", { class: "dim" }, note));
 }
-function ColorField({ label, value, onColor, onDone }) {
+function ColorField({ label, value, onColor, onSettle }) {
   const [picked, setPicked] = d2(null);
   A2(() => setPicked(null), [value]);
   return /* @__PURE__ */ k(
@@ -2153,8 +2296,8 @@ function ColorField({ label, value, onColor, onDone }) {
         setPicked(event.currentTarget.value);
         onColor(event.currentTarget.value);
       },
-      onChange: onDone,
-      onBlur: onDone
+      onChange: onSettle,
+      onBlur: onSettle
     }
   );
 }
@@ -2178,15 +2321,15 @@ function Button(props) {
 var TEXT3 = WORDS.gradientEditor;
 var PLOT_PX = 130;
 function GradientEditor({ store, ui, curves: curves2, volume: volume2, latest }) {
-  const curve = curves2.gradient_opacity ?? [];
+  const curve2 = curves2.gradient_opacity ?? [];
   const scale = strongGradient(volume2);
-  const least = spanOf([[0], [scale]], curve);
+  const least = spanOf([[0], [scale]], curve2);
   const whole = [0, 1.1 * least[1]];
   const [zoom, setZoom] = d2(null);
   const [chosen2, setChosen] = d2(0);
   const path = ["layers", ui.layer, "look", "transfer_function", "gradient_opacity"];
-  const index = Math.min(chosen2, curve.length - 1);
-  const point2 = curve[index];
+  const index = Math.min(chosen2, curve2.length - 1);
+  const point2 = curve2[index];
   const change = (next, at2) => {
     store.change([set(next, ...path)], "gradient opacity");
     if (at2 !== null) setChosen(at2);
@@ -2206,7 +2349,7 @@ function GradientEditor({ store, ui, curves: curves2, volume: volume2, latest })
       whole,
       unit: unit2,
       least: 0,
-      curve,
+      curve: curve2,
       latest,
       colors: null,
       histogram: null,
@@ -2214,9 +2357,9 @@ function GradientEditor({ store, ui, curves: curves2, volume: volume2, latest })
       selected: index,
       onSelect: setChosen,
       onCurve: change,
-      onDone: done2,
+      onSettle: done2,
       onSeen: setZoom,
-      onShowPoints: () => setZoom(around(spanOf(curve), whole)),
+      onShowPoints: () => setZoom(around(spanOf(curve2), whole)),
       onType: () => {
       }
     }
@@ -2227,8 +2370,8 @@ function GradientEditor({ store, ui, curves: curves2, volume: volume2, latest })
       unit: unit2,
       min: 0,
       value: point2[0],
-      onValue: (value) => change(withMoved(curve, index, [value, point2[1]]), index),
-      onDone: done2
+      onInput: (value) => change(withMoved(curve2, index, [value, point2[1]]), index),
+      onSettle: done2
     }
   ), /* @__PURE__ */ k(
     NamedNumber,
@@ -2238,14 +2381,14 @@ function GradientEditor({ store, ui, curves: curves2, volume: volume2, latest })
       max: 1,
       step: 0.01,
       value: point2[1],
-      onValue: (factor) => change(withMoved(curve, index, [point2[0], factor]), index),
-      onDone: done2
+      onInput: (factor) => change(withMoved(curve2, index, [point2[0], factor]), index),
+      onSettle: done2
     }
   )), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(
     Button,
     {
       onClick: () => {
-        const added2 = withPointBeside(curve, index, whole);
+        const added2 = withPointBeside(curve2, index, whole);
         change(added2.curve, added2.index);
         done2();
       }
@@ -2254,9 +2397,9 @@ function GradientEditor({ store, ui, curves: curves2, volume: volume2, latest })
   ), /* @__PURE__ */ k(
     Button,
     {
-      disabled: curve.length === 1,
+      disabled: curve2.length === 1,
       onClick: () => {
-        change(without(curve, index), Math.max(0, index - 1));
+        change(without(curve2, index), Math.max(0, index - 1));
         done2();
       }
     },
@@ -2266,6 +2409,62 @@ function GradientEditor({ store, ui, curves: curves2, volume: volume2, latest })
 function strongGradient(volume2) {
   const [low, high] = volume2.robust_range;
   return 0.5 * (high - low || 1) / Math.min(...volume2.spacing);
+}
+
+// src/view/look/knobs.ts
+var STILL = { reveal: 0, soften: 0, through: 0 };
+var DECADES = 7;
+var PIECES2 = 32;
+var MAX_WIDTH = 4;
+function turned(curves2, { reveal, soften, through: through2 }, usual) {
+  const shift = -0.5 * reveal * Math.abs(reveal) * (usual[1] - usual[0]);
+  const wide = soften === 0 ? curves2 : widened(curves2, MAX_WIDTH ** soften);
+  return seenThrough(shift === 0 ? wide : shifted(wide, shift), through2);
+}
+function seenThrough(curves2, through2) {
+  const [low, high] = spanOfFunction(curves2);
+  if (through2 === 0 || low === high) return curves2;
+  const between3 = Array.from({ length: PIECES2 + 1 }, (_3, k3) => low + k3 / PIECES2 * (high - low));
+  const values = [...curves2.opacity.map(([value]) => value), ...between3].sort((a3, b) => a3 - b);
+  const opacity = values.filter((value, k3) => value !== values[k3 - 1]).map((value) => {
+    const place = clamped((value - low) / (high - low), 0, 1);
+    const alpha = (at(curves2.opacity, value)[0] ?? 0) * 10 ** (-DECADES * through2 * (1 - place));
+    return [value, alpha < 1e-6 ? 0 : Number(alpha.toPrecision(4))];
+  });
+  return { ...curves2, opacity };
+}
+
+// src/view/look/knob_fields.tsx
+var TEXT4 = WORDS.knobs;
+var NAMES = ["reveal", "soften", "through"];
+function KnobFields({ store, ui, curves: curves2, usual }) {
+  const [knobs, setKnobs] = d2(STILL);
+  const [base, made] = [T2(curves2), T2(curves2)];
+  const isOwn = curves2 === made.current;
+  if (!isOwn) base.current = made.current = curves2;
+  const now = isOwn ? knobs : STILL;
+  const turn = (name, percent) => {
+    const next = { ...now, [name]: percent / 100 };
+    made.current = turned(base.current, next, usual);
+    setKnobs(next);
+    store.change([set(made.current, "layers", ui.layer, "look", "transfer_function")], `knob ${name}`);
+  };
+  return /* @__PURE__ */ k("div", { class: "look-knobs" }, NAMES.map((name) => /* @__PURE__ */ k(
+    NumberField,
+    {
+      isBounded: true,
+      key: name,
+      label: TEXT4[name],
+      unit: "%",
+      min: name === "through" ? 0 : -100,
+      max: 100,
+      step: 1,
+      decimals: 0,
+      value: 100 * now[name],
+      onInput: (percent) => turn(name, percent),
+      onSettle: () => store.settle()
+    }
+  )));
 }
 
 // src/view/look/own_presets.ts
@@ -2279,8 +2478,8 @@ function keeper() {
 }
 function ownPresets(kept = keeper()) {
   try {
-    const found = JSON.parse(kept?.getItem(KEY) ?? "[]");
-    return Array.isArray(found) ? found.filter(isPreset) : [];
+    const found2 = JSON.parse(kept?.getItem(KEY) ?? "[]");
+    return Array.isArray(found2) ? found2.filter(isPreset) : [];
   } catch {
     return [];
   }
@@ -2312,9 +2511,9 @@ function write(presets, kept) {
   kept.setItem(KEY, JSON.stringify(presets));
   return presets;
 }
-function isPreset(found) {
-  if (typeof found !== "object" || found === null) return false;
-  const { name, look, picture } = found;
+function isPreset(found2) {
+  if (typeof found2 !== "object" || found2 === null) return false;
+  const { name, look, picture } = found2;
   return typeof name === "string" && typeof picture === "string" && typeof look === "object" && look !== null;
 }
 
@@ -2341,12 +2540,12 @@ var DEFAULT_LIGHTS = [
 ];
 var DEFAULT_BACKGROUND = "black";
 function chosen(state2, layer, look, composite2) {
-  const before = state2.layers[layer]?.look;
+  const before2 = state2.layers[layer]?.look;
   const operations = [set(look, "layers", layer, "look")];
   if (state2.shading !== "look" && state2.layers.length === 1) operations.push(set("look", "shading"));
   const named = look.composite === "first-hit" ? "over" : look.composite;
   if (state2.layers.length === 1) operations.push(set(composite2 ?? named, "render", "composite"));
-  const [old, now] = [before?.background ?? DEFAULT_BACKGROUND, look.background ?? DEFAULT_BACKGROUND];
+  const [old, now] = [before2?.background ?? DEFAULT_BACKGROUND, look.background ?? DEFAULT_BACKGROUND];
   if (layer === 0 && state2.background === old && old !== now) operations.push(set(now, "background"));
   return operations;
 }
@@ -2367,11 +2566,11 @@ function lookText(look) {
 `;
 }
 function lookFromText(text2) {
-  const found = JSON.parse(text2);
-  if (typeof found !== "object" || found === null || !("transfer_function" in found)) {
+  const found2 = JSON.parse(text2);
+  if (typeof found2 !== "object" || found2 === null || !("transfer_function" in found2)) {
     throw new Error("it has no field 'transfer_function'; choose a file that was exported here or by Look.save");
   }
-  const { version: _3, kind: __, ...look } = found;
+  const { version: _3, kind: __, ...look } = found2;
   const empty = {
     name: "",
     description: "",
@@ -2411,98 +2610,111 @@ function namedColor(name) {
 }
 
 // src/view/look/point_fields.tsx
-var TEXT4 = WORDS.pointFields;
+var TEXT5 = WORDS.pointFields;
 function PointFields(props) {
-  const { curves: curves2, selected, onDone } = props;
+  const { curves: curves2, selected, onSettle } = props;
   const index = selected?.index ?? -1;
   const [node, color2] = [curves2.opacity[index], curves2.color[index]];
   if (selected?.kind === "opacity" && node !== void 0) {
-    return /* @__PURE__ */ k(Point, { ...props, title: TEXT4.opacityPoint, curve: curves2.opacity, index, onCurve: props.onOpacity }, (move) => /* @__PURE__ */ k(
+    return /* @__PURE__ */ k(Point, { ...props, title: TEXT5.opacityPoint, curve: curves2.opacity, index, onCurve: props.onOpacity }, (move) => /* @__PURE__ */ k(
       NamedNumber,
       {
-        label: TEXT4.opacity,
+        label: TEXT5.opacity,
         value: node[1],
         min: 0,
         max: 1,
         step: 0.01,
-        onValue: (opacity) => move([node[0], opacity]),
-        onDone
+        onInput: (opacity) => move([node[0], opacity]),
+        onSettle
       }
     ));
   }
   if (selected?.kind === "color" && color2 !== void 0) {
-    return /* @__PURE__ */ k(Point, { ...props, title: TEXT4.colorPoint, curve: curves2.color, index, onCurve: props.onColor }, (move) => /* @__PURE__ */ k(
+    return /* @__PURE__ */ k(Point, { ...props, title: TEXT5.colorPoint, curve: curves2.color, index, onCurve: props.onColor }, (move) => /* @__PURE__ */ k(
       ColorField,
       {
-        label: TEXT4.color,
+        label: TEXT5.color,
         value: hexOf(color2),
         onColor: (hex) => move([color2[0], ...rgbOf(hex)]),
-        onDone
+        onSettle
       }
     ));
   }
-  return /* @__PURE__ */ k("p", { class: "dim look-small" }, TEXT4.none);
+  return /* @__PURE__ */ k("p", { class: "dim look-small" }, TEXT5.none);
 }
 function Point(props) {
-  const { title, unit: unit2, selected, curve, index, onCurve, onSelect, onDone, children } = props;
-  const point2 = curve[index];
+  const { title, unit: unit2, selected, curve: curve2, index, onCurve, onSelect, onSettle, children } = props;
+  const point2 = curve2[index];
   if (point2 === void 0) return null;
-  const move = (moved) => onCurve(withMoved(curve, index, moved), index);
+  const move = (moved) => onCurve(withMoved(curve2, index, moved), index);
   const go = (next) => {
     if (selected !== null) onSelect({ ...selected, index: next });
   };
-  return /* @__PURE__ */ k("fieldset", { class: "look-point" }, /* @__PURE__ */ k("legend", null, title(index + 1, curve.length)), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(
+  return /* @__PURE__ */ k("fieldset", { class: "look-point" }, /* @__PURE__ */ k("legend", null, title(index + 1, curve2.length)), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(
     NamedNumber,
     {
-      label: TEXT4.value,
+      label: TEXT5.value,
       unit: unit2,
       value: point2[0] ?? 0,
-      onValue: (value) => move([value, ...point2.slice(1)]),
-      onDone
+      onInput: (value) => move([value, ...point2.slice(1)]),
+      onSettle
     }
-  ), children(move)), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(Button, { label: TEXT4.before, disabled: index === 0, onClick: () => go(index - 1) }, "‹"), /* @__PURE__ */ k(Button, { label: TEXT4.after, disabled: index === curve.length - 1, onClick: () => go(index + 1) }, "›"), /* @__PURE__ */ k(
+  ), children(move)), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(Button, { label: TEXT5.before, disabled: index === 0, onClick: () => go(index - 1) }, "‹"), /* @__PURE__ */ k(Button, { label: TEXT5.after, disabled: index === curve2.length - 1, onClick: () => go(index + 1) }, "›"), /* @__PURE__ */ k(
     Button,
     {
-      disabled: curve.length === 1,
+      disabled: curve2.length === 1,
       onClick: () => {
-        onCurve(without(curve, index), Math.max(0, index - 1));
-        onDone();
+        onCurve(without(curve2, index), Math.max(0, index - 1));
+        onSettle();
       }
     },
-    TEXT4.remove
+    TEXT5.remove
   )));
 }
 
 // src/view/look/function_panel.tsx
-var TEXT5 = WORDS.functionPanel;
+var TEXT6 = WORDS.functionPanel;
 var BINS = 256;
 var PLOT_PX2 = 190;
 var STILL_MS = 120;
 var MAX_OPACITY = 10;
-var MAX_WIDTH = 4;
 function FunctionPanel(props) {
   const { store, ui, welcome } = props;
   const layer = store.state.layers[ui.layer];
   const volume2 = welcome.volumes[ui.layer];
   if (layer === void 0 || volume2 === void 0) return null;
   const curves2 = layer.look.transfer_function;
-  return /* @__PURE__ */ k("div", { class: "look-panel" }, /* @__PURE__ */ k(LayerChoice, { ...props }), isEditable(curves2) ? /* @__PURE__ */ k(Editor, { key: ui.layer, ...props, curves: curves2, look: layer.look, volume: volume2 }) : /* @__PURE__ */ k($, null, /* @__PURE__ */ k("p", null, TEXT5.table), /* @__PURE__ */ k(GlobalOpacity, { ...props })));
+  return /* @__PURE__ */ k("div", { class: "look-panel" }, /* @__PURE__ */ k(LayerChoice, { ...props }), isEditable(curves2) ? /* @__PURE__ */ k(Editor, { key: ui.layer, ...props, curves: curves2, look: layer.look, volume: volume2 }) : /* @__PURE__ */ k($, null, /* @__PURE__ */ k("p", null, TEXT6.table), /* @__PURE__ */ k(GlobalOpacity, { ...props })));
 }
 function LayerChoice({ store, ui }) {
   const { layers } = store.state;
   if (layers.length < 2) return null;
   return /* @__PURE__ */ k(
-    SelectField,
+    Choice,
     {
-      label: TEXT5.layer,
+      label: TEXT6.layer,
       value: String(ui.layer),
-      options: layers.map(({ name }, index) => ({ value: String(index), text: name })),
-      onChoice: (value) => ui.setLayer(Number(value))
+      options: layers.map(({ name }, index) => [String(index), name]),
+      onChoose: (value) => ui.setLayer(Number(value))
     }
   );
 }
 function Editor(props) {
   const { store, engine, ui, welcome, curves: curves2, look, volume: volume2 } = props;
+  const [isOpen, setOpen] = d2(false);
+  const reset = async () => {
+    try {
+      const first = await lookAsChosen(engine, welcome, ui.layer, look.name);
+      if (first === null) ui.announce(TEXT6.gone);
+      else store.change([set(first.transfer_function, "layers", ui.layer, "look", "transfer_function")]);
+    } catch (problem) {
+      ui.problem(problem);
+    }
+  };
+  return /* @__PURE__ */ k($, null, /* @__PURE__ */ k(KnobFields, { ...props, curves: curves2, usual: volume2.robust_range }), /* @__PURE__ */ k(GlobalOpacity, { ...props }), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(Button, { onClick: () => void reset() }, TEXT6.reset(look.name))), /* @__PURE__ */ k("details", { class: "look-details", open: isOpen, onToggle: (event) => setOpen(event.currentTarget.open) }, /* @__PURE__ */ k("summary", null, TEXT6.edit), isOpen && /* @__PURE__ */ k(CurveEditor, { ...props })));
+}
+function CurveEditor(props) {
+  const { store, ui, curves: curves2, volume: volume2 } = props;
   const span = spanOfFunction(curves2);
   const whole = wholeOf(volume2.range, span);
   const usual = wholeOf(volume2.robust_range, span);
@@ -2515,7 +2727,6 @@ function Editor(props) {
   const seen = within(zoom, whole);
   const histogram = useHistogram(props, seen, isLog);
   const unit2 = volume2.value_unit;
-  const usualWidth = volume2.robust_range[1] - volume2.robust_range[0] || 1;
   const path = ["layers", ui.layer, "look", "transfer_function"];
   const done2 = () => {
     base.current = null;
@@ -2525,12 +2736,12 @@ function Editor(props) {
     const now = store.state.layers[ui.layer]?.look.transfer_function;
     return now !== void 0 && isEditable(now) ? now : curves2;
   };
-  const setOpacity = (curve, index) => {
-    store.change([set(curve, ...path, "opacity")], "opacity curve");
+  const setOpacity = (curve2, index) => {
+    store.change([set(curve2, ...path, "opacity")], "opacity curve");
     if (index !== null) setSelected({ kind: "opacity", index });
   };
-  const setColor = (curve, index) => {
-    store.change([set(curve, ...path, "color")], "colours");
+  const setColor = (curve2, index) => {
+    store.change([set(curve2, ...path, "color")], "colours");
     if (index !== null) setSelected({ kind: "color", index });
   };
   const setAll = (change, gesture) => {
@@ -2545,20 +2756,11 @@ function Editor(props) {
   const chosenIndex = (kind2, length2) => selected?.kind === kind2 && selected.index < length2 ? selected.index : null;
   const opacityIndex = chosenIndex("opacity", curves2.opacity.length);
   const colorIndex = chosenIndex("color", curves2.color.length);
-  const reset = async () => {
-    try {
-      const first = await lookAsChosen(engine, welcome, ui.layer, look.name);
-      if (first === null) ui.announce(TEXT5.gone);
-      else store.change([set(first.transfer_function, ...path)]);
-    } catch (problem) {
-      ui.problem(problem);
-    }
-  };
   return /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
     CurvePlot,
     {
-      label: TEXT5.curve,
-      what: TEXT5.opacity,
+      label: TEXT6.curve,
+      what: TEXT6.opacity,
       height: PLOT_PX2,
       seen,
       whole,
@@ -2571,7 +2773,7 @@ function Editor(props) {
       selected: opacityIndex,
       onSelect: (index) => setSelected({ kind: "opacity", index }),
       onCurve: setOpacity,
-      onDone: done2,
+      onSettle: done2,
       onSeen: setZoom,
       onShowPoints: showPoints,
       onType: typeValue
@@ -2586,7 +2788,7 @@ function Editor(props) {
       selected: colorIndex,
       onSelect: (index) => setSelected({ kind: "color", index }),
       onCurve: setColor,
-      onDone: done2,
+      onSettle: done2,
       onType: typeValue,
       onShowPoints: showPoints
     }
@@ -2598,7 +2800,7 @@ function Editor(props) {
       unit: unit2,
       onOpacity: setOpacity,
       onColor: setColor,
-      onDone: done2,
+      onSettle: done2,
       onSelect: setSelected
     }
   )), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(
@@ -2610,7 +2812,7 @@ function Editor(props) {
         done2();
       }
     },
-    TEXT5.addOpacity
+    TEXT6.addOpacity
   ), /* @__PURE__ */ k(
     Button,
     {
@@ -2620,78 +2822,58 @@ function Editor(props) {
         done2();
       }
     },
-    TEXT5.addColor
+    TEXT6.addColor
   )), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(
     NamedNumber,
     {
-      shown: TEXT5.seen,
-      label: TEXT5.from,
+      shown: TEXT6.seen,
+      label: TEXT6.from,
       value: rounded(seen[0], seen[1] - seen[0]),
-      onValue: (low) => low < seen[1] && setZoom([low, seen[1]]),
-      onDone: () => {
+      onInput: (low) => low < seen[1] && setZoom([low, seen[1]]),
+      onSettle: () => {
       }
     }
   ), /* @__PURE__ */ k(
     NamedNumber,
     {
       shown: "–",
-      label: TEXT5.to,
+      label: TEXT6.to,
       unit: unit2,
       value: rounded(seen[1], seen[1] - seen[0]),
-      onValue: (high) => high > seen[0] && setZoom([seen[0], high]),
-      onDone: () => {
+      onInput: (high) => high > seen[0] && setZoom([seen[0], high]),
+      onSettle: () => {
       }
     }
-  ), /* @__PURE__ */ k(Button, { label: TEXT5.nearer, onClick: () => setZoom(zoomed(seen, 1.5, middle(seen), whole)) }, "+"), /* @__PURE__ */ k(Button, { label: TEXT5.farther, onClick: () => setZoom(zoomed(seen, 1 / 1.5, middle(seen), whole)) }, "−")), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(Button, { onClick: () => setZoom(usual) }, TEXT5.usual), /* @__PURE__ */ k(Button, { onClick: () => setZoom(whole) }, TEXT5.all), /* @__PURE__ */ k(Button, { onClick: showPoints }, TEXT5.points)), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(CheckField, { label: TEXT5.log, checked: isLog, onCheck: setLog }), /* @__PURE__ */ k(CheckField, { label: TEXT5.magnified, checked: isMagnified, onCheck: setMagnified })), /* @__PURE__ */ k("p", { class: "dim look-small" }, TEXT5.hint), /* @__PURE__ */ k(
+  ), /* @__PURE__ */ k(Button, { label: TEXT6.nearer, onClick: () => setZoom(zoomed(seen, 1.5, middle(seen), whole)) }, "+"), /* @__PURE__ */ k(Button, { label: TEXT6.farther, onClick: () => setZoom(zoomed(seen, 1 / 1.5, middle(seen), whole)) }, "−")), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(Button, { onClick: () => setZoom(usual) }, TEXT6.usual), /* @__PURE__ */ k(Button, { onClick: () => setZoom(whole) }, TEXT6.all), /* @__PURE__ */ k(Button, { onClick: showPoints }, TEXT6.points)), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(Switch, { label: TEXT6.log, on: isLog, onToggle: setLog }), /* @__PURE__ */ k(Switch, { label: TEXT6.magnified, on: isMagnified, onToggle: setMagnified })), /* @__PURE__ */ k("p", { class: "dim look-small" }, TEXT6.hint), /* @__PURE__ */ k(
     RelativeSlider,
     {
-      label: TEXT5.shift,
-      unit: unit2,
-      neutral: 0,
-      amount: (position) => rounded(position * usualWidth, usualWidth),
-      position: (amount) => amount / usualWidth,
-      onAmount: (amount) => setAll((before) => shifted(before, amount), "shift"),
-      onDone: done2
-    }
-  ), /* @__PURE__ */ k(
-    RelativeSlider,
-    {
-      label: `${TEXT5.width} ×`,
-      neutral: 1,
-      amount: (position) => MAX_WIDTH ** position,
-      position: (amount) => Math.log(amount) / Math.log(MAX_WIDTH),
-      onAmount: (amount) => amount > 0 && setAll((before) => widened(before, amount), "width"),
-      onDone: done2
-    }
-  ), /* @__PURE__ */ k(
-    RelativeSlider,
-    {
-      label: TEXT5.opacities,
+      label: TEXT6.opacities,
       neutral: 1,
       amount: (position) => MAX_OPACITY ** position,
       position: (amount) => Math.log(amount) / Math.log(MAX_OPACITY),
-      onAmount: (amount) => amount >= 0 && setAll((before) => withOpacities(before, amount), "opacities"),
-      onDone: done2
+      onAmount: (amount) => amount >= 0 && setAll((before2) => withOpacities(before2, amount), "opacities"),
+      onSettle: done2
     }
-  ), /* @__PURE__ */ k(GlobalOpacity, { ...props }), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(Button, { onClick: () => once((before) => ({ ...before, opacity: mirrored(before.opacity) })) }, TEXT5.mirrorOpacity), /* @__PURE__ */ k(Button, { onClick: () => once((before) => ({ ...before, color: mirrored(before.color) })) }, TEXT5.mirrorColor), /* @__PURE__ */ k(Button, { onClick: () => void reset() }, TEXT5.reset(look.name))), /* @__PURE__ */ k(GradientEditor, { ...props, latest: () => latest().gradient_opacity ?? [] }));
+  ), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(Button, { onClick: () => once((before2) => ({ ...before2, opacity: mirrored(before2.opacity) })) }, TEXT6.mirrorOpacity), /* @__PURE__ */ k(Button, { onClick: () => once((before2) => ({ ...before2, color: mirrored(before2.color) })) }, TEXT6.mirrorColor)), /* @__PURE__ */ k(GradientEditor, { ...props, latest: () => latest().gradient_opacity ?? [] }));
 }
 function GlobalOpacity({ store, ui }) {
   const opacity = store.state.layers[ui.layer]?.opacity ?? 1;
   return /* @__PURE__ */ k(
-    SliderField,
+    NumberField,
     {
-      label: TEXT5.global,
+      isBounded: true,
+      label: TEXT6.global,
       min: 0,
       max: 1,
       step: 0.01,
       value: opacity,
-      onValue: (value) => store.change([set(value, "layers", ui.layer, "opacity")], "layer opacity"),
-      onDone: () => store.settle()
+      onInput: (value) => store.change([set(value, "layers", ui.layer, "opacity")], "layer opacity"),
+      onSettle: () => store.settle()
     }
   );
 }
 function useHistogram({ engine, store, ui }, seen, isLog) {
-  const [found, setFound] = d2(null);
+  const [found2, setFound] = d2(null);
   const time = store.state.layers[ui.layer]?.time;
   A2(() => {
     let isStale = false;
@@ -2711,12 +2893,428 @@ function useHistogram({ engine, store, ui }, seen, isLog) {
       clearTimeout(timer);
     };
   }, [engine, ui.layer, time, seen[0], seen[1]]);
-  return found === null ? null : { heights: heights(found.counts, isLog), range: found.range };
+  return found2 === null ? null : { heights: heights(found2.counts, isLog), range: found2.range };
 }
-function widestGap(curve) {
-  const gaps = curve.slice(1).map((point2, k3) => (point2[0] ?? 0) - (curve[k3]?.[0] ?? 0));
+function widestGap(curve2) {
+  const gaps = curve2.slice(1).map((point2, k3) => (point2[0] ?? 0) - (curve2[k3]?.[0] ?? 0));
   return gaps.length === 0 ? 0 : gaps.indexOf(Math.max(...gaps));
 }
+
+// src/view/open/data_follower.ts
+var namesOf = (state2) => state2.layers.map(({ volume: volume2 }) => volume2.id ?? "").join();
+var DataFollower = class {
+  constructor(engine, state2, take3) {
+    this.engine = engine;
+    this.state = state2;
+    this.take = take3;
+    this.known = namesOf(state2());
+  }
+  engine;
+  state;
+  take;
+  known;
+  isAsking = false;
+  /** Asks if the state names other volumes than before. */
+  check() {
+    const names = namesOf(this.state());
+    if (this.isAsking || names === this.known) return;
+    this.isAsking = true;
+    this.engine.ask("data", {}).then(
+      (data) => {
+        this.isAsking = false;
+        this.known = names;
+        this.take(data);
+        this.check();
+      },
+      () => {
+        this.isAsking = false;
+      }
+    );
+  }
+};
+
+// src/view/open/dropped.ts
+var PIECE = 1 << 19;
+var MAX_ON_THEIR_WAY = 4;
+function droppedIn(transfer) {
+  const items = [...transfer.items].filter(({ kind: kind2 }) => kind2 === "file");
+  const found2 = items.map((item) => {
+    const entry = item.webkitGetAsEntry();
+    const file = item.getAsFile();
+    if (entry !== null) return inEntry(entry, "");
+    return Promise.resolve(file === null ? [] : [{ path: file.name, file }]);
+  });
+  return Promise.all(found2).then((lists) => lists.flat());
+}
+function chosenIn(files) {
+  return [...files ?? []].map((file) => ({ path: file.webkitRelativePath || file.name, file }));
+}
+async function inEntry(entry, folder) {
+  const path = `${folder}${entry.name}`;
+  if (entry.isFile) {
+    const file = await new Promise((resolve, reject) => entry.file(resolve, reject));
+    return [{ path, file }];
+  }
+  const reader = entry.createReader();
+  const found2 = [];
+  for (; ; ) {
+    const entries = await new Promise((resolve, reject) => reader.readEntries(resolve, reject));
+    if (entries.length === 0) return found2;
+    found2.push(...(await Promise.all(entries.map((one) => inEntry(one, `${path}/`)))).flat());
+  }
+}
+function nameOf(files) {
+  const [first] = files;
+  if (first === void 0) return "";
+  if (files.length === 1) return first.file.name;
+  const folder = first.path.split("/")[0] ?? "";
+  return files.every(({ path }) => path.startsWith(`${folder}/`)) ? folder : `${first.file.name} and ${files.length - 1} more`;
+}
+var sizeOf = (files) => files.reduce((sum, { file }) => sum + file.size, 0);
+async function send(engine, files, progress, signal) {
+  const total = sizeOf(files);
+  const { upload } = await engine.ask("upload_begin", { files: files.length, bytes: total });
+  const waiting = /* @__PURE__ */ new Set();
+  try {
+    for (const { path, file } of files) {
+      for (let offset = 0; offset === 0 || offset < file.size; offset += PIECE) {
+        const piece = new Uint8Array(await file.slice(offset, offset + PIECE).arrayBuffer());
+        signal.throwIfAborted();
+        const answer = engine.ask("upload", { upload, path, offset }, void 0, void 0, piece);
+        const told = answer.then(({ received }) => progress(total === 0 ? 1 : received / total)).finally(() => waiting.delete(told));
+        told.catch(() => void 0);
+        waiting.add(told);
+        if (waiting.size >= MAX_ON_THEIR_WAY) await Promise.race(waiting);
+      }
+    }
+    await Promise.all(waiting);
+    signal.throwIfAborted();
+  } catch (problem) {
+    engine.ask("upload_discard", { upload }).catch(() => void 0);
+    throw problem;
+  }
+  return upload;
+}
+
+// src/view/open/page_opener.ts
+var TEXT7 = WORDS.opening;
+var PageOpener = class {
+  constructor(page) {
+    this.page = page;
+  }
+  page;
+  step = { kind: "idle" };
+  /** Whether the dialog that offers files is shown, and whether files are being dragged over the page. */
+  isShown = false;
+  isOver = false;
+  /** Examples and recent files; null until it is known. */
+  offered = null;
+  /** The last problem, for the start page. */
+  failure = null;
+  abort = null;
+  /** Listens to drops on an element; returns what ends that. */
+  listen(element) {
+    const hasFiles = (event) => event.dataTransfer?.types.includes("Files") ?? false;
+    const over = (event) => {
+      if (!hasFiles(event)) return;
+      event.preventDefault();
+      this.setOver(true);
+    };
+    const leave = (event) => {
+      if (event.relatedTarget === null || !element.contains(event.relatedTarget)) this.setOver(false);
+    };
+    const drop = (event) => {
+      if (!hasFiles(event) || event.dataTransfer === null) return;
+      event.preventDefault();
+      this.setOver(false);
+      const found2 = droppedIn(event.dataTransfer);
+      void found2.then((files) => this.files(files), (problem) => this.fail(problem));
+    };
+    element.addEventListener("dragover", over);
+    element.addEventListener("dragleave", leave);
+    element.addEventListener("drop", drop);
+    return () => {
+      element.removeEventListener("dragover", over);
+      element.removeEventListener("dragleave", leave);
+      element.removeEventListener("drop", drop);
+    };
+  }
+  /** Shows or hides the dialog that offers files. */
+  show(on) {
+    this.isShown = on;
+    this.failure = null;
+    this.page.changed();
+    if (on) this.ask("offered");
+  }
+  clearRecent() {
+    this.ask("clear_recent");
+    this.page.announce(TEXT7.cleared);
+  }
+  setOffered(offered) {
+    this.offered = offered;
+    this.page.changed();
+  }
+  /** Opens files that were dropped or chosen. */
+  async files(files) {
+    const [first] = files;
+    if (this.step.kind === "sending" || this.step.kind === "reading") return;
+    if (first === void 0) return this.fail({ code: "open", message: TEXT7.nothing });
+    if (files.length === 1 && first.file.name.toLowerCase().endsWith(".json")) return this.stateFile(first.file);
+    const [size, most] = [sizeOf(files), this.offered?.max_bytes ?? Infinity];
+    if (size > most) return this.fail({ code: "open", message: TEXT7.tooLarge(size, most), remedy: TEXT7.tooLargeRemedy });
+    const name = nameOf(files);
+    const abort = this.begin({ kind: "sending", name, part: 0 });
+    try {
+      const told = (part) => {
+        if (!abort.signal.aborted) this.go({ kind: "sending", name, part });
+      };
+      const upload = await send(this.page.engine, files, told, abort.signal);
+      await this.read({ upload }, name, abort.signal);
+    } catch (problem) {
+      if (!abort.signal.aborted) this.fail(problem);
+    }
+  }
+  /** Opens an example, or a file of the list. */
+  async source(source, name) {
+    const abort = this.begin({ kind: "reading", name });
+    try {
+      await this.read(source, name, abort.signal);
+    } catch (problem) {
+      if (!abort.signal.aborted) this.fail(problem);
+    }
+  }
+  /** Takes one of several series or datasets. */
+  async pick(value) {
+    if (this.step.kind !== "several") return;
+    const { source, name, option } = this.step;
+    const abort = this.begin({ kind: "reading", name });
+    try {
+      await this.read(source, name, abort.signal, { option, value });
+    } catch (problem) {
+      if (!abort.signal.aborted) this.fail(problem);
+    }
+  }
+  /** Shows what was read. */
+  async choose(how) {
+    if (this.step.kind !== "choosing") return;
+    const { opened, name } = this.step;
+    const abort = this.begin({ kind: "reading", name });
+    try {
+      await this.place(opened, how, name, abort.signal);
+    } catch (problem) {
+      if (!abort.signal.aborted) this.fail(problem);
+    }
+  }
+  /** Gives up what is under way; what was sent is removed. */
+  cancel() {
+    this.abort?.abort();
+    const { step } = this;
+    if ((step.kind === "several" || step.kind === "choosing") && "upload" in step.source) {
+      const { upload } = step.source;
+      this.page.engine.ask("upload_discard", { upload }).catch(() => void 0);
+    }
+    this.go({ kind: "idle" });
+  }
+  async read(source, name, signal, choice) {
+    this.go({ kind: "reading", name });
+    const told = await this.page.engine.ask("open", { ...source, ...choice === void 0 ? {} : { choice } });
+    if (signal.aborted) {
+      if ("upload" in source) this.page.engine.ask("upload_discard", { upload: source.upload }).catch(() => void 0);
+      return;
+    }
+    if (told.several !== void 0) {
+      this.isShown = false;
+      return this.go({ kind: "several", name, source, ...told.several });
+    }
+    if (told.shown === true || told.opened === void 0) return this.done(name);
+    const { found: found2 = [], notes = [], opened } = told;
+    if (found2.every(({ kind: kind2 }) => kind2 === "shape")) return this.place(opened, "overlay", name, signal);
+    this.isShown = false;
+    this.go({ kind: "choosing", name, source, found: found2, notes, opened });
+  }
+  async place(opened, how, name, signal) {
+    const aspect = this.page.aspect();
+    const { operations } = await this.page.engine.ask("show", { opened, how, ...aspect === null ? {} : { aspect } });
+    if (signal.aborted) return;
+    this.page.change(operations);
+    this.done(name);
+  }
+  stateFile(file) {
+    if (this.page.hasData()) this.page.openState(file);
+    else this.fail({ code: "open", message: TEXT7.stateAlone, remedy: TEXT7.stateRemedy });
+  }
+  done(name) {
+    this.isShown = false;
+    this.go({ kind: "idle" });
+    this.page.announce(TEXT7.shown(name));
+  }
+  begin(step) {
+    this.abort?.abort();
+    this.abort = new AbortController();
+    this.failure = null;
+    this.go(step);
+    return this.abort;
+  }
+  fail(problem) {
+    const found2 = problem;
+    const told = { ...found2, code: "open", message: String(found2.message ?? problem) };
+    this.failure = told;
+    this.go({ kind: "idle" });
+    if (this.page.hasData()) {
+      this.isShown = false;
+      this.page.problem(told);
+    }
+  }
+  go(step) {
+    this.step = step;
+    this.page.changed();
+  }
+  setOver(on) {
+    if (on === this.isOver) return;
+    this.isOver = on;
+    this.page.changed();
+  }
+  ask(question) {
+    this.page.engine.ask(question, {}).then((offered) => this.setOffered(offered), () => void 0);
+  }
+};
+
+// src/view/open/remove.ts
+function withoutLayer(state2, index) {
+  const operations = [{ op: "remove", path: `/layers/${index}` }];
+  if (index > 0) return operations;
+  const inWorld = state2.clip.filter((clip2) => {
+    const box2 = "keep" in clip2 ? clip2.keep : "cut_out" in clip2 ? clip2.cut_out : null;
+    return box2?.space !== "index";
+  });
+  return [
+    ...state2.labels === null ? [] : [set(null, "labels")],
+    ...inWorld.length === state2.clip.length ? [] : [set(inWorld, "clip")],
+    ...operations
+  ];
+}
+var withoutShape = (index) => [{ op: "remove", path: `/geometry/${index}` }];
+var withoutLabels = () => [set(null, "labels")];
+
+// src/view/open/offer.tsx
+var TEXT8 = WORDS.opening;
+function Offer({ opener, engine, host }) {
+  const { offered } = opener;
+  return /* @__PURE__ */ k($, null, /* @__PURE__ */ k("div", { class: "open-drop", "data-over": opener.isOver }, /* @__PURE__ */ k("svg", { viewBox: "0 0 48 48", "aria-hidden": "true" }, /* @__PURE__ */ k("path", { d: "M24 6v24M14 20l10 10 10-10M8 34v8h32v-8" })), /* @__PURE__ */ k("p", { class: "open-big" }, TEXT8.drop), /* @__PURE__ */ k("div", { class: "row open-middle" }, /* @__PURE__ */ k(FileField, { opener, label: TEXT8.files }), /* @__PURE__ */ k(FileField, { opener, label: TEXT8.folder, folder: true })), /* @__PURE__ */ k("p", { class: "dim" }, TEXT8.kinds), offered !== null && /* @__PURE__ */ k("p", { class: "dim" }, host === "page" ? TEXT8.limit(offered.max_bytes) : TEXT8.limitOfKernel(offered.max_bytes))), offered !== null && /* @__PURE__ */ k("section", { "aria-labelledby": "open-examples" }, /* @__PURE__ */ k("h2", { id: "open-examples" }, TEXT8.examples), /* @__PURE__ */ k("ul", { class: "open-examples" }, offered.examples.map(({ name, title }) => /* @__PURE__ */ k("li", { key: name }, /* @__PURE__ */ k("button", { class: "open-tile", onClick: () => void opener.source({ example: name }, title) }, /* @__PURE__ */ k(ExamplePicture, { engine, name }), /* @__PURE__ */ k("span", null, title)))))), offered?.recent && offered.recent.length > 0 && /* @__PURE__ */ k(RecentFiles, { opener, recent: offered.recent }));
+}
+function RecentFiles({ opener, recent }) {
+  return /* @__PURE__ */ k("section", { "aria-labelledby": "open-recent" }, /* @__PURE__ */ k("div", { class: "row open-apart" }, /* @__PURE__ */ k("h2", { id: "open-recent" }, TEXT8.recent), /* @__PURE__ */ k("button", { class: "button", onClick: () => opener.clearRecent() }, TEXT8.clear)), /* @__PURE__ */ k("ul", { class: "open-recent" }, recent.map(({ name, folder, is_there }, index) => /* @__PURE__ */ k("li", { key: `${folder}/${name}` }, /* @__PURE__ */ k("button", { class: "open-file", disabled: !is_there, onClick: () => void opener.source({ recent: index, name }, name) }, /* @__PURE__ */ k("span", null, name), /* @__PURE__ */ k("span", { class: "dim" }, is_there ? folder : `${folder} (${TEXT8.gone})`))))));
+}
+function FileField({ opener, label, folder = false }) {
+  return /* @__PURE__ */ k("label", { class: "button open-field" }, label, /* @__PURE__ */ k(
+    "input",
+    {
+      class: "hidden",
+      type: "file",
+      multiple: true,
+      ...folder ? { webkitdirectory: true } : {},
+      onChange: (event) => {
+        const files = chosenIn(event.currentTarget.files);
+        event.currentTarget.value = "";
+        if (files.length > 0) void opener.files(files);
+      }
+    }
+  ));
+}
+function ExamplePicture({ engine, name }) {
+  const [url, setUrl] = d2(null);
+  A2(() => {
+    let made = null;
+    let isGone = false;
+    engine.ask("example_picture", { name }).then(
+      ({ bytes }) => {
+        if (isGone) return;
+        made = URL.createObjectURL(new Blob([bytes], { type: "image/jpeg" }));
+        setUrl(made);
+      },
+      () => void 0
+    );
+    return () => {
+      isGone = true;
+      if (made !== null) URL.revokeObjectURL(made);
+    };
+  }, [engine, name]);
+  return url === null ? /* @__PURE__ */ k("span", { class: "open-picture" }) : /* @__PURE__ */ k("img", { class: "open-picture", src: url, alt: "" });
+}
+
+// src/view/open/steps.tsx
+var TEXT9 = WORDS.opening;
+function Openings(props) {
+  const { ui, store } = props;
+  const { opener } = ui;
+  return /* @__PURE__ */ k($, null, opener.isOver && !opener.isShown && /* @__PURE__ */ k("div", { class: "open-over", "aria-hidden": "true" }, /* @__PURE__ */ k("p", null, TEXT9.dropNow)), opener.isShown && /* @__PURE__ */ k(Dialog, { title: TEXT9.openTitle, onClose: () => opener.show(false), wide: true }, /* @__PURE__ */ k(Offer, { opener, engine: props.engine, host: ui.host }), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", onClick: () => opener.show(false) }, TEXT9.close))), /* @__PURE__ */ k(Progress, { opener }), /* @__PURE__ */ k(SeveralDialog, { opener }), /* @__PURE__ */ k(HowDialog, { opener, scan: store.state.layers[0]?.name ?? "" }));
+}
+function Progress({ opener }) {
+  const { step } = opener;
+  if (step.kind !== "sending" && step.kind !== "reading") return null;
+  const text2 = step.kind === "sending" ? TEXT9.sending(step.name) : TEXT9.reading(step.name);
+  return /* @__PURE__ */ k("div", { class: "open-progress", role: "status" }, /* @__PURE__ */ k("span", null, text2), step.kind === "sending" ? /* @__PURE__ */ k("progress", { "aria-label": text2, max: 1, value: step.part }) : /* @__PURE__ */ k("progress", { "aria-label": text2 }), /* @__PURE__ */ k("button", { class: "button", onClick: () => opener.cancel() }, TEXT9.cancel));
+}
+function SeveralDialog({ opener }) {
+  const { step } = opener;
+  const [chosen2, setChosen] = d2(0);
+  if (step.kind !== "several") return null;
+  const { names, described } = step;
+  return /* @__PURE__ */ k(Dialog, { title: TEXT9.several(step.name), onClose: () => opener.cancel() }, /* @__PURE__ */ k("fieldset", { class: "open-choices" }, /* @__PURE__ */ k("legend", null, TEXT9.whichOne(step.option)), names.map((name, index) => /* @__PURE__ */ k("label", { key: name, class: "row" }, /* @__PURE__ */ k("input", { type: "radio", name: "open-several", checked: index === chosen2, onChange: () => setChosen(index) }), /* @__PURE__ */ k("span", null, described[index] ?? String(name))))), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(
+    "button",
+    {
+      class: "button",
+      "data-first": true,
+      onClick: () => {
+        const name = names[chosen2] ?? names[0];
+        if (name !== void 0) void opener.pick(name);
+      }
+    },
+    TEXT9.openIt
+  ), /* @__PURE__ */ k("button", { class: "button", onClick: () => opener.cancel() }, TEXT9.cancel)));
+}
+function HowDialog({ opener, scan }) {
+  const { step } = opener;
+  if (step.kind !== "choosing") return null;
+  const hasLabels = step.found.some(({ kind: kind2 }) => kind2 === "labels");
+  const choices = [
+    ...hasLabels ? [["labels", TEXT9.labels, TEXT9.labelsNote(scan)]] : [],
+    ["overlay", TEXT9.overlay, TEXT9.overlayNote],
+    ["replace", TEXT9.replace, TEXT9.replaceNote]
+  ];
+  return /* @__PURE__ */ k(Dialog, { title: TEXT9.how(step.name), onClose: () => opener.cancel() }, /* @__PURE__ */ k("div", { class: "open-hows" }, choices.map(([how, name, note], index) => /* @__PURE__ */ k("button", { key: how, class: "open-how", "data-first": index === 0, onClick: () => void opener.choose(how) }, /* @__PURE__ */ k("strong", null, name), /* @__PURE__ */ k("span", { class: "dim" }, note)))), step.notes.map((note) => /* @__PURE__ */ k("p", { key: note, class: "dim", role: "note" }, note)), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", onClick: () => opener.cancel() }, TEXT9.cancel)));
+}
+function Dialog(props) {
+  const dialog = T2(null);
+  A2(() => {
+    dialog.current?.showModal();
+    dialog.current?.querySelector("[data-first=true], [data-first='']")?.focus();
+  }, []);
+  return /* @__PURE__ */ k(
+    "dialog",
+    {
+      ref: dialog,
+      class: props.wide === true ? "open-dialog open-wide" : "open-dialog",
+      "aria-label": props.title,
+      onCancel: (event) => {
+        event.preventDefault();
+        props.onClose();
+      },
+      onKeyDown: (event) => event.stopPropagation()
+    },
+    /* @__PURE__ */ k("h2", null, props.title),
+    props.children
+  );
+}
+
+// src/view/open/start_page.tsx
+function StartPage({ opener, engine, host }) {
+  const { failure } = opener;
+  return /* @__PURE__ */ k("main", { class: "open-start" }, /* @__PURE__ */ k("div", { class: "open-column" }, /* @__PURE__ */ k("h1", { class: "open-title" }, "Wavesplat"), failure !== null && /* @__PURE__ */ k("div", { class: "open-failure", role: "alert" }, /* @__PURE__ */ k("strong", null, failure.message), failure.remedy !== void 0 && /* @__PURE__ */ k("span", { class: "dim" }, failure.remedy)), /* @__PURE__ */ k(Offer, { opener, engine, host })), /* @__PURE__ */ k(Progress, { opener }), /* @__PURE__ */ k(SeveralDialog, { opener }));
+}
+
+// src/view/open/open.css
+var open_default = '.open-start { grid-area: 1 / 1 / -1 / -1; overflow: auto; display: grid; justify-items: center; padding: 32px 16px }\n.open-column { width: min(720px, 100%); display: grid; gap: 24px; align-content: start }\n.wavesplat .open-title { margin: 0; font-size: 22px; font-weight: 600; letter-spacing: .01em }\n.open-column h2, .open-dialog h2 { font-size: 14px }\n.open-drop { display: grid; justify-items: center; gap: 10px; padding: 28px 20px; text-align: center; border: 2px dashed var(--line); border-radius: 12px; background: var(--panel) }\n.open-drop[data-over="true"] { border-color: var(--accent); background: var(--raised) }\n.open-drop svg { width: 44px; height: 44px; fill: none; stroke: var(--accent); stroke-width: 2.5; stroke-linecap: round; stroke-linejoin: round }\n.open-drop p { max-width: 60ch; font-size: 13px }\n.wavesplat .open-drop .open-big { font-size: 18px; font-weight: 600 }\n.open-middle { justify-content: center }\n.open-apart { justify-content: space-between }\n.open-field { display: inline-grid; place-items: center; position: relative }\n.open-field:focus-within { outline: 2px solid var(--focus); outline-offset: 1px }\n.wavesplat .open-examples, .wavesplat .open-recent { list-style: none; padding: 0; margin: 8px 0 0; display: grid; gap: 12px }\n.wavesplat .open-examples { grid-template-columns: repeat(3, minmax(0, 1fr)) }\n.wavesplat .open-recent { gap: 2px }\n.open-tile { display: grid; gap: 6px; width: 100%; padding: 0 0 8px; border: 1px solid var(--line); border-radius: 8px; background: var(--panel); overflow: hidden; cursor: pointer; text-align: center; font-size: 13px }\n.open-tile:hover, .open-how:hover { border-color: var(--accent) }\n.open-picture { display: block; width: 100%; aspect-ratio: 4 / 3; background: #000; object-fit: cover }\n.open-file { display: grid; grid-template-columns: minmax(0, auto) minmax(0, 1fr); gap: 12px; width: 100%; min-height: 30px; padding: 4px 8px; border: 0; border-radius: 4px; background: none; text-align: left; cursor: pointer }\n.open-file:hover:enabled { background: var(--raised) }\n.open-file:disabled { opacity: .6; cursor: default }\n.open-file span { overflow: hidden; text-overflow: ellipsis; white-space: nowrap }\n.open-failure { display: grid; gap: 4px; padding: 10px 14px; border: 1px solid var(--danger); border-radius: var(--radius); background: var(--panel); overflow-wrap: anywhere }\n.open-progress { position: absolute; left: 50%; bottom: 48px; transform: translateX(-50%); z-index: 6; display: flex; flex-wrap: wrap; align-items: center; gap: 6px 12px; max-width: 92%; padding: 8px 14px; border: 1px solid var(--line); border-radius: 8px; background: var(--panel); box-shadow: 0 4px 20px #0006 }\n.open-progress progress { width: 180px; accent-color: var(--accent) }\n.open-progress span { overflow-wrap: anywhere }\n.open-over { position: absolute; inset: 0; z-index: 6; display: grid; place-content: center; border: 3px dashed var(--accent); background: #000a; color: #fff; pointer-events: none }\n.wavesplat .open-over p { font-size: 20px; font-weight: 600 }\n.wavesplat .open-dialog[open] { display: grid; gap: 14px; width: min(440px, 94vw) }\n.wavesplat .open-dialog.open-wide[open] { width: min(720px, 94vw) }\n.open-hows { display: grid; gap: 8px }\n.open-how { display: grid; gap: 2px; padding: 10px 14px; text-align: left; border: 1px solid var(--line); border-radius: 8px; background: var(--raised); cursor: pointer }\n.open-choices { max-height: 40vh; overflow: auto }\n@container (max-width: 480px) {\n  .open-start { padding: 16px 12px }\n  .open-examples { gap: 6px }\n}\n';
 
 // src/view/look/layers.ts
 var LABEL_OPACITY = 0.8;
@@ -2740,14 +3338,20 @@ function labelRows(labels, filter = "") {
     };
   }).filter(({ number: number2, name }) => wanted === "" || number2 === wanted || name.toLowerCase().includes(wanted));
 }
+var hiddenOfStores = /* @__PURE__ */ new WeakMap();
+function hiddenOf(store) {
+  const known2 = hiddenOfStores.get(store) ?? /* @__PURE__ */ new Map();
+  hiddenOfStores.set(store, known2);
+  return known2;
+}
 var NOTHING = { opacity: 0, tint: 0, scan: 1 };
 var USUAL = { opacity: LABEL_OPACITY, tint: 0, scan: 0 };
 function shownLabels(labels, isShown, hidden) {
-  return labelRows(labels).flatMap(({ number: number2, look, opacity, isShown: before }) => {
-    if (before === isShown(number2)) return [];
+  return labelRows(labels).flatMap(({ number: number2, look, opacity, isShown: before2 }) => {
+    if (before2 === isShown(number2)) return [];
     const now = { opacity, tint: look.tint ?? 0, scan: look.scan ?? (opacity > 0 ? 0 : 1) };
-    const next = before ? NOTHING : hidden.get(number2) ?? USUAL;
-    if (before) hidden.set(number2, now);
+    const next = before2 ? NOTHING : hidden.get(number2) ?? USUAL;
+    if (before2) hidden.set(number2, now);
     const fields2 = ["opacity", "tint", "scan"];
     return fields2.flatMap(
       (field) => now[field] === next[field] ? [] : [set(next[field], "labels", "labels", number2, field)]
@@ -2759,21 +3363,20 @@ function isSoloLabel(rows, number2) {
 }
 
 // src/view/look/labels_panel.tsx
-var TEXT6 = WORDS.labelsPanel;
+var TEXT10 = WORDS.labelsPanel;
 var MAX_ROWS = 150;
 var FILTERED_FROM = 9;
 function LabelsPanel({ store }) {
   const [filter, setFilter] = d2("");
-  const hidden = w2(() => /* @__PURE__ */ new Map(), [store]);
   const labels = store.state.labels;
-  if (labels === null) return /* @__PURE__ */ k("p", { class: "dim" }, TEXT6.none);
+  if (labels === null) return /* @__PURE__ */ k("p", { class: "dim" }, TEXT10.none);
   const all = labelRows(labels.labels);
   const rows = labelRows(labels.labels, filter);
-  const show = (isShown) => store.change(shownLabels(store.state.labels?.labels ?? {}, isShown, hidden));
+  const show = (isShown) => store.change(shownLabels(store.state.labels?.labels ?? {}, isShown, hiddenOf(store)));
   const inRows = new Set(rows.map(({ number: number2 }) => number2));
   const isOnShown = new Map(all.map(({ number: number2, isShown }) => [number2, isShown]));
   const others = (number2) => isOnShown.get(number2) ?? false;
-  return /* @__PURE__ */ k("div", { class: "look-panel" }, all.length >= FILTERED_FROM && /* @__PURE__ */ k("label", { class: "field" }, /* @__PURE__ */ k("span", null, TEXT6.filter), /* @__PURE__ */ k(
+  return /* @__PURE__ */ k("div", { class: "look-panel" }, all.length >= FILTERED_FROM && /* @__PURE__ */ k("label", { class: "field" }, /* @__PURE__ */ k("span", null, TEXT10.filter), /* @__PURE__ */ k(
     "input",
     {
       type: "search",
@@ -2781,11 +3384,11 @@ function LabelsPanel({ store }) {
       value: filter,
       onInput: (event) => setFilter(event.currentTarget.value)
     }
-  )), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(Button, { onClick: () => show((number2) => inRows.has(number2) || others(number2)) }, TEXT6.showAll), /* @__PURE__ */ k(Button, { onClick: () => show((number2) => !inRows.has(number2) && others(number2)) }, TEXT6.hideAll), /* @__PURE__ */ k("span", { class: "dim" }, TEXT6.count(all.filter(({ isShown }) => isShown).length, all.length))), rows.length === 0 && /* @__PURE__ */ k("p", { class: "dim" }, TEXT6.empty), /* @__PURE__ */ k("ul", { class: "look-list", "aria-label": "Labels" }, rows.slice(0, MAX_ROWS).map(({ number: number2, name, look, opacity, isShown }) => /* @__PURE__ */ k("li", { key: number2, class: "look-label" }, /* @__PURE__ */ k(
+  )), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(Button, { onClick: () => show((number2) => inRows.has(number2) || others(number2)) }, TEXT10.showAll), /* @__PURE__ */ k(Button, { onClick: () => show((number2) => !inRows.has(number2) && others(number2)) }, TEXT10.hideAll), /* @__PURE__ */ k(Button, { label: TEXT10.removeAll, onClick: () => store.change(withoutLabels()) }, TEXT10.remove), /* @__PURE__ */ k("span", { class: "dim" }, TEXT10.count(all.filter(({ isShown }) => isShown).length, all.length))), rows.length === 0 && /* @__PURE__ */ k("p", { class: "dim" }, TEXT10.empty), /* @__PURE__ */ k("ul", { class: "look-list", "aria-label": "Labels" }, rows.slice(0, MAX_ROWS).map(({ number: number2, name, look, opacity, isShown }) => /* @__PURE__ */ k("li", { key: number2, class: "look-label" }, /* @__PURE__ */ k(
     "input",
     {
       type: "checkbox",
-      "aria-label": TEXT6.shown(name),
+      "aria-label": TEXT10.shown(name),
       checked: isShown,
       onChange: (event) => {
         const on = event.currentTarget.checked;
@@ -2795,51 +3398,63 @@ function LabelsPanel({ store }) {
   ), /* @__PURE__ */ k(
     ColorField,
     {
-      label: TEXT6.color(name),
+      label: TEXT10.color(name),
       value: hexColor(look.color, namedColor),
       onColor: (hex) => store.change([set(hex, "labels", "labels", number2, "color")], `colour of label ${number2}`),
-      onDone: () => store.settle()
+      onSettle: () => store.settle()
     }
   ), /* @__PURE__ */ k("span", { class: "look-grow look-name", title: `${name} (${number2})` }, name), /* @__PURE__ */ k(
     Button,
     {
-      label: TEXT6.soloThis(name),
+      label: TEXT10.soloThis(name),
       pressed: all.length > 1 && isSoloLabel(all, number2),
       onClick: () => show((other) => isSoloLabel(all, number2) || other === number2)
     },
-    TEXT6.solo
+    TEXT10.solo
   ), /* @__PURE__ */ k(
-    SliderField,
+    NumberField,
     {
-      label: TEXT6.opacity(name),
+      isBounded: true,
+      label: TEXT10.opacity(name),
       shown: "",
       min: 0,
       max: 1,
       step: 0.01,
       value: opacity,
-      onValue: (value) => store.change([set(value, "labels", "labels", number2, "opacity")], `opacity of label ${number2}`),
-      onDone: () => store.settle()
+      onInput: (value) => store.change([set(value, "labels", "labels", number2, "opacity")], `opacity of label ${number2}`),
+      onSettle: () => store.settle()
     }
-  )))), rows.length > MAX_ROWS && /* @__PURE__ */ k("p", { class: "dim" }, TEXT6.more(rows.length - MAX_ROWS)), /* @__PURE__ */ k(
-    CheckField,
+  )))), rows.length > MAX_ROWS && /* @__PURE__ */ k("p", { class: "dim" }, TEXT10.more(rows.length - MAX_ROWS)), /* @__PURE__ */ k(
+    Switch,
     {
-      label: TEXT6.smooth,
-      checked: labels.smooth,
-      onCheck: (on) => store.change([set(on, "labels", "smooth")])
+      label: TEXT10.smooth,
+      on: labels.smooth,
+      onToggle: (on) => store.change([set(on, "labels", "smooth")])
     }
   ));
 }
 
+// src/view/look/ramp.tsx
+function Ramp({ layer }) {
+  const curves2 = layer.look.transfer_function;
+  if (!isEditable(curves2)) return /* @__PURE__ */ k("span", { class: "chip" });
+  const [low, high] = spanOf(curves2.color);
+  const stops = curves2.color.map((point2) => `${hexOf(point2)} ${100 * (point2[0] - low) / (high - low || 1)}%`);
+  const first = curves2.color[0];
+  const background = stops.length > 1 ? `linear-gradient(90deg, ${stops.join(", ")})` : first && hexOf(first);
+  return /* @__PURE__ */ k("span", { class: "chip look-chip", style: { background } });
+}
+
 // src/view/look/layers_panel.tsx
-var TEXT7 = WORDS.layersPanel;
+var TEXT11 = WORDS.layersPanel;
 function LayersPanel({ store, ui }) {
   const { layers, geometry } = store.state;
   return /* @__PURE__ */ k($, null, /* @__PURE__ */ k("ul", { class: "look-list", "aria-label": "Layers" }, layers.map((layer, index) => /* @__PURE__ */ k("li", { key: index, class: "look-layer", "data-chosen": index === ui.layer && layers.length > 1 }, /* @__PURE__ */ k("div", { class: "row look-nowrap" }, /* @__PURE__ */ k(
     "input",
     {
       type: "checkbox",
-      "aria-label": TEXT7.shown(layer.name),
-      title: TEXT7.shown(layer.name),
+      "aria-label": TEXT11.shown(layer.name),
+      title: TEXT11.shown(layer.name),
       checked: layer.visible,
       onChange: (event) => store.change([set(event.currentTarget.checked, "layers", index, "visible")])
     }
@@ -2848,7 +3463,7 @@ function LayersPanel({ store, ui }) {
     {
       type: "text",
       class: "look-grow",
-      "aria-label": TEXT7.name(index),
+      "aria-label": TEXT11.name(index),
       value: layer.name,
       maxLength: 200,
       onChange: (event) => {
@@ -2860,50 +3475,42 @@ function LayersPanel({ store, ui }) {
   ), layers.length > 1 && /* @__PURE__ */ k(
     Button,
     {
-      label: TEXT7.soloThis(layer.name),
+      label: TEXT11.soloThis(layer.name),
       pressed: isSolo(layers, index),
       onClick: () => store.change(soloLayer(layers, index))
     },
-    TEXT7.solo
+    TEXT11.solo
   )), /* @__PURE__ */ k(
-    SliderField,
+    NumberField,
     {
-      label: layers.length > 1 ? TEXT7.opacityOf(layer.name) : TEXT7.opacity,
-      shown: TEXT7.opacity,
+      isBounded: true,
+      label: layers.length > 1 ? TEXT11.opacityOf(layer.name) : TEXT11.opacity,
+      shown: TEXT11.opacity,
       min: 0,
       max: 1,
       step: 0.01,
       value: layer.opacity,
-      onValue: (value) => store.change([set(value, "layers", index, "opacity")], `opacity of layer ${index}`),
-      onDone: () => store.settle()
+      onInput: (value) => store.change([set(value, "layers", index, "opacity")], `opacity of layer ${index}`),
+      onSettle: () => store.settle()
     }
-  ), layers.length > 1 && /* @__PURE__ */ k("label", { class: "row look-check" }, /* @__PURE__ */ k(
+  ), layers.length > 1 && /* @__PURE__ */ k("div", { class: "row open-apart" }, /* @__PURE__ */ k("label", { class: "row look-check" }, /* @__PURE__ */ k(
     "input",
     {
       type: "radio",
       name: "look-layer",
-      "aria-label": TEXT7.editThis(layer.name),
+      "aria-label": TEXT11.editThis(layer.name),
       checked: index === ui.layer,
       onChange: () => ui.setLayer(index)
     }
-  ), /* @__PURE__ */ k("span", null, TEXT7.edit), /* @__PURE__ */ k("span", { class: "dim" }, TEXT7.look(layer.look.name)))))), geometry.length > 0 && /* @__PURE__ */ k("ul", { class: "look-list", "aria-label": "Geometry" }, geometry.map(({ kind: kind2, name, count, visible }, index) => /* @__PURE__ */ k("li", { key: index }, /* @__PURE__ */ k(
-    CheckField,
+  ), /* @__PURE__ */ k("span", null, TEXT11.edit), /* @__PURE__ */ k("span", { class: "dim" }, TEXT11.look(layer.look.name))), /* @__PURE__ */ k(Button, { label: TEXT11.removeThis(layer.name), onClick: () => store.change(withoutLayer(store.state, index)) }, TEXT11.remove))))), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(Button, { onClick: () => ui.opener.show(true) }, TEXT11.add)), geometry.length > 0 && /* @__PURE__ */ k("ul", { class: "look-list", "aria-label": "Geometry" }, geometry.map(({ kind: kind2, name, count, visible }, index) => /* @__PURE__ */ k("li", { key: index, class: "row open-apart" }, /* @__PURE__ */ k(
+    Switch,
     {
       label: name,
       note: `${kind2} · ${count}`,
-      checked: visible,
-      onCheck: (on) => store.change([set(on, "geometry", index, "visible")])
+      on: visible,
+      onToggle: (on) => store.change([set(on, "geometry", index, "visible")])
     }
-  )))));
-}
-function Ramp({ layer }) {
-  const curves2 = layer.look.transfer_function;
-  if (!isEditable(curves2)) return /* @__PURE__ */ k("span", { class: "chip" });
-  const [low, high] = spanOf(curves2.color);
-  const stops = curves2.color.map((point2) => `${hexOf(point2)} ${100 * (point2[0] - low) / (high - low || 1)}%`);
-  const first = curves2.color[0];
-  const background = stops.length > 1 ? `linear-gradient(90deg, ${stops.join(", ")})` : first && hexOf(first);
-  return /* @__PURE__ */ k("span", { class: "chip look-chip", style: { background } });
+  ), /* @__PURE__ */ k(Button, { label: TEXT11.removeThis(name), onClick: () => store.change(withoutShape(index)) }, TEXT11.remove)))));
 }
 
 // src/view/look/composites.ts
@@ -2916,27 +3523,28 @@ var KERNEL_NAMES = {
 };
 var DIMMING = 0.6;
 var SHADED = ["over", "first-hit"];
-function nameOf(composite2) {
+function nameOf2(composite2) {
   return typeof composite2 === "string" ? composite2 : Object.keys(composite2)[0] ?? "over";
 }
 function numberOf(composite2, field) {
-  return typeof composite2 === "string" ? null : composite2[nameOf(composite2)]?.[field] ?? null;
+  return typeof composite2 === "string" ? null : composite2[nameOf2(composite2)]?.[field] ?? null;
 }
 function withNumber(composite2, field, value) {
-  const name = nameOf(composite2);
-  const before = typeof composite2 === "string" ? {} : composite2[name] ?? {};
-  return { [name]: { ...before, [field]: value } };
+  const name = nameOf2(composite2);
+  const before2 = typeof composite2 === "string" ? {} : composite2[name] ?? {};
+  return { [name]: { ...before2, [field]: value } };
 }
 function compositeNamed(name, isoValue) {
   return name === "first-hit" ? { "first-hit": { iso_value: isoValue } } : name;
 }
 
 // src/view/look/light_pad.tsx
-var TEXT8 = WORDS.lightPad;
-var SIZE_PX = 96;
-var RADIUS_PX = 40;
-function LightPad({ direction, latest, onDirection, onDone }) {
+var TEXT12 = WORDS.lightPad;
+var SIZE_PX = 132;
+var RADIUS_PX = 60;
+function LightPad({ direction, latest, onDirection, onSettle }) {
   const isDragging = T2(false);
+  const shade = P2();
   const [azimuth, elevation] = anglesOf(direction);
   const length2 = Math.hypot(...direction) || 1;
   const spot = { x: direction[0] / length2 * RADIUS_PX, y: -direction[1] / length2 * RADIUS_PX };
@@ -2955,7 +3563,7 @@ function LightPad({ direction, latest, onDirection, onDone }) {
     set2([a3, b, front]);
   };
   const stop = () => {
-    if (isDragging.current) onDone();
+    if (isDragging.current) onSettle();
     isDragging.current = false;
   };
   return /* @__PURE__ */ k("div", { class: "row look-nowrap" }, /* @__PURE__ */ k(
@@ -2967,12 +3575,12 @@ function LightPad({ direction, latest, onDirection, onDone }) {
       viewBox: `${-SIZE_PX / 2} ${-SIZE_PX / 2} ${SIZE_PX} ${SIZE_PX}`,
       role: "slider",
       tabindex: 0,
-      "aria-label": TEXT8.pad,
+      "aria-label": TEXT12.pad,
       "aria-valuemin": -180,
       "aria-valuemax": 180,
       "aria-valuenow": Math.round(azimuth),
-      "aria-valuetext": TEXT8.text(azimuth, elevation),
-      "aria-description": TEXT8.keys,
+      "aria-valuetext": TEXT12.text(azimuth, elevation),
+      "aria-description": TEXT12.keys,
       onPointerDown: (event) => {
         event.currentTarget.setPointerCapture(event.pointerId);
         isDragging.current = true;
@@ -2982,7 +3590,7 @@ function LightPad({ direction, latest, onDirection, onDone }) {
         if (isDragging.current) point2(event);
       },
       onLostPointerCapture: stop,
-      onKeyUp: onDone,
+      onKeyUp: onSettle,
       onKeyDown: (event) => {
         const steps = {
           ArrowLeft: [-2, 0],
@@ -3001,33 +3609,33 @@ function LightPad({ direction, latest, onDirection, onDone }) {
         turn(...step);
       }
     },
-    /* @__PURE__ */ k("circle", { class: "look-ball", r: RADIUS_PX }),
-    /* @__PURE__ */ k("path", { class: "look-grid", d: `M${-RADIUS_PX} 0 H${RADIUS_PX} M0 ${-RADIUS_PX} V${RADIUS_PX}` }),
+    /* @__PURE__ */ k("defs", null, /* @__PURE__ */ k("radialGradient", { id: shade, cx: spot.x, cy: spot.y, r: 1.5 * RADIUS_PX, gradientUnits: "userSpaceOnUse" }, /* @__PURE__ */ k("stop", { offset: "0", class: direction[2] < 0 ? "look-shade-behind" : "look-shade-lit" }), /* @__PURE__ */ k("stop", { offset: "0.55", class: "look-shade-half" }), /* @__PURE__ */ k("stop", { offset: "1", class: "look-shade-dark" }))),
+    /* @__PURE__ */ k("circle", { class: "look-ball", r: RADIUS_PX, fill: `url(#${shade})` }),
     /* @__PURE__ */ k("circle", { class: "look-spot", cx: spot.x, cy: spot.y, r: 6, "data-behind": direction[2] < 0 })
   ), /* @__PURE__ */ k("div", { class: "look-grow look-angles" }, /* @__PURE__ */ k(
     Angle,
     {
-      label: TEXT8.azimuth,
+      label: TEXT12.azimuth,
       value: azimuth,
       most: 180,
-      onValue: (angle) => set2(directionOf([angle, elevation])),
-      onDone
+      onInput: (angle) => set2(directionOf([angle, elevation])),
+      onSettle
     }
   ), /* @__PURE__ */ k(
     Angle,
     {
-      label: TEXT8.elevation,
+      label: TEXT12.elevation,
       value: elevation,
       most: 90,
-      onValue: (angle) => set2(directionOf([azimuth, angle])),
-      onDone
+      onInput: (angle) => set2(directionOf([azimuth, angle])),
+      onSettle
     }
   )));
 }
 function Angle(props) {
-  const { label, value, most, onValue, onDone } = props;
+  const { label, value, most, onInput, onSettle } = props;
   return /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("span", { "aria-hidden": "true" }, label), /* @__PURE__ */ k(
-    NumberField,
+    NumberBox,
     {
       label,
       unit: "degrees",
@@ -3035,27 +3643,59 @@ function Angle(props) {
       max: most,
       step: 1,
       value: Math.round(10 * value) / 10,
-      onValue,
-      onDone
+      onInput,
+      onSettle
     }
-  ), /* @__PURE__ */ k("span", { "aria-hidden": "true" }, TEXT8.degrees));
+  ), /* @__PURE__ */ k("span", { "aria-hidden": "true" }, TEXT12.degrees));
 }
 function wrapped(degrees) {
   return ((degrees + 180) % 360 + 360) % 360 - 180;
 }
 
+// src/view/look/moods.ts
+var MOODS = {
+  soft: {
+    shading: { ambient: 0.5, diffuse: 0.7, specular: 0.06, specular_power: 10, ambient_occlusion: 0.75, shadow: 0 },
+    direction: [-0.2, 0.6, 1]
+  },
+  studio: {
+    shading: { ambient: 0.22, diffuse: 1, specular: 0.25, specular_power: 16, ambient_occlusion: 0.35, shadow: 0 },
+    direction: [-0.55, 0.65, 1]
+  },
+  dramatic: {
+    shading: { ambient: 0.08, diffuse: 1.15, specular: 0.4, specular_power: 30, ambient_occlusion: 0.6, shadow: 0.85 },
+    direction: [-1, 0.55, 0.45]
+  }
+};
+function inMood(shading2, name) {
+  const { shading: fields2, direction } = MOODS[name];
+  const before2 = shading2 ?? DEFAULT_SHADING;
+  const [first, ...others] = before2.lights.length > 0 ? before2.lights : DEFAULT_LIGHTS;
+  return { ...before2, ...fields2, lights: [{ ...first, direction }, ...others] };
+}
+function moodOf(shading2) {
+  if (shading2 === null) return null;
+  const first = (shading2.lights.length > 0 ? shading2.lights : DEFAULT_LIGHTS)[0];
+  const names = Object.keys(MOODS);
+  return names.find((name) => {
+    const { shading: fields2, direction } = MOODS[name];
+    const isLit = direction.every((part, axis) => Math.abs(part - (first?.direction[axis] ?? NaN)) < 1e-6);
+    return isLit && Object.entries(fields2).every(([field, value]) => shading2[field] === value);
+  }) ?? null;
+}
+
 // src/view/look/light_panel.tsx
-var TEXT9 = WORDS.lightPanel;
+var TEXT13 = WORDS.lightPanel;
 var SMOOTHING = [0.5, 1.25];
 var SMOOTH = 0.8;
 var WATER = 2059e-8;
 function LightPanel(props) {
-  return /* @__PURE__ */ k("div", { class: "look-panel" }, /* @__PURE__ */ k(Operator, { ...props }), /* @__PURE__ */ k(LayerChoice, { ...props }), /* @__PURE__ */ k(LightFields, { ...props }), /* @__PURE__ */ k(Rest, { ...props }));
+  return /* @__PURE__ */ k("div", { class: "look-panel" }, /* @__PURE__ */ k(LayerChoice, { ...props }), /* @__PURE__ */ k(LightFields, { ...props }), /* @__PURE__ */ k(Operator, { ...props }), /* @__PURE__ */ k(Rest, { ...props }));
 }
 function Operator({ store, ui, welcome }) {
   const { render: render2, layers, labels } = store.state;
   const volume2 = welcome.volumes[ui.layer];
-  const name = nameOf(render2.composite);
+  const name = nameOf2(render2.composite);
   const isOverOnly = layers.filter((layer) => layer.visible).length > 1 || labels !== null;
   const look = layers[ui.layer]?.look;
   const [low, high] = volume2?.range ?? [0, 1];
@@ -3065,44 +3705,43 @@ function Operator({ store, ui, welcome }) {
   };
   const number2 = (field, value, gesture) => store.change([set(withNumber(render2.composite, field, value), "render", "composite")], gesture);
   const slider = (label, field, value, min, max, unit3 = "", beyond = {}) => /* @__PURE__ */ k(
-    SliderField,
+    NumberField,
     {
+      isBounded: true,
       label,
       unit: unit3,
       min,
       max,
       value,
       ...beyond,
-      onValue: (next) => number2(field, next, `${name} ${field}`),
-      onDone: () => store.settle()
+      onInput: (next) => number2(field, next, `${name} ${field}`),
+      onSettle: () => store.settle()
     }
   );
   const optional = (label, field, first, min, max, unit3 = "") => {
     const value = numberOf(render2.composite, field);
     return /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
-      CheckField,
+      Switch,
       {
-        label: TEXT9.automatic(label),
-        checked: value === null,
-        onCheck: (on) => number2(field, on ? null : first)
+        label: TEXT13.automatic(label),
+        on: value === null,
+        onToggle: (on) => number2(field, on ? null : first)
       }
     ), value !== null && slider(label, field, value, min, max, unit3, { least: -Infinity, most: Infinity }));
   };
   const unit2 = volume2?.value_unit ?? "";
   const attenuation = unit2 === "HU" ? WATER : 3 / ((high - low || 1) * longestSide(volume2?.bounds));
   return /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
-    SelectField,
+    Choice,
     {
-      label: TEXT9.composite,
+      label: TEXT13.composite,
       value: name,
-      options: welcome.composites.map((value) => ({
-        value,
-        text: COMPOSITE_NAMES[value] ?? value,
-        disabled: isOverOnly && value !== "over" && value !== name
-      })),
-      onChoice: (value) => store.change([set(compositeNamed(value, surface()), "render", "composite")])
+      options: welcome.composites.map(
+        (value) => [value, COMPOSITE_NAMES[value] ?? value, isOverOnly && value !== "over" && value !== name]
+      ),
+      onChoose: (value) => store.change([set(compositeNamed(value, surface()), "render", "composite")])
     }
-  ), isOverOnly && /* @__PURE__ */ k("p", { class: "dim look-small" }, TEXT9.overOnly), name === "first-hit" && slider(TEXT9.iso, "iso_value", numberOf(render2.composite, "iso_value") ?? surface(), low, high, unit2), name === "local-maximum" && optional(TEXT9.threshold, "threshold", surface(), low, high, unit2), name === "depth-shaded-maximum" && slider(TEXT9.strength, "strength", numberOf(render2.composite, "strength") ?? DIMMING, 0, 1), name === "x-ray" && optional(TEXT9.clear, "clear", low, low, high, unit2), name === "x-ray" && optional(TEXT9.attenuation, "attenuation", attenuation, attenuation / 100, 5 * attenuation));
+  ), isOverOnly && /* @__PURE__ */ k("p", { class: "dim look-small" }, TEXT13.overOnly), name === "first-hit" && slider(TEXT13.iso, "iso_value", numberOf(render2.composite, "iso_value") ?? surface(), low, high, unit2), name === "local-maximum" && optional(TEXT13.threshold, "threshold", surface(), low, high, unit2), name === "depth-shaded-maximum" && slider(TEXT13.strength, "strength", numberOf(render2.composite, "strength") ?? DIMMING, 0, 1), name === "x-ray" && optional(TEXT13.clear, "clear", low, low, high, unit2), name === "x-ray" && optional(TEXT13.attenuation, "attenuation", attenuation, attenuation / 100, 5 * attenuation));
 }
 function LightFields({ store, engine, ui, welcome }) {
   const { state: state2 } = store;
@@ -3110,7 +3749,7 @@ function LightFields({ store, engine, ui, welcome }) {
   const look = state2.layers[ui.layer]?.look;
   const kept = T2(null);
   if (shading2 !== null) kept.current = shading2;
-  const name = nameOf(state2.render.composite);
+  const name = nameOf2(state2.render.composite);
   const isShaded = SHADED.includes(name);
   const reset = async () => {
     try {
@@ -3122,24 +3761,26 @@ function LightFields({ store, engine, ui, welcome }) {
     }
   };
   const toggle = (on) => store.change([set(on ? kept.current ?? DEFAULT_SHADING : null, ...path)]);
-  const resetButton = /* @__PURE__ */ k(Button, { onClick: () => void reset() }, TEXT9.reset);
-  const head = /* @__PURE__ */ k($, null, /* @__PURE__ */ k(CheckField, { label: TEXT9.shading, checked: shading2 !== null, onCheck: toggle }), !isShaded && /* @__PURE__ */ k("p", { class: "dim look-small" }, TEXT9.unshaded), state2.shading !== "look" && state2.layers.length > 1 && /* @__PURE__ */ k("p", { class: "dim look-small" }, TEXT9.all));
+  const resetButton = /* @__PURE__ */ k(Button, { onClick: () => void reset() }, TEXT13.reset);
+  const mood = moodOf(shading2);
+  const head = /* @__PURE__ */ k($, null, /* @__PURE__ */ k("div", { class: "row look-moods", role: "group", "aria-label": WORDS.moods.title }, Object.keys(MOODS).map((one) => /* @__PURE__ */ k(Button, { key: one, pressed: one === mood, onClick: () => store.change([set(inMood(shading2, one), ...path)]) }, WORDS.moods[one]))), /* @__PURE__ */ k(Switch, { label: TEXT13.shading, on: shading2 !== null, onToggle: toggle }), !isShaded && /* @__PURE__ */ k("p", { class: "dim look-small" }, TEXT13.unshaded), state2.shading !== "look" && state2.layers.length > 1 && /* @__PURE__ */ k("p", { class: "dim look-small" }, TEXT13.all));
   if (shading2 === null) {
     return /* @__PURE__ */ k($, null, head, resetButton);
   }
   const change = (field, value) => store.change([set(value, ...path, field)], `light ${field}`);
   const done2 = () => store.settle();
   const slider = (label, field, min, max, more = {}) => /* @__PURE__ */ k(
-    SliderField,
+    NumberField,
     {
+      isBounded: true,
       key: field,
       label,
       min,
       max,
       value: shading2[field] ?? min,
       ...more,
-      onValue: (value) => change(field, value),
-      onDone: done2
+      onInput: (value) => change(field, value),
+      onSettle: done2
     }
   );
   const lights = lightsOf(shading2);
@@ -3148,41 +3789,41 @@ function LightFields({ store, engine, ui, welcome }) {
   const setDirection = (direction) => change("lights", [{ ...first, direction }, ...lights.slice(1)]);
   const isSmooth = shading2.gradient_smoothing > 0;
   const side = longestSide(welcome.volumes[ui.layer]?.bounds);
-  return /* @__PURE__ */ k($, null, head, slider(TEXT9.exposure, "exposure", 0, 3, { most: 100, step: 0.01 }), slider(TEXT9.ambient, "ambient", 0, 1, { most: 10, step: 0.01 }), slider(TEXT9.diffuse, "diffuse", 0, 2, { most: 10, step: 0.01 }), slider(TEXT9.specular, "specular", 0, 1, { most: 10, step: 0.01 }), slider(TEXT9.power, "specular_power", 1, 100, { most: 1e3, step: 1 }), slider(TEXT9.shoulder, "shoulder", 0, 1, { step: 0.01 }), slider(TEXT9.occlusion, "ambient_occlusion", 0, 1, { step: 0.01 }), shading2.ambient_occlusion > 0 && /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
-    CheckField,
+  return /* @__PURE__ */ k($, null, /* @__PURE__ */ k(LightPad, { direction: first.direction, latest, onDirection: setDirection, onSettle: done2 }), first["frame"] === "world" && /* @__PURE__ */ k("p", { class: "dim look-small" }, TEXT13.world), head, /* @__PURE__ */ k("details", { class: "look-details" }, /* @__PURE__ */ k("summary", null, WORDS.moods.all), slider(TEXT13.exposure, "exposure", 0, 3, { most: 100, step: 0.01 }), slider(TEXT13.ambient, "ambient", 0, 1, { most: 10, step: 0.01 }), slider(TEXT13.diffuse, "diffuse", 0, 2, { most: 10, step: 0.01 }), slider(TEXT13.specular, "specular", 0, 1, { most: 10, step: 0.01 }), slider(TEXT13.power, "specular_power", 1, 100, { most: 1e3, step: 1 }), slider(TEXT13.shoulder, "shoulder", 0, 1, { step: 0.01 }), slider(TEXT13.occlusion, "ambient_occlusion", 0, 1, { step: 0.01 }), shading2.ambient_occlusion > 0 && /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
+    Switch,
     {
-      label: TEXT9.automatic(TEXT9.reach),
-      checked: shading2.occlusion_radius === null,
-      onCheck: (on) => store.change([set(on ? null : side / 10, ...path, "occlusion_radius")])
+      label: TEXT13.automatic(TEXT13.reach),
+      on: shading2.occlusion_radius === null,
+      onToggle: (on) => store.change([set(on ? null : side / 10, ...path, "occlusion_radius")])
     }
-  ), shading2.occlusion_radius !== null && slider(TEXT9.radius, "occlusion_radius", side / 500, side / 2, {
+  ), shading2.occlusion_radius !== null && slider(TEXT13.radius, "occlusion_radius", side / 500, side / 2, {
     unit: welcome.volumes[ui.layer]?.unit ?? ""
-  })), slider(TEXT9.shadow, "shadow", 0, 1, { step: 0.01 }), first["frame"] === "world" && /* @__PURE__ */ k("p", { class: "dim look-small" }, TEXT9.world), /* @__PURE__ */ k(LightPad, { direction: first.direction, latest, onDirection: setDirection, onDone: done2 }), /* @__PURE__ */ k(
-    CheckField,
+  })), slider(TEXT13.shadow, "shadow", 0, 1, { step: 0.01 }), /* @__PURE__ */ k(
+    Switch,
     {
-      label: TEXT9.smoothingOn,
-      checked: isSmooth,
-      onCheck: (on) => store.change([set(on ? SMOOTH : 0, ...path, "gradient_smoothing")])
+      label: TEXT13.smoothingOn,
+      on: isSmooth,
+      onToggle: (on) => store.change([set(on ? SMOOTH : 0, ...path, "gradient_smoothing")])
     }
-  ), isSmooth ? slider(TEXT9.smoothing, "gradient_smoothing", ...SMOOTHING, { unit: "voxels", step: 0.01 }) : slider(TEXT9.offset, "gradient_offset", 0.01, 4, { unit: "voxels", step: 0.01 }), resetButton);
+  ), isSmooth ? slider(TEXT13.smoothing, "gradient_smoothing", ...SMOOTHING, { unit: "voxels", step: 0.01 }) : slider(TEXT13.offset, "gradient_offset", 0.01, 4, { unit: "voxels", step: 0.01 }), resetButton));
 }
 function Rest({ store, welcome }) {
   const { render: render2, background } = store.state;
   return /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
-    SelectField,
+    Choice,
     {
-      label: TEXT9.kernel,
+      label: TEXT13.kernel,
       value: render2.kernel,
-      options: welcome.kernels.map((value) => ({ value, text: KERNEL_NAMES[value] ?? value })),
-      onChoice: (value) => store.change([set(value, "render", "kernel")])
+      options: welcome.kernels.map((value) => [value, KERNEL_NAMES[value] ?? value]),
+      onChoose: (value) => store.change([set(value, "render", "kernel")])
     }
-  ), /* @__PURE__ */ k("div", { class: "field" }, /* @__PURE__ */ k("span", { "aria-hidden": "true" }, TEXT9.background), /* @__PURE__ */ k(
+  ), /* @__PURE__ */ k("div", { class: "field" }, /* @__PURE__ */ k("span", { "aria-hidden": "true" }, TEXT13.background), /* @__PURE__ */ k(
     ColorField,
     {
-      label: TEXT9.background,
+      label: TEXT13.background,
       value: hexColor(background, namedColor),
       onColor: (hex) => store.change([set(hex, "background")], "background"),
-      onDone: () => store.settle()
+      onSettle: () => store.settle()
     }
   )));
 }
@@ -3195,316 +3836,106 @@ function longestSide(bounds) {
   return Math.max(...upper.map((end, axis) => end - (lower[axis] ?? 0)));
 }
 
-// src/input/camera.ts
-var TURN_DEG = 180;
-var MIN_ANGLE_DEG = 0.01;
-var MAX_ANGLE_DEG = 170;
-var add = (a3, b) => [a3[0] + b[0], a3[1] + b[1], a3[2] + b[2]];
-var sub = (a3, b) => [a3[0] - b[0], a3[1] - b[1], a3[2] - b[2]];
-var scaled = (a3, factor) => [a3[0] * factor, a3[1] * factor, a3[2] * factor];
-var dot = (a3, b) => a3[0] * b[0] + a3[1] * b[1] + a3[2] * b[2];
-var cross = (a3, b) => [
-  a3[1] * b[2] - a3[2] * b[1],
-  a3[2] * b[0] - a3[0] * b[2],
-  a3[0] * b[1] - a3[1] * b[0]
-];
-var length = (a3) => Math.hypot(a3[0], a3[1], a3[2]);
-var unit = (a3) => scaled(a3, 1 / length(a3));
-function axesOf(camera) {
-  const back = unit(sub(camera.position, camera.focal_point));
-  const right = unit(cross(camera.view_up, back));
-  return { right, up: cross(back, right), back };
-}
-function turnedAbout(vector2, axis, angle) {
-  const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
-  return add(
-    add(scaled(vector2, cos), scaled(cross(axis, vector2), sin)),
-    scaled(axis, dot(axis, vector2) * (1 - cos))
-  );
-}
-function turned(camera, dx, dy, height) {
-  const radians = TURN_DEG * Math.PI / 180 / height;
-  const { right, up } = axesOf(camera);
-  const about = (vector2) => turnedAbout(turnedAbout(vector2, up, -dx * radians), right, -dy * radians);
-  return {
-    ...camera,
-    position: add(camera.focal_point, about(sub(camera.position, camera.focal_point))),
-    view_up: about(up)
-  };
-}
-function rolled(camera, angle) {
-  const { back, up } = axesOf(camera);
-  return { ...camera, view_up: turnedAbout(up, back, angle) };
-}
-function unitsPerPixel(camera, height, distance2) {
-  if (camera.parallel_scale !== void 0) return 2 * camera.parallel_scale / height;
-  const away = distance2 ?? length(sub(camera.position, camera.focal_point));
-  return 2 * away * Math.tan((camera.view_angle ?? 30) / 2 * Math.PI / 180) / height;
-}
-function panned(camera, dx, dy, height) {
-  const { right, up } = axesOf(camera);
-  const pixel = unitsPerPixel(camera, height);
-  const way = add(scaled(right, -dx * pixel), scaled(up, dy * pixel));
-  return { ...camera, position: add(camera.position, way), focal_point: add(camera.focal_point, way) };
-}
-function zoomed2(camera, factor) {
-  if (camera.parallel_scale !== void 0) return { ...camera, parallel_scale: camera.parallel_scale / factor };
-  const away = sub(camera.position, camera.focal_point);
-  return { ...camera, position: add(camera.focal_point, scaled(away, 1 / factor)) };
-}
-function withLens(camera, angle) {
-  const { parallel_scale: _scale, view_angle: _angle, ...place } = camera;
-  const { back } = axesOf(camera);
-  const half = unitsPerPixel(camera, 2);
-  if (angle === void 0) return { ...place, parallel_scale: half };
-  const bounded = Math.min(Math.max(angle, MIN_ANGLE_DEG), MAX_ANGLE_DEG);
-  const away = half / Math.tan(bounded / 2 * Math.PI / 180);
-  return { ...place, position: add(camera.focal_point, scaled(back, away)), view_angle: bounded };
-}
-function project(camera, size, point2) {
-  const { right, up, back } = axesOf(camera);
-  const away = sub(point2, camera.position);
-  const depth = -dot(away, back);
-  if (camera.parallel_scale === void 0 && depth <= 0) return null;
-  const pixel = unitsPerPixel(camera, size.height, depth);
-  return { x: size.width / 2 + dot(away, right) / pixel, y: size.height / 2 - dot(away, up) / pixel, depth };
-}
-function ray(camera, size, x2, y3) {
-  const { right, up, back } = axesOf(camera);
-  const pixel = unitsPerPixel(camera, size.height, 1);
-  const aside = add(scaled(right, (x2 - size.width / 2) * pixel), scaled(up, (size.height / 2 - y3) * pixel));
-  if (camera.parallel_scale !== void 0) return { origin: add(camera.position, aside), direction: scaled(back, -1) };
-  return { origin: camera.position, direction: unit(sub(aside, back)) };
-}
-
-// src/view/look/own_presets_fields.tsx
-var TEXT10 = WORDS.ownPresetsFields;
-var PICTURE_PX = 96;
-function OwnPresets({ store, ui, welcome, own, onOwn, onTake }) {
-  const [name, setName] = d2("");
-  const [why, setWhy] = d2("");
-  const layer = store.state.layers[ui.layer];
-  if (layer === void 0) return null;
-  const chosen2 = own.find((preset) => preset.name === layer.look.name);
-  const taken = ["auto", ...welcome.presets.map((preset) => preset.name)];
-  const rename = (to) => store.change([{ op: "replace", path: `/layers/${ui.layer}/look/name`, value: to }]);
-  const attempt = (change) => {
-    try {
-      onOwn(change());
-      return true;
-    } catch (problem) {
-      ui.problem({ code: "not_kept", message: `${TEXT10.notKept}: ${problem.message}`, remedy: TEXT10.remedy });
-      return false;
-    }
-  };
-  const checked = () => {
-    const wanted = name.trim();
-    const found = nameProblem(wanted, taken);
-    setWhy(found ?? "");
-    return found === null ? wanted : null;
-  };
-  const save = async () => {
-    const wanted = checked();
-    if (wanted === null) return;
-    const composite2 = store.state.render.composite;
-    const look = {
-      ...layer.look,
-      name: wanted,
-      composite: typeof composite2 === "string" && store.state.layers.length === 1 ? composite2 : layer.look.composite,
-      background: typeof store.state.background === "string" ? store.state.background : layer.look.background
-    };
-    const operator = store.state.layers.length === 1 && typeof composite2 !== "string" ? { composite: composite2 } : {};
-    const picture = await pictureOf(ui.frames["3d"]);
-    if (!attempt(() => keepPreset({ name: wanted, look, picture, ...operator }))) return;
-    setName("");
-    store.change([{ op: "replace", path: `/layers/${ui.layer}/look`, value: look }]);
-    ui.announce(TEXT10.saved(wanted));
-  };
-  const open = async (input) => {
-    const file = input.files?.[0];
-    if (file === void 0) return;
-    try {
-      onTake(lookFromText(await file.text()));
-    } catch (problem) {
-      ui.problem({ code: "no_look", message: `${TEXT10.notRead}: ${file.name}: ${problem.message}` });
-    }
-    input.value = "";
-  };
-  return /* @__PURE__ */ k("details", { class: "look-details" }, /* @__PURE__ */ k("summary", null, TEXT10.title), /* @__PURE__ */ k(
-    "form",
-    {
-      class: "look-panel",
-      onSubmit: (event) => {
-        event.preventDefault();
-        void save();
-      }
-    },
-    /* @__PURE__ */ k("label", { class: "field" }, /* @__PURE__ */ k("span", null, TEXT10.name), /* @__PURE__ */ k(
-      "input",
-      {
-        type: "text",
-        class: "look-grow",
-        value: name,
-        maxLength: 100,
-        "aria-invalid": why !== "",
-        onInput: (event) => {
-          setName(event.currentTarget.value);
-          setWhy("");
-        }
-      }
-    )),
-    why !== "" && /* @__PURE__ */ k("p", { role: "alert", class: "look-why" }, why),
-    /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { type: "submit", class: "button" }, TEXT10.save), chosen2 !== void 0 && /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
-      Button,
-      {
-        label: `${TEXT10.rename} ${chosen2.name}`,
-        onClick: () => {
-          const wanted = checked();
-          if (wanted === null || !attempt(() => renamePreset(chosen2.name, wanted))) return;
-          setName("");
-          rename(wanted);
-        }
-      },
-      TEXT10.rename
-    ), /* @__PURE__ */ k(
-      Button,
-      {
-        label: `${TEXT10.remove} ${chosen2.name}`,
-        onClick: () => attempt(() => dropPreset(chosen2.name)) && ui.announce(TEXT10.removed(chosen2.name))
-      },
-      TEXT10.remove
-    ))),
-    /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(
-      Button,
-      {
-        onClick: () => ui.download(`${layer.look.name || "look"}.json`, lookText(layer.look), "application/json")
-      },
-      TEXT10.export
-    ), /* @__PURE__ */ k("label", { class: "button look-file" }, TEXT10.import, /* @__PURE__ */ k(
-      "input",
-      {
-        type: "file",
-        class: "hidden",
-        accept: ".json,application/json",
-        onChange: (event) => void open(event.currentTarget)
-      }
-    )))
-  ));
-}
-async function pictureOf(frame) {
-  if (frame === void 0) return "";
-  const picture = await createImageBitmap(new Blob([frame.bytes], { type: `image/${frame.format}` }));
-  const canvas = document.createElement("canvas");
-  canvas.width = canvas.height = PICTURE_PX;
-  const side = Math.min(picture.width, picture.height);
-  const context = canvas.getContext("2d");
-  context?.drawImage(
-    picture,
-    (picture.width - side) / 2,
-    (picture.height - side) / 2,
-    side,
-    side,
-    0,
-    0,
-    PICTURE_PX,
-    PICTURE_PX
-  );
-  picture.close();
-  return canvas.toDataURL("image/jpeg", 0.8);
-}
-
-// src/view/look/preset_pictures.ts
-var SIZE_PX2 = 192;
-var STILL_MS2 = 350;
-var RETRY_MS = 2e3;
-var PresetPictures = class {
-  constructor(engine, layer, changed) {
+// src/view/look/look_preview.ts
+var REST_MS = 150;
+var LookPreview = class {
+  constructor(store, engine, layer, onProblem) {
+    this.store = store;
     this.engine = engine;
     this.layer = layer;
-    this.changed = changed;
+    this.onProblem = onProblem;
   }
+  store;
   engine;
   layer;
-  changed;
-  urls = /* @__PURE__ */ new Map();
-  reasons = /* @__PURE__ */ new Map();
-  wanted = [];
-  isBusy = false;
-  drawing = null;
-  lastChange = -Infinity;
-  isClosed = false;
-  /** Address of a picture; undefined where it is not drawn. */
-  get(name) {
-    return this.urls.get(name);
+  onProblem;
+  looks = /* @__PURE__ */ new Map();
+  timer;
+  asked = 0;
+  shown = null;
+  /** The name of the look that was chosen, whatever is shown in its place. */
+  get chosenName() {
+    return this.shown?.name ?? this.store.state.layers[this.layer]?.look.name ?? "";
   }
-  /** The reason why a picture is missing. */
-  reason(name) {
-    return this.reasons.get(name);
+  /** Shows a look after a moment, unless the pointer goes on before. */
+  rest(name) {
+    clearTimeout(this.timer);
+    this.asked += 1;
+    this.timer = setTimeout(() => void this.show(name), REST_MS);
   }
-  /** Requests a picture, unless it is drawn. */
-  want(name) {
-    if (this.urls.has(name) || this.reasons.has(name) || this.wanted.includes(name) || name === this.drawing) return;
-    this.wanted.push(name);
-    void this.next();
+  /** Takes back what is shown. */
+  leave() {
+    clearTimeout(this.timer);
+    this.asked += 1;
+    const { shown } = this;
+    this.shown = null;
+    if (shown === null || JSON.stringify(lookIn(this.store.state, this.layer)) !== JSON.stringify(shown.look)) return;
+    this.store.adjust(shown.before);
   }
-  /** Cancels a request whose tile has left the screen. */
-  leave(name) {
-    this.wanted = this.wanted.filter((other) => other !== name);
+  /** Chooses a look for good: one step of undo from what was there before the preview. */
+  keep(look, composite2) {
+    this.leave();
+    this.store.change(chosen(this.store.state, this.layer, look, composite2));
   }
-  /** Pauses for a moment, as something in the picture is being changed. */
-  pause() {
-    this.lastChange = performance.now();
+  /** The look of a preset; each is asked for once. */
+  async lookOf(name) {
+    const known2 = this.looks.get(name);
+    if (known2 !== void 0) return known2;
+    const { look } = await this.engine.ask("preset", { layer: this.layer, name });
+    this.looks.set(name, look);
+    return look;
   }
-  /** Forgets all pictures; each is drawn anew when it is seen. */
-  clear() {
-    const before = [...this.urls.keys(), ...this.reasons.keys()];
-    this.reasons.clear();
-    this.urls.forEach((url) => URL.revokeObjectURL(url));
-    this.urls.clear();
-    return before;
-  }
-  close() {
-    this.isClosed = true;
-    this.wanted = [];
-    this.clear();
-  }
-  async next() {
-    if (this.isBusy || this.isClosed) return;
-    this.isBusy = true;
-    for (; ; ) {
-      const wait = this.lastChange + STILL_MS2 - performance.now();
-      if (wait > 0) {
-        await new Promise((resolve) => setTimeout(resolve, wait));
-        continue;
-      }
-      const name = this.wanted.shift();
-      if (name === void 0 || this.isClosed) break;
-      this.drawing = name;
-      await this.draw(name);
-      this.drawing = null;
-    }
-    this.isBusy = false;
-  }
-  async draw(name) {
+  async show(name) {
+    const number2 = this.asked;
     try {
-      const { bytes } = await this.engine.ask("preset_picture", { layer: this.layer, name, size: SIZE_PX2 });
-      if (!this.isClosed) this.urls.set(name, URL.createObjectURL(new Blob([bytes], { type: "image/png" })));
+      const look = await this.lookOf(name);
+      if (number2 !== this.asked) return;
+      this.leave();
+      const { state: state2 } = this.store;
+      const before2 = restored(state2, this.layer);
+      this.shown = { look, before: before2, name: lookIn(state2, this.layer)?.name ?? "" };
+      this.store.adjust(chosen(state2, this.layer, look));
     } catch (problem) {
-      const { code, message } = problem;
-      if (code === "lost") {
-        this.wanted.unshift(name);
-        await new Promise((resolve) => setTimeout(resolve, RETRY_MS));
-        return;
-      }
-      this.reasons.set(name, message);
+      this.onProblem(problem);
     }
-    if (!this.isClosed) this.changed();
   }
 };
+function lookIn(state2, layer) {
+  return state2.layers[layer]?.look;
+}
+function restored(state2, layer) {
+  return [
+    set(lookIn(state2, layer), "layers", layer, "look"),
+    set(state2.shading, "shading"),
+    set(state2.render.composite, "render", "composite"),
+    set(state2.background, "background")
+  ];
+}
+
+// src/view/look/preset_kinds.ts
+var GROUPS = {
+  CT: ["ct", "any"],
+  MR: ["mr", "any"],
+  PET: ["pet", "any"],
+  fluorescence: ["microscopy", "any"],
+  EM: ["microscopy", "any"],
+  field: ["simulation", "any"],
+  "signed field": ["simulation", "any"],
+  dose: ["simulation", "any"]
+};
+function isOffered(preset, layer, volume2) {
+  const groups = GROUPS[volume2?.kind ?? ""];
+  return preset.layers.includes(layer) && (groups === void 0 || groups.includes(preset.kind));
+}
+function titleOf(name) {
+  const known2 = WORDS.looks[name];
+  if (known2 !== void 0) return known2;
+  return /^(slicer-)?(CT|MR|DTI|US|uCT)-/.test(name) ? name.replace(/^slicer-/, "").replaceAll("-", " ") : name;
+}
 
 // src/view/look/preset_tiles.tsx
-var TEXT11 = WORDS.presetTiles;
-function PresetTiles({ label, tiles, selected, pictures, onChoose }) {
+var TEXT14 = WORDS.presetTiles;
+function PresetTiles({ label, tiles, selected, pictures, onChoose, onRest, onLeave }) {
   const list2 = T2(null);
   const [focused, setFocused] = d2(null);
   const entry = [focused, selected].find((name) => tiles.some((tile) => tile.name === name)) ?? tiles[0]?.name;
@@ -3542,10 +3973,10 @@ function PresetTiles({ label, tiles, selected, pictures, onChoose }) {
     event.preventDefault();
     event.stopPropagation();
   };
-  return /* @__PURE__ */ k("div", { class: "look-tiles", role: "listbox", "aria-label": label, ref: list2 }, tiles.map(({ name, description, picture }, index) => {
+  return /* @__PURE__ */ k("div", { class: "look-tiles", role: "listbox", "aria-label": label, ref: list2, onPointerLeave: onLeave }, tiles.map(({ name, title, description, picture }, index) => {
     const address = picture ?? pictures.get(name);
     const reason = pictures.reason(name);
-    const about = reason === void 0 ? description : `${description} ${TEXT11.noPicture}: ${reason}`;
+    const about = reason === void 0 ? description : `${description} ${TEXT14.noPicture}: ${reason}`;
     return /* @__PURE__ */ k(
       "div",
       {
@@ -3553,32 +3984,424 @@ function PresetTiles({ label, tiles, selected, pictures, onChoose }) {
         class: "look-tile",
         role: "option",
         "aria-selected": name === selected,
-        "aria-label": `${name}: ${about}`,
+        "aria-label": `${title}: ${about}`,
         title: about,
         tabIndex: name === entry ? 0 : -1,
         "data-name": name,
         "data-drawn": picture === void 0 ? true : void 0,
+        onPointerEnter: (event) => event.pointerType === "mouse" && onRest?.(name),
         onClick: () => onChoose(name),
         onFocus: () => setFocused(name),
         onKeyDown: (event) => onKeyDown(event, index)
       },
-      address ? /* @__PURE__ */ k("img", { src: address, alt: "", width: 96, height: 96 }) : /* @__PURE__ */ k("span", { class: "look-blank" }, reason !== void 0 && TEXT11.noPicture),
-      /* @__PURE__ */ k("span", { class: "look-name" }, name)
+      address ? /* @__PURE__ */ k("img", { src: address, alt: "", width: 96, height: 96 }) : /* @__PURE__ */ k("span", { class: "look-blank" }, reason !== void 0 && TEXT14.noPicture),
+      /* @__PURE__ */ k("span", { class: "look-name" }, title)
     );
   }));
+}
+
+// src/input/camera.ts
+var TURN_DEG = 180;
+var MIN_ANGLE_DEG = 0.01;
+var MAX_ANGLE_DEG = 170;
+var add = (a3, b) => [a3[0] + b[0], a3[1] + b[1], a3[2] + b[2]];
+var sub = (a3, b) => [a3[0] - b[0], a3[1] - b[1], a3[2] - b[2]];
+var scaled = (a3, factor) => [a3[0] * factor, a3[1] * factor, a3[2] * factor];
+var dot = (a3, b) => a3[0] * b[0] + a3[1] * b[1] + a3[2] * b[2];
+var cross = (a3, b) => [
+  a3[1] * b[2] - a3[2] * b[1],
+  a3[2] * b[0] - a3[0] * b[2],
+  a3[0] * b[1] - a3[1] * b[0]
+];
+var length = (a3) => Math.hypot(a3[0], a3[1], a3[2]);
+var unit = (a3) => scaled(a3, 1 / length(a3));
+function axesOf(camera) {
+  const back = unit(sub(camera.position, camera.focal_point));
+  const right = unit(cross(camera.view_up, back));
+  return { right, up: cross(back, right), back };
+}
+function turnedAbout(vector2, axis, angle) {
+  const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
+  return add(
+    add(scaled(vector2, cos), scaled(cross(axis, vector2), sin)),
+    scaled(axis, dot(axis, vector2) * (1 - cos))
+  );
+}
+function turned2(camera, dx, dy, height) {
+  const radians = TURN_DEG * Math.PI / 180 / height;
+  const { right, up } = axesOf(camera);
+  const about = (vector2) => turnedAbout(turnedAbout(vector2, up, -dx * radians), right, -dy * radians);
+  return {
+    ...camera,
+    position: add(camera.focal_point, about(sub(camera.position, camera.focal_point))),
+    view_up: about(up)
+  };
+}
+function rolled(camera, angle) {
+  const { back, up } = axesOf(camera);
+  return { ...camera, view_up: turnedAbout(up, back, angle) };
+}
+function unitsPerPixel(camera, height, distance2) {
+  if (camera.parallel_scale !== void 0) return 2 * camera.parallel_scale / height;
+  const away = distance2 ?? length(sub(camera.position, camera.focal_point));
+  return 2 * away * Math.tan((camera.view_angle ?? 30) / 2 * Math.PI / 180) / height;
+}
+function panned(camera, dx, dy, height) {
+  const { right, up } = axesOf(camera);
+  const pixel = unitsPerPixel(camera, height);
+  const way = add(scaled(right, -dx * pixel), scaled(up, dy * pixel));
+  return { ...camera, position: add(camera.position, way), focal_point: add(camera.focal_point, way) };
+}
+function zoomed2(camera, factor) {
+  if (camera.parallel_scale !== void 0) return { ...camera, parallel_scale: camera.parallel_scale / factor };
+  const away = sub(camera.position, camera.focal_point);
+  return { ...camera, position: add(camera.focal_point, scaled(away, 1 / factor)) };
+}
+function zoomedAt(camera, size, factor, x2, y3) {
+  const { right, up } = axesOf(camera);
+  const pixel = unitsPerPixel(camera, size.height);
+  const aside = add(scaled(right, (x2 - size.width / 2) * pixel), scaled(up, (size.height / 2 - y3) * pixel));
+  const way = scaled(aside, 1 - 1 / factor);
+  const { position, focal_point, ...lens } = zoomed2(camera, factor);
+  return { ...lens, position: add(position, way), focal_point: add(focal_point, way) };
+}
+function withLens(camera, angle) {
+  const { parallel_scale: _scale, view_angle: _angle, ...place } = camera;
+  const { back } = axesOf(camera);
+  const half = unitsPerPixel(camera, 2);
+  if (angle === void 0) return { ...place, parallel_scale: half };
+  const bounded = Math.min(Math.max(angle, MIN_ANGLE_DEG), MAX_ANGLE_DEG);
+  const away = half / Math.tan(bounded / 2 * Math.PI / 180);
+  return { ...place, position: add(camera.focal_point, scaled(back, away)), view_angle: bounded };
+}
+function project(camera, size, point2) {
+  const { right, up, back } = axesOf(camera);
+  const away = sub(point2, camera.position);
+  const depth = -dot(away, back);
+  if (camera.parallel_scale === void 0 && depth <= 0) return null;
+  const pixel = unitsPerPixel(camera, size.height, depth);
+  return { x: size.width / 2 + dot(away, right) / pixel, y: size.height / 2 - dot(away, up) / pixel, depth };
+}
+function ray(camera, size, x2, y3) {
+  const { right, up, back } = axesOf(camera);
+  const pixel = unitsPerPixel(camera, size.height, 1);
+  const aside = add(scaled(right, (x2 - size.width / 2) * pixel), scaled(up, (size.height / 2 - y3) * pixel));
+  if (camera.parallel_scale !== void 0) return { origin: add(camera.position, aside), direction: scaled(back, -1) };
+  return { origin: camera.position, direction: unit(sub(aside, back)) };
+}
+function seenFrom(camera, direction, viewUp) {
+  const away = length(sub(camera.position, camera.focal_point));
+  return { ...camera, position: add(camera.focal_point, scaled(direction, away)), view_up: viewUp };
+}
+
+// src/view/look/preset_pictures.ts
+var SIZE_PX2 = 192;
+var STILL_MS2 = 350;
+var RETRY_MS = 2e3;
+var PresetPictures = class {
+  constructor(engine, layer, changed) {
+    this.engine = engine;
+    this.layer = layer;
+    this.changed = changed;
+  }
+  engine;
+  layer;
+  changed;
+  urls = /* @__PURE__ */ new Map();
+  reasons = /* @__PURE__ */ new Map();
+  /** Names of pictures that show another camera or time than the one now. */
+  stale = /* @__PURE__ */ new Set();
+  wanted = [];
+  isBusy = false;
+  drawing = null;
+  lastChange = -Infinity;
+  isClosed = false;
+  /** Address of a picture; undefined where it is not drawn. */
+  get(name) {
+    return this.urls.get(name);
+  }
+  /** The reason why a picture is missing. */
+  reason(name) {
+    return this.reasons.get(name);
+  }
+  /** Requests a picture, unless it is drawn. */
+  want(name) {
+    const isKnown = this.urls.has(name) && !this.stale.has(name);
+    if (isKnown || this.reasons.has(name) || this.wanted.includes(name) || name === this.drawing) return;
+    this.wanted.push(name);
+    void this.next();
+  }
+  /** Cancels a request whose tile has left the screen. */
+  leave(name) {
+    this.wanted = this.wanted.filter((other) => other !== name);
+  }
+  /** Pauses for a moment, as something in the picture is being changed. */
+  pause() {
+    this.lastChange = performance.now();
+  }
+  /** Draws all pictures anew; the old ones stay until then. */
+  refresh() {
+    const known2 = [...this.urls.keys(), ...this.reasons.keys()];
+    this.reasons.clear();
+    known2.forEach((name) => this.stale.add(name));
+    known2.forEach((name) => this.want(name));
+  }
+  close() {
+    this.isClosed = true;
+    this.wanted = [];
+    this.urls.forEach((url) => URL.revokeObjectURL(url));
+    this.urls.clear();
+  }
+  async next() {
+    if (this.isBusy || this.isClosed) return;
+    this.isBusy = true;
+    for (; ; ) {
+      const wait = this.lastChange + STILL_MS2 - performance.now();
+      if (wait > 0) {
+        await new Promise((resolve) => setTimeout(resolve, wait));
+        continue;
+      }
+      const name = this.wanted.shift();
+      if (name === void 0 || this.isClosed) break;
+      this.drawing = name;
+      await this.draw(name);
+      this.drawing = null;
+    }
+    this.isBusy = false;
+  }
+  async draw(name) {
+    try {
+      const { bytes } = await this.engine.ask("preset_picture", { layer: this.layer, name, size: SIZE_PX2 });
+      if (!this.isClosed) this.take(name, bytes);
+    } catch (problem) {
+      const { code, message } = problem;
+      if (code === "lost") {
+        this.wanted.unshift(name);
+        await new Promise((resolve) => setTimeout(resolve, RETRY_MS));
+        return;
+      }
+      this.reasons.set(name, message);
+    }
+    if (!this.isClosed) this.changed();
+  }
+  take(name, bytes) {
+    const old = this.urls.get(name);
+    if (old !== void 0) URL.revokeObjectURL(old);
+    this.stale.delete(name);
+    this.urls.set(name, URL.createObjectURL(new Blob([bytes], { type: "image/png" })));
+  }
+};
+
+// src/view/look/use_pictures.ts
+var ALIKE = 0.996;
+var IDLE_MS = 3e3;
+function usePictures({ engine, store, ui }, onChange) {
+  const pictures = w2(() => new PresetPictures(engine, ui.layer, onChange), [engine, ui.layer]);
+  A2(() => () => pictures.close(), [pictures]);
+  A2(() => store.subscribe(() => pictures.pause()), [store, pictures]);
+  const camera = store.state.camera;
+  const time = store.state.layers[ui.layer]?.time;
+  const drawn2 = T2({ camera, time });
+  w2(() => drawn2.current = { camera, time }, [pictures]);
+  A2(() => {
+    if (drawn2.current.time === time && looksAlike(drawn2.current.camera, camera)) return void 0;
+    const timer = setTimeout(() => {
+      drawn2.current = { camera, time };
+      pictures.refresh();
+    }, IDLE_MS);
+    return () => clearTimeout(timer);
+  }, [pictures, camera, time]);
+  return pictures;
+}
+function looksAlike(a3, b) {
+  const [one, other] = [axesOf(a3), axesOf(b)];
+  return Math.min(dot(one.back, other.back), dot(one.up, other.up)) > ALIKE;
+}
+
+// src/view/look/looks_strip.tsx
+var TEXT15 = WORDS.presetsPanel;
+function LooksStrip(props) {
+  const { store, engine, ui, welcome, onAll } = props;
+  const layer = store.state.layers[ui.layer];
+  const [, redraw] = _2((count) => count + 1, 0);
+  const pictures = usePictures(props, () => redraw(null));
+  const preview = w2(() => new LookPreview(store, engine, ui.layer, ui.problem), [store, engine, ui.layer]);
+  A2(() => () => preview.leave(), [preview]);
+  if (layer === void 0) return null;
+  const volume2 = welcome.volumes[ui.layer];
+  const tiles = [
+    { name: "auto", title: titleOf("auto"), description: TEXT15.auto },
+    ...welcome.presets.filter((preset) => isOffered(preset, ui.layer, volume2)).map(({ name, description }) => ({ name, title: titleOf(name), description }))
+  ];
+  const keep = async (name) => {
+    try {
+      preview.keep(await preview.lookOf(name));
+      ui.announce(TEXT15.chosen(titleOf(name)));
+    } catch (problem) {
+      ui.problem(problem);
+    }
+  };
+  return /* @__PURE__ */ k("section", { class: "looks float", "data-panel": "presets", "aria-label": WORDS.sheets.presets }, /* @__PURE__ */ k("div", { class: "body" }, /* @__PURE__ */ k(LayerChoice, { ...props }), /* @__PURE__ */ k(
+    PresetTiles,
+    {
+      label: TEXT15.fitting,
+      tiles,
+      selected: preview.chosenName,
+      pictures,
+      onChoose: (name) => void keep(name),
+      onRest: (name) => preview.rest(name),
+      onLeave: () => preview.leave()
+    }
+  ), /* @__PURE__ */ k("button", { class: "button looks-all", "data-opens": "looks", onClick: onAll }, TEXT15.allLooks)));
+}
+
+// src/view/look/own_presets_fields.tsx
+var TEXT16 = WORDS.ownPresetsFields;
+var PICTURE_PX = 96;
+function OwnPresets({ store, ui, welcome, own, onOwn, onTake }) {
+  const [name, setName] = d2("");
+  const [why, setWhy] = d2("");
+  const layer = store.state.layers[ui.layer];
+  if (layer === void 0) return null;
+  const chosen2 = own.find((preset) => preset.name === layer.look.name);
+  const taken = ["auto", ...welcome.presets.map((preset) => preset.name)];
+  const rename = (to) => store.change([{ op: "replace", path: `/layers/${ui.layer}/look/name`, value: to }]);
+  const attempt = (change) => {
+    try {
+      onOwn(change());
+      return true;
+    } catch (problem) {
+      ui.problem({ code: "not_kept", message: `${TEXT16.notKept}: ${problem.message}`, remedy: TEXT16.remedy });
+      return false;
+    }
+  };
+  const checked = () => {
+    const wanted = name.trim();
+    const found2 = nameProblem(wanted, taken);
+    setWhy(found2 ?? "");
+    return found2 === null ? wanted : null;
+  };
+  const save = async () => {
+    const wanted = checked();
+    if (wanted === null) return;
+    const composite2 = store.state.render.composite;
+    const look = {
+      ...layer.look,
+      name: wanted,
+      composite: typeof composite2 === "string" && store.state.layers.length === 1 ? composite2 : layer.look.composite,
+      background: typeof store.state.background === "string" ? store.state.background : layer.look.background
+    };
+    const operator = store.state.layers.length === 1 && typeof composite2 !== "string" ? { composite: composite2 } : {};
+    const picture = await pictureOf(ui.frames["3d"]);
+    if (!attempt(() => keepPreset({ name: wanted, look, picture, ...operator }))) return;
+    setName("");
+    store.change([{ op: "replace", path: `/layers/${ui.layer}/look`, value: look }]);
+    ui.announce(TEXT16.saved(wanted));
+  };
+  const open = async (input) => {
+    const file = input.files?.[0];
+    if (file === void 0) return;
+    try {
+      onTake(lookFromText(await file.text()));
+    } catch (problem) {
+      ui.problem({ code: "no_look", message: `${TEXT16.notRead}: ${file.name}: ${problem.message}` });
+    }
+    input.value = "";
+  };
+  return /* @__PURE__ */ k("details", { class: "look-details" }, /* @__PURE__ */ k("summary", null, TEXT16.title), /* @__PURE__ */ k(
+    "form",
+    {
+      class: "look-panel",
+      onSubmit: (event) => {
+        event.preventDefault();
+        void save();
+      }
+    },
+    /* @__PURE__ */ k("label", { class: "field" }, /* @__PURE__ */ k("span", null, TEXT16.name), /* @__PURE__ */ k(
+      "input",
+      {
+        type: "text",
+        class: "look-grow",
+        value: name,
+        maxLength: 100,
+        "aria-invalid": why !== "",
+        onInput: (event) => {
+          setName(event.currentTarget.value);
+          setWhy("");
+        }
+      }
+    )),
+    why !== "" && /* @__PURE__ */ k("p", { role: "alert", class: "look-why" }, why),
+    /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { type: "submit", class: "button" }, TEXT16.save), chosen2 !== void 0 && /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
+      Button,
+      {
+        label: `${TEXT16.rename} ${chosen2.name}`,
+        onClick: () => {
+          const wanted = checked();
+          if (wanted === null || !attempt(() => renamePreset(chosen2.name, wanted))) return;
+          setName("");
+          rename(wanted);
+        }
+      },
+      TEXT16.rename
+    ), /* @__PURE__ */ k(
+      Button,
+      {
+        label: `${TEXT16.remove} ${chosen2.name}`,
+        onClick: () => attempt(() => dropPreset(chosen2.name)) && ui.announce(TEXT16.removed(chosen2.name))
+      },
+      TEXT16.remove
+    ))),
+    /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(
+      Button,
+      {
+        onClick: () => ui.download(`${layer.look.name || "look"}.json`, lookText(layer.look), "application/json")
+      },
+      TEXT16.export
+    ), /* @__PURE__ */ k("label", { class: "button look-file" }, TEXT16.import, /* @__PURE__ */ k(
+      "input",
+      {
+        type: "file",
+        class: "hidden",
+        accept: ".json,application/json",
+        onChange: (event) => void open(event.currentTarget)
+      }
+    )))
+  ));
+}
+async function pictureOf(frame) {
+  if (frame === void 0) return "";
+  const picture = await createImageBitmap(new Blob([frame.bytes], { type: `image/${frame.format}` }));
+  const canvas = document.createElement("canvas");
+  canvas.width = canvas.height = PICTURE_PX;
+  const side = Math.min(picture.width, picture.height);
+  const context = canvas.getContext("2d");
+  context?.drawImage(
+    picture,
+    (picture.width - side) / 2,
+    (picture.height - side) / 2,
+    side,
+    side,
+    0,
+    0,
+    PICTURE_PX,
+    PICTURE_PX
+  );
+  picture.close();
+  return canvas.toDataURL("image/jpeg", 0.8);
 }
 
 // src/view/look/preset_search.ts
 function matching(presets, search) {
   const words = search.toLowerCase().split(/[\s_-]+/).filter((word) => word !== "");
   const has = (text2) => words.every((word) => text2.toLowerCase().includes(word));
-  const found = presets.filter(({ name, description }) => has(`${name} ${description}`));
-  return words.length === 0 ? found : [...found.filter(({ name }) => has(name)), ...found.filter(({ name }) => !has(name))];
+  const isNamed = ({ name, title = "" }) => has(`${name} ${title}`);
+  const found2 = presets.filter(({ name, title = "", description }) => has(`${name} ${title} ${description}`));
+  return words.length === 0 ? found2 : [...found2.filter(isNamed), ...found2.filter((one) => !isNamed(one))];
 }
 
 // src/view/look/presets_panel.tsx
-var TEXT12 = WORDS.presetsPanel;
-var ALIKE = 0.996;
+var TEXT17 = WORDS.presetsPanel;
 function PresetsPanel(props) {
   const { store, engine, ui, welcome } = props;
   const layer = store.state.layers[ui.layer];
@@ -3586,43 +4409,35 @@ function PresetsPanel(props) {
   const [showsAll, setShowsAll] = d2(false);
   const [own, setOwn] = d2(() => ownPresets());
   const [, redraw] = _2((count) => count + 1, 0);
-  const pictures = w2(() => new PresetPictures(engine, ui.layer, () => redraw(null)), [engine, ui.layer]);
-  A2(() => () => pictures.close(), [pictures]);
-  A2(() => store.subscribe(() => pictures.pause()), [store, pictures]);
-  const now = { camera: store.state.camera, time: layer?.time };
-  const drawn2 = T2(now);
-  w2(() => drawn2.current = now, [pictures]);
+  const pictures = usePictures(props, () => redraw(null));
   if (layer === void 0) return null;
-  const isOld = drawn2.current.time !== now.time || !looksAlike(drawn2.current.camera, now.camera);
-  const drawAnew = () => {
-    drawn2.current = now;
-    pictures.clear().forEach((name) => pictures.want(name));
-    redraw(null);
-  };
-  const take2 = (look, composite2) => {
+  const take3 = (look, composite2) => {
     store.change(chosen(store.state, ui.layer, look, composite2));
-    ui.announce(TEXT12.chosen(look.name));
+    ui.announce(TEXT17.chosen(titleOf(look.name)));
   };
   const choose = async (name) => {
     try {
-      take2((await engine.ask("preset", { layer: ui.layer, name })).look);
-    } catch (found2) {
-      ui.problem(found2);
+      take3((await engine.ask("preset", { layer: ui.layer, name })).look);
+    } catch (found3) {
+      ui.problem(found3);
     }
   };
   const tiles = [
-    { name: "auto", description: TEXT12.auto, fits: true },
-    ...welcome.presets.map(({ name, description, layers }) => ({ name, description, fits: layers.includes(ui.layer) }))
+    { name: "auto", title: titleOf("auto"), description: TEXT17.auto, fits: true },
+    ...welcome.presets.map((preset) => {
+      const { name, description } = preset;
+      return { name, title: titleOf(name), description, fits: isOffered(preset, ui.layer, welcome.volumes[ui.layer]) };
+    })
   ];
-  const found = matching(tiles, search);
-  const fitting = found.filter(({ fits }) => fits);
-  const rest = found.filter(({ fits }) => !fits);
+  const found2 = matching(tiles, search);
+  const fitting = found2.filter(({ fits }) => fits);
+  const rest = found2.filter(({ fits }) => !fits);
   const ownTiles = matching(
-    own.map(({ name, look, picture }) => ({ name, description: look.description || TEXT12.ownPreset, picture })),
+    own.map(({ name, look, picture }) => ({ name, title: name, description: look.description || TEXT17.ownPreset, picture })),
     search
   );
   const grid = { selected: layer.look.name, pictures, onChoose: (name) => void choose(name) };
-  return /* @__PURE__ */ k("div", { class: "look-panel" }, /* @__PURE__ */ k(LayerChoice, { ...props }), /* @__PURE__ */ k("label", { class: "field" }, /* @__PURE__ */ k("span", null, TEXT12.search), /* @__PURE__ */ k(
+  return /* @__PURE__ */ k("div", { class: "look-panel" }, /* @__PURE__ */ k(LayerChoice, { ...props }), /* @__PURE__ */ k("label", { class: "field" }, /* @__PURE__ */ k("span", null, TEXT17.search), /* @__PURE__ */ k(
     "input",
     {
       type: "search",
@@ -3630,31 +4445,27 @@ function PresetsPanel(props) {
       value: search,
       onInput: (event) => setSearch(event.currentTarget.value)
     }
-  )), ownTiles.length > 0 && /* @__PURE__ */ k($, null, /* @__PURE__ */ k("h3", null, TEXT12.own), /* @__PURE__ */ k(
+  )), ownTiles.length > 0 && /* @__PURE__ */ k($, null, /* @__PURE__ */ k("h3", null, TEXT17.own), /* @__PURE__ */ k(
     PresetTiles,
     {
       ...grid,
-      label: TEXT12.own,
+      label: TEXT17.own,
       tiles: ownTiles,
       onChoose: (name) => {
         const preset = own.find((one) => one.name === name);
-        if (preset !== void 0) take2(preset.look, preset.composite);
+        if (preset !== void 0) take3(preset.look, preset.composite);
       }
     }
-  )), fitting.length > 0 && /* @__PURE__ */ k(PresetTiles, { ...grid, label: TEXT12.fitting, tiles: fitting }), rest.length > 0 && /* @__PURE__ */ k(
+  )), fitting.length > 0 && /* @__PURE__ */ k(PresetTiles, { ...grid, label: TEXT17.fitting, tiles: fitting }), rest.length > 0 && /* @__PURE__ */ k(
     "details",
     {
       class: "look-details",
       open: showsAll || search !== "",
       onToggle: (event) => search === "" && setShowsAll(event.currentTarget.open)
     },
-    /* @__PURE__ */ k("summary", null, TEXT12.all(rest.length)),
-    (showsAll || search !== "") && /* @__PURE__ */ k(PresetTiles, { ...grid, label: TEXT12.all(rest.length), tiles: rest })
-  ), found.length + ownTiles.length === 0 && /* @__PURE__ */ k("p", { class: "dim" }, TEXT12.none), store.state.layers.length > 1 && layer.look.composite !== "over" && /* @__PURE__ */ k("p", { class: "look-small" }, TEXT12.alone), isOld && /* @__PURE__ */ k($, null, /* @__PURE__ */ k("p", { class: "dim look-small" }, TEXT12.old), /* @__PURE__ */ k(Button, { onClick: drawAnew }, TEXT12.redraw)), /* @__PURE__ */ k(OwnPresets, { ...props, own, onOwn: setOwn, onTake: take2 }));
-}
-function looksAlike(a3, b) {
-  const [one, other] = [axesOf(a3), axesOf(b)];
-  return Math.min(dot(one.back, other.back), dot(one.up, other.up)) > ALIKE;
+    /* @__PURE__ */ k("summary", null, TEXT17.all(rest.length)),
+    (showsAll || search !== "") && /* @__PURE__ */ k(PresetTiles, { ...grid, label: TEXT17.all(rest.length), tiles: rest })
+  ), found2.length + ownTiles.length === 0 && /* @__PURE__ */ k("p", { class: "dim" }, TEXT17.none), store.state.layers.length > 1 && layer.look.composite !== "over" && /* @__PURE__ */ k("p", { class: "look-small" }, TEXT17.alone), /* @__PURE__ */ k(OwnPresets, { ...props, own, onOwn: setOwn, onTake: take3 }));
 }
 
 // src/view/look/time_steps.ts
@@ -3672,7 +4483,7 @@ function waitFor(now, last, perSecond) {
 }
 
 // src/view/look/time_bar.tsx
-var TEXT13 = WORDS.timeBar;
+var TEXT18 = WORDS.timeBar;
 var MAX_RATE = 60;
 var GESTURE = "time";
 function TimeBar({ store, ui, welcome }) {
@@ -3721,12 +4532,12 @@ function TimeBar({ store, ui, welcome }) {
     return () => clearTimeout(timer);
   }, [isPlaying, isShown, time, rate, repeats]);
   if (count < 2) return null;
-  return /* @__PURE__ */ k("div", { class: "look-time", role: "group", "aria-label": TEXT13.title }, /* @__PURE__ */ k(Button, { label: TEXT13.before, onClick: () => step(-1) }, "‹"), /* @__PURE__ */ k(Button, { pressed: isPlaying, onClick: toggle }, isPlaying ? TEXT13.pause : TEXT13.play), /* @__PURE__ */ k(Button, { label: TEXT13.next, onClick: () => step(1) }, "›"), /* @__PURE__ */ k(
+  return /* @__PURE__ */ k("div", { class: "look-time", role: "group", "aria-label": TEXT18.title }, /* @__PURE__ */ k(Button, { label: TEXT18.before, onClick: () => step(-1) }, "‹"), /* @__PURE__ */ k(Button, { pressed: isPlaying, onClick: toggle }, isPlaying ? TEXT18.pause : TEXT18.play), /* @__PURE__ */ k(Button, { label: TEXT18.next, onClick: () => step(1) }, "›"), /* @__PURE__ */ k(
     "input",
     {
       type: "range",
-      "aria-label": TEXT13.title,
-      "aria-valuetext": TEXT13.of(time, count),
+      "aria-label": TEXT18.title,
+      "aria-valuetext": TEXT18.of(time, count),
       min: 0,
       max: count - 1,
       step: 1,
@@ -3737,29 +4548,29 @@ function TimeBar({ store, ui, welcome }) {
       },
       onChange: () => store.settle()
     }
-  ), /* @__PURE__ */ k("output", { class: "look-count" }, TEXT13.of(time, count)), /* @__PURE__ */ k("label", { class: "row" }, /* @__PURE__ */ k(
-    NumberField,
+  ), /* @__PURE__ */ k("output", { class: "look-count" }, TEXT18.of(time, count)), /* @__PURE__ */ k("label", { class: "row" }, /* @__PURE__ */ k(
+    NumberBox,
     {
-      label: TEXT13.rate,
+      label: TEXT18.rate,
       min: 0.2,
       max: MAX_RATE,
       step: 1,
       value: rate,
-      onValue: setRate,
-      onDone: () => {
+      onInput: setRate,
+      onSettle: () => {
       }
     }
-  ), /* @__PURE__ */ k("span", { class: "dim", "aria-hidden": "true" }, TEXT13.perSecond)), /* @__PURE__ */ k(CheckField, { label: TEXT13.repeat, checked: repeats, onCheck: setRepeats }));
+  ), /* @__PURE__ */ k("span", { class: "dim", "aria-hidden": "true" }, TEXT18.perSecond)), /* @__PURE__ */ k(Switch, { label: TEXT18.repeat, on: repeats, onToggle: setRepeats }));
 }
 
 // src/view/look/window_drag.ts
-var TEXT14 = WORDS.windowDrag;
+var TEXT19 = WORDS.windowDrag;
 function windowDrag({ store, ui, welcome }, dx, dy) {
   const layer = store.state.layers[ui.layer];
   const range = welcome.volumes[ui.layer]?.robust_range;
   if (layer === void 0 || range === void 0 || dx === 0 && dy === 0) return;
   if (!isEditable(layer.look.transfer_function)) {
-    ui.announce(TEXT14.table);
+    ui.announce(TEXT19.table);
     return;
   }
   const { transfer_function } = windowed(layer.look, dx, dy, range);
@@ -3767,7 +4578,10 @@ function windowDrag({ store, ui, welcome }, dx, dy) {
 }
 
 // src/view/look/look.css
-var look_default = '.look-panel { display: grid; gap: 8px; min-width: 0 }\n.look-panel > *, .look-details > *, .look-list > * { min-width: 0 }\n.look-grow { flex: 1 1 0; min-width: 0 }\n.look-nowrap { flex-wrap: nowrap }\n.look-small { font-size: 12px }\n.look-check { min-height: 24px; flex-wrap: nowrap }\n.look-check > span { min-width: 0 }\n.look-panel .field > span:first-child, .field.look-slider > span:first-child { flex: 0 0 96px }\n.look-slider input[type="number"] { flex: 0 0 96px; width: 96px }\n.field small { margin-left: 4px; font-size: 11px; opacity: .8 }\n.look-plot { display: block; width: 100%; touch-action: pan-y; user-select: none; overflow: visible }\n.look-grid { stroke: var(--line); stroke-width: 1; opacity: .55 }\n.look-tick { fill: var(--dim); font-size: 11px }\n.look-counts { fill: var(--text); fill-opacity: .22 }\n.look-line { fill: none; stroke: var(--text); stroke-width: 1.5 }\n.look-line-under { fill: none; stroke: var(--panel); stroke-width: 4 }\n.look-handle { cursor: grab; touch-action: none }\n.wavesplat .look-handle:focus, .wavesplat .look-mark:focus, .look-pad:focus:not(:focus-visible) { outline: none }\n.look-handle:active { cursor: grabbing }\n.look-reach { fill: transparent; stroke: none }\n.look-dot { fill: var(--panel); stroke: var(--text); stroke-width: 2 }\n.look-handle[data-selected="true"] .look-dot { fill: var(--accent); stroke-width: 2.5 }\n.look-handle:focus-visible .look-reach { stroke: var(--focus); stroke-width: 2 }\n.look-mark { cursor: pointer }\n.look-mark path { fill: var(--accent); stroke: var(--panel) }\n.look-mark:focus-visible .look-reach { stroke: var(--focus); stroke-width: 2 }\n.look-ramp { stroke: var(--line) }\n.look-point { border: 1px solid var(--line); border-radius: var(--radius); display: grid; gap: 6px; margin: 0; padding: 4px 8px 8px; min-width: 0 }\n.look-point legend { color: var(--dim); font-size: 12px; padding: 0 4px }\n.look-details { border-top: 1px solid var(--line); padding-top: 6px }\n.look-details > summary { cursor: pointer; min-height: 24px; margin-bottom: 6px }\n.look-details > * + * { margin-top: 6px }\n.look-tiles { display: grid; grid-template-columns: repeat(auto-fill, 98px); gap: 6px; justify-content: space-between }\n.look-tile { display: grid; gap: 2px; border: 1px solid var(--line); border-radius: 4px; cursor: pointer; overflow: hidden; align-content: start }\n.look-tile:hover { border-color: var(--accent) }\n.look-tile[aria-selected="true"] { border-color: var(--accent); box-shadow: 0 0 0 2px var(--accent) }\n.look-tile[aria-selected="true"] .look-name { background: var(--accent); color: var(--accent-text) }\n.look-tile img, .look-blank { display: block; width: 96px; height: 96px; background: #000 }\n.look-blank { background: var(--raised); color: var(--dim); font-size: 12px; padding: 36px 0; text-align: center }\n.look-tile .look-name { padding: 1px 4px 3px; font-size: 12px; line-height: 1.25; overflow-wrap: anywhere }\n.look-name { min-width: 0; overflow: hidden; text-overflow: ellipsis }\n.wavesplat ul.look-list { list-style: none; margin: 0; padding: 0; display: grid; gap: 6px; max-height: 420px; overflow-y: auto }\n.look-layer { display: grid; gap: 4px; padding: 6px; border: 1px solid var(--line); border-radius: var(--radius) }\n.look-layer[data-chosen="true"] { border-color: var(--accent) }\n.look-chip { width: 30px }\n.look-label { display: flex; flex-wrap: wrap; align-items: center; gap: 2px 6px }\n.look-label > .look-name { white-space: nowrap }\n.look-label > .look-slider { flex: 1 0 100%; padding-left: 30px }\n.look-pad { flex: none; cursor: crosshair; touch-action: none; border-radius: var(--radius) }\n.look-ball { fill: var(--raised); stroke: var(--line) }\n.look-spot { fill: var(--accent); stroke: var(--text); stroke-width: 2 }\n.look-spot[data-behind="true"] { fill: none }\n.look-angles { display: grid; gap: 6px }\n.look-angles .row > span:first-child { flex: 0 0 92px; color: var(--dim) }\n.look-time { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 8px; width: 100%; padding: 5px 10px; background: var(--glass); box-shadow: var(--lift); border-radius: var(--radius) }\n.look-time input[type="range"] { flex: 1 1 120px }\n.look-time input[type="number"] { width: 56px }\n.look-count { font-variant-numeric: tabular-nums; min-width: 62px }\n.look-file { position: relative; display: inline-flex; align-items: center }\n.look-file:focus-within { outline: 2px solid var(--focus); outline-offset: 1px }\n.look-why { color: var(--danger) }\n@media (pointer: coarse) { circle.look-reach { r: 22px } }\n@media (forced-colors: active) { .look-ramp, .look-dot, .look-spot { forced-color-adjust: none } }\n.look-named { display: inline-flex; align-items: center; gap: 4px }\n\n';
+var look_default = '.look-panel { display: grid; gap: 8px; min-width: 0 }\n.look-panel > *, .look-details > *, .look-list > * { min-width: 0 }\n.look-grow { flex: 1 1 0; min-width: 0 }\n.look-nowrap { flex-wrap: nowrap }\n.look-small { font-size: 12px }\n.look-check { min-height: 24px; flex-wrap: nowrap }\n.look-check > span { min-width: 0 }\n.look-panel .field > span:first-child, .field.look-slider > span:first-child { flex: 0 0 96px }\n.look-slider input[type="number"] { flex: 0 0 96px; width: 96px }\n.field small { margin-left: 4px; font-size: 11px }\n.look-plot { display: block; width: 100%; touch-action: pan-y; user-select: none; overflow: visible }\n.look-grid { stroke: var(--line); stroke-width: 1; opacity: .55 }\n.look-tick { fill: var(--dim); font-size: 11px }\n.look-counts { fill: var(--text); fill-opacity: .22 }\n.look-line { fill: none; stroke: var(--text); stroke-width: 1.5 }\n.look-line-under { fill: none; stroke: var(--panel); stroke-width: 4 }\n.look-handle { cursor: grab; touch-action: none }\n.wavesplat .look-handle:focus, .wavesplat .look-mark:focus, .look-pad:focus:not(:focus-visible) { outline: none }\n.look-handle:active { cursor: grabbing }\n.look-reach { fill: transparent; stroke: none }\n.look-dot { fill: var(--panel); stroke: var(--text); stroke-width: 2 }\n.look-handle[data-selected="true"] .look-dot { fill: var(--accent); stroke-width: 2.5 }\n.look-handle:focus-visible .look-reach { stroke: var(--focus); stroke-width: 2 }\n.look-mark { cursor: pointer }\n.look-mark path { fill: var(--accent); stroke: var(--panel) }\n.look-mark:focus-visible .look-reach { stroke: var(--focus); stroke-width: 2 }\n.look-ramp { stroke: var(--line) }\n.look-point { border: 1px solid var(--line); border-radius: var(--radius); display: grid; gap: 6px; margin: 0; padding: 4px 8px 8px; min-width: 0 }\n.look-point legend { color: var(--dim); font-size: 12px; padding: 0 4px }\n.look-details { border-top: 1px solid var(--line); padding-top: 6px }\n.look-details > summary { cursor: pointer; min-height: 24px; margin-bottom: 6px }\n.look-details > * + * { margin-top: 6px }\n.look-tiles { display: grid; grid-template-columns: repeat(auto-fill, 98px); gap: 6px; justify-content: space-between }\n.look-tile { display: grid; gap: 2px; border: 1px solid var(--line); border-radius: 4px; cursor: pointer; overflow: hidden; align-content: start }\n.look-tile:hover { border-color: var(--accent) }\n.look-tile[aria-selected="true"] { border-color: var(--accent); box-shadow: 0 0 0 2px var(--accent) }\n.look-tile[aria-selected="true"] .look-name { background: var(--accent); color: var(--accent-text) }\n.look-tile img, .look-blank { display: block; width: 96px; height: 96px; background: #000 }\n.look-blank { background: var(--raised); color: var(--dim); font-size: 12px; padding: 36px 0; text-align: center }\n.look-tile .look-name { padding: 1px 4px 3px; font-size: 12px; line-height: 1.25; overflow-wrap: anywhere }\n.look-name { min-width: 0; overflow: hidden; text-overflow: ellipsis }\n.wavesplat ul.look-list { list-style: none; margin: 0; padding: 0; display: grid; gap: 6px; max-height: 420px; overflow-y: auto }\n.look-layer { display: grid; gap: 4px; padding: 6px; border: 1px solid var(--line); border-radius: var(--radius) }\n.look-layer[data-chosen="true"] { border-color: var(--accent) }\n.look-chip { width: 30px }\n.look-label { display: flex; flex-wrap: wrap; align-items: center; gap: 2px 6px }\n.look-label > .look-name { white-space: nowrap }\n.look-label > .look-slider { flex: 1 0 100%; padding-left: 30px }\n.look-pad { flex: none; cursor: crosshair; touch-action: none; border-radius: var(--radius) }\n.look-ball { stroke: var(--line) }\n.look-shade-lit { stop-color: #fff5e0 }\n.look-shade-half { stop-color: #8d8478 }\n.look-shade-dark { stop-color: #1d1c1f }\n.look-shade-behind { stop-color: #4a4742 }\n.look-moods > .button { flex: 1 }\n.look-knobs { display: grid; gap: 8px }\n.look-spot { fill: #fff; stroke: #222; stroke-width: 2 }\n.look-spot[data-behind="true"] { fill: none; stroke: #fff }\n.look-angles { display: grid; gap: 6px }\n.look-angles .row > span:first-child { flex: 0 0 92px; color: var(--dim) }\n.look-time { display: flex; flex-wrap: wrap; align-items: center; gap: 4px 8px; width: 100%; padding: 5px 10px; background: var(--glass); box-shadow: var(--lift); border-radius: var(--radius) }\n.look-time input[type="range"] { flex: 1 1 120px }\n.look-time input[type="number"] { width: 56px }\n.look-count { font-variant-numeric: tabular-nums; min-width: 62px }\n.look-file { position: relative; display: inline-flex; align-items: center }\n.look-file:focus-within { outline: 2px solid var(--focus); outline-offset: 1px }\n.look-why { color: var(--danger) }\n@media (pointer: coarse) { circle.look-reach { r: 22px } }\n@media (forced-colors: active) { .look-ramp, .look-dot, .look-spot { forced-color-adjust: none } }\n.look-named { display: inline-flex; align-items: center; gap: 4px }\n\n';
+
+// src/view/overlay3d/cube.css
+var cube_default = ".viewport .cube path { fill: color-mix(in srgb, #dfe8f5 calc(var(--light) * 100%), #1b222c); stroke: #10151c; stroke-width: .75; stroke-linejoin: round }\n.viewport svg.over .cube [data-handle] { cursor: pointer; pointer-events: auto }\n.viewport .cube [data-handle]:hover path { fill: #6cb2ff }\n.viewport svg.over .cube text { fill: #10151c; stroke: none; font-weight: 700; font-size: 14px; text-anchor: middle }\n.viewport .cube [data-handle]:focus-visible { outline: none }\n.viewport .cube [data-handle]:focus-visible path { stroke: #ffd166; stroke-width: 2 }\n@media (forced-colors: active) { .viewport .cube path { fill: Canvas; stroke: CanvasText } .viewport svg.over .cube text { fill: CanvasText } }\n";
 
 // src/view/descriptions.ts
 var SIDES = [
@@ -3812,10 +4626,10 @@ function placeText(point2, { volumes, axis_ends }) {
 }
 
 // src/view/about_panel.tsx
-var TEXT15 = WORDS.about;
+var TEXT20 = WORDS.about;
 function AboutPanel({ welcome, store, ui }) {
   const notes = [...new Set(Object.values(ui.frames).flatMap((frame) => frame.notes))];
-  return /* @__PURE__ */ k($, null, welcome.volumes.map((volume2, n2) => /* @__PURE__ */ k("section", { key: n2, class: "about" }, /* @__PURE__ */ k("h3", null, store.state.layers[n2]?.name ?? volume2.name), /* @__PURE__ */ k("dl", null, facts(volume2).map(([name, text2]) => [/* @__PURE__ */ k("dt", { key: name }, name), /* @__PURE__ */ k("dd", { key: text2 }, text2)])), /* @__PURE__ */ k("h4", null, TEXT15.notes), /* @__PURE__ */ k(Notes, { of: volume2.notes }))), notes.length > 0 && /* @__PURE__ */ k("section", { class: "about" }, /* @__PURE__ */ k("h3", null, TEXT15.picture), /* @__PURE__ */ k(Notes, { of: notes })));
+  return /* @__PURE__ */ k($, null, welcome.volumes.map((volume2, n2) => /* @__PURE__ */ k("section", { key: n2, class: "about" }, /* @__PURE__ */ k("h3", null, store.state.layers[n2]?.name ?? volume2.name), /* @__PURE__ */ k("dl", null, facts(volume2).map(([name, text2]) => [/* @__PURE__ */ k("dt", { key: name }, name), /* @__PURE__ */ k("dd", { key: text2 }, text2)])), /* @__PURE__ */ k("h4", null, TEXT20.notes), /* @__PURE__ */ k(Notes, { of: volume2.notes }))), notes.length > 0 && /* @__PURE__ */ k("section", { class: "about" }, /* @__PURE__ */ k("h3", null, TEXT20.picture), /* @__PURE__ */ k(Notes, { of: notes })));
 }
 function Notes({ of }) {
   return /* @__PURE__ */ k("ul", null, of.map((note) => /* @__PURE__ */ k("li", { key: note }, note)));
@@ -3827,27 +4641,14 @@ function facts(volume2) {
   const decimals = decimalsOf(Math.min(...spacing));
   const isEven = spacing.every((one) => Math.abs(one - spacing[0]) < 1e-6 * spacing[0]);
   return [
-    [TEXT15.kind, TEXT15.kinds[volume2.kind] ?? volume2.kind],
-    [TEXT15.samples, `${shape.join(" × ")}, ${volume2.dtype}`],
-    [TEXT15.spacing, isEven ? `${shortNumber(spacing[0], 4)} ${unit2 ?? ""}`.trim() : length2(spacing, decimals + 2)],
-    [TEXT15.size, length2(size, decimals)],
-    [TEXT15.values, `${numberText(range[0])} to ${numberText(range[1])} ${value_unit}`.trim()],
-    [TEXT15.axes, orientation === null ? TEXT15.noAxes : TEXT15.axesOf(orientation)],
-    ...volume2.n_times > 1 ? [[TEXT15.times, String(volume2.n_times)]] : []
+    [TEXT20.kind, TEXT20.kinds[volume2.kind] ?? volume2.kind],
+    [TEXT20.samples, `${shape.join(" × ")}, ${volume2.dtype}`],
+    [TEXT20.spacing, isEven ? `${shortNumber(spacing[0], 4)} ${unit2 ?? ""}`.trim() : length2(spacing, decimals + 2)],
+    [TEXT20.size, length2(size, decimals)],
+    [TEXT20.values, `${numberText(range[0])} to ${numberText(range[1])} ${value_unit}`.trim()],
+    [TEXT20.axes, orientation === null ? TEXT20.noAxes : TEXT20.axesOf(orientation)],
+    ...volume2.n_times > 1 ? [[TEXT20.times, String(volume2.n_times)]] : []
   ];
-}
-
-// src/view/fields.tsx
-function NumberField2(props) {
-  const { onInput, onSettle, ...others } = props;
-  return /* @__PURE__ */ k(SliderField, { ...others, least: -Infinity, most: Infinity, onValue: onInput, onDone: onSettle });
-}
-function Choice(props) {
-  const { label, value, options, onChoose } = props;
-  return /* @__PURE__ */ k(SelectField, { ...{ label, value }, options: options.map(([name, text2]) => ({ value: name, text: text2 })), onChoice: onChoose });
-}
-function Switch(props) {
-  return /* @__PURE__ */ k(CheckField, { label: props.label, checked: props.on, onCheck: props.onToggle });
 }
 
 // src/view/overlay3d/box.ts
@@ -3909,6 +4710,15 @@ function inPicture(camera, size, from, dx, dy) {
   const depth = -dot(sub(from, moved.origin), back) / -dot(moved.direction, back);
   return sub(add(moved.origin, scaled(moved.direction, depth)), from);
 }
+var UPWARD = 0.3;
+var RIGHTWARD = 0.2;
+function cornerTowards(box2, camera) {
+  const { right, up, back } = axesOf(camera);
+  const way = add(back, add(scaled(up, UPWARD), scaled(right, RIGHTWARD)));
+  const middle2 = center(box2);
+  const pick2 = (isLower) => middle2.map((value, axis) => (way[axis] ?? 0) > 0 === isLower ? value : (isLower ? box2.lower : box2.upper)[axis]);
+  return { ...box2, lower: pick2(true), upper: pick2(false) };
+}
 var placeOfBox = (clips, kind2) => clips.findIndex((clip2) => kind2 in clip2 && !isIndexed(boxOf(clip2)));
 function boxOf(clip2) {
   return "keep" in clip2 ? clip2.keep : "cut_out" in clip2 ? clip2.cut_out : null;
@@ -3916,7 +4726,7 @@ function boxOf(clip2) {
 var isIndexed = (box2) => box2?.space === "index";
 
 // src/view/cut_panel.tsx
-var TEXT16 = WORDS.cut;
+var TEXT21 = WORDS.cut;
 var AXES = ["x", "y", "z"];
 function CutPanel(props) {
   const { store, welcome } = props;
@@ -3927,23 +4737,23 @@ function CutPanel(props) {
   return /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
     Switch,
     {
-      label: TEXT16.handles,
+      label: TEXT21.handles,
       on: view.overlays.crop_box,
       onToggle: (on) => store.change([set(on, "view", "overlays", "crop_box")])
     }
   ), ["keep", "cut_out"].map((kind2) => {
     const place = placeOfBox(clip2, kind2);
-    const found = clip2[place];
-    const box2 = found === void 0 ? null : boxOf(found);
-    return /* @__PURE__ */ k("fieldset", { key: kind2 }, /* @__PURE__ */ k("legend", null, TEXT16[kind2]), box2 === null ? /* @__PURE__ */ k(
+    const found2 = clip2[place];
+    const box2 = found2 === void 0 ? null : boxOf(found2);
+    return /* @__PURE__ */ k("fieldset", { key: kind2 }, /* @__PURE__ */ k("legend", null, TEXT21[kind2]), box2 === null ? /* @__PURE__ */ k(
       "button",
       {
         class: "button",
-        onClick: () => add2({ [kind2]: kind2 === "keep" ? whole : corner(whole) })
+        onClick: () => add2({ [kind2]: kind2 === "keep" ? whole : cornerTowards(whole, store.state.camera) })
       },
-      kind2 === "keep" ? TEXT16.crop : TEXT16.cut
-    ) : /* @__PURE__ */ k($, null, /* @__PURE__ */ k(BoxNumbers, { ...props, kind: kind2, place, box: box2 }), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", onClick: () => store.change([set({ [kind2]: whole }, "clip", place)]) }, TEXT16.reset), /* @__PURE__ */ k("button", { class: "button", onClick: () => remove(place) }, TEXT16.remove))));
-  }), /* @__PURE__ */ k("fieldset", null, /* @__PURE__ */ k("legend", null, TEXT16.planes), clip2.map(
+      kind2 === "keep" ? TEXT21.crop : TEXT21.cut
+    ) : /* @__PURE__ */ k($, null, /* @__PURE__ */ k(BoxNumbers, { ...props, kind: kind2, place, box: box2 }), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", onClick: () => store.change([set({ [kind2]: whole }, "clip", place)]) }, TEXT21.reset), /* @__PURE__ */ k("button", { class: "button", onClick: () => remove(place) }, TEXT21.remove))));
+  }), /* @__PURE__ */ k("fieldset", null, /* @__PURE__ */ k("legend", null, TEXT21.planes), clip2.map(
     (one, place) => "plane" in one ? /* @__PURE__ */ k(PlaneNumbers, { key: place, ...props, place, plane: one.plane, onRemove: () => remove(place) }) : null
   ), /* @__PURE__ */ k(
     "button",
@@ -3954,12 +4764,8 @@ function CutPanel(props) {
         add2({ plane: { point: store.state.view.slices.crosshair, normal: scaled(back, -1) } });
       }
     },
-    TEXT16.add
+    TEXT21.add
   )));
-}
-function corner(box2) {
-  const middle2 = (axis) => ((box2.lower[axis] ?? 0) + (box2.upper[axis] ?? 0)) / 2;
-  return { ...box2, lower: [box2.lower[0], middle2(1), middle2(2)], upper: [middle2(0), box2.upper[1], box2.upper[2]] };
 }
 function BoxNumbers(props) {
   const { store, welcome, kind: kind2, place, box: box2 } = props;
@@ -3970,11 +4776,11 @@ function BoxNumbers(props) {
       const face = { axis: a3, side };
       const [low, high] = [welcome.bounds[0][a3] ?? 0, welcome.bounds[1][a3] ?? 1];
       return /* @__PURE__ */ k(
-        NumberField2,
+        NumberField,
         {
           key: `${name}${side}`,
           decimals: decimalsOf(spacing[a3] ?? 1),
-          label: side === "lower" ? TEXT16.from(name) : TEXT16.to(name),
+          label: side === "lower" ? TEXT21.from(name) : TEXT21.to(name),
           unit: unitName,
           value: box2[side][a3] ?? 0,
           min: low,
@@ -4000,10 +4806,10 @@ function PlaneNumbers(props) {
   const change = (next, gesture) => store.change([set({ plane: next }, "clip", place)], gesture);
   const number2 = store.state.clip.slice(0, place + 1).filter((clip2) => "plane" in clip2).length;
   return /* @__PURE__ */ k("div", { class: "plane" }, /* @__PURE__ */ k(
-    NumberField2,
+    NumberField,
     {
       decimals: decimalsOf(Math.min(...welcome.volumes[0]?.spacing ?? [1])),
-      label: TEXT16.plane(number2),
+      label: TEXT21.plane(number2),
       unit: welcome.volumes[0]?.unit ?? "units",
       value: along,
       min: low,
@@ -4014,7 +4820,7 @@ function PlaneNumbers(props) {
       },
       onSettle: () => store.settle()
     }
-  ), /* @__PURE__ */ k("div", { class: "row" }, AXES.map((name, a3) => /* @__PURE__ */ k("label", { key: name, class: "row" }, TEXT16.normal(name), /* @__PURE__ */ k(
+  ), /* @__PURE__ */ k("div", { class: "row" }, AXES.map((name, a3) => /* @__PURE__ */ k("label", { key: name, class: "row" }, TEXT21.normal(name), /* @__PURE__ */ k(
     "input",
     {
       type: "number",
@@ -4026,20 +4832,22 @@ function PlaneNumbers(props) {
         if (Number.isFinite(value) && next.some((x2) => x2 !== 0)) change({ ...plane, normal: unit(next) });
       }
     }
-  )))), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", onClick: () => change({ ...plane, normal: scaled(plane.normal, -1) }) }, TEXT16.flip), /* @__PURE__ */ k("button", { class: "button", onClick: onRemove }, TEXT16.remove)));
+  )))), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", onClick: () => change({ ...plane, normal: scaled(plane.normal, -1) }) }, TEXT21.flip), /* @__PURE__ */ k("button", { class: "button", onClick: onRemove }, TEXT21.remove)));
 }
 
 // src/view/help.tsx
+var TEXT22 = WORDS.help;
 function Help({ onClose }) {
   const dialog = T2(null);
   A2(() => {
     dialog.current?.showModal();
   }, []);
-  return /* @__PURE__ */ k("dialog", { ref: dialog, "aria-labelledby": "help-title", onClose }, /* @__PURE__ */ k("h2", { id: "help-title" }, "Keys and gestures"), /* @__PURE__ */ k("p", { class: "dim" }, "Keys act in the focused view; in slices arrows move the crosshair."), /* @__PURE__ */ k("table", null, /* @__PURE__ */ k("caption", { class: "hidden" }, "Mouse and touch"), /* @__PURE__ */ k("tbody", null, GESTURES.map(([gesture, what]) => /* @__PURE__ */ k("tr", { key: gesture }, /* @__PURE__ */ k("th", { scope: "row" }, gesture), /* @__PURE__ */ k("td", null, what))))), /* @__PURE__ */ k("table", null, /* @__PURE__ */ k("caption", { class: "hidden" }, "Keys"), /* @__PURE__ */ k("tbody", null, KEYS.map(({ shown, text: text2 }) => /* @__PURE__ */ k("tr", { key: shown }, /* @__PURE__ */ k("th", { scope: "row" }, /* @__PURE__ */ k("kbd", null, shown)), /* @__PURE__ */ k("td", null, text2))))), /* @__PURE__ */ k("form", { method: "dialog" }, /* @__PURE__ */ k("button", { class: "button" }, "Close")));
+  return /* @__PURE__ */ k("dialog", { ref: dialog, class: "help", "aria-labelledby": "help-title", onClose }, /* @__PURE__ */ k("form", { method: "dialog", class: "row" }, /* @__PURE__ */ k("h2", { id: "help-title" }, WORDS.toolbar.help), /* @__PURE__ */ k("span", { class: "spring" }), /* @__PURE__ */ k("button", { class: "button" }, TEXT22.close)), /* @__PURE__ */ k("p", { class: "dim" }, TEXT22.where), /* @__PURE__ */ k("div", { class: "columns" }, /* @__PURE__ */ k("table", null, /* @__PURE__ */ k("caption", null, TEXT22.gestures), /* @__PURE__ */ k("tbody", null, GESTURES.map(([gesture, what]) => /* @__PURE__ */ k("tr", { key: gesture }, /* @__PURE__ */ k("th", { scope: "row" }, gesture), /* @__PURE__ */ k("td", null, what))))), /* @__PURE__ */ k("table", null, /* @__PURE__ */ k("caption", null, TEXT22.keys), /* @__PURE__ */ k("tbody", null, KEYS.map(({ shown, text: text2 }) => /* @__PURE__ */ k("tr", { key: shown }, /* @__PURE__ */ k("th", { scope: "row" }, /* @__PURE__ */ k("kbd", null, shown)), /* @__PURE__ */ k("td", null, text2)))))));
 }
 
 // src/view/icons.tsx
 var PATHS = {
+  open: "M2 16V4h6l2 3h8v9zM2 16l3-6h15l-3 6",
   undo: "M8 5 4 9l4 4M4 9h8a4 4 0 0 1 0 8H9",
   redo: "M12 5l4 4-4 4M16 9H8a4 4 0 0 0 0 8h3",
   fit: "M4 8V4h4M16 8V4h-4M4 12v4h4M16 12v4h-4M8 8h4v4H8z",
@@ -4047,6 +4855,7 @@ var PATHS = {
   window: "M10 3a7 7 0 1 0 0 14zM10 3a7 7 0 0 1 0 14",
   distance: "M3 17 17 3M3 13v4h4M17 7V3h-4",
   angle: "M16 16H4L14 4M9 16a6 6 0 0 0-1.5-4",
+  area: "M5 6c3-4 9-3 11 0s1 8-3 10-9 0-10-3 0-5 2-7z",
   help: "M7.5 7.5a2.5 2.5 0 1 1 3.5 2.3c-.8.4-1 .9-1 1.7M10 14.6v.1M10 18a8 8 0 1 0 0-16 8 8 0 0 0 0 16z",
   dark: "M16 12A7 7 0 0 1 8 4a7 7 0 1 0 8 8z",
   close: "M5 5l10 10M15 5 5 15",
@@ -4071,70 +4880,6 @@ function Icon({ name }) {
   return /* @__PURE__ */ k("svg", { viewBox: "0 0 20 20", "aria-hidden": "true" }, /* @__PURE__ */ k("path", { d: PATHS[name] }));
 }
 
-// src/view/handle.tsx
-var COARSE = 10;
-var STEPS = {
-  ArrowRight: 1,
-  ArrowUp: 1,
-  ArrowLeft: -1,
-  ArrowDown: -1,
-  PageUp: COARSE,
-  PageDown: -COARSE
-};
-function stepOf(event) {
-  const step = STEPS[event.key];
-  if (step !== void 0) take(event);
-  return step;
-}
-function take(event) {
-  event.preventDefault();
-  event.stopPropagation();
-}
-function Handle2(props) {
-  const { label, text: text2, value, range, x: x2, y: y3, color: color2, round, onDrag, onKey, onEnd, onDouble } = props;
-  const down = (event) => {
-    event.stopPropagation();
-    const element = event.currentTarget;
-    element.setPointerCapture(event.pointerId);
-    element.focus({ preventScroll: true });
-    const box2 = element.ownerSVGElement?.getBoundingClientRect();
-    let [px2, py] = [event.clientX, event.clientY];
-    const move = (moved) => {
-      onDrag(moved.clientX - (box2?.left ?? 0), moved.clientY - (box2?.top ?? 0), moved.clientX - px2, moved.clientY - py);
-      [px2, py] = [moved.clientX, moved.clientY];
-    };
-    const up = () => {
-      element.removeEventListener("pointermove", move);
-      element.removeEventListener("pointerup", up);
-      element.removeEventListener("pointercancel", up);
-      onEnd();
-    };
-    element.addEventListener("pointermove", move);
-    element.addEventListener("pointerup", up);
-    element.addEventListener("pointercancel", up);
-  };
-  return /* @__PURE__ */ k(
-    "g",
-    {
-      "data-handle": true,
-      role: "slider",
-      tabindex: 0,
-      "aria-label": label,
-      "aria-valuenow": Number(value.toFixed(3)),
-      "aria-valuemin": Number(range[0].toFixed(3)),
-      "aria-valuemax": Number(range[1].toFixed(3)),
-      "aria-valuetext": text2,
-      transform: `translate(${x2} ${y3})`,
-      onPointerDown: down,
-      onKeyDown: onKey,
-      onKeyUp: onEnd,
-      onDblClick: onDouble
-    },
-    /* @__PURE__ */ k("circle", { r: "13", fill: "transparent", stroke: "none" }),
-    round ? /* @__PURE__ */ k("circle", { r: "5", fill: "#000", stroke: color2, "stroke-width": "2" }) : /* @__PURE__ */ k("rect", { x: "-5", y: "-5", width: "10", height: "10", fill: color2, stroke: "#000", "stroke-width": "1" })
-  );
-}
-
 // src/view/slices/geometry.ts
 var AXES2 = { z: [0, 0, 1], y: [0, 1, 0], x: [1, 0, 0] };
 function normalOf(state2, pane) {
@@ -4157,6 +4902,24 @@ function placeOf(frame, point2) {
     away: Math.abs(dot(from, unit(geometry.normal)))
   };
 }
+function newest(frame, state2, pane, middle2) {
+  const { geometry, width, height } = frame;
+  const { right, down, range } = geometry;
+  const normal = unit(geometry.normal);
+  if (dot(normal, normalOf(state2, pane)) < 1 - 1e-9) return frame;
+  const pixel = geometry.pixel * geometry.zoom / state2.view.slices.zoom;
+  const along = Math.min(Math.max(dot(state2.view.slices.crosshair, normal), range[0]), range[1]);
+  const column = dot(middle2, right) - (width - 1) / 2 * pixel;
+  const row = dot(middle2, down) - (height - 1) / 2 * pixel;
+  const origin = add(add(scaled(right, column), scaled(down, row)), scaled(normal, along));
+  return { ...frame, geometry: { ...geometry, origin, pixel, zoom: state2.view.slices.zoom, position: along } };
+}
+function transformOf(from, to) {
+  const scale = from.geometry.pixel / to.geometry.pixel;
+  const { x: x2, y: y3 } = placeOf(to, worldAt(from, 0, 0));
+  const isSame = Math.abs(scale - 1) < 1e-6 && Math.hypot(x2, y3) < 0.01;
+  return isSame ? "" : `matrix(${scale}, 0, 0, ${scale}, ${x2}, ${y3})`;
+}
 function lineOf(frame, other) {
   const along = cross(frame.geometry.normal, other);
   if (length(along) < 1e-6) return null;
@@ -4165,10 +4928,10 @@ function lineOf(frame, other) {
   return norm < 1e-9 ? null : { dx: dx / norm, dy: dy / norm };
 }
 function tilted(frame, other, dx, dy) {
-  const before = lineOf(frame, other);
-  if (before === null || dx === 0 && dy === 0) return other;
+  const before2 = lineOf(frame, other);
+  if (before2 === null || dx === 0 && dy === 0) return other;
   const { right, down, normal } = frame.geometry;
-  let angle = Math.atan2(dy, dx) - Math.atan2(before.dy, before.dx);
+  let angle = Math.atan2(dy, dx) - Math.atan2(before2.dy, before2.dx);
   if (angle > Math.PI / 2) angle -= Math.PI;
   if (angle < -Math.PI / 2) angle += Math.PI;
   const axis = unit(cross(right, down));
@@ -4205,25 +4968,247 @@ function angleDeg(points) {
   return Math.acos(Math.min(1, Math.max(-1, cos))) * 180 / Math.PI;
 }
 var distance = (points) => length(sub(points[1], points[0]));
+function areaOf(points) {
+  const first = points[0];
+  const sum = points.reduce(
+    (total, point2, n2) => add(total, cross(sub(point2, first), sub(points[(n2 + 1) % points.length], first))),
+    [0, 0, 0]
+  );
+  return length(sum) / 2;
+}
+
+// src/view/slices/measure_csv.ts
+function measuresCsv(measures, facts2, unit2, valueUnit) {
+  const rows = measures.map((measure, n2) => {
+    const { kind: kind2, points } = measure;
+    const [value, of] = kind2 === "area" ? [areaOf(points), `${unit2}²`] : kind2 === "angle" ? [angleDeg(points), "degree"] : [distance(points), unit2];
+    const region = facts2[n2] ?? null;
+    const values = region === null ? ["", "", "", "", ""] : [region.mean, region.sd, region.min, region.max, valueUnit];
+    return [n2 + 1, kind2, value, of, ...values, points.map((point2) => point2.join(" ")).join("; ")];
+  });
+  return csv(["number", "kind", "value", "unit", "mean", "sd", "min", "max", "value unit", "points (x y z)"], rows);
+}
+function labelsCsv(labels, unit2, valueUnit) {
+  const header = ["number", "name", "voxels", `volume (${unit2}³)`, ...["mean", "sd", "min", "max"].map((name) => `${name} (${valueUnit || "value"})`)];
+  return csv(header, labels.map(({ number: number2, name, n_voxels, volume: volume2, mean, sd, min, max }) => [number2, name, n_voxels, volume2, mean, sd, min, max]));
+}
+function csv(header, rows) {
+  return [header, ...rows].map((row) => row.map(cell).join(",")).join("\r\n");
+}
+function cell(value) {
+  if (value === null) return "";
+  if (typeof value === "number") return String(value);
+  const text2 = /^[=+\-@]/.test(value) ? `'${value}` : value;
+  return /[",\r\n]/.test(text2) ? `"${text2.replaceAll('"', '""')}"` : text2;
+}
+
+// src/view/label_statistics.tsx
+var MM3_PER_ML = 1e3;
+function LabelStatistics({ engine, ui, welcome }) {
+  const [labels, setLabels] = d2(null);
+  const [isAsked, setAsked] = d2(false);
+  const unit2 = welcome.volumes[0]?.unit ?? "units";
+  const valueUnit = welcome.volumes[0]?.value_unit ?? "";
+  const ask = async () => {
+    setAsked(true);
+    try {
+      setLabels((await engine.ask("label_statistics", {})).labels);
+    } catch (problem) {
+      ui.problem(problem);
+    }
+    setAsked(false);
+  };
+  const volumeOf = (volume2) => unit2 === "mm" ? `${shortNumber(volume2 / MM3_PER_ML, 4)} ml` : `${shortNumber(volume2, 4)} ${unit2}³`;
+  const textOf = (value) => value === null ? "–" : shortNumber(value, 4);
+  return /* @__PURE__ */ k("section", { class: "label-statistics" }, /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", disabled: isAsked, onClick: () => void ask() }, "Measure the labels"), labels !== null && /* @__PURE__ */ k("button", { class: "button", onClick: () => ui.download("labels.csv", labelsCsv(labels, unit2, valueUnit), "text/csv") }, "Save labels as CSV")), labels !== null && /* @__PURE__ */ k("table", null, /* @__PURE__ */ k("thead", null, /* @__PURE__ */ k("tr", null, ["Label", "Volume", `Mean ${valueUnit}`, "Min", "Max"].map((name) => /* @__PURE__ */ k("th", { key: name, scope: "col" }, name)))), /* @__PURE__ */ k("tbody", null, labels.map(({ number: number2, name, volume: volume2, mean, min, max }) => /* @__PURE__ */ k("tr", { key: number2 }, /* @__PURE__ */ k("th", { scope: "row" }, name), /* @__PURE__ */ k("td", null, volumeOf(volume2)), /* @__PURE__ */ k("td", null, textOf(mean)), /* @__PURE__ */ k("td", null, textOf(min)), /* @__PURE__ */ k("td", null, textOf(max)))))));
+}
+
+// src/view/slices/drawing.ts
+var POINT_PX = 3;
+function useDrawing(props) {
+  const { ui, store } = props;
+  const [to, setTo] = d2(null);
+  const [outline2, setOutline] = d2([]);
+  const line = T2({ points: [], x: 0, y: 0 });
+  const drawRegion = (on, { phase, x: x2, y: y3 }) => {
+    const now = line.current;
+    if (phase === "start") now.points = [];
+    if (phase === "start" || Math.hypot(x2 - now.x, y3 - now.y) >= POINT_PX) {
+      now.points.push(worldAt(on, x2, y3));
+      [now.x, now.y] = [x2, y3];
+      setOutline([...now.points]);
+    }
+    if (phase !== "end") return;
+    addRegion(props, now.points);
+    now.points = [];
+    setOutline([]);
+  };
+  return {
+    drawing: { to: ui.points.length > 0 ? to : null, outline: outline2 },
+    // Read when it is asked for: the tool may have been chosen since this was drawn.
+    get isOn() {
+      return ui.tool === "distance" || ui.tool === "angle" || ui.tool === "area";
+    },
+    onTap(on, x2, y3, isDouble) {
+      if (ui.tool === "area" && isDouble) {
+        closeRegion(props);
+        return;
+      }
+      ui.addPoint(worldAt(on, x2, y3));
+      setTo(null);
+    },
+    onDrag(on, gesture) {
+      if (ui.tool === "area") {
+        drawRegion(on, gesture);
+        return;
+      }
+      const point2 = worldAt(on, gesture.x, gesture.y);
+      if (gesture.phase === "start" ? ui.points.length === 0 : gesture.phase === "end") ui.addPoint(point2);
+      setTo(gesture.phase === "end" ? null : point2);
+      if (gesture.phase === "end") store.settle();
+    },
+    onHover(on, place) {
+      if (ui.points.length > 0 || to !== null) setTo(on === null || place === null ? null : worldAt(on, place.x, place.y));
+    }
+  };
+}
+function closeRegion(props) {
+  const { ui } = props;
+  addRegion(props, ui.points);
+  ui.setTool(ui.tool);
+}
+function addRegion({ store, ui }, points) {
+  const kept = thinned(points, MAX_REGION_POINTS);
+  if (kept.length < 3) {
+    ui.announce("A region needs three points or more");
+    return;
+  }
+  store.change([set({ kind: "area", points: kept }, "view", "measures", "-")]);
+}
+function thinned(points, most) {
+  if (points.length <= most) return points;
+  return Array.from({ length: most }, (_3, n2) => points[Math.floor(n2 * points.length / most)]);
+}
+
+// src/view/handle.tsx
+var COARSE = 10;
+var STEPS = {
+  ArrowRight: 1,
+  ArrowUp: 1,
+  ArrowLeft: -1,
+  ArrowDown: -1,
+  PageUp: COARSE,
+  PageDown: -COARSE
+};
+function stepOf(event) {
+  const step = STEPS[event.key];
+  if (step !== void 0) take(event);
+  return step;
+}
+function take(event) {
+  event.preventDefault();
+  event.stopPropagation();
+}
+var holders = /* @__PURE__ */ new WeakMap();
+function holding(onGesture) {
+  return (element) => {
+    if (element !== null) holders.set(element, { element, onGesture });
+  };
+}
+function heldAt(event) {
+  return event.composedPath().flatMap((one) => holders.get(one) ?? [])[0];
+}
+function Handle2(props) {
+  const { label, text: text2, value, range, x: x2, y: y3, color: color2, round, onDrag, onKey, onEnd, onDouble } = props;
+  const onGesture = (gesture) => {
+    if (gesture.kind === "tap") {
+      if (gesture.double) onDouble?.();
+    } else if (gesture.phase === "end") onEnd();
+    else if (gesture.kind === "drag" && gesture.phase === "move") onDrag(gesture.x, gesture.y, gesture.dx, gesture.dy);
+    return true;
+  };
+  return /* @__PURE__ */ k(
+    "g",
+    {
+      ref: holding(onGesture),
+      "data-handle": true,
+      role: "slider",
+      tabindex: 0,
+      "aria-label": label,
+      "aria-valuenow": Number(value.toFixed(3)),
+      "aria-valuemin": Number(range[0].toFixed(3)),
+      "aria-valuemax": Number(range[1].toFixed(3)),
+      "aria-valuetext": text2,
+      transform: `translate(${x2} ${y3})`,
+      onKeyDown: onKey,
+      onKeyUp: onEnd
+    },
+    /* @__PURE__ */ k("circle", { r: "13", fill: "transparent", stroke: "none" }),
+    round ? /* @__PURE__ */ k("circle", { r: "5", fill: "#000", stroke: color2, "stroke-width": "2" }) : /* @__PURE__ */ k("rect", { x: "-5", y: "-5", width: "10", height: "10", fill: color2, stroke: "#000", "stroke-width": "1" })
+  );
+}
+
+// src/view/slices/region_text.tsx
+var known = /* @__PURE__ */ new WeakMap();
+function regionFacts({ engine, store }, { points }) {
+  const time = store.state.layers[0]?.time ?? 0;
+  const times = known.get(points) ?? /* @__PURE__ */ new Map();
+  known.set(points, times);
+  const found2 = times.get(time) ?? engine.ask("region", { points }).then(({ layers }) => layers[0] ?? null, () => null);
+  times.set(time, found2);
+  return found2;
+}
+function textOfRegion({ mean, sd }, unit2) {
+  return `mean ${shortNumber(mean, 4)} ± ${shortNumber(sd, 3)} ${unit2}`.trim();
+}
+var SETTLED_MS = 150;
+function useRegionFacts(props, measure) {
+  const { points } = measure;
+  const time = props.store.state.layers[0]?.time ?? 0;
+  const [facts2, setFacts] = d2(null);
+  A2(() => {
+    let isGone = false;
+    const timer = setTimeout(() => {
+      void regionFacts(props, measure).then((found2) => !isGone && setFacts({ points, time, facts: found2 }));
+    }, SETTLED_MS);
+    return () => {
+      isGone = true;
+      clearTimeout(timer);
+    };
+  }, [points, time]);
+  return facts2?.points === points && facts2.time === time ? facts2.facts : null;
+}
+function RegionText(props) {
+  const facts2 = useRegionFacts(props, props.measure);
+  if (facts2 === null) return null;
+  return /* @__PURE__ */ k("text", { x: props.x, y: props.y }, textOfRegion(facts2, props.welcome.volumes[0]?.value_unit ?? ""));
+}
 
 // src/view/slices/measures.tsx
 var COLOR = "#7df0ff";
+var FILL = "#7df0ff22";
 function measured(measure, unit2) {
+  if (measure.kind === "area") return `${shortNumber(areaOf(measure.points), 4)} ${unit2}²`;
   return measure.kind === "distance" ? `${shortNumber(distance(measure.points), 4)} ${unit2}` : `${angleDeg(measure.points).toFixed(1)}°`;
 }
 function Drawn(props) {
-  const { store, welcome, ui, placed: placed2, moved, isNear } = props;
+  const { store, welcome, placed: placed2, moved, isNear } = props;
   const unit2 = welcome.volumes[0]?.unit ?? "units";
-  const pending = ui.points.map(placed2);
   return /* @__PURE__ */ k("g", null, store.state.view.measures.map((measure, n2) => {
     const places = measure.points.map(placed2);
     if (!isNear(measure.points) || places.some((place) => place === null)) return null;
     const points = places;
     const middle2 = points[measure.kind === "angle" ? 1 : 0];
     const text2 = measured(measure, unit2);
-    return /* @__PURE__ */ k("g", { key: n2 }, /* @__PURE__ */ k("path", { d: `M${points.map(({ x: x2, y: y3 }) => `${x2} ${y3}`).join("L")}`, fill: "none", stroke: COLOR, "stroke-width": "1.5" }), /* @__PURE__ */ k("text", { x: middle2.x + 10, y: middle2.y - 8 }, text2), points.map(({ x: x2, y: y3 }, k3) => {
-      const change = (to, gesture) => store.change([set(to, "view", "measures", n2, "points", k3)], gesture);
-      const now = () => store.state.view.measures[n2]?.points[k3] ?? measure.points[k3];
+    const isRegion = measure.kind === "area";
+    return /* @__PURE__ */ k("g", { key: n2 }, /* @__PURE__ */ k("path", { d: pathOf2(points, isRegion), fill: isRegion ? FILL : "none", stroke: COLOR, "stroke-width": "1.5" }), /* @__PURE__ */ k("text", { x: middle2.x + 10, y: middle2.y - 8 }, text2), isRegion && /* @__PURE__ */ k(RegionText, { ...props, measure, x: middle2.x + 10, y: middle2.y + 8 }), points.slice(0, isRegion ? 1 : void 0).map(({ x: x2, y: y3 }, k3) => {
+      const pointsNow = () => store.state.view.measures[n2]?.points ?? measure.points;
+      const now = () => pointsNow()[k3];
+      const change = (to, gesture) => {
+        const way = sub(to, now());
+        const next = pointsNow().map((point2, p3) => isRegion || p3 === k3 ? add(point2, way) : point2);
+        store.change([set(next, "view", "measures", n2, "points")], gesture);
+      };
       return /* @__PURE__ */ k(
         Handle2,
         {
@@ -4251,7 +5236,19 @@ function Drawn(props) {
         }
       );
     }));
-  }), pending.map((place, k3) => place && /* @__PURE__ */ k("circle", { key: k3, cx: place.x, cy: place.y, r: "4", fill: COLOR, stroke: "#000" })));
+  }), /* @__PURE__ */ k(Pending, { ...props }));
+}
+var pathOf2 = (places, isClosed) => `M${places.map(({ x: x2, y: y3 }) => `${x2} ${y3}`).join("L")}${isClosed ? "Z" : ""}`;
+function Pending(props) {
+  const { ui, welcome, placed: placed2, drawing } = props;
+  const points = [...ui.points, ...drawing?.to ? [drawing.to] : []];
+  const places = (drawing !== void 0 && drawing.outline.length > 0 ? drawing.outline : points).map(placed2);
+  if (places.length === 0 || places.some((place) => place === null)) return null;
+  const known2 = places;
+  const last = known2.at(-1);
+  const kind2 = ui.tool === "angle" && points.length > 2 ? "angle" : "distance";
+  const text2 = ui.tool !== "area" && points.length > 1 ? measured({ kind: kind2, points }, welcome.volumes[0]?.unit ?? "units") : "";
+  return /* @__PURE__ */ k("g", { class: "pending" }, /* @__PURE__ */ k("path", { d: pathOf2(known2, false), fill: "none", stroke: COLOR, "stroke-width": "1.5", "stroke-dasharray": "5 3" }), known2.slice(0, ui.points.length).map(({ x: x2, y: y3 }, k3) => /* @__PURE__ */ k("circle", { key: k3, cx: x2, cy: y3, r: "4", fill: COLOR, stroke: "#000" })), text2 !== "" && /* @__PURE__ */ k("text", { x: last.x + 12, y: last.y - 10 }, text2));
 }
 function MeasuresOnSlice(props) {
   const { on, store } = props;
@@ -4284,54 +5281,437 @@ function Measures3d(props) {
 var isMeasure = (points) => points.every((point2, n2) => n2 === 0 || length(sub(point2, scaled(points[n2 - 1], 1))) > 0);
 
 // src/view/measure_panel.tsx
-function MeasurePanel({ store, welcome, ui }) {
+var TOOLS = [
+  ["distance", "Distance", "Drag from one end to the other, or click both."],
+  ["angle", "Angle", "Click a point on each leg and the corner between them, in their order."],
+  ["area", "Region", "Draw around it on a slice, or click its corners and close it by a double click."]
+];
+function MeasurePanel(props) {
+  const { store, welcome, ui } = props;
   const { measures } = store.state.view;
-  const unit2 = welcome.volumes[0]?.unit ?? "units";
-  const csv = () => ["kind,value,unit,points", ...measures.map((one) => {
-    const [value, of] = measured(one, unit2).replace("°", " degree").split(" ");
-    return `${one.kind},${value},${of},"${one.points.map((point2) => point2.join(" ")).join("; ")}"`;
-  })].join("\n");
-  return /* @__PURE__ */ k($, null, /* @__PURE__ */ k("div", { class: "row" }, ["distance", "angle"].map((tool) => /* @__PURE__ */ k(
-    "button",
-    {
-      key: tool,
-      class: "button",
-      "aria-pressed": ui.tool === tool,
-      onClick: () => ui.setTool(ui.tool === tool ? "turn" : tool)
-    },
-    tool === "distance" ? "Distance" : "Angle"
-  )), /* @__PURE__ */ k(
-    "button",
-    {
-      class: "button",
-      onClick: () => {
-        const { crosshair } = store.state.view.slices;
-        ui.addPoint(crosshair);
-      },
-      disabled: ui.tool !== "distance" && ui.tool !== "angle"
-    },
-    "Point at the crosshair"
-  )), ui.points.length > 0 && /* @__PURE__ */ k("p", { class: "dim" }, `${ui.points.length} of ${ui.tool === "angle" ? 3 : 2} points`), measures.length === 0 ? /* @__PURE__ */ k("p", { class: "dim" }, "Choose one, then click in a view.") : /* @__PURE__ */ k("ol", null, measures.map((one, n2) => /* @__PURE__ */ k("li", { key: n2 }, /* @__PURE__ */ k("span", { class: "row" }, measured(one, unit2), /* @__PURE__ */ k(
+  const tool = TOOLS.find(([name]) => name === ui.tool);
+  const save = async () => {
+    const facts2 = await Promise.all(measures.map((one) => one.kind === "area" ? regionFacts(props, one) : null));
+    const { unit: unit2, value_unit } = welcome.volumes[0] ?? { unit: null, value_unit: "" };
+    ui.download("measures.csv", measuresCsv(measures, facts2, unit2 ?? "units", value_unit), "text/csv");
+  };
+  return /* @__PURE__ */ k($, null, /* @__PURE__ */ k("div", { class: "row" }, TOOLS.map(([name, text2]) => /* @__PURE__ */ k("button", { key: name, class: "button", "aria-pressed": ui.tool === name, onClick: () => ui.setTool(ui.tool === name ? "turn" : name) }, text2)), /* @__PURE__ */ k("button", { class: "button", onClick: () => ui.addPoint(store.state.view.slices.crosshair), disabled: tool === void 0 }, "Point at the crosshair"), ui.tool === "area" && ui.points.length > 2 && /* @__PURE__ */ k("button", { class: "button", onClick: () => closeRegion(props) }, "Close the region")), ui.points.length > 0 && /* @__PURE__ */ k("p", { class: "dim" }, pointsSoFar(ui.tool, ui.points.length)), (tool !== void 0 || measures.length === 0) && /* @__PURE__ */ k("p", { class: "dim" }, tool?.[2] ?? "Choose one, then draw it in a view."), measures.length > 0 && /* @__PURE__ */ k("ol", null, measures.map((one, n2) => /* @__PURE__ */ k(Row, { key: n2, ...props, measure: one, number: n2 }))), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", disabled: measures.length === 0, onClick: () => store.change([set([], "view", "measures")]) }, "Delete all"), /* @__PURE__ */ k("button", { class: "button", disabled: measures.length === 0, onClick: () => void save() }, "Save as CSV")), store.state.labels !== null && /* @__PURE__ */ k(LabelStatistics, { ...props }));
+}
+function pointsSoFar(tool, n2) {
+  return tool === "area" ? `${n2} corners` : `${n2} of ${tool === "angle" ? 3 : 2} points`;
+}
+function Row(props) {
+  const { store, welcome, measure, number: number2 } = props;
+  const { unit: unit2, value_unit } = welcome.volumes[0] ?? { unit: null, value_unit: "" };
+  return /* @__PURE__ */ k("li", null, /* @__PURE__ */ k("span", { class: "row" }, measured(measure, unit2 ?? "units"), /* @__PURE__ */ k(
     "button",
     {
       class: "icon-button",
-      "aria-label": `Delete measure ${n2 + 1}`,
-      onClick: () => store.change([{ op: "remove", path: `/view/measures/${n2}` }])
+      "aria-label": `Delete measure ${number2 + 1}`,
+      onClick: () => store.change([{ op: "remove", path: `/view/measures/${number2}` }])
     },
     "×"
-  )), /* @__PURE__ */ k("span", { class: "dim" }, one.points.map((point2) => placeText(point2, welcome)).join(" – "))))), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", disabled: measures.length === 0, onClick: () => store.change([set([], "view", "measures")]) }, "Delete all"), /* @__PURE__ */ k(
+  )), measure.kind === "area" ? /* @__PURE__ */ k(RegionValues, { ...props, valueUnit: value_unit }) : /* @__PURE__ */ k("span", { class: "dim" }, measure.points.map((point2) => placeText(point2, welcome)).join(" – ")));
+}
+function RegionValues(props) {
+  const facts2 = useRegionFacts(props, props.measure);
+  if (facts2 === null) return null;
+  return /* @__PURE__ */ k("span", { class: "dim" }, `${textOfRegion(facts2, props.valueUnit)}, ${facts2.min.toPrecision(4)} to ${facts2.max.toPrecision(4)}`);
+}
+
+// src/view/memo.tsx
+var Memo = class extends x {
+  shouldComponentUpdate(next) {
+    return next.of.length !== this.props.of.length || next.of.some((value, n2) => !Object.is(value, this.props.of[n2]));
+  }
+  render() {
+    return this.props.children();
+  }
+};
+function shownByPanels({ store, ui, welcome }) {
+  const { layers, labels, shading: shading2, clip: clip2, background, geometry, render: render2, view, camera } = store.state;
+  const windows = PANES.map((pane) => ui.frames[pane]?.slice?.window?.join());
+  const lens = camera.view_angle;
+  return [layers, labels, shading2, clip2, background, geometry, render2, view, lens, ui.restCamera, ...windows, ui.layer, ui.tool, ui.points, welcome];
+}
+function shownBySlices({ store, ui, welcome }) {
+  const { layers, labels, clip: clip2, view } = store.state;
+  return [layers, labels, clip2, view, ...PANES.map((pane) => ui.frames[pane]), ui.layer, ui.tool, ui.points, welcome];
+}
+function shownByToolbar({ store, ui, welcome }) {
+  const { layers, view } = store.state;
+  return [layers, view.layout, view.interface, ui.tool, store.canUndo, store.canRedo, welcome];
+}
+
+// src/view/share.tsx
+var SIZES = [
+  ["view", "As in the window"],
+  ["2", "Twice as large"],
+  ["1920x1080", "1920 x 1080"],
+  ["3840x2160", "3840 x 2160"],
+  ["own", "Own size"]
+];
+var MAX_SIDE = 8192;
+function SharePanel(props) {
+  const { store, engine, welcome, ui } = props;
+  const [size, setSize] = d2("view");
+  const [own, setOwn] = d2([1600, 1200]);
+  const [quality, setQuality] = d2("high");
+  const [transparent, setTransparent] = d2(false);
+  const [annotated, setAnnotated] = d2(false);
+  const [part, setPart] = d2(null);
+  const [abort, setAbort] = d2(null);
+  const [text2, setText] = d2("");
+  const pixels = () => {
+    const frame = ui.frames["3d"];
+    const scale = Number(frame?.settings["scale"] ?? 1);
+    const [w3, h3] = [Math.round((frame?.width ?? 1024) / scale), Math.round((frame?.height ?? 768) / scale)];
+    if (size === "own") return { width: own[0], height: own[1] };
+    if (size.includes("x")) {
+      const [width = 0, height = 0] = size.split("x").map(Number);
+      return { width, height };
+    }
+    const factor = size === "2" ? 2 : 1;
+    return { width: Math.min(factor * w3, MAX_SIDE), height: Math.min(factor * h3, MAX_SIDE) };
+  };
+  const picture = async (use) => {
+    const controller = new AbortController();
+    setAbort(controller);
+    setPart(0);
+    try {
+      const asked = { ...pixels(), quality, transparent, annotated };
+      const { bytes, notes } = await engine.ask("picture", asked, setPart, controller.signal);
+      await use(bytes);
+      for (const note of notes) ui.announce(note);
+    } catch (problem) {
+      if (problem.code !== "cancelled") ui.problem(problemOf(problem));
+    } finally {
+      setPart(null);
+      setAbort(null);
+    }
+  };
+  const code = async (as, use) => {
+    try {
+      const found2 = await engine.ask("code", { as, ...pixels() });
+      await use(found2.text, found2.name);
+    } catch (problem) {
+      ui.problem(problemOf(problem));
+    }
+  };
+  const copy = async (what, name) => {
+    setText(what);
+    try {
+      await navigator.clipboard.writeText(what);
+      ui.announce(`${name} copied`);
+    } catch {
+      ui.announce(`${name} is in the field below`);
+    }
+  };
+  const link = async () => {
+    const found2 = await linkPart(store.state, welcome.fingerprint);
+    if (found2 === null) {
+      ui.problem({ code: "link", message: "The state is too long for a link", remedy: "Save it as a file instead." });
+      return;
+    }
+    await copy(`${location.origin}${location.pathname}#state=${found2}`, "The link");
+  };
+  return /* @__PURE__ */ k($, null, /* @__PURE__ */ k(Choice, { label: "Size", value: size, options: SIZES, onChoose: setSize }), size === "own" && /* @__PURE__ */ k("div", { class: "row" }, ["Width", "Height"].map((name, n2) => /* @__PURE__ */ k("label", { key: name, class: "row" }, name, /* @__PURE__ */ k(
+    "input",
+    {
+      type: "number",
+      min: 1,
+      max: MAX_SIDE,
+      value: own[n2],
+      onChange: (event) => {
+        const value = Math.min(Math.max(Math.round(event.currentTarget.valueAsNumber || 1), 1), MAX_SIDE);
+        setOwn(n2 === 0 ? [value, own[1]] : [own[0], value]);
+      }
+    }
+  )))), /* @__PURE__ */ k(Choice, { label: "Quality", value: quality, options: QUALITIES.slice(1).map((name) => [name, name]), onChoose: setQuality }), /* @__PURE__ */ k(Switch, { label: "Transparent background", on: transparent, onToggle: setTransparent }), /* @__PURE__ */ k(Switch, { label: "With scale bar and legend", on: annotated, onToggle: setAnnotated }), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", disabled: part !== null, onClick: () => void picture((bytes) => ui.download("picture.png", bytes, "image/png")) }, "Save picture"), /* @__PURE__ */ k(
     "button",
     {
       class: "button",
-      disabled: measures.length === 0,
-      onClick: () => ui.download("measures.csv", csv(), "text/csv")
+      disabled: part !== null,
+      onClick: () => void picture(async (bytes) => {
+        if (typeof ClipboardItem === "undefined") throw new Error("This browser cannot copy pictures; save it instead");
+        await navigator.clipboard.write([new ClipboardItem({ "image/png": new Blob([bytes], { type: "image/png" }) })]);
+        ui.announce("The picture is copied");
+      })
     },
-    "Save as CSV"
-  )));
+    "Copy picture"
+  ), abort !== null && /* @__PURE__ */ k("button", { class: "button", onClick: () => abort.abort() }, "Cancel")), part !== null && /* @__PURE__ */ k("progress", { "aria-label": "Drawing the picture", max: 1, value: part }), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", onClick: () => void code("python", (found2) => copy(found2, "The Python program")) }, "Copy as Python"), /* @__PURE__ */ k("button", { class: "button", onClick: () => void code("command", (found2) => copy(found2, "The command")) }, "Copy as command"), ui.host === "page" && /* @__PURE__ */ k("button", { class: "button", onClick: () => void link() }, "Copy link")), text2 !== "" && /* @__PURE__ */ k("textarea", { "aria-label": "What was copied", readOnly: true, rows: 5, value: text2, onFocus: (event) => event.currentTarget.select() }), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", onClick: () => void code("state", (found2, name) => ui.download(name, found2, "application/json")) }, "Save state"), /* @__PURE__ */ k("label", { class: "button" }, "Open state", /* @__PURE__ */ k(
+    "input",
+    {
+      class: "hidden",
+      type: "file",
+      accept: ".json,application/json",
+      onChange: (event) => {
+        const file = event.currentTarget.files?.[0];
+        event.currentTarget.value = "";
+        if (file !== void 0) void openState(props, file);
+      }
+    }
+  )), /* @__PURE__ */ k("button", { class: "button", onClick: () => void code("html", (found2, name) => ui.download(name, found2, "text/html")) }, "Save page (HTML)")));
+}
+async function openState({ engine, store, ui }, file) {
+  try {
+    const { state: state2 } = await engine.ask("open_state", { text: await file.text() });
+    store.change([{ op: "replace", path: "", value: state2 }]);
+    ui.announce(`${file.name} is open`);
+  } catch (problem) {
+    ui.problem(problemOf(problem));
+  }
+}
+function problemOf(problem) {
+  if (typeof problem === "object" && problem !== null && "message" in problem) {
+    const code = "code" in problem ? String(problem.code) : "failed";
+    return { ...problem, code, message: String(problem.message) };
+  }
+  return { code: "failed", message: String(problem) };
+}
+
+// src/view/sheet.tsx
+var TEXT23 = WORDS.panels;
+var PANELS = ["presets", "function", "layers", "labels", "light", "cut", "slices", "measure", "share", "settings"];
+var OTHERS = ["about", "looks"];
+function openSheet(panels) {
+  const last = panels.filter((name) => name !== "presets").at(-1);
+  return [...PANELS, ...OTHERS].filter((name) => name !== "presets").find((name) => name === last) ?? null;
+}
+function toggled(panels, name) {
+  const isStrip = panels.includes("presets");
+  const sheet = openSheet(panels);
+  if (name === "presets") return [...isStrip ? [] : ["presets"], ...sheet === null ? [] : [sheet]];
+  return [...isStrip ? ["presets"] : [], ...sheet === name ? [] : [name]];
+}
+function Rail({ panels, open, onPanel, children }) {
+  return /* @__PURE__ */ k("nav", { class: "rail float", "aria-label": TEXT23.title }, panels.map((name) => /* @__PURE__ */ k(
+    "button",
+    {
+      key: name,
+      class: "rail-button",
+      "data-opens": name,
+      "aria-expanded": open.includes(name),
+      title: WORDS.sheets[name],
+      onClick: () => onPanel(name)
+    },
+    /* @__PURE__ */ k(Icon, { name }),
+    /* @__PURE__ */ k("span", null, TEXT23[name])
+  )), /* @__PURE__ */ k("span", { class: "spring" }), children);
+}
+function Sheet({ name, onClose, children }) {
+  const title = WORDS.sheets[name];
+  const close = (event) => {
+    const root = event.currentTarget.getRootNode();
+    onClose();
+    root.querySelector(`[data-opens="${name}"]`)?.focus();
+  };
+  return /* @__PURE__ */ k(
+    "section",
+    {
+      class: "sheet float",
+      "data-panel": name,
+      "aria-label": title,
+      onKeyDown: (event) => {
+        if (event.key !== "Escape" || event.defaultPrevented) return;
+        event.preventDefault();
+        event.stopPropagation();
+        close(event);
+      }
+    },
+    /* @__PURE__ */ k("header", { class: "sheet-head" }, /* @__PURE__ */ k("h2", null, title), /* @__PURE__ */ k("button", { class: "icon-button", "aria-label": TEXT23.close(title), onClick: close }, /* @__PURE__ */ k(Icon, { name: "close" }))),
+    /* @__PURE__ */ k("div", { class: "body", tabIndex: -1 }, children)
+  );
+}
+
+// src/view/commands.ts
+var TEXT24 = WORDS.palette;
+var LAYOUTS = ["3d", "one-and-three", "two-by-two", "single"];
+var THEMES = ["dark", "light", "system"];
+function commandsOf(part) {
+  const { store, ui, welcome } = part;
+  const view = store.state.view;
+  return [
+    ...KEYS.map((key) => ({ text: key.text, hint: key.shown, run: () => press(ui.root, key) })),
+    ...LAYOUTS.map((name) => ({
+      text: WORDS.layouts[name],
+      hint: TEXT24.layout,
+      run: () => store.change([set({ name, main: name === "single" ? view.layout.main === "3d" ? "z" : view.layout.main : "3d" }, "view", "layout")])
+    })),
+    ...PANELS.map((name) => ({
+      text: WORDS.sheets[name],
+      hint: TEXT24.panel,
+      run: () => store.change([set(toggled(view.interface.panels.filter((one) => one !== name), name), "view", "interface", "panels")])
+    })),
+    ...["auto", ...welcome.presets.map(({ name }) => name)].map((name) => ({
+      text: titleOf(name) === name ? name : `${titleOf(name)} (${name})`,
+      hint: TEXT24.look,
+      run: () => void take2(part, name)
+    })),
+    ...Object.entries(welcome.window_names).map(([name, window2]) => ({
+      text: name,
+      hint: TEXT24.window,
+      run: () => store.change([set(window2, "view", "slices", "window")])
+    })),
+    ...THEMES.map((name) => ({ text: WORDS.settings.themes[name], hint: TEXT24.theme, run: () => store.change([set(name, "view", "interface", "theme")]) })),
+    ...labelCommands(part)
+  ];
+}
+function found(commands, text2) {
+  const words = text2.toLowerCase().split(/\s+/).filter((word) => word !== "");
+  const start = text2.trim().toLowerCase();
+  const hits = commands.filter(({ text: name, hint }) => words.every((word) => `${name} ${hint}`.toLowerCase().includes(word)));
+  const begins = ({ text: name }) => name.toLowerCase().startsWith(start);
+  return [...hits.filter(begins), ...hits.filter((one) => !begins(one))];
+}
+function labelCommands({ store }) {
+  const rows = labelRows(store.state.labels?.labels ?? {});
+  return rows.map(({ number: number2, name, isShown }) => ({
+    text: isShown ? TEXT24.hide(name) : TEXT24.show(name),
+    hint: TEXT24.label,
+    run: () => {
+      const now = new Map(rows.map((row) => [row.number, row.isShown]));
+      const isOn = (other) => other === number2 ? !isShown : now.get(other) ?? false;
+      store.change(shownLabels(store.state.labels?.labels ?? {}, isOn, hiddenOf(store)));
+    }
+  }));
+}
+async function take2({ store, engine, ui }, name) {
+  try {
+    const { look } = await engine.ask("preset", { layer: ui.layer, name });
+    store.change(chosen(store.state, ui.layer, look));
+  } catch (problem) {
+    ui.problem(problemOf(problem));
+  }
+}
+function press(root, { keys }) {
+  const view = root.querySelector("[data-view]");
+  const parts = (keys[0] ?? "").split("+");
+  const key = parts.at(-1) === "" ? "+" : parts.at(-1) ?? "";
+  const how = { key, ctrlKey: parts.includes("Ctrl"), shiftKey: parts.includes("Shift"), bubbles: true, composed: true, cancelable: true };
+  view?.focus();
+  view?.dispatchEvent(new KeyboardEvent("keydown", how));
+  view?.dispatchEvent(new KeyboardEvent("keyup", how));
+}
+
+// src/view/palette.tsx
+var TEXT25 = WORDS.palette;
+var MAX_ROWS2 = 40;
+function Palette({ onClose, ...part }) {
+  const dialog = T2(null);
+  const list2 = T2(null);
+  const [text2, setText] = d2("");
+  const [at2, setAt] = d2(0);
+  A2(() => dialog.current?.showModal(), []);
+  A2(() => {
+    list2.current?.querySelector('[aria-selected="true"]')?.scrollIntoView({ block: "nearest" });
+  }, [at2, text2]);
+  const rows = found(commandsOf(part), text2).slice(0, MAX_ROWS2);
+  const run = (index) => {
+    const command = rows[index];
+    if (command === void 0) return;
+    dialog.current?.close();
+    command.run();
+  };
+  const onKeyDown = (event) => {
+    const step = { ArrowDown: 1, ArrowUp: -1 }[event.key];
+    if (step !== void 0) setAt((rows.length + at2 + step) % Math.max(1, rows.length));
+    else if (event.key === "Enter") run(at2);
+    else return;
+    event.preventDefault();
+    event.stopPropagation();
+  };
+  return /* @__PURE__ */ k("dialog", { ref: dialog, class: "palette", "aria-label": TEXT25.title, onClose, onClick: (event) => event.target === dialog.current && dialog.current?.close() }, /* @__PURE__ */ k(
+    "input",
+    {
+      type: "text",
+      role: "combobox",
+      "aria-label": TEXT25.find,
+      "aria-expanded": "true",
+      "aria-controls": "palette-list",
+      "aria-activedescendant": rows.length > 0 ? `palette-${at2}` : void 0,
+      placeholder: TEXT25.find,
+      autocomplete: "off",
+      spellcheck: false,
+      value: text2,
+      onInput: (event) => {
+        setText(event.currentTarget.value);
+        setAt(0);
+      },
+      onKeyDown
+    }
+  ), /* @__PURE__ */ k("ul", { id: "palette-list", role: "listbox", "aria-label": TEXT25.title, ref: list2 }, rows.map(({ text: name, hint }, index) => /* @__PURE__ */ k("li", { key: `${name} ${hint}`, id: `palette-${index}`, role: "option", "aria-selected": index === at2, onClick: () => run(index) }, /* @__PURE__ */ k("span", null, name), /* @__PURE__ */ k("span", { class: "dim" }, hint)))), rows.length === 0 && /* @__PURE__ */ k("p", { class: "dim" }, TEXT25.none));
+}
+
+// src/input/turntable.ts
+var END_ON = 1e-3;
+var WORLD_AXES = [[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]];
+function turnedUpright(camera, dx, dy, height, upright) {
+  const radians = TURN_DEG * Math.PI / 180 / height;
+  const { right, up, back } = axesOf(camera);
+  const across = dot(up, upright);
+  const azimuth = -dx * radians * (across < -END_ON ? -1 : 1);
+  const elevation = Math.atan2(dot(back, upright), across);
+  const most = Math.PI / 2;
+  const wanted = elevation + dy * radians;
+  const next = Math.abs(elevation) > most + END_ON ? wanted : Math.min(Math.max(wanted, -most), most);
+  const about = (vector2) => turnedAbout(turnedAbout(vector2, right, elevation - next), upright, azimuth);
+  return {
+    ...camera,
+    position: add(camera.focal_point, about(sub(camera.position, camera.focal_point))),
+    view_up: about(up)
+  };
+}
+function leveled(camera, upright) {
+  const { up, back } = axesOf(camera);
+  if (length(cross(upright, back)) > END_ON) return { ...camera, view_up: inPicture2(upright, back) };
+  const flat = WORLD_AXES.filter((axis) => length(cross(axis, back)) > 0.5).map((axis) => inPicture2(axis, back));
+  return { ...camera, view_up: flat.reduce((best, axis) => dot(axis, up) > dot(best, up) ? axis : best, flat[0]) };
+}
+var inPicture2 = (direction, back) => unit(sub(direction, scaled(back, dot(direction, back))));
+
+// src/view/legend.tsx
+var TEXT26 = WORDS.legend;
+var MAX_ROWS3 = 12;
+var ROW_PX = 24;
+var ABOVE_PX = 112;
+var ENDINGS = /\.(nii|nii\.gz|nrrd|nhdr|mha|mhd|tiff?|h5|hdf5|zarr|ome\.zarr|ome\.tiff?|vti|vtk|dcm)$/i;
+function Legend(props) {
+  const { store, height } = props;
+  const rows = [...labelsOf(props), ...layersOf(props)];
+  if (rows.length === 0) return null;
+  const most = Math.max(1, Math.min(MAX_ROWS3, Math.floor((height / 2 - ABOVE_PX) / ROW_PX)));
+  const shown = rows.slice(0, most);
+  const more = rows.length - shown.length;
+  return /* @__PURE__ */ k("ul", { class: "corner legend", "aria-label": TEXT26.title, onPointerDown: (event) => event.stopPropagation() }, shown.map(({ key, name, isShown, chip, toggle }) => /* @__PURE__ */ k("li", { key }, /* @__PURE__ */ k("button", { class: "legend-row", "aria-pressed": isShown, title: isShown ? TEXT26.hide(name) : TEXT26.show(name), onClick: toggle }, chip, /* @__PURE__ */ k("span", null, name)))), more > 0 && /* @__PURE__ */ k("li", null, /* @__PURE__ */ k("button", { class: "legend-row", onClick: () => store.change([set(["labels"], "view", "interface", "panels")]) }, /* @__PURE__ */ k("span", null, TEXT26.more(more)))));
+}
+function labelsOf({ store }) {
+  const labels = store.state.labels?.labels ?? {};
+  return labelRows(labels).map(({ number: number2, name, look, isShown }) => ({
+    key: `label ${number2}`,
+    name,
+    isShown,
+    chip: /* @__PURE__ */ k("span", { class: "chip", style: { background: hexColor(look.color, namedColor) } }),
+    toggle: () => {
+      const shownNow = new Map(labelRows(store.state.labels?.labels ?? {}).map((row) => [row.number, row.isShown]));
+      store.change(shownLabels(store.state.labels?.labels ?? {}, (other) => other === number2 ? !isShown : shownNow.get(other) ?? false, hiddenOf(store)));
+    }
+  }));
+}
+function layersOf({ store }) {
+  const { layers, render: render2 } = store.state;
+  if (layers.length < 2 || compositeName(render2.composite) === "first-hit") return [];
+  return layers.map((layer, index) => ({
+    key: `layer ${index}`,
+    name: layer.name.replace(ENDINGS, ""),
+    isShown: layer.visible,
+    chip: /* @__PURE__ */ k(Ramp, { layer }),
+    toggle: () => store.change([set(!layer.visible, "layers", index, "visible")])
+  }));
 }
 
 // src/view/overlay3d/box_handles.tsx
-var NAMES = ["x", "y", "z"];
+var NAMES2 = ["x", "y", "z"];
 var UNITS = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 function BoxHandles(props) {
   const { store, welcome, kind: kind2, place, box: box2, camera, size } = props;
@@ -4343,7 +5723,7 @@ function BoxHandles(props) {
     const clip2 = store.state.clip[place];
     return clip2?.[kind2] ?? box2;
   };
-  const points = corners(box2).map((corner2) => project(camera, size, corner2));
+  const points = corners(box2).map((corner) => project(camera, size, corner));
   const middle2 = project(camera, size, center(box2));
   const moveFace = (face, to, gesture) => change(withFace(now(), face, to, welcome.bounds, spacing[face.axis]), gesture);
   return /* @__PURE__ */ k("g", null, EDGES.map((edge) => {
@@ -4357,7 +5737,7 @@ function BoxHandles(props) {
     if (at2 === null) return null;
     const value = box2[face.side][face.axis];
     const bounds = [welcome.bounds[0][face.axis], welcome.bounds[1][face.axis]];
-    const name = `${what}, ${NAMES[face.axis]} ${face.side === "lower" ? "from" : "to"}`;
+    const name = `${what}, ${NAMES2[face.axis]} ${face.side === "lower" ? "from" : "to"}`;
     const keys = (event) => {
       const n2 = stepOf(event);
       const end = { Home: bounds[0], End: bounds[1] }[event.key];
@@ -4376,10 +5756,10 @@ function BoxHandles(props) {
         y: at2.y,
         color: color2,
         onDrag: (_x, _y, dx, dy) => {
-          const before = now();
+          const before2 = now();
           const axis = UNITS[face.axis];
-          const way = alongAxis(camera, size, faceCenter(before, face), axis, dx, dy);
-          moveFace(face, before[face.side][face.axis] + way, "face");
+          const way = alongAxis(camera, size, faceCenter(before2, face), axis, dx, dy);
+          moveFace(face, before2[face.side][face.axis] + way, "face");
         },
         onKey: keys,
         onEnd: () => store.settle(),
@@ -4398,8 +5778,8 @@ function BoxHandles(props) {
       color: color2,
       round: true,
       onDrag: (_x, _y, dx, dy) => {
-        const before = now();
-        change(movedBy(before, inPicture(camera, size, center(before), dx, dy), welcome.bounds), "box");
+        const before2 = now();
+        change(movedBy(before2, inPicture(camera, size, center(before2), dx, dy), welcome.bounds), "box");
       },
       onKey: (event) => {
         const axis = { ArrowRight: 0, ArrowLeft: 0, ArrowUp: 2, ArrowDown: 2, PageUp: 1, PageDown: 1 }[event.key];
@@ -4414,61 +5794,74 @@ function BoxHandles(props) {
   ));
 }
 
+// src/view/overlay3d/cube_places.ts
+var BEVEL = 0.3;
+var CUBE_PLACES = [-1, 0, 1].flatMap((x2) => [-1, 0, 1].flatMap((y3) => [-1, 0, 1].map((z3) => [x2, y3, z3]))).filter((direction) => direction.some((part) => part !== 0)).map((direction) => ({
+  outward: unit(direction),
+  ends: direction.flatMap((part, axis) => part === 0 ? [] : [2 * axis + (part > 0 ? 1 : 0)]),
+  outline: outlineOf(direction)
+}));
+function outlineOf(direction) {
+  const inner = 1 - BEVEL;
+  const used = [0, 1, 2].filter((axis) => direction[axis] !== 0);
+  const free = [0, 1, 2].filter((axis) => direction[axis] === 0);
+  const point2 = (on, signs) => [0, 1, 2].map((axis) => {
+    if (axis === on) return direction[axis] ?? 0;
+    return inner * (direction[axis] || (signs[free.indexOf(axis)] ?? 0));
+  });
+  const [a3 = 0, b = 0] = used;
+  if (used.length === 3) return used.map((axis) => point2(axis, []));
+  if (used.length === 2) return [point2(a3, [1]), point2(b, [1]), point2(b, [-1]), point2(a3, [-1])];
+  return [point2(a3, [1, 1]), point2(a3, [1, -1]), point2(a3, [-1, -1]), point2(a3, [-1, 1])];
+}
+
 // src/view/overlay3d/cube.tsx
-var HALF = 24;
-var MARGIN2 = 54;
-var SIDES2 = [
-  { outward: [-1, 0, 0], view: "left" },
-  { outward: [1, 0, 0], view: "right" },
-  { outward: [0, -1, 0], view: "back" },
-  { outward: [0, 1, 0], view: "front" },
-  { outward: [0, 0, -1], view: "bottom" },
-  { outward: [0, 0, 1], view: "top" }
-];
+var HALF = 27;
+var MARGIN2 = 56;
+var UNDER_TOOLBAR = 960;
+var TOOLBAR = 44;
+var LIGHT = unit([-0.35, 0.6, 0.8]);
+var AMBIENT = 0.3;
+var SEEN = 0.02;
+var READABLE = 0.35;
+var VIEWS = ["left", "right", "back", "front", "bottom", "top"];
 function Cube(props) {
   const { camera, width, welcome } = props;
   const { right, up, back } = axesOf(camera);
   const flat = (point2) => `${(dot(point2, right) * HALF).toFixed(2)} ${(-dot(point2, up) * HALF).toFixed(2)}`;
-  const seen = SIDES2.map((side, n2) => ({ ...side, name: welcome.axis_ends[n2] ?? "", towards: dot(side.outward, back) })).filter(({ towards }) => towards > 0.02).sort((a3, b) => a3.towards - b.towards);
-  return /* @__PURE__ */ k("g", { transform: `translate(${width - MARGIN2} ${MARGIN2})` }, seen.map(({ outward, view, name, towards }) => {
-    const axis = outward.findIndex((one) => one !== 0);
-    const corner2 = (a3, b) => {
-      const point2 = [...outward];
-      point2[(axis + 1) % 3] = a3;
-      point2[(axis + 2) % 3] = b;
-      return point2;
-    };
-    const outline2 = [corner2(1, 1), corner2(1, -1), corner2(-1, -1), corner2(-1, 1)].map(flat).join("L");
-    const target = welcome.standard_views[view];
-    const go = () => {
-      if (target !== void 0) showFrom(props, target);
-    };
-    const shade = Math.round(38 + 70 * towards);
+  const top = MARGIN2 + (width < UNDER_TOOLBAR ? TOOLBAR : 0);
+  return /* @__PURE__ */ k("g", { class: "cube", role: "group", "aria-label": "Orientation cube", transform: `translate(${width - MARGIN2} ${top})` }, CUBE_PLACES.map((place) => {
+    const towards = dot(place.outward, back);
+    if (towards < SEEN) return null;
+    const lit = Math.max(0, dot(place.outward, right) * LIGHT[0] + dot(place.outward, up) * LIGHT[1] + towards * LIGHT[2]);
+    const name = place.ends.map((end) => welcome.axis_ends[end] ?? "").join("");
     return /* @__PURE__ */ k(
       "g",
       {
-        key: view,
+        key: place.ends.join(),
+        ref: holding((gesture) => {
+          if (gesture.kind !== "tap") return void 0;
+          lookFrom(props, place);
+          return true;
+        }),
         "data-handle": true,
         role: "button",
         tabindex: -1,
-        "aria-label": `${name}, from the ${view}`,
-        onClick: go,
-        onPointerDown: (event) => event.stopPropagation(),
-        style: { cursor: "pointer" }
+        "aria-label": `${name}, from the ${place.ends.map((end) => VIEWS[end]).join(", ")}`
       },
-      /* @__PURE__ */ k("path", { d: `M${outline2}Z`, fill: `rgb(${shade},${shade},${shade})`, stroke: "#cfd6e0", "stroke-width": "1" }),
-      towards > 0.3 && /* @__PURE__ */ k(
-        "text",
-        {
-          x: dot(outward, right) * HALF,
-          y: -dot(outward, up) * HALF + 5,
-          "text-anchor": "middle",
-          style: { strokeWidth: 0, fontWeight: 600 }
-        },
-        name
-      )
+      /* @__PURE__ */ k("path", { d: `M${place.outline.map(flat).join("L")}Z`, style: { "--light": (AMBIENT + (1 - AMBIENT) * lit).toFixed(3) } }),
+      place.ends.length === 1 && towards > READABLE && /* @__PURE__ */ k("text", { x: dot(place.outward, right) * HALF, y: -dot(place.outward, up) * HALF + 5, opacity: Math.min(1, (towards - READABLE) * 4) }, name)
     );
   }));
+}
+function lookFrom(props, { ends, outward }) {
+  const { store, welcome } = props;
+  const [end] = ends;
+  const standard = ends.length === 1 && end !== void 0 ? welcome.standard_views[VIEWS[end] ?? ""] : void 0;
+  const now = store.state.camera;
+  const { up } = axesOf(now);
+  const across = Math.abs(dot(up, outward)) < 0.9 ? up : axesOf(now).right;
+  showFrom(props, standard ?? leveled(seenFrom(now, outward, across), welcome.upright));
 }
 
 // src/view/overlay3d/plane_handles.tsx
@@ -4495,14 +5888,14 @@ function PlaneHandles(props) {
   );
   const tip = project(camera, size, add(plane.point, scaled(normal, arm * 0.6)));
   const slide = (way, gesture) => {
-    const before = now();
-    change({ ...before, point: add(before.point, scaled(unit(before.normal), way)) }, gesture);
+    const before2 = now();
+    change({ ...before2, point: add(before2.point, scaled(unit(before2.normal), way)) }, gesture);
   };
   const tilt = (axis, angle, gesture) => {
-    const before = now();
-    change({ ...before, normal: turnedAbout(unit(before.normal), axis, angle) }, gesture);
+    const before2 = now();
+    change({ ...before2, normal: turnedAbout(unit(before2.normal), axis, angle) }, gesture);
   };
-  return /* @__PURE__ */ k("g", { stroke: COLOR2, fill: "none" }, square.every((corner2) => corner2 !== null) && /* @__PURE__ */ k("path", { d: `M${square.map((corner2) => `${corner2?.x} ${corner2?.y}`).join("L")}Z`, "stroke-width": "1.3", fill: COLOR2, "fill-opacity": "0.08" }), tip !== null && /* @__PURE__ */ k("path", { d: `M${at2.x} ${at2.y}L${tip.x} ${tip.y}`, "stroke-width": "2" }), /* @__PURE__ */ k(
+  return /* @__PURE__ */ k("g", { stroke: COLOR2, fill: "none" }, square.every((corner) => corner !== null) && /* @__PURE__ */ k("path", { d: `M${square.map((corner) => `${corner?.x} ${corner?.y}`).join("L")}Z`, "stroke-width": "1.3", fill: COLOR2, "fill-opacity": "0.08" }), tip !== null && /* @__PURE__ */ k("path", { d: `M${at2.x} ${at2.y}L${tip.x} ${tip.y}`, "stroke-width": "2" }), /* @__PURE__ */ k(
     Handle2,
     {
       label: `Clip plane ${number2}`,
@@ -4564,7 +5957,7 @@ function SceneOverlay(props) {
     return box2 === null ? null : /* @__PURE__ */ k(BoxHandles, { key: kind2, ...props, ...{ kind: kind2, place, box: box2, camera, size } });
   }), overlays.crop_box && clips.map(
     (clip2, place) => "plane" in clip2 ? /* @__PURE__ */ k(PlaneHandles, { key: place, ...props, ...{ place, plane: clip2.plane, camera, size } }) : null
-  ), /* @__PURE__ */ k(Measures3d, { ...props, camera }), overlays.letters && /* @__PURE__ */ k(EdgeLetters, { ...props, camera }), overlays.scale_bar && /* @__PURE__ */ k(ScaleBar, { ...props, camera }), overlays.cube && /* @__PURE__ */ k(Cube, { ...props, camera, width: size.width })), overlays.color_bar && /* @__PURE__ */ k(ColorBar, { ...props }), overlays.legend && /* @__PURE__ */ k(Legend, { ...props }));
+  ), /* @__PURE__ */ k(Measures3d, { ...props, camera }), overlays.letters && /* @__PURE__ */ k(EdgeLetters, { ...props, camera }), overlays.scale_bar && /* @__PURE__ */ k(ScaleBar, { ...props, camera }), overlays.cube && /* @__PURE__ */ k("g", { class: "at-cube" }, /* @__PURE__ */ k(Cube, { ...props, camera, width: size.width }))), overlays.color_bar && /* @__PURE__ */ k(ColorBar, { ...props }), overlays.legend && /* @__PURE__ */ k(Legend, { ...props, height: size.height }));
 }
 function Crosshair({ store, welcome, camera, size }) {
   const { crosshair } = store.state.view.slices;
@@ -4610,24 +6003,99 @@ function ColorBar({ store, welcome, ui }) {
   );
   return /* @__PURE__ */ k("div", { class: "corner right low color-bar", role: "img", "aria-label": `Colours from ${shortNumber(first[0])} to ${shortNumber(last[0])} ${info.value_unit}` }, /* @__PURE__ */ k("span", null, `${shortNumber(last[0])} ${info.value_unit}`), /* @__PURE__ */ k("span", { class: "ramp", style: { background: `linear-gradient(to top, ${stops.join(", ")})` } }), /* @__PURE__ */ k("span", null, shortNumber(first[0])));
 }
-function Legend({ store }) {
-  const { labels, layers } = store.state;
-  const rows = Object.entries(labels?.labels ?? {}).filter(([, look]) => (look.opacity ?? 0.8) > 0 || (look.tint ?? 0) > 0).map(([number2, look]) => ({ name: look.name || number2, color: cssColor(look.color) }));
-  if (layers.length > 1 && compositeName(store.state.render.composite) !== "first-hit") {
-    rows.push(...layers.filter(({ visible }) => visible).map((layer) => ({ name: layer.name, color: brightest(layer.look.transfer_function) })));
+
+// src/view/scene_ruler.tsx
+function useRuler(props) {
+  const { ui } = props;
+  const [line, setLine] = d2(null);
+  const now = T2(null);
+  const show = (next) => {
+    now.current = next;
+    setLine(next);
+  };
+  const measure = async ({ x0, y0, x1, y1 }, size) => {
+    const isBegun = ui.points.length > 0 || await pick(props, x0 / size.width, y0 / size.height, size);
+    if (isBegun) await pick(props, x1 / size.width, y1 / size.height, size);
+  };
+  return {
+    line,
+    onDrag({ phase, x: x2, y: y3 }, size) {
+      if (phase === "start") show({ x0: x2, y0: y3, x1: x2, y1: y3 });
+      else if (now.current !== null && phase === "move") show({ ...now.current, x1: x2, y1: y3 });
+      else if (now.current !== null) {
+        const drawn2 = now.current;
+        show(null);
+        void measure(drawn2, size);
+      }
+    }
+  };
+}
+function RulerLine({ line: { x0, y0, x1, y1 } }) {
+  return /* @__PURE__ */ k("svg", { class: "over", "aria-hidden": "true" }, /* @__PURE__ */ k("path", { d: `M${x0} ${y0}L${x1} ${y1}`, stroke: "#000", "stroke-width": "3.5", opacity: "0.6" }), /* @__PURE__ */ k("path", { d: `M${x0} ${y0}L${x1} ${y1}`, stroke: "#7df0ff", "stroke-width": "1.5" }));
+}
+
+// src/view/slices/moves.ts
+var MIN_ZOOM = 0.1;
+var MAX_ZOOM = 100;
+function centerOf(state2, welcome) {
+  const { center: center2 } = state2.view.slices;
+  if (center2 !== void 0) return center2;
+  const [lower, upper] = welcome.volumes[0]?.bounds ?? welcome.bounds;
+  return scaled(add(lower, upper), 0.5);
+}
+function zoomedAbout(state2, welcome, point2, factor) {
+  const { zoom } = state2.view.slices;
+  const next = Math.min(Math.max(zoom * factor, MIN_ZOOM), MAX_ZOOM);
+  if (next === zoom) return [];
+  const center2 = add(point2, scaled(sub(centerOf(state2, welcome), point2), zoom / next));
+  return [set(next, "view", "slices", "zoom"), set(center2, "view", "slices", "center")];
+}
+function panned2(on, center2, dx, dy, welcome) {
+  const [lower, upper] = welcome.volumes[0]?.bounds ?? welcome.bounds;
+  const way = sub(worldAt(on, dx, dy), worldAt(on, 0, 0));
+  const next = vec3((a3) => Math.min(Math.max(center2[a3] - way[a3], lower[a3]), upper[a3]));
+  return [set(next, "view", "slices", "center")];
+}
+var vec3 = (of) => [of(0), of(1), of(2)];
+function fitted(state2) {
+  const ops = state2.view.slices.center === void 0 ? [] : [{ op: "remove", path: "/view/slices/center" }];
+  return [set(1, "view", "slices", "zoom"), ...ops];
+}
+function crosshairAt(state2, point2) {
+  const follows = state2.view.slices.zoom > 1 || state2.view.slices.center !== void 0;
+  return [set(point2, "view", "slices", "crosshair"), ...follows ? [set(point2, "view", "slices", "center")] : []];
+}
+var TOLD_PX = 12;
+var PINCHED = 0.12;
+var TOUCH_STEP_PX = 14;
+var TwoFingers = class {
+  mode = "undecided";
+  dx = 0;
+  dy = 0;
+  log = 0;
+  steps = 0;
+  /** Takes a movement; returns the number of slices to scroll by, or what to move and magnify by, or null for neither yet. */
+  moved(dx, dy, factor) {
+    this.dx += dx;
+    this.dy += dy;
+    this.log += Math.log(factor);
+    if (this.mode === "move") return { dx, dy, factor };
+    if (this.mode === "undecided") {
+      const isPinch = Math.abs(this.log) > PINCHED;
+      if (!isPinch && Math.hypot(this.dx, this.dy) < TOLD_PX) return null;
+      this.mode = !isPinch && Math.abs(this.dy) > 2 * Math.abs(this.dx) ? "scroll" : "move";
+      if (this.mode === "move") return { dx: this.dx, dy: this.dy, factor: Math.exp(this.log) };
+    }
+    const steps = Math.trunc(this.dy / TOUCH_STEP_PX);
+    const more = steps - this.steps;
+    this.steps = steps;
+    return more === 0 ? null : { steps: more };
   }
-  if (rows.length === 0) return null;
-  return /* @__PURE__ */ k("ul", { class: "corner legend", "aria-label": "Legend" }, rows.slice(0, 24).map(({ name, color: color2 }) => /* @__PURE__ */ k("li", { key: name }, /* @__PURE__ */ k("span", { class: "chip", style: { background: color2 } }), " ", name)));
-}
-function cssColor(color2) {
-  return typeof color2 === "string" ? color2 : `rgb(${color2.slice(0, 3).map((one) => Math.round(255 * one)).join()})`;
-}
-function brightest(curves2) {
-  const points = curves2.color ?? [];
-  const sum = (point2) => point2[1] + point2[2] + point2[3];
-  const best = points.reduce((a3, b) => a3 === null || sum(b) > sum(a3) ? b : a3, null);
-  return best === null ? "#888" : cssColor(best.slice(1));
-}
+  end() {
+    this.mode = "undecided";
+    this.dx = this.dy = this.log = this.steps = 0;
+  }
+};
 
 // src/input/gestures.ts
 var TAP_PX = 4;
@@ -4659,14 +6127,14 @@ var Gestures = class {
     this.isDragging = false;
   }
   move(event, x2, y3) {
-    const before = this.pointers.get(event.pointerId);
-    if (before === void 0) return;
+    const before2 = this.pointers.get(event.pointerId);
+    if (before2 === void 0) return;
     if (this.isPinching) {
-      this.pinch(event, before, { x: x2, y: y3 });
+      this.pinch(event, before2, { x: x2, y: y3 });
       return;
     }
     if (!this.isDragging && Math.hypot(x2 - this.begun.x, y3 - this.begun.y) < TAP_PX) return;
-    const [dx, dy] = this.isDragging ? [x2 - before.x, y3 - before.y] : [x2 - this.begun.x, y3 - this.begun.y];
+    const [dx, dy] = this.isDragging ? [x2 - before2.x, y3 - before2.y] : [x2 - this.begun.x, y3 - this.begun.y];
     if (!this.isDragging) {
       this.isDragging = true;
       const { x: x0, y: y0 } = this.begun;
@@ -4680,7 +6148,7 @@ var Gestures = class {
     if (this.isPinching) {
       if (this.pointers.size === 0) {
         this.isPinching = false;
-        this.emit({ kind: "pinch", phase: "end", dx: 0, dy: 0, factor: 1, angle: 0 }, event.timeStamp);
+        this.emit({ kind: "pinch", phase: "end", x: 0, y: 0, dx: 0, dy: 0, factor: 1, angle: 0 }, event.timeStamp);
       }
       return;
     }
@@ -4698,19 +6166,21 @@ var Gestures = class {
     this.isDragging = false;
     this.emit({ kind: "drag", phase: "end", what: this.what, x: x2, y: y3, dx: 0, dy: 0 }, at2);
   }
-  pinch(event, before, after) {
-    const other = [...this.pointers].find(([id]) => id !== event.pointerId)?.[1];
+  pinch(event, before2, after) {
+    const other = [...this.pointers].find(([id2]) => id2 !== event.pointerId)?.[1];
     this.pointers.set(event.pointerId, after);
     if (other === void 0) return;
-    const [from, to] = [vector(other, before), vector(other, after)];
+    const [from, to] = [vector(other, before2), vector(other, after)];
     const lengths = [Math.hypot(from.x, from.y), Math.hypot(to.x, to.y)];
     const turn = Math.atan2(to.y, to.x) - Math.atan2(from.y, from.x);
     this.emit(
       {
         kind: "pinch",
         phase: "move",
-        dx: (after.x - before.x) / 2,
-        dy: (after.y - before.y) / 2,
+        x: (after.x + other.x) / 2,
+        y: (after.y + other.y) / 2,
+        dx: (after.x - before2.x) / 2,
+        dy: (after.y - before2.y) / 2,
         factor: lengths[0] > 0 ? lengths[1] / lengths[0] : 1,
         angle: Math.atan2(Math.sin(turn), Math.cos(turn))
       },
@@ -4750,33 +6220,35 @@ function Viewport(props) {
   const sizeNow = T2(size);
   sizeNow.current = size;
   const frame = ui.frames[view];
-  useSize(box2, props, setSize);
+  useSize(box2, latest, setSize);
   useFrames(canvas, latest);
   F2(() => {
     const element = box2.current;
     if (element === null) return void 0;
-    const noted = (at2, act) => {
-      const before = store.seq;
+    const noted2 = (at2, act) => {
+      const before2 = store.seq;
       act();
-      if (store.seq !== before) ui.statistics.event(store.seq, at2);
+      if (store.seq !== before2) ui.statistics.event(store.seq, at2);
     };
+    let held;
     const gestures = new Gestures(
-      (gesture, at2) => noted(at2, () => latest.current.onGesture(gesture, sizeNow.current))
+      (gesture, at2) => noted2(at2, () => held?.onGesture(gesture) ?? latest.current.onGesture(gesture, sizeNow.current))
     );
     const place = (event) => {
       const { left, top } = element.getBoundingClientRect();
       return [event.clientX - left, event.clientY - top];
     };
-    const isHandle = (event) => event.composedPath().some((one) => one instanceof Element && one.hasAttribute("data-handle"));
     const down = (event) => {
-      if (isHandle(event)) return;
-      element.focus({ preventScroll: true });
+      if (!gestures.isActive) held = event.button === 0 ? heldAt(event) : void 0;
+      const focused = held !== void 0 && held.element.tabIndex >= 0 ? held.element : element;
+      focused.focus({ preventScroll: true });
+      ui.views.use(view);
       element.setPointerCapture(event.pointerId);
       gestures.down(event, ...place(event));
     };
     const move = (event) => {
       if (gestures.isActive) gestures.move(event, ...place(event));
-      else if (!isHandle(event)) {
+      else if (heldAt(event) === void 0) {
         const [x2, y3] = place(event);
         latest.current.onHover?.({ x: x2, y: y3 }, sizeNow.current);
       }
@@ -4794,19 +6266,21 @@ function Viewport(props) {
       event.preventDefault();
       setHint(false);
       const { deltaY, deltaMode } = event;
-      const what = { factor: wheelFactor(deltaY, deltaMode), steps: wheelSteps(deltaY, deltaMode), ctrl: event.ctrlKey };
-      noted(event.timeStamp, () => latest.current.onWheel(what));
+      const [x2, y3] = place(event);
+      const what = { factor: wheelFactor(deltaY, deltaMode), steps: wheelSteps(deltaY, deltaMode), ctrl: event.ctrlKey, x: x2, y: y3 };
+      noted2(event.timeStamp, () => latest.current.onWheel(what, sizeNow.current));
     };
     const key = (event) => {
       const action = actionOf(keyName(event));
       if (action === void 0 || event.defaultPrevented) return;
-      noted(event.timeStamp, () => {
+      noted2(event.timeStamp, () => {
         if (latest.current.onAction(action, event.shiftKey, sizeNow.current)) {
           event.preventDefault();
           event.stopPropagation();
         }
       });
     };
+    const focus = () => ui.views.use(view);
     const keyUp = () => store.settle();
     const menu = (event) => event.preventDefault();
     const stop = new AbortController();
@@ -4818,13 +6292,18 @@ function Viewport(props) {
       pointerleave: leave,
       wheel,
       keydown: key,
+      focusin: focus,
       keyup: keyUp,
       contextmenu: menu
     };
     for (const [name, listener] of Object.entries(listeners)) {
       element.addEventListener(name, listener, { passive: false, signal: stop.signal });
     }
-    return () => stop.abort();
+    const remove = ui.views.add(view, key);
+    return () => {
+      stop.abort();
+      remove();
+    };
   }, []);
   const moved = frame !== void 0 && transform !== void 0 && size.width > 0 ? transform(frame, size) : "";
   return /* @__PURE__ */ k(
@@ -4836,6 +6315,7 @@ function Viewport(props) {
       role: "group",
       "aria-label": view === "3d" ? "3-D picture" : `Slice, ${view}`,
       "data-view": view,
+      "data-tool": ui.tool,
       onPointerDown: () => setHint(false)
     },
     /* @__PURE__ */ k("canvas", { ref: canvas, role: "img", "aria-label": label, style: { transform: moved } }),
@@ -4843,16 +6323,18 @@ function Viewport(props) {
     hint && /* @__PURE__ */ k("p", { class: "hint" }, "Click first, or hold Ctrl, to magnify with the wheel")
   );
 }
-function useSize(box2, { engine, view }, setSize) {
-  A2(() => {
+function useSize(box2, latest, setSize) {
+  F2(() => {
     const element = box2.current;
     if (element === null) return void 0;
+    const { engine, view } = latest.current;
     let timer;
     let pixels = null;
     let isSeen2 = true;
     const ask = () => {
       const shown = isSeen2 && !document.hidden ? pixels : null;
       engine.show(view, shown);
+      if (shown !== null) latest.current.onResize?.(shown);
     };
     const resized = new ResizeObserver(([entry]) => {
       if (entry === void 0) return;
@@ -4889,21 +6371,26 @@ function useSize(box2, { engine, view }, setSize) {
   }, []);
 }
 function useFrames(canvas, latest) {
-  A2(() => {
+  F2(() => {
     const { engine, view } = latest.current;
-    let newest = null;
+    let newest2 = null;
     let isDecoding = false;
     let isGone = false;
     const next = async () => {
       if (isDecoding) return;
       isDecoding = true;
-      while (newest !== null && !isGone) {
-        const frame = newest;
-        newest = null;
+      while (newest2 !== null && !isGone) {
+        const frame = newest2;
+        newest2 = null;
         try {
-          const picture = await decoded(frame);
-          if (!isGone && canvas.current !== null) drawn(canvas.current, picture, frame);
-          picture.close();
+          if (frame.format === "values") {
+            if (canvas.current !== null) await latest.current.onValues?.(frame, canvas.current);
+            if (canvas.current !== null) noted(canvas.current, frame);
+          } else {
+            const picture = await decoded(frame);
+            if (!isGone && canvas.current !== null) drawn(canvas.current, picture, frame);
+            picture.close();
+          }
           latest.current.ui.frameShown(frame);
         } catch (problem) {
           latest.current.ui.problem(problem);
@@ -4915,8 +6402,8 @@ function useFrames(canvas, latest) {
     };
     const stop = engine.onFrame((frame) => {
       if (frame.view !== view) return;
-      if (newest !== null) engine.shown(newest);
-      newest = frame;
+      if (newest2 !== null) engine.shown(newest2);
+      newest2 = frame;
       void next();
     });
     return () => {
@@ -4941,6 +6428,9 @@ function drawn(canvas, picture, frame) {
   context.clearRect(0, 0, canvas.width, canvas.height);
   context.imageSmoothingQuality = "high";
   context.drawImage(picture, 0, 0, canvas.width, canvas.height);
+  noted(canvas, frame);
+}
+function noted(canvas, frame) {
   canvas.dataset["seq"] = String(frame.seq);
   canvas.dataset["atRest"] = String(frame.at_rest);
 }
@@ -4949,6 +6439,7 @@ function drawn(canvas, picture, frame) {
 var KEY_PX = 24;
 var KEY_ZOOM = 1.1;
 var KEY_ROLL = Math.PI / 36;
+var WHEEL_MS = 150;
 var VIEW_KEYS = {
   "view-front": "front",
   "view-back": "back",
@@ -4960,8 +6451,18 @@ var VIEW_KEYS = {
 function SceneView(props) {
   const { store, ui, welcome } = props;
   const camera = () => store.state.camera;
-  const move = (next, gesture) => store.change([set(next, "camera")], gesture);
+  const move = (next, gesture) => {
+    ui.camera.stop();
+    store.change([set(next, "camera")], gesture);
+  };
+  const isFree = () => store.state.view.interface.turning === "trackball";
+  const turned3 = (dx, dy, { height }) => isFree() ? turned2(camera(), dx, dy, height) : turnedUpright(camera(), dx, dy, height, welcome.upright);
+  const ruler = useRuler(props);
   const onGesture = (gesture, size) => {
+    if (gesture.kind === "drag" && gesture.what === "main" && isMeasuring(ui.tool)) {
+      ruler.onDrag(gesture, size);
+      return;
+    }
     if (gesture.kind === "tap") {
       if (gesture.ctrl || ui.tool !== "turn") void pick(props, gesture.x / size.width, gesture.y / size.height, size);
       return;
@@ -4971,9 +6472,9 @@ function SceneView(props) {
       return;
     }
     if (gesture.kind === "pinch") {
-      const { dx: dx2, dy: dy2, factor, angle } = gesture;
-      const moved = rolled(zoomed2(panned(camera(), dx2, dy2, size.height), factor), angle);
-      move(moved, "pinch");
+      const { x: x2, y: y3, dx: dx2, dy: dy2, factor, angle } = gesture;
+      const moved = zoomedAt(panned(camera(), dx2, dy2, size.height), size, factor, x2, y3);
+      move(isFree() ? rolled(moved, angle) : moved, "pinch");
       return;
     }
     if (gesture.phase === "start") return;
@@ -4982,11 +6483,11 @@ function SceneView(props) {
     else if (what === "pan") move(panned(camera(), dx, dy, size.height), "pan");
     else if (what === "zoom") move(zoomed2(camera(), Math.exp(-2 * dy / size.height)), "zoom");
     else if (what === "roll") move(rolled(camera(), Math.PI * dx / size.width), "roll");
-    else move(turned(camera(), dx, dy, size.height), "turn");
+    else move(turned3(dx, dy, size), "turn");
   };
   const onAction = (action, _shift, size) => {
-    const turn = (dx, dy) => move(turned(camera(), dx, dy, size.height), "key turn");
     const pan = (dx, dy) => move(panned(camera(), dx, dy, size.height), "key pan");
+    const turn = (dx, dy) => move(turned3(dx, dy, size), "key turn");
     const view = VIEW_KEYS[action];
     if (view !== void 0) {
       const next = welcome.standard_views[view];
@@ -5030,8 +6531,14 @@ function SceneView(props) {
       case "roll-right":
         move(rolled(camera(), KEY_ROLL), "key roll");
         return true;
+      case "level":
+        ui.camera.to(leveled(camera(), welcome.upright));
+        return true;
       case "fit":
-        void fit(props, size);
+        fit(props);
+        return true;
+      case "first-view":
+        void ui.camera.showFirst();
         return true;
       default:
         return false;
@@ -5045,62 +6552,56 @@ function SceneView(props) {
       label: sceneLabel(store.state),
       onGesture,
       onAction,
-      onWheel: ({ factor }) => {
-        move(zoomed2(camera(), factor), "wheel");
+      onWheel: ({ factor, x: x2, y: y3 }, size) => {
+        move(zoomedAt(camera(), size, factor, x2, y3), "wheel");
         settleSoon(store);
       },
+      onResize: (size) => void ui.camera.resized(size),
       onHover: (place, size) => ui.probe(place && store.state.geometry.length > 0 ? () => shapeAt(props, place, size) : null),
       transform: (frame, size) => instant(frame, camera(), size)
     },
-    (frame, size) => /* @__PURE__ */ k(SceneOverlay, { ...props, frame, size })
+    (frame, size) => /* @__PURE__ */ k($, null, /* @__PURE__ */ k(SceneOverlay, { ...props, frame, size }), ruler.line !== null && /* @__PURE__ */ k(RulerLine, { line: ruler.line }))
   );
 }
-async function fit({ engine, store, ui }, { width, height }) {
-  try {
-    const asked = { camera: store.state.camera, width: Math.round(width), height: Math.round(height) };
-    store.change([set((await engine.ask("fitted", asked)).camera, "camera")]);
-  } catch (problem) {
-    ui.problem(problem);
-  }
+function fit({ store, ui }) {
+  void ui.camera.show(store.state.camera);
 }
-var wheelTimer;
+function showFrom({ store, ui }, target) {
+  void ui.camera.show(withLens(target, store.state.camera.view_angle));
+}
+var wheelTimers = /* @__PURE__ */ new WeakMap();
 function settleSoon(store) {
-  clearTimeout(wheelTimer);
-  wheelTimer = setTimeout(() => store.settle(), 150);
-}
-function showFrom({ store }, target) {
-  const now = store.state.camera;
-  const lens = withLens(target, now.view_angle);
-  store.change([set(now.parallel_scale === void 0 ? lens : { ...lens, parallel_scale: now.parallel_scale }, "camera")]);
+  clearTimeout(wheelTimers.get(store));
+  wheelTimers.set(store, setTimeout(() => store.settle(), WHEEL_MS));
 }
 var placed = (x2, y3, { width, height }) => ({ x: x2, y: y3, width: Math.round(width), height: Math.round(height) });
 async function shapeAt({ engine, welcome }, { x: x2, y: y3 }, size) {
   const { shape } = await engine.ask("shape", placed(x2 / size.width, y3 / size.height, size));
   return shape === null ? "" : `${shape.text} at ${placeText(shape.point, welcome)}`;
 }
+var isMeasuring = (tool) => tool === "distance" || tool === "angle";
 async function pick(props, x2, y3, size) {
   const { engine, store, ui } = props;
   try {
     const { point: point2 } = await engine.ask("pick", placed(x2, y3, size));
-    if (point2 === null) {
-      ui.announce("Nothing is seen there");
-      return;
-    }
-    if (ui.tool === "distance" || ui.tool === "angle") ui.addPoint(point2);
-    else store.change([set(point2, "view", "slices", "crosshair")]);
+    if (point2 === null) ui.announce("Nothing is seen there");
+    else if (isMeasuring(ui.tool)) ui.addPoint(point2);
+    else store.change(crosshairAt(store.state, point2));
+    return point2 !== null;
   } catch (problem) {
     ui.problem(problem);
+    return false;
   }
 }
 function instant(frame, camera, size) {
-  const before = frame.camera;
-  if (before === void 0 || before === camera) return "";
-  const [old, now] = [axesOf(before), axesOf(camera)];
-  if (dot(old.back, now.back) < 1 - 1e-9 || before.view_angle !== camera.view_angle) return "";
+  const before2 = frame.camera;
+  if (before2 === void 0 || before2 === camera) return "";
+  const [old, now] = [axesOf(before2), axesOf(camera)];
+  if (dot(old.back, now.back) < 1 - 1e-9 || before2.view_angle !== camera.view_angle) return "";
   const at2 = (seen, point2) => project(seen, size, point2);
-  const beside = add(before.focal_point, old.right);
-  const [a3, b] = [at2(before, before.focal_point), at2(before, beside)];
-  const [A3, B3] = [at2(camera, before.focal_point), at2(camera, beside)];
+  const beside = add(before2.focal_point, old.right);
+  const [a3, b] = [at2(before2, before2.focal_point), at2(before2, beside)];
+  const [A3, B3] = [at2(camera, before2.focal_point), at2(camera, beside)];
   if (a3 === null || b === null || A3 === null || B3 === null) return "";
   const [dx, dy, DX, DY] = [b.x - a3.x, b.y - a3.y, B3.x - A3.x, B3.y - A3.y];
   const square = dx * dx + dy * dy;
@@ -5112,7 +6613,7 @@ function instant(frame, camera, size) {
 var IDENTITY = "1.000000,0.000000,-0.000000,1.000000,0.000000,0.000000";
 
 // src/view/settings_panel.tsx
-var TEXT17 = WORDS.settings;
+var TEXT27 = WORDS.settings;
 var FIRST_ANGLE = 30;
 function SettingsPanel(props) {
   const { store, figures, onFigures } = props;
@@ -5121,30 +6622,30 @@ function SettingsPanel(props) {
   return /* @__PURE__ */ k($, null, /* @__PURE__ */ k(
     Choice,
     {
-      label: TEXT17.rest,
+      label: TEXT27.rest,
       value: isNamed ? render2.quality : "own",
-      options: [...QUALITIES.map((name) => [name, name]), ...isNamed ? [] : [["own", TEXT17.custom]]],
+      options: [...QUALITIES.map((name) => [name, name]), ...isNamed ? [] : [["own", TEXT27.custom]]],
       onChoose: (value) => value !== "own" && store.change([set(value, "render", "quality")])
     }
   ), /* @__PURE__ */ k(
     Choice,
     {
-      label: TEXT17.moving,
+      label: TEXT27.moving,
       value: view.quality.moving,
-      options: Object.entries(TEXT17.movings),
+      options: Object.entries(TEXT27.movings),
       onChoose: (value) => store.change([set(value, "view", "quality", "moving")])
     }
   ), /* @__PURE__ */ k(
     Switch,
     {
-      label: TEXT17.perspective,
+      label: TEXT27.perspective,
       on: camera.view_angle !== void 0,
       onToggle: (on) => store.change([set(withLens(camera, on ? FIRST_ANGLE : void 0), "camera")])
     }
   ), camera.view_angle !== void 0 && /* @__PURE__ */ k(
-    NumberField2,
+    NumberField,
     {
-      label: TEXT17.angle,
+      label: TEXT27.angle,
       unit: "°",
       value: camera.view_angle,
       min: 5,
@@ -5155,193 +6656,278 @@ function SettingsPanel(props) {
   ), /* @__PURE__ */ k(
     Choice,
     {
-      label: TEXT17.theme,
+      label: TEXT27.turning,
+      value: view.interface.turning,
+      options: Object.entries(TEXT27.turnings),
+      onChoose: (value) => store.change([set(value, "view", "interface", "turning")])
+    }
+  ), /* @__PURE__ */ k(
+    Choice,
+    {
+      label: TEXT27.theme,
       value: view.interface.theme,
-      options: Object.entries(TEXT17.themes),
+      options: Object.entries(TEXT27.themes),
       onChoose: (value) => store.change([set(value, "view", "interface", "theme")])
     }
-  ), /* @__PURE__ */ k("fieldset", null, /* @__PURE__ */ k("legend", null, TEXT17.over), OVERLAYS.map((name) => /* @__PURE__ */ k(
+  ), /* @__PURE__ */ k("fieldset", null, /* @__PURE__ */ k("legend", null, TEXT27.over), OVERLAYS.map((name) => /* @__PURE__ */ k(
     Switch,
     {
       key: name,
-      label: TEXT17.overlays[name],
+      label: TEXT27.overlays[name],
       on: view.overlays[name],
       onToggle: (on) => store.change([set(on, "view", "overlays", name)])
     }
-  )), /* @__PURE__ */ k(Switch, { label: TEXT17.figures, on: figures, onToggle: onFigures })));
+  )), /* @__PURE__ */ k(Switch, { label: TEXT27.figures, on: figures, onToggle: onFigures })));
 }
 
-// src/view/share.tsx
-var SIZES = [
-  ["view", "As in the window"],
-  ["2", "Twice as large"],
-  ["1920x1080", "1920 x 1080"],
-  ["3840x2160", "3840 x 2160"],
-  ["own", "Own size"]
-];
-var MAX_SIDE = 8192;
-function SharePanel(props) {
-  const { store, engine, welcome, ui } = props;
-  const [size, setSize] = d2("view");
-  const [own, setOwn] = d2([1600, 1200]);
-  const [quality, setQuality] = d2("high");
-  const [transparent, setTransparent] = d2(false);
-  const [annotated, setAnnotated] = d2(false);
-  const [part, setPart] = d2(null);
-  const [abort, setAbort] = d2(null);
-  const [text2, setText] = d2("");
-  const pixels = () => {
-    const frame = ui.frames["3d"];
-    const scale = Number(frame?.settings["scale"] ?? 1);
-    const [w3, h3] = [Math.round((frame?.width ?? 1024) / scale), Math.round((frame?.height ?? 768) / scale)];
-    if (size === "own") return { width: own[0], height: own[1] };
-    if (size.includes("x")) {
-      const [width = 0, height = 0] = size.split("x").map(Number);
-      return { width, height };
-    }
-    const factor = size === "2" ? 2 : 1;
-    return { width: Math.min(factor * w3, MAX_SIDE), height: Math.min(factor * h3, MAX_SIDE) };
-  };
-  const picture = async (use) => {
-    const controller = new AbortController();
-    setAbort(controller);
-    setPart(0);
-    try {
-      const asked = { ...pixels(), quality, transparent, annotated };
-      const { bytes, notes } = await engine.ask("picture", asked, setPart, controller.signal);
-      await use(bytes);
-      for (const note of notes) ui.announce(note);
-    } catch (problem) {
-      if (problem.code !== "cancelled") ui.problem(problemOf(problem));
-    } finally {
-      setPart(null);
-      setAbort(null);
-    }
-  };
-  const code = async (as, use) => {
-    try {
-      const found = await engine.ask("code", { as, ...pixels() });
-      await use(found.text, found.name);
-    } catch (problem) {
-      ui.problem(problemOf(problem));
-    }
-  };
-  const copy = async (what, name) => {
-    setText(what);
-    try {
-      await navigator.clipboard.writeText(what);
-      ui.announce(`${name} copied`);
-    } catch {
-      ui.announce(`${name} is in the field below`);
-    }
-  };
-  const link = async () => {
-    const found = await linkPart(store.state, welcome.fingerprint);
-    if (found === null) {
-      ui.problem({ code: "link", message: "The state is too long for a link", remedy: "Save it as a file instead." });
-      return;
-    }
-    await copy(`${location.origin}${location.pathname}#state=${found}`, "The link");
-  };
-  return /* @__PURE__ */ k($, null, /* @__PURE__ */ k(Choice, { label: "Size", value: size, options: SIZES, onChoose: setSize }), size === "own" && /* @__PURE__ */ k("div", { class: "row" }, ["Width", "Height"].map((name, n2) => /* @__PURE__ */ k("label", { key: name, class: "row" }, name, /* @__PURE__ */ k(
-    "input",
-    {
-      type: "number",
-      min: 1,
-      max: MAX_SIDE,
-      value: own[n2],
-      onChange: (event) => {
-        const value = Math.min(Math.max(Math.round(event.currentTarget.valueAsNumber || 1), 1), MAX_SIDE);
-        setOwn(n2 === 0 ? [value, own[1]] : [own[0], value]);
-      }
-    }
-  )))), /* @__PURE__ */ k(Choice, { label: "Quality", value: quality, options: QUALITIES.slice(1).map((name) => [name, name]), onChoose: setQuality }), /* @__PURE__ */ k(Switch, { label: "Transparent background", on: transparent, onToggle: setTransparent }), /* @__PURE__ */ k(Switch, { label: "With scale bar and legend", on: annotated, onToggle: setAnnotated }), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", disabled: part !== null, onClick: () => void picture((bytes) => ui.download("picture.png", bytes, "image/png")) }, "Save picture"), /* @__PURE__ */ k(
-    "button",
-    {
-      class: "button",
-      disabled: part !== null,
-      onClick: () => void picture(async (bytes) => {
-        if (typeof ClipboardItem === "undefined") throw new Error("This browser cannot copy pictures; save it instead");
-        await navigator.clipboard.write([new ClipboardItem({ "image/png": new Blob([bytes], { type: "image/png" }) })]);
-        ui.announce("The picture is copied");
-      })
-    },
-    "Copy picture"
-  ), abort !== null && /* @__PURE__ */ k("button", { class: "button", onClick: () => abort.abort() }, "Cancel")), part !== null && /* @__PURE__ */ k("progress", { "aria-label": "Drawing the picture", max: 1, value: part }), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", onClick: () => void code("python", (found) => copy(found, "The Python program")) }, "Copy as Python"), /* @__PURE__ */ k("button", { class: "button", onClick: () => void code("command", (found) => copy(found, "The command")) }, "Copy as command"), ui.host === "page" && /* @__PURE__ */ k("button", { class: "button", onClick: () => void link() }, "Copy link")), text2 !== "" && /* @__PURE__ */ k("textarea", { "aria-label": "What was copied", readOnly: true, rows: 5, value: text2, onFocus: (event) => event.currentTarget.select() }), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k("button", { class: "button", onClick: () => void code("state", (found, name) => ui.download(name, found, "application/json")) }, "Save state"), /* @__PURE__ */ k("label", { class: "button" }, "Open state", /* @__PURE__ */ k(
-    "input",
-    {
-      class: "hidden",
-      type: "file",
-      accept: ".json,application/json",
-      onChange: (event) => {
-        const file = event.currentTarget.files?.[0];
-        event.currentTarget.value = "";
-        if (file !== void 0) void openState(props, file);
-      }
-    }
-  )), /* @__PURE__ */ k("button", { class: "button", onClick: () => void code("html", (found, name) => ui.download(name, found, "text/html")) }, "Save page (HTML)")));
-}
-async function openState({ engine, store, ui }, file) {
-  try {
-    const { state: state2 } = await engine.ask("open_state", { text: await file.text() });
-    store.change([{ op: "replace", path: "", value: state2 }]);
-    ui.announce(`${file.name} is open`);
-  } catch (problem) {
-    ui.problem(problemOf(problem));
+// src/view/slices/maximise.ts
+var before = /* @__PURE__ */ new WeakMap();
+function toggleMaximised(store, view) {
+  const { layout } = store.state.view;
+  if (layout.name === "single") {
+    const back = before.get(store) ?? { name: "two-by-two", main: "3d" };
+    store.change([set(back, "view", "layout")]);
+    return;
   }
-}
-function problemOf(problem) {
-  if (typeof problem === "object" && problem !== null && "message" in problem) {
-    const code = "code" in problem ? String(problem.code) : "failed";
-    return { ...problem, code, message: String(problem.message) };
-  }
-  return { code: "failed", message: String(problem) };
+  before.set(store, layout);
+  store.change([set({ name: "single", main: view }, "view", "layout")]);
 }
 
-// src/view/sheet.tsx
-var TEXT18 = WORDS.panels;
-var PANELS = ["presets", "function", "layers", "labels", "light", "cut", "slices", "measure", "share", "settings"];
-function openPanel(panels) {
-  return [...PANELS, "about"].find((name) => name === panels.at(-1)) ?? null;
+// src/view/slices/panes.ts
+var PANE_COLORS = { z: "#ff6b6b", y: "#6bd46b", x: "#6ba8ff" };
+var BODY = { z: "Axial", y: "Coronal", x: "Sagittal" };
+var nameOf3 = ({ welcome }, pane) => welcome.volumes[0]?.is_anatomical ? BODY[pane] : pane;
+
+// src/view/slices/probe.ts
+var PARTS = 64;
+function probe({ ui, welcome }, painter, on, place) {
+  const shown = painter.frame;
+  const slice = shown?.slice;
+  if (on === null || place === null || shown === null || slice === void 0 || shown !== ui.frames[shown.view]) {
+    ui.tell("");
+    return;
+  }
+  const point2 = worldAt(on, place.x, place.y);
+  const along = (way) => Math.round(point2.reduce((sum, value, a3) => sum + (value - (slice.origin[a3] ?? 0)) * (way[a3] ?? 0), 0) / slice.pixel);
+  const found2 = painter.at(along(slice.right), along(slice.down));
+  if (found2 === null) {
+    ui.tell("");
+    return;
+  }
+  const values = welcome.volumes.flatMap(({ robust_range: [low, high], value_unit }, n2) => {
+    const value = found2.values.get(n2);
+    if (value === void 0) return [];
+    return [value === null ? "outside" : `${value.toFixed(decimalsOf((high - low) / PARTS))} ${value_unit}`.trim()];
+  });
+  ui.tell(`${values.join(", ")}${found2.label === null ? "" : ` · ${found2.label}`} at ${placeText(point2, welcome)}`);
 }
-function Rail({ panels, open, onPanel, children }) {
-  return /* @__PURE__ */ k("nav", { class: "rail float", "aria-label": TEXT18.title }, panels.map((name) => /* @__PURE__ */ k(
-    "button",
-    {
-      key: name,
-      class: "rail-button",
-      "data-opens": name,
-      "aria-expanded": name === open,
-      title: WORDS.sheets[name],
-      onClick: () => onPanel(name === open ? null : name)
-    },
-    /* @__PURE__ */ k(Icon, { name }),
-    /* @__PURE__ */ k("span", null, TEXT18[name])
-  )), /* @__PURE__ */ k("span", { class: "spring" }), children);
-}
-function Sheet({ name, onClose, children }) {
-  const title = WORDS.sheets[name];
-  const close = (event) => {
-    const root = event.currentTarget.getRootNode();
-    onClose();
-    root.querySelector(`[data-opens="${name}"]`)?.focus();
+
+// src/engine/slice_values.ts
+var NOTHING2 = 65535;
+async function decodedValues(header, width, height, payload) {
+  const stream = new Blob([payload]).stream().pipeThrough(new DecompressionStream("deflate"));
+  const bytes = new Uint8Array(await new Response(stream).arrayBuffer());
+  const n2 = width * height;
+  const nPlanes = header.layers.length + (header.labels === null ? 0 : 1);
+  if (bytes.length !== 2 * n2 * nPlanes) {
+    throw new Error(`a slice of ${width} x ${height} pixels and ${nPlanes} planes has ${bytes.length} bytes`);
+  }
+  const planes = Array.from({ length: nPlanes }, (_3, plane) => summed(bytes.subarray(2 * n2 * plane, 2 * n2 * (plane + 1)), width));
+  return {
+    header,
+    width,
+    height,
+    layers: planes.slice(0, header.layers.length),
+    labels: header.labels === null ? null : planes.at(-1) ?? null
   };
-  return /* @__PURE__ */ k(
-    "section",
-    {
-      class: "sheet float",
-      "data-panel": name,
-      "aria-label": title,
-      onKeyDown: (event) => {
-        if (event.key !== "Escape" || event.defaultPrevented) return;
-        event.preventDefault();
-        event.stopPropagation();
-        close(event);
-      }
-    },
-    /* @__PURE__ */ k("header", { class: "sheet-head" }, /* @__PURE__ */ k("h2", null, title), /* @__PURE__ */ k("button", { class: "icon-button", "aria-label": TEXT18.close(title), onClick: close }, /* @__PURE__ */ k(Icon, { name: "close" }))),
-    /* @__PURE__ */ k("div", { class: "body", tabIndex: -1 }, children)
-  );
+}
+function summed(bytes, width) {
+  const n2 = bytes.length / 2;
+  const codes = new Uint16Array(n2);
+  for (let start = 0; start < n2; start += width) {
+    let code = 0;
+    for (let k3 = start; k3 < start + width; k3 += 1) {
+      code = code + bytes[k3] + (bytes[n2 + k3] << 8) & 65535;
+      codes[k3] = code;
+    }
+  }
+  return codes;
+}
+
+// src/view/slices/slice_colors.ts
+var FILL2 = 0.4;
+function colored(values, { window: window2, opacities }, out) {
+  const tables = values.header.layers.map((layer, n3) => tableOf(layer, codesOf(values.layers[n3]), window2));
+  if (values.layers.length === 1 && values.labels === null && values.header.layers[0]?.kind === "window" && opacities[0] === 1) {
+    coloredAlone(values, tables[0], out);
+    return;
+  }
+  const [red, green, blue] = values.header.background.map((share2) => 255 * share2);
+  const n2 = values.width * values.height;
+  const mixed = new Float32Array(3 * n2);
+  for (let k3 = 0; k3 < n2; k3 += 1) {
+    mixed[3 * k3] = red;
+    mixed[3 * k3 + 1] = green;
+    mixed[3 * k3 + 2] = blue;
+  }
+  addLights(values, tables, opacities, mixed);
+  values.header.layers.forEach((layer, place) => {
+    if (layer.kind !== "light") layOver(values.layers[place], tables[place], opacities[place] ?? 0, mixed);
+  });
+  if (values.labels !== null) layLabels(values, mixed);
+  for (let k3 = 0; k3 < n2; k3 += 1) {
+    out[4 * k3] = mixed[3 * k3];
+    out[4 * k3 + 1] = mixed[3 * k3 + 1];
+    out[4 * k3 + 2] = mixed[3 * k3 + 2];
+    out[4 * k3 + 3] = 255;
+  }
+}
+function codesOf(codes) {
+  let most = 0;
+  for (const code of codes) if (code > most && code !== NOTHING2) most = code;
+  return most + 1;
+}
+function tableOf(layer, n2, [level, width]) {
+  const table = new Float32Array(4 * n2);
+  const [origin, scale] = layer.kind === "window" ? [level - width / 2, 1 / width] : [0, 1];
+  const colors = curve(layer.color);
+  const opacity = layer.opacity === void 0 ? null : curve(layer.opacity);
+  const most = Math.max(...(layer.opacity ?? [[0, 1]]).map((node) => node[1]));
+  const lowest = layer.lowest ?? -Infinity;
+  for (let code = 0; code < n2; code += 1) {
+    const value = layer.low + code * layer.step;
+    const at2 = (value - origin) * scale;
+    for (let channel = 0; channel < 3; channel += 1) table[4 * code + channel] = 255 * colors(at2, channel + 1);
+    table[4 * code + 3] = opacity === null ? 1 : value < lowest || most === 0 ? 0 : opacity(value, 1) / most;
+  }
+  return table;
+}
+function curve(nodes2) {
+  let place = 0;
+  return (value, column) => {
+    while (place + 1 < nodes2.length && (nodes2[place + 1]?.[0] ?? Infinity) <= value) place += 1;
+    const [from, to] = [nodes2[place], nodes2[place + 1]];
+    const [x0, y0] = [from[0], from[column]];
+    if (to === void 0 || value <= x0) return y0;
+    return y0 + (value - x0) / (to[0] - x0) * (to[column] - y0);
+  };
+}
+function coloredAlone({ layers, header }, table, out) {
+  const codes = layers[0];
+  const rounded2 = new Uint8ClampedArray(table);
+  const pixels = new Uint32Array(65536);
+  const pixel = (red2, green2, blue2) => (4278190080 | blue2 << 16 | green2 << 8 | red2) >>> 0;
+  for (let code = 0; 4 * code < rounded2.length; code += 1) {
+    pixels[code] = pixel(rounded2[4 * code], rounded2[4 * code + 1], rounded2[4 * code + 2]);
+  }
+  const [red, green, blue] = header.background.map((share2) => Math.round(255 * share2));
+  pixels[NOTHING2] = pixel(red, green, blue);
+  const words = new Uint32Array(out.buffer, out.byteOffset, codes.length);
+  for (let k3 = 0; k3 < codes.length; k3 += 1) words[k3] = pixels[codes[k3]];
+}
+function addLights({ header, layers }, tables, opacities, mixed) {
+  const lights = header.layers.map((layer, place) => ({ layer, place })).filter(({ layer, place }) => layer.kind === "light" && (opacities[place] ?? 0) > 0);
+  if (lights.length === 0) return;
+  for (let k3 = 0; k3 < mixed.length / 3; k3 += 1) {
+    let [red, green, blue, isKnown] = [0, 0, 0, false];
+    for (const { place } of lights) {
+      const code = layers[place][k3];
+      if (code === NOTHING2) continue;
+      const [table, opacity] = [tables[place], opacities[place]];
+      red += opacity * table[4 * code];
+      green += opacity * table[4 * code + 1];
+      blue += opacity * table[4 * code + 2];
+      isKnown = true;
+    }
+    if (!isKnown) continue;
+    mixed[3 * k3] = Math.min(red, 255);
+    mixed[3 * k3 + 1] = Math.min(green, 255);
+    mixed[3 * k3 + 2] = Math.min(blue, 255);
+  }
+}
+function layOver(codes, table, opacity, mixed) {
+  if (opacity === 0) return;
+  for (let k3 = 0; k3 < codes.length; k3 += 1) {
+    const code = codes[k3];
+    if (code === NOTHING2) continue;
+    const alpha = opacity * table[4 * code + 3];
+    if (alpha === 0) continue;
+    mix(mixed, 3 * k3, table, 4 * code, alpha);
+  }
+}
+function layLabels({ header, labels, width, height }, mixed) {
+  const codes = labels;
+  const colors = new Float32Array((header.labels?.colors ?? []).flatMap(([share2, ...rgb]) => [share2, ...rgb.map((one) => 255 * one)]));
+  for (let row = 0; row < height; row += 1) {
+    for (let column = 0; column < width; column += 1) {
+      const k3 = row * width + column;
+      const code = codes[k3];
+      const share2 = colors[4 * code];
+      if (share2 === 0) continue;
+      const isEdge = column > 0 && codes[k3 - 1] !== code || column + 1 < width && codes[k3 + 1] !== code || row > 0 && codes[k3 - width] !== code || row + 1 < height && codes[k3 + width] !== code;
+      mix(mixed, 3 * k3, colors, 4 * code + 1, isEdge ? share2 : FILL2 * share2);
+    }
+  }
+}
+function mix(mixed, pixel, table, place, alpha) {
+  for (let channel = 0; channel < 3; channel += 1) {
+    const below = mixed[pixel + channel];
+    mixed[pixel + channel] = below + alpha * (table[place + channel] - below);
+  }
+}
+
+// src/view/slices/slice_painter.ts
+var SlicePainter = class {
+  /** The frame whose values these are, and the canvas they are in. */
+  frame = null;
+  values = null;
+  canvas = null;
+  image = null;
+  coloring = "";
+  /** Takes a frame of values and draws it. */
+  async take(frame, canvas, state2) {
+    if (frame.values === void 0) return;
+    this.values = await decodedValues(frame.values, frame.width, frame.height, frame.bytes);
+    this.frame = frame;
+    this.canvas = canvas;
+    this.coloring = "";
+    if (canvas.width !== frame.width) canvas.width = frame.width;
+    if (canvas.height !== frame.height) canvas.height = frame.height;
+    this.image = new ImageData(frame.width, frame.height);
+    this.draw(state2);
+  }
+  /** Draws the values again, if the state gives them other colours than are in the canvas. */
+  draw(state2) {
+    const { values, canvas, image, frame } = this;
+    if (values === null || canvas === null || image === null || frame === null) return;
+    const coloring = coloringOf(values, frame, state2);
+    const key = JSON.stringify(coloring);
+    if (key === this.coloring) return;
+    this.coloring = key;
+    colored(values, coloring, image.data);
+    canvas.getContext("2d")?.putImageData(image, 0, 0);
+    canvas.dataset["painted"] = String(Number(canvas.dataset["painted"] ?? 0) + 1);
+  }
+  /** Values of each layer, by its number in the state, and name of the label, at a pixel; null outside of them. */
+  at(column, row) {
+    const { values } = this;
+    if (values === null || column < 0 || row < 0 || column >= values.width || row >= values.height) return null;
+    const k3 = row * values.width + column;
+    const found2 = values.header.layers.map(({ layer, low, step }, n2) => {
+      const code = values.layers[n2]?.[k3] ?? NOTHING2;
+      return [layer, code === NOTHING2 ? null : low + code * step];
+    });
+    return { values: new Map(found2), label: values.header.labels?.names[values.labels?.[k3] ?? NOTHING2] ?? null };
+  }
+};
+function coloringOf({ header }, frame, state2) {
+  return {
+    window: state2.view.slices.window ?? frame.slice?.window ?? [0, 1],
+    opacities: header.layers.map(({ layer }) => {
+      const { visible, opacity } = state2.layers[layer] ?? { visible: false, opacity: 0 };
+      return visible ? opacity : 0;
+    })
+  };
 }
 
 // src/view/overlay3d/crop_on_slice.tsx
@@ -5360,8 +6946,8 @@ function CropOnSlice(props) {
   const [from, to] = [placeOf(on, inPlane(box2.lower)), placeOf(on, inPlane(box2.upper))];
   const [left, top] = [Math.min(from.x, to.x), Math.min(from.y, to.y)];
   const now = () => {
-    const found = store.state.clip[place];
-    return (found === void 0 ? null : boxOf(found)) ?? box2;
+    const found2 = store.state.clip[place];
+    return (found2 === void 0 ? null : boxOf(found2)) ?? box2;
   };
   const faces = [0, 1, 2].filter((axis) => axis !== normalAxis).flatMap((axis) => [{ axis, side: "lower" }, { axis, side: "upper" }]);
   return /* @__PURE__ */ k("g", null, /* @__PURE__ */ k("rect", { x: left, y: top, width: Math.abs(to.x - from.x), height: Math.abs(to.y - from.y), stroke: COLOR3, fill: "none", "stroke-width": "1.3" }), faces.map((face) => {
@@ -5398,60 +6984,298 @@ function CropOnSlice(props) {
   }));
 }
 
+// src/view/slices/crosshair.tsx
+var GAP = 12;
+var TILT_AT = 0.36;
+var MOVE_AT = 0.22;
+function CrosshairLine(props) {
+  const { store, on, other, welcome } = props;
+  const { size } = on;
+  const normal = normalOf(store.state, other);
+  const line = lineOf(on, normal);
+  if (line === null) return null;
+  const at2 = placeOf(on, store.state.view.slices.crosshair);
+  const reach = size.width + size.height;
+  const color2 = PANE_COLORS[other];
+  const side = Math.min(size.width, size.height);
+  const position = dot(normal, store.state.view.slices.crosshair);
+  const step = sampleStep(welcome.volumes[0]?.affine ?? [], normal);
+  const range = props.ui.frames[other]?.slice?.range ?? rangeOf(welcome.bounds, normal);
+  const move = (distance2, gesture) => store.change([set(stepped(store.state, other, distance2, range), "view", "slices", "crosshair")], gesture);
+  const keys = (event) => {
+    const n2 = stepOf(event);
+    if (n2 === void 0) return;
+    move(n2 * step, "key plane");
+  };
+  const tilt = (x2, y3) => store.change([tiltTo(store, other, tilted(on, normalOf(store.state, other), x2 - at2.x, y3 - at2.y))], "tilt");
+  const tiltKeys = (event) => {
+    const n2 = stepOf(event);
+    if (n2 === void 0) return;
+    const angle = Math.atan2(line.dy, line.dx) + n2 * Math.PI / 180;
+    store.change([tiltTo(store, other, tilted(on, normal, Math.cos(angle), Math.sin(angle)))], "key tilt");
+  };
+  const along = (far) => `${at2.x + line.dx * far} ${at2.y + line.dy * far}`;
+  return /* @__PURE__ */ k("g", { class: "quiet", stroke: color2, fill: "none" }, /* @__PURE__ */ k("path", { d: `M${along(-reach)}L${along(-GAP)}M${along(GAP)}L${along(reach)}`, "stroke-width": "1.2", opacity: "0.85" }), /* @__PURE__ */ k(
+    Handle2,
+    {
+      label: `${nameOf3(props, other)} plane`,
+      text: `${nameOf3(props, other)} plane at ${shortNumber(position, 4)}`,
+      value: position,
+      range,
+      x: at2.x - line.dx * side * MOVE_AT,
+      y: at2.y - line.dy * side * MOVE_AT,
+      color: color2,
+      onDrag: (_x, _y, dx, dy) => {
+        const { geometry } = on;
+        const per = geometry.pixel * on.width / size.width;
+        const way = add(scaled(geometry.right, dx * per), scaled(geometry.down, dy * per));
+        move(dot(way, normal), "drag plane");
+      },
+      onKey: keys,
+      onEnd: () => store.settle()
+    }
+  ), /* @__PURE__ */ k(
+    Handle2,
+    {
+      label: `Tilt the ${nameOf3(props, other)} plane`,
+      text: `Tilt of the ${nameOf3(props, other)} plane`,
+      value: Math.atan2(line.dy, line.dx) * 180 / Math.PI,
+      range: [-180, 180],
+      x: at2.x + line.dx * side * TILT_AT,
+      y: at2.y + line.dy * side * TILT_AT,
+      color: color2,
+      round: true,
+      onDrag: (x2, y3) => tilt(x2, y3),
+      onKey: tiltKeys,
+      onEnd: () => store.settle()
+    }
+  ));
+}
+function tiltTo(store, pane, normal) {
+  return set({ ...store.state.view.slices.normals, [pane]: normal }, "view", "slices", "normals");
+}
+function rangeOf([lower, upper], normal) {
+  const ends = [0, 1, 2].map((a3) => [(lower[a3] ?? 0) * (normal[a3] ?? 0), (upper[a3] ?? 0) * (normal[a3] ?? 0)]);
+  const sum = (pick2) => ends.reduce((total, end) => total + pick2(...end), 0);
+  return [sum(Math.min), sum(Math.max)];
+}
+
+// src/view/slices/fitting.ts
+var LINE = 17;
+var PADDING = 8;
+var APART = 6;
+var LETTER = 7;
+var widthOf = (lines) => Math.max(0, ...lines.map((line) => line.length)) * LETTER + 2 * PADDING;
+var heightOf = (lines) => lines.length * LINE + PADDING;
+function textsThatFit({ width, height }, name, window2) {
+  const isLow = height < 120;
+  const lines = height < LINE + PADDING + 4 ? [] : isLow ? name.slice(0, 1) : name;
+  const [left, right] = [widthOf(lines) + APART, window2 === null ? 0 : widthOf([window2]) + 14 + APART];
+  const shown = left + right + APART <= width ? window2 : null;
+  const half = width / 2 - 1.5 * LETTER - APART;
+  const top = heightOf(lines) + APART;
+  const bar = 2 * LINE + PADDING;
+  const scaleBar = height >= top + bar;
+  const barWidth = Math.max(0.3 * width, 10 * LETTER) + 12;
+  return {
+    name: lines,
+    window: shown,
+    sideLetters: height / 2 - LINE >= Math.max(top, bar) + APART,
+    endLetters: !isLow && half >= Math.max(left, shown === null ? 0 : right, barWidth),
+    scaleBar
+  };
+}
+
+// src/view/slices/window_menu.tsx
+var COLOR_NAMES = {
+  gray: "Grey",
+  gray_r: "Inverted grey",
+  hot: "Hot",
+  viridis: "Viridis",
+  coolwarm: "Cool to warm"
+};
+function windowText({ store }, frame) {
+  const window2 = frame.slice?.window && (store.state.view.slices.window ?? frame.slice.window);
+  return window2 ? `L ${shortNumber(window2[0], 4)} W ${shortNumber(window2[1], 4)}` : null;
+}
+function namedWindows({ welcome }) {
+  return welcome.volumes[0]?.value_unit === "HU" ? Object.entries(welcome.window_names) : [];
+}
+function chooseWindow({ store, welcome }, name) {
+  const { slices } = store.state.view;
+  const window2 = welcome.window_names[name];
+  if (window2 !== void 0) store.change([set(window2, "view", "slices", "window")]);
+  else if (name in COLOR_NAMES) store.change([set(name, "view", "slices", "colors")]);
+  else if (name === "automatic") {
+    const fields2 = ["window", "colors"].filter((field) => slices[field] !== void 0);
+    if (fields2.length > 0) store.change(fields2.map((field) => ({ op: "remove", path: `/view/slices/${field}` })));
+  }
+}
+function WindowMenu(props) {
+  const { text: text2 } = props;
+  return /* @__PURE__ */ k("label", { class: "corner right pill menu", "data-handle": true }, /* @__PURE__ */ k("span", { class: "hidden" }, "Window"), /* @__PURE__ */ k(
+    "select",
+    {
+      value: "",
+      onChange: (event) => {
+        const select = event.currentTarget;
+        chooseWindow(props, select.value);
+        select.value = "";
+      }
+    },
+    /* @__PURE__ */ k("option", { value: "", selected: true, hidden: true }, text2),
+    /* @__PURE__ */ k("option", { value: "automatic" }, "Automatic"),
+    namedWindows(props).map(([name, [level, width]]) => /* @__PURE__ */ k("option", { key: name, value: name }, `${name} (${level}, ${width})`)),
+    /* @__PURE__ */ k("optgroup", { label: "Colours" }, SLICE_COLORS.map((name) => /* @__PURE__ */ k("option", { key: name, value: name }, COLOR_NAMES[name])))
+  ));
+}
+
+// src/view/slices/slice_overlay.tsx
+function SliceOverlay(props) {
+  const { pane, on, store, welcome } = props;
+  const { slices, overlays } = store.state.view;
+  const { geometry } = on;
+  const { letters } = geometry;
+  const unit2 = welcome.volumes[0]?.unit ?? "units";
+  const isTilted = slices.normals?.[pane] !== void 0;
+  const name = [
+    `${nameOf3(props, pane)}${isTilted ? ", tilted" : ""}`,
+    `${shortNumber(geometry.position, 4)} ${unit2}`,
+    ...slices.thickness > 0 ? [`${slices.slab} of ${shortNumber(slices.thickness)} ${unit2}`] : []
+  ];
+  const room = T2(null);
+  const texts = textsThatFit(useRoom(room), name, windowText(props, props.frame));
+  const showsLetters = overlays.letters && letters !== null;
+  return /* @__PURE__ */ k($, null, /* @__PURE__ */ k("svg", { class: "over", "aria-hidden": false }, overlays.crosshair && othersOf(pane).map((other) => /* @__PURE__ */ k(CrosshairLine, { key: other, ...props, on, other })), overlays.crop_box && /* @__PURE__ */ k(CropOnSlice, { ...props, on }), /* @__PURE__ */ k(MeasuresOnSlice, { ...props, on, drawing: props.drawing })), /* @__PURE__ */ k("div", { class: "texts", ref: room }, texts.name.length > 0 && /* @__PURE__ */ k("div", { class: "corner pill", style: { color: PANE_COLORS[pane] } }, texts.name.join("\n")), texts.window !== null && /* @__PURE__ */ k(WindowMenu, { ...props, text: texts.window }), showsLetters && texts.sideLetters && /* @__PURE__ */ k($, null, /* @__PURE__ */ k(Letter, { x: "4px", y: "50%", from: "0 -50%" }, letters.left), /* @__PURE__ */ k(Letter, { x: "calc(100% - 4px)", y: "50%", from: "-100% -50%" }, letters.right)), showsLetters && texts.endLetters && /* @__PURE__ */ k($, null, /* @__PURE__ */ k(Letter, { x: "50%", y: "6px", from: "-50% 0" }, letters.top), /* @__PURE__ */ k(Letter, { x: "50%", y: "calc(100% - 6px)", from: "-50% -100%" }, letters.bottom)), overlays.scale_bar && texts.scaleBar && /* @__PURE__ */ k(ScaleBar2, { on, unit: unit2 })));
+}
+function Letter(props) {
+  return /* @__PURE__ */ k("span", { class: "pill letter", "aria-hidden": "true", style: { left: props.x, top: props.y, translate: props.from } }, props.children);
+}
+function useRoom(element) {
+  const [size, setSize] = d2({ width: 0, height: 0 });
+  F2(() => {
+    if (element.current === null) return void 0;
+    const observer = new ResizeObserver(([entry]) => entry && setSize(entry.contentRect));
+    observer.observe(element.current);
+    return () => observer.disconnect();
+  }, []);
+  return size;
+}
+function ScaleBar2({ on, unit: unit2 }) {
+  const { geometry, size, width } = on;
+  const perCss = geometry.pixel * width / size.width;
+  const bar = barLength(perCss * size.width * 0.3);
+  return /* @__PURE__ */ k("div", { class: "corner low pill scale", "aria-hidden": "true" }, `${bar} ${unit2}`, /* @__PURE__ */ k("span", { style: { width: `${bar / perCss}px` } }));
+}
+
 // src/view/slices/slice_pane.tsx
-var PANE_COLORS = { z: "#ff6b6b", y: "#6bd46b", x: "#6ba8ff" };
-var BODY = { z: "Axial", y: "Coronal", x: "Sagittal" };
-var nameOf2 = ({ welcome }, pane) => welcome.volumes[0]?.is_anatomical ? BODY[pane] : pane;
 var COARSE2 = 10;
+var KEY_PX2 = 24;
+var KEY_ZOOM2 = 1.1;
 function SlicePane(props) {
   const { pane, store, ui, welcome } = props;
-  const frame = () => ui.frames[pane];
+  const press2 = T2(null);
+  const fingers = T2(new TwoFingers());
+  const drawing = useDrawing(props);
+  const painter = T2(new SlicePainter());
+  F2(() => {
+    if (ui.frames[pane] === painter.current.frame) painter.current.draw(store.state);
+  });
   const slices = () => store.state.view.slices;
+  const change = (operations, gesture) => {
+    if (operations.length > 0) store.change(operations, gesture);
+  };
+  const now = (size) => {
+    const frame = sliceFrame(ui.frames[pane], size);
+    return frame === null ? null : newest(frame, store.state, pane, centerOf(store.state, welcome));
+  };
   const step = () => sampleStep(welcome.volumes[0]?.affine ?? [], normalOf(store.state, pane));
   const scroll = (n2, gesture) => {
-    const range = frame()?.slice?.range;
+    const range = ui.frames[pane]?.slice?.range;
     if (range === void 0) return;
-    store.change([set(stepped(store.state, pane, n2 * step(), range), "view", "slices", "crosshair")], gesture);
+    change([set(stepped(store.state, pane, n2 * step(), range), "view", "slices", "crosshair")], gesture);
   };
   const window2 = (dx, dy, size) => {
     const volume2 = welcome.volumes[0];
-    const now = slices().window ?? frame()?.slice?.window;
-    if (volume2 === void 0 || !now) return;
+    const automatic = ui.frames[pane]?.slice?.window;
+    if (automatic === null) windowDrag(props, dx, dy);
+    const before2 = automatic && (slices().window ?? automatic);
+    if (volume2 === void 0 || !before2) return;
     const span = volume2.robust_range[1] - volume2.robust_range[0] || 1;
-    const width = Math.max(now[1] + dx / size.width * span, span * 1e-4);
-    store.change([set([now[0] - dy / size.height * span, width], "view", "slices", "window")], "window");
+    const width = Math.max(before2[1] + dx / size.width * span, span * 1e-4);
+    change([set([before2[0] - dy / size.height * span, width], "view", "slices", "window")], "window");
   };
-  const moveTo = (x2, y3, size, gesture) => {
-    const on = sliceFrame(frame(), size);
-    if (on !== null) store.change([set(worldAt(on, x2, y3), "view", "slices", "crosshair")], gesture);
+  const zoomAt = (size, factor, x2, y3) => {
+    const on = now(size);
+    if (on !== null) change(zoomedAbout(store.state, welcome, worldAt(on, x2, y3), factor), "slice zoom");
   };
-  const zoom = (factor) => {
-    const next = Math.min(Math.max(slices().zoom * factor, 0.1), 100);
-    store.change([set(next, "view", "slices", "zoom")], "slice zoom");
+  const panBy = (size, dx, dy, gesture) => {
+    const on = now(size);
+    if (on !== null) change(panned2(on, centerOf(store.state, welcome), dx, dy, welcome), gesture);
   };
-  const onGesture = (gesture, size) => {
-    if (gesture.kind === "tap") {
-      const on = sliceFrame(frame(), size);
-      if ((ui.tool === "distance" || ui.tool === "angle") && on !== null) ui.addPoint(worldAt(on, gesture.x, gesture.y));
-      else if (gesture.double && slices().window !== void 0) store.change([{ op: "remove", path: "/view/slices/window" }]);
-      else moveTo(gesture.x, gesture.y, size);
+  const onTap = (gesture, size) => {
+    const on = now(size);
+    if (on === null) return;
+    if (drawing.isOn) drawing.onTap(on, gesture.x, gesture.y, gesture.double);
+    else if (gesture.double) toggleMaximised(store, pane);
+    else change([set(worldAt(on, gesture.x, gesture.y), "view", "slices", "crosshair")]);
+  };
+  const onDrag = (gesture, size) => {
+    const { phase, what, x: x2, y: y3 } = gesture;
+    if (phase === "start") {
+      const on = now(size);
+      press2.current = on === null ? null : { on, center: centerOf(store.state, welcome), x: x2, y: y3 };
+    }
+    const from = press2.current;
+    if (from === null) return;
+    const isMain = what === "main" || what === "roll";
+    if (isMain && drawing.isOn) drawing.onDrag(from.on, gesture);
+    else if (phase === "end") store.settle();
+    else if (what === "pan") change(panned2(from.on, from.center, x2 - from.x, y3 - from.y, welcome), "slice pan");
+    else if (phase === "start") return;
+    else if (what === "window" || isMain && ui.tool === "window") window2(gesture.dx, gesture.dy, size);
+    else if (what === "zoom") zoomAt(size, Math.exp(-2 * gesture.dy / size.height), from.x, from.y);
+    else if (isMain) change([set(worldAt(from.on, x2, y3), "view", "slices", "crosshair")], "crosshair");
+    if (phase === "end") press2.current = null;
+  };
+  const onPinch = (gesture, size) => {
+    if (gesture.phase === "end") {
+      fingers.current.end();
+      store.settle();
       return;
     }
-    if (gesture.phase === "end") store.settle();
-    else if (gesture.kind === "pinch") zoom(gesture.factor);
-    else if (gesture.phase === "start") return;
-    else if (gesture.what === "window" || gesture.what === "main" && ui.tool === "window") {
-      window2(gesture.dx, gesture.dy, size);
-    } else if (gesture.what === "zoom") zoom(Math.exp(-2 * gesture.dy / size.height));
-    else if (gesture.what === "main" || gesture.what === "pan") moveTo(gesture.x, gesture.y, size, "crosshair");
+    const told = fingers.current.moved(gesture.dx, gesture.dy, gesture.factor);
+    if (told === null) return;
+    if ("steps" in told) scroll(-told.steps, "touch slice");
+    else {
+      panBy(size, told.dx, told.dy, "slice pinch");
+      zoomAt(size, told.factor, gesture.x, gesture.y);
+    }
+  };
+  const onGesture = (gesture, size) => {
+    if (gesture.kind === "tap") onTap(gesture, size);
+    else if (gesture.kind === "pinch") onPinch(gesture, size);
+    else onDrag(gesture, size);
+  };
+  const onWheel = ({ factor, steps, ctrl, x: x2, y: y3 }, size) => {
+    if (ctrl) zoomAt(size, factor, x2, y3);
+    else scroll(-steps, "wheel slice");
+    settleSoon(store);
   };
   const onAction = (action, shift, size) => {
-    const on = sliceFrame(frame(), size);
     const nudge = (right, down) => {
+      const on = now(size);
       if (on === null) return true;
-      const { geometry } = on;
-      const moved = add(scaled(geometry.right, right * step()), scaled(geometry.down, down * step()));
-      store.change([set(add(slices().crosshair, moved), "view", "slices", "crosshair")], "key crosshair");
+      const moved = add(scaled(on.geometry.right, right * step()), scaled(on.geometry.down, down * step()));
+      change([set(add(slices().crosshair, moved), "view", "slices", "crosshair")], "key crosshair");
+      return true;
+    };
+    const magnify = (factor) => {
+      change(zoomedAbout(store.state, welcome, slices().crosshair, factor), "slice zoom");
+      return true;
+    };
+    const pan = (dx, dy) => {
+      panBy(size, dx, dy, "key pan");
       return true;
     };
     switch (action) {
@@ -5469,150 +7293,56 @@ function SlicePane(props) {
         return nudge(0, -1);
       case "turn-down":
         return nudge(0, 1);
+      case "pan-left":
+        return pan(-KEY_PX2, 0);
+      case "pan-right":
+        return pan(KEY_PX2, 0);
+      case "pan-up":
+        return pan(0, -KEY_PX2);
+      case "pan-down":
+        return pan(0, KEY_PX2);
       case "zoom-in":
-        zoom(1.1);
-        return true;
+        return magnify(KEY_ZOOM2);
       case "zoom-out":
-        zoom(1 / 1.1);
-        return true;
+        return magnify(1 / KEY_ZOOM2);
+      case "first-view":
       case "fit":
-        store.change([set(1, "view", "slices", "zoom")]);
+        change(fitted(store.state));
         return true;
       default:
         return false;
     }
   };
-  const cutAt = frame()?.slice;
-  const position = cutAt === void 0 ? "" : shortNumber(cutAt.position, 4);
+  const cutAt = ui.frames[pane]?.slice;
   return /* @__PURE__ */ k(
     Viewport,
     {
       ...props,
       view: pane,
-      label: `${nameOf2(props, pane)} slice at ${position}`,
+      label: `${nameOf3(props, pane)} slice at ${cutAt === void 0 ? "" : shortNumber(cutAt.position, 4)}`,
       onGesture,
       onAction,
-      onWheel: ({ factor, steps, ctrl }) => {
-        if (ctrl) zoom(factor);
-        else scroll(-steps, "wheel slice");
-        settleSoon(store);
+      onWheel,
+      onHover: (place, size) => {
+        const on = place === null ? null : now(size);
+        drawing.onHover(on, place);
+        probe(props, painter.current, on, place);
       },
-      onHover: (place, size) => probe(props, place === null ? null : sliceFrame(frame(), size), place)
+      onValues: (frame, canvas) => painter.current.take(frame, canvas, store.state),
+      transform: (frame, size) => {
+        const [from, to] = [sliceFrame(frame, size), now(size)];
+        return from === null || to === null ? "" : transformOf(from, to);
+      }
     },
-    (shown, size) => /* @__PURE__ */ k(SliceOverlay, { ...props, frame: shown, size })
+    (frame, size) => {
+      const on = now(size);
+      return on !== null && /* @__PURE__ */ k(SliceOverlay, { ...props, frame, on, drawing: drawing.drawing });
+    }
   );
 }
 function sliceFrame(frame, size) {
   if (frame?.slice === void 0 || size.width === 0) return null;
   return { geometry: frame.slice, size, width: frame.width, height: frame.height };
-}
-function SliceOverlay(props) {
-  const { pane, frame, size, store, welcome } = props;
-  const { slices, overlays } = store.state.view;
-  const on = sliceFrame(frame, size);
-  if (on === null) return null;
-  const { geometry } = on;
-  const letters = geometry.letters;
-  const unit2 = welcome.volumes[0]?.unit ?? "units";
-  const perCss = geometry.pixel * frame.width / size.width;
-  const bar = barLength(perCss * size.width * 0.3);
-  const [level, width] = slices.window ?? geometry.window ?? [0, 0];
-  const isTilted = slices.normals?.[pane] !== void 0;
-  return /* @__PURE__ */ k($, null, /* @__PURE__ */ k("svg", { class: "over", "aria-hidden": false }, overlays.crosshair && othersOf(pane).map((other) => /* @__PURE__ */ k(CrosshairLine, { key: other, ...props, on, other })), overlays.crop_box && /* @__PURE__ */ k(CropOnSlice, { ...props, on }), /* @__PURE__ */ k(MeasuresOnSlice, { ...props, on }), overlays.letters && letters !== null && /* @__PURE__ */ k("g", { "aria-hidden": "true", "text-anchor": "middle" }, /* @__PURE__ */ k("text", { class: "at-left", x: 14, y: size.height / 2 }, letters.left), /* @__PURE__ */ k("text", { x: size.width - 14, y: size.height / 2 }, letters.right), /* @__PURE__ */ k("text", { class: "at-top", x: size.width / 2, y: 18 }, letters.top), /* @__PURE__ */ k("text", { class: "at-bottom", x: size.width / 2, y: size.height - 8 }, letters.bottom)), overlays.scale_bar && /* @__PURE__ */ k("g", { "aria-hidden": "true", class: "at-corner" }, /* @__PURE__ */ k("path", { d: `M12 ${size.height - 14}h${bar / perCss}`, stroke: "#000", "stroke-width": "5" }), /* @__PURE__ */ k("path", { d: `M12 ${size.height - 14}h${bar / perCss}`, stroke: "#fff", "stroke-width": "2.5" }), /* @__PURE__ */ k("text", { x: 12, y: size.height - 20 }, `${bar} ${unit2}`))), /* @__PURE__ */ k("div", { class: "corner", style: { color: PANE_COLORS[pane] } }, `${nameOf2(props, pane)}${isTilted ? ", tilted" : ""}
-${shortNumber(geometry.position, 4)} ${unit2}`, slices.thickness > 0 ? `
-${slices.slab} of ${shortNumber(slices.thickness)} ${unit2}` : ""), geometry.window && /* @__PURE__ */ k("div", { class: "corner right" }, `L ${shortNumber(level, 4)}
-W ${shortNumber(width, 4)}`));
-}
-function CrosshairLine(props) {
-  const { store, on, other, welcome } = props;
-  const { size } = on;
-  const normal = normalOf(store.state, other);
-  const line = lineOf(on, normal);
-  if (line === null) return null;
-  const at2 = placeOf(on, store.state.view.slices.crosshair);
-  const reach = size.width + size.height;
-  const color2 = PANE_COLORS[other];
-  const far = Math.min(size.width, size.height) * 0.42;
-  const position = dot(normal, store.state.view.slices.crosshair);
-  const step = sampleStep(welcome.volumes[0]?.affine ?? [], normal);
-  const range = props.ui.frames[other]?.slice?.range ?? rangeOf(welcome.bounds, normal);
-  const move = (distance2, gesture) => store.change([set(stepped(store.state, other, distance2, range), "view", "slices", "crosshair")], gesture);
-  const keys = (event) => {
-    const n2 = stepOf(event);
-    if (n2 === void 0) return;
-    move(n2 * step, "key plane");
-  };
-  const tilt = (x2, y3) => store.change([tiltTo(store, other, tilted(on, normalOf(store.state, other), x2 - at2.x, y3 - at2.y))], "tilt");
-  const tiltKeys = (event) => {
-    const n2 = stepOf(event);
-    if (n2 === void 0) return;
-    const angle = Math.atan2(line.dy, line.dx) + n2 * Math.PI / 180;
-    store.change([tiltTo(store, other, tilted(on, normal, Math.cos(angle), Math.sin(angle)))], "key tilt");
-  };
-  return /* @__PURE__ */ k("g", { stroke: color2, fill: "none" }, /* @__PURE__ */ k(
-    "path",
-    {
-      d: `M${at2.x - line.dx * reach} ${at2.y - line.dy * reach}L${at2.x + line.dx * reach} ${at2.y + line.dy * reach}`,
-      "stroke-width": "1.2",
-      opacity: "0.85"
-    }
-  ), /* @__PURE__ */ k(
-    Handle2,
-    {
-      label: `${nameOf2(props, other)} plane`,
-      text: `${nameOf2(props, other)} plane at ${shortNumber(position, 4)}`,
-      value: position,
-      range,
-      x: at2.x - line.dx * far * 0.55,
-      y: at2.y - line.dy * far * 0.55,
-      color: color2,
-      onDrag: (_x, _y, dx, dy) => {
-        const { geometry } = on;
-        const per = geometry.pixel * on.width / size.width;
-        const way = add(scaled(geometry.right, dx * per), scaled(geometry.down, dy * per));
-        move(dot(way, normal), "drag plane");
-      },
-      onKey: keys,
-      onEnd: () => store.settle()
-    }
-  ), /* @__PURE__ */ k(
-    Handle2,
-    {
-      label: `Tilt the ${nameOf2(props, other)} plane`,
-      text: `Tilt of the ${nameOf2(props, other)} plane`,
-      value: Math.atan2(line.dy, line.dx) * 180 / Math.PI,
-      range: [-180, 180],
-      x: at2.x + line.dx * far,
-      y: at2.y + line.dy * far,
-      color: color2,
-      round: true,
-      onDrag: (x2, y3) => tilt(x2, y3),
-      onKey: tiltKeys,
-      onEnd: () => store.settle()
-    }
-  ));
-}
-function tiltTo(store, pane, normal) {
-  return set({ ...store.state.view.slices.normals, [pane]: normal }, "view", "slices", "normals");
-}
-function rangeOf([lower, upper], normal) {
-  const ends = [0, 1, 2].map((a3) => [(lower[a3] ?? 0) * (normal[a3] ?? 0), (upper[a3] ?? 0) * (normal[a3] ?? 0)]);
-  const sum = (pick2) => ends.reduce((total, end) => total + pick2(...end), 0);
-  return [sum(Math.min), sum(Math.max)];
-}
-function probe({ engine, ui, welcome }, on, place) {
-  if (on === null || place === null) {
-    ui.probe(null);
-    return;
-  }
-  const point2 = worldAt(on, place.x, place.y);
-  ui.probe(async () => {
-    const { values, label } = await engine.ask("probe", { point: point2 });
-    const shown = values.map(
-      (value, n2) => value === null ? "outside" : `${shortNumber(value, 5)} ${welcome.volumes[n2]?.value_unit ?? ""}`.trim()
-    );
-    return `${shown.join(", ")}${label === null ? "" : ` · ${label.name}`} at ${placeText(point2, welcome)}`;
-  });
 }
 
 // src/view/slices_panel.tsx
@@ -5629,10 +7359,11 @@ function SlicesPanel(props) {
   const [level, width] = slices.window ?? automatic ?? [(robust[0] + robust[1]) / 2, robust[1] - robust[0]];
   const span = (info?.range[1] ?? 1) - (info?.range[0] ?? 0) || 1;
   const setWindow = (next, gesture) => store.change([set(next, "view", "slices", "window")], gesture);
-  const names = Object.entries(welcome.window_names);
+  const names = namedWindows(props);
+  const colors = PANES.map((pane) => ui.frames[pane]?.slice?.colors).find(Boolean);
   const named = names.find(([, [l3, w3]]) => slices.window?.[0] === l3 && slices.window[1] === w3)?.[0];
   return /* @__PURE__ */ k($, null, AXES3.map((name, axis) => /* @__PURE__ */ k(
-    NumberField2,
+    NumberField,
     {
       key: name,
       decimals: decimalsOf(info?.spacing[axis] ?? 1),
@@ -5648,7 +7379,7 @@ function SlicesPanel(props) {
       onSettle: settle
     }
   )), /* @__PURE__ */ k(
-    NumberField2,
+    NumberField,
     {
       label: "Thickness",
       unit: unit2,
@@ -5666,7 +7397,7 @@ function SlicesPanel(props) {
       options: [["maximum", "Maximum"], ["minimum", "Minimum"], ["mean", "Mean"]],
       onChoose: (value) => store.change([set(value, "view", "slices", "slab")])
     }
-  ), info?.value_unit === "HU" && /* @__PURE__ */ k(
+  ), names.length > 0 && /* @__PURE__ */ k(
     Choice,
     {
       label: "Window",
@@ -5676,14 +7407,18 @@ function SlicesPanel(props) {
         ...names.map(([name, [l3, w3]]) => [name, `${name} (${l3}, ${w3})`]),
         ...named === void 0 && slices.window !== void 0 ? [["own", "Own"]] : []
       ],
-      onChoose: (value) => {
-        const window2 = welcome.window_names[value];
-        if (window2 !== void 0) setWindow(window2);
-        else if (slices.window !== void 0) store.change([{ op: "remove", path: "/view/slices/window" }]);
-      }
+      onChoose: (value) => chooseWindow(props, value)
     }
   ), /* @__PURE__ */ k(
-    NumberField2,
+    Choice,
+    {
+      label: "Colours",
+      value: slices.colors ?? colors ?? "gray",
+      options: SLICE_COLORS.map((name) => [name, COLOR_NAMES[name]]),
+      onChoose: (value) => chooseWindow(props, value)
+    }
+  ), /* @__PURE__ */ k(
+    NumberField,
     {
       label: "Level",
       unit: info?.value_unit ?? "",
@@ -5694,7 +7429,7 @@ function SlicesPanel(props) {
       onSettle: settle
     }
   ), /* @__PURE__ */ k(
-    NumberField2,
+    NumberField,
     {
       label: "Width",
       unit: info?.value_unit ?? "",
@@ -5705,13 +7440,13 @@ function SlicesPanel(props) {
       onSettle: settle
     }
   ), /* @__PURE__ */ k(
-    NumberField2,
+    NumberField,
     {
       label: "Zoom",
       value: slices.zoom,
       min: 0.2,
       max: 20,
-      onInput: (value) => store.change([set(Math.min(Math.max(value, 0.1), 100), "view", "slices", "zoom")], "zoom"),
+      onInput: (value) => store.change(zoomedAbout(store.state, welcome, slices.crosshair, value / slices.zoom), "zoom"),
       onSettle: settle
     }
   ), /* @__PURE__ */ k("div", { class: "row" }, /* @__PURE__ */ k(
@@ -5720,16 +7455,16 @@ function SlicesPanel(props) {
       class: "button",
       onClick: () => {
         const middle2 = [0, 1, 2].map((a3) => ((lower[a3] ?? 0) + (upper[a3] ?? 0)) / 2);
-        store.change([set(middle2, "view", "slices", "crosshair")]);
+        store.change(crosshairAt(store.state, middle2));
       }
     },
     "Crosshair to the middle"
-  ), /* @__PURE__ */ k("button", { class: "button", onClick: () => void pick(props, 0.5, 0.5, ui.frames["3d"] ?? { width: 512, height: 512 }) }, "Crosshair to what is seen"), /* @__PURE__ */ k(
+  ), /* @__PURE__ */ k("button", { class: "button", onClick: () => void pick(props, 0.5, 0.5, ui.frames["3d"] ?? { width: 512, height: 512 }) }, "Crosshair to what is seen"), /* @__PURE__ */ k("button", { class: "button", disabled: slices.center === void 0 && slices.zoom === 1, onClick: () => store.change(fitted(store.state)) }, "Whole slice"), /* @__PURE__ */ k(
     "button",
     {
       class: "button",
-      disabled: slices.window === void 0,
-      onClick: () => store.change([{ op: "remove", path: "/view/slices/window" }])
+      disabled: slices.window === void 0 && slices.colors === void 0,
+      onClick: () => chooseWindow(props, "automatic")
     },
     "Automatic window"
   ), /* @__PURE__ */ k(
@@ -5802,10 +7537,10 @@ function onThemeChange(listener) {
 }
 
 // src/view/toolbar.tsx
-var TEXT19 = WORDS.toolbar;
-var LAYOUTS = ["3d", "one-and-three", "two-by-two", "single"];
-var VIEWS = ["front", "back", "left", "right", "top", "bottom"];
-var TOOLS = ["turn", "window", "distance", "angle"];
+var TEXT28 = WORDS.toolbar;
+var LAYOUTS2 = ["3d", "one-and-three", "two-by-two", "single"];
+var VIEWS2 = ["front", "back", "left", "right", "top", "bottom"];
+var TOOLS2 = ["turn", "window", "distance", "angle", "area"];
 function Toolbar(props) {
   const { store, welcome, ui, isAbout, onAbout, onFit } = props;
   const { layout } = store.state.view;
@@ -5815,27 +7550,27 @@ function Toolbar(props) {
     store.change([set({ name, main }, "view", "layout")]);
   };
   const hasScene = layout.name !== "single" || layout.main === "3d";
-  return /* @__PURE__ */ k("header", { class: "toolbar" }, /* @__PURE__ */ k("h1", { class: "group float title-group" }, /* @__PURE__ */ k("button", { class: "title", "data-opens": "about", "aria-expanded": isAbout, "aria-label": WORDS.about.open(names), title: names, onClick: onAbout }, names)), /* @__PURE__ */ k("div", { class: "group float" }, /* @__PURE__ */ k(Radios, { label: WORDS.layouts.title, names: LAYOUTS, value: layout.name, textOf: (name) => WORDS.layouts[name], iconOf: (name) => name, onChoice: setLayout }), layout.name === "single" && /* @__PURE__ */ k("label", null, /* @__PURE__ */ k("span", { class: "hidden" }, WORDS.layouts.slice), /* @__PURE__ */ k("select", { value: layout.main, onChange: (event) => store.change([set(event.currentTarget.value, "view", "layout", "main")]) }, PANES.map((pane) => /* @__PURE__ */ k("option", { key: pane, value: pane, selected: pane === layout.main }, nameOf2({ welcome }, pane)))))), /* @__PURE__ */ k(Group, { label: TEXT19.history }, /* @__PURE__ */ k(IconButton, { icon: "undo", label: TEXT19.undo, shortcut: "Ctrl Z", disabled: !store.canUndo, onClick: () => store.undo() }), /* @__PURE__ */ k(IconButton, { icon: "redo", label: TEXT19.redo, shortcut: "Ctrl Shift Z", disabled: !store.canRedo, onClick: () => store.redo() })), /* @__PURE__ */ k("div", { class: "group float" }, /* @__PURE__ */ k(Radios, { label: TEXT19.tools, names: TOOLS, value: ui.tool, textOf: (tool) => TEXT19[tool], iconOf: (tool) => tool, onChoice: (tool) => ui.setTool(tool) })), hasScene && /* @__PURE__ */ k(Group, { label: TEXT19.views, more: "standard-views" }, VIEWS.map((view, n2) => /* @__PURE__ */ k(
+  return /* @__PURE__ */ k("header", { class: "toolbar" }, /* @__PURE__ */ k("div", { class: "group float" }, /* @__PURE__ */ k(IconButton, { icon: "open", label: WORDS.opening.open, onClick: () => ui.opener.show(true) })), /* @__PURE__ */ k("h1", { class: "group float title-group" }, /* @__PURE__ */ k("button", { class: "title", "data-opens": "about", "aria-expanded": isAbout, "aria-label": WORDS.about.open(names), title: names, onClick: onAbout }, names)), /* @__PURE__ */ k("div", { class: "group float" }, /* @__PURE__ */ k(Radios, { label: WORDS.layouts.title, names: LAYOUTS2, value: layout.name, textOf: (name) => WORDS.layouts[name], iconOf: (name) => name, onChoice: setLayout }), layout.name === "single" && /* @__PURE__ */ k("label", null, /* @__PURE__ */ k("span", { class: "hidden" }, WORDS.layouts.slice), /* @__PURE__ */ k("select", { value: layout.main, onChange: (event) => store.change([set(event.currentTarget.value, "view", "layout", "main")]) }, PANES.map((pane) => /* @__PURE__ */ k("option", { key: pane, value: pane, selected: pane === layout.main }, nameOf3({ welcome }, pane)))))), /* @__PURE__ */ k(Group, { label: TEXT28.history }, /* @__PURE__ */ k(IconButton, { icon: "undo", label: TEXT28.undo, shortcut: "Ctrl Z", disabled: !store.canUndo, onClick: () => store.undo() }), /* @__PURE__ */ k(IconButton, { icon: "redo", label: TEXT28.redo, shortcut: "Ctrl Shift Z", disabled: !store.canRedo, onClick: () => store.redo() })), /* @__PURE__ */ k("div", { class: "group float" }, /* @__PURE__ */ k(Radios, { label: TEXT28.tools, names: TOOLS2, value: ui.tool, textOf: (tool) => TEXT28[tool], iconOf: (tool) => tool, onChoice: (tool) => ui.setTool(tool) })), hasScene && /* @__PURE__ */ k(Group, { label: TEXT28.views, more: "standard-views" }, VIEWS2.map((view, n2) => /* @__PURE__ */ k(
     "button",
     {
       key: view,
       class: "icon-button",
-      title: `${TEXT19.from(view)} (${n2 + 1})`,
-      "aria-label": TEXT19.lettered(letterOf(view, welcome.axis_ends), view),
+      title: `${TEXT28.from(view)} (${n2 + 1})`,
+      "aria-label": TEXT28.lettered(letterOf(view, welcome.axis_ends), view),
       onClick: () => {
         const camera = welcome.standard_views[view];
         if (camera !== void 0) showFrom(props, camera);
       }
     },
     letterOf(view, welcome.axis_ends)
-  )), /* @__PURE__ */ k(IconButton, { icon: "fit", label: TEXT19.fit, shortcut: "0", onClick: onFit })));
+  )), /* @__PURE__ */ k(IconButton, { icon: "fit", label: TEXT28.fit, shortcut: "F", onClick: onFit })));
 }
 function Group({ label, more = "", children }) {
   return /* @__PURE__ */ k("div", { class: `group float ${more}`, role: "group", "aria-label": label }, children);
 }
 function IconButton({ icon, label, shortcut, disabled = false, onClick }) {
   const title = shortcut === void 0 ? label : `${label} (${shortcut})`;
-  return /* @__PURE__ */ k("button", { class: "icon-button", title, "aria-label": label, disabled, onClick: () => onClick() }, /* @__PURE__ */ k(Icon, { name: icon }));
+  return /* @__PURE__ */ k("button", { class: "icon-button", title, "aria-label": label, "aria-disabled": disabled, onClick: () => onClick() }, /* @__PURE__ */ k(Icon, { name: icon }));
 }
 function Radios({ label, names, value, textOf, iconOf, onChoice }) {
   const onKeyDown = (event) => {
@@ -5872,7 +7607,7 @@ function letterOf(view, ends) {
 // src/view/page.tsx
 var BODIES = {
   about: AboutPanel,
-  presets: PresetsPanel,
+  looks: PresetsPanel,
   function: FunctionPanel,
   layers: LayersPanel,
   labels: LabelsPanel,
@@ -5882,14 +7617,18 @@ var BODIES = {
   measure: MeasurePanel,
   share: SharePanel
 };
-function Page({ app, ...part }) {
+function Page({ page, onKey, onPage, ...part }) {
   const { store, ui, welcome } = part;
   const { layout, interface: shown } = store.state.view;
   const panels = PANELS.filter((name) => name !== "labels" || store.state.labels !== null);
-  const opened = openPanel(shown.panels);
+  const opened = openSheet(shown.panels);
   const open = opened === "labels" && store.state.labels === null ? null : opened;
-  const onPanel = (name) => store.change([set(name === null ? [] : [name], "view", "interface", "panels")]);
+  const hasStrip = shown.panels.includes("presets");
+  const onPanel = (name) => store.change([set(toggled(shown.panels, name), "view", "interface", "panels")]);
+  const [isFinding, setFinding] = d2(false);
+  useFindKey(ui, () => setFinding(true));
   const theme = themeOf(store.state);
+  const slice = (pane) => /* @__PURE__ */ k(Memo, { key: pane, of: shownBySlices(part) }, () => /* @__PURE__ */ k(SlicePane, { ...part, pane }));
   const hasTimes = welcome.volumes.some((volume2) => volume2.n_times > 1);
   return /* @__PURE__ */ k(
     "div",
@@ -5897,41 +7636,303 @@ function Page({ app, ...part }) {
       class: "wavesplat",
       "data-theme": theme,
       "data-sheet": open !== null,
+      "data-strip": hasStrip,
       "data-times": hasTimes,
-      onKeyDown: app.onKey,
-      onDragOver: (event) => event.preventDefault(),
-      onDrop: (event) => {
-        event.preventDefault();
-        const file = event.dataTransfer?.files[0];
-        if (file !== void 0) void openState(part, file);
-      }
+      onKeyDown: onKey
     },
-    /* @__PURE__ */ k(Toolbar, { ...part, isAbout: open === "about", onAbout: () => onPanel(open === "about" ? null : "about"), onFit: () => void fit(part, ui.frames["3d"] ?? { width: 4, height: 3 }) }),
-    /* @__PURE__ */ k("main", { class: "views", "data-layout": layout.name }, (layout.name !== "single" || layout.main === "3d") && /* @__PURE__ */ k(SceneView, { ...part }), (layout.name === "one-and-three" || layout.name === "two-by-two") && PANES.map((pane) => /* @__PURE__ */ k(SlicePane, { key: pane, ...part, pane })), layout.name === "single" && layout.main !== "3d" && /* @__PURE__ */ k(SlicePane, { key: layout.main, ...part, pane: layout.main })),
-    /* @__PURE__ */ k(Rail, { panels, open, onPanel }, /* @__PURE__ */ k("button", { class: "rail-button", title: theme === "dark" ? WORDS.toolbar.light : WORDS.toolbar.dark, onClick: () => store.change([set(theme === "dark" ? "light" : "dark", "view", "interface", "theme")]) }, /* @__PURE__ */ k(Icon, { name: "dark" }), /* @__PURE__ */ k("span", null, WORDS.toolbar.theme_short)), /* @__PURE__ */ k("button", { class: "rail-button", title: `${WORDS.toolbar.help} (?)`, onClick: () => app.onHelp(true) }, /* @__PURE__ */ k(Icon, { name: "help" }), /* @__PURE__ */ k("span", null, WORDS.toolbar.help_short))),
-    open !== null && /* @__PURE__ */ k(Sheet, { key: open, name: open, onClose: () => onPanel(null) }, /* @__PURE__ */ k(Body, { ...part, app, name: open })),
-    /* @__PURE__ */ k("footer", { class: "bottom" }, hasTimes && /* @__PURE__ */ k(TimeBar, { ...part }), /* @__PURE__ */ k(Status, { ...part, connection: app.connection, figures: app.figures })),
-    /* @__PURE__ */ k("p", { class: "hidden", role: "status", "aria-live": "polite" }, app.said),
-    app.problem !== null && /* @__PURE__ */ k(ProblemCard, { problem: app.problem, onClose: app.onProblemClosed }),
-    app.help && /* @__PURE__ */ k(Help, { onClose: () => app.onHelp(false) })
+    /* @__PURE__ */ k(Memo, { of: [...shownByToolbar(part), open] }, () => /* @__PURE__ */ k(Toolbar, { ...part, isAbout: open === "about", onAbout: () => onPanel("about"), onFit: () => fit(part) })),
+    /* @__PURE__ */ k("main", { class: "views", "data-layout": layout.name }, (layout.name !== "single" || layout.main === "3d") && /* @__PURE__ */ k(SceneView, { ...part }), (layout.name === "one-and-three" || layout.name === "two-by-two") && PANES.map(slice), layout.name === "single" && layout.main !== "3d" && slice(layout.main)),
+    /* @__PURE__ */ k(Rail, { panels, open: [open ?? "", hasStrip ? "presets" : ""], onPanel }, /* @__PURE__ */ k("button", { class: "rail-button", title: `${WORDS.palette.find} (Ctrl K)`, onClick: () => setFinding(true) }, /* @__PURE__ */ k(Icon, { name: "search" }), /* @__PURE__ */ k("span", null, WORDS.palette.open)), /* @__PURE__ */ k("button", { class: "rail-button", title: theme === "dark" ? WORDS.toolbar.light : WORDS.toolbar.dark, onClick: () => store.change([set(theme === "dark" ? "light" : "dark", "view", "interface", "theme")]) }, /* @__PURE__ */ k(Icon, { name: "dark" }), /* @__PURE__ */ k("span", null, WORDS.toolbar.theme_short)), /* @__PURE__ */ k("button", { class: "rail-button", title: `${WORDS.toolbar.help} (?)`, onClick: () => onPage({ help: true }) }, /* @__PURE__ */ k(Icon, { name: "help" }), /* @__PURE__ */ k("span", null, WORDS.toolbar.help_short))),
+    open !== null && /* @__PURE__ */ k(Sheet, { key: open, name: open, onClose: () => onPanel(open) }, /* @__PURE__ */ k(Memo, { of: [...shownByPanels(part), page.figures] }, () => /* @__PURE__ */ k(Body, { key: welcome.fingerprint, ...part, name: open, figures: page.figures, onFigures: (figures) => onPage({ figures }) }))),
+    /* @__PURE__ */ k("footer", { class: "bottom" }, hasStrip && /* @__PURE__ */ k(Memo, { of: shownByPanels(part) }, () => /* @__PURE__ */ k(LooksStrip, { key: welcome.fingerprint, ...part, onAll: () => onPanel("looks") })), hasTimes && /* @__PURE__ */ k(TimeBar, { ...part }), /* @__PURE__ */ k(Status, { ...part, connection: page.connection, figures: page.figures })),
+    /* @__PURE__ */ k("p", { class: "hidden", role: "status", "aria-live": "polite" }, page.said),
+    page.problem !== null && /* @__PURE__ */ k(ProblemCard, { problem: page.problem, onClose: () => onPage({ problem: null }) }),
+    /* @__PURE__ */ k(Openings, { ...part }),
+    isFinding && /* @__PURE__ */ k(Palette, { ...part, onClose: () => setFinding(false) }),
+    page.help && /* @__PURE__ */ k(Help, { onClose: () => onPage({ help: false }) })
   );
 }
-function Body({ app, name, ...part }) {
-  if (name === "settings") return /* @__PURE__ */ k(SettingsPanel, { ...part, figures: app.figures, onFigures: app.onFigures });
+function Body({ name, figures, onFigures, ...part }) {
+  if (name === "settings") return /* @__PURE__ */ k(SettingsPanel, { ...part, figures, onFigures });
   const Panel = BODIES[name];
   return /* @__PURE__ */ k(Panel, { ...part });
 }
+function useFindKey({ root, host }, onFind) {
+  A2(() => {
+    const target = host === "page" ? document : root;
+    const onKey = (event) => {
+      if (actionOf(keyName(event)) !== "find") return;
+      event.preventDefault();
+      onFind();
+    };
+    target.addEventListener("keydown", onKey);
+    return () => target.removeEventListener("keydown", onKey);
+  }, [root, host]);
+}
 
-// src/view/style.css
-var style_default = '/* Sizes: --rail, --bar and --foot are what the rail, the tools above and the bar of times below take from the picture. */\n:host { display: block; contain: content }\n.mount { height: 100%; container-type: size }\n.wavesplat {\n  --bg: #0b0d10; --panel: #15191f; --raised: #232a33; --line: #39424e; --text: #e8ebf0; --dim: #a9b3c0;\n  --accent: #6cb2ff; --accent-text: #08131f; --focus: #ffd166; --danger: #ff8f8f;\n  --gap: 8px; --radius: 8px; --rail: 72px; --bar: 52px; --foot: 0px; --sheet: 344px;\n  --glass: #161a21eb; --lift: 0 0 0 1px #ffffff14, 0 6px 24px #0009;\n  box-sizing: border-box; position: relative; width: 100%; height: 100%; overflow: hidden; background: var(--bg); color: var(--text);\n  font: 13px/1.4 system-ui, "Segoe UI", Roboto, sans-serif; font-variant-numeric: tabular-nums; color-scheme: dark;\n}\n.wavesplat[data-theme="light"] {\n  --bg: #e7eaee; --panel: #fff; --raised: #eceff3; --line: #8a93a0; --text: #161a20; --dim: #4b5563;\n  --accent: #0a5cb8; --accent-text: #fff; --focus: #b45309; --danger: #b42318;\n  --glass: #fcfdfef2; --lift: 0 0 0 1px #0000001f, 0 6px 24px #0005; color-scheme: light;\n}\n.wavesplat[data-times="true"] { --foot: 56px }\n.wavesplat *, .wavesplat *::before { box-sizing: border-box }\n.wavesplat :focus-visible { outline: 2px solid var(--focus); outline-offset: 1px }\n.wavesplat h2, .wavesplat h3, .wavesplat p { margin: 0; font-size: inherit; font-weight: 600 }\n.wavesplat p { font-weight: 400 }\n.wavesplat button, .wavesplat select, .wavesplat input, .wavesplat textarea { font: inherit; color: inherit }\n.wavesplat input[type="range"] { accent-color: var(--accent); min-width: 0; flex: 1; height: 24px; margin: 0 }\n.wavesplat input[type="checkbox"], .wavesplat input[type="radio"] { accent-color: var(--accent); width: 18px; height: 18px; margin: 3px }\n.wavesplat input[type="color"] { width: 34px; height: 26px; padding: 1px; border: 1px solid var(--line); border-radius: 6px; background: none }\n.wavesplat input[type="number"], .wavesplat input[type="text"], .wavesplat input[type="search"], .wavesplat select, .wavesplat textarea {\n  background: var(--raised); border: 1px solid var(--line); border-radius: 6px; padding: 2px 7px; min-height: 28px; min-width: 0;\n}\n.wavesplat input[type="number"] { width: 96px; appearance: textfield; text-align: right }\n.wavesplat input[type="number"]::-webkit-inner-spin-button { display: none }\n.button {\n  background: var(--raised); border: 1px solid var(--line); border-radius: 6px; padding: 3px 10px; min-height: 28px; cursor: pointer;\n}\n.button:hover { border-color: var(--accent) }\n.icon-button:hover, .rail-button:hover, .title:hover, .title[aria-expanded="true"] { background: var(--raised) }\n.button:disabled, .icon-button:disabled { opacity: .45; cursor: default }\n.button[aria-pressed="true"], .icon-button[aria-pressed="true"], .icon-button[aria-checked="true"], .rail-button[aria-expanded="true"] {\n  background: var(--accent); color: var(--accent-text); border-color: var(--accent);\n}\n.icon-button {\n  display: inline-grid; place-items: center; min-width: 32px; height: 32px; padding: 0 6px; border: 0; border-radius: 6px;\n  background: none; cursor: pointer; flex: none;\n}\n.icon-button svg, .rail-button svg { width: 18px; height: 18px; fill: none; stroke: currentColor; stroke-width: 1.5; stroke-linecap: round; stroke-linejoin: round }\n.row { display: flex; flex-wrap: wrap; align-items: center; gap: 6px }\n.field { display: flex; align-items: center; gap: 6px; min-width: 0 }\n.field > span:first-child { flex: 0 0 112px; color: var(--dim) }\n.spring { flex: 1 }\n.float { background: var(--glass); box-shadow: var(--lift); border-radius: var(--radius) }\n.toolbar { position: absolute; z-index: 3; left: calc(var(--rail) + 8px); right: 104px; top: 8px; display: flex; align-items: center; gap: var(--gap); pointer-events: none }\n.toolbar > * { pointer-events: auto }\n.toolbar .group { display: flex; align-items: center; gap: 1px; padding: 3px; min-height: 38px }\n.toolbar .title-group { min-width: 0; margin: 0; flex: 0 1 auto }\n.radios { display: flex; gap: 1px }\n.wavesplat .title { border: 0; border-radius: 6px; background: none; height: 32px; padding: 0 10px; cursor: pointer; font-size: 13px; font-weight: 600; max-width: 220px; overflow: hidden; text-overflow: ellipsis; white-space: nowrap }\n.rail { position: absolute; z-index: 3; left: 8px; top: 8px; bottom: 8px; width: 64px; padding: 4px; display: flex; flex-direction: column; gap: 1px; overflow: auto; scrollbar-width: none }\n.rail-button {\n  display: grid; justify-items: center; align-content: center; gap: 2px; width: 100%; min-height: 46px; padding: 3px 0; border: 0; border-radius: 6px;\n  background: none; cursor: pointer; flex: none;\n}\n.wavesplat .rail-button { font-size: 11px; line-height: 1.1 }\n.sheet { position: absolute; z-index: 3; left: calc(var(--rail) + 8px); top: 54px; max-height: calc(100% - 62px - var(--foot)); width: var(--sheet); display: flex; flex-direction: column; overflow: hidden }\n.sheet-head { display: flex; align-items: center; justify-content: space-between; padding: 5px 6px 5px 14px; flex: none }\n.wavesplat .sheet-head h2 { font-size: 13px }\n.sheet > .body { display: grid; gap: 8px; padding: 4px 14px 14px; overflow-y: auto; overflow-x: hidden; min-height: 0; align-content: start }\n.sheet > .body:focus-visible { outline-offset: -2px }\n.views { position: absolute; inset: 0; display: grid; gap: 2px; background: var(--line) }\n.views[data-layout="3d"], .views[data-layout="single"] { grid-template: 1fr / 1fr }\n.views[data-layout="one-and-three"] { grid-template: repeat(3, minmax(0, 1fr)) / minmax(0, 2fr) minmax(0, 1fr) }\n.views[data-layout="one-and-three"] > :first-child { grid-row: 1 / 4 }\n.views[data-layout="two-by-two"] { grid-template: repeat(2, minmax(0, 1fr)) / repeat(2, minmax(0, 1fr)) }\n/* Several views make room for the sheet, which lies over the picture where there is but one. */\n.wavesplat[data-sheet="true"] .views:not([data-layout="3d"], [data-layout="single"]) { left: calc(var(--rail) + var(--sheet) + 12px) }\n.wavesplat[data-sheet="false"] .views > :first-child, .wavesplat[data-sheet="false"] .views[data-layout="two-by-two"] > :nth-child(3),\n.views[data-layout="3d"] > *, .views[data-layout="single"] > * { --left: var(--rail) }\n.views > :first-child, .views > :nth-child(2) { --top: var(--bar) }\n.views > :last-child, .views[data-layout="one-and-three"] > :first-child, .views[data-layout="two-by-two"] > :nth-child(3) { --bottom: var(--foot) }\n.viewport { --left: 0px; --top: 0px; --bottom: 0px; position: relative; overflow: hidden; background: #000; min-width: 0; min-height: 0; touch-action: none; user-select: none; color: #fff }\n.viewport:focus-visible { outline-offset: -2px }\n.viewport canvas { position: absolute; inset: 0; width: 100%; height: 100%; display: block; transform-origin: 0 0 }\n.viewport svg.over { position: absolute; inset: 0; width: 100%; height: 100%; overflow: hidden; pointer-events: none }\n.viewport svg.over [data-handle] { pointer-events: auto; cursor: grab }\n.viewport svg.over text { fill: #fff; paint-order: stroke; stroke: #000; stroke-width: 3px; stroke-linejoin: round; font-size: 13px }\n.viewport .corner { position: absolute; left: calc(8px + var(--left)); top: calc(6px + var(--top)); font-size: 12px; text-shadow: 0 0 3px #000; pointer-events: none; white-space: pre-line }\n.viewport .corner.right { left: auto; right: 8px; text-align: right }\n.viewport .corner.low { top: auto; bottom: calc(6px + var(--bottom)) }\n.over .at-left { transform: translateX(var(--left)) }\n.over .at-top { transform: translateY(var(--top)) }\n.over .at-bottom { transform: translateY(calc(-1 * var(--bottom))) }\n.over .at-corner { transform: translate(var(--left), calc(-1 * var(--bottom))) }\n.hint { position: absolute; left: 50%; bottom: 12%; transform: translateX(-50%); background: #000c; padding: 6px 12px; border-radius: var(--radius) }\n.bottom { position: absolute; z-index: 2; left: calc(var(--rail) + 8px); right: 8px; bottom: 8px; display: flex; flex-direction: column; align-items: flex-end; gap: 6px; pointer-events: none }\n.bottom > * { pointer-events: auto }\n.status { display: flex; flex-wrap: wrap; justify-content: flex-end; gap: 4px 6px; order: -1 }\n.status > * { background: var(--glass); box-shadow: var(--lift); border-radius: var(--radius); padding: 3px 10px; font-size: 12px }\n.status > [role="note"] { animation: noted 1s 9s forwards }\n@keyframes noted { to { opacity: 0; visibility: hidden } }\n.alert { position: absolute; left: 50%; top: 60px; transform: translateX(-50%); max-width: min(560px, 92%); z-index: 5; background: var(--panel); border: 1px solid var(--danger); border-radius: var(--radius); padding: 10px 14px; display: grid; gap: 6px }\n.opening { position: absolute; inset: 0; display: grid; place-content: center; gap: 10px; padding: 24px; text-align: center }\n.opening progress { width: 260px; accent-color: var(--accent) }\n.dim { color: var(--dim) }\n.hidden { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); white-space: nowrap }\n.wavesplat dialog { background: var(--panel); color: var(--text); border: 1px solid var(--line); border-radius: var(--radius); padding: 16px 20px; max-width: min(640px, 94vw); max-height: 86vh; overflow: auto }\n.wavesplat dialog::backdrop { background: #0008 }\n.wavesplat table { border-collapse: collapse; width: 100% }\n.wavesplat th, .wavesplat td { text-align: left; padding: 3px 12px 3px 0; vertical-align: top; font-weight: 400 }\n.wavesplat kbd { background: var(--raised); border-radius: 3px; padding: 0 6px; font: inherit }\n.chip { width: 18px; height: 18px; border-radius: 3px; border: 1px solid var(--line); flex: none }\n@container (max-width: 1000px) {\n  .standard-views { display: none !important }\n}\n@container (max-height: 620px) {\n  .wavesplat { --rail: 52px }\n  .rail { width: 40px; padding: 2px; left: 6px }\n  .rail-button { min-height: 28px }\n  .rail-button > span { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); white-space: nowrap }\n}\n/* A phone: tools in one row above, the rail below, and a sheet from below that leaves the picture 60 % of the height. */\n@container (max-width: 600px) {\n  .wavesplat { --rail: 0px; display: grid; grid-template: minmax(0, 1fr) auto auto / minmax(0, 1fr) }\n  .views, .wavesplat[data-sheet="true"] .views:not([data-layout="3d"], [data-layout="single"]) { position: relative; left: 0; grid-area: 1 / 1 }\n  .views[data-layout="one-and-three"] { grid-template: minmax(0, 2fr) minmax(0, 1fr) / repeat(3, minmax(0, 1fr)) }\n  .views[data-layout="one-and-three"] > :first-child { grid-row: auto; grid-column: 1 / 4 }\n  .toolbar { left: 6px; right: 6px; top: 6px; gap: 4px; overflow-x: auto; scrollbar-width: none }\n  .title-group { display: none !important }\n  .sheet { position: relative; left: 0; top: 0; width: auto; grid-area: 2 / 1; max-height: 31cqh; border-radius: 12px 12px 0 0 }\n  .rail { position: relative; left: 0; top: 0; bottom: 0; width: auto; grid-area: 3 / 1; flex-direction: row; border-radius: 0; padding: 2px 4px }\n  .rail .spring { display: none }\n  .rail-button { width: auto; min-width: 52px }\n  .bottom { position: relative; left: 0; right: 0; bottom: 0; grid-area: 1 / 1; align-self: end; padding: 6px }\n}\n@media (pointer: coarse) {\n  .icon-button, .button { min-width: 44px; min-height: 44px }\n}\n@media (forced-colors: active) {\n  .icon-button[aria-pressed="true"], .icon-button[aria-checked="true"], .button[aria-pressed="true"] { forced-color-adjust: none; background: Highlight; color: HighlightText }\n}\n.wavesplat fieldset { border: 1px solid var(--line); border-radius: var(--radius); margin: 0; padding: 6px 10px 10px; display: grid; gap: 6px; min-width: 0 }\n.wavesplat legend { padding: 0 4px; color: var(--dim) }\n.wavesplat ol, .wavesplat ul { margin: 0; padding-left: 20px }\n.viewport .legend { top: calc(8px + var(--top)); left: calc(8px + var(--left)); list-style: none; padding: 0; display: grid; gap: 3px }\n.viewport .legend li { display: flex; gap: 6px; align-items: center }\n.viewport .color-bar { display: grid; justify-items: end; gap: 3px; bottom: calc(44px + var(--bottom)) }\n.viewport .color-bar .ramp { width: 14px; height: 150px; border: 1px solid #fff8 }\n.about { display: grid; gap: 6px }\n.about dl { display: grid; grid-template-columns: auto 1fr; gap: 3px 14px; margin: 0 }\n.about dt { color: var(--dim) }\n.about dd { margin: 0; overflow-wrap: anywhere }\n.about h4 { margin: 4px 0 0; font-weight: 600; font-size: 12px; color: var(--dim) }\n.wavesplat .about ul { padding-left: 16px; display: grid; gap: 4px }\n';
-
-// src/view/app.tsx
+// src/view/page_state.ts
+var FIRST = {
+  connection: { kind: "connecting", text: "" },
+  problem: null,
+  failure: null,
+  tool: "turn",
+  points: [],
+  layer: 0,
+  probed: "",
+  help: false,
+  figures: false,
+  said: ""
+};
 var ANNOUNCED_MS = 1e3;
 var PROBE_MS = 40;
+var PageState = class {
+  now = FIRST;
+  listeners = /* @__PURE__ */ new Set();
+  probeTimer;
+  sayTimer;
+  lastSaid = 0;
+  get fields() {
+    return this.now;
+  }
+  change(next) {
+    const isSame = Object.keys(next).every((name) => next[name] === this.now[name]);
+    if (isSame) return;
+    this.now = { ...this.now, ...next };
+    this.listeners.forEach((listener) => listener());
+  }
+  subscribe(listener) {
+    this.listeners.add(listener);
+    return () => this.listeners.delete(listener);
+  }
+  /** Asks for what is under the pointer, at most every 40 ms, and for its newest place alone; null where it has left. */
+  probe(ask) {
+    clearTimeout(this.probeTimer);
+    const timer = setTimeout(() => {
+      ask?.().then((probed) => this.probeTimer === timer && this.change({ probed }), () => void 0);
+    }, PROBE_MS);
+    this.probeTimer = timer;
+    if (ask === null) this.change({ probed: "" });
+  }
+  /** Shows what is under the pointer, where it is known at once. */
+  tell(probed) {
+    clearTimeout(this.probeTimer);
+    this.change({ probed });
+  }
+  /** Announces a text to screen readers, at most once a second: the newest one. */
+  announce(text2) {
+    clearTimeout(this.sayTimer);
+    const wait = Math.max(0, this.lastSaid + ANNOUNCED_MS - performance.now());
+    this.sayTimer = setTimeout(() => {
+      this.lastSaid = performance.now();
+      this.change({ said: text2 });
+    }, wait);
+  }
+  close() {
+    clearTimeout(this.probeTimer);
+    clearTimeout(this.sayTimer);
+    this.listeners.clear();
+  }
+};
+
+// src/view/style.css
+var style_default = '/* Sizes: --rail, --bar and --foot are what the rail, the tools above and the bar of times below take from the picture. */\n:host { display: block; contain: content }\n.mount { height: 100%; container-type: size }\n.wavesplat {\n  --bg: #0b0d10; --panel: #15191f; --raised: #232a33; --line: #39424e; --text: #e8ebf0; --dim: #a9b3c0;\n  --accent: #6cb2ff; --accent-text: #08131f; --focus: #ffd166; --danger: #ff8f8f;\n  --gap: 8px; --radius: 8px; --rail: 72px; --bar: 52px; --sheet: 344px;\n  --glass: #161a21eb; --lift: 0 0 0 1px #ffffff14, 0 6px 24px #0009;\n  box-sizing: border-box; position: relative; width: 100%; height: 100%; overflow: hidden; background: var(--bg); color: var(--text);\n  font: 13px/1.4 system-ui, "Segoe UI", Roboto, sans-serif; font-variant-numeric: tabular-nums; color-scheme: dark;\n}\n.wavesplat[data-theme="light"] {\n  --bg: #e7eaee; --panel: #fff; --raised: #eceff3; --line: #8a93a0; --text: #161a20; --dim: #4b5563;\n  --accent: #0a5cb8; --accent-text: #fff; --focus: #b45309; --danger: #b42318;\n  --glass: #fcfdfef2; --lift: 0 0 0 1px #0000001f, 0 6px 24px #0005; color-scheme: light;\n}\n.wavesplat { --strip: 0px; --times: 0px; --foot: calc(var(--strip) + var(--times)) }\n.wavesplat[data-times="true"] { --times: 56px }\n.wavesplat[data-strip="true"] { --strip: 146px }\n.wavesplat *, .wavesplat *::before { box-sizing: border-box }\n.wavesplat :focus-visible { outline: 2px solid var(--focus); outline-offset: 1px }\n.wavesplat h2, .wavesplat h3, .wavesplat p { margin: 0; font-size: inherit; font-weight: 600 }\n.wavesplat p { font-weight: 400 }\n.wavesplat button, .wavesplat select, .wavesplat input, .wavesplat textarea { font: inherit; color: inherit }\n.wavesplat input[type="range"] { accent-color: var(--accent); min-width: 0; flex: 1; height: 24px; margin: 0 }\n.wavesplat input[type="checkbox"], .wavesplat input[type="radio"] { accent-color: var(--accent); width: 18px; height: 18px; margin: 3px }\n.wavesplat input[type="color"] { width: 34px; height: 26px; padding: 1px; border: 1px solid var(--line); border-radius: 6px; background: none }\n.wavesplat input[type="number"], .wavesplat input[type="text"], .wavesplat input[type="search"], .wavesplat select, .wavesplat textarea {\n  background: var(--raised); border: 1px solid var(--line); border-radius: 6px; padding: 2px 7px; min-height: 28px; min-width: 0;\n}\n.wavesplat input[type="number"] { width: 96px; appearance: textfield; text-align: right }\n.wavesplat input[type="number"]::-webkit-inner-spin-button { display: none }\n.button {\n  background: var(--raised); border: 1px solid var(--line); border-radius: 6px; padding: 3px 10px; min-height: 28px; cursor: pointer;\n}\n.button:hover { border-color: var(--accent) }\n.icon-button:hover, .rail-button:hover, .title:hover, .title[aria-expanded="true"] { background: var(--raised) }\n.button:disabled, .icon-button:disabled, .icon-button[aria-disabled="true"] { opacity: .45; cursor: default }\n.button[aria-pressed="true"], .icon-button[aria-pressed="true"], .icon-button[aria-checked="true"], .rail-button[aria-expanded="true"] {\n  background: var(--accent); color: var(--accent-text); border-color: var(--accent);\n}\n.icon-button {\n  display: inline-grid; place-items: center; min-width: 32px; height: 32px; padding: 0 6px; border: 0; border-radius: 6px;\n  background: none; cursor: pointer; flex: none;\n}\n.icon-button svg, .rail-button svg { width: 18px; height: 18px; fill: none; stroke: currentColor; stroke-width: 1.5; stroke-linecap: round; stroke-linejoin: round }\n.row { display: flex; flex-wrap: wrap; align-items: center; gap: 6px }\n.field { display: flex; align-items: center; gap: 6px; min-width: 0 }\n.field > span:first-child { flex: 0 0 112px; color: var(--dim) }\n.spring { flex: 1 }\n.float { background: var(--glass); box-shadow: var(--lift); border-radius: var(--radius) }\n.toolbar { position: absolute; z-index: 3; left: calc(var(--rail) + 8px); right: 104px; top: 8px; display: flex; align-items: center; gap: var(--gap); pointer-events: none }\n.toolbar > * { pointer-events: auto }\n.toolbar .group { display: flex; align-items: center; gap: 1px; padding: 3px; min-height: 38px }\n.toolbar .title-group { min-width: 0; margin: 0; flex: 0 1 auto }\n.radios { display: flex; gap: 1px }\n.wavesplat .title { border: 0; border-radius: 6px; background: none; height: 32px; padding: 0 10px; cursor: pointer; font-size: 13px; font-weight: 600; max-width: 220px; overflow: hidden; text-overflow: ellipsis; white-space: nowrap }\n.rail { position: absolute; z-index: 3; left: 8px; top: 8px; bottom: 8px; width: 64px; padding: 4px; display: flex; flex-direction: column; gap: 1px; overflow: auto; scrollbar-width: none }\n.rail-button {\n  display: grid; justify-items: center; align-content: center; gap: 2px; width: 100%; min-height: 46px; padding: 3px 0; border: 0; border-radius: 6px;\n  background: none; cursor: pointer; flex: none;\n}\n.wavesplat .rail-button { font-size: 11px; line-height: 1.1 }\n.sheet { position: absolute; z-index: 3; left: calc(var(--rail) + 8px); top: 54px; max-height: calc(100% - 62px - var(--foot)); width: var(--sheet); display: flex; flex-direction: column; overflow: hidden }\n.sheet-head { display: flex; align-items: center; justify-content: space-between; padding: 5px 6px 5px 14px; flex: none }\n.wavesplat .sheet-head h2 { font-size: 13px }\n.sheet > .body { display: grid; gap: 8px; padding: 4px 14px 14px; overflow-y: auto; overflow-x: hidden; min-height: 0; align-content: start }\n.sheet > .body:focus-visible { outline-offset: -2px }\n.views { position: absolute; inset: 0 0 var(--strip); display: grid; gap: 2px; background: var(--line) }\n.views[data-layout="3d"], .views[data-layout="single"] { grid-template: 1fr / 1fr }\n.views[data-layout="one-and-three"] { grid-template: repeat(3, minmax(0, 1fr)) / minmax(0, 2fr) minmax(0, 1fr) }\n.views[data-layout="one-and-three"] > :first-child { grid-row: 1 / 4 }\n.views[data-layout="two-by-two"] { grid-template: repeat(2, minmax(0, 1fr)) / repeat(2, minmax(0, 1fr)) }\n/* Several views make room for the sheet where they can; it lies over the picture where there is but one. */\n@container (min-width: 901px) {\n  .wavesplat[data-sheet="true"] .views:not([data-layout="3d"], [data-layout="single"]) { left: calc(var(--rail) + var(--sheet) + 12px) }\n}\n.wavesplat[data-sheet="false"] .views > :first-child, .wavesplat[data-sheet="false"] .views[data-layout="two-by-two"] > :nth-child(3),\n.views[data-layout="3d"] > *, .views[data-layout="single"] > * { --left: var(--rail) }\n.wavesplat[data-sheet="true"] .views:is([data-layout="3d"], [data-layout="single"]) > * { --left: calc(var(--rail) + var(--sheet) + 8px) }\n.views > :first-child, .views > :nth-child(2) { --top: var(--bar) }\n.views[data-layout="two-by-two"] > :first-child, .wavesplat[data-sheet="true"] .views[data-layout="one-and-three"] > :first-child { --cube: var(--bar) }\n.views > :last-child, .views[data-layout="one-and-three"] > :first-child, .views[data-layout="two-by-two"] > :nth-child(3) { --bottom: var(--times) }\n.viewport { --left: 0px; --top: 0px; --bottom: 0px; --cube: 0px; position: relative; overflow: hidden; background: #000; min-width: 0; min-height: 0; touch-action: none; user-select: none; color: #fff }\n.viewport:focus-visible { outline-offset: -2px }\n.viewport canvas { position: absolute; inset: 0; width: 100%; height: 100%; display: block; transform-origin: 0 0 }\n.viewport svg.over { position: absolute; inset: 0; width: 100%; height: 100%; overflow: hidden; pointer-events: none }\n.viewport svg.over [data-handle] { pointer-events: auto; cursor: grab }\n.viewport svg.over text { fill: #fff; paint-order: stroke; stroke: #000; stroke-width: 3px; stroke-linejoin: round; font-size: 13px }\n.viewport .corner { position: absolute; left: calc(8px + var(--left)); top: calc(6px + var(--top)); font-size: 12px; text-shadow: 0 0 3px #000; pointer-events: none; white-space: pre-line }\n.viewport .corner.right { left: auto; right: 8px; text-align: right }\n.viewport .corner.low { top: auto; bottom: calc(6px + var(--bottom)) }\n.over .at-left { transform: translateX(var(--left)) }\n.over .at-top { transform: translateY(var(--top)) }\n.over .at-bottom { transform: translateY(calc(-1 * var(--bottom))) }\n.over .at-cube { transform: translateY(var(--cube)) }\n.over .at-corner { transform: translate(var(--left), calc(-1 * var(--bottom))) }\n.viewport[data-view="3d"] { cursor: grab }\n.viewport[data-view="3d"]:active { cursor: grabbing }\n.viewport[data-tool="turn"]:not([data-view="3d"]) { cursor: move }\n.viewport[data-tool="window"] { cursor: ns-resize }\n.viewport[data-tool="distance"], .viewport[data-tool="area"] { cursor: crosshair }\n.viewport[data-tool="angle"] { cursor: cell }\n.viewport:not([data-tool="turn"]) svg.over [data-handle] { pointer-events: none }\n.viewport svg.over .quiet [data-handle] { opacity: 0 }\n.viewport:hover svg.over .quiet [data-handle], .viewport svg.over .quiet [data-handle]:focus { opacity: 1 }\n@media (hover: none) { .viewport svg.over .quiet [data-handle] { opacity: .7 } }\n.viewport .pill { background: #000b; border-radius: 5px; padding: 2px 7px; line-height: 17px; text-shadow: none }\n.viewport .texts { position: absolute; inset: var(--top) 0 var(--bottom) var(--left); pointer-events: none }\n.viewport .texts > * { --left: 0px; --top: 0px; --bottom: 0px }\n.viewport .letter { position: absolute; translate: 0 -50%; font-size: 12px; pointer-events: none }\n.viewport .menu { pointer-events: auto; cursor: pointer }\n.viewport .menu select { background: none; border: 0; padding: 0; font-size: 12px; color: inherit; cursor: pointer; min-height: 17px; height: 17px; field-sizing: content }\n.viewport .menu option { color: var(--text); background: var(--panel) }\n.viewport .scale { display: grid; gap: 3px }\n.viewport .scale span { height: 3px; background: #fff; border-radius: 1px }\n.hint { position: absolute; left: 50%; bottom: 12%; transform: translateX(-50%); background: #000c; padding: 6px 12px; border-radius: var(--radius) }\n.bottom { position: absolute; z-index: 2; left: calc(var(--rail) + 8px); right: 8px; bottom: 8px; display: flex; flex-direction: column; align-items: flex-end; gap: 6px; pointer-events: none }\n.bottom > * { pointer-events: auto }\n.status { display: flex; flex-wrap: wrap; justify-content: flex-end; gap: 4px 6px; order: -1 }\n.status > * { background: var(--glass); box-shadow: var(--lift); border-radius: var(--radius); padding: 3px 10px; font-size: 12px }\n.status > [role="note"] { animation: noted 1s 9s forwards }\n@keyframes noted { to { opacity: 0; visibility: hidden } }\n.looks { align-self: flex-start; max-width: 100%; padding: 6px }\n.looks > .body { display: flex; align-items: stretch; gap: 8px }\n.looks .field { flex-direction: column; align-items: stretch; justify-content: center; width: 130px; flex: none }\n.wavesplat .looks .field > span:first-child { flex: none }\n.looks .look-tiles { display: flex; gap: 6px; overflow-x: auto; scrollbar-width: thin; padding: 2px; min-width: 0; justify-content: flex-start }\n.looks .look-tile { flex: none; width: 98px }\n.looks .look-name { white-space: nowrap; overflow: hidden; text-overflow: ellipsis }\n.looks-all { flex: none; max-width: 76px }\n.alert { position: absolute; left: 50%; top: 60px; transform: translateX(-50%); max-width: min(560px, 92%); z-index: 5; background: var(--panel); border: 1px solid var(--danger); border-radius: var(--radius); padding: 10px 14px; display: grid; gap: 6px }\n.opening { position: absolute; inset: 0; display: grid; place-content: center; gap: 10px; padding: 24px; text-align: center }\n.opening progress { width: 260px; accent-color: var(--accent) }\n.dim { color: var(--dim) }\n.hidden { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); white-space: nowrap }\n.wavesplat dialog { background: var(--panel); color: var(--text); border: 1px solid var(--line); border-radius: var(--radius); padding: 16px 20px; max-width: min(640px, 94vw); max-height: 86vh; overflow: auto }\n.wavesplat dialog.help { width: min(960px, 94vw); max-width: none; max-height: 94vh; font-size: 13px }\n.wavesplat .help th, .wavesplat .help td { padding: 1px 12px 1px 0 }\n.help .spring { flex: 1 }\n.help .columns { display: grid; margin-top: 8px; grid-template-columns: repeat(auto-fit, minmax(min(360px, 100%), 1fr)); gap: 12px 32px; align-items: start }\n.help caption { text-align: left; font-weight: 600; padding-bottom: 4px }\n.wavesplat dialog::backdrop { background: #0008 }\n.wavesplat .palette { width: min(560px, 94vw); padding: 8px; margin-top: 12vh; overflow: hidden; box-shadow: var(--lift); border-radius: 12px }\n.wavesplat .palette[open] { display: flex; flex-direction: column; gap: 6px }\n.wavesplat .palette input { width: 100%; min-height: 40px; font-size: 15px; padding: 4px 12px }\n.wavesplat .palette ul { list-style: none; margin: 0; padding: 0; overflow-y: auto; max-height: 46vh }\n.palette li { display: flex; justify-content: space-between; gap: 16px; padding: 5px 12px; border-radius: 6px; cursor: pointer }\n.palette li[aria-selected="true"] { background: var(--accent); color: var(--accent-text) }\n.palette li[aria-selected="true"] .dim { color: inherit }\n.palette li:hover:not([aria-selected="true"]) { background: var(--raised) }\n.wavesplat table { border-collapse: collapse; width: 100% }\n.wavesplat th, .wavesplat td { text-align: left; padding: 3px 12px 3px 0; vertical-align: top; font-weight: 400 }\n.wavesplat kbd { background: var(--raised); border-radius: 3px; padding: 0 6px; font: inherit }\n.chip { width: 18px; height: 18px; border-radius: 3px; border: 1px solid var(--line); flex: none }\n@container (max-width: 1000px) {\n  .standard-views { display: none !important }\n}\n@container (max-height: 620px) {\n  .status > [role="note"] { display: none }\n  .wavesplat[data-strip="true"] { --strip: 100px }\n  .looks { padding: 3px }\n  .looks .look-tile { width: 64px }\n  .looks .look-tile img, .looks .look-blank { width: 62px; height: 62px }\n  .looks .look-blank { padding: 18px 0 }\n  .wavesplat { --rail: 52px }\n  .rail { width: 40px; padding: 2px; left: 6px }\n  .rail-button { min-height: 28px }\n  .rail-button > span { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); white-space: nowrap }\n}\n/* A phone: tools in one row above, the rail below, and a sheet from below that leaves the picture 60 % of the height. */\n@container (max-width: 600px) {\n  .status > [role="note"] { display: none }\n  .views[data-layout="one-and-three"] > :nth-child(2) { --top: 0px }\n  .views > :first-child { --cube: var(--bar) !important; --left: 0px !important }\n  .wavesplat { --rail: 0px; display: grid; grid-template: minmax(0, 1fr) auto auto auto / minmax(0, 1fr) }\n  .views { position: relative; grid-area: 1 / 1 }\n  .views[data-layout="one-and-three"] { grid-template: minmax(0, 2fr) minmax(0, 1fr) / repeat(3, minmax(0, 1fr)) }\n  .views[data-layout="one-and-three"] > :first-child { grid-row: auto; grid-column: 1 / 4 }\n  .toolbar { left: 6px; right: 6px; top: 6px; gap: 4px; overflow-x: auto; scrollbar-width: none }\n  .title-group { display: none !important }\n  .sheet { position: relative; left: 0; top: 0; width: auto; grid-area: 3 / 1; max-height: 31cqh; border-radius: 12px 12px 0 0 }\n  .rail { position: relative; left: 0; top: 0; bottom: 0; width: auto; grid-area: 4 / 1; flex-direction: row; border-radius: 0; padding: 2px 4px }\n  .rail .spring { display: none }\n  .rail-button { width: auto; min-width: 52px }\n  .wavesplat[data-strip="true"] { --strip: 0px }\n  .bottom { position: relative; left: 0; right: 0; bottom: 0; grid-area: 2 / 1; padding: 4px 6px }\n  .status { position: absolute; right: 6px; bottom: calc(100% + 4px); left: 6px }\n  .looks { align-self: stretch }\n  .wavesplat[data-sheet="true"] .looks { display: none }\n}\n@media (pointer: coarse) {\n  .icon-button, .button { min-width: 44px; min-height: 44px }\n}\n@media (forced-colors: active) {\n  .icon-button[aria-pressed="true"], .icon-button[aria-checked="true"], .button[aria-pressed="true"] { forced-color-adjust: none; background: Highlight; color: HighlightText }\n}\n.wavesplat fieldset { border: 1px solid var(--line); border-radius: var(--radius); margin: 0; padding: 6px 10px 10px; display: grid; gap: 6px; min-width: 0 }\n.wavesplat legend { padding: 0 4px; color: var(--dim) }\n.wavesplat ol, .wavesplat ul { margin: 0; padding-left: 20px }\n.viewport .legend { top: calc(8px + var(--top)); left: calc(8px + var(--left)); max-width: min(240px, 42%); list-style: none; padding: 4px; display: grid; gap: 0; pointer-events: auto; text-shadow: none; background: var(--glass); color: var(--text); box-shadow: var(--lift); border-radius: var(--radius) }\n.legend-row { display: flex; gap: 8px; align-items: center; width: 100%; min-height: 24px; padding: 1px 6px; border: 0; border-radius: 5px; background: none; cursor: pointer; text-align: left; font-size: 12px }\n.legend-row:hover { background: var(--raised) }\n.legend-row > span:last-child { min-width: 0; overflow: hidden; text-overflow: ellipsis; white-space: nowrap }\n.legend-row .chip { width: 14px; height: 14px }\n.legend-row .look-chip { width: 34px }\n.legend-row[aria-pressed="false"] { color: var(--dim) }\n.legend-row[aria-pressed="false"] > .chip { background: none !important }\n.viewport .color-bar { display: grid; justify-items: end; gap: 3px; bottom: calc(44px + var(--bottom)) }\n.viewport .color-bar .ramp { width: 14px; height: 150px; border: 1px solid #fff8 }\n.about { display: grid; gap: 6px }\n.about dl { display: grid; grid-template-columns: auto 1fr; gap: 3px 14px; margin: 0 }\n.about dt { color: var(--dim) }\n.about dd { margin: 0; overflow-wrap: anywhere }\n.about h4 { margin: 4px 0 0; font-weight: 600; font-size: 12px; color: var(--dim) }\n.wavesplat .about ul { padding-left: 16px; display: grid; gap: 4px }\n';
+
+// src/input/camera_path.ts
+function between2(from, to, t3) {
+  if (t3 >= 1 || from.parallel_scale === void 0 !== (to.parallel_scale === void 0)) return to;
+  const { axis, angle } = rotation(from, to);
+  const { up, back } = axesOf(from);
+  const focal = add(from.focal_point, scaled(sub(to.focal_point, from.focal_point), t3));
+  const away = byFactors(length(sub(from.position, from.focal_point)), length(sub(to.position, to.focal_point)), t3);
+  const place = {
+    version: 1,
+    position: add(focal, scaled(turnedAbout(back, axis, angle * t3), away)),
+    focal_point: focal,
+    view_up: turnedAbout(up, axis, angle * t3)
+  };
+  if (from.parallel_scale !== void 0 && to.parallel_scale !== void 0) {
+    return { ...place, parallel_scale: byFactors(from.parallel_scale, to.parallel_scale, t3) };
+  }
+  return { ...place, view_angle: byFactors(from.view_angle ?? 30, to.view_angle ?? 30, t3) };
+}
+var byFactors = (a3, b, t3) => a3 * (b / a3) ** t3;
+function rotation(from, to) {
+  const [a3, b] = [axesOf(from), axesOf(to)];
+  const pairs = [[a3.up, b.up], [a3.right, b.right], [a3.back, b.back]];
+  const sines = pairs.reduce((sum, [one, other]) => add(sum, cross(one, other)), [0, 0, 0]);
+  const cosines = pairs.reduce((sum, [one, other]) => sum + dot(one, other), 0);
+  const angle = Math.atan2(length(sines), cosines - 1);
+  if (length(sines) > 1e-6) return { axis: unit(sines), angle };
+  if (cosines > 0) return { axis: a3.up, angle: 0 };
+  const sums = pairs.map(([one, other]) => add(one, other));
+  return { axis: unit(sums.reduce((best, sum) => length(sum) > length(best) ? sum : best)), angle: Math.PI };
+}
+
+// src/view/camera_mover.ts
+var EASE_MS = 200;
+var SAME_ASPECT = 1e-3;
+var CameraMover = class {
+  constructor(engine, store, fail) {
+    this.engine = engine;
+    this.store = store;
+    this.fail = fail;
+  }
+  engine;
+  store;
+  fail;
+  number = 0;
+  frame = 0;
+  aspect = 0;
+  size = { width: 4, height: 3 };
+  seen = null;
+  /** Shows what is seen from the direction of a camera, with its lens: all of it, with the margin of first pictures. */
+  async show(camera) {
+    await this.ask(() => this.engine.ask("framed", { camera, ...this.size }));
+  }
+  /** Goes back to the view of the first picture. */
+  async showFirst() {
+    await this.ask(() => this.engine.ask("first_view", this.size));
+  }
+  /** Moves to a camera: in 200 ms, or at once for those who want less motion, and in windows that are not seen. */
+  to(target) {
+    this.stop();
+    const from = this.store.state.camera;
+    const isAtOnce = document.hidden || matchMedia("(prefers-reduced-motion: reduce)").matches;
+    if (isAtOnce) {
+      this.store.change([set(target, "camera")]);
+      return;
+    }
+    const begun = performance.now();
+    let last = from;
+    const step = () => {
+      if (this.store.state.camera !== last) return;
+      const t3 = Math.min(1, (performance.now() - begun) / EASE_MS);
+      this.store.change([set(between2(from, target, t3 * t3 * (3 - 2 * t3)), "camera")], "ease");
+      last = this.store.state.camera;
+      if (t3 < 1) this.frame = requestAnimationFrame(step);
+      else this.store.settle();
+    };
+    this.frame = requestAnimationFrame(step);
+  }
+  /** Ends a move where it is, as a gesture begins. */
+  stop() {
+    this.number += 1;
+    cancelAnimationFrame(this.frame);
+  }
+  /** Keeps in view what was in view, as the 3-D view gets another size. */
+  async resized(size) {
+    const before2 = this.aspect;
+    this.size = size;
+    this.aspect = size.width / size.height;
+    if (before2 === 0 || Math.abs(this.aspect / before2 - 1) < SAME_ASPECT) return;
+    const { camera } = this.store.state;
+    if (this.seen?.kept !== camera) this.seen = { camera, aspect: before2, kept: camera };
+    const { seen, aspect } = this;
+    try {
+      const asked = { camera: seen.camera, aspect: seen.aspect, ...size };
+      const answer = await this.engine.ask("kept_in_view", asked);
+      if (this.store.state.camera !== camera || this.aspect !== aspect) return;
+      this.store.adjust([set(answer.camera, "camera")]);
+      this.seen = { ...seen, kept: this.store.state.camera };
+    } catch (problem) {
+      this.fail(problem);
+    }
+  }
+  async ask(question) {
+    this.stop();
+    const { number: number2 } = this;
+    try {
+      const { camera } = await question();
+      if (number2 === this.number) this.to(camera);
+    } catch (problem) {
+      this.fail(problem);
+    }
+  }
+};
+
+// src/view/views.ts
+var Views = class {
+  shown = /* @__PURE__ */ new Map();
+  last = "3d";
+  /** Adds a view that is shown; returns a function that removes it. */
+  add(view, receive) {
+    this.shown.set(view, receive);
+    return () => this.shown.delete(view);
+  }
+  /** Notes that something was done in a view. */
+  use(view) {
+    this.last = view;
+  }
+  /** Passes a key on to the view that was used last or, where that is gone, to the first one. */
+  receive(event) {
+    const receive = this.shown.get(this.last) ?? [...this.shown.values()][0];
+    receive?.(event);
+  }
+};
+
+// src/view/ui.ts
+var DOWNLOADED_MS = 1e4;
+function createUi(engine, store, page, around2) {
+  const { root, host, statistics, opener, frames, schedule } = around2;
+  let restCamera = null;
+  return {
+    root,
+    host,
+    statistics,
+    opener,
+    frames,
+    camera: new CameraMover(engine, store, (problem) => page.change({ problem: problemOf(problem) })),
+    views: new Views(),
+    frameShown(frame) {
+      frames[frame.view] = frame;
+      if (frame.at_rest && frame.camera !== void 0) restCamera = frame.camera;
+      statistics.drawn(frame, performance.now());
+      schedule();
+    },
+    get restCamera() {
+      return restCamera;
+    },
+    get tool() {
+      return page.fields.tool;
+    },
+    setTool: (tool) => page.change({ tool, points: [] }),
+    get points() {
+      return page.fields.points;
+    },
+    addPoint(point2) {
+      const kind2 = page.fields.tool === "angle" ? "angle" : "distance";
+      const points = [...page.fields.points, point2];
+      const isWhole = page.fields.tool !== "area" && points.length >= (kind2 === "angle" ? 3 : 2);
+      page.change({ points: isWhole ? [] : points });
+      if (isWhole && isMeasure(points)) store.change([set({ kind: kind2, points }, "view", "measures", "-")]);
+    },
+    get layer() {
+      return Math.min(page.fields.layer, store.state.layers.length - 1);
+    },
+    setLayer: (layer) => page.change({ layer }),
+    get probed() {
+      return page.fields.probed;
+    },
+    probe: (ask) => page.probe(ask),
+    tell: (text2) => page.tell(text2),
+    announce: (text2) => page.announce(text2),
+    problem: (problem) => page.change({ problem: problemOf(problem) }),
+    download(name, content, type) {
+      const url = URL.createObjectURL(new Blob([content], { type }));
+      const link = document.createElement("a");
+      link.href = url;
+      link.download = name;
+      link.click();
+      setTimeout(() => URL.revokeObjectURL(url), DOWNLOADED_MS);
+    }
+  };
+}
+
+// src/view/app.tsx
 function mountApp(parent, engine, host) {
   const root = parent.shadowRoot ?? parent.attachShadow({ mode: "open" });
   const sheet = new CSSStyleSheet();
-  sheet.replaceSync([style_default, look_default].join("\n"));
+  sheet.replaceSync([style_default, look_default, cube_default, open_default].join("\n"));
   root.adoptedStyleSheets = [sheet];
   const mount = document.createElement("div");
   mount.className = "mount";
@@ -5950,23 +7951,32 @@ var App = class {
     this.host = host;
     this.root = root;
     this.mount = mount;
+    this.opener = new PageOpener({
+      engine,
+      hasData: () => this.store !== null,
+      aspect: () => {
+        const frame = this.frames["3d"];
+        return frame === void 0 ? null : frame.width / frame.height;
+      },
+      change: (operations) => this.store?.change(operations),
+      openState: (file) => this.openState(file),
+      announce: (text2) => this.page.announce(text2),
+      problem: (problem) => this.page.change({ problem }),
+      changed: () => this.schedule()
+    });
     this.stops.push(
+      this.opener.listen(mount),
+      this.page.subscribe(() => this.schedule()),
       engine.onConnection((connection) => {
-        this.connection = connection;
-        this.schedule();
+        this.page.change({ connection });
+        if (connection.kind === "start") this.opener.setOffered(connection.offered);
       }),
-      engine.onProblem((problem) => {
-        this.problem = problem;
-        this.schedule();
-      }),
+      engine.onProblem((problem) => this.page.change({ problem })),
       onThemeChange(() => this.schedule())
     );
     engine.welcome.then(
       (welcome) => void this.begin(welcome),
-      (problem) => {
-        this.failure = problemOf(problem);
-        this.schedule();
-      }
+      (problem) => this.page.change({ failure: problemOf(problem) })
     );
     this.draw();
   }
@@ -5976,30 +7986,45 @@ var App = class {
   mount;
   store = null;
   welcome = null;
-  connection = { kind: "connecting", text: "" };
-  problem = null;
-  failure = null;
+  ui = null;
+  page = new PageState();
   frames = {};
   statistics = new FrameStatistics();
-  tool = "turn";
-  points = [];
-  layer = 0;
-  probed = "";
-  probeTimer;
-  help = false;
-  figures = false;
-  said = "";
-  lastSaid = 0;
-  sayTimer;
   isScheduled = false;
   stops = [];
+  opener;
   close() {
+    this.page.close();
     this.stops.forEach((stop) => stop());
   }
   async begin(welcome) {
-    this.welcome = welcome;
-    this.store = createStore(welcome.state, this.engine);
-    this.stops.push(this.store.subscribe(() => this.schedule()));
+    const store = createStore(welcome.state, this.engine);
+    [this.welcome, this.store] = [welcome, store];
+    this.ui = createUi(this.engine, store, this.page, {
+      root: this.root,
+      host: this.host.kind,
+      frames: this.frames,
+      statistics: this.statistics,
+      opener: this.opener,
+      schedule: () => this.schedule()
+    });
+    const follower = new DataFollower(this.engine, () => store.state, (data) => {
+      this.welcome = { ...welcome, ...data };
+      this.host.onVolumes?.(data.volumes.map(({ name }) => name));
+      this.expose();
+      this.schedule();
+    });
+    this.stops.push(
+      store.subscribe(() => {
+        follower.check();
+        this.schedule();
+      })
+    );
+    this.host.onVolumes?.(welcome.volumes.map(({ name }) => name));
+    if (this.host.kind === "page") {
+      document.addEventListener("keydown", this.onKey);
+      this.stops.push(() => document.removeEventListener("keydown", this.onKey));
+    }
     this.expose();
     this.schedule();
     if (this.host.link === void 0) return;
@@ -6008,11 +8033,14 @@ var App = class {
       if (fingerprint !== welcome.fingerprint) throw new Error("The link is of other data than is open here");
       const text2 = JSON.stringify(parseViewerState(state2));
       const { state: checked } = await this.engine.ask("open_state", { text: text2 });
-      this.store.change([{ op: "replace", path: "", value: checked }]);
+      store.change([{ op: "replace", path: "", value: checked }]);
     } catch (problem) {
-      this.problem = problemOf(problem);
-      this.schedule();
+      this.page.change({ problem: problemOf(problem) });
     }
+  }
+  openState(file) {
+    const { store, welcome, ui } = this;
+    if (store !== null && welcome !== null && ui !== null) void openState({ store, welcome, engine: this.engine, ui }, file);
   }
   /** For tests and benchmarks, and whoever looks at the console. */
   expose() {
@@ -6028,144 +8056,45 @@ var App = class {
     this.isScheduled = true;
     requestAnimationFrame(() => {
       this.isScheduled = false;
+      const begun = performance.now();
       this.draw();
+      this.statistics.interfaceDrawn(performance.now() - begun);
     });
-  }
-  ui = ((app) => ({
-    get root() {
-      return app.root;
-    },
-    get host() {
-      return app.host.kind;
-    },
-    statistics: app.statistics,
-    frames: app.frames,
-    frameShown(frame) {
-      app.frames[frame.view] = frame;
-      app.statistics.drawn(frame, performance.now());
-      app.schedule();
-    },
-    get tool() {
-      return app.tool;
-    },
-    setTool(tool) {
-      app.tool = tool;
-      app.points = [];
-      app.schedule();
-    },
-    get points() {
-      return app.points;
-    },
-    addPoint(point2) {
-      app.addPoint(point2);
-    },
-    get layer() {
-      return Math.min(app.layer, (app.store?.state.layers.length ?? 1) - 1);
-    },
-    setLayer(layer) {
-      app.layer = layer;
-      app.schedule();
-    },
-    get probed() {
-      return app.probed;
-    },
-    probe(ask) {
-      clearTimeout(app.probeTimer);
-      const tell = (text2) => {
-        if (app.probed !== text2) app.schedule();
-        app.probed = text2;
-      };
-      const timer = setTimeout(() => {
-        ask?.().then((text2) => app.probeTimer === timer && tell(text2), () => void 0);
-      }, PROBE_MS);
-      app.probeTimer = timer;
-      if (ask === null) tell("");
-    },
-    announce(text2) {
-      app.announce(text2);
-    },
-    problem(problem) {
-      app.problem = problemOf(problem);
-      app.schedule();
-    },
-    download(name, content, type) {
-      const url = URL.createObjectURL(new Blob([content], { type }));
-      const link = document.createElement("a");
-      link.href = url;
-      link.download = name;
-      link.click();
-      setTimeout(() => URL.revokeObjectURL(url), 1e4);
-    }
-  }))(this);
-  addPoint(point2) {
-    const kind2 = this.tool === "angle" ? "angle" : "distance";
-    const points = [...this.points, point2];
-    if (points.length < (kind2 === "angle" ? 3 : 2)) {
-      this.points = points;
-    } else {
-      this.points = [];
-      if (isMeasure(points)) this.store?.change([set({ kind: kind2, points }, "view", "measures", "-")]);
-    }
-    this.schedule();
-  }
-  announce(text2) {
-    clearTimeout(this.sayTimer);
-    const wait = Math.max(0, this.lastSaid + ANNOUNCED_MS - performance.now());
-    this.sayTimer = setTimeout(() => {
-      this.said = text2;
-      this.lastSaid = performance.now();
-      this.schedule();
-    }, wait);
   }
   onKey = (event) => {
     const target = event.composedPath()[0];
     const isField = target instanceof HTMLElement && target.matches("input, select, textarea, [contenteditable]");
     const action = actionOf(keyName(event));
-    if (event.defaultPrevented || this.store === null || isField && action !== "leave") return;
-    if (action === "undo") this.store.undo();
-    else if (action === "redo") this.store.redo();
-    else if (action === "help") this.help = true;
-    else if (action === "leave" && (this.tool !== "turn" || this.points.length > 0)) this.ui.setTool("turn");
-    else return;
+    const { store, ui, page } = this;
+    if (event.defaultPrevented || store === null || ui === null || isField && action !== "leave") return;
+    if (action === "undo") store.undo();
+    else if (action === "redo") store.redo();
+    else if (action === "help") page.change({ help: true });
+    else if (action === "leave" && (ui.tool !== "turn" || ui.points.length > 0)) ui.setTool("turn");
+    else if (event.currentTarget === document && !page.fields.help && !isOfControl(target, event.key)) {
+      ui.views.receive(event);
+      return;
+    } else return;
     event.preventDefault();
     event.stopPropagation();
     this.schedule();
   };
   draw() {
-    const { store, welcome } = this;
-    if (store === null || welcome === null) {
+    const { store, welcome, ui, page } = this;
+    if (store === null || welcome === null || ui === null) {
       Q(
-        /* @__PURE__ */ k("div", { class: "wavesplat", "data-theme": surrounding() }, /* @__PURE__ */ k(Opening, { connection: this.connection, problem: this.failure })),
+        /* @__PURE__ */ k("div", { class: "wavesplat", "data-theme": surrounding() }, page.fields.connection.kind === "start" ? /* @__PURE__ */ k(StartPage, { opener: this.opener, engine: this.engine, host: this.host.kind }) : /* @__PURE__ */ k(Opening, { connection: page.fields.connection, problem: page.fields.failure })),
         this.mount
       );
       return;
     }
-    const part = { store, engine: this.engine, welcome, ui: this.ui };
-    Q(/* @__PURE__ */ k(Page, { ...part, app: this.shown() }), this.mount);
-  }
-  shown() {
-    return {
-      connection: this.connection,
-      problem: this.problem,
-      help: this.help,
-      figures: this.figures,
-      said: this.said,
-      onKey: this.onKey,
-      onHelp: (on) => {
-        this.help = on;
-        this.schedule();
-      },
-      onFigures: (on) => {
-        this.figures = on;
-        this.schedule();
-      },
-      onProblemClosed: () => {
-        this.problem = null;
-        this.schedule();
-      }
-    };
+    const part = { store, engine: this.engine, welcome, ui };
+    Q(/* @__PURE__ */ k(Page, { ...part, page: page.fields, onKey: this.onKey, onPage: (next) => page.change(next) }), this.mount);
   }
 };
+function isOfControl(target, key) {
+  return target instanceof Element && target.matches("a, button, summary, [tabindex], dialog *") && /^(Arrow|Page|Home|End|Enter$| $)/.test(key);
+}
 
 // src/hosts/page.ts
 var KEY2 = "wavesplat-session";
@@ -6194,14 +8123,10 @@ function openPage(element) {
   window.addEventListener("storage", ({ key }) => {
     if (key === `${KEY2}:${location.host}`) engine.retry();
   });
-  const close = mountApp(element, engine, { kind: "page", link });
-  engine.welcome.then(
-    ({ volumes }) => {
-      document.title = `${volumes.map(({ name }) => name).join(", ")} – Wavesplat`;
-    },
-    () => void 0
-  );
-  return close;
+  const onVolumes = (names) => {
+    document.title = `${names.join(", ")} – Wavesplat`;
+  };
+  return mountApp(element, engine, { kind: "page", link, onVolumes });
 }
 function stored() {
   return localStorage.getItem(`${KEY2}:${location.host}`) ?? sessionStorage.getItem(KEY2);

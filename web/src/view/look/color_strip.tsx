@@ -21,7 +21,7 @@ export interface ColorStripProps {
   readonly selected: number | null;
   onSelect(index: number): void;
   onCurve(curve: Curve<ColorPoint>, index: number | null): void;
-  onDone(): void;
+  onSettle(): void;
   onType(): void;
   onShowPoints(): void;
 }
@@ -41,7 +41,7 @@ export function ColorStrip(props: ColorStripProps) {
     if (point !== undefined) props.onCurve(withMoved(latest, index, [value, point[1], point[2], point[3]]), index);
   };
   const onUp = (): void => {
-    if (drag.current !== null) props.onDone();
+    if (drag.current !== null) props.onSettle();
     drag.current = null;
   };
   const onKeyDown = (event: KeyboardEvent, index: number): void => {
@@ -67,7 +67,7 @@ export function ColorStrip(props: ColorStripProps) {
         onDblClick={(event) => {
           const added = withPointOn(curve, rounded(valueAt(inside(event)), seen[1] - seen[0]));
           props.onCurve(added.curve, added.index);
-          props.onDone();
+          props.onSettle();
         }}
         onPointerMove={(event) => {
           const begun = drag.current;
@@ -98,7 +98,7 @@ export function ColorStrip(props: ColorStripProps) {
               text={`${hexOf(point)} at ${numberText(point[0])}${unit && ` ${unit}`}`}
               onSelect={() => props.onSelect(index)}
               onKeyDown={(event) => onKeyDown(event, index)}
-              onKeyUp={() => props.onDone()}
+              onKeyUp={() => props.onSettle()}
               onGrab={(event) => {
                 svg.current?.setPointerCapture(event.pointerId);
                 drag.current = { index, x: inside(event) - xOf(point[0]) };

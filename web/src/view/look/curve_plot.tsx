@@ -59,7 +59,7 @@ export interface CurvePlotProps {
   readonly least?: number;
   onSelect(index: number): void;
   onCurve(curve: Curve<OpacityPoint>, index: number | null): void;
-  onDone(): void;
+  onSettle(): void;
   onSeen(seen: Range): void;
   onShowPoints(): void;
   /** Called when the user wants to type the number of the selected point. */
@@ -106,7 +106,7 @@ export function CurvePlot(props: CurvePlotProps) {
     props.onSeen(within([begun.seen[0] + shift, begun.seen[1] + shift], whole));
   };
   const onPlotUp = (): void => {
-    if (drag.current?.index != null) props.onDone();
+    if (drag.current?.index != null) props.onSettle();
     drag.current = null;
   };
   const onHandleKey = (event: KeyboardEvent, index: number): void => {
@@ -150,7 +150,7 @@ export function CurvePlot(props: CurvePlotProps) {
         const { x, y } = inside(event);
         const added = withPoint(curve, tidy(valueAt(x), alphaAt(y)));
         props.onCurve(added.curve, added.index);
-        props.onDone();
+        props.onSettle();
       }}
       onPointerDown={(event) => {
         if (event.button !== 0) return;
@@ -216,7 +216,7 @@ export function CurvePlot(props: CurvePlotProps) {
             text={`${props.what} ${numberText(point[1])} at ${numberText(point[0])}${unit && ` ${unit}`}`}
             onSelect={() => props.onSelect(index)}
             onKeyDown={(event) => onHandleKey(event, index)}
-            onKeyUp={() => props.onDone()}
+            onKeyUp={() => props.onSettle()}
             onGrab={(event) => {
               const { x, y } = inside(event);
               svg.current?.setPointerCapture(event.pointerId);
@@ -232,7 +232,7 @@ export function CurvePlot(props: CurvePlotProps) {
 
 /** Removes a point, or adds one beside it. */
 export function changePoints<P extends Point>(
-  { latest, seen, onCurve, onDone }: EditorOf<P>,
+  { latest, seen, onCurve, onSettle }: EditorOf<P>,
   what: "remove" | "insert",
   index: number,
 ): void {
@@ -242,14 +242,14 @@ export function changePoints<P extends Point>(
     const added = withPointBeside(curve, index, seen);
     onCurve(added.curve, added.index);
   }
-  onDone();
+  onSettle();
 }
 
 interface EditorOf<P extends Point> {
   latest(): Curve<P>;
   readonly seen: Range;
   onCurve(curve: Curve<P>, index: number | null): void;
-  onDone(): void;
+  onSettle(): void;
 }
 
 export interface HandleProps {

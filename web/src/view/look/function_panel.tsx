@@ -1,4 +1,4 @@
-// The transfer function of the chosen layer: an editor over the histogram, and sliders that change it as a whole.
+// The transfer function of the chosen layer: three knobs, and behind them an editor over the histogram.
 
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Problem, VolumeInfo } from "../../engine/engine.ts";
@@ -12,17 +12,16 @@ import {
   isEditable,
   middle,
   mirrored,
-  shifted,
   spanOf,
   spanOfFunction,
-  widened,
   withOpacities,
   withPointBeside,
   type Curve,
   type Range,
 } from "./curves.ts";
-import { Button, CheckField, NamedNumber, RelativeSlider, SelectField, SliderField } from "./fields.tsx";
+import { Button, Switch, NamedNumber, RelativeSlider, Choice, NumberField } from "../fields.tsx";
 import { GradientEditor } from "./gradient_editor.tsx";
+import { KnobFields } from "./knob_fields.tsx";
 import { lookAsChosen } from "./looks.ts";
 import { PointFields } from "./point_fields.tsx";
 import { WORDS } from "../../words.ts";
@@ -32,9 +31,8 @@ const BINS = 256;
 const PLOT_PX = 190;
 /** Milliseconds for which the axis must be still before its histogram is asked for. */
 const STILL_MS = 120;
-/** Factors of opacity and of width at the ends of the sliders. */
+/** Factor of opacity at the end of the slider. */
 const MAX_OPACITY = 10;
-const MAX_WIDTH = 4;
 
 export interface Selected {
   readonly kind: "opacity" | "color" | "gradient";
@@ -67,11 +65,11 @@ export function LayerChoice({ store, ui }: PartProps) {
   const { layers } = store.state;
   if (layers.length < 2) return null;
   return (
-    <SelectField
+    <Choice
       label={TEXT.layer}
       value={String(ui.layer)}
-      options={layers.map(({ name }, index) => ({ value: String(index), text: name }))}
-      onChoice={(value) => ui.setLayer(Number(value))}
+      options={layers.map(({ name }, index) => [String(index), name] as const)}
+      onChoose={(value) => ui.setLayer(Number(value))}
     />
   );
 }
@@ -82,8 +80,36 @@ interface EditorProps extends PartProps {
   readonly volume: VolumeInfo;
 }
 
+/** The knobs, and the curve behind them. */
 function Editor(props: EditorProps) {
   const { store, engine, ui, welcome, curves, look, volume } = props;
+  const [isOpen, setOpen] = useState(false);
+  const reset = async (): Promise<void> => {
+    try {
+      const first = await lookAsChosen(engine, welcome, ui.layer, look.name);
+      if (first === null) ui.announce(TEXT.gone);
+      else store.change([set(first.transfer_function, "layers", ui.layer, "look", "transfer_function")]);
+    } catch (problem) {
+      ui.problem(problem as Problem);
+    }
+  };
+  return (
+    <>
+      <KnobFields {...props} curves={curves} usual={volume.robust_range} />
+      <GlobalOpacity {...props} />
+      <div class="row">
+        <Button onClick={() => void reset()}>{TEXT.reset(look.name)}</Button>
+      </div>
+      <details class="look-details" open={isOpen} onToggle={(event) => setOpen(event.currentTarget.open)}>
+        <summary>{TEXT.edit}</summary>
+        {isOpen && <CurveEditor {...props} />}
+      </details>
+    </>
+  );
+}
+
+function CurveEditor(props: EditorProps) {
+  const { store, ui, curves, volume } = props;
   const span = spanOfFunction(curves);
   const whole = wholeOf(volume.range, span);
   const usual = wholeOf(volume.robust_range, span);
@@ -96,7 +122,6 @@ function Editor(props: EditorProps) {
   const seen = within(zoom, whole);
   const histogram = useHistogram(props, seen, isLog);
   const unit = volume.value_unit;
-  const usualWidth = volume.robust_range[1] - volume.robust_range[0] || 1;
   const path = ["layers", ui.layer, "look", "transfer_function"] as const;
   const done = (): void => {
     base.current = null;
@@ -128,16 +153,6 @@ function Editor(props: EditorProps) {
   const opacityIndex = chosenIndex("opacity", curves.opacity.length);
   const colorIndex = chosenIndex("color", curves.color.length);
 
-  const reset = async (): Promise<void> => {
-    try {
-      const first = await lookAsChosen(engine, welcome, ui.layer, look.name);
-      if (first === null) ui.announce(TEXT.gone);
-      else store.change([set(first.transfer_function, ...path)]);
-    } catch (problem) {
-      ui.problem(problem as Problem);
-    }
-  };
-
   return (
     <>
       <CurvePlot
@@ -155,7 +170,7 @@ function Editor(props: EditorProps) {
         selected={opacityIndex}
         onSelect={(index) => setSelected({ kind: "opacity", index })}
         onCurve={setOpacity}
-        onDone={done}
+        onSettle={done}
         onSeen={setZoom}
         onShowPoints={showPoints}
         onType={typeValue}
@@ -168,7 +183,7 @@ function Editor(props: EditorProps) {
         selected={colorIndex}
         onSelect={(index) => setSelected({ kind: "color", index })}
         onCurve={setColor}
-        onDone={done}
+        onSettle={done}
         onType={typeValue}
         onShowPoints={showPoints}
       />
@@ -179,7 +194,7 @@ function Editor(props: EditorProps) {
           unit={unit}
           onOpacity={setOpacity}
           onColor={setColor}
-          onDone={done}
+          onSettle={done}
           onSelect={setSelected}
         />
       </div>
@@ -208,16 +223,16 @@ function Editor(props: EditorProps) {
           shown={TEXT.seen}
           label={TEXT.from}
           value={rounded(seen[0], seen[1] - seen[0])}
-          onValue={(low) => low < seen[1] && setZoom([low, seen[1]])}
-          onDone={() => {}}
+          onInput={(low) => low < seen[1] && setZoom([low, seen[1]])}
+          onSettle={() => {}}
         />
         <NamedNumber
           shown="–"
           label={TEXT.to}
           unit={unit}
           value={rounded(seen[1], seen[1] - seen[0])}
-          onValue={(high) => high > seen[0] && setZoom([seen[0], high])}
-          onDone={() => {}}
+          onInput={(high) => high > seen[0] && setZoom([seen[0], high])}
+          onSettle={() => {}}
         />
         <Button label={TEXT.nearer} onClick={() => setZoom(zoomed(seen, 1.5, middle(seen), whole))}>
           +
@@ -232,36 +247,18 @@ function Editor(props: EditorProps) {
         <Button onClick={showPoints}>{TEXT.points}</Button>
       </div>
       <div class="row">
-        <CheckField label={TEXT.log} checked={isLog} onCheck={setLog} />
-        <CheckField label={TEXT.magnified} checked={isMagnified} onCheck={setMagnified} />
+        <Switch label={TEXT.log} on={isLog} onToggle={setLog} />
+        <Switch label={TEXT.magnified} on={isMagnified} onToggle={setMagnified} />
       </div>
       <p class="dim look-small">{TEXT.hint}</p>
-      <RelativeSlider
-        label={TEXT.shift}
-        unit={unit}
-        neutral={0}
-        amount={(position) => rounded(position * usualWidth, usualWidth)}
-        position={(amount) => amount / usualWidth}
-        onAmount={(amount) => setAll((before) => shifted(before, amount), "shift")}
-        onDone={done}
-      />
-      <RelativeSlider
-        label={`${TEXT.width} ×`}
-        neutral={1}
-        amount={(position) => MAX_WIDTH ** position}
-        position={(amount) => Math.log(amount) / Math.log(MAX_WIDTH)}
-        onAmount={(amount) => amount > 0 && setAll((before) => widened(before, amount), "width")}
-        onDone={done}
-      />
       <RelativeSlider
         label={TEXT.opacities}
         neutral={1}
         amount={(position) => MAX_OPACITY ** position}
         position={(amount) => Math.log(amount) / Math.log(MAX_OPACITY)}
         onAmount={(amount) => amount >= 0 && setAll((before) => withOpacities(before, amount), "opacities")}
-        onDone={done}
+        onSettle={done}
       />
-      <GlobalOpacity {...props} />
       <div class="row">
         <Button onClick={() => once((before) => ({ ...before, opacity: mirrored(before.opacity) }))}>
           {TEXT.mirrorOpacity}
@@ -269,7 +266,6 @@ function Editor(props: EditorProps) {
         <Button onClick={() => once((before) => ({ ...before, color: mirrored(before.color) }))}>
           {TEXT.mirrorColor}
         </Button>
-        <Button onClick={() => void reset()}>{TEXT.reset(look.name)}</Button>
       </div>
       <GradientEditor {...props} latest={() => latest().gradient_opacity ?? []} />
     </>
@@ -279,14 +275,15 @@ function Editor(props: EditorProps) {
 function GlobalOpacity({ store, ui }: PartProps) {
   const opacity = store.state.layers[ui.layer]?.opacity ?? 1;
   return (
-    <SliderField
+    <NumberField
+      isBounded
       label={TEXT.global}
       min={0}
       max={1}
       step={0.01}
       value={opacity}
-      onValue={(value) => store.change([set(value, "layers", ui.layer, "opacity")], "layer opacity")}
-      onDone={() => store.settle()}
+      onInput={(value) => store.change([set(value, "layers", ui.layer, "opacity")], "layer opacity")}
+      onSettle={() => store.settle()}
     />
   );
 }

@@ -8,7 +8,7 @@ import type { PartProps } from "../part.ts";
 import { around, rounded, within } from "./axis.ts";
 import { CurvePlot } from "./curve_plot.tsx";
 import { firstGradientCurve, spanOf, withMoved, without, withPointBeside, type Curve, type Range } from "./curves.ts";
-import { Button, NamedNumber } from "./fields.tsx";
+import { Button, NamedNumber } from "../fields.tsx";
 import { WORDS } from "../../words.ts";
 
 const TEXT = WORDS.gradientEditor;
@@ -66,7 +66,7 @@ export function GradientEditor({ store, ui, curves, volume, latest }: GradientEd
         selected={index}
         onSelect={setChosen}
         onCurve={change}
-        onDone={done}
+        onSettle={done}
         onSeen={setZoom}
         onShowPoints={() => setZoom(around(spanOf(curve), whole))}
         onType={() => {}}
@@ -77,8 +77,8 @@ export function GradientEditor({ store, ui, curves, volume, latest }: GradientEd
           unit={unit}
           min={0}
           value={point[0]}
-          onValue={(value) => change(withMoved(curve, index, [value, point[1]]), index)}
-          onDone={done}
+          onInput={(value) => change(withMoved(curve, index, [value, point[1]]), index)}
+          onSettle={done}
         />
         <NamedNumber
           label={TEXT.factor}
@@ -86,8 +86,8 @@ export function GradientEditor({ store, ui, curves, volume, latest }: GradientEd
           max={1}
           step={0.01}
           value={point[1]}
-          onValue={(factor) => change(withMoved(curve, index, [point[0], factor]), index)}
-          onDone={done}
+          onInput={(factor) => change(withMoved(curve, index, [point[0], factor]), index)}
+          onSettle={done}
         />
       </div>
       <div class="row">

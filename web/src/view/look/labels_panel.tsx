@@ -1,11 +1,11 @@
 // The legend of the segmentation: names, colours, opacities, and what is shown.
 
-import { useMemo, useState } from "preact/hooks";
+import { useState } from "preact/hooks";
 import { set } from "../../state/patch.ts";
 import { withoutLabels } from "../open/index.ts";
 import type { PartProps } from "../part.ts";
-import { Button, CheckField, ColorField, SliderField } from "./fields.tsx";
-import { isSoloLabel, labelRows, shownLabels, type Hidden } from "./layers.ts";
+import { Button, Switch, ColorField, NumberField } from "../fields.tsx";
+import { hiddenOf, isSoloLabel, labelRows, shownLabels } from "./layers.ts";
 import { hexColor, namedColor } from "./looks.ts";
 import { WORDS } from "../../words.ts";
 
@@ -17,13 +17,12 @@ const FILTERED_FROM = 9;
 
 export function LabelsPanel({ store }: PartProps) {
   const [filter, setFilter] = useState("");
-  const hidden = useMemo((): Hidden => new Map(), [store]);
   const labels = store.state.labels;
   if (labels === null) return <p class="dim">{TEXT.none}</p>;
   const all = labelRows(labels.labels);
   const rows = labelRows(labels.labels, filter);
   const show = (isShown: (number: string) => boolean): void =>
-    store.change(shownLabels(store.state.labels?.labels ?? {}, isShown, hidden));
+    store.change(shownLabels(store.state.labels?.labels ?? {}, isShown, hiddenOf(store)));
   const inRows = new Set(rows.map(({ number }) => number));
   const isOnShown = new Map(all.map(({ number, isShown }) => [number, isShown]));
   const others = (number: string): boolean => isOnShown.get(number) ?? false;
@@ -65,7 +64,7 @@ export function LabelsPanel({ store }: PartProps) {
               onColor={(hex) =>
                 store.change([set(hex, "labels", "labels", number, "color")], `colour of label ${number}`)
               }
-              onDone={() => store.settle()}
+              onSettle={() => store.settle()}
             />
             <span class="look-grow look-name" title={`${name} (${number})`}>
               {name}
@@ -77,26 +76,27 @@ export function LabelsPanel({ store }: PartProps) {
             >
               {TEXT.solo}
             </Button>
-            <SliderField
+            <NumberField
+              isBounded
               label={TEXT.opacity(name)}
               shown=""
               min={0}
               max={1}
               step={0.01}
               value={opacity}
-              onValue={(value) =>
+              onInput={(value) =>
                 store.change([set(value, "labels", "labels", number, "opacity")], `opacity of label ${number}`)
               }
-              onDone={() => store.settle()}
+              onSettle={() => store.settle()}
             />
           </li>
         ))}
       </ul>
       {rows.length > MAX_ROWS && <p class="dim">{TEXT.more(rows.length - MAX_ROWS)}</p>}
-      <CheckField
+      <Switch
         label={TEXT.smooth}
-        checked={labels.smooth}
-        onCheck={(on) => store.change([set(on, "labels", "smooth")])}
+        on={labels.smooth}
+        onToggle={(on) => store.change([set(on, "labels", "smooth")])}
       />
     </div>
   );

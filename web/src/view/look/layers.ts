@@ -53,6 +53,15 @@ interface Matter {
 /** Opacity, tint and scan of the labels that the page hid, by number, as they were before. */
 export type Hidden = Map<string, Matter>;
 
+const hiddenOfStores = new WeakMap<object, Hidden>();
+
+/** The labels that the page hid, which every part that hides and shows labels shares. */
+export function hiddenOf(store: object): Hidden {
+  const known = hiddenOfStores.get(store) ?? new Map();
+  hiddenOfStores.set(store, known);
+  return known;
+}
+
 /** Settings of a hidden label: the scan is drawn as if there were no label. */
 const NOTHING: Matter = { opacity: 0, tint: 0, scan: 1 };
 const USUAL: Matter = { opacity: LABEL_OPACITY, tint: 0, scan: 0 };

@@ -1,12 +1,11 @@
 // The list of the scene's volumes and shapes: their visibility and opacity, and which one the panels of the look are about.
 
 import { set } from "../../state/patch.ts";
-import type { Layer } from "../../state/state.ts";
 import { withoutLayer, withoutShape } from "../open/index.ts";
 import type { PartProps } from "../part.ts";
-import { hexOf, isEditable, spanOf } from "./curves.ts";
-import { Button, CheckField, SliderField } from "./fields.tsx";
+import { Button, Switch, NumberField } from "../fields.tsx";
 import { isSolo, soloLayer } from "./layers.ts";
+import { Ramp } from "./ramp.tsx";
 import { WORDS } from "../../words.ts";
 
 const TEXT = WORDS.layersPanel;
@@ -49,15 +48,16 @@ export function LayersPanel({ store, ui }: PartProps) {
                 </Button>
               )}
             </div>
-            <SliderField
+            <NumberField
+              isBounded
               label={layers.length > 1 ? TEXT.opacityOf(layer.name) : TEXT.opacity}
               shown={TEXT.opacity}
               min={0}
               max={1}
               step={0.01}
               value={layer.opacity}
-              onValue={(value) => store.change([set(value, "layers", index, "opacity")], `opacity of layer ${index}`)}
-              onDone={() => store.settle()}
+              onInput={(value) => store.change([set(value, "layers", index, "opacity")], `opacity of layer ${index}`)}
+              onSettle={() => store.settle()}
             />
             {layers.length > 1 && (
               <div class="row open-apart">
@@ -85,11 +85,11 @@ export function LayersPanel({ store, ui }: PartProps) {
         <ul class="look-list" aria-label="Geometry">
           {geometry.map(({ kind, name, count, visible }, index) => (
             <li key={index} class="row open-apart">
-              <CheckField
+              <Switch
                 label={name}
                 note={`${kind} · ${count}`}
-                checked={visible}
-                onCheck={(on) => store.change([set(on, "geometry", index, "visible")])}
+                on={visible}
+                onToggle={(on) => store.change([set(on, "geometry", index, "visible")])}
               />
               <Button label={TEXT.removeThis(name)} onClick={() => store.change(withoutShape(index))}>{TEXT.remove}</Button>
             </li>
@@ -98,15 +98,4 @@ export function LayersPanel({ store, ui }: PartProps) {
       )}
     </>
   );
-}
-
-/** The colours of a layer, from its lowest to its highest value. */
-function Ramp({ layer }: { readonly layer: Layer }) {
-  const curves = layer.look.transfer_function;
-  if (!isEditable(curves)) return <span class="chip" />;
-  const [low, high] = spanOf(curves.color);
-  const stops = curves.color.map((point) => `${hexOf(point)} ${(100 * (point[0] - low)) / (high - low || 1)}%`);
-  const first = curves.color[0];
-  const background = stops.length > 1 ? `linear-gradient(90deg, ${stops.join(", ")})` : first && hexOf(first);
-  return <span class="chip look-chip" style={{ background }} />;
 }

@@ -1,25 +1,26 @@
 // The control of the first light's direction: a ball seen from the front, on which the bright spot is moved.
 
-import { useRef } from "preact/hooks";
+import { useId, useRef } from "preact/hooks";
 import type { Vec3 } from "../../state/state.ts";
-import { NumberField } from "./fields.tsx";
+import { NumberBox } from "../fields.tsx";
 import { anglesOf, directionOf } from "./looks.ts";
 import { WORDS } from "../../words.ts";
 
 const TEXT = WORDS.lightPad;
-const SIZE_PX = 96;
-const RADIUS_PX = 40;
+const SIZE_PX = 132;
+const RADIUS_PX = 60;
 
 export interface LightPadProps {
   readonly direction: Vec3;
   /** Returns the direction as it is now: keys can come more often than the page is drawn. */
   latest(): Vec3;
   onDirection(direction: Vec3): void;
-  onDone(): void;
+  onSettle(): void;
 }
 
-export function LightPad({ direction, latest, onDirection, onDone }: LightPadProps) {
+export function LightPad({ direction, latest, onDirection, onSettle }: LightPadProps) {
   const isDragging = useRef(false);
+  const shade = useId();
   const [azimuth, elevation] = anglesOf(direction);
   const length = Math.hypot(...direction) || 1;
   const spot = { x: (direction[0] / length) * RADIUS_PX, y: (-direction[1] / length) * RADIUS_PX };
@@ -39,7 +40,7 @@ export function LightPad({ direction, latest, onDirection, onDone }: LightPadPro
     set([a, b, front]);
   };
   const stop = (): void => {
-    if (isDragging.current) onDone();
+    if (isDragging.current) onSettle();
     isDragging.current = false;
   };
   return (
@@ -66,7 +67,7 @@ export function LightPad({ direction, latest, onDirection, onDone }: LightPadPro
           if (isDragging.current) point(event);
         }}
         onLostPointerCapture={stop}
-        onKeyUp={onDone}
+        onKeyUp={onSettle}
         onKeyDown={(event) => {
           const steps: Partial<Record<string, readonly [number, number]>> = {
             ArrowLeft: [-2, 0],
@@ -85,8 +86,14 @@ export function LightPad({ direction, latest, onDirection, onDone }: LightPadPro
           turn(...step);
         }}
       >
-        <circle class="look-ball" r={RADIUS_PX} />
-        <path class="look-grid" d={`M${-RADIUS_PX} 0 H${RADIUS_PX} M0 ${-RADIUS_PX} V${RADIUS_PX}`} />
+        <defs>
+          <radialGradient id={shade} cx={spot.x} cy={spot.y} r={1.5 * RADIUS_PX} gradientUnits="userSpaceOnUse">
+            <stop offset="0" class={direction[2] < 0 ? "look-shade-behind" : "look-shade-lit"} />
+            <stop offset="0.55" class="look-shade-half" />
+            <stop offset="1" class="look-shade-dark" />
+          </radialGradient>
+        </defs>
+        <circle class="look-ball" r={RADIUS_PX} fill={`url(#${shade})`} />
         {/* Hollow: behind the ball. */}
         <circle class="look-spot" cx={spot.x} cy={spot.y} r={6} data-behind={direction[2] < 0} />
       </svg>
@@ -95,35 +102,35 @@ export function LightPad({ direction, latest, onDirection, onDone }: LightPadPro
           label={TEXT.azimuth}
           value={azimuth}
           most={180}
-          onValue={(angle) => set(directionOf([angle, elevation]))}
-          onDone={onDone}
+          onInput={(angle) => set(directionOf([angle, elevation]))}
+          onSettle={onSettle}
         />
         <Angle
           label={TEXT.elevation}
           value={elevation}
           most={90}
-          onValue={(angle) => set(directionOf([azimuth, angle]))}
-          onDone={onDone}
+          onInput={(angle) => set(directionOf([azimuth, angle]))}
+          onSettle={onSettle}
         />
       </div>
     </div>
   );
 }
 
-function Angle(props: { label: string; value: number; most: number; onValue(angle: number): void; onDone(): void }) {
-  const { label, value, most, onValue, onDone } = props;
+function Angle(props: { label: string; value: number; most: number; onInput(angle: number): void; onSettle(): void }) {
+  const { label, value, most, onInput, onSettle } = props;
   return (
     <div class="row">
       <span aria-hidden="true">{label}</span>
-      <NumberField
+      <NumberBox
         label={label}
         unit="degrees"
         min={-most}
         max={most}
         step={1}
         value={Math.round(10 * value) / 10}
-        onValue={onValue}
-        onDone={onDone}
+        onInput={onInput}
+        onSettle={onSettle}
       />
       <span aria-hidden="true">{TEXT.degrees}</span>
     </div>

@@ -1,4 +1,4 @@
-// The panel of compositing: the operator with its parameters, light, and the kernel of reconstruction.
+// The panel of light and projection: one ball and three moods, all fields behind them; the operator; the kernel.
 
 import { useRef } from "preact/hooks";
 import type { Problem } from "../../engine/engine.ts";
@@ -17,9 +17,10 @@ import {
 } from "./composites.ts";
 import { rounded } from "./axis.ts";
 import { surfaceValue } from "./curves.ts";
-import { Button, CheckField, ColorField, SelectField, SliderField } from "./fields.tsx";
+import { Button, Switch, ColorField, Choice, NumberField } from "../fields.tsx";
 import { LayerChoice } from "./function_panel.tsx";
 import { LightPad } from "./light_pad.tsx";
+import { inMood, moodOf, MOODS, type MoodName } from "./moods.ts";
 import { DEFAULT_LIGHTS, DEFAULT_SHADING, hexColor, lookAsChosen, namedColor, shadingOf } from "./looks.ts";
 import { WORDS } from "../../words.ts";
 
@@ -33,9 +34,9 @@ const WATER = 2.059e-5;
 export function LightPanel(props: PartProps) {
   return (
     <div class="look-panel">
-      <Operator {...props} />
       <LayerChoice {...props} />
       <LightFields {...props} />
+      <Operator {...props} />
       <Rest {...props} />
     </div>
   );
@@ -63,15 +64,16 @@ function Operator({ store, ui, welcome }: PartProps) {
     unit = "",
     beyond: object = {},
   ) => (
-    <SliderField
+    <NumberField
+      isBounded
       label={label}
       unit={unit}
       min={min}
       max={max}
       value={value}
       {...beyond}
-      onValue={(next) => number(field, next, `${name} ${field}`)}
-      onDone={() => store.settle()}
+      onInput={(next) => number(field, next, `${name} ${field}`)}
+      onSettle={() => store.settle()}
     />
   );
   /** A field for a parameter that the program chooses until it is set. */
@@ -79,10 +81,10 @@ function Operator({ store, ui, welcome }: PartProps) {
     const value = numberOf(render.composite, field);
     return (
       <>
-        <CheckField
+        <Switch
           label={TEXT.automatic(label)}
-          checked={value === null}
-          onCheck={(on) => number(field, on ? null : first)}
+          on={value === null}
+          onToggle={(on) => number(field, on ? null : first)}
         />
         {value !== null && slider(label, field, value, min, max, unit, { least: -Infinity, most: Infinity })}
       </>
@@ -93,15 +95,13 @@ function Operator({ store, ui, welcome }: PartProps) {
   const attenuation = unit === "HU" ? WATER : 3 / ((high - low || 1) * longestSide(volume?.bounds));
   return (
     <>
-      <SelectField
+      <Choice
         label={TEXT.composite}
         value={name}
-        options={welcome.composites.map((value) => ({
-          value,
-          text: COMPOSITE_NAMES[value] ?? value,
-          disabled: isOverOnly && value !== "over" && value !== name,
-        }))}
-        onChoice={(value) => store.change([set(compositeNamed(value, surface()), "render", "composite")])}
+        options={welcome.composites.map(
+          (value) => [value, COMPOSITE_NAMES[value] ?? value, isOverOnly && value !== "over" && value !== name] as const,
+        )}
+        onChoose={(value) => store.change([set(compositeNamed(value, surface()), "render", "composite")])}
       />
       {isOverOnly && <p class="dim look-small">{TEXT.overOnly}</p>}
       {name === "first-hit" &&
@@ -135,9 +135,17 @@ function LightFields({ store, engine, ui, welcome }: PartProps) {
   };
   const toggle = (on: boolean): void => store.change([set(on ? (kept.current ?? DEFAULT_SHADING) : null, ...path)]);
   const resetButton = <Button onClick={() => void reset()}>{TEXT.reset}</Button>;
+  const mood = moodOf(shading);
   const head = (
     <>
-      <CheckField label={TEXT.shading} checked={shading !== null} onCheck={toggle} />
+      <div class="row look-moods" role="group" aria-label={WORDS.moods.title}>
+        {(Object.keys(MOODS) as MoodName[]).map((one) => (
+          <Button key={one} pressed={one === mood} onClick={() => store.change([set(inMood(shading, one), ...path)])}>
+            {WORDS.moods[one]}
+          </Button>
+        ))}
+      </div>
+      <Switch label={TEXT.shading} on={shading !== null} onToggle={toggle} />
       {!isShaded && <p class="dim look-small">{TEXT.unshaded}</p>}
       {state.shading !== "look" && state.layers.length > 1 && <p class="dim look-small">{TEXT.all}</p>}
     </>
@@ -155,15 +163,16 @@ function LightFields({ store, engine, ui, welcome }: PartProps) {
     store.change([set(value, ...path, field)], `light ${field}`);
   const done = (): void => store.settle();
   const slider = (label: string, field: keyof Shading, min: number, max: number, more: object = {}) => (
-    <SliderField
+    <NumberField
+      isBounded
       key={field}
       label={label}
       min={min}
       max={max}
       value={(shading[field] as number | null) ?? min}
       {...more}
-      onValue={(value) => change(field, value)}
-      onDone={done}
+      onInput={(value) => change(field, value)}
+      onSettle={done}
     />
   );
   const lights = lightsOf(shading);
@@ -174,39 +183,42 @@ function LightFields({ store, engine, ui, welcome }: PartProps) {
   const side = longestSide(welcome.volumes[ui.layer]?.bounds);
   return (
     <>
-      {head}
-      {slider(TEXT.exposure, "exposure", 0, 3, { most: 100, step: 0.01 })}
-      {slider(TEXT.ambient, "ambient", 0, 1, { most: 10, step: 0.01 })}
-      {slider(TEXT.diffuse, "diffuse", 0, 2, { most: 10, step: 0.01 })}
-      {slider(TEXT.specular, "specular", 0, 1, { most: 10, step: 0.01 })}
-      {slider(TEXT.power, "specular_power", 1, 100, { most: 1000, step: 1 })}
-      {slider(TEXT.shoulder, "shoulder", 0, 1, { step: 0.01 })}
-      {slider(TEXT.occlusion, "ambient_occlusion", 0, 1, { step: 0.01 })}
-      {shading.ambient_occlusion > 0 && (
-        <>
-          <CheckField
-            label={TEXT.automatic(TEXT.reach)}
-            checked={shading.occlusion_radius === null}
-            onCheck={(on) => store.change([set(on ? null : side / 10, ...path, "occlusion_radius")])}
-          />
-          {shading.occlusion_radius !== null &&
-            slider(TEXT.radius, "occlusion_radius", side / 500, side / 2, {
-              unit: welcome.volumes[ui.layer]?.unit ?? "",
-            })}
-        </>
-      )}
-      {slider(TEXT.shadow, "shadow", 0, 1, { step: 0.01 })}
+      <LightPad direction={first.direction} latest={latest} onDirection={setDirection} onSettle={done} />
       {first["frame"] === "world" && <p class="dim look-small">{TEXT.world}</p>}
-      <LightPad direction={first.direction} latest={latest} onDirection={setDirection} onDone={done} />
-      <CheckField
-        label={TEXT.smoothingOn}
-        checked={isSmooth}
-        onCheck={(on) => store.change([set(on ? SMOOTH : 0, ...path, "gradient_smoothing")])}
-      />
-      {isSmooth
-        ? slider(TEXT.smoothing, "gradient_smoothing", ...SMOOTHING, { unit: "voxels", step: 0.01 })
-        : slider(TEXT.offset, "gradient_offset", 0.01, 4, { unit: "voxels", step: 0.01 })}
-      {resetButton}
+      {head}
+      <details class="look-details">
+        <summary>{WORDS.moods.all}</summary>
+        {slider(TEXT.exposure, "exposure", 0, 3, { most: 100, step: 0.01 })}
+        {slider(TEXT.ambient, "ambient", 0, 1, { most: 10, step: 0.01 })}
+        {slider(TEXT.diffuse, "diffuse", 0, 2, { most: 10, step: 0.01 })}
+        {slider(TEXT.specular, "specular", 0, 1, { most: 10, step: 0.01 })}
+        {slider(TEXT.power, "specular_power", 1, 100, { most: 1000, step: 1 })}
+        {slider(TEXT.shoulder, "shoulder", 0, 1, { step: 0.01 })}
+        {slider(TEXT.occlusion, "ambient_occlusion", 0, 1, { step: 0.01 })}
+        {shading.ambient_occlusion > 0 && (
+          <>
+            <Switch
+              label={TEXT.automatic(TEXT.reach)}
+              on={shading.occlusion_radius === null}
+              onToggle={(on) => store.change([set(on ? null : side / 10, ...path, "occlusion_radius")])}
+            />
+            {shading.occlusion_radius !== null &&
+              slider(TEXT.radius, "occlusion_radius", side / 500, side / 2, {
+                unit: welcome.volumes[ui.layer]?.unit ?? "",
+              })}
+          </>
+        )}
+        {slider(TEXT.shadow, "shadow", 0, 1, { step: 0.01 })}
+        <Switch
+          label={TEXT.smoothingOn}
+          on={isSmooth}
+          onToggle={(on) => store.change([set(on ? SMOOTH : 0, ...path, "gradient_smoothing")])}
+        />
+        {isSmooth
+          ? slider(TEXT.smoothing, "gradient_smoothing", ...SMOOTHING, { unit: "voxels", step: 0.01 })
+          : slider(TEXT.offset, "gradient_offset", 0.01, 4, { unit: "voxels", step: 0.01 })}
+        {resetButton}
+      </details>
     </>
   );
 }
@@ -215,11 +227,11 @@ function Rest({ store, welcome }: PartProps) {
   const { render, background } = store.state;
   return (
     <>
-      <SelectField
+      <Choice
         label={TEXT.kernel}
         value={render.kernel}
-        options={welcome.kernels.map((value) => ({ value, text: KERNEL_NAMES[value] ?? value }))}
-        onChoice={(value) => store.change([set(value, "render", "kernel")])}
+        options={welcome.kernels.map((value) => [value, KERNEL_NAMES[value] ?? value] as const)}
+        onChoose={(value) => store.change([set(value, "render", "kernel")])}
       />
       <div class="field">
         <span aria-hidden="true">{TEXT.background}</span>
@@ -227,7 +239,7 @@ function Rest({ store, welcome }: PartProps) {
           label={TEXT.background}
           value={hexColor(background, namedColor)}
           onColor={(hex) => store.change([set(hex, "background")], "background")}
-          onDone={() => store.settle()}
+          onSettle={() => store.settle()}
         />
       </div>
     </>

@@ -4,7 +4,7 @@ import { useState } from "preact/hooks";
 import type { Frame } from "../../engine/engine.ts";
 import type { Look } from "../../state/state.ts";
 import type { PartProps } from "../part.ts";
-import { Button } from "./fields.tsx";
+import { Button } from "../fields.tsx";
 import { lookFromText, lookText } from "./looks.ts";
 import { dropPreset, keepPreset, nameProblem, renamePreset, type OwnPreset } from "./own_presets.ts";
 import { WORDS } from "../../words.ts";

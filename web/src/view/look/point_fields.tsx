@@ -3,7 +3,7 @@
 import type { ComponentChildren } from "preact";
 import type { ColorPoint, OpacityPoint, TransferFunction } from "../../state/state.ts";
 import { hexOf, rgbOf, withMoved, without, type Curve, type Point as CurvePoint } from "./curves.ts";
-import { Button, ColorField, NamedNumber } from "./fields.tsx";
+import { Button, ColorField, NamedNumber } from "../fields.tsx";
 import type { Selected } from "./function_panel.tsx";
 import { WORDS } from "../../words.ts";
 
@@ -15,12 +15,12 @@ export interface PointFieldsProps {
   readonly unit: string;
   onOpacity(curve: Curve<OpacityPoint>, index: number): void;
   onColor(curve: Curve<ColorPoint>, index: number): void;
-  onDone(): void;
+  onSettle(): void;
   onSelect(selected: Selected | null): void;
 }
 
 export function PointFields(props: PointFieldsProps) {
-  const { curves, selected, onDone } = props;
+  const { curves, selected, onSettle } = props;
   const index = selected?.index ?? -1;
   const [node, color] = [curves.opacity[index], curves.color[index]];
   if (selected?.kind === "opacity" && node !== undefined) {
@@ -33,8 +33,8 @@ export function PointFields(props: PointFieldsProps) {
             min={0}
             max={1}
             step={0.01}
-            onValue={(opacity) => move([node[0], opacity])}
-            onDone={onDone}
+            onInput={(opacity) => move([node[0], opacity])}
+            onSettle={onSettle}
           />
         )}
       </Point>
@@ -48,7 +48,7 @@ export function PointFields(props: PointFieldsProps) {
             label={TEXT.color}
             value={hexOf(color)}
             onColor={(hex) => move([color[0], ...rgbOf(hex)])}
-            onDone={onDone}
+            onSettle={onSettle}
           />
         )}
       </Point>
@@ -65,13 +65,13 @@ interface PointProps<P extends CurvePoint> {
   readonly index: number;
   onCurve(curve: Curve<P>, index: number): void;
   onSelect(selected: Selected | null): void;
-  onDone(): void;
+  onSettle(): void;
   /** Fields of the point's other coordinates, opacity or colour. */
   children(move: (point: P) => void): ComponentChildren;
 }
 
 function Point<P extends CurvePoint>(props: PointProps<P>) {
-  const { title, unit, selected, curve, index, onCurve, onSelect, onDone, children } = props;
+  const { title, unit, selected, curve, index, onCurve, onSelect, onSettle, children } = props;
   const point = curve[index];
   if (point === undefined) return null;
   const move = (moved: P): void => onCurve(withMoved(curve, index, moved), index);
@@ -86,8 +86,8 @@ function Point<P extends CurvePoint>(props: PointProps<P>) {
           label={TEXT.value}
           unit={unit}
           value={point[0] ?? 0}
-          onValue={(value) => move([value, ...point.slice(1)] as CurvePoint as P)}
-          onDone={onDone}
+          onInput={(value) => move([value, ...point.slice(1)] as CurvePoint as P)}
+          onSettle={onSettle}
         />
         {children(move)}
       </div>
@@ -102,7 +102,7 @@ function Point<P extends CurvePoint>(props: PointProps<P>) {
           disabled={curve.length === 1}
           onClick={() => {
             onCurve(without(curve, index), Math.max(0, index - 1));
-            onDone();
+            onSettle();
           }}
         >
           {TEXT.remove}

@@ -12,6 +12,8 @@ const RETRY_MS = 2000;
 export class PresetPictures {
   private readonly urls = new Map<string, string>();
   private readonly reasons = new Map<string, string>();
+  /** Names of pictures that show another camera or time than the one now. */
+  private readonly stale = new Set<string>();
   private wanted: string[] = [];
   private isBusy = false;
   private drawing: string | null = null;
@@ -36,7 +38,8 @@ export class PresetPictures {
 
   /** Requests a picture, unless it is drawn. */
   want(name: string): void {
-    if (this.urls.has(name) || this.reasons.has(name) || this.wanted.includes(name) || name === this.drawing) return;
+    const isKnown = this.urls.has(name) && !this.stale.has(name);
+    if (isKnown || this.reasons.has(name) || this.wanted.includes(name) || name === this.drawing) return;
     this.wanted.push(name);
     void this.next();
   }
@@ -51,19 +54,19 @@ export class PresetPictures {
     this.lastChange = performance.now();
   }
 
-  /** Forgets all pictures; each is drawn anew when it is seen. */
-  clear(): string[] {
-    const before = [...this.urls.keys(), ...this.reasons.keys()];
+  /** Draws all pictures anew; the old ones stay until then. */
+  refresh(): void {
+    const known = [...this.urls.keys(), ...this.reasons.keys()];
     this.reasons.clear();
-    this.urls.forEach((url) => URL.revokeObjectURL(url));
-    this.urls.clear();
-    return before;
+    known.forEach((name) => this.stale.add(name));
+    known.forEach((name) => this.want(name));
   }
 
   close(): void {
     this.isClosed = true;
     this.wanted = [];
-    this.clear();
+    this.urls.forEach((url) => URL.revokeObjectURL(url));
+    this.urls.clear();
   }
 
   private async next(): Promise<void> {
@@ -87,7 +90,7 @@ export class PresetPictures {
   private async draw(name: string): Promise<void> {
     try {
       const { bytes } = await this.engine.ask("preset_picture", { layer: this.layer, name, size: SIZE_PX });
-      if (!this.isClosed) this.urls.set(name, URL.createObjectURL(new Blob([bytes], { type: "image/png" })));
+      if (!this.isClosed) this.take(name, bytes);
     } catch (problem) {
       const { code, message } = problem as Problem;
       if (code === "lost") {
@@ -98,5 +101,11 @@ export class PresetPictures {
       this.reasons.set(name, message);
     }
     if (!this.isClosed) this.changed();
+  }
+  private take(name: string, bytes: Uint8Array<ArrayBuffer>): void {
+    const old = this.urls.get(name);
+    if (old !== undefined) URL.revokeObjectURL(old);
+    this.stale.delete(name);
+    this.urls.set(name, URL.createObjectURL(new Blob([bytes], { type: "image/png" })));
   }
 }

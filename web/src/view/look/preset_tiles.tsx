@@ -8,6 +8,8 @@ const TEXT = WORDS.presetTiles;
 
 export interface Tile {
   readonly name: string;
+  /** The name for people. */
+  readonly title: string;
   readonly description: string;
   /** Address of the picture, where it is not drawn by the engine. */
   readonly picture?: string;
@@ -19,9 +21,12 @@ export interface PresetTilesProps {
   readonly selected: string;
   readonly pictures: PresetPictures;
   onChoose(name: string): void;
+  /** Called when the pointer comes to a tile, and when it leaves the tiles. */
+  onRest?(name: string): void;
+  onLeave?(): void;
 }
 
-export function PresetTiles({ label, tiles, selected, pictures, onChoose }: PresetTilesProps) {
+export function PresetTiles({ label, tiles, selected, pictures, onChoose, onRest, onLeave }: PresetTilesProps) {
   const list = useRef<HTMLDivElement>(null);
   const [focused, setFocused] = useState<string | null>(null);
   // One tile is in the tab order: the one that had the focus, the chosen one, or the first.
@@ -63,8 +68,8 @@ export function PresetTiles({ label, tiles, selected, pictures, onChoose }: Pres
   };
 
   return (
-    <div class="look-tiles" role="listbox" aria-label={label} ref={list}>
-      {tiles.map(({ name, description, picture }, index) => {
+    <div class="look-tiles" role="listbox" aria-label={label} ref={list} onPointerLeave={onLeave}>
+      {tiles.map(({ name, title, description, picture }, index) => {
         const address = picture ?? pictures.get(name);
         const reason = pictures.reason(name);
         const about = reason === undefined ? description : `${description} ${TEXT.noPicture}: ${reason}`;
@@ -74,11 +79,12 @@ export function PresetTiles({ label, tiles, selected, pictures, onChoose }: Pres
             class="look-tile"
             role="option"
             aria-selected={name === selected}
-            aria-label={`${name}: ${about}`}
+            aria-label={`${title}: ${about}`}
             title={about}
             tabIndex={name === entry ? 0 : -1}
             data-name={name}
             data-drawn={picture === undefined ? true : undefined}
+            onPointerEnter={(event) => event.pointerType === "mouse" && onRest?.(name)}
             onClick={() => onChoose(name)}
             onFocus={() => setFocused(name)}
             onKeyDown={(event) => onKeyDown(event, index)}
@@ -88,7 +94,7 @@ export function PresetTiles({ label, tiles, selected, pictures, onChoose }: Pres
             ) : (
               <span class="look-blank">{reason !== undefined && TEXT.noPicture}</span>
             )}
-            <span class="look-name">{name}</span>
+            <span class="look-name">{title}</span>
           </div>
         );
       })}

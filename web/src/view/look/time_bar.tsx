@@ -3,7 +3,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import { set } from "../../state/patch.ts";
 import type { PartProps } from "../part.ts";
-import { Button, CheckField, NumberField } from "./fields.tsx";
+import { Button, Switch, NumberBox } from "../fields.tsx";
 import { nextTime, shownViews, waitFor } from "./time_steps.ts";
 import { WORDS } from "../../words.ts";
 
@@ -88,20 +88,20 @@ export function TimeBar({ store, ui, welcome }: PartProps) {
       />
       <output class="look-count">{TEXT.of(time, count)}</output>
       <label class="row">
-        <NumberField
+        <NumberBox
           label={TEXT.rate}
           min={0.2}
           max={MAX_RATE}
           step={1}
           value={rate}
-          onValue={setRate}
-          onDone={() => {}}
+          onInput={setRate}
+          onSettle={() => {}}
         />
         <span class="dim" aria-hidden="true">
           {TEXT.perSecond}
         </span>
       </label>
-      <CheckField label={TEXT.repeat} checked={repeats} onCheck={setRepeats} />
+      <Switch label={TEXT.repeat} on={repeats} onToggle={setRepeats} />
     </div>
   );
 }

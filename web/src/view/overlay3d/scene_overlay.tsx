@@ -3,7 +3,8 @@
 import type { Frame } from "../../engine/engine.ts";
 import { axesOf, dot, project, scaled, unitsPerPixel } from "../../input/camera.ts";
 import type { Camera, ColorPoint, Vec3 } from "../../state/state.ts";
-import { compositeName, shortNumber } from "../descriptions.ts";
+import { shortNumber } from "../descriptions.ts";
+import { Legend } from "../legend.tsx";
 import type { CssSize, PartProps } from "../part.ts";
 import { barLength } from "../slices/geometry.ts";
 import { Measures3d } from "../slices/measures.tsx";
@@ -39,10 +40,10 @@ export function SceneOverlay(props: PartProps & { readonly frame: Frame; readonl
         <Measures3d {...props} camera={camera} />
         {overlays.letters && <EdgeLetters {...props} camera={camera} />}
         {overlays.scale_bar && <ScaleBar {...props} camera={camera} />}
-        {overlays.cube && <Cube {...props} camera={camera} width={size.width} />}
+        {overlays.cube && <g class="at-cube"><Cube {...props} camera={camera} width={size.width} /></g>}
       </svg>
       {overlays.color_bar && <ColorBar {...props} />}
-      {overlays.legend && <Legend {...props} />}
+      {overlays.legend && <Legend {...props} height={size.height} />}
     </>
   );
 }
@@ -126,35 +127,3 @@ function ColorBar({ store, welcome, ui }: PartProps) {
     </div>
   );
 }
-
-function Legend({ store }: PartProps) {
-  const { labels, layers } = store.state;
-  const rows: { name: string; color: string }[] = Object.entries(labels?.labels ?? {})
-    .filter(([, look]) => (look.opacity ?? 0.8) > 0 || (look.tint ?? 0) > 0)
-    .map(([number, look]) => ({ name: look.name || number, color: cssColor(look.color) }));
-  if (layers.length > 1 && compositeName(store.state.render.composite) !== "first-hit") {
-    rows.push(...layers.filter(({ visible }) => visible).map((layer) => ({ name: layer.name, color: brightest(layer.look.transfer_function) })));
-  }
-  if (rows.length === 0) return null;
-  return (
-    <ul class="corner legend" aria-label="Legend">
-      {rows.slice(0, 24).map(({ name, color }) => (
-        <li key={name}>
-          <span class="chip" style={{ background: color }} /> {name}
-        </li>
-      ))}
-    </ul>
-  );
-}
-
-export function cssColor(color: string | readonly number[]): string {
-  return typeof color === "string" ? color : `rgb(${color.slice(0, 3).map((one) => Math.round(255 * one)).join()})`;
-}
-
-export function brightest(curves: { readonly [field: string]: unknown } | object): string {
-  const points = (curves as { color?: readonly ColorPoint[] }).color ?? [];
-  const sum = (point: ColorPoint): number => point[1] + point[2] + point[3];
-  const best = points.reduce<ColorPoint | null>((a, b) => (a === null || sum(b) > sum(a) ? b : a), null);
-  return best === null ? "#888" : cssColor(best.slice(1));
-}
-

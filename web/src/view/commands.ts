@@ -1,0 +1,95 @@
+// The commands that the palette finds: keys, looks, layouts, panels, windows of slices, labels.
+
+import { KEYS, type Key } from "../input/keys.ts";
+import { set } from "../state/patch.ts";
+import { WORDS } from "../words.ts";
+import { hiddenOf, labelRows, shownLabels } from "./look/layers.ts";
+import { chosen } from "./look/looks.ts";
+import { titleOf } from "./look/preset_kinds.ts";
+import type { PartProps } from "./part.ts";
+import { problemOf } from "./share.tsx";
+import { PANELS, toggled } from "./sheet.tsx";
+
+const TEXT = WORDS.palette;
+const LAYOUTS = ["3d", "one-and-three", "two-by-two", "single"] as const;
+const THEMES = ["dark", "light", "system"] as const;
+
+export interface Command {
+  readonly text: string;
+  /** The group that the command belongs to, or its key. */
+  readonly hint: string;
+  readonly run: () => void;
+}
+
+export function commandsOf(part: PartProps): Command[] {
+  const { store, ui, welcome } = part;
+  const view = store.state.view;
+  return [
+    ...KEYS.map((key) => ({ text: key.text, hint: key.shown, run: () => press(ui.root, key) })),
+    ...LAYOUTS.map((name) => ({
+      text: WORDS.layouts[name],
+      hint: TEXT.layout,
+      run: () => store.change([set({ name, main: name === "single" ? (view.layout.main === "3d" ? "z" : view.layout.main) : "3d" }, "view", "layout")]),
+    })),
+    ...PANELS.map((name) => ({
+      text: WORDS.sheets[name],
+      hint: TEXT.panel,
+      run: () => store.change([set(toggled(view.interface.panels.filter((one) => one !== name), name), "view", "interface", "panels")]),
+    })),
+    ...["auto", ...welcome.presets.map(({ name }) => name)].map((name) => ({
+      text: titleOf(name) === name ? name : `${titleOf(name)} (${name})`,
+      hint: TEXT.look,
+      run: () => void take(part, name),
+    })),
+    ...Object.entries(welcome.window_names).map(([name, window]) => ({
+      text: name,
+      hint: TEXT.window,
+      run: () => store.change([set(window, "view", "slices", "window")]),
+    })),
+    ...THEMES.map((name) => ({ text: WORDS.settings.themes[name], hint: TEXT.theme, run: () => store.change([set(name, "view", "interface", "theme")]) })),
+    ...labelCommands(part),
+  ];
+}
+
+/** The commands that have all words of a text, those first that begin with it. */
+export function found<C extends Pick<Command, "text" | "hint">>(commands: readonly C[], text: string): C[] {
+  const words = text.toLowerCase().split(/\s+/).filter((word) => word !== "");
+  const start = text.trim().toLowerCase();
+  const hits = commands.filter(({ text: name, hint }) => words.every((word) => `${name} ${hint}`.toLowerCase().includes(word)));
+  const begins = ({ text: name }: C): boolean => name.toLowerCase().startsWith(start);
+  return [...hits.filter(begins), ...hits.filter((one) => !begins(one))];
+}
+
+function labelCommands({ store }: PartProps): Command[] {
+  const rows = labelRows(store.state.labels?.labels ?? {});
+  return rows.map(({ number, name, isShown }) => ({
+    text: isShown ? TEXT.hide(name) : TEXT.show(name),
+    hint: TEXT.label,
+    run: () => {
+      const now = new Map(rows.map((row) => [row.number, row.isShown]));
+      const isOn = (other: string): boolean => (other === number ? !isShown : (now.get(other) ?? false));
+      store.change(shownLabels(store.state.labels?.labels ?? {}, isOn, hiddenOf(store)));
+    },
+  }));
+}
+
+async function take({ store, engine, ui }: PartProps, name: string): Promise<void> {
+  try {
+    const { look } = await engine.ask("preset", { layer: ui.layer, name });
+    store.change(chosen(store.state, ui.layer, look));
+  } catch (problem) {
+    ui.problem(problemOf(problem));
+  }
+}
+
+/** Presses a key in the first view, so that a command does what its key does. */
+function press(root: PartProps["ui"]["root"], { keys }: Key): void {
+  const view = root.querySelector<HTMLElement>("[data-view]");
+  const parts = (keys[0] ?? "").split("+");
+  // The key "+" itself has no name before it.
+  const key = parts.at(-1) === "" ? "+" : (parts.at(-1) ?? "");
+  const how = { key, ctrlKey: parts.includes("Ctrl"), shiftKey: parts.includes("Shift"), bubbles: true, composed: true, cancelable: true };
+  view?.focus();
+  view?.dispatchEvent(new KeyboardEvent("keydown", how));
+  view?.dispatchEvent(new KeyboardEvent("keyup", how));
+}

@@ -1,0 +1,82 @@
+// The legend of the 3-D picture: labels and layers with their colours. A click hides one, in space and on slices.
+
+import type { ComponentChild } from "preact";
+
+import { set } from "../state/patch.ts";
+import { WORDS } from "../words.ts";
+import { compositeName } from "./descriptions.ts";
+import { hiddenOf, labelRows, shownLabels } from "./look/layers.ts";
+import { hexColor, namedColor } from "./look/looks.ts";
+import { Ramp } from "./look/ramp.tsx";
+import type { PartProps } from "./part.ts";
+
+const TEXT = WORDS.legend;
+/** Most rows; fewer where the view is low, so that the letters in the middle of its edges stay free. */
+const MAX_ROWS = 12;
+const ROW_PX = 24;
+/** Height of the tools above the legend, of the row that counts the others, of the gaps, and of half a letter. */
+const ABOVE_PX = 112;
+const ENDINGS = /\.(nii|nii\.gz|nrrd|nhdr|mha|mhd|tiff?|h5|hdf5|zarr|ome\.zarr|ome\.tiff?|vti|vtk|dcm)$/i;
+
+interface Row {
+  readonly key: string;
+  readonly name: string;
+  readonly isShown: boolean;
+  readonly chip: ComponentChild;
+  readonly toggle: () => void;
+}
+
+export function Legend(props: PartProps & { readonly height: number }) {
+  const { store, height } = props;
+  const rows = [...labelsOf(props), ...layersOf(props)];
+  if (rows.length === 0) return null;
+  const most = Math.max(1, Math.min(MAX_ROWS, Math.floor((height / 2 - ABOVE_PX) / ROW_PX)));
+  const shown = rows.slice(0, most);
+  const more = rows.length - shown.length;
+  return (
+    <ul class="corner legend" aria-label={TEXT.title} onPointerDown={(event) => event.stopPropagation()}>
+      {shown.map(({ key, name, isShown, chip, toggle }) => (
+        <li key={key}>
+          <button class="legend-row" aria-pressed={isShown} title={isShown ? TEXT.hide(name) : TEXT.show(name)} onClick={toggle}>
+            {chip}
+            <span>{name}</span>
+          </button>
+        </li>
+      ))}
+      {more > 0 && (
+        <li>
+          <button class="legend-row" onClick={() => store.change([set(["labels"], "view", "interface", "panels")])}>
+            <span>{TEXT.more(more)}</span>
+          </button>
+        </li>
+      )}
+    </ul>
+  );
+}
+
+function labelsOf({ store }: PartProps): Row[] {
+  const labels = store.state.labels?.labels ?? {};
+  return labelRows(labels).map(({ number, name, look, isShown }) => ({
+    key: `label ${number}`,
+    name,
+    isShown,
+    chip: <span class="chip" style={{ background: hexColor(look.color, namedColor) }} />,
+    toggle: () => {
+      const shownNow = new Map(labelRows(store.state.labels?.labels ?? {}).map((row) => [row.number, row.isShown]));
+      store.change(shownLabels(store.state.labels?.labels ?? {}, (other) => (other === number ? !isShown : (shownNow.get(other) ?? false)), hiddenOf(store)));
+    },
+  }));
+}
+
+/** Rows of the layers, where there are several. */
+function layersOf({ store }: PartProps): Row[] {
+  const { layers, render } = store.state;
+  if (layers.length < 2 || compositeName(render.composite) === "first-hit") return [];
+  return layers.map((layer, index) => ({
+    key: `layer ${index}`,
+    name: layer.name.replace(ENDINGS, ""),
+    isShown: layer.visible,
+    chip: <Ramp layer={layer} />,
+    toggle: () => store.change([set(!layer.visible, "layers", index, "visible")]),
+  }));
+}

@@ -111,7 +111,8 @@ export interface Problem {
 export type Connection =
   | { readonly kind: "connecting"; readonly text: string; readonly part?: number }
   | { readonly kind: "open" }
-  | { readonly kind: "busy"; readonly text: string }
+  /** Changes stay without an answer: what is shown is old. */
+  | { readonly kind: "silent"; readonly problem: Problem }
   | { readonly kind: "lost"; readonly problem: Problem; readonly retries: boolean };
 
 /** Questions and their answers; files come as bytes. */
@@ -171,6 +172,8 @@ export type Question = keyof Questions;
 export interface Engine {
   /** Resolves when the volume is open. */
   readonly welcome: Promise<Welcome>;
+  /** The newest state: changes made here are in it at once, and taken back where they are refused. After `welcome`. */
+  readonly state: ViewerState;
   /** Sends a change; `moving`: more follow at once. Gives its number. */
   patch(operations: readonly Operation[], moving: boolean): number;
   /** Sets the size of a view in device pixels; null: it is not shown. Every change of the state redraws a view. */
@@ -178,8 +181,10 @@ export interface Engine {
   /** Reports that a frame is on the screen, so that the next one may be sent. */
   shown(frame: Frame): void;
   onFrame(listener: (frame: Frame) => void): Stop;
-  /** Calls back with changes by others (Python, another window), or with the whole state where ours was refused. */
+  /** Calls back after changes by others (Python, another window) and after refusals of ours, which have no operations. */
   onState(listener: (operations: readonly Operation[]) => void): Stop;
+  /** Calls back with the share of the picture at rest of a view that is drawn, where that takes long; null: it is done. */
+  onRefining(listener: (view: ViewName, part: number | null) => void): Stop;
   onConnection(listener: (connection: Connection) => void): Stop;
   onProblem(listener: (problem: Problem) => void): Stop;
   ask<Q extends Question>(

@@ -9,6 +9,7 @@ import { parseViewerState } from "../state/parse.ts";
 import type { ViewName } from "../state/state.ts";
 import { createStore, type Store } from "../state/store.ts";
 import { FrameStatistics } from "./frame_statistics.ts";
+import { css as livenessCss } from "./liveness.tsx";
 import { css as lookCss } from "./look/index.ts";
 import cubeCss from "./overlay3d/cube.css";
 import { Page } from "./page.tsx";
@@ -30,7 +31,7 @@ export interface Host {
 export function mountApp(parent: HTMLElement, engine: Engine, host: Host): () => void {
   const root = parent.shadowRoot ?? parent.attachShadow({ mode: "open" });
   const sheet = new CSSStyleSheet();
-  sheet.replaceSync([style, lookCss, cubeCss].join("\n"));
+  sheet.replaceSync([style, lookCss, cubeCss, livenessCss].join("\n"));
   root.adoptedStyleSheets = [sheet];
   const mount = document.createElement("div");
   mount.className = "mount";
@@ -80,7 +81,7 @@ class App {
   }
 
   private async begin(welcome: Welcome): Promise<void> {
-    const store = createStore(welcome.state, this.engine);
+    const store = createStore(this.engine);
     [this.welcome, this.store] = [welcome, store];
     this.ui = createUi(this.engine, store, this.page, {
       root: this.root,

@@ -9,6 +9,7 @@ import { AboutPanel } from "./about_panel.tsx";
 import { CutPanel } from "./cut_panel.tsx";
 import { Help } from "./help.tsx";
 import { Icon } from "./icons.tsx";
+import { Banner, isStale } from "./liveness.tsx";
 import { FunctionPanel, LabelsPanel, LayersPanel, LightPanel, PresetsPanel, TimeBar } from "./look/index.ts";
 import { MeasurePanel } from "./measure_panel.tsx";
 import { Memo, shownByPanels, shownBySlices, shownByToolbar } from "./memo.tsx";
@@ -71,10 +72,11 @@ export function Page({ page, onKey, onPage, ...part }: PageProps) {
       <Memo of={[...shownByToolbar(part), open]}>
         {() => <Toolbar {...part} isAbout={open === "about"} onAbout={() => onPanel(open === "about" ? null : "about")} onFit={() => fit(part)} />}
       </Memo>
-      <main class="views" data-layout={layout.name}>
+      <main class="views" data-layout={layout.name} data-stale={isStale(page.connection)}>
         {(layout.name !== "single" || layout.main === "3d") && <SceneView {...part} />}
         {(layout.name === "one-and-three" || layout.name === "two-by-two") && PANES.map(slice)}
         {layout.name === "single" && layout.main !== "3d" && slice(layout.main)}
+        <Banner connection={page.connection} engine={part.engine} />
       </main>
       <Rail panels={panels} open={open} onPanel={onPanel}>
         <button class="rail-button" title={theme === "dark" ? WORDS.toolbar.light : WORDS.toolbar.dark} onClick={() => store.change([set(theme === "dark" ? "light" : "dark", "view", "interface", "theme")])}>
@@ -95,7 +97,7 @@ export function Page({ page, onKey, onPage, ...part }: PageProps) {
       )}
       <footer class="bottom">
         {hasTimes && <TimeBar {...part} />}
-        <Status {...part} connection={page.connection} figures={page.figures} />
+        <Status {...part} figures={page.figures} />
       </footer>
       <p class="hidden" role="status" aria-live="polite">{page.said}</p>
       {page.problem !== null && <ProblemCard problem={page.problem} onClose={() => onPage({ problem: null })} />}

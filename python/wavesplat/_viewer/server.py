@@ -19,6 +19,7 @@ import tornado.web
 import tornado.websocket
 
 from wavesplat._model.argument_types import described
+from wavesplat._viewer import wrong_host
 from wavesplat._viewer.browser_link import BrowserLink
 from wavesplat._viewer.connections import ANSWER_S, BoundedServer, Listener, QuietLog
 from wavesplat._viewer.framing import MAX_BYTES, PROTOCOL, packed, unpacked
@@ -185,7 +186,11 @@ class _Guarded(tornado.web.RequestHandler):
 
     def prepare(self) -> None:
         if not self._server.is_own(self.request.host):
-            raise tornado.web.HTTPError(403, reason="this is not the host that was asked for")
+            self._guard()
+            self.set_status(403)
+            self.set_header("Content-Type", "text/html; charset=utf-8")
+            self.finish(wrong_host.page_of(self._server.port))
+            return
         if self.request.method != "GET":
             raise tornado.web.HTTPError(405)
 
@@ -214,7 +219,8 @@ class _File(_Guarded):
 class _Nothing(_Guarded):
     def prepare(self) -> None:
         super().prepare()
-        raise tornado.web.HTTPError(404)
+        if not self._finished:
+            raise tornado.web.HTTPError(404)
 
 
 class _Socket(tornado.websocket.WebSocketHandler):
@@ -270,7 +276,11 @@ class _Socket(tornado.websocket.WebSocketHandler):
             elif self._client is not None:
                 if header.get("type") == "patch" and self._is_too_fast():
                     raise ArgumentError(f"more than {MAX_PATCHES_PER_S} patches a second")
-                self._client.receive(header)
+                if header.get("type") == "ask" and header.get("question") == "token":
+                    # The session knows no links: they are the server's.
+                    self._write(packed({"type": "answer", "id": header.get("id"), "token": self._server.tokens.new()}))
+                else:
+                    self._client.receive(header)
         except WavesplatError as error:
             self._refuse(4400, str(error))
 
@@ -313,7 +323,7 @@ class _Socket(tornado.websocket.WebSocketHandler):
             raise ArgumentError(f"this server speaks protocol {PROTOCOL}; load the page again")
         self._key = self._server.tokens.key_for(header.get("token"), header.get("session"))
         if self._key is None:
-            self._refuse(4401, "the link was used or is not of this viewer; copy a new one from the page that is open")
+            self._refuse(4401, "the link was used, or is not of this viewer")
             return
         self._deadline.cancel()
         self._server.forget_handed_over()

@@ -10,6 +10,8 @@ import { Replica } from "../src/state/replica.ts";
 import { createStore } from "../src/state/store.ts";
 import { fakeSession, LOST, STATE } from "./session_fake.ts";
 
+const SAVED = { width: 1, height: 1, shown: "3d", transparent: false, annotated: false } as const;
+
 describe("the store", () => {
   const make = () => {
     const session = fakeSession();
@@ -117,13 +119,13 @@ describe("the engine behind a channel", () => {
     const all = fakeSession();
     all.open();
     const parts: number[] = [];
-    const answer = all.engine.ask("code", { as: "python", width: 1, height: 1 }, (part) => parts.push(part));
+    const answer = all.engine.ask("code", { as: "python", ...SAVED }, (part) => parts.push(part));
     all.say({ type: "progress", id: 1, part: 0.5, text: "" });
     all.say({ type: "answer", id: 1, text: "x", name: "y" });
     expect(await answer).toMatchObject({ text: "x" });
     expect(parts).toEqual([0.5]);
     all.engine.patch([set("gaussian", "render", "kernel")], false);
-    void all.engine.ask("code", { as: "python", width: 1, height: 1 }).catch(() => undefined);
+    void all.engine.ask("code", { as: "python", ...SAVED }).catch(() => undefined);
     expect(all.sent.slice(-2).map((header) => header["type"])).toEqual(["patch", "ask"]);
     all.tick();
     expect(all.sent.at(-1)?.["type"]).toBe("ask");
@@ -268,7 +270,7 @@ describe("messages", () => {
     expect(() => parseAnswer("pick", { point: [1, 2] }, new Uint8Array())).toThrow("answer to pick: point is");
     const all = fakeSession();
     all.open();
-    const asked = all.engine.ask("code", { as: "state", width: 1, height: 1 });
+    const asked = all.engine.ask("code", { as: "state", ...SAVED });
     all.say({ type: "answer", id: 1, text: 5, name: "x" });
     await expect(asked).rejects.toMatchObject({ code: "message" });
   });

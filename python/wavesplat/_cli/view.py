@@ -22,6 +22,7 @@ from wavesplat._cli.scene_options import SceneOptions, check_scene_options, chos
 from wavesplat._cli.shared_options import Kernel, Quiet
 from wavesplat._cli.transfer_function_options import ColorOptions, takes_color_options
 from wavesplat._cli.view_options import ViewOptions, camera_for, check_view_options, takes_view_options
+from wavesplat._cli.view_saving import SaveOptions, check_save_options, save_seen, takes_save_options
 from wavesplat._files.addresses import is_address
 from wavesplat._model.options import Quality
 from wavesplat.errors import ArgumentError, WavesplatError
@@ -46,12 +47,15 @@ EXAMPLES = ("ct_pelvis", "mri_head", "ripples")
 @takes_processing_options
 @takes_scene_options
 @takes_view_options
+@takes_save_options
 def view(
     input: InputOrNone = None,
     *,
     state: Annotated[
         Path | None,
-        typer.Option(metavar="FILE.json", help="What the viewer saved, or a scene, instead of INPUT and its options."),
+        typer.Option(
+            metavar="FILE.json", help="What the viewer saved, or a scene, instead of INPUT and its options; - is stdin."
+        ),
     ] = None,
     example: Annotated[
         Any,
@@ -63,6 +67,7 @@ def view(
     showing: SceneOptions,
     colors: ColorOptions,
     viewing: ViewOptions,
+    saving: SaveOptions,
     quality: Annotated[
         Any, typer.Option(metavar="NAME", parser=parsers.one_of(get_args(Quality)), help="Of the picture at rest.")
     ] = "normal",
@@ -87,11 +92,30 @@ def view(
         )
     check_scene_options(showing, colors, cuts)
     check_view_options(viewing)
-    if input is not None and not is_address(input) and not Path(input).expanduser().exists():
-        # Checked before a page opens.
-        from wavesplat._files.size_checks import check_readable
+    _check_readable(input)
+    check_save_options(saving, input)
 
-        check_readable(Path(input).expanduser())
+    def opened() -> ViewerState:
+        return _opened(
+            input,
+            state,
+            example,
+            external_files=reader.external_files,
+            options={"quality": quality, "kernel": kernel},
+            showing=showing,
+            viewing=viewing,
+            colors=colors,
+            layering=layering,
+            cuts=cuts,
+            lighting=lighting,
+            reader=reader,
+            processing=processing,
+            quiet=quiet,
+        )
+
+    if saving.save is not None:
+        save_seen(saving, opened())
+        return
     from wavesplat._viewer.server import Server
 
     server = Server(port)
@@ -103,22 +127,7 @@ def view(
             server.open_in_browser()
         server.send_progress(f"Opening {_name(input, state, example)}")
         try:
-            first = _opened(
-                input,
-                state,
-                example,
-                external_files=reader.external_files,
-                options={"quality": quality, "kernel": kernel},
-                showing=showing,
-                viewing=viewing,
-                colors=colors,
-                layering=layering,
-                cuts=cuts,
-                lighting=lighting,
-                reader=reader,
-                processing=processing,
-                quiet=quiet,
-            )
+            first = opened()
         except WavesplatError as error:
             server.fail(str(error))
             # The page, which may not be there yet, gets the message before the server ends.
@@ -131,6 +140,14 @@ def view(
             message("the viewer has ended")
     finally:
         server.close()
+
+
+def _check_readable(input: str | None) -> None:
+    """Refuse a file that is not there, before a page opens."""
+    if input is not None and not is_address(input) and not Path(input).expanduser().exists():
+        from wavesplat._files.size_checks import check_readable
+
+        check_readable(Path(input).expanduser())
 
 
 def _serve(server: Any, first: ViewerState) -> None:
@@ -162,9 +179,12 @@ def _opened(
     from wavesplat._viewer.state import ViewerState
 
     if state is not None:
-        from wavesplat._scene import scene_files
+        from wavesplat._scene import scene_files, scene_json
 
-        document = scene_files.load(state, external_files=external_files)
+        if str(state) == "-":
+            document = scene_json.parse(sys.stdin.read(), Path.cwd(), external_files=external_files)
+        else:
+            document = scene_files.load(state, external_files=external_files)
         shown = {name: value for name, value in document.options.items() if name in ("quality", "kernel", "composite")}
         return ViewerState.of(document.scene, document.camera, shown, document.view)
     if example is not None:

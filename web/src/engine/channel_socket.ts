@@ -27,7 +27,7 @@ function refusal(code: number, reason: string): Problem {
   return {
     code: "refused",
     message: reason || "The program that draws refused this page",
-    remedy: code === UNKNOWN ? "Start the command again, and open the link that it prints." : "Load the page again.",
+    remedy: code === UNKNOWN ? "Copy link in an open page of the viewer gives a new one; without one, start the command again." : "Load the page again.",
   };
 }
 

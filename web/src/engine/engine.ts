@@ -115,6 +115,20 @@ export type Connection =
   | { readonly kind: "silent"; readonly problem: Problem }
   | { readonly kind: "lost"; readonly problem: Problem; readonly retries: boolean };
 
+/** What a picture shows, and how it is drawn. */
+export interface Saved {
+  /** Pixels of the whole picture. */
+  readonly width: number;
+  readonly height: number;
+  /** One view, or all four, two by two. */
+  readonly shown: ViewName | "all";
+  /** Named quality; absent: as at rest. */
+  readonly quality?: string;
+  readonly transparent: boolean;
+  /** With measures and the overlays that are switched on. */
+  readonly annotated: boolean;
+}
+
 /** Questions and their answers; files come as bytes. */
 export interface Questions {
   histogram: {
@@ -156,13 +170,15 @@ export interface Questions {
     question: { camera: Camera; aspect: number; width: number; height: number };
     answer: { camera: Camera };
   };
-  /** The picture at the quality at rest or better, PNG; `annotated` draws the overlays on it. */
-  picture: {
-    question: { width: number; height: number; quality: string; transparent: boolean; annotated: boolean };
-    answer: { bytes: Uint8Array<ArrayBuffer>; notes: string[] };
-  };
-  /** Text: a Python program, a shell command, the file for `--state`, or a page. */
-  code: { question: { as: "python" | "command" | "state" | "html"; width: number; height: number }; answer: { text: string; name: string } };
+  /** A picture of what is shown, PNG, and the name of its file. */
+  picture: { question: Saved; answer: { bytes: Uint8Array<ArrayBuffer>; notes: string[]; name: string } };
+  /**
+   * Text and the name of its file: a Python program or a shell command that draws the picture of the same question, the
+   * file for `--state`, the short state for a link, or a page.
+   */
+  code: { question: Saved & { as: "python" | "command" | "state" | "link" | "html" }; answer: { text: string; name: string } };
+  /** A token that lets one page in, for a link; asked of the server, so not in notebooks. */
+  token: { question: Readonly<Record<string, never>>; answer: { token: string } };
   /** Takes the text of a state file; the answer is the state, with the volumes that are open. */
   open_state: { question: { text: string }; answer: { state: ViewerState } };
 }

@@ -77,8 +77,9 @@ const ANSWERS: Readonly<Record<Question, Check>> = {
   framed: open({ camera }),
   first_view: open({ camera }),
   kept_in_view: open({ camera }),
-  picture: open({ notes: list(text) }),
+  picture: open({ notes: list(text), name: text }),
   code: open({ text, name: text }),
+  token: open({ token: text }),
   open_state: open({ state }),
 };
 

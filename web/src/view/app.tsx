@@ -5,7 +5,6 @@ import { render } from "preact";
 import type { Engine, Frame, Welcome } from "../engine/engine.ts";
 import { actionOf, keyName } from "../input/keys.ts";
 import { fromLink } from "../state/link.ts";
-import { parseViewerState } from "../state/parse.ts";
 import type { ViewName } from "../state/state.ts";
 import { createStore, type Store } from "../state/store.ts";
 import { FrameStatistics } from "./frame_statistics.ts";
@@ -102,8 +101,7 @@ class App {
     try {
       const { fingerprint, state } = await fromLink(this.host.link);
       if (fingerprint !== welcome.fingerprint) throw new Error("The link is of other data than is open here");
-      const text = JSON.stringify(parseViewerState(state));
-      const { state: checked } = await this.engine.ask("open_state", { text });
+      const { state: checked } = await this.engine.ask("open_state", { text: JSON.stringify(state) });
       store.change([{ op: "replace", path: "", value: checked }]);
     } catch (problem) {
       this.page.change({ problem: problemOf(problem) });

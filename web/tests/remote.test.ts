@@ -178,7 +178,10 @@ describe("confirmation", () => {
     // A session, a page and others; messages wait in two queues, and are taken in an order that a seed gives.
     for (let seed = 1; seed <= 60; seed += 1) {
       let random = seed;
-      const next = (n: number): number => (random = (random * 48271) % 2147483647) % n;
+      const next = (n: number): number => {
+        random = (random * 48271) % 2147483647;
+        return random % n;
+      };
       const replica = new Replica(STATE);
       let session = STATE;
       let taken = 0;

@@ -43,8 +43,14 @@ export function fakeSession(): FakeSession {
   const frames: (() => void)[] = [];
   const channel: Channel = {
     send: (header) => void sent.push(header),
-    onMessage: (listener) => ((message = listener), () => undefined),
-    onState: (listener) => ((changed = listener), () => undefined),
+    onMessage: (listener) => {
+      message = listener;
+      return () => undefined;
+    },
+    onState: (listener) => {
+      changed = listener;
+      return () => undefined;
+    },
     retry: () => undefined,
     close: () => undefined,
     silence: { code: "silent", message: "no answer", remedy: "wait" },

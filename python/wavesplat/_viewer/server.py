@@ -9,10 +9,10 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import os
+import re
 import socket
 import threading
 from collections.abc import Callable
-from importlib.resources import files
 from typing import Any
 
 import tornado.web
@@ -21,6 +21,7 @@ import tornado.websocket
 from wavesplat._model.argument_types import described
 from wavesplat._viewer import wrong_host
 from wavesplat._viewer.browser_link import BrowserLink
+from wavesplat._viewer.client_files import ClientFile, client_files
 from wavesplat._viewer.connections import ANSWER_S, BoundedServer, Listener, QuietLog
 from wavesplat._viewer.framing import MAX_BYTES, PROTOCOL, packed, unpacked
 from wavesplat._viewer.session import Client, Session
@@ -30,13 +31,6 @@ from wavesplat.errors import ArgumentError, WavesplatError
 __all__ = ["Server"]
 
 HOST = "127.0.0.1"
-#: Files that are served, by path.
-FILES = {
-    "/": ("index.html", "text/html; charset=utf-8"),
-    "/page.js": ("page.js", "text/javascript; charset=utf-8"),
-    "/viewer.js": ("viewer.js", "text/javascript; charset=utf-8"),
-    "/favicon.svg": ("favicon.svg", "image/svg+xml"),
-}
 #: Seconds in which a page must say who it is; largest number of patches a second from one.
 HELLO_S, MAX_PATCHES_PER_S = 5.0, 240
 #: Largest number of pages at once.
@@ -52,8 +46,7 @@ class Server:
     def __init__(self, port: int = 0) -> None:
         self.tokens = Tokens()
         # Read now: later the process may have no descriptor left to open a file.
-        folder = files("wavesplat") / "_viewer" / "client"
-        self.contents = {name: (folder / name).read_bytes() for name, _ in FILES.values()}
+        self.files = client_files()
         self._session: Session | None = None
         self._failure: str | None = None
         #: Set when a page was sent the error with which the volume could not be opened.
@@ -139,7 +132,9 @@ class Server:
 
     def _run(self, listener: socket.socket) -> None:
         asyncio.set_event_loop(self._loop)
-        routes: list[Any] = [(path, _File, {"server": self, "file": file}) for path, file in FILES.items()]
+        routes: list[Any] = [
+            (re.escape(path), _File, {"server": self, "file": file}) for path, file in self.files.items()
+        ]
         application = tornado.web.Application(
             [*routes, ("/socket", _Socket, {"server": self})],
             default_handler_class=_Nothing,
@@ -201,19 +196,33 @@ class _Guarded(tornado.web.RequestHandler):
 
 
 class _File(_Guarded):
-    def initialize(self, server: Server, file: tuple[str, str]) -> None:  # type: ignore[override]
+    def initialize(self, server: Server, file: ClientFile) -> None:  # type: ignore[override]
         super().initialize(server)
         self._file = file
 
     async def get(self) -> None:
         """Send the content of the file; a client that does not read it is not waited for."""
-        name, kind = self._file
-        self.set_header("Content-Type", kind)
-        written = self.finish(self._server.contents[name])
+        file = self._file
+        self.set_header("Content-Type", file.media_type)
+        self.set_header("Cache-Control", file.cache)
+        self.set_header("Vary", "Accept-Encoding")
+        is_compressed = takes_gzip(self.request.headers.get("Accept-Encoding", ""))
+        if is_compressed:
+            self.set_header("Content-Encoding", "gzip")
+        written = self.finish(file.compressed if is_compressed else file.content)
         try:
             await asyncio.wait_for(written, ANSWER_S)
         except (TimeoutError, asyncio.TimeoutError):
             self.detach().close()
+
+
+def takes_gzip(accepted: str) -> bool:
+    """Whether a header `Accept-Encoding` takes gzip (RFC 9110, 12.5.3)."""
+    for one in accepted.split(","):
+        name, _, weight = one.partition(";")
+        if name.strip().lower() in ("gzip", "*"):
+            return weight.replace(" ", "") not in ("q=0", "q=0.0", "q=0.00", "q=0.000")
+    return False
 
 
 class _Nothing(_Guarded):

@@ -159,24 +159,32 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
   const take = (message: Message): void => {
     switch (message.type) {
       case "welcome":
-        return start(message.welcome, message.session);
+        start(message.welcome, message.session);
+        break;
       case "progress":
-        return progress(message);
+        progress(message);
+        break;
       case "patch":
-        return merge(message.operations, message.seq);
+        merge(message.operations, message.seq);
+        break;
       case "confirmed":
         if (message.corrections.length > 0) merge(message.corrections, message.seq);
         else replica?.confirm(message.seq);
-        return;
+        break;
       case "frame":
-        return frames.forEach((listener) => listener(message.frame));
+        frames.forEach((listener) => {
+          listener(message.frame);
+        });
+        break;
       case "answer": {
         const one = waiting.get(message.id);
         waiting.delete(message.id);
-        return one?.take(message.fields, message.payload);
+        one?.take(message.fields, message.payload);
+        break;
       }
       case "failed":
-        return fail(message);
+        fail(message);
+        break;
     }
   };
 

@@ -8,6 +8,7 @@ import { fromLink } from "../state/link.ts";
 import type { ViewName } from "../state/state.ts";
 import { createStore, type Store } from "../state/store.ts";
 import { FrameStatistics } from "./frame_statistics.ts";
+import { loadAhead } from "./later.tsx";
 import { css as livenessCss } from "./liveness.tsx";
 import { css as lookCss } from "./look/index.ts";
 import cubeCss from "./overlay3d/cube.css";
@@ -97,6 +98,7 @@ class App {
     }
     this.expose();
     this.schedule();
+    loadAhead();
     if (this.host.link === undefined) return;
     try {
       const { fingerprint, state } = await fromLink(this.host.link);

@@ -5,22 +5,17 @@ import type { ComponentType } from "preact";
 import { set } from "../state/patch.ts";
 import { PANES, type Pane } from "../state/state.ts";
 import { WORDS } from "../words.ts";
-import { AboutPanel } from "./about_panel.tsx";
-import { CutPanel } from "./cut_panel.tsx";
-import { Help } from "./help.tsx";
 import { Icon } from "./icons.tsx";
+import { later } from "./later.tsx";
 import { Banner, isStale } from "./liveness.tsx";
-import { FunctionPanel, LabelsPanel, LayersPanel, LightPanel, PresetsPanel, TimeBar } from "./look/index.ts";
-import { MeasurePanel } from "./measure_panel.tsx";
+import { TimeBar } from "./look/index.ts";
 import { Memo, shownByPanels, shownBySlices, shownByToolbar } from "./memo.tsx";
 import type { PageFields } from "./page_state.ts";
 import type { PartProps } from "./part.ts";
 import { fit, SceneView } from "./scene_view.tsx";
-import { SettingsPanel } from "./settings_panel.tsx";
 import { openState, SharePanel } from "./share.tsx";
 import { openPanel, PANELS, Rail, Sheet, type PanelName } from "./sheet.tsx";
 import { SlicePane } from "./slices/slice_pane.tsx";
-import { SlicesPanel } from "./slices_panel.tsx";
 import { ProblemCard, Status } from "./status.tsx";
 import { themeOf } from "./theme.ts";
 import { Toolbar } from "./toolbar.tsx";
@@ -32,16 +27,18 @@ interface PageProps extends PartProps {
   readonly onPage: (next: Partial<PageFields>) => void;
 }
 
+const Help = later((parts) => parts.Help);
+const SettingsPanel = later((parts) => parts.SettingsPanel);
 const BODIES: Readonly<Record<Exclude<PanelName, "settings">, ComponentType<PartProps>>> = {
-  about: AboutPanel,
-  presets: PresetsPanel,
-  function: FunctionPanel,
-  layers: LayersPanel,
-  labels: LabelsPanel,
-  light: LightPanel,
-  cut: CutPanel,
-  slices: SlicesPanel,
-  measure: MeasurePanel,
+  about: later((parts) => parts.AboutPanel),
+  presets: later((parts) => parts.PresetsPanel),
+  function: later((parts) => parts.FunctionPanel),
+  layers: later((parts) => parts.LayersPanel),
+  labels: later((parts) => parts.LabelsPanel),
+  light: later((parts) => parts.LightPanel),
+  cut: later((parts) => parts.CutPanel),
+  slices: later((parts) => parts.SlicesPanel),
+  measure: later((parts) => parts.MeasurePanel),
   share: SharePanel,
 };
 

@@ -115,7 +115,7 @@ export type Connection =
   | { readonly kind: "silent"; readonly problem: Problem }
   | { readonly kind: "lost"; readonly problem: Problem; readonly retries: boolean };
 
-/** What a picture shows, and how it is drawn. */
+/** The view, size and quality of a saved picture. */
 export interface Saved {
   /** Pixels of the whole picture. */
   readonly width: number;

@@ -18,8 +18,9 @@ from hypothesis import HealthCheck, settings
 # Other processes may hold the cores at any moment: how long an example takes says nothing about what it tests.
 settings.register_profile("shared_machine", deadline=None, suppress_health_check=[HealthCheck.too_slow])
 settings.load_profile("shared_machine")
-# The cache of lazy volumes must not come from, or go to, the user's own folder.
+# The cache of lazy volumes, and the list of recent files, must not come from, or go to, the user's own folder.
 os.environ["XDG_CACHE_HOME"] = tempfile.mkdtemp(prefix="wavesplat-tests-")
+os.environ["XDG_STATE_HOME"] = os.environ["XDG_CACHE_HOME"]
 atexit.register(shutil.rmtree, os.environ["XDG_CACHE_HOME"], ignore_errors=True)
 
 # Tests compare bytes of pictures, which are the same on every machine only if the CPU draws.

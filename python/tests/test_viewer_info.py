@@ -11,7 +11,7 @@ from wavesplat._viewer.state import ViewerState
 
 
 def info_of(volume: ws.Volume) -> dict[str, object]:
-    """What the page is told of the only volume of a scene."""
+    """Facts of the only volume of a scene, as the page gets them."""
     scene = ws.Scene([ws.Layer(volume, "grey")])
     [info] = welcome_of(ViewerState.of(scene))["volumes"]
     return dict(info)
@@ -44,3 +44,9 @@ def test_what_a_file_says_is_no_guess_and_missing_samples_are_told() -> None:
         "axes drawn as z, y, x",
         "3 samples are NaN or infinite: they are missing, and matter around them is fainter",
     ]
+
+
+def test_wavelets_have_facts_too() -> None:
+    volume = ws.WaveletVolume.from_volume(ws.examples.ripples(16))
+    [info] = welcome_of(ViewerState.of(ws.Scene(volume)))["volumes"]
+    assert (info["dtype"], info["shape"]) == ("wavelets", [16, 16, 16])

@@ -107,6 +107,21 @@ def started(*arguments, cwd=None):
 
 
 @pytest.mark.skipif(os.name == "nt", reason="signals of Windows are others")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+def test_the_command_without_a_file_serves_the_start_page_until_it_is_ended(number):
+    process = started()
+    try:
+        assert "#token=" in process.stdout.readline()
+        assert "Ctrl-C ends the viewer" in process.stderr.readline()
+        process.send_signal(number)
+        _, err = process.communicate(timeout=20)
+    finally:
+        process.kill()
+    assert "the viewer has ended" in err
+    assert process.returncode == 0
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of Windows are others")
 def test_the_command_prints_a_link_and_ends_by_ctrl_c(tmp_path):
     begun = time.monotonic()
     process = started("--example", "ripples")
@@ -151,7 +166,7 @@ def test_the_command_opens_all_times(tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "code", "text"),
     [
-        ([], 2, "INPUT: name one"),
+        (["--preset", "ct-bone"], 2, "INPUT: name one for --preset"),
         (["a.nii", "--example", "ripples"], 2, "INPUT and --example: name one"),
         (["missing.nii"], 1, "missing.nii"),
         (["--state", "missing.json"], 1, "missing.json"),

@@ -54,9 +54,9 @@ def set_visible(number, visible):
 def test_a_state_lists_the_geometry():
     shapes = [ws.Points([[0, 0, 0], [1, 0, 0]]), ws.Points([[0, 0, 0]], name="cells"), ws.Frame(visible=False)]
     assert state_of(*shapes).document["geometry"] == [
-        {"kind": "points", "name": "points 1", "count": 2, "visible": True},
-        {"kind": "points", "name": "cells", "count": 1, "visible": True},
-        {"kind": "frame", "name": "frame 1", "count": 1, "visible": False},
+        {"kind": "points", "name": "points 1", "count": 2, "visible": True, "id": 2},
+        {"kind": "points", "name": "cells", "count": 1, "visible": True, "id": 3},
+        {"kind": "frame", "name": "frame 1", "count": 1, "visible": False, "id": 4},
     ]
     assert state_of().document["geometry"] == []
 
@@ -97,7 +97,8 @@ def test_hidden_shapes_are_in_no_camera():
         ("/geometry/0/visible", 1, "field 'visible' is 1; it must be true or false"),
         ("/geometry/0/name", "other", "only its field 'visible' can be changed"),
         ("/geometry/0", 3, r"geometry\[0\] is 3"),
-        ("/geometry", [], "must be a list of 1"),
+        ("/geometry", {}, "must be a list"),
+        ("/geometry", [{"kind": "frame", "id": 9}], r"field 'id' is 9, which is not open here"),
     ],
 )
 def test_other_changes_of_the_geometry_are_refused(path, value, said):

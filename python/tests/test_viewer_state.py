@@ -110,10 +110,12 @@ def test_bad_states_are_refused_by_the_field(state, path):
 
 
 def test_volumes_stay_whatever_a_page_says(state):
+    layer = state.document["layers"][0]
     for operations in (
         [{"op": "replace", "path": "/layers/0/volume", "value": {"path": "/etc/passwd"}}],
         [{"op": "replace", "path": "/layers/0/volume/path", "value": "/etc/passwd"}],
-        [{"op": "add", "path": "/layers/-", "value": state.document["layers"][0]}],
+        [{"op": "add", "path": "/layers/-", "value": {**layer, "volume": {"path": "/etc/passwd"}}}],
+        [{"op": "add", "path": "/layers/-", "value": {**layer, "volume": {"path": None, "id": 9}}}],
         [{"op": "remove", "path": "/layers/0"}],
         [{"op": "replace", "path": "/labels", "value": {"volume": {"path": "/etc/passwd"}}}],
     ):

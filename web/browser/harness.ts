@@ -20,6 +20,7 @@ export const FLAGS = [
   "--no-sandbox", "--disable-quic", "--no-first-run", "--disable-background-networking", "--disable-component-update",
   "--disable-sync",
 ];
+const STATE = mkdtempSync(join(tmpdir(), "wavesplat-state-"));
 const REST_MS = 60_000;
 const POLL_MS = 50;
 const CALM = 24;
@@ -35,7 +36,9 @@ export interface Server {
 
 /** Starts `wavesplat view` and reads its link. */
 export async function startServer(...options: string[]): Promise<Server> {
-  const child = spawn(PYTHON, ["-m", "wavesplat", "view", ...options, "--no-browser"], { cwd: ROOT });
+  // The list of recent files is not the user's own.
+  const env = { ...process.env, XDG_STATE_HOME: STATE };
+  const child = spawn(PYTHON, ["-m", "wavesplat", "view", ...options, "--no-browser"], { cwd: ROOT, env });
   let errors = "";
   child.stderr.on("data", (data) => (errors += String(data)));
   const ended = new Promise<number | null>((resolve) => child.once("exit", resolve));

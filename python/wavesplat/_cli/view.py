@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import signal
 import sys
 import threading
 from pathlib import Path
@@ -15,6 +16,7 @@ from wavesplat._cli.crop_options import CutOptions, takes_cut_options
 from wavesplat._cli.geometry_options import opened_geometry
 from wavesplat._cli.layer_options import LayerOptions, takes_layer_options
 from wavesplat._cli.light_options import LightOptions, takes_light_options
+from wavesplat._cli.option_groups import given as options_given
 from wavesplat._cli.printing import message, print_lines
 from wavesplat._cli.processing_options import ProcessingOptions, takes_processing_options
 from wavesplat._cli.reader_options import InputOrNone, ReaderOptions, takes_reader_options_but_channel
@@ -25,6 +27,7 @@ from wavesplat._cli.view_options import ViewOptions, camera_for, check_view_opti
 from wavesplat._cli.view_saving import SaveOptions, check_save_options, save_seen, takes_save_options
 from wavesplat._files.addresses import is_address
 from wavesplat._model.options import Quality
+from wavesplat._viewer.example_names import EXAMPLES
 from wavesplat.errors import ArgumentError, WavesplatError
 
 if TYPE_CHECKING:
@@ -36,7 +39,6 @@ __all__ = ["view"]
 FIRST_SIZE = (1024, 768)
 #: Seconds that an error waits for a page that can show it.
 TELLING_S = 5.0
-EXAMPLES = ("ct_pelvis", "mri_head", "ripples")
 
 
 @takes_cut_options
@@ -60,7 +62,9 @@ def view(
     example: Annotated[
         Any,
         typer.Option(
-            metavar="NAME", parser=parsers.one_of(EXAMPLES), help=f"Instead of INPUT one of {', '.join(EXAMPLES)}."
+            metavar="NAME",
+            parser=parsers.one_of(tuple(EXAMPLES)),
+            help=f"Instead of INPUT one of {', '.join(EXAMPLES)}.",
         ),
     ] = None,
     layering: LayerOptions,
@@ -82,18 +86,15 @@ def view(
     browser: Annotated[bool, typer.Option("--browser/--no-browser", help="Whether to open the page.")] = True,
     quiet: Quiet = False,
 ) -> None:
-    """Look at a volume and turn it, in the browser; Ctrl-C ends."""
+    """Look at a volume and turn it, in the browser; without INPUT choose one there; Ctrl-C ends."""
     given = [
         name for name, value in (("INPUT", input), ("--state", state), ("--example", example)) if value is not None
     ]
-    if len(given) != 1:
-        raise ArgumentError(
-            f"{' and '.join(given) or 'INPUT'}: name one: a volume, --state FILE.json or --example NAME"
-        )
+    _check_named(given, showing, colors, viewing, layering, cuts, lighting, reader, processing)
     check_scene_options(showing, colors, cuts)
     check_view_options(viewing)
-    _check_readable(input)
-    check_save_options(saving, input)
+    _check_there(input)
+    check_save_options(saving, input, is_named=bool(given))
 
     def opened() -> ViewerState:
         return _opened(
@@ -118,6 +119,7 @@ def view(
         return
     from wavesplat._viewer.server import Server
 
+    _end_as_by_ctrl_c()
     server = Server(port)
     try:
         print_lines(server.link)
@@ -125,6 +127,8 @@ def view(
             _tell_how_to_reach(server.port)
         if browser:
             server.open_in_browser()
+        if not given:
+            _serve(server, None)
         server.send_progress(f"Opening {_name(input, state, example)}")
         try:
             first = opened()
@@ -134,7 +138,7 @@ def view(
             if server.has_reported.wait(TELLING_S if browser else 0):
                 threading.Event().wait(0.3)
             raise
-        _serve(server, first)
+        _serve(server, first, None if input is None else str(input))
     except KeyboardInterrupt:
         if not quiet:
             message("the viewer has ended")
@@ -142,26 +146,62 @@ def view(
         server.close()
 
 
-def _check_readable(input: str | None) -> None:
-    """Refuse a file that is not there, before a page opens."""
+def _check_there(input: str | None) -> None:
+    """Refuse a file that is not there before a page opens."""
     if input is not None and not is_address(input) and not Path(input).expanduser().exists():
         from wavesplat._files.size_checks import check_readable
 
         check_readable(Path(input).expanduser())
 
 
-def _serve(server: Any, first: ViewerState) -> None:
+def _check_named(given: list[str], *groups: Any) -> None:
+    """Refuse several things to open, and options about a volume where the page asks for a file."""
+    if len(given) > 1:
+        raise ArgumentError(f"{' and '.join(given)}: name one: a volume, --state FILE.json or --example NAME")
+    named = [] if given else [name for group in groups for name in options_given(group)]
+    if named:
+        raise ArgumentError(
+            f"INPUT: name one for {', '.join(named)}: a volume, --state FILE.json or --example NAME; without these "
+            "options, and without INPUT, the page asks for a file"
+        )
+
+
+def _serve(server: Any, first: ViewerState | None, input: str | None = None) -> None:
+    """Serve a first state, or the start page, until Ctrl-C."""
+    from wavesplat._viewer.opening import Opener
+    from wavesplat._viewer.recent import Recent
     from wavesplat._viewer.session import Session
 
-    session = Session(first)
+    sessions: list[Session] = []
+
+    def begin(state: ViewerState) -> None:
+        sessions.append(Session(state))
+        server.show(sessions[0])
+
+    recent = Recent()
+    opener = Opener(lambda: sessions[0].state if sessions else None, begin, recent)
     try:
-        server.show(session)
+        if first is not None:
+            begin(first)
+        if input is not None:
+            recent.add(input)
+        server.offer(opener)
         ended = threading.Event()
         while True:
             # One wait after the other: Ctrl-C gets through between two.
             ended.wait(3600)
     finally:
-        session.close()
+        opener.close()
+        for session in sessions:
+            session.close()
+
+
+def _end_as_by_ctrl_c() -> None:
+    """Let a closed terminal, or the system's request to end, do what Ctrl-C does: files that pages sent are removed."""
+    if threading.current_thread() is threading.main_thread():
+        for name in ("SIGTERM", "SIGHUP"):
+            if hasattr(signal, name):
+                signal.signal(getattr(signal, name), signal.default_int_handler)
 
 
 def _opened(

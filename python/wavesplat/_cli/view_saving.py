@@ -50,8 +50,10 @@ def takes_save_options(command: Callable[..., None]) -> Callable[..., None]:
     return with_options_of(SaveOptions, "saving", command)
 
 
-def check_save_options(saving: SaveOptions, input: str | None) -> None:
+def check_save_options(saving: SaveOptions, input: str | None, *, is_named: bool) -> None:
     """Refuse options that cannot work, before anything is read."""
+    if saving.save is not None and not is_named:
+        raise ArgumentError("INPUT: name one for --save: a volume, --state FILE.json or --example NAME")
     if saving.save is not None:
         check_outputs(input or "-", saving.save, "pictures", option="--save")
     elif (saving.shown, saving.marks) != ("3d", True):

@@ -1,4 +1,4 @@
-"""The first message to a page: volumes, presets, operators, standard views."""
+"""The first message to a page, and facts of what is open: volumes, presets, standard views."""
 
 from __future__ import annotations
 
@@ -17,13 +17,14 @@ from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.options import Composite, Kernel
 from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
+from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._render.windows import CT_WINDOWS
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import Scene
 from wavesplat._viewer.framing import PROTOCOL
 from wavesplat._viewer.state import ViewerState
 
-__all__ = ["fingerprint_of", "welcome_of"]
+__all__ = ["data_of", "fingerprint_of", "welcome_of"]
 
 VIEWS = ("front", "back", "left", "right", "top", "bottom")
 #: Labels of the ends of -x, +x, -y, +y, -z, +z: for bodies, and for other data.
@@ -37,13 +38,20 @@ SYMBOLS = {"um": "µm", "angstrom": "Å"}
 
 def welcome_of(state: ViewerState) -> dict[str, Any]:
     """The first message to a page: the fields of `Welcome` in `web/src/engine/engine.ts`."""
-    scene = state.scene
-    first = scene.layers[0].drawn
-    fitting = [{preset.name for preset in presets.fitting(layer.drawn)} for layer in scene.layers]
     return {
         "protocol": PROTOCOL,
         "program": f"wavesplat {_native.__version__}",
         "state": state.document,
+        **data_of(state),
+    }
+
+
+def data_of(state: ViewerState) -> dict[str, Any]:
+    """Facts of what is open, which change with it: the fields of `Data` in `web/src/engine/engine.ts`."""
+    scene = state.scene
+    first = scene.layers[0].drawn
+    fitting = [{preset.name for preset in presets.fitting(layer.drawn)} for layer in scene.layers]
+    return {
         "volumes": [_volume(layer) for layer in scene.layers],
         "bounds": scene.bounds.tolist(),
         "presets": [
@@ -116,7 +124,7 @@ def _volume(layer: Layer) -> dict[str, Any]:
         "unit": SYMBOLS.get(volume.unit, volume.unit) if volume.unit else volume.unit,
         "value_unit": unit_of_values(volume) or "",
         "kind": found.kind,
-        "dtype": str(volume.dtype),
+        "dtype": str(volume.dtype) if isinstance(volume, Volume) else "wavelets",
         "orientation": volume.orientation if volume.is_anatomical else None,
         "notes": _notes(volume, found),
         "range": [least, most],
@@ -128,9 +136,9 @@ def _volume(layer: Layer) -> dict[str, Any]:
     }
 
 
-def _notes(volume: Volume, found: Evidence) -> list[str]:
-    """What was guessed of a volume, and what is wrong with its samples, as sentences for people."""
+def _notes(volume: Volume | WaveletVolume, found: Evidence) -> list[str]:
+    """Guesses about a volume, and faults of its samples, as sentences for people."""
     kind = f"taken for {found.reason}" if found.is_guess else found.reason
-    missing = volume.n_nonfinite
+    missing = volume.n_nonfinite if isinstance(volume, Volume) else 0
     holes = [f"{missing} samples are NaN or infinite: they are missing, and matter around them is fainter"]
-    return [kind, *volume.guesses, *(holes if missing else [])]
+    return [kind, *volume.facts.guesses, *(holes if missing else [])]

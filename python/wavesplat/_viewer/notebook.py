@@ -15,6 +15,7 @@ from wavesplat._files.libraries import library
 from wavesplat._viewer import encoding
 from wavesplat._viewer.client_files import widget_source
 from wavesplat._viewer.framing import PROTOCOL
+from wavesplat._viewer.opening import Opener
 from wavesplat._viewer.picturing import picture_of
 from wavesplat._viewer.session import Client, Session
 from wavesplat.errors import WavesplatError
@@ -38,19 +39,19 @@ def check() -> None:
 def bundle_of(viewer: Viewer, **options: Any) -> Any:
     """The output of a cell: the widget, and a still picture for where notebooks are only read."""
     if viewer._widget is None:
-        viewer._widget = widget_of(viewer._session)
+        viewer._widget = widget_of(viewer._session, viewer._opener)
     found = viewer._widget._repr_mimebundle_(**options)
     data, metadata = found if isinstance(found, tuple) else (found, {})
     still = encoding.png_bytes(picture_of(viewer._session.state, "3d", STILL_SIZE).rgba)
     return {**data, "text/plain": repr(viewer), "image/png": base64.b64encode(still).decode()}, metadata
 
 
-def widget_of(session: Session) -> Any:
-    """A widget that shows a session."""
+def widget_of(session: Session, opener: Opener) -> Any:
+    """A widget that shows a session, and opens files in it."""
     anywidget = library("anywidget", extra="notebook")
     kind = _widget_class(anywidget)
     widget = kind()
-    _Pages(session, widget)
+    _Pages(session, widget, opener)
     return widget
 
 
@@ -68,14 +69,14 @@ def _widget_class(anywidget: Any) -> Any:
 class _Pages:
     """The pages of a widget, by the name that each gives itself."""
 
-    def __init__(self, session: Session, widget: Any) -> None:
-        self._session, self._widget = session, widget
+    def __init__(self, session: Session, widget: Any, opener: Opener) -> None:
+        self._session, self._widget, self._opener = session, widget, opener
         self._clients: dict[str, Client] = {}
         # Handlers may run in several threads.
         self._lock = threading.RLock()
         widget.on_msg(self._receive)
 
-    def _receive(self, _widget: Any, content: Any, _buffers: Any) -> None:
+    def _receive(self, _widget: Any, content: Any, buffers: Any) -> None:
         if not isinstance(content, Mapping) or not isinstance(content.get("page"), str):
             return
         page = content["page"][:64]
@@ -86,8 +87,12 @@ class _Pages:
                 if kind == "bye":
                     if client is not None:
                         self._clients.pop(page).close()
+                        self._opener.leave(page)
                 elif kind == "hello":
                     self._hello(page, client, content)
+                elif client is not None and self._opener.takes(content):
+                    payload = bytes(buffers[0]) if buffers else b""
+                    self._opener.receive(page, lambda header, sent: self._send(page, header, sent), content, payload)
                 elif client is not None:
                     client.receive(content)
                 else:

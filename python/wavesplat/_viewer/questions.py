@@ -23,7 +23,7 @@ from wavesplat._model.volume import Volume
 from wavesplat._scene import scene_json
 from wavesplat._viewer import code, encoding, export_html
 from wavesplat._viewer.framed_cameras import framed, kept_in_view
-from wavesplat._viewer.info import fingerprint_of
+from wavesplat._viewer.info import data_of, fingerprint_of
 from wavesplat._viewer.picturing import picture_of
 from wavesplat._viewer.previews import preview_of
 from wavesplat._viewer.probing import sample_at, value_at
@@ -293,7 +293,12 @@ def _open_state(state: ViewerState, arguments: Mapping[str, Any], _: Progress) -
     return {"state": state_from_text(state, _text(arguments, "text", MAX_TEXT)).document}, b""
 
 
+def _data(state: ViewerState, _arguments: Mapping[str, Any], _: Progress) -> Answer:
+    return data_of(state), b""
+
+
 ANSWERS: dict[str, Callable[[ViewerState, Mapping[str, Any], Progress], Answer]] = {
+    "data": _data,
     "histogram": _histogram,
     "probe": _probe,
     "pick": _pick,

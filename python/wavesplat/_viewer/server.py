@@ -24,6 +24,7 @@ from wavesplat._viewer.browser_link import BrowserLink
 from wavesplat._viewer.client_files import ClientFile, client_files
 from wavesplat._viewer.connections import ANSWER_S, BoundedServer, Listener, QuietLog
 from wavesplat._viewer.framing import MAX_BYTES, PROTOCOL, packed, unpacked
+from wavesplat._viewer.opening import Opener
 from wavesplat._viewer.session import Client, Session
 from wavesplat._viewer.tokens import Tokens
 from wavesplat.errors import ArgumentError, WavesplatError
@@ -48,6 +49,8 @@ class Server:
         # Read now: later the process may have no descriptor left to open a file.
         self.files = client_files()
         self._session: Session | None = None
+        #: Opens files for the pages; with it and without a session, pages show the start page.
+        self._opener: Opener | None = None
         self._failure: str | None = None
         #: Set when a page was sent the error with which the volume could not be opened.
         self.has_reported = threading.Event()
@@ -86,6 +89,11 @@ class Server:
     def is_own(self, host: str) -> bool:
         """Whether a Host header names this server."""
         return host in {f"{name}:{self.port}" for name in (HOST, "localhost", "[::1]")}
+
+    def offer(self, opener: Opener) -> None:
+        """Let pages open files; those that wait for a session show the start page."""
+        self._opener = opener
+        self._later(lambda: self._each(lambda page: page.join()))
 
     def show(self, session: Session) -> None:
         """Show a session to the pages that wait and to those that come."""
@@ -279,9 +287,11 @@ class _Socket(tornado.websocket.WebSocketHandler):
             self._refuse(4400, "messages are binary")
             return
         try:
-            header, _payload = unpacked(message)
+            header, payload = unpacked(message)
             if self._key is None:
                 self._hello(header)
+            elif self._server._opener is not None and self._server._opener.takes(header):
+                self._server._opener.receive(self, self._send, header, payload)
             elif self._client is not None:
                 if header.get("type") == "patch" and self._is_too_fast():
                     raise ArgumentError(f"more than {MAX_PATCHES_PER_S} patches a second")
@@ -298,14 +308,20 @@ class _Socket(tornado.websocket.WebSocketHandler):
         self._server._sockets.discard(self)
         if self._deadline is not None:
             self._deadline.cancel()
+        if self._server._opener is not None:
+            self._server._opener.leave(self)
         if self._client is not None:
             self._client.close()
             self._client = None
 
     def join(self) -> None:
         """Show the session, as soon as both are there."""
-        session = self._server._session
-        if self._key is None or self._client is not None or session is None:
+        session, opener = self._server._session, self._server._opener
+        if self._key is None or self._client is not None:
+            return
+        if session is None:
+            if opener is not None:
+                self._write(packed({"type": "start", "session": self._key, **opener.offered()}))
             return
         try:
             self._client = session.connect(self._send)

@@ -2,7 +2,8 @@
 
 States are never changed in place. What a change does not touch is shared by the states before and after, down to the
 scene: a turn of the camera makes a new camera and nothing else.
-The page knows no paths: its documents name volumes only, and the sources are put back in for files.
+The page knows no paths: its documents name what is open by numbers (`catalogue`), and the sources are put back in for
+files.
 """
 
 from __future__ import annotations
@@ -25,8 +26,9 @@ from wavesplat._model.options import Kernel
 from wavesplat._scene import scene_json
 from wavesplat._scene.drawn_layers import drawn_layers
 from wavesplat._scene.layer import Layer
-from wavesplat._scene.scene import Scene
+from wavesplat._scene.scene import MAX_LAYERS, Scene
 from wavesplat._viewer import view_json
+from wavesplat._viewer.catalogue import Catalogue, Entry
 from wavesplat._viewer.framed_cameras import FirstView
 from wavesplat._viewer.patches import patched
 from wavesplat._viewer.previews import has_lazy, preview_of
@@ -55,13 +57,28 @@ class ViewerState:
     scene: Scene
     camera: Camera
     options: dict[str, Any]
-    #: Sources of the volumes, and of the labels; None where they come from no file.
-    sources: tuple[dict[str, Any], ...]
-    label_source: dict[str, Any] | None
-    #: Fields that colour layers, as in files, which the page does not change; None where a layer has none.
-    color_fields: tuple[dict[str, Any] | None, ...]
+    #: Entries of the layers, of the labels, and of the shapes, in the document's order; all that it may name.
+    entries: tuple[Entry, ...]
+    label_entry: Entry | None
+    shape_entries: tuple[Entry, ...]
+    catalogue: Catalogue
     #: The view that key 0 goes back to.
     first_view: FirstView
+
+    @property
+    def sources(self) -> tuple[dict[str, Any], ...]:
+        """Sources of the volumes, as in files."""
+        return tuple(entry.source or {"path": None} for entry in self.entries)
+
+    @property
+    def label_source(self) -> dict[str, Any] | None:
+        """Source of the labels, as in files; None without labels."""
+        return None if self.label_entry is None else self.label_entry.source
+
+    @property
+    def color_fields(self) -> tuple[dict[str, Any] | None, ...]:
+        """Fields that colour layers, as in files, which the page does not change; None where a layer has none."""
+        return tuple(entry.color_field for entry in self.entries)
 
     @property
     def view(self) -> dict[str, Any]:
@@ -76,6 +93,7 @@ class ViewerState:
         camera: Camera | str | None = None,
         options: Mapping[str, Any] | None = None,
         view: Mapping[str, Any] | None = None,
+        catalogue: Catalogue | None = None,
     ) -> ViewerState:
         """The state of a scene; looks, operator and camera that are not given are found out by drawing a small picture.
 
@@ -91,22 +109,30 @@ class ViewerState:
             _as_of_all_samples(document, scene)
         if scene.shading != "look" and any(layer["look"] is None for layer in document["layers"]):
             document["shading"] = scene_json.document_of(scene, strict=False)["shading"]
-        sources = tuple(layer["volume"] for layer in document["layers"])
-        color_fields = tuple(layer.pop("color_from", None) for layer in document["layers"])
-        labels = document["labels"]
-        label_source = None if labels is None else labels["volume"]
-        for layer, source in zip(document["layers"], scene.layers, strict=True):
+        known = Catalogue() if catalogue is None else catalogue
+        entries = []
+        for layer, opened in zip(document["layers"], scene.layers, strict=True):
             if not isinstance(layer["look"], dict):
                 # The report has no look of a layer that is hidden or has labels.
-                layer["look"] = look_json.fields_of(_plain_look(scene, source))
-            layer["volume"] = {"path": None, "name": source.volume.name}
-            layer["name"] = layer["name"] or source.volume.name
+                layer["look"] = look_json.fields_of(_plain_look(scene, opened))
+            fields = {"path": None, "name": opened.volume.name}
+            entries.append(known.add(opened, fields, layer["volume"], layer.pop("color_from", None)))
+            layer["volume"] = dict(entries[-1].fields)
+            layer["name"] = layer["name"] or opened.volume.name
+        labels, label_entry = document["labels"], None
         if labels is not None:
-            labels["volume"] = {"path": None}
+            label_entry = known.add(scene.labels, {"path": None}, labels["volume"])
+            labels["volume"] = dict(label_entry.fields)
+        shape_entries = tuple(
+            known.add(shape, facts) for shape, facts in zip(scene.geometry, _facts_of_shapes(scene), strict=True)
+        )
         document["background"] = document["background"] or "black"
         # It is the scene's, which the page does not change.
         document.pop("keep_table", None)
-        document["geometry"] = _facts_of_shapes(scene)
+        document["geometry"] = [
+            {**entry.fields, "visible": shape.visible}
+            for entry, shape in zip(shape_entries, scene.geometry, strict=True)
+        ]
         quality = given.get("quality", "normal")
         document["render"] = {
             "quality": quality if isinstance(quality, str) else scene_json.fields_of_sampling(quality),
@@ -116,16 +142,16 @@ class ViewerState:
         document["view"] = view_json.checked(view or {}, _middle(scene))
         nowhere = Camera((0, 0, 1), (0, 0, 0), (0, 1, 0), parallel_scale=1)
         unseen = FirstView(nowhere, 1.0, is_framed=False)
-        first = cls({}, scene, nowhere, {}, sources, label_source, color_fields, unseen)
+        first = cls({}, scene, nowhere, {}, tuple(entries), label_entry, shape_entries, known, unseen)
         # In JSON's types, as the page sends it back: lists for tuples.
         return first._with(json.loads(json.dumps(document))).begun()
 
     def begun(self) -> ViewerState:
         """The state as one that a viewer begins with: its view is the one that key 0 goes back to."""
         width, height = FIRST_SIZE
-        return replace(
-            self, first_view=FirstView.of(self.scene, self.options["composite"], self.camera, width / height)
-        )
+        view = FirstView.of(self.scene, self.options["composite"], self.camera, width / height)
+        self.catalogue.first_views[self.entries[0].number] = view
+        return replace(self, first_view=view)
 
     def patched(self, operations: Sequence[Mapping[str, Any]]) -> ViewerState:
         """The state after some changes (JSON Patch).
@@ -138,13 +164,14 @@ class ViewerState:
         return self._with(patched(self.document, operations))
 
     def replaced(self, document: Mapping[str, Any]) -> ViewerState:
-        """The state that another document describes; the volumes stay."""
+        """The state that another document describes, of things that are open."""
         return self._with(document)
 
     def with_scene(self, scene: Scene) -> ViewerState:
         """The state of another scene, seen by the same camera; what it leaves open is found out."""
         view = {name: value for name, value in self.view.items() if name != "slices"}
-        return ViewerState.of(scene, self.camera, self.options, view)
+        known = self.catalogue.reduced_to([*scene.layers, scene.labels, *scene.geometry])
+        return ViewerState.of(scene, self.camera, self.options, view, known)
 
     def with_camera(self, camera: Camera) -> ViewerState:
         """The state seen by another camera."""
@@ -190,22 +217,63 @@ class ViewerState:
             document = {**document, "render": {k: v for k, v in document["render"].items() if k != "size"}}
         if not _same(document, before, "view"):
             document = {**document, "view": view_json.checked(document["view"], _middle(self.scene))}
-        changes = self._changes(document)
+        entries = self._entries(document)
+        changes = self._changes(document, entries)
         scene = self.scene.with_(**changes) if changes else self.scene
-        return replace(self, document=document, scene=scene, camera=camera, options=options)
+        return replace(self, document=document, scene=scene, camera=camera, options=options, **entries)
 
-    def _changes(self, document: Mapping[str, Any]) -> dict[str, Any]:
-        """Scene fields that differ from the current state; volumes stay those that are open, whatever it says."""
+    def _entries(self, document: Mapping[str, Any]) -> dict[str, Any]:
+        """The entries that a document names, by the fields of the state that hold them."""
+        if all(_same(document, self.document, name) for name in ("layers", "labels", "geometry")):
+            return {}
+        layers = _list_of_objects(document, "layers")
+        shapes = _list_of_objects(document, "geometry")
+        labels = document["labels"]
+        if not isinstance(labels, Mapping | None):
+            raise ArgumentError(f"{WHAT}: field 'labels' is {described(labels)}; it must be an object or null")
+        entries = tuple(
+            self._entry(one.get("volume"), Layer, self.entries, f"layers[{n}]: field 'volume'")
+            for n, one in enumerate(layers)
+        )
+        return {
+            "entries": entries,
+            # Another volume has a view of its own, to which undo goes back too.
+            "first_view": self.catalogue.first_views.get(entries[0].number if entries else 0, self.first_view),
+            "label_entry": None
+            if labels is None
+            else self._entry(labels.get("volume"), Labels, (self.label_entry,), "labels: field 'volume'"),
+            "shape_entries": tuple(
+                self._entry(one, Shape, self.shape_entries, f"geometry[{n}]") for n, one in enumerate(shapes)
+            ),
+        }
+
+    def _entry(self, fields: Any, kind: type, shown: Sequence[Entry | None], what: str) -> Entry:
+        """The entry that some fields name; `shown`: those of the state, which the catalogue may have dropped."""
+        if not isinstance(fields, Mapping):
+            raise ArgumentError(f"{WHAT}: {what} is {described(fields)}; it must be an object")
+        number = fields.get("id")
+        known = next((one for one in shown if one is not None and is_same(one.number, number)), None)
+        entry = known or self.catalogue.find(number, kind, f"{WHAT}: {what}: field 'id'")
+        told = {**fields, "visible": entry.fields["visible"]} if kind is Shape and "visible" in fields else fields
+        if not is_same(dict(told), dict(entry.fields)):
+            mend = "only its field 'visible' can be changed here" if kind is Shape else "it cannot be changed here"
+            raise ArgumentError(f"{WHAT}: {what} is {described(dict(fields))}; {mend}; open another file instead")
+        return entry
+
+    def _changes(self, document: Mapping[str, Any], entries: Mapping[str, Any]) -> dict[str, Any]:
+        """Scene fields that differ from the current state; what is open stays, whatever the document says of it."""
         before, changes = self.document, dict[str, Any]()
-        layers = _layers(document["layers"], before.get("layers"), self.scene)
-        if any(new is not old for new, old in zip(layers, self.scene.layers, strict=True)):
+        layers = _layers(document["layers"], entries.get("entries", self.entries), self)
+        if len(layers) != len(self.scene.layers) or any(
+            new is not old for new, old in zip(layers, self.scene.layers, strict=True)
+        ):
             changes["layers"] = layers
         made: dict[str, Callable[[], Any]] = {
-            "labels": lambda: _labels(document["labels"], self.scene),
+            "labels": lambda: _labels(document["labels"], entries["label_entry"]),
             "shading": lambda: scene_json.shading_of(document["shading"]),
             "clip": lambda: scene_json.clips_of(dict(document)),
             "background": lambda: _background(document["background"]),
-            "geometry": lambda: _shapes(document["geometry"], self.scene),
+            "geometry": lambda: _shapes(document["geometry"], entries["shape_entries"]),
         }
         for name, make in made.items():
             if not _same(document, before, name):
@@ -277,24 +345,31 @@ def _as_of_all_samples(document: dict[str, Any], scene: Scene) -> None:
         document[name] = own[name]
 
 
-def _layers(fields: Any, before: Any, scene: Scene) -> list[Layer]:
-    if not isinstance(fields, list) or len(fields) != len(scene.layers):
-        raise ArgumentError(
-            f"{WHAT}: field 'layers' is {described(fields)}; it must be a list of {len(scene.layers)}: so many are open"
-        )
+def _list_of_objects(document: Mapping[str, Any], name: str) -> list[Mapping[str, Any]]:
+    given = document[name]
+    if not isinstance(given, list):
+        raise ArgumentError(f"{WHAT}: field {name!r} is {described(given)}; it must be a list")
+    for number, one in enumerate(given):
+        if not isinstance(one, Mapping):
+            raise ArgumentError(f"{WHAT}: {name}[{number}] is {described(one)}; it must be an object")
+    return given
+
+
+def _layers(fields: list[Any], entries: Sequence[Entry], before: ViewerState) -> list[Layer]:
+    if not 1 <= len(fields) <= MAX_LAYERS:
+        raise ArgumentError(f"{WHAT}: field 'layers' is {described(fields)}; it must be a list of 1 to {MAX_LAYERS}")
+    # Layers as they are, by their numbers: one that moves in the list stays the same object.
+    shown = {entry.number: n for n, entry in reversed(list(enumerate(before.entries)))}
     layers = []
-    for number, (new, layer) in enumerate(zip(fields, scene.layers, strict=True)):
-        old = None if before is None else before[number]
+    for number, (new, entry) in enumerate(zip(fields, entries, strict=True)):
+        place = shown.get(entry.number)
+        old_fields = before.document.get("layers")
+        old = None if place is None or old_fields is None else old_fields[place]
+        layer = entry.thing if place is None else before.scene.layers[place]
         if old is not None and is_same(new, old):
             layers.append(layer)
             continue
         what = f"{WHAT}: layers[{number}]"
-        if not isinstance(new, Mapping):
-            raise ArgumentError(f"{what} is {described(new)}; it must be an object")
-        if old is not None and new.get("volume") != old["volume"]:
-            raise ArgumentError(
-                f"{what}: field 'volume' cannot be changed here; open another file with `wavesplat view`"
-            )
         made = scene_json.layer_of(new, what, layer.volume)
         if old is not None and "look" in new and is_same(new["look"], old["look"]):
             # The look stays the same object, for which results are cached.
@@ -308,20 +383,17 @@ def _layers(fields: Any, before: Any, scene: Scene) -> list[Layer]:
     return layers
 
 
-def _labels(fields: Any, scene: Scene) -> Labels | None:
-    if (fields is None) != (scene.labels is None):
-        raise ArgumentError(
-            f"{WHAT}: field 'labels' cannot be {described(fields)}; the segmentation stays as it was opened"
-        )
-    if fields is None or scene.labels is None:
+def _labels(fields: Any, entry: Entry | None) -> Labels | None:
+    if entry is None:
         return None
     what = f"{WHAT}: labels"
     looks = scene_json.looks_of_labels(fields, what)
     smooth = fields.get("smooth", True)
     if not isinstance(smooth, bool):
         raise ArgumentError(f"{what}: field 'smooth' is {described(smooth)}; it must be true or false")
+    opened: Labels = entry.thing
     try:
-        return scene.labels.with_looks(looks or {}, smooth=smooth)
+        return opened.with_looks(looks or {}, smooth=smooth)
     except ArgumentError as error:
         raise ArgumentError(f"{what}: {error}") from None
 
@@ -335,20 +407,15 @@ def _facts_of_shapes(scene: Scene) -> list[dict[str, Any]]:
     ]
 
 
-def _shapes(fields: Any, scene: Scene) -> list[Shape]:
-    """The shapes, shown or hidden as a document says; all else about them stays."""
-    facts = _facts_of_shapes(scene)
-    if not isinstance(fields, list) or len(fields) != len(facts):
-        raise ArgumentError(
-            f"{WHAT}: field 'geometry' is {described(fields)}; it must be a list of {len(facts)}: so many are open"
-        )
-    for number, (new, old) in enumerate(zip(fields, facts, strict=True)):
-        what = f"{WHAT}: geometry[{number}]"
-        if not isinstance(new, Mapping) or not is_same({**new, "visible": old["visible"]}, old):
-            raise ArgumentError(f"{what} is {described(new)}; only its field 'visible' can be changed here")
+def _shapes(fields: list[Any], entries: Sequence[Entry]) -> list[Shape]:
+    """The shapes, shown or hidden as a document says."""
+    for number, new in enumerate(fields):
         if not isinstance(new.get("visible"), bool):
-            raise ArgumentError(f"{what}: field 'visible' is {described(new.get('visible'))}; it must be true or false")
-    return [shape._with_visible(new["visible"]) for shape, new in zip(scene.geometry, fields, strict=True)]
+            raise ArgumentError(
+                f"{WHAT}: geometry[{number}]: field 'visible' is {described(new.get('visible'))}; it must be true or "
+                "false"
+            )
+    return [entry.thing._with_visible(new["visible"]) for entry, new in zip(entries, fields, strict=True)]
 
 
 def _plain_look(scene: Scene, layer: Layer) -> Look:

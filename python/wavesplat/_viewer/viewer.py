@@ -25,6 +25,7 @@ from wavesplat._public import public
 from wavesplat._scene import scene_json
 from wavesplat._scene.scene import Scene, as_scene
 from wavesplat._viewer import export_html
+from wavesplat._viewer.opening import Opener
 from wavesplat._viewer.seen import Shown, check_shown, seen
 from wavesplat._viewer.session import Session
 from wavesplat._viewer.state import ViewerState
@@ -68,10 +69,11 @@ class Viewer:
                 for listener in tuple(viewer._listeners):
                     listener(viewer)
 
-        self._session = Session(state, changed)
+        session = self._session = Session(state, changed)
+        self._opener = Opener(lambda: session.state)
         self._server: Any = None
         self._widget: Any = None
-        self._finalizer: Any = weakref.finalize(self, self._session.close)
+        self._finalizer: Any = weakref.finalize(self, _close_all, self._opener, session)
         if port is not None:
             from wavesplat._viewer.server import Server
 
@@ -80,8 +82,9 @@ class Viewer:
     def _serve(self, server: Any) -> None:
         self._server = server
         server.show(self._session)
+        server.offer(self._opener)
         self._finalizer.detach()
-        self._finalizer = weakref.finalize(self, _close_both, self._session, server)
+        self._finalizer = weakref.finalize(self, _close_all, server, self._opener, self._session)
 
     def _open_in_browser(self) -> None:
         if self._server is not None:
@@ -354,6 +357,6 @@ def is_notebook() -> bool:
     return marimo is not None and bool(marimo.running_in_notebook())
 
 
-def _close_both(session: Session, server: Any) -> None:
-    server.close()
-    session.close()
+def _close_all(*parts: Any) -> None:
+    for part in parts:
+        part.close()

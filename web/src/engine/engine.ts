@@ -42,10 +42,8 @@ export interface PresetInfo {
   readonly layers: readonly number[];
 }
 
-export interface Welcome {
-  readonly protocol: 1;
-  readonly program: string;
-  readonly state: ViewerState;
+/** Facts of what is open, which change when something else is opened. */
+export interface Data {
   readonly volumes: readonly VolumeInfo[];
   /** World box around all layers. */
   readonly bounds: readonly [Vec3, Vec3];
@@ -62,6 +60,34 @@ export interface Welcome {
   /** Fingerprint of the data, for links. */
   readonly fingerprint: string;
 }
+
+export interface Welcome extends Data {
+  readonly protocol: 1;
+  readonly program: string;
+  readonly state: ViewerState;
+}
+
+/** Examples and recent files that can be opened; `recent` is null where there is no command that keeps a list. */
+export interface Offered {
+  readonly examples: readonly { readonly name: string; readonly title: string }[];
+  readonly recent: readonly { readonly name: string; readonly folder: string; readonly is_there: boolean }[] | null;
+  /** Largest number of bytes that a page can send at once. */
+  readonly max_bytes: number;
+}
+
+/** The source of what is opened: files that were sent, an example, or a file of the list. */
+export type Source =
+  | { readonly upload: number }
+  | { readonly example: string }
+  | { readonly recent: number; readonly name: string };
+
+export interface Found {
+  readonly kind: "volume" | "labels" | "shape";
+  readonly name: string;
+}
+
+/** How something that was opened is shown: instead of what is open, over it, or as the segmentation of its first volume. */
+export type How = "replace" | "overlay" | "labels";
 
 /** Position of the pixels of a slice in the world: `origin` is the centre of the first one. */
 export interface SliceGeometry {
@@ -110,6 +136,7 @@ export interface Problem {
 
 export type Connection =
   | { readonly kind: "connecting"; readonly text: string; readonly part?: number }
+  | { readonly kind: "start"; readonly offered: Offered }
   | { readonly kind: "open" }
   /** Changes stay without an answer: what is shown is old. */
   | { readonly kind: "silent"; readonly problem: Problem }
@@ -131,6 +158,30 @@ export interface Saved {
 
 /** Questions and their answers; files come as bytes. */
 export interface Questions {
+  /** Facts of what is open now. */
+  data: { question: Readonly<Record<string, never>>; answer: Data };
+  offered: { question: Readonly<Record<string, never>>; answer: Offered };
+  clear_recent: { question: Readonly<Record<string, never>>; answer: Offered };
+  /** The first picture of an example; JPEG. */
+  example_picture: { question: { name: string }; answer: { bytes: Uint8Array<ArrayBuffer> } };
+  upload_begin: { question: { files: number; bytes: number }; answer: { upload: number } };
+  /** The payload is the next piece of a file. */
+  upload: { question: { upload: number; path: string; offset: number }; answer: { received: number } };
+  upload_discard: { question: { upload: number }; answer: Readonly<Record<string, never>> };
+  /** Reads something; where the file holds several series or datasets, the answer is a question of its own. */
+  open: {
+    question: Source & { choice?: { option: string; value: string | number } };
+    answer: {
+      found?: readonly Found[];
+      notes?: readonly string[];
+      /** Whether it is shown already, as nothing was open. */
+      shown?: boolean;
+      opened?: number;
+      several?: { option: string; names: readonly (string | number)[]; described: readonly string[] };
+    };
+  };
+  /** The changes that show what was opened; `aspect` of the 3-D view is width over height. */
+  show: { question: { opened: number; how: How; aspect?: number }; answer: { operations: readonly Operation[] } };
   histogram: {
     question: { layer: number; bins: number; low: number; high: number };
     answer: { counts: number[]; low: number; high: number };
@@ -208,6 +259,7 @@ export interface Engine {
     question: Questions[Q]["question"],
     progress?: (part: number) => void,
     signal?: AbortSignal,
+    payload?: Uint8Array<ArrayBuffer>,
   ): Promise<Questions[Q]["answer"]>;
   /** Tries to connect again, now. */
   retry(): void;

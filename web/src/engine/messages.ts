@@ -5,10 +5,11 @@ import { any, either, fields, flag, list, number, oneOf, point, share, text, who
 import { parseViewerState } from "../state/parse.ts";
 import type { Operation } from "../state/patch.ts";
 import { PANES } from "../state/state.ts";
-import type { Frame, Problem, Question, Questions, Welcome } from "./engine.ts";
+import type { Frame, Offered, Problem, Question, Questions, Welcome } from "./engine.ts";
 import type { Header, Payload } from "./framing.ts";
 
 export type Message =
+  | { readonly type: "start"; readonly offered: Offered; readonly session: string }
   | { readonly type: "welcome"; readonly welcome: Welcome; readonly session: string }
   /** Progress of opening (`id` null, no `view`), of a question, or of the picture at rest of a view. */
   | { readonly type: "progress"; readonly id: number | null; readonly view?: Frame["view"]; readonly part: number | null; readonly text: string }
@@ -41,13 +42,23 @@ const volume = open({
 const look = open({ transfer_function: open({}) });
 const bytes = open({});
 
-const MESSAGES: Readonly<Record<Message["type"], Check>> = {
-  welcome: open({
-    program: text, state, volumes: list(volume, 1), bounds: box, session: text, fingerprint: text,
+/** Facts of what is open. */
+const DATA = {
+  volumes: list(volume, 1), bounds: box, fingerprint: text,
     presets: list(open({ name: text, description: text, kind: text, fits: flag, layers: list(whole) })),
     composites: list(text), kernels: list(text), window_names: open({ "*": pair }),
     standard_views: fields({ "*": camera }, "message"), upright: point, axis_ends: list(text, 6, 6),
-  }),
+};
+/** What can be opened. */
+const OFFERED = {
+  examples: list(open({ name: text, title: text })),
+  recent: orNull(list(open({ name: text, folder: text, is_there: flag }))),
+  max_bytes: number(0),
+};
+
+const MESSAGES: Readonly<Record<Message["type"], Check>> = {
+  start: open({ ...OFFERED, session: text }),
+  welcome: open({ program: text, state, session: text, ...DATA }),
   progress: open({ id: orNull(whole), "view?": views, part: orNull(share), text }),
   patch: open({ operations, seq: whole }),
   confirmed: open({ seq: whole, corrections: operations }),
@@ -66,6 +77,19 @@ const MESSAGES: Readonly<Record<Message["type"], Check>> = {
 
 /** Answers by their questions; those that are bytes have no field. */
 const ANSWERS: Readonly<Record<Question, Check>> = {
+  data: open(DATA),
+  offered: open(OFFERED),
+  clear_recent: open(OFFERED),
+  example_picture: bytes,
+  upload_begin: open({ upload: whole }),
+  upload: open({ received: number(0) }),
+  upload_discard: open({}),
+  open: open({
+    "found?": list(open({ kind: oneOf("volume", "labels", "shape"), name: text })),
+    "notes?": list(text), "shown?": flag, "opened?": whole,
+    "several?": open({ option: text, names: list(any), described: list(text) }),
+  }),
+  show: open({ operations }),
   histogram: open({ counts: list(number(0)), low: number(), high: number() }),
   probe: open({ values: list(orNull(number())), label: orNull(open({ number: number(), name: text })), index: point }),
   pick: open({ point: orNull(point) }),
@@ -113,6 +137,8 @@ export function parseAnswer<Q extends Question>(question: Q, header: Header, pay
 /** The message whose fields are checked. */
 function made(type: Message["type"], header: Header, payload: Payload): Message {
   switch (type) {
+    case "start":
+      return { type, offered: header as unknown as Offered, session: String(header["session"]) };
     case "welcome":
       return { type, welcome: header as unknown as Welcome, session: String(header["session"]) };
     case "frame":

@@ -5,7 +5,7 @@ import { Replica } from "../state/replica.ts";
 import type { ViewName } from "../state/state.ts";
 import type { Stop } from "../state/store.ts";
 import type { Channel } from "./channel.ts";
-import type { Connection, Engine, Frame, Problem, Question, Questions, Welcome } from "./engine.ts";
+import type { Connection, Engine, Frame, Offered, Problem, Question, Questions, Welcome } from "./engine.ts";
 import type { Header, Payload } from "./framing.ts";
 import { parseAnswer, parseMessage, type Message } from "./messages.ts";
 
@@ -105,6 +105,16 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
 
   const sayHello = (): void => channel.send({ type: "hello", protocol: 1, ...options.hello() });
 
+  /** Nothing is open: the page is asked for a file. */
+  const offer = (offered: Offered, session: string): void => {
+    clearInterval(helloTimer);
+    options.onSession?.(session);
+    // The program was started again without the data that are shown here.
+    if (replica !== null) options.onOtherData?.();
+    isOpen = true;
+    tell({ kind: "start", offered });
+  };
+
   const start = (welcome: Welcome, session: string): void => {
     clearInterval(helloTimer);
     options.onSession?.(session);
@@ -158,6 +168,9 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
 
   const take = (message: Message): void => {
     switch (message.type) {
+      case "start":
+        offer(message.offered, message.session);
+        break;
       case "welcome":
         start(message.welcome, message.session);
         break;
@@ -179,6 +192,8 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
       case "answer": {
         const one = waiting.get(message.id);
         waiting.delete(message.id);
+        // Facts of other data, which were opened here.
+        if (typeof message.fields["fingerprint"] === "string") fingerprint = message.fields["fingerprint"];
         one?.take(message.fields, message.payload);
         break;
       }
@@ -244,6 +259,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
       question: Questions[Q]["question"],
       progress?: (part: number) => void,
       signal?: AbortSignal,
+      payload?: Payload,
     ) {
       const id = nextId;
       nextId += 1;
@@ -266,7 +282,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
         }
         // An answer is about what is shown here now.
         flush();
-        channel.send({ type: "ask", id, question: name, arguments: question as unknown as Header });
+        channel.send({ type: "ask", id, question: name, arguments: question as unknown as Header }, payload);
       });
     },
     retry: () => channel.retry(),

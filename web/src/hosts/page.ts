@@ -33,14 +33,10 @@ export function openPage(element: HTMLElement): () => void {
   window.addEventListener("storage", ({ key }) => {
     if (key === `${KEY}:${location.host}`) engine.retry();
   });
-  const close = mountApp(element, engine, { kind: "page", link });
-  engine.welcome.then(
-    ({ volumes }) => {
-      document.title = `${volumes.map(({ name }) => name).join(", ")} – Wavesplat`;
-    },
-    () => undefined,
-  );
-  return close;
+  const onVolumes = (names: readonly string[]): void => {
+    document.title = `${names.join(", ")} – Wavesplat`;
+  };
+  return mountApp(element, engine, { kind: "page", link, onVolumes });
 }
 
 function stored(): string | null {

@@ -12,7 +12,8 @@ const nodes = (...columns: readonly Check[]): Check =>
     list(any, columns.length, columns.length)(node, where);
     columns.forEach((check, n) => check((node as unknown[])[n], where));
   }, 1);
-const volume = fields({ path: oneOf(null), "name?": text });
+const id: Check = (value, where) => (Number.isInteger(value) && Number(value) > 0 ? undefined : refuse(value, where, "a whole number from 1"));
+const volume = fields({ path: oneOf(null), "name?": text, "id?": id });
 const shading = fields({ ...Object.fromEntries(["ambient", "diffuse", "specular", "specular_power"].map((name) => [`${name}?`, number(0)])), "*": any });
 const curves: Check = (value, where) => {
   // A table of two dimensions is checked where it is drawn.
@@ -52,7 +53,7 @@ const state = fields({
   shading: either("look", either(null, shading)),
   clip: list(clip),
   background: either(null, color),
-  geometry: list(fields({ kind: text, name: text, count: number(), visible: flag })),
+  geometry: list(fields({ kind: text, name: text, count: number(), visible: flag, "id?": id })),
   camera: fields({
     version: oneOf(1),
     position: point,

@@ -59,8 +59,8 @@ export interface Look {
 }
 
 export interface Layer {
-  /** The volume of the layer; the page can neither name files nor change this. */
-  readonly volume: { readonly path: null; readonly name: string };
+  /** The volume of the layer, by the number under which it is open; the page can neither name files nor change this. */
+  readonly volume: { readonly path: null; readonly name: string; readonly id?: number };
   readonly name: string;
   readonly look: Look;
   readonly visible: boolean;
@@ -77,7 +77,7 @@ export interface LabelLook {
 }
 
 export interface Labels {
-  readonly volume: { readonly path: null; readonly name?: string };
+  readonly volume: { readonly path: null; readonly name?: string; readonly id?: number };
   readonly labels: Readonly<Record<string, LabelLook>>;
   readonly smooth: boolean;
 }
@@ -87,6 +87,8 @@ export interface Shape {
   readonly kind: string;
   readonly name: string;
   readonly count: number;
+  /** Number under which it is open. */
+  readonly id?: number;
   /** The only field that the page can change. */
   readonly visible: boolean;
 }

@@ -11,11 +11,12 @@ import { FrameStatistics } from "./frame_statistics.ts";
 import { loadAhead } from "./later.tsx";
 import { css as livenessCss } from "./liveness.tsx";
 import { css as lookCss } from "./look/index.ts";
+import { css as openCss, DataFollower, PageOpener, StartPage } from "./open/index.ts";
 import cubeCss from "./overlay3d/cube.css";
 import { Page } from "./page.tsx";
 import { PageState } from "./page_state.ts";
 import type { PartProps, Ui } from "./part.ts";
-import { problemOf } from "./share.tsx";
+import { openState, problemOf } from "./share.tsx";
 import { Opening } from "./status.tsx";
 import style from "./style.css";
 import { onThemeChange, surrounding } from "./theme.ts";
@@ -25,13 +26,15 @@ export interface Host {
   readonly kind: "page" | "widget";
   /** The part of a link that says what to show. */
   readonly link?: string | undefined;
+  /** Called with the names of the volumes, when others are open than before. */
+  readonly onVolumes?: ((names: readonly string[]) => void) | undefined;
 }
 
 /** Shows the viewer in an element, and returns a function that removes it. */
 export function mountApp(parent: HTMLElement, engine: Engine, host: Host): () => void {
   const root = parent.shadowRoot ?? parent.attachShadow({ mode: "open" });
   const sheet = new CSSStyleSheet();
-  sheet.replaceSync([style, lookCss, cubeCss, livenessCss].join("\n"));
+  sheet.replaceSync([style, lookCss, cubeCss, openCss, livenessCss].join("\n"));
   root.adoptedStyleSheets = [sheet];
   const mount = document.createElement("div");
   mount.className = "mount";
@@ -55,6 +58,7 @@ class App {
   private readonly statistics = new FrameStatistics();
   private isScheduled = false;
   private readonly stops: (() => void)[] = [];
+  private readonly opener: PageOpener;
 
   constructor(
     private readonly engine: Engine,
@@ -62,9 +66,26 @@ class App {
     private readonly root: ShadowRoot,
     private readonly mount: HTMLElement,
   ) {
+    this.opener = new PageOpener({
+      engine,
+      hasData: () => this.store !== null,
+      aspect: () => {
+        const frame = this.frames["3d"];
+        return frame === undefined ? null : frame.width / frame.height;
+      },
+      change: (operations) => this.store?.change(operations),
+      openState: (file) => this.openState(file),
+      announce: (text) => this.page.announce(text),
+      problem: (problem) => this.page.change({ problem }),
+      changed: () => this.schedule(),
+    });
     this.stops.push(
+      this.opener.listen(mount),
       this.page.subscribe(() => this.schedule()),
-      engine.onConnection((connection) => this.page.change({ connection })),
+      engine.onConnection((connection) => {
+        this.page.change({ connection });
+        if (connection.kind === "start") this.opener.setOffered(connection.offered);
+      }),
       engine.onProblem((problem) => this.page.change({ problem })),
       onThemeChange(() => this.schedule()),
     );
@@ -88,9 +109,22 @@ class App {
       host: this.host.kind,
       frames: this.frames,
       statistics: this.statistics,
+      opener: this.opener,
       schedule: () => this.schedule(),
     });
-    this.stops.push(store.subscribe(() => this.schedule()));
+    const follower = new DataFollower(this.engine, () => store.state, (data) => {
+      this.welcome = { ...welcome, ...data };
+      this.host.onVolumes?.(data.volumes.map(({ name }) => name));
+      this.expose();
+      this.schedule();
+    });
+    this.stops.push(
+      store.subscribe(() => {
+        follower.check();
+        this.schedule();
+      }),
+    );
+    this.host.onVolumes?.(welcome.volumes.map(({ name }) => name));
     // On a page of its own keys are for the viewer, wherever the focus is; in a notebook only while it has the focus.
     if (this.host.kind === "page") {
       document.addEventListener("keydown", this.onKey);
@@ -108,6 +142,11 @@ class App {
     } catch (problem) {
       this.page.change({ problem: problemOf(problem) });
     }
+  }
+
+  private openState(file: File): void {
+    const { store, welcome, ui } = this;
+    if (store !== null && welcome !== null && ui !== null) void openState({ store, welcome, engine: this.engine, ui }, file);
   }
 
   /** For tests and benchmarks, and whoever looks at the console. */
@@ -155,7 +194,11 @@ class App {
     if (store === null || welcome === null || ui === null) {
       render(
         <div class="wavesplat" data-theme={surrounding()}>
-          <Opening connection={page.fields.connection} problem={page.fields.failure} />
+          {page.fields.connection.kind === "start" ? (
+            <StartPage opener={this.opener} engine={this.engine} host={this.host.kind} />
+          ) : (
+            <Opening connection={page.fields.connection} problem={page.fields.failure} />
+          )}
         </div>,
         this.mount,
       );

@@ -1,6 +1,7 @@
 // Icons as lines on a grid of 20; each stands beside a name, or has one for screen readers.
 
 const PATHS = {
+  open: "M2 16V4h6l2 3h8v9zM2 16l3-6h15l-3 6",
   undo: "M8 5 4 9l4 4M4 9h8a4 4 0 0 1 0 8H9",
   redo: "M12 5l4 4-4 4M16 9H8a4 4 0 0 0 0 8h3",
   fit: "M4 8V4h4M16 8V4h-4M4 12v4h4M16 12v4h-4M8 8h4v4H8z",

@@ -37,7 +37,7 @@ export function shownBySlices({ store, ui, welcome }: PartProps): readonly unkno
 }
 
 /** The values that the toolbar shows. */
-export function shownByToolbar({ store, ui }: PartProps): readonly unknown[] {
+export function shownByToolbar({ store, ui, welcome }: PartProps): readonly unknown[] {
   const { layers, view } = store.state;
-  return [layers, view.layout, view.interface, ui.tool, store.canUndo, store.canRedo];
+  return [layers, view.layout, view.interface, ui.tool, store.canUndo, store.canRedo, welcome];
 }

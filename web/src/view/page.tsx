@@ -10,10 +10,11 @@ import { later } from "./later.tsx";
 import { Banner, isStale } from "./liveness.tsx";
 import { TimeBar } from "./look/index.ts";
 import { Memo, shownByPanels, shownBySlices, shownByToolbar } from "./memo.tsx";
+import { Openings } from "./open/index.ts";
 import type { PageFields } from "./page_state.ts";
 import type { PartProps } from "./part.ts";
 import { fit, SceneView } from "./scene_view.tsx";
-import { openState, SharePanel } from "./share.tsx";
+import { SharePanel } from "./share.tsx";
 import { openPanel, PANELS, Rail, Sheet, type PanelName } from "./sheet.tsx";
 import { SlicePane } from "./slices/slice_pane.tsx";
 import { ProblemCard, Status } from "./status.tsx";
@@ -59,12 +60,6 @@ export function Page({ page, onKey, onPage, ...part }: PageProps) {
       data-sheet={open !== null}
       data-times={hasTimes}
       onKeyDown={onKey}
-      onDragOver={(event) => event.preventDefault()}
-      onDrop={(event) => {
-        event.preventDefault();
-        const file = event.dataTransfer?.files[0];
-        if (file !== undefined) void openState(part, file);
-      }}
     >
       <Memo of={[...shownByToolbar(part), open]}>
         {() => <Toolbar {...part} isAbout={open === "about"} onAbout={() => onPanel(open === "about" ? null : "about")} onFit={() => fit(part)} />}
@@ -88,7 +83,7 @@ export function Page({ page, onKey, onPage, ...part }: PageProps) {
       {open !== null && (
         <Sheet key={open} name={open} onClose={() => onPanel(null)}>
           <Memo of={[...shownByPanels(part), page.figures]}>
-            {() => <Body {...part} name={open} figures={page.figures} onFigures={(figures) => onPage({ figures })} />}
+            {() => <Body key={welcome.fingerprint} {...part} name={open} figures={page.figures} onFigures={(figures) => onPage({ figures })} />}
           </Memo>
         </Sheet>
       )}
@@ -98,6 +93,7 @@ export function Page({ page, onKey, onPage, ...part }: PageProps) {
       </footer>
       <p class="hidden" role="status" aria-live="polite">{page.said}</p>
       {page.problem !== null && <ProblemCard problem={page.problem} onClose={() => onPage({ problem: null })} />}
+      <Openings {...part} />
       {page.help && <Help onClose={() => onPage({ help: false })} />}
     </div>
   );

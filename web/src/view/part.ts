@@ -3,6 +3,7 @@
 import type { Engine, Frame, Problem, Welcome } from "../engine/engine.ts";
 import type { CameraMover } from "./camera_mover.ts";
 import type { FrameStatistics } from "./frame_statistics.ts";
+import type { PageOpener } from "./open/page_opener.ts";
 import type { Views } from "./views.ts";
 import type { Camera, Vec3, ViewName } from "../state/state.ts";
 import type { Store } from "../state/store.ts";
@@ -15,6 +16,8 @@ export interface Ui {
   readonly root: ShadowRoot | HTMLElement;
   readonly host: "page" | "widget";
   readonly statistics: FrameStatistics;
+  /** Opens files in the page. */
+  readonly opener: PageOpener;
   /** Moves the camera where no pointer leads it. */
   readonly camera: CameraMover;
   /** The views that are shown, and the one that keys are for. */

@@ -26,6 +26,7 @@ export function Toolbar(props: PartProps & { readonly isAbout: boolean; onAbout(
   const hasScene = layout.name !== "single" || layout.main === "3d";
   return (
     <header class="toolbar">
+      <div class="group float"><IconButton icon="open" label={WORDS.opening.open} onClick={() => ui.opener.show(true)} /></div>
       <h1 class="group float title-group">
         <button class="title" data-opens="about" aria-expanded={isAbout} aria-label={WORDS.about.open(names)} title={names} onClick={onAbout}>{names}</button>
       </h1>

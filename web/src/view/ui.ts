@@ -14,19 +14,20 @@ import { Views } from "./views.ts";
 /** Time after which the address of a download is given up, ms. */
 const DOWNLOADED_MS = 10_000;
 
-interface Around extends Pick<Ui, "root" | "host" | "statistics"> {
+interface Around extends Pick<Ui, "root" | "host" | "statistics" | "opener"> {
   readonly frames: Partial<Ui["frames"]> & { -readonly [view in keyof Ui["frames"]]: Ui["frames"][view] };
   /** Draws the page anew. */
   readonly schedule: () => void;
 }
 
 export function createUi(engine: Engine, store: Store, page: PageState, around: Around): Ui {
-  const { root, host, statistics, frames, schedule } = around;
+  const { root, host, statistics, opener, frames, schedule } = around;
   let restCamera: Camera | null = null;
   return {
     root,
     host,
     statistics,
+    opener,
     frames,
     camera: new CameraMover(engine, store, (problem) => page.change({ problem: problemOf(problem) })),
     views: new Views(),

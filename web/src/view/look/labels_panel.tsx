@@ -2,6 +2,7 @@
 
 import { useMemo, useState } from "preact/hooks";
 import { set } from "../../state/patch.ts";
+import { withoutLabels } from "../open/index.ts";
 import type { PartProps } from "../part.ts";
 import { Button, CheckField, ColorField, SliderField } from "./fields.tsx";
 import { isSoloLabel, labelRows, shownLabels, type Hidden } from "./layers.ts";
@@ -42,6 +43,7 @@ export function LabelsPanel({ store }: PartProps) {
       <div class="row">
         <Button onClick={() => show((number) => inRows.has(number) || others(number))}>{TEXT.showAll}</Button>
         <Button onClick={() => show((number) => !inRows.has(number) && others(number))}>{TEXT.hideAll}</Button>
+        <Button label={TEXT.removeAll} onClick={() => store.change(withoutLabels())}>{TEXT.remove}</Button>
         <span class="dim">{TEXT.count(all.filter(({ isShown }) => isShown).length, all.length)}</span>
       </div>
       {rows.length === 0 && <p class="dim">{TEXT.empty}</p>}

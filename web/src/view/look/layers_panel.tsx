@@ -2,6 +2,7 @@
 
 import { set } from "../../state/patch.ts";
 import type { Layer } from "../../state/state.ts";
+import { withoutLayer, withoutShape } from "../open/index.ts";
 import type { PartProps } from "../part.ts";
 import { hexOf, isEditable, spanOf } from "./curves.ts";
 import { Button, CheckField, SliderField } from "./fields.tsx";
@@ -59,31 +60,38 @@ export function LayersPanel({ store, ui }: PartProps) {
               onDone={() => store.settle()}
             />
             {layers.length > 1 && (
-              <label class="row look-check">
-                <input
-                  type="radio"
-                  name="look-layer"
-                  aria-label={TEXT.editThis(layer.name)}
-                  checked={index === ui.layer}
-                  onChange={() => ui.setLayer(index)}
-                />
-                <span>{TEXT.edit}</span>
-                <span class="dim">{TEXT.look(layer.look.name)}</span>
-              </label>
+              <div class="row open-apart">
+                <label class="row look-check">
+                  <input
+                    type="radio"
+                    name="look-layer"
+                    aria-label={TEXT.editThis(layer.name)}
+                    checked={index === ui.layer}
+                    onChange={() => ui.setLayer(index)}
+                  />
+                  <span>{TEXT.edit}</span>
+                  <span class="dim">{TEXT.look(layer.look.name)}</span>
+                </label>
+                <Button label={TEXT.removeThis(layer.name)} onClick={() => store.change(withoutLayer(store.state, index))}>
+                  {TEXT.remove}
+                </Button>
+              </div>
             )}
           </li>
         ))}
       </ul>
+      <div class="row"><Button onClick={() => ui.opener.show(true)}>{TEXT.add}</Button></div>
       {geometry.length > 0 && (
         <ul class="look-list" aria-label="Geometry">
           {geometry.map(({ kind, name, count, visible }, index) => (
-            <li key={index}>
+            <li key={index} class="row open-apart">
               <CheckField
                 label={name}
                 note={`${kind} · ${count}`}
                 checked={visible}
                 onCheck={(on) => store.change([set(on, "geometry", index, "visible")])}
               />
+              <Button label={TEXT.removeThis(name)} onClick={() => store.change(withoutShape(index))}>{TEXT.remove}</Button>
             </li>
           ))}
         </ul>

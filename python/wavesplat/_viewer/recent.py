@@ -1,0 +1,94 @@
+"""The files that `wavesplat view` opened last, kept for its start page in the user's state directory.
+
+Names of files can say whom a scan is of: only the user can read the list, pages get it behind their key, and
+`Recent.clear` deletes it. A page chooses a file by its place in the list and so can open no other.
+"""
+
+from __future__ import annotations
+
+import json
+import os
+import tempfile
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+from wavesplat._files.addresses import is_address, safe_address
+
+__all__ = ["Recent", "last_part", "state_folder"]
+
+MAX_FILES = 12
+#: Largest file that is read, bytes: a longer one is not ours.
+MAX_BYTES = 1 << 18
+NAME = "recent.json"
+
+
+def state_folder() -> Path:
+    """`$XDG_STATE_HOME/wavesplat`, or the system's folder; a `RuntimeError` where there is no home."""
+    if os.name == "nt":
+        base = os.environ.get("LOCALAPPDATA") or Path.home() / "AppData" / "Local"
+    else:
+        base = os.environ.get("XDG_STATE_HOME") or Path.home() / ".local" / "state"
+    return Path(base) / "wavesplat"
+
+
+class Recent:
+    """The list of a folder; where that cannot be written it stays empty."""
+
+    def __init__(self, folder: Path | None = None) -> None:
+        self._folder = folder
+
+    def paths(self) -> list[str]:
+        """Absolute paths and addresses, the last one first."""
+        with suppress(OSError, ValueError, RuntimeError):
+            file = self._file()
+            if file.stat().st_size <= MAX_BYTES:
+                found = json.loads(file.read_text(encoding="utf-8"))
+                listed = found.get("files") if isinstance(found, dict) else None
+                files = listed if isinstance(listed, list) else []
+                return [one for one in files if isinstance(one, str)][:MAX_FILES]
+        return []
+
+    def add(self, path: str) -> None:
+        """Put a file first; an address without what may be a password."""
+        name = safe_address(path) if is_address(path) else str(Path(path).expanduser().absolute())
+        self._write([name, *[one for one in self.paths() if one != name]][:MAX_FILES])
+
+    def clear(self) -> None:
+        """Delete the list."""
+        with suppress(OSError, RuntimeError):
+            self._file().unlink()
+
+    def shown(self) -> list[dict[str, Any]]:
+        """The list as pages show it: names, folders, and whether each is there."""
+        return [_shown(path) for path in self.paths()]
+
+    def _file(self) -> Path:
+        return (self._folder or state_folder()) / NAME
+
+    def _write(self, paths: list[str]) -> None:
+        # A list that cannot be kept is no reason not to show a volume.
+        with suppress(OSError, ValueError, RuntimeError):
+            file = self._file()
+            file.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+            text = json.dumps({"files": paths}, indent=1)
+            handle, part = tempfile.mkstemp(".part", ".wavesplat-", file.parent)  # for the user alone
+            try:
+                with os.fdopen(handle, "w", encoding="utf-8") as written:
+                    written.write(text)
+                Path(part).replace(file)
+            finally:
+                with suppress(OSError):
+                    Path(part).unlink()
+
+
+def last_part(path: str) -> str:
+    """The name of a file, or the last part of an address."""
+    return path.rstrip("/").rpartition("/")[2] if is_address(path) else Path(path).name
+
+
+def _shown(path: str) -> dict[str, Any]:
+    if is_address(path):
+        return {"name": last_part(path), "folder": path.rstrip("/").rpartition("/")[0], "is_there": True}
+    place = Path(path)
+    return {"name": last_part(path), "folder": str(place.parent), "is_there": place.exists()}

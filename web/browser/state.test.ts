@@ -78,7 +78,7 @@ test("the share of a picture of a lazy volume is shown while it is drawn, and go
   python(
     "import sys, numpy as np, zarr\n" +
     "group = zarr.open_group(sys.argv[1], mode='w', zarr_format=2)\n" +
-    "whole = np.random.default_rng(1).integers(0, 60, (256,) * 3, dtype='u1')\n" +
+    "whole = np.random.default_rng(1).integers(0, 60, (192,) * 3, dtype='u1')\n" +
     "levels = [whole[::step, ::step, ::step] for step in (1, 2, 4)]\n" +
     "for n, level in enumerate(levels): group.create_array(str(n), data=level, chunks=(32,) * 3)\n" +
     "scales = [{'path': str(n), 'coordinateTransformations': [{'type': 'scale', 'scale': [2.0 ** n] * 3}]} for n in range(3)]\n" +

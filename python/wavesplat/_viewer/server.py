@@ -297,7 +297,8 @@ class _Socket(tornado.websocket.WebSocketHandler):
                     raise ArgumentError(f"more than {MAX_PATCHES_PER_S} patches a second")
                 if header.get("type") == "ask" and header.get("question") == "token":
                     # The session knows no links: they are the server's.
-                    self._write(packed({"type": "answer", "id": header.get("id"), "token": self._server.tokens.new()}))
+                    token = self._server.tokens.new()
+                    self._send({"type": "answer", "id": header.get("id"), "token": token}, b"")
                 else:
                     self._client.receive(header)
         except WavesplatError as error:

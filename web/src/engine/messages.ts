@@ -49,7 +49,7 @@ const DATA = {
     composites: list(text), kernels: list(text), window_names: open({ "*": pair }),
     standard_views: fields({ "*": camera }, "message"), upright: point, axis_ends: list(text, 6, 6),
 };
-/** What can be opened. */
+/** Examples and recent files. */
 const OFFERED = {
   examples: list(open({ name: text, title: text })),
   recent: orNull(list(open({ name: text, folder: text, is_there: flag }))),

@@ -10,14 +10,18 @@ import pytest
 
 ROOT = Path(__file__).parents[2]
 CLIENT = ROOT / "python" / "wavesplat" / "_viewer" / "client"
-FILES = {"index.html", "page.js", "viewer.js", "favicon.svg"}
+#: Files of the page, without its scripts in the folder `page`, whose names have the hashes of their contents.
+FILES = {"index.html", "widget.js", "favicon.svg"}
+SCRIPTS = {f"page/{path.name}" for path in (CLIENT / "page").iterdir()}
 MATURIN = Path(sys.executable).with_name("maturin")
 
 
 def test_the_page_lies_in_the_package():
-    assert {path.name for path in CLIENT.iterdir()} == FILES
-    # Many lines: the bundle is not minified, so that it can be read where it is installed.
-    assert (CLIENT / "viewer.js").read_text(encoding="utf-8").count("\n") > 3000
+    assert {path.name for path in CLIENT.iterdir()} == FILES | {"page"}
+    assert {name.partition("-")[0] for name in SCRIPTS} == {"page/page", "page/late_panels", "page/chunk"}
+    # They say where they come from, since they are minified.
+    for name in ("widget.js", *SCRIPTS):
+        assert (CLIENT / name).read_text(encoding="utf-8").startswith("// Built from web/ by `make web`")
 
 
 @pytest.mark.skipif(not MATURIN.exists(), reason="maturin is not installed")
@@ -30,7 +34,7 @@ def test_what_is_installed_from_has_the_page_and_nothing_of_node(tmp_path):
     package = {name for name in names if name.startswith("python/wavesplat/")}
     here = {path.relative_to(ROOT).as_posix() for path in (ROOT / "python" / "wavesplat").rglob("*.py")}
     assert here <= package
-    assert {f"python/wavesplat/_viewer/client/{name}" for name in FILES} <= package
+    assert {f"python/wavesplat/_viewer/client/{name}" for name in FILES | SCRIPTS} <= package
     assert not [name for name in names if "node_modules" in name or name.startswith(("web/", "python/tests/"))]
 
 
@@ -40,4 +44,4 @@ def test_nothing_of_the_package_is_ignored():
     tracked = subprocess.run(
         ["git", "ls-files", "python/wavesplat/_viewer/client"], cwd=ROOT, capture_output=True, text=True, check=True
     ).stdout.split()
-    assert {Path(name).name for name in tracked} == FILES
+    assert {name.partition("/client/")[2] for name in tracked} == FILES | SCRIPTS

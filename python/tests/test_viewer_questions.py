@@ -218,13 +218,14 @@ def test_python_and_command_draw_the_picture_at_rest(pelvis, name, tmp_path, mon
     state = variants(pelvis)[name]
     expected = np.asarray(picture_of(state, "3d", SIZE))
     monkeypatch.chdir(tmp_path)
+    drawn = tmp_path / "ct_pelvis.png"
     exec(compile(code.python_of(state, SIZE), "picture.py", "exec"), {})  # noqa: S102
-    assert np.array_equal(pixels((tmp_path / "picture.png").read_bytes()), expected)
-    (tmp_path / "picture.png").unlink()
+    assert np.array_equal(pixels(drawn.read_bytes()), expected)
+    drawn.unlink()
     command = code.command_of(state, SIZE).replace("wavesplat ", f"{shlex.quote(sys.executable)} -m wavesplat ", 1)
     done = subprocess.run(["sh", "-c", command], cwd=tmp_path, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    assert np.array_equal(pixels((tmp_path / "picture.png").read_bytes()), expected)
+    assert np.array_equal(pixels(drawn.read_bytes()), expected)
 
 
 def test_code_opens_files_with_their_options(tmp_path, monkeypatch):
@@ -241,7 +242,7 @@ def test_code_opens_files_with_their_options(tmp_path, monkeypatch):
     assert "import wavesplat as ws" in text
     exec(compile(text, "picture.py", "exec"), {})  # noqa: S102
     expected = np.asarray(picture_of(state, "3d", SIZE))
-    assert np.array_equal(pixels((tmp_path / "picture.png").read_bytes()), expected)
+    assert np.array_equal(pixels((tmp_path / "it_s.png").read_bytes()), expected)
 
 
 def test_a_page_holds_the_picture_and_no_script(pelvis):

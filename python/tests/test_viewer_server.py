@@ -3,8 +3,10 @@
 import asyncio
 import contextlib
 import gc
+import gzip
 import http.client
 import json
+import re
 import struct
 from pathlib import Path
 from urllib.request import url2pathname
@@ -98,7 +100,8 @@ def hello(server):
 def test_the_page_has_all_it_needs(server):
     status, headers, body = get(server)
     assert status == 200
-    assert b'src="/page.js"' in body
+    scripts = re.findall(rb'"(/[\w-]+\.js)"', body)
+    assert len(scripts) >= 2
     assert "default-src 'none'" in headers["Content-Security-Policy"]
     assert f"ws://127.0.0.1:{server.port}" in headers["Content-Security-Policy"]
     assert "unsafe" not in headers["Content-Security-Policy"]
@@ -108,8 +111,45 @@ def test_the_page_has_all_it_needs(server):
     assert headers["Referrer-Policy"] == "no-referrer"
     assert "Server" not in headers
     assert "Access-Control-Allow-Origin" not in headers
-    for path in ("/page.js", "/viewer.js", "/favicon.svg"):
+    for path in (*(script.decode() for script in scripts), "/favicon.svg"):
         assert get(server, path)[0] == 200
+
+
+def test_scripts_travel_compressed_and_once(server):
+    paths = [path for path in server.files if path.endswith(".js")]
+    assert len(paths) >= 3
+    body = get(server)[2].decode()
+    first = [path for path in paths if f'"{path}"' in body]
+    for path in paths:
+        status, headers, plain = get(server, path)
+        assert (status, "Content-Encoding" in headers) == (200, False)
+        # The name has the hash of the content, so a browser need not ask again.
+        assert "immutable" in headers["Cache-Control"]
+        assert headers["Vary"] == "Accept-Encoding"
+        _, headers, small = get(server, path, **{"Accept-Encoding": "br, gzip"})
+        assert headers["Content-Encoding"] == "gzip"
+        assert gzip.decompress(small) == plain
+        assert get(server, path, **{"Accept-Encoding": "gzip;q=0, br"})[2] == plain
+    # curl --compressed of what the page loads before it shows anything.
+    assert sum(len(get(server, path, **{"Accept-Encoding": "gzip"})[2]) for path in first) < 60_000
+    assert get(server)[1]["Cache-Control"] == "no-store"
+
+
+def test_another_address_is_told_how_to_tunnel(server):
+    status, headers, body = get(server, Host="localhost:9000")
+    assert status == 403
+    assert f"ssh -N -L {server.port}:127.0.0.1:{server.port} SERVER".encode() in body
+    assert b"9000" not in body
+    assert headers["Content-Security-Policy"]
+
+
+def test_a_page_that_is_in_gets_a_token_that_lets_another_one_in(server):
+    ask = {"type": "ask", "id": 7, "question": "token", "arguments": {}}
+    (_, answer), _ = talk(server, hello(server), ask, n=2)
+    assert (answer["type"], answer["id"]) == ("answer", 7)
+    got = answer["token"]
+    assert server.tokens.key_for(got, None) is not None
+    assert server.tokens.key_for(got, None) is None
 
 
 def test_it_listens_on_this_machine_alone(server):
@@ -124,7 +164,7 @@ def test_it_listens_on_this_machine_alone(server):
 def test_other_hosts_are_refused(server, host):
     status, headers, body = get(server, Host=host.format(port=server.port))
     assert status in (400, 403)
-    assert b"page.js" not in body
+    assert b".js" not in body
     assert "Access-Control-Allow-Origin" not in headers
 
 

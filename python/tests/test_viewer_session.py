@@ -192,14 +192,14 @@ def test_python_changes_are_told(session):
     assert header["operations"][0]["value"]["camera"] == session.state.document["camera"]
 
 
-def test_changes_that_cannot_be_are_refused_and_the_page_gets_the_state(session):
+def test_changes_that_cannot_be_are_refused_by_their_number(session):
     page = Page(session)
+    before = session.state.document
     page.patch({"op": "replace", "path": "/layers/0/opacity", "value": 3})
     failed, _ = page.wait(lambda header: header["type"] == "failed")
     assert "opacity" in failed["message"]
-    back, _ = page.wait(lambda header: header["type"] == "patch")
-    assert back["cause"] == "refused"
-    assert back["operations"][0]["value"] == session.state.document
+    assert (failed["code"], failed["seq"]) == ("refused", 1)
+    assert session.state.document is before
 
 
 @pytest.mark.parametrize(
@@ -309,6 +309,24 @@ def test_the_pace_goes_down_at_once_and_up_when_there_is_time():
         took(10.0)
     assert pace.chosen("look", rungs) == Settings(None)
     assert pace.chosen("another look", rungs) == Settings(30.0)
+
+
+@pytest.mark.parametrize("is_slice", [False, True])
+def test_frames_of_200_ms_at_half_the_scale_lead_to_a_quarter(is_slice):
+    pace, rungs = Pace(), rungs_of("smooth", is_slice=is_slice)
+    half = next(one for one in rungs if one.scale == 0.5)
+    # A machine that takes 200 ms for half the width and height, and in proportion to the pixels for others.
+    took = lambda settings: pace.took(  # noqa: E731
+        "look", rungs, settings, ms=200.0 * (settings.scale / 0.5) ** 2, n_px=1000, budget_ms=28.0
+    )
+    while pace.chosen("look", rungs) != half:
+        took(pace.chosen("look", rungs))
+    took(half)
+    chosen = []
+    for _ in range(20):
+        chosen.append(pace.chosen("look", rungs))
+        took(chosen[-1])
+    assert {one.scale for one in chosen} == {0.25}
 
 
 def test_exact_never_draws_less_than_at_rest():

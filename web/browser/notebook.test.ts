@@ -128,4 +128,28 @@ describe.skipIf(!HAS_LAB)("JupyterLab", () => {
     expect(Object.keys(data).sort()).toEqual(["application/vnd.jupyter.widget-view+json", "image/png", "text/plain"]);
     expect(Buffer.from(data["image/png"] ?? "", "base64").subarray(1, 4).toString()).toBe("PNG");
   });
+
+  test("after a restart of the kernel the picture is dimmed, and the page says to run the cell again", async () => {
+    await canvas().scrollIntoViewIfNeeded();
+    const status = await page.evaluate(async (token) => {
+      const kernels = (await (await fetch(`/api/kernels?token=${token}`)).json()) as { id: string }[];
+      // As the server itself does it, not by the page's menu.
+      const xsrf = /_xsrf=([^;]+)/.exec(document.cookie)?.[1] ?? "";
+      const done = await fetch(`/api/kernels/${kernels[0]?.id}/restart?token=${token}`, { method: "POST", headers: { "X-XSRFToken": xsrf } });
+      return done.status;
+    }, TOKEN);
+    expect(status).toBe(200);
+    const box = await canvas().boundingBox();
+    if (box === null) throw new Error("there is no canvas");
+    const [x, y] = [box.x + box.width / 2, box.y + box.height / 2];
+    await page.mouse.move(x, y);
+    await page.mouse.down();
+    await page.mouse.move(x + 60, y, { steps: 4 });
+    await page.mouse.up();
+    const banner = page.locator(".jp-OutputArea .banner");
+    await banner.waitFor({ timeout: 3000 });
+    expect(await banner.innerText()).toContain("kernel");
+    expect(await banner.innerText()).toContain("un the cell again");
+    expect(await page.locator(".jp-OutputArea .views").getAttribute("data-stale")).toBe("true");
+  });
 });

@@ -88,14 +88,14 @@ test("a page connects again after the server was started again, with what was ch
   await atRest(page);
   const shown = await state(page);
   await first.stop();
-  await expect.poll(() => page.locator(".status").innerText()).toContain("The connection to the program that draws is lost");
+  await expect.poll(() => page.locator(".banner").innerText()).toContain("The connection to the program that draws is lost");
   // Changes made meanwhile are kept.
   await change(page, { op: "replace", path: "/render/kernel", value: "bspline2" });
   const again = await startServer("--example", "ripples", "--port", String(first.port));
   // The new link, as the command opens it in the browser.
   const other = await openViewer(browser, again.link);
   await page.bringToFront();
-  await expect.poll(() => page.locator(".status").innerText(), { timeout: 20_000 }).not.toContain("lost");
+  await expect.poll(() => page.locator(".banner").count(), { timeout: 20_000 }).toBe(0);
   await atRest(page);
   expect((await state(page)).camera).toEqual(shown.camera);
   await expect.poll(async () => (await state(other)).render.kernel).toBe("bspline2");

@@ -46,17 +46,18 @@ describe("the picture at rest", () => {
     await atRest(page);
     const seen = await pixels(page);
     await openPanel(page, "share");
+    await page.getByLabel("With measures, bars and legend").uncheck();
     const where = folder();
     await page.getByRole("button", { name: "Copy as Python" }).click();
     await page.getByLabel("What was copied").filter({ visible: true }).waitFor();
     await expect.poll(() => page.evaluate(() => navigator.clipboard.readText())).toContain("import wavesplat");
     python(await page.evaluate(() => navigator.clipboard.readText()), where);
-    expect(differs(pngPixels(join(where, "picture.png")), seen.data)).toBe(false);
+    expect(differs(pngPixels(join(where, "ct_pelvis.png")), seen.data)).toBe(false);
     await page.getByRole("button", { name: "Copy as command" }).click();
     await expect.poll(() => page.evaluate(() => navigator.clipboard.readText())).toContain("wavesplat render");
-    writeFileSync(join(where, "picture.png"), "");
+    writeFileSync(join(where, "ct_pelvis.png"), "");
     command(await page.evaluate(() => navigator.clipboard.readText()), where);
-    expect(differs(pngPixels(join(where, "picture.png")), seen.data)).toBe(false);
+    expect(differs(pngPixels(join(where, "ct_pelvis.png")), seen.data)).toBe(false);
     const [saved] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Save state" }).click()]);
     await saved.saveAs(join(where, "view.json"));
     command("wavesplat render --from view.json -o again.png", where);
@@ -323,15 +324,15 @@ describe("each control does what it says", () => {
   test("pictures, pages and states are saved", async () => {
     await openPanel(page, "share");
     const where = folder();
-    for (const [button, name] of [["Save picture", "picture.png"], ["Save page (HTML)", "view.html"], ["Save state", "view.json"]] as const) {
+    for (const [button, name] of [["Save picture", "ct_pelvis.png"], ["Save page (HTML)", "ct_pelvis.html"], ["Save state", "ct_pelvis.json"]] as const) {
       const [saved] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: button }).click()]);
       expect(saved.suggestedFilename()).toBe(name);
       await saved.saveAs(join(where, name));
     }
-    expect(readFileSync(join(where, "view.html"), "utf8")).toContain("data:image/png;base64,");
+    expect(readFileSync(join(where, "ct_pelvis.html"), "utf8")).toContain("data:image/png;base64,");
     await drag(page, 60, 20);
     const turned = await state(page);
-    await page.locator('input[type="file"]').last().setInputFiles(join(where, "view.json"));
+    await page.locator('input[type="file"]').last().setInputFiles(join(where, "ct_pelvis.json"));
     await expect.poll(async () => (await state(page)).camera).toEqual(first.camera);
     expect(turned.camera).not.toEqual(first.camera);
   });
@@ -343,7 +344,7 @@ test("a link opens the same state in another window, and a page that is loaded a
   const shown = await state(page);
   await openPanel(page, "share");
   await page.getByRole("button", { name: "Copy link" }).click();
-  await expect.poll(() => page.evaluate(() => navigator.clipboard.readText())).toContain("#state=");
+  await expect.poll(() => page.evaluate(() => navigator.clipboard.readText())).toContain("&state=");
   const link = await page.evaluate(() => navigator.clipboard.readText());
   await page.reload();
   await atRest(page);
@@ -397,7 +398,7 @@ test("the keyboard alone does the main job", async () => {
   await openPanel(page, "share");
   await reach(/Save picture/);
   const [saved] = await Promise.all([page.waitForEvent("download"), page.keyboard.press("Enter")]);
-  expect(saved.suggestedFilename()).toBe("picture.png");
+  expect(saved.suggestedFilename()).toBe("ct_pelvis.png");
 });
 
 test("touch turns, moves and magnifies", async () => {

@@ -3,7 +3,7 @@
 import { afterEach, beforeEach, expect, test, vi } from "vitest";
 
 import type { Engine } from "../src/engine/engine.ts";
-import { set, type Operation } from "../src/state/patch.ts";
+import { patched, set, type Operation } from "../src/state/patch.ts";
 import type { ViewerState } from "../src/state/state.ts";
 import { createStore } from "../src/state/store.ts";
 import { PageState } from "../src/view/page_state.ts";
@@ -16,11 +16,18 @@ afterEach(() => void vi.useRealTimers());
 const STATE = { camera: { parallel_scale: 50 }, view: { layout: {}, interface: {} } } as unknown as ViewerState;
 const make = () => {
   const sent: { operations: readonly Operation[]; moving: boolean }[] = [];
+  let state = STATE;
   const engine = {
-    patch: (operations: readonly Operation[], moving: boolean) => sent.push({ operations, moving }),
+    get state() {
+      return state;
+    },
+    patch(operations: readonly Operation[], moving: boolean) {
+      state = patched(state, operations);
+      return sent.push({ operations, moving });
+    },
     onState: () => () => undefined,
   } as unknown as Engine;
-  return { store: createStore(STATE, engine), sent };
+  return { store: createStore(engine), sent };
 };
 
 test("the wheel in two viewers within 100 ms: both come to rest", () => {

@@ -24,6 +24,7 @@ from wavesplat._cli.scene_options import SceneOptions, check_scene_options, chos
 from wavesplat._cli.shared_options import Kernel, Quiet
 from wavesplat._cli.transfer_function_options import ColorOptions, takes_color_options
 from wavesplat._cli.view_options import ViewOptions, camera_for, check_view_options, takes_view_options
+from wavesplat._cli.view_saving import SaveOptions, check_save_options, save_seen, takes_save_options
 from wavesplat._files.addresses import is_address
 from wavesplat._model.options import Quality
 from wavesplat._viewer.example_names import EXAMPLES
@@ -48,12 +49,15 @@ TELLING_S = 5.0
 @takes_processing_options
 @takes_scene_options
 @takes_view_options
+@takes_save_options
 def view(
     input: InputOrNone = None,
     *,
     state: Annotated[
         Path | None,
-        typer.Option(metavar="FILE.json", help="What the viewer saved, or a scene, instead of INPUT and its options."),
+        typer.Option(
+            metavar="FILE.json", help="What the viewer saved, or a scene, instead of INPUT and its options; - is stdin."
+        ),
     ] = None,
     example: Annotated[
         Any,
@@ -67,6 +71,7 @@ def view(
     showing: SceneOptions,
     colors: ColorOptions,
     viewing: ViewOptions,
+    saving: SaveOptions,
     quality: Annotated[
         Any, typer.Option(metavar="NAME", parser=parsers.one_of(get_args(Quality)), help="Of the picture at rest.")
     ] = "normal",
@@ -85,13 +90,33 @@ def view(
     given = [
         name for name, value in (("INPUT", input), ("--state", state), ("--example", example)) if value is not None
     ]
-    if len(given) > 1:
-        raise ArgumentError(f"{' and '.join(given)}: name one: a volume, --state FILE.json or --example NAME")
-    if not given:
-        _refuse_options(showing, colors, viewing, layering, cuts, lighting, reader, processing)
+    _check_named(given, showing, colors, viewing, layering, cuts, lighting, reader, processing)
     check_scene_options(showing, colors, cuts)
     check_view_options(viewing)
     _check_there(input)
+    check_save_options(saving, input, is_named=bool(given))
+
+    def opened() -> ViewerState:
+        return _opened(
+            input,
+            state,
+            example,
+            external_files=reader.external_files,
+            options={"quality": quality, "kernel": kernel},
+            showing=showing,
+            viewing=viewing,
+            colors=colors,
+            layering=layering,
+            cuts=cuts,
+            lighting=lighting,
+            reader=reader,
+            processing=processing,
+            quiet=quiet,
+        )
+
+    if saving.save is not None:
+        save_seen(saving, opened())
+        return
     from wavesplat._viewer.server import Server
 
     _end_as_by_ctrl_c()
@@ -106,22 +131,7 @@ def view(
             _serve(server, None)
         server.send_progress(f"Opening {_name(input, state, example)}")
         try:
-            first = _opened(
-                input,
-                state,
-                example,
-                external_files=reader.external_files,
-                options={"quality": quality, "kernel": kernel},
-                showing=showing,
-                viewing=viewing,
-                colors=colors,
-                layering=layering,
-                cuts=cuts,
-                lighting=lighting,
-                reader=reader,
-                processing=processing,
-                quiet=quiet,
-            )
+            first = opened()
         except WavesplatError as error:
             server.fail(str(error))
             # The page, which may not be there yet, gets the message before the server ends.
@@ -144,9 +154,11 @@ def _check_there(input: str | None) -> None:
         check_readable(Path(input).expanduser())
 
 
-def _refuse_options(*groups: Any) -> None:
-    """Refuse options about a volume where none is named: they would be about no file that is opened in the page."""
-    named = [name for group in groups for name in options_given(group)]
+def _check_named(given: list[str], *groups: Any) -> None:
+    """Refuse several things to open, and options about a volume where the page asks for a file."""
+    if len(given) > 1:
+        raise ArgumentError(f"{' and '.join(given)}: name one: a volume, --state FILE.json or --example NAME")
+    named = [] if given else [name for group in groups for name in options_given(group)]
     if named:
         raise ArgumentError(
             f"INPUT: name one for {', '.join(named)}: a volume, --state FILE.json or --example NAME; without these "
@@ -207,9 +219,12 @@ def _opened(
     from wavesplat._viewer.state import ViewerState
 
     if state is not None:
-        from wavesplat._scene import scene_files
+        from wavesplat._scene import scene_files, scene_json
 
-        document = scene_files.load(state, external_files=external_files)
+        if str(state) == "-":
+            document = scene_json.parse(sys.stdin.read(), Path.cwd(), external_files=external_files)
+        else:
+            document = scene_files.load(state, external_files=external_files)
         shown = {name: value for name, value in document.options.items() if name in ("quality", "kernel", "composite")}
         return ViewerState.of(document.scene, document.camera, shown, document.view)
     if example is not None:

@@ -38,7 +38,10 @@ class ViewOptions:
     ] = None
     camera: Annotated[
         Path | None,
-        typer.Option(metavar="FILE[#NAME]", help="The camera of a file, ours (.json) or ParaView's (.pvsm, .py)."),
+        typer.Option(
+            metavar="FILE[#NAME]|JSON",
+            help="The camera of a file, ours (.json) or ParaView's (.pvsm, .py); or the text of our file itself.",
+        ),
     ] = None
     azimuth: Annotated[
         float | None, typer.Option(metavar="DEG", help="Turn the eye from the view to the patient's left.")
@@ -65,13 +68,20 @@ def check_view_options(viewing: ViewOptions) -> None:
 
 
 def given_camera(viewing: ViewOptions) -> Camera | None:
-    """The camera of a file, turned and magnified; None if none is given."""
+    """The camera of a file or of its text, turned and magnified; None if none is given."""
     from wavesplat._model.camera import Camera
 
     if viewing.camera is None:
         return None
-    path, name = parsers.file_and_name(viewing.camera)
-    turned = Camera.load(path, name).turned(viewing.azimuth or 0.0, viewing.elevation or 0.0)
+    if str(viewing.camera).lstrip().startswith("{"):
+        found = Camera.from_json(str(viewing.camera))
+    else:
+        path, name = parsers.file_and_name(viewing.camera)
+        found = Camera.load(path, name)
+    if viewing.azimuth is None and viewing.elevation is None:
+        turned = found
+    else:
+        turned = found.turned(viewing.azimuth or 0.0, viewing.elevation or 0.0)
     return turned if viewing.zoom == 1 else turned.zoomed(viewing.zoom)
 
 

@@ -199,5 +199,6 @@ CHECKED_BY_FUNCTIONS = frozenset(
         *("Camera", "Clip", "Along", "Plane", "Orientation", "Corner", "Side", "Fit", "Ablation", "StandardSplatting"),
         *("tuple", "Iterable", "Sequence", "Mapping", "Literal", "PathLike", "ArrayLike", "DTypeLike", "Isolines"),
         "_native.Shapes",
+        "Shown",
     }
 )

@@ -277,7 +277,9 @@ def layer_of(layer: Any, what: str, volume: Any) -> Layer:
     """The layer that fields describe, of a volume that is open."""
     check_fields(layer, what, needed=("volume",), known=LAYER)
     look = layer.get("look")
-    if isinstance(look, dict):
+    if isinstance(look, dict) and "map" in look:
+        look = _mapped_look(look, f"{what}.look", volume)
+    elif isinstance(look, dict):
         fields_of_look = {"version": 1, **look}
         look = made_at(f"{what}.look", lambda: look_json.build(fields_of_look, None))
     elif not isinstance(look, str | None):
@@ -287,6 +289,18 @@ def layer_of(layer: Any, what: str, volume: Any) -> Layer:
             raise ArgumentError(f"{what}: field {name!r} is {described(layer[name])}; it must be {form}")
     given = {name: layer[name] for name in ("visible", "opacity", "time", "name") if layer.get(name) is not None}
     return made_at(what, lambda: Layer(volume, look, **given))
+
+
+def _mapped_look(look: dict[str, Any], what: str, volume: Any) -> Look:
+    """The look of a colour map, as `Layer.overlay` makes it: {"map": "hot", "window": [2, 8]}."""
+    check_fields(look, what, needed=("map",), known=("map", "window"))
+    name, window = look["map"], look.get("window")
+    if not isinstance(name, str):
+        raise ArgumentError(f"{what}: field 'map' is {described(name)}; it must be the name of a colour map")
+    if not isinstance(window, list | None):
+        raise ArgumentError(f"{what}: field 'window' is {described(window)}; it must be [low, high]")
+    made: Any = made_at(what, lambda: Layer.overlay(volume, name, window)).look
+    return made  # type: ignore[no-any-return]
 
 
 def _labels(labels: Any, what: str, reach: Reach) -> Labels | None:

@@ -1,8 +1,9 @@
-"""The Python program and the shell command that draw the viewer's picture at rest, to the byte."""
+"""The Python program and the shell command that draw what the viewer shows, to the byte of every pixel."""
 
 from __future__ import annotations
 
 import json
+import shlex
 from typing import Any
 
 from wavesplat._looks import look_json, presets
@@ -12,26 +13,52 @@ from wavesplat._looks.shading import Shading
 from wavesplat._model.clips import Clip, ClipPlane, CutOut
 from wavesplat._scene import geometry_json, scene_json
 from wavesplat._scene.layer import Layer
+from wavesplat._viewer.command_options import options_of
+from wavesplat._viewer.seen import Shown, name_of
+from wavesplat._viewer.short_looks import short_document
 from wavesplat._viewer.state import ViewerState
 
 __all__ = ["command_of", "python_of"]
 
-OUTPUT = "picture.png"
 #: Functions of `wavesplat` that change volumes, by the step in their source; other steps are methods.
 FUNCTIONS = {"largest_body": "ws.largest_body", "wavelets": "ws.WaveletVolume.from_volume"}
 
 
-def command_of(state: ViewerState, size: tuple[int, int]) -> str:
-    """The shell command that draws the picture, with the state in it."""
-    text = scene_json.write(state.file_document(size))
+def command_of(state: ViewerState, size: tuple[int, int], shown: Shown = "3d", *, marks: bool = False) -> str:
+    """The shell command that draws the picture, by options where they can say it, else with the state in it."""
+    if shown == "3d" and not marks and (options := options_of(state, size)) is not None:
+        return f"wavesplat render {options} -o {shlex.quote(f'{name_of(state, shown)}.png')}\n"
+    text = scene_json.write(short_document(state, state.file_document(size)))
     note = "" if _has_sources(state) else '# A volume comes from no file: name one in the field "path".\n'
     # The command must be allowed to read the files that are open here, wherever it is run.
     allowed = " --external-files" if any(source.get("path") for source in _all_sources(state)) else ""
-    return f"{note}wavesplat render --from - -o {OUTPUT}{allowed} <<'END'\n{text}END\n"
+    output = f"{name_of(state, shown)}.png"
+    if shown == "3d" and not marks:
+        return f"{note}wavesplat render --from - -o {output}{allowed} <<'END'\n{text}END\n"
+    what = f"--shown {shown} --size {size[0]}x{size[1]}{'' if marks else ' --no-marks'}"
+    return f"{note}wavesplat view --state - --save {output} {what}{allowed} <<'END'\n{text}END\n"
 
 
-def python_of(state: ViewerState, size: tuple[int, int]) -> str:
+def python_of(state: ViewerState, size: tuple[int, int], shown: Shown = "3d", *, marks: bool = False) -> str:
     """The Python program that draws the picture."""
+    output = f"{name_of(state, shown)}.png"
+    lines = _scene_lines(state)
+    if shown != "3d" or marks:
+        view = {name: value for name, value in state.view.items() if name in ("slices", "measures", "overlays")}
+        options = [f"{name}={_option(value)}" for name, value in state.options.items()]
+        lines.append(
+            f"viewer = ws.view(scene, {', '.join(['camera=camera', *options, f'state={view!r}'])}, browser=False)"
+        )
+        how = f"size={size!r}, shown={shown!r}, marks={marks!r}"
+        lines += [f'viewer.save("{output}", {how})', "viewer.close()"]
+    else:
+        options = [f"size={size!r}", *(f"{name}={_option(value)}" for name, value in state.options.items())]
+        lines += [f"picture = scene.render(camera, {', '.join(options)})", f'picture.save("{output}")']
+    return "\n".join(lines) + "\n"
+
+
+def _scene_lines(state: ViewerState) -> list[str]:
+    """Lines that make `scene` and `camera`."""
     scene = state.scene
     lines = ["import wavesplat as ws", ""]
     names = []
@@ -72,10 +99,7 @@ def python_of(state: ViewerState, size: tuple[int, int]) -> str:
         else f"view_angle={camera.view_angle!r}"
     )
     lines.append(f"camera = ws.Camera({camera.position!r}, {camera.focal_point!r}, {camera.view_up!r}, {lens})")
-    options = [f"size={size!r}", *(f"{name}={_option(value)}" for name, value in state.options.items())]
-    lines.append(f"picture = scene.render(camera, {', '.join(options)})")
-    lines.append(f'picture.save("{OUTPUT}")')
-    return "\n".join(lines) + "\n"
+    return lines
 
 
 def _all_sources(state: ViewerState) -> list[dict[str, Any]]:

@@ -9,11 +9,11 @@ from __future__ import annotations
 import base64
 import threading
 from collections.abc import Mapping
-from importlib.resources import files
 from typing import TYPE_CHECKING, Any
 
 from wavesplat._files.libraries import library
 from wavesplat._viewer import encoding
+from wavesplat._viewer.client_files import widget_source
 from wavesplat._viewer.framing import PROTOCOL
 from wavesplat._viewer.opening import Opener
 from wavesplat._viewer.picturing import picture_of
@@ -61,8 +61,8 @@ _CLASSES: dict[str, Any] = {}
 def _widget_class(anywidget: Any) -> Any:
     """The widget's class, made when the first widget is needed, since the library may be missing."""
     if "viewer" not in _CLASSES:
-        source = (files("wavesplat") / "_viewer" / "client" / "viewer.js").read_text(encoding="utf-8")
-        _CLASSES["viewer"] = type("ViewerWidget", (anywidget.AnyWidget,), {"_esm": source, "__module__": __name__})
+        fields = {"_esm": widget_source(), "__module__": __name__}
+        _CLASSES["viewer"] = type("ViewerWidget", (anywidget.AnyWidget,), fields)
     return _CLASSES["viewer"]
 
 

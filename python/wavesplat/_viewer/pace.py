@@ -35,12 +35,14 @@ RUNGS = {
         Settings(30.0),
         Settings(30.0, 0.75),
         Settings(30.0, 0.5),
+        # For machines that are weak or busy: a quarter of the width and height, so that a drag can still be followed.
+        Settings(30.0, 0.25),
     ),
     "balanced": (Settings(None), Settings(45.0), Settings(42.0), Settings(39.0), Settings(36.0)),
     "exact": (Settings(None),),
 }
 #: Settings of slices, which have no wanted PSNR.
-SLICE_RUNGS = (Settings(None), Settings(None, 0.75), Settings(None, 0.5))
+SLICE_RUNGS = (Settings(None), Settings(None, 0.75), Settings(None, 0.5), Settings(None, 0.25))
 #: Number of frames below this share of the budget after which better settings are tried.
 QUICK_FRAMES, QUICK_SHARE = 5, 0.8
 #: Largest number of looks that are remembered; and factor by which a measured time shrinks with each frame of other

@@ -20,16 +20,17 @@ from wavesplat._looks.look import Look
 from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
 from wavesplat._model.volume import Volume
-from wavesplat._picture.picture import Picture
 from wavesplat._scene import scene_json
 from wavesplat._viewer import code, encoding, export_html
 from wavesplat._viewer.framed_cameras import framed, kept_in_view
-from wavesplat._viewer.info import data_of
+from wavesplat._viewer.info import data_of, fingerprint_of
 from wavesplat._viewer.measuring import label_statistics, region_statistics
 from wavesplat._viewer.picturing import picture_of
 from wavesplat._viewer.previews import preview_of
 from wavesplat._viewer.probing import sample_at, value_at
+from wavesplat._viewer.seen import Shown, check_shown, name_of, seen
 from wavesplat._viewer.shape_seen import shape_seen
+from wavesplat._viewer.short_looks import USUAL, short_document
 from wavesplat._viewer.sight import depth_of_matter, sight_at
 from wavesplat._viewer.state import ViewerState
 from wavesplat.errors import ArgumentError, WavesplatWarning
@@ -85,7 +86,13 @@ def state_from_text(state: ViewerState, text: str) -> ViewerState:
         name: value for name, value in document.items() if name not in ("figure", "keep_table", "geometry")
     }
     whole["layers"] = [
-        {**layer, "volume": now["volume"], "look": now["look"] if layer.get("look") is None else _look(state, n, layer)}
+        {
+            **USUAL,
+            "name": state.scene.layers[n].volume.name,
+            **layer,
+            "volume": now["volume"],
+            "look": now["look"] if layer.get("look") is None else _look(state, n, layer),
+        }
         if isinstance(layer, dict)
         else layer
         for n, (layer, now) in enumerate(zip(layers, open_now["layers"], strict=True))
@@ -127,7 +134,12 @@ def _shown_shapes(open_now: list[dict[str, Any]], given: Any) -> list[dict[str, 
 
 def _look(state: ViewerState, number: int, layer: dict[str, Any]) -> Any:
     look = layer["look"]
-    return look if isinstance(look, dict) else _fields_of_preset(state, number, str(look))
+    if isinstance(look, dict) and "map" not in look:
+        return look
+    if isinstance(look, str):
+        return _fields_of_preset(state, number, look)
+    made: Any = scene_json.layer_of(layer, f"layers[{number}]", state.scene.layers[number].volume).look
+    return json.loads(json.dumps(look_json.fields_of(made)))
 
 
 def _histogram(state: ViewerState, arguments: Mapping[str, Any], _: Progress) -> Answer:
@@ -246,48 +258,47 @@ def _kept_in_view(state: ViewerState, arguments: Mapping[str, Any], _: Progress)
 
 
 def _picture(state: ViewerState, arguments: Mapping[str, Any], progress: Progress) -> Answer:
-    size = _size(arguments)
-    quality = _text(arguments, "quality")
-    if quality not in QUALITIES:
-        raise ArgumentError(f"picture: quality is {quality!r}; use one of: {', '.join(QUALITIES)}")
-    if quality != state.options["quality"]:
+    wanted, shown, marks = _wanted(state, arguments, "picture")
+    picture = seen(wanted, shown, _size(arguments), marks=marks, progress=progress)
+    notes = list(picture.report.get("notes", []))
+    return {"notes": notes, "name": f"{name_of(state, shown)}.png"}, encoding.png_bytes(picture.rgba)
+
+
+def _wanted(state: ViewerState, arguments: Mapping[str, Any], question: str) -> tuple[ViewerState, Shown, bool]:
+    """The state with the quality and background of a picture, the view it shows, and whether with marks."""
+    quality = arguments.get("quality")
+    if quality is not None and quality != state.options["quality"]:
+        if quality not in QUALITIES:
+            raise ArgumentError(f"{question}: quality is {described(quality)}; use one of: {', '.join(QUALITIES)}")
         state = state.patched([{"op": "replace", "path": "/render/quality", "value": quality}])
     if _flag(arguments, "transparent"):
         state = state.patched([{"op": "replace", "path": "/background", "value": "#00000000"}])
-    picture = picture_of(state, "3d", size, progress=progress)
-    notes = list(picture.report.get("notes", []))
-    if _flag(arguments, "annotated"):
-        picture = picture.annotated(**_figure(state, picture))
-    return {"notes": notes}, encoding.png_bytes(picture.rgba)
-
-
-def _figure(state: ViewerState, picture: Picture) -> dict[str, Any]:
-    """The overlays that a figure can have, as arguments of `Picture.annotated`."""
-    overlays, report = state.view["overlays"], picture.report
-    is_parallel = state.camera.view_angle is None
-    letters = "letters" if overlays["letters"] and report.get("anatomical") else None
-    several = len(state.scene.layers) > 1
-    return {
-        "scale_bar": overlays["scale_bar"] and is_parallel,
-        "orientation": "cube" if overlays["cube"] and letters is None else letters,
-        "colorbar": overlays["color_bar"],
-        "legend": overlays["legend"] and bool(report.get("labels") or several),
-    }
+    return state, check_shown(arguments.get("shown", "3d")), _flag(arguments, "annotated")
 
 
 def _code(state: ViewerState, arguments: Mapping[str, Any], progress: Progress) -> Answer:
     size = _size(arguments)
-    wanted = _text(arguments, "as")
+    kind = _text(arguments, "as")
+    wanted, shown, marks = _wanted(state, arguments, "code")
+    name = name_of(state, shown)
     makers: dict[str, tuple[str, Callable[[], str]]] = {
-        "python": ("picture.py", lambda: code.python_of(state, size)),
-        "command": ("picture.sh", lambda: code.command_of(state, size)),
-        "state": ("view.json", lambda: scene_json.write(state.file_document(size))),
-        "html": ("view.html", lambda: export_html.page_of(state, picture_of(state, "3d", size, progress=progress))),
+        "python": (f"{name}.py", lambda: code.python_of(wanted, size, shown, marks=marks)),
+        "command": (f"{name}.sh", lambda: code.command_of(wanted, size, shown, marks=marks)),
+        "state": (f"{name}.json", lambda: scene_json.write(state.file_document(size))),
+        "link": (name, lambda: _link_text(state)),
+        "html": (f"{name}.html", lambda: export_html.page_of(state, picture_of(state, "3d", size, progress=progress))),
     }
-    if wanted not in makers:
-        raise ArgumentError(f"code: as is {wanted!r}; use one of: {', '.join(makers)}")
-    name, make = makers[wanted]
+    if kind not in makers:
+        raise ArgumentError(f"code: as is {kind!r}; use one of: {', '.join(makers)}")
+    name, make = makers[kind]
     return {"text": make(), "name": name}, b""
+
+
+def _link_text(state: ViewerState) -> str:
+    """The state for a link, as short as it can be, with the fingerprint of its data."""
+    document = short_document(state, state.document)
+    content = {"fingerprint": fingerprint_of(state.scene), "state": document}
+    return json.dumps(content, ensure_ascii=False, separators=(",", ":"))
 
 
 def _open_state(state: ViewerState, arguments: Mapping[str, Any], _: Progress) -> Answer:

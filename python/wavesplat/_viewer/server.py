@@ -9,17 +9,19 @@ from __future__ import annotations
 import asyncio
 import contextlib
 import os
+import re
 import socket
 import threading
 from collections.abc import Callable
-from importlib.resources import files
 from typing import Any
 
 import tornado.web
 import tornado.websocket
 
 from wavesplat._model.argument_types import described
+from wavesplat._viewer import wrong_host
 from wavesplat._viewer.browser_link import BrowserLink
+from wavesplat._viewer.client_files import ClientFile, client_files
 from wavesplat._viewer.connections import ANSWER_S, BoundedServer, Listener, QuietLog
 from wavesplat._viewer.framing import MAX_BYTES, PROTOCOL, packed, unpacked
 from wavesplat._viewer.opening import Opener
@@ -30,13 +32,6 @@ from wavesplat.errors import ArgumentError, WavesplatError
 __all__ = ["Server"]
 
 HOST = "127.0.0.1"
-#: Files that are served, by path.
-FILES = {
-    "/": ("index.html", "text/html; charset=utf-8"),
-    "/page.js": ("page.js", "text/javascript; charset=utf-8"),
-    "/viewer.js": ("viewer.js", "text/javascript; charset=utf-8"),
-    "/favicon.svg": ("favicon.svg", "image/svg+xml"),
-}
 #: Seconds in which a page must say who it is; largest number of patches a second from one.
 HELLO_S, MAX_PATCHES_PER_S = 5.0, 240
 #: Largest number of pages at once.
@@ -52,8 +47,7 @@ class Server:
     def __init__(self, port: int = 0) -> None:
         self.tokens = Tokens()
         # Read now: later the process may have no descriptor left to open a file.
-        folder = files("wavesplat") / "_viewer" / "client"
-        self.contents = {name: (folder / name).read_bytes() for name, _ in FILES.values()}
+        self.files = client_files()
         self._session: Session | None = None
         #: Opens files for the pages; with it and without a session, pages show the start page.
         self._opener: Opener | None = None
@@ -146,7 +140,9 @@ class Server:
 
     def _run(self, listener: socket.socket) -> None:
         asyncio.set_event_loop(self._loop)
-        routes: list[Any] = [(path, _File, {"server": self, "file": file}) for path, file in FILES.items()]
+        routes: list[Any] = [
+            (re.escape(path), _File, {"server": self, "file": file}) for path, file in self.files.items()
+        ]
         application = tornado.web.Application(
             [*routes, ("/socket", _Socket, {"server": self})],
             default_handler_class=_Nothing,
@@ -193,7 +189,11 @@ class _Guarded(tornado.web.RequestHandler):
 
     def prepare(self) -> None:
         if not self._server.is_own(self.request.host):
-            raise tornado.web.HTTPError(403, reason="this is not the host that was asked for")
+            self._guard()
+            self.set_status(403)
+            self.set_header("Content-Type", "text/html; charset=utf-8")
+            self.finish(wrong_host.page_of(self._server.port))
+            return
         if self.request.method != "GET":
             raise tornado.web.HTTPError(405)
 
@@ -204,25 +204,40 @@ class _Guarded(tornado.web.RequestHandler):
 
 
 class _File(_Guarded):
-    def initialize(self, server: Server, file: tuple[str, str]) -> None:  # type: ignore[override]
+    def initialize(self, server: Server, file: ClientFile) -> None:  # type: ignore[override]
         super().initialize(server)
         self._file = file
 
     async def get(self) -> None:
         """Send the content of the file; a client that does not read it is not waited for."""
-        name, kind = self._file
-        self.set_header("Content-Type", kind)
-        written = self.finish(self._server.contents[name])
+        file = self._file
+        self.set_header("Content-Type", file.media_type)
+        self.set_header("Cache-Control", file.cache)
+        self.set_header("Vary", "Accept-Encoding")
+        is_compressed = takes_gzip(self.request.headers.get("Accept-Encoding", ""))
+        if is_compressed:
+            self.set_header("Content-Encoding", "gzip")
+        written = self.finish(file.compressed if is_compressed else file.content)
         try:
             await asyncio.wait_for(written, ANSWER_S)
         except (TimeoutError, asyncio.TimeoutError):
             self.detach().close()
 
 
+def takes_gzip(accepted: str) -> bool:
+    """Whether a header `Accept-Encoding` takes gzip (RFC 9110, 12.5.3)."""
+    for one in accepted.split(","):
+        name, _, weight = one.partition(";")
+        if name.strip().lower() in ("gzip", "*"):
+            return weight.replace(" ", "") not in ("q=0", "q=0.0", "q=0.00", "q=0.000")
+    return False
+
+
 class _Nothing(_Guarded):
     def prepare(self) -> None:
         super().prepare()
-        raise tornado.web.HTTPError(404)
+        if not self._finished:
+            raise tornado.web.HTTPError(404)
 
 
 class _Socket(tornado.websocket.WebSocketHandler):
@@ -280,7 +295,12 @@ class _Socket(tornado.websocket.WebSocketHandler):
             elif self._client is not None:
                 if header.get("type") == "patch" and self._is_too_fast():
                     raise ArgumentError(f"more than {MAX_PATCHES_PER_S} patches a second")
-                self._client.receive(header)
+                if header.get("type") == "ask" and header.get("question") == "token":
+                    # The session knows no links: they are the server's.
+                    token = self._server.tokens.new()
+                    self._send({"type": "answer", "id": header.get("id"), "token": token}, b"")
+                else:
+                    self._client.receive(header)
         except WavesplatError as error:
             self._refuse(4400, str(error))
 
@@ -329,7 +349,7 @@ class _Socket(tornado.websocket.WebSocketHandler):
             raise ArgumentError(f"this server speaks protocol {PROTOCOL}; load the page again")
         self._key = self._server.tokens.key_for(header.get("token"), header.get("session"))
         if self._key is None:
-            self._refuse(4401, "the link was used or is not of this viewer; copy a new one from the page that is open")
+            self._refuse(4401, "the link was used, or is not of this viewer")
             return
         self._deadline.cancel()
         self._server.forget_handed_over()

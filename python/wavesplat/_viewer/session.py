@@ -18,11 +18,13 @@ from wavesplat._model.argument_types import described
 from wavesplat._model.sampling import Sampling
 from wavesplat._picture.picture import Picture
 from wavesplat._viewer import encoding, questions
-from wavesplat._viewer.frame_facts import place_of_frame, settings_of_frame
+from wavesplat._viewer.confirmation import confirmed
+from wavesplat._viewer.frames import frame_fields
 from wavesplat._viewer.info import welcome_of
 from wavesplat._viewer.pace import BUDGETS_MS, Pace, Settings, rungs_of
 from wavesplat._viewer.picturing import picture_of, pictures_at_rest
 from wavesplat._viewer.previews import has_lazy
+from wavesplat._viewer.refining import Refining
 from wavesplat._viewer.slice_values import SliceValues, slice_values
 from wavesplat._viewer.state import ViewerState, changes_picture, changes_slices
 from wavesplat._viewer.view_json import VIEWS
@@ -188,6 +190,7 @@ class Session:
                 number = _whole(header, "id")
                 if number == client.answered or any(one[:2] == (client, number) for one in self._asked):
                     client.cancelled.add(number)
+                    self._changed.notify_all()
         else:
             raise ArgumentError(f"message: type is {described(kind)}; use patch, view, shown, ask or cancel")
 
@@ -199,14 +202,13 @@ class Session:
             client.is_moving = bool(moving)
             client.seq = seq
             try:
-                state = self._state.patched(operations)
+                state, corrections = confirmed(self._state, operations)
             except WavesplatError as error:
                 client.send({"type": "failed", "id": None, "seq": seq, "code": "refused", "message": str(error)})
-                whole = [{"op": "replace", "path": "", "value": self._state.document}]
-                client.send({"type": "patch", "operations": whole, "cause": "refused"})
                 return
             if operations:
-                self._become(state, client, "page", operations)
+                self._become(state, client, "page", [*operations, *corrections])
+            client.send({"type": "confirmed", "seq": seq, "corrections": corrections})
             # The end of a gesture: what moves no more is drawn at rest at once.
             for pane in client.panes.values():
                 if not moving and pane.wants_rest:
@@ -293,6 +295,8 @@ class Session:
                             "type": "patch",
                             "operations": list(told),
                             "cause": "python" if client is None else "other view",
+                            # The page's later changes come after this one, and are made again on top of it.
+                            "seq": one.seq,
                         }
                     )
             self._changed.notify_all()
@@ -326,6 +330,8 @@ class Session:
                     pane.wants_rest = pane.is_stale
                 if client is not None:
                     self._tell(client, error, client.seq)
+            with self._changed:  # questions that wait for rest
+                self._changed.notify_all()
 
     def _next(self) -> tuple[Client | None, str, _Pane, bool] | None:
         """The next task: first what moves, then pictures at rest; then errors are measured for the next move."""
@@ -379,8 +385,11 @@ class Session:
             look = self._look(view)
             settings = Settings(None) if at_rest else self._pace.chosen(look, rungs)
         begun = time.monotonic()
+        refining = Refining(client.send, view, is_long=at_rest and view == "3d" and has_lazy(state.scene))
 
-        def goes_on(_: float) -> bool:
+        def goes_on(part: float) -> bool:
+            if at_rest:
+                refining.advance(part)
             # A picture at rest is given up when something changes.
             return not at_rest or (pane.n_changes == n_changes and client.is_open and self._is_open)
 
@@ -398,36 +407,27 @@ class Session:
                 pane.wants_rest = pane.n_changes != n_changes and pane.wants_rest
             self._tell(client, error, seq)
             return
+        finally:
+            refining.end()
         drawn = time.monotonic()
         fmt, payload = self._encoded(client, picture, at_rest)
         encoded = time.monotonic()
-        n_px, ms = size[0] * size[1], (encoded - begun) * 1e3
+        n_px = size[0] * size[1]
         with self._changed:
             budget_ms = BUDGETS_MS.get(moving, NO_BUDGET_MS) if not at_rest else NO_BUDGET_MS
-            self._pace.took(look, rungs, settings, ms=ms, n_px=n_px, budget_ms=budget_ms)
+            self._pace.took(look, rungs, settings, ms=(encoded - begun) * 1e3, n_px=n_px, budget_ms=budget_ms)
             if pane.n_changes == n_changes and at_rest:
                 pane.wants_rest = False
             if not client.is_open or client.panes.get(view) is not pane:
                 return
-            pane.number += 1
-            pane.in_flight[pane.number] = time.monotonic()
+            ms = {"wait": waited_ms, "render": (drawn - begun) * 1e3, "encode": (encoded - drawn) * 1e3}
             header = {
-                "type": "frame",
-                "view": view,
-                "number": pane.number,
-                "seq": seq,
-                "width": picture.size[0],
-                "height": picture.size[1],
+                **self._counted(pane, view, seq),
+                **frame_fields(state, view, picture, settings),
                 "format": fmt,
                 "at_rest": at_rest and size == picture.size,
-                **place_of_frame(state, view, picture),
-                "settings": settings_of_frame(picture, settings),
                 "expected_psnr_db": None if at_rest else picture.report.get("expected_psnr_db"),
-                "ms": {
-                    "wait": round(waited_ms, 2),
-                    "render": round((drawn - begun) * 1e3, 2),
-                    "encode": round((encoded - drawn) * 1e3, 2),
-                },
+                "ms": {name: round(value, 2) for name, value in ms.items()},
                 "notes": list(picture.report.get("notes", [])) if at_rest else [],
             }
         client.send(header, payload)
@@ -458,24 +458,23 @@ class Session:
             pane = client.panes.get(view)
             if not client.is_open or pane is None or len(pane.in_flight) >= MAX_IN_FLIGHT:
                 return
-            pane.number += 1
-            pane.in_flight[pane.number] = time.monotonic()
             header = {
-                "type": "frame",
-                "view": view,
-                "number": pane.number,
-                "seq": seq,
-                "width": picture.size[0],
-                "height": picture.size[1],
+                **self._counted(pane, view, seq),
+                **frame_fields(state, view, picture, Settings(None)),
                 "format": fmt,
                 "at_rest": False,
-                **place_of_frame(state, view, picture),
-                "settings": settings_of_frame(picture, Settings(None)),
                 "expected_psnr_db": None,
                 "ms": {"wait": 0.0, "render": 0.0, "encode": 0.0},
                 "notes": [],
             }
         client.send(header, payload)
+
+    @staticmethod
+    def _counted(pane: _Pane, view: str, seq: int) -> dict[str, Any]:
+        """The first fields of a frame, which is on its way from now on."""
+        pane.number += 1
+        pane.in_flight[pane.number] = time.monotonic()
+        return {"type": "frame", "view": view, "number": pane.number, "seq": seq}
 
     def _picture(
         self, state: ViewerState, view: str, size: tuple[int, int], settings: Settings, goes_on: Callable[[float], bool]
@@ -538,11 +537,12 @@ class Session:
     def _answer_all(self) -> None:
         while True:
             with self._changed:
-                while self._is_open and not self._asked:
+                asked = None
+                while self._is_open and (asked := self._next_question()) is None:
                     self._changed.wait()
-                if not self._is_open:
+                if not self._is_open or asked is None:
                     return
-                client, number, question, arguments = self._asked.popleft()
+                client, number, question, arguments = asked
                 state = self._state
             if not client.is_open or number in client.cancelled:
                 client.cancelled.discard(number)
@@ -550,6 +550,18 @@ class Session:
             client.answered = number
             self._answer(client, number, question, arguments, state)
             client.answered = None
+
+    def _next_question(self) -> tuple[Client, int, str, Any] | None:
+        """The oldest question; small pictures of presets wait until all views are at rest."""
+        panes = [pane for client in self._clients for pane in client.panes.values()]
+        # A page that confirms no frames gets none, and keeps nobody waiting.
+        is_at_rest = not any(pane.wants_rest and len(pane.in_flight) < MAX_IN_FLIGHT for pane in panes)
+        for asked in self._asked:
+            client, number, question, _ = asked
+            if is_at_rest or question != "preset_picture" or not client.is_open or number in client.cancelled:
+                self._asked.remove(asked)
+                return asked
+        return None
 
     def _answer(self, client: Client, number: int, question: str, arguments: Any, state: ViewerState) -> None:
         told = [0.0]

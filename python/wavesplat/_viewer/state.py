@@ -11,7 +11,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, get_args
 
 from wavesplat._geometry.shape import Shape
 from wavesplat._geometry.shape_arrays import facts_of_shapes, names_of_shapes
@@ -20,6 +20,7 @@ from wavesplat._looks.labels import Labels
 from wavesplat._looks.look import Look
 from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
+from wavesplat._model.options import Kernel
 from wavesplat._scene import scene_json
 from wavesplat._scene.drawn_layers import drawn_layers
 from wavesplat._scene.layer import Layer
@@ -163,7 +164,7 @@ class ViewerState:
 
     def replaced(self, document: Mapping[str, Any]) -> ViewerState:
         """The state that another document describes, of things that are open."""
-        return self._with(dict(document))
+        return self._with(document)
 
     def with_scene(self, scene: Scene) -> ViewerState:
         """The state of another scene, seen by the same camera; what it leaves open is found out."""
@@ -462,4 +463,9 @@ def _options(render: Any) -> dict[str, Any]:
     quality = options.get("quality", "normal")
     if isinstance(quality, str) and quality not in ("draft", "normal", "fine", "high"):
         raise ArgumentError(f"{WHAT}: render: field 'quality' is {quality!r}; use one of: draft, normal, fine, high")
+    kernel = options.get("kernel", "linear")
+    if kernel not in get_args(Kernel):
+        raise ArgumentError(
+            f"{WHAT}: render: field 'kernel' is {described(kernel)}; use one of: {', '.join(get_args(Kernel))}"
+        )
     return {"quality": "normal", "kernel": "linear", "composite": None, **options}

@@ -26,7 +26,7 @@ from wavesplat._scene import scene_json
 from wavesplat._scene.scene import Scene, as_scene
 from wavesplat._viewer import export_html
 from wavesplat._viewer.opening import Opener
-from wavesplat._viewer.picturing import picture_of
+from wavesplat._viewer.seen import Shown, check_shown, seen
 from wavesplat._viewer.session import Session
 from wavesplat._viewer.state import ViewerState
 from wavesplat.errors import ArgumentError
@@ -155,8 +155,15 @@ class Viewer:
         return stop
 
     @takes_its_types
-    def picture(self, size: tuple[int, int] = PICTURE_SIZE, *, quality: Quality | None = None) -> Picture:
-        """The picture in space, drawn anew.
+    def picture(
+        self,
+        size: tuple[int, int] = PICTURE_SIZE,
+        *,
+        quality: Quality | None = None,
+        shown: Shown = "3d",
+        marks: bool | None = None,
+    ) -> Picture:
+        """The picture of a view, or of all four, drawn anew.
 
         Parameters
         ----------
@@ -164,6 +171,11 @@ class Viewer:
             Pixels.
         quality : str, optional
             "draft", "normal", "fine" or "high"; None is that of the viewer at rest.
+        shown : str
+            "3d"; a slice by the axis across it: "z" (axial of a body), "y", "x"; or "all", two by two.
+        marks : bool, optional
+            Whether measures, scale bars, letters, colour bar and legend are drawn, as far as they are switched on in
+            the viewer; None: of slices and "all".
 
         Raises
         ------
@@ -173,10 +185,18 @@ class Viewer:
         state = self._session.state
         if quality is not None:
             state = state.patched([{"op": "replace", "path": "/render/quality", "value": quality}])
-        return picture_of(state, "3d", size)
+        chosen = check_shown(shown)
+        return seen(state, chosen, size, marks=chosen != "3d" if marks is None else marks)
 
     @takes_its_types
-    def save(self, path: str | PathLike[str], *, size: tuple[int, int] = PICTURE_SIZE) -> None:
+    def save(
+        self,
+        path: str | PathLike[str],
+        *,
+        size: tuple[int, int] = PICTURE_SIZE,
+        shown: Shown = "3d",
+        marks: bool | None = None,
+    ) -> None:
         """Write the state, or a picture of it, to a file.
 
         Parameters
@@ -186,6 +206,8 @@ class Viewer:
             with the picture in it. Else a picture, as `Picture.save` writes it.
         size : (width, height)
             Pixels of the picture.
+        shown, marks
+            As for `picture`.
 
         Raises
         ------
@@ -205,7 +227,7 @@ class Viewer:
         elif suffix == ".html":
             json_object.save(path, export_html.page_of(self._session.state, self.picture(size)))
         else:
-            self.picture(size).save(path)
+            self.picture(size, shown=shown, marks=marks).save(path)
 
     def wait(self) -> None:
         """Wait until the viewer is closed, or Ctrl-C: for scripts, which else end at once, and the page with them.

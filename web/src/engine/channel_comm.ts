@@ -2,15 +2,31 @@
 
 import type { Stop } from "../state/store.ts";
 import type { Channel, ChannelState } from "./channel.ts";
+import type { Problem } from "./engine.ts";
 import type { Header, Payload } from "./framing.ts";
 
 /** The part of anywidget's model that is needed (https://anywidget.dev/en/afm/). */
 export interface WidgetModel {
   send(content: unknown, callbacks?: unknown, buffers?: ArrayBuffer[] | ArrayBufferView[]): void;
   on(event: "msg:custom", listener: (content: unknown, buffers: unknown[]) => void): void;
+  on(event: "comm_live_update", listener: (model: unknown) => void): void;
   off(event: "msg:custom", listener: (content: unknown, buffers: unknown[]) => void): void;
+  off(event: "comm_live_update", listener: (model: unknown) => void): void;
   get(name: string): unknown;
 }
+
+/** The kernel was restarted or has ended: the viewer of its Python is gone. */
+const ENDED: Problem = {
+  code: "lost",
+  message: "The kernel was restarted or has ended",
+  remedy: "Run the cell again.",
+};
+/** Kernels that are busy and kernels that were restarted are both silent, and not all hosts say which it is. */
+const SILENCE: Problem = {
+  code: "silent",
+  message: "The kernel does not answer",
+  remedy: "If it was restarted, run the cell again; if it is busy, the picture follows.",
+};
 
 /** Bytes of a buffer, which hosts give as a view, as an array buffer or, some, as base64. */
 export function bytesOf(buffer: unknown): Uint8Array<ArrayBuffer> {
@@ -38,10 +54,17 @@ export function commChannel(model: WidgetModel, page: string): Channel {
     const payload = first === undefined ? new Uint8Array() : bytesOf(first);
     for (const listener of listeners) listener(header, payload);
   };
+  // Of ipywidgets in JupyterLab and Notebook: the comm of the model has gone with the kernel.
+  const lived = (shown: unknown): void => {
+    if ((shown as { comm_live?: unknown } | null)?.comm_live !== false) return;
+    states.forEach((listener) => listener({ kind: "closed", problem: ENDED, retries: false }));
+  };
   model.on("msg:custom", receive);
+  model.on("comm_live_update", lived);
   // Opened later, so that the caller can add its listeners first.
   queueMicrotask(open);
   return {
+    silence: SILENCE,
     send(header, payload) {
       model.send({ ...header, page }, undefined, payload === undefined ? [] : [payload]);
     },
@@ -57,6 +80,7 @@ export function commChannel(model: WidgetModel, page: string): Channel {
     close() {
       model.send({ type: "bye", page }, undefined, []);
       model.off("msg:custom", receive);
+      model.off("comm_live_update", lived);
       listeners.clear();
     },
   };

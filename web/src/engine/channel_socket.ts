@@ -1,12 +1,35 @@
 // A channel through a WebSocket. When it breaks it is opened again, at ever longer intervals.
 
 import type { Channel, ChannelState } from "./channel.ts";
+import type { Problem } from "./engine.ts";
 import { packed, unpacked, type Header, type Payload } from "./framing.ts";
 
 const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 8000;
 /** The server's own close codes for a page that it refuses. */
-const REFUSED = [4400, 4401];
+const BROKEN = 4400;
+const UNKNOWN = 4401;
+
+/** The program has ended, or cannot be reached. */
+const LOST: Problem = {
+  code: "lost",
+  message: "The connection to the program that draws is lost",
+  remedy: "If it was stopped, start it again with the same --port; what you changed here is kept.",
+};
+const SILENCE: Problem = {
+  code: "silent",
+  message: "The program that draws does not answer",
+  remedy: "It goes on as soon as it does; if it was stopped, start it again with the same --port.",
+};
+
+/** The problem of a page that the server refuses, by the code of the close. */
+function refusal(code: number, reason: string): Problem {
+  return {
+    code: "refused",
+    message: reason || "The program that draws refused this page",
+    remedy: code === UNKNOWN ? "Copy link in an open page of the viewer gives a new one; without one, start the command again." : "Load the page again.",
+  };
+}
 
 export function socketChannel(url: string): Channel {
   const messages = new Set<(header: Header, payload: Payload) => void>();
@@ -31,8 +54,9 @@ export function socketChannel(url: string): Channel {
     };
     opened.onclose = (event) => {
       if (isClosed || socket !== opened) return;
-      const retries = !REFUSED.includes(event.code);
-      states.forEach((listener) => listener({ kind: "closed", reason: event.reason, retries }));
+      const retries = event.code !== BROKEN && event.code !== UNKNOWN;
+      const problem = retries ? LOST : refusal(event.code, event.reason);
+      states.forEach((listener) => listener({ kind: "closed", problem, retries }));
       if (!retries) return;
       timer = setTimeout(open, wait);
       wait = Math.min(2 * wait, LONGEST_WAIT_MS);
@@ -42,6 +66,7 @@ export function socketChannel(url: string): Channel {
   queueMicrotask(open);
 
   return {
+    silence: SILENCE,
     send(header, payload) {
       if (socket?.readyState === WebSocket.OPEN) socket.send(packed(header, payload));
     },

@@ -145,7 +145,8 @@ export type Connection =
   | { readonly kind: "connecting"; readonly text: string; readonly part?: number }
   | { readonly kind: "start"; readonly offered: Offered }
   | { readonly kind: "open" }
-  | { readonly kind: "busy"; readonly text: string }
+  /** Changes stay without an answer: what is shown is old. */
+  | { readonly kind: "silent"; readonly problem: Problem }
   | { readonly kind: "lost"; readonly problem: Problem; readonly retries: boolean };
 
 /** Statistics of a label. */
@@ -158,6 +159,20 @@ export interface LabelFacts {
   readonly sd: number | null;
   readonly min: number | null;
   readonly max: number | null;
+}
+
+/** The view, size and quality of a saved picture. */
+export interface Saved {
+  /** Pixels of the whole picture. */
+  readonly width: number;
+  readonly height: number;
+  /** One view, or all four, two by two. */
+  readonly shown: ViewName | "all";
+  /** Named quality; absent: as at rest. */
+  readonly quality?: string;
+  readonly transparent: boolean;
+  /** With measures and the overlays that are switched on. */
+  readonly annotated: boolean;
 }
 
 /** Questions and their answers; files come as bytes. */
@@ -235,13 +250,15 @@ export interface Questions {
     question: { camera: Camera; aspect: number; width: number; height: number };
     answer: { camera: Camera };
   };
-  /** The picture at the quality at rest or better, PNG; `annotated` draws the overlays on it. */
-  picture: {
-    question: { width: number; height: number; quality: string; transparent: boolean; annotated: boolean };
-    answer: { bytes: Uint8Array<ArrayBuffer>; notes: string[] };
-  };
-  /** Text: a Python program, a shell command, the file for `--state`, or a page. */
-  code: { question: { as: "python" | "command" | "state" | "html"; width: number; height: number }; answer: { text: string; name: string } };
+  /** A picture of what is shown, PNG, and the name of its file. */
+  picture: { question: Saved; answer: { bytes: Uint8Array<ArrayBuffer>; notes: string[]; name: string } };
+  /**
+   * Text and the name of its file: a Python program or a shell command that draws the picture of the same question, the
+   * file for `--state`, the short state for a link, or a page.
+   */
+  code: { question: Saved & { as: "python" | "command" | "state" | "link" | "html" }; answer: { text: string; name: string } };
+  /** A token that lets one page in, for a link; asked of the server, so not in notebooks. */
+  token: { question: Readonly<Record<string, never>>; answer: { token: string } };
   /** Takes the text of a state file; the answer is the state, with the volumes that are open. */
   open_state: { question: { text: string }; answer: { state: ViewerState } };
 }
@@ -251,6 +268,8 @@ export type Question = keyof Questions;
 export interface Engine {
   /** Resolves when the volume is open. */
   readonly welcome: Promise<Welcome>;
+  /** The newest state: changes made here are in it at once, and taken back where they are refused. After `welcome`. */
+  readonly state: ViewerState;
   /** Sends a change; `moving`: more follow at once. Gives its number. */
   patch(operations: readonly Operation[], moving: boolean): number;
   /** Sets the size of a view in device pixels; null: it is not shown. Every change of the state redraws a view. */
@@ -258,8 +277,10 @@ export interface Engine {
   /** Reports that a frame is on the screen, so that the next one may be sent. */
   shown(frame: Frame): void;
   onFrame(listener: (frame: Frame) => void): Stop;
-  /** Calls back with changes by others (Python, another window), or with the whole state where ours was refused. */
+  /** Calls back after changes by others (Python, another window) and after refusals of ours, which have no operations. */
   onState(listener: (operations: readonly Operation[]) => void): Stop;
+  /** Calls back with the share of the picture at rest of a view that is drawn, where that takes long; null: it is done. */
+  onRefining(listener: (view: ViewName, part: number | null) => void): Stop;
   onConnection(listener: (connection: Connection) => void): Stop;
   onProblem(listener: (problem: Problem) => void): Stop;
   ask<Q extends Question>(

@@ -1,11 +1,13 @@
 // The engine behind a channel: the session in Python. Changes are merged into one message an animation frame.
 
-import { patched, type Operation } from "../state/patch.ts";
-import type { ViewName, ViewerState } from "../state/state.ts";
+import type { Operation } from "../state/patch.ts";
+import { Replica } from "../state/replica.ts";
+import type { ViewName } from "../state/state.ts";
 import type { Stop } from "../state/store.ts";
 import type { Channel } from "./channel.ts";
 import type { Connection, Engine, Frame, Offered, Problem, Question, Questions, Welcome } from "./engine.ts";
 import type { Header, Payload } from "./framing.ts";
+import { parseAnswer, parseMessage, type Message } from "./messages.ts";
 
 export interface RemoteOptions {
   /** Fields of the hello beside the protocol: a token or the key of the session. */
@@ -21,13 +23,13 @@ export interface RemoteOptions {
 }
 
 interface Waiting {
-  resolve(answer: unknown): void;
+  take(fields: Header, payload: Payload): void;
   reject(problem: Problem): void;
   readonly progress: ((part: number) => void) | undefined;
 }
 
-/** Milliseconds without an answer after which the kernel, or the line, counts as busy. */
-const BUSY_MS = 600;
+/** Milliseconds without a message after which changes without a confirmation count as unheard. */
+const SILENT_MS = 2000;
 
 /** Fields that the page shows by itself: their changes are sent when a gesture ends, or with others. */
 const SHOWN_HERE: readonly string[] = ["/view/slices/window"];
@@ -39,6 +41,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
   const states = new Set<(operations: readonly Operation[]) => void>();
   const connections = new Set<(connection: Connection) => void>();
   const problems = new Set<(problem: Problem) => void>();
+  const refinings = new Set<(view: ViewName, part: number | null) => void>();
   const waiting = new Map<number, Waiting>();
   const sizes = new Map<ViewName, { readonly width: number; readonly height: number }>();
   const nextFrame = options.nextFrame ?? ((callback) => void requestAnimationFrame(callback));
@@ -51,75 +54,89 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
   });
   welcome.catch(() => undefined);
 
-  let state: ViewerState | null = null;
-  let fingerprint: unknown;
+  let replica: Replica | null = null;
+  let fingerprint = "";
   let seq = 0;
+  /** Number of the newest change that was sent. */
+  let sent = 0;
   let nextId = 1;
   let outgoing: Operation[] = [];
   let isMoving = false;
   let isScheduled = false;
   let isOpen = false;
   let helloTimer: ReturnType<typeof setInterval> | undefined;
-  let busyTimer: ReturnType<typeof setTimeout> | undefined;
-  let isBusy = false;
+  let silenceTimer: ReturnType<typeof setTimeout> | undefined;
+  let isSilent = false;
 
   const tell = (connection: Connection): void => connections.forEach((listener) => listener(connection));
 
-  const heard = (): void => {
-    clearTimeout(busyTimer);
-    busyTimer = undefined;
-    if (isBusy) {
-      isBusy = false;
-      tell({ kind: "open" });
-    }
+  /** Waits anew for the confirmation of what was sent and is unconfirmed. */
+  const watch = (): void => {
+    clearTimeout(silenceTimer);
+    if (replica?.isUnconfirmed(sent) !== true || !isOpen) return;
+    silenceTimer = setTimeout(() => {
+      isSilent = true;
+      tell({ kind: "silent", problem: channel.silence });
+    }, SILENT_MS);
   };
 
-  const expect = (): void => {
-    busyTimer ??= setTimeout(() => {
-      busyTimer = undefined;
-      if (!isOpen) return;
-      isBusy = true;
-      tell({ kind: "busy", text: "No answer yet" });
-    }, BUSY_MS);
+  const heard = (): void => {
+    watch();
+    if (!isSilent) return;
+    isSilent = false;
+    if (isOpen) tell({ kind: "open" });
   };
 
   const flush = (): void => {
     if ((!isScheduled && outgoing.length === 0) || !isOpen) return;
     isScheduled = false;
+    const wasWaiting = replica?.isUnconfirmed(sent) === true;
     channel.send({ type: "patch", seq, operations: outgoing, moving: isMoving });
-    if (outgoing.length > 0 && sizes.size > 0) expect();
     outgoing = [];
+    sent = seq;
+    if (!wasWaiting) watch();
+  };
+
+  const patch = (operations: readonly Operation[], moving: boolean): number => {
+    seq += 1;
+    replica?.change(operations, seq);
+    outgoing.push(...operations);
+    isMoving = moving;
+    const waits = moving && operations.length > 0 && operations.every(({ path }) => SHOWN_HERE.includes(path));
+    if (!isScheduled && !waits) {
+      isScheduled = true;
+      nextFrame(flush);
+    }
+    return seq;
   };
 
   const sayHello = (): void => channel.send({ type: "hello", protocol: 1, ...options.hello() });
 
   /** Nothing is open: the page is asked for a file. */
-  const offer = (header: Header): void => {
+  const offer = (offered: Offered, session: string): void => {
     clearInterval(helloTimer);
-    if (typeof header["session"] === "string") options.onSession?.(header["session"]);
+    options.onSession?.(session);
     // The program was started again without the data that are shown here.
-    if (state !== null) options.onOtherData?.();
+    if (replica !== null) options.onOtherData?.();
     isOpen = true;
-    tell({ kind: "start", offered: header as unknown as Offered });
+    tell({ kind: "start", offered });
   };
 
-  const start = (header: Header): void => {
+  const start = (welcome: Welcome, session: string): void => {
     clearInterval(helloTimer);
-    if (typeof header["session"] === "string") options.onSession?.(header["session"]);
-    const isFirst = state === null;
+    options.onSession?.(session);
     // The program was started again with other data, for which the state shown here is invalid.
-    if (!isFirst && header["fingerprint"] !== fingerprint) options.onOtherData?.();
-    fingerprint = header["fingerprint"];
+    if (replica !== null && welcome.fingerprint !== fingerprint) options.onOtherData?.();
+    fingerprint = welcome.fingerprint;
     isOpen = true;
-    if (isFirst) {
-      state = (header as unknown as Welcome).state;
-      welcomed(header as unknown as Welcome);
-    }
-    if (!isFirst && state !== null) {
+    const before = replica?.state;
+    replica = new Replica(welcome.state);
+    if (before === undefined) {
+      welcomed(welcome);
+    } else {
       // Changes that were made while there was no connection are sent as the whole state.
-      outgoing = [{ op: "replace", path: "", value: state }];
-      isMoving = false;
-      isScheduled = true;
+      outgoing = [];
+      patch([{ op: "replace", path: "", value: before }], false);
       flush();
     }
     // After the state: a new session frames a first picture, which nobody has turned, for the first view that shows it.
@@ -127,112 +144,110 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
     tell({ kind: "open" });
   };
 
-  const fail = (header: Header): void => {
-    const problem: Problem = {
-      code: String(header["code"] ?? "failed"),
-      message: String(header["message"] ?? "it failed without a reason"),
-      ...(typeof header["field"] === "string" ? { field: header["field"] } : {}),
-      ...(typeof header["remedy"] === "string" ? { remedy: header["remedy"] } : {}),
-    };
-    const id = header["id"];
-    if (typeof id === "number") {
+  const fail = ({ id, seq: refused, problem }: Message & { type: "failed" }): void => {
+    if (id !== null) {
       waiting.get(id)?.reject(problem);
       waiting.delete(id);
       return;
     }
-    if (state === null) {
+    if (replica === null) {
       failed(problem);
       tell({ kind: "lost", problem, retries: false });
       return;
     }
+    if (problem.code === "refused" && refused !== null) {
+      replica.refuse(refused);
+      states.forEach((listener) => listener([]));
+    }
     problems.forEach((listener) => listener(problem));
   };
 
-  const receive = (header: Header, payload: Payload): void => {
-    heard();
-    switch (header["type"]) {
+  const merge = (operations: readonly Operation[], taken: number): void => {
+    replica?.merge(operations, taken);
+    states.forEach((listener) => listener(operations));
+  };
+
+  const progress = ({ id, view, part, text }: Message & { type: "progress" }): void => {
+    if (view !== undefined) refinings.forEach((listener) => listener(view, part));
+    else if (id !== null) waiting.get(id)?.progress?.(part ?? 0);
+    else tell(part === null ? { kind: "connecting", text } : { kind: "connecting", text, part });
+  };
+
+  const take = (message: Message): void => {
+    switch (message.type) {
       case "start":
-        offer(header);
-        return;
+        offer(message.offered, message.session);
+        break;
       case "welcome":
-        start(header);
-        return;
-      case "progress": {
-        const part = typeof header["part"] === "number" ? header["part"] : undefined;
-        if (typeof header["id"] === "number") waiting.get(header["id"])?.progress?.(part ?? 0);
-        else {
-          const text = String(header["text"] ?? "");
-          tell(part === undefined ? { kind: "connecting", text } : { kind: "connecting", text, part });
-        }
-        return;
-      }
-      case "patch": {
-        const operations = header["operations"] as readonly Operation[];
-        if (state !== null) state = patched(state, operations);
-        states.forEach((listener) => listener(operations));
-        return;
-      }
+        start(message.welcome, message.session);
+        break;
+      case "progress":
+        progress(message);
+        break;
+      case "patch":
+        merge(message.operations, message.seq);
+        break;
+      case "confirmed":
+        if (message.corrections.length > 0) merge(message.corrections, message.seq);
+        else replica?.confirm(message.seq);
+        break;
       case "frame":
-        frames.forEach((listener) => listener({ ...(header as unknown as Frame), bytes: payload }));
-        return;
+        frames.forEach((listener) => {
+          listener(message.frame);
+        });
+        break;
       case "answer": {
-        const one = waiting.get(Number(header["id"]));
-        waiting.delete(Number(header["id"]));
+        const one = waiting.get(message.id);
+        waiting.delete(message.id);
         // Facts of other data, which were opened here.
-        if (typeof header["fingerprint"] === "string") fingerprint = header["fingerprint"];
-        one?.resolve(payload.length > 0 ? { ...header, bytes: payload } : header);
-        return;
+        if (typeof message.fields["fingerprint"] === "string") fingerprint = message.fields["fingerprint"];
+        one?.take(message.fields, message.payload);
+        break;
       }
       case "failed":
-        fail(header);
-        return;
-      default:
+        fail(message);
+        break;
     }
+  };
+
+  const receive = (header: Header, payload: Payload): void => {
+    try {
+      take(parseMessage(header, payload));
+    } catch (error) {
+      const problem = { code: "message", message: (error as Error).message, remedy: "Load the page again." };
+      if (replica === null) failed(problem);
+      problems.forEach((listener) => listener(problem));
+    }
+    heard();
   };
 
   channel.onMessage(receive);
   channel.onState((next) => {
     if (next.kind === "open") {
-      if (state === null) tell({ kind: "connecting", text: "Opening" });
+      if (replica === null) tell({ kind: "connecting", text: "Opening" });
       sayHello();
       clearInterval(helloTimer);
       if (options.repeatHelloMs) helloTimer = setInterval(sayHello, options.repeatHelloMs);
       return;
     }
     isOpen = false;
-    heard();
+    isSilent = false;
+    clearTimeout(silenceTimer);
     clearInterval(helloTimer);
     for (const one of waiting.values()) one.reject(LOST);
     waiting.clear();
-    const problem: Problem = next.retries
-      ? {
-          code: "lost",
-          message: "The connection to the program that draws is lost",
-          remedy: "If it was stopped, start it again with the same --port; what you changed here is kept.",
-        }
-      : {
-          code: "refused",
-          message: next.reason || "The program that draws refused this page",
-          remedy: "Open the link that the command printed.",
-        };
-    if (!next.retries && state === null) failed(problem);
-    tell({ kind: "lost", problem, retries: next.retries });
+    const { problem, retries } = next;
+    if (!retries && replica === null) failed(problem);
+    tell({ kind: "lost", problem, retries });
   });
 
   return {
     welcome,
-    patch(operations, moving) {
-      if (state !== null) state = patched(state, operations);
-      seq += 1;
-      outgoing.push(...operations);
-      isMoving = moving;
-      const waits = moving && operations.length > 0 && operations.every(({ path }) => SHOWN_HERE.includes(path));
-      if (!isScheduled && !waits) {
-        isScheduled = true;
-        nextFrame(flush);
-      }
-      return seq;
+    get state() {
+      if (replica === null) throw new Error("the state is not there before the welcome");
+      return replica.state;
     },
+    patch,
     show(view, size) {
       if (size === null) sizes.delete(view);
       else sizes.set(view, size);
@@ -243,6 +258,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
     },
     onFrame: (listener) => added(frames, listener),
     onState: (listener) => added(states, listener),
+    onRefining: (listener) => added(refinings, listener),
     onConnection: (listener) => added(connections, listener),
     onProblem: (listener) => added(problems, listener),
     ask<Q extends Question>(
@@ -255,7 +271,14 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
       const id = nextId;
       nextId += 1;
       return new Promise<Questions[Q]["answer"]>((resolve, reject) => {
-        waiting.set(id, { resolve: resolve as (answer: unknown) => void, reject, progress });
+        const take = (fields: Header, bytes: Payload): void => {
+          try {
+            resolve(parseAnswer(name, fields, bytes));
+          } catch (error) {
+            reject({ code: "message", message: (error as Error).message });
+          }
+        };
+        waiting.set(id, { take, reject, progress });
         signal?.addEventListener("abort", () => {
           if (waiting.has(id)) channel.send({ type: "cancel", id });
         });
@@ -272,7 +295,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
     retry: () => channel.retry(),
     close() {
       clearInterval(helloTimer);
-      clearTimeout(busyTimer);
+      clearTimeout(silenceTimer);
       channel.close();
     },
   };

@@ -1,13 +1,10 @@
 // The state in a link: what is shown, never the data; with the fingerprint of the data.
 
-import type { ViewerState } from "./state.ts";
-
 /** Largest length of a link that mail programs and browsers take, in characters. */
 const MAX_CHARACTERS = 8000;
 
-/** The state as a part of a link, or null where it is too long: a file is better then. */
-export async function linkPart(state: ViewerState, fingerprint: string): Promise<string | null> {
-  const text = JSON.stringify({ fingerprint, state });
+/** A text (JSON with the fields `fingerprint` and `state`) as a part of a link, or null where it is too long: a file is better then. */
+export async function linkPart(text: string): Promise<string | null> {
   const packed = await through(new TextEncoder().encode(text), new CompressionStream("deflate-raw"));
   const part = btoa(Array.from(packed, (byte) => String.fromCharCode(byte)).join(""))
     .replaceAll("+", "-")

@@ -1,71 +1,10 @@
 // The check that a document is a state of the viewer: the twin of `python/wavesplat/_viewer/state.py`. Both are held to the
 // fixtures in `web/schema`. Checks that only the renderer can make, such as the order of points, are left to it.
 
+import { any, either, fields, flag, list, number, oneOf, point, refuse, share, text, whole, type Check } from "./checks.ts";
 import { COMPOSITE_NAMES } from "./composites.ts";
 import { MAX_REGION_POINTS, OVERLAYS, PANES, QUALITIES, SLICE_COLORS, TURNINGS, type ViewerState } from "./state.ts";
 
-type Check = (value: unknown, where: string) => void;
-
-function refuse(value: unknown, where: string, must: string): never {
-  throw new Error(`${where} is ${(JSON.stringify(value) ?? "missing").slice(0, 60)}; it must be ${must}`);
-}
-
-const number =
-  (low = -Infinity, high = Infinity): Check =>
-  (value, where) => {
-    if (typeof value !== "number" || !Number.isFinite(value) || value < low || value > high) {
-      refuse(value, where, low === -Infinity ? "a number" : `a number from ${low} to ${high}`);
-    }
-  };
-const kind =
-  (name: "boolean" | "string"): Check =>
-  (value, where) => {
-    if (typeof value !== name) refuse(value, where, name === "string" ? "a text" : "true or false");
-  };
-const oneOf =
-  (...known: readonly unknown[]): Check =>
-  (value, where) => {
-    if (!known.includes(value)) refuse(value, where, `one of ${known.join(", ")}`);
-  };
-const either =
-  (wanted: unknown, check: Check): Check =>
-  (value, where) => {
-    if (value !== wanted) check(value, where);
-  };
-const list =
-  (check: Check, low = 0, high = Infinity): Check =>
-  (value, where) => {
-    if (!Array.isArray(value) || value.length < low || value.length > high) {
-      refuse(value, where, `a list${low === high ? ` of ${low}` : low > 0 ? ` of at least ${low}` : ""}`);
-    }
-    (value as unknown[]).forEach((one, n) => check(one, `${where}[${n}]`));
-  };
-/** Check of an object; fields whose names end in "?" may be left out, "*" stands for all others. */
-const fields =
-  (known: Readonly<Record<string, Check>>): Check =>
-  (value, where) => {
-    if (typeof value !== "object" || value === null || Array.isArray(value)) refuse(value, where, "an object");
-    const found = value as Record<string, unknown>;
-    const inside = (name: string): string => (where === "" ? name : `${where}.${name}`);
-    for (const [name, check] of Object.entries(known)) {
-      const plain = name.replace("?", "");
-      if (name === "*") continue;
-      if (Object.hasOwn(found, plain)) check(found[plain], inside(plain));
-      else if (plain === name) throw new Error(`field '${inside(name)}' is missing`);
-    }
-    for (const name of Object.keys(found)) {
-      if (name in known || `${name}?` in known) continue;
-      const other = known["*"];
-      if (other === undefined) throw new Error(`${where || "state"}: unknown field '${name}'`);
-      other(found[name], inside(name));
-    }
-  };
-
-const share = number(0, 1);
-const any: Check = () => undefined;
-const text = kind("string");
-const flag = kind("boolean");
-const point = list(number(), 3, 3);
 const color: Check = (value, where) => (typeof value === "string" ? undefined : list(share, 3, 4)(value, where));
 const box = fields({ lower: point, upper: point, "space?": oneOf("world", "index") });
 const nodes = (...columns: readonly Check[]): Check =>
@@ -105,7 +44,7 @@ const state = fields({
       look: fields({ transfer_function: curves, "shading?": either(null, shading), "*": either(null, text) }),
       "visible?": flag,
       "opacity?": share,
-      "time?": (value, where) => (Number.isInteger(value) ? undefined : refuse(value, where, "a whole number")),
+      "time?": whole,
     }),
     1,
     8,

@@ -1,4 +1,4 @@
-// The state in the page, with undo and redo; changes are sent to the engine.
+// Undo and redo over the state that the engine holds.
 
 import type { Engine } from "../engine/engine.ts";
 import { patched, type Operation } from "./patch.ts";
@@ -30,8 +30,7 @@ const MAX_STEPS = 200;
 /** Fields of the state whose changes are no steps of undo: the look of the page itself. */
 const INTERFACE = ["/view/interface", "/view/layout"];
 
-export function createStore(initial: ViewerState, engine: Engine): Store {
-  let state = initial;
+export function createStore(engine: Engine): Store {
   let seq = 0;
   let gesture: string | null = null;
   let past: ViewerState[] = [];
@@ -46,16 +45,15 @@ export function createStore(initial: ViewerState, engine: Engine): Store {
 
   /** Goes to another state of the past or future; the interface stays as it is. */
   const go = (target: ViewerState): void => {
-    const { layout, interface: shown } = state.view;
-    state = { ...target, view: { ...target.view, layout, interface: shown } };
+    const { layout, interface: shown } = engine.state.view;
     gesture = null;
-    seq = engine.patch([{ op: "replace", path: "", value: state }], false);
+    const value = { ...target, view: { ...target.view, layout, interface: shown } };
+    seq = engine.patch([{ op: "replace", path: "", value }], false);
     tell();
   };
 
   engine.onState((operations) => {
-    // A change by others, or the state after a refusal: it is no step of undo, and our steps do not undo it.
-    state = patched(state, operations);
+    // A change by others is no step of undo, and our steps do not undo it.
     const also = (before: ViewerState): ViewerState => {
       try {
         return operations.some(({ path }) => path === "") ? before : patched(before, operations);
@@ -65,19 +63,21 @@ export function createStore(initial: ViewerState, engine: Engine): Store {
     };
     past = past.map(also);
     future = future.map(also);
+    // Nor are changes that were refused: the state is again the one before the first of them.
+    const refused = past.lastIndexOf(engine.state);
+    if (refused >= 0) past = past.slice(0, refused);
     tell();
   });
 
   return {
     get state() {
-      return state;
+      return engine.state;
     },
     get seq() {
       return seq;
     },
     change(operations, name) {
-      const before = state;
-      state = patched(state, operations);
+      const before = engine.state;
       const isStep = operations.some(({ path }) => !INTERFACE.some((start) => path.startsWith(start)));
       if (isStep && (name === undefined || name !== gesture)) remember(before);
       if (isStep) gesture = name ?? null;
@@ -85,7 +85,6 @@ export function createStore(initial: ViewerState, engine: Engine): Store {
       tell();
     },
     adjust(operations) {
-      state = patched(state, operations);
       seq = engine.patch(operations, false);
       tell();
     },
@@ -98,14 +97,14 @@ export function createStore(initial: ViewerState, engine: Engine): Store {
       const target = past.at(-1);
       if (target === undefined) return;
       past = past.slice(0, -1);
-      future = [...future, state];
+      future = [...future, engine.state];
       go(target);
     },
     redo() {
       const target = future.at(-1);
       if (target === undefined) return;
       future = future.slice(0, -1);
-      past = [...past, state];
+      past = [...past, engine.state];
       go(target);
     },
     get canUndo() {

@@ -5,10 +5,11 @@ import { render } from "preact";
 import type { Engine, Frame, Welcome } from "../engine/engine.ts";
 import { actionOf, keyName } from "../input/keys.ts";
 import { fromLink } from "../state/link.ts";
-import { parseViewerState } from "../state/parse.ts";
 import type { ViewName } from "../state/state.ts";
 import { createStore, type Store } from "../state/store.ts";
 import { FrameStatistics } from "./frame_statistics.ts";
+import { loadAhead } from "./later.tsx";
+import { css as livenessCss } from "./liveness.tsx";
 import { css as lookCss } from "./look/index.ts";
 import { css as openCss, DataFollower, PageOpener, StartPage } from "./open/index.ts";
 import cubeCss from "./overlay3d/cube.css";
@@ -33,7 +34,7 @@ export interface Host {
 export function mountApp(parent: HTMLElement, engine: Engine, host: Host): () => void {
   const root = parent.shadowRoot ?? parent.attachShadow({ mode: "open" });
   const sheet = new CSSStyleSheet();
-  sheet.replaceSync([style, lookCss, cubeCss, openCss].join("\n"));
+  sheet.replaceSync([style, lookCss, cubeCss, openCss, livenessCss].join("\n"));
   root.adoptedStyleSheets = [sheet];
   const mount = document.createElement("div");
   mount.className = "mount";
@@ -101,7 +102,7 @@ class App {
   }
 
   private async begin(welcome: Welcome): Promise<void> {
-    const store = createStore(welcome.state, this.engine);
+    const store = createStore(this.engine);
     [this.welcome, this.store] = [welcome, store];
     this.ui = createUi(this.engine, store, this.page, {
       root: this.root,
@@ -131,12 +132,12 @@ class App {
     }
     this.expose();
     this.schedule();
+    loadAhead();
     if (this.host.link === undefined) return;
     try {
       const { fingerprint, state } = await fromLink(this.host.link);
       if (fingerprint !== welcome.fingerprint) throw new Error("The link is of other data than is open here");
-      const text = JSON.stringify(parseViewerState(state));
-      const { state: checked } = await this.engine.ask("open_state", { text });
+      const { state: checked } = await this.engine.ask("open_state", { text: JSON.stringify(state) });
       store.change([{ op: "replace", path: "", value: checked }]);
     } catch (problem) {
       this.page.change({ problem: problemOf(problem) });

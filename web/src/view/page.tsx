@@ -7,23 +7,19 @@ import { actionOf, keyName } from "../input/keys.ts";
 import { set } from "../state/patch.ts";
 import { PANES, type Pane } from "../state/state.ts";
 import { WORDS } from "../words.ts";
-import { AboutPanel } from "./about_panel.tsx";
-import { CutPanel } from "./cut_panel.tsx";
-import { Help } from "./help.tsx";
 import { Icon } from "./icons.tsx";
-import { FunctionPanel, LabelsPanel, LayersPanel, LightPanel, LooksStrip, PresetsPanel, TimeBar } from "./look/index.ts";
-import { MeasurePanel } from "./measure_panel.tsx";
+import { later } from "./later.tsx";
+import { Banner, isStale } from "./liveness.tsx";
+import { LooksStrip, TimeBar } from "./look/index.ts";
 import { Memo, shownByPanels, shownBySlices, shownByToolbar } from "./memo.tsx";
 import { Openings } from "./open/index.ts";
 import type { PageFields } from "./page_state.ts";
 import type { PartProps } from "./part.ts";
 import { Palette } from "./palette.tsx";
 import { fit, SceneView } from "./scene_view.tsx";
-import { SettingsPanel } from "./settings_panel.tsx";
 import { SharePanel } from "./share.tsx";
 import { openSheet, PANELS, Rail, Sheet, toggled, type PanelName, type SheetName } from "./sheet.tsx";
 import { SlicePane } from "./slices/slice_pane.tsx";
-import { SlicesPanel } from "./slices_panel.tsx";
 import { ProblemCard, Status } from "./status.tsx";
 import { themeOf } from "./theme.ts";
 import { Toolbar } from "./toolbar.tsx";
@@ -35,16 +31,18 @@ interface PageProps extends PartProps {
   readonly onPage: (next: Partial<PageFields>) => void;
 }
 
+const Help = later((parts) => parts.Help);
+const SettingsPanel = later((parts) => parts.SettingsPanel);
 const BODIES: Readonly<Record<Exclude<SheetName, "settings">, ComponentType<PartProps>>> = {
-  about: AboutPanel,
-  looks: PresetsPanel,
-  function: FunctionPanel,
-  layers: LayersPanel,
-  labels: LabelsPanel,
-  light: LightPanel,
-  cut: CutPanel,
-  slices: SlicesPanel,
-  measure: MeasurePanel,
+  about: later((parts) => parts.AboutPanel),
+  function: later((parts) => parts.FunctionPanel),
+  layers: later((parts) => parts.LayersPanel),
+  looks: later((parts) => parts.PresetsPanel),
+  labels: later((parts) => parts.LabelsPanel),
+  light: later((parts) => parts.LightPanel),
+  cut: later((parts) => parts.CutPanel),
+  slices: later((parts) => parts.SlicesPanel),
+  measure: later((parts) => parts.MeasurePanel),
   share: SharePanel,
 };
 
@@ -73,10 +71,11 @@ export function Page({ page, onKey, onPage, ...part }: PageProps) {
       <Memo of={[...shownByToolbar(part), open]}>
         {() => <Toolbar {...part} isAbout={open === "about"} onAbout={() => onPanel("about")} onFit={() => fit(part)} />}
       </Memo>
-      <main class="views" data-layout={layout.name}>
+      <main class="views" data-layout={layout.name} data-stale={isStale(page.connection)}>
         {(layout.name !== "single" || layout.main === "3d") && <SceneView {...part} />}
         {(layout.name === "one-and-three" || layout.name === "two-by-two") && PANES.map(slice)}
         {layout.name === "single" && layout.main !== "3d" && slice(layout.main)}
+        <Banner connection={page.connection} engine={part.engine} />
       </main>
       <Rail panels={panels} open={[open ?? "", hasStrip ? "presets" : ""]} onPanel={onPanel}>
         <button class="rail-button" title={`${WORDS.palette.find} (Ctrl K)`} onClick={() => setFinding(true)}>
@@ -102,7 +101,7 @@ export function Page({ page, onKey, onPage, ...part }: PageProps) {
       <footer class="bottom">
         {hasStrip && <Memo of={shownByPanels(part)}>{() => <LooksStrip key={welcome.fingerprint} {...part} onAll={() => onPanel("looks")} />}</Memo>}
         {hasTimes && <TimeBar {...part} />}
-        <Status {...part} connection={page.connection} figures={page.figures} />
+        <Status {...part} figures={page.figures} />
       </footer>
       <p class="hidden" role="status" aria-live="polite">{page.said}</p>
       {page.problem !== null && <ProblemCard problem={page.problem} onClose={() => onPage({ problem: null })} />}

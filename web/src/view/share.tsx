@@ -2,11 +2,12 @@
 
 import { useState } from "preact/hooks";
 
-import type { Problem, Questions } from "../engine/engine.ts";
+import type { Problem, Questions, Saved } from "../engine/engine.ts";
 import { linkPart } from "../state/link.ts";
-import { QUALITIES } from "../state/state.ts";
+import { PANES, QUALITIES, type ViewerState, type ViewName } from "../state/state.ts";
 import { Choice, Switch } from "./fields.tsx";
 import type { PartProps } from "./part.ts";
+import { nameOf } from "./slices/panes.ts";
 
 const SIZES: readonly (readonly [string, string])[] = [
   ["view", "As in the window"],
@@ -17,38 +18,36 @@ const SIZES: readonly (readonly [string, string])[] = [
 ];
 const MAX_SIDE = 8192;
 
+/** The view that a page of one view shows; "all" where it shows several. */
+export function seenView({ layout }: ViewerState["view"]): ViewName | "all" {
+  if (layout.name === "single") return layout.main;
+  return layout.name === "3d" ? "3d" : "all";
+}
+
 export function SharePanel(props: PartProps) {
-  const { store, engine, welcome, ui } = props;
+  const { store, engine, ui } = props;
+  const [chosen, setChosen] = useState<"seen" | ViewName | "all">("seen");
   const [size, setSize] = useState("view");
   const [own, setOwn] = useState<readonly [number, number]>([1600, 1200]);
-  const [quality, setQuality] = useState("high");
+  const [quality, setQuality] = useState("");
   const [transparent, setTransparent] = useState(false);
-  const [annotated, setAnnotated] = useState(false);
+  const [annotated, setAnnotated] = useState(true);
   const [part, setPart] = useState<number | null>(null);
   const [abort, setAbort] = useState<AbortController | null>(null);
   const [text, setText] = useState("");
 
-  const pixels = (): { width: number; height: number } => {
-    const frame = ui.frames["3d"];
-    const scale = Number(frame?.settings["scale"] ?? 1);
-    const [w, h] = [Math.round((frame?.width ?? 1024) / scale), Math.round((frame?.height ?? 768) / scale)];
-    if (size === "own") return { width: own[0], height: own[1] };
-    if (size.includes("x")) {
-      const [width = 0, height = 0] = size.split("x").map(Number);
-      return { width, height };
-    }
-    const factor = size === "2" ? 2 : 1;
-    return { width: Math.min(factor * w, MAX_SIDE), height: Math.min(factor * h, MAX_SIDE) };
-  };
+  const shown = chosen === "seen" ? seenView(store.state.view) : chosen;
+  const wanted = (): Saved => ({
+    ...pixelsOf(props, shown, size, own), shown, transparent, annotated, ...(quality === "" ? {} : { quality }),
+  });
 
-  const picture = async (use: (bytes: Uint8Array<ArrayBuffer>) => Promise<void> | void): Promise<void> => {
+  const picture = async (use: (bytes: Uint8Array<ArrayBuffer>, name: string) => Promise<void> | void): Promise<void> => {
     const controller = new AbortController();
     setAbort(controller);
     setPart(0);
     try {
-      const asked = { ...pixels(), quality, transparent, annotated };
-      const { bytes, notes } = await engine.ask("picture", asked, setPart, controller.signal);
-      await use(bytes);
+      const { bytes, notes, name } = await engine.ask("picture", wanted(), setPart, controller.signal);
+      await use(bytes, name);
       for (const note of notes) ui.announce(note);
     } catch (problem) {
       if ((problem as Problem).code !== "cancelled") ui.problem(problemOf(problem));
@@ -60,7 +59,7 @@ export function SharePanel(props: PartProps) {
 
   const code = async (as: Questions["code"]["question"]["as"], use: (text: string, name: string) => Promise<void> | void) => {
     try {
-      const found = await engine.ask("code", { as, ...pixels() });
+      const found = await engine.ask("code", { as, ...wanted() });
       await use(found.text, found.name);
     } catch (problem) {
       ui.problem(problemOf(problem));
@@ -78,17 +77,21 @@ export function SharePanel(props: PartProps) {
     }
   };
 
-  const link = async (): Promise<void> => {
-    const found = await linkPart(store.state, welcome.fingerprint);
-    if (found === null) {
-      ui.problem({ code: "link", message: "The state is too long for a link", remedy: "Save it as a file instead." });
-      return;
-    }
-    await copy(`${location.origin}${location.pathname}#state=${found}`, "The link");
-  };
+  /** A link that opens once, in any browser of this machine, by a token of its own. */
+  const link = (): Promise<void> =>
+    code("link", async (state) => {
+      const found = await linkPart(state);
+      if (found === null) {
+        ui.problem({ code: "link", message: "The state is too long for a link", remedy: "Save it as a file instead." });
+        return;
+      }
+      const { token } = await engine.ask("token", {});
+      await copy(`${location.origin}${location.pathname}#token=${token}&state=${found}`, "The link, which opens once, is");
+    });
 
   return (
     <>
+      <Choice label="Picture of" value={chosen} options={viewChoices(props)} onChoose={(name) => setChosen(name as typeof chosen)} />
       <Choice label="Size" value={size} options={SIZES} onChoose={setSize} />
       {size === "own" && (
         <div class="row">
@@ -109,11 +112,11 @@ export function SharePanel(props: PartProps) {
           ))}
         </div>
       )}
-      <Choice label="Quality" value={quality} options={QUALITIES.slice(1).map((name) => [name, name])} onChoose={setQuality} />
+      <Choice label="Quality" value={quality} options={[["", "As in the window"], ...QUALITIES.slice(1).map((name) => [name, name] as const)]} onChoose={setQuality} />
       <Switch label="Transparent background" on={transparent} onToggle={setTransparent} />
-      <Switch label="With scale bar and legend" on={annotated} onToggle={setAnnotated} />
+      <Switch label="With measures, bars and legend" on={annotated} onToggle={setAnnotated} />
       <div class="row">
-        <button class="button" disabled={part !== null} onClick={() => void picture((bytes) => ui.download("picture.png", bytes, "image/png"))}>Save picture</button>
+        <button class="button" disabled={part !== null} onClick={() => void picture((bytes, name) => ui.download(name, bytes, "image/png"))}>Save picture</button>
         <button
           class="button"
           disabled={part !== null}
@@ -155,6 +158,36 @@ export function SharePanel(props: PartProps) {
       </div>
     </>
   );
+}
+
+/** The choices of what a picture shows, by their names for people. */
+function viewChoices(props: PartProps): readonly (readonly [string, string])[] {
+  const slices = PANES.map((pane) => [pane, `${nameOf(props, pane)} slice`] as const);
+  return [["seen", "What is seen"], ["3d", "Picture in space"], ...slices, ["all", "All four, two by two"]];
+}
+
+/** The size of a saved picture in pixels. */
+function pixelsOf(
+  { ui }: PartProps,
+  shown: ViewName | "all",
+  size: string,
+  own: readonly [number, number],
+): { width: number; height: number } {
+  if (size === "own") return { width: own[0], height: own[1] };
+  if (size.includes("x")) {
+    const [width = 0, height = 0] = size.split("x").map(Number);
+    return { width, height };
+  }
+  const frame = shown === "all" ? undefined : ui.frames[shown];
+  const scale = Number(frame?.settings["scale"] ?? 1);
+  // Of several views, and of views that are not on the screen: the area of all views.
+  const area = ui.root.querySelector(".views")?.getBoundingClientRect();
+  const ratio = window.devicePixelRatio || 1;
+  const [width, height] = frame === undefined
+    ? [(area?.width ?? 1024) * ratio, (area?.height ?? 768) * ratio]
+    : [frame.width / scale, frame.height / scale];
+  const factor = size === "2" ? 2 : 1;
+  return { width: Math.min(Math.round(factor * width), MAX_SIDE), height: Math.min(Math.round(factor * height), MAX_SIDE) };
 }
 
 /** Shows the state of a file; the volumes stay. */

@@ -1,4 +1,4 @@
-// The status of the viewer: opening, connection, problems, notes on the picture, statistics of frames.
+// The status of the viewer: opening, problems, notes on the picture, statistics of frames.
 
 import type { Connection, Problem } from "../engine/engine.ts";
 import type { PartProps } from "./part.ts";
@@ -33,19 +33,12 @@ export function ProblemCard({ problem, onClose }: { readonly problem: Problem; r
   );
 }
 
-export function Status(props: PartProps & { readonly connection: Connection; readonly figures: boolean }) {
-  const { ui, engine, connection, figures } = props;
+export function Status(props: PartProps & { readonly figures: boolean }) {
+  const { ui, figures } = props;
   const frame = ui.frames["3d"] ?? Object.values(ui.frames)[0];
   const notes = frame?.notes ?? [];
   return (
     <div class="status">
-      {connection.kind === "lost" && (
-        <span class="row" role="alert">
-          {connection.problem.message}. <span class="dim">{connection.problem.remedy}</span>
-          {connection.retries && <button class="button" onClick={() => engine.retry()}>Try again</button>}
-        </span>
-      )}
-      {connection.kind === "busy" && <span role="status">{connection.text}</span>}
       {notes.map((note) => <span key={note} role="note">{note}</span>)}
       {ui.probed && <span>{ui.probed}</span>}
       {figures && <Figures {...props} />}

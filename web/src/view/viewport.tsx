@@ -9,6 +9,7 @@ import { Gestures, wheelFactor, wheelSteps, type Gesture } from "../input/gestur
 import { actionOf, keyName, type Action } from "../input/keys.ts";
 import type { ViewName } from "../state/state.ts";
 import { heldAt, type Held } from "./handle.tsx";
+import { Refining } from "./liveness.tsx";
 import type { CssSize, PartProps } from "./part.ts";
 
 /** A turn of the wheel at a place of the view. */
@@ -168,6 +169,7 @@ export function Viewport(props: ViewportProps) {
     >
       <canvas ref={canvas} role="img" aria-label={label} style={{ transform: moved }} />
       {frame !== undefined && size.width > 0 && children?.(frame, size)}
+      <Refining engine={props.engine} view={view} />
       {hint && <p class="hint">Click first, or hold Ctrl, to magnify with the wheel</p>}
     </div>
   );

@@ -1,4 +1,4 @@
-"""Facts about a frame that the page is told beside its pixels: `Frame` in `web/src/engine/engine.ts`."""
+"""Fields of a frame's message: its size, place and settings. `Frame` in `web/src/engine/engine.ts` is the twin."""
 
 from __future__ import annotations
 
@@ -10,10 +10,22 @@ from wavesplat._viewer.slice_values import SliceValues
 from wavesplat._viewer.slice_view import geometry_of
 from wavesplat._viewer.state import ViewerState
 
-__all__ = ["place_of_frame", "settings_of_frame"]
+__all__ = ["frame_fields"]
 
 
-def place_of_frame(state: ViewerState, view: str, picture: Picture | SliceValues) -> dict[str, Any]:
+def frame_fields(
+    state: ViewerState, view: str, picture: Picture | SliceValues, settings: Settings
+) -> dict[str, Any]:
+    """Size in pixels, camera or place of the slice, world units per pixel, and the settings it was drawn with."""
+    return {
+        "width": picture.size[0],
+        "height": picture.size[1],
+        **_place(state, view, picture),
+        "settings": _settings(picture, settings),
+    }
+
+
+def _place(state: ViewerState, view: str, picture: Picture | SliceValues) -> dict[str, Any]:
     """Where the pixels lie in the world: the camera, or the geometry of a slice; and how its values become colours."""
     if view != "3d":
         geometry = geometry_of(state, view, picture.report)
@@ -22,7 +34,7 @@ def place_of_frame(state: ViewerState, view: str, picture: Picture | SliceValues
     return {"camera": state.document["camera"], "pixel": picture.report["pixel"]}
 
 
-def settings_of_frame(picture: Picture | SliceValues, settings: Settings) -> dict[str, Any]:
+def _settings(picture: Picture | SliceValues, settings: Settings) -> dict[str, Any]:
     """The settings that a picture was drawn with, for the page's figures."""
     names = ("sheets_per_slice", "oversampling")
     return {

@@ -10,7 +10,7 @@ import { mkdir, readdir, readFile, rm, writeFile } from "node:fs/promises";
 
 const CLIENT = new URL("../python/wavesplat/_viewer/client/", import.meta.url);
 /** Largest compressed bytes: of the scripts that the first view waits for, of all scripts of the page, and of the widget. */
-const LIMITS = { first: 60_000, page: 80_000, widget: 80_000 };
+const LIMITS = { first: 60_000, page: 100_000, widget: 100_000 };
 const HEAD = "// Built from web/ by `make web`; change that, not this.";
 
 // To the bundler, style sheets are texts, which it would not minify.

@@ -13,9 +13,7 @@ from wavesplat._viewer.state import ViewerState
 __all__ = ["frame_fields"]
 
 
-def frame_fields(
-    state: ViewerState, view: str, picture: Picture | SliceValues, settings: Settings
-) -> dict[str, Any]:
+def frame_fields(state: ViewerState, view: str, picture: Picture | SliceValues, settings: Settings) -> dict[str, Any]:
     """Size in pixels, camera or place of the slice, world units per pixel, and the settings it was drawn with."""
     return {
         "width": picture.size[0],

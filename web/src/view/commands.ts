@@ -7,7 +7,7 @@ import { hiddenOf, labelRows, shownLabels } from "./look/layers.ts";
 import { chosen } from "./look/looks.ts";
 import { titleOf } from "./look/preset_kinds.ts";
 import type { PartProps } from "./part.ts";
-import { problemOf } from "./share.tsx";
+import { problemOf } from "./problems.ts";
 import { PANELS, toggled } from "./sheet.tsx";
 
 const TEXT = WORDS.palette;

@@ -10,16 +10,13 @@ import { WORDS } from "../words.ts";
 import { Icon } from "./icons.tsx";
 import { later } from "./later.tsx";
 import { Banner, isStale } from "./liveness.tsx";
-import { LooksStrip, TimeBar } from "./look/index.ts";
+import { TimeBar } from "./look/index.ts";
 import { Memo, shownByPanels, shownBySlices, shownByToolbar } from "./memo.tsx";
 import { Openings } from "./open/index.ts";
 import type { PageFields } from "./page_state.ts";
 import type { PartProps } from "./part.ts";
-import { Palette } from "./palette.tsx";
 import { fit, SceneView } from "./scene_view.tsx";
-import { SharePanel } from "./share.tsx";
 import { openSheet, PANELS, Rail, Sheet, toggled, type PanelName, type SheetName } from "./sheet.tsx";
-import { SlicePane } from "./slices/slice_pane.tsx";
 import { ProblemCard, Status } from "./status.tsx";
 import { themeOf } from "./theme.ts";
 import { Toolbar } from "./toolbar.tsx";
@@ -32,7 +29,10 @@ interface PageProps extends PartProps {
 }
 
 const Help = later((parts) => parts.Help);
+const LooksStrip = later((parts) => parts.LooksStrip);
+const Palette = later((parts) => parts.Palette);
 const SettingsPanel = later((parts) => parts.SettingsPanel);
+const SlicePane = later((parts) => parts.SlicePane);
 const BODIES: Readonly<Record<Exclude<SheetName, "settings">, ComponentType<PartProps>>> = {
   about: later((parts) => parts.AboutPanel),
   function: later((parts) => parts.FunctionPanel),
@@ -43,7 +43,7 @@ const BODIES: Readonly<Record<Exclude<SheetName, "settings">, ComponentType<Part
   cut: later((parts) => parts.CutPanel),
   slices: later((parts) => parts.SlicesPanel),
   measure: later((parts) => parts.MeasurePanel),
-  share: SharePanel,
+  share: later((parts) => parts.SharePanel),
 };
 
 export function Page({ page, onKey, onPage, ...part }: PageProps) {

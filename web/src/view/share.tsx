@@ -6,7 +6,9 @@ import type { Problem, Questions, Saved } from "../engine/engine.ts";
 import { linkPart } from "../state/link.ts";
 import { PANES, QUALITIES, type ViewerState, type ViewName } from "../state/state.ts";
 import { Choice, Switch } from "./fields.tsx";
+import { openState } from "./open_state.ts";
 import type { PartProps } from "./part.ts";
+import { problemOf } from "./problems.ts";
 import { nameOf } from "./slices/panes.ts";
 
 const SIZES: readonly (readonly [string, string])[] = [
@@ -188,23 +190,4 @@ function pixelsOf(
     : [frame.width / scale, frame.height / scale];
   const factor = size === "2" ? 2 : 1;
   return { width: Math.min(Math.round(factor * width), MAX_SIDE), height: Math.min(Math.round(factor * height), MAX_SIDE) };
-}
-
-/** Shows the state of a file; the volumes stay. */
-export async function openState({ engine, store, ui }: PartProps, file: File): Promise<void> {
-  try {
-    const { state } = await engine.ask("open_state", { text: await file.text() });
-    store.change([{ op: "replace", path: "", value: state }]);
-    ui.announce(`${file.name} is open`);
-  } catch (problem) {
-    ui.problem(problemOf(problem));
-  }
-}
-
-export function problemOf(problem: unknown): Problem {
-  if (typeof problem === "object" && problem !== null && "message" in problem) {
-    const code = "code" in problem ? String(problem.code) : "failed";
-    return { ...(problem as Problem), code, message: String(problem.message) };
-  }
-  return { code: "failed", message: String(problem) };
 }

@@ -7,7 +7,7 @@ import type { Store } from "../state/store.ts";
 import { CameraMover } from "./camera_mover.ts";
 import type { PageState } from "./page_state.ts";
 import type { Ui } from "./part.ts";
-import { problemOf } from "./share.tsx";
+import { problemOf } from "./problems.ts";
 import { isMeasure } from "./slices/measures.tsx";
 import { Views } from "./views.ts";
 

@@ -19,9 +19,10 @@ import {
   type Curve,
   type Range,
 } from "./curves.ts";
-import { Button, Switch, NamedNumber, RelativeSlider, Choice, NumberField } from "../fields.tsx";
+import { Button, Switch, NamedNumber, RelativeSlider, NumberField } from "../fields.tsx";
 import { GradientEditor } from "./gradient_editor.tsx";
 import { KnobFields } from "./knob_fields.tsx";
+import { LayerChoice } from "./layer_choice.tsx";
 import { lookAsChosen } from "./looks.ts";
 import { PointFields } from "./point_fields.tsx";
 import { WORDS } from "../../words.ts";
@@ -57,20 +58,6 @@ export function FunctionPanel(props: PartProps) {
         </>
       )}
     </div>
-  );
-}
-
-/** A choice of the layer that the panels of the look are about, where there are several. */
-export function LayerChoice({ store, ui }: PartProps) {
-  const { layers } = store.state;
-  if (layers.length < 2) return null;
-  return (
-    <Choice
-      label={TEXT.layer}
-      value={String(ui.layer)}
-      options={layers.map(({ name }, index) => [String(index), name] as const)}
-      onChoose={(value) => ui.setLayer(Number(value))}
-    />
   );
 }
 

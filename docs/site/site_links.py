@@ -15,6 +15,7 @@ from sphinx.application import Sphinx
 
 #: The page for each folder that pages link to; with None the link is shown as text.
 PAGES = {
+    ".github/ISSUE_TEMPLATE": None,
     "benches/records": "docs/site/benchmarks",
     "crates/wavesplat": None,
     "docs/design": "docs/site/method",

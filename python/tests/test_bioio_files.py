@@ -54,9 +54,9 @@ def test_a_damaged_file_is_none_of_a_reader(save_dv):
 @pytest.mark.parametrize(
     ("name", "words"),
     [
-        ("a.czi", r"Zeiss' microscopes \(CZI\).*pip install \"\.\[bio\]\" bioio-czi \(whose licence is the GPL\)"),
-        ("a.LIF", r"Leica's microscopes \(LIF\).*pip install \"\.\[bio\]\"; or export"),
-        ("a.nd2", r"Nikon's microscopes \(ND2\).*pip install \"\.\[bio\]\"; or export"),
+        ("a.czi", r"Zeiss.*pip install \"wavesplat\[bio\]\" bioio-czi \(whose licence is the GPL\)"),
+        ("a.LIF", r"Leica's microscopes \(LIF\).*pip install \"wavesplat\[bio\]\"; or export"),
+        ("a.nd2", r"Nikon's microscopes \(ND2\).*pip install \"wavesplat\[bio\]\"; or export"),
         ("a.oib", r"Olympus' microscopes.*bioio-bioformats \(which needs Java\)"),
         ("a.ics", r"a microscope,.*bioio-bioformats.*; or export it as OME-TIFF, as with Fiji"),
     ],

@@ -165,7 +165,7 @@ def test_pdf_needs_reportlab(figure, tmp_path, monkeypatch):
     import sys
 
     monkeypatch.setitem(sys.modules, "reportlab.pdfgen.canvas", None)
-    with pytest.raises(LibraryError, match=r'reportlab is not installed.*pip install "\.\[figure\]"'):
+    with pytest.raises(LibraryError, match=r'reportlab is not installed.*pip install "wavesplat\[figure\]"'):
         figure.save(tmp_path / "a.pdf")
     assert list(tmp_path.iterdir()) == []
 

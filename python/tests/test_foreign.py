@@ -496,7 +496,7 @@ def test_pyvista_comes_back(kind):
 
 def test_giving_pyvista_needs_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "pyvista", None)
-    with pytest.raises(ws.errors.LibraryError, match=r'pyvista is not installed.*pip install "\.\[pyvista\]"'):
+    with pytest.raises(ws.errors.LibraryError, match=r'pyvista is not installed.*pip install "wavesplat\[pyvista\]"'):
         VOLUMES["unknown"].to_pyvista()
 
 

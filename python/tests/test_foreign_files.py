@@ -110,10 +110,12 @@ def test_damaged_where_bytes_are_missing(tmp_path):
     [
         (
             ImportError('HTTPFileSystem requires "requests" and "aiohttp" to be installed'),
-            'pip install "aiohttp>=3.9", or in the checkout of Wavesplat: pip install ".[http]"',
+            'a package is missing; run: pip install "wavesplat[http]"',
         ),
         (ImportError("Install s3fs to access S3"), "a package is missing; run: pip install s3fs"),
-        (ModuleNotFoundError("No module named 'imagecodecs'"), "a package is missing; install it with pip"),
+        (ModuleNotFoundError("No module named 'imagecodecs'"), "a package is missing; run: pip install imagecodecs"),
+        (ValueError("<COMPRESSION.JPEG2000> requires the 'imagecodecs' package"), "run: pip install imagecodecs"),
+        (ModuleNotFoundError("No module named 'unknown'"), "a package is missing; install it with pip"),
         (FileNotFoundError("http://host/a.zarr"), "it is not there; check the name"),
         (ConnectionRefusedError("refused"), "the server does not answer"),
         (EOFError("ended"), "the file is truncated or damaged"),

@@ -156,7 +156,7 @@ def test_wavelets_say_what_to_give():
 
 def test_a_missing_library_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "scipy.ndimage", None)
-    with pytest.raises(LibraryError, match=r'pip install "\.\[body\]"'):
+    with pytest.raises(LibraryError, match=r'pip install "wavesplat\[body\]"'):
         ws.largest_body(ws.examples.ct_pelvis())
 
 

@@ -177,7 +177,7 @@ def test_a_missing_path_is_no_damaged_file(serve, tmp_path):
 def test_a_missing_package_is_named_with_the_command_that_installs_it(serve, monkeypatch):
     address, _ = serve()
     monkeypatch.setitem(sys.modules, "aiohttp", None)
-    with pytest.raises(ws.errors.LibraryError, match=r'aiohttp is not installed; .*pip install "\.\[http\]"'):
+    with pytest.raises(ws.errors.LibraryError, match=r'aiohttp is not installed; .*pip install "wavesplat\[http\]"'):
         ws.open(f"{address}/image.zarr")
 
 

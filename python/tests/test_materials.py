@@ -289,7 +289,7 @@ def test_one_material_is_clear():
 
 def test_a_fit_without_scikit_learn_says_what_to_install(monkeypatch):
     monkeypatch.setitem(sys.modules, "sklearn.mixture", None)
-    with pytest.raises(LibraryError, match=r'sklearn is not installed; .*: pip install "\.\[fit\]"'):
+    with pytest.raises(LibraryError, match=r'sklearn is not installed; .*: pip install "wavesplat\[fit\]"'):
         ws.Materials.fit(phantom(10))
 
 

@@ -265,7 +265,7 @@ def test_nothing_left_open_is_said():
 
 def test_a_missing_library_is_named(monkeypatch):
     monkeypatch.setitem(sys.modules, "skimage.measure", None)
-    with pytest.raises(ws.errors.LibraryError, match=r'skimage is not installed; .*: pip install "\.\[mesh\]"'):
+    with pytest.raises(ws.errors.LibraryError, match=r'skimage is not installed; .*: pip install "wavesplat\[mesh\]"'):
         ws.mesh(half_ball(), 0)
 
 

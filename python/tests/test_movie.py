@@ -191,7 +191,7 @@ def test_a_renderer_that_fails_stops_the_encoder(tmp_path):
 @pytest.mark.parametrize(("name", "module"), [("turn.mp4", "av"), ("turn.webm", "av"), ("turn.gif", "PIL.Image")])
 def test_a_missing_library_is_named_with_the_extra(tmp_path, monkeypatch, name, module):
     monkeypatch.setitem(sys.modules, module, None)
-    with pytest.raises(LibraryError, match=r'is not installed.*pip install "\.\[movie\]"'):
+    with pytest.raises(LibraryError, match=r'is not installed.*pip install "wavesplat\[movie\]"'):
         ws.movie(VOLUME, tmp_path / name, TURN, **DRAW)
     assert list(tmp_path.iterdir()) == []
 

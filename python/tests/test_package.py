@@ -4,7 +4,6 @@ import doctest
 import inspect
 import pickle
 import pkgutil
-import re
 import subprocess
 import sys
 from importlib import import_module
@@ -105,36 +104,6 @@ def test_options_are_read_without_large_libraries():
     """
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
-
-
-def test_extras_are_installed_from_the_checkout():
-    # Nothing is released yet, and somebody else may take the name.
-    root = Path(__file__).parents[2]
-    files = [root / "README.md", *(root / "changes").glob("*.md"), *(root / "docs").rglob("*.md")]
-    files += (root / "python" / "wavesplat").rglob("*.py")
-    texts = [path.read_text(encoding="utf-8") for path in files]
-    assert [path for path, text in zip(files, texts, strict=True) if re.search(r"pip install\W+wavesplat", text)] == []
-    named = {extra for text in texts for extra in re.findall(r'extra="(\w+)"|pip install "\.\[(\w+)\]"', text)}
-    project = (root / "pyproject.toml").read_text(encoding="utf-8")
-    extras = {name for pair in named for name in pair if name}
-    assert extras == {
-        "all",
-        "bio",
-        "body",
-        "dask",
-        "figure",
-        "fit",
-        "geometry",
-        "http",
-        "mesh",
-        "movie",
-        "n5",
-        "notebook",
-        "parquet",
-        "pyvista",
-        "xarray",
-    }
-    assert [name for name in extras if not re.search(rf"^{name} = \[", project, re.MULTILINE)] == []
 
 
 def test_the_extra_of_all_has_what_the_others_have():

@@ -18,8 +18,11 @@ PAGES = [
     "radiotherapy.md",
     "coming_from.md",
     "coming_from_paraview.md",
+    "coming_from_slicer.md",
     "simulations.md",
     "geometry.md",
+    "accuracy.md",
+    "privacy.md",
 ]
 
 

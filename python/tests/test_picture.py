@@ -237,7 +237,7 @@ def test_figures_need_matplotlib(monkeypatch):
     import sys
 
     monkeypatch.setitem(sys.modules, "matplotlib", None)
-    with pytest.raises(ws.errors.LibraryError, match=r'matplotlib is not installed.*pip install "\.\[figure\]"'):
+    with pytest.raises(ws.errors.LibraryError, match=r'matplotlib is not installed.*pip install "wavesplat\[figure\]"'):
         PICTURE.figure()
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import importlib.util
 import re
 from pathlib import Path
 
@@ -119,3 +120,16 @@ def test_the_reference_of_python_has_every_public_name_once():
         name for text in texts for name in re.findall(r"^\.\. auto\w+:: (?:wavesplat\.)?(\w+)$", text, re.MULTILINE)
     ]
     assert sorted(named) == sorted(name for name in ws.__all__ if name != "__version__")
+
+
+def test_pages_are_mended_for_those_who_hear_them():
+    spec = importlib.util.spec_from_file_location("accessible_pages", SITE / "accessible_pages.py")
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    page = "<dt>f(<dl>\n<dd><em>a</em>,</dd>\n<dd><em>b</em></dd>\n</dl>\n)</dt>\n<dl><dt>x</dt>\n<dd>y</dd>\n</dl>"
+    assert module.mended(page) == page.replace("<dl>\n", '<dl role="list">\n').replace(
+        "<dd><em>", '<dd role="listitem"><em>'
+    )
+    button = '<button type="button" class="btn search-button-field x" title="Search" aria-label="Search" data-x="1">'
+    assert module.mended(button) == button.replace(' aria-label="Search"', "")
+    assert module.mended('<button class="other" aria-label="Search">') == '<button class="other" aria-label="Search">'

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from importlib import import_module, metadata
 from typing import Any
 
@@ -21,21 +20,13 @@ def library(name: str, *, extra: str) -> Any:
 
 
 def how_to_install(extra: str) -> str:
-    """The end of a message about a missing package: the commands that install what an extra has.
+    """The end of a message about a missing package: the command that installs what an extra has.
 
-    The packages are named too, since whoever installed a wheel has no checkout, and the name of ours is not taken yet.
+    Where Wavesplat is installed, from a wheel or from a checkout, pip finds it there and adds only what is missing.
+    Where its modules are run as they lie, pip would look for the name where packages are published.
     """
-    packages = _packages_of(extra)
-    first = f"run: pip install {packages}, or " if packages else ""
-    return f'{first}in the checkout of Wavesplat: pip install ".[{extra}]"'
-
-
-def _packages_of(extra: str) -> str:
-    """The packages of an extra, quoted for a shell, by the metadata of the installed package; "" where it has none."""
     try:
-        needed = metadata.requires("wavesplat") or []
+        metadata.version("wavesplat")
     except metadata.PackageNotFoundError:
-        return ""
-    parts = (one.partition(";") for one in needed)
-    own = [name.strip() for name, _, when in parts if re.fullmatch(rf"\s*extra\s*==\s*['\"]{extra}['\"]\s*", when)]
-    return " ".join(f'"{name}"' for name in own)
+        return f'in the checkout of Wavesplat, run: pip install ".[{extra}]"'
+    return f'run: pip install "wavesplat[{extra}]"'

@@ -44,8 +44,8 @@ TRUNCATION_WORDS = re.compile(
     r"|decompression error|error during \w+ decompression|bad input data",
     re.IGNORECASE,
 )
-#: The package that fsspec needs for a protocol, in its message.
-MISSING = re.compile(r"Install (s3fs|gcsfs) to access")
+#: Packages that no extra brings, in messages of libraries: of fsspec for a protocol, of tifffile for a compression.
+MISSING = re.compile(r"Install (s3fs|gcsfs) to access|(?:requires the|No module named) '(imagecodecs)'")
 #: Packages that only some files need -> the extra that installs them.
 EXTRAS = {"aiohttp": "http"}
 
@@ -71,11 +71,11 @@ def reading(kind: str, path: object) -> Iterator[None]:
 
 def _advice(error: Exception) -> str:
     """The end of a message: bytes are called missing or wrong only where the error says so."""
+    if named := MISSING.search(str(error)):
+        return f"a package is missing; run: pip install {named[1] or named[2]}"
     if isinstance(error, ImportError):
         extra = next((extra for name, extra in EXTRAS.items() if name in str(error)), None)
-        named = MISSING.search(str(error))
-        how = how_to_install(extra) if extra else f"run: pip install {named[1]}" if named else "install it with pip"
-        return f"a package is missing; {how}"
+        return f"a package is missing; {how_to_install(extra) if extra else 'install it with pip'}"
     if isinstance(error, FileNotFoundError):
         return "it is not there; check the name"
     if isinstance(error, PermissionError):

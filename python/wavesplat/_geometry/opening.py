@@ -90,7 +90,7 @@ def open_geometry(
     ArgumentError
         If it has no such values, or a field cannot work.
     LibraryError
-        If the library for its format is not installed (`pip install ".[geometry]"` in the checkout).
+        If the library for its format is not installed (`pip install "wavesplat[geometry]"`).
 
     Examples
     --------

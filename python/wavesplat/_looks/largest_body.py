@@ -73,7 +73,7 @@ def largest_body(volume: VolumeLike, threshold: float | None = None, *, opening:
     ArgumentError
         If the volume has no samples (wavelets), nothing is above the threshold, or a number cannot be.
     LibraryError
-        If SciPy is not installed (`pip install ".[body]"` in the checkout).
+        If SciPy is not installed (`pip install "wavesplat[body]"`).
 
     Examples
     --------

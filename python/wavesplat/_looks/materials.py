@@ -251,7 +251,7 @@ class Materials:
         ArgumentError
             If the volume has fewer different values than materials.
         LibraryError
-            If scikit-learn is not installed (`pip install ".[fit]"` in the checkout).
+            If scikit-learn is not installed (`pip install "wavesplat[fit]"`).
 
         Examples
         --------

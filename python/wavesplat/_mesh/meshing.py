@@ -88,7 +88,7 @@ def mesh(
         If no surface has this value; the message says the samples' range. If there is no such label. If an argument
         cannot work.
     LibraryError
-        If scikit-image or SciPy is not installed (`pip install ".[mesh]"` in the checkout).
+        If scikit-image or SciPy is not installed (`pip install "wavesplat[mesh]"`).
 
     Examples
     --------

@@ -67,7 +67,7 @@ def _metadata(stack: Stack) -> dict[str, Any]:
     """The values of the OME XML, by the names that tifffile takes."""
     own = stack.grid.unit
     unit = NO_UNIT if own is None or units.metres(own) is None else units.written(own)
-    told: dict[str, Any] = {"axes": "TCZYX", "Name": stack.grid.name}
+    told: dict[str, Any] = {"axes": "TCZYX", "Name": stack.name}
     for axis, step in zip("XYZ", stack.grid.spacing, strict=True):
         told |= {f"PhysicalSize{axis}": step, f"PhysicalSize{axis}Unit": unit}
     if stack.n_times > 1 and stack.time_unit is not None:

@@ -212,7 +212,7 @@ def _multiscales(stack: Stack, factors: list[Triple], downsampling: Downsampling
         placed = [{"type": "scale", "scale": scale}, {"type": "translation", "translation": moved}]
         datasets.append({"path": str(number), "coordinateTransformations": placed})
     return {
-        "name": stack.grid.name,
+        "name": stack.name,
         "axes": [_axis(name, stack) for name in _axes(stack)],
         "datasets": datasets,
         "type": downsampling,

@@ -13,9 +13,9 @@ from pathlib import Path, PurePath
 from typing import Any
 
 from wavesplat._files.addresses import is_address, last_part
-from wavesplat._model.sources import with_paths
+from wavesplat._model.sources import Source, with_paths
 
-__all__ = ["file_name_of", "without_folders"]
+__all__ = ["file_name_of", "name_in_files", "without_folders"]
 
 #: Name in place of a folder's, of volumes and layers that have it.
 NAMELESS = "volume"
@@ -46,6 +46,18 @@ def file_name_of(path: str) -> str | None:
     if Path(path).is_dir() and parts.suffix.lower() != ".zarr":
         return None
     return parts.name
+
+
+def name_in_files(name: str, source: Source | None) -> str:
+    """The name of a volume, with another one where it is that of a folder which the volume was read from."""
+    paths: list[str] = []
+
+    def look(path: str) -> str:
+        paths.append(path)
+        return path
+
+    with_paths(source, look)
+    return NAMELESS if name in {PurePath(path).name for path in paths if file_name_of(path) is None} else name
 
 
 def _renamed(part: Any, folders: set[str]) -> Any:

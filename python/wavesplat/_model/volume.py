@@ -346,7 +346,7 @@ class Volume(Grid):
         Raises
         ------
         LibraryError
-            If xarray is not installed (`pip install ".[xarray]"` in the checkout).
+            If xarray is not installed (`pip install "wavesplat[xarray]"`).
 
         Examples
         --------
@@ -392,7 +392,7 @@ class Volume(Grid):
         Raises
         ------
         LibraryError
-            If PyVista is not installed (`pip install ".[pyvista]"` in the checkout).
+            If PyVista is not installed (`pip install "wavesplat[pyvista]"`).
         """
         return convert_to.to_pyvista(self, self._samples)
 

@@ -110,7 +110,7 @@ def movie(
     FileError
         If the suffix is unknown or the file cannot be written; an existing file is replaced only by a whole one.
     LibraryError
-        If the encoder is not installed (`pip install ".[movie]"` in the checkout).
+        If the encoder is not installed (`pip install "wavesplat[movie]"`).
     CancelledError
         If `progress` returned False; of a video nothing is left, of single frames those that are done.
 

@@ -293,7 +293,7 @@ class Picture:
         ArgumentError
             If `bits` is neither 8 nor 16, or `dpi` or `quality` is out of range.
         LibraryError
-            If ReportLab is not installed, which writes PDF (`pip install ".[figure]"` in the checkout).
+            If ReportLab is not installed, which writes PDF (`pip install "wavesplat[figure]"`).
 
         Examples
         --------
@@ -387,7 +387,7 @@ class Picture:
         Raises
         ------
         LibraryError
-            If matplotlib is not installed (`pip install ".[figure]"` in the checkout).
+            If matplotlib is not installed (`pip install "wavesplat[figure]"`).
 
         Examples
         --------

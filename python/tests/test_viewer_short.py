@@ -133,7 +133,7 @@ def test_short_forms_name_maps_and_presets():
     state = ViewerState.of(scene)
     assert short_look(state, 1) == {"map": "viridis", "window": [20.0, 200.0]}
     assert short_document(state, state.document)["layers"][1] == {
-        "volume": {"path": None, "name": "ball"},
+        "volume": {"path": None, "name": "ball", "id": 1},
         "look": {"map": "viridis", "window": [20.0, 200.0]},
     }
 

@@ -1,4 +1,4 @@
-"""Fields of a frame's message: its size, place and settings. `Frame` in `web/src/engine/engine.ts` is the twin."""
+"""Fields of a frame's message that its picture tells; `Frame` in `web/src/engine/engine.ts` is the twin."""
 
 from __future__ import annotations
 
@@ -13,13 +13,17 @@ from wavesplat._viewer.state import ViewerState
 __all__ = ["frame_fields"]
 
 
-def frame_fields(state: ViewerState, view: str, picture: Picture | SliceValues, settings: Settings) -> dict[str, Any]:
-    """Size in pixels, camera or place of the slice, world units per pixel, and the settings it was drawn with."""
+def frame_fields(
+    state: ViewerState, view: str, picture: Picture | SliceValues, settings: Settings, *, at_rest: bool
+) -> dict[str, Any]:
+    """Size in pixels, place in the world, settings, expected PSNR while moving, notes of pictures at rest."""
     return {
         "width": picture.size[0],
         "height": picture.size[1],
         **_place(state, view, picture),
         "settings": _settings(picture, settings),
+        "expected_psnr_db": None if at_rest else picture.report.get("expected_psnr_db"),
+        "notes": list(picture.report.get("notes", [])) if at_rest else [],
     }
 
 

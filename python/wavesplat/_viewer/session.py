@@ -423,12 +423,10 @@ class Session:
             ms = {"wait": waited_ms, "render": (drawn - begun) * 1e3, "encode": (encoded - drawn) * 1e3}
             header = {
                 **self._counted(pane, view, seq),
-                **frame_fields(state, view, picture, settings),
+                **frame_fields(state, view, picture, settings, at_rest=at_rest),
                 "format": fmt,
                 "at_rest": at_rest and size == picture.size,
-                "expected_psnr_db": None if at_rest else picture.report.get("expected_psnr_db"),
                 "ms": {name: round(value, 2) for name, value in ms.items()},
-                "notes": list(picture.report.get("notes", [])) if at_rest else [],
             }
         client.send(header, payload)
 
@@ -460,12 +458,10 @@ class Session:
                 return
             header = {
                 **self._counted(pane, view, seq),
-                **frame_fields(state, view, picture, Settings(None)),
+                **frame_fields(state, view, picture, Settings(None), at_rest=False),
                 "format": fmt,
                 "at_rest": False,
-                "expected_psnr_db": None,
                 "ms": {"wait": 0.0, "render": 0.0, "encode": 0.0},
-                "notes": [],
             }
         client.send(header, payload)
 

@@ -145,6 +145,8 @@ describe("one frame", () => {
     await change(page, { op: "replace", path: "/view/layout", value: { name: "3d", main: "3d" } });
     await expect.poll(async () => (await camera()).parallel_scale).toBeCloseTo(60, 6);
     same(await camera(), before);
+    // In a narrow window the width of the body decides.
+    await page.setViewportSize({ width: 900, height: 800 });
     await page.keyboard.press("1");
     const framed = await settled();
     await change(page, { op: "replace", path: "/view/layout", value: { name: "one-and-three", main: "3d" } });

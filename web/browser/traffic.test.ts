@@ -36,7 +36,7 @@ test("scripts travel compressed, below the limit of the first view, and the seco
   const scripts = await sent(first);
   expect(scripts.length).toBeGreaterThan(2);
   expect(scripts.every(({ bytes }) => bytes > 0)).toBe(true);
-  expect(scripts.reduce((total, { bytes }) => total + bytes, 0)).toBeLessThan(82_000);
+  expect(scripts.reduce((total, { bytes }) => total + bytes, 0)).toBeLessThan(102_000);
   const shown = scripts.filter(({ name }) => !name.startsWith("/late_panels"));
   expect(shown.length).toBe(scripts.length - 1);
   const urls = shown.map(({ name }) => `http://127.0.0.1:${server.port}${name}`);

@@ -26,12 +26,21 @@ export class CameraMover {
   private aspect = 0;
   private size: PixelSize = { width: 4, height: 3 };
   private seen: Seen | null = null;
+  /** A camera that came together with what the page shows beside it, by a link, a file or undo: it stays as it is. */
+  private given: Camera | null = null;
 
   constructor(
     private readonly engine: Engine,
     private readonly store: Store,
     private readonly fail: (problem: Problem) => void,
-  ) {}
+  ) {
+    let last = store.state;
+    store.subscribe(() => {
+      const { state } = store;
+      if (state.camera !== last.camera && state.view !== last.view) this.given = state.camera;
+      last = state;
+    });
+  }
 
   /** Shows what is seen from the direction of a camera, with its lens: all of it, with the margin of first pictures. */
   async show(camera: Camera): Promise<void> {
@@ -80,6 +89,7 @@ export class CameraMover {
     // The session frames the first picture itself.
     if (before === 0 || Math.abs(this.aspect / before - 1) < SAME_ASPECT) return;
     const { camera } = this.store.state;
+    if (camera === this.given) return;
     if (this.seen?.kept !== camera) this.seen = { camera, aspect: before, kept: camera };
     const { seen, aspect } = this;
     try {

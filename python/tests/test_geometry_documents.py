@@ -164,7 +164,7 @@ def test_the_viewer_keeps_geometry_of_which_its_page_knows_names_alone(tmp_path)
         ws.open_geometry(tmp_path / "cells.csv", color="red"), *(SMALL[kind] for kind in ("values", "oblique", "frame"))
     )
     state = ViewerState.of(own)
-    assert {tuple(told) for told in state.document["geometry"]} == {("kind", "name", "count", "visible")}
+    assert {tuple(told) for told in state.document["geometry"]} == {("kind", "name", "count", "visible", "id")}
     assert "cells.csv" not in str(state.document)
     changed = state.patched([{"op": "replace", "path": "/background", "value": "white"}])
     assert changed.scene.geometry == own.geometry

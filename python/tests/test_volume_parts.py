@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import multiprocessing
 import os
 import pickle
 import shutil
@@ -164,8 +163,22 @@ def drawn_in_a_process(given: tuple[NDArray[Any], list[Box], int]) -> bytes:
 def test_pictures_from_other_processes_merge() -> None:
     whole = field()
     boxes = tree_of_boxes(whole.shape, 3, np.random.default_rng(4))
-    with multiprocessing.get_context("spawn").Pool(2) as pool:
-        packed = pool.map(drawn_in_a_process, [(whole, boxes, number) for number in range(len(boxes))])
+    # Not a pool of `multiprocessing`: where one of its processes dies, it waits for ever.
+    code = (
+        "import pickle, sys; from test_volume_parts import drawn_in_a_process as drawn; "
+        "sys.stdout.buffer.write(drawn(pickle.load(sys.stdin.buffer)))"
+    )
+    packed = []
+    for number in range(len(boxes)):
+        done = subprocess.run(
+            [sys.executable, "-c", code],
+            input=pickle.dumps((whole, boxes, number)),
+            capture_output=True,
+            check=True,
+            cwd=Path(__file__).parent,
+            timeout=300,
+        )
+        packed.append(done.stdout)
     pictures = [pickle.loads(one) for one in packed]  # noqa: S301 - made here
     assert np.array_equal(ws.merge(pictures).rgba, merged(whole, boxes, SOFT, size=(64, 64)).rgba)
     # The samples stay where they are: states of rays are sent, and one overview of all parts.

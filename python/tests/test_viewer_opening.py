@@ -172,7 +172,7 @@ def test_a_file_does_not_wait_for_pictures_of_examples(started, monkeypatch):
     for number, name in enumerate(("ct_pelvis", "mri_head", "ripples")):
         ask = {"type": "ask", "id": number, "question": "example_picture", "arguments": {"name": name}}
         page.opener.receive("other", lambda *_: None, ask, b"")
-    threading.Timer(0.2, may_go.set).start()
+    threading.Timer(3, may_go.set).start()  # long enough for busy machines to begin opening
     assert page.open({"scan.nii.gz": nifti_of(scan_samples())})["shown"]
     # The one that was being drawn already is finished first.
     assert drawn[0] == ("ct_pelvis", 0)

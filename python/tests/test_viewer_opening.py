@@ -315,7 +315,30 @@ def test_several_series_are_a_question(started):
     again = page.answer("open", upload=1, choice={"option": "dataset", "value": "b"})[0]
     assert again["shown"]
     assert begun[0].scene.layers[0].drawn.shape == (9, 9, 9)
+    folder = page.opener._uploads.get(1).folder
     assert "choice" in page.refusal("open", upload=1, choice={"option": "path", "value": "/etc/passwd"})
+    page.answer("upload_discard", upload=1)
+    assert (folder / "two.npz").exists()  # it is shown
+
+
+def test_a_question_of_another_page_removes_nothing(started):
+    page, _ = started
+    upload = page.send({"scan.nii.gz": nifti_of(scan_samples())})
+    folder, other = page.opener._uploads.get(upload).folder, Asker(page.opener, "other")
+    assert "another page's" in other.refusal("open", upload=upload)
+    assert "another page's" in other.refusal("upload_discard", upload=upload)
+    assert (folder / "scan.nii.gz").exists()
+    page.answer("upload_discard", upload=upload)
+    assert not folder.exists()
+
+
+def test_what_a_page_opened_and_did_not_show_goes_with_it(opened):
+    page, _ = opened
+    told = page.open({"other.nii.gz": nifti_of(scan_samples(16, 3))})
+    folder = page.opener._uploads.get(1).folder
+    page.opener.leave("page")
+    assert not folder.exists()
+    assert "open it again" in page.refusal("show", opened=told["opened"], how="overlay")
 
 
 def several_npz():

@@ -14,6 +14,7 @@ import wavesplat as ws
 from wavesplat._viewer import questions
 from wavesplat._viewer.picturing import picture_of
 from wavesplat._viewer.seen import GAP, name_of, seen
+from wavesplat._viewer.seen import _text as text_of
 from wavesplat._viewer.state import ViewerState
 from wavesplat.errors import ArgumentError
 
@@ -30,6 +31,7 @@ def with_measures(state):
     measures = [
         {"kind": "distance", "points": [[x, y, z], [x + 50, y, z]]},
         {"kind": "angle", "points": [[x + 30, y, z], [x, y, z], [x, y + 30, z]]},
+        {"kind": "area", "points": [[x - 40, y, z], [x - 10, y, z], [x - 10, y - 20, z], [x - 40, y - 20, z]]},
     ]
     return state.patched([{"op": "replace", "path": "/view/measures", "value": measures}])
 
@@ -147,3 +149,18 @@ def test_files_are_named_after_the_volume(file, stem):
 def test_pictures_that_cannot_be_are_refused(pelvis, arguments, told):
     with pytest.raises(ArgumentError, match=told.replace("(", "\\(")):
         questions.answer(pelvis, "picture", {"width": 20, "height": 20, **arguments})
+
+
+def test_measures_are_written_by_their_kind():
+    square = np.array([[0.0, 0, 5], [3, 0, 5], [3, 2, 5], [0, 2, 5]])
+    assert text_of("distance", square[:2], "mm") == "3 mm"
+    assert text_of("angle", square[:3], "mm") == "90.0°"
+    assert text_of("area", square, "mm") == "6 mm²"
+    # Tilted in space, its area is the same.
+    tilt = np.array([[1, 0, 0], [0, 0.6, 0.8], [0, -0.8, 0.6]])
+    assert text_of("area", square @ tilt, "µm") == "6 µm²"
+
+
+@pytest.mark.parametrize("size", [(241, 181), (240, 181)])
+def test_all_views_have_the_size_that_was_asked_for(pelvis, size):
+    assert seen(pelvis, "all", size, marks=False).size == size

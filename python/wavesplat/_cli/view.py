@@ -6,6 +6,7 @@ import os
 import signal
 import sys
 import threading
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_args
 
@@ -128,7 +129,7 @@ def view(
         if browser:
             server.open_in_browser()
         if not given:
-            _serve(server, None)
+            _serve(server, None, render={"quality": quality, "kernel": kernel})
         server.send_progress(f"Opening {_name(input, state, example)}")
         try:
             first = opened()
@@ -166,8 +167,10 @@ def _check_named(given: list[str], *groups: Any) -> None:
         )
 
 
-def _serve(server: Any, first: ViewerState | None, input: str | None = None) -> None:
-    """Serve a first state, or the start page, until Ctrl-C."""
+def _serve(
+    server: Any, first: ViewerState | None, input: str | None = None, *, render: Mapping[str, str] | None = None
+) -> None:
+    """Serve a first state, or the start page and what is opened there with the settings `render`, until Ctrl-C."""
     from wavesplat._viewer.opening import Opener
     from wavesplat._viewer.recent import Recent
     from wavesplat._viewer.session import Session
@@ -175,7 +178,10 @@ def _serve(server: Any, first: ViewerState | None, input: str | None = None) -> 
     sessions: list[Session] = []
 
     def begin(state: ViewerState) -> None:
-        sessions.append(Session(state))
+        settings = [
+            {"op": "replace", "path": f"/render/{name}", "value": value} for name, value in (render or {}).items()
+        ]
+        sessions.append(Session(state.patched(settings)))
         server.show(sessions[0])
 
     recent = Recent()
@@ -200,8 +206,10 @@ def _end_as_by_ctrl_c() -> None:
     """Let a closed terminal, or the system's request to end, do what Ctrl-C does: files that pages sent are removed."""
     if threading.current_thread() is threading.main_thread():
         for name in ("SIGTERM", "SIGHUP"):
-            if hasattr(signal, name):
-                signal.signal(getattr(signal, name), signal.default_int_handler)
+            number = getattr(signal, name, None)
+            # `nohup` lets a closed terminal be ignored, which stays so.
+            if number is not None and signal.getsignal(number) is not signal.SIG_IGN:
+                signal.signal(number, signal.default_int_handler)
 
 
 def _opened(

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 __all__ = ["SaveOptions", "check_save_options", "save_seen", "takes_save_options"]
 
 SHOWN = ("3d", "z", "y", "x", "all")
+#: Pixels of a picture without --size.
+FIRST_SIZE = (1024, 768)
 
 
 @dataclass(frozen=True)
@@ -38,7 +40,9 @@ class SaveOptions:
             help="Of --save: 3d, a slice by the axis across it, z, y or x, or all, two by two.",
         ),
     ] = "3d"
-    size: Annotated[Any, typer.Option(metavar="WxH", parser=parsers.size, help="Of --save: pixels.")] = "1024x768"
+    size: Annotated[
+        Any, typer.Option(metavar="WxH", parser=parsers.size, help="Of --save: pixels; 1024x768 without it.")
+    ] = None
     marks: Annotated[
         bool,
         typer.Option("--marks/--no-marks", help="Of --save: draw measures, scale bars, letters, colour bar, legend."),
@@ -56,8 +60,8 @@ def check_save_options(saving: SaveOptions, input: str | None, *, is_named: bool
         raise ArgumentError("INPUT: name one for --save: a volume, --state FILE.json or --example NAME")
     if saving.save is not None:
         check_outputs(input or "-", saving.save, "pictures", option="--save")
-    elif (saving.shown, saving.marks) != ("3d", True):
-        raise ArgumentError("--shown and --marks are for the picture of --save; name it, or leave them out")
+    elif (saving.shown, saving.size, saving.marks) != ("3d", None, True):
+        raise ArgumentError("--shown, --size and --marks are for the picture of --save; name it, or leave them out")
 
 
 def save_seen(saving: SaveOptions, state: ViewerState) -> None:
@@ -65,6 +69,6 @@ def save_seen(saving: SaveOptions, state: ViewerState) -> None:
     from wavesplat._viewer.seen import check_shown, seen
 
     output: Any = saving.save
-    picture = seen(state, check_shown(saving.shown), saving.size, marks=saving.marks)
+    picture = seen(state, check_shown(saving.shown), saving.size or FIRST_SIZE, marks=saving.marks)
     picture.save(output)
     print_lines(str(output), written=output)

@@ -86,8 +86,7 @@ class _Pages:
             try:
                 if kind == "bye":
                     if client is not None:
-                        self._clients.pop(page).close()
-                        self._opener.leave(page)
+                        self._drop(page)
                 elif kind == "hello":
                     self._hello(page, client, content)
                 elif client is not None and self._opener.takes(content):
@@ -110,11 +109,16 @@ class _Pages:
         if client is None:
             # The oldest pages, which may have gone without a message, make room.
             while len(self._clients) >= MAX_PAGES:
-                self._clients.pop(next(iter(self._clients))).close()
+                self._drop(next(iter(self._clients)))
             client = self._clients[page] = self._session.connect(
                 lambda header, payload: self._send(page, header, payload)
             )
         client.welcome(session="")
+
+    def _drop(self, page: str) -> None:
+        """Forget a page, and what it sent."""
+        self._clients.pop(page).close()
+        self._opener.leave(page)
 
     def _send(self, page: str, header: dict[str, Any], payload: bytes) -> None:
         self._widget.send({**header, "page": page}, [payload] if payload else [])

@@ -25,7 +25,7 @@ from wavesplat._viewer.open_paths import Found, Several, found_at, scene_with
 from wavesplat._viewer.recent import Recent, last_part
 from wavesplat._viewer.state import ViewerState
 from wavesplat._viewer.upload_contents import paths_in
-from wavesplat._viewer.uploads import Uploads
+from wavesplat._viewer.uploads import Upload, Uploads
 from wavesplat.errors import ArgumentError, FileError, WavesplatError
 
 __all__ = ["Opener"]
@@ -40,10 +40,11 @@ HOWS = ("replace", "overlay", "labels")
 
 @dataclass(frozen=True)
 class _Read:
-    """The contents of a path that was opened, and the number of its upload."""
+    """The contents of a path that was opened, the number of its upload, and the page that asked."""
 
     found: tuple[Found, ...]
     upload: int | None
+    owner: Any
 
 
 class Opener:
@@ -63,6 +64,8 @@ class Opener:
         self._state, self._begin, self._recent = state, begin, recent
         self._uploads = Uploads()
         self._read: dict[int, _Read] = {}
+        #: Uploads whose files are shown, and stay until the end: undo brings them back.
+        self._on_show: set[int | None] = set()
         self._next = 1
         #: Questions by urgency, then by their order; None ends the thread.
         self._waiting: queue.PriorityQueue[tuple[int, int, Callable[[], None] | None]] = queue.PriorityQueue()
@@ -119,8 +122,10 @@ class Opener:
         self._waiting.put((int(question == "example_picture"), next(self._order), answer))
 
     def leave(self, owner: Any) -> None:
-        """A page has gone: its unfinished uploads are removed."""
+        """A page has gone: its unfinished uploads, and what it opened and did not show, are removed."""
         self._uploads.leave(owner)
+        for number in [number for number, read in list(self._read.items()) if read.owner == owner]:
+            self._forget(number)
 
     def close(self) -> None:
         """Remove all files that pages sent."""
@@ -166,15 +171,26 @@ class Opener:
             raise ArgumentError("upload: it is another page's, or is complete")
         return {"received": upload.write(arguments.get("path"), arguments.get("offset"), payload)}, b""
 
-    def _upload_discard(self, _owner: Any, arguments: Mapping[str, Any], _: bytes) -> Answer:
-        number = arguments.get("upload")
-        self._read = {key: read for key, read in self._read.items() if read.upload is None or read.upload != number}
-        self._uploads.discard(number)
+    def _upload_discard(self, owner: Any, arguments: Mapping[str, Any], _: bytes) -> Answer:
+        upload = self._own_upload(owner, arguments)
+        self._read = {key: read for key, read in self._read.items() if read.upload != upload.number}
+        self._discard(upload.number)
         return {}, b""
+
+    def _own_upload(self, owner: Any, arguments: Mapping[str, Any]) -> Upload:
+        upload = self._uploads.get(arguments.get("upload"))
+        if upload.owner != owner:
+            raise ArgumentError("upload: it is another page's")
+        return upload
+
+    def _discard(self, upload: int | None) -> None:
+        """Remove the files of an upload, unless they are shown: lazy volumes read on."""
+        if upload not in self._on_show:
+            self._uploads.discard(upload)
 
     def _open(self, owner: Any, arguments: Mapping[str, Any], _: bytes) -> Answer:
         state = self._state()
-        upload = arguments.get("upload")
+        upload = self._own_upload(owner, arguments).number if "upload" in arguments else None
         try:
             found = self._found(owner, arguments, state)
         except Several as several:
@@ -182,19 +198,20 @@ class Opener:
                 "several": {"option": several.option, "names": several.names, "described": several.described},
                 "message": str(several),
             }, b""
-        except WavesplatError:
-            self._uploads.discard(upload)
+        except Exception:
+            self._discard(upload)
             raise
         notes = [note for one in found for note in one.notes]
         told = {"found": [{"kind": one.kind, "name": one.name} for one in found], "notes": notes}
         if state is None and self._begin is not None:
             with_volumes = any(one.kind == "volume" for one in found)
             self._begin(ViewerState.of(scene_with(None, found, as_labels=with_volumes)))
+            self._on_show.add(upload)
             return {**told, "shown": True}, b""
         while len(self._read) >= MAX_READ:
             self._forget(next(iter(self._read)))
         number, self._next = self._next, self._next + 1
-        self._read[number] = _Read(found, upload if isinstance(upload, int) else None)
+        self._read[number] = _Read(found, upload, owner)
         return {**told, "shown": False, "opened": number}, b""
 
     def _show(self, _owner: Any, arguments: Mapping[str, Any], _: bytes) -> Answer:
@@ -211,12 +228,11 @@ class Opener:
         else:
             operations = added(state, scene_with(state.scene, read.found, as_labels=how == "labels"))
         del self._read[number]  # type: ignore[arg-type]
+        self._on_show.add(read.upload)
         return {"operations": operations}, b""
 
     def _forget(self, number: int) -> None:
-        read = self._read.pop(number)
-        if read.upload is not None:
-            self._uploads.discard(read.upload)
+        self._discard(self._read.pop(number).upload)
 
     def _found(self, owner: Any, arguments: Mapping[str, Any], state: ViewerState | None) -> tuple[Found, ...]:
         """The contents of the upload, the example or the recent file that a question names."""
@@ -231,9 +247,7 @@ class Opener:
             if self._recent is not None:
                 self._recent.add(path)
             return (found,)
-        upload = self._uploads.get(arguments.get("upload"))
-        if upload.owner != owner:
-            raise ArgumentError("upload: it is another page's")
+        upload = self._own_upload(owner, arguments)
         if (upload.received, upload.begun) != (upload.n_bytes, upload.n_files):
             raise ArgumentError(
                 f"upload: {upload.received} of {upload.n_bytes} bytes came, in {upload.begun} of {upload.n_files} files"

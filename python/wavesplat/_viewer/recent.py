@@ -91,4 +91,12 @@ def _shown(path: str) -> dict[str, Any]:
     if is_address(path):
         return {"name": last_part(path), "folder": path.rstrip("/").rpartition("/")[0], "is_there": True}
     place = Path(path)
-    return {"name": last_part(path), "folder": str(place.parent), "is_there": place.exists()}
+    return {"name": last_part(path), "folder": str(place.parent), "is_there": _is_there(place)}
+
+
+def _is_there(place: Path) -> bool:
+    """Whether a file is there; not, where its folder may not be entered or its disk does not answer."""
+    try:
+        return place.exists()
+    except OSError:
+        return False

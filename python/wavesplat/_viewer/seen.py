@@ -86,19 +86,21 @@ def seen(
     if shown != "all":
         picture = picture_of(state, shown, size, progress=progress)
         return _beside(state, _marked(state, shown, picture)) if marks else picture
-    width, height = ((side - GAP) // 2 for side in size)
+    # The second column and row have the odd pixel, so that the whole has the size that was asked for.
+    (width, other_width), (height, other_height) = (((side - GAP) // 2, (side - GAP + 1) // 2) for side in size)
     if min(width, height) < 1:
         raise ArgumentError(f"size is {size[0]} x {size[1]}; four views need {GAP + 2} pixels along each side, or more")
     views = ("3d", "z", "y", "x")
-    pictures = [picture_of(state, view, (width, height), progress=progress) for view in views]
+    sizes = [(w, h) for h in (height, other_height) for w in (width, other_width)]
+    pictures = [picture_of(state, view, one, progress=progress) for view, one in zip(views, sizes, strict=True)]
     report = pictures[0].report
     if marks:
         pictures = [_marked(state, view, picture) for view, picture in zip(views, pictures, strict=True)]
-    rgba = np.full((2 * height + GAP, 2 * width + GAP, 4), GAP_COLOR, np.float32)
+    rgba = np.full((size[1], size[0], 4), GAP_COLOR, np.float32)
     rgba[..., 3] = 1
     for number, picture in enumerate(pictures):
         top, left = (height + GAP) * (number // 2), (width + GAP) * (number % 2)
-        rgba[top : top + height, left : left + width] = picture.rgba
+        rgba[top : top + picture.size[1], left : left + picture.size[0]] = picture.rgba
     facts = {name: value for name, value in report.items() if name != "scene"}
     whole = Picture(rgba, report=facts)  # type: ignore[arg-type]
     return _beside(state, whole) if marks else whole
@@ -143,11 +145,13 @@ def _measures(state: ViewerState, view: str, picture: Picture) -> list[Mark]:
             continue
         found = [(float(x), float(y)) for x, y in places]
         size = style.size
-        for start, end in pairwise(found):
+        is_region = measure["kind"] == "area"
+        for start, end in pairwise([*found, found[0]] if is_region else found):
             marks.append(stroke(start, end, LINE * size, CYAN, style.halo))
         marks += [disc(place, POINT * size, CYAN, style.halo) for place in found]
         x, y = found[1 if measure["kind"] == "angle" else 0]
-        marks.append(Text(x + 0.6 * size, y - 0.5 * size, _text(points, unit), size, CYAN, "start", style.halo))
+        text = _text(measure["kind"], points, unit)
+        marks.append(Text(x + 0.6 * size, y - 0.5 * size, text, size, CYAN, "start", style.halo))
     return marks
 
 
@@ -165,10 +169,19 @@ def _places(state: ViewerState, view: str, picture: Picture, points: NDArray[np.
     return np.stack([offset @ right, offset @ down], axis=1) / pixel + 0.5
 
 
-def _text(points: NDArray[np.float64], unit: str) -> str:
-    """The length of two points, or the angle at the second of three, as the page writes it."""
-    if len(points) == 2:
-        return f"{float(f'{np.linalg.norm(points[1] - points[0]):.4g}'):g} {unit}"
+def _text(kind: str, points: NDArray[np.float64], unit: str) -> str:
+    """The length of a distance, the area of a region, or the angle at the second point, as the page writes it."""
+    if kind == "distance":
+        return f"{_short(float(np.linalg.norm(points[1] - points[0])))} {unit}"
+    if kind == "area":
+        corners = points - points[0]
+        area = 0.5 * float(np.linalg.norm(np.cross(corners, np.roll(corners, -1, axis=0)).sum(axis=0)))
+        return f"{_short(area)} {unit}²"
     one, other = points[0] - points[1], points[2] - points[1]
     cosine = float(one @ other / (np.linalg.norm(one) * np.linalg.norm(other)))
     return f"{degrees(acos(min(max(cosine, -1.0), 1.0))):.1f}°"
+
+
+def _short(number: float) -> str:
+    """A number with four digits."""
+    return f"{float(f'{number:.4g}'):g}"

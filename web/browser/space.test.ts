@@ -78,8 +78,14 @@ describe("what is upright stays upright", () => {
     const { x, y } = await middle(page);
     await page.mouse.move(x + 60, y);
     await page.mouse.down();
-    for (let step = 1; step <= 72; step += 1) await page.mouse.move(x + 60 * Math.cos((step * Math.PI) / 12), y + 60 * Math.sin((step * Math.PI) / 12));
+    const begun = (await camera()).position;
+    let turned = 0;
+    for (let step = 1; step <= 72; step += 1) {
+      await page.mouse.move(x + 60 * Math.cos((step * Math.PI) / 12), y + 60 * Math.sin((step * Math.PI) / 12));
+      if (step === 36) turned = Math.hypot(...(await camera()).position.map((value, axis) => value - (begun[axis] ?? 0)));
+    }
     await page.mouse.up();
+    expect(turned, "half a circle turns the picture").toBeGreaterThan(20);
     const { up } = cameras.axesOf(await camera());
     expect((Math.acos(Math.min(1, up[2])) * 180) / Math.PI).toBeLessThan(1);
   });

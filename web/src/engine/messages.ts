@@ -37,7 +37,8 @@ const state: Check = (value, where) => {
 const camera = open({ position: point, focal_point: point, view_up: point });
 const volume = open({
   name: text, shape: point, spacing: point, unit: orNull(text), value_unit: text, kind: text, range: pair, robust_range: pair,
-  bounds: box, is_anatomical: flag, n_times: whole, affine: list(list(number(), 4, 4), 4, 4),
+  bounds: box, is_anatomical: flag, n_times: whole, dtype: text, orientation: orNull(text), notes: list(text),
+  affine: list(list(number(), 4, 4), 4, 4),
 });
 const look = open({ transfer_function: open({}) });
 const bytes = open({});
@@ -58,9 +59,9 @@ const statistics = { mean: number(), sd: number(), min: number(), max: number() 
 /** Facts of what is open. */
 const DATA = {
   volumes: list(volume, 1), bounds: box, fingerprint: text,
-    presets: list(open({ name: text, description: text, kind: text, fits: flag, layers: list(whole) })),
-    composites: list(text), kernels: list(text), window_names: open({ "*": pair }),
-    standard_views: fields({ "*": camera }, "message"), upright: point, axis_ends: list(text, 6, 6),
+  presets: list(open({ name: text, description: text, kind: text, fits: flag, layers: list(whole) })),
+  composites: list(text), kernels: list(text), window_names: open({ "*": pair }),
+  standard_views: fields({ "*": camera }, "message"), upright: point, axis_ends: list(text, 6, 6),
 };
 /** Examples and recent files. */
 const OFFERED = {

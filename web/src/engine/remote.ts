@@ -126,7 +126,11 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
     clearInterval(helloTimer);
     options.onSession?.(session);
     // The program was started again with other data, for which the state shown here is invalid.
-    if (replica !== null && welcome.fingerprint !== fingerprint) options.onOtherData?.();
+    if (replica !== null && welcome.fingerprint !== fingerprint && options.onOtherData !== undefined) {
+      // The page is loaded anew; its state is none of the new data.
+      options.onOtherData();
+      return;
+    }
     fingerprint = welcome.fingerprint;
     isOpen = true;
     const before = replica?.state;
@@ -294,6 +298,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
     },
     retry: () => channel.retry(),
     close() {
+      isOpen = false;
       clearInterval(helloTimer);
       clearTimeout(silenceTimer);
       channel.close();

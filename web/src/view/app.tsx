@@ -128,8 +128,11 @@ class App {
     this.host.onVolumes?.(welcome.volumes.map(({ name }) => name));
     // On a page of its own keys are for the viewer, wherever the focus is; in a notebook only while it has the focus.
     if (this.host.kind === "page") {
-      document.addEventListener("keydown", this.onKey);
-      this.stops.push(() => document.removeEventListener("keydown", this.onKey));
+      const stop = new AbortController();
+      document.addEventListener("keydown", this.onKey, { signal: stop.signal });
+      // The end of a gesture by keys, whose presses are one step of undo.
+      document.addEventListener("keyup", () => store.settle(), { signal: stop.signal });
+      this.stops.push(() => stop.abort());
     }
     this.expose();
     this.schedule();

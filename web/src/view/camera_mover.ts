@@ -3,7 +3,7 @@
 import type { Engine, Problem } from "../engine/engine.ts";
 import { between } from "../input/camera_path.ts";
 import { set } from "../state/patch.ts";
-import type { Camera } from "../state/state.ts";
+import type { Camera, ViewerState } from "../state/state.ts";
 import type { Store } from "../state/store.ts";
 import type { PixelSize } from "./viewport.tsx";
 
@@ -19,6 +19,9 @@ interface Seen {
   readonly kept: Camera;
 }
 
+/** The part of a state that says how much room the 3-D view has. */
+const roomOf = ({ view }: ViewerState): string => JSON.stringify([view.layout, view.interface.panels]);
+
 /** Moves the camera of one viewer: one move at a time, which the next one, or a gesture, ends. */
 export class CameraMover {
   private number = 0;
@@ -26,7 +29,7 @@ export class CameraMover {
   private aspect = 0;
   private size: PixelSize = { width: 4, height: 3 };
   private seen: Seen | null = null;
-  /** A camera that came together with what the page shows beside it, by a link, a file or undo: it stays as it is. */
+  /** A camera that came with another layout, by a link, a file or undo: the change of size that follows leaves it as it is. */
   private given: Camera | null = null;
 
   constructor(
@@ -37,7 +40,7 @@ export class CameraMover {
     let last = store.state;
     store.subscribe(() => {
       const { state } = store;
-      if (state.camera !== last.camera && state.view !== last.view) this.given = state.camera;
+      if (state.camera !== last.camera && roomOf(state) !== roomOf(last)) this.given = state.camera;
       last = state;
     });
   }
@@ -65,7 +68,10 @@ export class CameraMover {
     let last = from;
     const step = (): void => {
       // Somebody else has moved it.
-      if (this.store.state.camera !== last) return;
+      if (this.store.state.camera !== last) {
+        this.store.settle();
+        return;
+      }
       const t = Math.min(1, (performance.now() - begun) / EASE_MS);
       this.store.change([set(between(from, target, t * t * (3 - 2 * t)), "camera")], "ease");
       last = this.store.state.camera;
@@ -89,7 +95,10 @@ export class CameraMover {
     // The session frames the first picture itself.
     if (before === 0 || Math.abs(this.aspect / before - 1) < SAME_ASPECT) return;
     const { camera } = this.store.state;
-    if (camera === this.given) return;
+    if (camera === this.given) {
+      this.given = null;
+      return;
+    }
     if (this.seen?.kept !== camera) this.seen = { camera, aspect: before, kept: camera };
     const { seen, aspect } = this;
     try {

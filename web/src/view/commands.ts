@@ -9,6 +9,7 @@ import { titleOf } from "./look/preset_kinds.ts";
 import type { PartProps } from "./part.ts";
 import { problemOf } from "./problems.ts";
 import { PANELS, toggled } from "./sheet.tsx";
+import { chooseWindow, namedWindows } from "./slices/window_menu.tsx";
 
 const TEXT = WORDS.palette;
 const LAYOUTS = ["3d", "one-and-three", "two-by-two", "single"] as const;
@@ -25,7 +26,7 @@ export function commandsOf(part: PartProps): Command[] {
   const { store, ui, welcome } = part;
   const view = store.state.view;
   return [
-    ...KEYS.map((key) => ({ text: key.text, hint: key.shown, run: () => press(ui.root, key) })),
+    ...KEYS.filter(({ action }) => action !== "find").map((key) => ({ text: key.text, hint: key.shown, run: () => press(ui, key) })),
     ...LAYOUTS.map((name) => ({
       text: WORDS.layouts[name],
       hint: TEXT.layout,
@@ -36,16 +37,12 @@ export function commandsOf(part: PartProps): Command[] {
       hint: TEXT.panel,
       run: () => store.change([set(toggled(view.interface.panels.filter((one) => one !== name), name), "view", "interface", "panels")]),
     })),
-    ...["auto", ...welcome.presets.map(({ name }) => name)].map((name) => ({
+    ...["auto", ...welcome.presets.filter(({ layers }) => layers.includes(ui.layer)).map(({ name }) => name)].map((name) => ({
       text: titleOf(name) === name ? name : `${titleOf(name)} (${name})`,
       hint: TEXT.look,
       run: () => void take(part, name),
     })),
-    ...Object.entries(welcome.window_names).map(([name, window]) => ({
-      text: name,
-      hint: TEXT.window,
-      run: () => store.change([set(window, "view", "slices", "window")]),
-    })),
+    ...namedWindows(part).map(([name]) => ({ text: name, hint: TEXT.window, run: () => chooseWindow(part, name) })),
     ...THEMES.map((name) => ({ text: WORDS.settings.themes[name], hint: TEXT.theme, run: () => store.change([set(name, "view", "interface", "theme")]) })),
     ...labelCommands(part),
   ];
@@ -82,9 +79,12 @@ async function take({ store, engine, ui }: PartProps, name: string): Promise<voi
   }
 }
 
-/** Presses a key in the first view, so that a command does what its key does. */
-function press(root: PartProps["ui"]["root"], { keys }: Key): void {
-  const view = root.querySelector<HTMLElement>("[data-view]");
+/** Presses a key in the view that was used last, of slices in one of them, so that a command does what its key does. */
+function press({ root, views }: PartProps["ui"], { keys, action }: Key): void {
+  const isOfSlices = action === "slice-back" || action === "slice-on";
+  const all = [...root.querySelectorAll<HTMLElement>("[data-view]")];
+  const fitting = isOfSlices ? all.filter((view) => view.dataset["view"] !== "3d") : all;
+  const view = fitting.find((one) => one.dataset["view"] === views.last) ?? fitting[0];
   const parts = (keys[0] ?? "").split("+");
   // The key "+" itself has no name before it.
   const key = parts.at(-1) === "" ? "+" : (parts.at(-1) ?? "");

@@ -8,7 +8,9 @@ import { compositeName } from "./descriptions.ts";
 import { hiddenOf, labelRows, shownLabels } from "./look/layers.ts";
 import { hexColor, namedColor } from "./look/looks.ts";
 import { Ramp } from "./look/ramp.tsx";
+import type { ViewerState } from "../state/state.ts";
 import type { PartProps } from "./part.ts";
+import { toggled } from "./sheet.tsx";
 
 const TEXT = WORDS.legend;
 /** Most rows; fewer where the view is low, so that the letters in the middle of its edges stay free. */
@@ -45,13 +47,20 @@ export function Legend(props: PartProps & { readonly height: number }) {
       ))}
       {more > 0 && (
         <li>
-          <button class="legend-row" onClick={() => store.change([set(["labels"], "view", "interface", "panels")])}>
+          <button class="legend-row" onClick={() => store.change([set(sheetOfMore(store.state), "view", "interface", "panels")])}>
             <span>{TEXT.more(more)}</span>
           </button>
         </li>
       )}
     </ul>
   );
+}
+
+/** The open panels with the list of labels or, without a segmentation, of layers. */
+function sheetOfMore({ labels, view }: ViewerState): string[] {
+  const { panels } = view.interface;
+  const name = labels === null ? "layers" : "labels";
+  return panels.includes(name) ? [...panels] : toggled(panels, name);
 }
 
 function labelsOf({ store }: PartProps): Row[] {

@@ -50,7 +50,7 @@ export function SceneView(props: PartProps) {
       return;
     }
     if (gesture.kind === "tap") {
-      if (gesture.ctrl || ui.tool !== "turn") void pick(props, gesture.x / size.width, gesture.y / size.height, size);
+      if (gesture.ctrl || isMeasuring(ui.tool)) void pick(props, gesture.x / size.width, gesture.y / size.height, size);
       return;
     }
     if (gesture.phase === "end") {

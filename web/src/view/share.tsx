@@ -73,7 +73,7 @@ export function SharePanel(props: PartProps) {
     setText(what);
     try {
       await navigator.clipboard.writeText(what);
-      ui.announce(`${name} copied`);
+      ui.announce(`${name} is copied`);
     } catch {
       ui.announce(`${name} is in the field below`);
     }
@@ -88,7 +88,7 @@ export function SharePanel(props: PartProps) {
         return;
       }
       const { token } = await engine.ask("token", {});
-      await copy(`${location.origin}${location.pathname}#token=${token}&state=${found}`, "The link, which opens once, is");
+      await copy(`${location.origin}${location.pathname}#token=${token}&state=${found}`, "The link, which opens once,");
     });
 
   return (

@@ -6,7 +6,7 @@ type Receive = (event: KeyboardEvent) => void;
 
 export class Views {
   private readonly shown = new Map<ViewName, Receive>();
-  private last: ViewName = "3d";
+  private used: ViewName = "3d";
 
   /** Adds a view that is shown; returns a function that removes it. */
   add(view: ViewName, receive: Receive): () => void {
@@ -16,12 +16,17 @@ export class Views {
 
   /** Notes that something was done in a view. */
   use(view: ViewName): void {
-    this.last = view;
+    this.used = view;
+  }
+
+  /** The view that was used last. */
+  get last(): ViewName {
+    return this.used;
   }
 
   /** Passes a key on to the view that was used last or, where that is gone, to the first one. */
   receive(event: KeyboardEvent): void {
-    const receive = this.shown.get(this.last) ?? [...this.shown.values()][0];
+    const receive = this.shown.get(this.used) ?? [...this.shown.values()][0];
     receive?.(event);
   }
 }

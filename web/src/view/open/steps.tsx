@@ -47,8 +47,12 @@ export function Progress({ opener }: { readonly opener: PageOpener }) {
 /** Asks which of several series or datasets is opened. */
 export function SeveralDialog({ opener }: { readonly opener: PageOpener }) {
   const { step } = opener;
+  // With a key, so that each file begins with its own first series.
+  return step.kind === "several" ? <SeveralChoices key={step.name} opener={opener} step={step} /> : null;
+}
+
+function SeveralChoices({ opener, step }: { readonly opener: PageOpener; readonly step: Extract<PageOpener["step"], { kind: "several" }> }) {
   const [chosen, setChosen] = useState(0);
-  if (step.kind !== "several") return null;
   const { names, described } = step;
   return (
     <Dialog title={TEXT.several(step.name)} onClose={() => opener.cancel()}>

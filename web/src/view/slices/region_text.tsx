@@ -10,15 +10,19 @@ import type { PartProps } from "../part.ts";
 /** Statistics of the values of a layer in a region; null where it has none there. */
 export type RegionFacts = NonNullable<Questions["region"]["answer"]["layers"][number]>;
 
-const known = new WeakMap<readonly unknown[], Map<number, Promise<RegionFacts | null>>>();
+const known = new WeakMap<readonly unknown[], Map<string, Promise<RegionFacts | null>>>();
 
-/** Statistics of the first layer in a region. `time`: of its series. */
-export function regionFacts({ engine, store }: PartProps, { points }: Measure): Promise<RegionFacts | null> {
-  const time = store.state.layers[0]?.time ?? 0;
-  const times = known.get(points) ?? new Map<number, Promise<RegionFacts | null>>();
-  known.set(points, times);
-  const found = times.get(time) ?? engine.ask("region", { points }).then(({ layers }) => layers[0] ?? null, () => null);
-  times.set(time, found);
+/** Statistics of the first layer in a region, at the time of its series; null also where nothing answers, until asked again. */
+export function regionFacts({ engine, store, welcome }: PartProps, { points }: Measure): Promise<RegionFacts | null> {
+  // Other data can be opened under the same regions.
+  const key = `${welcome.fingerprint} ${store.state.layers[0]?.time ?? 0}`;
+  const answers = known.get(points) ?? new Map<string, Promise<RegionFacts | null>>();
+  known.set(points, answers);
+  const found = answers.get(key) ?? engine.ask("region", { points }).then(({ layers }) => layers[0] ?? null, () => {
+    answers.delete(key);
+    return null;
+  });
+  answers.set(key, found);
   return found;
 }
 
@@ -42,7 +46,7 @@ export function useRegionFacts(props: PartProps, measure: Measure): RegionFacts 
       isGone = true;
       clearTimeout(timer);
     };
-  }, [points, time]);
+  }, [points, time, props.welcome.fingerprint]);
   return facts?.points === points && facts.time === time ? facts.facts : null;
 }
 

@@ -29,7 +29,11 @@ async function photograph(name, operations, { width = 1280, height = 760 } = {})
   await page.setViewportSize({ width, height });
   await page.evaluate((all) => document.getElementById("viewer").wavesplat.store.change(all), operations);
   await page.mouse.move(2, 2);
-  await page.waitForTimeout(5000);
+  // What is seen fills the view, whatever its shape.
+  await page.waitForTimeout(2000);
+  await page.keyboard.press("f");
+  // Longer than notes stay.
+  await page.waitForTimeout(12_000);
   await page.screenshot({ path: join(folder, `${name}.png`) });
 }
 

@@ -3,6 +3,7 @@
 import gzip
 import io
 import threading
+import time
 
 import nibabel
 import numpy as np
@@ -161,9 +162,10 @@ def test_examples_are_opened_and_have_pictures(started):
 
 def test_a_file_does_not_wait_for_pictures_of_examples(started, monkeypatch):
     page, begun = started
-    drawn, may_go = [], threading.Event()
+    drawn, is_drawing, may_go = [], threading.Event(), threading.Event()
 
     def slow_picture(name):
+        is_drawing.set()
         assert may_go.wait(30)
         drawn.append((name, len(begun)))
         return b"picture"
@@ -172,7 +174,14 @@ def test_a_file_does_not_wait_for_pictures_of_examples(started, monkeypatch):
     for number, name in enumerate(("ct_pelvis", "mri_head", "ripples")):
         ask = {"type": "ask", "id": number, "question": "example_picture", "arguments": {"name": name}}
         page.opener.receive("other", lambda *_: None, ask, b"")
-    threading.Timer(3, may_go.set).start()  # long enough for busy machines to begin opening
+    assert is_drawing.wait(30)
+
+    def go_when_the_file_waits():
+        while page.opener._waiting.qsize() < 3:  # two pictures and the file
+            time.sleep(0.01)
+        may_go.set()
+
+    threading.Thread(target=go_when_the_file_waits, daemon=True).start()
     assert page.open({"scan.nii.gz": nifti_of(scan_samples())})["shown"]
     # The one that was being drawn already is finished first.
     assert drawn[0] == ("ct_pelvis", 0)

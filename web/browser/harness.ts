@@ -96,7 +96,10 @@ export async function openViewer(browser: Browser, link: string): Promise<Page &
   return page;
 }
 
-/** Waits until the newest change is drawn at rest, or, as some change no picture, until nothing follows for a while. */
+/**
+ * Waits until the newest change is drawn at rest in the size that the view has by now, or, as some changes need no picture,
+ * until nothing follows for a while.
+ */
 export async function atRest(page: Page, view = "3d"): Promise<void> {
   const until = Date.now() + REST_MS;
   let calm = 0;
@@ -107,7 +110,10 @@ export async function atRest(page: Page, view = "3d"): Promise<void> {
     const [isAtRest, seq, newest] = await page.evaluate((name) => {
       const viewer = document.getElementById("viewer") as (HTMLElement & { wavesplat?: Exposed }) | null;
       const canvas = viewer?.shadowRoot?.querySelector<HTMLElement>(`[data-view="${name}"] canvas`);
-      return [canvas?.dataset["atRest"] === "true", Number(canvas?.dataset["seq"] ?? -1), viewer?.wavesplat?.store.seq ?? 0] as const;
+      const box = canvas?.parentElement?.getBoundingClientRect();
+      const [width, height] = [(box?.width ?? 0) * devicePixelRatio, (box?.height ?? 0) * devicePixelRatio];
+      const fits = canvas != null && Math.abs(canvas.width - width) <= 1 && Math.abs(canvas.height - height) <= 1;
+      return [canvas?.dataset["atRest"] === "true" && fits, Number(canvas?.dataset["seq"] ?? -1), viewer?.wavesplat?.store.seq ?? 0] as const;
     }, view);
     if (isAtRest && seq >= newest) return;
     const now = `${isAtRest} ${seq}`;

@@ -12,6 +12,16 @@ import { fakeSession, LOST, STATE } from "./session_fake.ts";
 
 const SAVED = { width: 1, height: 1, shown: "3d", transparent: false, annotated: false } as const;
 
+test("changes hold no -0, which JSON does not have, and others are the objects that were given", () => {
+  const replica = new Replica(STATE);
+  const up = [-0, -0, 1];
+  replica.change([set(up, "camera", "view_up")], 1);
+  expect(replica.state.camera.view_up).toEqual([0, 0, 1]);
+  const position = [1, 0, 2];
+  replica.change([set(position, "camera", "position")], 2);
+  expect(replica.state.camera.position).toBe(position);
+});
+
 describe("the store", () => {
   const make = () => {
     const session = fakeSession();

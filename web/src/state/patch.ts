@@ -16,6 +16,27 @@ export function patched<T>(document: T, operations: readonly Operation[]): T {
   return changed as T;
 }
 
+/**
+ * The operations as the session reads them: JSON writes -0 as 0, and both ends should hold the same numbers. Values
+ * without -0 are returned as they are, since what is drawn anew is decided by identity.
+ */
+export function asSent(operations: readonly Operation[]): readonly Operation[] {
+  return operations.map((operation) => {
+    if (operation.op === "remove") return operation;
+    const value = withoutMinusZero(operation.value);
+    return Object.is(value, operation.value) ? operation : { ...operation, value };
+  });
+}
+
+function withoutMinusZero(value: unknown): unknown {
+  if (Object.is(value, -0)) return 0;
+  if (typeof value !== "object" || value === null) return value;
+  const inner = Object.entries(value).map(([name, one]) => [name, one, withoutMinusZero(one)] as const);
+  if (inner.every(([, before, after]) => Object.is(before, after))) return value;
+  if (Array.isArray(value)) return inner.map(([, , after]) => after);
+  return Object.fromEntries(inner.map(([name, , after]) => [name, after]));
+}
+
 /** A path of RFC 6901 from its steps. */
 export function pathOf(...steps: readonly (string | number)[]): string {
   return steps.map((step) => `/${String(step).replaceAll("~", "~0").replaceAll("/", "~1")}`).join("");

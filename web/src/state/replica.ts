@@ -5,7 +5,7 @@
 // others belongs after our changes up to that number and before the later ones, which are made again on top. Page and
 // session therefore hold the same state once all is confirmed, in whatever order changes met.
 
-import { patched, type Operation } from "./patch.ts";
+import { asSent, patched, type Operation } from "./patch.ts";
 import type { ViewerState } from "./state.ts";
 
 interface Change {
@@ -32,7 +32,8 @@ export class Replica {
   }
 
   /** Makes a change here; `seq` is its number, larger than those before. */
-  change(operations: readonly Operation[], seq: number): void {
+  change(given: readonly Operation[], seq: number): void {
+    const operations = asSent(given);
     this.changes = [...this.changes, { seq, operations, after: patched(this.state, operations) }];
   }
 

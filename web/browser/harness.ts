@@ -109,7 +109,7 @@ export async function atRest(page: Page, view = "3d"): Promise<void> {
     await page.waitForTimeout(POLL_MS);
     const [isAtRest, seq, newest] = await page.evaluate((name) => {
       const viewer = document.getElementById("viewer") as (HTMLElement & { wavesplat?: Exposed }) | null;
-      const canvas = viewer?.shadowRoot?.querySelector<HTMLElement>(`[data-view="${name}"] canvas`);
+      const canvas = viewer?.shadowRoot?.querySelector<HTMLCanvasElement>(`[data-view="${name}"] canvas`);
       const box = canvas?.parentElement?.getBoundingClientRect();
       const [width, height] = [(box?.width ?? 0) * devicePixelRatio, (box?.height ?? 0) * devicePixelRatio];
       const fits = canvas != null && Math.abs(canvas.width - width) <= 1 && Math.abs(canvas.height - height) <= 1;

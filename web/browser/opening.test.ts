@@ -138,6 +138,9 @@ describe("a second volume", () => {
     await openPanel(page, "layers");
     await page.getByRole("button", { name: "Remove pet.nii.gz" }).click();
     expect(await layers()).toEqual(["ct.nii.gz"]);
+    // The panel took the place of the strip of looks, so that the view was larger.
+    await change(page, { op: "replace", path: "/view/interface/panels", value: ["presets"] });
+    await page.locator(".looks").waitFor();
     await atRest(page);
     expect((await pixels(page)).data.equals(before.data)).toBe(true);
   });

@@ -51,6 +51,7 @@ test("geometry is listed, hidden, shown and undone", async () => {
   await openPanel(page, "layers");
   const list = page.getByRole("list", { name: "Geometry" });
   await expect.poll(() => list.getByRole("listitem").count()).toBe(2);
+  await atRest(page); // in the larger view: the panel takes the place of the strip of looks
   const shown = await pixels(page);
   const box = list.getByRole("checkbox").first();
   await box.uncheck();

@@ -36,8 +36,9 @@ export interface Server {
 
 /** Starts `wavesplat view` and reads its link. */
 export async function startServer(...options: string[]): Promise<Server> {
-  // The list of recent files is not the user's own.
-  const env = { ...process.env, XDG_STATE_HOME: STATE };
+  // The list of recent files is not the user's own, and memory is compared: threads that meet in malloc on a busy machine get
+  // no further arenas.
+  const env = { ...process.env, XDG_STATE_HOME: STATE, MALLOC_ARENA_MAX: "2" };
   const child = spawn(PYTHON, ["-m", "wavesplat", "view", ...options, "--no-browser"], { cwd: ROOT, env });
   let errors = "";
   child.stderr.on("data", (data) => (errors += String(data)));

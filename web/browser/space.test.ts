@@ -37,7 +37,12 @@ const numbers = (one: Camera): number[] => [...one.position, ...one.focal_point,
 function same(one: Camera, other: Camera): void {
   numbers(one).forEach((value, n) => expect(value).toBeCloseTo(numbers(other)[n] ?? NaN, 6));
 }
-/** Waits until the camera moves no more, after a key that moves it. */
+/** Waits until a move that a key began has ended: the session may take a while to say where it goes. */
+async function moved(from: Camera): Promise<void> {
+  await expect.poll(async () => JSON.stringify(await camera())).not.toBe(JSON.stringify(from));
+  await settled();
+}
+/** Waits until the camera moves no more. */
 async function settled(): Promise<Camera> {
   let last = "";
   await expect
@@ -66,7 +71,8 @@ test("keys work on a page that was not clicked, and help opens at its top", asyn
   await expect.poll(() => page.getByRole("dialog").count()).toBe(0);
   // A key for the page is none in a field.
   await openPanel(page, "looks");
-  const before = await camera();
+  await atRest(page); // in the view beside the panel
+  const before = await settled();
   await page.getByRole("searchbox").first().pressSequentially("1f");
   expect(await camera()).toEqual(before);
 });
@@ -122,8 +128,9 @@ describe("one frame", () => {
   test("keys ease for 200 ms, and come at once for those who want less motion", async () => {
     const path = async (key: string): Promise<number> => {
       const before = await page.evaluate(() => (document.getElementById("viewer") as unknown as { wavesplat: { store: { seq: number } } }).wavesplat.store.seq);
+      const from = await camera();
       await page.keyboard.press(key);
-      await settled();
+      await moved(from);
       return (await page.evaluate(() => (document.getElementById("viewer") as unknown as { wavesplat: { store: { seq: number } } }).wavesplat.store.seq)) - before;
     };
     expect(await path("3")).toBeGreaterThan(3);
@@ -132,7 +139,7 @@ describe("one frame", () => {
     await page.emulateMedia({ reducedMotion: "no-preference" });
     // The whole way is one step of undo.
     await page.keyboard.press("3");
-    await settled();
+    await moved(first.camera);
     await page.keyboard.press("Control+z");
     same(await camera(), first.camera);
   });
@@ -153,10 +160,14 @@ describe("one frame", () => {
     same(await camera(), before);
     // In a narrow window the width of the body decides.
     await page.setViewportSize({ width: 900, height: 800 });
+    await atRest(page);
+    const wide = await settled();
     await page.keyboard.press("1");
-    const framed = await settled();
+    await moved(wide);
+    const framed = await camera();
     await change(page, { op: "replace", path: "/view/layout", value: { name: "one-and-three", main: "3d" } });
     await expect.poll(async () => (await camera()).parallel_scale).not.toBe(framed.parallel_scale);
+    await atRest(page);
     const narrow = await settled();
     await page.keyboard.press("0");
     same(await settled(), narrow);

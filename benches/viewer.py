@@ -3,6 +3,9 @@
 1024 x 768 pixels, the bundled CT and MRI. Told are the time from the command to its link and to the first picture, from
 an event to the picture that shows it, frames a second, bytes, how well moving frames agree with the picture at rest
 from where they were seen (PSNR over all pixels), and memory. `--record` writes the table to `benches/records`.
+
+`--beside CHECKOUT` measures each case by another checkout's package right after this one's, to compare two versions on
+a machine that is not quiet.
 """
 
 from __future__ import annotations
@@ -40,16 +43,23 @@ CASES = (
 )
 
 
-def started(example: str, preset: str) -> tuple[subprocess.Popen[str], str, float]:
+def environment(checkout: Path) -> dict[str, str]:
+    """Environment in which Python imports the package of a checkout."""
+    return {**os.environ, "PYTHONPATH": str(checkout / "python")}
+
+
+def started(example: str, preset: str, checkout: Path) -> tuple[subprocess.Popen[str], str, float]:
     """Start the command; return its process, its link, and the seconds until it printed the link."""
     begun = time.perf_counter()
     command = [sys.executable, "-m", "wavesplat", "view", "--example", example, "--preset", preset, "--no-browser"]
-    process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+    process = subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True, env=environment(checkout)
+    )
     assert process.stdout is not None
     return process, process.stdout.readline().strip(), time.perf_counter() - begun
 
 
-def first_frame_s(example: str, preset: str) -> float:
+def first_frame_s(example: str, preset: str, checkout: Path) -> float:
     """Seconds from the command to the first frame, for a page that is there already."""
     code = """
 import asyncio, json, sys, tornado.httpclient, tornado.websocket
@@ -68,12 +78,18 @@ print("ready", flush=True)
 asyncio.run(run(sys.stdin.readline().strip()))
 print("frame", flush=True)
 """
-    page = subprocess.Popen([sys.executable, "-c", code], stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True)
+    page = subprocess.Popen(
+        [sys.executable, "-c", code],
+        stdin=subprocess.PIPE,
+        stdout=subprocess.PIPE,
+        text=True,
+        env=environment(checkout),
+    )
     assert page.stdin is not None
     assert page.stdout is not None
     page.stdout.readline()
     begun = time.perf_counter()
-    process, link, _ = started(example, preset)
+    process, link, _ = started(example, preset, checkout)
     page.stdin.write(link + "\n")
     page.stdin.flush()
     page.stdout.readline()
@@ -107,11 +123,11 @@ def psnr_of(kept: list[dict[str, Any]], state: ViewerState, size: tuple[int, int
     return statistics.median(found)
 
 
-def measured(case: tuple[str, str, str, int], seconds: float) -> dict[str, Any]:
-    """Measurements of a case."""
+def measured(case: tuple[str, str, str, int], seconds: float, checkout: Path) -> dict[str, Any]:
+    """Measurements of a case by a checkout's package; no PSNR of another's, whose states may be others."""
     name, example, preset, goal_db = case
-    first = statistics.median(first_frame_s(example, preset) for _ in range(3))
-    process, link, said = started(example, preset)
+    first = statistics.median(first_frame_s(example, preset, checkout) for _ in range(3))
+    process, link, said = started(example, preset, checkout)
     try:
         bench = ["node", str(ROOT / "web" / "browser" / "bench.mjs"), link, str(seconds)]
         done = subprocess.run(bench, capture_output=True, text=True, check=True, cwd=ROOT / "web")
@@ -119,13 +135,15 @@ def measured(case: tuple[str, str, str, int], seconds: float) -> dict[str, Any]:
     finally:
         ended(process)
     told = json.loads(done.stdout)
-    volume = getattr(ws.examples, example)()
-    state = state_from_text(ViewerState.of(ws.Scene(volume, preset)), json.dumps(told["state"]))
+    volume, psnr = getattr(ws.examples, example)(), float("nan")
+    if checkout == ROOT:
+        state = state_from_text(ViewerState.of(ws.Scene(volume, preset)), json.dumps(told["state"]))
+        psnr = psnr_of(told["kept"], state, (told["size"][0], told["size"][1]))
     frames = told["frames"]
     latency = sorted(frame["latency"] for frame in frames if frame["latency"] is not None)
     gaps = sorted(b["at"] - a["at"] for a, b in itertools.pairwise(frames))
     return {
-        "name": name,
+        "name": name if checkout == ROOT else f"{name}, beside",
         "goal_db": goal_db,
         "link_s": said,
         "first_s": first,
@@ -137,7 +155,7 @@ def measured(case: tuple[str, str, str, int], seconds: float) -> dict[str, Any]:
         "render": statistics.median(frame["ms"]["render"] for frame in frames),
         "encode": statistics.median(frame["ms"]["encode"] for frame in frames),
         "browser": 1000 * told["task_s"] / len(frames),
-        "psnr": psnr_of(told["kept"], state, (told["size"][0], told["size"][1])),
+        "psnr": psnr,
         "kb": statistics.median(frame["bytes"] for frame in frames) / 1000,
         "mb": memory - volume.samples.nbytes / 2**20,
         "heap": told["heap"] / 2**20,
@@ -169,8 +187,11 @@ def main() -> None:
     parser.add_argument("--record", action="store_true", help="write benches/records/viewer-DATE.md")
     parser.add_argument("--seconds", type=float, default=5.0, help="of each drag")
     parser.add_argument("--only", default="", help="cases whose names have this")
+    parser.add_argument("--beside", type=Path, help="folder of another checkout, whose package is built")
     given = parser.parse_args()
-    rows = [measured(case, given.seconds) for case in CASES if given.only in case[0]]
+    checkouts = [ROOT] if given.beside is None else [ROOT, given.beside.resolve()]
+    cases = [case for case in CASES if given.only in case[0]]
+    rows = [measured(case, given.seconds, checkout) for case in cases for checkout in checkouts]
     sizes = {tuple(row["size"]) for row in rows}
     processors = os.cpu_count()
     text = table(rows)

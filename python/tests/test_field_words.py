@@ -9,7 +9,7 @@ import pytest
 import typer
 
 import wavesplat as ws
-from wavesplat._cli import app, option_hints, parsers
+from wavesplat._cli import app, command_hints, option_hints, parsers
 
 
 @pytest.fixture(scope="module")
@@ -52,6 +52,33 @@ def options():
 )
 def test_what_is_meant(options, command, option, said):
     assert option_hints.hint(option, command, options) == said
+
+
+@pytest.mark.parametrize(
+    ("name", "said"),
+    [
+        ("draw", "no such command: draw; write wavesplat render"),
+        ("Show", "no such command: Show; write wavesplat view"),
+        ("gpu_check", "no such command: gpu_check; did you mean gpu-check?"),
+        ("rendr", "no such command: rendr; did you mean render?"),
+        (
+            "scan.nii.gz",
+            (
+                "no such command: scan.nii.gz; for a picture of a file write wavesplat render scan.nii.gz, "
+                "to look at it wavesplat view scan.nii.gz"
+            ),
+        ),
+        ("xyzzy", "no such command: xyzzy; wavesplat --help lists the commands"),
+    ],
+)
+def test_an_unknown_command_comes_with_a_hint(wavesplat, name, said):
+    done = wavesplat(name)
+    assert (done.returncode, done.stdout, done.stderr) == (2, "", f"wavesplat: error: {said}\n")
+
+
+def test_hints_name_commands_that_there_are(options):
+    assert sorted(set(command_hints.WORDS.values()) - set(options)) == []
+    assert sorted(set(command_hints.WORDS) & set(options)) == []
 
 
 def test_hints_name_options_that_there_are(options):

@@ -13,6 +13,7 @@ from contextlib import contextmanager
 from typing import Annotated, Any, NoReturn
 
 import typer
+from typer.core import TyperGroup
 
 from wavesplat._cli import convert, demo, gpu_check, info, mesh, movie, plan, presets, render, slice, tf, view, wavelet
 from wavesplat._cli.printing import message, print_lines, take_any_name
@@ -33,8 +34,21 @@ EPILOG = (
     "Results go to stdout, messages to stderr. NO_COLOR switches colours off."
 )
 
+
+class _Commands(TyperGroup):
+    """The commands; unknown ones come with a hint."""
+
+    def resolve_command(self, ctx: Any, args: list[str]) -> tuple[str | None, Any, list[str]]:
+        if args and args[0] not in self.commands and not args[0].startswith("-"):
+            from wavesplat._cli.command_hints import hint
+
+            raise ArgumentError(f"no such command: {args[0]}; {hint(args[0], self.commands)}")
+        return super().resolve_command(ctx, args)
+
+
 app = typer.Typer(
     name="wavesplat",
+    cls=_Commands,
     help="Pictures of volumes, by high-resolution splatting.",
     epilog=EPILOG,
     add_completion=False,

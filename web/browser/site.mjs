@@ -17,7 +17,7 @@ const DESKTOP = { width: 1280, height: 800 };
 const PHONE = { width: 390, height: 844 };
 /** Pages of each kind: front page, text with pictures, tables, code, the reference of Python, of the command, of documents. */
 const KINDS = [
-  "docs/site/index", "docs/site/start", "docs/concepts", "docs/gallery", "docs/limits", "docs/accuracy", "docs/cookbook",
+  "docs/site/index", "docs/site/start", "docs/concepts", "docs/gallery", "docs/limits", "docs/accuracy", "docs/how_to/README", "docs/how_to/figures",
   "docs/coming_from", "docs/glossary", "docs/site/reference/pictures", "docs/site/reference/command_line",
   "docs/site/reference/scene_documents", "benches/README", "search",
 ];
@@ -25,7 +25,7 @@ const KINDS = [
 const WORDS = {
   DICOM: "dicom", NIfTI: "radiology", "OME-Zarr": "ome_zarr", Imaris: "channels_and_time", isosurface: "coming_from",
   "maximum intensity": "microscopy", "transfer function": "concepts", opacity: "concepts", Hounsfield: "radiology",
-  SUV: "radiology", segmentation: "radiology", "scale bar": "cookbook", turntable: "cookbook", wavelet: "wavelet",
+  SUV: "radiology", segmentation: "radiology", "scale bar": "figures", turntable: "turns_and_flights", wavelet: "wavelet",
   ParaView: "coming_from_paraview", napari: "coming_from", Fiji: "coming_from", netCDF: "simulations", privacy: "privacy",
   shadow: "concepts", perspective: "reference", cluster: "large_volumes", movie: "movies", GPU: "gpu",
 };

@@ -26,11 +26,12 @@ extensions = [
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx.ext.viewcode",
-    "myst_parser",
+    "myst_nb",
     "sphinx_copybutton",
     "sphinx_design",
     "accessible_pages",
     "command_line_reference",
+    "notebook_pages",
     "python_reference",
     "schema_reference",
     "site_links",
@@ -49,10 +50,11 @@ include_patterns = [
     "benches/README.md",
     "benches/records/*.md",
     "docs/**.md",
+    "docs/notebooks/*.ipynb",
     "studies/*/RESULTS.md",
 ]
 exclude_patterns = [".*", "target", "out", "dist", "crates", "fuzz", "goldens", "python", "web"]
-source_suffix = {".md": "markdown"}
+source_suffix = {".md": "myst-nb", ".ipynb": "myst-nb"}
 
 # Markdown
 
@@ -60,6 +62,17 @@ myst_enable_extensions = ["colon_fence"]
 myst_heading_anchors = 4  # as web pages of repositories make them from headings, so that `page.md#heading` leads there
 smartquotes = False  # what stands in quotes is mostly to be typed
 suppress_warnings = ["myst.header"]  # `studies` and records begin some sections at a third level
+
+# Notebooks: run once, and again when they change. A page has the still picture that the viewer gives beside its widget,
+# which needs a kernel, and loads nothing from elsewhere.
+
+nb_execution_mode = "cache"
+nb_execution_cache_path = str(ROOT / ".cache" / "notebooks")
+nb_execution_timeout = 120
+nb_execution_raise_on_error = True
+nb_execution_show_tb = True
+nb_mime_priority_overrides = [("html", "image/png", 0)]
+nb_ipywidgets_js: dict[str, dict[str, str]] = {}
 
 # Python
 

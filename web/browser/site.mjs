@@ -18,7 +18,7 @@ const PHONE = { width: 390, height: 844 };
 /** Pages of each kind: front page, text with pictures, tables, code, the reference of Python, of the command, of documents. */
 const KINDS = [
   "docs/site/index", "docs/site/start", "docs/concepts", "docs/gallery", "docs/limits", "docs/accuracy", "docs/how_to/README", "docs/how_to/figures",
-  "docs/coming_from", "docs/glossary", "docs/site/reference/pictures", "docs/site/reference/command_line",
+  "docs/coming_from", "docs/glossary", "docs/notebooks/first", "docs/site/reference/pictures", "docs/site/reference/command_line",
   "docs/site/reference/scene_documents", "benches/README", "search",
 ];
 /** Words that people look for, and a part of the address of a page that must be among what is found. */

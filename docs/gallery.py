@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import argparse
 import contextlib
+import re
 import shlex
 import subprocess
 import sys
@@ -25,12 +26,9 @@ PICTURES = HERE / "gallery"
 DATA = Path(wavesplat.__file__).parent / "data"
 SIZE_PX = 288
 
-PYTHON_HEAD = """import numpy as np
-import wavesplat as ws
-
-ct = ws.open("ct_pelvis.nii.gz")
-view = {"camera": ws.Camera.orbit(ct, 25, 15, fit="view"), "size": (288, 288)}
-"""
+IMPORTS = {"np.": "import numpy as np\n", "ws.": "import wavesplat as ws\n"}
+CT = 'ct = ws.open("ct_pelvis.nii.gz")\n'
+VIEW = 'view = {"camera": ws.Camera.orbit(ct, 25, 15, fit="view"), "size": (288, 288)}\n'
 
 
 @dataclass(frozen=True)
@@ -54,7 +52,10 @@ class Entry:
 
     def script(self) -> str:
         """The Python as a reader can run it."""
-        return f'{PYTHON_HEAD}{self.code}picture.save("{self.file}")\n'
+        names = set(re.findall(r"\w+", self.code))
+        needed = CT * bool(names & {"ct", "view"}) + VIEW * ("view" in names and "view =" not in self.code)
+        imports = "".join(line for name, line in IMPORTS.items() if name in needed + self.code)
+        return f'{imports}\n{needed}{self.code.lstrip()}picture.save("{self.file}")\n'
 
 
 ENTRIES = (
@@ -243,7 +244,130 @@ bones = ws.Surface(ws.mesh(ct, 250), color="#f4ead0")
 clear = ws.TransferFunction([(-200, 0), (0, 0.004), (200, 0.01)], [(0, 0.8, 0.3, 0.2)])
 picture = ws.render(ct, clear, geometry=[skin, bones], background="black", **view)
 """),
+    Entry("lightbox", "Slices on one sheet",
+          "Six axial slices at one scale, each with its position and its directions.",
+          code="""places = range(130, 421, 58)
+picture = ws.lightbox(ct, "axial", places, window="abdomen", size=(140, 120), scale_bar=True)
+"""),
+    Entry("activation", "A statistic over anatomy",
+          "Values made up by a formula, hidden between -2.5 and 2.5, on a slice of a head.",
+          code="""head = ws.open("mri_head.nii.gz")
+lower, upper = head.bounds
+x, y, z = np.meshgrid(*(np.arange(a, b, 3) for a, b in zip(lower, upper)), indexing="ij")
+peaks = [(-36, 20, 40, 10, 9), (40, 24, 40, 11, 7), (4, -50, 30, 12, -8)]
+t = sum(most * np.exp(-((x - a) ** 2 + (y - b) ** 2 + (z - c) ** 2) / (2 * r**2)) for a, b, c, r, most in peaks)
+place = np.diag([3, 3, 3, 1.0])
+place[:3, 3] = lower
+t = ws.Volume(t.T.astype(np.float32), world_from_index=place, unit="mm", anatomical=True, name="t")
+layer = ws.Layer.overlay(t, "coolwarm", (-8, 8), threshold=2.5)
+picture = ws.slice([head, layer], "axial", 40, size=(288, 288)).annotated(colorbar="t", orientation="letters")
+"""),
+    Entry("attenuated", "Attenuated maximum",
+          "What is bright dims what lies behind it, so that the vessels of the neck have a front and a back.",
+          code="""head = ws.open("mri_head.nii.gz")
+camera = ws.Camera.orbit(head, 50, 15, fit="view")
+picture = ws.render(head, composite=ws.AttenuatedMaximum(0.05), camera=camera, size=(288, 288), background="black")
+"""),
+    Entry("anaglyph", "Two eyes",
+          "Bones for glasses of red and cyan.",
+          code="""picture = ws.render(ct, "ct-bone", background="black", stereo="anaglyph", **view)
+"""),
+    Entry("nuclei", "Numbered nuclei",
+          "A segmentation alone, made up by a formula: its values are numbers, and get colours of their own.",
+          code="""z, y, x = np.mgrid[:48, :96, :96]
+numbers = np.zeros(z.shape, np.uint16)
+for number, (a, b, c) in enumerate(np.random.default_rng(4).uniform((8, 10, 10), (40, 86, 86), (40, 3)), 1):
+    numbers[(z - a) ** 2 * 1.4 + (y - b) ** 2 + (x - c) ** 2 < 70] = number
+nuclei = ws.Volume(numbers, spacing=(0.5, 0.5, 0.5), unit="um")
+camera = ws.Camera.orbit(nuclei, 25, 30, fit="view")
+picture = ws.render(nuclei, camera=camera, size=(288, 288), background="black").annotated(scale_bar=True)
+"""),
+    Entry("porous_rock", "Pores of a rock",
+          "Made up by a formula; hollows are dark, cut faces flat.",
+          code="""random = np.random.default_rng(8)
+noise = np.fft.rfftn(random.normal(size=(80, 80, 80)))
+frequency = np.meshgrid(*[np.fft.fftfreq(80)] * 2, np.fft.rfftfreq(80), indexing="ij")
+band = np.exp(-((np.sqrt(sum(one**2 for one in frequency)) - 0.05) ** 2) / 0.0004)
+rock = np.fft.irfftn(noise * band, s=(80, 80, 80)).astype(np.float32)
+volume = ws.Volume(rock / rock.std(), spacing=(4, 4, 4), unit="um")
+camera = ws.Camera.orbit(volume, 30, 25, fit="view")
+light = ws.Shading(ambient_occlusion=0.8, shadow=0.4)
+stone = ws.TransferFunction([(0.05, 0), (0.15, 1)], [(0, 0.85, 0.72, 0.5), (3, 0.6, 0.45, 0.35)])
+picture = ws.render(volume, stone, camera, size=(288, 288), background="black", shading=light).annotated(scale_bar=True)
+"""),
+    Entry("two_fields", "One field in the colours of another",
+          "A plume made up by a formula: opaque as its smoke, coloured by its temperature.",
+          code="""z, y, x = np.mgrid[0:1:96j, -0.5:0.5:64j, -0.5:0.5:64j]
+width = 0.06 + 0.22 * z**1.5
+swirl = np.hypot(x - 0.05 * np.sin(9 * z) * z, y - 0.05 * np.cos(9 * z) * z) / width
+smoke = np.exp(-(swirl**2)) * (1 + 0.5 * np.sin(14 * x / width + 30 * z) * np.sin(11 * y / width)) * (1 - z**4)
+heat = np.exp(-3 * z) * np.exp(-0.5 * swirl**2)
+density, temperature = ws.Volume(smoke.astype(np.float32)), ws.Volume(heat.astype(np.float32))
+colors = ws.Layer(temperature, ws.TransferFunction.from_colormap("inferno", clim=(-0.15, 0.7)))
+opacity = ws.TransferFunction([(0.15, 0), (0.8, 0.25), (1.3, 0.6)], [(0, 1, 1, 1)])
+plume = ws.Scene(ws.Layer(density, opacity, color_from=colors, name="plume"), background="black")
+picture = plume.render(ws.Camera.orbit(density, 20, 5, fit="view"), size=(288, 288))
+"""),
+    Entry("cosmic_web", "A density over decades",
+          "Filaments made up by a formula, on a scale of logarithms.",
+          code="""random = np.random.default_rng(5)
+frequency = np.meshgrid(*[np.fft.fftfreq(112)] * 2, np.fft.rfftfreq(112), indexing="ij")
+smooth = np.exp(-sum(one**2 for one in frequency) * 1500)
+fields = [np.fft.irfftn(np.fft.rfftn(random.normal(size=(112,) * 3)) * smooth, s=(112,) * 3) for _ in range(2)]
+away = sum((one / one.std()) ** 2 for one in fields)  # threads are where both fields are zero
+density = ws.Volume((10 ** (3 - 8 * away)).astype(np.float32))
+web = ws.TransferFunction.from_colormap("inferno", clim=(3, 1000), log=True, opacity=[0, 0.01, 0.05, 0.3, 0.8])
+picture = ws.render(density, web, ws.Camera.orbit(density, 30, 20, fit="view"), size=(288, 288), background="black")
+"""),
+    Entry("orbital", "An orbital",
+          "A wave function with two signs, known by its values: red is positive, blue negative.",
+          code="""x, y, z = np.meshgrid(*[np.linspace(-11, 11, 80)] * 3, indexing="ij")
+orbital = z * (x**2 - y**2) * np.exp(-np.sqrt(x**2 + y**2 + z**2) / 1.05)
+orbital = ws.Volume((orbital.T / np.abs(orbital).max()).astype(np.float32), spacing=[22 / 79] * 3, unit="angstrom")
+lobes = ws.TransferFunction.diverging(0.4)
+picture = ws.render(orbital, lobes, ws.Camera.orbit(orbital, 25, 20, fit="view"), size=(288, 288), background="black")
+"""),
+    Entry("isolines", "Lines of equal value",
+          "The potential of three charges on a slice, and its lines.",
+          code="""z, y, x = np.mgrid[-1:1:64j, -1:1:64j, -1:1:64j]
+charges = [(-0.4, 0.1, 1), (0.45, -0.2, -1), (0.1, 0.6, 0.6)]
+potential = sum(q / np.sqrt((x - a) ** 2 + (y - b) ** 2 + z**2 + 0.02) for a, b, q in charges).astype(np.float32)
+field = ws.Volume(potential, spacing=[2 / 63] * 3, unit="cm", name="potential")
+lines = ws.Isolines(field, [-3, -2, -1, -0.5, 0.5, 1, 2, 3], color="black")
+colors = ws.TransferFunction.from_colormap("coolwarm", clim=(-8, 8))
+picture = ws.slice(field, "xy", 1, transfer_function=colors, isolines=lines, size=(288, 288))
+picture = picture.annotated(colorbar=True, scale_bar=True)
+"""),
 )  # fmt: skip
+
+#: The names of the entries of each field, and of each technique, as the page lists them; every entry is in both.
+BY_FIELD = {
+    "CT": "bone bone_light bone_standard inside soft_tissue materials surfaces gradient_opacity two_dimensional labels "
+    "figure slice slab lightbox local_maximum x_ray implant standing_slice segments anaglyph",
+    "MRI": "head maximum depth_shaded depth_colored attenuated surface share levels",
+    "Nuclear medicine": "fusion",
+    "Neuroscience": "tracts electrodes activation",
+    "Microscopy": "channels spots_and_tracks nuclei",
+    "Flow and heat": "streamlines two_fields box",
+    "Astronomy": "cosmic_web",
+    "Chemistry and physics": "orbital isolines",
+    "Materials": "porous_rock",
+}
+BY_TECHNIQUE = {
+    "Transfer functions": "bone soft_tissue head gradient_opacity two_dimensional materials surfaces cosmic_web "
+                          "orbital",
+    "Light": "bone_light porous_rock",
+    "Projections": "maximum depth_shaded depth_colored attenuated local_maximum x_ray",
+    "Surfaces of values": "surface segments",
+    "Cameras": "inside anaglyph",
+    "Several volumes": "channels fusion two_fields activation",
+    "Segmentations": "labels nuclei",
+    "Slices": "slice slab lightbox isolines standing_slice",
+    "Geometry": "tracts spots_and_tracks implant streamlines electrodes",
+    "Figures": "figure box",
+    "Wavelets": "share levels",
+    "Splatting of old": "bone_standard",
+}  # fmt: skip
 
 
 def run(entry: Entry, folder: Path, *, small: bool) -> None:
@@ -270,13 +394,25 @@ def scans() -> Iterator[Path]:
         yield Path(name)
 
 
+def listed(heading: str, groups: dict[str, str]) -> list[str]:
+    """Lines with links to all entries, by groups."""
+    titles = {entry.name: entry.title for entry in ENTRIES}
+    if missing := titles.keys() - set(" ".join(groups.values()).split()):
+        raise SystemExit(f"the gallery lists {', '.join(sorted(missing))} in no group of {heading!r}")
+    lines = [f"## {heading}", ""]
+    for group, names in groups.items():
+        links = (f"[{titles[name]}](#{titles[name].lower().replace(' ', '-')})" for name in names.split())
+        lines.append(f"- **{group}**: {', '.join(links)}.")
+    return [*lines, ""]
+
+
 def page() -> str:
     """Markdown text of the gallery."""
     words = (
         "Written by `make gallery`, which runs what stands below every picture.\n"
         "The scans come with the package, in `wavesplat/data`."
     )
-    parts = ["# Gallery", "", words, ""]
+    parts = ["# Gallery", "", words, "", *listed("By field", BY_FIELD), *listed("By technique", BY_TECHNIQUE)]
     for entry in ENTRIES:
         language, text = ("sh", entry.shown() + "\n") if entry.command else ("python", entry.script())
         picture = f"![{entry.title}](gallery/{entry.file})"

@@ -23,6 +23,7 @@ PAGES = [
     "geometry.md",
     "accuracy.md",
     "privacy.md",
+    "faq.md",
 ]
 
 

@@ -31,7 +31,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: wheels sdist crates release-check advisories release-lint sbom help demo dev test check fmt quality edges random-functions random-scenes looks looks-beside-vtk looks-beside-napari looks-beside-pyvista study study-wavelets study-lod study-cuts bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers bench-shapes scene-hashes roofline instructions gallery concepts site site-test golden pictures \
+.PHONY: wheels sdist crates release-check advisories release-lint sbom help demo dev test check fmt quality edges random-functions random-scenes looks looks-beside-vtk looks-beside-napari looks-beside-pyvista study study-wavelets study-lod study-cuts bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers bench-shapes scene-hashes roofline instructions gallery concepts face site site-test golden pictures \
 	clean wheel fuzz memcheck miri fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
 	rust-test python-test test-arm test-napari rust-lint python-lint stubs spelling licences docs readme
 
@@ -203,6 +203,9 @@ gallery: $(STAMPS)/tools ## draw the pictures of docs/gallery.md, each with the 
 
 concepts: $(STAMPS)/package ## draw the pictures of docs/concepts.md and print its numbers; seconds
 	python docs/concepts.py
+
+face: $(STAMPS)/package ## draw the logo, the row of pictures of the README and the preview for links
+	python docs/face.py
 
 # The doctrees are kept, so that a page that was changed is built in seconds.
 site: $(STAMPS)/site ## build the documentation as a web site, out/site/index.html; a warning or a dead link is an error

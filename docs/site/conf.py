@@ -92,6 +92,7 @@ toc_object_entries_show_parents = "hide"
 
 html_theme = "pydata_sphinx_theme"
 html_title = f"Wavesplat {release}"
+html_logo = html_favicon = "../face/logo.svg"
 html_additional_pages = {"index": "first_page.html"}
 templates_path = ["templates"]
 # Sections of a single page have nothing to list.
@@ -99,6 +100,7 @@ html_sidebars: dict[str, list[str]] = {"docs/concepts": [], "docs/gallery": [], 
 html_copy_source = False
 html_show_copyright = False
 html_theme_options = {
+    "logo": {"text": html_title, "alt_text": "Wavesplat: front page"},
     "navbar_align": "left",
     "header_links_before_dropdown": 6,
     "show_prev_next": True,

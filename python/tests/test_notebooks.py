@@ -29,8 +29,9 @@ def test_outputs_are_not_kept_and_the_first_cell_leads_to_places_that_run_it(pat
     links = re.findall(r"\]\((https://[^)]+)\)", "".join(cells[0]["source"]))
     assert [link.split("/")[2] for link in links] == ["mybinder.org", "colab.research.google.com"]
     assert all(link.endswith(f"docs/notebooks/{path.name}") for link in links)
-    assert "".join(code[0]["source"]).startswith('%pip install --quiet "wavesplat[notebook]"')
-    assert [cell["metadata"].get("tags", []) for cell in code] == [["skip-execution"], *[[]] * (len(code) - 1)]
+    # Nothing is released yet, and somebody else may take the name: no cell installs it by name.
+    assert "".join(code[0]["source"]).startswith("# On Colab, once Wavesplat is released: %pip install")
+    assert [cell for cell in code if re.search(r"^\s*[!%]", "".join(cell["source"]), re.MULTILINE)] == []
 
 
 @pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem)

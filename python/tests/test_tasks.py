@@ -25,7 +25,7 @@ MIN_SHOWN = 0.01
 
 
 class Task(NamedTuple):
-    """What somebody wants, the section that says how, whose data are made by `makes`, and the files that must be there.
+    """A wish, the section that says how, the maker of the person's data, and the files that must be there after it.
 
     `own`: texts of the section, and what stands in their place. `languages`: of the blocks that are followed.
     """

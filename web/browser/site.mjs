@@ -27,7 +27,7 @@ const WORDS = {
   "maximum intensity": "microscopy", "transfer function": "concepts", opacity: "concepts", Hounsfield: "radiology",
   SUV: "radiology", segmentation: "radiology", "scale bar": "figures", turntable: "turns_and_flights", wavelet: "wavelet",
   ParaView: "coming_from_paraview", napari: "coming_from", Fiji: "coming_from", netCDF: "simulations", privacy: "privacy",
-  shadow: "concepts", perspective: "reference", cluster: "large_volumes", movie: "movies", GPU: "gpu",
+  shadow: "concepts", perspective: "reference", cluster: "large_volumes", movie: "movies", GPU: "gpu", cite: "faq", notebook: "notebooks", STL: "segmentations",
 };
 const SEARCH_MS = 30_000;
 

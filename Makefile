@@ -218,7 +218,7 @@ site: $(STAMPS)/site ## build the documentation as a web site, out/site/index.ht
 site-test: site web/node_modules ## try every page of the site in Chromium: width, pictures, axe, search; minutes
 	cd web && node browser/site.mjs $(abspath $(OUT))/site
 
-pictures: $(STAMPS)/package ## draw the nine pictures of the README from the volumes of BENCH_DATA
+pictures: $(STAMPS)/package ## draw nine pictures from the volumes of BENCH_DATA, six of which `make face` puts into the row of the README
 	BENCH_DATA=$(BENCH_DATA) python docs/first_pictures.py
 
 golden: $(STAMPS)/package ## draw the golden pictures of the tests anew; GOLDEN="labels maximum" draws those two

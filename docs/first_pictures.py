@@ -1,4 +1,4 @@
-"""Nine pictures, six of which are in the row of the README, each drawn by one short command from data that may be shown.
+"""Nine pictures, each drawn by one short command from data that may be shown; six are in the row of the README.
 
 `make pictures` draws them from the volumes of BENCH_DATA and writes `pictures/README.md`, with commands, sources and
 licences.

@@ -55,7 +55,8 @@ class Entry:
         names = set(re.findall(r"\w+", self.code))
         needed = CT * bool(names & {"ct", "view"}) + VIEW * ("view" in names and "view =" not in self.code)
         imports = "".join(line for name, line in IMPORTS.items() if name in needed + self.code)
-        return f'{imports}\n{needed}{self.code.lstrip()}picture.save("{self.file}")\n'
+        gap = "" if self.code.startswith("\n") else "\n"  # code that begins with a function has its own two lines
+        return f'{imports}{gap}{needed}{self.code}picture.save("{self.file}")\n'
 
 
 ENTRIES = (

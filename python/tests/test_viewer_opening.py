@@ -1,5 +1,6 @@
 """Opening files in the page: what is read, how it is shown beside what is open, and undo over it."""
 
+import gc
 import gzip
 import io
 import threading
@@ -324,10 +325,54 @@ def test_several_series_are_a_question(started):
     again = page.answer("open", upload=1, choice={"option": "dataset", "value": "b"})[0]
     assert again["shown"]
     assert begun[0].scene.layers[0].drawn.shape == (9, 9, 9)
+
+
+def test_a_choice_is_a_series_or_a_dataset(started):
+    page, _ = started
+    upload = page.send({"two.npz": several_npz()})
+    assert "choice" in page.refusal("open", upload=upload, choice={"option": "path", "value": "/etc/passwd"})
+
+
+def test_files_that_are_in_memory_are_removed_once_they_are_shown(opened):
+    page, viewer = opened
+    told = page.open({"other.nii.gz": nifti_of(scan_samples(16, 3)), "organs.nii.gz": nifti_of(label_samples(16))})
     folder = page.opener._uploads.get(1).folder
-    assert "choice" in page.refusal("open", upload=1, choice={"option": "path", "value": "/etc/passwd"})
-    page.answer("upload_discard", upload=1)
-    assert (folder / "two.npz").exists()  # it is shown
+    assert folder.exists()  # the segmentation is read when it is known of which scan it is
+    before = viewer.session.state.document
+    viewer.patch(*page.answer("show", opened=told["opened"], how="replace")[0]["operations"])
+    assert not folder.exists()
+    shown = viewer.session.state
+    viewer.patch({"op": "replace", "path": "", "value": before})
+    viewer.patch({"op": "replace", "path": "", "value": shown.document})
+    assert viewer.session.state.scene.layers[0].volume.shape == (16, 16, 16)
+    assert sorted(viewer.session.state.scene.labels.labels) == [1, 2]
+
+
+def test_files_of_a_series_stay_as_long_as_undo_can_show_it(opened):
+    page, viewer = opened
+    beating = np.random.default_rng(4).integers(0, 255, (3, 8, 8, 8), np.uint8)
+    content = io.BytesIO()
+    np.save(content, beating)
+    told = page.open({"beating.npy": content.getvalue()})
+    folder = page.opener._uploads.get(1).folder
+    before = viewer.session.state.document
+    viewer.patch(*page.answer("show", opened=told["opened"], how="replace")[0]["operations"])
+    series = viewer.session.state.document
+    viewer.patch({"op": "replace", "path": "", "value": before})
+    del told
+    gc.collect()
+    time.sleep(0.05)
+    assert folder.exists()
+    viewer.patch({"op": "replace", "path": "", "value": series})
+    viewer.patch({"op": "replace", "path": "/layers/0/time", "value": 2})
+    assert np.array_equal(viewer.session.state.scene.layers[0].drawn.samples, beating[2])
+    # Another scene of Python, whose catalogue knows the series no more.
+    viewer.session.change(viewer.session.state.with_scene(ws.Scene(viewer_fakes.ball(8))))
+    until = time.monotonic() + 20
+    while folder.exists() and time.monotonic() < until:
+        gc.collect()
+        time.sleep(0.01)
+    assert not folder.exists()
 
 
 def test_a_question_of_another_page_removes_nothing(started):

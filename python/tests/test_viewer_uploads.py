@@ -7,6 +7,8 @@ import http.client
 import json
 import os
 import stat
+import threading
+import time
 from pathlib import Path
 
 import pytest
@@ -131,6 +133,80 @@ def test_uploads_under_way_are_few_and_end_with_their_page(kept):
     assert [one.folder.exists() for one in made] == [True] + [False] * (len(made) - 1)
     kept.discard(made[0].number)
     assert not made[0].folder.exists()
+
+
+def test_all_uploads_together_have_a_limit_that_is_said(kept, monkeypatch):
+    monkeypatch.setattr(uploads, "MAX_TOTAL_BYTES", 3 << 30)
+    monkeypatch.setattr(uploads.shutil, "disk_usage", lambda _: _Roomy())
+    first = kept.begin("page", 1, 2 << 30)
+    first.is_complete = True
+    said = r"1 files of 1\.5 GB .* beside the 1 of 2\.15 GB .* 3 GiB; cancel .* wavesplat view FILE"
+    with pytest.raises(ArgumentError, match=said):
+        kept.begin("other", 1, 1_500_000_000)
+    kept.discard(first.number)
+    assert kept.begin("other", 1, 1_500_000_000).folder.exists()
+    monkeypatch.setattr(uploads, "MAX_TOTAL_FILES", 5)
+    with pytest.raises(ArgumentError, match="may be 5 files"):
+        kept.begin("page", 5, 1)
+
+
+class _Roomy:
+    free = 1 << 40
+
+
+class _Reader:
+    """An object that reads on from files."""
+
+
+def test_files_go_with_the_last_object_that_reads_on_from_them(kept):
+    upload, other = kept.begin("page", 1, 1), kept.begin("page", 1, 1)
+    first, second = _Reader(), _Reader()
+    kept.discard_after(upload.number, [first, second, first])
+    kept.discard_after(other.number, [])
+    assert not other.folder.exists()
+    del first
+    time.sleep(0.05)
+    assert upload.folder.exists()
+    del second
+    until = time.monotonic() + 20
+    while upload.folder.exists() and time.monotonic() < until:
+        time.sleep(0.01)
+    assert not upload.folder.exists()
+
+
+@pytest.mark.parametrize("end", ["close", "discard"])
+def test_a_write_that_is_under_way_leaves_no_file_behind(kept, monkeypatch, end):
+    upload = kept.begin("page", 1, 3)
+    is_writing, may_go = threading.Event(), threading.Event()
+    make_folder = Path.mkdir
+
+    def slowly(*arguments, **options):
+        is_writing.set()
+        assert may_go.wait(20)
+        make_folder(*arguments, **options)
+
+    monkeypatch.setattr(Path, "mkdir", slowly)
+    writing = threading.Thread(target=lambda: upload.write("in/a", 0, b"abc"))
+    writing.start()
+    assert is_writing.wait(20)
+    ending = threading.Thread(target=kept.close if end == "close" else lambda: kept.discard(upload.number))
+    ending.start()
+    ending.join(0.2)
+    may_go.set()
+    for thread in (writing, ending):
+        thread.join(20)
+    assert not upload.folder.exists()
+    with pytest.raises(ArgumentError, match="was cancelled"):
+        upload.write("in/b", 0, b"abc")
+    assert not upload.folder.exists()
+
+
+def test_a_closed_viewer_takes_no_files(kept):
+    root = kept.begin("page", 1, 1).folder.parent
+    kept.close()
+    with pytest.raises(ArgumentError, match="closed"):
+        kept.begin("page", 1, 1)
+    assert not root.exists()
 
 
 def test_recent_files_are_few_private_and_cleared(tmp_path):

@@ -12,7 +12,7 @@ from __future__ import annotations
 import itertools
 import queue
 import threading
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -25,6 +25,7 @@ from wavesplat._viewer.open_paths import Found, Several, found_at, scene_with
 from wavesplat._viewer.recent import Recent, last_part
 from wavesplat._viewer.state import ViewerState
 from wavesplat._viewer.upload_contents import paths_in
+from wavesplat._viewer.upload_readers import readers_of
 from wavesplat._viewer.uploads import Upload, Uploads
 from wavesplat.errors import ArgumentError, FileError, WavesplatError
 
@@ -64,8 +65,6 @@ class Opener:
         self._state, self._begin, self._recent = state, begin, recent
         self._uploads = Uploads()
         self._read: dict[int, _Read] = {}
-        #: Uploads whose files are shown, and stay until the end: undo brings them back.
-        self._on_show: set[int | None] = set()
         self._next = 1
         #: Questions by urgency, then by their order; None ends the thread.
         self._waiting: queue.PriorityQueue[tuple[int, int, Callable[[], None] | None]] = queue.PriorityQueue()
@@ -167,14 +166,14 @@ class Opener:
 
     def _upload(self, owner: Any, arguments: Mapping[str, Any], payload: bytes) -> Answer:
         upload = self._uploads.get(arguments.get("upload"))
-        if upload.owner != owner or upload.is_complete:
-            raise ArgumentError("upload: it is another page's, or is complete")
+        if upload.owner != owner:
+            raise ArgumentError("upload: it is another page's")
         return {"received": upload.write(arguments.get("path"), arguments.get("offset"), payload)}, b""
 
     def _upload_discard(self, owner: Any, arguments: Mapping[str, Any], _: bytes) -> Answer:
         upload = self._own_upload(owner, arguments)
         self._read = {key: read for key, read in self._read.items() if read.upload != upload.number}
-        self._discard(upload.number)
+        self._uploads.discard(upload.number)
         return {}, b""
 
     def _own_upload(self, owner: Any, arguments: Mapping[str, Any]) -> Upload:
@@ -183,10 +182,10 @@ class Opener:
             raise ArgumentError("upload: it is another page's")
         return upload
 
-    def _discard(self, upload: int | None) -> None:
-        """Remove the files of an upload, unless they are shown: lazy volumes read on."""
-        if upload not in self._on_show:
-            self._uploads.discard(upload)
+    def _shown(self, found: Sequence[Found], upload: int | None) -> None:
+        """Let the files of an upload go with the last object that reads on from them."""
+        if upload is not None:
+            self._uploads.discard_after(upload, (reader for one in found for reader in readers_of(one)))
 
     def _open(self, owner: Any, arguments: Mapping[str, Any], _: bytes) -> Answer:
         state = self._state()
@@ -199,14 +198,14 @@ class Opener:
                 "message": str(several),
             }, b""
         except Exception:
-            self._discard(upload)
+            self._uploads.discard(upload)
             raise
         notes = [note for one in found for note in one.notes]
         told = {"found": [{"kind": one.kind, "name": one.name} for one in found], "notes": notes}
         if state is None and self._begin is not None:
             with_volumes = any(one.kind == "volume" for one in found)
             self._begin(ViewerState.of(scene_with(None, found, as_labels=with_volumes)))
-            self._on_show.add(upload)
+            self._shown(found, upload)
             return {**told, "shown": True}, b""
         while len(self._read) >= MAX_READ:
             self._forget(next(iter(self._read)))
@@ -228,11 +227,11 @@ class Opener:
         else:
             operations = added(state, scene_with(state.scene, read.found, as_labels=how == "labels"))
         del self._read[number]  # type: ignore[arg-type]
-        self._on_show.add(read.upload)
+        self._shown(read.found, read.upload)
         return {"operations": operations}, b""
 
     def _forget(self, number: int) -> None:
-        self._discard(self._read.pop(number).upload)
+        self._uploads.discard(self._read.pop(number).upload)
 
     def _found(self, owner: Any, arguments: Mapping[str, Any], state: ViewerState | None) -> tuple[Found, ...]:
         """The contents of the upload, the example or the recent file that a question names."""

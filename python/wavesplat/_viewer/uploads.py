@@ -1,27 +1,35 @@
-"""Files that pages send: written to a folder of their own, which only the user can enter, and removed at the end.
+"""Files that pages send: written to a folder of their own, which only the user can enter, and removed when not needed.
 
 A page names files by where they lay in what was dropped, such as `series/IM001.dcm`. Names are checked, files are made
 new and never through a link, and nothing else is ever written there, so that no name leads anywhere else.
+
+Files are needed while they are sent and read, and then as long as an object reads on from them, such as a series of
+times. The catalogue holds the objects that undo can bring back, so no other record of uses is kept.
 """
 
 from __future__ import annotations
 
+import _thread
 import os
 import shutil
 import tempfile
 import threading
 import weakref
-from dataclasses import dataclass
+from collections.abc import Iterable
+from contextlib import suppress
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["MAX_BYTES", "Upload", "Uploads", "checked_parts"]
+__all__ = ["MAX_BYTES", "MAX_TOTAL_BYTES", "Upload", "Uploads", "checked_parts"]
 
 #: Largest upload: bytes and files together; larger data are opened where they lie, by the command.
 MAX_BYTES, MAX_FILES = 4 << 30, 20_000
+#: Largest number of bytes and files of all uploads of a viewer, finished ones included while their files are needed.
+MAX_TOTAL_BYTES, MAX_TOTAL_FILES = 16 << 30, 100_000
 #: Largest length of a name in bytes, and depth of folders.
 MAX_NAME, MAX_PARTS = 255, 16
 #: Bytes that must stay free on the disk.
@@ -46,6 +54,11 @@ class Upload:
     received: int = 0
     begun: int = 0
     is_complete: bool = False
+    is_removed: bool = False
+    #: Number of objects that read on from the files.
+    n_readers: int = 0
+    #: Held by writing and removing, so that no file is made in a folder that is being removed.
+    lock: threading.Lock = field(default_factory=threading.Lock)
 
     def write(self, path: object, offset: object, payload: bytes) -> int:
         """Write the next bytes of a file; the number of bytes of all files that have come.
@@ -53,13 +66,27 @@ class Upload:
         Raises
         ------
         ArgumentError
-            If the name is none of a file below the folder, or the bytes are not the next ones, or too many.
+            If the name is none of a file below the folder, or the bytes are not the next ones, or too many, or the
+            upload is complete or was removed.
         FileError
             If the disk is full.
         """
         place = self.folder.joinpath(*checked_parts(path))
         if not isinstance(offset, int) or isinstance(offset, bool) or offset < 0:
             raise ArgumentError(f"upload: offset is {described(offset)}; it must be a whole number")
+        with self.lock:
+            return self._write(place, path, offset, payload)
+
+    def remove(self) -> None:
+        """Remove the files, after a write that is under way; later ones are refused."""
+        with self.lock:
+            self.is_removed = True
+            shutil.rmtree(self.folder, ignore_errors=True)
+
+    def _write(self, place: Path, path: object, offset: int, payload: bytes) -> int:
+        if self.is_removed or self.is_complete:
+            what = "was cancelled" if self.is_removed else "is complete"
+            raise ArgumentError(f"upload {self.number} {what}, so that it takes no more bytes; send the files again")
         if self.received + len(payload) > self.n_bytes or (offset == 0 and self.begun >= self.n_files):
             raise ArgumentError(f"upload: more came than the {self.n_files} files of {self.n_bytes} bytes in all")
         try:
@@ -91,6 +118,7 @@ class Uploads:
         self._folder: Path | None = None
         self._lock = threading.Lock()
         self._remove: Any = None
+        self._is_closed = False
 
     def begin(self, owner: Any, n_files: object, n_bytes: object) -> Upload:
         """A new upload.
@@ -98,7 +126,7 @@ class Uploads:
         Raises
         ------
         ArgumentError
-            If it would be larger than allowed.
+            If it, or all uploads together, would be larger than allowed, or the viewer is closed.
         FileError
             If the disk has no room for it.
         """
@@ -109,8 +137,12 @@ class Uploads:
                 f"{MAX_BYTES >> 30} GiB in all; open larger data where they lie: wavesplat view FILE"
             )
         with self._lock:
-            if sum(not one.is_complete for one in self._uploads.values()) >= MAX_OPEN:
+            if self._is_closed:
+                raise ArgumentError("the viewer is closed, so that it takes no files; open it again")
+            others = list(self._uploads.values())
+            if sum(not one.is_complete for one in others) >= MAX_OPEN:
                 raise ArgumentError(f"{MAX_OPEN} uploads are under way; wait for one of them, or cancel it")
+            _check_total(others, files, size)
             root = self._made()
             free = shutil.disk_usage(root).free
             if size > free - SPARE_BYTES:
@@ -134,30 +166,65 @@ class Uploads:
 
     def discard(self, number: object) -> None:
         """Remove an upload and its files, if there is one."""
-        with self._lock:
-            found = self._uploads.pop(number, None) if isinstance(number, int) else None
+        found = self._uploads.pop(number, None) if isinstance(number, int) else None
         if found is not None:
-            shutil.rmtree(found.folder, ignore_errors=True)
+            found.remove()
+
+    def discard_after(self, number: int, readers: Iterable[object]) -> None:
+        """Remove an upload when none of the objects that read on from its files is left; at once without any."""
+        upload = self._uploads.get(number)
+        if upload is None:  # its page has gone meanwhile
+            return
+        held = list({id(one): one for one in readers}.values())
+        upload.n_readers = len(held)
+        if not held:
+            self.discard(number)
+        for one in held:
+            weakref.finalize(one, self._reader_gone, upload).atexit = False
+
+    def _reader_gone(self, upload: Upload) -> None:
+        upload.n_readers -= 1
+        if upload.n_readers == 0:
+            # The garbage collector may call this in any thread, also in one that holds a lock.
+            with suppress(RuntimeError):  # at the end of the process, when all is removed anyway
+                _thread.start_new_thread(self.discard, (upload.number,))
 
     def leave(self, owner: Any) -> None:
         """Remove the unfinished uploads of a page that has gone."""
         with self._lock:
-            left = [one.number for one in self._uploads.values() if one.owner == owner and not one.is_complete]
+            uploads = list(self._uploads.values())
+            left = [one.number for one in uploads if one.owner == owner and not one.is_complete]
         for number in left:
             self.discard(number)
 
     def close(self) -> None:
-        """Remove all files."""
+        """Remove all files, after writes that are under way; there are no uploads any more."""
         with self._lock:
+            self._is_closed = True
+            left = list(self._uploads.values())
             self._uploads.clear()
-            if self._remove is not None:
-                self._remove()
+        for upload in left:
+            upload.remove()
+        if self._remove is not None:
+            self._remove()
 
     def _made(self) -> Path:
         if self._folder is None:
             self._folder = Path(tempfile.mkdtemp(prefix="wavesplat-open-"))  # only the user can enter it
             self._remove = weakref.finalize(self, shutil.rmtree, self._folder, ignore_errors=True)
         return self._folder
+
+
+def _check_total(others: list[Upload], n_files: int, n_bytes: int) -> None:
+    """Raise an `ArgumentError` if a further upload would make all of them too large together."""
+    held_files, held = sum(one.n_files for one in others), sum(one.n_bytes for one in others)
+    if held + n_bytes > MAX_TOTAL_BYTES or held_files + n_files > MAX_TOTAL_FILES:
+        raise ArgumentError(
+            f"{n_files} files of {n_bytes / 1e9:.3g} GB are too many beside the {held_files} of {held / 1e9:.3g} GB "
+            f"that pages sent before and that are still needed; all together may be {MAX_TOTAL_FILES} files of "
+            f"{MAX_TOTAL_BYTES >> 30} GiB; cancel what is being sent, or open the files where they lie: "
+            "wavesplat view FILE"
+        )
 
 
 def checked_parts(path: object) -> list[str]:

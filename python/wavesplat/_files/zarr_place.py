@@ -9,7 +9,6 @@ from __future__ import annotations
 import asyncio
 import stat
 import threading
-import warnings
 from collections.abc import Coroutine
 from pathlib import Path, PurePath
 from typing import Any
@@ -17,6 +16,7 @@ from typing import Any
 from wavesplat._files import web
 from wavesplat._files.addresses import below, is_web, safe_address
 from wavesplat._files.named_files import check_within
+from wavesplat._files.notes import warn
 from wavesplat._files.web import ForbiddenError, Part
 from wavesplat._files.zarr_archive import ZarrArchive
 from wavesplat.errors import FileError, FileWarning
@@ -232,7 +232,7 @@ class ZarrPlace:
             if len(self.refused) < MAX_REFUSED:
                 self.refused[key] = None
         if self.warns and is_first and not _is_metadata(key):
-            warnings.warn(
+            warn(
                 f"the server refuses (403) chunk {key!r}; it and others like it count as not there, so their samples "
                 f"have the fill value: {self}",
                 FileWarning,

@@ -7,7 +7,6 @@ opacity depend on the place. Maps have 256 nodes, as matplotlib's tables have, s
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable, Iterable
 from difflib import get_close_matches
 from functools import cache
@@ -17,10 +16,11 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._files.notes import warn
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.window_ends import End, values_of
 from wavesplat._model.argument_types import described
-from wavesplat.errors import ArgumentError, WavesplatWarning
+from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
@@ -98,10 +98,9 @@ def _warn_of_what_has_no_logarithm(volume: Volume | WaveletVolume) -> None:
         return
     share = float(np.mean(histogram.finite_samples(volume) <= 0))
     low, _ = value_scale.positive_range(volume)
-    warnings.warn(
+    warn(
         f"{100 * share:.3g} % of volume {volume.name!r} are 0 or less and have no logarithm; they are shown as "
         f"{low:.4g}, from where the colours begin",
-        WavesplatWarning,
         stacklevel=5,
     )
 

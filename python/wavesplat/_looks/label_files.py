@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Sequence
 from os import PathLike, fspath
 from typing import Any
@@ -11,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from wavesplat._files.addresses import is_address
+from wavesplat._files.notes import collected_notes, warn
 from wavesplat._files.paths import expanded
 from wavesplat._looks import label_names
 from wavesplat._looks.label_names import Named, chosen_numbers
@@ -43,15 +43,14 @@ def opened_segmentation(
         return labels_of_structures(expanded(path), scan, segments)
     if segments is None or (file := dicom_labels.segmentation_at(expanded(path))) is None:
         return open_volume(path), label_names.in_file(path)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore", FileWarning)  # of segments that may not be shown
+    with collected_notes():  # of segments that may not be shown
         volume = open_volume(path)
     named = label_names.in_file(path)
     alone = dicom_labels.with_segments(
         file, chosen_numbers(segments, {number: name for number, (name, _) in named.items()}, path)
     )
     for loss in alone.told:
-        warnings.warn(f"{loss}: {path}", FileWarning, stacklevel=5)
+        warn(f"{loss}: {path}", FileWarning, stacklevel=5)
     if np.array_equal(alone.samples != 0, np.isin(volume.samples, np.unique(alone.samples[alone.samples != 0]))):
         return volume, named  # which documents can name
     return Volume(alone.samples, world_from_index=volume.world_from_index, name=volume.name, facts=volume.facts), named

@@ -6,7 +6,6 @@ shown; the outline of the patient (EXTERNAL), which has all others in it, only w
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -16,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files import size_checks
+from wavesplat._files.notes import warn
 from wavesplat._looks.label_names import Named, chosen_numbers
 from wavesplat._looks.region_masks import Mask, mask_of
 from wavesplat._model.argument_types import described
@@ -138,4 +138,4 @@ def in_unit_of(scan: Grid, lines: Sequence[NDArray[np.float64]]) -> list[NDArray
 
 
 def _warn(text: str, file: Path, *, stacklevel: int = 6) -> None:
-    warnings.warn(f"{text}: {file}", FileWarning, stacklevel=stacklevel)
+    warn(f"{text}: {file}", FileWarning, stacklevel=stacklevel)

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-import warnings
 from os import PathLike
 
 import numpy as np
 
+from wavesplat._files.notes import warn
 from wavesplat._model.stack import Stack
-from wavesplat.errors import WavesplatWarning
 
 __all__ = ["hex_of", "steps_of", "warn_of_lost"]
 
@@ -53,9 +52,8 @@ def warn_of_lost(stack: Stack, path: str | PathLike[str], *, is_zarr: bool) -> N
     lost += _lost_times(stack, is_zarr=is_zarr)
     if lost:
         kind = "OME-Zarr" if is_zarr else "OME-TIFF"
-        warnings.warn(
+        warn(
             f"{kind} has no place for some facts of volume {stack.grid.name!r}: {', '.join(lost)}; .nrrd keeps those "
             f"of single volumes: {path}",
-            WavesplatWarning,
             stacklevel=5,
         )

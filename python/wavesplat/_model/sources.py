@@ -9,7 +9,6 @@ Paths are absolute here; `beside` makes those relative that lie below a folder o
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -17,8 +16,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from wavesplat._files.addresses import checked, is_address, is_web
+from wavesplat._files.notes import warn
 from wavesplat._files.paths import expanded, lies_in, real_path
-from wavesplat.errors import WavesplatWarning
 
 __all__ = ["Source", "absolute", "beside", "of_file", "of_series", "then", "warn_of_elsewhere", "with_paths"]
 
@@ -92,10 +91,9 @@ def warn_of_elsewhere(document: Any, path: str | os.PathLike[str], *, stacklevel
 
     with_paths(document, look)
     if elsewhere:
-        warnings.warn(
+        warn(
             f"{elsewhere[0]!r} does not lie in the folder of the scene; open it with external_files=True "
             f"(--external-files), or save it beside the volume: {path}",
-            WavesplatWarning,
             stacklevel=stacklevel + 1,
         )
 

@@ -7,7 +7,6 @@ The formats themselves are read by well-kept libraries, loaded only when needed.
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Sequence
 from dataclasses import replace
 from importlib import import_module
@@ -20,6 +19,7 @@ import numpy as np
 
 from wavesplat._files import size_checks
 from wavesplat._files.memory import free_bytes
+from wavesplat._files.notes import warn
 from wavesplat._files.paths import check_no_pipe, check_text, printable
 from wavesplat._files.zarr_archive import holds_zarr
 from wavesplat._model import affine, sources
@@ -228,7 +228,7 @@ def opened(request: Request, *, stacklevel: int = 2) -> Volume:
     volume = _volume(grid, request)
     volume._source = sources.of_file(request.path, {name: getattr(request, name) for name in request.given()})
     for loss in grid.told:
-        warnings.warn(f"{loss}: {request.safe_path}", FileWarning, stacklevel=stacklevel)
+        warn(f"{loss}: {request.safe_path}", FileWarning, stacklevel=stacklevel)
     return volume
 
 

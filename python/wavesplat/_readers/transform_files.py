@@ -14,7 +14,6 @@ Each is read as the map from the moving scan's world to the fixed scan's. The fi
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Sequence
 from os import PathLike
 from pathlib import Path
@@ -23,13 +22,14 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._files.notes import warn
 from wavesplat._files.paths import check_no_pipe, expanded
 from wavesplat._model import affine
 from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.grid import Grid
 from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._public import public
-from wavesplat.errors import ArgumentError, FileError, WavesplatWarning
+from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["open_transform", "transform_between"]
 
@@ -143,7 +143,7 @@ def transform_between(path: str | PathLike[str], moving: Grid, fixed: Grid) -> M
 
 
 def _guess(text: str) -> None:
-    warnings.warn(f"guess: {text}", WavesplatWarning, stacklevel=5)
+    warn(f"guess: {text}", stacklevel=5)
 
 
 def _text(place: Path) -> str:
@@ -243,7 +243,7 @@ def _is_reversed(src: _Geometry, dst: _Geometry, moving: Grid, fixed: Grid, path
     reverse = dst.is_of(moving) + src.is_of(fixed)
     if reverse > as_told:
         text = f"the LTA is undone: {moving.name!r} has the grid of its dst, or {fixed.name!r} of its src: {path}"
-        warnings.warn(text, WavesplatWarning, stacklevel=6)
+        warn(text, stacklevel=6)
         return True
     if as_told == 0:
         _guess(f"{moving.name!r} is taken for the LTA's src, {src.name!r}, whose grid is another: {path}")

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from operator import index
@@ -10,6 +9,7 @@ from os import PathLike
 from typing import TYPE_CHECKING, Any
 
 from wavesplat._files.addresses import safe_address
+from wavesplat._files.notes import warn
 from wavesplat._looks.channels import CHANNEL_COLORS, Rgb
 from wavesplat._looks.colors import parse
 from wavesplat._looks.look import Look
@@ -26,7 +26,7 @@ from wavesplat._readers.request import COLORS, Request, SeveralError
 from wavesplat._readers.time_points import open_series
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import MAX_LAYERS, Scene
-from wavesplat.errors import ArgumentError, WavesplatWarning
+from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
@@ -180,10 +180,9 @@ def _all_of(source: _Source) -> list[_Wanted]:
     active = [number for number in range(source.n) if source.facts(number).is_active]
     taken = (active or list(range(source.n)))[:MAX_LAYERS]
     listed = ", ".join(str(number) for number in taken)
-    warnings.warn(
+    warn(
         f"the file holds {source.n} channels, a scene at most {MAX_LAYERS}: {listed} are taken; choose others with "
         f"channels= (--channel): {safe_address(source.path)}",
-        WavesplatWarning,
         stacklevel=5,
     )
     return [_Wanted(number) for number in taken]

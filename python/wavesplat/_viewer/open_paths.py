@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import os
-import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, Literal, TypeAlias
 
 from wavesplat._files.addresses import is_address, safe_address
+from wavesplat._files.notes import collected_notes
 from wavesplat._files.paths import expanded
 from wavesplat._geometry.brain_surfaces import is_freesurfer
 from wavesplat._geometry.opening import SUFFIXES as OF_GEOMETRY
@@ -25,7 +25,7 @@ from wavesplat._readers.request import SeveralError, named_within
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.opening import open_scene
 from wavesplat._scene.scene import MAX_LAYERS, Scene
-from wavesplat.errors import ArgumentError, WavesplatError, WavesplatWarning
+from wavesplat.errors import ArgumentError, WavesplatError
 
 __all__ = ["Found", "Several", "found_at", "scene_with"]
 
@@ -85,11 +85,9 @@ def found_at(
     Several
         If it holds several series or datasets.
     """
-    with warnings.catch_warnings(record=True) as caught, named_within(folder):
-        warnings.simplefilter("always", WavesplatWarning)
+    with collected_notes() as collected, named_within(folder):
         found = _found(path, unit, dict(choice or {}))
-    said = tuple(str(one.message) for one in caught if issubclass(one.category, WavesplatWarning))
-    return _named(replace(found, folder=folder, notes=said + found.notes))
+    return _named(replace(found, folder=folder, notes=(*map(str, collected), *found.notes)))
 
 
 def scene_with(base: Scene | None, found: Sequence[Found], *, as_labels: bool) -> Scene:

@@ -6,7 +6,6 @@ Names, arguments and answers are `Questions` in `web/src/engine/engine.ts`.
 from __future__ import annotations
 
 import json
-import warnings
 from collections.abc import Callable, Mapping
 from math import isfinite
 from typing import Any, TypeAlias
@@ -14,6 +13,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from wavesplat._files import json_text
+from wavesplat._files.notes import collected_notes
 from wavesplat._looks import look_json, presets
 from wavesplat._looks.histogram import finite_samples
 from wavesplat._looks.look import Look
@@ -33,7 +33,7 @@ from wavesplat._viewer.shape_seen import shape_seen
 from wavesplat._viewer.short_looks import USUAL, short_document
 from wavesplat._viewer.sight import depth_of_matter, sight_at
 from wavesplat._viewer.state import ViewerState
-from wavesplat.errors import ArgumentError, WavesplatWarning
+from wavesplat.errors import ArgumentError
 
 __all__ = ["OF_CAMERAS", "answer", "state_from_text"]
 
@@ -214,9 +214,7 @@ def _fields_of_preset(state: ViewerState, layer: int, name: str) -> dict[str, An
 
 def _chosen(state: ViewerState, layer: int, name: str) -> Look:
     volume = state.scene.layers[layer].looked_at
-    with warnings.catch_warnings():
-        # The page has been sent which presets fit.
-        warnings.simplefilter("ignore", WavesplatWarning)
+    with collected_notes():  # the page has been sent which presets fit
         return Look.auto(volume) if name.lower() == "auto" else presets.preset(name, volume)
 
 

@@ -7,13 +7,13 @@ the very same fields, the name says as much.
 from __future__ import annotations
 
 import json
-import warnings
 from typing import Any
 
+from wavesplat._files.notes import collected_notes
 from wavesplat._looks import look_json, overlays, presets
 from wavesplat._looks.look import Look
 from wavesplat._viewer.state import ViewerState
-from wavesplat.errors import WavesplatError, WavesplatWarning
+from wavesplat.errors import WavesplatError
 
 __all__ = ["USUAL", "short_document", "short_look"]
 
@@ -57,8 +57,7 @@ def short_look(state: ViewerState, number: int) -> dict[str, Any] | str:
 def _fields(make: Any) -> Any:
     """The fields of a look in JSON's types; None where there is no such look."""
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", WavesplatWarning)
+        with collected_notes():
             return json.loads(json.dumps(look_json.fields_of(make())))
     except WavesplatError:
         return None

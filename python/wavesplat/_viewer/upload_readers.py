@@ -6,7 +6,7 @@ Most volumes, segmentations and shapes are in memory and need their files no mor
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any, cast
+from typing import Any
 
 import numpy as np
 
@@ -38,4 +38,4 @@ def _mapped(samples: Any) -> object | None:
     """The map of a file in memory that an array is a view of; None of other arrays."""
     while samples is not None and not isinstance(samples, np.memmap):
         samples = getattr(samples, "base", None)
-    return None if samples is None else cast("object", samples._mmap)  # one object for all views
+    return getattr(samples, "_mmap", None)  # one object for all views

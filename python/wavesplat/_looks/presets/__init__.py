@@ -7,7 +7,6 @@ Where Slicer has a preset of the same name as ours, the plain name is ours, and 
 from __future__ import annotations
 
 import re
-import warnings
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from difflib import get_close_matches
@@ -17,12 +16,13 @@ from itertools import pairwise
 from typing import TYPE_CHECKING
 
 from wavesplat._files import json_object
+from wavesplat._files.notes import warn
 from wavesplat._looks import look_json, slicer_files
 from wavesplat._looks.brain import brain_of
 from wavesplat._looks.histogram import is_hounsfield
 from wavesplat._looks.kinds import Evidence, Kind, evidence, offset_of
 from wavesplat._looks.look import Look
-from wavesplat.errors import ArgumentError, WavesplatWarning
+from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
@@ -147,10 +147,9 @@ def added_to_hounsfield(what: str, volume: Volume | WaveletVolume) -> float:
     if not modality and is_hounsfield(volume):
         return 0.0
     if offset := offset_of(volume):
-        warnings.warn(
+        warn(
             f"{what} is moved up by {offset:g}, which seems to be added to the Hounsfield units of volume "
             f"{volume.name!r}: a guess by its values",
-            WavesplatWarning,
             stacklevel=4,
         )
         return offset
@@ -158,10 +157,9 @@ def added_to_hounsfield(what: str, volume: Volume | WaveletVolume) -> float:
         return 0.0
     why = f"the file says {modality}" if modality else "there is no air near -1000 with soft tissue near 0"
     low, high = volume.value_range
-    warnings.warn(
+    warn(
         f"{what} is for Hounsfield units, and the values of volume {volume.name!r}, {low:g} to {high:g}, do not look "
         f"like them: {why}; what it shows may be wrong",
-        WavesplatWarning,
         stacklevel=4,
     )
     return 0.0

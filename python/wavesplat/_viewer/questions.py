@@ -326,7 +326,7 @@ ANSWERS: dict[str, Callable[[ViewerState, Mapping[str, Any], Progress], Answer]]
 }
 
 
-#: Questions that the page asks before it moves the camera; their answers take milliseconds.
+#: Questions that the page asks before it moves the camera.
 OF_CAMERAS = ("framed", "first_view", "kept_in_view")
 
 

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 import threading
 import time
-from collections import deque
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -17,7 +16,8 @@ from typing import Any
 from wavesplat._model.argument_types import described
 from wavesplat._model.sampling import Sampling
 from wavesplat._picture.picture import Picture
-from wavesplat._viewer import encoding, questions
+from wavesplat._viewer import encoding
+from wavesplat._viewer.answering import Answering, failure_of
 from wavesplat._viewer.confirmation import confirmed
 from wavesplat._viewer.frames import frame_fields
 from wavesplat._viewer.info import welcome_of
@@ -41,8 +41,8 @@ REST_S = 0.12
 MAX_IN_FLIGHT = 2
 #: Milliseconds of a picture at rest from which on a quick frame goes before it.
 SLOW_MS = 100.0
-#: Largest numbers: pixels of a view, along a side and in all; pages; questions that wait.
-MAX_SIDE, MAX_PIXELS, MAX_CLIENTS, MAX_QUESTIONS = 8192, 1 << 24, 8, 64
+#: Largest numbers: pixels of a view, along a side and in all; pages.
+MAX_SIDE, MAX_PIXELS, MAX_CLIENTS = 8192, 1 << 24, 8
 #: JPEG quality, and whether colours have half the resolution, by how long a frame takes to be confirmed, in ms.
 LINKS = ((120.0, 90, False), (400.0, 80, True), (float("inf"), 60, True))
 NO_BUDGET_MS = float("inf")
@@ -76,9 +76,6 @@ class Client:
         #: Milliseconds from sending a frame to its confirmation.
         self.delay_ms = 0.0
         self.is_open = True
-        #: Questions that need no answer any more, and the one that is being answered.
-        self.cancelled: set[int] = set()
-        self.answered: int | None = None
 
     def send(self, header: dict[str, Any], payload: bytes = b"") -> None:
         """Send a message to the page, if it is still there."""
@@ -115,18 +112,15 @@ class Session:
         self._on_change = on_change
         self._clients: list[Client] = []
         self._changed = threading.Condition(threading.RLock())
-        self._asked: deque[tuple[Client, int, str, Any]] = deque()
         self._pace = Pace()
         #: The scene whose error is known for a wanted PSNR, and the sampling that the last such picture had.
         self._measured_scene: Any = None
         self._last_sampling = GUESS
         self._is_open = True
-        self._threads = [
-            threading.Thread(target=self._draw_all, name="wavesplat-viewer-drawing", daemon=True),
-            threading.Thread(target=self._answer_all, name="wavesplat-viewer-answers", daemon=True),
-        ]
-        for thread in self._threads:
-            thread.start()
+        self._answering = Answering(self._changed, lambda: self._state, self._is_at_rest)
+        drawing = threading.Thread(target=self._draw_all, name="wavesplat-viewer-drawing", daemon=True)
+        drawing.start()
+        self._threads = [drawing, *self._answering.threads]
 
     # Called by others
 
@@ -165,6 +159,7 @@ class Session:
         """End the session: no page is answered any more, and threads end."""
         with self._changed:
             self._is_open = False
+            self._answering.close()
             for client in self._clients:
                 client.is_open = False
             self._clients.clear()
@@ -184,13 +179,9 @@ class Session:
         elif kind == "shown":
             self._shown(client, header)
         elif kind == "ask":
-            self._ask(client, header)
+            self._answering.ask(client, _whole(header, "id"), str(header.get("question")), header.get("arguments", {}))
         elif kind == "cancel":
-            with self._changed:
-                number = _whole(header, "id")
-                if number == client.answered or any(one[:2] == (client, number) for one in self._asked):
-                    client.cancelled.add(number)
-                    self._changed.notify_all()
+            self._answering.cancel(client, _whole(header, "id"))
         else:
             raise ArgumentError(f"message: type is {described(kind)}; use patch, view, shown, ask or cancel")
 
@@ -255,19 +246,6 @@ class Session:
                 client.delay_ms = delay if client.delay_ms == 0 else 0.8 * client.delay_ms + 0.2 * delay
             self._changed.notify_all()
 
-    def _ask(self, client: Client, header: Mapping[str, Any]) -> None:
-        number, question = _whole(header, "id"), header.get("question")
-        if question in questions.OF_CAMERAS:  # keys that move the camera wait for no small picture
-            self._answer(client, number, str(question), header.get("arguments", {}), self._state)
-            return
-        with self._changed:
-            if len(self._asked) >= MAX_QUESTIONS:
-                message = "too many questions wait for an answer; ask again"
-                client.send({"type": "failed", "id": number, "code": "busy", "message": message})
-                return
-            self._asked.append((client, number, str(question), header.get("arguments", {})))
-            self._changed.notify_all()
-
     def _leave(self, client: Client) -> None:
         with self._changed:
             client.is_open = False
@@ -329,7 +307,7 @@ class Session:
                 with self._changed:
                     pane.wants_rest = pane.is_stale
                 if client is not None:
-                    self._tell(client, error, client.seq)
+                    client.send({**failure_of(error), "seq": client.seq})
             with self._changed:  # questions that wait for rest
                 self._changed.notify_all()
 
@@ -352,6 +330,12 @@ class Session:
         if self._should_measure(ready):
             return None, "3d", _Pane((1, 1)), False
         return None
+
+    def _is_at_rest(self) -> bool:
+        """Whether no view waits for its picture at rest."""
+        panes = [pane for client in self._clients for pane in client.panes.values()]
+        # A page that confirms no frames gets none, and keeps nobody waiting.
+        return not any(pane.wants_rest and len(pane.in_flight) < MAX_IN_FLIGHT for pane in panes)
 
     def _is_slow(self, view: str, pane: _Pane) -> bool:
         """Whether the picture at rest takes so long that a quick one goes before."""
@@ -405,7 +389,7 @@ class Session:
         except Exception as error:  # noqa: BLE001 - whatever fails, the page has to be told
             with self._changed:
                 pane.wants_rest = pane.n_changes != n_changes and pane.wants_rest
-            self._tell(client, error, seq)
+            client.send({**failure_of(error), "seq": seq})
             return
         finally:
             refining.end()
@@ -527,65 +511,6 @@ class Session:
             return "png", encoding.png_bytes(picture.rgba)
         _, quality, subsampled = next(link for link in LINKS if client.delay_ms <= link[0])
         return "jpeg", encoding.jpeg_bytes(picture.rgba, quality, subsampled=subsampled)
-
-    # Questions
-
-    def _answer_all(self) -> None:
-        while True:
-            with self._changed:
-                asked = None
-                while self._is_open and (asked := self._next_question()) is None:
-                    self._changed.wait()
-                if not self._is_open or asked is None:
-                    return
-                client, number, question, arguments = asked
-                state = self._state
-            if not client.is_open or number in client.cancelled:
-                client.cancelled.discard(number)
-                continue
-            client.answered = number
-            self._answer(client, number, question, arguments, state)
-            client.answered = None
-
-    def _next_question(self) -> tuple[Client, int, str, Any] | None:
-        """The oldest question; small pictures of presets wait until all views are at rest."""
-        panes = [pane for client in self._clients for pane in client.panes.values()]
-        # A page that confirms no frames gets none, and keeps nobody waiting.
-        is_at_rest = not any(pane.wants_rest and len(pane.in_flight) < MAX_IN_FLIGHT for pane in panes)
-        for asked in self._asked:
-            client, number, question, _ = asked
-            if is_at_rest or question != "preset_picture" or not client.is_open or number in client.cancelled:
-                self._asked.remove(asked)
-                return asked
-        return None
-
-    def _answer(self, client: Client, number: int, question: str, arguments: Any, state: ViewerState) -> None:
-        told = [0.0]
-
-        def progress(part: float) -> bool:
-            if time.monotonic() - told[0] > 0.1:
-                told[0] = time.monotonic()
-                client.send({"type": "progress", "id": number, "part": part, "text": ""})
-            return client.is_open and self._is_open and number not in client.cancelled
-
-        try:
-            answer, payload = questions.answer(state, question, arguments, progress)
-        except CancelledError:
-            client.send({"type": "failed", "id": number, "code": "cancelled", "message": "it was cancelled"})
-            return
-        except Exception as error:  # noqa: BLE001 - whatever fails, the page has to be told
-            self._tell(client, error, None, number)
-            return
-        finally:
-            client.cancelled.discard(number)
-        client.send({"type": "answer", "id": number, **answer}, payload)
-
-    @staticmethod
-    def _tell(client: Client, error: Exception, seq: int | None, number: int | None = None) -> None:
-        is_ours = isinstance(error, WavesplatError | MemoryError)
-        message = str(error) if is_ours else f"the renderer failed: {type(error).__name__}: {error}"
-        header = {"type": "failed", "id": number, "code": "failed", "message": message or type(error).__name__}
-        client.send(header if seq is None else {**header, "seq": seq})
 
 
 def _whole(header: Mapping[str, Any], name: str) -> int:

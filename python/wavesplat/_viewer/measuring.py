@@ -11,6 +11,7 @@ from wavesplat._looks.region_masks import even_odd
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.volume import Volume
 from wavesplat._render.slicing import planes_at
+from wavesplat._viewer.label_facts import values_of_labels
 from wavesplat._viewer.state import ViewerState
 from wavesplat.errors import ArgumentError
 
@@ -84,34 +85,23 @@ def label_statistics(state: ViewerState) -> list[dict[str, Any]]:
             f"statistics of labels read all samples, and {volume.name!r} is read in parts; open a smaller copy of it"
         )
     on_scan = labels.on_samples_of(volume)
-    codes = on_scan._codes.reshape(-1)
-    values = np.asarray(volume.samples).reshape(-1)
-    n_labels = len(on_scan.numbers)
-    n_voxels = np.bincount(codes, minlength=n_labels)
-    finite = np.isfinite(values)
-    codes, values = (codes, values) if finite.all() else (codes[finite], values[finite])
-    counts = np.bincount(codes, minlength=n_labels)
-    known = np.maximum(counts, 1)
-    mean = np.bincount(codes, values, n_labels) / known
-    # About the mean, as the difference of large squares would lose digits.
-    sd = np.sqrt(np.bincount(codes, (values - mean[codes]) ** 2, n_labels) / known)
-    least, most = np.full(n_labels, np.inf), np.full(n_labels, -np.inf)
-    np.minimum.at(least, codes, values)
-    np.maximum.at(most, codes, values)
+    looks = [on_scan.labels.get(number) for number in on_scan.numbers]
+    # What lies outside of all labels has the number 0, and mostly no look.
+    wanted = np.array([number != 0 or look is not None for number, look in zip(on_scan.numbers, looks, strict=True)])
+    found = values_of_labels(on_scan._codes, np.asarray(volume.samples), wanted)
     voxel = abs(float(np.linalg.det(volume.world_from_index[:3, :3])))
     told = []
-    for code, number in enumerate(on_scan.numbers):
-        look = on_scan.labels.get(number)
-        if n_voxels[code] == 0 or (number == 0 and look is None):
+    for code, (number, look) in enumerate(zip(on_scan.numbers, looks, strict=True)):
+        if found.n_voxels[code] == 0:
             continue
-        facts = {"mean": mean[code], "sd": sd[code], "min": least[code], "max": most[code]}
+        facts = {"mean": found.mean[code], "sd": found.sd[code], "min": found.min[code], "max": found.max[code]}
         told.append(
             {
                 "number": int(number),
                 "name": (look.name if look else "") or str(number),
-                "n_voxels": int(n_voxels[code]),
-                "volume": float(n_voxels[code]) * voxel,
-                **{name: float(value) if counts[code] else None for name, value in facts.items()},
+                "n_voxels": int(found.n_voxels[code]),
+                "volume": float(found.n_voxels[code]) * voxel,
+                **{name: float(value) if found.n_finite[code] else None for name, value in facts.items()},
             }
         )
     return told

@@ -8,7 +8,7 @@ import { parseAnswer } from "../src/engine/messages.ts";
 import { patched, set, type Operation } from "../src/state/patch.ts";
 import { Replica } from "../src/state/replica.ts";
 import { createStore } from "../src/state/store.ts";
-import { fakeSession, LOST, STATE } from "./session_fake.ts";
+import { fakeSession, LOST, STATE, WELCOME } from "./session_fake.ts";
 
 const SAVED = { width: 1, height: 1, shown: "3d", transparent: false, annotated: false } as const;
 
@@ -111,19 +111,76 @@ describe("the engine behind a channel", () => {
     expect(all.sent[0]).toMatchObject({ type: "patch", seq, moving: true });
     expect(all.sent[0]?.["operations"]).toHaveLength(2);
   });
-  test("what was changed while nobody listened is sent when somebody does", () => {
+  test("what was changed while nobody listened is sent when somebody does, and nothing else", () => {
     const all = fakeSession();
     all.open();
+    all.engine.patch([set("light", "view", "interface", "theme")], false);
+    all.tick();
+    all.say({ type: "confirmed", seq: 1, corrections: [] });
     const seen: Connection[] = [];
     all.engine.onConnection((connection) => seen.push(connection));
     all.state(LOST);
     expect(seen.at(-1)).toMatchObject({ kind: "lost", retries: true });
-    all.engine.patch([set("gaussian", "render", "kernel")], false);
+    all.engine.patch([set(20, "camera", "parallel_scale")], false);
     all.tick();
     all.sent.length = 0;
+    // Python changed another field meanwhile.
+    all.state({ kind: "open" });
+    const theirs = patched(STATE, [set("light", "view", "interface", "theme"), set("gaussian", "render", "kernel")]);
+    all.say({ ...WELCOME, state: theirs });
+    const [hello, change] = all.sent;
+    expect(hello).toMatchObject({ type: "hello" });
+    expect(change).toEqual({
+      type: "patch", seq: 3, operations: [{ op: "replace", path: "/camera/parallel_scale", value: 20 }], moving: false,
+    });
+    expect(all.engine.state).toEqual(patched(theirs, [set(20, "camera", "parallel_scale")]));
+  });
+  test("a connection that comes back sends no state where nothing was changed, and takes what others changed", () => {
+    const all = fakeSession();
     all.open();
-    const patch = all.sent.find((header) => header["type"] === "patch");
-    expect(patch?.["operations"]).toEqual([{ op: "replace", path: "", value: { ...STATE, render: { ...STATE.render, kernel: "gaussian" } } }]);
+    const told: unknown[] = [];
+    all.engine.onState((operations) => told.push(operations));
+    for (const state of [STATE, patched(STATE, [set("gaussian", "render", "kernel")])]) {
+      all.state(LOST);
+      all.sent.length = 0;
+      all.state({ kind: "open" });
+      all.say({ ...WELCOME, state });
+      // The number alone, by which frames tell what they show.
+      expect(all.sent.filter(({ type }) => type === "patch")).toMatchObject([{ operations: [] }]);
+      expect(all.engine.state).toEqual(state);
+    }
+    expect(told).toHaveLength(1);
+  });
+  test("a change of an object that others removed meanwhile is left out", () => {
+    const all = fakeSession();
+    const labels = { volume: { path: null, id: 9 }, smooth: false };
+    const state = { ...STATE, labels } as unknown as typeof STATE;
+    all.state({ kind: "open" });
+    all.say({ ...WELCOME, state });
+    all.state(LOST);
+    all.engine.patch([set(true, "labels", "smooth"), set(20, "camera", "parallel_scale")], false);
+    all.sent.length = 0;
+    all.state({ kind: "open" });
+    all.say({ ...WELCOME, state: STATE });
+    expect(all.sent.filter(({ type }) => type === "patch")).toMatchObject([
+      { operations: [{ op: "replace", path: "/camera/parallel_scale", value: 20 }] },
+    ]);
+    expect(all.engine.state.labels).toBeNull();
+  });
+  test("a session that was started again gets what the page shows", () => {
+    const all = fakeSession();
+    all.open();
+    all.engine.patch([set(20, "camera", "parallel_scale")], false);
+    all.tick();
+    all.say({ type: "confirmed", seq: 1, corrections: [] });
+    all.state(LOST);
+    all.sent.length = 0;
+    all.state({ kind: "open" });
+    all.say({ ...WELCOME, session: "another key" });
+    expect(all.sent.filter(({ type }) => type === "patch")).toMatchObject([
+      { operations: [{ op: "replace", path: "/camera/parallel_scale", value: 20 }] },
+    ]);
+    expect(all.engine.state.camera.parallel_scale).toBe(20);
   });
   test("questions are answered, fail, and can be given up", async () => {
     const all = fakeSession();

@@ -1,8 +1,9 @@
 // The engine behind a channel: the session in Python. Changes are merged into one message an animation frame.
 
-import type { Operation } from "../state/patch.ts";
+import { differences } from "../state/differences.ts";
+import { patched, type Operation } from "../state/patch.ts";
 import { Replica } from "../state/replica.ts";
-import type { ViewName } from "../state/state.ts";
+import type { ViewerState, ViewName } from "../state/state.ts";
 import type { Stop } from "../state/store.ts";
 import type { Channel } from "./channel.ts";
 import type { Connection, Engine, Frame, Offered, Problem, Question, Questions, Welcome } from "./engine.ts";
@@ -56,6 +57,8 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
 
   let replica: Replica | null = null;
   let fingerprint = "";
+  /** Key of the session of the last welcome: another process gives another one. */
+  let lastSession = "";
   let seq = 0;
   /** Number of the newest change that was sent. */
   let sent = 0;
@@ -133,16 +136,22 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
     }
     fingerprint = welcome.fingerprint;
     isOpen = true;
-    const before = replica?.state;
+    const before = replica;
     replica = new Replica(welcome.state);
-    if (before === undefined) {
+    if (before === null) {
       welcomed(welcome);
     } else {
-      // Changes that were made while there was no connection are sent as the whole state.
+      // The page's own changes go on top of those that others made meanwhile. A session of another process begins anew,
+      // and gets all that is not as it was there.
+      const known = session === lastSession ? before.base : welcome.state;
       outgoing = [];
-      patch([{ op: "replace", path: "", value: before }], false);
+      patch(differences(known, before.state).filter((one) => isPossible(welcome.state, one)), false);
       flush();
+      if (differences(before.state, replica.state).length > 0) {
+        states.forEach((listener) => listener([{ op: "replace", path: "", value: welcome.state }]));
+      }
     }
+    lastSession = session;
     // After the state: a new session frames a first picture, which nobody has turned, for the first view that shows it.
     for (const [view, { width, height }] of sizes) channel.send({ type: "view", view, size: [width, height] });
     tell({ kind: "open" });
@@ -304,6 +313,16 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
       channel.close();
     },
   };
+}
+
+/** Whether an operation can be done: others may have removed the object that it changes. */
+function isPossible(state: ViewerState, operation: Operation): boolean {
+  try {
+    patched(state, [operation]);
+    return true;
+  } catch {
+    return false;
+  }
 }
 
 function added<T>(listeners: Set<T>, listener: T): Stop {

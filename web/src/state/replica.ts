@@ -21,6 +21,11 @@ export class Replica {
   /** `confirmed`: the state of the session. */
   constructor(private confirmed: ViewerState) {}
 
+  /** The newest state that the session has confirmed. */
+  get base(): ViewerState {
+    return this.confirmed;
+  }
+
   /** The newest state, with unconfirmed changes. */
   get state(): ViewerState {
     return this.changes.at(-1)?.after ?? this.confirmed;

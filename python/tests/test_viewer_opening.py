@@ -380,10 +380,21 @@ def test_a_question_of_another_page_removes_nothing(started):
     upload = page.send({"scan.nii.gz": nifti_of(scan_samples())})
     folder, other = page.opener._uploads.get(upload).folder, Asker(page.opener, "other")
     assert "another page's" in other.refusal("open", upload=upload)
-    assert "another page's" in other.refusal("upload_discard", upload=upload)
+    assert "another page's" in other.refusal("discard", upload=upload)
     assert (folder / "scan.nii.gz").exists()
-    page.answer("upload_discard", upload=upload)
+    page.answer("discard", upload=upload)
     assert not folder.exists()
+
+
+def test_what_was_read_is_discarded_by_its_page_alone(opened):
+    page, _ = opened
+    told = page.open({"scan.nii.gz": nifti_of(scan_samples())})
+    folder = page.opener._uploads.get(1).folder
+    Asker(page.opener, "other").answer("discard", opened=told["opened"])
+    assert folder.exists()
+    page.answer("discard", opened=told["opened"])
+    assert not folder.exists()
+    assert "open it again" in page.refusal("show", opened=told["opened"], how="overlay")
 
 
 def test_what_a_page_opened_and_did_not_show_goes_with_it(opened):

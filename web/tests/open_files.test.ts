@@ -62,7 +62,7 @@ describe("files that are sent", () => {
     const refusal = { code: "open", message: "the disk is full" };
     const refusing = engineOf({ upload_begin: () => ({ upload: 1 }), upload: () => { throw refusal; } });
     await expect(send(refusing.engine, [file("a", "abc")], () => undefined, new AbortController().signal)).rejects.toBe(refusal);
-    expect(refusing.asked.at(-1)?.[0]).toBe("upload_discard");
+    expect(refusing.asked.at(-1)?.[0]).toBe("discard");
     const abort = new AbortController();
     const upload = () => {
       abort.abort();
@@ -70,7 +70,7 @@ describe("files that are sent", () => {
     };
     const slow = engineOf({ upload_begin: () => ({ upload: 2 }), upload });
     await expect(send(slow.engine, [file("a", "abc"), file("b", "abc")], () => undefined, abort.signal)).rejects.toThrow();
-    expect(slow.asked.at(-1)).toEqual(["upload_discard", { upload: 2 }, 0]);
+    expect(slow.asked.at(-1)).toEqual(["discard", { upload: 2 }, 0]);
   });
 });
 
@@ -125,8 +125,32 @@ describe("the steps of opening", () => {
     expect(asked.at(-1)?.[1]).toEqual({ upload: 3, choice: { option: "series", value: "1.3" } });
     expect(opener.step.kind).toBe("choosing");
     opener.cancel();
-    expect(asked.at(-1)).toEqual(["upload_discard", { upload: 3 }, 0]);
+    expect(asked.at(-1)).toEqual(["discard", { opened: 2 }, 0]);
     expect(opener.step.kind).toBe("idle");
+  });
+
+  test("are cancelled in the session too, whatever it is doing", async () => {
+    const signals: (AbortSignal | undefined)[] = [];
+    let answer: (told: unknown) => void = () => undefined;
+    const { engine, asked } = engineOf({ ...uploading, open: () => new Promise((resolve) => (answer = resolve)) });
+    const { ask } = engine;
+    engine.ask = ((name: never, question: never, progress: never, signal?: AbortSignal, payload?: never) => {
+      if (name === "open") signals.push(signal);
+      return ask(name, question, progress, signal, payload);
+    }) as typeof ask;
+    const { opener, problems } = around(engine, true);
+    const opening = opener.files([file("b.nii", "abc")]);
+    await vi.waitFor(() => expect(opener.step.kind).toBe("reading"));
+    await vi.waitFor(() => expect(signals).toHaveLength(1));
+    opener.cancel();
+    expect(signals[0]?.aborted).toBe(true);
+    expect(opener.step.kind).toBe("idle");
+    // An answer that was on its way is taken back.
+    answer({ found: [{ kind: "volume", name: "b.nii" }], opened: 9 });
+    await opening;
+    expect(asked.at(-1)).toEqual(["discard", { opened: 9 }, 0]);
+    expect(opener.step.kind).toBe("idle");
+    expect(problems).toEqual([]);
   });
 
   test("refuse what is too large before a byte is sent, and a state on its own", async () => {

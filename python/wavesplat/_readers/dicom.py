@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files import size_checks
+from wavesplat._files.cancelling import check_cancelled
 from wavesplat._files.named_files import check_within
 from wavesplat._files.reading import reading
 from wavesplat._model import affine
@@ -288,6 +289,7 @@ def _pixels(
 
 
 def _pixels_of(header: Header) -> NDArray[Any] | Exception:
+    check_cancelled()
     try:
         return frames_in(header)
     except (ImportError, LimitError):

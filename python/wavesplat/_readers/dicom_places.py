@@ -19,6 +19,7 @@ from time import time_ns
 from typing import Any
 
 from wavesplat._files.bounded_file import BoundedFile
+from wavesplat._files.cancelling import check_cancelled
 from wavesplat._files.named_files import check_within
 from wavesplat._files.paths import check_text
 from wavesplat._readers.dicom_deflated import header_dataset
@@ -238,6 +239,7 @@ def _unpack(path: Path, folder: Path) -> None:
             )
         n_found = 0
         for member in members:
+            check_cancelled()
             with archive.open(member) as packed:
                 head = packed.read(N_FIRST)
                 if not (begins_as_dicom(head) or member.filename.lower().endswith(SUFFIXES)):

@@ -14,6 +14,7 @@ from typing import TypeAlias
 
 import numpy as np
 
+from wavesplat._files.cancelling import check_cancelled
 from wavesplat._readers.dicom_checks import DIRECTION
 from wavesplat._readers.dicom_header import Header, content_of, header_of, is_dicom
 from wavesplat._readers.dicom_places import SUFFIXES
@@ -50,6 +51,7 @@ def scanned(files: Iterable[Path], root: Path, request: Request, known: Header |
     scan = Scan(root)
     kept = {} if request.kept is None else request.kept.setdefault("headers of DICOM", {})
     for file in files:
+        check_cancelled()
         state = file.stat()
         key = (str(file), state.st_mtime_ns, state.st_size)  # a text, since the hash of a path is slow
         if known is not None and file == known.file:

@@ -18,6 +18,7 @@ from urllib.parse import urlsplit
 import numpy as np
 
 from wavesplat._files import size_checks
+from wavesplat._files.cancelling import check_cancelled
 from wavesplat._files.memory import free_bytes
 from wavesplat._files.notes import warn
 from wavesplat._files.paths import check_no_pipe, check_text, printable
@@ -217,6 +218,7 @@ def _held(thing: VolumeLike, options: Request) -> Volume:
 
 def opened(request: Request, *, stacklevel: int = 2) -> Volume:
     """The volume of a request. `stacklevel`: that of warnings."""
+    check_cancelled()
     family = _family(request)
     _check_options(request, family)
     if family in ("itk", "dicom"):

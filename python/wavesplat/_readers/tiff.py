@@ -18,6 +18,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files import size_checks
+from wavesplat._files.cancelling import check_cancelled
 from wavesplat._files.named_files import check_named_file, check_within
 from wavesplat._files.natural_order import natural_key
 from wavesplat._files.reading import reading
@@ -151,6 +152,7 @@ def _read_folder(folder: Path, request: Request) -> Grid:
     size_checks.check_memory(first.nbytes * len(files), folder)
     stack = np.empty((len(files), *first.shape), first.dtype)
     for number, file in enumerate(files):
+        check_cancelled()
         with reading("TIFF", file):
             check_pages(file)
             one = slice_of(tifffile.imread(file), file, request)

@@ -93,6 +93,8 @@ class _Pages:
                     payload = bytes(buffers[0]) if buffers else b""
                     self._opener.receive(page, lambda header, sent: self._send(page, header, sent), content, payload)
                 elif client is not None:
+                    if kind == "cancel":
+                        self._opener.cancel(page, content)
                     client.receive(content)
                 else:
                     self._send(

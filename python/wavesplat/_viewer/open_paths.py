@@ -25,7 +25,7 @@ from wavesplat._readers.request import SeveralError, named_within
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.opening import open_scene
 from wavesplat._scene.scene import MAX_LAYERS, Scene
-from wavesplat.errors import ArgumentError, WavesplatError
+from wavesplat.errors import ArgumentError, CancelledError, WavesplatError
 
 __all__ = ["Found", "Several", "found_at", "scene_with"]
 
@@ -139,8 +139,9 @@ def _found(path: Path | str, unit: str | None, choice: dict[str, Any]) -> Found:
         if error.option in CHOICES and error.option not in choice and error.is_said:
             raise Several(path, error) from None
         raise
-    except WavesplatError:
-        if place is not None and place.name.lower().endswith(OF_BOTH):
+    except WavesplatError as error:
+        is_cancelled = isinstance(error, CancelledError)
+        if place is not None and place.name.lower().endswith(OF_BOTH) and not is_cancelled:
             return _shape(path, name, unit)
         raise
     guesses = tuple(guess for layer in layers for guess in layer.drawn.facts.guesses)

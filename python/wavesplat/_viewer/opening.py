@@ -18,6 +18,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from wavesplat._files import json_text
+from wavesplat._files.cancelling import cancelled_by, check_cancelled
 from wavesplat._model.argument_types import described
 from wavesplat._viewer import start_page
 from wavesplat._viewer.open_changes import added, replaced
@@ -27,7 +28,7 @@ from wavesplat._viewer.state import ViewerState
 from wavesplat._viewer.upload_contents import paths_in
 from wavesplat._viewer.upload_readers import readers_of
 from wavesplat._viewer.uploads import Upload, Uploads
-from wavesplat.errors import ArgumentError, FileError, WavesplatError
+from wavesplat.errors import ArgumentError, CancelledError, FileError, WavesplatError
 
 __all__ = ["Opener"]
 
@@ -41,11 +42,24 @@ HOWS = ("replace", "overlay", "labels")
 
 @dataclass(frozen=True)
 class _Read:
-    """The contents of a path that was opened, the number of its upload, and the page that asked."""
+    """The contents of a path that was opened, the number of its upload, and the page that asked, by which question."""
 
     found: tuple[Found, ...]
     upload: int | None
     owner: Any
+    question: int
+
+
+@dataclass(eq=False)
+class _Asked:
+    """A question that waits or is being answered."""
+
+    owner: Any
+    number: int
+    name: str
+    arguments: Mapping[str, Any]
+    payload: bytes
+    is_cancelled: bool = False
 
 
 class Opener:
@@ -69,13 +83,14 @@ class Opener:
         #: Questions by urgency, then by their order; None ends the thread.
         self._waiting: queue.PriorityQueue[tuple[int, int, Callable[[], None] | None]] = queue.PriorityQueue()
         self._order = itertools.count()
-        self._questions: dict[str, Callable[[Any, Mapping[str, Any], bytes], Answer]] = {
-            "offered": lambda *_: (self.offered(), b""),
+        self._asked: list[_Asked] = []
+        self._questions: dict[str, Callable[[_Asked], Answer]] = {
+            "offered": lambda _: (self.offered(), b""),
             "clear_recent": self._clear_recent,
             "example_picture": self._example_picture,
             "upload_begin": self._upload_begin,
             "upload": self._upload,
-            "upload_discard": self._upload_discard,
+            "discard": self._discard,
             "open": self._open,
             "show": self._show,
         }
@@ -88,6 +103,19 @@ class Opener:
     def takes(self, header: Mapping[str, Any]) -> bool:
         """Whether a message is a question that is answered here."""
         return header.get("type") == "ask" and header.get("question") in self._questions
+
+    def cancel(self, owner: Any, header: Mapping[str, Any]) -> None:
+        """Cancel what a message of the type "cancel" names, if it is a question that is answered here.
+
+        A reader stops between files and slices, where it can; else its result is thrown away. What was read and is not
+        shown is forgotten. The files of its upload go with it.
+        """
+        number = header.get("id")
+        for asked in list(self._asked):
+            if (asked.owner, asked.number) == (owner, number):
+                asked.is_cancelled = True
+        for key in [key for key, read in list(self._read.items()) if (read.owner, read.question) == (owner, number)]:
+            self._forget(key)
 
     def receive(self, owner: Any, send: Send, header: Mapping[str, Any], payload: bytes) -> None:
         """Answer a question, now or in the thread that reads. owner : the page, whose uploads end with it.
@@ -104,8 +132,10 @@ class Opener:
             raise ArgumentError(f"{question}: the arguments are {described(arguments)}; give an object")
         json_text.check_values(arguments, question)
 
+        asked = _Asked(owner, number, question, arguments, payload)
+
         def answer() -> None:
-            self._answer(send, number, lambda: self._questions[question](owner, arguments, payload))
+            self._answer(send, asked)
 
         if question in ("upload", "upload_begin"):
             answer()
@@ -117,17 +147,22 @@ class Opener:
             message = "too many questions wait for an answer; ask again"
             send({"type": "failed", "id": number, "code": "busy", "message": message}, b"")
             return
+        self._asked.append(asked)
         # Pictures of examples take a while, and a file that is opened should not wait for them.
         self._waiting.put((int(question == "example_picture"), next(self._order), answer))
 
     def leave(self, owner: Any) -> None:
         """A page has gone: its unfinished uploads, and what it opened and did not show, are removed."""
+        for asked in list(self._asked):
+            asked.is_cancelled = asked.is_cancelled or asked.owner == owner
         self._uploads.leave(owner)
         for number in [number for number, read in list(self._read.items()) if read.owner == owner]:
             self._forget(number)
 
     def close(self) -> None:
         """Remove all files that pages sent."""
+        for asked in list(self._asked):
+            asked.is_cancelled = True
         self._uploads.close()
         if self._thread is not None:
             self._waiting.put((-1, next(self._order), None))
@@ -138,47 +173,59 @@ class Opener:
         while (task := self._waiting.get()[2]) is not None:
             task()
 
-    @staticmethod
-    def _answer(send: Send, number: int, make: Callable[[], Answer]) -> None:
+    def _answer(self, send: Send, asked: _Asked) -> None:
+        number = asked.number
         try:
-            fields, payload = make()
+            with cancelled_by(lambda: asked.is_cancelled):
+                fields, payload = self._questions[asked.name](asked)
+        except CancelledError:
+            send({"type": "failed", "id": number, "code": "cancelled", "message": "it was cancelled"}, b"")
+            return
         except Exception as error:  # noqa: BLE001 - whatever fails, the page has to be told
             is_ours = isinstance(error, WavesplatError | MemoryError)
             text = str(error) if is_ours else f"opening failed: {type(error).__name__}: {error}"
             message = text or "there is not enough memory for it"
             send({"type": "failed", "id": number, "code": "open", "message": message}, b"")
             return
+        finally:
+            if asked in self._asked:
+                self._asked.remove(asked)
         send({"type": "answer", "id": number, **fields}, payload)
 
     # Questions
 
-    def _clear_recent(self, *_: Any) -> Answer:
+    def _clear_recent(self, _: _Asked) -> Answer:
         if self._recent is not None:
             self._recent.clear()
         return self.offered(), b""
 
     @staticmethod
-    def _example_picture(_owner: Any, arguments: Mapping[str, Any], _payload: bytes) -> Answer:
-        return {}, start_page.example_picture(str(arguments.get("name")))
+    def _example_picture(asked: _Asked) -> Answer:
+        return {}, start_page.example_picture(str(asked.arguments.get("name")))
 
-    def _upload_begin(self, owner: Any, arguments: Mapping[str, Any], _: bytes) -> Answer:
-        return {"upload": self._uploads.begin(owner, arguments.get("files"), arguments.get("bytes")).number}, b""
+    def _upload_begin(self, asked: _Asked) -> Answer:
+        n_files, n_bytes = asked.arguments.get("files"), asked.arguments.get("bytes")
+        return {"upload": self._uploads.begin(asked.owner, n_files, n_bytes).number}, b""
 
-    def _upload(self, owner: Any, arguments: Mapping[str, Any], payload: bytes) -> Answer:
-        upload = self._uploads.get(arguments.get("upload"))
-        if upload.owner != owner:
-            raise ArgumentError("upload: it is another page's")
-        return {"received": upload.write(arguments.get("path"), arguments.get("offset"), payload)}, b""
+    def _upload(self, asked: _Asked) -> Answer:
+        path, offset = asked.arguments.get("path"), asked.arguments.get("offset")
+        return {"received": self._own_upload(asked).write(path, offset, asked.payload)}, b""
 
-    def _upload_discard(self, owner: Any, arguments: Mapping[str, Any], _: bytes) -> Answer:
-        upload = self._own_upload(owner, arguments)
+    def _discard(self, asked: _Asked) -> Answer:
+        """Forget an upload, or what was read and is not shown, with its upload."""
+        if (number := asked.arguments.get("opened")) is not None:
+            read = self._read.get(number) if isinstance(number, int) else None
+            if read is not None and read.owner == asked.owner:
+                self._forget(number)
+            return {}, b""
+        upload = self._own_upload(asked)
         self._read = {key: read for key, read in self._read.items() if read.upload != upload.number}
         self._uploads.discard(upload.number)
         return {}, b""
 
-    def _own_upload(self, owner: Any, arguments: Mapping[str, Any]) -> Upload:
-        upload = self._uploads.get(arguments.get("upload"))
-        if upload.owner != owner:
+    def _own_upload(self, asked: _Asked) -> Upload:
+        upload = self._uploads.get(asked.arguments.get("upload"))
+        if upload.owner != asked.owner:
             raise ArgumentError("upload: it is another page's")
         return upload
 
@@ -187,11 +234,12 @@ class Opener:
         if upload is not None:
             self._uploads.discard_after(upload, (reader for one in found for reader in readers_of(one)))
 
-    def _open(self, owner: Any, arguments: Mapping[str, Any], _: bytes) -> Answer:
+    def _open(self, asked: _Asked) -> Answer:
         state = self._state()
-        upload = self._own_upload(owner, arguments).number if "upload" in arguments else None
+        upload = self._own_upload(asked).number if "upload" in asked.arguments else None
         try:
-            found = self._found(owner, arguments, state)
+            found = self._found(asked, state)
+            check_cancelled()  # a reader that could not stop
         except Several as several:
             return {
                 "several": {"option": several.option, "names": several.names, "described": several.described},
@@ -210,31 +258,48 @@ class Opener:
         while len(self._read) >= MAX_READ:
             self._forget(next(iter(self._read)))
         number, self._next = self._next, self._next + 1
-        self._read[number] = _Read(found, upload, owner)
+        self._read[number] = _Read(found, upload, asked.owner, asked.number)
+        if asked.is_cancelled:  # since the reader has ended
+            self._forget(number)
+            check_cancelled()
         return {**told, "shown": False, "opened": number}, b""
 
-    def _show(self, _owner: Any, arguments: Mapping[str, Any], _: bytes) -> Answer:
+    def _show(self, asked: _Asked) -> Answer:
+        arguments = asked.arguments
         state, how, number = self._state(), arguments.get("how"), arguments.get("opened")
         if how not in HOWS:
             raise ArgumentError(f"show: how is {described(how)}; use one of: {', '.join(HOWS)}")
         read = self._read.get(number) if isinstance(number, int) else None
         if state is None or read is None:
             raise ArgumentError("show: this is not open any more; open it again")
-        if how == "replace":
-            with_volumes = any(one.kind == "volume" for one in read.found)
-            scene = scene_with(None, read.found, as_labels=with_volumes)
-            operations = replaced(state, scene, _aspect(arguments.get("aspect")))
-        else:
-            operations = added(state, scene_with(state.scene, read.found, as_labels=how == "labels"))
-        del self._read[number]  # type: ignore[arg-type]
+        try:
+            operations = self._changes(state, read.found, how, _aspect(arguments.get("aspect")))
+            check_cancelled()
+        except CancelledError:
+            self._forget(number)  # type: ignore[arg-type]
+            raise
+        self._read.pop(number, None)  # type: ignore[arg-type]
         self._shown(read.found, read.upload)
         return {"operations": operations}, b""
 
-    def _forget(self, number: int) -> None:
-        self._uploads.discard(self._read.pop(number).upload)
+    @staticmethod
+    def _changes(state: ViewerState, found: tuple[Found, ...], how: str, aspect: float | None) -> list[dict[str, Any]]:
+        """The changes that show what was found."""
+        check_cancelled()
+        if how == "replace":
+            with_volumes = any(one.kind == "volume" for one in found)
+            return replaced(state, scene_with(None, found, as_labels=with_volumes), aspect)
+        return added(state, scene_with(state.scene, found, as_labels=how == "labels"))
 
-    def _found(self, owner: Any, arguments: Mapping[str, Any], state: ViewerState | None) -> tuple[Found, ...]:
+    def _forget(self, number: int) -> None:
+        read = self._read.pop(number, None)
+        if read is not None:
+            self._uploads.discard(read.upload)
+
+    def _found(self, asked: _Asked, state: ViewerState | None) -> tuple[Found, ...]:
         """The contents of the upload, the example or the recent file that a question names."""
+        arguments = asked.arguments
+        check_cancelled()
         unit = None if state is None else state.scene.layers[0].drawn.facts.unit
         choice = _choice(arguments.get("choice"))
         if (example := arguments.get("example")) is not None:
@@ -246,7 +311,7 @@ class Opener:
             if self._recent is not None:
                 self._recent.add(path)
             return (found,)
-        upload = self._own_upload(owner, arguments)
+        upload = self._own_upload(asked)
         if (upload.received, upload.begun) != (upload.n_bytes, upload.n_files):
             raise ArgumentError(
                 f"upload: {upload.received} of {upload.n_bytes} bytes came, in {upload.begun} of {upload.n_files} files"
@@ -267,6 +332,8 @@ def _found_in(path: Path, folder: Path, unit: str | None, choice: Mapping[str, A
     """The contents of a path in an upload; errors come without the folder, which the user does not know."""
     try:
         return found_at(path, folder=folder, unit=unit, choice=choice)
+    except CancelledError:
+        raise
     except WavesplatError as error:
         text = str(error).replace(f"{folder}/", "").replace(str(folder), "what was sent")
         raise (ArgumentError if isinstance(error, ArgumentError) else FileError)(text) from error

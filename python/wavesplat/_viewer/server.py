@@ -292,17 +292,23 @@ class _Socket(tornado.websocket.WebSocketHandler):
                 self._hello(header)
             elif self._server._opener is not None and self._server._opener.takes(header):
                 self._server._opener.receive(self, self._send, header, payload)
-            elif self._client is not None:
-                if header.get("type") == "patch" and self._is_too_fast():
-                    raise ArgumentError(f"more than {MAX_PATCHES_PER_S} patches a second")
-                if header.get("type") == "ask" and header.get("question") == "token":
-                    # The session knows no links: they are the server's.
-                    token = self._server.tokens.new()
-                    self._send({"type": "answer", "id": header.get("id"), "token": token}, b"")
-                else:
-                    self._client.receive(header)
+            else:
+                if self._server._opener is not None and header.get("type") == "cancel":
+                    self._server._opener.cancel(self, header)
+                if self._client is not None:
+                    self._to_session(self._client, header)
         except WavesplatError as error:
             self._refuse(4400, str(error))
+
+    def _to_session(self, client: Client, header: dict[str, Any]) -> None:
+        if header.get("type") == "patch" and self._is_too_fast():
+            raise ArgumentError(f"more than {MAX_PATCHES_PER_S} patches a second")
+        if header.get("type") == "ask" and header.get("question") == "token":
+            # The session knows no links: they are the server's.
+            token = self._server.tokens.new()
+            self._send({"type": "answer", "id": header.get("id"), "token": token}, b"")
+        else:
+            client.receive(header)
 
     def on_close(self) -> None:
         """Let go of a page that has gone."""

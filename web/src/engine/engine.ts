@@ -186,7 +186,8 @@ export interface Questions {
   upload_begin: { question: { files: number; bytes: number }; answer: { upload: number } };
   /** The payload is the next piece of a file. */
   upload: { question: { upload: number; path: string; offset: number }; answer: { received: number } };
-  upload_discard: { question: { upload: number }; answer: Readonly<Record<string, never>> };
+  /** Forgets an upload, or what "open" has read and is not shown. */
+  discard: { question: { upload: number } | { opened: number }; answer: Readonly<Record<string, never>> };
   /** Reads something; where the file holds several series or datasets, the answer is a question of its own. */
   open: {
     question: Source & { choice?: { option: string; value: string | number } };

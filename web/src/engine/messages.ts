@@ -97,7 +97,7 @@ const ANSWERS: Readonly<Record<Question, Check>> = {
   example_picture: bytes,
   upload_begin: open({ upload: whole }),
   upload: open({ received: number(0) }),
-  upload_discard: open({}),
+  discard: open({}),
   open: open({
     "found?": list(open({ kind: oneOf("volume", "labels", "shape"), name: text })),
     "notes?": list(text), "shown?": flag, "opened?": whole,

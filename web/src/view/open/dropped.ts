@@ -77,7 +77,7 @@ export async function send(engine: Engine, files: readonly Dropped[], progress: 
     await Promise.all(waiting);
     signal.throwIfAborted();
   } catch (problem) {
-    engine.ask("upload_discard", { upload }).catch(() => undefined);
+    engine.ask("discard", { upload }).catch(() => undefined);
     throw problem;
   }
   return upload;

@@ -157,22 +157,31 @@ export class PageOpener {
     }
   }
 
-  /** Gives up what is under way; what was sent is removed. */
+  /** Gives up what is under way: sending and reading stop, and what was sent or read is removed. */
   cancel(): void {
     this.abort?.abort();
     const { step } = this;
-    if ((step.kind === "several" || step.kind === "choosing") && "upload" in step.source) {
-      const { upload } = step.source;
-      this.page.engine.ask("upload_discard", { upload }).catch(() => undefined);
-    }
+    if (step.kind === "choosing") this.discard({ opened: step.opened });
+    else if (step.kind === "several") this.discardUpload(step.source);
     this.go({ kind: "idle" });
+  }
+
+  private discard(what: { upload: number } | { opened: number }): void {
+    this.page.engine.ask("discard", what).catch(() => undefined);
+  }
+
+  private discardUpload(source: Source): void {
+    if ("upload" in source) this.discard({ upload: source.upload });
   }
 
   private async read(source: Source, name: string, signal: AbortSignal, choice?: { option: string; value: string | number }): Promise<void> {
     this.go({ kind: "reading", name });
-    const told = await this.page.engine.ask("open", { ...source, ...(choice === undefined ? {} : { choice }) });
+    const question = { ...source, ...(choice === undefined ? {} : { choice }) };
+    const told = await this.page.engine.ask("open", question, undefined, signal);
     if (signal.aborted) {
-      if ("upload" in source) this.page.engine.ask("upload_discard", { upload: source.upload }).catch(() => undefined);
+      // The answer was on its way.
+      if (told.opened !== undefined) this.discard({ opened: told.opened });
+      else this.discardUpload(source);
       return;
     }
     if (told.several !== undefined) {
@@ -189,7 +198,8 @@ export class PageOpener {
 
   private async place(opened: number, how: How, name: string, signal: AbortSignal): Promise<void> {
     const aspect = this.page.aspect();
-    const { operations } = await this.page.engine.ask("show", { opened, how, ...(aspect === null ? {} : { aspect }) });
+    const question = { opened, how, ...(aspect === null ? {} : { aspect }) };
+    const { operations } = await this.page.engine.ask("show", question, undefined, signal);
     if (signal.aborted) return;
     this.page.change(operations);
     this.done(name);

@@ -10,6 +10,7 @@ from wavesplat._geometry.brain_surfaces import is_freesurfer
 from wavesplat._geometry.opening import SUFFIXES as OF_GEOMETRY
 from wavesplat._readers.opening import SUFFIXES as OF_VOLUMES
 from wavesplat._scene.scene import MAX_LAYERS
+from wavesplat._viewer.loose_slices import gathered
 from wavesplat.errors import FileError
 
 __all__ = ["paths_in"]
@@ -36,7 +37,9 @@ ZARR = ("zarr.json", ".zattrs", ".zgroup", ".zarray")
 
 
 def paths_in(folder: Path) -> list[Path]:
-    """Paths below a folder that are opened, each a volume, a segmentation or a shape, by their names.
+    """Paths below the folder of an upload that are opened, each a volume, a segmentation or a shape, by their names.
+
+    Slices that lie in no folder are moved into one.
 
     Raises
     ------
@@ -44,7 +47,7 @@ def paths_in(folder: Path) -> list[Path]:
         If there is nothing, or more than a scene holds.
     """
     stores, files = _walked(folder)
-    found = [*stores, *_units(files)]
+    found = [*stores, *_units(files, folder)]
     if not found:
         raise FileError("nothing was sent that could be a volume: the folder is empty, or all its files are hidden")
     if len(found) > MAX_LAYERS:
@@ -69,7 +72,7 @@ def _walked(folder: Path) -> tuple[list[Path], list[Path]]:
     return stores, files
 
 
-def _units(files: Sequence[Path]) -> list[Path]:
+def _units(files: Sequence[Path], folder: Path) -> list[Path]:
     """The path of each volume or shape in some files."""
     headers = [file for file in files if any(_ends(file, header) for header in PARTS)]
     parts = [part for header, parts in PARTS.items() if any(_ends(file, header) for file in headers) for part in parts]
@@ -79,18 +82,13 @@ def _units(files: Sequence[Path]) -> list[Path]:
     stacks = [file for file in whole if _ends(file, STACKS)]
     others = [file for file in whole if file not in slices and file not in stacks]
     known = [file for file in others if _is_known(file) or is_freesurfer(file)]
-    units = [*_together(slices), *_together(stacks)]
+    units = [gathered(some, folder) if len(some) > 1 else some[0] for some in (slices, stacks) if some]
     main = [file for file in known if not _ends(file, BESIDE)]
     units += main
     if not units:
         # Whatever is wrong with these is said by their reader.
         units = known or others[:1]
     return sorted(units)
-
-
-def _together(files: Sequence[Path]) -> list[Path]:
-    """Several files as the folder that holds them all."""
-    return [Path(os.path.commonpath([file.parent for file in files]))] if len(files) > 1 else list(files)
 
 
 def _is_part(file: Path, parts: Sequence[str], headers: Sequence[Path]) -> bool:

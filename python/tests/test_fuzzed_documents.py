@@ -286,7 +286,7 @@ def test_patches():
 
 QUESTIONS = {
     "histogram": {"layer": 0, "bins": 8, "low": 0, "high": 255},
-    "probe": {"point": [3, 3, 3]},
+    "region": {"points": [[3, 3, 3], [9, 3, 3], [3, 9, 3]]},
     "pick": {"width": 16, "height": 12, "x": 0.5, "y": 0.5},
     "preset": {"layer": 0, "name": "ct-bone"},
     "preset_picture": {"layer": 0, "name": "auto", "size": 16},
@@ -334,7 +334,7 @@ def test_messages():
         },
         {"type": "view", "view": "3d", "size": [16, 12]},
         {"type": "shown", "view": "3d", "frame": 1},
-        {"type": "ask", "id": 1, "question": "probe", "arguments": {"point": [3, 3, 3]}},
+        {"type": "ask", "id": 1, "question": "pick", "arguments": {"x": 0.5, "y": 0.5, "width": 16, "height": 12}},
         {"type": "cancel", "id": 1},
     ]
     page = viewer_fakes.Page(session)

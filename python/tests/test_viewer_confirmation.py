@@ -121,7 +121,7 @@ def test_small_pictures_of_presets_wait_for_the_picture_at_rest(session, monkeyp
         {"type": "ask", "id": 1, "question": "preset_picture", "arguments": {"layer": 0, "name": "auto", "size": 32}}
     )
     # Other questions do not wait.
-    page.ask("probe", number=2, point=[1, 1, 1])
+    page.ask("histogram", number=2, layer=0, bins=4, low=0, high=1)
     assert not [header for header in headers(page, "answer") if header["id"] == 1]
     gate.set()
     page.wait(lambda header: header["type"] == "answer" and header["id"] == 1)

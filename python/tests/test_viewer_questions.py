@@ -12,7 +12,7 @@ import viewer_fakes
 from PIL import Image
 
 import wavesplat as ws
-from wavesplat._viewer import code, questions
+from wavesplat._viewer import code, probing, questions
 from wavesplat._viewer.picturing import picture_of
 from wavesplat._viewer.state import ViewerState
 from wavesplat.errors import ArgumentError
@@ -41,43 +41,12 @@ def test_a_histogram_counts_samples(state):
     assert told["counts"] == np.histogram(samples, bins=16, range=(0, 256))[0].tolist()
 
 
-def test_a_probe_tells_the_sample_there(pelvis):
-    volume = pelvis.scene.layers[0].volume
-    point = (volume.world_from_index @ [60, 40, 30, 1])[:3].tolist()
-    told, _ = questions.answer(pelvis, "probe", {"point": point})
-    assert told["values"] == [float(volume.samples[30, 40, 60])]
-    assert told["index"] == pytest.approx([60, 40, 30])
-    assert told["label"] is None
-    outside, _ = questions.answer(pelvis, "probe", {"point": [1e4, 0, 0]})
-    assert outside["values"] == [None]
-
-
 @pytest.mark.filterwarnings("error")
-@pytest.mark.parametrize("far", [1e29, -1e29, 9.3e18])
-def test_a_probe_beyond_whole_numbers_lies_outside(pelvis, far):
-    told, _ = questions.answer(pelvis, "probe", {"point": [far, 0, 0]})
-    assert told["values"] == [None]
-
-
-def test_a_probe_names_labels_on_other_axes_fault_3():
-    numbers = np.zeros((8, 9, 10), np.uint8)
-    numbers[2, 3, 4] = 7
-    place = {"spacing": (1, 1, 1), "unit": "mm"}
-    scan = ws.Volume(np.arange(720, dtype=np.float32).reshape(8, 9, 10), **place)
-    flipped = np.diag([1.0, -1, 1, 1])
-    flipped[1, 3] = 8
-    segmentation = ws.Volume(np.ascontiguousarray(numbers[:, ::-1]), world_from_index=flipped, unit="mm")
-    state = ViewerState.of(ws.Scene(scan, labels=ws.Labels(segmentation, {7: ws.Label("red", name="core")})))
-    assert questions.answer(state, "probe", {"point": [4, 3, 2]})[0]["label"] == {"number": 7, "name": "core"}
-    assert questions.answer(state, "probe", {"point": [4, 5, 2]})[0]["label"] is None
-
-
-def test_a_probe_names_the_label():
-    scan = viewer_fakes.ball(12)
-    numbers = (scan.samples > 100).astype(np.uint8) * 7
-    state = ViewerState.of(ws.Scene(scan, labels=ws.Labels(numbers, {7: ws.Label("red", name="core")})))
-    assert questions.answer(state, "probe", {"point": [5, 5, 5]})[0]["label"] == {"number": 7, "name": "core"}
-    assert questions.answer(state, "probe", {"point": [0, 0, 0]})[0]["label"] is None
+def test_the_sample_at_a_point_is_the_nearest_one_and_none_lies_outside():
+    place = np.array([[0.5, 0, 0, 1], [0, -1, 0, 9], [0, 0, 2, 0], [0, 0, 0, 1]])
+    assert probing.sample_at(place, (4, 8, 10), [1 + 0.5 * 6 + 0.2, 9 - 5 + 0.3, 2 * 3 - 0.4]) == (3, 5, 6)
+    for far in (0.5, 1e29, -1e29, 9.3e18):
+        assert probing.sample_at(place, (4, 8, 10), [far, 4, 6]) is None
 
 
 @pytest.mark.parametrize("angle", [None, 30.0])
@@ -141,9 +110,9 @@ def test_pictures_are_drawn_anew(pelvis):
     ("question", "arguments"),
     [
         ("dance", {}),
-        ("probe", {"point": [1, 2]}),
-        ("probe", {"point": [1, 2, "x"]}),
-        ("probe", {"point": [1, 2, float("nan")]}),
+        ("region", {"points": [[1, 2]] * 3}),
+        ("region", {"points": [[1, 2, "x"]] * 3}),
+        ("region", {"points": [[1, 2, float("nan")]] * 3}),
         ("histogram", {"layer": 1, "bins": 16, "low": 0, "high": 1}),
         ("histogram", {"layer": 0, "bins": 10**6, "low": 0, "high": 1}),
         ("histogram", {"layer": 0, "bins": 16, "low": 1, "high": 1}),
@@ -162,7 +131,7 @@ def test_pictures_are_drawn_anew(pelvis):
         ("first_view", {"width": 10}),
         ("kept_in_view", {"width": 10, "height": 10, "aspect": 1}),
         ("kept_in_view", {"width": 10, "height": 10, "aspect": 0, "camera": LEFT}),
-        ("probe", []),
+        ("region", []),
     ],
     ids=str,
 )

@@ -215,7 +215,7 @@ def test_changes_that_cannot_be_are_refused_by_their_number(session):
         {"type": "view", "view": "3d", "size": [8000, 8000]},
         {"type": "view", "view": "3d", "size": "large"},
         {"type": "shown", "view": "3d", "frame": -1},
-        {"type": "ask", "id": None, "question": "probe"},
+        {"type": "ask", "id": None, "question": "histogram"},
         {"type": "cancel"},
     ],
     ids=str,

@@ -3,7 +3,7 @@ import { expect, test } from "vitest";
 import type { PresetInfo, VolumeInfo } from "../src/engine/engine.ts";
 import { isOffered, titleOf } from "../src/view/look/preset_kinds.ts";
 
-const preset = (name: string, kind: string): PresetInfo => ({ name, kind, description: "", fits: true, layers: [0] });
+const preset = (name: string, kind: string): PresetInfo => ({ name, kind, description: "", layers: [0] });
 const volume = (kind: string) => ({ kind }) as VolumeInfo;
 const PET = preset("pet", "pet");
 const BRAIN = preset("mr-brain", "mr");

@@ -197,7 +197,7 @@ describe("the engine behind a channel", () => {
     all.tick();
     expect(all.sent.at(-1)?.["type"]).toBe("ask");
     const abort = new AbortController();
-    const other = all.engine.ask("probe", { point: [0, 0, 0] }, undefined, abort.signal);
+    const other = all.engine.ask("pick", { x: 0, y: 0, width: 1, height: 1 }, undefined, abort.signal);
     abort.abort();
     expect(all.sent.at(-1)).toEqual({ type: "cancel", id: 3 });
     all.say({ type: "failed", id: 3, code: "cancelled", message: "it was cancelled" });

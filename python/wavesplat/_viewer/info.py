@@ -59,7 +59,6 @@ def data_of(state: ViewerState) -> dict[str, Any]:
                 "name": one.name,
                 "description": one.description,
                 "kind": one.kind,
-                "fits": one.name in fitting[0],
                 "layers": [n for n, names in enumerate(fitting) if one.name in names],
             }
             for one in sorted(presets.catalogue().values(), key=lambda one: one.name not in fitting[0])

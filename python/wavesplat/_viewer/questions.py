@@ -1,4 +1,4 @@
-"""Answers to the page's questions: histograms, values, the point and the shape seen at a pixel, presets, files, code.
+"""Answers to the page's questions: histograms, statistics, what is seen at a pixel, presets, files, code.
 
 Names, arguments and answers are `Questions` in `web/src/engine/engine.ts`.
 """
@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping
-from math import isfinite
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -19,7 +18,6 @@ from wavesplat._looks.histogram import finite_samples
 from wavesplat._looks.look import Look
 from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
-from wavesplat._model.volume import Volume
 from wavesplat._scene import scene_json
 from wavesplat._viewer import code, encoding, export_html
 from wavesplat._viewer.framed_cameras import framed, kept_in_view
@@ -27,7 +25,6 @@ from wavesplat._viewer.info import data_of, fingerprint_of
 from wavesplat._viewer.measuring import label_statistics, region_statistics
 from wavesplat._viewer.picturing import picture_of
 from wavesplat._viewer.previews import preview_of
-from wavesplat._viewer.probing import sample_at, value_at
 from wavesplat._viewer.seen import Shown, check_shown, name_of, seen
 from wavesplat._viewer.shape_seen import shape_seen
 from wavesplat._viewer.short_looks import USUAL, short_document
@@ -150,32 +147,6 @@ def _histogram(state: ViewerState, arguments: Mapping[str, Any], _: Progress) ->
         raise ArgumentError(f"histogram: low is {low:g} and high {high:g}; low must be less")
     counts, _edges = np.histogram(finite_samples(state.scene.layers[layer].drawn), bins=n_bins, range=(low, high))
     return {"counts": counts.tolist(), "low": low, "high": high}, b""
-
-
-def _probe(state: ViewerState, arguments: Mapping[str, Any], _: Progress) -> Answer:
-    point = _point(arguments, "point")
-    values: list[float | None] = []
-    for layer in state.scene.layers:
-        volume = layer.drawn
-        if not isinstance(volume, Volume):
-            values.append(None)
-            continue
-        place = sample_at(volume.world_from_index, volume.shape, point)
-        value = None if place is None else value_at(volume, place)
-        values.append(value if value is not None and isfinite(value) else None)
-    first = state.scene.layers[0].drawn
-    matrix = np.linalg.inv(first.world_from_index)
-    index = (matrix[:3, :3] @ point + matrix[:3, 3]).round(3).tolist()
-    label = None
-    labels = state.scene.labels
-    place = sample_at(first.world_from_index, first.shape, point)
-    if labels is not None and place is not None:
-        on_scan = labels.on_samples_of(first)
-        number = on_scan.numbers[int(on_scan._codes[place])]
-        look = labels.labels.get(number)
-        if number or look is not None:
-            label = {"number": number, "name": (look.name if look else "") or str(number)}
-    return {"values": values, "label": label, "index": index}, b""
 
 
 def _region(state: ViewerState, arguments: Mapping[str, Any], _: Progress) -> Answer:
@@ -310,7 +281,6 @@ def _data(state: ViewerState, _arguments: Mapping[str, Any], _: Progress) -> Ans
 ANSWERS: dict[str, Callable[[ViewerState, Mapping[str, Any], Progress], Answer]] = {
     "data": _data,
     "histogram": _histogram,
-    "probe": _probe,
     "region": _region,
     "label_statistics": _label_statistics,
     "pick": _pick,

@@ -38,7 +38,6 @@ export interface PresetInfo {
   readonly description: string;
   /** Kind of data, by which `wavesplat presets` groups the presets. */
   readonly kind: string;
-  readonly fits: boolean;
   /** The layers whose kind of data it is for. */
   readonly layers: readonly number[];
 }
@@ -205,11 +204,6 @@ export interface Questions {
   histogram: {
     question: { layer: number; bins: number; low: number; high: number };
     answer: { counts: number[]; low: number; high: number };
-  };
-  /** Values of the layers at a world point, null outside of them, and the label and index there. */
-  probe: {
-    question: { point: Vec3 };
-    answer: { values: (number | null)[]; label: { number: number; name: string } | null; index: Vec3 };
   };
   /** Statistics of the values of each layer in a plane region with corners in the world; null where a layer has none. */
   region: {

@@ -59,7 +59,7 @@ const statistics = { mean: number(), sd: number(), min: number(), max: number() 
 /** Facts of what is open. */
 const DATA = {
   volumes: list(volume, 1), bounds: box, fingerprint: text,
-  presets: list(open({ name: text, description: text, kind: text, fits: flag, layers: list(whole) })),
+  presets: list(open({ name: text, description: text, kind: text, layers: list(whole) })),
   composites: list(text), kernels: list(text), window_names: open({ "*": pair }),
   standard_views: fields({ "*": camera }, "message"), upright: point, axis_ends: list(text, 6, 6),
 };
@@ -105,7 +105,6 @@ const ANSWERS: Readonly<Record<Question, Check>> = {
   }),
   show: open({ operations }),
   histogram: open({ counts: list(number(0)), low: number(), high: number() }),
-  probe: open({ values: list(orNull(number())), label: orNull(open({ number: number(), name: text })), index: point }),
   region: open({ layers: list(orNull(open(statistics))) }),
   label_statistics: open({
     labels: list(

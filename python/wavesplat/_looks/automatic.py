@@ -220,7 +220,7 @@ def _tissue(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
 def _scan(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     """A look that shows boundaries: opacity follows the mean gradient at a value, relative to that of other values."""
     low, high = robust_range_of(known.values)
-    threshold, low = otsu_of_scan(known.values, low, high)
+    low, threshold, high = otsu_of_scan(known.values, low, high)
     colors = TISSUE if volume.is_anatomical else MATTER
     values = np.linspace(low, high, 65)
     strength = _boundary_strength(known, values)
@@ -256,7 +256,8 @@ def _fa(volume: Volume | WaveletVolume, _known: Evidence) -> Made:
 def _probability(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     """A look of probabilities: clear at 0, opaque at the largest."""
     high = max(float(volume.value_range[1]), float(known.values.max()))
-    return _light(SHARE_MAP, 0.0, high, opaque_after(volume)), SOFT
+    # Without a value above 0, such as fits may have below it, nothing is probable, and nothing shows.
+    return _light(SHARE_MAP, 0.0, high if high > 0 else 1.0, opaque_after(volume)), SOFT
 
 
 def _map(volume: Volume | WaveletVolume, known: Evidence) -> Made:

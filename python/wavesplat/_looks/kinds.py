@@ -127,8 +127,9 @@ def evidence(volume: Volume | WaveletVolume) -> Evidence:
     gradients = np.hypot.reduce([np.zeros_like(values), *differences])
     finite = np.isfinite(values) & np.isfinite(gradients)
     values, gradients = values[finite], gradients[finite]
-    if not values.size:
-        values, gradients = np.array(volume.value_range), np.zeros(2)
+    if not values.size or values.min() == values.max():
+        # All that varies was not looked at, such as the border of a small volume: curves need a range.
+        values, gradients = np.append(values, volume.value_range), np.append(gradients, (0.0, 0.0))
     # Coarser levels are means of what was noise, and steeper.
     fine = volume._busiest_part() if isinstance(volume, LazyVolume) else None
     side_by_side = (samples, neighbours) if fine is None else _with_neighbours(fine, 1)
@@ -341,8 +342,10 @@ def _with_neighbours(samples: NDArray[Any], step: int) -> tuple[NDArray[Any], Pa
 
 
 def _has_steps(samples: NDArray[Any], neighbours: Pairs) -> bool:
-    """Whether neighbours with other values often differ by more than 1, or there are too few values for that."""
+    """Whether neighbours with other values often differ by more than 1, or too few are known to tell."""
     if np.unique(samples).size < 4:
+        return True
+    if not neighbours:
         return True
     own = samples.astype(np.float64)
     steps = np.concatenate([np.abs(side.astype(np.float64) - own) for pair in neighbours for side in pair])

@@ -46,11 +46,14 @@ def otsu(values: NDArray[np.float64], low: float, high: float) -> float:
     return float(low + edges[1:-1][best[len(best) // 2]] ** 2 * (high - low))
 
 
-def otsu_of_scan(values: NDArray[np.float64], low: float, high: float) -> tuple[float, float]:
-    """Otsu's threshold, and the mean of the background below it, where samples outside of a scan may have one value.
+def otsu_of_scan(values: NDArray[np.float64], low: float, high: float) -> tuple[float, float, float]:
+    """The mean of the background, Otsu's threshold above it, and the value that counts as largest, of a padded scan.
 
-    Such padding would be the background, and the air of the scan the object, so the threshold is that of what is not
-    padding if this falls into two classes far apart.
+    Samples outside of a scan may have one value. Such padding would be the background, and the air of the scan the
+    object, so the threshold is that of what is not padding if this falls into two classes far apart.
+
+    low, high : values that count as smallest and largest, padding included. Of a scan that is next to nothing but
+        padding, a bone alone, `high` may lie within the scan: then what counts as largest is that of the scan.
     """
     threshold = otsu(values, low, high)
     found, counts = np.unique(values, return_counts=True)
@@ -62,5 +65,5 @@ def otsu_of_scan(values: NDArray[np.float64], low: float, high: float) -> tuple[
         if again > threshold and air.size and matter.size:
             mean = float(air.mean())
             if float(matter.mean()) - mean > MIN_APART * float(air.std() + matter.std()):
-                return again, mean
-    return threshold, low
+                return mean, again, high if high > again else end
+    return low, threshold, high

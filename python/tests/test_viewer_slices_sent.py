@@ -1,6 +1,7 @@
 """Slices of DICOM and TIFF that pages send, in folders and without: one volume with the name of folder or series."""
 
 import io
+import json
 
 import numpy as np
 import pytest
@@ -8,6 +9,7 @@ import tifffile
 from dicom_files import random, save, slice_at
 from test_viewer_opening import Asker, nifti_of
 
+from wavesplat._model.private_names import without_folders
 from wavesplat._viewer.opening import Opener
 
 
@@ -56,7 +58,7 @@ def check(page, begun, files, name, samples):
 @pytest.mark.parametrize("folder", ["study/series 7", "CT"])
 def test_a_folder_of_dicom_has_its_name(started, tmp_path, folder):
     files, pixels = dicom(tmp_path, SeriesDescription="AX T1")
-    assert check(*started, within(folder, files), folder.split("/")[-1], pixels) == folder
+    assert check(*started, within(folder, files), folder.split("/")[-1], pixels) == f"{folder}/"
 
 
 def test_a_folder_of_tiff_has_its_name(started):
@@ -116,3 +118,18 @@ def test_slices_that_differ_are_said_by_their_names(started):
     message = page.refusal("open", upload=page.send({**files, "em_900.tif": content.getvalue()}))
     assert "em_900.tif is (5, 5)" in message
     assert "wavesplat-open" not in message
+
+
+def test_pictures_of_a_folder_that_was_sent_do_not_hold_its_name(started, tmp_path):
+    files, pixels = dicom(tmp_path, SeriesDescription="AX T1 of Doe")
+    page, begun = started
+    check(page, begun, within("DOE^JANE", files), "DOE^JANE", pixels)
+    document = without_folders(begun[0].file_document())
+    assert "DOE" not in json.dumps(document)
+    assert document["layers"][0]["name"] == "volume"
+
+
+def test_pictures_of_loose_slices_do_not_hold_the_description_of_their_series(started, tmp_path):
+    files, pixels = dicom(tmp_path, SeriesDescription="AX T1 of Doe")
+    check(*started, files, "AX T1 of Doe", pixels)
+    assert "Doe" not in json.dumps(without_folders(started[1][0].file_document()))

@@ -41,9 +41,12 @@ def file_name_of(path: str) -> str | None:
     if is_address(path):
         return last_part(path)
     parts = PurePath(path)
+    is_zarr = parts.suffix.lower() == ".zarr"
+    if path.endswith("/") and not is_zarr:  # a folder that need not be here, such as one that a page sent
+        return None
     if glob.has_magic(str(parts.parent)) and not os.path.lexists(path):
         return None
-    if Path(path).is_dir() and parts.suffix.lower() != ".zarr":
+    if Path(path).is_dir() and not is_zarr:
         return None
     return parts.name
 

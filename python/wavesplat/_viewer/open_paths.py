@@ -185,11 +185,18 @@ def _named(found: Found) -> Found:
 
 
 def _own_source(source: dict[str, Any] | None, folder: Path) -> dict[str, Any] | None:
-    """A source with paths relative to the folder of an upload; the user has these files, wherever they lie."""
+    """A source with paths relative to the folder of an upload; the user has these files, wherever they lie.
+
+    Folders end with "/", as they are none on this side: pictures leave their names out, which may be patients'.
+    """
     if source is None:
         return None
     start = str(folder.absolute())
-    changed: dict[str, Any] = sources.with_paths(
-        source, lambda path: os.path.relpath(path, start) if path.startswith(start) else path
-    )
+
+    def own(path: str) -> str:
+        if not path.startswith(start):
+            return path
+        return os.path.relpath(path, start) + ("/" if Path(path).is_dir() else "")
+
+    changed: dict[str, Any] = sources.with_paths(source, own)
     return changed

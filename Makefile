@@ -284,8 +284,8 @@ spelling: $(STAMPS)/tools
 licences: .cache/bin/cargo-deny
 	cargo deny --locked --workspace check licenses bans sources
 
-# The databases of weaknesses are asked for over the net, so that this is no part of `check`.
-advisories: .cache/bin/cargo-deny $(STAMPS)/tools .cache/release-tools ## look for known weaknesses of crates, Python and npm packages; needs the net
+# The databases of vulnerabilities are asked for over the net, so that this is no part of `check`.
+advisories: .cache/bin/cargo-deny $(STAMPS)/tools .cache/release-tools ## look for known vulnerabilities of crates, Python and npm packages; needs the net
 	cargo deny --locked --workspace check advisories
 	.cache/release-tools/bin/pip-audit --strict --path "$$(python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')" --skip-editable
 	cd web && npm audit --omit=dev

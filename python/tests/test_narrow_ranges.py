@@ -10,7 +10,7 @@ from wavesplat._looks.kinds import kind_of
 from wavesplat._model.facts import Facts
 
 N = 20
-MODALITIES = (None, "CT", "MR", "PT", "RTDOSE", "US", "fluorescence", "EM", "OT", "SEG")
+MODALITIES = (None, "CT", "MR", "PT", "RTDOSE", "US", "fluorescence", "EM", "CR", "SEG")
 OPERATORS = (None, "over", "maximum", "minimum", "mean", "x-ray", "first-hit", "local-maximum")
 
 

@@ -43,7 +43,7 @@ class Asker:
             came.set()
 
         header = {"type": "ask", "id": self.number, "question": question, "arguments": arguments}
-        assert self.opener.takes(header)
+        assert self.opener.answers(header)
         self.opener.receive(self.owner, send, header, payload)
         assert came.wait(60)
         return got[0]

@@ -296,7 +296,7 @@ def test_a_thousand_frames_need_no_more_memory(session):
 
 def test_the_pace_goes_down_at_once_and_up_when_there_is_time():
     pace, rungs = Pace(), rungs_of("smooth", is_slice=False)
-    took = lambda ms: pace.took("look", rungs, pace.chosen("look", rungs), ms=ms, n_px=1000, budget_ms=28.0)  # noqa: E731
+    took = lambda ms: pace.record("look", rungs, pace.chosen("look", rungs), ms=ms, n_px=1000, budget_ms=28.0)  # noqa: E731
     assert pace.chosen("look", rungs) == Settings(30.0)
     took(40.0)
     assert pace.chosen("look", rungs) == Settings(30.0, 0.75)
@@ -316,7 +316,7 @@ def test_frames_of_200_ms_at_half_the_scale_lead_to_a_quarter(is_slice):
     pace, rungs = Pace(), rungs_of("smooth", is_slice=is_slice)
     half = next(one for one in rungs if one.scale == 0.5)
     # A machine that takes 200 ms for half the width and height, and in proportion to the pixels for others.
-    took = lambda settings: pace.took(  # noqa: E731
+    took = lambda settings: pace.record(  # noqa: E731
         "look", rungs, settings, ms=200.0 * (settings.scale / 0.5) ** 2, n_px=1000, budget_ms=28.0
     )
     while pace.chosen("look", rungs) != half:
@@ -332,7 +332,7 @@ def test_frames_of_200_ms_at_half_the_scale_lead_to_a_quarter(is_slice):
 def test_exact_never_draws_less_than_at_rest():
     pace, rungs = Pace(), rungs_of("exact", is_slice=False)
     for _ in range(5):
-        pace.took("look", rungs, pace.chosen("look", rungs), ms=900.0, n_px=1000, budget_ms=float("inf"))
+        pace.record("look", rungs, pace.chosen("look", rungs), ms=900.0, n_px=1000, budget_ms=float("inf"))
     assert pace.chosen("look", rungs) == Settings(None)
 
 
@@ -343,5 +343,5 @@ def test_a_rung_that_was_too_slow_is_not_tried_again_at_once():
     for _ in range(60):
         settings = pace.chosen("look", rungs)
         chosen.append(settings)
-        pace.took("look", rungs, settings, ms=costs[settings], n_px=1000, budget_ms=60.0)
+        pace.record("look", rungs, settings, ms=costs[settings], n_px=1000, budget_ms=60.0)
     assert chosen.count(Settings(36.0)) > 45

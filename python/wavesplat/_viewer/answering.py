@@ -124,12 +124,12 @@ class Answering:
 
     def _answer(self, question: _Question) -> None:
         page, number = question.page, question.number
-        told = 0.0
+        reported_s = 0.0
 
         def progress(part: float) -> bool:
-            nonlocal told
-            if time.monotonic() - told > PROGRESS_S:
-                told = time.monotonic()
+            nonlocal reported_s
+            if time.monotonic() - reported_s > PROGRESS_S:
+                reported_s = time.monotonic()
                 page.send({"type": "progress", "id": number, "part": part, "text": ""})
             return page.is_open and self._is_open and not question.is_cancelled
 
@@ -142,7 +142,7 @@ class Answering:
             answer, payload = questions.answer(state, question.name, question.arguments, progress)
         except CancelledError:
             page.send({"type": "failed", "id": number, "code": "cancelled", "message": "it was cancelled"})
-        except Exception as error:  # noqa: BLE001 - whatever fails, the page has to be told
+        except Exception as error:  # noqa: BLE001 - whatever fails, the page has to be reported_s
             page.send(failure_of(error, number))
         else:
             page.send({"type": "answer", "id": number, **answer}, payload)

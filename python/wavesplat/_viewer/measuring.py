@@ -90,12 +90,12 @@ def label_statistics(state: ViewerState) -> list[dict[str, Any]]:
     wanted = np.array([number != 0 or look is not None for number, look in zip(on_scan.numbers, looks, strict=True)])
     found = values_of_labels(on_scan._codes, np.asarray(volume.samples), wanted)
     voxel = abs(float(np.linalg.det(volume.world_from_index[:3, :3])))
-    told = []
+    listed = []
     for code, (number, look) in enumerate(zip(on_scan.numbers, looks, strict=True)):
         if found.n_voxels[code] == 0:
             continue
         facts = {"mean": found.mean[code], "sd": found.sd[code], "min": found.min[code], "max": found.max[code]}
-        told.append(
+        listed.append(
             {
                 "number": int(number),
                 "name": (look.name if look else "") or str(number),
@@ -104,4 +104,4 @@ def label_statistics(state: ViewerState) -> list[dict[str, Any]]:
                 **{name: float(value) if found.n_finite[code] else None for name, value in facts.items()},
             }
         )
-    return told
+    return listed

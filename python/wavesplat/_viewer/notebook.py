@@ -89,7 +89,7 @@ class _Pages:
                         self._drop(page)
                 elif kind == "hello":
                     self._hello(page, client, content)
-                elif client is not None and self._opener.takes(content):
+                elif client is not None and self._opener.answers(content):
                     payload = bytes(buffers[0]) if buffers else b""
                     self._opener.receive(page, lambda header, sent: self._send(page, header, sent), content, payload)
                 elif client is not None:

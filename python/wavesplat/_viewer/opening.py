@@ -100,7 +100,7 @@ class Opener:
         """The offers of the start page."""
         return start_page.offered(self._recent)
 
-    def takes(self, header: Mapping[str, Any]) -> bool:
+    def answers(self, header: Mapping[str, Any]) -> bool:
         """Whether a message is a question that is answered here."""
         return header.get("type") == "ask" and header.get("question") in self._questions
 
@@ -249,12 +249,12 @@ class Opener:
             self._uploads.discard(upload)
             raise
         notes = [note for one in found for note in one.notes]
-        told = {"found": [{"kind": one.kind, "name": one.name} for one in found], "notes": notes}
+        contents = {"found": [{"kind": one.kind, "name": one.name} for one in found], "notes": notes}
         if state is None and self._begin is not None:
             with_volumes = any(one.kind == "volume" for one in found)
             self._begin(ViewerState.of(scene_with(None, found, as_labels=with_volumes)))
             self._shown(found, upload)
-            return {**told, "shown": True}, b""
+            return {**contents, "shown": True}, b""
         while len(self._read) >= MAX_READ:
             self._forget(next(iter(self._read)))
         number, self._next = self._next, self._next + 1
@@ -262,7 +262,7 @@ class Opener:
         if asked.is_cancelled:  # since the reader has ended
             self._forget(number)
             check_cancelled()
-        return {**told, "shown": False, "opened": number}, b""
+        return {**contents, "shown": False, "opened": number}, b""
 
     def _show(self, asked: _Asked) -> Answer:
         arguments = asked.arguments

@@ -74,7 +74,7 @@ class Pace:
         """The settings of the next frame of a look."""
         return rungs[min(self._learnt(look, rungs).place, len(rungs) - 1)]
 
-    def took(
+    def record(
         self, look: Hashable, rungs: tuple[Settings, ...], settings: Settings, *, ms: float, n_px: int, budget_ms: float
     ) -> None:
         """Record the time of a frame with these settings; `n_px`: pixels of the whole view."""

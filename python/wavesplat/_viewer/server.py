@@ -130,9 +130,9 @@ class Server:
         if self._handed_over is not None:
             self._handed_over.remove()
 
-    def _each(self, tell: Callable[[_Socket], None]) -> None:
+    def _each(self, call: Callable[[_Socket], None]) -> None:
         for page in tuple(self._sockets):
-            tell(page)
+            call(page)
 
     def _later(self, call: Callable[[], object]) -> None:
         with contextlib.suppress(RuntimeError):  # the loop is closed
@@ -290,7 +290,7 @@ class _Socket(tornado.websocket.WebSocketHandler):
             header, payload = unpacked(message)
             if self._key is None:
                 self._hello(header)
-            elif self._server._opener is not None and self._server._opener.takes(header):
+            elif self._server._opener is not None and self._server._opener.answers(header):
                 self._server._opener.receive(self, self._send, header, payload)
             else:
                 if self._server._opener is not None and header.get("type") == "cancel":

@@ -267,11 +267,11 @@ class Session:
                     if picture if view == "3d" else slices:
                         self._touch(pane)
                 if one is not client:
-                    told = operations or [{"op": "replace", "path": "", "value": state.document}]
+                    changes = operations or [{"op": "replace", "path": "", "value": state.document}]
                     one.send(
                         {
                             "type": "patch",
-                            "operations": list(told),
+                            "operations": list(changes),
                             "cause": "python" if client is None else "other view",
                             # The page's later changes come after this one, and are made again on top of it.
                             "seq": one.seq,
@@ -399,7 +399,7 @@ class Session:
         n_px = size[0] * size[1]
         with self._changed:
             budget_ms = BUDGETS_MS.get(moving, NO_BUDGET_MS) if not at_rest else NO_BUDGET_MS
-            self._pace.took(look, rungs, settings, ms=(encoded - begun) * 1e3, n_px=n_px, budget_ms=budget_ms)
+            self._pace.record(look, rungs, settings, ms=(encoded - begun) * 1e3, n_px=n_px, budget_ms=budget_ms)
             if pane.n_changes == n_changes and at_rest:
                 pane.wants_rest = False
             if not client.is_open or client.panes.get(view) is not pane:
@@ -498,10 +498,10 @@ class Session:
 
     def _keep_sampling(self, picture: Picture) -> None:
         """Keep the sampling of a picture whose error is known; its report has none where nothing is visible."""
-        told = picture.report
-        if "sheets_per_slice" in told and "oversampling" in told:
+        report = picture.report
+        if "sheets_per_slice" in report and "oversampling" in report:
             self._last_sampling = Sampling(
-                sheets_per_slice=told["sheets_per_slice"], oversampling=abs(told["oversampling"])
+                sheets_per_slice=report["sheets_per_slice"], oversampling=abs(report["oversampling"])
             )
 
     def _encoded(self, client: Client, picture: Picture | SliceValues, at_rest: bool) -> tuple[str, bytes]:

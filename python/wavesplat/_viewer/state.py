@@ -253,8 +253,8 @@ class ViewerState:
         number = fields.get("id")
         known = next((one for one in shown if one is not None and is_same(one.number, number)), None)
         entry = known or self.catalogue.find(number, kind, f"{WHAT}: {what}: field 'id'")
-        told = {**fields, "visible": entry.fields["visible"]} if kind is Shape and "visible" in fields else fields
-        if not is_same(dict(told), dict(entry.fields)):
+        given = {**fields, "visible": entry.fields["visible"]} if kind is Shape and "visible" in fields else fields
+        if not is_same(dict(given), dict(entry.fields)):
             mend = "only its field 'visible' can be changed here" if kind is Shape else "it cannot be changed here"
             raise ArgumentError(f"{WHAT}: {what} is {described(dict(fields))}; {mend}; open another file instead")
         return entry
@@ -421,8 +421,8 @@ def _facts_of_shapes(scene: Scene) -> list[dict[str, Any]]:
     """Facts of the geometry that the page lists: kind, name, number of parts, and whether it is shown."""
     facts = zip(scene.geometry, names_of_shapes(scene.geometry), facts_of_shapes(scene.geometry), strict=True)
     return [
-        {"kind": shape.KIND, "name": name, "count": told["count"], "visible": shape.visible}
-        for shape, name, told in facts
+        {"kind": shape.KIND, "name": name, "count": one["count"], "visible": shape.visible}
+        for shape, name, one in facts
     ]
 
 

@@ -24,7 +24,7 @@ export interface RemoteOptions {
 }
 
 interface Waiting {
-  take(fields: Header, payload: Payload): void;
+  resolve(fields: Header, payload: Payload): void;
   reject(problem: Problem): void;
   readonly progress: ((part: number) => void) | undefined;
 }
@@ -71,7 +71,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
   let silenceTimer: ReturnType<typeof setTimeout> | undefined;
   let isSilent = false;
 
-  const tell = (connection: Connection): void => connections.forEach((listener) => listener(connection));
+  const announce = (connection: Connection): void => connections.forEach((listener) => listener(connection));
 
   /** Waits anew for the confirmation of what was sent and is unconfirmed. */
   const watch = (): void => {
@@ -79,7 +79,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
     if (replica?.isUnconfirmed(sent) !== true || !isOpen) return;
     silenceTimer = setTimeout(() => {
       isSilent = true;
-      tell({ kind: "silent", problem: channel.silence });
+      announce({ kind: "silent", problem: channel.silence });
     }, SILENT_MS);
   };
 
@@ -87,7 +87,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
     watch();
     if (!isSilent) return;
     isSilent = false;
-    if (isOpen) tell({ kind: "open" });
+    if (isOpen) announce({ kind: "open" });
   };
 
   const flush = (): void => {
@@ -122,7 +122,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
     // The program was started again without the data that are shown here.
     if (replica !== null) options.onOtherData?.();
     isOpen = true;
-    tell({ kind: "start", offered });
+    announce({ kind: "start", offered });
   };
 
   const start = (welcome: Welcome, session: string): void => {
@@ -154,7 +154,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
     lastSession = session;
     // After the state: a new session frames a first picture, which nobody has turned, for the first view that shows it.
     for (const [view, { width, height }] of sizes) channel.send({ type: "view", view, size: [width, height] });
-    tell({ kind: "open" });
+    announce({ kind: "open" });
   };
 
   const fail = ({ id, seq: refused, problem }: Message & { type: "failed" }): void => {
@@ -165,7 +165,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
     }
     if (replica === null) {
       failed(problem);
-      tell({ kind: "lost", problem, retries: false });
+      announce({ kind: "lost", problem, retries: false });
       return;
     }
     if (problem.code === "refused" && refused !== null) {
@@ -175,18 +175,18 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
     problems.forEach((listener) => listener(problem));
   };
 
-  const merge = (operations: readonly Operation[], taken: number): void => {
-    replica?.merge(operations, taken);
+  const merge = (operations: readonly Operation[], madeUpTo: number): void => {
+    replica?.merge(operations, madeUpTo);
     states.forEach((listener) => listener(operations));
   };
 
   const progress = ({ id, view, part, text }: Message & { type: "progress" }): void => {
     if (view !== undefined) refinings.forEach((listener) => listener(view, part));
     else if (id !== null) waiting.get(id)?.progress?.(part ?? 0);
-    else tell(part === null ? { kind: "connecting", text } : { kind: "connecting", text, part });
+    else announce(part === null ? { kind: "connecting", text } : { kind: "connecting", text, part });
   };
 
-  const take = (message: Message): void => {
+  const handle = (message: Message): void => {
     switch (message.type) {
       case "start":
         offer(message.offered, message.session);
@@ -214,7 +214,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
         waiting.delete(message.id);
         // Facts of other data, which were opened here.
         if (typeof message.fields["fingerprint"] === "string") fingerprint = message.fields["fingerprint"];
-        one?.take(message.fields, message.payload);
+        one?.resolve(message.fields, message.payload);
         break;
       }
       case "failed":
@@ -225,7 +225,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
 
   const receive = (header: Header, payload: Payload): void => {
     try {
-      take(parseMessage(header, payload));
+      handle(parseMessage(header, payload));
     } catch (error) {
       const problem = { code: "message", message: (error as Error).message, remedy: "Load the page again." };
       if (replica === null) failed(problem);
@@ -237,7 +237,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
   channel.onMessage(receive);
   channel.onState((next) => {
     if (next.kind === "open") {
-      if (replica === null) tell({ kind: "connecting", text: "Opening" });
+      if (replica === null) announce({ kind: "connecting", text: "Opening" });
       sayHello();
       clearInterval(helloTimer);
       if (options.repeatHelloMs) helloTimer = setInterval(sayHello, options.repeatHelloMs);
@@ -251,7 +251,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
     waiting.clear();
     const { problem, retries } = next;
     if (!retries && replica === null) failed(problem);
-    tell({ kind: "lost", problem, retries });
+    announce({ kind: "lost", problem, retries });
   });
 
   return {
@@ -284,14 +284,14 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
       const id = nextId;
       nextId += 1;
       return new Promise<Questions[Q]["answer"]>((resolve, reject) => {
-        const take = (fields: Header, bytes: Payload): void => {
+        const answered = (fields: Header, bytes: Payload): void => {
           try {
             resolve(parseAnswer(name, fields, bytes));
           } catch (error) {
             reject({ code: "message", message: (error as Error).message });
           }
         };
-        waiting.set(id, { take, reject, progress });
+        waiting.set(id, { resolve: answered, reject, progress });
         signal?.addEventListener("abort", () => {
           if (waiting.has(id)) channel.send({ type: "cancel", id });
         });

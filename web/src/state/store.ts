@@ -36,7 +36,7 @@ export function createStore(engine: Engine): Store {
   let past: ViewerState[] = [];
   let future: ViewerState[] = [];
   const listeners = new Set<() => void>();
-  const tell = (): void => listeners.forEach((listener) => listener());
+  const notify = (): void => listeners.forEach((listener) => listener());
 
   const remember = (before: ViewerState): void => {
     past = [...past.slice(1 - MAX_STEPS), before];
@@ -49,7 +49,7 @@ export function createStore(engine: Engine): Store {
     gesture = null;
     const value = { ...target, view: { ...target.view, layout, interface: shown } };
     seq = engine.patch([{ op: "replace", path: "", value }], false);
-    tell();
+    notify();
   };
 
   engine.onState((operations) => {
@@ -66,7 +66,7 @@ export function createStore(engine: Engine): Store {
     // Nor are changes that were refused: the state is again the one before the first of them.
     const refused = past.lastIndexOf(engine.state);
     if (refused >= 0) past = past.slice(0, refused);
-    tell();
+    notify();
   });
 
   return {
@@ -82,11 +82,11 @@ export function createStore(engine: Engine): Store {
       if (isStep && (name === undefined || name !== gesture)) remember(before);
       if (isStep) gesture = name ?? null;
       seq = engine.patch(operations, name !== undefined);
-      tell();
+      notify();
     },
     adjust(operations) {
       seq = engine.patch(operations, false);
-      tell();
+      notify();
     },
     settle() {
       if (gesture === null) return;

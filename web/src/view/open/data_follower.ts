@@ -12,7 +12,7 @@ export class DataFollower {
   constructor(
     private readonly engine: Engine,
     private readonly state: () => ViewerState,
-    private readonly take: (data: Data) => void,
+    private readonly show: (data: Data) => void,
   ) {
     this.known = namesOf(state());
   }
@@ -26,7 +26,7 @@ export class DataFollower {
       (data) => {
         this.isAsking = false;
         this.known = names;
-        this.take(data);
+        this.show(data);
         this.check();
       },
       () => {

@@ -67,10 +67,10 @@ export async function send(engine: Engine, files: readonly Dropped[], progress: 
         const piece = new Uint8Array(await file.slice(offset, offset + PIECE).arrayBuffer());
         signal.throwIfAborted();
         const answer = engine.ask("upload", { upload, path, offset }, undefined, undefined, piece);
-        const told = answer.then(({ received }) => progress(total === 0 ? 1 : received / total)).finally(() => waiting.delete(told));
+        const stored = answer.then(({ received }) => progress(total === 0 ? 1 : received / total)).finally(() => waiting.delete(stored));
         // Where several fail the first one is told.
-        told.catch(() => undefined);
-        waiting.add(told);
+        stored.catch(() => undefined);
+        waiting.add(stored);
         if (waiting.size >= MAX_ON_THEIR_WAY) await Promise.race(waiting);
       }
     }

@@ -113,10 +113,10 @@ export class PageOpener {
     const name = nameOf(files);
     const abort = this.begin({ kind: "sending", name, part: 0 });
     try {
-      const told = (part: number): void => {
+      const progress = (part: number): void => {
         if (!abort.signal.aborted) this.go({ kind: "sending", name, part });
       };
-      const upload = await send(this.page.engine, files, told, abort.signal);
+      const upload = await send(this.page.engine, files, progress, abort.signal);
       await this.read({ upload }, name, abort.signal);
     } catch (problem) {
       if (!abort.signal.aborted) this.fail(problem);
@@ -177,19 +177,19 @@ export class PageOpener {
   private async read(source: Source, name: string, signal: AbortSignal, choice?: { option: string; value: string | number }): Promise<void> {
     this.go({ kind: "reading", name });
     const question = { ...source, ...(choice === undefined ? {} : { choice }) };
-    const told = await this.page.engine.ask("open", question, undefined, signal);
+    const answer = await this.page.engine.ask("open", question, undefined, signal);
     if (signal.aborted) {
       // The answer was on its way.
-      if (told.opened !== undefined) this.discard({ opened: told.opened });
+      if (answer.opened !== undefined) this.discard({ opened: answer.opened });
       else this.discardUpload(source);
       return;
     }
-    if (told.several !== undefined) {
+    if (answer.several !== undefined) {
       this.isShown = false;
-      return this.go({ kind: "several", name, source, ...told.several });
+      return this.go({ kind: "several", name, source, ...answer.several });
     }
-    if (told.shown === true || told.opened === undefined) return this.done(name);
-    const { found = [], notes = [], opened } = told;
+    if (answer.shown === true || answer.opened === undefined) return this.done(name);
+    const { found = [], notes = [], opened } = answer;
     // Shapes stand beside what is open: there is nothing to choose.
     if (found.every(({ kind }) => kind === "shape")) return this.place(opened, "overlay", name, signal);
     this.isShown = false;
@@ -226,12 +226,12 @@ export class PageOpener {
 
   private fail(problem: unknown): void {
     const found = problem as Partial<Problem>;
-    const told: Problem = { ...found, code: "open", message: String(found.message ?? problem) };
-    this.failure = told;
+    const shown: Problem = { ...found, code: "open", message: String(found.message ?? problem) };
+    this.failure = shown;
     this.go({ kind: "idle" });
     if (this.page.hasData()) {
       this.isShown = false;
-      this.page.problem(told);
+      this.page.problem(shown);
     }
   }
 

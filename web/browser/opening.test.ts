@@ -112,6 +112,8 @@ describe("without a file", () => {
     await expect.poll(() => page.title()).toBe("ct.nii.gz – Wavesplat");
     const { data } = await pixels(page);
     expect(new Set(data).size).toBeGreaterThan(100);
+    // It is in memory.
+    expect(uploads()).toEqual([]);
   });
 });
 
@@ -160,6 +162,7 @@ describe("a second volume", () => {
     await page.getByRole("dialog").getByRole("button", { name: "Cancel" }).click();
     await page.getByRole("dialog").waitFor({ state: "detached" });
     expect(await layers()).toEqual(["ct.nii.gz"]);
+    await expect.poll(uploads).toEqual([]);
   });
 });
 

@@ -18,8 +18,7 @@ export function openPage(element: HTMLElement): () => void {
   const engine = remoteEngine(channel, {
     hello: () => {
       const session = stored();
-      const hello = { ...(unused === null ? {} : { token: unused }), ...(session === null ? {} : { session }) };
-      return hello;
+      return { ...(unused === null ? {} : { token: unused }), ...(session === null ? {} : { session }) };
     },
     onOtherData: () => location.reload(),
     onSession: (key) => {
@@ -30,13 +29,18 @@ export function openPage(element: HTMLElement): () => void {
     },
   });
   // The program was started again, and another window has come in by its new link.
-  window.addEventListener("storage", ({ key }) => {
+  const onStorage = ({ key }: StorageEvent): void => {
     if (key === `${KEY}:${location.host}`) engine.retry();
-  });
+  };
+  window.addEventListener("storage", onStorage);
   const onVolumes = (names: readonly string[]): void => {
     document.title = `${names.join(", ")} – Wavesplat`;
   };
-  return mountApp(element, engine, { kind: "page", link, onVolumes });
+  const unmount = mountApp(element, engine, { kind: "page", link, onVolumes });
+  return () => {
+    window.removeEventListener("storage", onStorage);
+    unmount();
+  };
 }
 
 function stored(): string | null {

@@ -81,7 +81,7 @@ const layers = async (): Promise<string[]> => (await state(page)).layers.map(({ 
 
 describe("without a file", () => {
   test("there are a place to drop it, three examples with their pictures, and no list yet", async () => {
-    await page.getByText("Drop a scan here").waitFor();
+    await page.getByText("Drop a file or a folder here").waitFor();
     await expect.poll(() => page.locator("img.open-picture").count()).toBe(3);
     expect(await page.getByRole("listitem").count()).toBe(3);
     expect(await page.getByText("Up to 4 GB").count()).toBe(1);

@@ -200,15 +200,15 @@ const CONTROLS: readonly (readonly [string, string, (page: Page) => Promise<unkn
   ["shading off", "light", (p) => p.getByRole("checkbox", { name: "Shading" }).uncheck(), (s) => [s.shading, s.layers[0]?.look.shading], true],
   ["a mood", "light", (p) => p.getByRole("button", { name: "Dramatic" }).click(), (s) => s.layers[0]?.look.shading?.shadow, true],
   ["ambient light", "light", async (p) => {
-    await p.getByText("All of the light").click();
+    await p.getByText("All settings of light").click();
     await p.getByRole("slider", { name: "Ambient" }).fill("0.6");
   }, (s) => s.layers[0]?.look.shading?.ambient, true],
   ["occlusion", "light", async (p) => {
-    await p.getByText("All of the light").click();
+    await p.getByText("All settings of light").click();
     await p.getByRole("slider", { name: "Occlusion" }).fill("0.9");
   }, (s) => s.layers[0]?.look.shading?.ambient_occlusion, true],
   ["a shadow", "light", async (p) => {
-    await p.getByText("All of the light").click();
+    await p.getByText("All settings of light").click();
     await p.getByRole("slider", { name: "Shadow" }).fill("0.8");
   }, (s) => s.layers[0]?.look.shading?.shadow, true],
   ["the kernel", "light", (p) => p.getByRole("combobox", { name: "Kernel" }).selectOption("bspline3"), (s) => s.render.kernel, true],
@@ -218,7 +218,7 @@ const CONTROLS: readonly (readonly [string, string, (page: Page) => Promise<unkn
   }, (s) => s.clip, true],
   ["a corner cut out", "cut", (p) => p.getByRole("button", { name: "Cut a corner out" }).click(), (s) => s.clip, true],
   ["a clip plane", "cut", (p) => p.getByRole("button", { name: "Add a plane that faces you" }).click(), (s) => s.clip, true],
-  ["the quality at rest", "settings", (p) => p.getByRole("combobox", { name: "At rest" }).selectOption("high"), (s) => s.render.quality, true],
+  ["the quality at rest", "settings", (p) => p.getByRole("combobox", { name: "Quality at rest" }).selectOption("high"), (s) => s.render.quality, true],
   ["the quality while moving", "settings", (p) => p.getByRole("combobox", { name: "While moving" }).selectOption("exact"), (s) => s.view.quality.moving, false],
   ["perspective", "settings", (p) => p.getByRole("checkbox", { name: "Perspective" }).check(), (s) => s.camera.view_angle, true],
   ["the theme", "settings", (p) => p.getByRole("combobox", { name: "Theme" }).selectOption("light"), (s) => s.view.interface.theme, false],

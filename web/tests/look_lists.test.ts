@@ -1,8 +1,8 @@
 import { describe, expect, test } from "vitest";
 
 import { patched } from "../src/state/patch.ts";
-import type { LabelLook, Layer, View } from "../src/state/state.ts";
-import { isSolo, isSoloLabel, labelRows, shownLabels, soloLayer, type Hidden } from "../src/view/look/layers.ts";
+import type { LabelLook, Layer, View, ViewerState } from "../src/state/state.ts";
+import { isSolo, isSoloLabel, labelRows, shownLabels, soloLayer, toggledLabel, type Hidden } from "../src/view/look/layers.ts";
 import {
   dropPreset,
   keepPreset,
@@ -77,6 +77,14 @@ describe("labels", () => {
   });
   test("what is so already is not touched", () =>
     expect(shownLabels(labels, (number) => number !== "4", new Map())).toEqual([]));
+  test("one is hidden and shown again as it was, and the others stay", () => {
+    const store = { state: scene as unknown as ViewerState };
+    store.state = patched(store.state, toggledLabel(store, "2"));
+    expect(labelRows(store.state.labels?.labels ?? {}).map(({ isShown }) => isShown)).toEqual([false, true, false, true]);
+    store.state = patched(store.state, toggledLabel(store, "2"));
+    expect(store.state.labels?.labels["2"]).toMatchObject(labels["2"] as LabelLook);
+    expect(store.state.labels?.labels["10"]).toEqual(labels["10"]);
+  });
   test("alone is alone", () => {
     const alone = patched(
       scene,

@@ -2,7 +2,7 @@
 // fixtures in `web/schema`. Checks that only the renderer can make, such as the order of points, are left to it.
 
 import { any, either, fields, flag, list, number, oneOf, point, refuse, share, text, whole, type Check } from "./checks.ts";
-import { COMPOSITE_NAMES } from "./composites.ts";
+import { COMPOSITES } from "./composites.ts";
 import { MAX_REGION_POINTS, OVERLAYS, PANES, QUALITIES, SLICE_COLORS, TURNINGS, type ViewerState } from "./state.ts";
 
 const color: Check = (value, where) => (typeof value === "string" ? undefined : list(share, 3, 4)(value, where));
@@ -25,7 +25,6 @@ const curves: Check = (value, where) => {
     "gradient_opacity?": nodes(number(0), share),
   })(value, where);
 };
-const COMPOSITES = Object.keys(COMPOSITE_NAMES);
 const composite: Check = (value, where) => {
   if (value === null || typeof value === "string") oneOf(null, ...COMPOSITES)(value, where);
   else fields(Object.fromEntries(COMPOSITES.map((name) => [`${name}?`, fields({ "*": either(null, any) })])))(value, where);

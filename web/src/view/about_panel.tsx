@@ -1,12 +1,12 @@
 // The card about the data: what is known of each volume, what was guessed, and what was noted of the picture.
 
 import type { VolumeInfo } from "../engine/engine.ts";
-import { WORDS } from "../words.ts";
+import { PANEL_WORDS } from "../panel_words.ts";
 import { decimalsOf, shortNumber } from "./descriptions.ts";
 import { numberText } from "./look/axis.ts";
 import type { PartProps } from "./part.ts";
 
-const TEXT = WORDS.about;
+const TEXT = PANEL_WORDS.about;
 
 export function AboutPanel({ welcome, store, ui }: PartProps) {
   const notes = [...new Set(Object.values(ui.frames).flatMap((frame) => frame.notes))];
@@ -46,7 +46,7 @@ function facts(volume: VolumeInfo): readonly (readonly [string, string])[] {
     [TEXT.samples, `${shape.join(" × ")}, ${volume.dtype}`],
     [TEXT.spacing, isEven ? `${shortNumber(spacing[0], 4)} ${unit ?? ""}`.trim() : length(spacing, decimals + 2)],
     [TEXT.size, length(size, decimals)],
-    [TEXT.values, `${numberText(range[0])} to ${numberText(range[1])} ${value_unit}`.trim()],
+    [TEXT.values, TEXT.range(numberText(range[0]), numberText(range[1]), value_unit)],
     [TEXT.axes, orientation === null ? TEXT.noAxes : TEXT.axesOf(orientation)],
     ...(volume.n_times > 1 ? [[TEXT.times, String(volume.n_times)] as const] : []),
   ];

@@ -7,6 +7,7 @@ import { actionOf, keyName } from "../input/keys.ts";
 import { fromLink } from "../state/link.ts";
 import type { ViewName } from "../state/state.ts";
 import { createStore, type Store } from "../state/store.ts";
+import { WORDS } from "../words.ts";
 import { FrameStatistics } from "./frame_statistics.ts";
 import { loadAhead } from "./later.tsx";
 import { css as livenessCss } from "./liveness.tsx";
@@ -140,7 +141,7 @@ class App {
     if (this.host.link === undefined) return;
     try {
       const { fingerprint, state } = await fromLink(this.host.link);
-      if (fingerprint !== welcome.fingerprint) throw new Error("The link is of other data than is open here");
+      if (fingerprint !== welcome.fingerprint) throw new Error(WORDS.opening.otherData);
       const { state: checked } = await this.engine.ask("open_state", { text: JSON.stringify(state) });
       store.change([{ op: "replace", path: "", value: checked }]);
     } catch (problem) {

@@ -2,8 +2,9 @@
 
 import { KEYS, type Key } from "../input/keys.ts";
 import { set } from "../state/patch.ts";
+import { PANEL_WORDS } from "../panel_words.ts";
 import { WORDS } from "../words.ts";
-import { hiddenOf, labelRows, shownLabels } from "./look/layers.ts";
+import { labelRows, toggledLabel } from "./look/layers.ts";
 import { chosen } from "./look/looks.ts";
 import { titleOf } from "./look/preset_kinds.ts";
 import type { PartProps } from "./part.ts";
@@ -43,7 +44,7 @@ export function commandsOf(part: PartProps): Command[] {
       run: () => void take(part, name),
     })),
     ...namedWindows(part).map(([name]) => ({ text: name, hint: TEXT.window, run: () => chooseWindow(part, name) })),
-    ...THEMES.map((name) => ({ text: WORDS.settings.themes[name], hint: TEXT.theme, run: () => store.change([set(name, "view", "interface", "theme")]) })),
+    ...THEMES.map((name) => ({ text: PANEL_WORDS.settings.themes[name], hint: TEXT.theme, run: () => store.change([set(name, "view", "interface", "theme")]) })),
     ...labelCommands(part),
   ];
 }
@@ -58,15 +59,10 @@ export function found<C extends Pick<Command, "text" | "hint">>(commands: readon
 }
 
 function labelCommands({ store }: PartProps): Command[] {
-  const rows = labelRows(store.state.labels?.labels ?? {});
-  return rows.map(({ number, name, isShown }) => ({
+  return labelRows(store.state.labels?.labels ?? {}).map(({ number, name, isShown }) => ({
     text: isShown ? TEXT.hide(name) : TEXT.show(name),
     hint: TEXT.label,
-    run: () => {
-      const now = new Map(rows.map((row) => [row.number, row.isShown]));
-      const isOn = (other: string): boolean => (other === number ? !isShown : (now.get(other) ?? false));
-      store.change(shownLabels(store.state.labels?.labels ?? {}, isOn, hiddenOf(store)));
-    },
+    run: () => store.change(toggledLabel(store, number)),
   }));
 }
 

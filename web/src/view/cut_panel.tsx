@@ -73,7 +73,7 @@ export function CutPanel(props: PartProps) {
 function BoxNumbers(props: PartProps & { kind: "keep" | "cut_out"; place: number; box: Box }) {
   const { store, welcome, kind, place, box } = props;
   const spacing = welcome.volumes[0]?.spacing ?? [1, 1, 1];
-  const unitName = welcome.volumes[0]?.unit ?? "units";
+  const unitName = welcome.volumes[0]?.unit ?? WORDS.slices.units;
   return (
     <>
       {AXES.flatMap((name, a) =>
@@ -122,7 +122,7 @@ function PlaneNumbers(
       <NumberField
         decimals={decimalsOf(Math.min(...(welcome.volumes[0]?.spacing ?? [1])))}
         label={TEXT.plane(number)}
-        unit={welcome.volumes[0]?.unit ?? "units"}
+        unit={welcome.volumes[0]?.unit ?? WORDS.slices.units}
         value={along}
         min={low}
         max={high}

@@ -2,9 +2,10 @@
 
 import { axesOf, dot } from "../input/camera.ts";
 import type { Welcome } from "../engine/engine.ts";
+import { WORDS } from "../words.ts";
 import type { Composite, Vec3, ViewerState } from "../state/state.ts";
 
-const SIDES: readonly (readonly [string, Vec3])[] = [
+const SIDES: readonly (readonly [keyof typeof WORDS.scene.sides, Vec3])[] = [
   ["front", [0, 1, 0]],
   ["back", [0, -1, 0]],
   ["left", [-1, 0, 0]],
@@ -17,14 +18,13 @@ const NAMED = 0.35;
 
 export function sceneLabel(state: ViewerState): string {
   const shown = state.layers.filter((layer) => layer.visible);
-  const what = shown.map((layer) => `${layer.name} as ${layer.look.name}`).join(", ") || "nothing";
+  const what = shown.map((layer) => WORDS.scene.layer(layer.name, layer.look.name)).join(", ") || WORDS.scene.nothing;
   const { back } = axesOf(state.camera);
   const sides = SIDES.map(([name, way]) => [name, dot(back, way)] as const)
     .filter(([, share]) => share > NAMED)
     .sort((a, b) => b[1] - a[1])
-    .map(([name]) => (name === "above" || name === "below" ? name : `the ${name}`));
-  const cut = state.clip.length > 0 ? ", cut open" : "";
-  return `${what}, seen from ${sides.join(" and ")}${cut}`;
+    .map(([name]) => WORDS.scene.sides[name]);
+  return WORDS.scene.seenFrom(what, sides, state.clip.length > 0);
 }
 
 /** The name of an operator, whatever its numbers. */

@@ -4,6 +4,7 @@ import type { ComponentChildren } from "preact";
 import { useEffect, useState } from "preact/hooks";
 import { clamped } from "./look/curves.ts";
 import { decimalsOfStep, fieldText, numberText, roundStep } from "./look/axis.ts";
+import { WORDS } from "../words.ts";
 
 export interface NumberBoxProps {
   readonly label: string;
@@ -188,7 +189,7 @@ export function RelativeSlider(props: RelativeSliderProps) {
       <input
         type="number"
         step="any"
-        aria-label={`${label}, number${unit && `, ${unit}`}`}
+        aria-label={WORDS.fields.number(label, unit)}
         value={amount === null ? typed : fieldText(Number(amount.toPrecision(3)))}
         placeholder={numberText(neutral)}
         disabled={disabled}

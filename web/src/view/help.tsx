@@ -2,10 +2,11 @@
 
 import { useEffect, useRef } from "preact/hooks";
 
-import { GESTURES, KEYS } from "../input/keys.ts";
+import { KEYS } from "../input/keys.ts";
+import { PANEL_WORDS } from "../panel_words.ts";
 import { WORDS } from "../words.ts";
 
-const TEXT = WORDS.help;
+const TEXT = PANEL_WORDS.help;
 
 export function Help({ onClose }: { readonly onClose: () => void }) {
   const dialog = useRef<HTMLDialogElement>(null);
@@ -24,7 +25,7 @@ export function Help({ onClose }: { readonly onClose: () => void }) {
         <table>
           <caption>{TEXT.gestures}</caption>
           <tbody>
-            {GESTURES.map(([gesture, what]) => (
+            {PANEL_WORDS.gestures.map(([gesture, what]) => (
               <tr key={gesture}><th scope="row">{gesture}</th><td>{what}</td></tr>
             ))}
           </tbody>

@@ -3,17 +3,19 @@
 import { useState } from "preact/hooks";
 
 import type { LabelFacts, Problem } from "../engine/engine.ts";
+import { WORDS } from "../words.ts";
 import { shortNumber } from "./descriptions.ts";
 import type { PartProps } from "./part.ts";
 import { labelsCsv } from "./slices/measure_csv.ts";
 
+const TEXT = WORDS.measures;
 /** Cubic millimetres in a millilitre, in which volumes of bodies are told. */
 const MM3_PER_ML = 1000;
 
 export function LabelStatistics({ engine, ui, welcome }: PartProps) {
   const [labels, setLabels] = useState<readonly LabelFacts[] | null>(null);
   const [isAsked, setAsked] = useState(false);
-  const unit = welcome.volumes[0]?.unit ?? "units";
+  const unit = welcome.volumes[0]?.unit ?? WORDS.slices.units;
   const valueUnit = welcome.volumes[0]?.value_unit ?? "";
   const ask = async (): Promise<void> => {
     setAsked(true);
@@ -30,17 +32,17 @@ export function LabelStatistics({ engine, ui, welcome }: PartProps) {
   return (
     <section class="label-statistics">
       <div class="row">
-        <button class="button" disabled={isAsked} onClick={() => void ask()}>Measure the labels</button>
+        <button class="button" disabled={isAsked} onClick={() => void ask()}>{TEXT.labels}</button>
         {labels !== null && (
           <button class="button" onClick={() => ui.download("labels.csv", labelsCsv(labels, unit, valueUnit), "text/csv")}>
-            Save labels as CSV
+            {TEXT.labelsCsv}
           </button>
         )}
       </div>
       {labels !== null && (
         <table>
           <thead>
-            <tr>{["Label", "Volume", `Mean ${valueUnit}`, "Min", "Max"].map((name) => <th key={name} scope="col">{name}</th>)}</tr>
+            <tr>{TEXT.columns(valueUnit).map((name) => <th key={name} scope="col">{name}</th>)}</tr>
           </thead>
           <tbody>
             {labels.map(({ number, name, volume, mean, min, max }) => (

@@ -3,11 +3,12 @@
 import type { ComponentType } from "preact";
 import { useEffect, useState } from "preact/hooks";
 
+import { WORDS } from "../words.ts";
+
 type Late = typeof import("./late_panels.ts");
 
 /** Milliseconds after which the parts are loaded, wanted or not: a server that ends later takes none away. */
 const AHEAD_MS = 3000;
-const FAILED = "This part of the page could not be loaded. Is the program that draws still running?";
 
 let late: Late | null = null;
 let loading: Promise<void> | null = null;
@@ -37,7 +38,7 @@ export function later<P extends object>(choose: (parts: Late) => ComponentType<P
     const [problem, setProblem] = useState("");
     const [, redraw] = useState(false);
     useEffect(() => {
-      if (late === null) load().then(() => redraw(true), () => setProblem(FAILED));
+      if (late === null) load().then(() => redraw(true), () => setProblem(WORDS.status.partFailed));
     }, []);
     if (late === null) return problem === "" ? null : <p class="dim" role="alert">{problem}</p>;
     const Loaded = choose(late);

@@ -5,7 +5,7 @@ import type { ComponentChild } from "preact";
 import { set } from "../state/patch.ts";
 import { WORDS } from "../words.ts";
 import { compositeName } from "./descriptions.ts";
-import { hiddenOf, labelRows, shownLabels } from "./look/layers.ts";
+import { labelRows, toggledLabel } from "./look/layers.ts";
 import { hexColor, namedColor } from "./look/looks.ts";
 import { Ramp } from "./look/ramp.tsx";
 import type { ViewerState } from "../state/state.ts";
@@ -33,7 +33,8 @@ export function Legend(props: PartProps & { readonly height: number }) {
   const rows = [...labelsOf(props), ...layersOf(props)];
   if (rows.length === 0) return null;
   const most = Math.max(1, Math.min(MAX_ROWS, Math.floor((height / 2 - ABOVE_PX) / ROW_PX)));
-  const shown = rows.slice(0, most);
+  // A row that counts one other takes the place of that one.
+  const shown = rows.slice(0, rows.length === most + 1 ? rows.length : most);
   const more = rows.length - shown.length;
   return (
     <ul class="corner legend" aria-label={TEXT.title} onPointerDown={(event) => event.stopPropagation()}>
@@ -70,10 +71,7 @@ function labelsOf({ store }: PartProps): Row[] {
     name,
     isShown,
     chip: <span class="chip" style={{ background: hexColor(look.color, namedColor) }} />,
-    toggle: () => {
-      const shownNow = new Map(labelRows(store.state.labels?.labels ?? {}).map((row) => [row.number, row.isShown]));
-      store.change(shownLabels(store.state.labels?.labels ?? {}, (other) => (other === number ? !isShown : (shownNow.get(other) ?? false)), hiddenOf(store)));
-    },
+    toggle: () => store.change(toggledLabel(store, number)),
   }));
 }
 

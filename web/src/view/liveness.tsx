@@ -4,6 +4,7 @@ import { useEffect, useState } from "preact/hooks";
 
 import type { Connection, Engine } from "../engine/engine.ts";
 import type { ViewName } from "../state/state.ts";
+import { WORDS } from "../words.ts";
 import css from "./liveness.css";
 
 export { css };
@@ -22,7 +23,7 @@ export function Banner({ connection, engine }: { readonly connection: Connection
       <strong>{message}</strong>
       {remedy !== undefined && <span>{remedy}</span>}
       {connection.kind === "lost" && connection.retries && (
-        <button class="button" onClick={() => engine.retry()}>Try again now</button>
+        <button class="button" onClick={() => engine.retry()}>{WORDS.status.retry}</button>
       )}
     </div>
   );
@@ -48,12 +49,12 @@ export function Refining({ engine, view }: { readonly engine: Engine; readonly v
   const percent = Math.floor(100 * part);
   const around = 2 * Math.PI * RADIUS;
   return (
-    <div class="refining" role="progressbar" aria-label="Refining the picture" aria-valuemin={0} aria-valuemax={100} aria-valuenow={percent}>
+    <div class="refining" role="progressbar" aria-label={WORDS.status.refining} aria-valuemin={0} aria-valuemax={100} aria-valuenow={percent}>
       <svg viewBox="0 0 18 18" aria-hidden="true">
         <circle cx={9} cy={9} r={RADIUS} />
         <circle cx={9} cy={9} r={RADIUS} stroke-dasharray={around} stroke-dashoffset={around * (1 - part)} />
       </svg>
-      {`Refining ${percent} %`}
+      {WORDS.status.refined(percent)}
     </div>
   );
 }

@@ -2,6 +2,7 @@
 
 import { set } from "../state/patch.ts";
 import type { Measure } from "../state/state.ts";
+import { WORDS } from "../words.ts";
 import { placeText } from "./descriptions.ts";
 import { LabelStatistics } from "./label_statistics.tsx";
 import type { PartProps, Tool } from "./part.ts";
@@ -10,42 +11,39 @@ import { measuresCsv } from "./slices/measure_csv.ts";
 import { measured } from "./slices/measures.tsx";
 import { regionFacts, textOfRegion, useRegionFacts } from "./slices/region_text.tsx";
 
-const TOOLS: readonly (readonly [Tool & Measure["kind"], string, string])[] = [
-  ["distance", "Distance", "Drag from one end to the other, or click both."],
-  ["angle", "Angle", "Click a point on each leg and the corner between them, in their order."],
-  ["area", "Region", "Draw around it on a slice, or click its corners and close it by a double click."],
-];
+const TEXT = WORDS.measures;
+const TOOLS = ["distance", "angle", "area"] as const satisfies readonly (Tool & Measure["kind"])[];
 
 export function MeasurePanel(props: PartProps) {
   const { store, welcome, ui } = props;
   const { measures } = store.state.view;
-  const tool = TOOLS.find(([name]) => name === ui.tool);
+  const tool = TOOLS.find((name) => name === ui.tool);
   const save = async (): Promise<void> => {
     const facts = await Promise.all(measures.map((one) => (one.kind === "area" ? regionFacts(props, one) : null)));
     const { unit, value_unit } = welcome.volumes[0] ?? { unit: null, value_unit: "" };
-    ui.download("measures.csv", measuresCsv(measures, facts, unit ?? "units", value_unit), "text/csv");
+    ui.download("measures.csv", measuresCsv(measures, facts, unit ?? WORDS.slices.units, value_unit), "text/csv");
   };
   return (
     <>
       <div class="row">
-        {TOOLS.map(([name, text]) => (
+        {TOOLS.map((name) => (
           <button key={name} class="button" aria-pressed={ui.tool === name} onClick={() => ui.setTool(ui.tool === name ? "turn" : name)}>
-            {text}
+            {TEXT.tools[name][0]}
           </button>
         ))}
         <button class="button" onClick={() => ui.addPoint(store.state.view.slices.crosshair)} disabled={tool === undefined}>
-          Point at the crosshair
+          {TEXT.atCrosshair}
         </button>
-        {ui.tool === "area" && ui.points.length > 2 && <button class="button" onClick={() => closeRegion(props)}>Close the region</button>}
+        {ui.tool === "area" && ui.points.length > 2 && <button class="button" onClick={() => closeRegion(props)}>{TEXT.close}</button>}
       </div>
       {ui.points.length > 0 && <p class="dim">{pointsSoFar(ui.tool, ui.points.length)}</p>}
-      {(tool !== undefined || measures.length === 0) && <p class="dim">{tool?.[2] ?? "Choose one, then draw it in a view."}</p>}
+      {(tool !== undefined || measures.length === 0) && <p class="dim">{tool === undefined ? TEXT.choose : TEXT.tools[tool][1]}</p>}
       {measures.length > 0 && <ol>{measures.map((one, n) => <Row key={n} {...props} measure={one} number={n} />)}</ol>}
       <div class="row">
         <button class="button" disabled={measures.length === 0} onClick={() => store.change([set([], "view", "measures")])}>
-          Delete all
+          {TEXT.deleteAll}
         </button>
-        <button class="button" disabled={measures.length === 0} onClick={() => void save()}>Save as CSV</button>
+        <button class="button" disabled={measures.length === 0} onClick={() => void save()}>{TEXT.csv}</button>
       </div>
       {store.state.labels !== null && <LabelStatistics {...props} />}
     </>
@@ -53,7 +51,7 @@ export function MeasurePanel(props: PartProps) {
 }
 
 function pointsSoFar(tool: Tool, n: number): string {
-  return tool === "area" ? `${n} corners` : `${n} of ${tool === "angle" ? 3 : 2} points`;
+  return tool === "area" ? TEXT.corners(n) : TEXT.points(n, tool === "angle" ? 3 : 2);
 }
 
 function Row(props: PartProps & { readonly measure: Measure; readonly number: number }) {
@@ -62,10 +60,10 @@ function Row(props: PartProps & { readonly measure: Measure; readonly number: nu
   return (
     <li>
       <span class="row">
-        {measured(measure, unit ?? "units")}
+        {measured(measure, unit ?? WORDS.slices.units)}
         <button
           class="icon-button"
-          aria-label={`Delete measure ${number + 1}`}
+          aria-label={TEXT.remove(number + 1)}
           onClick={() => store.change([{ op: "remove", path: `/view/measures/${number}` }])}
         >
           ×
@@ -83,5 +81,5 @@ function Row(props: PartProps & { readonly measure: Measure; readonly number: nu
 function RegionValues(props: PartProps & { readonly measure: Measure; readonly valueUnit: string }) {
   const facts = useRegionFacts(props, props.measure);
   if (facts === null) return null;
-  return <span class="dim">{`${textOfRegion(facts, props.valueUnit)}, ${facts.min.toPrecision(4)} to ${facts.max.toPrecision(4)}`}</span>;
+  return <span class="dim">{`${textOfRegion(facts, props.valueUnit)}, ${TEXT.range(facts.min.toPrecision(4), facts.max.toPrecision(4))}`}</span>;
 }

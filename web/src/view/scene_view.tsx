@@ -9,6 +9,7 @@ import { set } from "../state/patch.ts";
 import type { Camera, Vec3 } from "../state/state.ts";
 import type { Store } from "../state/store.ts";
 import { placeText, sceneLabel } from "./descriptions.ts";
+import { WORDS } from "../words.ts";
 import { windowDrag } from "./look/window_drag.ts";
 import { SceneOverlay } from "./overlay3d/scene_overlay.tsx";
 import type { CssSize, PartProps, Tool } from "./part.ts";
@@ -148,7 +149,7 @@ const placed = (x: number, y: number, { width, height }: CssSize) => ({ x, y, wi
 
 async function shapeAt({ engine, welcome }: PartProps, { x, y }: Place, size: CssSize): Promise<string> {
   const { shape } = await engine.ask("shape", placed(x / size.width, y / size.height, size));
-  return shape === null ? "" : `${shape.text} at ${placeText(shape.point, welcome)}`;
+  return shape === null ? "" : WORDS.slices.at(shape.text, placeText(shape.point, welcome));
 }
 
 const isMeasuring = (tool: Tool): boolean => tool === "distance" || tool === "angle";
@@ -158,7 +159,7 @@ export async function pick(props: PartProps, x: number, y: number, size: CssSize
   const { engine, store, ui } = props;
   try {
     const { point } = await engine.ask("pick", placed(x, y, size));
-    if (point === null) ui.announce("Nothing is seen there");
+    if (point === null) ui.announce(WORDS.scene.nothingThere);
     else if (isMeasuring(ui.tool)) ui.addPoint(point);
     else store.change(crosshairAt(store.state, point));
     return point !== null;

@@ -3,11 +3,11 @@
 import { withLens } from "../input/camera.ts";
 import { set } from "../state/patch.ts";
 import { OVERLAYS, QUALITIES } from "../state/state.ts";
-import { WORDS } from "../words.ts";
+import { PANEL_WORDS } from "../panel_words.ts";
 import { Choice, NumberField, Switch } from "./fields.tsx";
 import type { PartProps } from "./part.ts";
 
-const TEXT = WORDS.settings;
+const TEXT = PANEL_WORDS.settings;
 const FIRST_ANGLE = 30;
 
 export function SettingsPanel(props: PartProps & { readonly figures: boolean; readonly onFigures: (on: boolean) => void }) {
@@ -19,7 +19,7 @@ export function SettingsPanel(props: PartProps & { readonly figures: boolean; re
       <Choice
         label={TEXT.rest}
         value={isNamed ? render.quality : "own"}
-        options={[...QUALITIES.map((name) => [name, name] as const), ...(isNamed ? [] : [["own", TEXT.custom] as const])]}
+        options={[...QUALITIES.map((name) => [name, PANEL_WORDS.qualities[name]] as const), ...(isNamed ? [] : [["own", TEXT.custom] as const])]}
         onChoose={(value) => value !== "own" && store.change([set(value, "render", "quality")])}
       />
       <Choice

@@ -5,23 +5,25 @@ import { useState } from "preact/hooks";
 import type { Problem, Questions, Saved } from "../engine/engine.ts";
 import { linkPart } from "../state/link.ts";
 import { PANES, QUALITIES, type ViewerState, type ViewName } from "../state/state.ts";
+import { PANEL_WORDS } from "../panel_words.ts";
 import { Choice, Switch } from "./fields.tsx";
 import { openState } from "./open_state.ts";
 import type { PartProps } from "./part.ts";
 import { problemOf } from "./problems.ts";
 import { nameOf } from "./slices/panes.ts";
 
+const TEXT = PANEL_WORDS.share;
 const SIZES: readonly (readonly [string, string])[] = [
-  ["view", "As in the window"],
-  ["2", "Twice as large"],
-  ["1920x1080", "1920 x 1080"],
-  ["3840x2160", "3840 x 2160"],
-  ["own", "Own size"],
+  ["view", TEXT.sizes.view],
+  ["2", TEXT.sizes[2]],
+  ["1920x1080", "1920 × 1080"],
+  ["3840x2160", "3840 × 2160"],
+  ["own", TEXT.sizes.own],
 ];
 const MAX_SIDE = 8192;
 
 /** The view that a page of one view shows; "all" where it shows several. */
-export function seenView({ layout }: ViewerState["view"]): ViewName | "all" {
+function seenView({ layout }: ViewerState["view"]): ViewName | "all" {
   if (layout.name === "single") return layout.main;
   return layout.name === "3d" ? "3d" : "all";
 }
@@ -73,9 +75,9 @@ export function SharePanel(props: PartProps) {
     setText(what);
     try {
       await navigator.clipboard.writeText(what);
-      ui.announce(`${name} is copied`);
+      ui.announce(TEXT.copied(name));
     } catch {
-      ui.announce(`${name} is in the field below`);
+      ui.announce(TEXT.below(name));
     }
   };
 
@@ -84,88 +86,109 @@ export function SharePanel(props: PartProps) {
     code("link", async (state) => {
       const found = await linkPart(state);
       if (found === null) {
-        ui.problem({ code: "link", message: "The state is too long for a link", remedy: "Save it as a file instead." });
+        ui.problem({ code: "link", message: TEXT.longLink, remedy: TEXT.longLinkRemedy });
         return;
       }
       const { token } = await engine.ask("token", {});
-      await copy(`${location.origin}${location.pathname}#token=${token}&state=${found}`, "The link, which opens once,");
+      await copy(`${location.origin}${location.pathname}#token=${token}&state=${found}`, TEXT.theLink);
     });
 
   return (
     <>
-      <Choice label="Picture of" value={chosen} options={viewChoices(props)} onChoose={(name) => setChosen(name as typeof chosen)} />
-      <Choice label="Size" value={size} options={SIZES} onChoose={setSize} />
-      {size === "own" && (
+      <fieldset>
+        <legend>{TEXT.picture}</legend>
+        <Choice label={TEXT.of} value={chosen} options={viewChoices(props)} onChoose={(name) => setChosen(name as typeof chosen)} />
+        <Choice label={TEXT.size} value={size} options={SIZES} onChoose={setSize} />
+        {size === "own" && <OwnSize size={own} onSize={setOwn} />}
+        <Choice
+          label={TEXT.quality}
+          value={quality}
+          options={[["", TEXT.sizes.view], ...QUALITIES.slice(1).map((name) => [name, PANEL_WORDS.qualities[name]] as const)]}
+          onChoose={setQuality}
+        />
+        <Switch label={TEXT.transparent} on={transparent} onToggle={setTransparent} />
+        <Switch label={TEXT.annotated} on={annotated} onToggle={setAnnotated} />
         <div class="row">
-          {(["Width", "Height"] as const).map((name, n) => (
-            <label key={name} class="row">
-              {name}
-              <input
-                type="number"
-                min={1}
-                max={MAX_SIDE}
-                value={own[n]}
-                onChange={(event) => {
-                  const value = Math.min(Math.max(Math.round(event.currentTarget.valueAsNumber || 1), 1), MAX_SIDE);
-                  setOwn(n === 0 ? [value, own[1]] : [own[0], value]);
-                }}
-              />
-            </label>
-          ))}
+          <button class="button first" disabled={part !== null} onClick={() => void picture((bytes, name) => ui.download(name, bytes, "image/png"))}>
+            {TEXT.save}
+          </button>
+          <button
+            class="button"
+            disabled={part !== null}
+            onClick={() =>
+              void picture(async (bytes) => {
+                if (typeof ClipboardItem === "undefined") throw new Error(TEXT.noCopy);
+                await navigator.clipboard.write([new ClipboardItem({ "image/png": new Blob([bytes], { type: "image/png" }) })]);
+                ui.announce(TEXT.copied(TEXT.thePicture));
+              })
+            }
+          >
+            {TEXT.copy}
+          </button>
+          {abort !== null && <button class="button" onClick={() => abort.abort()}>{TEXT.cancel}</button>}
         </div>
-      )}
-      <Choice label="Quality" value={quality} options={[["", "As in the window"], ...QUALITIES.slice(1).map((name) => [name, name] as const)]} onChoose={setQuality} />
-      <Switch label="Transparent background" on={transparent} onToggle={setTransparent} />
-      <Switch label="With measures, bars and legend" on={annotated} onToggle={setAnnotated} />
-      <div class="row">
-        <button class="button" disabled={part !== null} onClick={() => void picture((bytes, name) => ui.download(name, bytes, "image/png"))}>Save picture</button>
-        <button
-          class="button"
-          disabled={part !== null}
-          onClick={() =>
-            void picture(async (bytes) => {
-              if (typeof ClipboardItem === "undefined") throw new Error("This browser cannot copy pictures; save it instead");
-              await navigator.clipboard.write([new ClipboardItem({ "image/png": new Blob([bytes], { type: "image/png" }) })]);
-              ui.announce("The picture is copied");
-            })
-          }
-        >
-          Copy picture
-        </button>
-        {abort !== null && <button class="button" onClick={() => abort.abort()}>Cancel</button>}
-      </div>
-      {part !== null && <progress aria-label="Drawing the picture" max={1} value={part} />}
-      <div class="row">
-        <button class="button" onClick={() => void code("python", (found) => copy(found, "The Python program"))}>Copy as Python</button>
-        <button class="button" onClick={() => void code("command", (found) => copy(found, "The command"))}>Copy as command</button>
-        {ui.host === "page" && <button class="button" onClick={() => void link()}>Copy link</button>}
-      </div>
-      {text !== "" && <textarea aria-label="What was copied" readOnly rows={5} value={text} onFocus={(event) => event.currentTarget.select()} />}
-      <div class="row">
-        <button class="button" onClick={() => void code("state", (found, name) => ui.download(name, found, "application/json"))}>Save state</button>
-        <label class="button">
-          Open state
+        {part !== null && <progress aria-label={TEXT.drawing} max={1} value={part} />}
+      </fieldset>
+      <fieldset>
+        <legend>{TEXT.code}</legend>
+        <div class="row">
+          <button class="button" onClick={() => void code("python", (found) => copy(found, TEXT.thePython))}>{TEXT.python}</button>
+          <button class="button" onClick={() => void code("command", (found) => copy(found, TEXT.theCommand))}>{TEXT.command}</button>
+          {ui.host === "page" && <button class="button" onClick={() => void link()}>{TEXT.link}</button>}
+        </div>
+        {text !== "" && <textarea aria-label={TEXT.field} readOnly rows={5} value={text} onFocus={(event) => event.currentTarget.select()} />}
+      </fieldset>
+      <fieldset>
+        <legend>{TEXT.state}</legend>
+        <div class="row">
+          <button class="button" onClick={() => void code("state", (found, name) => ui.download(name, found, "application/json"))}>{TEXT.saveState}</button>
+          <label class="button">
+            {TEXT.openState}
+            <input
+              class="hidden"
+              type="file"
+              accept=".json,application/json"
+              onChange={(event) => {
+                const file = event.currentTarget.files?.[0];
+                event.currentTarget.value = "";
+                if (file !== undefined) void openState(props, file);
+              }}
+            />
+          </label>
+          <button class="button" onClick={() => void code("html", (found, name) => ui.download(name, found, "text/html"))}>{TEXT.saveHtml}</button>
+        </div>
+      </fieldset>
+    </>
+  );
+}
+
+/** Two fields for the sides of a picture, pixels. */
+function OwnSize({ size, onSize }: { readonly size: readonly [number, number]; onSize(size: readonly [number, number]): void }) {
+  return (
+    <div class="row">
+      {[TEXT.width, TEXT.height].map((name, n) => (
+        <label key={name} class="row">
+          {name}
           <input
-            class="hidden"
-            type="file"
-            accept=".json,application/json"
+            type="number"
+            min={1}
+            max={MAX_SIDE}
+            value={size[n]}
             onChange={(event) => {
-              const file = event.currentTarget.files?.[0];
-              event.currentTarget.value = "";
-              if (file !== undefined) void openState(props, file);
+              const value = Math.min(Math.max(Math.round(event.currentTarget.valueAsNumber || 1), 1), MAX_SIDE);
+              onSize(n === 0 ? [value, size[1]] : [size[0], value]);
             }}
           />
         </label>
-        <button class="button" onClick={() => void code("html", (found, name) => ui.download(name, found, "text/html"))}>Save page (HTML)</button>
-      </div>
-    </>
+      ))}
+    </div>
   );
 }
 
 /** The choices of what a picture shows, by their names for people. */
 function viewChoices(props: PartProps): readonly (readonly [string, string])[] {
-  const slices = PANES.map((pane) => [pane, `${nameOf(props, pane)} slice`] as const);
-  return [["seen", "What is seen"], ["3d", "Picture in space"], ...slices, ["all", "All four, two by two"]];
+  const slices = PANES.map((pane) => [pane, TEXT.slice(nameOf(props, pane))] as const);
+  return [["seen", TEXT.choices.seen], ["3d", TEXT.choices["3d"]], ...slices, ["all", TEXT.choices.all]];
 }
 
 /** The size of a saved picture in pixels. */

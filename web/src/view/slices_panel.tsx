@@ -3,12 +3,14 @@
 import { set } from "../state/patch.ts";
 import { PANES, SLICE_COLORS, type Vec3 } from "../state/state.ts";
 import { Choice, NumberField } from "./fields.tsx";
+import { WORDS } from "../words.ts";
 import { decimalsOf } from "./descriptions.ts";
 import type { PartProps } from "./part.ts";
 import { pick } from "./scene_view.tsx";
-import { crosshairAt, fitted, zoomedAbout } from "./slices/moves.ts";
-import { chooseWindow, COLOR_NAMES, namedWindows } from "./slices/window_menu.tsx";
+import { crosshairAt, fitted, zoomedAbout, ZOOMS } from "./slices/moves.ts";
+import { chooseWindow, namedWindows } from "./slices/window_menu.tsx";
 
+const TEXT = WORDS.slices;
 const AXES = ["x", "y", "z"] as const;
 
 export function SlicesPanel(props: PartProps) {
@@ -16,7 +18,7 @@ export function SlicesPanel(props: PartProps) {
   const { slices } = store.state.view;
   const [lower, upper] = welcome.bounds;
   const info = welcome.volumes[0];
-  const unit = info?.unit ?? "units";
+  const unit = info?.unit ?? TEXT.units;
   const settle = (): void => store.settle();
   const automatic = PANES.map((pane) => ui.frames[pane]?.slice?.window).find(Boolean);
   const robust = info?.robust_range ?? [0, 1];
@@ -33,7 +35,7 @@ export function SlicesPanel(props: PartProps) {
         <NumberField
           key={name}
           decimals={decimalsOf(info?.spacing[axis] ?? 1)}
-          label={`Crosshair ${name}`}
+          label={TEXT.crosshair(name)}
           unit={unit}
           value={slices.crosshair[axis] ?? 0}
           min={lower[axis] ?? 0}
@@ -46,7 +48,7 @@ export function SlicesPanel(props: PartProps) {
         />
       ))}
       <NumberField
-        label="Thickness"
+        label={TEXT.thickness}
         unit={unit}
         value={slices.thickness}
         min={0}
@@ -55,31 +57,31 @@ export function SlicesPanel(props: PartProps) {
         onSettle={settle}
       />
       <Choice
-        label="Slab"
+        label={TEXT.slabOf}
         value={slices.slab}
-        options={[["maximum", "Maximum"], ["minimum", "Minimum"], ["mean", "Mean"]]}
+        options={Object.entries(TEXT.slabs)}
         onChoose={(value) => store.change([set(value, "view", "slices", "slab")])}
       />
       {names.length > 0 && (
         <Choice
-          label="Window"
+          label={TEXT.window}
           value={named ?? (slices.window === undefined ? "automatic" : "own")}
           options={[
-            ["automatic", "Automatic"],
+            ["automatic", TEXT.automatic],
             ...names.map(([name, [l, w]]) => [name, `${name} (${l}, ${w})`] as const),
-            ...(named === undefined && slices.window !== undefined ? [["own", "Own"] as const] : []),
+            ...(named === undefined && slices.window !== undefined ? [["own", TEXT.own] as const] : []),
           ]}
           onChoose={(value) => chooseWindow(props, value)}
         />
       )}
       <Choice
-        label="Colours"
+        label={TEXT.colors}
         value={slices.colors ?? colors ?? "gray"}
-        options={SLICE_COLORS.map((name) => [name, COLOR_NAMES[name]] as const)}
+        options={SLICE_COLORS.map((name) => [name, TEXT.colorNames[name]] as const)}
         onChoose={(value) => chooseWindow(props, value)}
       />
       <NumberField
-        label="Level"
+        label={TEXT.level}
         unit={info?.value_unit ?? ""}
         value={level}
         min={info?.range[0] ?? 0}
@@ -88,7 +90,7 @@ export function SlicesPanel(props: PartProps) {
         onSettle={settle}
       />
       <NumberField
-        label="Width"
+        label={TEXT.width}
         unit={info?.value_unit ?? ""}
         value={width}
         min={span * 1e-4}
@@ -97,10 +99,10 @@ export function SlicesPanel(props: PartProps) {
         onSettle={settle}
       />
       <NumberField
-        label="Zoom"
+        label={TEXT.zoom}
         value={slices.zoom}
-        min={0.2}
-        max={20}
+        min={ZOOMS[0]}
+        max={ZOOMS[1]}
         onInput={(value) => store.change(zoomedAbout(store.state, welcome, slices.crosshair, value / slices.zoom), "zoom")}
         onSettle={settle}
       />
@@ -112,25 +114,25 @@ export function SlicesPanel(props: PartProps) {
             store.change(crosshairAt(store.state, middle));
           }}
         >
-          Crosshair to the middle
+          {TEXT.toMiddle}
         </button>
-        <button class="button" onClick={() => void pick(props, 0.5, 0.5, ui.frames["3d"] ?? { width: 512, height: 512 })}>Crosshair to what is seen</button>
+        <button class="button" onClick={() => void pick(props, 0.5, 0.5, ui.frames["3d"] ?? { width: 512, height: 512 })}>{TEXT.toSurface}</button>
         <button class="button" disabled={slices.center === undefined && slices.zoom === 1} onClick={() => store.change(fitted(store.state))}>
-          Whole slice
+          {TEXT.whole}
         </button>
         <button
           class="button"
           disabled={slices.window === undefined && slices.colors === undefined}
           onClick={() => chooseWindow(props, "automatic")}
         >
-          Automatic window
+          {TEXT.automaticWindow}
         </button>
         <button
           class="button"
           disabled={slices.normals === undefined}
           onClick={() => store.change([{ op: "remove", path: "/view/slices/normals" }])}
         >
-          Reset tilt
+          {TEXT.resetTilt}
         </button>
       </div>
     </>

@@ -1,13 +1,16 @@
 // The status of the viewer: opening, problems, notes on the picture, statistics of frames.
 
 import type { Connection, Problem } from "../engine/engine.ts";
+import { WORDS } from "../words.ts";
 import type { PartProps } from "./part.ts";
+
+const TEXT = WORDS.status;
 
 export function Opening({ connection, problem }: { readonly connection: Connection; readonly problem: Problem | null }) {
   if (problem !== null) {
     return (
       <div class="opening" role="alert">
-        <h2>It could not be opened</h2>
+        <h2>{TEXT.notOpened}</h2>
         <p>{problem.message}</p>
         {problem.remedy !== undefined && <p class="dim">{problem.remedy}</p>}
       </div>
@@ -16,7 +19,7 @@ export function Opening({ connection, problem }: { readonly connection: Connecti
   const isOpening = connection.kind === "connecting";
   return (
     <div class="opening" role="status">
-      <p>{isOpening ? connection.text || "Opening" : "Opening"}</p>
+      <p>{(isOpening && connection.text) || TEXT.opening}</p>
       {isOpening && connection.part !== undefined ? <progress max={1} value={connection.part} /> : <progress />}
     </div>
   );
@@ -26,9 +29,9 @@ export function ProblemCard({ problem, onClose }: { readonly problem: Problem; r
   return (
     <div class="alert" role="alert">
       <strong>{problem.message}</strong>
-      {problem.field !== undefined && <span>{`Field: ${problem.field}`}</span>}
+      {problem.field !== undefined && <span>{TEXT.field(problem.field)}</span>}
       {problem.remedy !== undefined && <span class="dim">{problem.remedy}</span>}
-      <button class="button" onClick={onClose}>Close</button>
+      <button class="button" onClick={onClose}>{TEXT.close}</button>
     </div>
   );
 }
@@ -52,13 +55,13 @@ function Figures({ ui }: PartProps) {
   if (frame === undefined) return null;
   const { sheets_per_slice, oversampling, scale } = frame.settings;
   const parts = [
-    recent === null ? null : `${recent.framesPerSecond.toFixed(0)} frames/s`,
-    recent?.latency == null ? null : `${recent.latency.toFixed(0)} ms latency`,
-    `drawn in ${frame.ms.render.toFixed(0)} + ${frame.ms.encode.toFixed(0)} ms`,
+    recent === null ? null : TEXT.framesPerSecond(recent.framesPerSecond.toFixed(0)),
+    recent?.latency == null ? null : TEXT.latency(recent.latency.toFixed(0)),
+    TEXT.drawn(frame.ms.render.toFixed(0), frame.ms.encode.toFixed(0)),
     `${(frame.bytes.length / 1000).toFixed(0)} kB ${frame.format}`,
     `${frame.width} x ${frame.height}`,
-    `sampling ${Number(sheets_per_slice ?? 0).toFixed(1)} in depth, ${(Number(oversampling ?? 0) * Number(scale ?? 1)).toFixed(2)} across`,
-    frame.expected_psnr_db === null ? null : `expected error ${frame.expected_psnr_db.toFixed(0)} dB`,
+    TEXT.sampling(Number(sheets_per_slice ?? 0).toFixed(1), (Number(oversampling ?? 0) * Number(scale ?? 1)).toFixed(2)),
+    frame.expected_psnr_db === null ? null : TEXT.error(frame.expected_psnr_db.toFixed(0)),
   ];
   return <span class="figures">{parts.filter((part) => part !== null).join(" · ")}</span>;
 }

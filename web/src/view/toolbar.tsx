@@ -28,7 +28,7 @@ export function Toolbar(props: PartProps & { readonly isAbout: boolean; onAbout(
     <header class="toolbar">
       <div class="group float"><IconButton icon="open" label={WORDS.opening.open} onClick={() => ui.opener.show(true)} /></div>
       <h1 class="group float title-group">
-        <button class="title" data-opens="about" aria-expanded={isAbout} aria-label={WORDS.about.open(names)} title={names} onClick={onAbout}>{names}</button>
+        <button class="title" data-opens="about" aria-expanded={isAbout} aria-label={WORDS.toolbar.about(names)} title={names} onClick={onAbout}>{names}</button>
       </h1>
       <div class="group float">
         <Radios label={WORDS.layouts.title} names={LAYOUTS} value={layout.name} textOf={(name) => WORDS.layouts[name]} iconOf={(name) => name} onChoice={setLayout} />
@@ -54,8 +54,8 @@ export function Toolbar(props: PartProps & { readonly isAbout: boolean; onAbout(
             <button
               key={view}
               class="icon-button"
-              title={`${TEXT.from(view)} (${n + 1})`}
-              aria-label={TEXT.lettered(letterOf(view, welcome.axis_ends), view)}
+              title={`${TEXT.from(WORDS.views[view])} (${n + 1})`}
+              aria-label={TEXT.lettered(letterOf(view, welcome.axis_ends), WORDS.views[view])}
               onClick={() => {
                 const camera = welcome.standard_views[view];
                 if (camera !== undefined) showFrom(props, camera);
@@ -85,7 +85,7 @@ interface IconButtonProps {
   onClick(): void;
 }
 
-export function IconButton({ icon, label, shortcut, disabled = false, onClick }: IconButtonProps) {
+function IconButton({ icon, label, shortcut, disabled = false, onClick }: IconButtonProps) {
   const title = shortcut === undefined ? label : `${label} (${shortcut})`;
   return (
     <button class="icon-button" title={title} aria-label={label} aria-disabled={disabled} onClick={() => onClick()}>
@@ -139,5 +139,5 @@ function Radios<Name extends string>({ label, names, value, textOf, iconOf, onCh
 /** The name of the direction that a view is from. */
 function letterOf(view: (typeof VIEWS)[number], ends: readonly string[]): string {
   const place = { left: 0, right: 1, back: 2, front: 3, bottom: 4, top: 5 }[view];
-  return ends[place] ?? view;
+  return ends[place] ?? WORDS.views[view];
 }

@@ -8,6 +8,7 @@ import type { Frame, Problem } from "../engine/engine.ts";
 import { Gestures, wheelFactor, wheelSteps, type Gesture } from "../input/gestures.ts";
 import { actionOf, keyName, type Action } from "../input/keys.ts";
 import type { ViewName } from "../state/state.ts";
+import { WORDS } from "../words.ts";
 import { heldAt, type Held } from "./handle.tsx";
 import { Refining } from "./liveness.tsx";
 import type { CssSize, PartProps } from "./part.ts";
@@ -170,7 +171,7 @@ export function Viewport(props: ViewportProps) {
       <canvas ref={canvas} role="img" aria-label={label} style={{ transform: moved }} />
       {frame !== undefined && size.width > 0 && children?.(frame, size)}
       <Refining engine={props.engine} view={view} />
-      {hint && <p class="hint">Click first, or hold Ctrl, to magnify with the wheel</p>}
+      {hint && <p class="hint">{WORDS.scene.wheelHint}</p>}
     </div>
   );
 }

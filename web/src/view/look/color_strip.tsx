@@ -6,9 +6,9 @@ import { numberText, outOfSight, rounded } from "./axis.ts";
 import { changePoints, Fill, Handle, MARGIN, useWidth } from "./curve_plot.tsx";
 import { hexOf, withMoved, withPointOn, type Curve, type Range } from "./curves.ts";
 import { pointKey } from "./point_keys.ts";
-import { WORDS } from "../../words.ts";
+import { PANEL_WORDS } from "../../panel_words.ts";
 
-const TEXT = WORDS.colorStrip;
+const TEXT = PANEL_WORDS.colorStrip;
 const RAMP_PX = 16;
 const HEIGHT_PX = 44;
 
@@ -92,10 +92,10 @@ export function ColorStrip(props: ColorStripProps) {
               y={RAMP_PX + 13}
               isSelected={index === selected}
               color={hexOf(point)}
-              label={`Colour ${index + 1} of ${curve.length}`}
+              label={TEXT.point(index + 1, curve.length)}
               value={point[0]}
               range={seen}
-              text={`${hexOf(point)} at ${numberText(point[0])}${unit && ` ${unit}`}`}
+              text={TEXT.pointAt(hexOf(point), `${numberText(point[0])}${unit && ` ${unit}`}`)}
               onSelect={() => props.onSelect(index)}
               onKeyDown={(event) => onKeyDown(event, index)}
               onKeyUp={() => props.onSettle()}

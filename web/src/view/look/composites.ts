@@ -1,14 +1,6 @@
-// Operators along a ray: the numbers that some of them have; and the names of kernels for people.
+// Operators along a ray: the numbers that some of them have.
 
 import type { Composite } from "../../state/state.ts";
-
-export const KERNEL_NAMES: Readonly<Record<string, string>> = {
-  linear: "Linear",
-  "catmull-rom": "Catmull-Rom (sharp)",
-  bspline2: "Quadratic B-spline (smooth)",
-  bspline3: "Cubic B-spline (smoother)",
-  gaussian: "Gaussian",
-};
 
 /** Default strength of dimming, that of `wavesplat.DepthShadedMaximum`. */
 export const DIMMING = 0.6;

@@ -17,9 +17,9 @@ import {
   type Range,
 } from "./curves.ts";
 import { pointKey } from "./point_keys.ts";
-import { WORDS } from "../../words.ts";
+import { PANEL_WORDS } from "../../panel_words.ts";
 
-const TEXT = WORDS.curvePlot;
+const TEXT = PANEL_WORDS.curvePlot;
 
 const KEYS = "Arrows move, Page up and down move far, Delete removes, Insert adds, Enter goes to the number";
 
@@ -210,10 +210,10 @@ export function CurvePlot(props: CurvePlotProps) {
             y={yOf(point[1])}
             isSelected={index === selected}
             color={null}
-            label={`Point ${index + 1} of ${curve.length}`}
+            label={TEXT.point(index + 1, curve.length)}
             value={point[0]}
             range={seen}
-            text={`${props.what} ${numberText(point[1])} at ${numberText(point[0])}${unit && ` ${unit}`}`}
+            text={TEXT.pointAt(props.what, numberText(point[1]), `${numberText(point[0])}${unit && ` ${unit}`}`)}
             onSelect={() => props.onSelect(index)}
             onKeyDown={(event) => onHandleKey(event, index)}
             onKeyUp={() => props.onSettle()}

@@ -24,10 +24,11 @@ import { GradientEditor } from "./gradient_editor.tsx";
 import { KnobFields } from "./knob_fields.tsx";
 import { LayerChoice } from "./layer_choice.tsx";
 import { lookAsChosen } from "./looks.ts";
+import { titleOf } from "./preset_kinds.ts";
 import { PointFields } from "./point_fields.tsx";
-import { WORDS } from "../../words.ts";
+import { PANEL_WORDS } from "../../panel_words.ts";
 
-const TEXT = WORDS.functionPanel;
+const TEXT = PANEL_WORDS.functionPanel;
 const BINS = 256;
 const PLOT_PX = 190;
 /** Milliseconds for which the axis must be still before its histogram is asked for. */
@@ -85,7 +86,7 @@ function Editor(props: EditorProps) {
       <KnobFields {...props} curves={curves} usual={volume.robust_range} />
       <GlobalOpacity {...props} />
       <div class="row">
-        <Button onClick={() => void reset()}>{TEXT.reset(look.name)}</Button>
+        <Button onClick={() => void reset()}>{TEXT.reset(titleOf(look.name))}</Button>
       </div>
       <details class="look-details" open={isOpen} onToggle={(event) => setOpen(event.currentTarget.open)}>
         <summary>{TEXT.edit}</summary>

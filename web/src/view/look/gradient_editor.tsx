@@ -9,9 +9,9 @@ import { around, rounded, within } from "./axis.ts";
 import { CurvePlot } from "./curve_plot.tsx";
 import { firstGradientCurve, spanOf, withMoved, without, withPointBeside, type Curve, type Range } from "./curves.ts";
 import { Button, NamedNumber } from "../fields.tsx";
-import { WORDS } from "../../words.ts";
+import { PANEL_WORDS } from "../../panel_words.ts";
 
-const TEXT = WORDS.gradientEditor;
+const TEXT = PANEL_WORDS.gradientEditor;
 const PLOT_PX = 130;
 
 export interface GradientEditorProps extends PartProps {

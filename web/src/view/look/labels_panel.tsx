@@ -5,11 +5,11 @@ import { set } from "../../state/patch.ts";
 import { withoutLabels } from "../open/index.ts";
 import type { PartProps } from "../part.ts";
 import { Button, Switch, ColorField, NumberField } from "../fields.tsx";
-import { hiddenOf, isSoloLabel, labelRows, shownLabels } from "./layers.ts";
+import { hiddenOf, isSoloLabel, labelRows, shownLabels, toggledLabel } from "./layers.ts";
 import { hexColor, namedColor } from "./looks.ts";
-import { WORDS } from "../../words.ts";
+import { PANEL_WORDS } from "../../panel_words.ts";
 
-const TEXT = WORDS.labelsPanel;
+const TEXT = PANEL_WORDS.labelsPanel;
 /** Largest number of rows: a longer list is filtered, not scrolled. */
 const MAX_ROWS = 150;
 /** Number of labels from which on there is a filter. */
@@ -46,17 +46,14 @@ export function LabelsPanel({ store }: PartProps) {
         <span class="dim">{TEXT.count(all.filter(({ isShown }) => isShown).length, all.length)}</span>
       </div>
       {rows.length === 0 && <p class="dim">{TEXT.empty}</p>}
-      <ul class="look-list" aria-label="Labels">
+      <ul class="look-list" aria-label={TEXT.list}>
         {rows.slice(0, MAX_ROWS).map(({ number, name, look, opacity, isShown }) => (
           <li key={number} class="look-label">
             <input
               type="checkbox"
               aria-label={TEXT.shown(name)}
               checked={isShown}
-              onChange={(event) => {
-                const on = event.currentTarget.checked;
-                show((other) => (other === number ? on : others(other)));
-              }}
+              onChange={() => store.change(toggledLabel(store, number))}
             />
             <ColorField
               label={TEXT.color(name)}

@@ -1,6 +1,6 @@
 // The layer that the panels of the look are about.
 
-import { WORDS } from "../../words.ts";
+import { PANEL_WORDS } from "../../panel_words.ts";
 import { Choice } from "../fields.tsx";
 import type { PartProps } from "../part.ts";
 
@@ -10,7 +10,7 @@ export function LayerChoice({ store, ui }: PartProps) {
   if (layers.length < 2) return null;
   return (
     <Choice
-      label={WORDS.functionPanel.layer}
+      label={PANEL_WORDS.functionPanel.layer}
       value={String(ui.layer)}
       options={layers.map(({ name }, index) => [String(index), name] as const)}
       onChoose={(value) => ui.setLayer(Number(value))}

@@ -1,10 +1,12 @@
 // Operations that show and hide layers and labels.
 
 import { set, type Operation } from "../../state/patch.ts";
+import { WORDS } from "../../words.ts";
 import type { LabelLook, Layer } from "../../state/state.ts";
+import type { Store } from "../../state/store.ts";
 
 /** Default opacity of a label, that of `wavesplat.Label`. */
-export const LABEL_OPACITY = 0.8;
+const LABEL_OPACITY = 0.8;
 
 /** Whether a layer is the only one that is shown. */
 export function isSolo(layers: readonly Layer[], index: number): boolean {
@@ -17,7 +19,7 @@ export function soloLayer(layers: readonly Layer[], index: number): Operation[] 
   return layers.map((_, k) => set(all || k === index, "layers", k, "visible"));
 }
 
-export interface LabelRow {
+interface LabelRow {
   readonly number: string;
   readonly name: string;
   readonly look: LabelLook;
@@ -35,7 +37,7 @@ export function labelRows(labels: Readonly<Record<string, LabelLook>>, filter = 
       return {
         number,
         look,
-        name: look.name || `Label ${number}`,
+        name: look.name || WORDS.legend.unnamed(number),
         opacity,
         isShown: opacity > 0 || (look.tint ?? 0) > 0,
       };
@@ -65,6 +67,13 @@ export function hiddenOf(store: object): Hidden {
 /** Settings of a hidden label: the scan is drawn as if there were no label. */
 const NOTHING: Matter = { opacity: 0, tint: 0, scan: 1 };
 const USUAL: Matter = { opacity: LABEL_OPACITY, tint: 0, scan: 0 };
+
+/** The operations that show or hide one label of a store's state, and leave the others. */
+export function toggledLabel(store: Pick<Store, "state">, number: string): Operation[] {
+  const labels = store.state.labels?.labels ?? {};
+  const shown = new Map(labelRows(labels).map((row) => [row.number, row.isShown]));
+  return shownLabels(labels, (other) => shown.get(other) !== (other === number), hiddenOf(store));
+}
 
 /** Shows and hides labels. Hiding loses what a label had; `hidden` remembers it for showing it again. */
 export function shownLabels(

@@ -5,16 +5,17 @@ import { withoutLayer, withoutShape } from "../open/index.ts";
 import type { PartProps } from "../part.ts";
 import { Button, Switch, NumberField } from "../fields.tsx";
 import { isSolo, soloLayer } from "./layers.ts";
+import { titleOf } from "./preset_kinds.ts";
 import { Ramp } from "./ramp.tsx";
-import { WORDS } from "../../words.ts";
+import { PANEL_WORDS } from "../../panel_words.ts";
 
-const TEXT = WORDS.layersPanel;
+const TEXT = PANEL_WORDS.layersPanel;
 
 export function LayersPanel({ store, ui }: PartProps) {
   const { layers, geometry } = store.state;
   return (
     <>
-      <ul class="look-list" aria-label="Layers">
+      <ul class="look-list" aria-label={TEXT.list}>
         {layers.map((layer, index) => (
           <li key={index} class="look-layer" data-chosen={index === ui.layer && layers.length > 1}>
             <div class="row look-nowrap">
@@ -70,7 +71,7 @@ export function LayersPanel({ store, ui }: PartProps) {
                     onChange={() => ui.setLayer(index)}
                   />
                   <span>{TEXT.edit}</span>
-                  <span class="dim">{TEXT.look(layer.look.name)}</span>
+                  <span class="dim">{TEXT.look(titleOf(layer.look.name))}</span>
                 </label>
                 <Button label={TEXT.removeThis(layer.name)} onClick={() => store.change(withoutLayer(store.state, index))}>
                   {TEXT.remove}
@@ -82,7 +83,7 @@ export function LayersPanel({ store, ui }: PartProps) {
       </ul>
       <div class="row"><Button onClick={() => ui.opener.show(true)}>{TEXT.add}</Button></div>
       {geometry.length > 0 && (
-        <ul class="look-list" aria-label="Geometry">
+        <ul class="look-list" aria-label={TEXT.shapes}>
           {geometry.map(({ kind, name, count, visible }, index) => (
             <li key={index} class="row open-apart">
               <Switch

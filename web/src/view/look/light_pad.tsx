@@ -4,9 +4,9 @@ import { useId, useRef } from "preact/hooks";
 import type { Vec3 } from "../../state/state.ts";
 import { NumberBox } from "../fields.tsx";
 import { anglesOf, directionOf } from "./looks.ts";
-import { WORDS } from "../../words.ts";
+import { PANEL_WORDS } from "../../panel_words.ts";
 
-const TEXT = WORDS.lightPad;
+const TEXT = PANEL_WORDS.lightPad;
 const SIZE_PX = 132;
 const RADIUS_PX = 60;
 
@@ -124,7 +124,7 @@ function Angle(props: { label: string; value: number; most: number; onInput(angl
       <span aria-hidden="true">{label}</span>
       <NumberBox
         label={label}
-        unit="degrees"
+        unit={TEXT.unit}
         min={-most}
         max={most}
         step={1}

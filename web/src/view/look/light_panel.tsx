@@ -3,13 +3,11 @@
 import { useRef } from "preact/hooks";
 import type { Problem } from "../../engine/engine.ts";
 import { set } from "../../state/patch.ts";
-import { COMPOSITE_NAMES } from "../../state/composites.ts";
 import type { Light, Shading, Vec3 } from "../../state/state.ts";
 import type { PartProps } from "../part.ts";
 import {
   DIMMING,
   compositeNamed,
-  KERNEL_NAMES,
   nameOf,
   numberOf,
   SHADED,
@@ -22,9 +20,9 @@ import { LayerChoice } from "./layer_choice.tsx";
 import { LightPad } from "./light_pad.tsx";
 import { inMood, moodOf, MOODS, type MoodName } from "./moods.ts";
 import { DEFAULT_LIGHTS, DEFAULT_SHADING, hexColor, lookAsChosen, namedColor, shadingOf } from "./looks.ts";
-import { WORDS } from "../../words.ts";
+import { PANEL_WORDS } from "../../panel_words.ts";
 
-const TEXT = WORDS.lightPanel;
+const TEXT = PANEL_WORDS.lightPanel;
 /** Least and largest standard deviation of gradient smoothing, voxels, as `wavesplat.Shading` takes them. */
 const SMOOTHING: readonly [number, number] = [0.5, 1.25];
 const SMOOTH = 0.8;
@@ -99,7 +97,7 @@ function Operator({ store, ui, welcome }: PartProps) {
         label={TEXT.composite}
         value={name}
         options={welcome.composites.map(
-          (value) => [value, COMPOSITE_NAMES[value] ?? value, isOverOnly && value !== "over" && value !== name] as const,
+          (value) => [value, PANEL_WORDS.composites[value] ?? value, isOverOnly && value !== "over" && value !== name] as const,
         )}
         onChoose={(value) => store.change([set(compositeNamed(value, surface()), "render", "composite")])}
       />
@@ -138,10 +136,10 @@ function LightFields({ store, engine, ui, welcome }: PartProps) {
   const mood = moodOf(shading);
   const head = (
     <>
-      <div class="row look-moods" role="group" aria-label={WORDS.moods.title}>
+      <div class="row look-moods" role="group" aria-label={PANEL_WORDS.moods.title}>
         {(Object.keys(MOODS) as MoodName[]).map((one) => (
           <Button key={one} pressed={one === mood} onClick={() => store.change([set(inMood(shading, one), ...path)])}>
-            {WORDS.moods[one]}
+            {PANEL_WORDS.moods[one]}
           </Button>
         ))}
       </div>
@@ -187,7 +185,7 @@ function LightFields({ store, engine, ui, welcome }: PartProps) {
       {first["frame"] === "world" && <p class="dim look-small">{TEXT.world}</p>}
       {head}
       <details class="look-details">
-        <summary>{WORDS.moods.all}</summary>
+        <summary>{PANEL_WORDS.moods.all}</summary>
         {slider(TEXT.exposure, "exposure", 0, 3, { most: 100, step: 0.01 })}
         {slider(TEXT.ambient, "ambient", 0, 1, { most: 10, step: 0.01 })}
         {slider(TEXT.diffuse, "diffuse", 0, 2, { most: 10, step: 0.01 })}
@@ -230,7 +228,7 @@ function Rest({ store, welcome }: PartProps) {
       <Choice
         label={TEXT.kernel}
         value={render.kernel}
-        options={welcome.kernels.map((value) => [value, KERNEL_NAMES[value] ?? value] as const)}
+        options={welcome.kernels.map((value) => [value, PANEL_WORDS.kernels[value] ?? value] as const)}
         onChoose={(value) => store.change([set(value, "render", "kernel")])}
       />
       <div class="field">

@@ -2,6 +2,7 @@
 
 import { useEffect, useMemo, useReducer } from "preact/hooks";
 import type { PartProps } from "../part.ts";
+import { PANEL_WORDS } from "../../panel_words.ts";
 import { WORDS } from "../../words.ts";
 import { LayerChoice } from "./layer_choice.tsx";
 import { LookPreview } from "./look_preview.ts";
@@ -9,7 +10,7 @@ import { isOffered, titleOf } from "./preset_kinds.ts";
 import { PresetTiles, type Tile } from "./preset_tiles.tsx";
 import { usePictures } from "./use_pictures.ts";
 
-const TEXT = WORDS.presetsPanel;
+const TEXT = PANEL_WORDS.presetsPanel;
 
 export function LooksStrip(props: PartProps & { onAll(): void }) {
   const { store, engine, ui, welcome, onAll } = props;

@@ -1,7 +1,9 @@
 // The user's own presets: looks under names, with a picture, kept by the browser.
 
 import type { Composite, Look } from "../../state/state.ts";
+import { WORDS } from "../../words.ts";
 
+const TEXT = WORDS.ownPresets;
 export interface OwnPreset {
   readonly name: string;
   readonly look: Look;
@@ -62,14 +64,14 @@ export function renamePreset(from: string, to: string, kept: Keeper | null = kee
 
 /** A sentence on why a name cannot be taken, or null. */
 export function nameProblem(name: string, taken: readonly string[]): string | null {
-  if (name === "") return "Give the preset a name.";
-  if (name.length > 100) return "The name is longer than 100 characters; give a shorter one.";
+  if (name === "") return TEXT.noName;
+  if (name.length > 100) return TEXT.longName;
   const same = taken.find((one) => one.toLowerCase() === name.toLowerCase());
-  return same === undefined ? null : `“${same}” comes with the program; give another name.`;
+  return same === undefined ? null : TEXT.takenName(same);
 }
 
 function write(presets: readonly OwnPreset[], kept: Keeper | null): readonly OwnPreset[] {
-  if (kept === null) throw new Error("This browser keeps nothing for this page; export the look to a file instead.");
+  if (kept === null) throw new Error(TEXT.noStorage);
   kept.setItem(KEY, JSON.stringify(presets));
   return presets;
 }

@@ -7,9 +7,9 @@ import type { PartProps } from "../part.ts";
 import { Button } from "../fields.tsx";
 import { lookFromText, lookText } from "./looks.ts";
 import { dropPreset, keepPreset, nameProblem, renamePreset, type OwnPreset } from "./own_presets.ts";
-import { WORDS } from "../../words.ts";
+import { PANEL_WORDS } from "../../panel_words.ts";
 
-const TEXT = WORDS.ownPresetsFields;
+const TEXT = PANEL_WORDS.ownPresetsFields;
 const PICTURE_PX = 96;
 
 export interface OwnPresetsProps extends PartProps {

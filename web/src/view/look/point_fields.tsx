@@ -5,9 +5,9 @@ import type { ColorPoint, OpacityPoint, TransferFunction } from "../../state/sta
 import { hexOf, rgbOf, withMoved, without, type Curve, type Point as CurvePoint } from "./curves.ts";
 import { Button, ColorField, NamedNumber } from "../fields.tsx";
 import type { Selected } from "./function_panel.tsx";
-import { WORDS } from "../../words.ts";
+import { PANEL_WORDS } from "../../panel_words.ts";
 
-const TEXT = WORDS.pointFields;
+const TEXT = PANEL_WORDS.pointFields;
 
 export interface PointFieldsProps {
   readonly curves: TransferFunction;

@@ -2,9 +2,9 @@
 
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { PresetPictures } from "./preset_pictures.ts";
-import { WORDS } from "../../words.ts";
+import { PANEL_WORDS } from "../../panel_words.ts";
 
-const TEXT = WORDS.presetTiles;
+const TEXT = PANEL_WORDS.presetTiles;
 
 export interface Tile {
   readonly name: string;

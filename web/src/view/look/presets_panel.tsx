@@ -12,9 +12,9 @@ import { isOffered, titleOf } from "./preset_kinds.ts";
 import { PresetTiles, type Tile } from "./preset_tiles.tsx";
 import { matching } from "./preset_search.ts";
 import { usePictures } from "./use_pictures.ts";
-import { WORDS } from "../../words.ts";
+import { PANEL_WORDS } from "../../panel_words.ts";
 
-const TEXT = WORDS.presetsPanel;
+const TEXT = PANEL_WORDS.presetsPanel;
 
 export function PresetsPanel(props: PartProps) {
   const { store, engine, ui, welcome } = props;

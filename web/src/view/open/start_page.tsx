@@ -1,6 +1,7 @@
 // The page before anything is open.
 
 import type { Engine } from "../../engine/engine.ts";
+import { WORDS } from "../../words.ts";
 import { Offer } from "./offer.tsx";
 import type { PageOpener } from "./page_opener.ts";
 import { Progress, SeveralDialog } from "./steps.tsx";
@@ -10,7 +11,7 @@ export function StartPage({ opener, engine, host }: { readonly opener: PageOpene
   return (
     <main class="open-start">
       <div class="open-column">
-        <h1 class="open-title">Wavesplat</h1>
+        <h1 class="open-title">{WORDS.opening.name}</h1>
         {failure !== null && (
           <div class="open-failure" role="alert">
             <strong>{failure.message}</strong>

@@ -3,6 +3,7 @@
 import { add, project } from "../../input/camera.ts";
 import { set } from "../../state/patch.ts";
 import type { Box, Camera, Vec3 } from "../../state/state.ts";
+import { WORDS } from "../../words.ts";
 import { shortNumber } from "../descriptions.ts";
 import { Handle, stepOf, take } from "../handle.tsx";
 import type { CssSize, PartProps } from "../part.ts";
@@ -10,10 +11,11 @@ import {
   alongAxis, center, corners, EDGES, faceCenter, FACES, inPicture, isHidden, isSeen, movedBy, withFace, type Face,
 } from "./box.ts";
 
+const TEXT = WORDS.cut;
 const NAMES = ["x", "y", "z"] as const;
 const UNITS: readonly Vec3[] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
 
-export interface BoxHandlesProps extends PartProps {
+interface BoxHandlesProps extends PartProps {
   readonly kind: "keep" | "cut_out";
   readonly place: number;
   readonly box: Box;
@@ -24,7 +26,7 @@ export interface BoxHandlesProps extends PartProps {
 export function BoxHandles(props: BoxHandlesProps) {
   const { store, welcome, kind, place, box, camera, size } = props;
   const color = kind === "keep" ? "#ffd166" : "#ff8fb1";
-  const what = kind === "keep" ? "Crop" : "Cut-out";
+  const isCrop = kind === "keep";
   const spacing = welcome.volumes[0]?.spacing ?? [1, 1, 1];
   const change = (next: Box, gesture: string): void => store.change([set({ [kind]: next }, "clip", place)], gesture);
   const now = (): Box => {
@@ -49,7 +51,7 @@ export function BoxHandles(props: BoxHandlesProps) {
         if (at === null) return null;
         const value = box[face.side][face.axis];
         const bounds: readonly [number, number] = [welcome.bounds[0][face.axis], welcome.bounds[1][face.axis]];
-        const name = `${what}, ${NAMES[face.axis]} ${face.side === "lower" ? "from" : "to"}`;
+        const name = TEXT.face(isCrop, NAMES[face.axis], face.side === "lower" ? "from" : "to");
         const keys = (event: KeyboardEvent): void => {
           const n = stepOf(event);
           const end = { Home: bounds[0], End: bounds[1] }[event.key];
@@ -82,8 +84,8 @@ export function BoxHandles(props: BoxHandlesProps) {
       })}
       {middle !== null && (
         <Handle
-          label={`${what} box`}
-          text={`${what} box, middle`}
+          label={TEXT.box(isCrop)}
+          text={TEXT.boxMiddle(isCrop)}
           value={0}
           range={[0, 0]}
           x={middle.x}

@@ -3,6 +3,7 @@
 import { add, scaled } from "../../input/camera.ts";
 import { set } from "../../state/patch.ts";
 import type { Box, Vec3 } from "../../state/state.ts";
+import { WORDS } from "../../words.ts";
 import { shortNumber } from "../descriptions.ts";
 import { Handle, stepOf } from "../handle.tsx";
 import type { PartProps } from "../part.ts";
@@ -39,7 +40,7 @@ export function CropOnSlice(props: PartProps & { readonly on: SliceFrame }) {
         const at = placeOf(on, inPlane(middle.map((value, a) => (a === face.axis ? box[face.side][face.axis] : value)) as unknown as Vec3));
         const value = box[face.side][face.axis];
         const bounds: readonly [number, number] = [welcome.bounds[0][face.axis], welcome.bounds[1][face.axis]];
-        const name = `Crop, ${"xyz"[face.axis]} ${face.side === "lower" ? "from" : "to"}`;
+        const name = WORDS.cut.face(true, "xyz"[face.axis] ?? "", face.side === "lower" ? "from" : "to");
         const move = (target: number, gesture: string): void =>
           store.change([set({ keep: withFace(now(), face, target, welcome.bounds, spacing[face.axis]) }, "clip", place)], gesture);
         return (

@@ -3,6 +3,7 @@
 import { axesOf, dot, seenFrom, unit } from "../../input/camera.ts";
 import { leveled } from "../../input/turntable.ts";
 import type { Camera, Vec3 } from "../../state/state.ts";
+import { WORDS } from "../../words.ts";
 import { holding } from "../handle.tsx";
 import type { PartProps } from "../part.ts";
 import { showFrom } from "../scene_view.tsx";
@@ -30,7 +31,7 @@ export function Cube(props: PartProps & { readonly camera: Camera; readonly widt
   const flat = (point: Vec3): string => `${(dot(point, right) * HALF).toFixed(2)} ${(-dot(point, up) * HALF).toFixed(2)}`;
   const top = MARGIN + (width < UNDER_TOOLBAR ? TOOLBAR : 0);
   return (
-    <g class="cube" role="group" aria-label="Orientation cube" transform={`translate(${width - MARGIN} ${top})`}>
+    <g class="cube" role="group" aria-label={WORDS.scene.cube} transform={`translate(${width - MARGIN} ${top})`}>
       {CUBE_PLACES.map((place) => {
         const towards = dot(place.outward, back);
         if (towards < SEEN) return null;
@@ -48,7 +49,7 @@ export function Cube(props: PartProps & { readonly camera: Camera; readonly widt
             data-handle
             role="button"
             tabindex={-1}
-            aria-label={`${name}, from the ${place.ends.map((end) => VIEWS[end]).join(", ")}`}
+            aria-label={WORDS.scene.cubePlace(name, place.ends.map((end) => WORDS.views[VIEWS[end] ?? "front"]))}
           >
             <path d={`M${place.outline.map(flat).join("L")}Z`} style={{ "--light": (AMBIENT + (1 - AMBIENT) * lit).toFixed(3) }} />
             {place.ends.length === 1 && towards > READABLE && (

@@ -3,11 +3,13 @@
 import { add, axesOf, cross, dot, length, project, scaled, sub, turnedAbout, unit, unitsPerPixel } from "../../input/camera.ts";
 import { set } from "../../state/patch.ts";
 import type { Camera, Vec3 } from "../../state/state.ts";
+import { WORDS } from "../../words.ts";
 import { shortNumber } from "../descriptions.ts";
 import { Handle, stepOf } from "../handle.tsx";
 import type { CssSize, PartProps } from "../part.ts";
 import { alongAxis } from "./box.ts";
 
+const TEXT = WORDS.cut;
 const COLOR = "#8be0d4";
 /** Pixels from the middle of the plane's square to its sides; steps of keys: a share of the volume, and degrees. */
 const ARM_PX = 90;
@@ -55,8 +57,8 @@ export function PlaneHandles(
       )}
       {tip !== null && <path d={`M${at.x} ${at.y}L${tip.x} ${tip.y}`} stroke-width="2" />}
       <Handle
-        label={`Clip plane ${number}`}
-        text={`Clip plane ${number}, ${shortNumber(dot(plane.point, normal), 4)} along its normal`}
+        label={TEXT.planeHandle(number)}
+        text={TEXT.planeAlong(number, shortNumber(dot(plane.point, normal), 4))}
         value={dot(plane.point, normal)}
         range={[-extent, extent]}
         x={at.x}
@@ -77,8 +79,8 @@ export function PlaneHandles(
           <Handle
             key={k}
             round
-            label={`Tilt clip plane ${number}, ${k === 0 ? "forwards" : "sideways"}`}
-            text={`Normal ${normal.map((one) => shortNumber(one, 2)).join(", ")}`}
+            label={TEXT.tiltHandle(number, k === 0)}
+            text={TEXT.normalIs(normal.map((one) => shortNumber(one, 2)).join(", "))}
             value={0}
             range={[-180, 180]}
             x={shown.x}

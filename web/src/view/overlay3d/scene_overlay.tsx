@@ -3,6 +3,7 @@
 import type { Frame } from "../../engine/engine.ts";
 import { axesOf, dot, project, scaled, unitsPerPixel } from "../../input/camera.ts";
 import type { Camera, ColorPoint, Vec3 } from "../../state/state.ts";
+import { WORDS } from "../../words.ts";
 import { shortNumber } from "../descriptions.ts";
 import { Legend } from "../legend.tsx";
 import type { CssSize, PartProps } from "../part.ts";
@@ -65,7 +66,7 @@ function Crosshair({ store, welcome, camera, size }: PartProps & { camera: Camer
 }
 
 /** Names of directions at the edges of the picture, where one points there. */
-export function edgeNames(camera: Camera, names: readonly string[]): { left: string; right: string; top: string; bottom: string } {
+function edgeNames(camera: Camera, names: readonly string[]): { left: string; right: string; top: string; bottom: string } {
   const { right, up } = axesOf(camera);
   const name = (way: Vec3): string => {
     const shares = DIRECTIONS.map((direction, n) => ({ n, share: dot(direction, way) }));
@@ -95,8 +96,8 @@ function EdgeLetters({ welcome, camera, size }: PartProps & { camera: Camera; si
 function ScaleBar({ welcome, camera, size }: PartProps & { camera: Camera; size: CssSize }) {
   const perPixel = unitsPerPixel(camera, size.height);
   const bar = barLength(perPixel * size.width * 0.25);
-  const unit = welcome.volumes[0]?.unit ?? "units";
-  const where = camera.parallel_scale === undefined ? " at the middle" : "";
+  const unit = welcome.volumes[0]?.unit ?? WORDS.slices.units;
+  const where = camera.parallel_scale === undefined ? WORDS.scene.barAtMiddle : "";
   const [x, y] = [12, size.height - 14];
   return (
     <g aria-hidden="true" class="at-corner">
@@ -120,7 +121,7 @@ function ColorBar({ store, welcome, ui }: PartProps) {
       `rgb(${rgb.map((one) => Math.round(255 * one)).join()}) ${(100 * (value - first[0])) / (last[0] - first[0])}%`,
   );
   return (
-    <div class="corner right low color-bar" role="img" aria-label={`Colours from ${shortNumber(first[0])} to ${shortNumber(last[0])} ${info.value_unit}`}>
+    <div class="corner right low color-bar" role="img" aria-label={WORDS.scene.colorBar(shortNumber(first[0]), shortNumber(last[0]), info.value_unit)}>
       <span>{`${shortNumber(last[0])} ${info.value_unit}`}</span>
       <span class="ramp" style={{ background: `linear-gradient(to top, ${stops.join(", ")})` }} />
       <span>{shortNumber(first[0])}</span>

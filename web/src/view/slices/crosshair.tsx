@@ -3,12 +3,14 @@
 import { add, dot, scaled } from "../../input/camera.ts";
 import { set } from "../../state/patch.ts";
 import type { Pane, Vec3 } from "../../state/state.ts";
+import { WORDS } from "../../words.ts";
 import { shortNumber } from "../descriptions.ts";
 import { Handle, stepOf } from "../handle.tsx";
 import type { PartProps } from "../part.ts";
 import { lineOf, normalOf, placeOf, sampleStep, stepped, tilted, type SliceFrame } from "./geometry.ts";
 import { nameOf, PANE_COLORS } from "./panes.ts";
 
+const TEXT = WORDS.slices;
 /** Half of the gap in the middle of the crosshair, so that nothing covers what is looked at, pixels. */
 const GAP = 12;
 /** Distances of the handles from the crosshair, as shares of the pane's smaller side: letters stay free. */
@@ -18,6 +20,7 @@ const MOVE_AT = 0.22;
 export function CrosshairLine(props: PartProps & { pane: Pane; on: SliceFrame; other: Pane }) {
   const { store, on, other, welcome } = props;
   const { size } = on;
+  const name = nameOf(props, other);
   const normal = normalOf(store.state, other);
   const line = lineOf(on, normal);
   if (line === null) return null;
@@ -48,8 +51,8 @@ export function CrosshairLine(props: PartProps & { pane: Pane; on: SliceFrame; o
     <g class="quiet" stroke={color} fill="none">
       <path d={`M${along(-reach)}L${along(-GAP)}M${along(GAP)}L${along(reach)}`} stroke-width="1.2" opacity="0.85" />
       <Handle
-        label={`${nameOf(props, other)} plane`}
-        text={`${nameOf(props, other)} plane at ${shortNumber(position, 4)}`}
+        label={TEXT.plane(name)}
+        text={TEXT.planeAt(name, shortNumber(position, 4))}
         value={position}
         range={range}
         x={at.x - line.dx * side * MOVE_AT}
@@ -66,8 +69,8 @@ export function CrosshairLine(props: PartProps & { pane: Pane; on: SliceFrame; o
         onEnd={() => store.settle()}
       />
       <Handle
-        label={`Tilt the ${nameOf(props, other)} plane`}
-        text={`Tilt of the ${nameOf(props, other)} plane`}
+        label={TEXT.tilt(name)}
+        text={TEXT.tiltOf(name)}
         value={(Math.atan2(line.dy, line.dx) * 180) / Math.PI}
         range={[-180, 180]}
         x={at.x + line.dx * side * TILT_AT}

@@ -5,6 +5,7 @@ import { useRef, useState } from "preact/hooks";
 import type { Gesture } from "../../input/gestures.ts";
 import { set } from "../../state/patch.ts";
 import { MAX_REGION_POINTS, type Vec3 } from "../../state/state.ts";
+import { WORDS } from "../../words.ts";
 import type { PartProps } from "../part.ts";
 import { worldAt, type SliceFrame } from "./geometry.ts";
 
@@ -17,7 +18,7 @@ export interface Drawing {
   readonly outline: readonly Vec3[];
 }
 
-export interface DrawingTool {
+interface DrawingTool {
   readonly drawing: Drawing;
   readonly isOn: boolean;
   onTap(on: SliceFrame, x: number, y: number, isDouble: boolean): void;
@@ -87,14 +88,14 @@ export function closeRegion(props: PartProps): void {
 function addRegion({ store, ui }: PartProps, points: readonly Vec3[]): void {
   const kept = thinned(points, MAX_REGION_POINTS);
   if (kept.length < 3) {
-    ui.announce("A region needs three points or more");
+    ui.announce(WORDS.measures.fewPoints);
     return;
   }
   store.change([set({ kind: "area", points: kept }, "view", "measures", "-")]);
 }
 
 /** At most so many of the points, spread evenly. */
-export function thinned<T>(points: readonly T[], most: number): readonly T[] {
+function thinned<T>(points: readonly T[], most: number): readonly T[] {
   if (points.length <= most) return points;
   return Array.from({ length: most }, (_, n) => points[Math.floor((n * points.length) / most)] as T);
 }

@@ -4,6 +4,7 @@ import { inPicture } from "../overlay3d/box.ts";
 import { add, length, project, scaled, sub } from "../../input/camera.ts";
 import { set } from "../../state/patch.ts";
 import type { Camera, Measure, Vec3 } from "../../state/state.ts";
+import { WORDS } from "../../words.ts";
 import { shortNumber } from "../descriptions.ts";
 import { Handle, take } from "../handle.tsx";
 import type { CssSize, PartProps } from "../part.ts";
@@ -34,7 +35,7 @@ function Drawn(
   },
 ) {
   const { store, welcome, placed, moved, isNear } = props;
-  const unit = welcome.volumes[0]?.unit ?? "units";
+  const unit = welcome.volumes[0]?.unit ?? WORDS.slices.units;
   return (
     <g>
       {store.state.view.measures.map((measure, n) => {
@@ -62,7 +63,7 @@ function Drawn(
                 <Handle
                   key={k}
                   round
-                  label={`Measure ${n + 1}, point ${k + 1}`}
+                  label={WORDS.measures.point(n + 1, k + 1)}
                   text={text}
                   value={k}
                   range={[0, points.length]}
@@ -104,7 +105,7 @@ function Pending(props: PartProps & { readonly placed: (point: Vec3) => Place | 
   const known = places as Place[];
   const last = known.at(-1) as Place;
   const kind = ui.tool === "angle" && points.length > 2 ? "angle" : "distance";
-  const text = ui.tool !== "area" && points.length > 1 ? measured({ kind, points }, welcome.volumes[0]?.unit ?? "units") : "";
+  const text = ui.tool !== "area" && points.length > 1 ? measured({ kind, points }, welcome.volumes[0]?.unit ?? WORDS.slices.units) : "";
   return (
     <g class="pending">
       <path d={pathOf(known, false)} fill="none" stroke={COLOR} stroke-width="1.5" stroke-dasharray="5 3" />

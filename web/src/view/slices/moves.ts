@@ -6,8 +6,8 @@ import { set, type Operation } from "../../state/patch.ts";
 import type { Vec3, ViewerState } from "../../state/state.ts";
 import { worldAt, type SliceFrame } from "./geometry.ts";
 
-export const MIN_ZOOM = 0.1;
-export const MAX_ZOOM = 100;
+/** Least and largest magnification of slices. */
+export const ZOOMS = [0.1, 100] as const;
 
 /** The world position in the middle of all panes. */
 export function centerOf(state: ViewerState, welcome: Welcome): Vec3 {
@@ -20,7 +20,7 @@ export function centerOf(state: ViewerState, welcome: Welcome): Vec3 {
 /** Magnifies about a world point, which stays where it is in every pane. */
 export function zoomedAbout(state: ViewerState, welcome: Welcome, point: Vec3, factor: number): Operation[] {
   const { zoom } = state.view.slices;
-  const next = Math.min(Math.max(zoom * factor, MIN_ZOOM), MAX_ZOOM);
+  const next = Math.min(Math.max(zoom * factor, ZOOMS[0]), ZOOMS[1]);
   if (next === zoom) return [];
   const center = add(point, scaled(sub(centerOf(state, welcome), point), zoom / next));
   return [set(next, "view", "slices", "zoom"), set(center, "view", "slices", "center")];
@@ -54,7 +54,7 @@ export function crosshairAt(state: ViewerState, point: Vec3): Operation[] {
 /** Movement of two fingers, pixels, that tells scrolling from moving and magnifying; and pixels per slice. */
 const TOLD_PX = 12;
 const PINCHED = 0.12;
-export const TOUCH_STEP_PX = 14;
+const TOUCH_STEP_PX = 14;
 
 /** Recognises the gesture of two fingers: up and down together scroll through slices; else they move the picture and magnify it. */
 export class TwoFingers {

@@ -1,5 +1,6 @@
 // The values under the pointer: those that are shown, read in the page.
 
+import { WORDS } from "../../words.ts";
 import { decimalsOf, placeText } from "../descriptions.ts";
 import type { PartProps } from "../part.ts";
 import { worldAt, type SliceFrame } from "./geometry.ts";
@@ -28,7 +29,7 @@ export function probe({ ui, welcome }: PartProps, painter: SlicePainter, on: Sli
   const values = welcome.volumes.flatMap(({ robust_range: [low, high], value_unit }, n) => {
     const value = found.values.get(n);
     if (value === undefined) return [];
-    return [value === null ? "outside" : `${value.toFixed(decimalsOf((high - low) / PARTS))} ${value_unit}`.trim()];
+    return [value === null ? WORDS.slices.outside : `${value.toFixed(decimalsOf((high - low) / PARTS))} ${value_unit}`.trim()];
   });
-  ui.tell(`${values.join(", ")}${found.label === null ? "" : ` · ${found.label}`} at ${placeText(point, welcome)}`);
+  ui.tell(WORDS.slices.at(`${values.join(", ")}${found.label === null ? "" : ` · ${found.label}`}`, placeText(point, welcome)));
 }

@@ -4,6 +4,7 @@ import { useEffect, useState } from "preact/hooks";
 
 import type { Questions } from "../../engine/engine.ts";
 import type { Measure } from "../../state/state.ts";
+import { WORDS } from "../../words.ts";
 import { shortNumber } from "../descriptions.ts";
 import type { PartProps } from "../part.ts";
 
@@ -27,7 +28,7 @@ export function regionFacts({ engine, store, welcome }: PartProps, { points }: M
 }
 
 export function textOfRegion({ mean, sd }: RegionFacts, unit: string): string {
-  return `mean ${shortNumber(mean, 4)} ± ${shortNumber(sd, 3)} ${unit}`.trim();
+  return WORDS.measures.mean(shortNumber(mean, 4), shortNumber(sd, 3), unit);
 }
 
 /** Milliseconds for which a region must not move before it is asked for. */

@@ -4,6 +4,7 @@ import { useLayoutEffect, useRef, useState } from "preact/hooks";
 
 import type { Frame } from "../../engine/engine.ts";
 import type { Pane } from "../../state/state.ts";
+import { WORDS } from "../../words.ts";
 import { shortNumber } from "../descriptions.ts";
 import { CropOnSlice } from "../overlay3d/crop_on_slice.tsx";
 import type { CssSize, PartProps } from "../part.ts";
@@ -15,17 +16,19 @@ import { MeasuresOnSlice } from "./measures.tsx";
 import { nameOf, PANE_COLORS } from "./panes.ts";
 import { WindowMenu, windowText } from "./window_menu.tsx";
 
+const TEXT = WORDS.slices;
+
 export function SliceOverlay(props: PartProps & { pane: Pane; frame: Frame; on: SliceFrame; drawing: Drawing }) {
   const { pane, on, store, welcome } = props;
   const { slices, overlays } = store.state.view;
   const { geometry } = on;
   const { letters } = geometry;
-  const unit = welcome.volumes[0]?.unit ?? "units";
+  const unit = welcome.volumes[0]?.unit ?? TEXT.units;
   const isTilted = slices.normals?.[pane] !== undefined;
   const name = [
-    `${nameOf(props, pane)}${isTilted ? ", tilted" : ""}`,
+    isTilted ? TEXT.tilted(nameOf(props, pane)) : nameOf(props, pane),
     `${shortNumber(geometry.position, 4)} ${unit}`,
-    ...(slices.thickness > 0 ? [`${slices.slab} of ${shortNumber(slices.thickness)} ${unit}`] : []),
+    ...(slices.thickness > 0 ? [TEXT.slab(TEXT.slabs[slices.slab], `${shortNumber(slices.thickness)} ${unit}`)] : []),
   ];
   const room = useRef<HTMLDivElement>(null);
   const texts = textsThatFit(useRoom(room), name, windowText(props, props.frame));

@@ -8,6 +8,7 @@ import type { Gesture } from "../../input/gestures.ts";
 import type { Action } from "../../input/keys.ts";
 import { set, type Operation } from "../../state/patch.ts";
 import type { Pane, Vec3 } from "../../state/state.ts";
+import { WORDS } from "../../words.ts";
 import { shortNumber } from "../descriptions.ts";
 import { windowDrag } from "../look/window_drag.ts";
 import type { CssSize, PartProps } from "../part.ts";
@@ -176,7 +177,7 @@ export function SlicePane(props: PartProps & { readonly pane: Pane }) {
     <Viewport
       {...props}
       view={pane}
-      label={`${nameOf(props, pane)} slice at ${cutAt === undefined ? "" : shortNumber(cutAt.position, 4)}`}
+      label={WORDS.slices.pane(nameOf(props, pane), cutAt === undefined ? "" : shortNumber(cutAt.position, 4))}
       onGesture={onGesture}
       onAction={onAction}
       onWheel={onWheel}

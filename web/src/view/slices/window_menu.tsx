@@ -3,12 +3,11 @@
 import type { Frame } from "../../engine/engine.ts";
 import { set } from "../../state/patch.ts";
 import { shortNumber } from "../descriptions.ts";
-import { SLICE_COLORS, type SliceColors } from "../../state/state.ts";
+import { SLICE_COLORS } from "../../state/state.ts";
+import { WORDS } from "../../words.ts";
 import type { PartProps } from "../part.ts";
 
-export const COLOR_NAMES: Readonly<Record<SliceColors, string>> = {
-  gray: "Grey", gray_r: "Inverted grey", hot: "Hot", viridis: "Viridis", coolwarm: "Cool to warm",
-};
+const TEXT = WORDS.slices;
 
 /** Text of the window, "L 40 W 400"; null where there is none, as of channels in their colours. */
 export function windowText({ store }: PartProps, frame: Frame): string | null {
@@ -26,7 +25,7 @@ export function chooseWindow({ store, welcome }: PartProps, name: string): void 
   const { slices } = store.state.view;
   const window = welcome.window_names[name];
   if (window !== undefined) store.change([set(window, "view", "slices", "window")]);
-  else if (name in COLOR_NAMES) store.change([set(name, "view", "slices", "colors")]);
+  else if (name in TEXT.colorNames) store.change([set(name, "view", "slices", "colors")]);
   else if (name === "automatic") {
     const fields = (["window", "colors"] as const).filter((field) => slices[field] !== undefined);
     if (fields.length > 0) store.change(fields.map((field) => ({ op: "remove", path: `/view/slices/${field}` })));
@@ -37,7 +36,7 @@ export function WindowMenu(props: PartProps & { readonly text: string }) {
   const { text } = props;
   return (
     <label class="corner right pill menu" data-handle>
-      <span class="hidden">Window</span>
+      <span class="hidden">{TEXT.window}</span>
       <select
         value=""
         onChange={(event) => {
@@ -47,12 +46,12 @@ export function WindowMenu(props: PartProps & { readonly text: string }) {
         }}
       >
         <option value="" selected hidden>{text}</option>
-        <option value="automatic">Automatic</option>
+        <option value="automatic">{TEXT.automatic}</option>
         {namedWindows(props).map(([name, [level, width]]) => (
           <option key={name} value={name}>{`${name} (${level}, ${width})`}</option>
         ))}
-        <optgroup label="Colours">
-          {SLICE_COLORS.map((name) => <option key={name} value={name}>{COLOR_NAMES[name]}</option>)}
+        <optgroup label={TEXT.colors}>
+          {SLICE_COLORS.map((name) => <option key={name} value={name}>{TEXT.colorNames[name]}</option>)}
         </optgroup>
       </select>
     </label>

@@ -1,0 +1,16 @@
+// All words of the page are in its tables, so that it can be translated.
+
+import { readdirSync, readFileSync } from "node:fs";
+import { fileURLToPath } from "node:url";
+
+import { expect, test } from "vitest";
+
+const VIEW = fileURLToPath(new URL("../src/view/", import.meta.url));
+const PARTS = readdirSync(VIEW, { recursive: true, encoding: "utf8" }).filter((name) => name.endsWith(".tsx"));
+/** Attributes whose texts are read or heard, and texts between tags, with words in the code. */
+const INLINE = [/\b(?:label|aria-label|title|text|placeholder)="[^"]*[A-Za-z]{3}/, /\b(?:label|aria-label|title|text)=\{`[^`]*[A-Za-z]{3,}(?![^$]*\})/, />\s*[A-Z][a-z]+[^<>{}=;()]*<\//];
+
+test.each(PARTS)("%s has no words of its own", (name) => {
+  const code = readFileSync(VIEW + name, "utf8").replaceAll(/\/\*[\s\S]*?\*\/|\/\/ .*/g, "");
+  expect(code.split("\n").filter((line) => INLINE.some((pattern) => pattern.test(line)))).toEqual([]);
+});

@@ -3,6 +3,7 @@
 import type { VolumeInfo } from "../engine/engine.ts";
 import { PANEL_WORDS } from "../panel_words.ts";
 import { decimalsOf, shortNumber } from "./descriptions.ts";
+import { noteForPage } from "./notes.ts";
 import { numberText } from "./look/axis.ts";
 import type { PartProps } from "./part.ts";
 
@@ -31,7 +32,7 @@ export function AboutPanel({ welcome, store, ui }: PartProps) {
 }
 
 function Notes({ of }: { readonly of: readonly string[] }) {
-  return <ul>{of.map((note) => <li key={note}>{note}</li>)}</ul>;
+  return <ul>{of.map((note) => <li key={note}>{noteForPage(note)}</li>)}</ul>;
 }
 
 function facts(volume: VolumeInfo): readonly (readonly [string, string])[] {

@@ -27,13 +27,12 @@ export function commandsOf(part: PartProps): Command[] {
   const { store, ui, welcome } = part;
   const view = store.state.view;
   return [
-    ...KEYS.filter(({ action }) => action !== "find").map((key) => ({ text: key.text, hint: key.shown, run: () => press(ui, key) })),
     ...LAYOUTS.map((name) => ({
       text: WORDS.layouts[name],
       hint: TEXT.layout,
       run: () => store.change([set({ name, main: name === "single" ? (view.layout.main === "3d" ? "z" : view.layout.main) : "3d" }, "view", "layout")]),
     })),
-    ...PANELS.map((name) => ({
+    ...([...PANELS, "about"] as const).map((name) => ({
       text: WORDS.sheets[name],
       hint: TEXT.panel,
       run: () => store.change([set(toggled(view.interface.panels.filter((one) => one !== name), name), "view", "interface", "panels")]),
@@ -46,6 +45,8 @@ export function commandsOf(part: PartProps): Command[] {
     ...namedWindows(part).map(([name]) => ({ text: name, hint: TEXT.window, run: () => chooseWindow(part, name) })),
     ...THEMES.map((name) => ({ text: PANEL_WORDS.settings.themes[name], hint: TEXT.theme, run: () => store.change([set(name, "view", "interface", "theme")]) })),
     ...labelCommands(part),
+    // Last, as the list is at first: whoever looks for commands knows what arrows do.
+    ...KEYS.filter(({ action }) => action !== "find").map((key) => ({ text: key.text, hint: key.shown, run: () => press(ui, key) })),
   ];
 }
 

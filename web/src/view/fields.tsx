@@ -127,7 +127,7 @@ export function NumberField(props: NumberFieldProps) {
         min={least}
         max={most}
         step={step}
-        label={`${label}, number`}
+        label={WORDS.fields.number(label, "")}
       />
     </div>
   );

@@ -78,7 +78,7 @@ export function Page({ page, onKey, onPage, ...part }: PageProps) {
         <Banner connection={page.connection} engine={part.engine} />
       </main>
       <Rail panels={panels} open={[open ?? "", hasStrip ? "presets" : ""]} onPanel={onPanel}>
-        <button class="rail-button" title={`${WORDS.palette.find} (Ctrl K)`} onClick={() => setFinding(true)}>
+        <button class="rail-button" title={WORDS.toolbar.withKey(WORDS.palette.find, "Ctrl K")} onClick={() => setFinding(true)}>
           <Icon name="search" />
           <span>{WORDS.palette.open}</span>
         </button>
@@ -86,7 +86,7 @@ export function Page({ page, onKey, onPage, ...part }: PageProps) {
           <Icon name="dark" />
           <span>{WORDS.toolbar.theme_short}</span>
         </button>
-        <button class="rail-button" title={`${WORDS.toolbar.help} (?)`} onClick={() => onPage({ help: true })}>
+        <button class="rail-button" title={WORDS.toolbar.withKey(WORDS.toolbar.help, "?")} onClick={() => onPage({ help: true })}>
           <Icon name="help" />
           <span>{WORDS.toolbar.help_short}</span>
         </button>
@@ -101,7 +101,7 @@ export function Page({ page, onKey, onPage, ...part }: PageProps) {
       <footer class="bottom">
         {hasStrip && <Memo of={shownByPanels(part)}>{() => <LooksStrip key={welcome.fingerprint} {...part} onAll={() => onPanel("looks")} />}</Memo>}
         {hasTimes && <TimeBar {...part} />}
-        <Status {...part} figures={page.figures} />
+        <Status key={welcome.fingerprint} {...part} figures={page.figures} />
       </footer>
       <p class="hidden" role="status" aria-live="polite">{page.said}</p>
       {page.problem !== null && <ProblemCard problem={page.problem} onClose={() => onPage({ problem: null })} />}

@@ -31,22 +31,38 @@ export function SlicesPanel(props: PartProps) {
   const named = names.find(([, [l, w]]) => slices.window?.[0] === l && slices.window[1] === w)?.[0];
   return (
     <>
-      {AXES.map((name, axis) => (
-        <NumberField
-          key={name}
-          decimals={decimalsOf(info?.spacing[axis] ?? 1)}
-          label={TEXT.crosshair(name)}
-          unit={unit}
-          value={slices.crosshair[axis] ?? 0}
-          min={lower[axis] ?? 0}
-          max={upper[axis] ?? 1}
-          onInput={(value) => {
-            const next = slices.crosshair.map((one, a) => (a === axis ? value : one)) as unknown as Vec3;
-            store.change([set(next, "view", "slices", "crosshair")], `crosshair ${name}`);
-          }}
-          onSettle={settle}
-        />
-      ))}
+      <fieldset>
+        <legend>{TEXT.crosshairs}</legend>
+        {AXES.map((name, axis) => (
+          <NumberField
+            key={name}
+            decimals={decimalsOf(info?.spacing[axis] ?? 1)}
+            label={TEXT.crosshair(name)}
+            shown={name}
+            unit={unit}
+            value={slices.crosshair[axis] ?? 0}
+            min={lower[axis] ?? 0}
+            max={upper[axis] ?? 1}
+            onInput={(value) => {
+              const next = slices.crosshair.map((one, a) => (a === axis ? value : one)) as unknown as Vec3;
+              store.change([set(next, "view", "slices", "crosshair")], `crosshair ${name}`);
+            }}
+            onSettle={settle}
+          />
+        ))}
+        <div class="row">
+          <button
+            class="button"
+            onClick={() => {
+              const middle = [0, 1, 2].map((a) => ((lower[a] ?? 0) + (upper[a] ?? 0)) / 2) as unknown as Vec3;
+              store.change(crosshairAt(store.state, middle));
+            }}
+          >
+            {TEXT.toMiddle}
+          </button>
+          <button class="button" onClick={() => void pick(props, 0.5, 0.5, ui.frames["3d"] ?? { width: 512, height: 512 })}>{TEXT.toSurface}</button>
+        </div>
+      </fieldset>
       <NumberField
         label={TEXT.thickness}
         unit={unit}
@@ -107,16 +123,6 @@ export function SlicesPanel(props: PartProps) {
         onSettle={settle}
       />
       <div class="row">
-        <button
-          class="button"
-          onClick={() => {
-            const middle = [0, 1, 2].map((a) => ((lower[a] ?? 0) + (upper[a] ?? 0)) / 2) as unknown as Vec3;
-            store.change(crosshairAt(store.state, middle));
-          }}
-        >
-          {TEXT.toMiddle}
-        </button>
-        <button class="button" onClick={() => void pick(props, 0.5, 0.5, ui.frames["3d"] ?? { width: 512, height: 512 })}>{TEXT.toSurface}</button>
         <button class="button" disabled={slices.center === undefined && slices.zoom === 1} onClick={() => store.change(fitted(store.state))}>
           {TEXT.whole}
         </button>

@@ -1,7 +1,10 @@
 // The status of the viewer: opening, problems, notes on the picture, statistics of frames.
 
+import { useEffect, useReducer, useState } from "preact/hooks";
+
 import type { Connection, Problem } from "../engine/engine.ts";
 import { WORDS } from "../words.ts";
+import { FreshNotes, noteForPage, NOTED_MS } from "./notes.ts";
 import type { PartProps } from "./part.ts";
 
 const TEXT = WORDS.status;
@@ -39,14 +42,27 @@ export function ProblemCard({ problem, onClose }: { readonly problem: Problem; r
 export function Status(props: PartProps & { readonly figures: boolean }) {
   const { ui, figures } = props;
   const frame = ui.frames["3d"] ?? Object.values(ui.frames)[0];
-  const notes = frame?.notes ?? [];
+  const notes = useFresh(frame?.notes ?? []);
   return (
     <div class="status">
-      {notes.map((note) => <span key={note} role="note">{note}</span>)}
+      {notes.map((note) => <span key={note} role="note">{noteForPage(note)}</span>)}
       {ui.probed && <span>{ui.probed}</span>}
       {figures && <Figures {...props} />}
     </div>
   );
+}
+
+/** The notes that are new; the page is drawn anew when they are not any more. */
+function useFresh(notes: readonly string[]): readonly string[] {
+  const [known] = useState(() => new FreshNotes());
+  const [, redraw] = useReducer((count: number) => count + 1, 0);
+  const fresh = known.of(notes, performance.now());
+  useEffect(() => {
+    if (fresh.length === 0) return undefined;
+    const timer = setTimeout(() => redraw(null as never), NOTED_MS);
+    return () => clearTimeout(timer);
+  }, [fresh.join()]);
+  return fresh;
 }
 
 function Figures({ ui }: PartProps) {

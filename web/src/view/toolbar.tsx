@@ -54,7 +54,7 @@ export function Toolbar(props: PartProps & { readonly isAbout: boolean; onAbout(
             <button
               key={view}
               class="icon-button"
-              title={`${TEXT.from(WORDS.views[view])} (${n + 1})`}
+              title={TEXT.withKey(TEXT.from(WORDS.views[view]), String(n + 1))}
               aria-label={TEXT.lettered(letterOf(view, welcome.axis_ends), WORDS.views[view])}
               onClick={() => {
                 const camera = welcome.standard_views[view];
@@ -86,7 +86,7 @@ interface IconButtonProps {
 }
 
 function IconButton({ icon, label, shortcut, disabled = false, onClick }: IconButtonProps) {
-  const title = shortcut === undefined ? label : `${label} (${shortcut})`;
+  const title = shortcut === undefined ? label : TEXT.withKey(label, shortcut);
   return (
     <button class="icon-button" title={title} aria-label={label} aria-disabled={disabled} onClick={() => onClick()}>
       <Icon name={icon} />

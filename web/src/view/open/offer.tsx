@@ -72,7 +72,7 @@ function RecentFiles({ opener, recent }: { readonly opener: PageOpener; readonly
 
 function FileField({ opener, label, folder = false }: { readonly opener: PageOpener; readonly label: string; readonly folder?: boolean }) {
   return (
-    <label class="button open-field">
+    <label class={folder ? "button open-field" : "button first open-field"}>
       {label}
       <input
         class="hidden"

@@ -13,6 +13,9 @@ import { RegionText } from "./region_text.tsx";
 import { angleDeg, areaOf, distance, placeOf, worldAt, type SliceFrame } from "./geometry.ts";
 
 const COLOR = "#7df0ff";
+/** Room for a text beside its point, and its distance from it, CSS pixels. */
+const TEXT_PX = 170;
+const TEXT_GAP = 10;
 const FILL = "#7df0ff22";
 
 /** Text of a measure: "12.3 mm", "45.0°", "123 mm²". */
@@ -31,6 +34,8 @@ function Drawn(
     readonly placed: (point: Vec3) => Place | null;
     readonly moved: (point: Vec3, dx: number, dy: number) => Vec3;
     readonly isNear: (points: readonly Vec3[]) => boolean;
+    /** Width of the view, CSS pixels. */
+    readonly width: number;
     readonly drawing?: Drawing;
   },
 ) {
@@ -45,11 +50,16 @@ function Drawn(
         const middle = points[measure.kind === "angle" ? 1 : 0] as Place;
         const text = measured(measure, unit);
         const isRegion = measure.kind === "area";
+        // Texts near the right edge stand on the left of their point.
+        const isAtEdge = middle.x > props.width - TEXT_PX;
+        const textX = middle.x + (isAtEdge ? -TEXT_GAP : TEXT_GAP);
         return (
           <g key={n}>
             <path d={pathOf(points, isRegion)} fill={isRegion ? FILL : "none"} stroke={COLOR} stroke-width="1.5" />
-            <text x={middle.x + 10} y={middle.y - 8}>{text}</text>
-            {isRegion && <RegionText {...props} measure={measure} x={middle.x + 10} y={middle.y + 8} />}
+            <g text-anchor={isAtEdge ? "end" : "start"}>
+              <text x={textX} y={middle.y - 8}>{text}</text>
+              {isRegion && <RegionText {...props} measure={measure} x={textX} y={middle.y + 8} />}
+            </g>
             {/* A region is moved as a whole, by its first point. */}
             {points.slice(0, isRegion ? 1 : undefined).map(({ x, y }, k) => {
               const pointsNow = (): readonly Vec3[] => store.state.view.measures[n]?.points ?? measure.points;
@@ -121,6 +131,7 @@ export function MeasuresOnSlice(props: PartProps & { readonly on: SliceFrame; re
   return (
     <Drawn
       {...props}
+      width={on.size.width}
       placed={(point) => placeOf(on, point)}
       moved={(point, dx, dy) => {
         const { x, y } = placeOf(on, point);
@@ -137,6 +148,7 @@ export function Measures3d(props: PartProps & { readonly camera: Camera; readonl
   return (
     <Drawn
       {...props}
+      width={size.width}
       placed={(point) => project(camera, size, point)}
       moved={(point, dx, dy) => add(point, inPicture(camera, size, point, dx, dy))}
       isNear={() => true}

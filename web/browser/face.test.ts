@@ -134,7 +134,7 @@ open("${name}.nrrd", "wb").write(header.encode() + samples.tobytes())`,
 
 test("what data were taken for is in the page, and micrometres are written µm", async () => {
   const blobs = "rng.gamma(2, 1, z.shape) + 400 * np.exp(-((z - 20) ** 2 + (y - 12) ** 2 + (x - 20) ** 2) / 8) + 300 * np.exp(-((z - 30) ** 2 + (y - 25) ** 2 + (x - 10) ** 2) / 4)";
-  for (const [unit, spacing, kind] of [["mm", 4, "taken for PET"], ["um", 0.5, "µm"]] as const) {
+  for (const [unit, spacing, kind] of [["mm", 4, "Taken for PET"], ["um", 0.5, "µm"]] as const) {
     const other = await made(unit, blobs, spacing, unit);
     try {
       const shown = await openViewer(browser, other.link);
@@ -242,7 +242,7 @@ describe("the palette", () => {
     await expect.poll(async () => (await state(page)).camera.position).not.toEqual(before.camera.position);
     await page.keyboard.press("Control+k");
     await page.keyboard.type("no command has this");
-    await page.getByText("Nothing has these words.").waitFor();
+    await page.getByText("Nothing is found for these words.").waitFor();
     await page.keyboard.press("Escape");
     await expect.poll(() => page.getByRole("dialog").count()).toBe(0);
     expect(page.complaints).toEqual([]);

@@ -211,7 +211,7 @@ export const WORDS = {
     play: "Play",
     pause: "Pause",
     rate: "Times a second",
-    perSecond: "times a second",
+    perSecond: "per second",
     repeat: "Repeat",
   },
   windowDrag: {

@@ -15,6 +15,8 @@ import { Cube } from "./cube.tsx";
 import { PlaneHandles } from "./plane_handles.tsx";
 
 const DIRECTIONS: readonly Vec3[] = [[-1, 0, 0], [1, 0, 0], [0, -1, 0], [0, 1, 0], [0, 0, -1], [0, 0, 1]];
+/** Least width of a view, CSS pixels, in which the cube covers neither the picture nor the letter beside it. */
+const CUBE_FITS_PX = 240;
 /** Least cosine between a direction and the way to an edge of the picture for its name to stand there. */
 const NAMED = 0.5;
 
@@ -41,7 +43,7 @@ export function SceneOverlay(props: PartProps & { readonly frame: Frame; readonl
         <Measures3d {...props} camera={camera} />
         {overlays.letters && <EdgeLetters {...props} camera={camera} />}
         {overlays.scale_bar && <ScaleBar {...props} camera={camera} />}
-        {overlays.cube && <g class="at-cube"><Cube {...props} camera={camera} width={size.width} /></g>}
+        {overlays.cube && size.width >= CUBE_FITS_PX && <g class="at-cube"><Cube {...props} camera={camera} width={size.width} /></g>}
       </svg>
       {overlays.color_bar && <ColorBar {...props} />}
       {overlays.legend && <Legend {...props} height={size.height} />}

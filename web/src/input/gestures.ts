@@ -1,7 +1,7 @@
 // Recognition of gestures from events of pointers, wheels and fingers. No DOM: events are plain objects with few fields.
 
 /** Kinds of drags; button and modifier keys decide which. */
-export type DragKind = "main" | "pan" | "zoom" | "roll" | "window";
+type DragKind = "main" | "pan" | "zoom" | "roll" | "window";
 
 export type Gesture =
   | {

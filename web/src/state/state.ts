@@ -9,7 +9,7 @@ export type OpacityPoint = readonly [number, number];
 /** Point of a colour curve, [value, red, green, blue], colours 0..1; values ascend. */
 export type ColorPoint = readonly [number, number, number, number];
 /** Point of a gradient curve, [gradient magnitude, factor 0..1]. */
-export type GradientPoint = readonly [number, number];
+type GradientPoint = readonly [number, number];
 
 export interface TransferFunction {
   readonly opacity_unit: number | null;
@@ -83,7 +83,7 @@ export interface Labels {
 }
 
 /** A shape in space: surface, lines, points, slice plane or frame, and the number of its triangles, paths or points. */
-export interface Shape {
+interface Shape {
   readonly kind: string;
   readonly name: string;
   readonly count: number;
@@ -120,7 +120,7 @@ export type Composite = string | Readonly<Record<string, Readonly<Record<string,
 export const QUALITIES = ["draft", "normal", "fine", "high"] as const;
 
 /** Settings of the picture at rest; its size is the view's. */
-export interface Render {
+interface Render {
   readonly quality: (typeof QUALITIES)[number];
   readonly kernel: string;
   readonly composite: Composite;

@@ -16,7 +16,7 @@ const TEXT = WORDS.palette;
 const LAYOUTS = ["3d", "one-and-three", "two-by-two", "single"] as const;
 const THEMES = ["dark", "light", "system"] as const;
 
-export interface Command {
+interface Command {
   readonly text: string;
   /** The group that the command belongs to, or its key. */
   readonly hint: string;

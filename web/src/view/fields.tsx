@@ -6,7 +6,7 @@ import { clamped } from "./look/curves.ts";
 import { decimalsOfStep, fieldText, numberText, roundStep } from "./look/axis.ts";
 import { WORDS } from "../words.ts";
 
-export interface NumberBoxProps {
+interface NumberBoxProps {
   readonly label: string;
   readonly value: number;
   readonly min?: number;
@@ -74,7 +74,7 @@ export function NamedNumber(props: NumberBoxProps & { readonly shown?: string })
   );
 }
 
-export interface NumberFieldProps extends NumberBoxProps {
+interface NumberFieldProps extends NumberBoxProps {
   /** Text before the slider, where the label would be too long; "" is none. */
   readonly shown?: string;
   readonly min: number;
@@ -133,7 +133,7 @@ export function NumberField(props: NumberFieldProps) {
   );
 }
 
-export interface RelativeSliderProps {
+interface RelativeSliderProps {
   readonly label: string;
   /** Amount of change at a position of the slider, whose ends are at -1 and 1; `position` is the inverse. */
   amount(position: number): number;
@@ -203,7 +203,7 @@ export function RelativeSlider(props: RelativeSliderProps) {
   );
 }
 
-export interface ChoiceProps {
+interface ChoiceProps {
   readonly label: string;
   readonly value: string;
   readonly options: readonly (readonly [value: string, text: string, disabled?: boolean])[];
@@ -226,7 +226,7 @@ export function Choice({ label, value, options, onChoose }: ChoiceProps) {
   );
 }
 
-export interface SwitchProps {
+interface SwitchProps {
   readonly label: string;
   readonly note?: string;
   readonly on: boolean;
@@ -243,7 +243,7 @@ export function Switch({ label, note, on, onToggle }: SwitchProps) {
   );
 }
 
-export interface ColorFieldProps {
+interface ColorFieldProps {
   readonly label: string;
   /** The colour, #rrggbb. */
   readonly value: string;

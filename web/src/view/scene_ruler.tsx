@@ -14,7 +14,7 @@ interface Line {
   readonly y1: number;
 }
 
-export interface Ruler {
+interface Ruler {
   readonly line: Line | null;
   onDrag(gesture: Gesture & { kind: "drag" }, size: CssSize): void;
 }

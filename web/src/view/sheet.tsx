@@ -29,7 +29,7 @@ export function toggled(panels: readonly string[], name: PanelName): string[] {
   return [...(isStrip ? ["presets"] : []), ...(sheet === name ? [] : [name])];
 }
 
-export interface RailProps {
+interface RailProps {
   readonly panels: readonly (typeof PANELS)[number][];
   readonly open: readonly string[];
   /** Opens a panel, or closes it. */

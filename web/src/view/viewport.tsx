@@ -28,7 +28,7 @@ export interface PixelSize {
   readonly height: number;
 }
 
-export interface ViewportHandlers {
+interface ViewportHandlers {
   /** Called with drags, pinches and taps; `size` is that of the view in CSS pixels. */
   readonly onGesture: (gesture: Gesture, size: CssSize) => void;
   readonly onWheel: (wheel: Wheel, size: CssSize) => void;
@@ -44,7 +44,7 @@ export interface ViewportHandlers {
   readonly transform?: (frame: Frame, size: CssSize) => string;
 }
 
-export interface ViewportProps extends PartProps, ViewportHandlers {
+interface ViewportProps extends PartProps, ViewportHandlers {
   readonly view: ViewName;
   /** Description of the picture, for screen readers. */
   readonly label: string;

@@ -12,7 +12,7 @@ const TEXT = PANEL_WORDS.colorStrip;
 const RAMP_PX = 16;
 const HEIGHT_PX = 44;
 
-export interface ColorStripProps {
+interface ColorStripProps {
   readonly seen: Range;
   readonly unit: string;
   readonly curve: Curve<ColorPoint>;

@@ -1,6 +1,7 @@
 // Operators along a ray: the numbers that some of them have.
 
 import type { Composite } from "../../state/state.ts";
+import { compositeName } from "../descriptions.ts";
 
 /** Default strength of dimming, that of `wavesplat.DepthShadedMaximum`. */
 export const DIMMING = 0.6;
@@ -8,18 +9,14 @@ export const DIMMING = 0.6;
 /** The operators that shade surfaces. */
 export const SHADED: readonly string[] = ["over", "first-hit"];
 
-export function nameOf(composite: Composite): string {
-  return typeof composite === "string" ? composite : (Object.keys(composite)[0] ?? "over");
-}
-
 /** A parameter of an operator; null where the program chooses it. */
 export function numberOf(composite: Composite, field: string): number | null {
-  return typeof composite === "string" ? null : (composite[nameOf(composite)]?.[field] ?? null);
+  return typeof composite === "string" ? null : (composite[compositeName(composite)]?.[field] ?? null);
 }
 
 /** The operator with a parameter set. */
 export function withNumber(composite: Composite, field: string, value: number | null): Composite {
-  const name = nameOf(composite);
+  const name = compositeName(composite);
   const before = typeof composite === "string" ? {} : (composite[name] ?? {});
   return { [name]: { ...before, [field]: value } };
 }

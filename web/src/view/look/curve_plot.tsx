@@ -40,7 +40,7 @@ export interface Histogram {
   readonly range: Range;
 }
 
-export interface CurvePlotProps {
+interface CurvePlotProps {
   readonly label: string;
   /** Name of the second coordinate of a point, beside its value. */
   readonly what: string;

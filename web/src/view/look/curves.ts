@@ -8,7 +8,7 @@ export type Curve<P extends Point = Point> = readonly P[];
 export type Range = readonly [number, number];
 
 /** A curve, and the index of the point that was added or moved. */
-export interface Edited<P extends Point> {
+interface Edited<P extends Point> {
   readonly curve: Curve<P>;
   readonly index: number;
 }

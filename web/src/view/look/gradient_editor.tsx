@@ -14,7 +14,7 @@ import { PANEL_WORDS } from "../../panel_words.ts";
 const TEXT = PANEL_WORDS.gradientEditor;
 const PLOT_PX = 130;
 
-export interface GradientEditorProps extends PartProps {
+interface GradientEditorProps extends PartProps {
   readonly curves: TransferFunction;
   readonly volume: VolumeInfo;
   latest(): Curve<OpacityPoint>;

@@ -10,7 +10,7 @@ const TEXT = PANEL_WORDS.lightPad;
 const SIZE_PX = 132;
 const RADIUS_PX = 60;
 
-export interface LightPadProps {
+interface LightPadProps {
   readonly direction: Vec3;
   /** Returns the direction as it is now: keys can come more often than the page is drawn. */
   latest(): Vec3;

@@ -8,11 +8,11 @@ import type { PartProps } from "../part.ts";
 import {
   DIMMING,
   compositeNamed,
-  nameOf,
   numberOf,
   SHADED,
   withNumber,
 } from "./composites.ts";
+import { compositeName } from "../descriptions.ts";
 import { rounded } from "./axis.ts";
 import { surfaceValue } from "./curves.ts";
 import { Button, Switch, ColorField, Choice, NumberField } from "../fields.tsx";
@@ -43,7 +43,7 @@ export function LightPanel(props: PartProps) {
 function Operator({ store, ui, welcome }: PartProps) {
   const { render, layers, labels } = store.state;
   const volume = welcome.volumes[ui.layer];
-  const name = nameOf(render.composite);
+  const name = compositeName(render.composite);
   const isOverOnly = layers.filter((layer) => layer.visible).length > 1 || labels !== null;
   const look = layers[ui.layer]?.look;
   const [low, high] = volume?.range ?? [0, 1];
@@ -119,7 +119,7 @@ function LightFields({ store, engine, ui, welcome }: PartProps) {
   const look = state.layers[ui.layer]?.look;
   const kept = useRef<Shading | null>(null);
   if (shading !== null) kept.current = shading;
-  const name = nameOf(state.render.composite);
+  const name = compositeName(state.render.composite);
   const isShaded = SHADED.includes(name);
 
   const reset = async (): Promise<void> => {

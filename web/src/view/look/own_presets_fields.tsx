@@ -12,7 +12,7 @@ import { PANEL_WORDS } from "../../panel_words.ts";
 const TEXT = PANEL_WORDS.ownPresetsFields;
 const PICTURE_PX = 96;
 
-export interface OwnPresetsProps extends PartProps {
+interface OwnPresetsProps extends PartProps {
   readonly own: readonly OwnPreset[];
   onOwn(own: readonly OwnPreset[]): void;
   onTake(look: Look): void;

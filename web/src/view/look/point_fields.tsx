@@ -9,7 +9,7 @@ import { PANEL_WORDS } from "../../panel_words.ts";
 
 const TEXT = PANEL_WORDS.pointFields;
 
-export interface PointFieldsProps {
+interface PointFieldsProps {
   readonly curves: TransferFunction;
   readonly selected: Selected | null;
   readonly unit: string;

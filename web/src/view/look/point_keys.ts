@@ -3,7 +3,7 @@
 import { keyStep } from "./axis.ts";
 import type { Range } from "./curves.ts";
 
-export type PointKey =
+type PointKey =
   | { readonly does: "move"; readonly value: number; readonly rise: number }
   | { readonly does: "remove" | "insert" | "type" };
 

@@ -15,7 +15,7 @@ export interface Tile {
   readonly picture?: string;
 }
 
-export interface PresetTilesProps {
+interface PresetTilesProps {
   readonly label: string;
   readonly tiles: readonly Tile[];
   readonly selected: string;

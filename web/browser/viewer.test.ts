@@ -219,7 +219,7 @@ const CONTROLS: readonly (readonly [string, string, (page: Page) => Promise<unkn
   ["a corner cut out", "cut", (p) => p.getByRole("button", { name: "Cut a corner out" }).click(), (s) => s.clip, true],
   ["a clip plane", "cut", (p) => p.getByRole("button", { name: "Add a plane that faces you" }).click(), (s) => s.clip, true],
   ["the quality at rest", "settings", (p) => p.getByRole("combobox", { name: "Quality at rest" }).selectOption("high"), (s) => s.render.quality, true],
-  ["the quality while moving", "settings", (p) => p.getByRole("combobox", { name: "While moving" }).selectOption("exact"), (s) => s.view.quality.moving, false],
+  ["the quality while moving", "settings", (p) => p.getByRole("combobox", { name: "Quality while moving" }).selectOption("exact"), (s) => s.view.quality.moving, false],
   ["perspective", "settings", (p) => p.getByRole("checkbox", { name: "Perspective" }).check(), (s) => s.camera.view_angle, true],
   ["the theme", "settings", (p) => p.getByRole("combobox", { name: "Theme" }).selectOption("light"), (s) => s.view.interface.theme, false],
   ["an overlay", "settings", (p) => p.getByRole("checkbox", { name: "Orientation cube" }).uncheck(), (s) => s.view.overlays.cube, false],

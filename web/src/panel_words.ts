@@ -52,7 +52,7 @@ export const PANEL_WORDS = {
   qualities: { draft: "Draft", normal: "Normal", fine: "Fine", high: "High" },
   settings: {
     rest: "Quality at rest",
-    moving: "Quality in motion",
+    moving: "Quality while moving",
     movings: { smooth: "Smooth: 30 frames/s", balanced: "Balanced: better frames", exact: "Exact: as at rest" },
     custom: "Custom",
     perspective: "Perspective",

@@ -24,7 +24,8 @@ import {
   shadingOf,
   DEFAULT_SHADING,
 } from "../src/view/look/looks.ts";
-import { compositeNamed, nameOf, numberOf, withNumber } from "../src/view/look/composites.ts";
+import { compositeName } from "../src/view/descriptions.ts";
+import { compositeNamed, numberOf, withNumber } from "../src/view/look/composites.ts";
 import type { Layer, Look, ViewerState } from "../src/state/state.ts";
 import { patched } from "../src/state/patch.ts";
 import { pointKey } from "../src/view/look/point_keys.ts";
@@ -189,7 +190,7 @@ describe("light", () => {
 
 describe("operators", () => {
   test("have a name, with or without numbers", () => {
-    expect([nameOf("mean"), nameOf({ "first-hit": { iso_value: 3 } })]).toEqual(["mean", "first-hit"]);
+    expect([compositeName("mean"), compositeName({ "first-hit": { iso_value: 3 } })]).toEqual(["mean", "first-hit"]);
     expect([numberOf("x-ray", "clear"), numberOf({ "x-ray": { clear: -1000 } }, "clear")]).toEqual([null, -1000]);
   });
   test("keep their other numbers", () => {

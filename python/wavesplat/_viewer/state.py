@@ -29,6 +29,7 @@ from wavesplat._viewer import view_json
 from wavesplat._viewer.catalogue import Catalogue, Entry
 from wavesplat._viewer.first_slices import first_crosshair
 from wavesplat._viewer.framed_cameras import FirstView
+from wavesplat._viewer.label_scenes import with_labels_apart
 from wavesplat._viewer.patches import patched
 from wavesplat._viewer.previews import has_lazy, preview_of
 from wavesplat.errors import ArgumentError
@@ -101,6 +102,7 @@ class ViewerState:
         ArgumentError
             If an argument cannot work.
         """
+        scene = with_labels_apart(scene)
         given = {name: value for name, value in (options or {}).items() if name in ("quality", "kernel", "composite")}
         picture = preview_of(scene).render(camera, size=FIRST_SIZE, **{**given, "quality": "draft"})
         document = picture.report["scene"]

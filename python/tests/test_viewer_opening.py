@@ -248,6 +248,19 @@ def test_a_segmentation_is_found_and_shown_as_labels_or_over(opened):
     assert len(viewer.session.state.scene.layers) == 2
 
 
+def test_a_segmentation_may_be_one_of_several_in_a_file(opened):
+    page, viewer = opened
+    data = io.BytesIO()
+    np.savez(data, raw=scan_samples(), organs=label_samples())
+    asked = page.open({"cells.npz": data.getvalue()})
+    assert asked["several"]["names"] == ["raw", "organs"]
+    told = page.answer("open", upload=1, choice={"option": "dataset", "value": "organs"})[0]
+    viewer.patch(*page.answer("show", opened=told["opened"], how="labels")[0]["operations"])
+    assert sorted(viewer.session.state.scene.labels.labels) == [1, 2]
+    source = viewer.session.state.file_document()["labels"]["volume"]
+    assert (source["path"], source["dataset"]) == ("cells.npz", "organs")
+
+
 def test_surfaces_and_points_are_added_and_removed(opened):
     page, viewer = opened
     told = page.open({"liver.stl": TRIANGLE, "cells.csv": b"x,y,z\n1,2,3\n4,5,6\n"})

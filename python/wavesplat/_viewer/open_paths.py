@@ -18,6 +18,7 @@ from wavesplat._geometry.shape import Shape
 from wavesplat._looks.kinds import kind_of
 from wavesplat._looks.labels import Labels
 from wavesplat._model import sources
+from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._readers.dicom_structures import is_structure_set
 from wavesplat._readers.opening import SUFFIXES as OF_VOLUMES
@@ -42,6 +43,7 @@ class Found:
 
     kind : "volume"; "shape"; "labels", which can be drawn as a volume too, but for the lines of a structure set.
     layers : of volumes and labels; none of a structure set.
+    is_part : whether these are a series or dataset that was chosen of several in the file.
     """
 
     kind: Kind
@@ -51,9 +53,14 @@ class Found:
     shape: Shape | None = None
     folder: Path | None = None
     notes: tuple[str, ...] = ()
+    is_part: bool = False
 
     def labels(self, scan: Any) -> Labels:
         """The segmentation, of a scan."""
+        if self.is_part and self.layers:
+            # The file alone does not say which part.
+            volume = self.layers[0].drawn
+            return Labels(volume.read() if isinstance(volume, LazyVolume) else volume)
         with named_within(self.folder):
             labels = Labels.open(self.path, scan=scan)
         return labels if self.folder is None else labels._changed(_source=_own_source(labels._source, self.folder))
@@ -145,7 +152,8 @@ def _found(path: Path | str, unit: str | None, choice: dict[str, Any]) -> Found:
             return _shape(path, name, unit)
         raise
     guesses = tuple(guess for layer in layers for guess in layer.drawn.facts.guesses)
-    return Found(_kind(layers), name, path, tuple(layers), notes=tuple(dict.fromkeys(guesses)))
+    notes = tuple(dict.fromkeys(guesses))
+    return Found(_kind(layers), name, path, tuple(layers), notes=notes, is_part=choice != {})
 
 
 def _is_shape(place: Path) -> bool:

@@ -9,7 +9,7 @@ import type { Vec3, ViewerState } from "../src/state/state.ts";
 import { textsThatFit } from "../src/view/slices/fitting.ts";
 import { areaOf, newest, placeOf, transformOf, worldAt, type SliceFrame } from "../src/view/slices/geometry.ts";
 import { labelsCsv, measuresCsv } from "../src/view/slices/measure_csv.ts";
-import { centerOf, fitted, panned, TwoFingers, zoomedAbout } from "../src/view/slices/moves.ts";
+import { centerOf, fitted, panned, TwoFingers, zoomedAbout, ZOOMS } from "../src/view/slices/moves.ts";
 import { colored } from "../src/view/slices/slice_colors.ts";
 
 const WELCOME = { volumes: [{ bounds: [[0, 0, 0], [100, 80, 60]] }], bounds: [[0, 0, 0], [100, 80, 60]] } as unknown as Welcome;
@@ -25,6 +25,11 @@ const FRAME: SliceFrame = {
 };
 
 describe("a magnified slice", () => {
+  test.each([[1e-9, ZOOMS[0]], [1e9, ZOOMS[1]]])("magnified by %s stops at %s", (factor, most) => {
+    const after = patched(STATE, zoomedAbout(STATE, WELCOME, [10, 10, 10], factor));
+    expect(after.view.slices.zoom).toBe(most);
+    expect(zoomedAbout(after, WELCOME, [10, 10, 10], factor)).toEqual([]);
+  });
   test("keeps the point it is magnified about, also in what is on the screen", () => {
     const point = worldAt(FRAME, 150, 30);
     const after = patched(STATE, zoomedAbout(STATE, WELCOME, point, 3));

@@ -2,6 +2,7 @@
 //   client/widget.js   one file, which notebooks load
 //   client/page/       the page's script and the chunks that it loads later, named by the hashes of their contents
 //   client/index.html  the page, which names its script
+//   client/LICENSES-OF-OTHERS.txt  the terms of the packages that these hold
 // `node build.mjs --size` prints what travels, compressed, and fails where it is more than the limits; `--check` fails if
 // what is committed is not what is built.
 import { build, transform } from "esbuild";
@@ -74,9 +75,22 @@ ${first().slice(1).map((name) => `<link rel="modulepreload" href="/${name.replac
 </body>
 </html>
 `;
+/** The terms of the packages that the scripts hold, which they ask to be given on. */
+async function licences() {
+  const inputs = [widget, page].flatMap(({ metafile }) => Object.keys(metafile.inputs));
+  const names = new Set(inputs.flatMap((path) => /node_modules\/((?:@[^/]+\/)?[^/]+)\//.exec(path)?.[1] ?? []));
+  const texts = [...names].sort().map(async (name) => {
+    const folder = new URL(`node_modules/${name}/`, import.meta.url);
+    const { version, license } = JSON.parse(await readFile(new URL("package.json", folder), "utf8"));
+    return `${name} ${version} (${license})\n\n${await readFile(new URL("LICENSE", folder), "utf8")}`;
+  });
+  return (await Promise.all(texts)).join("\n");
+}
+
 /** Contents by their names in the client's folder. */
 const built = new Map([
   ["index.html", index],
+  ["LICENSES-OF-OTHERS.txt", await licences()],
   ["widget.js", widget.outputFiles[0].text],
   ...page.outputFiles.map(({ path, text }) => [path.slice(path.lastIndexOf("page/")), text]),
 ]);

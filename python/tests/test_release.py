@@ -4,8 +4,10 @@ from __future__ import annotations
 
 import datetime as dt
 import importlib.util
+import json
 import re
 import shutil
+import tarfile
 import zipfile
 
 import pages
@@ -14,6 +16,12 @@ import yaml
 
 ROOT = pages.ROOT
 WORKFLOWS = sorted((ROOT / ".github" / "workflows").glob("*.yml"))
+
+
+@pytest.fixture(autouse=True)
+def beside_the_tools(monkeypatch):
+    """Let tools import each other, as they do when they are run."""
+    monkeypatch.syspath_prepend(ROOT / "python" / "tools")
 
 
 def tool(name):
@@ -164,13 +172,8 @@ def test_bills_of_materials_are_checked():
 def test_files_of_wheels_are_checked(tmp_path):
     check = tool("check_wheel")
     wheel = tmp_path / "a.whl"
-    names = [
-        *check.WANTED,
-        "wavesplat/_native.pyi",
-        "wavesplat/_native.abi3.so",
-        "a.dist-info/licenses/LICENSE-MIT",
-        "a.dist-info/LICENSE-APACHE",
-    ]
+    licences = [f"a.dist-info/licenses/{name}" for name in check.LICENCES]
+    names = [*check.WANTED, "wavesplat/_native.pyi", "wavesplat/_native.abi3.so", *licences]
 
     def faults(names):
         with zipfile.ZipFile(wheel, "w") as file:
@@ -180,11 +183,88 @@ def test_files_of_wheels_are_checked(tmp_path):
 
     assert faults(names) == []
     assert faults([*names, "python/tests/test_a.py"]) == ["it has python/tests/test_a.py"]
-    assert faults(names[1:-1]) == ["it lacks wavesplat/__init__.py", "it lacks LICENSE-APACHE"]
+    assert faults(names[1:-1]) == ["it lacks wavesplat/__init__.py", "it lacks LICENSES-OF-OTHERS.txt"]
     assert faults([*names, "wavesplat/_native.pyd"]) == ["it has not one compiled module"]
     with zipfile.ZipFile(wheel, "w") as file:
         file.writestr("large", bytes(check.MAX_BYTES))
     assert "more than 10" in check.faults_of(wheel)[0]
+    with zipfile.ZipFile(wheel, "w") as file:
+        file.writestr("a.txt", f"made in {ROOT}/crates")
+    assert check.faults_of(wheel)[0] == f"a.txt has the path {ROOT} in it"
+
+
+def test_wheels_name_no_folder_of_the_machine_and_give_the_terms_of_others(tmp_path):
+    build = tool("build_wheel")
+    folder = tmp_path / "a.dist-info"
+    (folder / "sboms").mkdir(parents=True)
+    (folder / "licenses").mkdir()
+    bill = folder / "sboms" / "a.json"
+    bill.write_text(f'["path+{tmp_path.as_uri()}/crates/core"]')
+    (folder / "METADATA").write_text("Name: a\nLicense-File: LICENSE-MIT\n\nText.\n")
+    build.hide_path(tmp_path, tmp_path)
+    build.add_licences(tmp_path, "terms of b")
+    assert bill.read_text() == '["path+file:///wavesplat/crates/core"]'
+    assert (folder / "licenses" / "LICENSES-OF-OTHERS.txt").read_text() == "terms of b"
+    assert (
+        "License-File: LICENSES-OF-OTHERS.txt\nLicense-File: LICENSE-MIT\n\nText.\n"
+        in (folder / "METADATA").read_text()
+    )
+
+
+def test_builds_depend_neither_on_the_folder_nor_on_the_day(tmp_path, monkeypatch):
+    build = tool("build_wheel")
+    monkeypatch.delenv("SOURCE_DATE_EPOCH", raising=False)
+    monkeypatch.setenv("CARGO_TARGET_DIR", "/somewhere/target")
+    monkeypatch.setenv("RUSTFLAGS", "-C target-cpu=native")
+    variables = build.environment(tmp_path)
+    flags = variables["CARGO_ENCODED_RUSTFLAGS"].split("\x1f")
+    assert f"--remap-path-prefix={tmp_path}=/wavesplat" in flags
+    assert flags.index("--remap-path-prefix=/somewhere/target=/wavesplat/target") > 0
+    assert "RUSTFLAGS" not in variables
+    assert int(variables["SOURCE_DATE_EPOCH"]) >= build.FIRST_DAY
+    monkeypatch.setenv("SOURCE_DATE_EPOCH", "1000000000")
+    assert build.environment(tmp_path)["SOURCE_DATE_EPOCH"] == "1000000000"
+
+
+def test_what_differs_between_two_builds_is_named(tmp_path):
+    differences = tool("check_repeat").differences
+
+    def wheel(name, day, **files):
+        with zipfile.ZipFile(tmp_path / name, "w") as file:
+            for one, text in files.items():
+                file.writestr(zipfile.ZipInfo(one, (2030, 1, day, 0, 0, 0)), text)
+        return tmp_path / name
+
+    first = wheel("first", 1, a="x", b="y")
+    assert differences(first, wheel("same", 1, a="x", b="y")) == []
+    assert differences(first, wheel("other", 1, a="x", b="z", c="")) == ["c", "b"]
+    assert differences(first, wheel("later", 2, a="x", b="y")) == [
+        "the order, the times or the compression of its files"
+    ]
+
+
+def test_files_of_the_package_of_the_page_are_checked(tmp_path):
+    check = tool("check_page_package")
+    manifest = json.loads((ROOT / "web" / "package.json").read_text(encoding="utf-8"))
+    page = ["README.md", "dist/LICENSE-MIT", "dist/LICENSE-APACHE", "dist/LICENSES-OF-OTHERS.txt", "dist/widget.js"]
+    page += ["dist/index.d.ts", "dist/page/index.html", "dist/page/favicon.svg", "dist/page/page-ABCD1234.js"]
+
+    def faults(names, manifest):
+        (tmp_path / "package.json").write_text(json.dumps(manifest))
+        (tmp_path / "x").write_text("x")
+        with tarfile.open(tmp_path / "a.tgz", "w:gz") as file:
+            file.add(tmp_path / "package.json", "package/package.json")
+            for name in names:
+                file.add(tmp_path / "x", f"package/{name}")
+        return check.faults_of(tmp_path / "a.tgz")
+
+    assert faults(page, manifest) == []
+    assert faults([*page, "src/app.tsx"], manifest) == ["it has src/app.tsx"]
+    assert "it exports dist/widget.js, which it lacks" in faults([one for one in page if "widget" not in one], manifest)
+    assert faults(page, {**manifest, "version": "9.9.9", "private": True}) == [
+        f"its version is 9.9.9, not {VERSION.current()}",
+        "it is private",
+    ]
 
 
 def test_the_recipe_of_conda_asks_for_what_the_package_asks_for():

@@ -1,6 +1,7 @@
 """Tidy and check the bills of materials that `make sbom` writes: rust.cdx.json, page.cdx.json, python.cdx.json.
 
     python python/tools/sbom.py out/sbom
+    python python/tools/sbom.py --requirements    # print what pip installs with ours
 
 Paths of this machine and the time of the run are taken out, so that two runs give the same bytes. Each part must have a
 name, a version and a licence, and each bill what is known to be in it: the crates of `Cargo.lock` that the module is
@@ -82,12 +83,20 @@ def page_packages() -> set[str]:
     return set(json.loads((ROOT / "web" / "package.json").read_text(encoding="utf-8"))["dependencies"])
 
 
-def python_packages() -> set[str]:
-    """The packages that are installed with ours, whatever the version of Python."""
+def requirements() -> list[str]:
+    """What pip is asked to install with ours, `numpy>=1.24` for example."""
     text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     [listed] = re.findall(r"^dependencies = \[\n(.*?)^\]", text, re.MULTILINE | re.DOTALL)
-    return {name.lower() for name in re.findall(r'^ +"([\w-]+)', listed, re.MULTILINE)} - {"numcodecs"}
+    return re.findall(r'^ +"([^"]+)"', listed, re.MULTILINE)
+
+
+def python_packages() -> set[str]:
+    """The packages that are installed with ours, whatever the version of Python."""
+    return {re.split(r"[^\w-]", one)[0].lower() for one in requirements()} - {"numcodecs"}
 
 
 if __name__ == "__main__":
-    main(Path(sys.argv[1]))
+    if sys.argv[1:] == ["--requirements"]:
+        print("\n".join(requirements()))
+    else:
+        main(Path(sys.argv[1]))

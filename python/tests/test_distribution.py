@@ -11,7 +11,7 @@ import pytest
 ROOT = Path(__file__).parents[2]
 CLIENT = ROOT / "python" / "wavesplat" / "_viewer" / "client"
 #: Files of the page, without its scripts in the folder `page`, whose names have the hashes of their contents.
-FILES = {"index.html", "widget.js", "favicon.svg"}
+FILES = {"index.html", "widget.js", "favicon.svg", "LICENSES-OF-OTHERS.txt"}
 SCRIPTS = {f"page/{path.name}" for path in (CLIENT / "page").iterdir()}
 MATURIN = Path(sys.executable).with_name("maturin")
 

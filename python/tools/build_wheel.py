@@ -7,7 +7,7 @@ The other options are those of `maturin build`.
 
 1. The compiler writes `/wavesplat` and `/cargo` where it would write the paths of the checkout and of cargo's sources.
 2. On Linux, symbols are taken out of the compiled module, 39 % of the wheel, and written to a file of the wheel's name
-   and `.debug`, for gdb's `add-symbol-file`. The module has no link to it, which would hold a checksum of all of it: the
+   and `.debug`, for `add-symbol-file` of gdb. The module has no link to it, which would hold a checksum of it all: the
    unwinder that zig brings has paths of zig's own folders there.
 3. In the wheel's bill of materials, too, the path of the checkout becomes `/wavesplat`.
 4. The terms of the crates that the module holds become a file of the wheel, `LICENSES-OF-OTHERS.txt`.

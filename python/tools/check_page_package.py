@@ -22,7 +22,7 @@ import version
 
 WEB = version.ROOT / "web"
 MAX_BYTES = 250_000
-#: What must be in it, and all that may be.
+#: Patterns of the files that the package must have; it may have no others.
 WANTED = [
     r"README\.md",
     r"package\.json",

@@ -84,7 +84,7 @@ def page_packages() -> set[str]:
 
 
 def requirements() -> list[str]:
-    """What pip is asked to install with ours, `numpy>=1.24` for example."""
+    """The requirements that pip installs with our package, `numpy>=1.24` for example."""
     text = (ROOT / "pyproject.toml").read_text(encoding="utf-8")
     [listed] = re.findall(r"^dependencies = \[\n(.*?)^\]", text, re.MULTILINE | re.DOTALL)
     return re.findall(r'^ +"([^"]+)"', listed, re.MULTILINE)

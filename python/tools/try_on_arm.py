@@ -22,7 +22,7 @@ from pathlib import Path
 import check_wheel
 
 CACHE = check_wheel.ROOT / ".cache" / "arm"
-#: What of Debian is unpacked, with what it depends on.
+#: Packages of Debian that are unpacked, with their dependencies.
 PACKAGES = ["python3", "libstdc++6"]
 #: glibc of Debian 12 has more; wheels ask for one of these.
 PLATFORMS = [f"manylinux_2_{minor}_aarch64" for minor in (17, 24, 26, 27, 28)] + ["manylinux2014_aarch64"]

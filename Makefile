@@ -239,8 +239,11 @@ wheels: wheel ## the wheel for 64-bit ARM beside that of this machine; needs rus
 sdist: $(STAMPS)/venv ## what the package is built from, dist/*.tar.gz
 	maturin sdist -o dist
 
-crates: ## pack the crates as they would be published, without compiling them
-	cargo package --locked --no-verify --allow-dirty --workspace --exclude wavesplat-python --exclude wavesplat-testkit
+# Compiled without optimisation: whether all files are there is the question.
+crates: export CARGO_PROFILE_DEV_OPT_LEVEL := 0
+crates: export CARGO_PROFILE_DEV_DEBUG := 0
+crates: ## pack the crates as they would be published, and compile what is packed; minutes
+	cargo package --locked --allow-dirty --workspace --exclude wavesplat-python --exclude wavesplat-testkit
 
 page-package: web/node_modules $(STAMPS)/venv ## pack the viewer's page for npm, out/release/*.tgz, and try it in an empty folder
 	python python/tools/check_page_package.py $(OUT)/release

@@ -129,6 +129,9 @@ describe("a second volume", () => {
     await page.getByRole("button", { name: "Overlay" }).click();
     await expect.poll(layers).toEqual(["ct.nii.gz", "pet.nii.gz"]);
     await expect.poll(() => page.title()).toBe("ct.nii.gz, pet.nii.gz – Wavesplat");
+    // The panels are about the layer that came last.
+    const layer = page.locator(".looks").getByRole("combobox");
+    expect(await layer.evaluate((list) => (list as HTMLSelectElement).selectedOptions[0]?.textContent)).toContain("pet");
     await atRest(page);
     expect((await pixels(page)).data.equals(before.data)).toBe(false);
     await page.getByRole("button", { name: "Undo" }).click();

@@ -5,6 +5,7 @@ import { render } from "preact";
 import type { Engine, Frame, Welcome } from "../engine/engine.ts";
 import { actionOf, keyName } from "../input/keys.ts";
 import { fromLink } from "../state/link.ts";
+import type { Operation } from "../state/patch.ts";
 import type { ViewName } from "../state/state.ts";
 import { createStore, type Store } from "../state/store.ts";
 import { WORDS } from "../words.ts";
@@ -75,7 +76,7 @@ class App {
         const frame = this.frames["3d"];
         return frame === undefined ? null : frame.width / frame.height;
       },
-      change: (operations) => this.store?.change(operations),
+      change: (operations) => this.showOpened(operations),
       openState: (file) => this.openState(file),
       announce: (text) => this.page.announce(text),
       problem: (problem) => this.page.change({ problem }),
@@ -101,6 +102,15 @@ class App {
   close(): void {
     this.page.close();
     this.stops.forEach((stop) => stop());
+  }
+
+  /** Makes the changes that show what was opened. A further layer is the one that the panels are about from then on. */
+  private showOpened(operations: readonly Operation[]): void {
+    if (this.store === null) return;
+    const before = this.store.state.layers.length;
+    this.store.change(operations);
+    const after = this.store.state.layers.length;
+    if (after > before) this.page.change({ layer: after - 1 });
   }
 
   private async begin(welcome: Welcome): Promise<void> {

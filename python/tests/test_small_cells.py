@@ -49,7 +49,20 @@ def cells_without_gaps():
     return nearest.astype(np.uint16) + 1
 
 
+def shells():
+    """Thirty numbered shells, one sample thick, that lie apart: pieces of bone, walls of vessels."""
+    samples = np.zeros((SIZE,) * 3, np.uint8)
+    away = np.sqrt(sum(place**2 for place in np.ogrid[-5:6, -5:6, -5:6]))
+    shell = np.abs(away - 4) < 0.5
+    for number in range(30):
+        corner = 12 * np.array(np.unravel_index(number, (5, 5, 5)))
+        box = tuple(slice(at, at + 11) for at in corner)
+        samples[box][shell] = number + 1
+    return samples
+
+
 LABELS = {
+    "thin shells": shells(),
     "balls of radius 2": balls(2, 256),
     "balls of radius 4": balls(4, 256),
     "balls of 3 numbers": balls(4, 100, 3),
@@ -57,6 +70,10 @@ LABELS = {
     "cells without gaps": cells_without_gaps(),
 }
 SCANS = {
+    "single photons": RNG.poisson(0.01, (SIZE,) * 3).astype(np.uint8),
+    "dots of any value": np.where(RNG.random((SIZE,) * 3) < 0.002, RNG.integers(3, 200, (SIZE,) * 3), 0).astype(
+        np.uint8
+    ),
     "few photons": RNG.poisson(0.5, (SIZE,) * 3).astype(np.uint8),
     "noise above a threshold": np.where(RNG.normal(size=(SIZE,) * 3) > 1, RNG.integers(99, 255, (SIZE,) * 3), 0),
     "smooth, few levels": np.clip(smooth(1.5), 0, 255).astype(np.uint8),

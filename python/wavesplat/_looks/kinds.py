@@ -83,6 +83,10 @@ MAX_LABELS, MIN_ALIKE = 2000, 0.8
 #: Few labels, such as the parts of a lesion, and the same share of them: a scan has more values than these. At least
 #: this share of the borders between the levels of a smooth scan are steps of 1.
 FEW_LABELS, MIN_ALIKE_OF_FEW, MAX_GENTLE = 8, 0.5, 0.95
+#: Labels of thin parts that lie apart, such as pieces of bone or vessels: largest share of the neighbours that have
+#: neither the same value nor the background's, with the least share in regions of few labels. (Pieces of the bones of a
+#: CT at 3 mm: 0.61 in regions, no others; vessels with an aneurysm: 0.82, no others; scans: 0.46 others at least.)
+MAX_OTHERS = 0.02
 #: Signs: least ratio of the smaller of the two tails to the larger one. A tail ends at a percentile; of data without
 #: noise, of which no sample is an accident, at the extreme.
 MIN_TAIL, TAILS = 0.15, (0.5, 99.5)
@@ -135,7 +139,7 @@ def evidence(volume: Volume | WaveletVolume) -> Evidence:
     side_by_side = (samples, neighbours) if fine is None else _with_neighbours(fine, 1)
     has_noise = not is_smooth(*side_by_side)
     kind, reason = (
-        _segmentation(volume, values, _share_alike(*side_by_side), has_steps=_has_steps(*side_by_side))
+        _segmentation(volume, values, *side_by_side)
         or _by_maps(volume, values)
         or _by_facts(volume, values)
         or _by_microscope(volume, values, has_noise=has_noise)
@@ -174,7 +178,7 @@ def _offset(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> floa
 
 
 def _segmentation(
-    volume: Volume | WaveletVolume, values: NDArray[np.float64], alike: float, *, has_steps: bool
+    volume: Volume | WaveletVolume, values: NDArray[np.float64], samples: NDArray[Any], neighbours: Pairs
 ) -> tuple[Kind, str] | None:
     n_values = np.unique(values).size
     if n_values <= 2 and not _has_others(volume, values):
@@ -184,8 +188,11 @@ def _segmentation(
         return "labels", "labels: the file says SEG"
     if volume.modality == "SEG":
         return "probability", "probabilities: the file says SEG, and has values between whole numbers"
-    least = MIN_ALIKE_OF_FEW if n_values <= FEW_LABELS and has_steps else MIN_ALIKE
-    if is_whole and values.min() >= 0 and n_values <= MAX_LABELS and alike >= least:
+    if not is_whole or values.min() < 0 or n_values > MAX_LABELS:
+        return None
+    is_few = n_values <= FEW_LABELS and _has_steps(samples, neighbours)
+    is_lenient = is_few or _share_of_others(samples, neighbours) <= MAX_OTHERS
+    if _share_alike(samples, neighbours) >= (MIN_ALIKE_OF_FEW if is_lenient else MIN_ALIKE):
         return "labels", "labels: whole numbers that are the same from sample to sample, by the values"
     return None
 
@@ -351,6 +358,18 @@ def _has_steps(samples: NDArray[Any], neighbours: Pairs) -> bool:
     steps = np.concatenate([np.abs(side.astype(np.float64) - own) for pair in neighbours for side in pair])
     steps = steps[steps > 0]
     return bool(steps.size == 0 or np.mean(steps <= 1) < MAX_GENTLE)
+
+
+def _share_of_others(samples: NDArray[Any], neighbours: Pairs) -> float:
+    """Share of the neighbours with neither the sample's value nor the commonest one; samples of that are left out."""
+    found, counts = np.unique(samples, return_counts=True)
+    commonest = found[counts.argmax()]
+    is_inside = samples != commonest
+    if not neighbours or not is_inside.any():
+        return 1.0
+    own = samples[is_inside]
+    sides = [side[is_inside] for pair in neighbours for side in pair]
+    return float(np.mean([np.mean((side != own) & (side != commonest)) for side in sides]))
 
 
 def _share_alike(samples: NDArray[Any], neighbours: Pairs) -> float:

@@ -212,6 +212,8 @@ face: $(STAMPS)/package ## draw the logo, the row of pictures of the README and 
 site: $(STAMPS)/site ## build the documentation as a web site, out/site/index.html; a warning or a dead link is an error
 	rm -rf $(OUT)/site
 	python -m sphinx -q -W --keep-going -c docs/site -b html -d .cache/site . $(OUT)/site
+	RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace --no-deps --quiet
+	cp -r target/doc $(OUT)/site/rust
 	python docs/site/check_links.py $(OUT)/site
 	@echo "The site is $(abspath $(OUT)/site/index.html)"
 
@@ -303,7 +305,7 @@ licences: .cache/bin/cargo-deny
 # The databases of vulnerabilities are asked for over the net, so that this is no part of `check`.
 advisories: .cache/bin/cargo-deny $(STAMPS)/tools .cache/release-tools/done ## look for known vulnerabilities of crates, Python and npm packages; needs the net
 	cargo deny --locked --workspace check advisories
-	.cache/release-tools/bin/pip-audit --strict --path "$$(python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')" --skip-editable
+	.cache/release-tools/bin/pip-audit --path "$$(python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')" --skip-editable
 	cd web && npm audit --omit=dev
 
 # What a wheel carries of others: crates in the module, packages in the viewer's page; and what it asks pip for.

@@ -64,8 +64,8 @@ smartquotes = False  # what stands in quotes is mostly to be typed
 suppress_warnings = ["myst.header"]  # `studies` and records begin some sections at a third level
 
 # Notebooks: run once, and again when they change. A page has the still picture that the viewer gives beside its widget,
-# which needs a kernel, and loads nothing from elsewhere.
-
+# which needs a kernel, and loads nothing from elsewhere. What notebooks write stays out of the checkout.
+nb_execution_in_temp = True
 nb_execution_mode = "cache"
 nb_execution_cache_path = str(ROOT / ".cache" / "notebooks")
 nb_execution_timeout = 120

@@ -35,6 +35,7 @@ extensions = [
     "python_reference",
     "schema_reference",
     "site_links",
+    "unreleased_changes",
 ]
 
 # Files

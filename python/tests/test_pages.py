@@ -6,6 +6,9 @@ import warnings
 
 import pages
 import pytest
+from PIL import Image
+
+import wavesplat as ws
 
 PAGES = [
     "dicom.md",
@@ -34,6 +37,34 @@ def test_all_blocks_of_a_page_run(name, tmp_path, monkeypatch, wavesplat):
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         pages.run(page, pages.blocks_of(page), wavesplat, tmp_path, {})
+
+
+def test_the_python_of_the_page_on_the_viewer_runs(tmp_path, monkeypatch, wavesplat):
+    """Its commands wait for a browser; the browser tests start them."""
+    monkeypatch.chdir(tmp_path)
+    ws.examples.ct_pelvis().save("scan.nii.gz")
+    page = pages.ROOT / "docs" / "viewer.md"
+    blocks = [block for block in pages.blocks_of(page) if block.language == "python"]
+    assert len(blocks) == 2
+    pages.run(page, blocks, wavesplat, tmp_path, {})
+    with Image.open("figure.png") as figure, Image.open("axial.png") as axial:
+        assert figure.size == (1600, 1200)
+        assert axial.getextrema() != ((0, 0),) * 3
+    assert (tmp_path / "view.json").stat().st_size > 0
+
+
+def test_the_first_blocks_of_the_page_on_large_volumes_run(tmp_path, monkeypatch, wavesplat):
+    """Others need a cluster (MPI has a test of its own); `view` waits for a browser."""
+    monkeypatch.chdir(tmp_path)
+    volumes = [ws.examples.ripples(24), ws.examples.ripples(24)]
+    ws.Scene(volumes).save_volumes("embryo.ome.zarr")
+    page = pages.ROOT / "docs" / "large_volumes.md"
+    first, commands = pages.blocks_of(page)[:2]
+    shown = "\n".join(line for line in commands.code.splitlines() if not line.startswith("wavesplat view"))
+    names = {}
+    pages.run(page, [first, commands._replace(code=shown)], wavesplat, tmp_path, names)
+    assert names["picture"].report["lazy"] is not None
+    assert (tmp_path / "embryo.png").exists()
 
 
 def test_blocks_are_found(tmp_path):

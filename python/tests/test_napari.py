@@ -224,10 +224,59 @@ def test_labels_keep_their_colours():
 
 
 def test_what_cannot_be_drawn_is_told():
-    with pytest.warns(WavesplatWarning, match="layers that are left out: spots"):
-        ws.napari.scene_of(fakes.viewer(fakes.Image(letter()), fakes.Points()))
+    with pytest.warns(WavesplatWarning, match="layers that are left out: arrows, flat"):
+        ws.napari.scene_of(fakes.viewer(fakes.Image(letter()), fakes.Vectors(), fakes.Points([(1, 2)], name="flat")))
     with pytest.raises(ArgumentError, match="no visible layer can be drawn"):
-        ws.napari.scene_of(fakes.viewer(fakes.Points()))
+        ws.napari.scene_of(fakes.viewer(fakes.Points([(1, 2, 3)])))
+
+
+# Geometry.
+
+
+def test_points_are_balls_of_their_size_and_colour():
+    camera = fakes.Camera(center=(4.5, 29.5, 23.5))
+    dark = fakes.Image(np.zeros((10, 60, 48), np.uint16), rendering="translucent")
+    spots = fakes.Points([(2, 20, 10), (2, 40, 30)], size=8.0, face_color=[(1, 0, 0, 1), (0, 0.5, 1, 1)])
+    viewer = fakes.viewer(dark, spots, camera=camera, size=(60, 48))
+    (shape,) = ws.napari.scene_of(viewer).geometry
+    np.testing.assert_allclose(shape.positions, [(10, 20, 2), (30, 40, 2)])
+    assert np.unique(shape.radius) == [4]
+    rgba = ws.napari.draw(viewer).rgba
+    np.testing.assert_allclose(rgba[20, 10], (1, 0, 0, 1), atol=0.13)  # highlights are compressed
+    np.testing.assert_allclose(rgba[40, 30], (0, 0.5, 1, 1), atol=0.13)
+    # As wide as 8 pixels.
+    assert np.sum(rgba[20, :, 0] > 0.5) == pytest.approx(8, abs=1)
+
+
+def test_points_of_other_times_and_hidden_ones_are_left_out():
+    samples = np.zeros((3, 8, 8, 8), np.uint16)
+    spots = fakes.Points([(0, 1, 1, 1), (1, 2, 2, 2), (1, 3, 3, 3)], shown=np.array([True, True, False]))
+    at = [fakes.viewer(fakes.Image(samples), spots, point=(time, 0, 0, 0)) for time in (1.0, 2.0)]
+    (shape,) = ws.napari.scene_of(at[0]).geometry
+    np.testing.assert_allclose(shape.positions, [(2, 2, 2)])
+    assert ws.napari.scene_of(at[1]).geometry == ()
+
+
+def test_tracks_have_their_tails():
+    rows = [(7, time, 1, 2, time) for time in range(6)] + [(8, 5, 4, 4, 4), (9, 0, 3, 3, 3), (9, 1, 3, 3, 4)]
+    tracks = fakes.Tracks(rows, tail_length=2)
+    viewer = fakes.viewer(fakes.Image(np.zeros((6, 8, 8, 8), np.uint16)), tracks, point=(4.0, 0, 0, 0))
+    (shape,) = ws.napari.scene_of(viewer).geometry
+    # Of one track three times; of the others a single position, and none.
+    np.testing.assert_allclose(shape.paths.positions, [(2, 2, 1), (3, 2, 1), (4, 2, 1)])
+    assert shape.width == 2
+
+
+def test_shapes_and_surfaces_are_where_they_are():
+    image = fakes.Image(np.zeros((8, 8, 8), np.uint16))
+    corners = np.array([(1, 1, 1), (1, 5, 1), (1, 5, 6)], float)
+    boxes = fakes.Shapes([corners], shape_type="polygon", edge_width=2.0)
+    mesh = fakes.Surface((corners, np.array([(0, 1, 2)]), np.array([0.0, 0.5, 1.0])))
+    lines, surface = ws.napari.scene_of(fakes.viewer(image, boxes, mesh)).geometry
+    np.testing.assert_allclose(lines.paths.positions, [(1, 1, 1), (1, 5, 1), (6, 5, 1), (1, 1, 1)])
+    assert lines.radius == 1
+    np.testing.assert_allclose(surface.vertices, corners[:, ::-1])
+    np.testing.assert_allclose(np.asarray(surface.color)[:, 0], (0, 0.5, 1))
 
 
 @pytest.mark.parametrize("rendering", ["translucent", "additive", "attenuated_mip", "minip", "average", "iso"])

@@ -15,7 +15,16 @@ from wavesplat._model import units
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
-__all__ = ["is_shape_like", "kind_of", "libraries_of", "lines_of", "points_of", "surface_of"]
+__all__ = [
+    "is_shape_like",
+    "kind_of",
+    "libraries_of",
+    "lines_of",
+    "napari_outlines",
+    "napari_world",
+    "points_of",
+    "surface_of",
+]
 
 #: Layers of napari -> the kind of shape that they become.
 NAPARI = {"Surface": "surface", "Tracks": "lines", "Shapes": "lines", "Points": "points"}
@@ -110,7 +119,7 @@ def _colors_of_trimesh(mesh: Any) -> dict[str, Any]:
 
 def _of_napari_surface(layer: Any) -> dict[str, Any]:
     vertices, faces, values = layer.data
-    world = _napari_world(layer, np.asarray(vertices, np.float64))
+    world = napari_world(layer, np.asarray(vertices, np.float64))
     values = np.asarray(values)
     has_values = values.shape == (len(world),) and np.ptp(values) > 0
     return {"vertices": world, "faces": faces, "name": str(layer.name), **({"values": values} if has_values else {})}
@@ -174,12 +183,17 @@ def _of_napari_tracks(layer: Any) -> dict[str, Any]:
     data = np.asarray(layer.data, np.float64)
     numbers, positions = data[:, 0], data[:, 1:]
     order = np.lexsort((positions[:, 0], numbers))
-    world = _napari_world(layer, positions, n_times=1)[order]
+    world = napari_world(layer, positions, n_times=1)[order]
     ends = np.flatnonzero(np.diff(numbers[order])) + 1
     return {"paths": np.split(world, ends), "name": str(layer.name)}
 
 
 def _of_napari_shapes(layer: Any) -> dict[str, Any]:
+    return {"paths": napari_outlines(layer), "name": str(layer.name)}
+
+
+def napari_outlines(layer: Any) -> list[NDArray[np.float64]]:
+    """World positions, shape (n, 3), along the outline of each shape of a layer of shapes."""
     paths = []
     for data, kind in zip(layer.data, layer.shape_type, strict=True):
         corners = np.asarray(data, np.float64)
@@ -189,8 +203,8 @@ def _of_napari_shapes(layer: Any) -> dict[str, Any]:
             corners = middle + np.cos(angles) * a + np.sin(angles) * b
         elif kind in ("rectangle", "polygon"):
             corners = np.concatenate([corners, corners[:1]])
-        paths.append(_napari_world(layer, corners))
-    return {"paths": paths, "name": str(layer.name)}
+        paths.append(napari_world(layer, corners))
+    return paths
 
 
 # Points ---------------------------------------------------------------------------------------------------------------
@@ -202,7 +216,7 @@ def points_of(thing: Any, values: Any) -> dict[str, Any]:
     if "napari" in libraries:
         if type(thing).__name__ != "Points":
             raise ArgumentError(f"a layer of {type(thing).__name__} has no points; give one of points")
-        return {"positions": _napari_world(thing, np.asarray(thing.data, np.float64)), "name": str(thing.name)}
+        return {"positions": napari_world(thing, np.asarray(thing.data, np.float64)), "name": str(thing.name)}
     if "trimesh" in libraries and hasattr(thing, "vertices"):
         return {"positions": thing.vertices}
     mesh = _poly_data(thing, libraries)
@@ -212,7 +226,7 @@ def points_of(thing: Any, values: Any) -> dict[str, Any]:
 # Of libraries ---------------------------------------------------------------------------------------------------------
 
 
-def _napari_world(layer: Any, positions: NDArray[Any], n_times: int = 0) -> NDArray[np.float64]:
+def napari_world(layer: Any, positions: NDArray[Any], n_times: int = 0) -> NDArray[np.float64]:
     """World positions (x, y, z) of positions in a layer, whose last axes are z, y and x; of planes z is 0.
 
     n_times : axes of times at the beginning, which are no places.

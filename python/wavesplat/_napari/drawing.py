@@ -16,6 +16,7 @@ from wavesplat._model.napari_layer import of_napari
 from wavesplat._model.options import Composite, Quality
 from wavesplat._model.volume import Volume
 from wavesplat._napari.cameras import camera_of, canvas_size, is_mirrored, outside
+from wavesplat._napari.geometry import is_geometry, shape_of
 from wavesplat._picture.picture import Picture
 from wavesplat._picture.report import Report
 from wavesplat._scene.layer import Layer
@@ -39,13 +40,14 @@ Operator: TypeAlias = Composite | FirstHit | AttenuatedMaximum
 
 
 def scene_of(viewer: Any, composite: Composite | None = None) -> Scene:
-    """The scene of a viewer's visible layers: images in their colours and contrast limits, and labels.
+    """The scene of a viewer's visible layers: images in their colours and contrast limits, labels, and geometry.
 
     Parameters
     ----------
     viewer : napari.Viewer
         Its images and labels of three axes or more, at the place of the sliders; of several levels the finest. Of
-        several layers of labels the first one is drawn, on the samples of the first image.
+        several layers of labels the first one is drawn, on the samples of the first image. Points are balls of their
+        size, tracks are drawn with their tails and heads, of shapes the outlines.
     composite : str, optional
         Operator that the looks are for, as for `render`; None is that of `draw`.
 
@@ -57,12 +59,15 @@ def scene_of(viewer: Any, composite: Composite | None = None) -> Scene:
     Warns
     -----
     WavesplatWarning
-        If visible layers are left out: points, shapes, surfaces, and images of two axes or in RGB.
+        If visible layers are left out: vectors, further labels, and what has two axes or is in RGB.
     """
     wanted = composite or _operator_of(viewer)
-    images, labels, left_out = list[Any](), list[Any](), list[str]()
+    images, labels, shapes, left_out = list[Any](), list[Any](), list[Any](), list[str]()
     for layer in viewer.layers:
         if not layer.visible:
+            continue
+        if is_geometry(layer):
+            shapes.append(layer)
             continue
         kind = type(layer).__name__
         drawable = kind in ("Image", "Labels") and layer.ndim >= 3 and not getattr(layer, "rgb", False)
@@ -72,14 +77,15 @@ def scene_of(viewer: Any, composite: Composite | None = None) -> Scene:
         raise ArgumentError("no visible layer can be drawn; show an image or labels of three axes, z, y and x")
     if left_out:
         warnings.warn(f"layers that are left out: {', '.join(left_out)}", WavesplatWarning, stacklevel=2)
+    geometry = [shape for layer in shapes if (shape := shape_of(viewer, layer)) is not None]
     segmentation = _labels(viewer, labels[0]) if labels and wanted == "over" else None
     if not images:
         volume = _volume(viewer, labels[0])
         clear = TransferFunction([(0.0, 0.0)], [(0.0, 1.0, 1.0, 1.0)])
         look = Look(transfer_function=clear) if segmentation else Look.auto(volume, None)
-        return Scene(Layer(volume, look), labels=segmentation, background="black")
+        return Scene(Layer(volume, look), labels=segmentation, background="black", geometry=geometry)
     layers = [_layer(viewer, layer, wanted) for layer in images]
-    return Scene(layers, labels=segmentation, background="black")
+    return Scene(layers, labels=segmentation, background="black", geometry=geometry)
 
 
 def draw(

@@ -372,3 +372,27 @@ def test_numbers_of_later_times_are_kept(tmp_path):
     np.testing.assert_array_equal(samples.compute(), labels)
     with pytest.raises(ArgumentError, match="time 1 has samples of uint16"):
         reading._samples_at(ws.Series([ws.Volume(one) for one in labels]), 1, np.dtype(np.uint8))
+
+
+@of_napari
+def test_geometry_of_napari_itself():
+    components = pytest.importorskip("napari.components")
+    viewer = components.ViewerModel(ndisplay=3)
+    viewer.add_image(np.zeros((6, 8, 8, 8), np.uint16), scale=(1, 2, 0.5, 0.5))
+    scale = (1, 2, 0.5, 0.5)
+    viewer.add_points([(4, 1, 2, 3), (5, 0, 0, 0)], size=[4, 2], face_color=["red", "blue"], scale=scale)
+    rows = [(7, time, 1, 2, time) for time in range(6)]
+    viewer.add_tracks(rows, tail_length=2, head_length=0, scale=scale)
+    viewer.add_shapes([[(1, 1, 1), (1, 5, 1), (1, 5, 6)]], shape_type="polygon", edge_width=2, edge_color="lime")
+    corners = np.array([(1, 1, 1), (1, 5, 1), (1, 5, 6)], float)
+    viewer.add_surface((corners, np.array([(0, 1, 2)]), np.array([0.0, 0.5, 1.0])), colormap="gray")
+    viewer.dims.set_point(0, 4.0)
+    points, tracks, outline, surface = ws.napari.scene_of(viewer).geometry
+    np.testing.assert_allclose(points.positions, [(1.5, 1, 2)])
+    assert points.radius == pytest.approx(2 * (2 + 0.5 + 0.5) / 3)
+    np.testing.assert_allclose(np.ravel(points.color)[:3], (1, 0, 0))
+    np.testing.assert_allclose(tracks.paths.positions, [(1, 1, 2), (1.5, 1, 2), (2, 1, 2)])
+    np.testing.assert_allclose(outline.paths.positions, [(1, 1, 1), (1, 5, 1), (6, 5, 1), (1, 1, 1)])
+    assert outline.radius == 1
+    np.testing.assert_allclose(np.asarray(surface.color)[:, 0], (0, 0.5, 1), atol=0.01)
+    assert ws.napari.draw(viewer, size=(60, 60)).rgba.max() > 0

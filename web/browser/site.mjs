@@ -35,7 +35,7 @@ const faults = [];
 const pages = readdirSync(SITE, { recursive: true })
   .map(String)
   // The first page leads on to another one.
-  .filter((name) => name.endsWith(".html") && name !== "index.html" && !/(^|\/)(_static|_modules)\//.test(name) && name.includes(only))
+  .filter((name) => name.endsWith(".html") && name !== "index.html" && !/(^|\/)(_static|_modules)\//.test(name) && !name.startsWith("rust/") && name.includes(only))
   .sort();
 if (pages.length === 0) throw new Error(`${SITE} has no pages; build it by \`make site\``);
 const address = (name) => pathToFileURL(join(SITE, name)).href;

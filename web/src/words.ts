@@ -196,6 +196,21 @@ export const WORDS = {
     stateAlone: "A saved state names its volumes, which a page may not open",
     stateRemedy: "Open it with: wavesplat view --state FILE.",
   },
+  /** What is wrong with the connection to the program that draws, and what to do. */
+  connection: {
+    lost: "The connection to the program that draws is lost",
+    lostRemedy: "If it was stopped, start it again with the same --port; what you changed here is kept.",
+    silent: "The program that draws does not answer",
+    silentRemedy: "It goes on as soon as it does; if it was stopped, start it again with the same --port.",
+    refused: "The program that draws refused this page",
+    usedLink: "Copy link in an open page of the viewer gives a new one; without one, start the command again.",
+    reload: "Load the page again.",
+    kernelEnded: "The kernel was restarted or has ended",
+    kernelEndedRemedy: "Run the cell again.",
+    kernelSilent: "The kernel does not answer",
+    kernelSilentRemedy: "If it was restarted, run the cell again; if it is busy, the picture follows.",
+    broken: "the connection was lost",
+  },
   /** Reasons why a look cannot be kept as a preset. */
   ownPresets: {
     noName: "Give the preset a name.",

@@ -13,6 +13,13 @@ const INLINE = [/\b(?:label|aria-label|title|text|placeholder)=(?:"[^"]*|\{`[^`]
 /** Code without comments, and without what templates insert. */
 const bare = (code: string): string => code.replaceAll(/\/\*[\s\S]*?\*\/|\/\/ .*/g, "").replaceAll(/\$\{[^{}]*\}/g, "");
 
+const ENGINE = fileURLToPath(new URL("../src/engine/", import.meta.url));
+
+test.each(readdirSync(ENGINE))("engine/%s has no words for people of its own", (name) => {
+  const lines = bare(readFileSync(ENGINE + name, "utf8")).split("\n");
+  expect(lines.filter((line) => /\b(?:remedy|text): .*["`][A-Z]/.test(line))).toEqual([]);
+});
+
 test.each(PARTS)("%s has no words of its own", (name) => {
   const lines = bare(readFileSync(VIEW + name, "utf8")).split("\n");
   expect(lines.filter((line) => INLINE.some((pattern) => pattern.test(line)))).toEqual([]);

@@ -1,9 +1,12 @@
 // A channel through a widget's own comm, as Jupyter, VS Code, Colab and marimo have it: no second port.
 
+import { WORDS } from "../words.ts";
 import type { Stop } from "../state/store.ts";
 import type { Channel, ChannelState } from "./channel.ts";
 import type { Problem } from "./engine.ts";
 import type { Header, Payload } from "./framing.ts";
+
+const TEXT = WORDS.connection;
 
 /** The part of anywidget's model that is needed (https://anywidget.dev/en/afm/). */
 export interface WidgetModel {
@@ -18,14 +21,14 @@ export interface WidgetModel {
 /** The kernel was restarted or has ended: the viewer of its Python is gone. */
 const ENDED: Problem = {
   code: "lost",
-  message: "The kernel was restarted or has ended",
-  remedy: "Run the cell again.",
+  message: TEXT.kernelEnded,
+  remedy: TEXT.kernelEndedRemedy,
 };
 /** Kernels that are busy and kernels that were restarted are both silent, and not all hosts say which it is. */
 const SILENCE: Problem = {
   code: "silent",
-  message: "The kernel does not answer",
-  remedy: "If it was restarted, run the cell again; if it is busy, the picture follows.",
+  message: TEXT.kernelSilent,
+  remedy: TEXT.kernelSilentRemedy,
 };
 
 /** Bytes of a buffer, which hosts give as a view, as an array buffer or, some, as base64. */

@@ -1,8 +1,11 @@
 // A channel through a WebSocket. When it breaks it is opened again, at ever longer intervals.
 
+import { WORDS } from "../words.ts";
 import type { Channel, ChannelState } from "./channel.ts";
 import type { Problem } from "./engine.ts";
 import { packed, unpacked, type Header, type Payload } from "./framing.ts";
+
+const TEXT = WORDS.connection;
 
 const FIRST_WAIT_MS = 250;
 const LONGEST_WAIT_MS = 8000;
@@ -13,21 +16,21 @@ const UNKNOWN = 4401;
 /** The program has ended, or cannot be reached. */
 const LOST: Problem = {
   code: "lost",
-  message: "The connection to the program that draws is lost",
-  remedy: "If it was stopped, start it again with the same --port; what you changed here is kept.",
+  message: TEXT.lost,
+  remedy: TEXT.lostRemedy,
 };
 const SILENCE: Problem = {
   code: "silent",
-  message: "The program that draws does not answer",
-  remedy: "It goes on as soon as it does; if it was stopped, start it again with the same --port.",
+  message: TEXT.silent,
+  remedy: TEXT.silentRemedy,
 };
 
 /** The problem of a page that the server refuses, by the code of the close. */
 function refusal(code: number, reason: string): Problem {
   return {
     code: "refused",
-    message: reason || "The program that draws refused this page",
-    remedy: code === UNKNOWN ? "Copy link in an open page of the viewer gives a new one; without one, start the command again." : "Load the page again.",
+    message: reason || TEXT.refused,
+    remedy: code === UNKNOWN ? TEXT.usedLink : TEXT.reload,
   };
 }
 

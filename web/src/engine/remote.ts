@@ -5,6 +5,7 @@ import { patched, type Operation } from "../state/patch.ts";
 import { Replica } from "../state/replica.ts";
 import type { ViewerState, ViewName } from "../state/state.ts";
 import type { Stop } from "../state/store.ts";
+import { WORDS } from "../words.ts";
 import type { Channel } from "./channel.ts";
 import type { Connection, Engine, Frame, Offered, Problem, Question, Questions, Welcome } from "./engine.ts";
 import type { Header, Payload } from "./framing.ts";
@@ -35,7 +36,7 @@ const SILENT_MS = 2000;
 /** Fields that the page shows by itself: their changes are sent when a gesture ends, or with others. */
 const SHOWN_HERE: readonly string[] = ["/view/slices/window"];
 
-const LOST: Problem = { code: "lost", message: "the connection was lost" };
+const LOST: Problem = { code: "lost", message: WORDS.connection.broken };
 
 export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
   const frames = new Set<(frame: Frame) => void>();
@@ -227,7 +228,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
     try {
       handle(parseMessage(header, payload));
     } catch (error) {
-      const problem = { code: "message", message: (error as Error).message, remedy: "Load the page again." };
+      const problem = { code: "message", message: (error as Error).message, remedy: WORDS.connection.reload };
       if (replica === null) failed(problem);
       problems.forEach((listener) => listener(problem));
     }
@@ -237,7 +238,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
   channel.onMessage(receive);
   channel.onState((next) => {
     if (next.kind === "open") {
-      if (replica === null) announce({ kind: "connecting", text: "Opening" });
+      if (replica === null) announce({ kind: "connecting", text: WORDS.status.opening });
       sayHello();
       clearInterval(helloTimer);
       if (options.repeatHelloMs) helloTimer = setInterval(sayHello, options.repeatHelloMs);

@@ -196,7 +196,7 @@ export const WORDS = {
     stateAlone: "A saved state names its volumes, which a page may not open",
     stateRemedy: "Open it with: wavesplat view --state FILE.",
   },
-  /** What is wrong with the connection to the program that draws, and what to do. */
+  /** Faults of the connection to the program that draws, and their remedies. */
   connection: {
     lost: "The connection to the program that draws is lost",
     lostRemedy: "If it was stopped, start it again with the same --port; what you changed here is kept.",

@@ -61,6 +61,7 @@ def test_what_is_meant(options, command, option, said):
         ("Show", "no such command: Show; write wavesplat view"),
         ("gpu_check", "no such command: gpu_check; did you mean gpu-check?"),
         ("rendr", "no such command: rendr; did you mean render?"),
+        ("drw", "no such command: drw; did you mean render?"),
         (
             "scan.nii.gz",
             (

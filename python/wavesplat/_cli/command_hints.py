@@ -35,8 +35,8 @@ def hint(name: str, commands: Collection[str]) -> str:
     word = name.lower().replace("_", "-")
     if word in WORDS:
         return f"write wavesplat {WORDS[word]}"
-    if near := get_close_matches(word, commands, 1, ALIKE):
-        return f"did you mean {near[0]}?"
+    if near := get_close_matches(word, [*commands, *WORDS], 1, ALIKE):
+        return f"did you mean {WORDS.get(near[0], near[0])}?"
     if Path(name).suffix or "/" in name or "\\" in name or Path(name).exists():
         return f"for a picture of a file write wavesplat render {name}, to look at it wavesplat view {name}"
     return "wavesplat --help lists the commands"

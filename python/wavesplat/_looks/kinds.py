@@ -190,9 +190,11 @@ def _segmentation(
         return "probability", "probabilities: the file says SEG, and has values between whole numbers"
     if not is_whole or values.min() < 0 or n_values > MAX_LABELS:
         return None
+    alike = _share_alike(samples, neighbours)
+    if alike < MIN_ALIKE_OF_FEW:  # nearly all scans, of which nothing else is counted
+        return None
     is_few = n_values <= FEW_LABELS and _has_steps(samples, neighbours)
-    is_lenient = is_few or _share_of_others(samples, neighbours) <= MAX_OTHERS
-    if _share_alike(samples, neighbours) >= (MIN_ALIKE_OF_FEW if is_lenient else MIN_ALIKE):
+    if alike >= MIN_ALIKE or is_few or _share_of_others(samples, neighbours) <= MAX_OTHERS:
         return "labels", "labels: whole numbers that are the same from sample to sample, by the values"
     return None
 

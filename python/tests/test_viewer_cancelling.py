@@ -9,7 +9,7 @@ import pytest
 import tifffile
 import viewer_fakes
 from dicom_files import random, save, slice_at
-from test_viewer_opening import Asker, nifti_of, scan_samples
+from opening_pages import Asker, nifti_of, scan_samples
 from test_viewer_uploads import ask, server, talk  # noqa: F401 - `server` is a fixture
 
 import wavesplat as ws

@@ -7,19 +7,11 @@ import numpy as np
 import pytest
 import tifffile
 from dicom_files import random, save, slice_at
-from test_viewer_opening import Asker, nifti_of
+from opening_pages import nifti_of, started_page
 
 from wavesplat._model.private_names import without_folders
-from wavesplat._viewer.opening import Opener
 
-
-@pytest.fixture
-def started():
-    """A page before anything is open, and the states that were begun."""
-    begun = []
-    opener = Opener(lambda: begun[0] if begun else None, begun.append)
-    yield Asker(opener), begun
-    opener.close()
+started = pytest.fixture(started_page)
 
 
 def dicom(tmp_path, n=5, **attributes):

@@ -217,10 +217,38 @@ pub(super) fn blend_block<S: Simd>(
     row: usize,
     texels: &mut [Lanes; BLOCK_V],
 ) -> [S::F; 2] {
+    let group = footprint.group(row / LANES);
+    match group.weights.len() {
+        2 => blend_block_taps::<S, 2>(s, rows, &group, row % LANES, texels),
+        4 => blend_block_taps::<S, 4>(s, rows, &group, row % LANES, texels),
+        6 => blend_block_taps::<S, 6>(s, rows, &group, row % LANES, texels),
+        _ => extremes_of(s, texels, |k| blend_row(s, rows, &group, row % LANES + k)),
+    }
+}
+
+/// [`blend_block`] by `N` taps.
+#[inline(always)]
+fn blend_block_taps<S: Simd, const N: usize>(
+    s: S,
+    rows: &[Lanes],
+    group: &Group,
+    lane: usize,
+    texels: &mut [Lanes; BLOCK_V],
+) -> [S::F; 2] {
+    extremes_of(
+        s,
+        texels,
+        #[inline(always)]
+        |k| blend_taps::<S, N>(s, rows_of(rows, group, lane + k), group, lane + k),
+    )
+}
+
+/// Writes the texels of a block, row by row; returns the least and the largest of each column.
+#[inline(always)]
+fn extremes_of<S: Simd>(s: S, texels: &mut [Lanes; BLOCK_V], texel: impl Fn(usize) -> S::F) -> [S::F; 2] {
     let (mut least, mut most) = (s.splat(f32::INFINITY), s.splat(f32::NEG_INFINITY));
-    let (group, lane) = (footprint.group(row / LANES), row % LANES);
     for k in 0..BLOCK_V {
-        let texel = blend_row(s, rows, &group, lane + k);
+        let texel = texel(k);
         s.store(texel, &mut texels[k].0);
         (least, most) = (s.min(texel, least), s.max(texel, most));
     }
@@ -237,10 +265,16 @@ pub(super) fn blend<W: Wide>(w: W, rows: &[Lanes], footprint: &Footprint, chunks
     w.join(first, second)
 }
 
+/// Rows from the first on that reaches the row of texels at a lane of a group.
+#[inline(always)]
+fn rows_of<'a>(rows: &'a [Lanes], group: &Group, lane: usize) -> &'a [Lanes] {
+    &rows[group.base + group.places.index().0[lane] as usize..]
+}
+
 /// Blends the upsampled rows that reach the row of texels at a lane of a group.
 #[inline(always)]
 fn blend_row<S: Simd>(s: S, rows: &[Lanes], group: &Group, lane: usize) -> S::F {
-    let rows = &rows[group.base + group.places.index().0[lane] as usize..];
+    let rows = rows_of(rows, group, lane);
     // The usual numbers of taps, unrolled.
     match group.weights.len() {
         2 => blend_taps::<S, 2>(s, rows, group, lane),

@@ -77,8 +77,8 @@ impl SliceRectangle {
         density: impl Fn(T) -> f32,
     ) {
         let Window { u: [u_lo, u_hi], v: [v_lo, _] } = self.window;
-        let [su, _, sw] = self.stride;
-        let [first_u, _, first_w] = self.origin;
+        let [su, sv, sw] = self.stride;
+        let [first_u, first_v, first_w] = self.origin;
         let last = self.n[0] as i64 - 1;
         // Columns that need no folding.
         let inner_lo = u_lo.clamp(0, last);
@@ -87,7 +87,18 @@ impl SliceRectangle {
         let n_inner = (inner_hi - inner_lo + 1) as usize;
         let n_u = self.window.n_u();
         let n_v = self.window.n_v();
-        let lines = |r: usize| self.place(1, v_lo + r as i64);
+        // Rows that need no folding lie evenly, and are found without a remainder.
+        let n_above = (v_lo.clamp(0, self.n[1] as i64) - v_lo) as usize;
+        let n_even = self.n[1] - (v_lo.clamp(0, self.n[1] as i64)) as usize;
+        let even = (v_lo + n_above as i64) as usize;
+        let lines = |r: usize| {
+            let place = r.wrapping_sub(n_above);
+            if place < n_even {
+                (even + place - first_v) * sv
+            } else {
+                self.place(1, v_lo + r as i64)
+            }
+        };
         let starts = |slice: usize| (slice - first_w) * sw + (inner_lo as usize - first_u) * su;
         if su == 1 {
             let room = self.out_stride - n_left;
@@ -154,6 +165,8 @@ pub fn sum_slices<T: Copy>(
         2 => sum_rows::<2, _>(grid, taps, soon, starts, lines, out, density),
         3 => sum_rows::<3, _>(grid, taps, soon, starts, lines, out, density),
         4 => sum_rows::<4, _>(grid, taps, soon, starts, lines, out, density),
+        // Slopes of the usual smoothed gradient.
+        5 => sum_rows::<5, _>(grid, taps, soon, starts, lines, out, density),
         6 => sum_rows::<6, _>(grid, taps, soon, starts, lines, out, density),
         _ => {
             for r in 0..out.n_rows {

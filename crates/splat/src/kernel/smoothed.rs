@@ -53,12 +53,15 @@ pub fn fill(position: &Lanes, per_width: f32, values: &mut [Lanes], slopes: &mut
             slope.0[i] += d;
         }
     }
+    let mut share = Lanes::<f32>::default();
+    for i in 0..LANES {
+        share.0[i] = 1.0 / sum.0[i];
+    }
     for (values, slopes) in values.iter_mut().zip(slopes) {
         for i in 0..LANES {
-            let share = 1.0 / sum.0[i];
-            let value = values.0[i] * share;
+            let value = values.0[i] * share.0[i];
             values.0[i] = value;
-            slopes.0[i] = (slopes.0[i] - slope.0[i] * value) * share * per_width;
+            slopes.0[i] = (slopes.0[i] - slope.0[i] * value) * share.0[i] * per_width;
         }
     }
 }

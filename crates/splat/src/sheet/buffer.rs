@@ -217,11 +217,9 @@ impl Sheet {
         let first = chunks[0].strip * self.n_v;
         let (rows, of_value) =
             if self.is_smoothed() { (&self.smooth_u, &self.v.smooth) } else { (&self.density_u, &self.v.value) };
-        [
-            blend(w, &self.along_u[first..], of_value, chunks),
-            blend(w, &rows[first..], &self.v.difference, chunks),
-            blend(w, &self.through_u[first..], of_value, chunks),
-        ]
+        let [along_u, through] = blend(w, [&self.along_u[first..], &self.through_u[first..]], of_value, chunks);
+        let [along_v] = blend(w, [&rows[first..]], &self.v.difference, chunks);
+        [along_u, along_v, through]
     }
 
     /// Least and largest density of each column of a block. After [`Sheet::prepare`].

@@ -222,7 +222,12 @@ pub(super) fn blend_block<S: Simd>(
         2 => blend_block_taps::<S, 2>(s, rows, &group, row % LANES, texels),
         4 => blend_block_taps::<S, 4>(s, rows, &group, row % LANES, texels),
         6 => blend_block_taps::<S, 6>(s, rows, &group, row % LANES, texels),
-        _ => extremes_of(s, texels, |k| blend_row(s, rows, &group, row % LANES + k)),
+        _ => extremes_of(
+            s,
+            texels,
+            #[inline(always)]
+            |k| blend_row(s, rows, &group, row % LANES + k),
+        ),
     }
 }
 
@@ -239,7 +244,10 @@ fn blend_block_taps<S: Simd, const N: usize>(
         s,
         texels,
         #[inline(always)]
-        |k| blend_taps::<S, N>(s, rows_of(rows, group, lane + k), group, lane + k),
+        |k| {
+            let [texel] = blend_taps::<S, 1, N>(s, [rows], group, lane + k);
+            texel
+        },
     )
 }
 
@@ -255,14 +263,50 @@ fn extremes_of<S: Simd>(s: S, texels: &mut [Lanes; BLOCK_V], texel: impl Fn(usiz
     [least, most]
 }
 
-/// Blends the upsampled rows that reach one chunk or two of a block.
+/// Blends `M` times the upsampled rows that reach one chunk or two of a block, all by one footprint.
 #[inline(always)]
-pub(super) fn blend<W: Wide>(w: W, rows: &[Lanes], footprint: &Footprint, chunks: [Chunk; 2]) -> W::F {
+pub(super) fn blend<W: Wide, const M: usize>(
+    w: W,
+    rows: [&[Lanes]; M],
+    footprint: &Footprint,
+    chunks: [Chunk; 2],
+) -> [W::F; M] {
     // The rows of a block are in one group.
     let group = footprint.group(chunks[0].row / LANES);
-    let first = blend_row(w.one(), rows, &group, chunks[0].row % LANES);
-    let second = if W::N == 2 { blend_row(w.one(), rows, &group, chunks[1].row % LANES) } else { first };
-    w.join(first, second)
+    // The usual numbers of taps, unrolled.
+    match group.weights.len() {
+        2 => blend_chunks::<W, M, 2>(w, rows, &group, chunks),
+        4 => blend_chunks::<W, M, 4>(w, rows, &group, chunks),
+        6 => blend_chunks::<W, M, 6>(w, rows, &group, chunks),
+        _ => {
+            let mut joined = [w.splat(0.0); M];
+            for m in 0..M {
+                let [first, second] = chunks.map(|chunk| chunk.row % LANES);
+                joined[m] = w.join(
+                    blend_row(w.one(), rows[m], &group, first),
+                    blend_row(w.one(), rows[m], &group, second),
+                );
+            }
+            joined
+        }
+    }
+}
+
+/// [`blend`] by `N` taps.
+#[inline(always)]
+fn blend_chunks<W: Wide, const M: usize, const N: usize>(
+    w: W,
+    rows: [&[Lanes]; M],
+    group: &Group,
+    chunks: [Chunk; 2],
+) -> [W::F; M] {
+    let first = blend_taps::<W::One, M, N>(w.one(), rows, group, chunks[0].row % LANES);
+    let second = if W::N == 2 { blend_taps::<W::One, M, N>(w.one(), rows, group, chunks[1].row % LANES) } else { first };
+    let mut joined = [w.splat(0.0); M];
+    for m in 0..M {
+        joined[m] = w.join(first[m], second[m]);
+    }
+    joined
 }
 
 /// Rows from the first on that reaches the row of texels at a lane of a group.
@@ -271,35 +315,35 @@ fn rows_of<'a>(rows: &'a [Lanes], group: &Group, lane: usize) -> &'a [Lanes] {
     &rows[group.base + group.places.index().0[lane] as usize..]
 }
 
-/// Blends the upsampled rows that reach the row of texels at a lane of a group.
+/// Blends the upsampled rows that reach the row of texels at a lane of a group, by any number of taps.
 #[inline(always)]
 fn blend_row<S: Simd>(s: S, rows: &[Lanes], group: &Group, lane: usize) -> S::F {
-    let rows = rows_of(rows, group, lane);
-    // The usual numbers of taps, unrolled.
-    match group.weights.len() {
-        2 => blend_taps::<S, 2>(s, rows, group, lane),
-        4 => blend_taps::<S, 4>(s, rows, group, lane),
-        6 => blend_taps::<S, 6>(s, rows, group, lane),
-        _ => {
-            let mut sum = s.splat(0.0);
-            for (samples, weights) in rows.iter().zip(group.weights) {
-                sum = s.add_mul(sum, s.splat(weights.0[lane]), s.load(&samples.0));
-            }
-            sum
-        }
-    }
-}
-
-#[inline(always)]
-fn blend_taps<S: Simd, const N: usize>(s: S, rows: &[Lanes], group: &Group, lane: usize) -> S::F {
-    // From zero on, so that no texel is −0.
     let mut sum = s.splat(0.0);
-    if let Some((rows, weights)) = rows.first_chunk::<N>().zip(group.weights.first_chunk::<N>()) {
-        for t in 0..N {
-            sum = s.add_mul(sum, s.splat(weights[t].0[lane]), s.load(&rows[t].0));
-        }
+    for (samples, weights) in rows_of(rows, group, lane).iter().zip(group.weights) {
+        sum = s.add_mul(sum, s.splat(weights.0[lane]), s.load(&samples.0));
     }
     sum
+}
+
+/// Blends `M` times the upsampled rows that reach the row of texels at a lane of a group, by `N` taps.
+#[inline(always)]
+fn blend_taps<S: Simd, const M: usize, const N: usize>(
+    s: S,
+    rows: [&[Lanes]; M],
+    group: &Group,
+    lane: usize,
+) -> [S::F; M] {
+    // From zero on, so that no texel is −0.
+    let mut sums = [s.splat(0.0); M];
+    let Some(weights) = group.weights.first_chunk::<N>() else { return sums };
+    for m in 0..M {
+        if let Some(rows) = rows_of(rows[m], group, lane).first_chunk::<N>() {
+            for t in 0..N {
+                sums[m] = s.add_mul(sums[m], s.splat(weights[t].0[lane]), s.load(&rows[t].0));
+            }
+        }
+    }
+    sums
 }
 
 /// The chunks of a block, among those of a tile.

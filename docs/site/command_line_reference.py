@@ -11,6 +11,7 @@ from docutils import nodes
 from sphinx.application import Sphinx
 from sphinx.util.docutils import SphinxDirective
 
+from wavesplat._cli import COMMANDS, command_of
 from wavesplat._cli import app as command_line
 
 
@@ -27,7 +28,7 @@ class CommandLine(SphinxDirective):  # type: ignore[misc]  # Sphinx need not be 
         """Return the sections."""
         program: Any = typer.main.get_command(command_line)
         root = program.make_context("wavesplat", ["--version"], resilient_parsing=True)
-        return [section_of(name, command, root) for name, command in program.commands.items()]
+        return [section_of(name, command_of(name), root) for name in COMMANDS]
 
 
 def section_of(name: str, command: Any, root: Any) -> nodes.section:

@@ -9,17 +9,13 @@ import pytest
 import typer
 
 import wavesplat as ws
-from wavesplat._cli import app, command_hints, option_hints, parsers
+from wavesplat._cli import COMMANDS, command_hints, option_hints, options_of, parsers
 
 
 @pytest.fixture(scope="module")
 def options():
     """Options of all commands, by command."""
-    commands = typer.main.get_command(app).commands
-    return {
-        name: {option for parameter in command.params for option in (*parameter.opts, *parameter.secondary_opts)}
-        for name, command in commands.items()
-    }
+    return {name: options_of(name) for name in COMMANDS}
 
 
 @pytest.mark.parametrize(

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import wavesplat as ws
+from wavesplat._looks.kinds import found_in
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
@@ -124,3 +125,14 @@ def test_threads_of_a_thinned_volume_are_no_hot_pixels():
     samples[60, :, 74:76] = 100
     white = ws.Look.auto(ws.Volume(samples), "maximum").transfer_function.color[-1][0]
     assert white > 30
+
+
+def test_the_kind_is_looked_for_again_after_a_change():
+    cells = np.zeros((24, 24, 24), np.float32)
+    cells[4:20, 4:20, 4:20] = 3
+    volume = ws.Volume(cells)
+    assert found_in(volume).kind == "mask"
+    assert found_in(volume) is found_in(volume)
+    cells[:] = np.random.default_rng(1).normal(size=cells.shape)
+    volume.changed()
+    assert found_in(volume).kind == "signed field"

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import wavesplat as ws
+from wavesplat._cli import COMMANDS
 
 MODULES = [
     module.name
@@ -87,9 +88,17 @@ def test_importing_loads_no_heavy_library():
 
 def test_the_command_line_starts_without_numpy_and_http():
     slow = ["numpy", "urllib.request", "http.client"]
-    code = f"import sys, wavesplat._cli; print([m for m in {slow} if m in sys.modules])"
+    modules = ", ".join(f"wavesplat._cli.{name.replace('-', '_')}" for name in COMMANDS)
+    code = f"import sys, {modules}; print([m for m in {slow} if m in sys.modules])"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "[]"
+
+
+def test_a_command_imports_no_other():
+    code = "import sys\nfrom wavesplat._cli import main\ntry: main(['plan', '--help'])\n"
+    code += "except SystemExit: print([m for m in ('movie', 'view') if f'wavesplat._cli.{m}' in sys.modules])"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert done.stdout.splitlines()[-1] == "[]"
 
 
 def test_options_are_read_without_large_libraries():
@@ -118,11 +127,9 @@ def test_the_extra_of_all_has_what_the_others_have():
 
 
 def test_the_page_of_what_is_public_names_all_modules_and_commands():
-    from wavesplat._cli import app
-
     page = (Path(__file__).parents[2] / "docs" / "public_api.md").read_text(encoding="utf-8")
     modules = [f"`wavesplat.{name}`" for name in ws.__all__ if inspect.ismodule(getattr(ws, name))]
-    commands = [f"`{command.callback.__name__}`".replace("_", "-") for command in app.registered_commands]
+    commands = [f"`{name}`" for name in COMMANDS]
     assert len(modules) == 6
     assert len(commands) == 13
     assert [name for name in [*modules, *commands] if name not in page] == []

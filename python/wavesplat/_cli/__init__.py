@@ -1,25 +1,28 @@
 """The command line: `wavesplat` render, view, movie, slice, info, presets and others, a module for each command.
 
 Results go to stdout; messages, errors and the progress bar to stderr.
-Everything but argument parsing is imported inside the commands, so that `--help` and mistakes answer at once.
+A command's module is imported, and its options are made, when the command is run; everything but argument parsing is
+imported inside of the command. So `--help` of a command and mistakes answer at once, and small pictures take no longer.
 """
 
 from __future__ import annotations
 
+import gc
 import os
 import sys
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
+from functools import cache
+from importlib import import_module
 from typing import Annotated, Any, NoReturn
 
 import typer
 from typer.core import TyperGroup
 
-from wavesplat._cli import convert, demo, gpu_check, info, mesh, movie, plan, presets, render, slice, tf, view, wavelet
 from wavesplat._cli.printing import message, print_lines, take_any_name
 from wavesplat.errors import ArgumentError, WavesplatError, WavesplatWarning
 
-__all__ = ["app", "main"]
+__all__ = ["COMMANDS", "app", "command_of", "main", "options_of"]
 
 EXIT_OK, EXIT_FAILED, EXIT_USAGE, EXIT_INTERRUPTED = 0, 1, 2, 130
 
@@ -35,15 +38,57 @@ EPILOG = (
 )
 
 
+#: Commands in the order of the help; each is the function of its name in the module of its name.
+COMMANDS = (
+    "render",
+    "view",
+    "movie",
+    "slice",
+    "info",
+    "presets",
+    "tf",
+    "convert",
+    "wavelet",
+    "mesh",
+    "plan",
+    "gpu-check",
+    "demo",
+)
+
+#: Objects made, less those deleted, before Python looks for cycles of them. Its default of 700 makes a tenth of the
+#: processor time of a small picture, most of it over the objects of imports, which all stay.
+OBJECTS_BETWEEN_COLLECTIONS = 50_000
+
+
 class _Commands(TyperGroup):
-    """The commands; unknown ones come with a hint."""
+    """The commands, whose options are made when they are asked for; unknown ones come with a hint."""
+
+    def list_commands(self, _ctx: Any) -> list[str]:
+        return list(COMMANDS)
+
+    def get_command(self, _ctx: Any, cmd_name: str) -> Any:
+        return command_of(cmd_name) if cmd_name in COMMANDS else None
 
     def resolve_command(self, ctx: Any, args: list[str]) -> tuple[str | None, Any, list[str]]:
-        if args and args[0] not in self.commands and not args[0].startswith("-"):
+        if args and args[0] not in COMMANDS and not args[0].startswith("-"):
             from wavesplat._cli.command_hints import hint
 
-            raise ArgumentError(f"no such command: {args[0]}; {hint(args[0], self.commands)}")
+            raise ArgumentError(f"no such command: {args[0]}; {hint(args[0], COMMANDS)}")
         return super().resolve_command(ctx, args)
+
+
+@cache
+def command_of(name: str) -> Any:
+    """A command with its options."""
+    function = name.replace("-", "_")
+    alone = typer.Typer(add_completion=False, rich_markup_mode=None, pretty_exceptions_enable=False)
+    alone.command(name, epilog=EPILOG)(getattr(import_module(f"wavesplat._cli.{function}"), function))
+    return typer.main.get_command(alone)
+
+
+def options_of(name: str) -> set[str]:
+    """The options of a command, as they are written."""
+    return {option for parameter in command_of(name).params for option in (*parameter.opts, *parameter.secondary_opts)}
 
 
 app = typer.Typer(
@@ -56,23 +101,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
 )
-
-for command in (
-    render.render,
-    view.view,
-    movie.movie,
-    slice.slice,
-    info.info,
-    presets.presets,
-    tf.tf,
-    convert.convert,
-    wavelet.wavelet,
-    mesh.mesh,
-    plan.plan,
-    gpu_check.gpu_check,
-    demo.demo,
-):
-    app.command(epilog=EPILOG)(command)
 
 
 @app.callback(invoke_without_command=True)
@@ -92,6 +120,7 @@ def _root(
 
 def main(arguments: Sequence[str] | None = None) -> NoReturn:
     """Run the command line and leave with its exit code; every failure is one line on stderr."""
+    gc.set_threshold(OBJECTS_BETWEEN_COLLECTIONS)
     take_any_name()
     with _warnings_as_notes():
         sys.exit(_exit_code_of(arguments))
@@ -162,8 +191,5 @@ def _unknown_option_message(error: Any) -> str:
     context = error.ctx
     if context.parent is None:
         return f"no such option: {error.option_name}; see wavesplat --help"
-    options = {
-        name: {option for parameter in command.params for option in (*parameter.opts, *parameter.secondary_opts)}
-        for name, command in context.parent.command.commands.items()
-    }
+    options = {name: options_of(name) for name in COMMANDS}
     return f"no such option: {error.option_name}; {hint(error.option_name, context.info_name, options)}"

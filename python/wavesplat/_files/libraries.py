@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from importlib import import_module, metadata
+from importlib import import_module
 from typing import Any
 
 from wavesplat.errors import LibraryError
@@ -25,6 +25,8 @@ def how_to_install(extra: str) -> str:
     Where Wavesplat is installed, from a wheel or from a checkout, pip finds it there and adds only what is missing.
     Where its modules are run as they lie, pip would look for the name where packages are published.
     """
+    from importlib import metadata
+
     try:
         metadata.version("wavesplat")
     except metadata.PackageNotFoundError:

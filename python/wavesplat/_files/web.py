@@ -5,7 +5,6 @@ fsspec keeps the session and the thread that waits; its own `cat` reads a body t
 
 from __future__ import annotations
 
-import asyncio
 import zlib
 from http import HTTPStatus
 from typing import Any, TypeAlias
@@ -208,6 +207,8 @@ def _refusal(status: int, url: str) -> FileError:
 
 def _as_file_error(error: Exception, url: str) -> FileError:
     """An error of aiohttp in words for the user."""
+    import asyncio
+
     import aiohttp
     import yarl
 

@@ -6,7 +6,6 @@ many bytes a chunk can have is known from the metadata of its array, and nothing
 
 from __future__ import annotations
 
-import asyncio
 import stat
 import threading
 from collections.abc import Coroutine
@@ -91,6 +90,8 @@ class ZarrPlace:
 
     async def read_async(self, key: str, part: Part = None) -> bytes | None:
         """Read a key as `read` does, for asyncio: other keys are read meanwhile."""
+        import asyncio
+
         self._check_key(key)
         if self.is_local:
             return self._with_note(key, await asyncio.to_thread(self._of_file, key, part))

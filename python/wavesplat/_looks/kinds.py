@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Literal, TypeAlias
+from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,16 +27,16 @@ from wavesplat._model.facts import LENGTH
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.placement import is_placed_by_default
 from wavesplat._model.thinning import KIND_SAMPLES, UNIT_SAMPLES, step_for
+from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
-
-if TYPE_CHECKING:
-    from wavesplat._model.volume import Volume
 
 __all__ = [
     "FIELDS",
     "Evidence",
+    "Found",
     "Kind",
     "evidence",
+    "found_in",
     "kind_of",
     "offset_of",
     "unit_of_values",
@@ -105,21 +105,27 @@ ATOMIC_UNITS = ("angstrom", "pm")
 
 
 @dataclass(frozen=True)
-class Evidence:
-    """The kind of data, why it is thought so, and the samples that were looked at."""
+class Found:
+    """The kind of data, and why it is thought so."""
 
     kind: Kind
     reason: str
-    values: NDArray[np.float64]
-    #: Magnitudes of the differences of neighbours, sample units per voxel, at `values`.
-    gradients: NDArray[np.float64]
     #: Whether samples have noise, unlike results of calculations.
-    has_noise: bool = True
+    has_noise: bool
 
     @property
     def is_guess(self) -> bool:
         """Whether the kind was found by the values alone."""
         return self.reason.endswith("by the values")
+
+
+@dataclass(frozen=True)
+class Evidence(Found):
+    """The kind of data, why it is thought so, and the samples that were looked at."""
+
+    values: NDArray[np.float64]
+    #: Magnitudes of the differences of neighbours, sample units per voxel, at `values`.
+    gradients: NDArray[np.float64]
 
 
 def evidence(volume: Volume | WaveletVolume) -> Evidence:
@@ -146,12 +152,25 @@ def evidence(volume: Volume | WaveletVolume) -> Evidence:
         or _by_shares(volume, values)
         or _by_values(volume, values, has_noise=has_noise)
     )
-    return Evidence(kind, reason, values, gradients, has_noise)
+    if (keeper := _keeper(volume)) is not None:
+        keeper._kind = Found(kind, reason, has_noise)
+    return Evidence(kind, reason, has_noise, values, gradients)
+
+
+def found_in(volume: Volume | WaveletVolume) -> Found:
+    """The kind of data that a volume holds, with the reason; looked for once in the same samples."""
+    keeper = _keeper(volume)
+    return evidence(volume) if keeper is None or keeper._kind is None else keeper._kind
+
+
+def _keeper(volume: Volume | WaveletVolume) -> Volume | None:
+    """The volume, if it is told of changes of its samples and forgets what was found in them, as those in memory."""
+    return volume if isinstance(volume, Volume) and not isinstance(volume, LazyVolume) else None
 
 
 def kind_of(volume: Volume | WaveletVolume) -> Kind:
     """The kind of data that a volume holds."""
-    return evidence(volume).kind
+    return found_in(volume).kind
 
 
 def unit_of_values(volume: Volume | WaveletVolume) -> str:

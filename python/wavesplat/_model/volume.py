@@ -82,13 +82,15 @@ class Volume(Grid):
     """
 
     #: `_cut`: the boxes that were last taken out for a picture, and the volume without them (`_model.cutting`).
+    #: `_kind`: the kind of data found in its samples (`_looks.kinds`), None until looked for.
     #: `_parts`: parts of it that were drawn, or why there is none: without the table, the brain (`_looks`).
     #: `_resampled`: the axes it was last resampled on, and the resampled volume (`_scene.resampling`).
     #: `_source`: its source for documents, None if unknown (`_model.sources`).
     #: `_lazily`: the volume as a lazy one, for pictures with lazy volumes (`_render.lazy_layers`).
-    __slots__ = ("_core", "_cut", "_lazily", "_parts", "_resampled", "_samples", "_source")
+    __slots__ = ("_core", "_cut", "_kind", "_lazily", "_parts", "_resampled", "_samples", "_source")
 
     _cut: tuple[tuple[Crop, ...], Volume] | None
+    _kind: Any
     _resampled: tuple[bytes, Volume] | None
     _parts: dict[Any, Any]
     _source: Source | None
@@ -461,6 +463,7 @@ class Volume(Grid):
         """Rebuild the core, and drop all that was made from the samples."""
         self._core = self._built()
         self._cut = None
+        self._kind = None
         self._lazily = None
         self._resampled = None
         self._parts = {}

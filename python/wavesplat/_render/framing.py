@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._looks.kinds import evidence
+from wavesplat._looks.kinds import found_in
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model import camera_fit
 from wavesplat._model.camera import Camera
@@ -85,7 +85,7 @@ def is_of_patient(volume: Volume | WaveletVolume) -> bool:
     """
     if not volume.is_anatomical or volume.modality is not None or not is_placed_by_default(volume):
         return volume.is_anatomical
-    known = evidence(volume)
+    known = found_in(volume)
     is_calculated = known.kind in ("field", "signed field") and not known.has_noise
     return not is_calculated and not (known.kind == "scan" and NO_PLACE in volume.facts.conventions)
 

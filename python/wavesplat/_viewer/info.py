@@ -10,7 +10,7 @@ import numpy as np
 from wavesplat import _native
 from wavesplat._looks import presets
 from wavesplat._looks.histogram import robust_range
-from wavesplat._looks.kinds import Evidence, evidence, unit_of_values
+from wavesplat._looks.kinds import Found, found_in, unit_of_values
 from wavesplat._model.camera import Camera
 from wavesplat._model.camera_fit import axes_of
 from wavesplat._model.lazy_volume import LazyVolume
@@ -107,7 +107,7 @@ def _upright(camera: Camera) -> list[float]:
 
 def _volume(layer: Layer) -> dict[str, Any]:
     volume = layer.drawn
-    found = evidence(volume)
+    found = found_in(volume)
     low, high = robust_range(volume)
     least, most = (low, high)
     if isinstance(volume, LazyVolume):
@@ -135,7 +135,7 @@ def _volume(layer: Layer) -> dict[str, Any]:
     }
 
 
-def _notes(volume: Volume | WaveletVolume, found: Evidence) -> list[str]:
+def _notes(volume: Volume | WaveletVolume, found: Found) -> list[str]:
     """Guesses about a volume, and faults of its samples, as sentences for people."""
     kind = f"taken for {found.reason}" if found.is_guess else found.reason
     missing = volume.n_nonfinite if isinstance(volume, Volume) else 0

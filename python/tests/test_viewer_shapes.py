@@ -265,6 +265,19 @@ def test_slices_tell_the_value_of_their_volume():
     assert found["point"] == pytest.approx([-2, 0, 0], abs=0.51)
 
 
+def test_slices_on_cuts_are_told_where_they_are_seen():
+    ramp = volume_of(np.mgrid[-5:6, -5:6, -5:6][2] + 10)
+    clips = [ws.ClipPlane((0, 2, 0), (0, -1, 0)), ws.ClipPlane((1, 0, 0), (-1, 0, 0))]
+    state = state_of(
+        ws.Points([[9, 9, 9]]), ws.SlicePlane(plane="cuts"), ws.SlicePlane(plane="xy"), volume=ramp, clip=clips
+    )
+    found = seen(state, x=0.7, y=0.3)
+    assert (found["name"], found["value"]) == ("slice plane 1", 8.0)
+    assert found["point"] == pytest.approx([-2, 2, 2], abs=0.51)
+    assert seen(state, x=0.3, y=0.3) is None  # the other clip has taken the face away
+    assert seen(state_of(ws.SlicePlane(plane="cuts"))) is None
+
+
 def test_frames_are_told_by_name():
     state = state_of(ws.Frame(box=((-3, -3, -3), (3, 3, 3))))
     assert seen(state, x=0.2)["text"] == "frame 1"

@@ -19,7 +19,7 @@ from wavesplat._model.volume import Volume
 from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._picture.picture import Picture
 from wavesplat._render import arguments
-from wavesplat._scene.drawn_layers import drawn_layers, identity_of
+from wavesplat._scene.drawn_layers import drawn_layers, slice_source
 from wavesplat._scene.scene import Scene
 from wavesplat._scene.scene_shapes import also_in_view, shapes_of
 from wavesplat.errors import ArgumentError
@@ -99,7 +99,7 @@ def raycast(
     first, of_frames = shown.layers[0], scene.layers[0].drawn
     also = also_in_view(scene.geometry, of_frames, scene.bounds)
     eye = arguments.chosen_camera(camera, parts, clipping, width / max(height, 1), also=also)
-    shapes = shapes_of(scene.geometry, of_frames, identity_of(of_frames), eye, scene._cache.shapes_of)
+    shapes = shapes_of(scene.geometry, slice_source(scene), eye, scene._cache.shapes_of)
     rgba = _native.raycast(
         [
             (

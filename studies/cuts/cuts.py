@@ -2,7 +2,8 @@
 
 A scan is cut by a plane through its middle and seen at right angles, by its automatic look. Told is the rank
 correlation (Spearman) of the picture's luminance with the samples on the cut, over the pixels of tissue: with cut faces
-lit by their gradients (`even_cuts` 0), evenly (1, the default), and without light, which is the most that a look gives.
+lit by their gradients (`even_cuts` 0), evenly (1, the default), and without light, which is the most that a look gives;
+and with slices on the cuts (`SlicePlane(plane="cuts")`), which show the samples themselves.
 docs/design/021-cut-faces.md has the results; other depths of even light are tried by its constants in
 `crates/splat/src/ray/cut_faces.rs`.
 """
@@ -41,13 +42,15 @@ def middle_of(scan: ws.Volume) -> float:
     return float(scan.bounds.mean(axis=0)[1])
 
 
-def luminance(scan: ws.Volume, shading: ws.Shading | None, clip: Clip, n: int = N) -> NDArray[Any]:
+def luminance(
+    scan: ws.Volume, shading: ws.Shading | None, clip: Clip, n: int = N, geometry: ws.SlicePlane | None = None
+) -> NDArray[Any]:
     """Luminance of the automatic look in a light, seen along -y, with the middle of the box in focus."""
     low, high = (np.array(end) for end in scan.bounds)
     middle, half = (low + high) / 2, max(high - low) / 2
     eye = middle + np.array([0, 4 * half, 0])
     camera = ws.Camera(position=eye, focal_point=middle, view_up=(0, 0, 1), parallel_scale=half)
-    scene = ws.Scene(scan).with_(shading=shading, clip=clip, background="black")
+    scene = ws.Scene(scan, geometry=geometry or []).with_(shading=shading, clip=clip, background="black")
     pixels = np.asarray(scene.render(camera, size=(n, n)))[..., :3].astype(float)
     luminance: NDArray[Any] = pixels @ np.array([0.2126, 0.7152, 0.0722])
     return luminance
@@ -83,8 +86,8 @@ def main() -> None:
     data = Path(os.environ.get("BENCH_DATA", ""))
     scans: list[tuple[ws.Volume, float | None]] = [(ws.examples.mri_head(), None)]
     scans += [(ws.open(data / name), least) for name, least in FILES.items() if (data / name).exists()]
-    print("| volume | by gradients | evenly | without light |")
-    print("| --- | ---: | ---: | ---: |")
+    print("| volume | by gradients | evenly | without light | as a slice |")
+    print("| --- | ---: | ---: | ---: | ---: |")
     for scan, least in scans:
         light = ws.Look.auto(scan).shading
         assert light is not None
@@ -92,7 +95,9 @@ def main() -> None:
         tissue = tissue_of(values, least)
         plane = ws.ClipPlane((0, middle_of(scan), 0), (0, -1, 0))
         lights = (light.changed(even_cuts=0), light, None)
-        found = [rank_correlation(luminance(scan, one, plane)[tissue], values[tissue]) for one in lights]
+        seen = [luminance(scan, one, plane) for one in lights]
+        seen.append(luminance(scan, light, plane, geometry=ws.SlicePlane(plane="cuts")))
+        found = [rank_correlation(one[tissue], values[tissue]) for one in seen]
         print(f"| `{scan.name}` | " + " | ".join(f"{one:.2f}" for one in found) + " |", flush=True)
 
 

@@ -66,7 +66,8 @@ class GeometryOptions:
         typer.Option(
             metavar=SLICE_PLANE,
             help="A slice that stands in the picture: axial, coronal, sagittal, xy, xz or yz, through the middle, or "
-            "as axial:12 the slice of this number, axial:-35mm the one at this place. May be repeated.",
+            "as axial:12 the slice of this number, axial:-35mm the one at this place; cuts: on every face that --clip, "
+            "--crop and --cut-out cut. May be repeated.",
         ),
     ] = None
     frame: Annotated[

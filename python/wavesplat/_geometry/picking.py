@@ -101,20 +101,20 @@ def picked(
     shapes: Sequence[Shape],
     *,
     is_kept: Callable[[Array], NDArray[np.bool_]],
-    card_of: Callable[[SlicePlane], Any],
+    cards_of: Callable[[SlicePlane], Sequence[Any]],
     bounds: Array,
     farthest: float = inf,
 ) -> Picked | None:
     """The nearest shape of at least half opacity that a ray meets, else the nearest translucent one; None without any.
 
-    is_kept : whether the scene's clips keep world points, shape (n, 3). card_of : makes the picture of a slice.
+    is_kept : whether the scene's clips keep world points, shape (n, 3). cards_of : makes the pictures of a slice.
     bounds : the box of frames without one. farthest : depth behind which nothing is seen.
     """
     found: list[tuple[bool, float, Picked]] = []
     for number, shape in enumerate(shapes):
         if not shape._is_seen:
             continue
-        met = _met(ray, shape, card_of, bounds)
+        met = _met(ray, shape, cards_of, bounds)
         kept = (met.depths > ray.nearest) & (met.depths <= farthest) & (met.opacities > 0)
         if met.values is not None:
             kept &= np.isfinite(met.values)  # holes
@@ -135,7 +135,7 @@ def _nearest(number: int, shape: Shape, met: _Met) -> tuple[float, Picked]:
     return depth, Picked(number, depth, part, None if met.values is None else float(met.values[k]))
 
 
-def _met(ray: Ray, shape: Shape, card_of: Callable[[SlicePlane], Any], bounds: Array) -> _Met:
+def _met(ray: Ray, shape: Shape, cards_of: Callable[[SlicePlane], Sequence[Any]], bounds: Array) -> _Met:
     if isinstance(shape, Surface):
         return _met_surface(ray, shape)
     if isinstance(shape, Lines):
@@ -148,7 +148,7 @@ def _met(ray: Ray, shape: Shape, card_of: Callable[[SlicePlane], Any], bounds: A
     if isinstance(shape, Points):
         return _met_points(ray, shape)
     if isinstance(shape, SlicePlane):
-        return _met_card(ray, card_of(shape))
+        return _met_cards(ray, cards_of(shape))
     assert isinstance(shape, Frame)
     ends = shape._arrays(bounds, (True, True, True))[0]["positions"]  # its edges
     numbers = np.repeat(np.arange(len(ends) // 2), 2)
@@ -259,6 +259,12 @@ def _met_surface(ray: Ray, surface: Surface) -> _Met:
 
     values = None if surface.values is None else inside(surface.values)
     return _Met(inside(z), candidates[is_met], inside(_alphas(surface, len(x))), values)
+
+
+def _met_cards(ray: Ray, cards: Sequence[Any]) -> _Met:
+    mets = [_Met(np.empty(0), np.empty(0, np.int64), np.empty(0)), *(_met_card(ray, card) for card in cards)]
+    depths = np.concatenate([met.depths for met in mets])
+    return _Met(depths, np.zeros(len(depths), np.int64), np.concatenate([met.opacities for met in mets]))
 
 
 def _met_card(ray: Ray, card: Any) -> _Met:

@@ -52,6 +52,8 @@ class ShapeArrays:
     paths: list[_native.PathArrays] = field(default_factory=list)
     points: list[_native.PointArrays] = field(default_factory=list)
     cards: list[_native.CardArrays] = field(default_factory=list)
+    #: How many cards each slice has, in the order of shapes: one, or one for each face of the cuts.
+    n_cards: list[int] = field(default_factory=list)
     _core: _native.Shapes | None = field(default=None, repr=False)
     _black: ShapeArrays | None = field(default=None, repr=False)
 
@@ -59,13 +61,13 @@ class ShapeArrays:
     def of(
         cls,
         shapes: Sequence[Shape],
-        card_of: Callable[[SlicePlane], _native.CardArrays],
+        cards_of: Callable[[SlicePlane], list[_native.CardArrays]],
         bounds: NDArray[np.float64],
         far: tuple[bool, bool, bool],
     ) -> ShapeArrays:
         """The arrays of shapes.
 
-        card_of : makes the picture of a slice. bounds : the box of frames without one. far : for x, y, z whether the
+        cards_of : makes the pictures of a slice. bounds : the box of frames without one. far : for x, y, z whether the
         upper side of a frame lies behind it.
         """
         made = cls()
@@ -77,7 +79,9 @@ class ShapeArrays:
             elif isinstance(shape, Points):
                 made.points.append(shape._arrays())
             elif isinstance(shape, SlicePlane):
-                made.cards.append(card_of(shape))
+                cards = cards_of(shape)
+                made.cards += cards
+                made.n_cards.append(len(cards))
             elif isinstance(shape, Frame):
                 made.paths += shape._arrays(bounds, far)
         return made

@@ -17,7 +17,10 @@ from wavesplat._model.volume_like import as_volume
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
-__all__ = ["SlicePlane"]
+__all__ = ["CUTS", "SlicePlane"]
+
+#: Name of the plane that stands for all faces that the clips of a scene cut.
+CUTS = "cuts"
 
 
 @public
@@ -31,6 +34,8 @@ class SlicePlane(Shape):
         What is cut; None is the volume of the scene's first layer.
     plane : str or (point, normal), default "axial"
         As for `wavesplat.slice`: "axial", "coronal" or "sagittal"; "xy", "xz" or "yz"; or any plane, world units.
+        "cuts" are the faces that the scene's crops, clip planes and cut-out boxes cut, as far as these are seen: they
+        show the samples and labels as a slice does, and the air around a patient's body is clear.
     position : float, optional
         Where the plane crosses its axis, world units; None is the middle of the volume. Of (point, normal): how far
         to move from the point along the normal.
@@ -81,7 +86,9 @@ class SlicePlane(Shape):
         self._check_style()
         if self.volume is not None and not isinstance(self.volume, Series):
             self._set(volume=as_volume(self.volume))
-        if isinstance(self.plane, str):
+        if self.plane == CUTS:
+            self._check_no_place()
+        elif isinstance(self.plane, str):
             named_plane(self.plane, is_anatomical=True)  # or an error
         else:
             self._set(plane=_point_and_normal(self.plane))
@@ -95,6 +102,14 @@ class SlicePlane(Shape):
                 )
         if self.cmap is not None:
             TransferFunction.from_colormap(self.cmap, clim=(0, 1))  # or an error
+
+    def _check_no_place(self) -> None:
+        given = [word for word in ("position", "index") if getattr(self, word) is not None]
+        if given or self.clipped:
+            raise ArgumentError(
+                f"{(given or ['clipped'])[0]} of {self._told} says which part is seen, and cuts are where the scene's "
+                "clips cut; leave it out"
+            )
 
     def __repr__(self) -> str:
         name = f" {self.name!r}" if self.name else ""

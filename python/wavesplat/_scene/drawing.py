@@ -63,6 +63,7 @@ from wavesplat._scene.drawn_layers import (
     drawn_layers,
     drawn_volumes,
     identity_of,
+    slice_source,
     why_no_brain,
 )
 from wavesplat._scene.measured_errors import MeasuredErrors
@@ -148,7 +149,7 @@ def _drawn_scene(scene: Scene, camera: Camera | str | None, options: DrawOptions
     look = layers[0].look if layers else None
     behind = colors.parse(look.background if look is not None and scene.background is None else scene.background)
     first = scene.layers[0].drawn
-    shapes = shapes_of(scene.geometry, first, identity_of(first), eye, scene._cache.shapes_of)
+    shapes = shapes_of(scene.geometry, slice_source(scene), eye, scene._cache.shapes_of)
     frame = _Frame(scene, eye, size, sampling, operator, clipping, labels, behind, options, shapes)
     functions = [_function(frame, layer, len(layers)) for layer in layers]
     picture = _seen_by(eyes, frame, layers, functions)
@@ -172,7 +173,7 @@ def _notes(
     """Notes on what may be recognised or was left out, and on who drew."""
     notes = [FACE_NOTE] if _has_face(frame, layers, functions) else []
     notes += [*_notes_on_parts(layers), *_notes_on_steps(frame, layers), *_notes_on_tables(frame, layers, functions)]
-    notes += notes_on_geometry(frame.scene.geometry, frame.shapes, frame.options)
+    notes += notes_on_geometry(frame.scene.geometry, frame.shapes, frame.scene._clipping, frame.options)
     told = report["device"]
     if chosen_device(frame.options.device) not in ("auto", "cpu") and told["name"] == "cpu" and told["reason"]:
         notes.append(f"drawn by the CPU: {told['reason']}")

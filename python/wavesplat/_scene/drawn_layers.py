@@ -36,6 +36,7 @@ from wavesplat._render.framing import Part
 from wavesplat._render.tables import note_on_table
 from wavesplat._scene.drawn_color import DrawnColor, check_operator, check_rows, drawn_color
 from wavesplat._scene.resampling import check_units, is_oblique, on_axes_of
+from wavesplat._scene.slice_cards import SliceSource
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -54,6 +55,7 @@ __all__ = [
     "looks_beside_each_other",
     "operator_name",
     "seen_parts",
+    "slice_source",
     "why_no_brain",
 ]
 
@@ -128,6 +130,12 @@ def identity_of(volume: Volume | WaveletVolume) -> tuple[object, int]:
     if isinstance(volume, LazyVolume):
         return volume._identity
     return (volume._core if isinstance(volume, Volume) else volume), 0
+
+
+def slice_source(scene: Scene) -> SliceSource:
+    """What slices that stand in a scene show."""
+    first = scene.layers[0].drawn
+    return SliceSource(first, identity_of(first), scene._clipping, scene.labels)
 
 
 def drawn_volumes(scene: Scene) -> list[Volume | WaveletVolume]:

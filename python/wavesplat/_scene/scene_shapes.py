@@ -11,10 +11,12 @@ from numpy.typing import NDArray
 
 from wavesplat._geometry.frame import Frame, far_sides
 from wavesplat._geometry.shape_arrays import LARGE_BYTES, ShapeArrays, facts_of_shapes, positions_in_view
+from wavesplat._geometry.slice_plane import CUTS, SlicePlane
 from wavesplat._geometry.text_marks import has_text, marks_in_space
+from wavesplat._model.clips import Clipping
 from wavesplat._picture.annotating import style_of
 from wavesplat._picture.picture import Picture
-from wavesplat._scene.slice_cards import card_of
+from wavesplat._scene.slice_cards import SliceSource, cards_of
 
 if TYPE_CHECKING:
     from wavesplat._geometry.shape import Shape
@@ -25,25 +27,25 @@ if TYPE_CHECKING:
 
 __all__ = ["also_in_view", "facts_of_geometry", "notes_on_geometry", "shapes_of", "with_text"]
 
+
 #: Keeps the arrays that a function makes, by a key, and the identity of what they are made from.
 Keep = Callable[[Any, object, Callable[[], ShapeArrays]], ShapeArrays]
 
 
-def shapes_of(
-    geometry: Sequence[Shape], first: Grid, identity: object, camera: Camera, keep: Keep
-) -> ShapeArrays | None:
+def shapes_of(geometry: Sequence[Shape], source: SliceSource, camera: Camera, keep: Keep) -> ShapeArrays | None:
     """Shapes as arrays, made once; None without any.
 
     They depend on the camera only by the sides of frames that its grids lie on.
-    first : volume of the scene's first layer, and the `identity` of its samples.
     """
-    shown = _visible(geometry)
+    shown, bounds = _visible(geometry), source.volume.bounds
     if not shown:
         return None
+    # Cuts show labels, and lie where clips do.
+    of_cuts = (source.clipping, source.labels) if any(_is_cuts(shape) for shape in shown) else ()
     has_grid = any(isinstance(shape, Frame) and shape.grid for shape in shown)
-    far = far_sides(camera, first.bounds) if has_grid else (True, True, True)
-    cut = partial(card_of, of_scene=first)
-    return keep(far, (shown, identity), lambda: ShapeArrays.of(shown, cut, first.bounds, far))
+    far = far_sides(camera, bounds) if has_grid else (True, True, True)
+    cut = partial(cards_of, source=source)
+    return keep(far, (shown, source.identity, of_cuts), lambda: ShapeArrays.of(shown, cut, bounds, far))
 
 
 def also_in_view(geometry: Sequence[Shape], first: Grid, bounds: NDArray[np.float64]) -> NDArray[np.float64] | None:
@@ -75,15 +77,26 @@ def facts_of_geometry(geometry: Sequence[Shape]) -> dict[str, Any]:
     return {"geometry": facts_of_shapes(geometry)} if geometry else {}
 
 
-def notes_on_geometry(geometry: Sequence[Shape], shapes: ShapeArrays | None, options: DrawOptions) -> list[str]:
-    """Notes on shapes that are large to send to workers, and on text that is not written."""
+def notes_on_geometry(
+    geometry: Sequence[Shape], shapes: ShapeArrays | None, clipping: Clipping, options: DrawOptions
+) -> list[str]:
+    """Notes on cuts where nothing is cut, shapes that are large to send to workers, and text that is not written."""
     notes = []
+    if clipping == Clipping() and any(_is_cuts(shape) for shape in _visible(geometry)):
+        notes.append(
+            "slices stand on the cuts, and nothing is cut: give clip=ClipPlane(...), Crop(...) or CutOut(...) (--clip, "
+            "--crop, --cut-out)"
+        )
     if shapes is not None and options.client is not None and shapes.n_bytes > LARGE_BYTES:
         size = f"{shapes.n_bytes / (1 << 20):.0f} MiB"
         notes.append(f"the geometry has {size}, and all of it is sent to each worker; thin it out if that takes long")
     if not options.eyes.are_plain and has_text(_visible(geometry)):
         notes.append("numbers of frames and names of points are not written in pictures of two eyes, nor in panoramas")
     return notes
+
+
+def _is_cuts(shape: Shape) -> bool:
+    return isinstance(shape, SlicePlane) and shape.plane == CUTS
 
 
 def _visible(geometry: Sequence[Shape]) -> tuple[Shape, ...]:

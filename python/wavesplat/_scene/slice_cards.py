@@ -1,17 +1,24 @@
-"""Slices that stand in space, as pictures on parallelograms."""
+"""Slices that stand in space, and those on the faces of cuts, as pictures on parallelograms."""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wavesplat._geometry.slice_plane import CUTS
+from wavesplat._looks.labels import Labels
 from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._model.clips import Clipping
 from wavesplat._model.grid import Grid
 from wavesplat._model.series import Series
 from wavesplat._model.views import PLANES, named_plane
 from wavesplat._render import windows
-from wavesplat._render.slicing import sides_of, sliced
+from wavesplat._render.slicing import Planes, sides_of, sliced
+from wavesplat._scene.body_outline import air_around, least_of_body
+from wavesplat._scene.cut_faces import CutFace, cut_faces
+from wavesplat._scene.label_slices import laid_over
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -19,16 +26,71 @@ if TYPE_CHECKING:
     from wavesplat._geometry.slice_plane import SlicePlane
     from wavesplat._picture.picture import Picture
 
-__all__ = ["card_of"]
+__all__ = ["SliceSource", "cards_of"]
 
 #: Longest side of the picture on a card, pixels; a picture shows no finer samples.
 MAX_SIDE_PX = 2048
+#: Pixels of the longer side of a cut's face, at least, but no more than so many for each sample: its edges are stairs
+#: of pixels.
+MIN_SIDE_OF_CUT_PX, MAX_PX_OF_SAMPLE = 1024, 8
 
 
-def card_of(plane: SlicePlane, of_scene: Grid) -> _native.CardArrays:
-    """The slice as the compiled module takes it. `of_scene`: the volume of the scene's first layer."""
-    volume: Any = of_scene if plane.volume is None else plane.volume
-    picture = _picture_of(plane, volume[0] if isinstance(volume, Series) else volume)
+@dataclass(frozen=True)
+class SliceSource:
+    """What slices in a scene show: its first volume, with the identity of the samples; its clips and its labels."""
+
+    volume: Grid
+    identity: object
+    clipping: Clipping
+    labels: Labels | None
+
+
+def cards_of(plane: SlicePlane, source: SliceSource) -> list[_native.CardArrays]:
+    """The slice, or the faces of the scene's cuts, as the compiled module takes them."""
+    volume: Any = source.volume if plane.volume is None else plane.volume
+    volume = volume[0] if isinstance(volume, Series) else volume
+    if plane.plane != CUTS:
+        picture, _ = _picture_of(plane, volume, plane.plane, _size(volume, plane.plane))
+        return [_card(picture, picture.rgba, (plane.opacity, False, plane.clipped))]
+    # Boxes in samples are in those of the first layer, also for the slices of another volume.
+    faces = cut_faces(source.clipping, source.volume)
+    labels = source.labels if plane.volume is None else None
+    labels = None if labels is None else labels.for_slices_of(source.volume)
+    found = [_card_on(plane, face, volume, labels) for face in faces]
+    return [card for card in found if card is not None]
+
+
+def _card_on(plane: SlicePlane, face: CutFace, volume: Any, labels: Labels | None) -> _native.CardArrays | None:
+    """The slice of a volume on the face of a cut, clear where the face is not seen; None where it is beside it."""
+    try:
+        where = face.plane.point, face.plane.normal
+        picture, planes = _picture_of(plane, volume, where, _size_on_cut(volume, where))
+    except ArgumentError:
+        return None
+    told = picture.report
+    right, down = (told["pixel"] * np.array(told[name]) for name in ("right", "down"))
+    rows, columns = (np.arange(n) for n in picture.rgba.shape[:2])
+    points = np.array(told["origin"]) + columns[None, :, None] * right + rows[:, None, None] * down
+    seen = face.is_seen(points, told["pixel"] / 2) & (picture.rgba[..., 3] > 0)
+    least = least_of_body(volume)
+    if least is not None and picture.value is not None:
+        seen &= ~air_around(picture.value, least)
+    rgba = picture.rgba if labels is None else laid_over(picture.rgba, planes, labels)[0]
+    return _card(picture, np.where(seen[..., None], rgba, np.float32(0)), (plane.opacity, False, False))
+
+
+def _size_on_cut(volume: Grid, plane: Any) -> tuple[int, int] | None:
+    """Pixels of a slice on a cut."""
+    width, height = sides_of(volume, plane)
+    n = max(width, height) / min(volume.spacing)
+    if n >= MIN_SIDE_OF_CUT_PX or not n > 0:
+        return _size(volume, plane)
+    step = max(width, height) / (min(MIN_SIDE_OF_CUT_PX, MAX_PX_OF_SAMPLE * n) - 1)
+    return int(width / step) + 1, int(height / step) + 1
+
+
+def _card(picture: Picture, rgba: Any, style: tuple[float, bool, bool]) -> _native.CardArrays:
+    """A picture where it lies in the world. `style`: opacity, whether it is lit, whether clips cut it."""
     told = picture.report
     right, down = (told["pixel"] * np.array(told[name]) for name in ("right", "down"))
     width, height = picture.size
@@ -37,22 +99,23 @@ def card_of(plane: SlicePlane, of_scene: Grid) -> _native.CardArrays:
         "corner": _triple(np.array(told["origin"]) - (right + down) / 2),
         "along_x": _triple(width * right),
         "along_y": _triple(height * down),
-        "rgba": np.ascontiguousarray(picture.rgba),  # opaque or clear: straight and associated are the same
-        "style": (plane.opacity, False, plane.clipped),
+        "rgba": np.ascontiguousarray(rgba),  # opaque or clear: straight and associated are the same
+        "style": style,
     }
 
 
-def _picture_of(plane: SlicePlane, volume: Any) -> Picture:
+def _picture_of(plane: SlicePlane, volume: Any, where: Any, size: tuple[int, int] | None) -> tuple[Picture, Planes]:
+    """The slice on a plane, and where it lies."""
     values: dict[str, Any] = {"window": plane.window, "clim": plane.clim, "transfer_function": None}
     if plane.cmap is not None:
         ends = windows.limits(volume, plane.window, plane.clim)
         curves = TransferFunction.from_colormap(plane.cmap, clim=ends, opacity=1.0)
         values = {"window": None, "clim": None, "transfer_function": curves}
-    picture, _ = sliced(
+    return sliced(
         volume,
-        plane.plane,
+        where,
         plane.position if plane.index is None else _position_of(volume, plane.plane, plane.index),
-        size=_size(volume, plane.plane),
+        size=size,
         zoom=1.0,
         center=None,
         kernel="linear",
@@ -62,7 +125,6 @@ def _picture_of(plane: SlicePlane, volume: Any) -> Picture:
         threads=None,
         **values,
     )
-    return picture
 
 
 def _position_of(volume: Grid, plane: str, number: int) -> float:

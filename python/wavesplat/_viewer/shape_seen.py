@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from itertools import accumulate, pairwise
 from math import inf, isfinite
 from typing import Any, TypeAlias
 
@@ -18,7 +19,7 @@ from wavesplat._geometry.slice_plane import SlicePlane
 from wavesplat._model.clips import Clipping
 from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
-from wavesplat._scene.drawn_layers import identity_of
+from wavesplat._scene.drawn_layers import slice_source
 from wavesplat._scene.scene_shapes import shapes_of
 from wavesplat._viewer.previews import preview_of
 from wavesplat._viewer.probing import sample_at, value_at
@@ -41,7 +42,7 @@ def shape_seen(state: ViewerState, sight: Sight, progress: Any = None) -> dict[s
     ray = Ray(sight.origin, sight.direction, -inf if state.camera.view_angle is None else 0.0, sight.pixel_at)
     known: dict[str, Any] = {
         "is_kept": _kept_by(scene._clipping.in_world(first)),
-        "card_of": _cards(state).__getitem__,
+        "cards_of": _cards(state).__getitem__,
         "bounds": first.bounds,
     }
     found = picked(ray, scene.geometry, **known)
@@ -55,15 +56,15 @@ def shape_seen(state: ViewerState, sight: Sight, progress: Any = None) -> dict[s
     return None if found is None else _told(scene.geometry, found, sight.point_at(found.depth), first)
 
 
-def _cards(state: ViewerState) -> dict[SlicePlane, Any]:
+def _cards(state: ViewerState) -> dict[SlicePlane, list[Any]]:
     """The pictures of the slices that are shown, which those of the scene have made."""
     scene = preview_of(state.scene)
     planes = [shape for shape in scene.geometry if isinstance(shape, SlicePlane) and shape._is_seen]
-    first = scene.layers[0].drawn
-    arrays = (
-        shapes_of(scene.geometry, first, identity_of(first), state.camera, scene._cache.shapes_of) if planes else None
-    )
-    return {} if arrays is None else dict(zip(planes, arrays.cards, strict=True))
+    arrays = shapes_of(scene.geometry, slice_source(scene), state.camera, scene._cache.shapes_of) if planes else None
+    if arrays is None:
+        return {}
+    ends = [0, *accumulate(arrays.n_cards)]
+    return {plane: arrays.cards[slice(*part)] for plane, part in zip(planes, pairwise(ends), strict=True)}
 
 
 def _kept_by(clipping: Clipping) -> Callable[[Array], NDArray[np.bool_]]:

@@ -133,7 +133,7 @@ def identity_of(volume: Volume | WaveletVolume) -> tuple[object, int]:
 
 
 def slice_source(scene: Scene) -> SliceSource:
-    """What slices that stand in a scene show."""
+    """The volume, clips and labels that slices in a scene show."""
     first = scene.layers[0].drawn
     return SliceSource(first, identity_of(first), scene._clipping, scene.labels)
 

@@ -37,7 +37,7 @@ MIN_SIDE_OF_CUT_PX, MAX_PX_OF_SAMPLE = 1024, 8
 
 @dataclass(frozen=True)
 class SliceSource:
-    """What slices in a scene show: its first volume, with the identity of the samples; its clips and its labels."""
+    """The volume, clips and labels that slices in a scene show; `identity` is that of the samples."""
 
     volume: Grid
     identity: object

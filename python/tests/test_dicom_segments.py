@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 from dicom_files import save, segmentation, slice_at
@@ -89,6 +91,14 @@ def test_names_and_colours_of_segments(tmp_path, wavesplat):
     assert "label 1      liver, #80ae80, 30 voxels, 0.0252 ml" in listed
     assert "label 2      spleen, #d8654f, 20 voxels" in listed
     assert "label 9      not there, 0 voxels" in listed
+
+
+def test_drawn_alone_segments_have_their_names_fault_5(tmp_path, wavesplat):
+    file = saved(tmp_path, segmentation(frames(), segments=SEGMENTS))
+    told = wavesplat("render", file, "-o", tmp_path / "x.png", "--size", 32, "--json").stdout
+    labels = json.loads(told)["report"]["labels"]
+    assert [one["name"] for one in labels] == ["liver", "spleen", "vein"]
+    assert [round(255 * share) for share in labels[0]["color"]] == [128, 174, 128]
 
 
 def test_shares_of_voxels_are_labels_from_a_half_on(tmp_path):

@@ -50,6 +50,23 @@ def test_segments_of_slicer(tmp_path, segmentation):
     assert labels.labels[2] == plain.labels[2]
 
 
+def test_a_segmentation_that_is_drawn_alone_has_the_names_and_colours_of_its_file(tmp_path):
+    z, y, x = np.indices((24, 24, 24))
+    samples = np.where((x - 12) ** 2 + (y - 12) ** 2 + (z - 12) ** 2 < 80, 1 + (x > 12), 0).astype(np.uint8)
+    path = tmp_path / "organs.seg.nrrd"
+    pairs = {"Segment0_Name": "liver", "Segment0_Color": "0 1 0", "Segment0_LabelValue": "2"}
+    save_nrrd(path, samples, pairs)
+    volume = ws.open(path)
+    picture = ws.render(volume, size=(32, 32))
+    assert [one["name"] for one in picture.report["labels"]] == ["1", "liver"]
+    assert picture.report["labels"][1]["color"][:3] == [0.0, 1.0, 0.0]
+    pixels = np.asarray(picture)[..., :3].astype(int)
+    assert (pixels[..., 1] > 2 * pixels[..., 0]).any()
+    # The names are those of the file, for as long as it is there.
+    path.unlink()
+    assert ws.Look.auto(volume).labels.labels[2].name != "liver"
+
+
 def test_label_tables_of_nifti(tmp_path, segmentation):
     image = nibabel.Nifti1Image(segmentation.T, np.eye(4))
     text = (

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._looks import histogram
+from wavesplat._looks import histogram, label_names
 from wavesplat._looks.channels import LUMINANCE, channel_window, lightened, ramp, window_of_values
 from wavesplat._looks.colormaps import colors_of
 from wavesplat._looks.field_curves import Curves, of_field, of_signed_field
@@ -135,6 +135,7 @@ def automatic(volume: Volume | WaveletVolume, composite: Composite | None, color
         clear = TransferFunction([(0.0, 0.0)], [(0.0, 1.0, 1.0, 1.0)])
         # Labels lie in memory.
         labels = Labels(volume.read() if isinstance(volume, LazyVolume) else volume)
+        labels = labels._with_names(label_names.of_volume(volume))
         return Look(transfer_function=clear, labels=labels, shading=SOLID, name="auto", reason=known.reason)
     if composite is None and known.kind in IN_GREYS and axis_of_few_slices(volume) is not None:
         n = min(volume.shape)

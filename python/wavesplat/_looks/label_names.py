@@ -21,13 +21,15 @@ from typing import TypeAlias
 
 import numpy as np
 
+from wavesplat._files.addresses import is_address
 from wavesplat._files.paths import expanded, read_text
 from wavesplat._looks.color_spaces import rgb_from_lab
+from wavesplat._model.volume import Volume
 from wavesplat._readers import dicom_labels, ome_zarr
 from wavesplat._readers.opening import is_zarr
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["Named", "chosen_numbers", "in_file", "in_table"]
+__all__ = ["Named", "chosen_numbers", "in_file", "in_table", "of_volume"]
 
 #: A label's name, and its colour, 0..1, where there is one.
 Named: TypeAlias = "tuple[str, tuple[float, float, float] | None]"
@@ -50,6 +52,18 @@ def in_file(path: str | PathLike[str], dataset: str | None = None) -> dict[int, 
     if name.endswith((".nii", ".nii.gz")):
         return _nifti_labels(place)
     return {segment.number: (segment.name, _of_lab(segment.lab)) for segment in dicom_labels.segments_at(place)}
+
+
+def of_volume(volume: Volume) -> dict[int, Named]:
+    """Names and colours in the file that a segmentation was opened from; empty where it has none, or is gone."""
+    source = volume._source or {}
+    path = source.get("path")
+    if not isinstance(path, str) or is_address(path):
+        return {}
+    try:
+        return in_file(path, source.get("dataset"))
+    except (FileError, OSError):
+        return {}
 
 
 def in_table(path: str | PathLike[str]) -> dict[int, Named]:

@@ -278,13 +278,17 @@ class Labels:
             labels = cls(segmentation, smooth=smooth)
         except ArgumentError as error:
             raise ArgumentError(f"{error}: {path}") from None
-        looks = dict(labels.labels)
-        if files is not None and not named and len(looks) == 1:  # a mask, found by a pattern
-            named = {number: (name_of(path), None) for number in looks}
+        if files is not None and not named and len(labels.labels) == 1:  # a mask, found by a pattern
+            named = {number: (name_of(path), None) for number in labels.labels}
+        return labels._with_names(named)._only(chosen, path)
+
+    def _with_names(self, named: Mapping[int, label_names.Named]) -> Labels:
+        """The labels with names, and with colours where these are known."""
+        looks = dict(self.labels)
         for number, (name, color) in named.items():
             if number in looks:
                 looks[number] = Label(color or looks[number].color, name=name)
-        return labels.with_looks(looks)._only(chosen, path)
+        return self.with_looks(looks)
 
     def _only(self, chosen: Sequence[str | int] | None, path: str | PathLike[str]) -> Labels:
         """The labels of these names, numbers or patterns; all where none is given. `path`: for messages."""

@@ -65,3 +65,11 @@ def test_other_scans_are_not_taken_for_it_fault_14():
     assert stored_offset(noise.uniform(0, 3000, 10_000)) == 0
     assert stored_offset(noise.normal(1000, 100, 10_000)) == 0
     assert stored_offset(np.zeros(0)) == 0
+
+
+def test_info_says_so_fault_14(wavesplat, tmp_path):
+    stored(1024).save(tmp_path / "stored.nrrd")
+    guess = "guess        1024 seems to be added to the Hounsfield units of a CT, by the values"
+    assert guess in wavesplat("info", tmp_path / "stored.nrrd").stdout
+    CT.save(tmp_path / "ct.nrrd")
+    assert "seems to be added" not in wavesplat("info", tmp_path / "ct.nrrd").stdout

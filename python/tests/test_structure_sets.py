@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 from dicom_files import save, slice_at, structure_set
@@ -178,3 +180,15 @@ def test_regions_over_their_scan(file, folder, tmp_path, wavesplat):
     picked = wavesplat("slice", folder, "--labels", file, "--segment", "ptv*", "--json", "-o", tmp_path / "a.png")
     assert '"PTV tumour"' in picked.stdout
     assert '"organ"' not in picked.stdout
+
+
+def test_info_lists_the_regions(file, wavesplat):
+    told = json.loads(wavesplat("info", file, "--json").stdout)
+    assert [(one["number"], one["name"], one["n_lines"]) for one in told["regions"]] == [
+        (1, "BODY", N_SLICES), (2, "PTV tumour", 2), (3, "organ", 18), (4, "isocentre", 0)
+    ]  # fmt: skip
+    lower, upper = told["regions"][0]["bounds_xyz"]
+    np.testing.assert_allclose(sorted([lower[2], upper[2]]), [30, 30 + 1.5 * (N_SLICES - 1)], atol=1e-3)
+    listed = wavesplat("info", file).stdout
+    assert "region 2     PTV tumour, #ff0000, PTV, 2 lines, (" in listed
+    assert "region 4     isocentre, #0000ff, ISOCENTER, no closed lines" in listed

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wavesplat._looks.kinds import unit_of_values
+from wavesplat._looks.kinds import offset_of, unit_of_values
 from wavesplat._model.lazy_changes import comparing_once
 from wavesplat._model.lazy_parts import MAX_OVERVIEW
 from wavesplat._model.lazy_volume import LazyVolume
@@ -104,8 +104,13 @@ def _described(volume: Volume, *, of_coarsest: bool) -> dict[str, Any]:
         told["n_nonfinite"] = shown.n_nonfinite
         told["is_from_cache"] = isinstance(shown, LazyVolume) and shown.is_from_cache
     told["level_of_values"] = level or None  # 0 has all samples
+    place = _place(volume)
+    if told["value_range"] is not None and (offset := offset_of(shown)):
+        what = f"{offset:g} seems to be added to the Hounsfield units of a CT"
+        text = f"{what}, by the values; windows and presets move with it"
+        place["guesses"] = [*place["guesses"], text]
     return {
-        **_place(volume),
+        **place,
         "dtype": str(volume.dtype),
         "n_bytes": math.prod(volume.shape) * volume.dtype.itemsize,
         **told,

@@ -25,9 +25,12 @@ MEMORY = "1 GB"
 @takes_reader_options
 def info(input: Input, *, reader: ReaderOptions, json: Json = False) -> None:
     """Say what a file holds: what there is to choose, and size, spacing, unit, orientation, values of a volume."""
-    from wavesplat._cli import describe, label_counts, zarr_contents
+    from wavesplat._cli import describe, label_counts, region_facts, zarr_contents
     from wavesplat._model.wavelet_volume import WaveletVolume
 
+    if (regions := region_facts.regions_of(input)) is not None:
+        print_result(regions, "\n".join(region_facts.lines(regions)), as_json=json)
+        return
     choices, volume = _first(input, reader, [])
     facts: dict[str, Any] = {"choices": [choice.facts() for choice in choices], **zarr_contents.contents(input, reader)}
     text = [line for choice in choices for line in choice.lines()] + zarr_contents.lines(facts)

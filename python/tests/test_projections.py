@@ -383,3 +383,24 @@ def test_holes_are_left_out():
             # The two pieces that end at the hole are left out, the samples at their other ends are not.
             assert got[hole] == along[hole][np.isfinite(along[hole])].max()
         assert np.isfinite(got).all(), composite
+
+
+@pytest.mark.parametrize("offset", [0, 1024])
+def test_the_black_of_a_ct_is_soft_tissue(offset):
+    scan = ws.examples.ct_pelvis()
+
+    def stored(samples):
+        values = np.maximum(samples.astype(np.int32) + offset, 0 if offset else -1024).astype(np.int16)
+        return ws.Volume(values, world_from_index=scan.world_from_index, unit="mm", anatomical=True)
+
+    ct = stored(scan.samples)
+    look = ws.Look.auto(ct, "maximum")
+    (black, *_), (white, *_) = look.transfer_function.color
+    assert -100 + offset <= black < 200 + offset
+    assert white > black + 500
+    body = np.asarray(ws.render(ct, look, size=(64, 64), background="black"))[..., 0] / 255
+    assert 0.1 < np.median(body[10:54, 14:20]) < 0.25  # muscle alone; with black at air 0.47
+    assert body.max() > 0.9
+    # Where there is hardly anything above it, black is that of other scans.
+    air = stored(np.where(scan.samples > -300, -950, scan.samples))
+    assert ws.Look.auto(air, "maximum").transfer_function.color[0][0] < offset - 500

@@ -73,6 +73,9 @@ MAX_WHITE = 2.0
 #: Kinds of data that are shown in greys where there are but a few slices: their looks are translucent, millimetre by
 #: millimetre.
 IN_GREYS = ("CT", "MR", "ultrasound", "scan")
+#: Hounsfield units in the black of a maximum: every ray through a body meets soft tissue, so that what is below shows
+#: nothing but the table, and takes half of the greys from vessels and bone.
+CT_MAXIMUM_BLACK = -100.0
 #: Hounsfield units in black and in white: level 40, width 400, the usual window of soft tissue.
 CT_WINDOW = (-160.0, 240.0)
 MASK = (0.98, 0.80, 0.56)
@@ -124,6 +127,8 @@ def automatic(volume: Volume | WaveletVolume, composite: Composite | None, color
             # A few specks may be many times as bright as all else, and have many pixels.
             low, high = window_of_values(without_padding(histogram.subsampled(volume)))
             function = histogram.not_beyond(function, low + MAX_WHITE * (high - low))
+        if known.kind == "CT" and composite in histogram.MAXIMA:
+            function = histogram.not_before(function, CT_MAXIMUM_BLACK + offset_of(volume))
         return Look(transfer_function=function, composite=composite, shading=None, name="auto", reason=known.reason)
     if (
         known.kind == "labels"

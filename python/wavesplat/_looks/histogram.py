@@ -26,6 +26,7 @@ __all__ = [
     "exposed",
     "finite_samples",
     "is_hounsfield",
+    "not_before",
     "not_beyond",
     "projected",
     "robust_range",
@@ -93,6 +94,12 @@ def not_beyond(greys: TransferFunction, white: float) -> TransferFunction:
     """Greys of a maximum whose white is at most the value `white`."""
     low, black, own = greys.opacity[0][0], greys.color[0][0], greys.color[-1][0]
     return greys if own <= white or white <= low else _greys(low, min(black, low + 0.9 * (white - low)), white)
+
+
+def not_before(greys: TransferFunction, black: float) -> TransferFunction:
+    """Greys of a maximum whose black is at least the value `black`, if that is well below white."""
+    own, white = greys.color[0][0], greys.color[-1][0]
+    return greys if own >= black or white - black < 0.1 * (white - own) else _greys(black, black, white)
 
 
 def robust_range(volume: Volume | WaveletVolume) -> tuple[float, float]:

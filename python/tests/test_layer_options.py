@@ -264,3 +264,19 @@ def test_presets_of_layers_have_values_of_their_own(wavesplat, tmp_path):
     assert "the preset 'ct-bone' has values of its own, so leave out the window" in done.stderr
     done = wavesplat("render", tmp_path / "a.npy", "-o", tmp_path / "a.png", "--layer", f"{tmp_path}/a.npy:hotter")
     assert "the look of a layer is a preset, a colour or a colour map" in done.stderr
+
+
+def test_a_window_far_below_the_values_of_a_layer_has_a_note(wavesplat, tmp_path):
+    """A PET in Bq/ml in a window for SUV covers the scan as a white box."""
+    values = 100 * np.random.default_rng(0).random((12, 12, 12), np.float32) ** 2
+    ws.Volume(values + 10, facts=ws.Facts(modality="PT", value_unit="Bq/ml")).save(tmp_path / "pet.nrrd")
+    ws.Volume(values).save(tmp_path / "scan.nrrd")
+
+    def note(words):
+        layer = f"{tmp_path / 'pet.nrrd'}:{words}"
+        told = wavesplat("slice", tmp_path / "scan.nrrd", "--layer", layer, "-o", tmp_path / "x.png").stderr
+        return next((line for line in told.splitlines() if "lie above its window" in line), "")
+
+    assert "100 % of the values of layer 'pet.nrrd' lie above its window, which ends at 8" in note("hot:2,8")
+    for words in ("hot:20,90", "hot", "hot:10%,50%", "hot:2,8:threshold=5"):
+        assert bool(note(words)) == (":2,8" in words)

@@ -251,7 +251,8 @@ def further_layers(
     scan : the volume that transforms map onto.
     time : the time point of volumes that have several. suv : PET in SUV.
     """
-    from wavesplat._cli.printing import warnings_as_notes
+    from wavesplat._cli.layer_windows import note_on_window
+    from wavesplat._cli.printing import message, warnings_as_notes
     from wavesplat._cli.uptake import in_uptake
     from wavesplat._readers.request import SeveralError
     from wavesplat._scene.layer import Layer
@@ -281,6 +282,9 @@ def further_layers(
                 layers.append(Layer.overlay(volume, said.look, said.window, **look))
             except ArgumentError as error:
                 raise ArgumentError(f"--layer is {LAYER}: {error}") from None
+        note = None if quiet or said.window is None else note_on_window(layers[-1].looked_at, said.window[1])
+        if note is not None:
+            message(f"note: {note}")
     return layers
 
 

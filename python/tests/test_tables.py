@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import wavesplat as ws
-from wavesplat._looks.tables import PROCESSING, without_table
+from wavesplat._looks.tables import PROCESSING, _ends, without_table
 from wavesplat.errors import ArgumentError
 
 AIR, WATER, BOARD = -1000, 40, 150
@@ -266,6 +266,36 @@ def test_stored_units_may_have_an_offset() -> None:
     assert found is not None
     assert found.samples.min() == 0
     assert not (found.samples == BOARD + 1000).any()
+
+
+def test_what_lies_on_the_end_of_a_table_is_no_rail() -> None:
+    table, below = np.zeros((2, 20, 40), bool)
+    table[10:12, 5:31] = True
+    below[12:, 5:33] = True
+    for rows, columns, is_rail in (
+        (slice(6, 12), slice(31, 34), True),
+        (slice(6, 10), slice(28, 32), False),  # on it
+        (slice(6, 10), slice(15, 18), False),  # on its middle
+        (slice(3, 18), slice(31, 39), False),  # as large as an arm
+    ):
+        matter = np.zeros((10, 20, 40), bool)
+        matter[:, 10, 5:31] = True
+        matter[:, rows, columns] = True
+        assert _ends(matter, table, below, 9.0)[rows, columns].any() == is_rail
+        matter[:4, rows, columns] = False  # not in all slices
+        assert not _ends(matter, table, below, 9.0).any()
+
+
+@pytest.mark.parametrize("end", [150, 174])
+def test_a_rail_at_the_end_of_the_table_leaves_with_it(end: float) -> None:
+    """A rail is thick, and was left in `ct_pelvis_right` where the scan cuts it: a strip beside the bones."""
+
+    def board(x: Any, y: Any, z: Any) -> Any:
+        return (np.abs(x) < end) & (np.abs(y + 90) < 4.5) | (np.abs(x - end + 8) < 9) & (np.abs(y + 84) < 14)
+
+    found = without_table(lying(board=board))
+    assert found is not None
+    assert not (found.samples == BOARD).any()
 
 
 @pytest.mark.parametrize(

@@ -5,7 +5,8 @@ A table is the same from slice to slice, thin, wide, and lies below all of the b
 1. In each axial slice, opening (erosion, then dilation) keeps what is thick, the body; what it removes is thin.
 2. Places of a slice at which most slices have something thin are parts of a prism along the body, which anatomy is not.
 3. Connected places are a table if they are long and narrow, and below the middle of the body, none of it below them.
-   Matter below a wide one is no part of the patient either: a second shell, rails, mechanics.
+   Matter below a wide one is no part of the patient either: a second shell, rails, mechanics; nor are small parts
+   beside its ends that are the same in all slices.
 
 Arms, legs and hands are thick, or change from slice to slice, so they stay. A scan in which thin walls prevail (dry
 bones, hollow phantoms), one of a few slices, on oblique axes, or without Hounsfield units stays as it is, and so does a
@@ -61,6 +62,9 @@ MAX_ENCLOSED = 0.1
 MIN_THICK = 0.6
 #: Largest share of what is thick that may lie below a table, such as its mechanics.
 MAX_BELOW = 0.02
+#: Largest section of a part at the end of a table that belongs to it, mm2, and least share of the slices, weighted by
+#: itself, that have it: arms and hands are larger, and change from slice to slice.
+MAX_END_MM2, MIN_SAME = 600.0, 0.85
 #: Largest volume that is copied, bytes.
 LARGEST = 2**31
 #: Places from an edge of the scan within which an upright part may be an arm that it cuts; and those beside a wide
@@ -321,6 +325,7 @@ def _table(matter: Mask, distances: tuple[float, float]) -> tuple[Mask, Mask] | 
     # The prism has a place above the table too, on which something may lie.
     below[2:] = np.logical_or.accumulate(below, axis=0)[:-2]
     below[:2] = False
+    below |= _ends(matter, table, below, height * width)
     body = thick & ~below
     n_body = np.count_nonzero(body)
     if n_body < (1 - MAX_BELOW) * n_thick or n_body < MIN_THICK * np.count_nonzero(matter & ~(below | table)):
@@ -349,6 +354,29 @@ def _dilated(mask: Mask, n: int) -> Mask:
             own[:-1] |= of[1:]
         mask = grown
     return mask
+
+
+def _ends(matter: Mask, table: Mask, below: Mask, area: float) -> Mask:
+    """The places of small parts at the ends of a table that are the same from slice to slice, such as its rails.
+
+    table, below : its places, and those below it, [row, column]. area : of a place, mm2.
+    """
+    found = np.zeros_like(table)
+    near, columns = _dilated(table[None], 1)[0], np.flatnonzero(table.any(axis=0))
+    share = matter.mean(axis=0)
+    for y, x in _parts((share > 0) & ~(table | below)):
+        is_end = x.min() <= columns[0] + EDGE or x.max() >= columns[-1] - EDGE
+        is_small = y.size * area <= MAX_END_MM2
+        # Of the places that have matter at all, weighted by how often.
+        is_same = (share[y, x] ** 2).sum() >= MIN_SAME * share[y, x].sum()
+        if not (is_end and is_small and is_same and near[y, x].any()):
+            continue
+        # What lies on the table, such as a finger, is above it, and no rail beside it.
+        rows = np.flatnonzero(table[:, max(x.min() - EDGE, 0) : x.max() + EDGE + 1].any(axis=1))
+        if y.max() > rows[0]:
+            found[y, x] = True
+    # A table is thick where a rail meets it.
+    return found | (_dilated(found[None], EDGE)[0] & table)
 
 
 def _parts(mask: Mask) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:

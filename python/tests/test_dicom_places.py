@@ -62,7 +62,7 @@ def test_info_lists_the_series_of_a_patient_fault_11(wavesplat, tmp_path):
 
 WAYS = [
     (2, 2), ("2", 2), ("AX FSE T2", 2), ("ax fse t2", 2), ("fse", 2), ("1.2.840.7.3", 3), ("1.2.840.8", 7),
-    ("post", 3), (7, 7),
+    ("post", 3), (7, 7), ("CT", 7), ("ct", 7),
 ]  # fmt: skip
 
 
@@ -88,6 +88,11 @@ def test_a_series_is_chosen_by_number_description_or_start_of_its_uid_fault_12(w
 def test_errors_list_the_series_with_descriptions_fault_12(tmp_path, wanted, told):
     with pytest.raises((FileError, ArgumentError), match=told):
         ws.open(study(tmp_path / "patient"), series=wanted)
+
+
+def test_a_modality_that_several_series_have_is_no_choice_fault_12(tmp_path):
+    with pytest.raises(ArgumentError, match=r"2 series match series='mri'.*AX FSE T2.*AX T1 post"):
+        ws.open(study(tmp_path / "patient"), series="mri")
 
 
 def test_series_of_one_number_are_told_by_their_uid(tmp_path):

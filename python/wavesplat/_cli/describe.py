@@ -63,9 +63,8 @@ class Choice:
         described = self._described()
         first = self.names[0]
         if self.option == "series":
-            lines = [
-                f"series       {len(self.names)}, choose with --series, by number, description or start of the UID:"
-            ]
+            how = "by number, description, modality or start of the UID"
+            lines = [f"series       {len(self.names)}, choose with --series, {how}:"]
             lines += [f"{'':<12} {one}" for one in described]
         else:
             text = ", ".join(described[:N_LISTED]) + (", ..." if len(described) > N_LISTED else "")

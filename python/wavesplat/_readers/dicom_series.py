@@ -1,7 +1,7 @@
 """DICOM series of a place: headers of its files, the series that they belong to, and the one that is asked for.
 
-A series is chosen by its number (SeriesNumber), by its description, or by the start of its UID, as `wavesplat info`
-lists them.
+A series is chosen by its number (SeriesNumber), its description, its modality, or the start of its UID, as `wavesplat
+info` lists them.
 """
 
 from __future__ import annotations
@@ -26,7 +26,9 @@ __all__ = ["Unreadable", "alike", "chosen_series", "named", "scanned", "without_
 
 #: Files that cannot be read, and why.
 Unreadable: TypeAlias = Mapping[Path, Exception]
-HOW = "by its number, its description or the start of its UID"
+HOW = "by its number, its description, its modality or the start of its UID"
+#: Modalities by the words that people have for them.
+MODALITIES = {"pet": "PT", "mri": "MR", "dose": "RTDOSE"}
 #: Series that a message lists, at most.
 N_LISTED = 20
 
@@ -155,16 +157,21 @@ def _series_of(headers: Iterable[Header]) -> dict[str, list[Header]]:
 
 
 def _matching(series: Mapping[str, Sequence[Header]], wanted: str | int) -> list[str]:
-    """UIDs of the series that a number, a description or the start of a UID stands for; the first way that fits one."""
+    """UIDs of the series that a number, a description, a modality or the start of a UID stands for.
+
+    The first way that fits one counts.
+    """
     told = str(wanted).strip()
     firsts = {uid: headers[0] for uid, headers in series.items()}
     folded = told.casefold()
+    modality = MODALITIES.get(folded, told.upper())
     ways = [
         [uid for uid in firsts if uid == told],
         [uid for uid, one in firsts.items() if told.isdecimal() and one.series_number == int(told)],
         [uid for uid, one in firsts.items() if one.description.casefold() == folded],
         [uid for uid in firsts if "." in told and uid.startswith(told)],
         [uid for uid, one in firsts.items() if not told.isdecimal() and folded in one.description.casefold()],
+        [uid for uid, one in firsts.items() if modality and one.modality == modality],
     ]
     return next((way for way in ways if way), []) if told else []
 

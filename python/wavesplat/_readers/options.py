@@ -47,8 +47,8 @@ class OpenOptions(FileOptions, total=False):
     ----------
     series : int or str, optional
         DICOM: which series, if there are several: its number, its description (or a part of it that no other has;
-        capitals do not count), or its UID or the start of it. Microscopes' files by bioio: which image, by number or
-        name. The error that asks for it lists them.
+        capitals do not count), its modality ("CT"), or its UID or the start of it. Microscopes' files by bioio: which
+        image, by number or name. The error that asks for it lists them.
     time, channel : int, optional
         Which time point and which channel, from 0, if the file holds several. DICOM: which volume of a series, such as
         an echo, or magnitude or phase.

@@ -62,6 +62,14 @@ def test_a_segmentation_that_is_drawn_alone_has_the_names_and_colours_of_its_fil
     assert picture.report["labels"][1]["color"][:3] == [0.0, 1.0, 0.0]
     pixels = np.asarray(picture)[..., :3].astype(int)
     assert (pixels[..., 1] > 2 * pixels[..., 0]).any()
+    # So has a slice of it, unless a window is given.
+    cut = ws.slice(volume, size=(48, 48))
+    assert [one["name"] for one in cut.report["labels"]] == ["1", "liver"]
+    green = (np.abs(cut.rgba - (0, 1, 0, 1)) < 0.01).all(axis=-1)
+    assert (green == (cut.value == 2)).mean() > 0.9  # values are read between samples, labels at the nearest
+    assert green.any()
+    assert np.ptp(ws.slice(volume, clim=(0, 2)).rgba[..., :3], axis=-1).max() == 0
+    assert np.ptp(ws.slice(ws.Volume(samples)).rgba[..., :3], axis=-1).max() == 0
     # The names are those of the file, for as long as it is there.
     path.unlink()
     assert ws.Look.auto(volume).labels.labels[2].name != "liver"

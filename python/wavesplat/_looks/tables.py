@@ -376,7 +376,8 @@ def _ends(matter: Mask, table: Mask, below: Mask, area: float) -> Mask:
         if y.max() > rows[0]:
             found[y, x] = True
     # A table is thick where a rail meets it.
-    return found | (_dilated(found[None], EDGE)[0] & table)
+    found |= _dilated(found[None], EDGE)[0] & table
+    return found
 
 
 def _parts(mask: Mask) -> list[tuple[NDArray[np.intp], NDArray[np.intp]]]:

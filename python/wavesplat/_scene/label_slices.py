@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from wavesplat._looks.labels import Labels
 from wavesplat._render.slicing import Planes
 
-__all__ = ["codes_at", "colors_of_labels", "laid_over"]
+__all__ = ["codes_at", "colored", "colors_of_labels", "laid_over"]
 
 #: Opacity of a label's inside, as a share of its outline's: the scan shows through.
 FILL = 0.4
@@ -35,6 +35,18 @@ def laid_over(rgba: NDArray[np.float32], planes: Planes, labels: Labels) -> tupl
     mixed: NDArray[np.float32] = (over * alpha + (1 - alpha) * rgba).astype(np.float32)
     seen = {labels.numbers[code] for code in np.unique(codes).tolist() if code < len(labels.numbers)}
     return mixed, seen
+
+
+def colored(rgba: NDArray[np.float32], planes: Planes, labels: Labels) -> tuple[NDArray[np.float32], set[int]]:
+    """A slice of a segmentation in the colours of its labels, black where there is none, and the numbers of these."""
+    codes = codes_at(planes, labels)
+    shares, colors = colors_of_labels(labels)
+    is_label = (shares[codes] > 0)[..., None]
+    black = np.array([0, 0, 0, 1]) * (rgba[..., 3:] > 0)
+    opaque = np.concatenate([colors[codes], np.ones((*codes.shape, 1))], axis=2)
+    is_inside = (codes < len(labels.numbers))[..., None]
+    shown = np.where(is_label, opaque, np.where(is_inside, black, rgba)).astype(np.float32)
+    return shown, {labels.numbers[code] for code in np.unique(codes).tolist() if code < len(labels.numbers)}
 
 
 def colors_of_labels(labels: Labels) -> tuple[NDArray[np.float64], NDArray[np.float64]]:

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._looks import colors
+from wavesplat._looks import colors, label_names
 from wavesplat._looks.kinds import kind_of, unit_of_values
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.look import Look
@@ -21,13 +21,16 @@ from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.grid import Grid
 from wavesplat._model.lazy_changes import compare
+from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.options import Kernel, Plane, Slab
 from wavesplat._model.views import named_plane, planes_of
+from wavesplat._model.volume import Volume
 from wavesplat._picture.picture import Picture
 from wavesplat._picture.report import Report
 from wavesplat._picture.report_facts import shown_layer
 from wavesplat._public import public
 from wavesplat._render import windows
+from wavesplat._render.arguments import chosen_look
 from wavesplat._render.isolines import Isolines
 from wavesplat._render.slicing import Planes, sliced
 from wavesplat._scene import label_slices
@@ -86,6 +89,7 @@ def slice(
         `Layer.opacity` is how opaque a layer is where the opacity of its look is greatest; elsewhere it is less in
         proportion. Below the low end of its look, where it is transparent and outside of its volume a layer does not
         show.
+        A segmentation alone, whose file says that it is one or names its labels, has their colours.
         The labels of a scene lie over the slice, faint inside and full along their outlines; of a slab those of its
         middle plane. Clips and the background of a scene are for pictures in space.
     plane : str or (point, normal), optional
@@ -228,11 +232,8 @@ def slice(
         notes = notes if first.is_shown else []
     others = scene.layers[len(channels) or 1 :]
     rgba = _with_layers(rgba, planes, scene, others, (report, notes), **options)
-    if scene.labels is not None:
-        labels = scene.labels.for_slices_of(first.drawn)
-        rgba, seen = label_slices.laid_over(rgba, planes, labels)
-        report["labels"] = names_of(labels, seen)
-        notes += labels.notes
+    is_plain = compared is None and all(given[name] is None for name in ("window", "clim", "transfer_function"))
+    rgba = _with_labels(rgba, planes, scene, (report, notes), is_plain=is_plain)
     if lines is not None:
         over = lines.over(rgba, planes, first.drawn, kernel=kernel, slab=slab, threads=threads)
         rgba, report["lines"] = over.rgba, over.shown
@@ -241,6 +242,41 @@ def slice(
     if notes:
         report["notes"] = notes
     return Picture(rgba, value=picture.value, report=report)
+
+
+def _with_labels(
+    rgba: Floats, planes: Planes, scene: Scene, told: tuple[Report, list[str]], *, is_plain: bool
+) -> Floats:
+    """The slice with the scene's labels over it, or, of a segmentation alone, in the colours of its labels.
+
+    told : the report gets their names, the notes what was lost. is_plain : whether nothing says how values look.
+    """
+    report, notes = told
+    if scene.labels is not None:
+        labels = scene.labels.for_slices_of(scene.layers[0].drawn)
+        rgba, seen = label_slices.laid_over(rgba, planes, labels)
+        report["labels"] = names_of(labels, seen)
+        notes += labels.notes
+        return rgba
+    own = _labels_alone(scene) if is_plain else None
+    if own is None:
+        return rgba
+    rgba, seen = label_slices.colored(rgba, planes, own)
+    report["labels"], report["shown"] = names_of(own, seen), []
+    return rgba
+
+
+def _labels_alone(scene: Scene) -> Labels | None:
+    """The labels of a segmentation that is cut alone, of a file that says so or names its labels; None of others."""
+    first, volume = scene.layers[0], scene.layers[0].drawn
+    if len(scene.layers) > 1 or not (is_automatic(first) and first.is_shown and isinstance(volume, Volume)):
+        return None
+    if isinstance(volume, LazyVolume) or volume.dtype.kind not in "iu" or volume.modality not in (None, "SEG"):
+        return None
+    if volume.modality is None and not label_names.of_volume(volume):
+        return None
+    key = (id(volume), "labels alone")
+    return scene._cache.get_or_compute(key, identity_of(volume), lambda: chosen_look(first.look, volume, None).labels)
 
 
 def _notes_on_scene(scene: Scene) -> list[str]:

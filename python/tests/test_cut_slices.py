@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import importlib.util
 import json
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -127,6 +128,23 @@ def test_labels_lie_on_the_face(ramp):
     colors = seen(ramp, ws.ClipPlane((0, 0, 8), (0, 0, -1)), labels=labels)
     assert grey(colors[2:18, 2:11]).all()
     assert (colors[2:18, 15:18, 1] > colors[2:18, 15:18, 0] + 0.2).all()
+
+
+def test_further_layers_lie_over_the_face_as_on_a_slice(ramp):
+    spot = ws.Volume((np.abs(np.mgrid[:20, :20, :20] - 10).sum(axis=0) < 4).astype(np.float32) * 9)
+    clip = ws.ClipPlane((0, 0, 10), (0, 0, -1))
+    layers = [ws.Layer(ramp, RED), ws.Layer.overlay(spot, "green", (2, 8))]
+
+    def colors(layers):
+        scene = ws.Scene(layers, clip=clip, geometry=CUTS, background="black")
+        pixels = np.asarray(scene.render(CAMERA, size=(N, N)))[30:70, 30:70, :3] / 255
+        return pixels[::-2, ::2].swapaxes(0, 1)
+
+    found = colors(layers)
+    assert found[10, 10, 1] > found[10, 10, 0] + 0.3
+    assert grey(found[1:6, 1:18]).all()
+    hidden = [layers[0], replace(layers[1], visible=False)]
+    assert grey(colors(hidden)[9:12, 9:12]).all()
 
 
 def test_the_air_around_a_patient_is_clear():

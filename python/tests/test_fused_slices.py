@@ -192,7 +192,7 @@ def test_every_layer_has_the_slabs_planes_of_its_own_samples():
 def test_pictures_do_not_depend_on_how_many_rows_are_mixed_at_once(monkeypatch):
     layers = [SCAN, ws.Layer(uptake(), HOT, opacity=0.5), uptake(6.0)]
     whole = ws.slice(layers, size=(61, 53)).rgba
-    monkeypatch.setattr("wavesplat._scene.slicing.PIXELS_AT_ONCE", 200)
+    monkeypatch.setattr("wavesplat._scene.overlaid_values.PIXELS_AT_ONCE", 200)
     assert np.array_equal(ws.slice(layers, size=(61, 53)).rgba, whole)
 
 

@@ -35,7 +35,7 @@ class SlicePlane(Shape):
     plane : str or (point, normal), default "axial"
         As for `wavesplat.slice`: "axial", "coronal" or "sagittal"; "xy", "xz" or "yz"; or any plane, world units.
         "cuts" are the faces that the scene's crops, clip planes and cut-out boxes cut, as far as these are seen: they
-        show the samples and labels as a slice does, and the air around a patient's body is clear.
+        show the samples, further layers and labels as a slice does, and the air around a patient's body is clear.
     position : float, optional
         Where the plane crosses its axis, world units; None is the middle of the volume. Of (point, normal): how far
         to move from the point along the normal.

@@ -13,6 +13,7 @@ from itertools import cycle
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from wavesplat import _native
+from wavesplat._geometry.slice_plane import CUTS
 from wavesplat._looks.automatic import automatic, tinted
 from wavesplat._looks.brain import brain_of
 from wavesplat._looks.default_colors import label_color
@@ -36,7 +37,7 @@ from wavesplat._render.framing import Part
 from wavesplat._render.tables import note_on_table
 from wavesplat._scene.drawn_color import DrawnColor, check_operator, check_rows, drawn_color
 from wavesplat._scene.resampling import check_units, is_oblique, on_axes_of
-from wavesplat._scene.slice_cards import SliceSource
+from wavesplat._scene.slice_cards import SliceLayer, SliceSource
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -135,7 +136,22 @@ def identity_of(volume: Volume | WaveletVolume) -> tuple[object, int]:
 def slice_source(scene: Scene) -> SliceSource:
     """The volume, clips and labels that slices in a scene show."""
     first = scene.layers[0].drawn
-    return SliceSource(first, identity_of(first), scene._clipping, scene.labels)
+    return SliceSource(first, identity_of(first), scene._clipping, scene.labels, _over_first(scene))
+
+
+def _over_first(scene: Scene) -> tuple[SliceLayer, ...]:
+    """The layers that lie over the first one on slices on cuts, where there are such; none over channels."""
+    has_cuts = any(getattr(shape, "plane", None) == CUTS and shape._is_seen for shape in scene.geometry)
+    if not has_cuts or len(scene.layers) == 1:
+        return ()
+    shown = drawn_layers(scene, "over")
+    if not shown.layers or shown.layers[0].look.name == "channel":
+        return ()
+    return tuple(
+        SliceLayer(layer.volume, layer.identity, layer.look.transfer_function, layer.opacity)
+        for layer in shown.layers[int(shown.has_first) :]
+        if isinstance(layer.look.transfer_function, TransferFunction) and layer.opacity > 0
+    )
 
 
 def drawn_volumes(scene: Scene) -> list[Volume | WaveletVolume]:

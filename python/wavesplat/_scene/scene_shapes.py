@@ -40,8 +40,7 @@ def shapes_of(geometry: Sequence[Shape], source: SliceSource, camera: Camera, ke
     shown, bounds = _visible(geometry), source.volume.bounds
     if not shown:
         return None
-    # Cuts show labels, and lie where clips do.
-    of_cuts = (source.clipping, source.labels) if any(_is_cuts(shape) for shape in shown) else ()
+    of_cuts = source.identity_of_cuts if any(_is_cuts(shape) for shape in shown) else ()
     has_grid = any(isinstance(shape, Frame) and shape.grid for shape in shown)
     far = far_sides(camera, bounds) if has_grid else (True, True, True)
     cut = partial(cards_of, source=source)

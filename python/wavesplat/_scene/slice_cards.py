@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -14,11 +15,13 @@ from wavesplat._model.clips import Clipping
 from wavesplat._model.grid import Grid
 from wavesplat._model.series import Series
 from wavesplat._model.views import PLANES, named_plane
+from wavesplat._model.volume import Volume
+from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._render import windows
 from wavesplat._render.slicing import Planes, sides_of, sliced
+from wavesplat._scene import label_slices, overlaid_values
 from wavesplat._scene.body_outline import air_around, least_of_body
 from wavesplat._scene.cut_faces import CutFace, cut_faces
-from wavesplat._scene.label_slices import laid_over
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -26,7 +29,7 @@ if TYPE_CHECKING:
     from wavesplat._geometry.slice_plane import SlicePlane
     from wavesplat._picture.picture import Picture
 
-__all__ = ["SliceSource", "cards_of"]
+__all__ = ["SliceLayer", "SliceSource", "cards_of"]
 
 #: Longest side of the picture on a card, pixels; a picture shows no finer samples.
 MAX_SIDE_PX = 2048
@@ -36,13 +39,30 @@ MIN_SIDE_OF_CUT_PX, MAX_PX_OF_SAMPLE = 1024, 8
 
 
 @dataclass(frozen=True)
+class SliceLayer:
+    """A further layer, which lies over the first one on cuts; `identity` is that of its samples."""
+
+    volume: Volume | WaveletVolume
+    identity: object
+    curves: TransferFunction
+    opacity: float
+
+
+@dataclass(frozen=True)
 class SliceSource:
-    """The volume, clips and labels that slices in a scene show; `identity` is that of the samples."""
+    """The volume, clips, labels and further layers that slices in a scene show; `identity` is that of the samples."""
 
     volume: Grid
     identity: object
     clipping: Clipping
     labels: Labels | None
+    over: tuple[SliceLayer, ...]
+
+    @property
+    def identity_of_cuts(self) -> object:
+        """Identity of all that slices on cuts show."""
+        over = tuple((layer.identity, layer.curves, layer.opacity) for layer in self.over)
+        return self.clipping, self.labels, over
 
 
 def cards_of(plane: SlicePlane, source: SliceSource) -> list[_native.CardArrays]:
@@ -56,12 +76,19 @@ def cards_of(plane: SlicePlane, source: SliceSource) -> list[_native.CardArrays]
     faces = cut_faces(source.clipping, source.volume)
     labels = source.labels if plane.volume is None else None
     labels = None if labels is None else labels.for_slices_of(source.volume)
-    found = [_card_on(plane, face, volume, labels) for face in faces]
+    over = source.over if plane.volume is None else ()
+    found = [_card_on(plane, face, volume, (over, labels)) for face in faces]
     return [card for card in found if card is not None]
 
 
-def _card_on(plane: SlicePlane, face: CutFace, volume: Any, labels: Labels | None) -> _native.CardArrays | None:
-    """The slice of a volume on the face of a cut, clear where the face is not seen; None where it is beside it."""
+def _card_on(
+    plane: SlicePlane, face: CutFace, volume: Any, shown: tuple[Sequence[SliceLayer], Labels | None]
+) -> _native.CardArrays | None:
+    """The slice of a volume on the face of a cut, clear where the face is not seen; None where it is beside it.
+
+    shown : further layers and labels over it.
+    """
+    over, labels = shown
     try:
         where = face.plane.point, face.plane.normal
         picture, planes = _picture_of(plane, volume, where, _size_on_cut(volume, where))
@@ -75,7 +102,11 @@ def _card_on(plane: SlicePlane, face: CutFace, volume: Any, labels: Labels | Non
     least = least_of_body(volume)
     if least is not None and picture.value is not None:
         seen &= ~air_around(picture.value, least)
-    rgba = picture.rgba if labels is None else laid_over(picture.rgba, planes, labels)[0]
+    rgba = picture.rgba
+    for layer in over:
+        values = planes.values_of(layer.volume, "linear", "maximum", None)
+        rgba, _ = overlaid_values.laid_over(rgba, values, layer.curves, layer.opacity)
+    rgba = rgba if labels is None else label_slices.laid_over(rgba, planes, labels)[0]
     return _card(picture, np.where(seen[..., None], rgba, np.float32(0)), (plane.opacity, False, False))
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
 from functools import partial
-from itertools import cycle, pairwise
+from itertools import cycle
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -38,18 +38,16 @@ from wavesplat._scene.channel_slices import Channels, added, automatic_fluoresce
 from wavesplat._scene.compared_slices import comparison
 from wavesplat._scene.drawn_layers import identity_of, is_automatic, look_over_others
 from wavesplat._scene.layer import Layer
+from wavesplat._scene.overlaid_values import clear_below, laid_over
 from wavesplat._scene.resampling import check_units
 from wavesplat._scene.scene import Scene, as_scene
 from wavesplat._scene.slice_lines import lines_over
 from wavesplat._scene.summary import facts_of_time, names_of, quantity_of
 from wavesplat.errors import ArgumentError
 
-__all__ = ["clear_below", "curves_over", "slice"]
+__all__ = ["curves_over", "slice"]
 
 Floats: TypeAlias = NDArray[np.float32]
-
-#: Pixels that are mixed at once: their colours, in float64, take little memory.
-PIXELS_AT_ONCE = 1 << 18
 
 
 @public
@@ -335,7 +333,7 @@ def _with_layers(
         if layer.is_shown:
             curves = curves_over(scene, layer, automatic)
             values = planes.values_of(layer.drawn, **options)
-            rgba, is_seen = _laid_over(rgba, values, curves, layer.opacity)
+            rgba, is_seen = laid_over(rgba, values, curves, layer.opacity)
             report["shown"] += _shown(layer, values, curves)
             if not is_seen:
                 notes.append(_why_not_seen(layer, values, curves))
@@ -399,33 +397,6 @@ def _of_values(layer: Layer, look: Look) -> TransferFunction:
             "from_colormap makes"
         )
     return curves
-
-
-def _laid_over(rgba: Floats, values: Floats, curves: TransferFunction, opacity: float) -> tuple[Floats, bool]:
-    """The picture with the colours of values laid over it, and whether they show anywhere."""
-    most = max(alpha for _, alpha in curves.opacity)
-    mixed, is_seen = np.array(rgba), False
-    if most == 0:
-        return mixed, False
-    lowest = clear_below(curves)
-    rows = max(1, PIXELS_AT_ONCE // values.shape[1])
-    for start in range(0, len(values), rows):
-        part, below = values[start : start + rows], mixed[start : start + rows]
-        over = curves(part.ravel()).reshape(*part.shape, 4)
-        seen = np.isfinite(part) & (part >= lowest) & (over[..., 3] > 0)
-        alpha = np.where(seen, opacity * over[..., 3] / most, 0.0)[..., None]
-        over[..., 3] = 1.0
-        below[:] = np.where(seen[..., None], over * alpha + (1 - alpha) * below, below)
-        is_seen = is_seen or bool(seen.any())
-    return mixed, is_seen
-
-
-def clear_below(curves: TransferFunction) -> float:
-    """The value below which nothing shows: the low end, unless less is more there, as in maps of two signs."""
-    alphas = [alpha for _, alpha in curves.opacity]
-    if any(low > high for low, high in pairwise(alphas)):
-        return -np.inf
-    return min(node[0] for node in (*curves.opacity, *curves.color))
 
 
 def _why_not_seen(layer: Layer, values: Floats, curves: TransferFunction) -> str:

@@ -26,7 +26,8 @@ from wavesplat._model.lazy_changes import compare
 from wavesplat._render.slicing import Planes, place_of, planes_of
 from wavesplat._scene.channel_slices import channels_of
 from wavesplat._scene.label_slices import codes_at, colors_of_labels
-from wavesplat._scene.slicing import clear_below, curves_over
+from wavesplat._scene.overlaid_values import clear_below
+from wavesplat._scene.slicing import curves_over
 from wavesplat._viewer.slice_view import background_of, colors_of, slice_arguments
 from wavesplat._viewer.state import ViewerState
 

@@ -147,6 +147,21 @@ def test_further_layers_lie_over_the_face_as_on_a_slice(ramp):
     assert grey(colors(hidden)[9:12, 9:12]).all()
 
 
+def test_faces_show_the_part_that_is_drawn():
+    head = ws.examples.mri_head()
+    middle = head.bounds.mean(axis=0)
+    clip = ws.ClipPlane(middle, (0, -1, 0))
+
+    def n_grey(preset):
+        scene = ws.Scene(head, preset, clip=clip, geometry=ws.SlicePlane(plane="cuts"), background="black")
+        eye = ws.Camera(middle + np.array((0, 500, 0)), middle, (0, 0, 1), parallel_scale=130)
+        colors = np.asarray(scene.render(eye, size=(96, 96)))[..., :3] / 255
+        return int((grey(colors) & (colors[..., 0] > 0.1)).sum())
+
+    of_head, of_brain = n_grey("mr-head"), n_grey("mr-brain")
+    assert 0.2 * of_head < of_brain < 0.8 * of_head
+
+
 def test_the_air_around_a_patient_is_clear():
     z, y, x = np.mgrid[:40, :40, :40]
     away = np.sqrt((x - 20) ** 2 + (y - 20) ** 2 + (z - 20) ** 2)

@@ -136,13 +136,21 @@ def identity_of(volume: Volume | WaveletVolume) -> tuple[object, int]:
 def slice_source(scene: Scene) -> SliceSource:
     """The volume, clips and labels that slices in a scene show."""
     first = scene.layers[0].drawn
-    return SliceSource(first, identity_of(first), scene._clipping, scene.labels, _over_first(scene))
+    has_cuts = any(getattr(shape, "plane", None) == CUTS and shape._is_seen for shape in scene.geometry)
+    over, part = (_over_first(scene), _part_of_first(scene)) if has_cuts else ((), first)
+    return SliceSource(first, identity_of(first), scene._clipping, scene.labels, over, part, identity_of(part))
+
+
+def _part_of_first(scene: Scene) -> Volume | WaveletVolume:
+    """The first layer's volume as drawn, without the boxes that are cut out of it."""
+    first = scene.layers[0]
+    look = _kept_look(scene, first, None)
+    return _part(scene, first, first.drawn, look, is_tableless=not scene.keep_table)
 
 
 def _over_first(scene: Scene) -> tuple[SliceLayer, ...]:
-    """The layers that lie over the first one on slices on cuts, where there are such; none over channels."""
-    has_cuts = any(getattr(shape, "plane", None) == CUTS and shape._is_seen for shape in scene.geometry)
-    if not has_cuts or len(scene.layers) == 1:
+    """The layers that lie over the first one on slices on cuts; none over channels."""
+    if len(scene.layers) == 1:
         return ()
     shown = drawn_layers(scene, "over")
     if not shown.layers or shown.layers[0].look.name == "channel":

@@ -57,12 +57,15 @@ class SliceSource:
     clipping: Clipping
     labels: Labels | None
     over: tuple[SliceLayer, ...]
+    #: The part of the volume that is drawn, such as the brain, which cuts show; with the identity of its samples.
+    part: Grid
+    identity_of_part: object
 
     @property
     def identity_of_cuts(self) -> object:
         """Identity of all that slices on cuts show."""
         over = tuple((layer.identity, layer.curves, layer.opacity) for layer in self.over)
-        return self.clipping, self.labels, over
+        return self.clipping, self.labels, over, self.identity_of_part
 
 
 def cards_of(plane: SlicePlane, source: SliceSource) -> list[_native.CardArrays]:
@@ -77,6 +80,7 @@ def cards_of(plane: SlicePlane, source: SliceSource) -> list[_native.CardArrays]
     labels = source.labels if plane.volume is None else None
     labels = None if labels is None else labels.for_slices_of(source.volume)
     over = source.over if plane.volume is None else ()
+    volume = source.part if plane.volume is None else volume
     found = [_card_on(plane, face, volume, (over, labels)) for face in faces]
     return [card for card in found if card is not None]
 

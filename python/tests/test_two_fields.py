@@ -204,17 +204,13 @@ def test_series_are_coloured_by_the_field_of_their_time() -> None:
         assert picture.rgba[16, 16, 0] == pytest.approx(red, abs=0.01)
 
 
-def test_what_cannot_be_coloured_says_what_to_do(tmp_path: Path) -> None:
-    np.save(tmp_path / "place.npy", along_x().samples)
-    lazy = ws.open(tmp_path / "place.npy", memory="64 MB")
+def test_what_cannot_be_coloured_says_what_to_do() -> None:
     small = ws.Volume(np.indices((8, 8, 8), np.float32)[0], name="small")
     gradients = ws.TransferFunction2D([0, 1], [0], np.ones((1, 2, 4)))
     fields = ws.TransferFunction2D([0, 1], [0], np.ones((1, 2, 4)), rows="field")
     labels = ws.Volume((radius() < 9).astype(np.uint8) + (radius() < 5) + 1, name="labels")
     wavelets = ws.WaveletVolume.from_volume(along_x())
     for layer, arguments, wanted in (
-        (ws.Layer(ball(), color_from=lazy), {}, "open it without memory="),
-        (ws.Layer(lazy, color_from=ball()), {}, "open it without memory="),
         (ws.Layer(ball(), color_from=wavelets), {}, r"to_volume\(\)"),
         (ws.Layer(ball(), color_from=small), {}, "covers it"),
         (ws.Layer(ball(), color_from=along_x()), {"composite": "maximum"}, "leave out color_from"),
@@ -302,7 +298,6 @@ def test_layers_of_datasets(wavesplat: Any, simulation: Path, tmp_path: Path) ->
         (("--color-by", "heat"), "no dataset 'heat'"),
         (("--color-by", "gas/temperature:nomap"), "nomap"),
         (("--color-by", "gas/temperature", "--composite", "maximum"), "leave out color_from"),
-        (("--color-by", "gas/temperature", "--memory", "64MB"), "--memory"),
     ],
 )
 def test_color_by_what_cannot_be_says_so(wavesplat: Any, simulation: Path, arguments: Any, wanted: str) -> None:

@@ -85,6 +85,9 @@ class FrameArguments(TypedDict):
 
 #: First index and end of samples along (z, y, x).
 _Box: TypeAlias = tuple[tuple[int, int, int], tuple[int, int, int]]
+_LazyLayer: TypeAlias = tuple[
+    "LazyVolume", "TransferFunction", "Shading | None", "tuple[LazyVolume, TransferFunction] | None"
+]
 #: Samples [z, y, x] of a box of a level, and where it begins.
 _LevelBox: TypeAlias = tuple[NDArray[np.float32], tuple[int, int, int]]
 
@@ -175,7 +178,7 @@ class Stream:
 
     def __new__(
         cls,
-        layers: Sequence[tuple[LazyVolume, TransferFunction, Shading | None]],
+        layers: Sequence[_LazyLayer],
         camera: Camera,
         frame: FrameArguments,
         budget_bytes: int,
@@ -437,7 +440,7 @@ def render(
     progress: Callable[[float], object] | None,
 ) -> RenderResult: ...
 def smallest_budget(
-    layers: Sequence[tuple[LazyVolume, TransferFunction, Shading | None]],
+    layers: Sequence[_LazyLayer],
     camera: Camera,
     frame: FrameArguments,
     segment_slices: int | None,
@@ -538,7 +541,7 @@ def quality_settings(
             Volume | DecodedVolume | LazyVolume,
             TransferFunction,
             Shading | None,
-            tuple[Volume, TransferFunction] | None,
+            tuple[Volume | LazyVolume, TransferFunction] | None,
         ]
     ],
     camera: Camera,

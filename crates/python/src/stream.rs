@@ -5,7 +5,9 @@ use std::sync::{PoisonError, RwLock, RwLockReadGuard};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
 use pyo3::types::{PyBytes, PyDict};
-use wavesplat::{BlockState, FrameOptions, Part, Samples, Scene, SceneLayer, SceneVolume, Stream, StreamOptions};
+use wavesplat::{
+    BlockState, FrameOptions, Part, Samples, Scene, SceneColor, SceneLayer, SceneVolume, Stream, StreamOptions,
+};
 
 use crate::arguments::{PyCamera, PyShading, PyTransferFunction};
 use crate::errors::to_py;
@@ -14,8 +16,12 @@ use crate::progress::PyProgress;
 use crate::rendering::{PyFrame, picture_and_report};
 use crate::volume::NumpySamples;
 
-/// A lazy volume, its transfer function, and its shading.
-type PyLazyLayer<'py> = (PyRef<'py, PyLazyVolume>, PyRef<'py, PyTransferFunction>, Option<PyRef<'py, PyShading>>);
+/// A lazy field that colours a layer, and its transfer function.
+type PyLazyColor<'py> = (PyRef<'py, PyLazyVolume>, PyRef<'py, PyTransferFunction>);
+
+/// A lazy volume, its transfer function, its shading, and the field that colours it.
+type PyLazyLayer<'py> =
+    (PyRef<'py, PyLazyVolume>, PyRef<'py, PyTransferFunction>, Option<PyRef<'py, PyShading>>, Option<PyLazyColor<'py>>);
 
 /// See `_native.pyi`.
 #[pyclass(name = "Stream", frozen, module = "wavesplat._native")]
@@ -51,11 +57,14 @@ impl PyBlockState {
 
 /// Scene of lazy layers, its frame options, and the size of the picture.
 fn scene_of(layers: &[PyLazyLayer<'_>], frame: &PyFrame<'_>) -> PyResult<(Scene<'static>, FrameOptions, [usize; 2])> {
-    let layer = |(volume, tf, shading): &PyLazyLayer<'_>| SceneLayer {
+    let layer = |(volume, tf, shading, color): &PyLazyLayer<'_>| SceneLayer {
         volume: SceneVolume::Lazy(volume.0.clone()),
         transfer_function: tf.0.clone(),
         shading: shading.as_ref().map(|shading| shading.0.clone()),
-        color: None,
+        color: color.as_ref().map(|(volume, tf)| SceneColor {
+            volume: SceneVolume::Lazy(volume.0.clone()),
+            transfer_function: tf.0.clone(),
+        }),
     };
     let mut scene = Scene::of(layers.iter().map(layer).collect());
     frame.fill(&mut scene);
@@ -155,13 +164,13 @@ impl PyStream {
         Ok(self.locked().peak_sample_bytes(block))
     }
 
-    /// Box of samples that a step is drawn from, per layer.
+    /// Box of samples that a step is drawn from, per source: layers, then fields that colour them.
     fn held(&self, block: usize, step: usize) -> PyResult<Vec<PyBox>> {
         self.check(block, Some(step))?;
         Ok(self.locked().held(block, step).iter().map(py_box).collect())
     }
 
-    /// Boxes of samples that a step reads, per layer.
+    /// Boxes of samples that a step reads, per source.
     fn reads(
         &self,
         py: Python<'_>,

@@ -115,7 +115,7 @@ impl Scene<'_> {
         };
         let render_options = self.render_options(size_px, options, fixed);
         render_options.validate()?;
-        if self.layers.iter().any(|layer| matches!(layer.volume, SceneVolume::Lazy(_))) {
+        if self.sources().any(|volume| matches!(volume, SceneVolume::Lazy(_))) {
             let mend = "draw it with Scene::stream, which takes boxes as they are read";
             return Err(Error::out_of_range("layers of a picture in one go", "a lazy one", "in memory", mend));
         }

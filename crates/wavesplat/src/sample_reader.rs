@@ -232,7 +232,7 @@ fn volume_box<'a>(part: &IndexBox, samples: &'a SampleBuffer) -> VolumeBox<'a> {
 
 impl Stream {
     /// Reads the samples of all steps and draws them, and returns the picture; one reader per layer of the scene, in
-    /// its order. At most [`crate::StreamOptions::budget_bytes`] of samples are held.
+    /// its order, and after these one per field that colours a layer. At most [`crate::StreamOptions::budget_bytes`] of samples are held.
     ///
     /// # Errors
     ///
@@ -242,9 +242,9 @@ impl Stream {
         readers: &[&dyn SampleReader],
         callback: &dyn ProgressCallback,
     ) -> Result<Frame, StreamError> {
-        let n_layers = self.n_layers();
-        if readers.len() != n_layers {
-            let needed = "as many as layers";
+        let n_sources = self.n_sources();
+        if readers.len() != n_sources {
+            let needed = "as many as layers and fields that colour them";
             return Err(
                 Error::out_of_range("number of readers", readers.len(), needed, "give one for each layer").into()
             );
@@ -256,12 +256,12 @@ impl Stream {
             let mut states = Vec::new();
             for steps in self.segments(block) {
                 let mut state = BlockState::default();
-                let mut held: Vec<Option<(IndexBox, SampleBuffer)>> = vec![None; n_layers];
+                let mut held: Vec<Option<(IndexBox, SampleBuffer)>> = vec![None; n_sources];
                 for step in steps.clone() {
                     let reads = self.reads(block, step, step == steps.start, &state);
-                    for (layer, boxes) in reads.iter().enumerate() {
-                        let part = self.held(block, step)[layer].clone();
-                        held[layer] = Some(filled(readers[layer], part, boxes, held[layer].as_ref())?);
+                    for (source, boxes) in reads.iter().enumerate() {
+                        let part = self.held(block, step)[source].clone();
+                        held[source] = Some(filled(readers[source], part, boxes, held[source].as_ref())?);
                     }
                     let samples: Vec<Samples<'_>> = held.iter().flatten().map(|(_, own)| own.samples()).collect();
                     let from = before + share * step as f32;

@@ -48,7 +48,7 @@ pub struct SceneLayer<'a> {
 /// A field whose values are coloured, where a layer's own samples say how opaque it is.
 #[derive(Clone)]
 pub struct SceneColor<'a> {
-    /// Samples in memory that cover the layer, on axes that are parallel to those of the scene's first volume.
+    /// Samples that cover the layer, lazy or in memory as the layer's are, on axes that are parallel to those of the scene's first volume.
     pub volume: SceneVolume<'a>,
     /// Transfer function of the field's values; its colours count.
     pub transfer_function: TransferFunction,
@@ -70,6 +70,12 @@ impl<'a> Scene<'a> {
     /// Scene of samples with the default shading.
     pub fn new(volume: Volume<'a>, transfer_function: TransferFunction) -> Self {
         Self::of(vec![SceneLayer::new(SceneVolume::Samples(volume, Arc::default()), transfer_function)])
+    }
+
+    /// Sources of samples: the layers' volumes, and after them the fields that colour layers, in the order of these.
+    pub(crate) fn sources(&self) -> impl Iterator<Item = &SceneVolume<'a>> {
+        let colors = self.layers.iter().filter_map(|layer| layer.color.as_ref());
+        self.layers.iter().map(|layer| &layer.volume).chain(colors.map(|color| &color.volume))
     }
 
     /// Scene of layers, without labels, cuts and background.

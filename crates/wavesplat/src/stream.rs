@@ -69,7 +69,7 @@ impl Scene<'static> {
     ///
     /// # Errors
     ///
-    /// The errors of [`Scene::render`]; and where a layer is not lazy, a PSNR is wanted, rays cannot be cut into
+    /// The errors of [`Scene::render`]; and where a layer, or a field that colours one, is not lazy, a PSNR is wanted, rays cannot be cut into
     /// segments, or the budget is too small for the smallest step.
     pub fn stream(
         &self,
@@ -128,21 +128,25 @@ impl Scene<'static> {
         let render_options = self.render_options(size_px, options, Some(sampling));
         render_options.validate()?;
         let mut storage = Vec::new();
-        for layer in &self.layers {
-            let SceneVolume::Lazy(volume) = &layer.volume else {
-                let mend = "make all layers lazy, or none";
+        for volume in self.sources() {
+            let SceneVolume::Lazy(volume) = volume else {
+                let mend = "make all layers, and the fields that colour them, lazy, or none";
                 return Err(Error::out_of_range("layers of a streamed picture", "one in memory", "lazy volumes", mend));
             };
             storage.push(volume.storage());
         }
-        let slices: Vec<Slices<'static>> =
-            self.layers.iter().map(|layer| layer.volume.slices(options.kernel)).collect();
+        let slices: Vec<Slices<'static>> = self.sources().map(|volume| volume.slices(options.kernel)).collect();
         if slices.iter().any(|own| own.kernel() != options.kernel) {
             let mend = "look through the samples for the kernel that they are drawn with";
             return Err(Error::out_of_range("kernel of a lazy volume", "another one", "the picture's", mend));
         }
+        let (of_layers, of_colors) = slices.split_at(self.layers.len());
+        let mut of_colors = of_colors.iter().cloned();
+        let colors: Vec<_> = self.layers.iter().map(|layer| layer.color.as_ref().and(of_colors.next())).collect();
         let plan = parallel::with_threads(options.n_threads, || {
-            self.with_layers(options, &slices, &[], |layers| Plan::new(Level::best(), layers, camera, &render_options))
+            self.with_layers(options, of_layers, &colors, |layers| {
+                Plan::new(Level::best(), layers, camera, &render_options)
+            })
         })?;
         let plan = if streaming.segment_slices.is_some() { plan.without_even_cuts() } else { plan };
         let of_whole = |part| PartPlan::new(part, slices[0].clone(), plan.layers[0].tables.clone());
@@ -166,8 +170,8 @@ struct Planned {
 }
 
 impl Stream {
-    /// Number of layers.
-    pub fn n_layers(&self) -> usize {
+    /// Number of sources of samples: layers, and after them the fields that colour layers, in the order of these.
+    pub fn n_sources(&self) -> usize {
         self.slices.len()
     }
 
@@ -191,17 +195,17 @@ impl Stream {
         self.segment_slices
     }
 
-    /// Box of samples that a step of a block is drawn from, per layer.
+    /// Box of samples that a step of a block is drawn from, per source.
     pub fn held(&self, block: usize, step: usize) -> &[IndexBox] {
         &self.steps.blocks[block].steps[step].held
     }
 
-    /// Boxes of samples that a step of a block reads, per layer: those that show something and that the step before did
+    /// Boxes of samples that a step of a block reads, per source: those that show something and that the step before did
     /// not hold (all that show something, where it `is_first`). `state`: state of the rays; rays that are done need
     /// nothing.
     pub fn reads(&self, block: usize, step: usize, is_first: bool, state: &BlockState) -> Vec<Vec<IndexBox>> {
         let slices: Vec<&Slices> = self.slices.iter().collect();
-        let reads = |layer| self.steps.reads(&self.plan, &slices, block, step, layer, is_first, &state.tiles);
+        let reads = |source| self.steps.reads(&self.plan, &slices, block, step, source, is_first, &state.tiles);
         (0..slices.len()).map(reads).collect()
     }
 
@@ -257,7 +261,7 @@ impl Stream {
         own.steps.iter().map(|step| (texels * step.slabs.len()) as u64).sum()
     }
 
-    /// Draws a step of a block from the samples of the boxes of [`Stream::held`], one array per layer; samples that
+    /// Draws a step of a block from the samples of the boxes of [`Stream::held`], one array per source; samples that
     /// need not be read may have any value. Takes the state after the step before, at first the default, and returns
     /// the next.
     ///

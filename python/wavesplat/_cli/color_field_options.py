@@ -72,7 +72,10 @@ def _opened(said: ColorText, text: str, input: str, reader: ReaderOptions, *, ha
     from wavesplat._cli.reader_options import ReaderOptions
 
     if said.path is not None:
-        return _read(said.path, ReaderOptions(dataset=said.dataset, time=reader.time), has_times=has_times)
+        # Samples of another file are read as those of INPUT are: as they are drawn, or all at once.
+        lazily = {name: getattr(reader, name) for name in ("memory", "holes", "cache")}
+        own = ReaderOptions(dataset=said.dataset, time=reader.time, **lazily)
+        return _read(said.path, own, has_times=has_times)
     try:
         return _read(input, replace(reader, dataset=said.dataset), has_times=has_times)
     except ArgumentError as error:

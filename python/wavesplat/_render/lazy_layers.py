@@ -1,4 +1,7 @@
-"""Layers of a picture with at least one lazy volume: their levels, the plan of a frame, and its drawing."""
+"""Layers of a picture with at least one lazy volume: their levels, the plan of a frame, and its drawing.
+
+Fields that colour layers are sources of samples too: they come after the layers, in the order of these.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +40,7 @@ FROM_CACHE = "from the cache"
 
 @dataclass
 class LazyLayers:
-    """The layers as lazy volumes, each with the level that is drawn."""
+    """The layers, and after them the fields that colour layers, as lazy volumes, each with the level that is drawn."""
 
     volumes: list[LazyVolume]
     levels: list[int]
@@ -53,7 +56,7 @@ class LazyLayers:
         size: tuple[int, int],
         options: DrawOptions,
     ) -> LazyLayers | None:
-        """Volumes as lazy ones; None where none is lazy, and nothing asks for blocks or segments."""
+        """Volumes of layers, then of fields, as lazy ones; None where none is lazy and no blocks or segments are wanted."""
         is_asked_for = options.segments is not None or options.client is not None
         if not is_asked_for and not any(isinstance(volume, LazyVolume) for volume in volumes):
             return None
@@ -66,12 +69,21 @@ class LazyLayers:
         levels = [volume.level_for(lambda level: pixel_in_samples(level, camera, size)) for volume in lazy]
         return cls(lazy, levels, options, [volume.n_changes_of_files() for volume in lazy])
 
-    @property
-    def cores(self) -> list[_native.LazyVolume]:
-        """The lazy volumes for the compiled module's plan."""
+    def for_module(
+        self,
+        functions: Sequence[TransferFunction | TransferFunction2D],
+        lights: Sequence[Shading | None],
+        colors: Sequence[TransferFunction | None],
+    ) -> list[tuple[Any, Any, Any, Any]]:
+        """The layers for the compiled module: volume, transfer function, light, and the field that colours it."""
         kernel = self.options.kernel
-        pairs = zip(self.volumes, self.levels, strict=True)
-        return [volume.core_of(level, kernel) for volume, level in pairs]
+        cores = [volume.core_of(level, kernel) for volume, level in zip(self.volumes, self.levels, strict=True)]
+        of_layers, of_fields = cores[: len(functions)], iter(cores[len(functions) :])
+        fields = [None if color is None else (next(of_fields), color._core) for color in colors]
+        return [
+            (core, function._core, None if light is None else light._core, field)
+            for core, function, light, field in zip(of_layers, functions, lights, fields, strict=True)
+        ]
 
     def _check_unchanged(self) -> None:
         """Raise a `FileError` if samples changed since bounds were taken, as another thread or machine found."""
@@ -84,19 +96,19 @@ class LazyLayers:
                 )
 
     def _where_surveys_are_from(self) -> list[str]:
-        """Origin of each layer's range and bounds: the cache, or a pass over the samples."""
+        """Origin of each source's range and bounds: the cache, or a pass over the samples."""
         kernel = self.options.kernel
         surveys = [volume.survey(level, kernel) for volume, level in zip(self.volumes, self.levels, strict=True)]
         return [FROM_CACHE if survey.is_from_cache else "computed" for survey in surveys]
 
     @property
     def arrays(self) -> list[LazyArray]:
-        """Arrays that the samples of each layer are read from."""
+        """Arrays that the samples of each source are read from."""
         return [volume.arrays(level) for volume, level in zip(self.volumes, self.levels, strict=True)]
 
     @property
     def least(self) -> list[float] | None:
-        """Value in place of each layer's samples that cannot be read; None ends the picture."""
+        """Value in place of each source's samples that cannot be read; None ends the picture."""
         if not all(volume.holes for volume in self.volumes):
             return None
         kernel = self.options.kernel
@@ -143,6 +155,8 @@ class FrameSpec:
     #: Transfer functions with the layers' opacities, and lights.
     functions: list[TransferFunction | TransferFunction2D]
     lights: list[Shading | None]
+    #: Transfer functions of the fields that colour layers, per layer.
+    colors: list[TransferFunction | None]
     camera: Camera
     #: Labels of the first layer, and boxes that are cut out of them.
     labels: Labels | None
@@ -153,7 +167,7 @@ class FrameSpec:
     shapes: ShapeArrays | None = None
     n_blocks: int = 1
     memory: int | None = None
-    #: Surveys of the samples, for processes that have not looked through them: pickled, by layer.
+    #: Surveys of the samples, for processes that have not looked through them: pickled, by source.
     surveys: list[bytes] | None = None
 
     def with_surveys(self) -> FrameSpec:
@@ -164,12 +178,12 @@ class FrameSpec:
 
     @property
     def arrays(self) -> list[LazyArray]:
-        """Arrays that the samples of each layer are read from."""
+        """Arrays that the samples of each source are read from."""
         return self.layers.arrays
 
     @property
     def least(self) -> list[float] | None:
-        """Value in place of each layer's samples that cannot be read, as `LazyLayers.least`."""
+        """Value in place of each source's samples that cannot be read, as `LazyLayers.least`."""
         return self.layers.least
 
     @property
@@ -186,10 +200,7 @@ class FrameSpec:
         """The stream of the frame, which is the same in every process; `part`: the index-space box that is drawn."""
         for volume, packed in zip(self.layers.volumes, self.surveys or [], strict=False):
             volume.take_surveys(packed)
-        drawn = [
-            (core, function._core, None if light is None else light._core)
-            for core, function, light in zip(self.layers.cores, self.functions, self.lights, strict=True)
-        ]
+        drawn = self.layers.for_module(self.functions, self.lights, self.colors)
         first, level = self.layers.volumes[0], self.layers.levels[0]
         labels = chosen_labels(self.labels, first, self.boxes, level=first.grid_of(level) if level else None)
         shapes = None if self.shapes is None else self.shapes.core

@@ -311,8 +311,8 @@ def _bounds_bytes(shape: Sequence[int], side: int) -> int:
 
 def _stream(core: _native.LazyVolume, camera: Camera, options: DrawOptions, streaming: Streaming) -> _native.Stream:
     """The stream of a volume of which nothing is known."""
-    drawn, size = [(core, ALL_SEEN._core, None)], options.size
-    sheets, texels = _native.quality_settings("normal", [(*one, None) for one in drawn], camera._core, size[1])
+    drawn, size = [(core, ALL_SEEN._core, None, None)], options.size
+    sheets, texels = _native.quality_settings("normal", drawn, camera._core, size[1])
     frame: Any = {
         "labels": None,
         "width": size[0],

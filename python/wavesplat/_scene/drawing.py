@@ -66,6 +66,7 @@ from wavesplat._scene.drawn_layers import (
     slice_source,
     why_no_brain,
 )
+from wavesplat._scene.drawn_sources import colors_of, for_module, sources_of
 from wavesplat._scene.measured_errors import MeasuredErrors
 from wavesplat._scene.reporting import facts_of
 from wavesplat._scene.scene_shapes import also_in_view, facts_of_geometry, notes_on_geometry, shapes_of, with_text
@@ -508,14 +509,11 @@ def _rendered(
 ) -> tuple[_native.RenderResult, dict[str, Any]]:
     """Result of the compiled module for layers, and its report."""
     options, (width, height), operator = frame.options, frame.size, frame.operator
-    lazy = LazyLayers.of([layer.seen for layer in layers], frame.camera, frame.size, options)
-    cores = [layer.core for layer in layers] if lazy is None else lazy.cores
+    lazy = LazyLayers.of(sources_of(layers), frame.camera, frame.size, options)
     faded = [_with_opacity(frame, layer, function) for layer, function in zip(layers, functions, strict=True)]
     lights = [_light(frame.scene, layer, frame.light) for layer in layers]
-    drawn = [
-        (core, function._core, None if light is None else light._core, _color(layer, function, operator))
-        for core, function, light, layer in zip(cores, faded, lights, layers, strict=True)
-    ]
+    colors = colors_of(layers, faded, operator)
+    drawn = for_module(layers, faded, lights, colors, lazy)
     absorbs = projection.absorption(operator, layers[0].volume) if isinstance(operator, XRay) else None
     numbers = projection.numbers(operator, functions[0], layers[0].volume, absorbs)
     errors = _measured_errors(frame, layers, functions)
@@ -548,7 +546,7 @@ def _rendered(
             of_frame: Any = {**arguments, "labels": chosen_labels(labels, layers[0].volume, boxes), "shapes": shapes}
             result = _native.render(drawn, frame.camera._core, of_frame, options.progress)
         else:
-            spec = FrameSpec(lazy, faded, lights, frame.camera, labels, boxes, arguments, frame.shapes)
+            spec = FrameSpec(lazy, faded, lights, colors, frame.camera, labels, boxes, arguments, frame.shapes)
             if options.client is None:
                 drawn_stream = lazy.streamed(spec)
             else:
@@ -562,12 +560,6 @@ def _rendered(
         if not options.depth:
             result["depth"] = None
     return result, report
-
-
-def _color(layer: DrawnLayer, function: Curves, operator: Operator) -> tuple[Any, Any] | None:
-    """The field that colours a layer, for the compiled module."""
-    color = layer.color
-    return None if color is None else (color.seen._core, color.function_at(function, operator)._core)
 
 
 def _sampling(frame: _Frame, drawn: Sequence[tuple[Any, Any, Any, Any]]) -> tuple[float, float]:

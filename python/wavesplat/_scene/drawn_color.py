@@ -10,7 +10,6 @@ from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.composites import FirstHit, Operator
 from wavesplat._model.grid import Grid
-from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._scene.resampling import on_axes_of
@@ -56,12 +55,12 @@ def drawn_color(layer: Layer, drawn: Volume | WaveletVolume, look: Look, first: 
     Raises
     ------
     ArgumentError
-        If either volume is not in memory, or the look has no colours by value.
+        If either volume has wavelet coefficients, or the look has no colours by value.
     """
     of_field: Layer = layer.color_from
     volume = of_field.drawn
     for name, one in ((layer.name, drawn), (of_field.name, volume)):
-        _check_in_memory(layer, name, one)
+        _check_has_samples(layer, name, one)
     assert isinstance(volume, Volume)
     if look.labels is not None:
         raise ArgumentError(
@@ -79,15 +78,12 @@ def drawn_color(layer: Layer, drawn: Volume | WaveletVolume, look: Look, first: 
     return DrawnColor(of_field, volume, seen, look, function)
 
 
-def _check_in_memory(layer: Layer, name: str | None, volume: Volume | WaveletVolume) -> None:
-    where = f"{layer.name!r} is coloured by another field, for which both must be in memory, but {name!r}"
-    if isinstance(volume, LazyVolume):
-        raise ArgumentError(
-            f"{where} is read as it is drawn; open it without memory= (--memory), or, where it is too large for that, "
-            "at a coarser level= (--level)"
-        )
+def _check_has_samples(layer: Layer, name: str | None, volume: Volume | WaveletVolume) -> None:
     if isinstance(volume, WaveletVolume):
-        raise ArgumentError(f"{where} is a WaveletVolume; give its to_volume()")
+        raise ArgumentError(
+            f"{layer.name!r} is coloured by another field, for which both must have samples, but {name!r} is a "
+            "WaveletVolume; give its to_volume()"
+        )
 
 
 def check_rows(layer: Layer, look: Look) -> None:

@@ -21,11 +21,14 @@ from wavesplat._public import public
 from wavesplat._render.lazy_layers import pixel_in_samples
 from wavesplat._render.options import DrawOptions, FrameOptions
 from wavesplat._scene.drawing import camera_of, draw
+from wavesplat._scene.drawn_layers import drawn_volumes
 from wavesplat._scene.scene import Scene, as_scene
 from wavesplat._scene.summary import facts_of_picture
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
+
+    from wavesplat._scene.layer import Layer
 
 __all__ = ["coarser_scenes", "progressive"]
 
@@ -102,7 +105,7 @@ def _first(scene: Scene, camera: Camera, options: DrawOptions) -> Iterator[Pictu
     quiet = replace(options, progress=None)
     coarser = coarser_scenes(scene, options.size, camera)
     if not coarser:
-        if any(isinstance(layer.volume, LazyVolume) for layer in scene.layers):
+        if any(isinstance(volume, LazyVolume) for volume in drawn_volumes(scene)):
             return
         # Two eyes share even numbers of pixels.
         unit = 1 if options.eyes.are_plain else 2
@@ -116,21 +119,22 @@ def _first(scene: Scene, camera: Camera, options: DrawOptions) -> Iterator[Pictu
 
 def coarser_scenes(scene: Scene, size: tuple[int, int], camera: Camera) -> list[Scene]:
     """The scene with coarser levels of its lazy volumes than a picture needs, the coarsest first."""
-    lazy = [layer.volume for layer in scene.layers if isinstance(layer.volume, LazyVolume)]
+    fields = [layer.color_from for layer in scene.layers if layer.color_from is not None]
+    lazy = [one.volume for one in (*scene.layers, *fields) if isinstance(one.volume, LazyVolume)]
     n_levels = max((len(volume.levels) for volume in lazy if volume.level is None), default=1)
     if n_levels < 2:
         return []
     needed = max(volume.level_for(lambda level: pixel_in_samples(level, camera, size)) for volume in lazy)
-    scenes = []
-    for left_out in range(n_levels - 1, needed, -LEVELS_BETWEEN):
-        layers = []
-        for layer in scene.layers:
-            volume = layer.volume
-            if isinstance(volume, LazyVolume) and volume.level is None:
-                volume = volume.at_level(min(left_out, len(volume.levels) - 1))
-            layers.append(replace(layer, volume=volume))
-        scenes.append(scene.with_(layers=layers))
-    return scenes
+    numbers = range(n_levels - 1, needed, -LEVELS_BETWEEN)
+    return [scene.with_(layers=[_coarser(layer, left_out) for layer in scene.layers]) for left_out in numbers]
+
+
+def _coarser(layer: Layer, left_out: int) -> Layer:
+    """The layer, and the field that colours it, without so many of the finest levels of lazy volumes."""
+    volume, field = layer.volume, layer.color_from
+    if isinstance(volume, LazyVolume) and volume.level is None:
+        volume = volume.at_level(min(left_out, len(volume.levels) - 1))
+    return replace(layer, volume=volume, color_from=None if field is None else _coarser(field, left_out))
 
 
 def _marked(picture: Picture, *, is_final: bool = False) -> Picture:

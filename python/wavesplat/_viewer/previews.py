@@ -6,6 +6,7 @@ from dataclasses import replace
 from typing import Any
 
 from wavesplat._model.lazy_volume import LazyVolume
+from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import Scene
 
 __all__ = ["has_lazy", "preview_of"]
@@ -16,7 +17,8 @@ _LAST: list[tuple[Scene, Scene]] = []
 
 def has_lazy(scene: Scene) -> bool:
     """Whether the scene has lazy volumes, whose samples are read while it is drawn."""
-    return any(isinstance(layer.volume, LazyVolume) for layer in scene.layers)
+    fields = [layer.color_from for layer in scene.layers if layer.color_from is not None]
+    return any(isinstance(one.volume, LazyVolume) for one in (*scene.layers, *fields))
 
 
 def preview_of(scene: Scene) -> Scene:
@@ -26,15 +28,19 @@ def preview_of(scene: Scene) -> Scene:
     for known, copy in _LAST:
         if known is scene:
             return copy
-    layers = []
-    for layer in scene.layers:
-        volume: Any = layer.volume
-        if isinstance(volume, LazyVolume):
-            volume = volume.preview()
-        layers.append(replace(layer, volume=volume))
+    layers = [_copied(layer) for layer in scene.layers]
     # Boxes in samples are in those of the volume itself.
     within = scene._clipping.in_world(scene.layers[0].drawn)
     clips = [*within.planes, *within.boxes, *([within.crop] if within.crop else [])]
     copy = scene.with_(layers=layers, clip=clips)
     _LAST[:] = [(scene, copy)]
     return copy
+
+
+def _copied(layer: Layer) -> Layer:
+    """The layer, and the field that colours it, with a copy in memory of what is lazy."""
+    volume: Any = layer.volume
+    if isinstance(volume, LazyVolume):
+        volume = volume.preview()
+    field = None if layer.color_from is None else _copied(layer.color_from)
+    return replace(layer, volume=volume, color_from=field)

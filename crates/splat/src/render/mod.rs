@@ -11,5 +11,6 @@ pub mod progress;
 pub mod report;
 pub mod segments;
 pub mod shape_plan;
+mod sources;
 pub mod stream;
 pub mod tile;

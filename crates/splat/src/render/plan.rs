@@ -434,7 +434,9 @@ impl ColorPlan {
     fn new(color: &ColorField, map: IndexMap, slab_thickness: f64, field: usize) -> Self {
         let tables = color.cache.get(color.slices, color.transfer_function, slab_thickness);
         let density_from_sample = color.slices.grid().density_from_sample();
-        Self { map, tables, has_mask: color.slices.has_mask(), field, density_from_sample }
+        // Of slices of a survey, which have no samples, the grid tells whether some are missing.
+        let has_mask = color.slices.grid().statistics().n_nonfinite > 0;
+        Self { map, tables, has_mask, field, density_from_sample }
     }
 }
 

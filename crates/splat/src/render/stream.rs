@@ -7,6 +7,9 @@
 //! neighbouring blocks share chunks.
 //!
 //! Pieces are cut at tiles and at sheets, so the picture is bit for bit the one that a single piece gives.
+//!
+//! Sources of samples are the layers, and after them the fields that colour layers, in the order of these. All are held
+//! for the same slabs, each on samples and chunks of its own.
 
 use std::ops::Range;
 
@@ -15,7 +18,6 @@ use crate::render::plan::{FamilyPlan, Plan};
 use crate::render::tile::{TileJob, n_tiles};
 use crate::sheet::spacing::SheetSpacing;
 use crate::sheet::tile_layout::{BLOCK_V, Chunk, TILE_U, TILE_V};
-use crate::source::geometry::SheetGeometry;
 use crate::source::slices::{Slices, needed_samples};
 use wavesplat_compute::parallel;
 use wavesplat_compute::simd::LANES;
@@ -24,7 +26,7 @@ use wavesplat_core::{Error, Result};
 /// A box of samples: ranges along x, y, z.
 pub type IndexBox = [Range<usize>; 3];
 
-/// Storage layout of the samples of a layer.
+/// Storage layout of the samples of a source.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Storage {
     /// Size of a chunk, which is read at once: samples along x, y, z.
@@ -53,11 +55,11 @@ pub struct StreamBlock {
 pub struct StreamStep {
     /// Spaces between two sheets, counted in the order in which rays meet them.
     pub slabs: Range<usize>,
-    /// Per layer: box of samples in memory, from which the slabs are drawn.
+    /// Per source: box of samples in memory, from which the slabs are drawn.
     pub held: Vec<IndexBox>,
-    /// Per layer: parts of `held` that the step before did not hold; some need not be read ([`StreamPlan::reads`]).
+    /// Per source: parts of `held` that the step before did not hold; some need not be read ([`StreamPlan::reads`]).
     pub new: Vec<Vec<IndexBox>>,
-    /// Per layer: end of the slabs that can be drawn from `held`, including those of later steps.
+    /// Per source: end of the slabs that can be drawn from `held`, including those of later steps.
     pub served: Vec<usize>,
 }
 
@@ -99,7 +101,7 @@ impl StreamBlock {
 }
 
 impl StreamPlan {
-    /// Plans the stream of a frame. `slices` and `storage`: per layer. At most `budget_bytes` of samples are in memory
+    /// Plans the stream of a frame. `slices` and `storage`: per source. At most `budget_bytes` of samples are in memory
     /// at once. `n_blocks`: least number of blocks of each base plane, if it has that many tiles. `segment_slices`:
     /// length of a segment in slices; no step crosses the end of a segment.
     pub fn new(
@@ -140,7 +142,7 @@ impl StreamPlan {
         starts.iter().zip(ends).map(|(from, to)| *from..to).collect()
     }
 
-    /// Boxes of a layer that a step of a block reads: the chunks of its new samples (of all held ones, if it
+    /// Boxes of a source that a step of a block reads: the chunks of its new samples (of all held ones, if it
     /// `is_first`) from which something visible is drawn. `states`: of the tiles of the block; tiles whose rays are all
     /// done need no samples.
     #[expect(clippy::too_many_arguments, reason = "the plan, and which step of it")]
@@ -150,7 +152,7 @@ impl StreamPlan {
         slices: &[&Slices],
         block: usize,
         step: usize,
-        layer: usize,
+        source: usize,
         is_first: bool,
         states: &[Option<TileState>],
     ) -> Vec<IndexBox> {
@@ -162,37 +164,28 @@ impl StreamPlan {
         let Some(tiles) = hull_of(block.all_tiles().into_iter().enumerate().filter(|(k, _)| is_alive(*k))) else {
             return Vec::new();
         };
-        let slabs = block.steps[step].slabs.start..block.steps[step].served[layer];
-        let needed = reader.needed(&tiles, &slabs, layer);
-        let margin = reader.margins(&tiles, &slabs, layer);
-        let chunk = self.storage[layer].chunk;
-        let is_read = |part: &IndexBox| match &family.layers[layer].occupancy {
-            _ if (0..3).any(|a| part[a].end <= needed[a].start || part[a].start >= needed[a].end) => false,
-            None => true,
-            Some(occupied) => {
-                let side = occupied.side();
-                let [us, vs, ws] = family.plane.family.axes.map(|a| {
-                    let last = slices[layer].grid().size()[a].saturating_sub(2) / side;
-                    let from = part[a].start.saturating_sub(margin[a]) / side;
-                    [from.min(last), ((part[a].end + margin[a]) / side).min(last)]
-                });
-                occupied.any(us, vs, ws)
-            }
+        let slabs = block.steps[step].slabs.start..block.steps[step].served[source];
+        let needed = reader.needed(&tiles, &slabs, source);
+        let margin = reader.margins(&tiles, &slabs, source);
+        let chunk = self.storage[source].chunk;
+        let is_read = |part: &IndexBox| {
+            let is_needed = (0..3).all(|a| part[a].end > needed[a].start && part[a].start < needed[a].end);
+            is_needed && reader.may_show(part, margin, source)
         };
         let StreamStep { held, new, .. } = &block.steps[step];
-        let new = if is_first { std::slice::from_ref(&held[layer]) } else { &new[layer][..] };
+        let new = if is_first { std::slice::from_ref(&held[source]) } else { &new[source][..] };
         new.iter().flat_map(|part| runs_of_chunks(part, chunk, &is_read)).collect()
     }
 
-    /// Storage layout of the samples of each layer.
+    /// Storage layout of the samples of each source.
     pub fn storage(&self) -> &[Storage] {
         &self.storage
     }
 
-    /// Number of samples of a layer that all steps would read if everything were visible.
-    pub fn n_samples(&self, layer: usize) -> usize {
+    /// Number of samples of a source that all steps would read if everything were visible.
+    pub fn n_samples(&self, source: usize) -> usize {
         let steps = self.blocks.iter().flat_map(|block| &block.steps);
-        steps.flat_map(|step| &step.new[layer]).map(volume_of).sum()
+        steps.flat_map(|step| &step.new[source]).map(volume_of).sum()
     }
 }
 
@@ -379,13 +372,13 @@ impl<'a> Reader<'a> {
             }
             let slabs = start..end;
             let (held, served): (Vec<IndexBox>, Vec<usize>) =
-                (0..self.storage.len()).map(|layer| self.held(tiles, &slabs, &all, layer, ascends, per_step)).unzip();
+                (0..self.storage.len()).map(|source| self.held(tiles, &slabs, &all, source, per_step)).unzip();
             let before = steps.last().map(|step| &step.held);
             let new = held
                 .iter()
                 .enumerate()
-                .map(|(layer, held)| {
-                    before.map_or(vec![held.clone()], |before| beyond_along(axis, held, &before[layer]))
+                .map(|(source, held)| {
+                    before.map_or(vec![held.clone()], |before| beyond_along(axis, held, &before[source]))
                 })
                 .collect();
             steps.push(StreamStep { slabs, held, new, served });
@@ -438,54 +431,71 @@ impl<'a> Reader<'a> {
         if self.family.plane.family.ascending { first..last } else { spacing.n_slabs - last..spacing.n_slabs - first }
     }
 
-    /// Box of the samples of a layer that slabs need.
-    fn needed(&self, tiles: &[Range<usize>; 2], slabs: &Range<usize>, layer: usize) -> IndexBox {
-        let geometry = self.geometry(layer);
+    /// Box of the samples of a source that slabs need.
+    fn needed(&self, tiles: &[Range<usize>; 2], slabs: &Range<usize>, source: usize) -> IndexBox {
+        let geometry = self.job.source(source);
         let [from, to] = texels_of(tiles);
         let reached = geometry.reached(from, to, self.ends(slabs));
-        needed_samples(&reached, &self.plan.layers[layer].grid, geometry.slices.kernel())
+        needed_samples(&reached, geometry.slices.grid(), geometry.slices.kernel())
     }
 
-    /// Box of the samples of a layer that a step holds, and the end of the slabs that it serves. Along w it is rounded
-    /// to whole layers of chunks for the first layer; across w it holds what all slabs need that are drawn from these
-    /// slices.
+    /// Box of the samples of a source that a step holds, and the end of the slabs that it serves. Along w it is rounded
+    /// to whole layers of the source's own chunks, or to `per_step` slices of the first layer where these are fewer;
+    /// across w it holds what all slabs need that are drawn from these slices.
     fn held(
         &self,
         tiles: &[Range<usize>; 2],
         slabs: &Range<usize>,
         all: &Range<usize>,
-        layer: usize,
-        ascends: bool,
+        source: usize,
         per_step: usize,
     ) -> (IndexBox, usize) {
         let axis = self.family.plane.family.axes[2];
-        let own = self.needed(tiles, slabs, layer)[axis].clone();
-        let size = self.plan.layers[layer].grid.size()[axis];
-        // Another layer may run the other way along w.
-        let along = if layer > 0 {
-            own
-        } else if ascends {
-            own.start..(own.end.div_ceil(per_step) * per_step).min(size)
+        let own = self.needed(tiles, slabs, source)[axis].clone();
+        let size = self.job.source(source).slices.grid().size()[axis];
+        // A source may run the other way along w than the first layer, and have other steps.
+        let per_w = self.plan.map_of_source(source)[axis].1;
+        let chunk = self.storage[source].chunk[axis];
+        let slices = (per_step as f64 * (per_w / self.plan.layers[0].map[axis].1).abs()) as usize;
+        let depth = if slices >= chunk { slices / chunk * chunk } else { slices.max(1) };
+        let along = if self.family.plane.family.ascending == (per_w > 0.0) {
+            own.start..(own.end.div_ceil(depth) * depth).min(size)
         } else {
-            own.start / per_step * per_step..own.end
+            own.start / depth * depth..own.end
         };
         let mut end = slabs.end;
         while end < all.end {
-            let next = &self.needed(tiles, &(end..end + 1), layer)[axis];
+            let next = &self.needed(tiles, &(end..end + 1), source)[axis];
             if next.start >= along.end || next.end <= along.start {
                 break;
             }
             end += 1;
         }
-        let mut held = self.needed(tiles, &(slabs.start..end), layer);
+        let mut held = self.needed(tiles, &(slabs.start..end), source);
         held[axis] = along;
         (held, end)
     }
 
+    /// Whether something that samples of a box are needed for may be visible. `margin`: from [`Reader::margins`].
+    fn may_show(&self, part: &IndexBox, margin: [usize; 3], source: usize) -> bool {
+        let layer = self.plan.layer_of_source(source);
+        let Some(occupied) = &self.family.layers[layer].occupancy else { return true };
+        let around = [0, 1, 2].map(|a| [part[a].start.saturating_sub(margin[a]), part[a].end + margin[a]]);
+        let (own, of_layer) = (self.plan.map_of_source(source), self.plan.map_of_source(layer));
+        let last = self.plan.layers[layer].grid.size().map(|n| n.saturating_sub(2) / occupied.side());
+        let [us, vs, ws] = self.family.plane.family.axes.map(|a| {
+            let ends = around[a].map(|at| along(of_layer[a], (at as f64 - own[a].0) / own[a].1));
+            // Positions between samples belong to the cells on both sides.
+            let ends = [ends[0].min(ends[1]).floor(), ends[0].max(ends[1]).ceil()];
+            ends.map(|at| (at.max(0.0) as usize / occupied.side()).min(last[a]))
+        });
+        occupied.any(us, vs, ws)
+    }
+
     /// Margin around an occupied brick that holds all samples needed to draw it, along x, y, z: the extent of a block,
     /// the shear of a slab, the footprint, and the samples that densities are computed from.
-    fn margins(&self, tiles: &[Range<usize>; 2], slabs: &Range<usize>, layer: usize) -> [usize; 3] {
-        let geometry = self.geometry(layer);
+    fn margins(&self, tiles: &[Range<usize>; 2], slabs: &Range<usize>, source: usize) -> [usize; 3] {
+        let geometry = self.job.source(source);
         let [from, to] = texels_of(tiles);
         let ends = self.ends(slabs);
         let n_slabs = slabs.len().max(1) as f64;
@@ -505,12 +515,8 @@ impl<'a> Reader<'a> {
         let middle = geometry.slices.grid().size().map(|n| n / 2);
         let here = middle.map(|m| m..m + 1);
         let reach = geometry.reach();
-        let wide = needed_samples(&here, &self.plan.layers[layer].grid, geometry.slices.kernel());
+        let wide = needed_samples(&here, geometry.slices.grid(), geometry.slices.kernel());
         [0, 1, 2].map(|a| margins[a] + reach + wide[a].len())
-    }
-
-    fn geometry(&self, layer: usize) -> &SheetGeometry<'_> {
-        &self.job.layers[layer].geometry
     }
 
     /// Positions along w of the first and the last sheet of slabs.
@@ -525,6 +531,11 @@ impl<'a> Reader<'a> {
 
 /// Tiles along u and v of a block that is not cut further before steps get thinner.
 const SMALL_BLOCK: [usize; 2] = [8, 16];
+
+/// Position among a source's samples, along one axis, of a position of the frame.
+fn along((origin, per_step): (f64, f64), at: f64) -> f64 {
+    origin + per_step * at
+}
 
 /// First and last texel of a rectangle of tiles.
 fn texels_of(tiles: &[Range<usize>; 2]) -> [[usize; 2]; 2] {

@@ -81,6 +81,8 @@ pub(super) struct TileJob<'a> {
     part: Option<&'a PartPlan>,
     /// Geometry of the fields: where their samples lie on the sheets.
     pub fields: Vec<SheetGeometry<'a>>,
+    /// Number of the fields of light and labels, which come before those that colour layers.
+    pub n_plain_fields: usize,
 }
 
 /// A layer on a base plane: its samples, plan and rays.
@@ -119,7 +121,8 @@ impl<'a> TileJob<'a> {
         };
         let of_colors = colors.zip(&slices[plan.layers.len()..]).map(of_color);
         let fields = plan.fields.fields.iter().map(of_field).chain(of_colors).collect();
-        Self { family, layers, rays, level: plan.simd, part: plan.part.as_ref(), fields }
+        let n_plain_fields = plan.fields.fields.len();
+        Self { family, layers, rays, level: plan.simd, part: plan.part.as_ref(), fields, n_plain_fields }
     }
 
     /// Chunks of rays of a tile, given by its first texel, that may see something, as bits ([`Chunk::index`]).

@@ -56,7 +56,7 @@ class LazyLayers:
         size: tuple[int, int],
         options: DrawOptions,
     ) -> LazyLayers | None:
-        """Volumes of layers, then of fields, as lazy ones; None where none is lazy and no blocks or segments are wanted."""
+        """Volumes of layers, then of fields, as lazy ones; None where none is lazy, and nothing asks for blocks."""
         is_asked_for = options.segments is not None or options.client is not None
         if not is_asked_for and not any(isinstance(volume, LazyVolume) for volume in volumes):
             return None

@@ -60,13 +60,15 @@ from wavesplat._scene.drawn_layers import (
     Curves,
     DrawnLayer,
     DrawnLayers,
+    colors_of,
     drawn_layers,
     drawn_volumes,
+    for_module,
     identity_of,
     slice_source,
+    sources_of,
     why_no_brain,
 )
-from wavesplat._scene.drawn_sources import colors_of, for_module, sources_of
 from wavesplat._scene.measured_errors import MeasuredErrors
 from wavesplat._scene.reporting import facts_of
 from wavesplat._scene.scene_shapes import also_in_view, facts_of_geometry, notes_on_geometry, shapes_of, with_text

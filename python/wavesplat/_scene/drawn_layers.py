@@ -25,6 +25,7 @@ from wavesplat._looks.overlays import MAPPED_KINDS, OVERLAY_MAPS, cleared, mappe
 from wavesplat._looks.tables import without_table
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
+from wavesplat._model.composites import Operator
 from wavesplat._model.cutting import Boxes, in_samples_of
 from wavesplat._model.lazy_changes import compare
 from wavesplat._model.lazy_volume import LazyVolume
@@ -41,6 +42,8 @@ from wavesplat._scene.slice_cards import SliceLayer, SliceSource
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from wavesplat._looks.shading import Shading
+    from wavesplat._render.lazy_layers import LazyLayers
     from wavesplat._scene.layer import AnyLook, Layer
     from wavesplat._scene.scene import Scene
 
@@ -48,8 +51,10 @@ __all__ = [
     "Curves",
     "DrawnLayer",
     "DrawnLayers",
+    "colors_of",
     "drawn_layers",
     "drawn_volumes",
+    "for_module",
     "identity_of",
     "is_automatic",
     "look_over_others",
@@ -57,6 +62,7 @@ __all__ = [
     "operator_name",
     "seen_parts",
     "slice_source",
+    "sources_of",
     "why_no_brain",
 ]
 
@@ -405,3 +411,39 @@ def _free_color(volume: Volume | WaveletVolume, taken: Sequence[Rgb]) -> Rgb:
         if all(max(abs(a - b) for a, b in zip(color, other, strict=True)) >= SAME_COLOR for other in taken):
             return color
     return CHANNEL_COLORS[len(taken) % len(CHANNEL_COLORS)]
+
+
+# Sources of samples: the layers, and after them the fields that colour layers, in the order of these.
+
+
+def sources_of(layers: Sequence[DrawnLayer]) -> list[Volume | WaveletVolume]:
+    """The volumes as drawn."""
+    return [layer.seen for layer in layers] + [layer.color.seen for layer in layers if layer.color is not None]
+
+
+def colors_of(
+    layers: Sequence[DrawnLayer], functions: Sequence[Curves], operator: Operator
+) -> list[TransferFunction | None]:
+    """The transfer function of the field that colours each layer; None without one."""
+    pairs = zip(layers, functions, strict=True)
+    return [None if layer.color is None else layer.color.function_at(function, operator) for layer, function in pairs]
+
+
+def for_module(
+    layers: Sequence[DrawnLayer],
+    functions: Sequence[Curves],
+    lights: Sequence[Shading | None],
+    colors: Sequence[TransferFunction | None],
+    lazy: LazyLayers | None,
+) -> list[tuple[Any, Any, Any, Any]]:
+    """The layers for the compiled module: volume, transfer function, light, and the field that colours it."""
+    if lazy is not None:
+        return lazy.for_module(functions, lights, colors)
+    fields = [
+        None if layer.color is None or color is None else (layer.color.seen._core, color._core)
+        for layer, color in zip(layers, colors, strict=True)
+    ]
+    return [
+        (layer.core, function._core, None if light is None else light._core, field)
+        for layer, function, light, field in zip(layers, functions, lights, fields, strict=True)
+    ]

@@ -337,7 +337,9 @@ describe("messages", () => {
   });
 
   test("an answer of another kind fails the question", async () => {
-    expect(() => parseAnswer("pick", { point: [1, 2] }, new Uint8Array())).toThrow("answer to pick: point is");
+    expect(() => parseAnswer("pick", { point: [1, 2], values: [] }, new Uint8Array())).toThrow("answer to pick: point is");
+    const value = { name: "density", value: "3", unit: "" };
+    expect(() => parseAnswer("pick", { point: [1, 2, 3], values: [value] }, new Uint8Array())).toThrow("value is");
     const all = fakeSession();
     all.open();
     const asked = all.engine.ask("code", { as: "state", ...SAVED });

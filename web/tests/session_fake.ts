@@ -16,7 +16,7 @@ export const WELCOME: Header = {
     name: "ripples", shape: [16, 16, 16], spacing: [1, 1, 1], unit: null, value_unit: "", kind: "ct", range: [0, 1],
     robust_range: [0, 1], bounds: [[0, 0, 0], [15, 15, 15]], is_anatomical: false, n_times: 1,
     dtype: "float32", orientation: null, notes: [],
-    affine: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]],
+    affine: [[1, 0, 0, 0], [0, 1, 0, 0], [0, 0, 1, 0], [0, 0, 0, 1]], color_field: null,
   }],
   bounds: [[0, 0, 0], [15, 15, 15]], presets: [], composites: ["over"], kernels: ["linear"], window_names: { bone: [480, 2500] },
   standard_views: { front: STATE.camera }, upright: [0, 0, 1], axis_ends: ["-x", "+x", "-y", "+y", "-z", "+z"], fingerprint: "sha256:1",

@@ -21,6 +21,7 @@ from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._render.windows import CT_WINDOWS
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import Scene
+from wavesplat._viewer.color_fields import color_fields_of
 from wavesplat._viewer.framing import PROTOCOL
 from wavesplat._viewer.state import ViewerState
 
@@ -52,7 +53,10 @@ def data_of(state: ViewerState) -> dict[str, Any]:
     first = scene.layers[0].drawn
     fitting = [{preset.name for preset in presets.fitting(layer.drawn)} for layer in scene.layers]
     return {
-        "volumes": [_volume(layer) for layer in scene.layers],
+        "volumes": [
+            {**_volume(layer), "color_field": field}
+            for layer, field in zip(scene.layers, color_fields_of(scene), strict=True)
+        ],
         "bounds": scene.bounds.tolist(),
         "presets": [
             {

@@ -20,6 +20,7 @@ from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
 from wavesplat._scene import scene_json
 from wavesplat._viewer import code, encoding, export_html
+from wavesplat._viewer.color_fields import values_at
 from wavesplat._viewer.framed_cameras import framed, kept_in_view
 from wavesplat._viewer.info import data_of, fingerprint_of
 from wavesplat._viewer.measuring import label_statistics, region_statistics
@@ -161,10 +162,13 @@ def _label_statistics(state: ViewerState, _: Mapping[str, Any], __: Progress) ->
 
 
 def _pick(state: ViewerState, arguments: Mapping[str, Any], progress: Progress) -> Answer:
-    """The world point where opacity reaches one half at a pixel; in projections none."""
+    """The world point where opacity reaches one half at a pixel, in projections none; values there of two fields."""
     sight = sight_at(state.camera, _place(arguments, "pick"), _size(arguments))
     near = depth_of_matter(state, sight, progress)
-    return {"point": None if near is None else sight.point_at(near).tolist()}, b""
+    if near is None:
+        return {"point": None, "values": []}, b""
+    point = sight.point_at(near)
+    return {"point": point.tolist(), "values": values_at(state.scene, point)}, b""
 
 
 def _shape(state: ViewerState, arguments: Mapping[str, Any], progress: Progress) -> Answer:

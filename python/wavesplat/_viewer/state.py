@@ -362,6 +362,8 @@ def _as_of_all_samples(document: dict[str, Any], scene: Scene) -> None:
     own = scene_json.document_of(scene, strict=False)
     for found, layer in zip(document["layers"], own["layers"], strict=True):
         found["volume"] = layer["volume"]
+        if "color_from" in found:
+            found["color_from"]["volume"] = layer["color_from"]["volume"]
     for name in set(own) - {"layers", "camera", "render", "background", "shading"}:
         document[name] = own[name]
 

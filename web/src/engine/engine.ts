@@ -5,6 +5,22 @@ import type { Camera, Look, SliceColors, Vec3, ViewName, ViewerState } from "../
 import type { SliceValuesHeader } from "./slice_values.ts";
 import type { Stop } from "../state/store.ts";
 
+/** The field that gives a layer its colours, which the page shows and does not change. */
+export interface ColorFieldInfo {
+  readonly name: string;
+  /** Unit of its values; "" where unknown. */
+  readonly value_unit: string;
+  /** Nodes of its colours: value, red, green, blue; colours 0..1. */
+  readonly color: readonly (readonly [number, number, number, number])[];
+}
+
+/** A value at a picked place; null outside of the samples, and where it is missing. */
+export interface PickedValue {
+  readonly name: string;
+  readonly value: number | null;
+  readonly unit: string;
+}
+
 export interface VolumeInfo {
   readonly name: string;
   /** Samples along x, y, z. */
@@ -31,6 +47,8 @@ export interface VolumeInfo {
   readonly n_times: number;
   /** 4 x 4, rows: index (x, y, z) to world. */
   readonly affine: readonly (readonly number[])[];
+  /** The field that gives the layer its colours; null where these are of its own values. */
+  readonly color_field: ColorFieldInfo | null;
 }
 
 export interface PresetInfo {
@@ -216,7 +234,7 @@ export interface Questions {
     answer: { labels: LabelFacts[] };
   };
   /** The world point that is seen at a pixel of the 3-D view (fractions 0..1 from the top left), or null. */
-  pick: { question: { x: number; y: number; width: number; height: number }; answer: { point: Vec3 | null } };
+  pick: { question: { x: number; y: number; width: number; height: number }; answer: { point: Vec3 | null; values: readonly PickedValue[] } };
   /** The shape that is seen at a pixel of the 3-D view (fractions as for `pick`), or null; `text` is for people. */
   shape: {
     question: { x: number; y: number; width: number; height: number };

@@ -22,6 +22,7 @@ export type Message =
 const open = (known: Readonly<Record<string, Check>>): Check => fields({ ...known, "*": any }, "message");
 const orNull = (check: Check): Check => either(null, check);
 const pair = list(number(), 2, 2);
+const colorNodes = list(list(number(), 4, 4));
 const box = list(point, 2, 2);
 const views = oneOf("3d", ...PANES);
 const operations = list(
@@ -39,10 +40,10 @@ const volume = open({
   name: text, shape: point, spacing: point, unit: orNull(text), value_unit: text, kind: text, range: pair, robust_range: pair,
   bounds: box, is_anatomical: flag, n_times: whole, dtype: text, orientation: orNull(text), notes: list(text),
   affine: list(list(number(), 4, 4), 4, 4),
+  color_field: orNull(open({ name: text, value_unit: text, color: colorNodes })),
 });
 const look = open({ transfer_function: open({}) });
 const bytes = open({});
-const colorNodes = list(list(number(), 4, 4));
 /** How the values of a slice become colours. */
 const values = open({
   layers: list(
@@ -114,7 +115,7 @@ const ANSWERS: Readonly<Record<Question, Check>> = {
       }),
     ),
   }),
-  pick: open({ point: orNull(point) }),
+  pick: open({ point: orNull(point), values: list(open({ name: text, value: orNull(number()), unit: text })) }),
   shape: open({
     shape: orNull(open({ kind: text, name: text, part: orNull(whole), label: text, value: orNull(number()), point, text })),
   }),

@@ -1,6 +1,6 @@
 // The 3-D view: gestures, wheel and keys that move the camera, and the overlay of the picture.
 
-import type { Frame, Problem } from "../engine/engine.ts";
+import type { Frame, PickedValue, Problem, Questions } from "../engine/engine.ts";
 import * as cameras from "../input/camera.ts";
 import type { Gesture } from "../input/gestures.ts";
 import type { Action } from "../input/keys.ts";
@@ -8,7 +8,7 @@ import { leveled, turnedUpright } from "../input/turntable.ts";
 import { set } from "../state/patch.ts";
 import type { Camera, Vec3 } from "../state/state.ts";
 import type { Store } from "../state/store.ts";
-import { placeText, sceneLabel } from "./descriptions.ts";
+import { placeText, sceneLabel, shortNumber } from "./descriptions.ts";
 import { WORDS } from "../words.ts";
 import { windowDrag } from "./look/window_drag.ts";
 import { SceneOverlay } from "./overlay3d/scene_overlay.tsx";
@@ -115,7 +115,7 @@ export function SceneView(props: PartProps) {
         settleSoon(store);
       }}
       onResize={(size) => void ui.camera.resized(size)}
-      onHover={(place, size) => ui.probe(place && store.state.geometry.length > 0 ? () => shapeAt(props, place, size) : null)}
+      onHover={(place, size) => ui.probe(place && hasSomethingToTell(props) ? () => textAt(props, place, size) : null)}
       transform={(frame, size) => instant(frame, camera(), size)}
     >
       {(frame, size) => (
@@ -147,6 +147,24 @@ export function settleSoon(store: Store): void {
 
 const placed = (x: number, y: number, { width, height }: CssSize) => ({ x, y, width: Math.round(width), height: Math.round(height) });
 
+/** Whether there are shapes, or layers of two fields, which the line under the pointer tells. */
+const hasSomethingToTell = ({ store, welcome }: PartProps): boolean =>
+  store.state.geometry.length > 0 || welcome.volumes.some(({ color_field }) => color_field !== null);
+
+/** The shape under the pointer, else the values of layers of two fields. */
+async function textAt(props: PartProps, place: Place, size: CssSize): Promise<string> {
+  const shape = props.store.state.geometry.length > 0 ? await shapeAt(props, place, size) : "";
+  if (shape !== "" || !props.welcome.volumes.some(({ color_field }) => color_field !== null)) return shape;
+  return valuesText(await props.engine.ask("pick", placed(place.x / size.width, place.y / size.height, size)), props);
+}
+
+function valuesText({ point, values }: Questions["pick"]["answer"], { welcome }: PartProps): string {
+  if (point === null || values.length === 0) return "";
+  const text = ({ name, value, unit }: PickedValue): string =>
+    WORDS.scene.valueOf(name, value === null ? WORDS.scene.unknown : `${shortNumber(value, 4)} ${unit}`.trim());
+  return WORDS.slices.at(values.map(text).join(", "), placeText(point, welcome));
+}
+
 async function shapeAt({ engine, welcome }: PartProps, { x, y }: Place, size: CssSize): Promise<string> {
   const { shape } = await engine.ask("shape", placed(x / size.width, y / size.height, size));
   return shape === null ? "" : WORDS.slices.at(shape.text, placeText(shape.point, welcome));
@@ -158,10 +176,13 @@ const isMeasuring = (tool: Tool): boolean => tool === "distance" || tool === "an
 export async function pick(props: PartProps, x: number, y: number, size: CssSize): Promise<boolean> {
   const { engine, store, ui } = props;
   try {
-    const { point } = await engine.ask("pick", placed(x, y, size));
+    const answer = await engine.ask("pick", placed(x, y, size));
+    const { point } = answer;
     if (point === null) ui.announce(WORDS.scene.nothingThere);
     else if (isMeasuring(ui.tool)) ui.addPoint(point);
     else store.change(crosshairAt(store.state, point));
+    const text = valuesText(answer, props);
+    if (text !== "") ui.tell(text);
     return point !== null;
   } catch (problem) {
     ui.problem(problem as Problem);

@@ -110,21 +110,26 @@ function ScaleBar({ welcome, camera, size }: PartProps & { camera: Camera; size:
   );
 }
 
-/** A bar of the colours of values, for a projection or a look. */
+/** A bar of the colours of values, for a projection or a look; of the field that gives a layer its colours, if one does. */
 function ColorBar({ store, welcome, ui }: PartProps) {
   const layer = store.state.layers[ui.layer];
   const info = welcome.volumes[ui.layer];
   if (layer === undefined || info === undefined || !("color" in layer.look.transfer_function)) return null;
-  const points = layer.look.transfer_function.color as readonly ColorPoint[];
+  const field = info.color_field;
+  const points = field?.color ?? (layer.look.transfer_function.color as readonly ColorPoint[]);
   const [first, last] = [points[0], points.at(-1)];
   if (first === undefined || last === undefined || first[0] === last[0]) return null;
   const stops = points.map(
     ([value, ...rgb]) =>
       `rgb(${rgb.map((one) => Math.round(255 * one)).join()}) ${(100 * (value - first[0])) / (last[0] - first[0])}%`,
   );
+  const unit = (field ?? info).value_unit;
+  const ends = [shortNumber(first[0]), shortNumber(last[0]), unit] as const;
+  const label = field === null ? WORDS.scene.colorBar(...ends) : WORDS.scene.fieldBar(field.name, ...ends);
   return (
-    <div class="corner right low color-bar" role="img" aria-label={WORDS.scene.colorBar(shortNumber(first[0]), shortNumber(last[0]), info.value_unit)}>
-      <span>{`${shortNumber(last[0])} ${info.value_unit}`}</span>
+    <div class="corner right low color-bar" role="img" aria-label={label.trim()}>
+      {field !== null && <span class="name">{field.name}</span>}
+      <span>{`${shortNumber(last[0])} ${unit}`}</span>
       <span class="ramp" style={{ background: `linear-gradient(to top, ${stops.join(", ")})` }} />
       <span>{shortNumber(first[0])}</span>
     </div>

@@ -129,17 +129,17 @@ class Counting:
         return [self.read(*box) for box in boxes]
 
 
-def zarr_path() -> Path:
-    """Path of the Zarr array on disk, which is made if it is missing."""
+def zarr_path(side: int = SIDE) -> Path:
+    """Path of the Zarr array of `side`^3 samples on disk, which is made if it is missing."""
     import zarr
 
-    path = FOLDER / f"shells-{SIDE}.zarr"
+    path = FOLDER / f"shells-{side}.zarr"
     if not (path / "done").exists():
         FOLDER.mkdir(parents=True, exist_ok=True)
-        source = MadeUp((SIDE, SIDE, SIDE))
+        source = MadeUp((side, side, side))
         array = zarr.create_array(path, shape=source.shape, chunks=source.chunks, dtype="u1", overwrite=True)
-        for z in range(0, SIDE, CHUNK):
-            array[z : z + CHUNK] = source.read((z, 0, 0), (z + CHUNK, SIDE, SIDE))
+        for z in range(0, side, CHUNK):
+            array[z : z + CHUNK] = source.read((z, 0, 0), (z + CHUNK, side, side))
         (path / "done").touch()
     return path
 
@@ -190,6 +190,33 @@ def one(memory: str | None, size: int, keep: str) -> dict[str, Any]:
     volume, counting = opened(memory, keep)
     picture = ws.render(volume, LOOK, camera_of(volume.shape), size=(size, size))
     return told(begun, picture, counting)
+
+
+def first_reads(memory: str, look: ws.Look | None) -> dict[str, Any]:
+    """Count the reads of the chunks of 768^3 samples by the pass before a first picture, and by the picture."""
+    import zarr
+
+    from wavesplat._model.lazy_array import lazy_array
+
+    counting = Counting(lazy_array(zarr.open_array(zarr_path(768), mode="r")).levels[0])
+    volume: Any = ws.Volume.lazy(counting, memory=memory, cache=False)
+    begun = time.perf_counter()
+    volume.survey(0, "linear")
+    passed, of_pass = time.perf_counter() - begun, counting.counts.copy()
+    reading = counting.seconds
+    counting.counts.clear()
+    picture = ws.render(volume, look, camera_of(volume.shape), size=(512, 512))
+    n = math.prod(-(-n // CHUNK) for n in volume.shape)
+    return {
+        "chunks": n,
+        "reads_by_the_pass": round(sum(of_pass.values()) / n, 3),
+        "chunks_of_the_picture": round(len(counting.counts) / n, 3),
+        "reads_by_the_picture": round(sum(counting.counts.values()) / n, 3),
+        "pass_s": round(passed, 2),
+        "pass_reading_s": round(reading, 2),
+        "picture_reading_s": round(counting.seconds - reading, 2),
+        **told(begun, picture),
+    }
 
 
 def huge(memory: str, size: int, keep: str) -> dict[str, Any]:
@@ -347,6 +374,8 @@ CASES: dict[str, Callable[[], dict[str, Any]]] = {
     "2048^3 in memory": lambda: one(None, 1024, ""),
     "2048^3 lazily, the first picture": lambda: one("512 MB", 1024, str(FOLDER / "first" / str(os.getpid()))),
     "2048^3 lazily, bounds kept": lambda: kept_twice("512 MB", 1024),
+    "768^3 in 300 MB, reads of the first picture": lambda: first_reads("300 MB", LOOK),
+    "768^3 in 300 MB, reads of the first picture, look by itself": lambda: first_reads("300 MB", None),
     "100 GB made up, the first picture": lambda: huge("1 GB", 1024, str(FOLDER / "first" / str(os.getpid()))),
     "reading as slow as drawing": lambda: slow("1.0"),
     "reading half as slow": lambda: slow("0.5"),
@@ -370,10 +399,12 @@ def told_by(name: str) -> dict[str, Any]:
 
 def table(only: str = "") -> str:
     """Run all cases whose names contain `only`; the results as lines of Markdown."""
-    zarr_path()
     lines = []
     for name in CASES:
         if only in name:
+            for side in (768, SIDE):
+                if f"{side}^3" in name:
+                    zarr_path(side)  # that making it is no part of a case
             if "kept" in name:
                 told_by(name)  # keeps the bounds
             facts = told_by(name)

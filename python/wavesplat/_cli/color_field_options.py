@@ -60,10 +60,12 @@ def color_layer(text: str, input: str, reader: ReaderOptions, *, has_times: bool
     with warnings_as_notes(quiet=quiet):
         volume = _opened(said, text, input, reader, has_times=has_times)
         seen: Any = brightest(volume) if isinstance(volume, Series) else volume
+        # The last part of its name, as colour bars have it.
+        name = None if said.dataset is None else said.dataset.rpartition("/")[2]
         if said.colormap is None and said.window is None:
-            return Layer(volume, name=said.dataset)
+            return Layer(volume, name=name)
         try:
-            return Layer(volume, field_colors(seen, said.colormap, said.window), name=said.dataset)
+            return Layer(volume, field_colors(seen, said.colormap, said.window), name=name)
         except ArgumentError as error:
             raise ArgumentError(f"--color-by is {SYNTAX}: {error}") from None
 

@@ -14,6 +14,13 @@ from wavesplat._files.bounded_file import BoundedFile
 from wavesplat._files.npz import check_members, npy_header
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts, quantity_of
+from wavesplat._readers.components import (
+    N_COMPONENTS,
+    check_vectors,
+    component_of,
+    has_vectors,
+    quantity_of_array,
+)
 from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, one_volume_of, several, unwarned
 from wavesplat.errors import ArgumentError, FileError
 
@@ -29,6 +36,11 @@ def read(request: Request) -> Grid:
     path = request.file
     with reading("a NumPy file", path), unwarned("numpy"):
         name, array = _from_npz(request) if zipfile.is_zipfile(path) else (None, _from_npy(request))
+        if has_vectors(array.shape, array.dtype, request):
+            samples, told = component_of(array, request, name or path.name)
+            quantity = quantity_of_array(name or "", N_COMPONENTS, array.dtype, request)
+            return Grid(np.array(samples), np.eye(4), Facts(quantity=quantity, guesses=told))
+        check_vectors(request, name or path.name)
         samples = array[index_unnamed_axes(array.shape, request)]
         samples = np.array(samples) if isinstance(array, np.memmap) else samples
         return Grid(samples, np.eye(4), Facts(quantity=quantity_of(name), n_times=n_times_of(array.shape, request)))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -12,7 +13,18 @@ from wavesplat._model.facts import quantity_of
 from wavesplat._readers.request import Request, choose
 from wavesplat.errors import ArgumentError
 
-__all__ = ["AXES", "N_COMPONENTS", "component_of", "length_of", "number_of_component", "quantity_of_array"]
+__all__ = [
+    "AXES",
+    "N_COMPONENTS",
+    "as_channel",
+    "check_vectors",
+    "component_of",
+    "has_vectors",
+    "length_of",
+    "named_component",
+    "number_of_component",
+    "quantity_of_array",
+]
 
 AXES = "xyz"
 #: Components of a vector.
@@ -57,9 +69,20 @@ def component_of(numbers: NDArray[Any], request: Request, name: str) -> tuple[ND
 def quantity_of_array(name: str, n: int, dtype: np.dtype[Any], request: Request) -> str | None:
     """The name of what is drawn of an array of `n` components, such as "velocity magnitude"."""
     quantity = quantity_of(name)
-    if quantity is None or n == 1 or not _are_vectors(n, dtype, request):
+    if n == 1 or not _are_vectors(n, dtype, request):
         return quantity
-    return f"{quantity} {request.component or 'magnitude'}"
+    return named_component(quantity, replace(request, component=request.component or "magnitude"))
+
+
+def named_component(quantity: str | None, request: Request) -> str | None:
+    """The name of the component that is asked for, such as "velocity x"; the quantity itself where none is."""
+    return quantity if quantity is None or request.component is None else f"{quantity} {request.component}"
+
+
+def check_vectors(request: Request, name: str) -> None:
+    """Raise an `ArgumentError` where a component is asked for of an array that turned out to hold no vectors."""
+    if request.component is not None:
+        raise ArgumentError(f"component={request.component!r}, but {name!r} holds no vectors: {request.path}")
 
 
 def number_of_component(n: int, dtype: np.dtype[Any], request: Request, name: str) -> int:
@@ -71,6 +94,27 @@ def number_of_component(n: int, dtype: np.dtype[Any], request: Request, name: st
         )
     numbers = np.arange(n)[None]
     return int(component_of(numbers.astype(dtype), request, name)[0][0])
+
+
+def has_vectors(shape: Sequence[int], dtype: np.dtype[Any], request: Request) -> bool:
+    """Whether the last axis of an array is one of components: three, of floats, where the others are longer."""
+    if len(shape) != 4 or request.time is not None or request.channel is not None:
+        return False
+    if request.component is not None:
+        return shape[-1] == N_COMPONENTS
+    return shape[-1] == N_COMPONENTS and min(shape[:3]) > N_COMPONENTS and dtype.kind == "f"
+
+
+def as_channel(shape: Sequence[int], dtype: np.dtype[Any], request: Request) -> Request:
+    """The request with a component as the number of a channel, for samples that are read in parts."""
+    if not has_vectors(shape, dtype, request):
+        return request
+    if request.component in (None, "magnitude"):
+        raise ArgumentError(
+            "the array holds vectors, whose length is not made of parts; choose one component, as "
+            f'component="x" (--component x), or leave out memory=: {request.path}'
+        )
+    return replace(request, channel=AXES.index(request.component), component=None)
 
 
 def length_of(components: Sequence[NDArray[Any]]) -> NDArray[Any]:

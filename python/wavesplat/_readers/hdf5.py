@@ -16,7 +16,7 @@ from wavesplat._model.facts import Facts, quantity_of, value_unit_of
 from wavesplat._model.hdf5_files import read_hdf5
 from wavesplat._model.hdf5_place import Place, place_of
 from wavesplat._readers import hdf5_vectors, theta_modes
-from wavesplat._readers.components import AXES, length_of
+from wavesplat._readers.components import AXES, check_vectors, has_vectors, length_of
 from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, several
 from wavesplat._readers.vtk_arrays import other_grid
 from wavesplat.errors import ArgumentError, FileError
@@ -47,13 +47,11 @@ def read(request: Request) -> Grid:
 def _read(request: Request) -> Grid:
     with read_hdf5(request.file) as file:
         dataset = chosen_dataset(file, request)
-        if are_vectors := hdf5_vectors.has_vectors(dataset.shape, dataset.dtype, request):
+        if are_vectors := has_vectors(dataset.shape, dataset.dtype, request):
             of_axis = None if request.component == "magnitude" else request.component
             request = replace(request, channel="xyz".index(of_axis or "x"))
-        elif request.component is not None:
-            raise ArgumentError(
-                f"component={request.component!r}, but {dataset.name!r} holds no vectors: {request.path}"
-            )
+        else:
+            check_vectors(request, dataset.name)
         index = index_unnamed_axes(dataset.shape, request)
         shape = sorted(dataset.shape)[-3:] if len(index) > 1 else dataset.shape
         size_checks.check_memory(size_checks.n_bytes(shape, dataset.dtype), request.path)
@@ -175,6 +173,10 @@ def _dataset(file: h5py.File, request: Request) -> h5py.Dataset:
     if request.dataset is not None:
         check_way(file, request.dataset, request)
         node = file.get(request.dataset)
+        # The last part of a name will do where one dataset alone has it.
+        ends = [name for name in found if name.rpartition("/")[2] == request.dataset]
+        if not isinstance(node, h5py.Dataset) and len(ends) == 1:
+            return found[ends[0]]
         if not isinstance(node, h5py.Dataset):
             raise ArgumentError(f"no dataset {request.dataset!r}; the file holds: {listed}: {request.path}")
         return node

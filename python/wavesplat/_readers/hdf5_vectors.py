@@ -5,7 +5,7 @@ Source of records: https://github.com/openPMD/openPMD-standard, STANDARD.md, "Sc
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
@@ -13,14 +13,14 @@ import numpy as np
 
 from wavesplat._model.facts import quantity_of
 from wavesplat._readers import theta_modes
-from wavesplat._readers.components import AXES, N_COMPONENTS, length_of
+from wavesplat._readers.components import AXES, length_of
 from wavesplat._readers.request import Grid, Request
 from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
     import h5py
 
-__all__ = ["TOLD", "as_channel", "check_geometry", "components_of_record", "has_vectors", "length_of_record"]
+__all__ = ["TOLD", "check_geometry", "components_of_record", "length_of_record"]
 
 #: Openings of a sentence about vectors of which no component is chosen.
 TOLD = '{!r} holds vectors, of which the length is drawn; or component="x" (--component x)'
@@ -63,27 +63,6 @@ def length_of_record(components: dict[str, str], request: Request, read: Callabl
         replace(first.facts, quantity=f"{quantity} magnitude" if quantity else None, guesses=tuple(guesses)),
         first.losses,
     )
-
-
-def has_vectors(shape: Sequence[int], dtype: np.dtype[Any], request: Request) -> bool:
-    """Whether the last axis of an array is one of components: three, of floats, where the others are longer."""
-    if len(shape) != 4 or request.time is not None or request.channel is not None:
-        return False
-    if request.component is not None:
-        return shape[-1] == N_COMPONENTS
-    return shape[-1] == N_COMPONENTS and min(shape[:3]) > N_COMPONENTS and dtype.kind == "f"
-
-
-def as_channel(shape: Sequence[int], dtype: np.dtype[Any], request: Request) -> Request:
-    """The request with a component as the number of a channel, for samples that are read in parts."""
-    if not has_vectors(shape, dtype, request):
-        return request
-    if request.component in (None, "magnitude"):
-        raise ArgumentError(
-            "the array holds vectors, whose length is not made of parts; choose one component, as "
-            f'component="x" (--component x), or leave out memory=: {request.path}'
-        )
-    return replace(request, channel=AXES.index(request.component), component=None)
 
 
 def check_geometry(node: Any, request: Request) -> None:

@@ -44,7 +44,7 @@ from wavesplat._readers import (
     raw,
     vtk_legacy,
 )
-from wavesplat._readers.components import quantity_of_array
+from wavesplat._readers.components import as_channel, check_vectors, named_component, quantity_of_array
 from wavesplat._readers.hdf5_levels import StoredImage, lazy_levels_of
 from wavesplat._readers.request import Request, index_unnamed_axes, n_times_of, quiet
 from wavesplat._readers.stored_samples import stored_samples
@@ -112,13 +112,16 @@ def _of_npy(request: Request) -> LazyGrid:
         offset = file.tell()
     if n_bytes is not None:
         size_checks.check_stored(shape, dtype, max(start + n_bytes - offset, 0), path, held=(1,))
+    quantity = named_component(quantity_of(name), request)
+    request = as_channel(shape, dtype, request)
+    check_vectors(request, name or path.name)
     order, picked = _unnamed(shape, request)
     if is_fortran:
         # The first axis is the fastest: the same array with its axes the other way round.
         last = len(shape) - 1
         order, picked = (last - order[0], last - order[1], last - order[2]), picked[::-1]
     array = stored_samples(path, dtype, offset, shape[::-1] if is_fortran else shape, order=order, picked=picked)
-    return LazyGrid([array], [np.eye(4)], Facts(quantity=quantity_of(name), n_times=n_times_of(shape, request)))
+    return LazyGrid([array], [np.eye(4)], Facts(quantity=quantity, n_times=n_times_of(shape, request)))
 
 
 def _of_raw(request: Request) -> LazyGrid:
@@ -266,7 +269,7 @@ def _of_hdf5(request: Request) -> LazyGrid:
             size_checks.check_stored(one, dataset.dtype, stored, request.path, ratio=size_checks.ANY_RATIO, held=(1,))
         place = hdf5.place_of(dataset)
         component = request.component
-        request = hdf5_vectors.as_channel(dataset.shape, dataset.dtype, request)
+        request = as_channel(dataset.shape, dataset.dtype, request)
         order, picked = _unnamed(dataset.shape, request)
         zyx = (order[place.zyx[0]], order[place.zyx[1]], order[place.zyx[2]])
         chunks = dataset.chunks or [1] * (len(dataset.shape) - 2) + list(dataset.shape[-2:])

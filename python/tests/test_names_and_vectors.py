@@ -1,4 +1,4 @@
-"""Datasets by the last part of their name, and vectors in files of NumPy (F6 of sim.md)."""
+"""Datasets by the last part of their name, and vectors in files of NumPy and plain Zarr arrays (F6 of sim.md)."""
 
 from __future__ import annotations
 
@@ -8,6 +8,7 @@ from typing import Any
 import h5py
 import numpy as np
 import pytest
+import zarr
 
 import wavesplat as ws
 from wavesplat.errors import ArgumentError
@@ -31,13 +32,15 @@ def test_the_last_part_of_a_name_will_do_where_one_dataset_has_it(tmp_path: Path
             ws.open(tmp_path / "a.h5", dataset=name, **lazily)
 
 
-@pytest.mark.parametrize("name", ["v.npy", "v.npz"])
-def test_vectors_of_numpy_are_drawn_by_their_length(tmp_path: Path, name: str) -> None:
+@pytest.mark.parametrize("name", ["v.npy", "v.npz", "v.zarr"])
+def test_vectors_are_drawn_by_their_length(tmp_path: Path, name: str) -> None:
     path = tmp_path / name
     if name == "v.npy":
         np.save(path, VECTORS)
-    else:
+    elif name == "v.npz":
         np.savez(path, velocity=VECTORS)
+    else:
+        zarr.create_array(path, data=VECTORS, chunks=(4, 7, 5, 3))
     length = ws.open(path)
     np.testing.assert_array_equal(np.asarray(length), np.sqrt((VECTORS**2).sum(-1, dtype=np.float32)))
     assert any("of which the length is drawn" in guess for guess in length.facts.guesses)

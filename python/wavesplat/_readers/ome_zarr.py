@@ -24,6 +24,15 @@ from wavesplat._files.zarr_stores import place_of, store_of
 from wavesplat._model.facts import Facts, quantity_of
 from wavesplat._readers import ome_zarr_layout as layout
 from wavesplat._readers import zarr_metadata
+from wavesplat._readers.components import (
+    N_COMPONENTS,
+    as_channel,
+    check_vectors,
+    component_of,
+    has_vectors,
+    named_component,
+    quantity_of_array,
+)
 from wavesplat._readers.ome_zarr_facts import Axes, channels_of, facts_of
 from wavesplat._readers.request import Grid, Request, choose, index_unnamed_axes, n_times_of, requested, several
 from wavesplat.errors import ArgumentError, FileError, WavesplatError
@@ -43,16 +52,26 @@ def read(request: Request) -> Grid:
         node, request, notes = _opened_image(request)
         multiscales = _multiscales(node)
         if multiscales is not None:
+            check_vectors(request, request.dataset or "the image")
             grid = _read_level(node, multiscales, request)
             return grid._replace(facts=_with_guesses(grid.facts, notes))
         if not hasattr(node, "shape"):
             raise _no_array(request)
         _check_level(1, request)
-        index = index_unnamed_axes(node.shape, request)
         zarr_metadata.check_numbers(node, request.safe_path)
+        name = request.dataset or request.name
+        if are_vectors := has_vectors(node.shape, node.dtype, request):
+            index: tuple[Any, ...] = (...,)
+        else:
+            check_vectors(request, name)
+            index = index_unnamed_axes(node.shape, request)
         check_chunks(node, _all_axes(index, node.ndim), request.safe_path)
-        samples = _samples(node, index)
-        facts = Facts(quantity=quantity_of(request.dataset), n_times=n_times_of(node.shape, request))
+        samples, told = _samples(node, index), tuple[str, ...]()
+        quantity = quantity_of(request.dataset)
+        if are_vectors:
+            samples, told = component_of(samples, request, name)
+            quantity = quantity_of_array(request.dataset or "", N_COMPONENTS, node.dtype, request)
+        facts = Facts(quantity=quantity, n_times=n_times_of(node.shape, request), guesses=told)
         return Grid(samples, np.eye(4), facts, _refused_chunks(node, request))
 
 
@@ -73,6 +92,7 @@ def levels_of(request: Request) -> list[ZarrLevel]:
     node, request, notes = _opened_image(request)
     multiscales = _multiscales(node)
     if multiscales is not None:
+        check_vectors(request, request.dataset or "the image")
         datasets = multiscales["datasets"]
         numbers = range(len(datasets)) if request.level is None else [_check_level(len(datasets), request)]
         levels = [_described_level(node, multiscales, datasets[k], request) for k in numbers]
@@ -83,13 +103,16 @@ def levels_of(request: Request) -> list[ZarrLevel]:
     if not hasattr(node, "shape"):
         raise _no_array(request)
     _check_level(1, request)
+    quantity = named_component(quantity_of(request.dataset), request)
+    request = as_channel(node.shape, node.dtype, request)
+    check_vectors(request, request.dataset or request.name)
     index = index_unnamed_axes(node.shape, request)
     _check_kind(node, request)
     _read_later(node)
     axes = _all_axes(index, node.ndim)
     picked = [None if isinstance(part, slice) else part for part in axes]
     z, y, x = (axis for axis, part in enumerate(picked) if part is None)
-    facts = Facts(quantity=quantity_of(request.dataset), n_times=n_times_of(node.shape, request))
+    facts = Facts(quantity=quantity, n_times=n_times_of(node.shape, request))
     return [ZarrLevel(node, request.dataset or "", (z, y, x), picked, np.eye(4), facts)]
 
 

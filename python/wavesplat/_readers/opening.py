@@ -126,7 +126,7 @@ OPTIONS = {
     "bov": {"channel", "component", "external_files"},
     "segy": set(),
     "netcdf": {"time", "channel", "dataset", "resample", "external_files"},
-    "ome_zarr": {"time", "channel", "dataset", "level"},
+    "ome_zarr": {"time", "channel", "component", "dataset", "level"},
 }
 #: Samples are left in their file where they take more than one part in LARGE_SHARE of the free memory.
 LARGE_SHARE = 4

@@ -4,9 +4,10 @@ What is drawn are the cases of the group "goals" of `cases.toml` at quality "nor
 turned frames after two. The speedup is against one thread in the same run.
 
 `--simulate` needs no wide machine: the example `tile_times` measures each tile of a frame on one thread, and list
-scheduling (Graham 1966: a thread that is free takes the next tile) gives the time of a frame by `n` threads. It prints
-the efficiency, the time on one thread over `n` times the simulated time, with the tiles row by row, dearest first by
-the renderer's own estimate, and dearest first by their measured times; and the bound that the dearest tile sets.
+scheduling (Graham 1966: a thread that is free takes the next tile) gives the time of a frame by `n` threads, a power of
+two up to 128. It prints the efficiency, the time of whole tiles on one thread over `n` times the simulated time, with
+whole tiles row by row, dearest first by the renderer's own estimate, and dearest first by their measured times; the
+bound that the dearest tile sets; and with the parts that the renderer draws on `n` threads, in its order.
 Threads are taken to be as fast as one alone, without a limit by memory.
 """
 
@@ -69,7 +70,11 @@ def _simulate(threads: list[int]) -> None:
         for curve, light in instructions.SCENES:
             command = [program, curve, light, "5", *curves[curve]]
             told = subprocess.run(command, capture_output=True, check=True, text=True).stdout
-            tiles = [(float(cost), float(time)) for cost, time in (line.split() for line in told.splitlines())]
+            parts: dict[int, list[tuple[float, float]]] = {}
+            for line in told.splitlines():
+                n, cost, time = line.split()
+                parts.setdefault(int(n), []).append((float(cost), float(time)))
+            tiles = parts[1]
             whole = sum(time for _, time in tiles)
             orders = {
                 "row by row": [time for _, time in tiles],
@@ -80,6 +85,7 @@ def _simulate(threads: list[int]) -> None:
             rows["bound by the dearest tile"] = [
                 min(1.0, whole / (n * max(time for _, time in tiles))) for n in threads
             ]
+            rows["as drawn, in parts"] = [whole / (n * _makespan([t for _, t in parts[n]], n)) for n in threads]
             for order, row in rows.items():
                 label = f"{name} {curve}, {light}"
                 print(f"| {label} | {len(tiles)} | {order} | " + " | ".join(f"{e:.2f}" for e in row) + " |", flush=True)

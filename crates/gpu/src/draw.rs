@@ -299,7 +299,7 @@ impl FrameJob<'_> {
         }
         let sign = family.sign();
         let blocks_of_tiles = band.by_tile(family);
-        picture.fill_tiles([TILE_U, TILE_V], None, |tile, own| {
+        picture.fill_tiles([TILE_U, TILE_V], |tile, own| {
             for k in blocks_of_tiles[tile].clone() {
                 let [strip, row] = band.blocks[k];
                 let block = &texels[k * n_state * N_BLOCK..][..n_state * N_BLOCK];

@@ -9,7 +9,6 @@ use wavesplat_core::{
     Camera, ClipPlane, Composite, Crop, Gradient, GradientNode, Kernel, LabelLook, Light, Mesh, Paint, Paths, Points,
     Projection, RenderOptions, Samples, Shading, ShapeStyle, Shapes, Sizes, Thickness, TransferFunction, Volume,
 };
-use wavesplat_splat::Layer;
 use wavesplat_splat::optics::labels::{Codes, Labels};
 use wavesplat_splat::optics::visibility_cache::VisibilityCache;
 use wavesplat_splat::picture::base_picture::BasePicture;
@@ -23,6 +22,7 @@ use wavesplat_splat::sheet::tile_layout::{TILE_U, TILE_V};
 use wavesplat_splat::source::slices::{Slices, VolumeBox, needed_samples};
 use wavesplat_splat::source::strided::light_steps;
 use wavesplat_splat::source::survey::Survey;
+use wavesplat_splat::{Layer, with_threads};
 use wavesplat_testkit::{PROJECTIONS, Phantom, camera_towards, opacity_ramp};
 
 /// Numbers without a visible pattern.
@@ -336,7 +336,7 @@ fn streamed(plan: &Plan, slices: &Slices, data: &Data, streaming: &Streaming) ->
         });
         let states: Vec<_> = all.unwrap().into_iter().map(std::sync::Mutex::new).collect();
         let n_tiles_u = plan.families[block.family].plane.size[0].div_ceil(TILE_U);
-        pictures[block.family].fill_tiles([TILE_U, TILE_V], None, |k, texels| {
+        pictures[block.family].fill_tiles([TILE_U, TILE_V], |k, texels| {
             let place = tiles.iter().position(|tile| *tile == [k % n_tiles_u, k / n_tiles_u]);
             if let Some(place) = place {
                 finish_tile(plan, block.family, tiles[place], states[place].lock().unwrap().take(), texels);
@@ -398,7 +398,7 @@ fn in_pieces(plan: &Plan, slices: &Slices, data: &Data, random: &mut Random) -> 
         }
         let mut picture = BasePicture::new(family.plane.clone(), plan.with_depth);
         let states: Vec<_> = states.into_iter().map(std::sync::Mutex::new).collect();
-        picture.fill_tiles([TILE_U, TILE_V], None, |k, texels| {
+        picture.fill_tiles([TILE_U, TILE_V], |k, texels| {
             let tile = [k % n_tiles_u, k / n_tiles_u];
             finish_tile(plan, f, tile, states[k].lock().unwrap().take(), texels);
         });
@@ -429,6 +429,11 @@ fn any_cut_gives_the_same_bytes() {
         let plan = Plan::new(Level::best(), &[layer], &case.camera, &case.options).unwrap();
         let (whole, _) = draw_base_planes(&plan, &[&slices], &()).unwrap();
         n_seen += whole.iter().flat_map(BasePicture::texels).filter(|texel| texel[3] > 0.0).count();
+        // So many threads draw parts of tiles.
+        let (parts, _) = with_threads(Some(64), || draw_base_planes(&plan, &[&slices], &())).unwrap();
+        for (whole, parts) in whole.iter().zip(&parts) {
+            assert!(bits(whole) == bits(parts), "{}: {:?} by 64 threads", case.name, whole.plane.family);
+        }
         for _ in 0..n_cuts {
             let cut = in_pieces(&plan, &slices, &case.data, &mut random);
             for (whole, cut) in whole.iter().zip(&cut) {

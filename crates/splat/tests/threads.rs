@@ -1,5 +1,6 @@
 //! Tiles of a base plane on many threads: the same texels as on one, and no thread waits for another.
 
+use std::ops::Range;
 use std::sync::{Condvar, Mutex};
 use std::time::Duration;
 
@@ -7,6 +8,7 @@ use glam::{DAffine3, DVec2, DVec3};
 use wavesplat_compute::simd::LANES;
 use wavesplat_core::{Camera, Projection};
 use wavesplat_splat::picture::base_picture::{BasePicture, TileTexels};
+use wavesplat_splat::sheet::tile_layout::TilePart;
 use wavesplat_splat::view::base_plane::{BasePlane, base_planes};
 use wavesplat_splat::view::family::IndexRays;
 use wavesplat_splat::with_threads;
@@ -23,10 +25,10 @@ fn plane(size: [usize; 2]) -> BasePlane {
     plane
 }
 
-/// Draws a tile: something in most chunks, nothing in some, and a wait that differs from tile to tile.
-fn draw(tile: usize, texels: &mut TileTexels) {
+/// Draws rows of a tile: something in most chunks, nothing in some, and a wait that differs from tile to tile.
+fn draw(tile: usize, rows: Range<usize>, texels: &mut TileTexels) {
     std::thread::sleep(Duration::from_micros((tile * 7919 % 11) as u64 * 30));
-    for j in 0..TILE[1] {
+    for j in rows {
         for i in (0..TILE[0]).step_by(LANES) {
             let number = |k: usize| ((tile * 7919 + j * 31 + i + k) % 251) as f32 / 251.0;
             let is_drawn = !(tile + j / 8).is_multiple_of(5);
@@ -40,21 +42,27 @@ fn draw(tile: usize, texels: &mut TileTexels) {
 fn many_threads_draw_what_one_draws() {
     // Tiles that are cut off at both ends, too.
     for size in [[333, 141], [32, 16], [5, 300]] {
-        let picture = |n_threads: usize, order: Option<&[usize]>| {
+        let n_tiles = size[0].div_ceil(TILE[0]) * size[1].div_ceil(TILE[1]);
+        let picture = |n_threads: usize, parts: Option<&[TilePart]>| {
             let mut picture = BasePicture::new(plane(size), true);
-            with_threads(Some(n_threads), || picture.fill_tiles(TILE, order, draw));
+            with_threads(Some(n_threads), || match parts {
+                None => picture.fill_tiles(TILE, |tile, texels| draw(tile, 0..TILE[1], texels)),
+                Some(parts) => picture.fill_parts(TILE, parts, |part, texels| {
+                    draw(part.tile, part.rows.clone(), texels);
+                }),
+            });
             picture
         };
         let alone = picture(1, None);
-        // Any order of the tiles: here the last ones first, even ones before odd ones.
-        let n_tiles = size[0].div_ceil(TILE[0]) * size[1].div_ceil(TILE[1]);
-        let mut order: Vec<usize> = (0..n_tiles).rev().collect();
-        order.sort_by_key(|k| k % 2);
+        // Parts of tiles in any order: here the last ones first, and every third tile in halves.
+        let halves = |tile: usize| if tile % 3 == 0 { vec![0..8, 8..TILE[1]] } else { vec![0..TILE[1]] };
+        let parts_of = |tile: usize| halves(tile).into_iter().map(move |rows| TilePart { tile, rows });
+        let parts: Vec<TilePart> = (0..n_tiles).rev().flat_map(parts_of).collect();
         assert!(!alone.is_empty());
         let bits = |picture: &BasePicture| picture.w_half.iter().map(|w| w.to_bits()).collect::<Vec<_>>();
         for n_threads in [8, 16] {
-            for order in [None, Some(&*order)] {
-                let together = picture(n_threads, order);
+            for parts in [None, Some(&*parts)] {
+                let together = picture(n_threads, parts);
                 assert!(together.texels() == alone.texels(), "{size:?} on {n_threads} threads");
                 assert!(bits(&together) == bits(&alone), "{size:?} on {n_threads} threads");
                 assert_eq!(together.drawn_cells(), alone.drawn_cells(), "{size:?} on {n_threads} threads");
@@ -91,7 +99,7 @@ fn as_many_tiles_are_worked_on_at_once_as_there_are_threads() {
         let meeting = MeetingPoint::new(n);
         let mut picture = BasePicture::new(plane([TILE[0] * n / 4, TILE[1] * 4]), false);
         with_threads(Some(n), || {
-            picture.fill_tiles(TILE, None, |tile, texels| {
+            picture.fill_tiles(TILE, |tile, texels| {
                 // Half done, all wait for all.
                 texels.put(0, 0, &[[0.5; 4]; LANES], None);
                 meeting.wait();

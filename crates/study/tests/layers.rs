@@ -239,7 +239,7 @@ fn the_bits_do_not_depend_on_how_it_is_drawn() {
                 }
                 let states: Vec<_> = states.into_iter().map(std::sync::Mutex::new).collect();
                 let mut picture = BasePicture::new(family.plane.clone(), true);
-                picture.fill_tiles([TILE_U, TILE_V], None, |k, texels| {
+                picture.fill_tiles([TILE_U, TILE_V], |k, texels| {
                     let state = states[k].lock().unwrap().take();
                     finish_tile(&whole_plan, f, tiles[k], state, texels);
                 });

@@ -312,7 +312,7 @@ fn pieces_and_threads_give_the_same_bytes() {
                     states = draw_piece(&plan, family, &tiles, &range, &slices, &states, &()).unwrap().0;
                 }
                 let mut joined = BasePicture::new(plan.families[family].plane.clone(), plan.with_depth);
-                joined.fill_tiles([TILE_U, TILE_V], None, |k, texels| {
+                joined.fill_tiles([TILE_U, TILE_V], |k, texels| {
                     finish_tile(&plan, family, tiles[k], states[k].clone(), texels);
                 });
                 let bits = |picture: &BasePicture| -> Vec<[u32; 4]> {

@@ -350,7 +350,7 @@ impl Stream {
         let plan = &self.plan;
         let [n_tiles_u, _] = n_tiles(&plan.families[plane].plane);
         let states: Vec<Mutex<Option<TileState>>> = state.tiles.into_iter().map(Mutex::new).collect();
-        self.pictures[plane].fill_tiles([TILE_U, TILE_V], None, |k, texels| {
+        self.pictures[plane].fill_tiles([TILE_U, TILE_V], |k, texels| {
             let tile = [k % n_tiles_u, k / n_tiles_u];
             let state = states.get(k).and_then(|state| state.lock().ok()?.take());
             if is_put(tile, state.as_ref()) {

@@ -1,9 +1,12 @@
 //! A finished base plane: premultiplied texels, put into it tile by tile.
 
+use std::ops::Range;
+
 use glam::DVec2;
 use wavesplat_compute::simd::LANES;
 use wavesplat_compute::{pages, parallel};
 
+use crate::sheet::tile_layout::TilePart;
 use crate::view::base_plane::BasePlane;
 
 /// Texels that share an entry of [`BasePicture::drawn_cells`], along u and v.
@@ -85,14 +88,23 @@ impl BasePicture {
     }
 
     /// Calls `work` with the number of every tile of `tile_size` texels, counted row by row, and its texels, on all
-    /// threads. `order`: the numbers in the order in which tiles are begun; `None`: row by row.
+    /// threads.
     ///
     /// Tiles are disjoint, so no thread waits for another.
-    pub fn fill_tiles(
+    pub fn fill_tiles(&mut self, tile_size: [usize; 2], work: impl Fn(usize, &mut TileTexels) + Sync + Send) {
+        let n_tiles = [0, 1].map(|axis| self.plane.size[axis].div_ceil(tile_size[axis]));
+        let whole = |tile| TilePart { tile, rows: 0..tile_size[1] };
+        let all: Vec<TilePart> = (0..n_tiles.iter().product()).map(whole).collect();
+        self.fill_parts(tile_size, &all, |part, texels| work(part.tile, texels));
+    }
+
+    /// Calls `work` with every part of a tile and its texels, on all threads; parts are begun in their order. `parts`:
+    /// disjoint.
+    pub fn fill_parts(
         &mut self,
         tile_size: [usize; 2],
-        order: Option<&[usize]>,
-        work: impl Fn(usize, &mut TileTexels) + Sync + Send,
+        parts: &[TilePart],
+        work: impl Fn(&TilePart, &mut TileTexels) + Sync + Send,
     ) {
         let [n_u, n_v] = self.plane.size;
         let [tile_u, tile_v] = tile_size;
@@ -111,12 +123,11 @@ impl BasePicture {
                 tile.w_half.push(places);
             }
         }
-        let mut tiles: Vec<(usize, TileTexels)> = match order {
-            None => tiles.into_iter().enumerate().collect(),
-            Some(order) => order.iter().map(|k| (*k, std::mem::take(&mut tiles[*k]))).collect(),
-        };
-        parallel::for_each_chunk(&mut tiles, 1, |_, tile| work(tile[0].0, &mut tile[0].1));
-        let cells: Vec<(usize, Vec<[usize; 2]>)> = tiles.into_iter().map(|(k, tile)| (k, tile.drawn)).collect();
+        let mut parts: Vec<(&TilePart, TileTexels)> =
+            parts.iter().map(|part| (part, tiles[part.tile].take(&part.rows))).collect();
+        parallel::for_each_chunk(&mut parts, 1, |_, part| work(part[0].0, &mut part[0].1));
+        let cells: Vec<(usize, Vec<[usize; 2]>)> =
+            parts.into_iter().map(|(part, texels)| (part.tile, texels.drawn)).collect();
         for (k, cells) in cells {
             let first = [k % n_tiles_u * tile_u / CELL[0], k / n_tiles_u * tile_v / CELL[1]];
             for [u, v] in cells {
@@ -174,9 +185,11 @@ impl BasePicture {
     }
 }
 
-/// The texels of a tile of a base plane, to be written to by one thread.
+/// The texels of a tile of a base plane, or of some of its rows, to be written to by one thread.
 #[derive(Default)]
 pub struct TileTexels<'a> {
+    /// Row of the tile that is the first here.
+    first_row: usize,
     rows: Vec<&'a mut [[f32; 4]]>,
     /// Rows of [`BasePicture::w_half`]; empty where no depth is wanted.
     w_half: Vec<&'a mut [f32]>,
@@ -185,15 +198,26 @@ pub struct TileTexels<'a> {
 }
 
 impl TileTexels<'_> {
-    /// Like [`BasePicture::put`], with the column and row of the tile.
+    /// Takes the texels of some rows out of those of a whole tile. Rows beyond the base plane are none.
+    fn take(&mut self, rows: &Range<usize>) -> Self {
+        fn taken<'a, T>(all: &mut [&'a mut [T]], rows: &Range<usize>) -> Vec<&'a mut [T]> {
+            let end = rows.end.min(all.len());
+            all[rows.start.min(end)..end].iter_mut().map(std::mem::take).collect()
+        }
+        let (texels, w_half) = (taken(&mut self.rows, rows), taken(&mut self.w_half, rows));
+        Self { first_row: rows.start, rows: texels, w_half, drawn: Vec::new() }
+    }
+
+    /// Like [`BasePicture::put`], with the column and row of the tile. Rows that are not here are skipped.
     pub fn put(&mut self, i: usize, j: usize, chunk: &[[f32; 4]; LANES], w_half: Option<&[f32; LANES]>) {
-        let Some(texels) = self.rows.get_mut(j).and_then(|row| row.get_mut(i..)) else { return };
+        let Some(row) = j.checked_sub(self.first_row) else { return };
+        let Some(texels) = self.rows.get_mut(row).and_then(|row| row.get_mut(i..)) else { return };
         if texels.is_empty() || chunk.iter().all(|rgba| rgba[3] == 0.0) {
             return;
         }
         let n = LANES.min(texels.len());
         texels[..n].copy_from_slice(&chunk[..n]);
-        if let (Some(w_half), Some(places)) = (w_half, self.w_half.get_mut(j)) {
+        if let (Some(w_half), Some(places)) = (w_half, self.w_half.get_mut(row)) {
             places[i..i + n].copy_from_slice(&w_half[..n]);
         }
         let cell = [i / CELL[0], j / CELL[1]];

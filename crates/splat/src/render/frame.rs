@@ -7,7 +7,7 @@ use wavesplat_compute::simd::Level;
 use wavesplat_core::{Camera, Composite, Error, Picture, RenderOptions, Result, TransferFunction};
 
 use crate::optics::visibility_cache::VisibilityCache;
-use crate::picture::base_picture::BasePicture;
+use crate::picture::base_picture::{BasePicture, TileTexels};
 use crate::picture::color_projection::color_projection;
 use crate::picture::edges::{Edges, Scaling};
 use crate::picture::warp::warp;
@@ -17,7 +17,8 @@ use crate::render::plan::{FamilyPlan, Operator, Plan, brightest};
 use crate::render::progress::{Progress, ProgressCallback};
 use crate::render::report::Report;
 use crate::render::tile::{Piece, TileJob, Work, n_tiles};
-use crate::sheet::tile_layout::{TILE_U, TILE_V};
+use crate::render::tile_parts::parts_for;
+use crate::sheet::tile_layout::{BlockMask, TILE_U, TILE_V, TilePart};
 use crate::source::slices::Slices;
 
 /// Draws a volume.
@@ -110,41 +111,46 @@ pub(crate) fn draw_base_plane(
     progress: &Progress,
 ) -> Result<(BasePicture, Work)> {
     let job = TileJob::new(plan, family, slices);
-    let [n_tiles_u, _] = n_tiles(&family.plane);
     let mut picture = BasePicture::new(family.plane.clone(), plan.with_depth);
     let (n_texels, n_skipped) = (AtomicU64::new(0), AtomicU64::new(0));
-    let order = dearest_first(&job);
-    picture.fill_tiles([TILE_U, TILE_V], order.as_deref(), |k, texels| {
+    let draw = |tile: usize, blocks: BlockMask, texels: &mut TileTexels| {
         if progress.is_stopped() {
             return;
         }
-        let work = draw_tile(plan, &job, &Piece::whole([k % n_tiles_u, k / n_tiles_u]), texels);
+        let work = draw_blocks(plan, &job, tile, blocks, texels);
         n_texels.fetch_add(work.n_texels, Ordering::Relaxed);
         n_skipped.fetch_add(work.n_skipped, Ordering::Relaxed);
-        progress.tile_done();
-    });
+    };
+    match parts_for(parallel::n_threads(), || costs(&job)) {
+        None => picture.fill_tiles([TILE_U, TILE_V], |tile, texels| {
+            draw(tile, BlockMask::MAX, texels);
+            progress.tile_done();
+        }),
+        Some(parts) => picture.fill_parts([TILE_U, TILE_V], &parts, |part, texels| {
+            draw(part.tile, part.blocks(), texels);
+            // Each tile has one part that begins with its first row.
+            if part.rows.start == 0 {
+                progress.tile_done();
+            }
+        }),
+    }
     if progress.is_stopped() {
         return Err(Error::Cancelled);
     }
     Ok((picture, Work { n_texels: n_texels.into_inner(), n_skipped: n_skipped.into_inner() }))
 }
 
-/// Fewest threads for which tiles are begun in the order of their cost: with fewer, none waits long for the last tile.
-const MIN_THREADS_TO_ORDER: usize = 8;
+/// Draws blocks of a tile, given by its number.
+fn draw_blocks(plan: &Plan, job: &TileJob, tile: usize, blocks: BlockMask, texels: &mut TileTexels) -> Work {
+    let [n_tiles_u, _] = n_tiles(&job.family.plane);
+    let piece = Piece { blocks, ..Piece::whole([tile % n_tiles_u, tile / n_tiles_u]) };
+    draw_tile(plan, job, &piece, texels)
+}
 
-/// Numbers of the tiles, the dearest first, so that no thread is left alone with a dear one at the end; `None` where row
-/// by row is as good.
-///
-/// The order of a base plane's rows ends with few and unlike tiles: a tile at the edge of a volume may cost nothing, one
-/// in its middle a twentieth of the picture.
-fn dearest_first(job: &TileJob) -> Option<Vec<usize>> {
-    if parallel::n_threads() < MIN_THREADS_TO_ORDER {
-        return None;
-    }
-    let costs = costs(job);
-    let mut order: Vec<usize> = (0..costs.len()).collect();
-    order.sort_by_key(|k| std::cmp::Reverse(costs[*k]));
-    Some(order)
+/// Draws a part of a tile of a base plane. `slices`: per layer.
+pub fn draw_part(plan: &Plan, family: usize, slices: &[&Slices], part: &TilePart, texels: &mut TileTexels) -> Work {
+    let job = TileJob::new(plan, &plan.families[family], slices);
+    draw_blocks(plan, &job, part.tile, part.blocks(), texels)
 }
 
 /// Estimated costs of the tiles of a base plane, row by row: numbers of occupied bricks below them. `slices`: per layer.

@@ -14,3 +14,4 @@ pub mod shape_plan;
 mod sources;
 pub mod stream;
 pub mod tile;
+pub mod tile_parts;

@@ -139,7 +139,7 @@ pub(super) fn draw_surfaces(family: &FamilyPlan, with_depth: bool) -> BasePictur
         return picture;
     }
     let [n_tiles_u, _] = n_tiles(&family.plane);
-    picture.fill_tiles([TILE_U, TILE_V], None, |k, texels| {
+    picture.fill_tiles([TILE_U, TILE_V], |k, texels| {
         if let Some(surfaces) = family.surfaces(first_of([k % n_tiles_u, k / n_tiles_u]), Vec::new()) {
             WriteTexels { texels, sign: family.sign() }.put_surfaces(&surfaces);
         }

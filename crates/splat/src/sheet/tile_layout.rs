@@ -102,6 +102,23 @@ impl Block {
     }
 }
 
+/// Rows of a tile.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TilePart {
+    /// Number of the tile, row by row.
+    pub tile: usize,
+    /// Rows of texels, counted from the tile's first; whole rows of blocks.
+    pub rows: Range<usize>,
+}
+
+impl TilePart {
+    /// The blocks in these rows.
+    pub fn blocks(&self) -> BlockMask {
+        let of_strip = (self.rows.start / BLOCK_V..self.rows.end.div_ceil(BLOCK_V)).fold(0, |all, b| all | 1 << b);
+        (0..N_STRIPS).fold(0, |all, strip| all | of_strip << (strip * N_BLOCKS_V))
+    }
+}
+
 /// Rows of blocks that contain any block of a mask.
 pub fn block_rows(blocks: BlockMask) -> impl Iterator<Item = usize> + Clone {
     (0..N_BLOCKS_V).filter(move |b| blocks & (first_row_mask() << b) != 0)

@@ -282,10 +282,8 @@ pub(super) fn blend<W: Wide, const M: usize>(
             let mut joined = [w.splat(0.0); M];
             for m in 0..M {
                 let [first, second] = chunks.map(|chunk| chunk.row % LANES);
-                joined[m] = w.join(
-                    blend_row(w.one(), rows[m], &group, first),
-                    blend_row(w.one(), rows[m], &group, second),
-                );
+                joined[m] =
+                    w.join(blend_row(w.one(), rows[m], &group, first), blend_row(w.one(), rows[m], &group, second));
             }
             joined
         }
@@ -301,7 +299,8 @@ fn blend_chunks<W: Wide, const M: usize, const N: usize>(
     chunks: [Chunk; 2],
 ) -> [W::F; M] {
     let first = blend_taps::<W::One, M, N>(w.one(), rows, group, chunks[0].row % LANES);
-    let second = if W::N == 2 { blend_taps::<W::One, M, N>(w.one(), rows, group, chunks[1].row % LANES) } else { first };
+    let second =
+        if W::N == 2 { blend_taps::<W::One, M, N>(w.one(), rows, group, chunks[1].row % LANES) } else { first };
     let mut joined = [w.splat(0.0); M];
     for m in 0..M {
         joined[m] = w.join(first[m], second[m]);

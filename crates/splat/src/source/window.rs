@@ -93,11 +93,7 @@ impl SliceRectangle {
         let even = (v_lo + n_above as i64) as usize;
         let lines = |r: usize| {
             let place = r.wrapping_sub(n_above);
-            if place < n_even {
-                (even + place - first_v) * sv
-            } else {
-                self.place(1, v_lo + r as i64)
-            }
+            if place < n_even { (even + place - first_v) * sv } else { self.place(1, v_lo + r as i64) }
         };
         let starts = |slice: usize| (slice - first_w) * sw + (inner_lo as usize - first_u) * su;
         if su == 1 {

@@ -41,7 +41,7 @@ fn draw(tile: usize, rows: Range<usize>, texels: &mut TileTexels) {
 #[test]
 fn many_threads_draw_what_one_draws() {
     // Tiles that are cut off at both ends, too.
-    for size in [[333, 141], [32, 16], [5, 300]] {
+    for size in [[333_usize, 141], [32, 16], [5, 300]] {
         let n_tiles = size[0].div_ceil(TILE[0]) * size[1].div_ceil(TILE[1]);
         let picture = |n_threads: usize, parts: Option<&[TilePart]>| {
             let mut picture = BasePicture::new(plane(size), true);

@@ -119,6 +119,24 @@ def test_levels_are_planned_by_what_a_picture_needs():
     assert small.bytes_read < large.bytes_read / 30
 
 
+def test_geometry_counts():
+    spots = ws.Points(np.random.default_rng(1).random((3_000_000, 3)), radius=0.1)
+    plain, alone = _cost(256, 64), _cost(256, 64, workers=1)
+    with_spots, seen_alone = _cost(256, 64, geometry=spots), _cost(256, 64, geometry=[spots], workers=1)
+    assert with_spots.geometry_bytes == 3_000_000 * 4 * 8
+    assert seen_alone.memory - alone.memory > 3 * with_spots.geometry_bytes
+    assert seen_alone.seconds["send"] == plain.seconds["send"] == 0
+    assert with_spots.seconds["send"] == pytest.approx(100 * with_spots.geometry_bytes / 200e6)
+    assert "geometry 96 MB, all of it sent to each worker; thin it out" in "\n".join(with_spots.lines())
+    assert any(line.startswith("geometry 96 MB") and "worker" not in line for line in seen_alone.lines())
+    assert not any("geometry" in line for line in plain.lines())
+    # Nothing is read for the picture of a slice.
+    cards = _cost(256, 64, geometry=[ws.SlicePlane(), ws.Frame(grid=True), spots.with_(visible=False)])
+    assert 256 * 256 * 16 <= cards.geometry_bytes < 1.1 * 256 * 256 * 16
+    with pytest.raises(ws.errors.ArgumentError, match="geometry has"):
+        _cost(256, 64, geometry="spots")
+
+
 @pytest.mark.parametrize(
     ("options", "match"),
     [({"workers": 0}, "workers"), ({"cores": 0}, "cores"), ({"read_rate": "fast"}, "read_rate")],
@@ -135,5 +153,8 @@ def test_the_command_prints_it(tmp_path, wavesplat):
     told = wavesplat("plan", tmp_path / "a.npy", "--size", "800x600", "--workers", "4", "--draw-ns", "4")
     assert told.returncode == 0, told.stderr
     assert "tasks for 4 workers" in told.stdout
-    told = wavesplat("plan", tmp_path / "a.npy", "--json", "--read-rate", "1GB", "--draw-ns", "4")
-    assert json.loads(told.stdout)["bytes_stored"] == 64**3
+    (tmp_path / "spots.csv").write_text("x,y,z\n1,2,3\n4,5,6\n")
+    rates = ("--read-rate", "1GB", "--draw-ns", "4")
+    told = wavesplat("plan", tmp_path / "a.npy", "--json", *rates, "--points", f"{tmp_path / 'spots.csv'}:red:3px")
+    cost = json.loads(told.stdout)
+    assert (cost["bytes_stored"], cost["geometry_bytes"]) == (64**3, 2 * 4 * 8)

@@ -7,20 +7,21 @@ map, LOW,HIGH, an opacity 0..1, a size with its unit, values=NAME.
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from wavesplat._cli.layer_options import named_file, without_window
+from wavesplat._cli.option_groups import with_options_of
 from wavesplat._cli.printing import message
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
     from wavesplat._geometry.shape import Shape
 
-__all__ = ["GeometryOptions", "opened_geometry"]
+__all__ = ["GeometryOptions", "opened_geometry", "takes_geometry_options"]
 
 LOOK = "[:COLOR|MAP][:LOW,HIGH][:OPACITY][:values=NAME]"
 SURFACE = f"FILE{LOOK}[:flat]"
@@ -76,6 +77,11 @@ class GeometryOptions:
     grid: Annotated[
         bool, typer.Option("--grid", help="The frame, with lines on the sides behind.", show_default=False)
     ] = False
+
+
+def takes_geometry_options(command: Callable[..., None]) -> Callable[..., None]:
+    """Give a command these options on the command line, in the place of its parameter `showing`."""
+    return with_options_of(GeometryOptions, "showing", command)
 
 
 def opened_geometry(options: GeometryOptions, unit: str | None, *, quiet: bool) -> list[Shape]:

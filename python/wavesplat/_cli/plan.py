@@ -7,6 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from wavesplat._cli import parsers
+from wavesplat._cli.geometry_options import GeometryOptions, opened_geometry, takes_geometry_options
 from wavesplat._cli.printing import print_result
 from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options
 from wavesplat._cli.shared_options import Json
@@ -14,6 +15,7 @@ from wavesplat._cli.shared_options import Json
 __all__ = ["plan"]
 
 
+@takes_geometry_options
 @takes_reader_options
 def plan(
     input: Input,
@@ -30,6 +32,7 @@ def plan(
     draw_ns: Annotated[
         float | None, typer.Option(metavar="NS", help="Nanoseconds of a texel on a core; else measured.")
     ] = None,
+    showing: GeometryOptions,
     json: Json = False,
 ) -> None:
     """Say what a picture of a large file costs before it is drawn: boxes, bytes, tasks, memory, time."""
@@ -49,5 +52,6 @@ def plan(
         segments=segments,
         read_rate=read_rate,
         draw_ns=draw_ns,
+        geometry=opened_geometry(showing, volume.facts.unit, quiet=True),
     )
     print_result(cost.as_json(), "\n".join(cost.lines()), as_json=json)

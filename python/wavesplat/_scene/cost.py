@@ -1,8 +1,9 @@
 """Estimated cost of a picture of a lazy volume before it is read: boxes, bytes, tasks, memory, time.
 
-    T = T_plan + max(T_read, T_draw) + T_merge + T_tasks,
+    T = T_plan + max(T_read, T_draw) + T_merge + T_send + T_tasks,
     T_read = bytes · amplification / (workers · rate),   T_draw = texels · sheets · ns / (workers · cores),
-    T_merge = 16 bytes · texels · segments / (workers · rate),   T_tasks = tasks · 1 ms
+    T_merge = 16 bytes · texels · segments / (workers · rate),   T_tasks = tasks · 1 ms,
+    T_send = bytes of shapes · workers / rate
 
 Bytes are those of the plan that the picture would be drawn by, chunk by chunk, with the share that a rehearsal of it
 takes (`rehearsal.py`); rates of reading and drawing are measured on this machine unless they are given. Blocks take
@@ -25,6 +26,7 @@ from wavesplat import _native
 from wavesplat._cluster.machines import MAX_TASKS
 from wavesplat._files.byte_sizes import byte_size, bytes_of
 from wavesplat._files.memory import resident_bytes
+from wavesplat._geometry.shape_arrays import LARGE_BYTES
 from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model.argument_types import described, takes_its_types
@@ -46,6 +48,7 @@ from wavesplat._render.lazy_layers import pixel_in_samples
 from wavesplat._render.options import DrawOptions
 from wavesplat._render.streaming import Streaming
 from wavesplat._scene.rehearsal import Shares, frame_of, rehearsed
+from wavesplat._scene.shape_cost import SHAPE_COPIES, bytes_of_geometry
 from wavesplat.errors import ArgumentError
 
 __all__ = ["Cost", "plan"]
@@ -87,8 +90,11 @@ class Cost:
         Bytes that a worker's process takes at most, Python and its libraries included.
     partial_bytes : int
         Bytes of partial pictures that are merged; 0 without segments.
+    geometry_bytes : int
+        Bytes of surfaces, lines and points, all of which every worker has.
     seconds : dict
-        `plan`, `read`, `draw`, `merge`, `tasks` and `whole`.
+        `plan`, `read`, `draw`, `merge`, `send` (of geometry to workers), `tasks` and `whole`. Drawing geometry is
+        not counted.
     rates : dict
         `read` (bytes a second of a worker), `draw` (nanoseconds of a texel on one core): measured here, or given.
     """
@@ -105,6 +111,7 @@ class Cost:
     is_known: bool
     memory: int
     partial_bytes: int
+    geometry_bytes: int
     seconds: dict[str, float]
     rates: dict[str, float]
     workers: int
@@ -122,12 +129,18 @@ class Cost:
         tasks = f"{self.tasks} tasks for {self.workers} workers of {self.cores} cores"
         share = f"{self.bytes_read / max(self.bytes_stored, 1):.2f} of the level ({known})"
         rates = f"reading {byte_size(self.rates['read'])}/s a worker, drawing {self.rates['draw']:.2g} ns a texel"
+        geometry = []
+        if self.geometry_bytes:
+            travels = ", all of it sent to each worker" if self.workers > 1 else ""
+            thin = "; thin it out if that takes long" if travels and self.geometry_bytes > LARGE_BYTES else ""
+            geometry = [f"geometry {byte_size(self.geometry_bytes)}{travels}{thin}"]
         return [
             f"level {self.level}: z {z}, y {y}, x {x}, {byte_size(self.bytes_stored)} in {self.chunks} chunks",
             f"{self.blocks} blocks, {self.steps} steps, {self.boxes} boxes; {tasks}",
             f"read {byte_size(self.bytes_read)}, {share}",
             f"memory {byte_size(self.memory)} of each worker"
             + (f", partial pictures {byte_size(self.partial_bytes)}" if self.partial_bytes else ""),
+            *geometry,
             f"about {self.seconds['whole']:.3g} s: {seconds} ({rates})",
         ]
 
@@ -149,6 +162,7 @@ def plan(
     segments: int | None = None,
     read_rate: float | str | None = None,
     draw_ns: float | None = None,
+    geometry: Any = None,
 ) -> Cost:
     """Estimate the cost of a picture of a lazy volume, on this machine or on many, before it is drawn.
 
@@ -171,6 +185,9 @@ def plan(
         Bytes a second that a worker reads, unpacked, such as "250 MB"; None measures it on some boxes of the volume.
     draw_ns : float, optional
         Nanoseconds of a texel on one core; None measures it on a small volume.
+    geometry : shape or list of them, optional
+        Surfaces, lines, points, slices and frames in the picture, as for `render`: their memory, and their way to the
+        workers. Slices are not made for it.
 
     Returns
     -------
@@ -202,6 +219,7 @@ def plan(
     if not isinstance(camera, Camera | None):
         raise ArgumentError(f"camera is {described(camera)}; give a wavesplat.Camera or None")
     checked_size(size)
+    n_geometry = 0 if geometry is None else bytes_of_geometry(geometry, volume)
     eye = camera or Camera.orbit(volume, *natural_view(volume), aspect=size[0] / max(size[1], 1))
     width, height = checked_size(size)
     number = volume.level_for(lambda level: pixel_in_samples(level, eye, (width, height)))
@@ -238,10 +256,11 @@ def plan(
         "read": sum(costs) / (workers * rates["read"]),
         "draw": shares.drawn * sum(texels) * rates["draw"] * 1e-9 / (workers * n_cores),
         "merge": partial / (workers * MERGE_RATE),
+        "send": 0.0 if workers == 1 else n_geometry * workers / MERGE_RATE,
         "tasks": 0.0 if workers == 1 else tasks * TASK_S,
     }
     longest = max(seconds["read"], seconds["draw"]) * (STRAGGLERS if workers > 1 else 1.0)
-    seconds["whole"] = seconds["plan"] + longest + seconds["merge"] + seconds["tasks"]
+    seconds["whole"] = seconds["plan"] + longest + seconds["merge"] + seconds["send"] + seconds["tasks"]
     n_chunks = math.prod(-(-n // c) for n, c in zip(level.array.shape, level.array.chunks, strict=True))
     held = max(stream.peak_sample_bytes(block) for block in range(stream.n_blocks))
     rays = RAY_BYTES * sum(stream.n_rays(block) for block in range(stream.n_blocks)) // workers
@@ -256,8 +275,9 @@ def plan(
         bytes_stored=math.prod(level.array.shape) * itemsize,
         bytes_read=sum(costs),
         is_known=survey is not None,
-        memory=base + held + rays + _memory_beside(level, budget),
+        memory=base + held + rays + SHAPE_COPIES * n_geometry + _memory_beside(level, budget),
         partial_bytes=partial,
+        geometry_bytes=n_geometry,
         seconds=seconds,
         rates=rates,
         workers=workers,

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from wavesplat._geometry.slice_plane import SlicePlane
     from wavesplat._picture.picture import Picture
 
-__all__ = ["SliceLayer", "SliceSource", "cards_of"]
+__all__ = ["SliceLayer", "SliceSource", "cards_of", "size_of_card"]
 
 #: Longest side of the picture on a card, pixels; a picture shows no finer samples.
 MAX_SIDE_PX = 2048
@@ -137,6 +137,17 @@ def _card(picture: Picture, rgba: Any, style: tuple[float, bool, bool]) -> _nati
         "rgba": np.ascontiguousarray(rgba),  # opaque or clear: straight and associated are the same
         "style": style,
     }
+
+
+def size_of_card(plane: SlicePlane, of_scene: Grid) -> tuple[int, int]:
+    """Columns and rows of the picture on a card, before it is made; none on cuts, which are known only in a scene."""
+    if plane.plane == CUTS:
+        return 0, 0
+    volume: Any = of_scene if plane.volume is None else plane.volume
+    first = volume[0] if isinstance(volume, Series) else volume
+    width, height = sides_of(first, plane.plane)
+    finest = min(first.spacing)
+    return _size(first, plane.plane) or (int(width / finest) + 1, int(height / finest) + 1)
 
 
 def _picture_of(plane: SlicePlane, volume: Any, where: Any, size: tuple[int, int] | None) -> tuple[Picture, Planes]:

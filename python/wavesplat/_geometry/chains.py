@@ -8,7 +8,7 @@ from typing import Any, overload
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._geometry.positions import checked_positions, frozen, numbers_of
+from wavesplat._geometry.positions import check_count, checked_positions, frozen, numbers_of, row_of
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
@@ -72,6 +72,7 @@ def chains_of(given: Any, what: str) -> Chains:
     if isinstance(given, Chains):
         return given
     form = "one array of world positions (x, y, z), shape (n, 3), or a list of such"
+    check_count(given, what)
     if isinstance(given, np.ndarray) and given.ndim == 2:
         parts: list[Any] = [given]
     elif isinstance(given, str) or not isinstance(given, Iterable):
@@ -80,10 +81,10 @@ def chains_of(given: Any, what: str) -> Chains:
         parts = list(given)
         if parts and all(np.ndim(part) == 1 for part in parts[:3]):
             parts = [numbers_of(parts, what, form)]
-    arrays = [numbers_of(part, f"{what}[{k}]", form) for k, part in enumerate(parts)]
+    arrays = [numbers_of(part, row_of(what, k), form) for k, part in enumerate(parts)]
     for k, array in enumerate(arrays):
         if array.size and (array.ndim != 2 or array.shape[1] != 3):
-            raise ArgumentError(f"{what}[{k}] has shape {array.shape}; give {form}")
+            raise ArgumentError(f"{row_of(what, k)} has shape {array.shape}; give {form}")
     kept = [array for array in arrays if array.size]
     if not any(len(array) > 1 for array in kept):
         raise ArgumentError(f"{what} has no path of at least two positions; give {form}")
@@ -94,7 +95,7 @@ def chains_of(given: Any, what: str) -> Chains:
         at = int(np.argmin(is_finite))
         k = int(np.searchsorted(starts, at, side="right")) - 1
         raise ArgumentError(
-            f"{what}[{k}] has {tuple(together[at].tolist())} as position {at - int(starts[k])}, which is not finite; "
-            "leave it out, or break the path there"
+            f"{row_of(what, k)} has {tuple(together[at].tolist())} as position {at - int(starts[k])}, which is not "
+            "finite; leave it out, or break the path there"
         )
     return Chains(checked_positions(together, what, "position"), frozen(starts.astype(np.uint32)))

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._geometry.positions import checked_values, frozen, numbers_of
+from wavesplat._geometry.positions import checked_values, frozen, numbers_of, row_of
 from wavesplat._looks import colormaps, colors
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
@@ -50,7 +50,7 @@ def checked_color(color: Any, n: int, what: str, each: str) -> Any:
     is_right = ((array >= 0) & (array <= 1)).all(axis=1)
     if not is_right.all():
         row = int(np.argmin(is_right))
-        raise ArgumentError(f"{what}[{row}] is {tuple(array[row].tolist())}; give {form}")
+        raise ArgumentError(f"{row_of(what, row)} is {tuple(array[row].tolist())}; give {form}")
     rgba = np.ones((n, 4), np.float32)
     rgba[:, : array.shape[1]] = array
     return frozen(rgba)

@@ -11,9 +11,36 @@ from numpy.typing import NDArray
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
-__all__ = ["checked_positions", "checked_share", "checked_size", "checked_values", "frozen", "numbers_of"]
+__all__ = [
+    "check_count",
+    "checked_positions",
+    "checked_share",
+    "checked_size",
+    "checked_values",
+    "frozen",
+    "numbers_of",
+    "row_of",
+]
 
 Floats: TypeAlias = NDArray[np.float64]
+
+
+#: Largest number of positions or triangles of a shape, which the compiled module counts by 32 bits.
+MAX_PLACES = 1 << 28
+
+
+def row_of(what: str, row: int) -> str:
+    """A row of an argument in messages: "vertices[3] of the surface" of "vertices of the surface"."""
+    name, of, owner = what.partition(" of ")
+    return f"{name}[{row}]{of}{owner}"
+
+
+def check_count(given: Any, what: str) -> None:
+    """An `ArgumentError` where an array has more rows than a shape may have, before it is copied."""
+    if isinstance(given, np.ndarray) and given.ndim and len(given) > MAX_PLACES:
+        raise ArgumentError(
+            f"{what} has {len(given):,} rows, and a shape has at most {MAX_PLACES:,}; thin it out, or draw parts of it"
+        )
 
 
 def frozen(array: NDArray[Any]) -> NDArray[Any]:
@@ -34,6 +61,7 @@ def numbers_of(given: Any, what: str, form: str, dtype: Any = np.float64) -> NDA
 def checked_positions(given: Any, what: str, each: str) -> Floats:
     """World positions, shape (n, 3), finite and at least one; `each`: what a row is, for messages."""
     form = f"world positions (x, y, z), an array of shape (n, 3), a row for each {each}"
+    check_count(given, what)
     array = numbers_of(given, what, form)
     if array.ndim != 2 or array.shape[1] != 3:
         raise ArgumentError(f"{what} has shape {array.shape}; give {form}")
@@ -43,8 +71,8 @@ def checked_positions(given: Any, what: str, each: str) -> Floats:
     if not is_finite.all():
         row = int(np.argmin(is_finite))
         raise ArgumentError(
-            f"{what}[{row}] is {_triple(array[row])}, and {int((~is_finite).sum())} of {len(array)} are not finite; "
-            f"leave them out, as with {what.rpartition(' ')[2]}[np.isfinite(...).all(axis=1)]"
+            f"{row_of(what, row)} is {_triple(array[row])}, and {int((~is_finite).sum())} of {len(array)} are not "
+            f"finite; leave them out, as with {what.partition(' ')[0]}[np.isfinite(...).all(axis=1)]"
         )
     return frozen(array)
 
@@ -84,5 +112,5 @@ def checked_size(given: Any, n: int, what: str) -> float | Floats:
         if array.ndim == 0:
             raise ArgumentError(f"{what} is {described(given)}; give {form}")
         row = int(np.argmin(is_right))
-        raise ArgumentError(f"{what}[{row}] is {array[row]:g}; give {form}")
+        raise ArgumentError(f"{row_of(what, row)} is {array[row]:g}; give {form}")
     return float(array) if array.ndim == 0 else frozen(array)

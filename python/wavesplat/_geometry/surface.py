@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from wavesplat._geometry import foreign_shapes
 from wavesplat._geometry.paint import Color, checked_paint, paint_of
-from wavesplat._geometry.positions import checked_positions, frozen, numbers_of
+from wavesplat._geometry.positions import check_count, checked_positions, frozen, numbers_of
 from wavesplat._geometry.shape import Shape
 from wavesplat._geometry.triangles import smooth_normals
 from wavesplat._model.argument_types import described
@@ -159,6 +159,7 @@ def _faces(given: Any, n: int, told: str) -> NDArray[np.uint32]:
     if given is None or array.dtype.kind not in "iu" or array.ndim != 2 or array.shape[1] != 3:
         what = described(given) if given is None or not array.ndim else f"{array.dtype} of shape {array.shape}"
         raise ArgumentError(f"faces of {told} is {what}; give {form}; quadrilaterals are two triangles each")
+    check_count(array, f"faces of {told}")
     if not len(array):
         raise ArgumentError(f"faces of {told} is empty: it has no triangles; leave the surface out")
     is_right = ((array >= 0) & (array < n)).all(axis=1)

@@ -122,7 +122,7 @@ impl Accumulator {
         let alpha = w.join(w.one().load(first), w.one().load(second));
         let is_open = w.lt(alpha, w.splat(self.opaque));
         let [first, second] = w.all_bits(w.and(visible, is_open));
-        [first & !rays.missed(chunks[0]) != 0, second & !rays.missed(chunks[1]) != 0]
+        [first & !rays.idle(chunks[0]) != 0, second & !rays.idle(chunks[1]) != 0]
     }
 }
 

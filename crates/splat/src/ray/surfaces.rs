@@ -18,7 +18,9 @@ pub struct TileSurfaces<'a> {
     first: [usize; 2],
     /// Numbers of passed surfaces, chunk by chunk.
     passed: Vec<[u8; LANES]>,
-    /// Place of the next surface of any ray of a chunk that is not opaque; infinite where there is none.
+    /// Place of the next surface of each ray that is not opaque, chunk by chunk; infinite where there is none.
+    ahead: Vec<Lanes>,
+    /// The nearest of these of each chunk.
     next: Vec<f32>,
 }
 
@@ -26,9 +28,14 @@ impl<'a> TileSurfaces<'a> {
     /// Surfaces on the rays of a tile whose first texel is `first`, after those that a state has passed.
     pub fn new(fragments: &'a Fragments, first: [usize; 2], passed: Vec<[u8; LANES]>) -> Self {
         let passed = if passed.is_empty() { TileState::per_chunk([0; LANES]) } else { passed };
-        let mut surfaces = Self { fragments, first, passed, next: TileState::per_chunk(f32::INFINITY) };
+        let (ahead, next) = (Lanes::splat(f32::INFINITY), f32::INFINITY);
+        let (ahead, next) = (TileState::per_chunk(ahead), TileState::per_chunk(next));
+        let mut surfaces = Self { fragments, first, passed, ahead, next };
         for chunk in Chunk::all() {
-            surfaces.find_next(chunk);
+            if surfaces.has_any(chunk) {
+                (0..LANES).for_each(|lane| surfaces.look_ahead(chunk, lane));
+                surfaces.find_next(chunk);
+            }
         }
         surfaces
     }
@@ -45,23 +52,28 @@ impl<'a> TileSurfaces<'a> {
         &self.fragments.of(i, j)[usize::from(self.passed[chunk.index()][lane])..]
     }
 
-    /// Whether any ray of a chunk has a surface that it has not passed.
-    pub fn has_rest(&self, chunk: Chunk) -> bool {
+    /// Whether any ray of a chunk has a surface.
+    fn has_any(&self, chunk: Chunk) -> bool {
         let [i, j] = [self.first[0] + chunk.strip * LANES, self.first[1] + chunk.row];
-        self.fragments.any_in_row(i, j, LANES) && (0..LANES).any(|lane| !self.rest(chunk, lane).is_empty())
+        self.fragments.any_in_row(i, j, LANES)
     }
 
+    /// Whether any ray of a chunk has a surface that it has not passed.
+    pub fn has_rest(&self, chunk: Chunk) -> bool {
+        self.has_any(chunk) && (0..LANES).any(|lane| !self.rest(chunk, lane).is_empty())
+    }
+
+    /// Finds the next surface of a ray.
+    #[inline(always)]
+    fn look_ahead(&mut self, chunk: Chunk, lane: usize) {
+        // Rays end at opaque surfaces, so these come after all matter.
+        let first = self.rest(chunk, lane).first().filter(|surface| surface.alpha < 1.0);
+        self.ahead[chunk.index()].0[lane] = first.map_or(f32::INFINITY, |surface| surface.s);
+    }
+
+    #[inline(always)]
     fn find_next(&mut self, chunk: Chunk) {
-        let [i, j] = [self.first[0] + chunk.strip * LANES, self.first[1] + chunk.row];
-        let mut next = f32::INFINITY;
-        if self.fragments.any_in_row(i, j, LANES) {
-            for lane in 0..LANES {
-                // Rays end at opaque surfaces, so these come after all matter.
-                let first = self.rest(chunk, lane).first().filter(|surface| surface.alpha < 1.0);
-                next = first.map_or(next, |surface| next.min(surface.s));
-            }
-        }
-        self.next[chunk.index()] = next;
+        self.next[chunk.index()] = self.ahead[chunk.index()].0.into_iter().fold(f32::INFINITY, f32::min);
     }
 
     /// Ends rays where they meet an opaque surface: nothing behind it is drawn.
@@ -118,18 +130,8 @@ impl<'a> TileSurfaces<'a> {
     ) {
         let mut begins = Lanes::splat(f32::NEG_INFINITY);
         loop {
-            let (mut ends, mut met) = (Lanes::splat(to), 0_u16);
-            let mut surfaces = ChunkSurfaces { rgb: [[0.0; LANES]; 3], alpha: [0.0; LANES], s: [to; LANES] };
-            for lane in 0..LANES {
-                let is_here = |surface: &&ShapeFragment| surface.s < to && surface.alpha < 1.0;
-                let Some(surface) = self.rest(chunk, lane).first().filter(is_here) else { continue };
-                met |= 1 << lane;
-                ends.0[lane] = surface.s;
-                (surfaces.s[lane], surfaces.alpha[lane]) = (surface.s, surface.alpha);
-                for c in 0..3 {
-                    surfaces.rgb[c][lane] = surface.rgb[c];
-                }
-            }
+            let mut ends = self.ahead[chunk.index()];
+            ends.0.iter_mut().for_each(|end| *end = end.min(to));
             if (0..LANES).any(|lane| begins.0[lane].max(from) < ends.0[lane]) {
                 let kept = rays.cut(chunk, [&begins, &ends]);
                 let kept_of_layers = slab.cut(chunk, [&begins, &ends]);
@@ -137,20 +139,33 @@ impl<'a> TileSurfaces<'a> {
                 rays.restore(chunk, kept);
                 slab.restore(chunk, kept_of_layers);
             }
-            if met == 0 {
-                break;
-            }
+            let Some(surfaces) = self.pass(chunk, to) else { break };
             compositor.add_surfaces(s, chunk, rays, &surfaces);
-            for lane in 0..LANES {
-                if met >> lane & 1 == 1 {
-                    self.passed[chunk.index()][lane] += 1;
-                }
-                begins.0[lane] = ends.0[lane];
-            }
+            begins = ends;
             if compositor.is_done(chunk) {
                 break;
             }
         }
         self.find_next(chunk);
+    }
+
+    /// Passes the next surface of each ray, where it lies in front of a place; `None` where none does.
+    #[inline(always)]
+    fn pass(&mut self, chunk: Chunk, to: f32) -> Option<ChunkSurfaces> {
+        let mut surfaces = ChunkSurfaces { rgb: [[0.0; LANES]; 3], alpha: [0.0; LANES], s: [to; LANES] };
+        let mut any = false;
+        for lane in 0..LANES {
+            if self.ahead[chunk.index()].0[lane] < to {
+                let surface = self.rest(chunk, lane)[0];
+                (surfaces.s[lane], surfaces.alpha[lane]) = (surface.s, surface.alpha);
+                for c in 0..3 {
+                    surfaces.rgb[c][lane] = surface.rgb[c];
+                }
+                self.passed[chunk.index()][lane] += 1;
+                self.look_ahead(chunk, lane);
+                any = true;
+            }
+        }
+        any.then_some(surfaces)
     }
 }

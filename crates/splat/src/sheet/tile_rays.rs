@@ -32,6 +32,8 @@ pub struct Rays {
     outer_entries: Vec<Lanes>,
     /// Rays that draw nothing, as bits.
     missed: Vec<u16>,
+    /// Rays that draw nothing of what they are cut to, as bits.
+    idle: Vec<u16>,
     /// Directions by chunk; a single entry where rays are parallel.
     directions: Vec<Directions>,
     /// Depth shading along each ray: the factor at s = 0, and its change per s; empty without a depth cue.
@@ -83,6 +85,7 @@ impl Rays {
             entries: if geometry.part.is_some() { vec![Lanes::splat(0.0); Chunk::N] } else { Vec::new() },
             outer_entries: Vec::new(),
             missed: vec![u16::MAX; Chunk::N],
+            idle: vec![u16::MAX; Chunk::N],
             directions: Vec::new(),
             fades: Vec::new(),
         };
@@ -161,6 +164,7 @@ impl Rays {
         self.common[chunk.index()] = if missed == 0 { common.map(|s| s as f32) } else { [0.0; 2] };
         self.last_entry[chunk.index()] = halved(entries, f64::max) as f32;
         self.missed[chunk.index()] = missed;
+        self.idle[chunk.index()] = missed;
     }
 
     /// Sets where the rays of a chunk enter the drawn region, of which a part is drawn.
@@ -210,6 +214,7 @@ impl Rays {
             hi.0[k] = ends.0[k].max(lo.0[k]);
             self.missed[index] |= u16::from(lo.0[k] >= hi.0[k]) << k;
         }
+        self.idle[index] = self.missed[index];
         let least = hi.0.into_iter().fold(f32::INFINITY, f32::min);
         let seen = (0..LANES).filter(|k| self.missed[index] >> k & 1 == 0);
         self.last_exit[index] = seen.map(|k| hi.0[k]).fold(f32::NEG_INFINITY, f32::max);
@@ -237,10 +242,13 @@ impl Rays {
         let (interval, common) = (&mut self.intervals[chunk.index()], &mut self.common[chunk.index()]);
         let kept = (*interval, *common);
         let [lo, hi] = interval;
+        let mut empty = [0_u16; LANES];
         for k in 0..LANES {
             lo.0[k] = lo.0[k].max(from.0[k]);
             hi.0[k] = hi.0[k].min(to.0[k]).max(lo.0[k]);
+            empty[k] = u16::from(lo.0[k] >= hi.0[k]) << k;
         }
+        self.idle[chunk.index()] |= halved(empty, |a, b| a | b);
         *common = [f32::INFINITY, f32::NEG_INFINITY];
         kept
     }
@@ -249,6 +257,7 @@ impl Rays {
     #[inline(always)]
     pub fn restore(&mut self, chunk: Chunk, kept: ([Lanes; 2], [f32; 2])) {
         (self.intervals[chunk.index()], self.common[chunk.index()]) = kept;
+        self.idle[chunk.index()] = self.missed[chunk.index()];
     }
 
     /// Sets the entries into matter of rays that enter the region in another part. `entry`: given a chunk, a lane, where
@@ -315,6 +324,12 @@ impl Rays {
     #[inline(always)]
     pub fn missed(&self, chunk: Chunk) -> u16 {
         self.missed[chunk.index()]
+    }
+
+    /// Rays that draw nothing, or nothing of the parts that they are cut to ([`Rays::cut`]), as bits.
+    #[inline(always)]
+    pub fn idle(&self, chunk: Chunk) -> u16 {
+        self.idle[chunk.index()]
     }
 
     /// Whether no ray of a chunk draws anything.

@@ -5,6 +5,8 @@
 //! `G = Σ_k T_k / N` is left in front of it; so the ray's opacity there is `g / G`. Matter between fragments is the same
 //! at all places, so it is composited between them as between surfaces that cover the whole texel.
 
+use std::cmp::Ordering;
+
 use glam::Vec3;
 
 use crate::shapes::samples::{self, Mask};
@@ -84,15 +86,16 @@ impl Meeting {
         self.normal != Vec3::ZERO
     }
 
-    /// Key that orders meetings front to back, and those at one place by what they look like: so the order of shapes
-    /// means nothing.
-    fn key(&self) -> (u32, Crossing, [u32; 7], Mask) {
+    /// Orders meetings front to back, and those at one place by what they look like: so the order of shapes means
+    /// nothing.
+    fn order(&self, other: &Self) -> Ordering {
+        self.s.total_cmp(&other.s).then_with(|| self.looks().cmp(&other.looks()))
+    }
+
+    fn looks(&self) -> (Crossing, [u32; 7], Mask) {
         let [r, g, b] = self.rgb.map(f32::to_bits);
         let [x, y, z] = self.normal.to_array().map(f32::to_bits);
-        // Of floats, the order of the bits is that of the numbers once the sign is taken care of.
-        let bits = self.s.to_bits();
-        let ordered = if bits >> 31 == 1 { !bits } else { bits | 1 << 31 };
-        (ordered, self.side, [r, g, b, self.alpha.to_bits(), x, y, z], self.mask)
+        (self.side, [r, g, b, self.alpha.to_bits(), x, y, z], self.mask)
     }
 }
 
@@ -203,7 +206,7 @@ pub fn resolve(meetings: &[Meeting], n_texels: usize, lit: impl Fn(&Meeting) -> 
         here.clear();
         here.extend(own.iter().map(|k| meetings[*k as usize]));
         if here.len() > 1 {
-            here.sort_unstable_by_key(Meeting::key);
+            here.sort_unstable_by(Meeting::order);
         }
         let first = band.all.len();
         band.n_joined += usize::from(add_ray(&here, &mut ray));
@@ -217,7 +220,7 @@ pub fn resolve(meetings: &[Meeting], n_texels: usize, lit: impl Fn(&Meeting) -> 
 /// meetings were joined for their number.
 fn add_ray(meetings: &[Meeting], all: &mut Vec<Meeting>) -> bool {
     let first = all.len();
-    let mut open = [1.0_f32; samples::N];
+    let mut open = Open::default();
     let mut left = 1.0_f32;
     let mut solids = Solids::default();
     // Light in front of the last fragment, and how much of it the fragment takes.
@@ -228,16 +231,12 @@ fn add_ray(meetings: &[Meeting], all: &mut Vec<Meeting>) -> bool {
         if mask == 0 {
             continue;
         }
-        let passing = sum_of(&open, mask) / samples::N as f32;
+        let passing = open.sum(mask) / samples::N as f32;
         let share = meeting.alpha * passing;
         if share <= 0.0 {
             continue;
         }
-        for (k, open) in open.iter_mut().enumerate() {
-            if mask >> k & 1 == 1 {
-                *open *= 1.0 - meeting.alpha;
-            }
-        }
+        open.dim(mask, meeting.alpha);
         let n = all.len() - first;
         let is_near = |last: &Meeting| meeting.s - last.s <= SAME_PLACE && last.is_lit() == meeting.is_lit();
         let joins = n > 0 && (is_near(&all[all.len() - 1]) || n == MAX_FRAGMENTS);
@@ -257,7 +256,7 @@ fn add_ray(meetings: &[Meeting], all: &mut Vec<Meeting>) -> bool {
             (before, taken) = (left, share);
             all.push(Meeting { alpha: (share / left).min(1.0), ..*meeting });
         }
-        left = sum_of(&open, Mask::MAX) / samples::N as f32;
+        left = open.sum(Mask::MAX) / samples::N as f32;
         if left <= CLOSED {
             all.last_mut().expect("a fragment").alpha = 1.0;
             break;
@@ -266,9 +265,53 @@ fn add_ray(meetings: &[Meeting], all: &mut Vec<Meeting>) -> bool {
     is_joined
 }
 
-/// Sum over the places of a mask, in their order.
-fn sum_of(open: &[f32; samples::N], mask: Mask) -> f32 {
-    open.iter().enumerate().filter(|(k, _)| mask >> k & 1 == 1).map(|(_, open)| open).sum()
+/// Transmittance, at a texel's places, of what was met so far.
+enum Open {
+    /// 1 at these places, 0 at the others: all that was met is opaque.
+    Places(Mask),
+    /// Of each place.
+    Each([f32; samples::N]),
+}
+
+impl Default for Open {
+    fn default() -> Self {
+        Self::Places(Mask::MAX)
+    }
+}
+
+impl Open {
+    /// Sum over the places of a mask, in their order.
+    #[inline(always)]
+    fn sum(&self, mask: Mask) -> f32 {
+        match self {
+            Self::Places(open) => (open & mask).count_ones() as f32,
+            Self::Each(open) => {
+                let mut sum = 0.0;
+                for (k, open) in open.iter().enumerate() {
+                    sum += if mask >> k & 1 == 1 { *open } else { 0.0 };
+                }
+                sum
+            }
+        }
+    }
+
+    /// Puts a surface of an opacity over the places of a mask.
+    #[inline(always)]
+    fn dim(&mut self, mask: Mask, alpha: f32) {
+        match self {
+            Self::Places(open) if alpha >= 1.0 => *open &= !mask,
+            Self::Places(open) => {
+                let each = std::array::from_fn(|k| f32::from(u8::from(*open >> k & 1 == 1)));
+                *self = Self::Each(each);
+                self.dim(mask, alpha);
+            }
+            Self::Each(open) => {
+                for (k, open) in open.iter_mut().enumerate() {
+                    *open *= if mask >> k & 1 == 1 { 1.0 - alpha } else { 1.0 };
+                }
+            }
+        }
+    }
 }
 
 /// Depth of a ray's places in solids that consist of overlapping pieces.

@@ -14,6 +14,7 @@ pub struct Shapes {
     paths: Vec<Paths>,
     points: Vec<Points>,
     cards: Vec<Card>,
+    bounds: Option<[DVec3; 2]>,
 }
 
 /// Triangles that share vertices.
@@ -152,7 +153,9 @@ impl Shapes {
         for (k, card) in cards.iter().enumerate() {
             card.check(&format!("card {k}"))?;
         }
-        Ok(Self { meshes, paths, points, cards })
+        let mut shapes = Self { meshes, paths, points, cards, bounds: None };
+        shapes.bounds = shapes.find_bounds();
+        Ok(shapes)
     }
 
     /// Surfaces.
@@ -200,6 +203,10 @@ impl Shapes {
     /// Corners of the smallest box along the world axes that holds all shapes; sizes in pixels count as none. `None`
     /// without shapes.
     pub fn bounds(&self) -> Option<[DVec3; 2]> {
+        self.bounds
+    }
+
+    fn find_bounds(&self) -> Option<[DVec3; 2]> {
         let mut bounds = [DVec3::INFINITY, DVec3::NEG_INFINITY];
         let mut hold = |at: [f64; 3], reach: f64| {
             let at = DVec3::from_array(at);
@@ -299,6 +306,15 @@ impl Card {
 }
 
 impl Paint {
+    /// Whether all its colours are opaque.
+    #[must_use]
+    pub fn is_opaque(&self) -> bool {
+        match self {
+            Self::Even(_) => true,
+            Self::Each(colors) | Self::Mapped { table: colors, .. } => colors.iter().all(|rgba| rgba[3] >= 1.0),
+        }
+    }
+
     fn check(&self, n: usize, name: &str) -> Result<()> {
         match self {
             Self::Even([r, g, b]) => check_colors(&[[*r, *g, *b, 1.0]], name),

@@ -243,6 +243,42 @@ fn order_of_shapes_changes_nothing() {
     }
 }
 
+/// A hundred winding paths behind each other, those of each set in one shape.
+fn tangle(sets: &[Vec<usize>], thickness: Thickness) -> Shapes {
+    let path = |path: usize| {
+        (0..20).map(move |k| {
+            let (t, phase) = (k as f64 / 19.0, path as f64);
+            let aside = |n: f64| 16.0 + 12.0 * (n * phase).sin() + 3.0 * (5.0 * t + n * phase).cos();
+            [aside(1.7), aside(2.9), 32.0 * t]
+        })
+    };
+    let of_set = |set: &Vec<usize>| Paths {
+        positions: set.iter().flat_map(|k| path(*k)).collect(),
+        starts: (0..=set.len()).map(|k| 20 * k as u32).collect(),
+        thickness,
+        paint: Paint::Each(set.iter().flat_map(|k| [[(k % 10) as f32 / 10.0, 0.4, 0.6, 1.0]; 20]).collect()),
+        style: ShapeStyle::default(),
+    };
+    Shapes::new(Vec::new(), sets.iter().map(of_set).collect(), Vec::new(), Vec::new()).unwrap()
+}
+
+#[test]
+fn what_opaque_paths_hide_is_left_out_whatever_their_order() {
+    let fog = Fog::new(0.02);
+    let all: Vec<usize> = (0..100).collect();
+    let reversed: Vec<usize> = all.iter().rev().copied().collect();
+    let apart = [1, 0].map(|odd| all.iter().copied().filter(|k| k % 2 == odd).collect());
+    for camera in cameras() {
+        for thickness in [Thickness::Radius(1.2), Thickness::WidthPx(3.0)] {
+            let draw = |sets: &[Vec<usize>]| fog.draw(tangle(sets, thickness), &camera, &plain());
+            let (wanted, report) = draw(std::slice::from_ref(&all));
+            assert!(report.n_fragments[0] > 1000, "{:?}", report.n_fragments);
+            assert!(draw(std::slice::from_ref(&reversed)).0.rgba == wanted.rgba, "{:?}", camera.position());
+            assert!(draw(&apart).0.rgba == wanted.rgba, "{:?}", camera.position());
+        }
+    }
+}
+
 #[test]
 fn threads_and_vectors_change_nothing() {
     let fog = Fog::new(0.02);

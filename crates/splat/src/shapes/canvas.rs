@@ -5,6 +5,7 @@ use std::ops::Range;
 use glam::{DVec3, Vec3};
 use wavesplat_core::ShapeStyle;
 
+use crate::shapes::cover::{Cover, Covering};
 use crate::shapes::fragments::{ALONE, Crossing, Meeting};
 use crate::shapes::placement::PlaneView;
 use crate::shapes::samples::Mask;
@@ -32,8 +33,10 @@ pub struct Canvas<'a> {
     pub rows: Range<usize>,
     /// The part of space that clip planes and crop leave, for shapes that they cut.
     pub region: &'a Region,
-    /// Surfaces that were met so far.
+    /// Surfaces that were met so far, but for those that cannot be seen behind others.
     pub meetings: Vec<Meeting>,
+    /// What opaque surfaces hide on each ray.
+    covers: Vec<Cover>,
 }
 
 /// A part of a surface on the ray of a texel.
@@ -56,17 +59,38 @@ pub struct SurfacePart {
     pub solid: u32,
     /// Whether it lies behind the eye, and counts only for what else is part of the solid.
     pub is_hidden: bool,
+    /// What it hides where it is opaque.
+    pub covering: Covering,
 }
 
-impl Canvas<'_> {
+impl<'a> Canvas<'a> {
+    /// Rows of a base plane without shapes.
+    pub fn new(view: &'a PlaneView<'a>, rows: Range<usize>, region: &'a Region) -> Self {
+        let covers = vec![Cover::default(); rows.len() * view.plane.size[0]];
+        Self { view, rows, region, meetings: Vec::new(), covers }
+    }
+
+    fn texel_number(&self, [i, j]: [usize; 2]) -> usize {
+        (j - self.rows.start) * self.view.plane.size[0] + i
+    }
+
+    /// Whether opaque surfaces hide all of a texel from a place on.
+    #[inline(always)]
+    pub fn is_hidden(&self, texel: [usize; 2], s: f32) -> bool {
+        self.covers[self.texel_number(texel)].is_closed_before(s)
+    }
+
     /// Takes note of a surface with the look of its shape.
     #[inline]
     pub fn add(&mut self, style: ShapeStyle, surface: &SurfacePart) {
-        let SurfacePart { texel: [i, j], at: [x, y], mask, s, rgba: [r, g, b, a], normal, side, solid, is_hidden } =
-            *surface;
+        let SurfacePart { at: [x, y], mask, s, rgba: [r, g, b, a], normal, side, solid, is_hidden, .. } = *surface;
         let mut alpha = a * style.opacity;
         // False for numbers that are none, too.
         if !(alpha > 0.0 && s.is_finite()) {
+            return;
+        }
+        let texel = self.texel_number(surface.texel);
+        if self.covers[texel].hides(solid, mask, s) {
             return;
         }
         let is_cut_off = style.is_clipped && !self.region.contains(self.view.index_at([x, y, s]));
@@ -77,9 +101,11 @@ impl Canvas<'_> {
             }
             alpha = 0.0;
         }
-        let texel = ((j - self.rows.start) * self.view.plane.size[0] + i) as u32;
+        if alpha >= 1.0 {
+            self.covers[texel].add(solid, mask, s, surface.covering);
+        }
         let normal = normal.filter(|_| style.is_lit).unwrap_or(Vec3::ZERO);
-        self.meetings.push(Meeting { texel, s, rgb: [r, g, b], normal, alpha, mask, side, solid });
+        self.meetings.push(Meeting { texel: texel as u32, s, rgb: [r, g, b], normal, alpha, mask, side, solid });
     }
 
     /// Columns of texels from `lo` to `hi` that lie on the plane.

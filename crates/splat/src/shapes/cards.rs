@@ -3,6 +3,7 @@
 use wavesplat_core::{Card, ShapeStyle};
 
 use crate::shapes::canvas::{Canvas, OnPlane, RowRange, SurfacePart, vector};
+use crate::shapes::cover::Covering;
 use crate::shapes::fragments::{ALONE, Crossing};
 use crate::shapes::paint::texture_at;
 use crate::shapes::placement::{Placed, PlaneView};
@@ -50,6 +51,7 @@ impl<'a> CardOnPlane<'a> {
                     side: Crossing::Sheet,
                     solid: ALONE,
                     is_hidden: false,
+                    covering: Covering::Behind,
                 },
             );
         });

@@ -10,6 +10,7 @@
 
 pub mod canvas;
 pub mod cards;
+pub mod cover;
 pub mod fragments;
 pub mod light;
 pub mod paint;

@@ -30,6 +30,10 @@ pub struct PlaneView<'a> {
     way: [DVec3; 3],
     /// Pixel position of texel position `(x, y, 1)`, times a number that is positive ahead of the eye.
     pixel_from_texel: DMat3,
+    /// Half the size, in texels, of a disc of a pixel, which is the same everywhere for parallel rays.
+    disc: Option<[f64; 2]>,
+    /// The same of a ball of radius 1.
+    ball: Option<[f64; 2]>,
 }
 
 /// A position on a base plane.
@@ -66,16 +70,29 @@ impl<'a> PlaneView<'a> {
         let [along_u, along_v] = [slope(1.0, 0.0)[0] - first[0], slope(0.0, 1.0)[1] - first[1]];
         let way =
             [columns[0] * first[0] + columns[1] * first[1] + columns[2], columns[0] * along_u, columns[1] * along_v];
-        Self {
+        let eye = plane.eye();
+        let mut view = Self {
             plane,
             world_from_index,
             index_from_world: world_from_index.inverse(),
             columns,
             sign,
-            eye: plane.eye(),
+            eye,
             way: way.map(|way| way * sign),
             pixel_from_texel: plane.pixel_from_texel(),
+            disc: None,
+            ball: None,
+        };
+        if eye.is_none() {
+            view.ball = Some(view.reach_of_unit_ball());
+            view.disc = Some(view.reach_of_disc([0.0; 2], 1.0));
         }
+        view
+    }
+
+    /// Slices that a unit of the world reaches over, at most.
+    pub fn slices_per_unit(&self) -> f64 {
+        self.index_from_world.matrix3.transpose().col(self.plane.family.axes[2]).length()
     }
 
     /// Index coordinates along u, v, w of a world position.
@@ -158,14 +175,8 @@ impl<'a> PlaneView<'a> {
 
     /// How far a ball around index coordinates reaches on the plane.
     pub fn reach_of_ball(&self, uvw @ [u, v, w]: [f64; 3], radius: f64) -> PlaneReach {
-        if self.eye.is_none() {
-            // The ray at an offset (x, y) passes the centre at the length of `m (x, y)`, so the ball is an ellipse.
-            let [_, per_u, per_v] = self.from_point(uvw);
-            let way = self.way[0].normalize();
-            let [m, n] = [per_u, per_v].map(|per| per - way * per.dot(way));
-            let [uu, uv, vv] = [m.dot(m), m.dot(n), n.dot(n)];
-            let determinant = (uu * vv - uv * uv).max(f64::MIN_POSITIVE);
-            return PlaneReach::Within([vv / determinant, uu / determinant].map(|x| radius * x.sqrt()));
+        if let Some(ball) = self.ball {
+            return PlaneReach::Within(ball.map(|half| half * radius));
         }
         // Half the size of the box around the ball, in samples along u, v, w.
         let inverse = self.index_from_world.matrix3.transpose();
@@ -190,6 +201,17 @@ impl<'a> PlaneView<'a> {
         PlaneReach::Within(reach)
     }
 
+    /// Half the size of a ball of radius 1, in texels, for parallel rays.
+    fn reach_of_unit_ball(&self) -> [f64; 2] {
+        // The ray at an offset (x, y) passes the centre at the length of `m (x, y)`, so the ball is an ellipse.
+        let [_, per_u, per_v] = self.from_point([0.0; 3]);
+        let way = self.way[0].normalize();
+        let [m, n] = [per_u, per_v].map(|per| per - way * per.dot(way));
+        let [uu, uv, vv] = [m.dot(m), m.dot(n), n.dot(n)];
+        let determinant = (uu * vv - uv * uv).max(f64::MIN_POSITIVE);
+        [vv / determinant, uu / determinant].map(f64::sqrt)
+    }
+
     /// Map from texel offsets to pixel offsets from a pixel position, near a texel position: numerators along x and y,
     /// and the denominator, each at that texel position and its change per texel along u and v.
     pub fn pixels_around(&self, [x, y]: [f64; 2], pixel: [f64; 2]) -> [[f32; 3]; 3] {
@@ -207,6 +229,9 @@ impl<'a> PlaneView<'a> {
 
     /// Half the size, in texels, of a disc of a radius in pixels around a texel position.
     pub fn reach_of_disc(&self, [x, y]: [f64; 2], radius_px: f64) -> [f64; 2] {
+        if let Some(disc) = self.disc {
+            return disc.map(|half| half * radius_px);
+        }
         let at = self.pixel([x, y]);
         let [along_u, along_v] = [self.pixel([x + 0.5, y]), self.pixel([x, y + 0.5])]
             .map(|next| [2.0 * (next[0] - at[0]), 2.0 * (next[1] - at[1])]);

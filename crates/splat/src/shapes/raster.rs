@@ -29,7 +29,7 @@ pub fn fragments_of(simd: Level, view: &PlaneView, shapes: &Shapes, region: &Reg
         if elements.is_empty() {
             return FragmentBand { counts: vec![0; n_texels], all: Vec::new(), n_joined: 0 };
         }
-        let mut canvas = Canvas { view, rows: rows.clone(), region, meetings: Vec::new() };
+        let mut canvas = Canvas::new(view, rows.clone(), region);
         simd.run(
             #[inline(always)]
             || {
@@ -135,31 +135,36 @@ struct Bands {
 impl Bands {
     fn new(shapes: &[Shape], view: &PlaneView, n_bands: usize) -> Self {
         const SOME: usize = 4096;
-        let rows: Vec<Vec<RowRange>> = shapes
+        assert!(u16::try_from(n_bands).is_ok(), "a base plane of more than half a million rows");
+        // The first band of each element and the one after its last: of millions, every byte counts.
+        let reached: Vec<Vec<[u16; 2]>> = shapes
             .iter()
             .map(|shape| {
-                let mut rows = vec![None; shape.n_elements()];
-                parallel::for_each_chunk(&mut rows, SOME, |k, some| {
-                    for (element, rows) in some.iter_mut().enumerate() {
-                        *rows = shape.rows(k * SOME + element, view);
+                let mut reached = vec![[0; 2]; shape.n_elements()];
+                parallel::for_each_chunk(&mut reached, SOME, |k, some| {
+                    for (element, bands) in some.iter_mut().enumerate() {
+                        if let Some([first, last]) = shape.rows(k * SOME + element, view) {
+                            *bands =
+                                [first as usize / BAND_ROWS, last as usize / BAND_ROWS + 1].map(|band| band as u16);
+                        }
                     }
                 });
-                rows
+                reached
             })
             .collect();
-        let bands_of = |[first, last]: [u32; 2]| first as usize / BAND_ROWS..last as usize / BAND_ROWS + 1;
+        let bands_of = |[first, end]: [u16; 2]| usize::from(first)..usize::from(end);
         let mut starts = vec![0; n_bands + 1];
-        for rows in rows.iter().flatten().flatten() {
-            bands_of(*rows).for_each(|band| starts[band + 1] += 1);
+        for bands in reached.iter().flatten() {
+            bands_of(*bands).for_each(|band| starts[band + 1] += 1);
         }
         for band in 0..n_bands {
             starts[band + 1] += starts[band];
         }
         let mut next = starts.clone();
         let mut elements = vec![[0; 2]; starts[n_bands]];
-        for (shape, rows) in rows.iter().enumerate() {
-            for (element, rows) in rows.iter().enumerate().filter_map(|(element, rows)| Some((element, (*rows)?))) {
-                for band in bands_of(rows) {
+        for (shape, reached) in reached.iter().enumerate() {
+            for (element, bands) in reached.iter().enumerate() {
+                for band in bands_of(*bands) {
                     elements[next[band]] = [shape as u32, element as u32];
                     next[band] += 1;
                 }

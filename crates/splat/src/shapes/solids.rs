@@ -12,6 +12,7 @@ use wavesplat_compute::parallel;
 use wavesplat_core::{Paint, Paths, Points};
 
 use crate::shapes::canvas::{Canvas, OnPlane, RowRange, SurfacePart, rows_of, vector};
+use crate::shapes::cover::Covering;
 use crate::shapes::fragments::{ALONE, Crossing};
 use crate::shapes::paint::color_at;
 use crate::shapes::placement::{NEAR, Placed, PlaneReach, PlaneView};
@@ -42,7 +43,7 @@ impl OnPlane for BallsOnPlane<'_> {
 
     #[inline(always)]
     fn draw(&self, element: usize, canvas: &mut Canvas) {
-        let center = vector(self.points.centers[element]);
+        let center = &self.points.centers[element];
         let piece = Capsule { ends: [center; 2], radius: self.radii[element], on_plane: [self.ends[element]; 2] };
         let Some(rgba) = color_at(&self.points.paint, [element as u32], [1.0]) else { return };
         // Through a cut the wall behind is seen, too.
@@ -52,8 +53,9 @@ impl OnPlane for BallsOnPlane<'_> {
             if is_hidden {
                 return;
             }
-            let surface =
-                SurfacePart { texel, at, mask, s, rgba, normal: Some(normal), side, solid: ALONE, is_hidden: false };
+            let (normal, covering) = (Some(normal), Covering::Behind);
+            let solid = ALONE;
+            let surface = SurfacePart { texel, at, mask, s, rgba, normal, side, solid, is_hidden, covering };
             canvas.add(self.points.style, &surface);
         });
     }
@@ -66,13 +68,18 @@ pub struct TubesOnPlane<'a> {
     /// Numbers of both positions of each piece, and of its solid.
     pieces: Vec<[u32; 3]>,
     ends: Vec<End>,
+    covering: Covering,
 }
 
 impl<'a> TubesOnPlane<'a> {
     /// Tubes around paths. `first_solid`: number of the first path's solid.
     pub fn new(paths: &'a Paths, radius: f64, first_solid: u32, view: &PlaneView) -> Self {
         let ends = ends_of(&paths.positions, |_| radius, view);
-        Self { paths, radius, pieces: pieces_of(paths, first_solid), ends }
+        let pieces = pieces_of(paths, first_solid, |k| ends[k as usize].placed.s);
+        // Where the eye may be inside of a piece, others are inside of it, too, and so are those behind a cut.
+        let is_whole = !paths.style.is_clipped && ends.iter().all(|end| end.reach[0].is_finite());
+        let covering = if is_whole && paths.paint.is_opaque() { Covering::Behind } else { Covering::Nothing };
+        Self { paths, radius, pieces, ends, covering }
     }
 
     #[inline(always)]
@@ -80,7 +87,7 @@ impl<'a> TubesOnPlane<'a> {
         let [a, b, solid] = self.pieces[element];
         let style = self.paths.style;
         let piece = Capsule {
-            ends: [a, b].map(|k| vector(self.paths.positions[k as usize])),
+            ends: [a, b].map(|k| &self.paths.positions[k as usize]),
             radius: self.radius,
             on_plane: [a, b].map(|k| self.ends[k as usize]),
         };
@@ -89,22 +96,27 @@ impl<'a> TubesOnPlane<'a> {
         draw_piece::<BALL>(&piece, is_opaque, canvas, |canvas, hit| {
             let CapsuleHit { texel, at, mask, s, normal, side, along, is_hidden } = hit;
             let Some(rgba) = color_at(&self.paths.paint, [a, b], [1.0 - along, along]) else { return };
-            let normal = Some(normal);
-            canvas.add(style, &SurfacePart { texel, at, mask, s, rgba, normal, side, solid, is_hidden });
+            let (normal, covering) = (Some(normal), self.covering);
+            canvas.add(style, &SurfacePart { texel, at, mask, s, rgba, normal, side, solid, is_hidden, covering });
         });
     }
 }
 
 /// Pieces of paths: numbers of both positions, and of the path's solid. A path of one position has one piece, from there
-/// to there.
-pub fn pieces_of(paths: &Paths, first_solid: u32) -> Vec<[u32; 3]> {
+/// to there. The nearest paths come first, each from its nearer end on: so what hides others is mostly drawn before them.
+/// `place`: of a position, along the ray.
+pub fn pieces_of(paths: &Paths, first_solid: u32, place: impl Fn(u32) -> f32) -> Vec<[u32; 3]> {
+    let nearest = |ends: &[u32]| (ends[0]..ends[1]).map(&place).fold(f32::INFINITY, f32::min);
+    let mut order: Vec<(f32, usize)> = paths.starts.windows(2).map(nearest).zip(0..).collect();
+    order.sort_unstable_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let mut pieces = Vec::with_capacity(paths.positions.len());
-    for (path, ends) in paths.starts.windows(2).enumerate() {
-        let solid = first_solid + path as u32;
-        match ends[1] - ends[0] {
+    for (_, path) in order {
+        let (first, end, solid) = (paths.starts[path], paths.starts[path + 1], first_solid + path as u32);
+        match end - first {
             0 => {}
-            1 => pieces.push([ends[0], ends[0], solid]),
-            _ => pieces.extend((ends[0]..ends[1] - 1).map(|k| [k, k + 1, solid])),
+            1 => pieces.push([first, first, solid]),
+            _ if place(first) <= place(end - 1) => pieces.extend((first..end - 1).map(|k| [k, k + 1, solid])),
+            _ => pieces.extend((first..end - 1).rev().map(|k| [k, k + 1, solid])),
         }
     }
     pieces
@@ -123,7 +135,8 @@ impl OnPlane for TubesOnPlane<'_> {
     #[inline(always)]
     fn draw(&self, element: usize, canvas: &mut Canvas) {
         let [a, b, _] = self.pieces[element];
-        if self.paths.positions[a as usize] == self.paths.positions[b as usize] {
+        // Of two ends at one place, too, both are right, to the bit.
+        if a == b {
             self.draw_as::<true>(element, canvas);
         } else {
             self.draw_as::<false>(element, canvas);
@@ -132,8 +145,8 @@ impl OnPlane for TubesOnPlane<'_> {
 }
 
 /// A cylinder with half balls at its ends; a ball where both ends are one.
-struct Capsule {
-    ends: [DVec3; 2],
+struct Capsule<'a> {
+    ends: [&'a [f64; 3]; 2],
     radius: f64,
     on_plane: [End; 2],
 }
@@ -220,7 +233,7 @@ pub fn columns_in_row(ends: [[f64; 2]; 2], reach: [f64; 2], row: f64) -> [f64; 2
 /// inside.
 #[inline(always)]
 fn draw_piece<const BALL: bool>(
-    piece: &Capsule,
+    piece: &Capsule<'_>,
     is_opaque: bool,
     canvas: &mut Canvas,
     mut with: impl FnMut(&mut Canvas, CapsuleHit),
@@ -236,14 +249,26 @@ fn draw_piece<const BALL: bool>(
         }
         None => canvas.own_rows([0.0, n_v as f64]),
     };
-    let rays = CapsuleRays::<BALL>::new(piece, view.uvw(piece.ends[0]), view);
+    // Most pieces are hidden where many lie behind each other, and need no rays.
+    let mut rays: Option<CapsuleRays<BALL>> = None;
+    // With some slack for rounding.
+    let nearest = piece.on_plane[0].placed.s.min(piece.on_plane[1].placed.s)
+        - (piece.radius * view.slices_per_unit() * 1.001 + 0.01) as f32;
+    let nearest = if reach.is_some() { nearest } else { f32::NEG_INFINITY };
     for j in rows {
         let columns = match reach {
             Some(reach) => canvas.columns(columns_in_row(places, reach, j as f64)),
             None => 0..n_u,
         };
+        let mut row = None;
         for i in columns {
-            let [enter, leave, inside] = rays.masks([i, j], view);
+            if canvas.is_hidden([i, j], nearest) {
+                continue;
+            }
+            let rays = rays.get_or_insert_with(|| CapsuleRays::new(piece, view));
+            let row = row.get_or_insert_with(|| rays.row(j, view));
+            let texel = of_texel(row, i);
+            let [enter, leave, inside] = rays.masks(texel);
             let leave = if is_opaque { leave & !enter } else { leave };
             let sides =
                 [(inside, Crossing::Enter, true), (enter, Crossing::Enter, false), (leave, Crossing::Leave, false)];
@@ -252,7 +277,7 @@ fn draw_piece<const BALL: bool>(
                     continue;
                 }
                 let offset = mean_offset(mask);
-                let (ray, way) = rays.ray([i, j], offset, view);
+                let (ray, way) = rays.aside(texel, offset);
                 let [enter, leave] = rays.meet(ray.to_array(), way.to_array());
                 // Pieces that the eye is in are entered where the rays begin.
                 let t = if is_hidden { rays.nearest } else { [enter, leave][usize::from(side == Crossing::Leave)] };
@@ -276,40 +301,58 @@ struct CapsuleRays<const BALL: bool> {
     from_end: [DVec3; 3],
     per_texel: [Vec3; 2],
     way_per_texel: [Vec3; 2],
+    is_parallel: bool,
     /// Place of that end along the rays.
     s: f32,
     /// From the first end to the second; and its inverse square, 0 for a ball.
     axis: Vec3,
     per_axis: f32,
+    radius: f32,
     radius_squared: f32,
+    /// How far the rays of a texel are from the ray of its middle, at most, and the change of that per slice.
+    spread: [f32; 2],
     /// Place along the rays, less `s`, in front of which nothing is met.
     nearest: f32,
 }
 
 impl<const BALL: bool> CapsuleRays<BALL> {
-    fn new(piece: &Capsule, uvw: [f64; 3], view: &PlaneView) -> Self {
+    fn new(piece: &Capsule<'_>, view: &PlaneView) -> Self {
+        let ends = piece.ends.map(|end| vector(*end));
+        let uvw = view.uvw(ends[0]);
         let from_end = view.from_point(uvw);
-        let axis = (piece.ends[1] - piece.ends[0]).as_vec3();
+        let axis = (ends[1] - ends[0]).as_vec3();
         let square = axis.length_squared();
         let s = uvw[2] * if view.plane.family.ascending { 1.0 } else { -1.0 };
+        let per_texel = [from_end[1], from_end[2]].map(|v| v.as_vec3());
+        let way_per_texel = view.way_per_texel().map(|v| v.as_vec3());
+        // Some more, for rounding.
+        let corner = |[u, v]: [Vec3; 2]| 1.1 * 0.5 * (u + v).length().max((u - v).length());
         Self {
             from_end,
-            per_texel: [from_end[1], from_end[2]].map(|v| v.as_vec3()),
-            way_per_texel: view.way_per_texel().map(|v| v.as_vec3()),
+            per_texel,
+            way_per_texel,
+            is_parallel: way_per_texel == [Vec3::ZERO; 2],
+            spread: [corner(per_texel), corner(way_per_texel)],
             s: s as f32,
             axis,
             per_axis: if square > 0.0 { 1.0 / square } else { 0.0 },
+            radius: piece.radius as f32,
             radius_squared: (piece.radius * piece.radius) as f32,
             nearest: view.eye_s().map_or(f32::NEG_INFINITY, |eye| (eye + NEAR - s) as f32),
         }
     }
 
-    /// Vector from the first end to a point of a ray, and the ray's way per slice. `offset`: from the middle of the texel.
+    /// Vector from the first end to a point of the ray of a row's first texel, and that ray's way per slice; and the changes
+    /// of both per texel of the row.
     #[inline(always)]
-    fn ray(&self, [i, j]: [usize; 2], offset: [f32; 2], view: &PlaneView) -> (Vec3, Vec3) {
-        let (x, y) = (i as f64, j as f64);
-        let middle = (self.from_end[0] + self.from_end[1] * x + self.from_end[2] * y).as_vec3();
-        let way = view.way(x, y).as_vec3();
+    fn row(&self, j: usize, view: &PlaneView) -> [[DVec3; 2]; 2] {
+        let first = [self.from_end[0] + self.from_end[2] * j as f64, view.way(0.0, j as f64)];
+        [first, [self.from_end[1], view.way_per_texel()[0]]]
+    }
+
+    /// The same of a ray beside that of a texel. `offset`: from the middle of the texel.
+    #[inline(always)]
+    fn aside(&self, (middle, way): (Vec3, Vec3), offset: [f32; 2]) -> (Vec3, Vec3) {
         (
             middle + self.per_texel[0] * offset[0] + self.per_texel[1] * offset[1],
             way + self.way_per_texel[0] * offset[0] + self.way_per_texel[1] * offset[1],
@@ -318,12 +361,20 @@ impl<const BALL: bool> CapsuleRays<BALL> {
 
     /// Places of a texel whose rays enter the piece ahead of the eye, that leave it there, and that begin in it.
     #[inline(always)]
-    fn masks(&self, texel: [usize; 2], view: &PlaneView) -> [u16; 3] {
-        let (middle, way) = self.ray(texel, [0.0; 2], view);
+    fn masks(&self, (middle, way): (Vec3, Vec3)) -> [u16; 3] {
         let (middle, way) = (middle.to_array(), way.to_array());
         if self.is_off(middle, way) {
             return [0; 3];
         }
+        let [enter, leave] =
+            if self.is_parallel { self.meet_all::<true>(middle, way) } else { self.meet_all::<false>(middle, way) };
+        let [enter, leave] = [enter, leave].map(|of_all| mask_of(of_all.map(|t| t > self.nearest)));
+        [enter, leave, leave & !enter]
+    }
+
+    /// [`Self::meet`] at all places of a texel. What only depends on the way is worked out once where rays are `PARALLEL`.
+    #[inline(always)]
+    fn meet_all<const PARALLEL: bool>(&self, middle: [f32; 3], way: [f32; 3]) -> [[f32; N]; 2] {
         let [per_u, per_v] = self.per_texel.map(|v| v.to_array());
         let [way_u, way_v] = self.way_per_texel.map(|v| v.to_array());
         let [mut enter, mut leave] = [[0.0; N]; 2];
@@ -333,30 +384,41 @@ impl<const BALL: bool> CapsuleRays<BALL> {
             let (mut ray, mut own_way) = (middle, way);
             for c in 0..3 {
                 ray[c] += per_u[c] * x + per_v[c] * y;
-                own_way[c] += way_u[c] * x + way_v[c] * y;
+                if !PARALLEL {
+                    own_way[c] += way_u[c] * x + way_v[c] * y;
+                }
             }
             [enter[k], leave[k]] = self.meet(ray, own_way);
         }
-        let [enter, leave] = [enter, leave].map(|of_all| mask_of(of_all.map(|t| t > self.nearest)));
-        [enter, leave, leave & !enter]
+        [enter, leave]
     }
 
-    /// Whether a texel's ray passes the axis at more than the radius and half a texel.
+    /// Whether a texel's ray passes the piece at more than half a texel.
     #[inline(always)]
     fn is_off(&self, ray: [f32; 3], way: [f32; 3]) -> bool {
-        let (mut across, mut way_across) = (ray, way);
-        if !BALL {
-            let axis = self.axis.to_array();
-            let (m, n) = (dot(ray, axis) * self.per_axis, dot(way, axis) * self.per_axis);
-            (across, way_across) = (less(ray, axis, m), less(way, axis, n));
+        let square = dot(way, way);
+        if BALL {
+            return self.is_off_by(ray, way, square);
         }
-        let square = dot(way_across, way_across).max(1e-10 * dot(way, way));
-        let middle = -dot(across, way_across) / square;
-        let nearest = less(across, way_across, -middle);
-        let corner = |[u, v]: [Vec3; 2]| 0.5 * (u.length() + v.length());
-        let reach = 1.1 * (corner(self.per_texel) + middle.abs() * corner(self.way_per_texel));
-        // Of a ray along the axis the middle means nothing.
-        let limit = self.radius_squared.sqrt() + reach;
+        let axis = self.axis.to_array();
+        let (m, n) = (dot(ray, axis) * self.per_axis, dot(way, axis) * self.per_axis);
+        let (across, way_across) = (less(ray, axis, m), less(way, axis, n));
+        // Of a ray along the axis, which is nowhere nearest to it, any place will do.
+        let across_square = dot(way_across, way_across).max(1e-10 * square);
+        let along = m - dot(across, way_across) / across_square * n;
+        if (0.0..=1.0).contains(&along) {
+            return self.is_off_by(across, way_across, across_square);
+        }
+        // Beyond an end, it is the nearest part of the piece.
+        self.is_off_by(less(ray, axis, if along < 0.5 { 0.0 } else { 1.0 }), way, square)
+    }
+
+    /// The same of a ray and the point that `ray` begins at. `square`: of the way.
+    #[inline(always)]
+    fn is_off_by(&self, ray: [f32; 3], way: [f32; 3], square: f32) -> bool {
+        let middle = -dot(ray, way) / square;
+        let nearest = less(ray, way, -middle);
+        let limit = self.radius + self.spread[0] + middle.abs() * self.spread[1];
         dot(nearest, nearest) > limit * limit
     }
 
@@ -398,6 +460,14 @@ impl<const BALL: bool> CapsuleRays<BALL> {
         let half = if left >= 0.0 { left.max(0.0).sqrt() } else { f32::NAN };
         [middle - half, middle + half]
     }
+}
+
+/// Vector from the first end of a piece to a point of the ray of a texel, and the ray's way per slice. For the row, both at
+/// its first texel, and their changes per texel ([`CapsuleRays::row`]).
+#[inline(always)]
+fn of_texel([first, change]: &[[DVec3; 2]; 2], i: usize) -> (Vec3, Vec3) {
+    let [middle, way] = [0, 1].map(|k| (first[k] + change[k] * i as f64).as_vec3());
+    (middle, way)
 }
 
 #[inline(always)]

@@ -1,8 +1,9 @@
 //! Strokes and discs on a base plane: lines and points of a constant size in pixels. They are flat, and not lit.
 
-use wavesplat_core::{Paths, Points, ShapeStyle};
+use wavesplat_core::{Paint, Paths, Points, ShapeStyle};
 
 use crate::shapes::canvas::{Canvas, OnPlane, RowRange, SurfacePart, rows_of, vector};
+use crate::shapes::cover::Covering;
 use crate::shapes::fragments::{ALONE, Crossing};
 use crate::shapes::paint::color_at;
 use crate::shapes::placement::{NEAR, Placed, PlaneView};
@@ -17,13 +18,20 @@ pub struct StrokesOnPlane<'a> {
     /// Numbers of both positions of each piece, and of its path.
     pieces: Vec<[u32; 3]>,
     placed: Vec<Placed>,
+    covering: Covering,
 }
 
 impl<'a> StrokesOnPlane<'a> {
     /// Places the positions. `first_solid`: number of the first path.
     pub fn new(paths: &'a Paths, width_px: f64, first_solid: u32, view: &PlaneView) -> Self {
         let placed = view.place_all(&paths.positions);
-        Self { paths, half_px: 0.5 * width_px, pieces: pieces_of(paths, first_solid), placed }
+        let pieces = pieces_of(paths, first_solid, |k| placed[k as usize].s);
+        let covering = match paths.paint {
+            Paint::Even(_) => Covering::BehindAndThere,
+            _ if paths.paint.is_opaque() => Covering::Behind,
+            _ => Covering::Nothing,
+        };
+        Self { paths, half_px: 0.5 * width_px, pieces, placed, covering }
     }
 
     /// Both ends of a piece, cut at the near plane, and their shares of the way; `None` where none is ahead of it.
@@ -75,6 +83,7 @@ impl OnPlane for StrokesOnPlane<'_> {
                     side: Crossing::Stroke,
                     solid,
                     is_hidden: false,
+                    covering: self.covering,
                 },
             );
         });
@@ -126,6 +135,7 @@ impl OnPlane for DiscsOnPlane<'_> {
                     side: Crossing::Sheet,
                     solid: ALONE,
                     is_hidden: false,
+                    covering: Covering::Behind,
                 },
             );
         });
@@ -179,9 +189,13 @@ fn draw_stroke(ends: [Placed; 2], half_px: f64, canvas: &mut Canvas, mut with: i
     let square = way[0] * way[0] + way[1] * way[1];
     let per_square = if square > 0.0 { 1.0 / square } else { 0.0 };
     let limit = (half_px * half_px) as f32;
+    let nearest = ends[0].s.min(ends[1].s);
     let rows = canvas.own_rows([places[0][1].min(places[1][1]) - reach[1], places[0][1].max(places[1][1]) + reach[1]]);
     for j in rows {
         for i in canvas.columns(columns_in_row(places, reach, j as f64)) {
+            if canvas.is_hidden([i, j], nearest) {
+                continue;
+            }
             let [x, y, scale] = view.pixels_around([i as f64, j as f64], first);
             // How far the middle of the texel is off, and how much further its corners may be.
             let per = 1.0 / scale[0];
@@ -190,10 +204,12 @@ fn draw_stroke(ends: [Placed; 2], half_px: f64, canvas: &mut Canvas, mut with: i
             if distance_off([x[0] * per, y[0] * per], way, per_square) > furthest * furthest {
                 continue;
             }
+            // Of parallel rays it is the same at all places.
+            let is_even = scale[1] == 0.0 && scale[2] == 0.0;
             let mut covered = [false; N];
             for k in 0..N {
                 let (u, v) = (OFFSETS[0][k], OFFSETS[1][k]);
-                let per = 1.0 / (scale[0] + scale[1] * u + scale[2] * v);
+                let per = if is_even { per } else { 1.0 / (scale[0] + scale[1] * u + scale[2] * v) };
                 let pixel = [(x[0] + x[1] * u + x[2] * v) * per, (y[0] + y[1] * u + y[2] * v) * per];
                 covered[k] = distance_off(pixel, way, per_square) <= limit;
             }
@@ -208,7 +224,8 @@ fn draw_stroke(ends: [Placed; 2], half_px: f64, canvas: &mut Canvas, mut with: i
             // A share of the way in the picture is another one in the world, where the ends are not equally far.
             let [a, b] = [(1.0 - share) / ends[0].ahead, share / ends[1].ahead];
             let along = b / (a + b);
-            let s = ends[0].s + along * (ends[1].s - ends[0].s);
+            // At the ends it is theirs to the bit, which the next piece has, too.
+            let s = (1.0 - along) * ends[0].s + along * ends[1].s;
             with(canvas, StrokeHit { texel: [i, j], at: [i as f32 + u, j as f32 + v], mask, s, along });
         }
     }

@@ -8,6 +8,7 @@ use glam::Vec3;
 use wavesplat_core::Mesh;
 
 use crate::shapes::canvas::{Canvas, OnPlane, RowRange, SurfacePart, rows_of, vector};
+use crate::shapes::cover::Covering;
 use crate::shapes::fragments::{ALONE, Crossing};
 use crate::shapes::paint::color_at;
 use crate::shapes::placement::{NEAR, Placed, PlaneView};
@@ -69,6 +70,7 @@ impl<'a> MeshOnPlane<'a> {
                     side: Crossing::Sheet,
                     solid: ALONE,
                     is_hidden: false,
+                    covering: Covering::Behind,
                 },
             );
         });
@@ -235,6 +237,9 @@ pub fn cover(corners: [Placed; 3], canvas: &mut Canvas, mut with: impl FnMut(&mu
     let columns = canvas.columns(ends_of(corners.map(|corner| corner.x)));
     for j in rows {
         for i in columns.clone() {
+            if canvas.is_hidden([i, j], ends[0]) {
+                continue;
+            }
             let middle = [i as f32, j as f32];
             let mut mask = Mask::MAX;
             for edge in &edges {

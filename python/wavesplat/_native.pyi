@@ -29,6 +29,7 @@ __all__ = [
     "gpu_memory",
     "gpu_settle",
     "light_step",
+    "normals_of_faces",
     "plane",
     "quality_settings",
     "raycast",
@@ -412,6 +413,9 @@ class Shapes:
     ) -> Shapes: ...
     def bounds(self) -> tuple[list[float], list[float]] | None:
         """Corners of the box that holds all; `None` without shapes."""
+
+def normals_of_faces(vertices: NDArray[np.float64], faces: NDArray[np.uint32]) -> NDArray[np.float64]:
+    """Sum [n, 3] of the faces' vectors, of twice their areas, around each vertex (crates/core/src/normals.rs)."""
 
 @final
 class Ablation:

@@ -12,6 +12,7 @@ mod error;
 mod grid;
 mod label;
 mod level_grid;
+mod normals;
 mod options;
 mod picture;
 mod samples;
@@ -28,6 +29,7 @@ pub use error::{Error, ErrorKind, Result};
 pub use grid::Grid;
 pub use label::LabelLook;
 pub use level_grid::LevelGrid;
+pub use normals::normals_of_faces;
 pub use options::{
     ClipPlane, Crop, Gradient, Kernel, LADDER, Light, LightFrame, MAX_GRADIENT_OFFSET, MAX_SIDE_PX, RenderOptions,
     Shading, oversampling_of_level, quality_settings,

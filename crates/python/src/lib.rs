@@ -44,7 +44,7 @@ mod _native {
     #[pymodule_export]
     use crate::rendering::{encode_png, plane, quality_settings, render, rgb_bytes, straight_bytes};
     #[pymodule_export]
-    use crate::shapes::PyShapes;
+    use crate::shapes::{PyShapes, normals_of_faces};
     #[pymodule_export]
     use crate::stream::{PyBlockState, PyStream, smallest_budget};
     #[pymodule_export]

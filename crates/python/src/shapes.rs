@@ -2,7 +2,9 @@
 
 use std::sync::Arc;
 
-use numpy::{PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods};
+use numpy::{
+    IntoPyArray, PyArray2, PyArrayMethods, PyReadonlyArray1, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods,
+};
 use pyo3::exceptions::PyTypeError;
 use pyo3::prelude::*;
 use wavesplat::{Card, Mesh, Paint, Paths, Points, ShapeStyle, Shapes, Sizes, Thickness};
@@ -93,6 +95,20 @@ impl PyShapes {
     }
 }
 
+/// See `_native.pyi`.
+#[pyfunction]
+#[expect(clippy::needless_pass_by_value, reason = "PyO3 hands arrays over by value")]
+pub fn normals_of_faces<'py>(
+    py: Python<'py>,
+    vertices: PyReadonlyArray2<'py, f64>,
+    faces: PyReadonlyArray2<'py, u32>,
+) -> PyResult<Bound<'py, PyArray2<f64>>> {
+    let (vertices, faces) = (rows_in(&vertices)?, rows_in(&faces)?);
+    let normals = py.detach(|| wavesplat::normals_of_faces(vertices, faces)).map_err(to_py)?;
+    let n = normals.len();
+    normals.into_flattened().into_pyarray(py).reshape([n, 3])
+}
+
 fn mesh(of: &PyMesh<'_>) -> PyResult<Mesh> {
     Ok(Mesh {
         vertices: rows(&of.vertices)?,
@@ -160,11 +176,16 @@ fn style((opacity, is_lit, is_clipped): PyStyle) -> ShapeStyle {
     ShapeStyle { opacity, is_lit, is_clipped }
 }
 
-/// Rows of an array of N columns.
+/// Rows of an array of N columns, copied.
 fn rows<T: numpy::Element + Copy, const N: usize>(array: &PyReadonlyArray2<'_, T>) -> PyResult<Vec<[T; N]>> {
+    rows_in(array).map(<[_]>::to_vec)
+}
+
+/// Rows of an array of N columns.
+fn rows_in<'a, T: numpy::Element + Copy, const N: usize>(array: &'a PyReadonlyArray2<'_, T>) -> PyResult<&'a [[T; N]]> {
     let [_, n] = *array.shape() else { return Err(PyTypeError::new_err("an array must have two axes")) };
     if n != N {
         return Err(PyTypeError::new_err(format!("an array has {n} columns, not {N}")));
     }
-    Ok(array.as_slice()?.as_chunks().0.to_vec())
+    Ok(array.as_slice()?.as_chunks().0)
 }

@@ -106,7 +106,7 @@ pub use wavesplat_core::{
     Camera, Card, ClipPlane, ColorNode, Composite, Crop, DepthColors, Error, ErrorKind, Gradient, GradientNode, Grid,
     Kernel, LabelLook, LevelGrid, Light, LightFrame, Mesh, OpacityNode, Paint, Paths, Picture, Points, Projection,
     Result, Samples, Shading, ShapeStyle, Shapes, Sizes, Statistics, Thickness, TransferFunction, TransferFunction2D,
-    Volume,
+    Volume, normals_of_faces,
 };
 #[cfg(feature = "gpu")]
 pub use wavesplat_gpu as gpu;

@@ -7,6 +7,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat import _native
+
 __all__ = ["face_vectors", "normals_of_faces", "smooth_normals"]
 
 Floats: TypeAlias = NDArray[np.float64]
@@ -21,9 +23,7 @@ def face_vectors(vertices: Floats, faces: NDArray[Any]) -> Floats:
 
 def normals_of_faces(vertices: Floats, faces: NDArray[Any]) -> Floats:
     """Sum of the vectors of the faces around each vertex: their mean by area."""
-    vectors = face_vectors(vertices, faces)
-    corners = faces.ravel()
-    return np.stack([np.bincount(corners, np.repeat(vectors[:, axis], 3), len(vertices)) for axis in range(3)], axis=1)
+    return _native.normals_of_faces(np.ascontiguousarray(vertices, np.float64), np.ascontiguousarray(faces, np.uint32))
 
 
 def smooth_normals(vertices: Floats, faces: NDArray[Any]) -> NDArray[np.float32]:

@@ -63,7 +63,7 @@ class Surface(Shape):
     visible : bool, default True
         Whether it is drawn; a hidden one stays in the scene.
     name : str, optional
-        What legends and messages call it.
+        What messages and the viewer call it.
 
     Raises
     ------

@@ -35,7 +35,7 @@ pub struct Canvas<'a> {
     pub region: &'a Region,
     /// Surfaces that were met so far, but for those that cannot be seen behind others.
     pub meetings: Vec<Meeting>,
-    /// What opaque surfaces hide on each ray.
+    /// Parts of each ray that opaque surfaces hide.
     covers: Vec<Cover>,
 }
 
@@ -59,7 +59,7 @@ pub struct SurfacePart {
     pub solid: u32,
     /// Whether it lies behind the eye, and counts only for what else is part of the solid.
     pub is_hidden: bool,
-    /// What it hides where it is opaque.
+    /// Parts of the ray that it hides where it is opaque.
     pub covering: Covering,
 }
 

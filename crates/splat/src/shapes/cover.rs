@@ -1,4 +1,4 @@
-//! What opaque surfaces hide on the ray of a texel, as shapes are drawn in any order.
+//! Parts of a texel's ray that opaque surfaces hide, as shapes are drawn in any order.
 //!
 //! Where many surfaces lie behind each other, most of them cannot be seen. Two rules leave them out early, and change
 //! nothing: behind surfaces that cover all places of a texel nothing is seen ([`Cover::is_closed_before`]), and nothing
@@ -6,18 +6,18 @@
 
 use crate::shapes::samples::Mask;
 
-/// What a part of a surface hides where it is opaque.
+/// Parts of a ray that a piece of a surface hides where it is opaque.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Covering {
     /// Nothing for sure: it may lie inside of its solid, where it is not seen.
     Nothing,
-    /// What lies behind it.
+    /// All that lies behind it.
     Behind,
     /// That, and what of the same solid lies at its place: all of the solid has one colour, and no light shines on it.
     BehindAndThere,
 }
 
-/// What the surfaces that were drawn so far hide on a ray.
+/// Parts of a ray that the surfaces that were drawn so far hide.
 #[derive(Clone, Copy, Debug)]
 pub struct Cover {
     /// Place along the ray behind which nothing is seen.

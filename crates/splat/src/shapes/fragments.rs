@@ -269,7 +269,7 @@ fn add_ray(meetings: &[Meeting], all: &mut Vec<Meeting>) -> bool {
 enum Open {
     /// 1 at these places, 0 at the others: all that was met is opaque.
     Places(Mask),
-    /// Of each place.
+    /// Transmittance of each place.
     Each([f32; samples::N]),
 }
 

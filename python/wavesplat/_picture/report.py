@@ -93,7 +93,7 @@ FIELDS: dict[str, Field] = {
         "picture), `plan`, `draw` and `warp`.",
     ),
     "n_texels": Field(WHOLE, "Texels of sheets that were looked at."),
-    "n_skipped_slabs": Field(WHOLE, "Slabs of tiles, or of parts of tiles that 16 threads or more draw, left out because nothing is seen in them."),
+    "n_skipped_slabs": Field(WHOLE, "Slabs of tiles, or of parts of tiles on 16 threads or more, that show nothing."),
     "n_base_planes": Field(WHOLE, "Base planes: one, or up to three in perspective."),
     "n_base_texels": Field(WHOLE, "Texels of the base planes."),
     "n_sheets": Field({"type": "array", "items": WHOLE}, "Sheets of each base plane."),

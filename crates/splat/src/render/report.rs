@@ -10,7 +10,7 @@ use crate::shapes::fragments::Fragments;
 pub struct Report {
     /// Texels that were reconstructed, summed over all sheets.
     pub n_texels: u64,
-    /// Sheets of tiles that were skipped because nothing in them is visible.
+    /// Slabs of tiles, or of parts of tiles on 16 threads or more, that show nothing.
     pub n_skipped_slabs: u64,
     /// Base planes drawn: one for parallel rays, up to six for perspective.
     pub n_base_planes: usize,

@@ -31,14 +31,15 @@ def bytes_of_geometry(geometry: Any, volume: Grid) -> int:
     """
     shown = [shape for shape in as_shapes(geometry) if shape._is_seen]
 
-    def empty_card(plane: SlicePlane) -> _native.CardArrays:
+    def empty_cards(plane: SlicePlane) -> list[_native.CardArrays]:
         width, height = size_of_card(plane, volume)
-        return {
+        card: _native.CardArrays = {
             "corner": (0.0, 0.0, 0.0),
             "along_x": (1.0, 0.0, 0.0),
             "along_y": (0.0, 1.0, 0.0),
             "rgba": np.broadcast_to(np.float32(0), (height, width, 4)),
             "style": (plane.opacity, False, plane.clipped),
         }
+        return [card] if width * height else []
 
-    return ShapeArrays.of(shown, empty_card, volume.bounds, (True, True, True)).n_bytes
+    return ShapeArrays.of(shown, empty_cards, volume.bounds, (True, True, True)).n_bytes

@@ -247,7 +247,7 @@ fn order_of_shapes_changes_nothing() {
 fn tangle(sets: &[Vec<usize>], thickness: Thickness) -> Shapes {
     let path = |path: usize| {
         (0..20).map(move |k| {
-            let (t, phase) = (k as f64 / 19.0, path as f64);
+            let (t, phase) = (f64::from(k) / 19.0, path as f64);
             let aside = |n: f64| 16.0 + 12.0 * (n * phase).sin() + 3.0 * (5.0 * t + n * phase).cos();
             [aside(1.7), aside(2.9), 32.0 * t]
         })

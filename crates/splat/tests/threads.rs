@@ -55,8 +55,10 @@ fn many_threads_draw_what_one_draws() {
         };
         let alone = picture(1, None);
         // Parts of tiles in any order: here the last ones first, and every third tile in halves.
-        let halves = |tile: usize| if tile % 3 == 0 { vec![0..8, 8..TILE[1]] } else { vec![0..TILE[1]] };
-        let parts_of = |tile: usize| halves(tile).into_iter().map(move |rows| TilePart { tile, rows });
+        let parts_of = |tile: usize| {
+            let middle = if tile.is_multiple_of(3) { 8 } else { 0 };
+            [0..middle, middle..TILE[1]].map(|rows| TilePart { tile, rows })
+        };
         let parts: Vec<TilePart> = (0..n_tiles).rev().flat_map(parts_of).collect();
         assert!(!alone.is_empty());
         let bits = |picture: &BasePicture| picture.w_half.iter().map(|w| w.to_bits()).collect::<Vec<_>>();

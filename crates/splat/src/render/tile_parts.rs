@@ -55,7 +55,7 @@ mod tests {
                 let mut own: Vec<_> = parts.iter().filter(|part| part.tile == tile).collect();
                 own.sort_by_key(|part| part.rows.start);
                 assert_eq!(
-                    own.iter().map(|part| part.rows.clone()).flatten().collect::<Vec<_>>(),
+                    own.iter().flat_map(|part| part.rows.clone()).collect::<Vec<_>>(),
                     (0..TILE_V).collect::<Vec<_>>()
                 );
                 assert_eq!(own.iter().fold(0, |all, part| all | part.blocks()), BlockMask::MAX);

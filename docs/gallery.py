@@ -233,6 +233,8 @@ names = ["T1", "T2", "T3", "F1", "F2", "F3"]
 electrodes = ws.Points(places, radius=5, color="#ffc030", labels=names)
 picture = ws.render(head, "mr-head", ws.Camera.orbit(head, 50, 15, fit="view"), geometry=[electrodes], size=(288, 288))
 """),
+    Entry("cut", "A head cut open", "The faces of a cut as slices: what was measured there, in greys.",
+          "render mri_head.nii.gz --cut-out right-anterior-superior --slice-plane cuts --azimuth -35 --elevation 30"),
     Entry("standing_slice", "A standing slice",
           "A coronal slice in the window of the abdomen, behind the bones and in front of them.",
           code="""slice = ws.SlicePlane(plane="coronal", window="abdomen")
@@ -345,7 +347,7 @@ picture = picture.annotated(colorbar=True, scale_bar=True)
 BY_FIELD = {
     "CT": "bone bone_light bone_standard inside soft_tissue materials surfaces gradient_opacity two_dimensional labels "
     "figure slice slab lightbox local_maximum x_ray implant standing_slice segments anaglyph",
-    "MRI": "head maximum depth_shaded depth_colored attenuated surface share levels",
+    "MRI": "head cut maximum depth_shaded depth_colored attenuated surface share levels",
     "Nuclear medicine": "fusion",
     "Neuroscience": "tracts electrodes activation",
     "Microscopy": "channels spots_and_tracks nuclei",
@@ -363,7 +365,7 @@ BY_TECHNIQUE = {
     "Cameras": "inside anaglyph",
     "Several volumes": "channels fusion two_fields activation",
     "Segmentations": "labels nuclei",
-    "Slices": "slice slab lightbox isolines standing_slice",
+    "Slices": "slice slab lightbox isolines standing_slice cut",
     "Geometry": "tracts spots_and_tracks implant streamlines electrodes",
     "Figures": "figure box",
     "Wavelets": "share levels",

@@ -231,3 +231,14 @@ def test_what_cannot_be_is_said(ramp):
             ws.SlicePlane(plane="cuts", **wrong)
     picture = ws.Scene(ramp, RED, geometry=CUTS).render(CAMERA, size=(16, 16))
     assert any("nothing is cut" in note for note in picture.report["notes"])
+
+
+def test_cameras_are_fitted_to_what_is_seen_of_a_face() -> None:
+    head = ws.examples.mri_head()
+    clip = ws.ClipPlane((5, 0, 0), (-1, 0, 0))
+    plain, cut = (
+        ws.Scene(head, clip=clip, geometry=shapes).render("left", size=(32, 32)).report["camera"]
+        for shapes in ((), CUTS)
+    )
+    # The plane of the face goes on beside the head, where it shows air.
+    assert cut["parallel_scale"] == pytest.approx(plain["parallel_scale"], rel=0.03)

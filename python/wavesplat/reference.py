@@ -96,10 +96,10 @@ def raycast(
     width, height = arguments.checked_size(size)
     clipping = scene._clipping if len(shown.layers) == 1 else scene._clipping.in_world(shown.first)
     parts = [(layer.seen, layer.look) for layer in shown.layers]
-    first, of_frames = shown.layers[0], scene.layers[0].drawn
-    also = also_in_view(scene.geometry, of_frames, scene.bounds)
+    first, source = shown.layers[0], slice_source(scene)
+    also = also_in_view(scene.geometry, source, scene.bounds)
     eye = arguments.chosen_camera(camera, parts, clipping, width / max(height, 1), also=also)
-    shapes = shapes_of(scene.geometry, slice_source(scene), eye, scene._cache.shapes_of)
+    shapes = shapes_of(scene.geometry, source, eye, scene._cache.shapes_of)
     rgba = _native.raycast(
         [
             (

@@ -377,7 +377,7 @@ def _is_coarse(layer: DrawnLayer) -> bool:
 
 def geometry_in_view(scene: Scene) -> NDArray[np.float64] | None:
     """World positions of the scene's shapes that a camera is fitted to besides the volumes."""
-    return also_in_view(scene.geometry, scene.layers[0].drawn, scene.bounds)
+    return also_in_view(scene.geometry, slice_source(scene), scene.bounds)
 
 
 def _hidden_layer(scene: Scene) -> DrawnLayer:

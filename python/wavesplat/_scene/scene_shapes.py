@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeGuard
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,7 +16,7 @@ from wavesplat._geometry.text_marks import has_text, marks_in_space
 from wavesplat._model.clips import Clipping
 from wavesplat._picture.annotating import style_of
 from wavesplat._picture.picture import Picture
-from wavesplat._scene.slice_cards import SliceSource, cards_of
+from wavesplat._scene.slice_cards import SliceSource, cards_of, positions_on_cuts
 
 if TYPE_CHECKING:
     from wavesplat._geometry.shape import Shape
@@ -47,13 +47,18 @@ def shapes_of(geometry: Sequence[Shape], source: SliceSource, camera: Camera, ke
     return keep(far, (shown, source.identity, of_cuts), lambda: ShapeArrays.of(shown, cut, bounds, far))
 
 
-def also_in_view(geometry: Sequence[Shape], first: Grid, bounds: NDArray[np.float64]) -> NDArray[np.float64] | None:
+def also_in_view(
+    geometry: Sequence[Shape], source: SliceSource, bounds: NDArray[np.float64]
+) -> NDArray[np.float64] | None:
     """World positions of shapes that cameras are fitted to besides the volumes; None without any.
 
-    first : volume of the scene's first layer. bounds : of all layers.
+    bounds : of all layers.
     """
     shown = _visible(geometry)
-    return positions_in_view(shown, bounds, first) if shown else None
+    of_cuts = [positions_on_cuts(shape, source) for shape in shown if _is_cuts(shape)]
+    others = positions_in_view([shape for shape in shown if not _is_cuts(shape)], bounds, source.volume)
+    found = [positions for positions in (*of_cuts, others) if positions is not None and len(positions)]
+    return np.concatenate(found) if found else None
 
 
 def with_text(
@@ -94,7 +99,7 @@ def notes_on_geometry(
     return notes
 
 
-def _is_cuts(shape: Shape) -> bool:
+def _is_cuts(shape: Shape) -> TypeGuard[SlicePlane]:
     return isinstance(shape, SlicePlane) and shape.plane == CUTS
 
 

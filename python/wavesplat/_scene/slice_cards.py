@@ -7,6 +7,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wavesplat._geometry.slice_plane import CUTS
 from wavesplat._looks.labels import Labels
@@ -29,13 +30,15 @@ if TYPE_CHECKING:
     from wavesplat._geometry.slice_plane import SlicePlane
     from wavesplat._picture.picture import Picture
 
-__all__ = ["SliceLayer", "SliceSource", "cards_of", "size_of_card"]
+__all__ = ["SliceLayer", "SliceSource", "cards_of", "positions_on_cuts", "size_of_card"]
 
 #: Longest side of the picture on a card, pixels; a picture shows no finer samples.
 MAX_SIDE_PX = 2048
 #: Pixels of the longer side of a cut's face, at least, but no more than so many for each sample: its edges are stairs
 #: of pixels.
 MIN_SIDE_OF_CUT_PX, MAX_PX_OF_SAMPLE = 1024, 8
+#: Pixels of the longer side of a slice that cameras are fitted to.
+COARSE_PX = 96
 
 
 @dataclass(frozen=True)
@@ -75,27 +78,43 @@ def cards_of(plane: SlicePlane, source: SliceSource) -> list[_native.CardArrays]
     if plane.plane != CUTS:
         picture, _ = _picture_of(plane, volume, plane.plane, _size(volume, plane.plane))
         return [_card(picture, picture.rgba, (plane.opacity, False, plane.clipped))]
-    # Boxes in samples are in those of the first layer, also for the slices of another volume.
-    faces = cut_faces(source.clipping, source.volume)
+    faces, volume = _cut(plane, source)
     labels = source.labels if plane.volume is None else None
     labels = None if labels is None else labels.for_slices_of(source.volume)
     over = source.over if plane.volume is None else ()
-    volume = source.part if plane.volume is None else volume
     found = [_card_on(plane, face, volume, (over, labels)) for face in faces]
     return [card for card in found if card is not None]
 
 
-def _card_on(
-    plane: SlicePlane, face: CutFace, volume: Any, shown: tuple[Sequence[SliceLayer], Labels | None]
-) -> _native.CardArrays | None:
-    """The slice of a volume on the face of a cut, clear where the face is not seen; None where it is beside it.
+def positions_on_cuts(plane: SlicePlane, source: SliceSource) -> NDArray[np.float64]:
+    """World positions on the faces of cuts where they are seen, shape (n, 3): what cameras are fitted to."""
+    faces, volume = _cut(plane, source)
+    found = [_slice_on(plane, face, volume, _coarse_size(volume, face)) for face in faces]
+    seen = [of_face.points[of_face.is_seen] for of_face in found if of_face is not None]
+    return np.concatenate([np.empty((0, 3)), *seen])
 
-    shown : further layers and labels over it.
-    """
-    over, labels = shown
+
+@dataclass(frozen=True)
+class SliceOnCut:
+    """A slice on the plane of a cut: where its pixels lie, and whether the cut's face is seen there."""
+
+    picture: Picture
+    planes: Planes
+    points: NDArray[np.float64]
+    is_seen: NDArray[np.bool_]
+
+
+def _cut(plane: SlicePlane, source: SliceSource) -> tuple[list[CutFace], Any]:
+    """The faces of a scene's cuts, and the volume that a slice plane shows on them."""
+    # Boxes in samples are in those of the first layer, also for the slices of another volume.
+    volume: Any = source.part if plane.volume is None else plane.volume
+    return cut_faces(source.clipping, source.volume), volume[0] if isinstance(volume, Series) else volume
+
+
+def _slice_on(plane: SlicePlane, face: CutFace, volume: Any, size: tuple[int, int] | None) -> SliceOnCut | None:
+    """The slice of a volume on the plane of a cut's face; None where that is beside the volume."""
     try:
-        where = face.plane.point, face.plane.normal
-        picture, planes = _picture_of(plane, volume, where, _size_on_cut(volume, where))
+        picture, planes = _picture_of(plane, volume, (face.plane.point, face.plane.normal), size)
     except ArgumentError:
         return None
     told = picture.report
@@ -106,12 +125,33 @@ def _card_on(
     least = least_of_body(volume)
     if least is not None and picture.value is not None:
         seen &= ~air_around(picture.value, least)
-    rgba = picture.rgba
+    return SliceOnCut(picture, planes, points, seen)
+
+
+def _card_on(
+    plane: SlicePlane, face: CutFace, volume: Any, shown: tuple[Sequence[SliceLayer], Labels | None]
+) -> _native.CardArrays | None:
+    """The slice of a volume on the face of a cut, clear where the face is not seen; None where it is beside it.
+
+    shown : further layers and labels over it.
+    """
+    found = _slice_on(plane, face, volume, _size_on_cut(volume, (face.plane.point, face.plane.normal)))
+    if found is None:
+        return None
+    rgba, (over, labels) = found.picture.rgba, shown
     for layer in over:
-        values = planes.values_of(layer.volume, "linear", "maximum", None)
+        values = found.planes.values_of(layer.volume, "linear", "maximum", None)
         rgba, _ = overlaid_values.laid_over(rgba, values, layer.curves, layer.opacity)
-    rgba = rgba if labels is None else label_slices.laid_over(rgba, planes, labels)[0]
-    return _card(picture, np.where(seen[..., None], rgba, np.float32(0)), (plane.opacity, False, False))
+    rgba = rgba if labels is None else label_slices.laid_over(rgba, found.planes, labels)[0]
+    drawn = np.where(found.is_seen[..., None], rgba, np.float32(0))
+    return _card(found.picture, drawn, (plane.opacity, False, False))
+
+
+def _coarse_size(volume: Grid, face: CutFace) -> tuple[int, int]:
+    """Pixels of a slice that only tells where a face is seen."""
+    width, height = sides_of(volume, (face.plane.point, face.plane.normal))
+    step = max(width, height) / (COARSE_PX - 1)
+    return int(width / step) + 1, int(height / step) + 1
 
 
 def _size_on_cut(volume: Grid, plane: Any) -> tuple[int, int] | None:

@@ -242,3 +242,8 @@ def test_cameras_are_fitted_to_what_is_seen_of_a_face() -> None:
     )
     # The plane of the face goes on beside the head, where it shows air.
     assert cut["parallel_scale"] == pytest.approx(plain["parallel_scale"], rel=0.03)
+
+
+def test_an_unknown_plane_is_told_of_cuts() -> None:
+    with pytest.raises(ArgumentError, match="unknown plane 'cutz'; use one of: axial, .*, or 'cuts'"):
+        ws.SlicePlane(plane="cutz")

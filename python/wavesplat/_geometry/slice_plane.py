@@ -89,7 +89,10 @@ class SlicePlane(Shape):
         if self.plane == CUTS:
             self._check_no_place()
         elif isinstance(self.plane, str):
-            named_plane(self.plane, is_anatomical=True)  # or an error
+            try:
+                named_plane(self.plane, is_anatomical=True)
+            except ArgumentError as error:
+                raise ArgumentError(f"{error}, or {CUTS!r}, the faces of all clips") from None
         else:
             self._set(plane=_point_and_normal(self.plane))
         if self.position is not None and self.index is not None:

@@ -13,8 +13,9 @@ const MIN_THREADS_TO_ORDER: usize = 8;
 /// Fewest threads for which tiles are cut.
 const MIN_THREADS_TO_CUT: usize = 16;
 
-/// Parts of the largest size that two threads should find, at least. With more, halves cost more than waiting.
-const PARTS_PER_TWO_THREADS: usize = 3;
+/// Largest cost of a part, as a share of the cost that each thread has if all have the same: numerator and denominator.
+/// By `make bench-threads BENCH_THREADS=--simulate`: smaller parts cost more, by the rows that they share, than they save.
+const LARGEST_PART: [usize; 2] = [2, 3];
 
 /// Parts of tiles in the order in which they are begun, by the tiles' estimated costs; `None` where whole tiles, row by
 /// row, are as good.
@@ -29,7 +30,7 @@ pub fn parts_for(n_threads: usize, costs: impl FnOnce() -> Vec<usize>) -> Option
     let most = if n_threads < MIN_THREADS_TO_CUT {
         usize::MAX
     } else {
-        2 * costs.iter().sum::<usize>() / (PARTS_PER_TWO_THREADS * n_threads)
+        LARGEST_PART[0] * costs.iter().sum::<usize>() / (LARGEST_PART[1] * n_threads)
     };
     let mut parts: Vec<(usize, TilePart)> = Vec::new();
     for (tile, cost) in costs.into_iter().enumerate() {

@@ -116,13 +116,18 @@ class Counting:
 
     def read(self, lo: Sequence[int], hi: Sequence[int]) -> NDArray[Any]:
         """Read a box, and count its chunks."""
+        samples = np.zeros([b - a for a, b in zip(lo, hi, strict=True)], self._array.dtype)
+        self.read_into(lo, hi, samples)
+        return samples
+
+    def read_into(self, lo: Sequence[int], hi: Sequence[int], out: NDArray[Any]) -> None:
+        """Read a box into an array of zeros, and count its chunks."""
         begun = time.perf_counter()
-        samples: NDArray[Any] = self._array.read(lo, hi)
+        self._array.read_into(lo, hi, out)
         ranges = [range(a // c, (b - 1) // c + 1) for a, b, c in zip(lo, hi, self.chunks, strict=True)]  # type: ignore[attr-defined]
         with self._lock:
             self.seconds += time.perf_counter() - begun
             self.counts.update((z, y, x) for z in ranges[0] for y in ranges[1] for x in ranges[2])
-        return samples
 
     def read_many(self, boxes: Sequence[Any]) -> list[NDArray[Any]]:
         """Read several boxes."""

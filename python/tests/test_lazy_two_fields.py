@@ -162,7 +162,7 @@ def test_segments_of_two_fields_do_not_depend_on_who_draws_them(large: Any) -> N
 @pytest.fixture(scope="module")
 def client() -> Iterator[Any]:
     distributed = pytest.importorskip("distributed")
-    with distributed.LocalCluster(2, threads_per_worker=1, dashboard_address=None, memory_limit="2GB") as cluster:  # noqa: SIM117
+    with distributed.LocalCluster(2, threads_per_worker=1, dashboard_address=":0", memory_limit="2GB") as cluster:  # noqa: SIM117
         with distributed.Client(cluster) as made:
             yield made
 

@@ -1,4 +1,4 @@
-"""Checks that the chunk files of a Zarr array are whole, before they are decoded.
+"""Checks of the chunk files of Zarr arrays: that they are whole, before they are decoded, and no longer than can be.
 
 Blosc says in each chunk how long it is and reads that far, also past the end of its input: a file that was cut
 short comes back with whatever lies behind it in memory. A shard of no bytes is taken for one that is not there.
@@ -7,19 +7,24 @@ Header of Blosc: https://www.blosc.org/c-blosc2/format/chunk_format.html, the pa
 
 from __future__ import annotations
 
+import os
 import stat
 from collections.abc import Iterator, Sequence
 from itertools import product
+from math import prod
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
+from wavesplat._files.zarr_place import ZarrPlace
 from wavesplat.errors import FileError
 
-__all__ = ["check_chunks", "chunk_numbers"]
+__all__ = ["BLOSC_HEADER", "check_chunks", "chunk_numbers", "expect_chunks", "is_there", "packed_bytes", "truncated"]
 
+#: Bytes of the header of blosc.
 BLOSC_HEADER = 16
+#: Bytes of a sample in the widest type that filters store; of overhead for each inner chunk of a shard; and of a margin
+#: for every chunk.
+WIDEST, INNER_BYTES, MARGIN_BYTES = 8, 256, 1 << 16
 
 
 def check_chunks(array: Any, picked: Sequence[int | slice], path: object) -> None:
@@ -31,10 +36,27 @@ def check_chunks(array: Any, picked: Sequence[int | slice], path: object) -> Non
         size = file.stat().st_size
         needed = _n_bytes_needed(array, file)
         if size == 0 or size < needed:
-            raise FileError(
-                f"truncated: chunk {name!r} needs {max(needed, 1)} bytes, its file holds {size}; "
-                f"copy or export it again: {path}"
-            )
+            raise truncated(name, needed, size, path)
+
+
+def truncated(name: str, needed: int, size: int, path: object) -> FileError:
+    """The error for a chunk whose file is shorter than the bytes that it needs."""
+    return FileError(
+        f"truncated: chunk {name!r} needs {max(needed, 1)} bytes, its file holds {size}; "
+        f"copy or export it again: {path}"
+    )
+
+
+def expect_chunks(array: Any, place: ZarrPlace | None) -> None:
+    """Bound what is read of an array's chunks at a place by the size of samples which compression does not shrink."""
+    if place is None:
+        return
+    inner = prod(array.chunks)
+    n = prod(getattr(array, "shards", None) or array.chunks)
+    # Filters may store samples in a wider type than the array's.
+    itemsize = max(array.dtype.itemsize, WIDEST if getattr(array, "filters", None) else 0)
+    # Packed noise is longer by a few hundredths; each inner chunk of a shard has a header, and a place in an index.
+    place.expect(array.path, n * itemsize + n * itemsize // 32 + (n // inner) * INNER_BYTES + MARGIN_BYTES)
 
 
 def _files(array: Any, picked: Sequence[int | slice]) -> Iterator[tuple[str, Path]]:
@@ -47,7 +69,7 @@ def _files(array: Any, picked: Sequence[int | slice]) -> Iterator[tuple[str, Pat
     folder = Path(root) / getattr(place, "path", "")
     for number in chunk_numbers(array, picked):
         name = str(encode(number))
-        if _is_there(folder, name):
+        if is_there(folder, name):
             yield name, folder / name
 
 
@@ -63,13 +85,12 @@ def chunk_numbers(array: Any, picked: Sequence[int | slice]) -> Iterator[tuple[i
     return product(*numbers)
 
 
-def _is_there(folder: Path, name: str) -> bool:
+def is_there(folder: Path, name: str) -> bool:
     """Whether a chunk has a file; a `FileError` where something else has its name, which zarr takes for no chunk."""
-    place = folder / name
     try:
-        mode = place.stat().st_mode
+        mode = os.stat(f"{folder}/{name}").st_mode  # noqa: PTH116 - a Path costs more than the call, chunk by chunk
     except FileNotFoundError:
-        _check_links(folder, place, name)
+        _check_links(str(folder), f"{folder}/{name}", name)
         return False
     except NotADirectoryError:
         raise FileError(
@@ -86,17 +107,20 @@ def _is_there(folder: Path, name: str) -> bool:
     return True
 
 
-def _check_links(folder: Path, place: Path, name: str) -> None:
+def _check_links(folder: str, place: str, name: str) -> None:
     """Raise a `FileError` where a link on the path to a chunk leads nowhere, as git-annex's do before a file is got."""
-    while place != folder:
-        if place.is_symlink():
+    while len(place) > len(folder):
+        try:
+            found = os.lstat(place)
+        except OSError:
+            place = place.rpartition("/")[0]
+            continue
+        if stat.S_ISLNK(found.st_mode) and not Path(place).exists():
             raise FileError(
                 f"chunk {name!r} is behind a link to what is not there; get the linked files, or copy the array with "
                 f"them: {place}"
             )
-        if place.exists():
-            return
-        place = place.parent
+        return
 
 
 def _file_chunks(array: Any) -> tuple[int, ...]:
@@ -111,9 +135,13 @@ def _n_bytes_needed(array: Any, file: Path) -> int:
     if getattr(array, "shards", None):
         return 0
     if not codecs:
-        return int(np.prod(array.chunks)) * int(array.dtype.itemsize)
+        return prod(map(int, array.chunks)) * int(array.dtype.itemsize)
     if "blosc" not in type(codecs[-1]).__name__.lower():
         return 0
     with file.open("rb") as stream:
-        header = stream.read(BLOSC_HEADER)
+        return packed_bytes(stream.read(BLOSC_HEADER))
+
+
+def packed_bytes(header: bytes) -> int:
+    """Bytes of a chunk of blosc, by its first bytes, the header."""
     return int.from_bytes(header[12:16], "little") if len(header) == BLOSC_HEADER else BLOSC_HEADER

@@ -161,7 +161,8 @@ class ChunkFiles:
         for place in chunk_numbers(self._array, index):
             name = str(encode(place))
             try:
-                now: int | None = hash(state_of((self._folder / name).stat()))
+                found = os.stat(f"{self._folder}/{name}")  # noqa: PTH116 - a Path costs more than the call
+                now: int | None = hash(state_of(found))
             except OSError:
                 now = None
             if now != seen.state(_number(place, self._grid)):

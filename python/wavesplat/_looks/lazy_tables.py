@@ -32,7 +32,7 @@ from wavesplat._looks.tables import (
 from wavesplat._model.lazy_array import LazyArray
 from wavesplat._model.lazy_parts import read_box
 from wavesplat._model.lazy_volume import LazyVolume, Level
-from wavesplat._model.read_ahead import Box
+from wavesplat._model.read_ahead import Box, fill_box
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 
@@ -161,20 +161,31 @@ class EmptiedArray:
 
     def read(self, lo: Shape, hi: Shape) -> NDArray[Any]:
         """Read the samples of a box."""
-        return self._emptied(self.array.read(lo, hi), [slice(a, b) for a, b in zip(lo, hi, strict=True)])
+        return self._emptied(self.array.read(lo, hi), (lo, hi))
+
+    def read_into(self, lo: Shape, hi: Shape, out: NDArray[Any]) -> None:
+        """Read the samples of a box into an array of zeros, of its shape and of the type `dtype`."""
+        fill_box(self.array, (lo, hi), out)
+        self._empty(out, (lo, hi))
 
     def read_many(self, boxes: Sequence[Box]) -> list[NDArray[Any]]:
         """Read the samples of several boxes."""
-        cuts = [[slice(a, b) for a, b in zip(*box, strict=True)] for box in boxes]
-        return [self._emptied(one, cut) for one, cut in zip(self.array.read_many(boxes), cuts, strict=True)]
+        return [self._emptied(one, box) for one, box in zip(self.array.read_many(boxes), boxes, strict=True)]
 
-    def _emptied(self, samples: NDArray[Any], cut: Sequence[slice]) -> NDArray[Any]:
-        """Samples that were read, emptied. `cut`: which they are of all samples, along z, y, x."""
-        z, y, x = (at[along] for at, along in zip(self.places, cut, strict=True))
-        out = self.out[np.ix_(z, y, x)]
-        if not out.any():
+    def _emptied(self, samples: NDArray[Any], box: Box) -> NDArray[Any]:
+        """The samples of a box that were read, or an emptied copy."""
+        if not self._places_in(box).any():
             return samples
         emptied = np.array(samples)
-        # NaN and infinity stay as they are.
-        emptied[out & np.isfinite(emptied)] = self.value
+        self._empty(emptied, box)
         return emptied
+
+    def _empty(self, samples: NDArray[Any], box: Box) -> None:
+        """Empty the samples of a box; NaN and infinity stay as they are."""
+        out = self._places_in(box)
+        if out.any():
+            samples[out & np.isfinite(samples)] = self.value
+
+    def _places_in(self, box: Box) -> Mask:
+        """Whether each sample of a box is emptied."""
+        return self.out[np.ix_(*(at[a:b] for at, a, b in zip(self.places, *box, strict=True)))]

@@ -8,7 +8,8 @@ another process are sent by the name of their file, and opened there.
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field, replace
 from functools import partial
 from itertools import product
@@ -22,6 +23,7 @@ from wavesplat._files.file_states import FileChangedError, SourceFiles, StoredFi
 from wavesplat._files.libraries import library
 from wavesplat._files.web import ServerError
 from wavesplat._files.zarr_chunks import check_chunks
+from wavesplat._files.zarr_reading import zarr_reader
 from wavesplat._files.zarr_states import chunk_files
 from wavesplat._model.argument_types import VOLUME, described
 from wavesplat._model.converted import check_shape
@@ -184,8 +186,28 @@ class SlicedArray:
 
     def read(self, lo: Shape, hi: Shape) -> NDArray[Any]:
         """Read the samples of a box."""
-        try:
+        with self._reading(lo, hi):
             samples = self._read(lo, hi)
+        wanted = tuple(b - a for a, b in zip(lo, hi, strict=True))
+        if samples.shape != wanted:
+            raise self._unreadable(lo, hi, ValueError(f"the shape is {samples.shape} instead of {wanted}"))
+        return samples
+
+    def read_into(self, lo: Shape, hi: Shape, out: NDArray[Any]) -> None:
+        """Read the samples of a box into an array of zeros [z, y, x], of its shape and of the type `dtype`."""
+        is_as_stored = self._convert is None and self._stored.newbyteorder("=") == self.dtype
+        if not is_as_stored or not hasattr(self._source, "read_into"):
+            out[...] = self.read(lo, hi)
+            return
+        axes = [self._order.index(axis) for axis in sorted(self._order)]
+        with self._reading(lo, hi):
+            self._source.read_into(self._index(lo, hi), np.transpose(out, axes))
+
+    @contextmanager
+    def _reading(self, lo: Shape, hi: Shape) -> Iterator[None]:
+        """Name the first chunk of a box that cannot be read in an error, and check the files after the reading."""
+        try:
+            yield
         except FileChangedError:
             raise
         except Exception as error:
@@ -193,11 +215,7 @@ class SlicedArray:
             self._check_files(lo, hi)
             place, told = ((lo, hi), error) if isinstance(error, ServerError) else self._first_unreadable(lo, hi, error)
             raise self._unreadable(*place, told) from error
-        wanted = tuple(b - a for a, b in zip(lo, hi, strict=True))
-        if samples.shape != wanted:
-            raise self._unreadable(lo, hi, ValueError(f"the shape is {samples.shape} instead of {wanted}"))
         self._check_files(lo, hi)
-        return samples
 
     def _check_files(self, lo: Shape, hi: Shape) -> None:
         """Raise a `FileChangedError` if a file of a box that was just read has changed since its state was recorded."""
@@ -378,16 +396,16 @@ def lazy_array(thing: Any, *, argument: str = "samples") -> LazyConverted:
         return LazyConverted([array])
     if "zarr" in libraries:
         chunks = list(thing.chunks)  # of shards the inner ones, which zarr reads by their ranges
-        files = chunk_files(thing, picked)
+        files, reader = chunk_files(thing, picked), zarr_reader(thing)
         made = SlicedArray(
-            thing,
+            thing if reader is None else reader,
             name=name,
             chunks=[chunks[a] for a in order],
             order=order,
             picked=picked,
             token=None if files is None else f"Zarr {thing.store_path}",
             files=files,
-            check=partial(_check_zarr, name),
+            check=partial(_check_zarr, name) if reader is None else None,
         )
         return LazyConverted([made], name=name)
     if isinstance(thing, np.ndarray):

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import FIRST_EXCEPTION, Future, ThreadPoolExecutor, wait
 from dataclasses import dataclass, field
 from functools import partial
@@ -24,7 +24,7 @@ from wavesplat._files.file_states import FileChangedError
 from wavesplat._model.lazy_array import LazyArray
 from wavesplat.errors import FileError, LimitError
 
-__all__ = ["FOR_UNPACKING", "Box", "BoxReader", "ReadCounts", "cells", "check_budget", "copy_overlap"]
+__all__ = ["FOR_UNPACKING", "Box", "BoxReader", "ReadCounts", "cells", "check_budget", "copy_overlap", "fill_box"]
 
 #: First index and end of a box along z, y, x.
 Box = tuple[tuple[int, int, int], tuple[int, int, int]]
@@ -89,7 +89,8 @@ class BoxReader:
     def _read(self, which: int, samples: NDArray[Any], low: Sequence[int], box: Box) -> None:
         if self._stopped:
             return
-        self._put(which, samples, low, box, partial(self._arrays[which].read, *box))
+        array = self._arrays[which]
+        self._put(which, samples, low, box, partial(fill_box, array, box))
 
     def _read_together(self, which: int, samples: NDArray[Any], low: Sequence[int], boxes: list[Box]) -> None:
         if self._stopped or not boxes:
@@ -103,22 +104,23 @@ class BoxReader:
             if self._holes is None:
                 raise
             for box in boxes:
-                self._put(which, samples, low, box, partial(array.read, *box))
+                self._put(which, samples, low, box, partial(fill_box, array, box))
             return
         for box, part in zip(boxes, parts, strict=True):
-            self._put(which, samples, low, box, partial(np.asarray, part))
+            self._put(which, samples, low, box, partial(_copy, array, box, part))
 
-    def _put(self, which: int, samples: NDArray[Any], low: Sequence[int], box: Box, read: Any) -> None:
+    def _put(
+        self,
+        which: int,
+        samples: NDArray[Any],
+        low: Sequence[int],
+        box: Box,
+        fill: Callable[[NDArray[Any]], None],
+    ) -> None:
+        """Fill the samples of a box by a function, or by the value of holes."""
         place = tuple(slice(a - first, b - first) for a, b, first in zip(*box, low, strict=True))
         try:
-            part = read()
-            if part.shape != samples[place].shape:
-                name, wanted = self._arrays[which].name, samples[place].shape
-                raise FileError(
-                    f"{name!r}: samples {box[0]} to {box[1]} (z, y, x) came with shape {part.shape}, not {wanted}; "
-                    "mend what gives them"
-                )
-            samples[place] = part
+            fill(samples[place])
         except FileChangedError:
             raise  # no hole: nothing that is known of the samples holds any more
         except FileError as error:
@@ -129,7 +131,7 @@ class BoxReader:
             if len(chunks) > 1:
                 # All but the chunks that cannot be read are drawn.
                 for chunk in chunks:
-                    self._put(which, samples, low, chunk, partial(array.read, *chunk))
+                    self._put(which, samples, low, chunk, partial(fill_box, array, chunk))
                 return
             samples[place] = self._holes[which]
             with self._lock:
@@ -148,6 +150,24 @@ class BoxReader:
 
     def __exit__(self, *_: object) -> None:
         self.stop()
+
+
+def fill_box(array: LazyArray, box: Box, out: NDArray[Any]) -> None:
+    """Read the samples of a box into an array of zeros, chunk by chunk where its source can."""
+    if hasattr(array, "read_into"):
+        array.read_into(*box, out)
+    else:
+        _copy(array, box, array.read(*box), out)
+
+
+def _copy(array: LazyArray, box: Box, part: NDArray[Any], out: NDArray[Any]) -> None:
+    """Copy the samples of a box that were read; a `FileError` if they have another shape."""
+    if part.shape != out.shape:
+        raise FileError(
+            f"{array.name!r}: samples {box[0]} to {box[1]} (z, y, x) came with shape {part.shape}, not {out.shape}; "
+            "mend what gives them"
+        )
+    out[...] = part
 
 
 @dataclass

@@ -23,6 +23,7 @@ from wavesplat._files.file_states import SourceFiles, StoredFiles
 from wavesplat._files.mute_stderr import muted_stderr
 from wavesplat._files.npz import npy_header
 from wavesplat._files.reading import reading
+from wavesplat._files.zarr_reading import zarr_reader
 from wavesplat._files.zarr_states import chunk_files
 from wavesplat._files.zarr_stores import place_of
 from wavesplat._model.facts import Facts, quantity_of
@@ -321,8 +322,9 @@ def _of_zarr(request: Request) -> LazyGrid:
         token = None if files is None else f"Zarr {level.array.store_path}"
         if files is None and not isinstance(request.cache, bool):
             token = _token_of_url(request, level.path)  # only a named folder keeps surveys by a server's marks
+        reader = zarr_reader(level.array)
         array = SlicedArray(
-            level.array,
+            level.array if reader is None else reader,
             name=f"{request.name}/{level.path}" if level.path else request.name,
             chunks=[chunks[axis] for axis in level.order],
             order=level.order,
@@ -330,7 +332,7 @@ def _of_zarr(request: Request) -> LazyGrid:
             n_readers=8 if request.is_url else 4,
             token=token,
             files=files,
-            check=partial(ome_zarr.check_part, request.safe_path),
+            check=partial(ome_zarr.check_part, request.safe_path) if reader is None else None,
         )
         levels.append((array, level.world_from_index, level.facts))
     # Guesses about the places of coarser levels belong to the whole volume.

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from wavesplat._files import size_checks
 from wavesplat._files.addresses import is_address
 from wavesplat._files.reading import reading
-from wavesplat._files.zarr_chunks import check_chunks
+from wavesplat._files.zarr_chunks import check_chunks, expect_chunks
 from wavesplat._files.zarr_place import METADATA_NAMES, ZarrPlace
 from wavesplat._files.zarr_stores import place_of, store_of
 from wavesplat._model.facts import Facts, quantity_of
@@ -133,13 +133,13 @@ def _check_kind(array: Any, request: Request) -> None:
 
 def _samples(array: Any, index: Any) -> NDArray[Any]:
     """The picked samples; no chunk is read further than it can be long."""
-    zarr_metadata.expect_chunks(array)
+    expect_chunks(array, place_of(array))
     return np.asarray(array[index])
 
 
 def _read_later(array: Any) -> None:
     """Bound the chunks of an array that is read as it is drawn; a refused one is reported when it is asked for."""
-    zarr_metadata.expect_chunks(array)
+    expect_chunks(array, place_of(array))
     place = place_of(array)
     if place is not None:
         place.warns = True

@@ -9,15 +9,13 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from math import prod
 from typing import Any
 
 from wavesplat._files import size_checks
 from wavesplat._files.zarr_place import ZarrPlace
-from wavesplat._files.zarr_stores import place_of
 from wavesplat.errors import FileError
 
-__all__ = ["check_codecs", "check_numbers", "expect_chunks", "names"]
+__all__ = ["check_codecs", "check_numbers", "names"]
 
 #: Documents that name codecs: of an array (v2), of an array or group (v3), and of all arrays below (v2).
 DOCUMENTS = (".zarray", "zarr.json", ".zmetadata")
@@ -25,9 +23,6 @@ DOCUMENTS = (".zarray", "zarr.json", ".zmetadata")
 CODEC_FIELDS = ("filters", "compressor", "codecs", "storage_transformers")
 #: Parts of the names of codecs that make objects by running what the file says.
 UNSAFE = ("pickle", "dill")
-#: Bytes of a sample in the widest type that filters store; of overhead for each inner chunk of a shard; and of a margin
-#: for every chunk.
-WIDEST, INNER_BYTES, MARGIN_BYTES = 8, 256, 1 << 16
 
 
 def check_codecs(place: ZarrPlace, inner: str = "") -> None:
@@ -52,20 +47,6 @@ def check_numbers(array: Any, path: object) -> None:
     if array.dtype.kind not in "biufc":
         raise FileError(f"samples of type {array.dtype} are not numbers; store them as integers or floats: {path}")
     size_checks.check_memory(size_checks.n_bytes(sorted(array.shape)[-3:], array.dtype), path)
-
-
-def expect_chunks(array: Any) -> None:
-    """Bound the size of an array's chunks by that of samples which compression does not shrink."""
-    place = place_of(array)
-    if place is None:
-        return
-    inner = prod(array.chunks)
-    n = prod(getattr(array, "shards", None) or array.chunks)
-    # Filters may store samples in a wider type than the array's.
-    filters = getattr(array, "filters", None)
-    itemsize = max(array.dtype.itemsize, WIDEST if filters else 0)
-    # Packed noise is longer by a few hundredths; each inner chunk of a shard has a header, and a place in an index.
-    place.expect(array.path, n * itemsize + n * itemsize // 32 + (n // inner) * INNER_BYTES + MARGIN_BYTES)
 
 
 def names(place: ZarrPlace) -> list[str]:

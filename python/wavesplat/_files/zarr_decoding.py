@@ -1,0 +1,199 @@
+"""Decoding of the chunks of Zarr arrays: from stored bytes to samples.
+
+zarr takes every chunk through an event loop, a thread and several objects, which costs several times as much as zstd
+does for a chunk of 64^3 bytes. The usual codecs are undone here; arrays with any other are read by zarr.
+Formats: https://zarr-specs.readthedocs.io/en/latest/v2/v2.0.html and .../v3/core/index.html; shards:
+https://zarr-specs.readthedocs.io/en/latest/v3/codecs/sharding-indexed/index.html
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass
+from math import prod
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+__all__ = ["ChunkDecoder", "ShardIndex", "decoder_of", "shard_index_of"]
+
+#: Compressors that numcodecs undoes without configuration, by their names in the metadata.
+COMPRESSORS = {"blosc", "bz2", "gzip", "lz4", "lzma", "zlib", "zstd"}
+#: Those of Zarr v3. The others of numcodecs have names of their own there.
+COMPRESSORS_OF_V3 = {"blosc", "gzip", "zstd"}
+#: Bytes of a checksum.
+CRC_BYTES = 4
+#: Offset and length of an inner chunk that a shard does not have.
+NONE_STORED = 2**64 - 1
+
+Unpack = Callable[[Any], Any]
+
+
+@dataclass(frozen=True)
+class ChunkDecoder:
+    """Functions and layout by which the bytes of a chunk become samples.
+
+    unpack : functions from bytes to bytes, in the order of decoding.
+    dtype : type of the stored samples, with their byte order.
+    shape : samples along the stored axes.
+    axes : the stored axis that is each axis of the array.
+    is_blosc : whether blosc was applied last, so that the file begins with its header.
+    """
+
+    unpack: tuple[Unpack, ...]
+    dtype: np.dtype[Any]
+    shape: tuple[int, ...]
+    axes: tuple[int, ...]
+    is_blosc: bool = False
+
+    @property
+    def n_bytes(self) -> int:
+        """Bytes of a chunk that is unpacked."""
+        return prod(self.shape) * self.dtype.itemsize
+
+    def __call__(self, content: bytes) -> NDArray[Any]:
+        """Decode a chunk; the axes of the samples are the array's. An exception of any type if it is damaged."""
+        unpacked: Any = content
+        for unpack in self.unpack:
+            unpacked = unpack(unpacked)
+        n = memoryview(unpacked).nbytes
+        if n != self.n_bytes:
+            raise ValueError(f"a chunk unpacks to {n} bytes instead of {self.n_bytes}")
+        return np.frombuffer(unpacked, self.dtype).reshape(self.shape).transpose(self.axes)
+
+
+@dataclass(frozen=True)
+class ShardIndex:
+    """Layout of the index of a shard: where its inner chunks are.
+
+    grid : inner chunks of a shard along each axis of the array.
+    is_first : whether the index lies at the start of the file, not at its end.
+    has_checksum : whether a checksum follows it.
+    """
+
+    grid: tuple[int, ...]
+    is_first: bool
+    has_checksum: bool
+
+    @property
+    def part(self) -> tuple[int, int | None]:
+        """First byte and end of the index in the file; a negative first byte counts from the file's end."""
+        n = 16 * prod(self.grid) + CRC_BYTES * self.has_checksum
+        return (0, n) if self.is_first else (-n, None)
+
+    def places(self, content: bytes) -> NDArray[np.uint64]:
+        """Offset and length of every inner chunk, from the bytes of the index; shape (*grid, 2)."""
+        n = 16 * prod(self.grid)
+        own = _checked(content) if self.has_checksum else content
+        if len(own) != n:
+            raise ValueError(f"truncated: the index of a shard has {len(own)} bytes instead of {n}")
+        return np.frombuffer(own, "<u8").reshape(*self.grid, 2)
+
+
+def decoder_of(array: Any) -> ChunkDecoder | None:
+    """The decoder of a zarr array's chunks, of shards of the inner chunks; None where a codec is not known here."""
+    metadata, dtype = array.metadata.to_dict(), np.dtype(array.dtype)
+    if dtype.kind not in "biuf":
+        return None
+    if metadata["zarr_format"] == 2:
+        return _decoder_of_v2(metadata, dtype)
+    if not _is_plain_v3(metadata):
+        return None
+    codecs, shape = metadata["codecs"], _chunk_shape(metadata["chunk_grid"])
+    if (shards := _sharding(codecs)) is not None:
+        codecs, shape = shards["codecs"], _chunk_shape({"configuration": shards})
+    return _decoder_of_codecs(codecs, dtype, shape)
+
+
+def shard_index_of(array: Any) -> ShardIndex | None:
+    """The layout of the indices of an array's shards; None for an array without shards.
+
+    Raises
+    ------
+    ValueError
+        If the index itself is packed.
+    """
+    metadata = array.metadata.to_dict()
+    shards = None if metadata["zarr_format"] == 2 else _sharding(metadata["codecs"])
+    if shards is None:
+        return None
+    names = [codec["name"] for codec in shards["index_codecs"]]
+    if names[:1] != ["bytes"] or names[1:] not in ([], ["crc32c"]) or not _is_little(shards["index_codecs"][0]):
+        raise ValueError(f"the index of shards is packed by {names}")
+    outer, inner = _chunk_shape(metadata["chunk_grid"]), _chunk_shape({"configuration": shards})
+    grid = tuple(a // b for a, b in zip(outer, inner, strict=True))
+    return ShardIndex(grid, str(shards.get("index_location", "end")) == "start", len(names) == 2)
+
+
+def _decoder_of_v2(metadata: Mapping[str, Any], dtype: np.dtype[Any]) -> ChunkDecoder | None:
+    compressor, shape = metadata["compressor"], tuple(int(n) for n in metadata["chunks"])
+    if metadata["filters"] or (compressor and compressor["id"] not in COMPRESSORS):
+        return None
+    unpack = (_decompressor(compressor["id"]),) if compressor else ()
+    axes = tuple(range(len(shape)))
+    if metadata["order"] == "F":
+        shape, axes = shape[::-1], axes[::-1]
+    return ChunkDecoder(unpack, dtype, shape, axes, is_blosc=bool(compressor) and compressor["id"] == "blosc")
+
+
+def _decoder_of_codecs(
+    codecs: Iterable[Mapping[str, Any]], dtype: np.dtype[Any], shape: tuple[int, ...]
+) -> ChunkDecoder | None:
+    """The decoder of a chain of codecs of Zarr v3: transpositions, the order of bytes, compressors and checksums."""
+    axes, unpack, names = list(range(len(shape))), list[Unpack](), list[str]()
+    for codec in codecs:
+        name = codec["name"]
+        if name == "transpose":
+            # Axis k of the outcome is axis order[k] of the input.
+            axes = [axes[axis] for axis in codec["configuration"]["order"]]
+        elif name == "bytes":
+            dtype = dtype.newbyteorder("<" if _is_little(codec) else ">")
+        elif name == "crc32c":
+            unpack.insert(0, _checked)
+        elif name in COMPRESSORS_OF_V3:
+            unpack.insert(0, _decompressor(name))
+        else:
+            return None
+        names.append(name)
+    stored = tuple(shape[axis] for axis in axes)
+    back = tuple(int(axis) for axis in np.argsort(axes))
+    return ChunkDecoder(tuple(unpack), dtype, stored, back, is_blosc=names[-1] == "blosc")
+
+
+def _is_plain_v3(metadata: Mapping[str, Any]) -> bool:
+    """Whether the chunks are a regular grid, and nothing lies between it and the store."""
+    return metadata["chunk_grid"]["name"] == "regular" and not metadata.get("storage_transformers")
+
+
+def _chunk_shape(grid: Mapping[str, Any]) -> tuple[int, ...]:
+    return tuple(int(n) for n in grid["configuration"]["chunk_shape"])
+
+
+def _sharding(codecs: Sequence[Mapping[str, Any]]) -> Mapping[str, Any] | None:
+    """Configuration of the codec of shards, where that is the only codec."""
+    only = codecs[0] if len(codecs) == 1 else {}
+    found: Mapping[str, Any] | None = only["configuration"] if only.get("name") == "sharding_indexed" else None
+    return found
+
+
+def _is_little(codec: Mapping[str, Any]) -> bool:
+    # Types of one byte have no order.
+    return str(codec.get("configuration", {}).get("endian") or "little") == "little"
+
+
+def _decompressor(name: str) -> Unpack:
+    import numcodecs
+
+    decode: Unpack = numcodecs.get_codec({"id": name}).decode
+    return decode
+
+
+def _checked(content: Any) -> Any:
+    """The content before a CRC-32C at its end, which is compared."""
+    import google_crc32c
+
+    own, said = bytes(content[:-CRC_BYTES]), bytes(content[-CRC_BYTES:])
+    if google_crc32c.value(own).to_bytes(CRC_BYTES, "little") != said:
+        raise ValueError("the checksum is wrong: the content is damaged")
+    return own

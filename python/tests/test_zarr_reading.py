@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import wavesplat as ws
-from wavesplat._files.zarr_reading import zarr_reader
+from wavesplat._files.zarr_reading import read_zarr, zarr_reader
 from wavesplat._model.lazy_array import lazy_array
 from wavesplat.errors import FileError
 
@@ -112,6 +112,18 @@ def test_axes_of_an_image_and_picked_channels(tmp_path):
     np.testing.assert_array_equal(reader[index], five[index])
     lazy = lazy_array(zarr.create_array(tmp_path / "b.zarr", data=five[:1, :1], chunks=(1, 1, 2, 3, 4))).levels[0]
     np.testing.assert_array_equal(lazy.read((0, 0, 0), (5, 6, 7)), five[0, 0])
+
+
+@pytest.mark.parametrize("layout", [*LAYOUTS, *OTHERS])
+def test_whole_arrays_are_read_by_threads(tmp_path, layout):
+    array = written(tmp_path / "a.zarr", (LAYOUTS | OTHERS)[layout])
+    for index in ([slice(None)] * 3, [slice(2, 9), 5, slice(3, None)], [7, slice(1, 2), 0]):
+        own = read_zarr(array, index)
+        np.testing.assert_array_equal(own, array[tuple(index)])
+        assert own.dtype == array.dtype
+    if layout in LAYOUTS:
+        np.testing.assert_array_equal(ws.Volume(array).samples, SAMPLES)
+        np.testing.assert_array_equal(ws.open(tmp_path / "a.zarr").samples, SAMPLES)
 
 
 def test_a_reader_is_sent_to_other_processes(tmp_path):

@@ -20,7 +20,7 @@ __all__ = ["ChunkDecoder", "ShardIndex", "decoder_of", "shard_index_of"]
 
 #: Compressors that numcodecs undoes without configuration, by their names in the metadata.
 COMPRESSORS = {"blosc", "bz2", "gzip", "lz4", "lzma", "zlib", "zstd"}
-#: Those of Zarr v3. The others of numcodecs have names of their own there.
+#: Compressors of Zarr v3, a part of them.
 COMPRESSORS_OF_V3 = {"blosc", "gzip", "zstd"}
 #: Bytes of a checksum.
 CRC_BYTES = 4

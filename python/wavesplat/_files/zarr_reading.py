@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from itertools import product
 from math import prod
 from pathlib import Path
@@ -16,10 +17,12 @@ from wavesplat._files.zarr_decoding import NONE_STORED, ChunkDecoder, ShardIndex
 from wavesplat._files.zarr_place import ZarrPlace
 from wavesplat._files.zarr_stores import place_of
 
-__all__ = ["ZarrReader", "zarr_reader"]
+__all__ = ["ZarrReader", "read_zarr", "zarr_reader"]
 
 #: Index along an axis, or a range of indices.
 Part = int | slice
+#: Threads that read and decode chunks at once.
+N_THREADS = 4
 
 
 class ZarrReader:
@@ -37,6 +40,28 @@ class ZarrReader:
         samples = np.zeros([part.stop - part.start for part in index if isinstance(part, slice)], self.dtype)
         self.read_into(index, samples)
         return samples
+
+    def read_by_threads(self, index: tuple[Part, ...]) -> NDArray[Any]:
+        """The samples at an index, as slicing gives them, read by several threads."""
+        samples = np.zeros([part.stop - part.start for part in index if isinstance(part, slice)], self.dtype)
+        pool = ThreadPoolExecutor(N_THREADS)
+        try:
+            for done in [pool.submit(self.read_into, part, samples[here]) for part, here in self._layers(index)]:
+                done.result()
+        finally:
+            pool.shutdown(cancel_futures=True)
+        return samples
+
+    def _layers(self, index: tuple[Part, ...]) -> Iterator[tuple[tuple[Part, ...], tuple[slice, ...]]]:
+        """Parts of an index that share no file, cut along the first two ranges, and their places in the outcome."""
+        ranges = [axis for axis, part in enumerate(index) if isinstance(part, slice)]
+        per_file = self.chunks if self._shards is None else np.multiply(self.chunks, self._shards.grid).tolist()
+        for pieces in product(*(_pieces(per_file[axis], index[axis]) for axis in ranges[:2])):
+            part = list(index)
+            for axis, (number, own, _) in zip(ranges, pieces, strict=False):
+                first = number * per_file[axis]
+                part[axis] = slice(own.start + first, own.stop + first) if isinstance(own, slice) else own
+            yield tuple(part), tuple(place for _, _, place in pieces if place is not None)
 
     def read_into(self, index: Sequence[Part], out: NDArray[Any]) -> None:
         """Read the samples at an index into an array of zeros, of the same axes but those with a whole number.
@@ -108,6 +133,18 @@ def _pieces(size: int, part: Part) -> Iterator[tuple[int, Part, slice | None]]:
     for number in range(part.start // size, -(-part.stop // size)):
         first, end = max(part.start, number * size), min(part.stop, (number + 1) * size)
         yield number, slice(first - number * size, end - number * size), slice(first - part.start, end - part.start)
+
+
+def read_zarr(array: Any, index: Sequence[Part]) -> NDArray[Any]:
+    """The samples of a zarr array at whole numbers and ranges without steps, as `array[index]` gives them."""
+    reader = zarr_reader(array)
+    if reader is None:
+        return np.asarray(array[tuple(index)])
+    ranges = (
+        slice(*part.indices(n)[:2]) if isinstance(part, slice) else part
+        for part, n in zip(index, array.shape, strict=True)
+    )
+    return reader.read_by_threads(tuple(ranges))
 
 
 def zarr_reader(array: Any) -> ZarrReader | None:

@@ -7,6 +7,7 @@ given are imported.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from os import PathLike, fspath
 from typing import Any
 
@@ -111,13 +112,20 @@ def _of_rows(rows: Any) -> Converted | None:
     return Converted(array) if array.ndim > 2 and array.dtype.kind in "biufc" else None
 
 
-def _of_lazy(array: Any) -> Converted | None:
-    """Compute or read an array of Dask or Zarr."""
+def _of_dask(array: Any) -> Converted | None:
+    """Compute an array of Dask, whose names are made up."""
+    return Converted(loaded(array, "array")) if hasattr(array, "shape") else None
+
+
+def _of_zarr(array: Any) -> Converted | None:
+    """Read an array of Zarr."""
+    from wavesplat._files.zarr_reading import read_zarr
+
     if not hasattr(array, "shape"):
         return None
-    # Dask's names are made up.
-    name = None if hasattr(array, "compute") else str(array.name or "").rpartition("/")[2] or None
-    return Converted(loaded(array, name or "array"), name=name)
+    name = str(array.name or "").rpartition("/")[2] or None
+    read = partial(read_zarr, index=[slice(None)] * len(array.shape))
+    return Converted(loaded(array, name or "array", read), name=name)
 
 
 def _of_hdf5(dataset: Any) -> Converted | None:
@@ -138,8 +146,8 @@ CONVERTERS: dict[str, Callable[[Any], Converted | None]] = {
     "vtkmodules": of_vtk,
     "napari": of_napari,
     "torch": of_torch,
-    "dask": _of_lazy,
-    "zarr": _of_lazy,
+    "dask": _of_dask,
+    "zarr": _of_zarr,
     "h5py": _of_hdf5,
     "yt": of_yt,
 }

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -29,11 +29,16 @@ class Converted:
     name: str | None = None
 
 
-def loaded(array: Any, name: str) -> NDArray[Any]:
+def whole(array: Any) -> NDArray[Any]:
+    """All samples of an array that is sliced."""
+    return np.asarray(array[...])
+
+
+def loaded(array: Any, name: str, read: Callable[[Any], NDArray[Any]] = whole) -> NDArray[Any]:
     """The samples of an array that is not in memory yet; refused before it is read where it is no volume."""
     check_shape(tuple(array.shape), name)
     check_room(int(np.prod(array.shape, dtype=np.float64)) * np.dtype(array.dtype).itemsize, "the samples", "crop them")
-    return np.asarray(array[...])
+    return read(array)
 
 
 def check_shape(shape: Sequence[int], name: str) -> None:

@@ -20,6 +20,7 @@ from wavesplat._files.addresses import is_address
 from wavesplat._files.reading import reading
 from wavesplat._files.zarr_chunks import check_chunks, expect_chunks
 from wavesplat._files.zarr_place import METADATA_NAMES, ZarrPlace
+from wavesplat._files.zarr_reading import read_zarr
 from wavesplat._files.zarr_stores import place_of, store_of
 from wavesplat._model.facts import Facts, quantity_of
 from wavesplat._readers import ome_zarr_layout as layout
@@ -65,8 +66,7 @@ def read(request: Request) -> Grid:
         else:
             check_vectors(request, name)
             index = index_unnamed_axes(node.shape, request)
-        check_chunks(node, _all_axes(index, node.ndim), request.safe_path)
-        samples, told = _samples(node, index), tuple[str, ...]()
+        samples, told = _samples(node, _all_axes(index, node.ndim), request), tuple[str, ...]()
         quantity = quantity_of(request.dataset)
         if are_vectors:
             samples, told = component_of(samples, request, name)
@@ -131,10 +131,11 @@ def _check_kind(array: Any, request: Request) -> None:
         raise FileError(f"samples of type {array.dtype} are no real numbers; store them so: {request.safe_path}")
 
 
-def _samples(array: Any, index: Any) -> NDArray[Any]:
+def _samples(array: Any, index: Sequence[int | slice], request: Request) -> NDArray[Any]:
     """The picked samples; no chunk is read further than it can be long."""
+    check_chunks(array, index, request.safe_path)
     expect_chunks(array, place_of(array))
-    return np.asarray(array[index])
+    return read_zarr(array, index)
 
 
 def _read_later(array: Any) -> None:
@@ -351,8 +352,7 @@ def _read_level(group: Any, multiscales: dict[str, Any], request: Request) -> Gr
     place = _placed(group, array, multiscales, dataset, request)
     n_samples = [n for n, part in zip(array.shape, place.picked, strict=True) if isinstance(part, slice)]
     size_checks.check_memory(size_checks.n_bytes(n_samples, array.dtype), request.safe_path)
-    check_chunks(array, place.picked, request.safe_path)
-    samples = _samples(array, place.picked)
+    samples = _samples(array, place.picked, request)
     kept = [name for name in place.axes if name in place.spatial]
     samples = np.transpose(samples, [kept.index(name) for name in place.spatial])
     return Grid(samples, place.world_from_index, place.facts, _refused_chunks(array, request))

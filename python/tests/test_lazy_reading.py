@@ -40,7 +40,7 @@ def test_a_chunk_is_read_once_and_invisible_ones_never():
 
 def test_blocks_share_few_chunks():
     array = Chunked(shells(192), (24, 24, 24))
-    volume = lazily(array, "5 MB")
+    volume = lazily(array, "3.5 MB")
     volume.survey(0, "linear")
     array.counts.clear()
     picture = ws.render(volume, LOOK, "isometric", size=(500, 500))

@@ -18,7 +18,15 @@ from typing import Any
 from wavesplat._files.zarr_place import ZarrPlace
 from wavesplat.errors import FileError
 
-__all__ = ["BLOSC_HEADER", "check_chunks", "chunk_numbers", "expect_chunks", "is_there", "packed_bytes", "truncated"]
+__all__ = [
+    "BLOSC_HEADER",
+    "check_chunks",
+    "check_missing",
+    "chunk_numbers",
+    "expect_chunks",
+    "packed_bytes",
+    "truncated",
+]
 
 #: Bytes of the header of blosc.
 BLOSC_HEADER = 16
@@ -69,7 +77,7 @@ def _files(array: Any, picked: Sequence[int | slice]) -> Iterator[tuple[str, Pat
     folder = Path(root) / getattr(place, "path", "")
     for number in chunk_numbers(array, picked):
         name = str(encode(number))
-        if is_there(folder, name):
+        if _is_there(folder, name):
             yield name, folder / name
 
 
@@ -85,18 +93,13 @@ def chunk_numbers(array: Any, picked: Sequence[int | slice]) -> Iterator[tuple[i
     return product(*numbers)
 
 
-def is_there(folder: Path, name: str) -> bool:
+def _is_there(folder: Path, name: str) -> bool:
     """Whether a chunk has a file; a `FileError` where something else has its name, which zarr takes for no chunk."""
     try:
         mode = os.stat(f"{folder}/{name}").st_mode  # noqa: PTH116 - a Path costs more than the call, chunk by chunk
-    except FileNotFoundError:
-        _check_links(str(folder), f"{folder}/{name}", name)
+    except (FileNotFoundError, NotADirectoryError):
+        check_missing(str(folder), name)
         return False
-    except NotADirectoryError:
-        raise FileError(
-            f"chunk {name!r} cannot be there, since a file has the name of its folder; copy or export the array again: "
-            f"{folder}"
-        ) from None
     except OSError as error:
         raise FileError(
             f"cannot read chunk {name!r}: {error.strerror}; check its permissions, or copy the array again: {folder}"
@@ -107,15 +110,24 @@ def is_there(folder: Path, name: str) -> bool:
     return True
 
 
-def _check_links(folder: str, place: str, name: str) -> None:
-    """Raise a `FileError` where a link on the path to a chunk leads nowhere, as git-annex's do before a file is got."""
+def check_missing(folder: str, name: str) -> None:
+    """Raise a `FileError` where a chunk has no file because a link on its path leads nowhere, or a folder is a file.
+
+    Links of git-annex lead nowhere before a file is got.
+    """
+    place = f"{folder}/{name}"
     while len(place) > len(folder):
         try:
-            found = os.lstat(place)
+            mode = os.lstat(place).st_mode
+        except NotADirectoryError:
+            raise FileError(
+                f"chunk {name!r} cannot be there, since a file has the name of its folder; copy or export the array "
+                f"again: {folder}"
+            ) from None
         except OSError:
             place = place.rpartition("/")[0]
             continue
-        if stat.S_ISLNK(found.st_mode) and not Path(place).exists():
+        if stat.S_ISLNK(mode) and not Path(place).exists():
             raise FileError(
                 f"chunk {name!r} is behind a link to what is not there; get the linked files, or copy the array with "
                 f"them: {place}"

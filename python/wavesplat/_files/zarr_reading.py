@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._files.zarr_chunks import BLOSC_HEADER, expect_chunks, is_there, packed_bytes, truncated
+from wavesplat._files.zarr_chunks import BLOSC_HEADER, check_missing, expect_chunks, packed_bytes, truncated
 from wavesplat._files.zarr_decoding import NONE_STORED, ChunkDecoder, ShardIndex, decoder_of, shard_index_of
 from wavesplat._files.zarr_place import ZarrPlace
 from wavesplat._files.zarr_stores import place_of
@@ -33,6 +33,7 @@ class ZarrReader:
         self.chunks = tuple(int(n) for n in array.chunks)  # of shards the inner ones
         self._place, self._decode, self._shards = place, decode, shards
         self._prefix = f"{array.path}/" if array.path else ""
+        self._folder = None if place.root is None else f"{place.root}/{array.path}".rstrip("/")
         self._key = array.metadata.encode_chunk_key
         self._fill = self.dtype.type(0 if array.fill_value is None else array.fill_value)
 
@@ -117,8 +118,8 @@ class ZarrReader:
 
     def _read(self, name: str, part: tuple[int, int | None] | None = None) -> bytes | None:
         content = self._place.read(self._prefix + name, part)
-        if content is None and self._place.root is not None:
-            is_there(self._place.root / self._prefix, name)
+        if content is None and self._folder is not None:
+            check_missing(self._folder, name)
         return content
 
 

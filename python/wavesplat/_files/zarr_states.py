@@ -157,11 +157,11 @@ class ChunkFiles:
         seen = self._seen
         if seen is None:
             return
-        encode = self._array.metadata.encode_chunk_key
+        encode, folder = self._array.metadata.encode_chunk_key, str(self._folder)
         for place in chunk_numbers(self._array, index):
             name = str(encode(place))
             try:
-                found = os.stat(f"{self._folder}/{name}")  # noqa: PTH116 - a Path costs more than the call
+                found = os.stat(f"{folder}/{name}")  # noqa: PTH116 - a Path costs more than the call
                 now: int | None = hash(state_of(found))
             except OSError:
                 now = None

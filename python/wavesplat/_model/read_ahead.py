@@ -24,7 +24,17 @@ from wavesplat._files.file_states import FileChangedError
 from wavesplat._model.lazy_array import LazyArray
 from wavesplat.errors import FileError, LimitError
 
-__all__ = ["FOR_UNPACKING", "Box", "BoxReader", "ReadCounts", "cells", "check_budget", "copy_overlap", "fill_box"]
+__all__ = [
+    "FOR_UNPACKING",
+    "Box",
+    "BoxReader",
+    "ReadCounts",
+    "SampleBuffers",
+    "cells",
+    "check_budget",
+    "copy_overlap",
+    "fill_box",
+]
 
 #: First index and end of a box along z, y, x.
 Box = tuple[tuple[int, int, int], tuple[int, int, int]]
@@ -50,6 +60,30 @@ class ReadCounts:
     holes: list[str] = field(default_factory=list)
 
 
+class SampleBuffers:
+    """Memory for the samples of each array, two pieces that are used in turns.
+
+    A step of drawing has its samples in one piece while those of the next are read into the other. New memory for each
+    step would be cleared and mapped by the system page by page, which costs more than reading it does.
+    """
+
+    def __init__(self) -> None:
+        self._pieces: dict[tuple[int, int], NDArray[np.uint8]] = {}
+        self._turns: dict[int, int] = {}
+
+    def zeros(self, which: int, shape: Sequence[int], dtype: np.dtype[Any]) -> NDArray[Any]:
+        """An array of zeros in the piece that was used least recently for the array of this number."""
+        turn = self._turns[which] = 1 - self._turns.get(which, 0)
+        n_bytes = math.prod(shape) * dtype.itemsize
+        piece = self._pieces.get((which, turn))
+        if piece is None or piece.nbytes < n_bytes:
+            self._pieces.pop((which, turn), None)  # before there is another one
+            piece = self._pieces[which, turn] = np.zeros(n_bytes, np.uint8)
+        else:
+            piece[:n_bytes] = 0
+        return piece[:n_bytes].view(dtype).reshape(shape)
+
+
 class BoxReader:
     """A pool of threads that fill boxes.
 
@@ -72,11 +106,15 @@ class BoxReader:
         self._stopped = False
         self.counts = ReadCounts()
 
-    def begin(self, which: int, held: Box, boxes: Sequence[Box]) -> Pending:
-        """Begin to read some boxes into the samples of the box `held` of array `which`, which are 0 elsewhere."""
+    def begin(self, which: int, held: Box, boxes: Sequence[Box], buffers: SampleBuffers | None = None) -> Pending:
+        """Begin to read some boxes into the samples of the box `held` of array `which`, which are 0 elsewhere.
+
+        buffers : memory for the samples; None takes new memory.
+        """
         array = self._arrays[which]
         low, high = held
-        samples = np.zeros([b - a for a, b in zip(low, high, strict=True)], array.dtype)
+        shape = [b - a for a, b in zip(low, high, strict=True)]
+        samples = np.zeros(shape, array.dtype) if buffers is None else buffers.zeros(which, shape, array.dtype)
         pending = Pending(samples)
         if hasattr(array, "read_many") and getattr(array, "reads_together", False):
             pending.parts.append(self._pool.submit(self._read_together, which, samples, low, list(boxes)))

@@ -18,14 +18,16 @@ from wavesplat import _native
 from wavesplat._files.byte_sizes import byte_size
 from wavesplat._files.memory import trim_heap
 from wavesplat._model.lazy_array import LazyArray
-from wavesplat._model.read_ahead import FOR_UNPACKING, Box, BoxReader, Pending, ReadCounts, copy_overlap
+from wavesplat._model.read_ahead import FOR_UNPACKING, Box, BoxReader, Pending, ReadCounts, SampleBuffers, copy_overlap
 from wavesplat.errors import CancelledError, LimitError
 
 __all__ = ["Corners", "Progress", "Reading", "Streaming", "draw_block", "draw_segment", "streamed"]
 
 #: Share of a budget that is for the samples of two steps; the rest is for bounds, what is being unpacked, and what the
-#: allocator keeps: 512 MB of a 2048^3 Zarr array peak at 611 MB, Python included, by 0.25; at 657 by 0.3, 689 by 0.4.
-FOR_SAMPLES = 0.25
+#: allocator keeps. A first picture of 2048^3 from Zarr within 300 MB peaks at 306 MB, Python included, by 0.25 (14
+#: blocks, 19.7 s of processor time), at 336 by 0.33 (10, 17.6 s), at 363 by 0.4 (8, 16.6 s): larger blocks share fewer
+#: chunks.
+FOR_SAMPLES = 0.4
 
 Progress = Callable[[float], object]
 #: Lower and upper corner (x, y, z) of a box in index space; infinite where it has no face.
@@ -72,6 +74,7 @@ class Reading:
     #: Budget, bytes; None reads without one.
     memory: int | None = None
     counts: ReadCounts = field(default_factory=ReadCounts)
+    buffers: SampleBuffers = field(default_factory=SampleBuffers)
 
     def part(self, before: float, share: float) -> Reading:
         """The reading with progress as a part of the work, from `before` on and `share` long."""
@@ -114,7 +117,7 @@ def draw_segment(stream: _native.Stream, block: int, steps: tuple[int, int], rea
     waited = 0.0
     for_unpacking = None if reading.memory is None else int(reading.memory * FOR_UNPACKING)
     with BoxReader(reading.arrays, holes=reading.least, memory=for_unpacking) as reader:
-        ahead = _asked(stream, block, first, is_first=True, state=state, reader=reader)
+        ahead = _asked(stream, block, first, is_first=True, state=state, reader=reader, buffers=reading.buffers)
         for step in range(first, end):
             held, boxes = stream.held(block, step), ahead
             own = reading.part((step - first) / (end - first), 1 / (end - first))
@@ -123,12 +126,13 @@ def draw_segment(stream: _native.Stream, block: int, steps: tuple[int, int], rea
             waited += time.perf_counter() - before_waiting
             if step + 1 < end:
                 # The next reads are chosen by the rays' state before this step, so that they run while it is drawn.
-                ahead = _asked(stream, block, step + 1, is_first=False, state=state, reader=reader)
+                ahead = _asked(
+                    stream, block, step + 1, is_first=False, state=state, reader=reader, buffers=reading.buffers
+                )
                 for k, box in enumerate(stream.held(block, step + 1)):
                     copy_overlap(samples[k], held[k], ahead[k].samples, box)
             state = stream.draw(block, step, samples, state, own.progress)
             del samples
-            trim_heap()
             if stream.is_done(block, state):
                 break
         reader.stop()
@@ -136,17 +140,25 @@ def draw_segment(stream: _native.Stream, block: int, steps: tuple[int, int], rea
         counts.n_bytes += reader.counts.n_bytes
         counts.n_boxes += reader.counts.n_boxes
         counts.holes += reader.counts.holes
+    trim_heap()
     counts.seconds += time.perf_counter() - started
     counts.waited += waited
     return state
 
 
 def _asked(
-    stream: _native.Stream, block: int, step: int, *, is_first: bool, state: _native.BlockState, reader: BoxReader
+    stream: _native.Stream,
+    block: int,
+    step: int,
+    *,
+    is_first: bool,
+    state: _native.BlockState,
+    reader: BoxReader,
+    buffers: SampleBuffers,
 ) -> list[Pending]:
     held = stream.held(block, step)
     reads: Iterable[list[Box]] = stream.reads(block, step, is_first, state)
-    return [reader.begin(k, box, boxes) for k, (box, boxes) in enumerate(zip(held, reads, strict=True))]
+    return [reader.begin(k, box, boxes, buffers) for k, (box, boxes) in enumerate(zip(held, reads, strict=True))]
 
 
 #: Seconds between checks, in a wait, whether the picture is still wanted.

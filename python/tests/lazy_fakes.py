@@ -77,6 +77,22 @@ class FailsOnce(Chunked):
         return super().read(lo, hi)
 
 
+class WearsOut:
+    """An array of which a process reads some boxes, and then none any more."""
+
+    n_reads = 0
+
+    def __init__(self, samples, most):
+        self.samples, self.most = samples, most
+        self.shape, self.dtype, self.chunks = samples.shape, samples.dtype, (16, 16, 16)
+
+    def __getitem__(self, key):
+        WearsOut.n_reads += 1
+        if WearsOut.n_reads > self.most:
+            raise OSError(5, "Input/output error")
+        return self.samples[key]
+
+
 class WrongShape(Chunked):
     """A lazy array whose reads return one slice too few."""
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import contextlib
 import os
 import pickle
 import signal
@@ -10,7 +11,7 @@ import time
 
 import numpy as np
 import pytest
-from lazy_fakes import Broken, Chunked, FailsOnce, Slow, shells
+from lazy_fakes import Broken, Chunked, FailsOnce, Slow, WearsOut, shells
 
 import wavesplat as ws
 
@@ -30,9 +31,11 @@ pytestmark = [
 ]
 
 
-@pytest.fixture(scope="module")
-def client():
-    options = {"dashboard_address": None, "host": "127.0.0.1", "memory_limit": "1GiB"}
+@contextlib.contextmanager
+def _two_workers():
+    """A client of a cluster of two processes."""
+    # A port of its own: others may run clusters on this machine.
+    options = {"dashboard_address": "127.0.0.1:0", "host": "127.0.0.1", "memory_limit": "1GiB"}
     # Workers import Dask and what it finds, which on a loaded machine takes more than the usual 30 s.
     patience = {"distributed.comm.timeouts.connect": "300s", "distributed.comm.timeouts.tcp": "300s"}
     os.environ["PYTHONPATH"] = os.path.dirname(__file__)  # noqa: PTH120 - workers unpickle the fakes
@@ -41,6 +44,12 @@ def client():
         distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, **options) as cluster,
         distributed.Client(cluster, timeout=300) as client,
     ):
+        yield client
+
+
+@pytest.fixture(scope="module")
+def client():
+    with _two_workers() as client:
         yield client
 
 
@@ -225,6 +234,41 @@ def test_a_worker_that_is_killed_at_the_start_changes_nothing(client, seconds):
     client.wait_for_workers(2, timeout=300)
 
 
+def _restart_when_busy(client):
+    """A thread that restarts all workers once tasks run."""
+
+    def restart():
+        until = time.monotonic() + 60
+        while not any(client.processing().values()) and time.monotonic() < until:
+            time.sleep(0.02)
+        client.restart(timeout=300)
+
+    thread = threading.Thread(target=restart)
+    thread.start()
+    return thread
+
+
+def test_workers_that_are_restarted_change_nothing():
+    """Frames ended with a bare FutureCancelledError."""
+    samples = shells(64)
+    array = Slow(samples, (16, 16, 16))
+    array.seconds = 0.0
+    lazy = ws.Volume.lazy(array, memory="50 MB", cache=False)
+    lazy.survey(0, "linear")
+    array.seconds = 0.05
+    here = ws.render(ws.Volume(samples), HARD, "isometric", size=(200, 150))
+    with _two_workers() as client:
+        restarting = _restart_when_busy(client)
+        assert _same(here, ws.render(lazy, HARD, "isometric", size=(200, 150), client=client))
+        restarting.join()
+        client.wait_for_workers(2, timeout=300)
+        restarting = _restart_when_busy(client)
+        pictures = list(ws.render_frames(ws.Scene(lazy, HARD), ["isometric"] * 4, size=(200, 150), client=client))
+        restarting.join()
+    assert len(pictures) == 4
+    assert all(_same(here, picture) for picture in pictures)
+
+
 def test_a_cluster_that_loses_all_workers_is_named(monkeypatch):
     from wavesplat._cluster import waiting
 
@@ -270,6 +314,57 @@ def test_a_read_that_always_fails_is_named(client):
         ws.render(lazy, LOOK, "isometric", size=(80, 60), client=client)
 
 
+def test_a_source_that_wears_out_is_named(client, monkeypatch):
+    monkeypatch.setattr(WearsOut, "n_reads", -(10**6))  # the survey runs in this process, and must not fail
+    lazy = ws.Volume.lazy(WearsOut(shells(64), 20), memory="50 MB", cache=False)
+    begun = time.monotonic()
+    with pytest.raises(ws.errors.FileError, match=r"cannot read the samples z .*Input/output error"):
+        ws.render(lazy, LOOK, "isometric", size=(200, 150), client=client)
+    assert time.monotonic() - begun < 30
+
+
+def _truncated(path):
+    os.truncate(path, path.stat().st_size // 2)
+
+
+def _without_chunks(path):
+    for chunk in path.rglob("c/*/*/*"):
+        chunk.unlink()
+
+
+@pytest.mark.parametrize("suffix", [".npy", ".h5", ".zarr"])
+@pytest.mark.parametrize("is_lost", [False, True])
+def test_files_that_are_lost_in_mid_drawing_are_named(client, tmp_path, suffix, is_lost):
+    samples = np.repeat(np.repeat(np.repeat(shells(64), 2, 0), 2, 1), 2, 2)
+    path = tmp_path / f"a{suffix}"
+    if suffix == ".npy":
+        np.save(path, samples)
+    elif suffix == ".h5":
+        with pytest.importorskip("h5py").File(path, "w") as file:
+            file.create_dataset("a", data=samples, chunks=(16, 16, 16), compression="gzip")
+    else:
+        _zarr(tmp_path, samples, (16, 16, 16))
+    lazy = ws.open(path, memory="20 MB", cache=False)
+    lazy.survey(0, "linear")
+    told = []
+
+    def hurt(share):
+        told.append(share)
+        if len(told) == 1:
+            if suffix == ".zarr":
+                (_without_chunks if is_lost else lambda where: [_truncated(c) for c in where.rglob("c/*/*/*")])(path)
+            else:
+                (path.unlink if is_lost else lambda: _truncated(path))()
+
+    begun = time.monotonic()
+    with pytest.raises(
+        ws.errors.FileError, match=r"changed or replaced|not there any more|written to while|cannot read"
+    ):
+        ws.render(lazy, LOOK, "isometric", size=(200, 150), client=client, progress=hurt)
+    assert 0 < told[0] < 1
+    assert time.monotonic() - begun < 30
+
+
 def test_progress_is_told_and_cancels(client):
     lazy = ws.Volume.lazy(Chunked(shells(64), (16, 16, 16)), memory="50 MB", cache=False)
     told = []
@@ -289,7 +384,7 @@ def test_clients_that_cannot_draw_are_refused(client):
 
 def test_workers_without_the_package_are_named(client, monkeypatch):
     def run(_function, on_error):
-        assert on_error == "ignore"
+        assert on_error == "return"
         return {"tcp://10.0.0.1:1": (None, "host", 1, 1, 0), "tcp://10.0.0.2:1": ("0.0.9", "host", 1, 1, 0)}
 
     monkeypatch.setattr(client, "run", run)

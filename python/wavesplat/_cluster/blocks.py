@@ -13,6 +13,7 @@ worker is lost.
 from __future__ import annotations
 
 import hashlib
+import itertools
 import pickle
 import threading
 import time
@@ -25,18 +26,25 @@ import numpy as np
 
 from wavesplat import _native
 from wavesplat._cluster.machines import MAX_TASKS, machines_of
-from wavesplat._cluster.waiting import N_RETRIES, done, held, result_of
+from wavesplat._cluster.waiting import (
+    N_RETRIES,
+    check_times_lost,
+    done,
+    held,
+    lost_scheduler_named,
+    release,
+    result_of,
+    wait_for_scheduler,
+)
 from wavesplat._files.libraries import library
 from wavesplat._model.lazy_array import ComputedArray
 from wavesplat._model.read_ahead import ReadCounts
 from wavesplat._render.lazy_layers import FrameSpec
 from wavesplat._render.streaming import Progress, Reading, draw_segment
-from wavesplat.errors import ArgumentError, CancelledError, ClusterError
+from wavesplat.errors import ArgumentError, CancelledError
 
 __all__ = ["drawn_on_machines"]
 
-#: Times that lost tasks are sent again: where the scheduler has forgotten them.
-N_TIMES = 3
 #: Streams that a process keeps; the tasks of one picture share one.
 MAX_STREAMS = 2
 
@@ -112,9 +120,14 @@ class _Tasks:
             yield from zip(part, dask.compute(*tasks, scheduler="threads"), strict=True)
 
     def _by_client(self, client: Any, order: Sequence[int]) -> Any:
+        with lost_scheduler_named(client):
+            yield from self._by_attempts(client, order)
+
+    def _by_attempts(self, client: Any, order: Sequence[int]) -> Iterator[tuple[int, Drawn]]:
         distributed: Any = library("distributed", extra="dask")
         waiting = list(order)
-        for attempt in range(N_TIMES + 1):
+        for attempt in itertools.count():
+            wait_for_scheduler(client)
             spec = held(client, self._packed, self._token)
             futures = client.compute([self._task(spec, block) for block in waiting], retries=N_RETRIES)
             of = dict(zip([future.key for future in futures], waiting, strict=True))
@@ -124,10 +137,9 @@ class _Tasks:
                     waiting.remove(of[future.key])
                 return
             except distributed.CancelledError as error:
-                if attempt == N_TIMES:
-                    raise ClusterError(f"the cluster has lost the tasks of a picture {attempt + 1} times") from error
+                check_times_lost(attempt, error)
             finally:
-                client.cancel(futures)
+                release(client, futures)
 
     def _task(self, spec: Any, block: int) -> Any:
         dask: Any = library("dask", extra="dask")

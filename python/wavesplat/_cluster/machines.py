@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from wavesplat import _native
-from wavesplat._cluster.waiting import facts_of_workers
+from wavesplat._cluster.waiting import CLOSED, facts_of_workers, lost_scheduler_named
 from wavesplat._files.libraries import library
 from wavesplat._model.argument_types import described
 from wavesplat._model.lazy_volume import default_memory
@@ -66,17 +66,13 @@ def machines_of(client: Any) -> Machines:
             "this client is asynchronous, and pictures are drawn synchronously; give Client(..., asynchronous=False), "
             "and draw in a thread if an event loop runs here"
         )
-    told = facts_of_workers(client, _machine_facts)
+    if client.status in CLOSED:
+        raise ArgumentError("this client was closed; give a new dask.distributed.Client")
+    with lost_scheduler_named(client):
+        told = facts_of_workers(client, _machine_facts)
     if not told:
         raise ArgumentError("the cluster has no workers yet; wait for them with client.wait_for_workers(1)")
-    missing = sorted(address for address, (version, *_) in told.items() if version != _native.__version__)
-    if missing:
-        first = told[missing[0]][0]
-        raise LibraryError(
-            f"{len(missing)} of {len(told)} workers, such as {missing[0]}, have "
-            f"{'no wavesplat' if first is None else f'wavesplat {first}'}, and this is {_native.__version__}; install "
-            "the same release there (client.run, a plugin such as distributed.PipInstall, or the image of the workers)"
-        )
+    _check_releases(told)
     n_at_once = sum(n_threads for _, _, n_threads, _, _ in told.values())
     # Several workers of one machine share its processors.
     on_host = Counter[str]()
@@ -86,6 +82,28 @@ def machines_of(client: Any) -> Machines:
     limits = [limit // n_threads for _, _, n_threads, _, limit in told.values() if limit]
     memory = int(SHARE * min(limits)) if limits else default_memory()
     return Machines(n_at_once, threads, memory)
+
+
+def _check_releases(told: dict[str, Any]) -> None:
+    """Raise a `LibraryError` unless all workers have this release of the package."""
+    missing = {worker: found for worker, answer in told.items() if (found := _other_release(answer)) is not None}
+    if missing:
+        worker = min(missing)
+        raise LibraryError(
+            f"{len(missing)} of {len(told)} workers, such as {worker}, have {missing[worker]}, and this is "
+            f"{_native.__version__}; install the same release there (client.run, a plugin such as "
+            "distributed.PipInstall, or the image of the workers)"
+        )
+
+
+def _other_release(answer: Any) -> str | None:
+    """The package that a worker has, by its answer; None where it is the one of this process."""
+    if isinstance(answer, str):
+        return f"no wavesplat, or one that cannot be imported ({answer})"
+    version = answer[0]
+    if version == _native.__version__:
+        return None
+    return "no wavesplat" if version is None else f"wavesplat {version}"
 
 
 def _machine_facts(dask_worker: Any = None) -> tuple[str | None, str, int, int, int]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import itertools
 import pickle
 from collections import deque
 from collections.abc import Callable, Iterator, Sequence
@@ -10,7 +11,15 @@ from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from wavesplat._cluster.machines import Machines, machines_of
-from wavesplat._cluster.waiting import N_RETRIES, held, result_of
+from wavesplat._cluster.waiting import (
+    N_RETRIES,
+    check_times_lost,
+    held,
+    lost_scheduler_named,
+    release,
+    result_of,
+    wait_for_scheduler,
+)
 from wavesplat._files.libraries import library
 from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
@@ -134,6 +143,23 @@ def _by_threads(shots: Sequence[tuple[Scene, Any]], options: dict[str, Any], mac
 def _by_client(
     shots: Sequence[tuple[Scene, Any]], options: dict[str, Any], machines: Machines, client: Any
 ) -> Iterator[Picture]:
+    with lost_scheduler_named(client):
+        n_done = 0
+        distributed: Any = library("distributed", extra="dask")
+        for attempt in itertools.count():
+            wait_for_scheduler(client)
+            try:
+                for picture in _by_attempt(shots[n_done:], options, machines, client):
+                    n_done += 1
+                    yield picture
+                return
+            except distributed.CancelledError as error:
+                check_times_lost(attempt, error)
+
+
+def _by_attempt(
+    shots: Sequence[tuple[Scene, Any]], options: dict[str, Any], machines: Machines, client: Any
+) -> Iterator[Picture]:
     dask: Any = library("dask", extra="dask")
     scenes: dict[int, tuple[str, Any]] = {}
     waiting: deque[Any] = deque()
@@ -163,7 +189,7 @@ def _by_client(
             begin()
             yield picture
     finally:
-        client.cancel(list(waiting))
+        release(client, list(waiting))
 
 
 def _within(scene: Scene, machines: Machines) -> Scene:

@@ -153,6 +153,37 @@ def test_cuts_and_backgrounds() -> None:
     assert psnr(merged(whole, boxes, SOFT, "left", **own), expected) > 90
 
 
+def test_ghost_samples_beyond_the_whole_are_left_out() -> None:
+    """Codes keep a halo all around; `start` below 0 was refused."""
+    whole = field((12, 10, 8))
+    boxes: list[Box] = [((0, 0, 0), (5, 10, 8)), ((5, 0, 0), (12, 10, 8))]
+    haloed = np.pad(whole, 3, constant_values=1e30)
+    parts = [
+        ws.VolumePart(haloed[a : b + 6], (a - 3, -3, -3), ((a, b), (0, 10), (0, 8)), whole.shape, spacing=SPACING)
+        for a, b in ((0, 5), (5, 12))
+    ]
+    overviews = [part.overview() for part in parts]
+    drawn = [ws.render_part(part.whole(overviews), SOFT, size=(48, 40)) for part in parts]
+    assert np.array_equal(ws.merge(drawn).rgba, merged(whole, boxes, SOFT, size=(48, 40)).rgba)
+    with pytest.raises(ArgumentError, match="must lie within the samples"):
+        ws.VolumePart(whole[:3], (-3, 0, 0), ((0, 3), (0, 10), (0, 8)), whole.shape)
+    with pytest.raises(ArgumentError, match="must lie within the samples"):
+        ws.VolumePart(whole[:3], (20, 0, 0), ((0, 3), (0, 10), (0, 8)), whole.shape)
+
+
+def test_processes_without_samples_give_none() -> None:
+    whole = field((12, 10, 8))
+    boxes: list[Box] = [((0, 0, 0), (1, 10, 8)), ((1, 0, 0), (12, 10, 8))]
+    parts = [part_of(whole, box, 3, spacing=SPACING) for box in boxes]
+    overviews = [None, *(part.overview() for part in parts)]
+    pictures = [ws.render_part(part.whole(overviews), SOFT, size=(48, 40)) for part in parts]
+    assert np.array_equal(ws.merge([*pictures, None]).rgba, merged(whole, boxes, SOFT, size=(48, 40)).rgba)
+    with pytest.raises(ArgumentError, match="1 of 2 parts are missing"):
+        ws.merge([None, pictures[1]])
+    with pytest.raises(ArgumentError, match="no pictures to merge"):
+        ws.merge([None])
+
+
 def drawn_in_a_process(given: tuple[NDArray[Any], list[Box], int]) -> bytes:
     whole, boxes, number = given
     parts = [part_of(whole, box, 3, spacing=SPACING) for box in boxes]
@@ -208,7 +239,9 @@ def test_what_does_not_fit_together_is_said() -> None:
         parts[0].whole(overviews[:1])
     with pytest.raises(ArgumentError, match="overlap"):
         parts[0].whole([*overviews, part_of(whole, ((3, 0, 0), (9, 10, 8)), 2).overview()])
-    with pytest.raises(ArgumentError, match="different shapes, distances or types"):
+    with pytest.raises(
+        ArgumentError, match=r"differ in the type of samples of the whole: float32 of z 0 to 6.* float64 of z 6"
+    ):
         parts[0].whole([overviews[0], part_of(whole.astype(np.float64), boxes[1], 2).overview()])
     with pytest.raises(ArgumentError, match="must lie within the samples"):
         ws.VolumePart(whole[:6], (0, 0, 0), ((0, 7), (0, 10), (0, 8)), whole.shape)
@@ -290,17 +323,35 @@ def run_ranks(n_ranks: int, program: list[str], folder: Path) -> subprocess.Comp
     )
 
 
-@pytest.mark.skipif(shutil.which("mpiexec") is None or find_spec("mpi4py") is None, reason="needs mpi4py and mpiexec")
-def test_two_ranks_of_mpi(tmp_path: Path) -> None:
-    alone = run_ranks(2, ["-c", "from mpi4py import MPI; assert MPI.COMM_WORLD.allgather(1) == [1, 1]"], tmp_path)
+@pytest.fixture(scope="module")
+def mpi(tmp_path_factory: pytest.TempPathFactory) -> None:
+    """MPI itself runs here; else the test is skipped."""
+    if shutil.which("mpiexec") is None or find_spec("mpi4py") is None:
+        pytest.skip("needs mpi4py and mpiexec")
+    sent = "from mpi4py import MPI; assert MPI.COMM_WORLD.allgather(1) == [1, 1]"
+    alone = run_ranks(2, ["-c", sent], tmp_path_factory.mktemp("mpi"))
     if alone.returncode != 0:
         pytest.skip(f"MPI itself does not run here: {alone.stderr.strip().splitlines()[-1:]}")
+
+
+@pytest.mark.usefixtures("mpi")
+def test_a_rank_that_fails_ends_all(tmp_path: Path) -> None:
+    program = program_of_page().replace("volume = part", 'assert comm.rank != 1, "no samples"\nvolume = part')
+    (tmp_path / "ranks.py").write_text(program)
+    done = run_ranks(3, ["-m", "mpi4py", "ranks.py"], tmp_path)
+    assert done.returncode != 0
+    assert "AssertionError: no samples" in done.stderr
+    assert not (tmp_path / "waves.png").exists()
+
+
+@pytest.mark.usefixtures("mpi")
+def test_two_ranks_of_mpi(tmp_path: Path) -> None:
     found = []
     for n_ranks in (1, 2):
         folder = tmp_path / str(n_ranks)
         folder.mkdir()
         (folder / "ranks.py").write_text(program_of_page())
-        done = run_ranks(n_ranks, ["ranks.py"], folder)
+        done = run_ranks(n_ranks, ["-m", "mpi4py", "ranks.py"], folder)
         assert done.returncode == 0, done.stderr
         with Image.open(folder / "waves.png") as image:
             found.append(np.asarray(image, np.float64))

@@ -125,13 +125,14 @@ class PartDrawing:
 
 
 @public
-def merge(pictures: Iterable[PartialPicture]) -> Picture:
+def merge(pictures: Iterable[PartialPicture | None]) -> Picture:
     """The picture of a whole volume, given what each process has drawn of its part.
 
     Parameters
     ----------
-    pictures : iterable of PartialPicture
-        By `render_part`, of all parts, in any order, with the same look, camera and options.
+    pictures : iterable of PartialPicture or None
+        By `render_part`, of all parts, in any order, with the same look, camera and options. None is left out: of a
+        process without samples.
 
     Returns
     -------
@@ -155,7 +156,7 @@ def merge(pictures: Iterable[PartialPicture]) -> Picture:
     >>> ws.merge([ws.render_part(whole, size=(24, 16))]).size
     (24, 16)
     """
-    given = list(pictures)
+    given = [partial for partial in pictures if partial is not None]
     for partial in given:
         if not isinstance(partial, PartialPicture):
             raise ArgumentError(f"merge takes partial pictures, by ws.render_part, not {type(partial).__name__}")

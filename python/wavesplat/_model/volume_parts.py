@@ -159,10 +159,11 @@ class VolumePart:
     samples : array, shape (z, y, x)
         The part's own samples, and those of its neighbours around them (ghost or halo samples): three layers make the
         picture that of the whole but for rounding, where the reconstruction is "linear"; four for "catmull-rom".
-        With fewer the outermost samples are repeated, which changes the light near faces that parts share.
+        With fewer the outermost samples are repeated, which changes the light near faces that parts share. Those that
+        lie beyond the whole, in arrays with ghost samples all around, are left out.
         Shared, not copied, where it is an array of a type that the renderer takes, in C or any other order.
     start : (z, y, x)
-        Index in the whole of the first of these samples.
+        Index in the whole of the first of these samples; below 0 where it lies beyond the whole.
     own : ((z, z), (y, y), (x, x))
         First index and end of the part's own samples in the whole, without its neighbours'. The parts of all
         processes tile the whole.
@@ -206,8 +207,9 @@ class VolumePart:
         given = np.asarray(converted(samples, "samples", has_place=True).samples)
         if given.ndim != 3 or min(given.shape) < 1:
             raise ArgumentError(f"part of {self.name!r}: samples have shape {given.shape}; give (z, y, x)")
+        self.shape = _three(shape, "shape", self.name)
+        given, self.start = _inside(given, _three(start, "start", self.name, least=-math.inf), self.shape)
         self._samples = np.asarray(given, renderable_type(given.dtype, self.name))
-        self.start, self.shape = _three(start, "start", self.name), _three(shape, "shape", self.name)
         self.own = _checked_box(own, self.start, given.shape, self.shape, self.name)
         self._matrix = _checked_affine(spacing, world_from_index, self.name)
         self._facts = _checked_facts(Facts(), unit, None, self.name)
@@ -241,13 +243,13 @@ class VolumePart:
             looks=[_cut(samples, place, self.own) for samples, place in looks.placed()],
         )
 
-    def whole(self, overviews: Iterable[Overview], *, memory: float | str | None = None) -> LazyVolume:
+    def whole(self, overviews: Iterable[Overview | None], *, memory: float | str | None = None) -> LazyVolume:
         """The whole volume, of which this process has its part, for `render_part`.
 
         Parameters
         ----------
-        overviews : iterable of Overview
-            Those of all parts, this one's included, in any order.
+        overviews : iterable of Overview or None
+            Those of all parts, this one's included, in any order. None is left out: of a process without samples.
         memory : str or number, optional
             As for `Volume.lazy`: bytes of copies that are made while it is drawn.
 
@@ -256,10 +258,9 @@ class VolumePart:
         ArgumentError
             If the parts do not tile the volume, or samples are missing (NaN): fill them first.
         """
-        known = sorted(overviews, key=lambda overview: overview.own)
+        known = sorted((one for one in overviews if one is not None), key=lambda overview: overview.own)
+        _check_one_whole(known, self.name)
         _check_tiling(known, self.own, self.shape, self.name)
-        if len({overview.whole for overview in known}) > 1:
-            raise ArgumentError(f"parts of {self.name!r} say different shapes, distances or types of the whole")
         low, high, n_missing = statistics_of(known)
         if n_missing or not low <= high:
             raise ArgumentError(
@@ -299,9 +300,17 @@ def _cut(samples: NDArray[Any], of: tuple[Shape, Shape], own: Box) -> Placed:
     return tuple(place), samples[tuple(place)].copy()
 
 
-def _three(numbers: Sequence[int], what: str, name: str) -> Shape:
+def _inside(samples: NDArray[Any], start: Shape, shape: Shape) -> tuple[NDArray[Any], Shape]:
+    """The samples that lie in the whole, and the index of the first."""
+    low = [min(max(0, -first), n) for first, n in zip(start, samples.shape, strict=True)]
+    high = [max(0, size - first) for first, size in zip(start, shape, strict=True)]
+    z, y, x = (first + a for first, a in zip(start, low, strict=True))
+    return samples[tuple(slice(a, b) for a, b in zip(low, high, strict=True))], (z, y, x)
+
+
+def _three(numbers: Sequence[int], what: str, name: str, *, least: float = 0) -> Shape:
     try:
-        z, y, x = (int(n) for n in numbers if int(n) == n and n >= 0)
+        z, y, x = (int(n) for n in numbers if int(n) == n and n >= least)
     except (TypeError, ValueError):
         raise ArgumentError(
             f"part of {name!r}: {what} is {described(numbers)}; give three whole numbers (z, y, x)"
@@ -327,6 +336,18 @@ def _checked_box(own: Sequence[Sequence[int]], start: Shape, held: Sequence[int]
                 f"{a} to {b}; its own must lie within the samples, and these within the whole"
             )
     return box
+
+
+def _check_one_whole(known: list[Overview], name: str) -> None:
+    """Raise an `ArgumentError` where parts say different things of the whole, with what two of them say."""
+    for other in known[1:]:
+        for what, one, two in zip(("shape", "axes", "type of samples"), known[0].whole, other.whole, strict=True):
+            if one != two:
+                told = [np.dtype(said).name if isinstance(said, str) else said for said in (one, two)]
+                raise ArgumentError(
+                    f"parts of {name!r} differ in the {what} of the whole: {told[0]} of {_text_of(known[0].own)}, and "
+                    f"{told[1]} of {_text_of(other.own)}; give all of them the same"
+                )
 
 
 def _check_tiling(known: list[Overview], own: Box, shape: Shape, name: str) -> None:

@@ -1,8 +1,9 @@
 """A worker of a Dask cluster that is killed while it draws: `python benches/killed_workers.py [MOMENTS]`.
 
 Two worker processes draw blocks of a made-up volume that is read slowly. One of them is killed at moments from before
-the first task to after the last one, evenly apart, of a new cluster each time. Each line tells when it was killed,
-whether the picture has the bytes of the one that nobody disturbed, or the error, and how long it took.
+the first task to after the last one, evenly apart, of a new cluster each time. Each line tells when it was killed, how
+much of the picture had been drawn by then, whether the picture has the bytes of the one that nobody disturbed, or the
+error, and how long it took.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import signal
 import sys
 import threading
 import time
+from collections import Counter
 
 import dask
 import distributed
@@ -20,10 +22,12 @@ import numpy as np
 import wavesplat as ws
 
 #: Samples along an axis and along a chunk, and seconds that each read takes.
-SIDE, CHUNK, READ_S = 96, 16, 0.02
+SIDE, CHUNK, READ_S = 96, 16, 0.04
 SIZE = (200, 150)
 #: Seconds before the picture of the first moment, and after the undisturbed time of the last.
 MARGIN_S = 0.2
+#: Share of the picture above which all of it is drawn, but for rounding.
+ALL = 1 - 1e-9
 LOOK = ws.TransferFunction([(60, 0.0), (200, 0.2)], [(0, 1.0, 0.8, 0.5)])
 
 
@@ -60,8 +64,14 @@ def main(n_moments: int) -> None:
     patience = {"distributed.comm.timeouts.connect": "300s", "distributed.comm.timeouts.tcp": "300s"}
     options = {"dashboard_address": None, "host": "127.0.0.1", "memory_limit": "1GiB", "silence_logs": 50}
 
-    def drawn(moment: float | None) -> tuple[np.ndarray | str, float]:
-        """The picture, or its error, of a new cluster of which a worker is killed, and seconds."""
+    def drawn(moment: float | None) -> tuple[np.ndarray | str, float, float]:
+        """The picture of a new cluster of which a worker is killed, or its error; seconds; share drawn by then."""
+        shares, seen = [0.0], []
+
+        def kill(pid: int) -> None:
+            os.kill(pid, signal.SIGKILL)
+            seen.append(shares[-1])
+
         with (
             dask.config.set(patience),
             distributed.LocalCluster(n_workers=2, threads_per_worker=1, processes=True, **options) as cluster,
@@ -69,29 +79,33 @@ def main(n_moments: int) -> None:
         ):
             ws.render(lazy, LOOK, "front", size=(40, 30), client=client)  # workers import what they need
             pid = next(iter(client.run(os.getpid).values()))
-            killer = threading.Timer(max(moment or 0.0, 0.0), os.kill, (pid, signal.SIGKILL))
+            killer = threading.Timer(max(moment or 0.0, 0.0), kill, (pid,))
             if moment is not None:
                 killer.start()
                 time.sleep(max(-moment, 0.0))
             begun = time.perf_counter()
             try:
-                got: np.ndarray | str = ws.render(lazy, LOOK, "isometric", size=SIZE, client=client).rgba
+                frame = {"size": SIZE, "client": client, "progress": shares.append}
+                got: np.ndarray | str = ws.render(lazy, LOOK, "isometric", **frame).rgba
             except ws.errors.WavesplatError as error:
                 got = f"{type(error).__name__}: {error}"
             taken = time.perf_counter() - begun
             if moment is not None:
                 killer.join()
-            return got, taken
+            return got, taken, max(seen, default=1.0)
 
-    wanted, undisturbed = drawn(None)
+    wanted, undisturbed, _ = drawn(None)
     print(f"nobody killed: {undisturbed:.1f} s", flush=True)
-    longest = 0.0
+    longest, counts = 0.0, Counter[str]()
     for moment in np.linspace(-MARGIN_S, undisturbed + MARGIN_S, n_moments):
-        got, taken = drawn(float(moment))
+        got, taken, share = drawn(float(moment))
         told = got if isinstance(got, str) else "same bytes" if np.array_equal(got, wanted) else "OTHER BYTES"
-        print(f"killed at {moment:5.2f} s: {told}, {taken:.1f} s", flush=True)
+        print(f"killed at {moment:5.2f} s, {100 * share:3.0f} % drawn: {told}, {taken:.1f} s", flush=True)
         longest = max(longest, taken)
+        when = "before the picture" if moment < 0 else "before its first block" if share == 0 else "among its blocks"
+        counts["after its last block" if share > ALL else when] += 1
     print(f"{n_moments} moments: at most {longest:.1f} s, {undisturbed:.1f} s undisturbed")
+    print("; ".join(f"{n} {when}" for when, n in counts.items()))
 
 
 if __name__ == "__main__":

@@ -188,6 +188,72 @@ def test_seismic_traces(tmp_path):
     assert any("traces have no places" in guess for guess in volume.guesses)
 
 
+def change_traces(path, changed, *, kept=lambda inline, crossline: True, endian="big"):
+    """A copy of a survey of the traces that `kept` takes, with numbers of their headers changed."""
+    segyio = pytest.importorskip("segyio")
+    with segyio.open(str(path), ignore_geometry=True) as file:
+        inlines, crosslines = (file.attributes(byte)[:] for byte in (189, 193))
+        numbers = [n for n in range(file.tracecount) if kept(inlines[n], crosslines[n])]
+        spec = segyio.tools.metadata(file)
+        spec.tracecount, spec.endian, spec.ilines = len(numbers), endian, None
+        with segyio.create(str(changed), spec) as copy:
+            copy.bin = file.bin
+            for to, number in enumerate(numbers):
+                copy.header[to], copy.trace[to] = file.header[number], file.trace[number]
+    return changed
+
+
+def test_traces_in_the_other_byte_order(tmp_path):
+    cube = np.random.default_rng(2).normal(size=(3, 4, 5)).astype(np.float32)
+    path = save_segy(tmp_path / "a.sgy", cube)
+    volume = ws.open(change_traces(path, tmp_path / "little.sgy", endian="little"))
+    np.testing.assert_array_equal(volume.samples, cube.transpose(2, 0, 1))
+    np.testing.assert_array_equal(volume.world_from_index, ws.open(path).world_from_index)
+
+
+def test_surveys_with_gaps(tmp_path):
+    cube = np.random.default_rng(2).normal(size=(5, 6, 7)).astype(np.float32)
+    path = save_segy(tmp_path / "a.sgy", cube)
+    # Every second crossline, and a corner of the survey is missing.
+    changed = change_traces(path, tmp_path / "b.sgy", kept=lambda i, j: j % 2 == 0 and (i, j) != (10, 20))
+    volume = ws.open(changed)
+    expected = cube[:, ::2].transpose(2, 0, 1).copy()
+    expected[:, 0, 0] = np.nan
+    np.testing.assert_array_equal(volume.samples, expected)
+    np.testing.assert_allclose(volume.world_from_index[:3, :2], [[0, -25], [25, 0], [0, 0]], atol=1e-6)
+    np.testing.assert_allclose(volume.world_from_index[:3, 3], [100, 50, -100])
+    assert "1 of 15 places have no trace, and nothing is drawn there" in volume.guesses
+
+
+def test_traces_without_a_grid_have_a_route(tmp_path):
+    segyio = pytest.importorskip("segyio")
+    path = save_segy(tmp_path / "a.sgy", np.ones((3, 4, 5), np.float32))
+
+    def refused(change, match):
+        other = tmp_path / "b.sgy"
+        other.write_bytes(path.read_bytes())
+        with segyio.open(str(other), "r+", ignore_geometry=True) as file:
+            change(file)
+        with pytest.raises(FileError, match=match):
+            ws.open(other)
+
+    def line(file):
+        for header in file.header:
+            header.update(iline=0, xline=0)
+
+    def gathers(file):
+        for number, header in enumerate(file.header):
+            header.update(xline=20 + number % 4 // 2, offset=100 * (number % 2))
+
+    def twice(file):
+        file.header[1].update(xline=20)
+
+    refused(line, r"12 traces have 1 .*segyio.open\(path, iline=BYTE")
+    refused(gathers, r"12 traces have 6 places and 2 offsets; stack them")
+    refused(twice, r"1 traces have the inline and crossline of another one")
+    refused(lambda file: file.bin.update({segyio.BinField.Format: 7}), "format 7, which segyio does not read")
+
+
 def test_traces_that_are_no_cube(tmp_path, monkeypatch):
     path = save_segy(tmp_path / "a.sgy", np.ones((3, 4, 5), np.float32))
     content = path.read_bytes()

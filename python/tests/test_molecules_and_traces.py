@@ -63,6 +63,17 @@ def test_orbitals_of_a_cube(tmp_path, values):
         ws.open(path, dataset="value 3")
 
 
+def test_orbitals_that_the_number_of_atoms_does_not_tell(tmp_path, values):
+    """Molden writes the line of orbitals without a negative number of atoms; its numbers are no values."""
+    path = save_cube(tmp_path / "a.cube", values[..., None], orbitals=(7,))
+    path.write_text(path.read_text().replace("   -2 -1.0", "    2 -1.0", 1))
+    volume = ws.open(path)
+    np.testing.assert_array_equal(volume.samples, values.T)
+    assert volume.guesses == ()
+    path.write_text(path.read_text() + " 1.0 2.0\n")
+    assert ws.open(path).guesses == ("numbers behind those that the header promises are left out",)
+
+
 def save_vasp(path, grids, *, scale=1.0, names="H O\n", selective=False):
     text = f"water\n  {scale}\n" + "".join(" ".join(f"{part:.9f}" for part in vector) + "\n" for vector in CELL)
     text += (
@@ -93,6 +104,8 @@ def test_spins_and_potentials_of_vasp(tmp_path, values):
     volume = ws.open(save_vasp(tmp_path / "LOCPOT", [values]))
     np.testing.assert_array_equal(volume.samples, values.T)
     assert volume.value_unit == "eV"
+    path = save_vasp(tmp_path / "ELFCAR", [values, 3 * values])
+    np.testing.assert_allclose(ws.open(path, dataset="down").samples, 3 * values.T)
 
 
 def test_texts_that_are_cut(tmp_path, values):
@@ -305,5 +318,5 @@ def test_packed_files_and_names_that_end_in_vasp(tmp_path, values):
     np.testing.assert_array_equal(potential.samples, values.T)
     assert (potential.value_unit, potential.guesses) == ("eV", ())
     (tmp_path / "POSCAR.vasp").write_text(named.read_text().split("\n\n")[0] + "\n")
-    with pytest.raises(FileError, match="no grid behind the places of the atoms"):
+    with pytest.raises(FileError, match="places of atoms and no grid, as POSCAR does; name the CHGCAR"):
         ws.open(tmp_path / "POSCAR.vasp")

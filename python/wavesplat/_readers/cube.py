@@ -43,16 +43,28 @@ def read(request: Request) -> Grid:
             raise ValueError(f"{n_atoms} atoms, {size} samples")
         for _ in range(abs(n_atoms)):
             file.readline()
-        names = _names(file, words, has_orbitals=n_atoms < 0)
+        names = _names(file, words, has_orbitals=n_atoms < 0 or _are_orbitals_next(file))
         shape = (*size, len(names))
         # Each number takes at least a digit and a space.
         stored = n_bytes_of(file) // 2
         size_checks.check_stored(shape, np.dtype("u1"), stored, path, held=(1,))
         size_checks.check_memory(size_checks.n_bytes(shape, np.dtype("f8")), path)
         values = numbers_of_text(file, int(np.prod(shape)), path).reshape(shape)[..., _chosen(names, request)]
+        told = ("numbers behind those that the header promises are left out",) if file.read(1 << 16).strip() else ()
     matrix = np.eye(4)
     matrix[:3, :3], matrix[:3, 3] = vectors.T, origin * unit
-    return Grid(np.ascontiguousarray(values.T), matrix, Facts(unit="angstrom"))
+    return Grid(np.ascontiguousarray(values.T), matrix, Facts(unit="angstrom", guesses=told))
+
+
+def _are_orbitals_next(file: IO[bytes]) -> bool:
+    """Whether the next line counts orbitals and names them, as Molden writes without a negative number of atoms.
+
+    Values are written with a point, the line of orbitals without.
+    """
+    begin = file.tell()
+    words = file.readline().split()
+    file.seek(begin)
+    return len(words) > 1 and all(word.isdigit() for word in words) and int(words[0]) == len(words) - 1
 
 
 def _names(file: IO[bytes], words: list[bytes], *, has_orbitals: bool) -> list[str]:

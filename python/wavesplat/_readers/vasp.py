@@ -19,7 +19,7 @@ from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
 from wavesplat._readers.request import Grid, Request, several
 from wavesplat._readers.text_numbers import n_bytes_of, numbers_of_text, opened_text
-from wavesplat.errors import ArgumentError
+from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["is_named", "read"]
 
@@ -35,7 +35,8 @@ GRIDS = {
     2: ("total", "magnetization"),
     4: ("total", "magnetization x", "magnetization y", "magnetization z"),
 }
-OF_POTENTIALS = {**GRIDS, 2: ("up", "down")}
+#: Potentials and localizations of spin-polarized crystals are of each spin.
+OF_SPINS = {**GRIDS, 2: ("up", "down")}
 
 
 def is_named(path: Path) -> bool:
@@ -51,7 +52,11 @@ def read(request: Request) -> Grid:
     with reading("a grid of VASP", path), opened_text(path) as file:
         cell = _cell(file)
         grids = list(_grids(file, path))
-    name = (OF_POTENTIALS if kind == "LOCPOT" else GRIDS).get(len(grids))
+    if not grids:
+        raise FileError(
+            f"the file holds the places of atoms and no grid, as POSCAR does; name the CHGCAR or LOCPOT beside it: {path}"
+        )
+    name = (OF_SPINS if kind in PLAIN else GRIDS).get(len(grids))
     names = list(name or (f"grid {number}" for number in range(1, len(grids) + 1)))
     number = _chosen(names, request)
     samples = grids[number]
@@ -102,8 +107,6 @@ def _grids(file: IO[bytes], path: Path) -> Iterator[NDArray[np.float64]]:
         size_checks.check_stored((nz, ny, nx), np.dtype("u1"), n_bytes_of(file) // 2, path, held=(1,))
         size_checks.check_memory(size_checks.n_bytes((nz, ny, nx), np.dtype("f8")), path)
         yield numbers_of_text(file, nx * ny * nz, path).reshape(nz, ny, nx)
-    if not size:
-        raise ValueError("no grid behind the places of the atoms")
 
 
 def _chosen(names: list[str], request: Request) -> int:

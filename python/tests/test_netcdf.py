@@ -224,3 +224,82 @@ def test_depth_grows_downwards_in_pictures_too(tmp_path, packed):
     deepest = volume.world_from_index @ (0, 0, len(LEV) - 1, 1)
     assert (surface[2], deepest[2]) == (0, -1500)
     assert any("z is minus lev" in guess for guess in volume.guesses)
+
+
+def test_pressures_grow_downwards_where_nothing_else_is_said(tmp_path, packed):
+    coordinates = {"plev": np.array([1000.0, 800, 600, 400]), "lat": LAT, "lon": LON}
+    for said, first, last in (({"units": "hPa"}, -1000, -400), ({"units": "hPa", "positive": "up"}, 1000, 400)):
+        attributes = {**ATTRIBUTES, "plev": said}
+        path = save_netcdf3(tmp_path / "a.nc", {"t": (("plev", "lat", "lon"), packed[0])}, coordinates, attributes)
+        places = ws.open(path).world_from_index @ np.array([[0, 0, 0, 1], [0, 0, 3, 1]]).T
+        np.testing.assert_allclose(places[2], [first, last])
+
+
+@pytest.mark.parametrize("dtype", ["f4", "f8"])
+@pytest.mark.parametrize("how", [{}, {"memory": "1 MB"}])
+def test_what_was_never_written_is_missing(tmp_path, dtype, how):
+    netcdf4 = pytest.importorskip("netCDF4")
+    with netcdf4.Dataset(tmp_path / "a.nc", "w") as file:
+        for axis, n in zip("zyx", SHAPE[1:], strict=True):
+            file.createDimension(axis, n)
+        file.createVariable("t", dtype, ("z", "y", "x"))[1:] = 3.5
+    with netcdf4.Dataset(tmp_path / "a.nc") as file:
+        expected = file["t"][:].filled(np.nan)
+    volume = ws.open(tmp_path / "a.nc", **how)
+    samples = volume.read().samples if how else volume.samples
+    assert np.isnan(expected).mean() == 0.25
+    np.testing.assert_array_equal(samples, expected)
+
+
+def test_borders_of_cells_are_no_fields(tmp_path, packed):
+    attributes = {**ATTRIBUTES, "lev": {"units": "m", "bounds": "lev_bnds"}}
+    borders = np.zeros((4, 2, 2), np.float32)
+    path = save_netcdf4(
+        tmp_path / "a.nc",
+        {"t": (("lev", "lat", "lon"), packed[1]), "lev_bnds": (("lev", "pair", "two"), borders)},
+        {"lev": LEV, "lat": LAT, "lon": LON, "pair": [0, 1], "two": [0, 1]},
+        attributes,
+    )
+    np.testing.assert_array_equal(ws.open(path).samples, packed[1])
+    assert ws.open(path, dataset="lev_bnds").shape == (4, 2, 2)
+
+
+def test_files_without_a_volume_say_what_they_hold(tmp_path, packed):
+    flat = save_netcdf3(tmp_path / "a.nc", {"ps": (("lat", "lon"), packed[0, 0])}, {"lat": LAT, "lon": LON}, units="Pa")
+    with pytest.raises(FileError, match=r"no variable with three axes .*ps \(lat 5, lon 6\), Pa; such.*\.plot\(\)"):
+        ws.open(flat)
+    # One layer of uneven latitudes is a plane, whatever its steps.
+    coordinates = {"lev": [0.0], "lat": [-80.0, -30, 0, 31, 80], "lon": LON}
+    layer = save_netcdf3(tmp_path / "b.nc", {"t": (("lev", "lat", "lon"), packed[0, :1])}, coordinates)
+    with pytest.raises(FileError, match=r"a single plane of x 6, y 5, z 1 .*`wavesplat slice` shows it"):
+        ws.open(layer)
+    twice = save_netcdf4(tmp_path / "c.nc", {"s": (("n", "n", "lon"), packed[0, :, :4])}, {"n": LEV, "lon": LON})
+    with pytest.raises(FileError, match="an axis twice"):
+        ws.open(twice)
+    mesh = {"api_version": np.float32(5), "floating_point_word_size": np.int32(8)}
+    with scipy.io.netcdf_file(tmp_path / "d.nc", "w") as file:
+        vars(file)["_attributes"].update(mesh)
+        file.createDimension("num_nodes", 3)
+        file.createVariable("coordx", "d", ("num_nodes",))[:] = 0
+    with pytest.raises(FileError, match=r"finite elements \(Exodus\); write it as pyvista"):
+        ws.open(tmp_path / "d.nc")
+
+
+def test_times_are_told_as_dates(tmp_path, packed):
+    saved = save_netcdf3(tmp_path / "a.nc", {"t": (tuple(ALL), packed)}, ALL)
+    with pytest.raises(FileError, match=r"0 2001-01-01T00:00, 1 2001-01-01T06:00, 2 2001-01-01T18:00"):
+        ws.open(saved)
+    of_model = {**ATTRIBUTES, "time": {"units": "days since 2001-01-01", "calendar": "360_day"}}
+    hours = 347921 + np.arange(3) / 10
+    saved = save_netcdf3(tmp_path / "a.nc", {"t": (tuple(ALL), packed)}, {**ALL, "time": hours}, of_model)
+    with pytest.raises(FileError, match=r"0 347921 days since 2001-01-01, 1 347921\.1 days"):
+        ws.open(saved)
+
+
+def test_a_unit_of_time_is_none_of_lengths(tmp_path, packed):
+    coordinates = {"time": [0, 6, 12], "y": np.arange(5) * 2.0, "x": np.arange(6) * 2.0}
+    for units, unit in (("m", "m"), (None, None)):
+        attributes = {**ATTRIBUTES, **({"y": {"units": units}, "x": {"units": units}} if units else {})}
+        path = save_netcdf3(tmp_path / "a.nc", {"t": (("time", "y", "x"), packed[:, 0])}, coordinates, attributes)
+        volume = ws.open(path)
+        assert (volume.unit, volume.spacing) == (unit, (2, 2, 6))

@@ -8,12 +8,13 @@ Conventions for metadata (CF): https://cfconventions.org, "Coordinate Types" and
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,6 +27,7 @@ from wavesplat._model.facts import Facts, quantity_of
 from wavesplat._model.hdf5_files import check_links, held_hdf5, read_hdf5
 from wavesplat._model.labelled_array import NAMES, TOLERANCE, in_order
 from wavesplat._model.lazy_array import SlicedArray
+from wavesplat._readers import single_planes
 from wavesplat._readers.request import Grid, Request, choose, several, unwarned
 from wavesplat.errors import ArgumentError, FileError
 
@@ -44,6 +46,16 @@ OF_UNITS = {
     for end in ends
     for plural in ("", "s")
 }
+#: Units of pressure, which by the conventions mark an axis that grows downwards.
+PRESSURES = ("pa", "hpa", "mb", "mbar", "millibar", "millibars", "bar", "dbar", "decibar")
+#: Bytes of a float -> the number that the library netCDF leaves where none was written (NC_FILL_FLOAT, _DOUBLE).
+UNWRITTEN = {4: np.float32(9.9692099683868690e36), 8: np.float64(9.9692099683868690e36)}
+#: Attributes of a file of finite elements (Exodus), which is netCDF too.
+EXODUS = {"api_version", "floating_point_word_size"}
+#: Attributes by which a coordinate names the variable of the borders of its cells.
+BORDERS = ("bounds", "climatology")
+#: Variables without three axes that a message names, at most.
+MOST_TOLD = 6
 #: Names of axes of time.
 TIMES = ("time", "t")
 
@@ -63,11 +75,12 @@ class _Variable:
 
 def read(request: Request) -> Grid:
     """The samples of a variable in a netCDF file."""
-    with reading("netCDF", request.path), unwarned("xarray"), _opened(request.file, request) as datasets:
+    with reading("netCDF", request.path), _quietly(), _opened(request.file, request) as datasets:
         variable = _chosen(datasets, request)
         size_checks.check_memory(size_checks.n_bytes(variable.array.shape, variable.array.dtype), request.path)
         _check_stored(variable, request)
-        return Grid(np.asarray(variable.array), variable.world_from_index, variable.facts)
+        samples = _without_unwritten(np.asarray(variable.array), variable.array.encoding)
+        return Grid(samples, variable.world_from_index, variable.facts)
 
 
 def lazy_samples(request: Request) -> tuple[SlicedArray, NDArray[np.float64], Facts]:
@@ -76,7 +89,7 @@ def lazy_samples(request: Request) -> tuple[SlicedArray, NDArray[np.float64], Fa
         raise ArgumentError(
             f"resample= reads all samples; leave out memory=, or write a file with even coordinates: {request.path}"
         )
-    with _opened(request.file, request) as datasets:
+    with _quietly(), _opened(request.file, request) as datasets:
         variable = _chosen(datasets, request)
         _check_stored(variable, request)
         shape, stored = variable.array.shape, datasets[variable.name.rpartition("/")[0]]
@@ -108,11 +121,28 @@ class _Stored:
         self._array = datasets[group][inner].variable
 
     def __getitem__(self, index: Any) -> NDArray[Any]:
-        return np.asarray(self._array[index])
+        return _without_unwritten(np.asarray(self._array[index]), self._array.encoding)
 
     def __del__(self) -> None:
         with suppress(Exception):  # at the end of the process parts of the library may be gone
             self._opened.__exit__(None, None, None)
+
+
+@contextmanager
+def _quietly() -> Iterator[None]:
+    """Keep xarray and h5netcdf from warning about attributes that are not used here."""
+    with unwarned("xarray"):
+        warnings.simplefilter("ignore", UnicodeWarning)
+        yield
+
+
+def _without_unwritten(samples: NDArray[Any], encoding: dict[str, Any]) -> NDArray[Any]:
+    """The samples with NaN where a float was never written and the file names no other mark of missing values."""
+    unwritten = UNWRITTEN.get(samples.dtype.itemsize) if samples.dtype.kind == "f" else None
+    if unwritten is None or "_FillValue" in encoding or "missing_value" in encoding:
+        return samples
+    is_missing = samples == unwritten
+    return np.where(is_missing, np.nan, samples).astype(samples.dtype) if is_missing.any() else samples
 
 
 def is_netcdf(path: Path) -> bool:
@@ -182,14 +212,24 @@ def _with_coordinates_of(dataset: Any, around: list[Any]) -> Any:
 
 def _chosen(datasets: dict[str, Any], request: Request) -> _Variable:
     """The volume of the variable that `dataset` names, or of the only one with three axes or more."""
+    if set(datasets[""].attrs) >= EXODUS:
+        raise FileError(
+            "the file holds a mesh of finite elements (Exodus); write it as pyvista.read(path).combine().save('a.vtu'), "
+            f"and open that with resample=N (--resample N): {request.path}"
+        )
     found = {
         f"{group}/{name}".lstrip("/"): array
         for group, dataset in datasets.items()
         for name, array in dataset.data_vars.items()
         if array.ndim >= 3 and array.dtype.kind in "biuf"
     }
+    if request.dataset is None:
+        borders = _borders(datasets)
+        found = {name: array for name, array in found.items() if name not in borders}
+    if not found:
+        raise _none_found(datasets, request)
     described = [_described(name, array) for name, array in found.items()]
-    listed = "; ".join(described) or "none"
+    listed = "; ".join(described)
     if request.dataset is not None:
         name = request.dataset.strip("/")
         if name not in found:
@@ -207,6 +247,33 @@ def _chosen(datasets: dict[str, Any], request: Request) -> _Variable:
     return _volume_of(name, found[name], request)
 
 
+def _borders(datasets: dict[str, Any]) -> set[str]:
+    """Names of variables that are the borders of the cells of coordinates, not fields."""
+    return {
+        f"{group}/{said[key]}".lstrip("/")
+        for group, dataset in datasets.items()
+        for array in dataset.variables.values()
+        for said in (array.attrs, array.encoding)
+        for key in BORDERS
+        if key in said
+    }
+
+
+def _none_found(datasets: dict[str, Any], request: Request) -> FileError:
+    """The error for a file without a variable of three axes, with those that it has instead."""
+    flat = [
+        _described(f"{group}/{name}".lstrip("/"), array)
+        for group, dataset in datasets.items()
+        for name, array in dataset.data_vars.items()
+        if array.ndim > 0
+    ]
+    more = f"; and {len(flat) - MOST_TOLD} more" if len(flat) > MOST_TOLD else ""
+    return FileError(
+        f"the file holds no variable with three axes of numbers, so no volume, but {'; '.join(flat[:MOST_TOLD]) or 'none'}"
+        f"{more}; such variables are drawn by xarray.open_dataset(path)[name].plot(): {request.path}"
+    )
+
+
 def _described(name: str, array: Any) -> str:
     """A variable in messages: "t (time 2, level 3, lat 4, lon 5), air temperature, K"."""
     axes = ", ".join(f"{axis} {size}" for axis, size in array.sizes.items())
@@ -216,6 +283,11 @@ def _described(name: str, array: Any) -> str:
 
 def _volume_of(name: str, array: Any, request: Request) -> _Variable:
     """One volume of a variable: one of its times, and one place along a further axis."""
+    if len(set(array.dims)) < array.ndim:
+        raise FileError(
+            f"{_described(name, array)} has an axis twice, so it is a table and no volume; choose another with "
+            f"dataset= (--dataset): {request.path}"
+        )
     picked: dict[Any, int] = {}
     said: dict[str, Any] = {}
     guesses: list[str] = []
@@ -226,6 +298,7 @@ def _volume_of(name: str, array: Any, request: Request) -> _Variable:
         said = _times_of(array, time)
     elif time is not None:
         guesses.append(f"the axis {str(time)!r} is drawn as one of space: {name!r} has no third one")
+        array = _without_unit(array, time)
     rest = [axis for axis in array.dims if axis not in picked]
     spatial = _spatial([(axis, roles[axis]) for axis in rest], array.sizes)
     further = [axis for axis in rest if axis not in spatial]
@@ -247,6 +320,7 @@ def _volume_of(name: str, array: Any, request: Request) -> _Variable:
             f"{request.path}"
         )
     volume = array.isel(picked).transpose(*spatial)
+    single_planes.check_thickness(volume.shape, request)
     volume, made = _evenly(volume, request)
     found = in_order(volume, has_place=request.spacing is not None)
     bare = [str(axis) for axis in spatial if axis not in volume.coords]
@@ -270,13 +344,16 @@ def _role(array: Any, axis: Any) -> str:
     units = str(said.get("units", "")).lower()
     by_axis = {"T": "time", "X": "x", "Y": "y", "Z": "z"}.get(str(said.get("axis", "")).upper(), "")
     by_name = "time" if str(axis).lower() in TIMES else NAMES.get(str(axis).lower(), "")
-    by_place = "z" if str(said.get("positive", "")).lower() in ("up", "down") else ""
+    is_upright = str(said.get("positive", "")).lower() in ("up", "down") or units in PRESSURES
+    by_place = "z" if is_upright else ""
     return by_axis or ("time" if " since " in units else "") or OF_UNITS.get(units, "") or by_place or by_name
 
 
 def _is_downwards(array: Any, axis: Any) -> bool:
+    """Whether an axis says that it grows downwards; pressures and depths do where they say nothing."""
     said = getattr(array.coords[axis], "attrs", {}) if axis in array.coords else {}
-    return str(said.get("positive", "")).lower() == "down"
+    is_down = str(said.get("units", "")).lower() in PRESSURES or said.get("standard_name") == "depth"
+    return str(said.get("positive", "down" if is_down else "")).lower() == "down"
 
 
 def _spatial(axes: list[tuple[Any, str]], sizes: Any) -> list[Any]:
@@ -292,13 +369,37 @@ def _spatial(axes: list[tuple[Any, str]], sizes: Any) -> list[Any]:
     return [known[role] if role in known else others.pop(0) for role in "zyx"]
 
 
+def _without_unit(array: Any, axis: Any) -> Any:
+    """The array with an axis of times whose unit is none of lengths."""
+    if axis not in array.coords:
+        return array
+    said = {key: value for key, value in array.coords[axis].attrs.items() if key != "units"}
+    return array.assign_coords({axis: (axis, np.asarray(array.coords[axis]), said)})
+
+
 def _told(array: Any, axis: Any) -> list[str]:
-    """The coordinates along an axis, in messages."""
+    """The coordinates along an axis, in messages; times of a calendar as dates."""
     if axis not in array.coords:
         return []
     units = str(array.coords[axis].attrs.get("units", ""))
+    if " since " in units and (dates := _dates(array, axis)):
+        return dates
     places = np.asarray(array.coords[axis]).tolist()
-    return [f"{f'{place:g}' if isinstance(place, float) else place} {units}".strip() for place in places]
+    return [f"{f'{place:.9g}' if isinstance(place, float) else place} {units}".strip() for place in places]
+
+
+def _dates(array: Any, axis: Any) -> list[str]:
+    """Dates of an axis of times; none where their calendar is that of a model."""
+    xarray = library("xarray", extra=EXTRA)
+    bare = xarray.Dataset({"time": (axis, np.asarray(array.coords[axis]), array.coords[axis].attrs)})
+    try:
+        dates = np.asarray(xarray.decode_cf(bare)["time"])
+    except (ValueError, OverflowError, ImportError):
+        return []
+    if dates.dtype.kind != "M":
+        return []
+    unit: Literal["D", "m", "s"] = next((u for u in ("D", "m") if (dates == dates.astype(f"M8[{u}]")).all()), "s")
+    return [str(date) for date in np.datetime_as_string(dates, unit=unit)]
 
 
 def _times_of(array: Any, axis: Any) -> dict[str, Any]:
@@ -334,9 +435,14 @@ def _evenly(array: Any, request: Request) -> tuple[Any, list[str]]:
                 f"{told}; interpolate to N even places with resample=N (--resample N), or pass spacing=(x, y, z) to "
                 f"draw them as if they were: {request.path}"
             )
-        array = array.interp({axis: np.linspace(places[0], places[-1], request.resample)})
+        array = _with_gaps(array).interp({axis: np.linspace(places[0], places[-1], request.resample)})
         made.append(f"{told}; interpolated to {request.resample} even places from {len(places)}")
     return array, made
+
+
+def _with_gaps(array: Any) -> Any:
+    """The array with NaN where a float was never written, before neighbours are mixed."""
+    return array.copy(data=_without_unwritten(np.asarray(array), array.encoding))
 
 
 def _is_even(places: NDArray[np.float64]) -> bool:

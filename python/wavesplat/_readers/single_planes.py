@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,9 +10,19 @@ import numpy as np
 from wavesplat._readers.request import PLANES_ARE_TAKEN, Grid, Request
 from wavesplat.errors import FileError
 
-__all__ = ["TOLD", "as_volume"]
+__all__ = ["TOLD", "as_volume", "check_thickness"]
 
 TOLD = "a single plane: it is shown as it is, and has no thickness"
+
+
+def check_thickness(shape: Sequence[int], request: Request) -> None:
+    """Raise a `FileError` for samples [z, y, x] of a single plane where these are not taken."""
+    if len(shape) == 3 and min(shape) == 1 and sorted(shape)[1] >= 2 and not PLANES_ARE_TAKEN.get():
+        z, y, x = shape
+        raise FileError(
+            f"the file holds a single plane of x {x}, y {y}, z {z} samples, which fills no space; "
+            f"`wavesplat slice` shows it, and a volume is a file or a folder of several slices: {request.safe_path}"
+        )
 
 
 def as_volume(grid: Grid, request: Request) -> Grid:
@@ -21,12 +32,7 @@ def as_volume(grid: Grid, request: Request) -> Grid:
     if len(shape) != 3 or min(shape) != 1 or sorted(shape)[1] < 2:
         return grid
     axis = shape.index(1)
-    if not PLANES_ARE_TAKEN.get():
-        z, y, x = shape
-        raise FileError(
-            f"the file holds a single plane of x {x}, y {y}, z {z} samples, which fills no space; "
-            f"`wavesplat slice` shows it, and a volume is a file or a folder of several slices: {request.safe_path}"
-        )
+    check_thickness(shape, request)
     matrix = np.array(grid.world_from_index, np.float64)
     across = 2 - axis
     column = matrix[:3, across]

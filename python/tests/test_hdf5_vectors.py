@@ -102,3 +102,62 @@ def test_meshes_about_an_axis_are_refused_by_name(record, geometry, route):
         for options in ({}, {"memory": "1 MB"}):
             with pytest.raises(FileError, match=f"{geometry}.*{route}"):
                 ws.open(record, dataset=name, **options)
+
+
+def add_constant(mesh, part, value, shape=SHAPE):
+    """A component that is one number everywhere, as openPMD writes those of symmetric fields."""
+    made = mesh.create_group(part)
+    made.attrs.update(value=value, shape=np.array(shape, np.uint64), position=[0.0, 0, 0])
+
+
+def test_the_only_mesh_of_openpmd_needs_no_name(record, vectors):
+    named = ws.open(record, dataset="data/1/meshes/B")
+    for options in ({}, {"dataset": "B"}):
+        volume = ws.open(record, **options)
+        np.testing.assert_array_equal(volume.samples, named.samples)
+        assert volume.guesses == named.guesses
+    np.testing.assert_array_equal(ws.open(record, component="y").samples, vectors[..., 1])
+    np.testing.assert_array_equal(ws.open(record, component="y", memory="1 MB").read().samples, vectors[..., 1])
+    with h5py.File(record, "r+") as file:
+        file["data/1/meshes/rho"] = vectors[..., 0]
+    with pytest.raises(FileError, match=r"2 datasets .* data/1/meshes/B \(6, 5, 7\) of x, y, z, data/1/meshes/rho"):
+        ws.open(record)
+
+
+@pytest.mark.parametrize("value", [0.0, 2.5])
+def test_components_that_are_one_number_everywhere(record, vectors, value):
+    with h5py.File(record, "r+") as file:
+        mesh = file["data/1/meshes/B"]
+        del mesh["y"]
+        add_constant(mesh, "y", value)
+    vectors[..., 1] = value
+    np.testing.assert_allclose(ws.open(record).samples, np.linalg.norm(vectors, axis=-1), rtol=1e-6)
+    for options in ({}, {"memory": "1 MB"}):
+        with pytest.raises(FileError, match=f"component y of 'data/1/meshes/B' is {value:g} everywhere"):
+            ws.open(record, component="y", **options)
+    with h5py.File(record, "r+") as file:
+        for part in "xz":
+            del file["data/1/meshes/B"][part]
+            add_constant(file["data/1/meshes/B"], part, value)
+    with pytest.raises(FileError, match="is the same everywhere"):
+        ws.open(record, dataset="data/1/meshes/B")
+
+
+def test_modes_with_a_component_that_is_one_number_everywhere(tmp_path):
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        mesh = file.create_group("data/1/meshes/B")
+        mesh.attrs.update(axisLabels=["r", "z"], gridSpacing=[0.5, 1.0], gridGlobalOffset=[0.0, 0], gridUnitSI=1.0)
+        mesh.attrs.update(geometry=np.bytes_("thetaMode"), geometryParameters=np.bytes_("m=1;imag=+"))
+        mesh["r"], mesh["z"] = np.full((1, 5, 6), 3.0), np.full((1, 5, 6), 4.0)
+        add_constant(mesh, "t", 0.0, (1, 5, 6))
+    samples = ws.open(tmp_path / "a.h5", resample=9).samples
+    np.testing.assert_allclose(samples[np.isfinite(samples)], 5.0, rtol=1e-6)
+    along = ws.open(tmp_path / "a.h5", resample=9, component="z").samples
+    np.testing.assert_allclose(along[np.isfinite(along)], 4.0)
+
+
+def test_hdf5_without_a_volume_says_what_it_holds(tmp_path):
+    with h5py.File(tmp_path / "a.h5", "w") as file:
+        file["particles/x"] = np.arange(10.0)
+    with pytest.raises(FileError, match=r"no dataset with three axes .* particles/x \(10,\); if one is a flattened"):
+        ws.open(tmp_path / "a.h5")

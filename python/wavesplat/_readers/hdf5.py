@@ -15,7 +15,7 @@ from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts, quantity_of, value_unit_of
 from wavesplat._model.hdf5_files import read_hdf5
 from wavesplat._model.hdf5_place import Place, place_of
-from wavesplat._readers import hdf5_vectors, theta_modes
+from wavesplat._readers import hdf5_vectors, openpmd_records, theta_modes
 from wavesplat._readers.components import AXES, check_vectors, has_vectors, length_of
 from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, several
 from wavesplat._readers.vtk_arrays import other_grid
@@ -28,6 +28,8 @@ __all__ = ["check_own", "check_way", "chosen_dataset", "facts_of", "kind_of", "n
 
 #: Groups and links on the path to a dataset, at most.
 MAX_STEPS = 100
+#: Datasets without three axes that a message names, at most.
+MOST_TOLD = 6
 #: Groups at the root of Imaris' files.
 IMARIS = {"DataSetInfo", "DataSet"}
 #: Names of groups at the root of BigDataViewer's files: a setup, a time point.
@@ -38,6 +40,7 @@ def read(request: Request) -> Grid:
     """The samples of a dataset in an HDF5 file, or of a record of openPMD with several."""
     with reading("HDF5", request.path):
         with read_hdf5(request.file) as file:
+            request = openpmd_records.with_record(file, request)
             if request.resample is not None:
                 return theta_modes.read(file, request, lambda own: _modes_dataset(file, own))
             components = hdf5_vectors.components_of_record(file, request)
@@ -162,13 +165,7 @@ def _check_kind(file: h5py.File, request: Request) -> None:
 def _dataset(file: h5py.File, request: Request) -> h5py.Dataset:
     import h5py
 
-    found: dict[str, h5py.Dataset] = {}
-
-    def visit(name: str, node: Any) -> None:
-        if isinstance(node, h5py.Dataset) and node.ndim >= 3 and node.dtype.kind in "biuf":
-            found[name] = node
-
-    file.visititems(visit)
+    found = {name: file[name] for name in openpmd_records.names_of_volumes(file)}
     listed = ", ".join(f"{name} {dataset.shape}" for name, dataset in found.items()) or "none"
     if request.dataset is not None:
         check_way(file, request.dataset, request)
@@ -180,13 +177,48 @@ def _dataset(file: h5py.File, request: Request) -> h5py.Dataset:
         if not isinstance(node, h5py.Dataset):
             raise ArgumentError(f"no dataset {request.dataset!r}; the file holds: {listed}: {request.path}")
         return node
+    if not found:
+        raise _none_found(file, request)
     if len(found) != 1:
+        described = _described(file, found)
         message = (
-            f"the file holds {len(found)} datasets with three or more axes; choose one with dataset= (--dataset): "
-            f"{listed}: {request.path}"
+            f"the file holds {len(described)} datasets with three or more axes; choose one with dataset= (--dataset): "
+            f"{', '.join(described.values())}: {request.path}"
         )
-        raise several(message, "dataset", list(found), [f"{name} {node.shape}" for name, node in found.items()])
+        raise several(message, "dataset", list(described), list(described.values()))
     return next(iter(found.values()))
+
+
+def _described(file: h5py.File, found: dict[str, h5py.Dataset]) -> dict[str, str]:
+    """Name -> description of each dataset, and of each mesh of openPMD in place of its components."""
+    records = openpmd_records.records_of(file)
+    described = {}
+    for name, dataset in found.items():
+        record = name.rpartition("/")[0]
+        if record in records:
+            described[record] = f"{record} {dataset.shape} of {', '.join(records[record])}"
+        else:
+            described[name] = f"{name} {dataset.shape}"
+    return described
+
+
+def _none_found(file: h5py.File, request: Request) -> FileError:
+    """The error for a file without a dataset of three axes, with those that it has instead."""
+    import h5py
+
+    flat: list[str] = []
+
+    def visit(name: str, node: Any) -> None:
+        if isinstance(node, h5py.Dataset):
+            flat.append(f"{name} {node.shape}")
+
+    file.visititems(visit)
+    more = f", and {len(flat) - MOST_TOLD} more" if len(flat) > MOST_TOLD else ""
+    return FileError(
+        f"the file holds no dataset with three axes of numbers, so no volume, but {', '.join(flat[:MOST_TOLD]) or 'none'}"
+        f"{more}; if one is a flattened volume, give wavesplat.Volume(h5py.File(path)[name][...].reshape(nz, ny, nx)): "
+        f"{request.path}"
+    )
 
 
 def check_own(file: h5py.File, dataset: h5py.Dataset, request: Request, seen: set[str]) -> None:

@@ -14,20 +14,30 @@ import numpy as np
 from wavesplat._model.facts import quantity_of
 from wavesplat._readers import theta_modes
 from wavesplat._readers.components import AXES, length_of
+from wavesplat._readers.openpmd_records import constant_of
 from wavesplat._readers.request import Grid, Request
 from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
     import h5py
 
-__all__ = ["TOLD", "check_geometry", "components_of_record", "length_of_record"]
+__all__ = [
+    "TOLD",
+    "check_geometry",
+    "check_varies",
+    "components_of_record",
+    "length_of_record",
+]
 
 #: Openings of a sentence about vectors of which no component is chosen.
 TOLD = '{!r} holds vectors, of which the length is drawn; or component="x" (--component x)'
 
 
-def components_of_record(file: h5py.File, request: Request) -> dict[str, str]:
-    """Axis -> name of its dataset, where `dataset` names a group of openPMD with x, y and z; empty elsewhere."""
+def components_of_record(file: h5py.File, request: Request) -> dict[str, str | float]:
+    """Axis -> name of its dataset, or its number if it is the same everywhere, of a mesh of openPMD with x, y and z.
+
+    `dataset` names the mesh; empty where it names no such group.
+    """
     import h5py
 
     name = (request.dataset or "").rstrip("/")
@@ -35,19 +45,38 @@ def components_of_record(file: h5py.File, request: Request) -> dict[str, str]:
     if not isinstance(group, h5py.Group):
         return {}
     check_geometry(group, request)
-    found = {axis: f"{name}/{axis}" for axis in AXES if isinstance(group.get(axis, getlink=True), h5py.HardLink)}
+    found: dict[str, str | float] = {}
+    for axis in AXES:
+        if isinstance(group.get(axis, getlink=True), h5py.HardLink):
+            constant = constant_of(group[axis])
+            found[axis] = f"{name}/{axis}" if constant is None else constant
+    if len(found) > 1 and not any(isinstance(part, str) for part in found.values()):
+        raise FileError(f"{request.dataset!r} is the same everywhere, so nothing can be seen of it: {request.path}")
     return found if len(found) > 1 else {}
 
 
-def length_of_record(components: dict[str, str], request: Request, read: Callable[[Request], Grid]) -> Grid:
+def check_varies(component: str | float | None, request: Request) -> None:
+    """Raise a `FileError` for a component of openPMD that is the same everywhere."""
+    if isinstance(component, float):
+        raise FileError(
+            f"component {request.component} of {request.dataset!r} is {component:g} everywhere, so nothing can be seen "
+            f"of it; choose another: {request.path}"
+        )
+
+
+def length_of_record(components: dict[str, str | float], request: Request, read: Callable[[Request], Grid]) -> Grid:
     """The component of a record that is asked for, or the length of its vectors; `read` reads a dataset."""
     if request.component in components:
-        return read(replace(request, dataset=components[request.component], component=None))
+        name = components[request.component]
+        check_varies(name, request)
+        return read(replace(request, dataset=str(name), component=None))
     if request.component not in (None, "magnitude"):
         raise ArgumentError(
             f"component={request.component!r}, but {request.dataset!r} has {', '.join(components)}: {request.path}"
         )
-    parts = [read(replace(request, dataset=name, component=None)) for name in components.values()]
+    names = [part for part in components.values() if isinstance(part, str)]
+    constants = [part for part in components.values() if not isinstance(part, str)]
+    parts = [read(replace(request, dataset=name, component=None)) for name in names]
     first = parts[0]
     if any(part.samples.shape != first.samples.shape for part in parts):
         raise FileError(f"the components of {request.dataset!r} differ in size; choose one of them: {request.path}")
@@ -58,7 +87,7 @@ def length_of_record(components: dict[str, str], request: Request, read: Callabl
         guesses.append("the components lie at different places of a cell, and are taken as if all lay where x does")
     quantity = quantity_of(request.dataset)
     return Grid(
-        length_of([part.samples for part in parts]),
+        length_of([*(part.samples for part in parts), *(np.full_like(first.samples, one) for one in constants)]),
         first.world_from_index,
         replace(first.facts, quantity=f"{quantity} magnitude" if quantity else None, guesses=tuple(guesses)),
         first.losses,

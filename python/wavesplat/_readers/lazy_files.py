@@ -42,6 +42,7 @@ from wavesplat._readers import (
     netcdf,
     nifti,
     ome_zarr,
+    openpmd_records,
     raw,
     vtk_legacy,
 )
@@ -255,6 +256,7 @@ def _of_hdf5(request: Request) -> LazyGrid:
     if request.resample is not None:
         raise ArgumentError(f"resample= reads all samples; leave out memory=: {request.path}")
     with read_hdf5(request.file) as file:
+        request = openpmd_records.with_record(file, request)
         if parts := hdf5_vectors.components_of_record(file, request):
             name = parts.get(request.component or "")
             if name is None:
@@ -262,7 +264,8 @@ def _of_hdf5(request: Request) -> LazyGrid:
                     f'{request.dataset!r} holds vectors; with memory= choose one component, as component="x" '
                     f"(--component x), or leave out memory=: {request.path}"
                 )
-            request = replace(request, dataset=name, component=None)
+            hdf5_vectors.check_varies(name, request)
+            request = replace(request, dataset=str(name), component=None)
         dataset = hdf5.chosen_dataset(file, request)
         if not (dataset.external or dataset.is_virtual):
             stored = max(dataset.id.get_storage_size(), request.file.stat().st_size)

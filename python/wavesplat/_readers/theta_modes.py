@@ -25,6 +25,7 @@ from wavesplat._files import size_checks
 from wavesplat._model.facts import Facts, quantity_of, value_unit_of
 from wavesplat._model.hdf5_place import best_unit, numbers, text
 from wavesplat._readers.components import length_of
+from wavesplat._readers.openpmd_records import CYLINDRICAL, constant_of
 from wavesplat._readers.request import Grid, Request
 from wavesplat.errors import ArgumentError, FileError
 
@@ -35,8 +36,6 @@ __all__ = ["NAME", "geometry_of", "read"]
 
 #: The name of this geometry in files.
 NAME = "thetaMode"
-#: Components of a vector about the axis: away from it, around it, along it.
-CYLINDRICAL = ("r", "t", "z")
 
 Numbers = NDArray[np.float64]
 
@@ -77,8 +76,15 @@ def read(file: h5py.File, request: Request, dataset_of: Callable[[Request], h5py
             f"record, such as dataset='data/1/meshes/E': {request.path}"
         )
     scalar = replace(request, component=None)
-    datasets = [dataset_of(replace(scalar, dataset=f"{name}/{part}")) for part in parts] or [dataset_of(scalar)]
+    constants = {part: constant_of(group[part]) for part in parts}
+    vary = [part for part in parts if constants[part] is None]
+    if parts and not vary:
+        raise FileError(f"{name!r} is the same everywhere, so nothing can be seen of it: {request.path}")
+    datasets = [dataset_of(replace(scalar, dataset=f"{name}/{part}")) for part in vary] or [dataset_of(scalar)]
     found = [_modes_of(dataset, request) for dataset in datasets]
+    for number, part in enumerate(parts):
+        if (constant := constants[part]) is not None:
+            found.insert(number, replace(found[0], coefficients=np.full_like(found[0].coefficients, constant)))
     box = _Box.around(found[0], request)
     said = datasets[0].attrs.get("units")
     value_unit = value_unit_of(None if said is None else text(said))

@@ -281,7 +281,7 @@ def test_files_without_a_volume_say_what_they_hold(tmp_path, packed):
         vars(file)["_attributes"].update(mesh)
         file.createDimension("num_nodes", 3)
         file.createVariable("coordx", "d", ("num_nodes",))[:] = 0
-    with pytest.raises(FileError, match=r"finite elements \(Exodus\); write it as pyvista"):
+    with pytest.raises(FileError, match=r"finite elements \(Exodus\); save pyvista"):
         ws.open(tmp_path / "d.nc")
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 import nibabel
 import numpy as np
 import pytest
+import scipy.io
 
 import wavesplat as ws
 from wavesplat.errors import ArgumentError, FileError
@@ -97,6 +98,19 @@ def test_what_nibabel_does_not_read_is_refused_in_a_sentence(tmp_path):
     (tmp_path / "a.mif").write_bytes(b"mrtrix image\n")
     with pytest.raises(FileError, match=r"an image of MRtrix.*mrconvert"):
         ws.open(tmp_path / "a.mif")
+
+
+def test_vectors_of_minc_have_a_route(tmp_path):
+    with scipy.io.netcdf_file(tmp_path / "a.mnc", "w") as file:
+        for axis, n in (("zspace", 2), ("yspace", 3), ("xspace", 4), ("vector_dimension", 3)):
+            file.createDimension(axis, n)
+        for axis in ("zspace", "yspace", "xspace"):
+            made = file.createVariable(axis, "i4", ())
+            made.step, made.start = 1.0, 0.0
+        image = file.createVariable("image", "f4", ("zspace", "yspace", "xspace", "vector_dimension"))
+        image[:], image.signtype = 0, "signed__"
+    with pytest.raises(FileError, match=r"holds vectors \(vector_dimension\).*isel\(vector_dimension=0\)"):
+        ws.open(tmp_path / "a.mnc")
 
 
 def test_minc_in_memory_has_its_times_first():

@@ -282,6 +282,34 @@ def test_what_cannot_be_sampled_is_said(tmp_path, monkeypatch):
         ws.open(WAYS[".vts"](tmp_path, EVEN))
 
 
+def test_arrays_of_points_and_cells_of_one_name(tmp_path):
+    grid = filled(rectilinear(EVEN), EVEN)
+    name, n_cells = grid.GetPointData().GetArray(0).GetName(), grid.GetNumberOfCells()
+    put(grid, name, np.arange(n_cells, dtype=float), of_cells=True)
+    path = write(tmp_path / "a.vtr", grid)
+    assert ws.open(path, dataset=name).samples.size == grid.GetNumberOfPoints()
+    np.testing.assert_array_equal(np.ravel(ws.open(path, dataset=f"{name} of cells").samples), np.arange(n_cells))
+
+
+def test_grids_that_hold_nothing_to_draw(tmp_path):
+    with pytest.raises(FileError, match="a grid without an array of numbers"):
+        ws.open(write(tmp_path / "a.vtr", rectilinear(EVEN)))
+    surfaces = data_model.vtkUnstructuredGrid()
+    points = vtkPoints()
+    points.SetData(numpy_to_vtk(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]]), deep=1))
+    surfaces.SetPoints(points)
+    for corners in ((0, 1, 2), (0, 1, 3), (0, 2, 3)):
+        surfaces.InsertNextCell(5, 3, corners)
+    put(surfaces, "v", np.arange(4.0))
+    path = write(tmp_path / "a.vtu", surfaces)
+    for resample in (None, 9):
+        with pytest.raises(FileError, match="surfaces or lines .* no samples inside"):
+            ws.open(path, resample=resample)
+    (tmp_path / "a.pvd").write_text('<VTKFile type="Collection"><Collection/></VTKFile>')
+    with pytest.raises(FileError, match=r"one file for each time .* wavesplat movie"):
+        ws.open(tmp_path / "a.pvd")
+
+
 def test_damage_is_said_without_words_of_vtk(tmp_path, capfd):
     for save in WAYS.values():
         path = save(tmp_path, EVEN)

@@ -214,8 +214,8 @@ def _chosen(datasets: dict[str, Any], request: Request) -> _Variable:
     """The volume of the variable that `dataset` names, or of the only one with three axes or more."""
     if set(datasets[""].attrs) >= EXODUS:
         raise FileError(
-            "the file holds a mesh of finite elements (Exodus); write it as pyvista.read(path).combine().save('a.vtu'), "
-            f"and open that with resample=N (--resample N): {request.path}"
+            "the file holds a mesh of finite elements (Exodus); save pyvista.read(path).combine() as .vtu, and open that "
+            f"with resample=N (--resample N): {request.path}"
         )
     found = {
         f"{group}/{name}".lstrip("/"): array

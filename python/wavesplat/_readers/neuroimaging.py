@@ -38,6 +38,8 @@ NAMES = {
 }
 #: AFNI's codes of units of time, TAXIS_NUMS[2].
 AFNI_TIME_UNITS = {77001: "ms", 77002: "s"}
+#: The axis of vectors in MINC.
+VECTORS = "vector_dimension"
 #: Compressed bytes of MINC 2 and of AFNI unpack to this many times as many at most.
 MAX_RATIO = size_checks.ANY_RATIO
 
@@ -88,7 +90,17 @@ def _opened(path: Path, name: str) -> Iterator[Any]:
         for part, holder in files.items():
             if name != "PAR/REC" or part == "image":  # its header is text
                 holder.fileobj = opened.enter_context(BoundedFile(Path(holder.filename)))
-        yield kinds[name].from_file_map(files)
+        try:
+            image = kinds[name].from_file_map(files)
+        except KeyError as error:
+            if error.args != (VECTORS,):
+                raise
+            raise FileError(
+                "the file holds vectors (vector_dimension), such as a deformation, which nibabel does not read; give one "
+                "component: wavesplat.Volume(xarray.open_dataset(path, engine='scipy')['image'].isel("
+                f"vector_dimension=0)): {path}"
+            ) from error
+        yield image
 
 
 def _check_kind(image: Any, path: Path) -> None:

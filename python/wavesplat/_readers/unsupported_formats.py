@@ -13,6 +13,7 @@ BY_SITK = "give wavesplat.Volume(SimpleITK.ReadImage(path))"
 BY_XARRAY = "give wavesplat.Volume(xarray.open_dataset(path)[name])"
 OF_N5 = "resave it as HDF5 or OME-Zarr, as with BigStitcher in Fiji"
 UNPACK = "unpack it first"
+BY_VTU = "save pyvista.read(path), of several blocks its .combine(), as .vtu, and open that with resample=N (--resample N)"
 
 #: Suffix -> content of the file, and the way to a volume.
 BY_SUFFIX = {
@@ -25,6 +26,7 @@ BY_SUFFIX = {
     ),
     ".gii": ("a surface (GIFTI)", "name the image that it was made from"),
     **dict.fromkeys((".stl", ".obj", ".ply", ".glb", ".gltf"), ("a mesh", "name the image that it was made from")),
+    **dict.fromkeys((".cgns", ".xdmf", ".xmf", ".case", ".foam"), ("grids of a simulation", BY_VTU)),
     **dict.fromkeys((".tar", ".tgz", ".7z", ".rar"), ("an archive", UNPACK)),
     **dict.fromkeys((".gz", ".bz2", ".xz", ".zst"), ("packed bytes", UNPACK)),
     **dict.fromkeys(
@@ -41,6 +43,7 @@ OF_VTK = {
 #: First bytes -> content of the file, and the way to a volume. No format that is read begins so, but packed files.
 BY_CONTENT = {
     b"CDF": ("netCDF", "give it a name that ends in .nc"),
+    b"\x0e\x03\x13\x01": ("HDF4", "convert it to HDF5 first, as h4toh5 does"),
     b"\x89PNG": ("a PNG picture", "name the volume itself"),
     b"\xff\xd8\xff": ("a JPEG picture", "name the volume itself"),
     b"PK\3\4": ("a zip archive", UNPACK),

@@ -29,7 +29,12 @@ GRIDS = {
 
 def chosen(names: Sequence[str], scalars: Sequence[str], request: Request) -> int:
     """The number of the array that is asked for, else of the first of the scalars, else of the only one."""
-    listed = ", ".join(names) or "none"
+    if not names:
+        raise FileError(
+            f"the file holds a grid without an array of numbers, so there is nothing to draw; write it with values: "
+            f"{request.path}"
+        )
+    listed = ", ".join(names)
     if request.dataset is not None:
         if request.dataset not in names:
             raise ArgumentError(f"no array {request.dataset!r}; the file holds {listed}: {request.path}")
@@ -58,6 +63,11 @@ def other_grid(kind: str, path: object) -> FileError:
     if "POLYDATA" in kind.upper():
         return FileError(
             f"the file holds {held}, which has no samples inside; name the volume that it was made from: {path}"
+        )
+    if kind == "Collection":
+        return FileError(
+            f"the file names one file for each time (Collection) and holds no samples; open one of those, or all as a "
+            f"series: wavesplat movie 'NAME_*.vtu' --times all: {path}"
         )
     return FileError(
         f"the file holds {held}, not an image of evenly spaced samples; resample it to one, as with "

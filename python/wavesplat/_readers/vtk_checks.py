@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["check_grid"]
+__all__ = ["check_grid", "fills_space"]
 
 #: VTK's number of a type of cells -> their points, of those that have a fixed number (vtkCellType.h).
 POINTS_OF = {1: 1, 3: 2, 5: 3, 8: 4, 9: 4, 10: 4, 11: 8, 12: 8, 13: 6, 14: 5, 15: 10, 16: 12, 21: 3, 22: 6, 23: 8} | {
@@ -27,6 +27,17 @@ POINTS_OF = {1: 1, 3: 2, 5: 3, 8: 4, 9: 4, 10: 4, 11: 8, 12: 8, 13: 6, 14: 5, 15
 }
 #: Types of as many points as they like.
 ANY_NUMBER = (0, 2, 4, 6, 7, 36, 41, 42, *range(68, 82))
+#: Types of cells that fill space: straight, quadratic, of any number of faces, and of higher orders.
+SOLID = (*range(10, 17), *range(24, 28), 29, *range(31, 34), 37, 41, 42, *range(64, 68), *range(71, 75), *range(78, 82))
+
+
+def fills_space(grid: Any) -> bool:
+    """Whether a grid that was checked has a cell that fills space; surfaces and lines have no samples inside."""
+    from vtkmodules.util.numpy_support import vtk_to_numpy
+
+    if not grid.IsA("vtkUnstructuredGrid"):
+        return not grid.IsA("vtkPolyData")
+    return grid.GetNumberOfCells() > 0 and bool(np.isin(vtk_to_numpy(_types_of(grid)), SOLID).any())
 
 
 def check_grid(grid: Any) -> None:

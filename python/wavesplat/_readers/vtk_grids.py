@@ -34,6 +34,7 @@ from wavesplat._readers.vtk_checks import check_grid
 from wavesplat._readers.vtk_legacy import check_whole
 from wavesplat._readers.vtk_sampling import (
     GHOSTS,
+    check_depth,
     n_points,
     sampled_on_image,
     set_only_array,
@@ -59,6 +60,8 @@ EXTENTS = re.compile(rb"""\bExtent\s*=\s*["']([-\d\s]+)["']|^\s*DIMENSIONS((?:[ 
 DIRECTION = re.compile(rb"""<ImageData\b[^>]*?\bDirection\s*=\s*["']([^"']*)["']""")
 #: The window that VTK writes errors to is one for all threads.
 _WINDOW = Lock()
+#: Letters of an error of VTK that are told, at most.
+MOST_SAID = 120
 #: Files that files name, one in the other, at most.
 MAX_DEPTH = 8
 
@@ -80,6 +83,7 @@ def read(request: Request) -> Grid:
         is_one = not data.IsA("vtkCompositeDataSet")
         if is_one and (matrix := uniform_place(data, of_cells=array.of_cells)) is not None:
             return _as_it_is(data, array, matrix, request)
+        check_depth(blocks, request)
         boxes = boxes_of(data) if array.of_cells else None
         if request.resample is None and boxes:
             raise _which_level(data, boxes, request)
@@ -204,7 +208,13 @@ def loaded(path: Path) -> Any:
     if is_xml and data is not None and data.IsA("vtkImageData") and (turned := _direction_of(path)):
         data.SetDirectionMatrix(turned)
     if data is None or any("ERR" in line for line in told):
-        raise ValueError("truncated or damaged, as VTK finds")
+        # Behind "ERROR: In FILE, line N" VTK says what is wrong, and which of its objects found it.
+        reasons = [line.partition("): ")[2].strip(" .") for line in told if "): " in line]
+        said = f": {reasons[0][:MOST_SAID]}" if reasons else ""
+        raise FileError(
+            f"VTK cannot read the file{said}; it is truncated, damaged or of an old form: copy it again, or save it anew "
+            f"with ParaView: {path}"
+        )
     return data
 
 
@@ -292,7 +302,9 @@ def _chosen(blocks: list[Any], request: Request) -> _Array:
             if len(blocks) == 1 and (active := part.GetScalars()) is not None:
                 scalars.append(str(active.GetName()))
     arrays = list(dict.fromkeys(found))
-    return arrays[chosen([array.name for array in arrays], scalars, request)]
+    of_points = {array.name for array in arrays if not array.of_cells}
+    names = [f"{array.name} of cells" if array.of_cells and array.name in of_points else array.name for array in arrays]
+    return arrays[chosen(names, scalars, request)]
 
 
 def _as_it_is(grid: Any, array: _Array, matrix: NDArray[np.float64], request: Request) -> Grid:

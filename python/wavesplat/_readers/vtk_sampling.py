@@ -11,9 +11,10 @@ from numpy.typing import NDArray
 from wavesplat._files import size_checks
 from wavesplat._readers.request import Request
 from wavesplat._readers.vtk_arrays import world_from_index
+from wavesplat._readers.vtk_checks import fills_space
 from wavesplat.errors import FileError
 
-__all__ = ["GHOSTS", "n_points", "sampled_on_image", "set_only_array", "type_of_samples", "uniform_place"]
+__all__ = ["GHOSTS", "check_depth", "n_points", "sampled_on_image", "set_only_array", "type_of_samples", "uniform_place"]
 
 #: Places of a uniform grid are off by at most this fraction of a step.
 TOLERANCE = 1e-4
@@ -94,16 +95,31 @@ def set_only_array(block: Any, values: NDArray[Any], *, of_cells: bool) -> None:
     (block.GetCellData() if of_cells else block.GetPointData()).AddArray(array)
 
 
+def check_depth(blocks: list[Any], request: Request) -> None:
+    """Raise a `FileError` for grids that are flat, or have no cell that fills space."""
+    lengths = _sides(blocks)
+    if not (np.isfinite(lengths).all() and (lengths > 0).all()):
+        raise FileError(f"the grid is flat, with sides {_numbers(lengths)}; a volume has three: {request.path}")
+    if not any(fills_space(block) for block in blocks):
+        raise FileError(
+            "the cells are surfaces or lines (such as triangles), which have no samples inside; name the volume that "
+            f"they were made from: {request.path}"
+        )
+
+
+def _sides(blocks: list[Any]) -> NDArray[np.float64]:
+    """Lengths of the box around grids along x, y, z."""
+    bounds = np.array([block.GetBounds() for block in blocks]).reshape(-1, 3, 2)
+    sides: NDArray[np.float64] = bounds[..., 1].max(axis=0) - bounds[..., 0].min(axis=0)
+    return sides
+
+
 def sampled_on_image(data: Any, blocks: list[Any], request: Request) -> tuple[NDArray[Any], NDArray[np.float64], str]:
     """Samples on an image that covers a grid, NaN outside of it; its affine; and the cost, in words."""
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkFiltersCore import vtkResampleToImage
 
-    bounds = np.array([block.GetBounds() for block in blocks]).reshape(-1, 3, 2)
-    low, high = bounds[..., 0].min(axis=0), bounds[..., 1].max(axis=0)
-    lengths = high - low
-    if not (np.isfinite(lengths).all() and (lengths > 0).all()):
-        raise FileError(f"the grid is flat, with sides {_numbers(lengths)}; a volume has three: {request.path}")
+    lengths = _sides(blocks)
     step = lengths.max() / ((request.resample or 2) - 1)
     size = [max(2, round(length / step) + 1) for length in lengths]
     # The sampling, its mask and a copy.
@@ -121,6 +137,11 @@ def sampled_on_image(data: Any, blocks: list[Any], request: Request) -> tuple[ND
     shape = tuple(size[::-1])
     samples = vtk_to_numpy(values).reshape(shape).copy()
     is_inside = vtk_to_numpy(valid).reshape(shape) != 0
+    if not is_inside.any():
+        raise FileError(
+            f"VTK finds no cell around any of {samples.size} samples; give a larger resample=N, or split its cells into "
+            f"tetrahedra, as pyvista.read(path).triangulate() does: {request.path}"
+        )
     samples[~is_inside] = np.nan
     matrix = world_from_index(np.eye(3), image.GetSpacing(), image.GetOrigin(), (0, 0, 0), of_cells=False)
     outside = 1 - float(is_inside.mean())

@@ -68,6 +68,25 @@ def test_flat_fields_turn_their_broad_face_to_the_eye(axis):
     assert (picture.rgba[..., 3] > 0.02).mean() > 0.4
 
 
+@pytest.mark.parametrize(("axis", "right", "up"), [(0, 1, 2), (1, 0, 2), (2, 0, 1)])
+def test_thin_fields_are_seen_as_plots_are(axis, right, up):
+    """Axes of the world to the right and up; only rows of images grow downwards."""
+    shape = [60, 60, 60]
+    shape[2 - axis] = 12
+    k, j, i = np.meshgrid(*[np.linspace(-1, 1, n) for n in shape], indexing="ij")
+    wave = (np.sin(9 * i) * np.cos(8 * j) * np.sin(7 * k + 0.5)).astype(np.float32)
+    camera = ws.render(ws.Volume(wave), size=(48, 48)).camera
+    points = np.tile(np.array(camera.focal_point), (3, 1))
+    points[1, right] += 5
+    points[2, up] += 5
+    (middle, along, above), _ = camera.project(points, size=(48, 48))
+    assert along[0] > middle[0] + 1
+    assert abs(along[1] - middle[1]) < 0.5
+    assert above[1] < middle[1] - 1
+    scan = ws.Volume(np.random.default_rng(0).integers(0, 255, shape).astype(np.uint8))
+    assert natural_view(scan) == VIEWS[("yz", "xz", "xy")[axis]]
+
+
 @pytest.mark.parametrize(("air", "deviation"), [(18, 3), (40, 6), (60, 8)])
 def test_air_that_was_reconstructed_around_a_thing_is_no_wall(air, deviation):
     """The box of a reconstruction was brown, or a blue drum, where what is outside of it has one value."""

@@ -82,8 +82,9 @@ def test_packing_missing_values_and_place_f2(saved, packed):
         volume = ws.open(saved, time=time)
         np.testing.assert_allclose(volume.samples, unpacked(packed)[time], rtol=1e-6)
     np.testing.assert_allclose(volume.world_from_index, [[60, 0, 0, 0], [0, -45, 0, 90], [0, 0, 500, 0], [0, 0, 0, 1]])
-    assert (volume.value_unit, volume.unit) == ("K", "m")
-    assert any("degrees_north" in guess for guess in volume.guesses)
+    # Degrees are no metres, so there is no unit of length, and no scale bar of one.
+    assert (volume.value_unit, volume.unit) == ("K", None)
+    assert any("1 degree is drawn as 1 m of the others" in guess for guess in volume.guesses)
 
 
 def test_times(saved):
@@ -303,3 +304,33 @@ def test_a_unit_of_time_is_none_of_lengths(tmp_path, packed):
         path = save_netcdf3(tmp_path / "a.nc", {"t": (("time", "y", "x"), packed[:, 0])}, coordinates, attributes)
         volume = ws.open(path)
         assert (volume.unit, volume.spacing) == (unit, (2, 2, 6))
+
+
+def test_a_further_axis_is_no_light_of_a_microscope(tmp_path, packed):
+    coordinates = {"member": [1, 5, 7], "lev": LEV, "lat": LAT, "lon": LON}
+    path = save_netcdf3(tmp_path / "a.nc", {"t": (("member", "lev", "lat", "lon"), packed)}, coordinates)
+    for opened in (ws.open, ws.open_scene):
+        with pytest.raises(FileError, match=r"\(0 member 1\.?0?, 1 member 5.*channel=0\.\.2"):
+            opened(path)
+    assert len(ws.open_scene(path, channels=[1]).layers) == 1
+
+
+def test_degrees_are_no_metres(tmp_path, packed):
+    path = save_netcdf3(tmp_path / "a.nc", {"t": (("lev", "lat", "lon"), packed[1])}, {"lev": LEV, "lat": LAT, "lon": LON})
+    volume = ws.open(path)
+    assert (volume.unit, volume.spacing) == (None, (60, 45, 500))
+    assert volume.guesses[0] == "distances along x, y in degrees: 1 degree is drawn as 1 m of the others"
+
+
+def test_north_is_up_in_pictures(tmp_path):
+    """The world is thin, and is seen as maps are, whatever the order of its latitudes."""
+    lat, lon = np.linspace(85, -85, 18), np.arange(36) * 10.0
+    field = np.random.default_rng(6).normal(size=(4, 18, 36)).astype(np.float32)
+    for flip in (1, -1):
+        coordinates = {"lev": [0, 5, 10, 15], "lat": lat[::flip], "lon": lon}
+        path = save_netcdf3(tmp_path / "a.nc", {"t": (("lev", "lat", "lon"), field[:, ::flip])}, coordinates)
+        camera = ws.render(ws.open(path), size=(72, 72)).camera
+        (west, north, middle), _ = camera.project([(0, 0, 8), (180, 85, 8), (180, 0, 8)], size=(72, 72))
+        assert west[0] < middle[0] - 20
+        assert abs(north[0] - middle[0]) < 1
+        assert north[1] < middle[1] - 10

@@ -10,10 +10,13 @@ import numpy as np
 
 from wavesplat._model.grid import Grid
 
-__all__ = ["NO_PLACE", "is_placed_by_default"]
+__all__ = ["NO_PLACE", "UPRIGHT", "is_placed_by_default"]
 
 #: A convention of a file, told among its facts: it names a patient's axes, and nothing else of a place.
 NO_PLACE = "axes of a patient: the file names them, but its samples are 1 apart, from the origin on, as by default"
+
+#: Of a file whose axes are those of a map, or of a survey.
+UPRIGHT = "x and y grow to the right and up in pictures, as on maps"
 
 
 def is_placed_by_default(grid: Grid) -> bool:

@@ -27,8 +27,9 @@ from wavesplat._model.facts import Facts, quantity_of
 from wavesplat._model.hdf5_files import check_links, held_hdf5, read_hdf5
 from wavesplat._model.labelled_array import NAMES, TOLERANCE, in_order
 from wavesplat._model.lazy_array import SlicedArray
+from wavesplat._model.placement import UPRIGHT
 from wavesplat._readers import single_planes
-from wavesplat._readers.request import Grid, Request, choose, several, unwarned
+from wavesplat._readers.request import Grid, Request, SeveralError, choose, several, unwarned
 from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
@@ -305,7 +306,7 @@ def _volume_of(name: str, array: Any, request: Request) -> _Variable:
     longer = [axis for axis in further if array.sizes[axis] > 1]
     if len(spatial) == 3 and len(longer) == 1:
         axis = longer[0]
-        picked[axis] = choose("channel", array.sizes[axis], request.channel, request.path, described=_told(array, axis))
+        picked[axis] = _further(array, axis, request)
     picked |= dict.fromkeys((axis for axis in further if axis not in picked and array.sizes[axis] == 1), 0)
     for option, given, has in (
         ("time", request.time, time is not None and time in picked),
@@ -327,6 +328,8 @@ def _volume_of(name: str, array: Any, request: Request) -> _Variable:
     if len(bare) == 3:
         guesses.append(f"distance of samples 1, 1, 1: the file has no coordinates along {', '.join(bare)}")
     facts = replace(found.facts, quantity=quantity_of(name), guesses=(*found.facts.guesses, *guesses, *made), **said)
+    if len(bare) < 3:
+        facts = replace(_without_degrees(facts, volume, spatial), conventions=(UPRIGHT,))
     order = [list(array.dims).index(axis) for axis in found.samples.dims]
     index = tuple(picked.get(axis) for axis in array.dims)
     matrix = np.eye(4) if found.world_from_index is None else found.world_from_index
@@ -336,6 +339,31 @@ def _volume_of(name: str, array: Any, request: Request) -> _Variable:
         told = f"z is minus {spatial[0]}, which grows downwards"
         facts = replace(facts, guesses=(*facts.guesses, told))
     return _Variable(found.samples, facts, matrix, (order[0], order[1], order[2]), index, name)
+
+
+def _further(array: Any, axis: Any, request: Request) -> int:
+    """The place that is asked for along an axis that is neither of space nor of times, such as the member of a run."""
+    described = [f"{axis} {place}" for place in _told(array, axis)]
+    try:
+        return choose("channel", array.sizes[axis], request.channel, request.path, described=described)
+    except SeveralError as error:
+        error.are_light = False
+        raise
+
+
+def _without_degrees(facts: Facts, volume: Any, spatial: list[Any]) -> Facts:
+    """The facts without a unit of length where an axis has degrees, which are none, and with a sentence on them."""
+    axes = [
+        letter
+        for letter, axis in zip("xyz", reversed(spatial), strict=True)
+        if axis in volume.coords and str(volume.coords[axis].attrs.get("units", "")).lower().startswith("degree")
+    ]
+    if not axes:
+        return facts
+    guesses = [guess for guess in facts.guesses if not (guess.startswith("distances along") and "'degree" in guess)]
+    unit = "" if facts.unit is None or facts.unit.startswith("degree") else f" {facts.unit} of the others"
+    told = f"distances along {', '.join(axes)} in degrees: 1 degree is drawn as 1{unit or ' unit of length'}"
+    return replace(facts, unit=None, guesses=(told, *guesses))
 
 
 def _role(array: Any, axis: Any) -> str:
@@ -441,8 +469,12 @@ def _evenly(array: Any, request: Request) -> tuple[Any, list[str]]:
 
 
 def _with_gaps(array: Any) -> Any:
-    """The array with NaN where a float was never written, before neighbours are mixed."""
-    return array.copy(data=_without_unwritten(np.asarray(array), array.encoding))
+    """The array with NaN where a float was never written, before neighbours are mixed.
+
+    Coordinates that belong to several axes are dropped: xarray copies them, and those of an open file cannot be.
+    """
+    array = array.reset_coords(drop=True)
+    return array.copy(deep=False, data=_without_unwritten(np.asarray(array), array.encoding))
 
 
 def _is_even(places: NDArray[np.float64]) -> bool:

@@ -74,6 +74,8 @@ class SeveralError(FileError):
     described: tuple[str, ...] = ()
     #: Whether the file says what they are; else another option may be the one that chooses.
     is_said: bool = True
+    #: Whether channels are light of colours that add up; those of simulations are runs, months or species.
+    are_light: bool = True
 
 
 def several(

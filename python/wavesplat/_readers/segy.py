@@ -17,6 +17,7 @@ from wavesplat._files import size_checks
 from wavesplat._files.libraries import library
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
+from wavesplat._model.placement import UPRIGHT
 from wavesplat._readers.request import Grid, Request
 from wavesplat.errors import FileError
 
@@ -73,7 +74,7 @@ def read(request: Request) -> Grid:
     matrix[2, 2], matrix[2, 3] = -step, -first
     way = f"1 of them drawn as 1 {unit or 'unit of x and y'}, downwards"
     told = (f"samples are {step:g} ms apart, or m if traces are in depth, which the file does not say: {way}", *told)
-    return Grid(cube, matrix, Facts(unit=unit, guesses=told + missing))
+    return Grid(cube, matrix, Facts(unit=unit, conventions=(UPRIGHT,), guesses=told + missing))
 
 
 def _byte_order(path: Path) -> Literal["big", "little"]:

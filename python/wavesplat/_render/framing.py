@@ -20,7 +20,7 @@ from wavesplat._model.clips import Clipping
 from wavesplat._model.facts import Facts
 from wavesplat._model.few_slices import axis_of_few_slices
 from wavesplat._model.grid import Grid
-from wavesplat._model.placement import NO_PLACE, is_placed_by_default
+from wavesplat._model.placement import NO_PLACE, UPRIGHT, is_placed_by_default
 from wavesplat._model.thinning import HISTOGRAM_SAMPLES, step_for
 from wavesplat._model.views import view_angles
 from wavesplat._model.wavelet_volume import WaveletVolume
@@ -67,6 +67,9 @@ def natural_view(volume: Volume | WaveletVolume) -> tuple[float, float]:
         coarsest = volume.world_from_index[:3, int(np.argmax(volume.spacing))]
         thinnest, is_thin = int(np.argmax(np.abs(coarsest))), True
     if is_thin:
+        if is_upright(volume):
+            # As plots and maps are: the axes of the world to the right and up.
+            return view_angles(("right", "back", "top")[thinnest], is_anatomical=False)
         # Thin stacks as slices of them are looked at.
         return view_angles(("yz", "xz", "xy")[thinnest], is_anatomical=volume.is_anatomical)
     if is_of_patient(volume):
@@ -76,6 +79,19 @@ def natural_view(volume: Volume | WaveletVolume) -> tuple[float, float]:
         # Flat boxes turn their broad face to the eye.
         azimuth, elevation = ((TURNED, elevation), (azimuth, elevation), (azimuth, RAISED))[thinnest]
     return azimuth, elevation
+
+
+def is_upright(volume: Volume | WaveletVolume) -> bool:
+    """Whether the axes of the world grow to the right and up in pictures, as of maps and of what was calculated.
+
+    Rows of images grow downwards. Values of both signs are of no image, noisy or not.
+    """
+    if UPRIGHT in volume.facts.conventions:
+        return True
+    if volume.is_anatomical or volume.modality is not None:
+        return False
+    known = found_in(volume)
+    return known.kind == "signed field" or (known.kind == "field" and not known.has_noise)
 
 
 def is_of_patient(volume: Volume | WaveletVolume) -> bool:

@@ -109,6 +109,8 @@ def open_scene(
     (<Scene: 'channel 0', 'channel 1'>, (32, 32, 4))
     """
     source = _Source(path, options, time)
+    if channels is None and source.refusal is not None:
+        raise source.refusal
     wanted = _all_of(source) if channels is None else [_wanted(one, source) for one in channels]
     if not 1 <= len(wanted) <= MAX_LAYERS:
         raise ArgumentError(f"a scene has 1 to {MAX_LAYERS} channels, not {len(wanted)}")
@@ -130,12 +132,15 @@ class _Source:
         self.path, self.options, self.time = path, options, time
         self._read: dict[int, Series] = {}
         self.n, self._names = 1, tuple[str, ...]()
+        #: The error for channels that are no light, so that one of them is to be chosen.
+        self.refusal: SeveralError | None = None
         try:
             only = open_series(path, **options)
             only[time]
         except SeveralError as error:
             if error.option != "channel":
                 raise
+            self.refusal = None if error.are_light else error
             self.n, self._names = len(error.names), error.described
         else:
             self._read[0] = only

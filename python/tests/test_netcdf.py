@@ -84,7 +84,7 @@ def test_packing_missing_values_and_place_f2(saved, packed):
     np.testing.assert_allclose(volume.world_from_index, [[60, 0, 0, 0], [0, -45, 0, 90], [0, 0, 500, 0], [0, 0, 0, 1]])
     # Degrees are no metres, so there is no unit of length, and no scale bar of one.
     assert (volume.value_unit, volume.unit) == ("K", None)
-    assert any("1 degree is drawn as 1 m of the others" in guess for guess in volume.guesses)
+    assert any("in degrees: 1 is drawn as 1 m of the others" in guess for guess in volume.guesses)
 
 
 def test_times(saved):
@@ -319,7 +319,23 @@ def test_degrees_are_no_metres(tmp_path, packed):
     path = save_netcdf3(tmp_path / "a.nc", {"t": (("lev", "lat", "lon"), packed[1])}, {"lev": LEV, "lat": LAT, "lon": LON})
     volume = ws.open(path)
     assert (volume.unit, volume.spacing) == (None, (60, 45, 500))
-    assert volume.guesses[0] == "distances along x, y in degrees: 1 degree is drawn as 1 m of the others"
+    assert volume.guesses == ("distances along x, y in degrees: 1 is drawn as 1 m of the others",)
+    # Of a model on a plane in metres the scale bar is true, whatever its levels are.
+    for units, unit in (({"units": "m"}, "m"), ({}, None)):
+        attributes = {"lev": {"units": "hPa"}, "y": units, "x": units}
+        coordinates = {"lev": LEV, "y": np.arange(5) * 2.0, "x": np.arange(6) * 2.0}
+        path = save_netcdf3(tmp_path / "a.nc", {"t": (("lev", "y", "x"), packed[1])}, coordinates, attributes)
+        volume = ws.open(path)
+        assert volume.unit == unit
+        assert f"distances along z in hPa: 1 is drawn as 1 {'m of the others' if unit else 'unit of'}" in volume.guesses[0]
+
+
+def test_places_of_curved_grids_are_told(tmp_path, packed):
+    xarray = pytest.importorskip("xarray")
+    rows, columns = np.mgrid[:5, :6].astype(float)
+    places = {"lat": (("eta", "xi"), rows + 0.1 * columns), "lon": (("eta", "xi"), columns + 0.1 * rows)}
+    xarray.Dataset({"t": (("s", "eta", "xi"), packed[1])}, coords=places).to_netcdf(tmp_path / "a.nc", engine="scipy")
+    assert "differ from row to row, and are not used: lat, lon" in ws.open(tmp_path / "a.nc").guesses[0]
 
 
 def test_north_is_up_in_pictures(tmp_path):

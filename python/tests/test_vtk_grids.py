@@ -291,6 +291,17 @@ def test_arrays_of_points_and_cells_of_one_name(tmp_path):
     np.testing.assert_array_equal(np.ravel(ws.open(path, dataset=f"{name} of cells").samples), np.arange(n_cells))
 
 
+def test_one_even_block_is_read_as_it_is(tmp_path):
+    whole = data_model.vtkMultiBlockDataSet()
+    whole.SetBlock(1, filled(rectilinear(EVEN), EVEN))
+    writer = vtkIOXML.vtkXMLMultiBlockDataWriter()
+    writer.SetFileName(str(tmp_path / "a.vtm"))
+    writer.SetInputData(whole)
+    writer.Write()
+    volume = ws.open(tmp_path / "a.vtm")
+    np.testing.assert_allclose(volume.samples, values_at(*world_places(volume)), rtol=1e-6)
+
+
 def test_grids_that_hold_nothing_to_draw(tmp_path):
     with pytest.raises(FileError, match="a grid without an array of numbers"):
         ws.open(write(tmp_path / "a.vtr", rectilinear(EVEN)))

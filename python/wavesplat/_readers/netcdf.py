@@ -23,6 +23,7 @@ from wavesplat._files import size_checks
 from wavesplat._files.file_states import StoredFiles
 from wavesplat._files.libraries import library
 from wavesplat._files.reading import reading
+from wavesplat._model import units
 from wavesplat._model.facts import Facts, quantity_of
 from wavesplat._model.hdf5_files import check_links, held_hdf5, read_hdf5
 from wavesplat._model.labelled_array import NAMES, TOLERANCE, in_order
@@ -325,11 +326,14 @@ def _volume_of(name: str, array: Any, request: Request) -> _Variable:
     volume, made = _evenly(volume, request)
     found = in_order(volume, has_place=request.spacing is not None)
     bare = [str(axis) for axis in spatial if axis not in volume.coords]
+    curved = [str(axis) for axis in volume.coords if volume.coords[axis].ndim == 2 and len(bare) > 1]
+    if curved:
+        guesses.append(f"places of its cells differ from row to row, and are not used: {', '.join(curved)}")
     if len(bare) == 3:
         guesses.append(f"distance of samples 1, 1, 1: the file has no coordinates along {', '.join(bare)}")
     facts = replace(found.facts, quantity=quantity_of(name), guesses=(*found.facts.guesses, *guesses, *made), **said)
     if len(bare) < 3:
-        facts = replace(_without_degrees(facts, volume, spatial), conventions=(UPRIGHT,))
+        facts = replace(_with_true_unit(facts, volume, spatial), conventions=(UPRIGHT,))
     order = [list(array.dims).index(axis) for axis in found.samples.dims]
     index = tuple(picked.get(axis) for axis in array.dims)
     matrix = np.eye(4) if found.world_from_index is None else found.world_from_index
@@ -351,19 +355,34 @@ def _further(array: Any, axis: Any, request: Request) -> int:
         raise
 
 
-def _without_degrees(facts: Facts, volume: Any, spatial: list[Any]) -> Facts:
-    """The facts without a unit of length where an axis has degrees, which are none, and with a sentence on them."""
-    axes = [
-        letter
+def _with_true_unit(facts: Facts, volume: Any, spatial: list[Any]) -> Facts:
+    """The facts without a unit of length where x and y have none, and with a sentence on degrees and pressures."""
+    said = {
+        letter: str(volume.coords[axis].attrs.get("units", ""))
         for letter, axis in zip("xyz", reversed(spatial), strict=True)
-        if axis in volume.coords and str(volume.coords[axis].attrs.get("units", "")).lower().startswith("degree")
-    ]
-    if not axes:
+        if axis in volume.coords
+    }
+    other = {
+        letter: "degrees" if unit.lower().startswith("degree") else unit
+        for letter, unit in said.items()
+        if unit.lower().startswith("degree") or unit.lower() in PRESSURES
+    }
+    if not other:
         return facts
-    guesses = [guess for guess in facts.guesses if not (guess.startswith("distances along") and "'degree" in guess)]
-    unit = "" if facts.unit is None or facts.unit.startswith("degree") else f" {facts.unit} of the others"
-    told = f"distances along {', '.join(axes)} in degrees: 1 degree is drawn as 1{unit or ' unit of length'}"
-    return replace(facts, unit=None, guesses=(told, *guesses))
+    is_length = units.metres(facts.unit) is not None
+    told = [
+        f"distances along {', '.join(letter for letter in other if other[letter] == unit)} in {unit}: 1 is drawn as 1"
+        f"{f' {facts.unit} of the others' if is_length else ' unit of length'}"
+        for unit in dict.fromkeys(other.values())
+    ]
+    # What the sentences above say of the same axes.
+    guesses = [
+        guess
+        for guess in facts.guesses
+        if not (guess.startswith("distances along") and any(f"'{unit[:6]}" in guess for unit in other.values()))
+    ]
+    keeps = is_length and not {"x", "y"} & other.keys()
+    return replace(facts, unit=facts.unit if keeps else None, guesses=(*told, *guesses))
 
 
 def _role(array: Any, axis: Any) -> str:

@@ -64,6 +64,8 @@ def other_grid(kind: str, path: object) -> FileError:
         return FileError(
             f"the file holds {held}, which has no samples inside; name the volume that it was made from: {path}"
         )
+    if kind == "ImageData":
+        return FileError(f"the file holds an image in VTK's HDF5; write it as pyvista.read(path).save('a.vti'): {path}")
     if kind == "Collection":
         return FileError(
             f"the file names one file for each time (Collection) and holds no samples; open one of those, or all as a "

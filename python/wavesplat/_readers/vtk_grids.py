@@ -80,9 +80,8 @@ def read(request: Request) -> Grid:
         for block in blocks:
             check_grid(block)
         array = _chosen(blocks, request)
-        is_one = not data.IsA("vtkCompositeDataSet")
-        if is_one and (matrix := uniform_place(data, of_cells=array.of_cells)) is not None:
-            return _as_it_is(data, array, matrix, request)
+        if len(blocks) == 1 and (matrix := uniform_place(blocks[0], of_cells=array.of_cells)) is not None:
+            return _as_it_is(blocks[0], array, matrix, request)
         check_depth(blocks, request)
         boxes = boxes_of(data) if array.of_cells else None
         if request.resample is None and boxes:

@@ -201,7 +201,7 @@ def test_seismic_traces(tmp_path):
     assert any("traces have no places" in guess for guess in volume.guesses)
 
 
-def change_traces(path, changed, *, kept=lambda inline, crossline: True, endian="big"):
+def change_traces(path, changed, *, kept=lambda *_: True, endian="big"):
     """A copy of a survey of the traces that `kept` takes, with numbers of their headers changed."""
     segyio = pytest.importorskip("segyio")
     with segyio.open(str(path), ignore_geometry=True) as file:

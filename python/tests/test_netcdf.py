@@ -316,7 +316,9 @@ def test_a_further_axis_is_no_light_of_a_microscope(tmp_path, packed):
 
 
 def test_degrees_are_no_metres(tmp_path, packed):
-    path = save_netcdf3(tmp_path / "a.nc", {"t": (("lev", "lat", "lon"), packed[1])}, {"lev": LEV, "lat": LAT, "lon": LON})
+    path = save_netcdf3(
+        tmp_path / "a.nc", {"t": (("lev", "lat", "lon"), packed[1])}, {"lev": LEV, "lat": LAT, "lon": LON}
+    )
     volume = ws.open(path)
     assert (volume.unit, volume.spacing) == (None, (60, 45, 500))
     assert volume.guesses == ("distances along x, y in degrees: 1 is drawn as 1 m of the others",)
@@ -327,7 +329,9 @@ def test_degrees_are_no_metres(tmp_path, packed):
         path = save_netcdf3(tmp_path / "a.nc", {"t": (("lev", "y", "x"), packed[1])}, coordinates, attributes)
         volume = ws.open(path)
         assert volume.unit == unit
-        assert f"distances along z in hPa: 1 is drawn as 1 {'m of the others' if unit else 'unit of'}" in volume.guesses[0]
+        assert (
+            f"distances along z in hPa: 1 is drawn as 1 {'m of the others' if unit else 'unit of'}" in volume.guesses[0]
+        )
 
 
 def test_places_of_curved_grids_are_told(tmp_path, packed):

@@ -14,7 +14,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -23,13 +23,23 @@ from wavesplat._files import size_checks
 from wavesplat._files.file_states import StoredFiles
 from wavesplat._files.libraries import library
 from wavesplat._files.reading import reading
-from wavesplat._model import units
 from wavesplat._model.facts import Facts, quantity_of
 from wavesplat._model.hdf5_files import check_links, held_hdf5, read_hdf5
-from wavesplat._model.labelled_array import NAMES, TOLERANCE, in_order
+from wavesplat._model.labelled_array import in_order
 from wavesplat._model.lazy_array import SlicedArray
 from wavesplat._model.placement import UPRIGHT
 from wavesplat._readers import single_planes
+from wavesplat._readers.netcdf_axes import (
+    EXTRA,
+    evenly,
+    is_downwards,
+    places_told,
+    role_of,
+    spatial_axes,
+    times_of,
+    with_true_unit,
+    without_unit,
+)
 from wavesplat._readers.request import Grid, Request, SeveralError, choose, several, unwarned
 from wavesplat.errors import ArgumentError, FileError
 
@@ -38,18 +48,8 @@ if TYPE_CHECKING:
 
 __all__ = ["is_netcdf", "lazy_samples", "read"]
 
-EXTRA = "netcdf"
 #: First bytes of HDF5, and of the form of netCDF-3 with 64-bit sizes, which SciPy does not read.
 HDF5, CDF5 = b"\x89HDF", b"CDF\5"
-#: Coordinates' attribute `units` -> axis.
-OF_UNITS = {
-    f"degree{plural}{end}": axis
-    for axis, ends in (("y", ("_north", "_n", "n")), ("x", ("_east", "_e", "e")))
-    for end in ends
-    for plural in ("", "s")
-}
-#: Units of pressure, which by the conventions mark an axis that grows downwards.
-PRESSURES = ("pa", "hpa", "mb", "mbar", "millibar", "millibars", "bar", "dbar", "decibar")
 #: Bytes of a float -> the number that the library netCDF leaves where none was written (NC_FILL_FLOAT, _DOUBLE).
 UNWRITTEN = {4: np.float32(9.9692099683868690e36), 8: np.float64(9.9692099683868690e36)}
 #: Attributes of a file of finite elements (Exodus), which is netCDF too.
@@ -58,8 +58,6 @@ EXODUS = {"api_version", "floating_point_word_size"}
 BORDERS = ("bounds", "climatology")
 #: Variables without three axes that a message names, at most.
 MOST_TOLD = 6
-#: Names of axes of time.
-TIMES = ("time", "t")
 
 
 @dataclass(frozen=True)
@@ -216,8 +214,8 @@ def _chosen(datasets: dict[str, Any], request: Request) -> _Variable:
     """The volume of the variable that `dataset` names, or of the only one with three axes or more."""
     if set(datasets[""].attrs) >= EXODUS:
         raise FileError(
-            "the file holds a mesh of finite elements (Exodus); save pyvista.read(path).combine() as .vtu, and open that "
-            f"with resample=N (--resample N): {request.path}"
+            "the file holds a mesh of finite elements (Exodus); save pyvista.read(path).combine() as .vtu, and open "
+            f"that with resample=N (--resample N): {request.path}"
         )
     found = {
         f"{group}/{name}".lstrip("/"): array
@@ -270,9 +268,10 @@ def _none_found(datasets: dict[str, Any], request: Request) -> FileError:
         if array.ndim > 0
     ]
     more = f"; and {len(flat) - MOST_TOLD} more" if len(flat) > MOST_TOLD else ""
+    held = "; ".join(flat[:MOST_TOLD]) or "none"
     return FileError(
-        f"the file holds no variable with three axes of numbers, so no volume, but {'; '.join(flat[:MOST_TOLD]) or 'none'}"
-        f"{more}; such variables are drawn by xarray.open_dataset(path)[name].plot(): {request.path}"
+        f"the file holds no variable with three axes of numbers, so no volume, but {held}{more}; such variables "
+        f"are drawn by xarray.open_dataset(path)[name].plot(): {request.path}"
     )
 
 
@@ -290,19 +289,46 @@ def _volume_of(name: str, array: Any, request: Request) -> _Variable:
             f"{_described(name, array)} has an axis twice, so it is a table and no volume; choose another with "
             f"dataset= (--dataset): {request.path}"
         )
+    picked, spatial, time, said = _picked(name, array, request)
+    guesses: list[str] = []
+    if time is not None:
+        guesses.append(f"the axis {str(time)!r} is drawn as one of space: {name!r} has no third one")
+        array = without_unit(array, time)
+    volume = array.isel(picked).transpose(*spatial)
+    single_planes.check_thickness(volume.shape, request)
+    volume, made = evenly(volume if request.resample is None else _with_gaps(volume), request)
+    found = in_order(volume, has_place=request.spacing is not None)
+    bare = [str(axis) for axis in spatial if axis not in volume.coords]
+    curved = [str(axis) for axis in volume.coords if volume.coords[axis].ndim == 2 and len(bare) > 1]
+    if curved:
+        guesses.append(f"places of its cells differ from row to row, and are not used: {', '.join(curved)}")
+    if len(bare) == 3:
+        guesses.append(f"distance of samples 1, 1, 1: the file has no coordinates along {', '.join(bare)}")
+    facts = replace(found.facts, quantity=quantity_of(name), guesses=(*found.facts.guesses, *guesses, *made), **said)
+    if len(bare) < 3:
+        facts = replace(with_true_unit(facts, volume, spatial), conventions=(UPRIGHT,))
+    order = [list(array.dims).index(axis) for axis in found.samples.dims]
+    index = tuple(picked.get(axis) for axis in array.dims)
+    matrix = np.eye(4) if found.world_from_index is None else found.world_from_index
+    if request.spacing is None and is_downwards(volume, spatial[0]):
+        # Up is up in pictures: the surface of the sea is on top.
+        matrix = np.diag([1.0, 1.0, -1.0, 1.0]) @ matrix
+        told = f"z is minus {spatial[0]}, which grows downwards"
+        facts = replace(facts, guesses=(*facts.guesses, told))
+    return _Variable(found.samples, facts, matrix, (order[0], order[1], order[2]), index, name)
+
+
+def _picked(name: str, array: Any, request: Request) -> tuple[dict[Any, int], list[Any], Any, dict[str, Any]]:
+    """One place along each axis that is not of space, the axes z, y, x, an axis of time among them, and its facts."""
     picked: dict[Any, int] = {}
     said: dict[str, Any] = {}
-    guesses: list[str] = []
-    roles = {axis: _role(array, axis) for axis in array.dims}
+    roles = {axis: role_of(array, axis) for axis in array.dims}
     time = next((axis for axis, role in roles.items() if role == "time"), None)
     if time is not None and array.ndim > 3:
-        picked[time] = choose("time", array.sizes[time], request.time, request.path, described=_told(array, time))
-        said = _times_of(array, time)
-    elif time is not None:
-        guesses.append(f"the axis {str(time)!r} is drawn as one of space: {name!r} has no third one")
-        array = _without_unit(array, time)
+        picked[time] = choose("time", array.sizes[time], request.time, request.path, described=places_told(array, time))
+        said = times_of(array, time)
     rest = [axis for axis in array.dims if axis not in picked]
-    spatial = _spatial([(axis, roles[axis]) for axis in rest], array.sizes)
+    spatial = spatial_axes([(axis, roles[axis]) for axis in rest], array.sizes)
     further = [axis for axis in rest if axis not in spatial]
     longer = [axis for axis in further if array.sizes[axis] > 1]
     if len(spatial) == 3 and len(longer) == 1:
@@ -321,170 +347,17 @@ def _volume_of(name: str, array: Any, request: Request) -> _Variable:
             f"give wavesplat.Volume(xarray.open_dataset(path)[name].isel(...)), with one of each other axis: "
             f"{request.path}"
         )
-    volume = array.isel(picked).transpose(*spatial)
-    single_planes.check_thickness(volume.shape, request)
-    volume, made = _evenly(volume, request)
-    found = in_order(volume, has_place=request.spacing is not None)
-    bare = [str(axis) for axis in spatial if axis not in volume.coords]
-    curved = [str(axis) for axis in volume.coords if volume.coords[axis].ndim == 2 and len(bare) > 1]
-    if curved:
-        guesses.append(f"places of its cells differ from row to row, and are not used: {', '.join(curved)}")
-    if len(bare) == 3:
-        guesses.append(f"distance of samples 1, 1, 1: the file has no coordinates along {', '.join(bare)}")
-    facts = replace(found.facts, quantity=quantity_of(name), guesses=(*found.facts.guesses, *guesses, *made), **said)
-    if len(bare) < 3:
-        facts = replace(_with_true_unit(facts, volume, spatial), conventions=(UPRIGHT,))
-    order = [list(array.dims).index(axis) for axis in found.samples.dims]
-    index = tuple(picked.get(axis) for axis in array.dims)
-    matrix = np.eye(4) if found.world_from_index is None else found.world_from_index
-    if request.spacing is None and _is_downwards(volume, spatial[0]):
-        # Up is up in pictures: the surface of the sea is on top.
-        matrix = np.diag([1.0, 1.0, -1.0, 1.0]) @ matrix
-        told = f"z is minus {spatial[0]}, which grows downwards"
-        facts = replace(facts, guesses=(*facts.guesses, told))
-    return _Variable(found.samples, facts, matrix, (order[0], order[1], order[2]), index, name)
+    return picked, spatial, None if time in picked else time, said
 
 
 def _further(array: Any, axis: Any, request: Request) -> int:
     """The place that is asked for along an axis that is neither of space nor of times, such as the member of a run."""
-    described = [f"{axis} {place}" for place in _told(array, axis)]
+    described = [f"{axis} {place}" for place in places_told(array, axis)]
     try:
         return choose("channel", array.sizes[axis], request.channel, request.path, described=described)
     except SeveralError as error:
         error.are_light = False
         raise
-
-
-def _with_true_unit(facts: Facts, volume: Any, spatial: list[Any]) -> Facts:
-    """The facts without a unit of length where x and y have none, and with a sentence on degrees and pressures."""
-    said = {
-        letter: str(volume.coords[axis].attrs.get("units", ""))
-        for letter, axis in zip("xyz", reversed(spatial), strict=True)
-        if axis in volume.coords
-    }
-    other = {
-        letter: "degrees" if unit.lower().startswith("degree") else unit
-        for letter, unit in said.items()
-        if unit.lower().startswith("degree") or unit.lower() in PRESSURES
-    }
-    if not other:
-        return facts
-    is_length = units.metres(facts.unit) is not None
-    told = [
-        f"distances along {', '.join(letter for letter in other if other[letter] == unit)} in {unit}: 1 is drawn as 1"
-        f"{f' {facts.unit} of the others' if is_length else ' unit of length'}"
-        for unit in dict.fromkeys(other.values())
-    ]
-    # What the sentences above say of the same axes.
-    guesses = [
-        guess
-        for guess in facts.guesses
-        if not (guess.startswith("distances along") and any(f"'{unit[:6]}" in guess for unit in other.values()))
-    ]
-    keeps = is_length and not {"x", "y"} & other.keys()
-    return replace(facts, unit=facts.unit if keeps else None, guesses=(*told, *guesses))
-
-
-def _role(array: Any, axis: Any) -> str:
-    """The role of an axis: "x", "y", "z", "time", or "" where nothing says which."""
-    said = getattr(array.coords[axis], "attrs", {}) if axis in array.coords else {}
-    units = str(said.get("units", "")).lower()
-    by_axis = {"T": "time", "X": "x", "Y": "y", "Z": "z"}.get(str(said.get("axis", "")).upper(), "")
-    by_name = "time" if str(axis).lower() in TIMES else NAMES.get(str(axis).lower(), "")
-    is_upright = str(said.get("positive", "")).lower() in ("up", "down") or units in PRESSURES
-    by_place = "z" if is_upright else ""
-    return by_axis or ("time" if " since " in units else "") or OF_UNITS.get(units, "") or by_place or by_name
-
-
-def _is_downwards(array: Any, axis: Any) -> bool:
-    """Whether an axis says that it grows downwards; pressures and depths do where they say nothing."""
-    said = getattr(array.coords[axis], "attrs", {}) if axis in array.coords else {}
-    is_down = str(said.get("units", "")).lower() in PRESSURES or said.get("standard_name") == "depth"
-    return str(said.get("positive", "down" if is_down else "")).lower() == "down"
-
-
-def _spatial(axes: list[tuple[Any, str]], sizes: Any) -> list[Any]:
-    """The axes z, y, x: those that the file says are, the others in their order; fewer than three if unclear."""
-    known = {role: axis for axis, role in axes if role in ("x", "y", "z") and [r for _, r in axes].count(role) == 1}
-    if len(known) == 3:
-        return [known[role] for role in "zyx"]
-    others = [axis for axis, _ in axes if axis not in known.values()]
-    if len(axes) > 3:  # axes of one sample are not missed
-        others = [axis for axis in others if sizes[axis] > 1]
-    if len(others) + len(known) != 3:
-        return []
-    return [known[role] if role in known else others.pop(0) for role in "zyx"]
-
-
-def _without_unit(array: Any, axis: Any) -> Any:
-    """The array with an axis of times whose unit is none of lengths."""
-    if axis not in array.coords:
-        return array
-    said = {key: value for key, value in array.coords[axis].attrs.items() if key != "units"}
-    return array.assign_coords({axis: (axis, np.asarray(array.coords[axis]), said)})
-
-
-def _told(array: Any, axis: Any) -> list[str]:
-    """The coordinates along an axis, in messages; times of a calendar as dates."""
-    if axis not in array.coords:
-        return []
-    units = str(array.coords[axis].attrs.get("units", ""))
-    if " since " in units and (dates := _dates(array, axis)):
-        return dates
-    places = np.asarray(array.coords[axis]).tolist()
-    return [f"{f'{place:.9g}' if isinstance(place, float) else place} {units}".strip() for place in places]
-
-
-def _dates(array: Any, axis: Any) -> list[str]:
-    """Dates of an axis of times; none where their calendar is that of a model."""
-    xarray = library("xarray", extra=EXTRA)
-    bare = xarray.Dataset({"time": (axis, np.asarray(array.coords[axis]), array.coords[axis].attrs)})
-    try:
-        dates = np.asarray(xarray.decode_cf(bare)["time"])
-    except (ValueError, OverflowError, ImportError):
-        return []
-    if dates.dtype.kind != "M":
-        return []
-    unit: Literal["D", "m", "s"] = next((u for u in ("D", "m") if (dates == dates.astype(f"M8[{u}]")).all()), "s")
-    return [str(date) for date in np.datetime_as_string(dates, unit=unit)]
-
-
-def _times_of(array: Any, axis: Any) -> dict[str, Any]:
-    """Facts of time: the numbers of the coordinate, and the first word of its unit ("days since 2001-01-01")."""
-    said: dict[str, Any] = {"n_times": int(array.sizes[axis])}
-    if axis not in array.coords or array.coords[axis].dtype.kind not in "iuf":
-        return said
-    numbers = np.asarray(array.coords[axis], np.float64)
-    if not np.isfinite(numbers).all():
-        return said
-    unit = str(array.coords[axis].attrs.get("units", "")).partition(" since ")[0].strip()
-    return said | {"times": tuple(numbers.tolist()), "time_unit": unit or None}
-
-
-def _evenly(array: Any, request: Request) -> tuple[Any, list[str]]:
-    """The array with even coordinates, interpolated where `resample` allows it, and a sentence for each such axis."""
-    made = []
-    for axis in array.dims if request.spacing is None else ():
-        if axis not in array.coords or array.coords[axis].dtype.kind not in "iuf":
-            continue
-        places = np.asarray(array.coords[axis], np.float64)
-        steps = np.diff(places)
-        if _is_even(places):
-            continue
-        told = f"coordinates along {str(axis)!r} are not evenly spaced (steps from {_ends(steps)})"
-        if not ((steps > 0).all() or (steps < 0).all()):
-            raise FileError(
-                f"coordinates along {str(axis)!r} do not grow or fall from each to the next; "
-                f"pass spacing=(x, y, z) to draw them as if they were even: {request.path}"
-            )
-        if request.resample is None:
-            raise FileError(
-                f"{told}; interpolate to N even places with resample=N (--resample N), or pass spacing=(x, y, z) to "
-                f"draw them as if they were: {request.path}"
-            )
-        array = _with_gaps(array).interp({axis: np.linspace(places[0], places[-1], request.resample)})
-        made.append(f"{told}; interpolated to {request.resample} even places from {len(places)}")
-    return array, made
 
 
 def _with_gaps(array: Any) -> Any:
@@ -494,20 +367,6 @@ def _with_gaps(array: Any) -> Any:
     """
     array = array.reset_coords(drop=True)
     return array.copy(deep=False, data=_without_unwritten(np.asarray(array), array.encoding))
-
-
-def _is_even(places: NDArray[np.float64]) -> bool:
-    if len(places) < 2:
-        return True
-    step = (places[-1] - places[0]) / (len(places) - 1)
-    off = np.abs(places - (places[0] + step * np.arange(len(places)))).max()
-    # Written so that NaN is uneven too.
-    return bool(step != 0 and off <= TOLERANCE * abs(step))
-
-
-def _ends(steps: NDArray[np.float64]) -> str:
-    lengths = np.abs(steps)
-    return f"{lengths.min():g} to {lengths.max():g}"
 
 
 def _check_stored(variable: _Variable, request: Request) -> None:

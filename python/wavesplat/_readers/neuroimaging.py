@@ -96,8 +96,8 @@ def _opened(path: Path, name: str) -> Iterator[Any]:
             if error.args != (VECTORS,):
                 raise
             raise FileError(
-                "the file holds vectors (vector_dimension), such as a deformation, which nibabel does not read; give one "
-                "component: wavesplat.Volume(xarray.open_dataset(path, engine='scipy')['image'].isel("
+                "the file holds vectors (vector_dimension), such as a deformation, which nibabel does not read; give "
+                "one component: wavesplat.Volume(xarray.open_dataset(path, engine='scipy')['image'].isel("
                 f"vector_dimension=0)): {path}"
             ) from error
         yield image

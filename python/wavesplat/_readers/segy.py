@@ -137,8 +137,9 @@ def _cube(traces: NDArray[Any], inlines: _Axis, crosslines: _Axis) -> tuple[NDAr
     """The samples [sample, inline, crossline], NaN where there is no trace, and a sentence on that."""
     shape = (traces.shape[1], inlines.n, crosslines.n)
     n_places = inlines.n * crosslines.n
+    told: tuple[str, ...] = ()
     if len(traces) == n_places:
-        cube, told = np.empty(shape, traces.dtype), ()
+        cube = np.empty(shape, traces.dtype)
     else:
         cube = np.full(shape, np.nan, np.result_type(traces.dtype, np.float32))
         told = (f"{n_places - len(traces)} of {n_places} places have no trace, and nothing is drawn there",)

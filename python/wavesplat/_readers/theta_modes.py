@@ -76,7 +76,7 @@ def read(file: h5py.File, request: Request, dataset_of: Callable[[Request], h5py
             f"record, such as dataset='data/1/meshes/E': {request.path}"
         )
     scalar = replace(request, component=None)
-    constants = {part: constant_of(group[part]) for part in parts}
+    constants = {part: constant_of(group[part]) for part in parts} if group is not None else {}
     vary = [part for part in parts if constants[part] is None]
     if parts and not vary:
         raise FileError(f"{name!r} is the same everywhere, so nothing can be seen of it: {request.path}")

@@ -13,7 +13,9 @@ BY_SITK = "give wavesplat.Volume(SimpleITK.ReadImage(path))"
 BY_XARRAY = "give wavesplat.Volume(xarray.open_dataset(path)[name])"
 OF_N5 = "resave it as HDF5 or OME-Zarr, as with BigStitcher in Fiji"
 UNPACK = "unpack it first"
-BY_VTU = "save pyvista.read(path), of several blocks its .combine(), as .vtu, and open that with resample=N (--resample N)"
+BY_VTU = (
+    "save pyvista.read(path), of several blocks its .combine(), as .vtu, and open that with resample=N (--resample N)"
+)
 
 #: Suffix -> content of the file, and the way to a volume.
 BY_SUFFIX = {

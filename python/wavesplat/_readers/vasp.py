@@ -54,7 +54,8 @@ def read(request: Request) -> Grid:
         grids = list(_grids(file, path))
     if not grids:
         raise FileError(
-            f"the file holds the places of atoms and no grid, as POSCAR does; name the CHGCAR or LOCPOT beside it: {path}"
+            "the file holds the places of atoms and no grid, as POSCAR does; name the CHGCAR or LOCPOT beside it: "
+            f"{path}"
         )
     name = (OF_SPINS if kind in PLAIN else GRIDS).get(len(grids))
     names = list(name or (f"grid {number}" for number in range(1, len(grids) + 1)))

@@ -211,8 +211,8 @@ def loaded(path: Path) -> Any:
         reasons = [line.partition("): ")[2].strip(" .") for line in told if "): " in line]
         said = f": {reasons[0][:MOST_SAID]}" if reasons else ""
         raise FileError(
-            f"VTK cannot read the file{said}; it is truncated, damaged or of an old form: copy it again, or save it anew "
-            f"with ParaView: {path}"
+            f"VTK cannot read the file{said}; it is truncated, damaged or of an old form: copy it again, or save it "
+            f"anew with ParaView: {path}"
         )
     return data
 

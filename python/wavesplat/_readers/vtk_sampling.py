@@ -14,7 +14,15 @@ from wavesplat._readers.vtk_arrays import world_from_index
 from wavesplat._readers.vtk_checks import fills_space
 from wavesplat.errors import FileError
 
-__all__ = ["GHOSTS", "check_depth", "n_points", "sampled_on_image", "set_only_array", "type_of_samples", "uniform_place"]
+__all__ = [
+    "GHOSTS",
+    "check_depth",
+    "n_points",
+    "sampled_on_image",
+    "set_only_array",
+    "type_of_samples",
+    "uniform_place",
+]
 
 #: Places of a uniform grid are off by at most this fraction of a step.
 TOLERANCE = 1e-4
@@ -139,8 +147,8 @@ def sampled_on_image(data: Any, blocks: list[Any], request: Request) -> tuple[ND
     is_inside = vtk_to_numpy(valid).reshape(shape) != 0
     if not is_inside.any():
         raise FileError(
-            f"VTK finds no cell around any of {samples.size} samples; give a larger resample=N, or split its cells into "
-            f"tetrahedra, as pyvista.read(path).triangulate() does: {request.path}"
+            f"VTK finds no cell around any of {samples.size} samples; give a larger resample=N, or split its cells "
+            f"into tetrahedra, as pyvista.read(path).triangulate() does: {request.path}"
         )
     samples[~is_inside] = np.nan
     matrix = world_from_index(np.eye(3), image.GetSpacing(), image.GetOrigin(), (0, 0, 0), of_cells=False)

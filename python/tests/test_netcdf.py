@@ -354,3 +354,17 @@ def test_north_is_up_in_pictures(tmp_path):
         assert west[0] < middle[0] - 20
         assert abs(north[0] - middle[0]) < 1
         assert north[1] < middle[1] - 10
+
+
+@pytest.mark.parametrize("flip", [1, -1])
+def test_slices_of_maps_have_north_on_top(tmp_path, flip):
+    """Rows of images grow downwards, latitudes upwards, in whichever order the file has them."""
+    field = np.zeros((4, 18, 36), np.float32)
+    field[:, 1:4, 24:30] = 1.0  # far north, and east of the middle
+    coordinates = {"lev": LEV, "lat": np.linspace(85, -85, 18)[::flip], "lon": np.arange(36) * 10.0}
+    path = save_netcdf3(tmp_path / "a.nc", {"t": (("lev", "lat", "lon"), field[:, ::flip])}, coordinates)
+    picture = ws.slice(ws.open(path), size=(72, 36)).rgba[..., :3].sum(axis=-1)
+    bright = picture > picture.min() + 0.5 * np.ptp(picture)
+    rows, columns = np.nonzero(bright)
+    assert rows.max() < 12
+    assert columns.min() > 40

@@ -4,6 +4,7 @@ A body is shown as radiologists read it: axial from the feet, coronal from the f
 Other data are shown as they are stored, row 0 on top and column 0 on the left, as Fiji, napari and matplotlib show an
 array of shape (z, y, x): `a[k]` is xy, `a[:, j]` is xz and `a[:, :, i]` is yz. All are turned, never mirrored: the eye
 is before the first slice of xy, behind the last row of xz and before the first column of yz.
+Maps and what was calculated, where the file says so (`placement.UPRIGHT`), have the world's axes to the right and up.
 """
 
 from __future__ import annotations
@@ -20,6 +21,7 @@ __all__ = [
     "named_plane",
     "nearest_plane",
     "plane_across",
+    "plane_view",
     "planes_of",
     "view_angles",
 ]
@@ -56,6 +58,12 @@ PLANES = {
     "xz": PlaneView("y", "-z", "+y"),
     "yz": PlaneView("x", "-z", "-x"),
 }
+#: The planes of data other than bodies where the world's axes grow to the right and up.
+UPRIGHT_PLANES = {
+    "xy": PlaneView("z", "+y", "+z"),
+    "xz": PlaneView("y", "+z", "-y"),
+    "yz": PlaneView("x", "+z", "+x"),
+}
 OF_BODIES, OF_OTHERS = ("axial", "coronal", "sagittal"), ("xy", "xz", "yz")
 
 #: Azimuth and elevation, degrees, of the named views; those of planes are of data other than bodies.
@@ -90,6 +98,11 @@ def view_angles(name: object, *, is_anatomical: bool) -> tuple[float, float]:
 def planes_of(*, is_anatomical: bool) -> tuple[str, str, str]:
     """Names of the three planes: of a body, or of other data."""
     return OF_BODIES if is_anatomical else OF_OTHERS
+
+
+def plane_view(name: str, *, is_upright: bool) -> PlaneView:
+    """How the plane of a name is shown."""
+    return UPRIGHT_PLANES.get(name, PLANES[name]) if is_upright else PLANES[name]
 
 
 def named_plane(name: object, *, is_anatomical: bool) -> str:

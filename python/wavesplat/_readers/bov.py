@@ -16,6 +16,7 @@ from wavesplat._files import size_checks
 from wavesplat._files.named_files import check_named_file
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
+from wavesplat._model.placement import UPRIGHT
 from wavesplat._readers.components import component_of
 from wavesplat._readers.request import Grid, Request
 from wavesplat.errors import FileError
@@ -51,7 +52,7 @@ def read(request: Request) -> Grid:
         n = int(np.prod(brick.shape))
         numbers = np.fromfile(brick.file, brick.dtype, n, offset=brick.offset).reshape(brick.shape)
         samples, told = component_of(numbers, request, brick.variable)
-        return Grid(np.ascontiguousarray(samples), brick.world_from_index, Facts(guesses=told))
+        return Grid(np.ascontiguousarray(samples), brick.world_from_index, Facts(conventions=(UPRIGHT,), guesses=told))
 
 
 def _described(request: Request) -> _Brick:

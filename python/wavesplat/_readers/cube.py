@@ -13,6 +13,7 @@ import numpy as np
 from wavesplat._files import size_checks
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
+from wavesplat._model.placement import UPRIGHT
 from wavesplat._readers.request import Grid, Request, several
 from wavesplat._readers.text_numbers import n_bytes_of, numbers_of_text, opened_text
 from wavesplat.errors import ArgumentError
@@ -53,7 +54,7 @@ def read(request: Request) -> Grid:
         told = ("numbers behind those that the header promises are left out",) if file.read(1 << 16).strip() else ()
     matrix = np.eye(4)
     matrix[:3, :3], matrix[:3, 3] = vectors.T, origin * unit
-    return Grid(np.ascontiguousarray(values.T), matrix, Facts(unit="angstrom", guesses=told))
+    return Grid(np.ascontiguousarray(values.T), matrix, Facts(unit="angstrom", conventions=(UPRIGHT,), guesses=told))
 
 
 def _are_orbitals_next(file: IO[bytes]) -> bool:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from wavesplat._files import size_checks
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
+from wavesplat._model.placement import UPRIGHT
 from wavesplat._readers.request import Grid, Request, several
 from wavesplat._readers.text_numbers import n_bytes_of, numbers_of_text, opened_text
 from wavesplat.errors import ArgumentError, FileError
@@ -68,7 +69,7 @@ def read(request: Request) -> Grid:
     # The cell repeats: its far faces are the next cell's near ones.
     matrix[:3, :3] = (cell / np.array(samples.shape[::-1])[:, None]).T
     told = () if found else ("a charge density (CHGCAR): the name says nothing else, such as LOCPOT or ELFCAR",)
-    facts = Facts(unit="angstrom", value_unit=unit, quantity=names[number], guesses=told)
+    facts = Facts(unit="angstrom", value_unit=unit, quantity=names[number], conventions=(UPRIGHT,), guesses=told)
     return Grid(samples, matrix, facts)
 
 

@@ -25,6 +25,7 @@ from wavesplat._files.mute_stderr import muted_stderr
 from wavesplat._files.named_files import check_named_file
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts, quantity_of
+from wavesplat._model.placement import UPRIGHT
 from wavesplat._readers.components import component_of, quantity_of_array
 from wavesplat._readers.request import Grid, Request
 from wavesplat._readers.vti import parsed
@@ -315,7 +316,7 @@ def _as_it_is(grid: Any, array: _Array, matrix: NDArray[np.float64], request: Re
     nx, ny, nz = (max(n - 1, 1) if array.of_cells else n for n in n_points(grid))
     samples, told = component_of(numbers.reshape(nz, ny, nx, -1), request, array.name)
     quantity = quantity_of_array(array.name, numbers.shape[-1], numbers.dtype, request)
-    return Grid(np.array(samples), matrix, Facts(quantity=quantity, guesses=told))
+    return Grid(np.array(samples), matrix, Facts(quantity=quantity, conventions=(UPRIGHT,), guesses=told))
 
 
 def _which_level(data: Any, boxes: list[Box], request: Request) -> FileError:
@@ -343,7 +344,7 @@ def _of_level(data: Any, boxes: list[Box], array: _Array, request: Request) -> G
 
     samples, matrix, sampled = on_one_grid(boxes, values_of, request)
     guesses = (f"{described_grid(data.GetClassName())}, {sampled}", *told)
-    return Grid(samples, matrix, Facts(quantity=quantity_of(array.name), guesses=guesses))
+    return Grid(samples, matrix, Facts(quantity=quantity_of(array.name), conventions=(UPRIGHT,), guesses=guesses))
 
 
 def _resampled(data: Any, blocks: list[Any], array: _Array, request: Request) -> Grid:
@@ -369,7 +370,7 @@ def _resampled(data: Any, blocks: list[Any], array: _Array, request: Request) ->
     samples, matrix, sampled = sampled_on_image(sampled_data, [block for block, _ in having], request)
     what = f"{described_grid(data.GetClassName())}, {sampled}"
     of_cells = (f"{array.name!r} is of cells, and constant in each",) if array.of_cells else ()
-    return Grid(samples, matrix, Facts(quantity=quantity, guesses=(what, *of_cells, *told)))
+    return Grid(samples, matrix, Facts(quantity=quantity, conventions=(UPRIGHT,), guesses=(what, *of_cells, *told)))
 
 
 def _together(blocks: list[Any]) -> Any:

@@ -27,8 +27,9 @@ from wavesplat._model.forked import drawing
 from wavesplat._model.grid import Grid
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.options import Kernel, Plane, Slab
+from wavesplat._model.placement import UPRIGHT
 from wavesplat._model.vectors import Vector, check_magnitude, vector
-from wavesplat._model.views import PLANES, named_plane, nearest_plane
+from wavesplat._model.views import PLANES, named_plane, nearest_plane, plane_view
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._picture import orientation
@@ -302,7 +303,8 @@ def _point_and_normal(plane: Any) -> tuple[Array, Array]:
 def _shown(volume: Grid, normal: Array) -> tuple[Array, Array]:
     """Right and up of the picture: the directions of the nearest named plane, turned with the plane."""
     near = nearest_plane(normal.tolist(), is_anatomical=volume.is_anatomical)
-    _, up, to_near_eye = (np.array(axis) for axis in PLANES[near].axes)
+    view = plane_view(near, is_upright=UPRIGHT in volume.facts.conventions)
+    _, up, to_near_eye = (np.array(axis) for axis in view.axes)
     to_eye = normal if normal @ to_near_eye > 0 else -normal
     up = up - (up @ to_eye) * to_eye
     up /= np.linalg.norm(up)

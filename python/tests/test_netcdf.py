@@ -368,3 +368,7 @@ def test_slices_of_maps_have_north_on_top(tmp_path, flip):
     rows, columns = np.nonzero(bright)
     assert rows.max() < 12
     assert columns.min() > 40
+    xarray = pytest.importorskip("xarray")
+    with xarray.open_dataset(path, engine="scipy") as dataset:
+        same = ws.slice(ws.Volume(dataset["t"]), size=(72, 36))
+    np.testing.assert_array_equal(same.rgba, ws.slice(ws.open(path), size=(72, 36)).rgba)

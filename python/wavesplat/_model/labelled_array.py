@@ -13,6 +13,7 @@ import numpy as np
 from wavesplat._model import units
 from wavesplat._model.converted import Converted
 from wavesplat._model.facts import Channel, Facts, value_unit_of
+from wavesplat._model.placement import UPRIGHT
 from wavesplat.errors import ArgumentError
 
 __all__ = ["AFFINE", "MODALITY", "SPACE", "UNITS", "channel_and_time_axes", "in_order", "is_labelled", "unlabelled"]
@@ -23,6 +24,8 @@ NAMES = {
     **dict.fromkeys(("y", "row", "lat", "latitude"), "y"),
     **dict.fromkeys(("x", "col", "column", "lon", "longitude"), "x"),
 }
+#: Names of axes that grow to the north, which is up on maps.
+LATITUDES = ("lat", "latitude")
 #: Names of axes along which a scene has layers, and times, in lower case.
 CHANNELS, TIMES = {"c", "ch", "channel", "channels"}, {"t", "time", "times", "frame", "frames"}
 #: Tolerance of coordinates, as a fraction of the step: many are float32.
@@ -85,6 +88,7 @@ def in_order(array: Any, *, has_place: bool) -> Converted:
         modality=modality,
         value_unit=value_unit,
         channel=channel,
+        conventions=(UPRIGHT,) if str(spatial[1]).lower() in LATITUDES else (),
         guesses=guesses,
     )
     return Converted(ordered, matrix, facts, title)

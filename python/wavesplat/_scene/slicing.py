@@ -23,6 +23,7 @@ from wavesplat._model.grid import Grid
 from wavesplat._model.lazy_changes import compare
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.options import Kernel, Plane, Slab
+from wavesplat._model.placement import UPRIGHT
 from wavesplat._model.views import named_plane, planes_of
 from wavesplat._model.volume import Volume
 from wavesplat._picture.picture import Picture
@@ -93,8 +94,8 @@ def slice(
     plane : str or (point, normal), optional
         "axial", "coronal" or "sagittal" of a patient, as radiologists read them: from the feet, the front, and the
         patient's left. "xy", "xz" or "yz" of other data, as arrays are shown: the first axis to the right, the second
-        downwards, so that row 0 is on top. Each stands for the other where it fits the data; None is axial or xy. Or
-        any plane, world units, shown as the nearest of these.
+        downwards, so that row 0 is on top; of maps and files of simulations upwards. Each stands for the other where
+        it fits the data; None is axial or xy. Or any plane, world units, shown as the nearest of these.
     position : float, optional
         Where the plane crosses that axis, world units; None is the middle of the volume. Of (point, normal): how far
         to move from the point along the normal; None is not at all.
@@ -307,7 +308,8 @@ def _note_on_plane(plane: Any, volume: Grid) -> list[str]:
     if volume.is_anatomical or not isinstance(plane, str) or plane not in planes_of(is_anatomical=True):
         return []
     meant = named_plane(plane, is_anatomical=False)
-    return [f"{plane} is taken for {meant}, row 0 on top: nothing says that the volume's axes are a patient's"]
+    top = "the world's axes up" if UPRIGHT in volume.facts.conventions else "row 0 on top"
+    return [f"{plane} is taken for {meant}, {top}: nothing says that the volume's axes are a patient's"]
 
 
 def _with_opacity(picture: Picture, layer: Layer, background: str | Sequence[float] | None) -> Floats:

@@ -291,6 +291,44 @@ def test_arrays_of_points_and_cells_of_one_name(tmp_path):
     np.testing.assert_array_equal(np.ravel(ws.open(path, dataset=f"{name} of cells").samples), np.arange(n_cells))
 
 
+@pytest.mark.parametrize("of_cells", [True, False])
+def test_what_a_file_hides_is_not_drawn(tmp_path, of_cells):
+    grid = filled(rectilinear(EVEN), EVEN)
+    n_cells = grid.GetNumberOfCells()
+    put(grid, "c", np.arange(n_cells, dtype=np.int16), of_cells=True)
+    ghosts = np.zeros((3, 4, 5), np.uint8)
+    ghosts[1:, 2:, :3], ghosts[0, 0, 0] = 32, 1  # hidden, and only a copy of another block's
+    put(grid, "vtkGhostType", ghosts, of_cells=True)
+    volume = ws.open(write(tmp_path / "a.vtr", grid), dataset="c" if of_cells else "v")
+    hidden = np.zeros(volume.shape, bool)
+    if of_cells:
+        hidden[1:, 2:, :3] = True
+    else:  # points that touch no cell that is seen
+        hidden[2:, 3:, :3] = True
+    np.testing.assert_array_equal(np.isnan(volume.samples), hidden)
+    assert "are hidden by the file" in volume.guesses[-1]
+
+
+def test_what_an_image_hides_is_not_drawn(tmp_path):
+    picture = data_model.vtkImageData()
+    picture.SetDimensions(6, 5, 4)
+    put(picture, "c", np.arange(60, dtype=np.int16), of_cells=True)
+    ghosts = np.zeros((3, 4, 5), np.uint8)
+    ghosts[1:, 2:, :3] = 32
+    put(picture, "vtkGhostType", ghosts, of_cells=True)
+    volume = ws.open(write(tmp_path / "a.vti", picture))
+    np.testing.assert_array_equal(np.isnan(volume.samples), ghosts == 32)
+    np.testing.assert_array_equal(volume.samples[ghosts == 0], np.arange(60).reshape(3, 4, 5)[ghosts == 0])
+
+
+def test_cells_of_a_flat_image_are_a_plane(tmp_path):
+    picture = data_model.vtkImageData()
+    picture.SetDimensions(6, 5, 1)
+    put(picture, "c", np.arange(20.0), of_cells=True)
+    with pytest.raises(FileError, match="a single plane of x 5, y 4, z 1 samples"):
+        ws.open(write(tmp_path / "a.vti", picture))
+
+
 def test_one_even_block_is_read_as_it_is(tmp_path):
     whole = data_model.vtkMultiBlockDataSet()
     whole.SetBlock(1, filled(rectilinear(EVEN), EVEN))

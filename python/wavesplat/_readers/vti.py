@@ -27,6 +27,7 @@ from wavesplat._model.facts import Facts
 from wavesplat._readers.components import component_of, quantity_of_array
 from wavesplat._readers.request import Grid, Request
 from wavesplat._readers.vtk_arrays import chosen, other_grid, world_from_index
+from wavesplat._readers.vtk_blanking import GHOSTS, without_hidden
 from wavesplat.errors import FileError
 
 __all__ = ["parsed", "read"]
@@ -84,14 +85,37 @@ def _read(request: Request, stored: _Stored) -> Grid:
     # Pieces share points, but no cells.
     if samples is None or n_cells != _n_cells(whole):
         raise FileError(f"the pieces of {name!r} do not fill the file's extent; write them all into one file: {path}")
-    return Grid(samples, _world_from_index(image, whole, of_cells), Facts(quantity=quantity, guesses=told))
+    ghosts = (_ghosts(stored, image, whole, of_cells=False), _ghosts(stored, image, whole, of_cells=True))
+    samples, hidden = without_hidden(samples, *ghosts, are_cells=of_cells)
+    return Grid(samples, _world_from_index(image, whole, of_cells), Facts(quantity=quantity, guesses=told + hidden))
+
+
+def _ghosts(
+    stored: _Stored, image: ET.Element, whole: NDArray[np.int64], *, of_cells: bool
+) -> NDArray[np.uint8] | None:
+    """The ghost types of all points or cells, [z, y, x]; None in a file without them."""
+    found: NDArray[np.uint8] | None = None
+    for piece in image.iter("Piece"):
+        extent = _extent(piece.get("Extent", ""))
+        for array in piece.findall("CellData/DataArray" if of_cells else "PointData/DataArray"):
+            if array.get("Name") == GHOSTS and array.get("type") == "UInt8":
+                part = stored.samples(array, _size(extent, of_cells)[::-1])
+                found = np.zeros(_size(whole, of_cells)[::-1], np.uint8) if found is None else found
+                first = (extent[:, 0] - whole[:, 0])[::-1]
+                found[tuple(slice(i, i + n) for i, n in zip(first, part.shape, strict=True))] = part
+    return found
 
 
 def _chosen(image: ET.Element, request: Request) -> tuple[bool, str, int]:
     """Whether the chosen array is of cells, its name, and its number of components."""
     piece = image.find("Piece")
     points, cells = ([], []) if piece is None else (piece.findall("PointData"), piece.findall("CellData"))
-    arrays = [(array, part in cells) for part in (*points, *cells) for array in part.findall("DataArray")]
+    arrays = [
+        (array, part in cells)
+        for part in (*points, *cells)
+        for array in part.findall("DataArray")
+        if array.get("Name") != GHOSTS
+    ]
     names = [array.get("Name", "") for array, _ in arrays]
     named = [name for part in (*points, *cells) if (name := part.get("Scalars", "")) in names]
     place = chosen(names, named, request)
@@ -108,14 +132,14 @@ def _extent(text: str) -> NDArray[np.int64]:
 
 
 def _size(extent: NDArray[np.int64], of_cells: bool) -> tuple[int, int, int]:
-    """Samples along x, y, z."""
-    nx, ny, nz = (int(n) for n in extent[:, 1] - extent[:, 0] + (0 if of_cells else 1))
+    """Samples along x, y, z; a layer of points counts as one of cells."""
+    steps = extent[:, 1] - extent[:, 0]
+    nx, ny, nz = (max(int(n), 1) if of_cells else int(n) + 1 for n in steps)
     return nx, ny, nz
 
 
 def _n_cells(extent: NDArray[np.int64]) -> int:
-    """Number of cells; a layer of points counts as one of cells."""
-    nx, ny, nz = (max(n, 1) for n in _size(extent, of_cells=True))
+    nx, ny, nz = _size(extent, of_cells=True)
     return nx * ny * nz
 
 

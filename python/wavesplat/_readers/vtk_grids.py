@@ -31,10 +31,10 @@ from wavesplat._readers.request import Grid, Request
 from wavesplat._readers.vti import parsed
 from wavesplat._readers.vtk_amr import Box, boxes_of, on_one_grid, sizes_of
 from wavesplat._readers.vtk_arrays import chosen, described_grid, other_grid
+from wavesplat._readers.vtk_blanking import GHOSTS, without_hidden
 from wavesplat._readers.vtk_checks import check_grid
 from wavesplat._readers.vtk_legacy import check_whole
 from wavesplat._readers.vtk_sampling import (
-    GHOSTS,
     check_depth,
     n_points,
     sampled_on_image,
@@ -316,7 +316,19 @@ def _as_it_is(grid: Any, array: _Array, matrix: NDArray[np.float64], request: Re
     nx, ny, nz = (max(n - 1, 1) if array.of_cells else n for n in n_points(grid))
     samples, told = component_of(numbers.reshape(nz, ny, nx, -1), request, array.name)
     quantity = quantity_of_array(array.name, numbers.shape[-1], numbers.dtype, request)
-    return Grid(np.array(samples), matrix, Facts(quantity=quantity, conventions=(UPRIGHT,), guesses=told))
+    of_points, of_cells = _ghosts_of(grid)
+    samples, hidden = without_hidden(np.array(samples), of_points, of_cells, are_cells=array.of_cells)
+    return Grid(samples, matrix, Facts(quantity=quantity, conventions=(UPRIGHT,), guesses=told + hidden))
+
+
+def _ghosts_of(grid: Any) -> tuple[NDArray[Any] | None, NDArray[Any] | None]:
+    """The ghost types of the points and of the cells of a uniform grid, [z, y, x]; None where it has none."""
+    nx, ny, nz = n_points(grid)
+    points, cells = (_Array(GHOSTS, of_cells=of_cells).numbers_of(grid) for of_cells in (False, True))
+    return (
+        None if points is None else points.reshape(nz, ny, nx),
+        None if cells is None else cells.reshape(max(nz - 1, 1), max(ny - 1, 1), max(nx - 1, 1)),
+    )
 
 
 def _which_level(data: Any, boxes: list[Box], request: Request) -> FileError:

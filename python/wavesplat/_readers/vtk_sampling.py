@@ -11,11 +11,11 @@ from numpy.typing import NDArray
 from wavesplat._files import size_checks
 from wavesplat._readers.request import Request
 from wavesplat._readers.vtk_arrays import world_from_index
+from wavesplat._readers.vtk_blanking import GHOSTS
 from wavesplat._readers.vtk_checks import fills_space
 from wavesplat.errors import FileError
 
 __all__ = [
-    "GHOSTS",
     "check_depth",
     "n_points",
     "sampled_on_image",
@@ -26,8 +26,8 @@ __all__ = [
 
 #: Places of a uniform grid are off by at most this fraction of a step.
 TOLERANCE = 1e-4
-#: The arrays that VTK itself makes: cells that are hidden, and whether a sample lies in the grid.
-GHOSTS, VALID = "vtkGhostType", "vtkValidPointMask"
+#: The array in which VTK says whether a sample lies in the grid.
+VALID = "vtkValidPointMask"
 #: The array that is sampled.
 SAMPLED = "wavesplat"
 

@@ -56,7 +56,9 @@ def test_orbitals_of_a_cube(tmp_path, values):
     path = save_cube(tmp_path / "a.cube", both, orbitals=(12, 13))
     with pytest.raises(FileError, match=r"2 numbers at each place \(orbital 12, orbital 13\).*dataset="):
         ws.open(path)
-    np.testing.assert_array_equal(ws.open(path, dataset="orbital 13").samples, 2 * values.T)
+    volume = ws.open(path, dataset="orbital 13")
+    np.testing.assert_array_equal(volume.samples, 2 * values.T)
+    assert volume.facts.quantity == "orbital 13"
     path = save_cube(tmp_path / "b.cube", both, n_values=2)
     np.testing.assert_array_equal(ws.open(path, dataset="value 1").samples, values.T)
     with pytest.raises(ArgumentError, match="no 'value 3'; the file holds value 1, value 2"):
@@ -141,6 +143,7 @@ def test_bricks_of_values(tmp_path, centering, cells, shift):
         steps = np.array([5, 8, 12]) / cells
         np.testing.assert_allclose(volume.spacing, steps)
         np.testing.assert_allclose(volume.bounds[0], np.array([1, 2, 3]) + shift * steps)
+        assert volume.facts.quantity == "rho"
 
 
 def test_vectors_and_faults_of_bricks(tmp_path):

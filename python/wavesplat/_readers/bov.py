@@ -17,7 +17,7 @@ from wavesplat._files.named_files import check_named_file
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
 from wavesplat._model.placement import UPRIGHT
-from wavesplat._readers.components import component_of
+from wavesplat._readers.components import component_of, quantity_of_array
 from wavesplat._readers.request import Grid, Request
 from wavesplat.errors import FileError
 
@@ -52,7 +52,9 @@ def read(request: Request) -> Grid:
         n = int(np.prod(brick.shape))
         numbers = np.fromfile(brick.file, brick.dtype, n, offset=brick.offset).reshape(brick.shape)
         samples, told = component_of(numbers, request, brick.variable)
-        return Grid(np.ascontiguousarray(samples), brick.world_from_index, Facts(conventions=(UPRIGHT,), guesses=told))
+        quantity = quantity_of_array(brick.variable, brick.shape[-1], brick.dtype, request)
+        facts = Facts(quantity=quantity, conventions=(UPRIGHT,), guesses=told)
+        return Grid(np.ascontiguousarray(samples), brick.world_from_index, facts)
 
 
 def _described(request: Request) -> _Brick:

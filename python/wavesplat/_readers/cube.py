@@ -45,16 +45,21 @@ def read(request: Request) -> Grid:
         for _ in range(abs(n_atoms)):
             file.readline()
         names = _names(file, words, has_orbitals=n_atoms < 0 or _are_orbitals_next(file))
-        shape = (*size, len(names))
+        shape, chosen = (*size, len(names)), _chosen(names, request)
         # Each number takes at least a digit and a space.
         stored = n_bytes_of(file) // 2
         size_checks.check_stored(shape, np.dtype("u1"), stored, path, held=(1,))
         size_checks.check_memory(size_checks.n_bytes(shape, np.dtype("f8")), path)
-        values = numbers_of_text(file, int(np.prod(shape)), path).reshape(shape)[..., _chosen(names, request)]
+        values = numbers_of_text(file, int(np.prod(shape)), path).reshape(shape)[..., chosen]
         told = ("numbers behind those that the header promises are left out",) if file.read(1 << 16).strip() else ()
+    quantity = names[chosen] if names != ["value 1"] else None
     matrix = np.eye(4)
     matrix[:3, :3], matrix[:3, 3] = vectors.T, origin * unit
-    return Grid(np.ascontiguousarray(values.T), matrix, Facts(unit="angstrom", conventions=(UPRIGHT,), guesses=told))
+    return Grid(
+        np.ascontiguousarray(values.T),
+        matrix,
+        Facts(unit="angstrom", quantity=quantity, conventions=(UPRIGHT,), guesses=told),
+    )
 
 
 def _are_orbitals_next(file: IO[bytes]) -> bool:

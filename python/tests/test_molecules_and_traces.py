@@ -264,7 +264,7 @@ def test_traces_without_a_grid_have_a_route(tmp_path):
     def twice(file):
         file.header[1].update(xline=20)
 
-    refused(line, r"12 traces have 1 .*segyio.open\(path, iline=BYTE")
+    refused(line, r"12 traces have 1 x 1 numbers.*segyio.open\(path, iline=BYTE")
     refused(gathers, r"12 traces have 6 places and 2 offsets; stack them")
     refused(twice, r"1 traces have the inline and crossline of another one")
     refused(lambda file: file.bin.update({segyio.BinField.Format: 7}), "format 7, which segyio does not read")

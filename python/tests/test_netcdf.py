@@ -372,3 +372,14 @@ def test_slices_of_maps_have_north_on_top(tmp_path, flip):
     with xarray.open_dataset(path, engine="scipy") as dataset:
         same = ws.slice(ws.Volume(dataset["t"]), size=(72, 36))
     np.testing.assert_array_equal(same.rgba, ws.slice(ws.open(path), size=(72, 36)).rgba)
+
+
+def test_records_beside_a_field_are_passed_over(tmp_path, packed):
+    path = save_netcdf4(
+        tmp_path / "a.nc", {"t": (("lev", "lat", "lon"), packed[1])}, {"lev": LEV, "lat": LAT, "lon": LON}
+    )
+    with h5py.File(path, "r+") as file:
+        record = np.zeros(4, [("place", "f4"), ("count", "i4")])
+        file["stations"] = record
+        file["stations"].attrs["_FillValue"] = record[:1]
+    np.testing.assert_array_equal(ws.open(path).samples, packed[1])

@@ -214,7 +214,7 @@ def _none_found(file: h5py.File, request: Request) -> FileError:
 
     file.visititems(visit)
     more = f", and {len(flat) - MOST_TOLD} more" if len(flat) > MOST_TOLD else ""
-    held = ", ".join(flat[:MOST_TOLD]) or "none"
+    held = ", ".join(flat[:MOST_TOLD]) or "groups alone"
     return FileError(
         f"the file holds no dataset with three axes of numbers, so no volume, but {held}{more}; if one is "
         f"a flattened volume, give wavesplat.Volume(h5py.File(path)[name][...].reshape(nz, ny, nx)): {request.path}"

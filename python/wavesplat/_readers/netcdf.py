@@ -183,7 +183,11 @@ def _opened(path: Path, request: Request, *, stays: bool = False) -> Iterator[di
         check_links(path)
     with (held_hdf5 if stays else read_hdf5)(path) as file, h5netcdf.File(file, "r", phony_dims="access") as root:
         store = xarray.backends.H5NetCDFStore
-        groups = {name: xarray.open_dataset(store(root[name] if name else root), **how) for name in _groups(root, "")}
+        stored = {name: root[name] if name else root for name in _groups(root, "")}
+        groups = {
+            name: xarray.open_dataset(store(group), drop_variables=_records(group), **how)
+            for name, group in stored.items()
+        }
         yield {name: _with_coordinates_of(group, _around(name, groups)) for name, group in groups.items()}
 
 
@@ -191,6 +195,11 @@ def _groups(group: Any, name: str) -> Iterator[str]:
     yield name
     for inner in group.groups:
         yield from _groups(group.groups[inner], f"{name}/{inner}".lstrip("/"))
+
+
+def _records(group: Any) -> list[str]:
+    """Names of a group's variables that are no numbers or texts, such as records of several, on which xarray fails."""
+    return [name for name, one in group.variables.items() if getattr(one.dtype, "kind", "V") not in "biufSUO"]
 
 
 def _around(name: str, groups: dict[str, Any]) -> list[Any]:
@@ -268,7 +277,7 @@ def _none_found(datasets: dict[str, Any], request: Request) -> FileError:
         if array.ndim > 0
     ]
     more = f"; and {len(flat) - MOST_TOLD} more" if len(flat) > MOST_TOLD else ""
-    held = "; ".join(flat[:MOST_TOLD]) or "none"
+    held = "; ".join(flat[:MOST_TOLD]) or "others"
     return FileError(
         f"the file holds no variable with three axes of numbers, so no volume, but {held}{more}; such variables "
         f"are drawn by xarray.open_dataset(path)[name].plot(): {request.path}"

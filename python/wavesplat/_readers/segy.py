@@ -107,9 +107,9 @@ def _axes(file: Any, request: Request) -> tuple[_Axis, _Axis]:
                 f"wavesplat.Volume(segyio.tools.cube(path).mean(axis=2).transpose(2, 0, 1)): {request.path}"
             )
         raise FileError(
-            f"{n_traces} traces have {n_places} inlines (byte 189) and crosslines (byte 193), so they are a line, a "
-            "gather or have the numbers elsewhere; give their cube, as segyio.open(path, iline=BYTE, xline=BYTE) finds "
-            f"it, to wavesplat.Volume: {request.path}"
+            f"{n_traces} traces have {inlines.n} x {crosslines.n} numbers of inlines (byte 189) and crosslines (byte "
+            "193), so they are a line, a gather or have the numbers elsewhere; give their cube, as segyio.open(path, "
+            f"iline=BYTE, xline=BYTE) finds it, to wavesplat.Volume: {request.path}"
         )
     if n_traces < LEAST_SHARE * n_places:
         raise FileError(

@@ -117,6 +117,30 @@ def test_vtk_files_of_several_parts_beside_pyvista(tmp_path, name):
     np.testing.assert_allclose(places_of(volume), other.points, atol=1e-6)
 
 
+@pytest.mark.parametrize("mode", ["Ascii", "Binary", "Appended"])
+@pytest.mark.parametrize("compressor", ["None", "ZLib", "LZMA"])
+@pytest.mark.parametrize("order", ["Little", "Big"])
+@pytest.mark.parametrize("name", ["a.vti", "a.vtr", "a.vts"])
+def test_ways_to_write_vtk_files(tmp_path, mode, compressor, order, name):
+    pyvista = pytest.importorskip("pyvista")
+    from vtkmodules import vtkIOXML
+
+    for dtype in ("f4", "f8", "i2", "u1"):
+        grid = grid_of(pyvista, FILES[name], EVEN)
+        grid["v"] = (100 + 40 * values().ravel()).astype(dtype)
+        kind = {"a.vti": "ImageData", "a.vtr": "RectilinearGrid", "a.vts": "StructuredGrid"}[name]
+        writer = getattr(vtkIOXML, f"vtkXML{kind}Writer")()
+        writer.SetFileName(str(tmp_path / name))
+        writer.SetInputData(grid)
+        getattr(writer, f"SetDataModeTo{mode}")()
+        getattr(writer, f"SetCompressorTypeTo{compressor}")()
+        getattr(writer, f"SetByteOrderTo{order}Endian")()
+        writer.Write()
+        volume = ws.open(tmp_path / name)
+        assert volume.samples.dtype == dtype
+        np.testing.assert_array_equal(np.ravel(volume.samples), grid["v"])
+
+
 def test_surfaces_are_no_volumes(tmp_path):
     pyvista = pytest.importorskip("pyvista")
     pyvista.Sphere().save(str(tmp_path / "a.vtp"))
@@ -251,6 +275,26 @@ def test_traces_beside_segyio(tmp_path):
     with segyio.open(str(tmp_path / "a.sgy")) as file:
         assert volume.spacing[2] == pytest.approx(file.samples[1] - file.samples[0])
         assert volume.shape == (len(file.samples), len(file.ilines), len(file.xlines))
+
+
+@pytest.mark.parametrize("endian", ["big", "little"])
+@pytest.mark.parametrize("form", [1, 2, 3, 5, 6, 8, 10, 11, 16])
+def test_types_of_traces_beside_segyio(tmp_path, form, endian):
+    """IBM's and IEEE's floats and whole numbers, in both byte orders."""
+    segyio = pytest.importorskip("segyio")
+    spec = segyio.spec()
+    spec.sorting, spec.format, spec.endian = 2, form, endian
+    spec.ilines, spec.xlines, spec.samples = 1 + np.arange(3), 5 + np.arange(4), 4.0 * np.arange(5)
+    numbers = np.abs(np.random.default_rng(form).normal(60, 20, (12, 5)))
+    with segyio.create(str(tmp_path / "a.sgy"), spec) as file:
+        for number, trace in enumerate(numbers):
+            file.header[number] = {segyio.su.iline: 1 + number // 4, segyio.su.xline: 5 + number % 4}
+            file.trace[number] = trace.astype(file.dtype)
+    with segyio.open(str(tmp_path / "a.sgy"), endian=endian) as file:
+        found = segyio.tools.cube(file)
+    volume = ws.open(tmp_path / "a.sgy")
+    assert volume.samples.dtype == found.dtype
+    np.testing.assert_array_equal(volume.samples, found.transpose(2, 0, 1))
 
 
 def test_bricks_beside_numpy(tmp_path):

@@ -118,7 +118,7 @@ def test_vtk_files_of_several_parts_beside_pyvista(tmp_path, name):
 
 
 @pytest.mark.parametrize("mode", ["Ascii", "Binary", "Appended"])
-@pytest.mark.parametrize("compressor", ["None", "ZLib", "LZMA"])
+@pytest.mark.parametrize("compressor", ["None", "ZLib", "LZ4", "LZMA"])
 @pytest.mark.parametrize("order", ["Little", "Big"])
 @pytest.mark.parametrize("name", ["a.vti", "a.vtr", "a.vts"])
 def test_ways_to_write_vtk_files(tmp_path, mode, compressor, order, name):

@@ -122,7 +122,7 @@ def test_colours_are_channels(tmp_path):
             b'type="PolyData"',
             r"a mesh of surfaces or lines \(PolyData\), which has no samples inside",
         ),
-        (b'compressor="vtkZLib', b'compressor="vtkLZ4', "compressed by vtkLZ4DataCompressor; write it with zlib"),
+        (b'compressor="vtkZLib', b'compressor="vtkNew', "compressed by vtkNewDataCompressor; write it with zlib"),
         (b'type="Int16"', b'type="Float64"', "not as many samples as the extent has"),
         (b'type="Int16"', b'type="String"', "samples of type 'String' cannot be drawn"),
         (b'WholeExtent="0 8', b'WholeExtent="8 0', "an extent of 8 0"),

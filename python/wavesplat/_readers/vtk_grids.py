@@ -57,6 +57,8 @@ COUNTS = re.compile(
     re.MULTILINE,
 )
 EXTENTS = re.compile(rb"""\bExtent\s*=\s*["']([-\d\s]+)["']|^\s*DIMENSIONS((?:[ \t]+\d+){3})""", re.MULTILINE)
+#: A codec that Python lacks, and VTK has.
+LZ4 = re.compile(rb"""<VTKFile\b[^>]*?\bcompressor\s*=\s*["']vtkLZ4DataCompressor["']""")
 #: The directions of an image's axes, of its element.
 DIRECTION = re.compile(rb"""<ImageData\b[^>]*?\bDirection\s*=\s*["']([^"']*)["']""")
 #: The window that VTK writes errors to is one for all threads.
@@ -99,12 +101,13 @@ def read(request: Request) -> Grid:
 
 
 def is_grid(path: Path) -> bool:
-    """Whether a legacy or XML file of VTK holds another grid than one image."""
+    """Whether a legacy or XML file of VTK holds another grid than one image, or an image packed as VTK alone does."""
     with path.open("rb") as file:
         head = file.read(HEAD_BYTES)
     if head.lstrip().startswith(b"<"):
         kind = _kind_of_xml(head)
-        return kind is not None and kind != "ImageData" and f".{_SUFFIX_OF.get(kind, '')}" in SUFFIXES
+        is_other = kind is not None and kind != "ImageData" and f".{_SUFFIX_OF.get(kind, '')}" in SUFFIXES
+        return is_other or (kind == "ImageData" and LZ4.search(head) is not None)
     found = DATASET.search(head)
     return found is not None and found[1].upper() in (b"RECTILINEAR_GRID", b"STRUCTURED_GRID", b"UNSTRUCTURED_GRID")
 
@@ -318,7 +321,9 @@ def _as_it_is(grid: Any, array: _Array, matrix: NDArray[np.float64], request: Re
     quantity = quantity_of_array(array.name, numbers.shape[-1], numbers.dtype, request)
     of_points, of_cells = _ghosts_of(grid)
     samples, hidden = without_hidden(np.array(samples), of_points, of_cells, are_cells=array.of_cells)
-    return Grid(samples, matrix, Facts(quantity=quantity, conventions=(UPRIGHT,), guesses=told + hidden))
+    # Rows of images grow downwards, in one file or several.
+    conventions = () if grid.IsA("vtkImageData") else (UPRIGHT,)
+    return Grid(samples, matrix, Facts(quantity=quantity, conventions=conventions, guesses=told + hidden))
 
 
 def _ghosts_of(grid: Any) -> tuple[NDArray[Any] | None, NDArray[Any] | None]:

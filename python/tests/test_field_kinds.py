@@ -51,6 +51,9 @@ BLOB = np.exp(-6 * R * R)
 BZ = BLOB - 0.23 * np.exp(-40 * ((X - 0.8) ** 2 + Y * Y + Z * Z))
 ORBITAL = X * Y * np.exp(-7 * R)
 SCAN = (120 * (R < 0.6) + np.abs(9 * noise(6))).astype(np.uint8)
+#: Shares of a liquid: a half of the box with waves, and a drop of 1 % of it.
+SURFACE = 0.5 - 0.5 * np.tanh(20 * (Z + 0.1 * np.sin(4 * X)))
+DROP = 0.5 - 0.5 * np.tanh(20 * (R - 0.27))
 CELLS = 1 + (X > 0) + 2 * (Y > 0.2) + 4 * (Z > -0.3)
 
 SIGNED, FIELD = "signed field", "field"
@@ -96,6 +99,19 @@ TABLE = {
     "bytes of a fuel": (bytes_of(BLOB), None, FIELD, "map", "linear", (1, 99)),
     "bytes of NRRD": (bytes_of(VORTEX + 0.2 * BLOB), PATIENT, FIELD, "map", "linear", (1, 99)),
     "two bytes of a distance": (np.round(1000 * R).astype(np.uint16), None, FIELD, "map", "linear", (1, 99)),
+    "counts of particles": (
+        np.random.default_rng(8).poisson(np.exp(1.2 * SMOOTH)).astype(np.int32),
+        None,
+        FIELD,
+        "map",
+        "linear",
+        (1, 99),
+    ),
+    # Phases, of which many samples have the largest value.
+    "share of water": (SURFACE, None, FIELD, "map", "linear", (1, 99)),
+    "density of water in air": (1.2 + 997 * SURFACE, None, FIELD, "map", "linear", (1, 99)),
+    "drop in air": (1.2 + 997 * DROP, None, FIELD, "map", "linear", (1, 99.9)),
+    "pores": ((SMOOTH < 0.4) * (1 + 0.01 * OTHER), None, FIELD, "reversed", "linear", None),
     # No fields.
     "labels": (CELLS.astype(np.int32), None, "labels", None, None, None),
     "mask of a phase": ((SMOOTH > 1).astype(np.float32), None, "mask", None, None, None),

@@ -34,6 +34,12 @@ N_NODES, N_SIGNED = 17, 33
 #: Low values stand out: least ratio of the lower part of the range to the upper one. A background in the middle: the
 #: largest share of the range that half of the samples have.
 MIN_LOW, MAX_INNER = 3.0, 0.1
+#: A phase of one value at the end of the range: least ratio of the 99th percentile of what is none to the 95th; and the
+#: place up to which a field is clear at most, since what begins beyond it is a phase, and is seen from half way to it.
+PLATEAU, MAX_CLEAR = 1.1, 0.9
+#: A background of about one value: the largest distance of values that are the same, as a share of the range, and the
+#: largest share of the other samples.
+SAME_VALUE, MAX_MATTER = 0.01, 0.1
 #: Least place of what is seen beyond 0, and beyond a background in the middle, as a share of the way to the end.
 LEAST_SIGNED = 0.12
 
@@ -56,15 +62,9 @@ def of_field(samples: Array, n_voxels: float) -> Curves:
 
     samples : finite samples, any number. n_voxels : voxels of light that are opaque together.
     """
-    low, middle, upper, high = (float(v) for v in np.percentile(samples, (1.0, 50.0, 99.0, 99.9)))
+    middle = float(np.median(samples))
     places = np.linspace(0.0, 1.0, N_NODES)
-    least = _least_of_logarithm(samples)
-    # Below a median of 0 nothing is few.
-    if least is not None and high > HEAVY * middle and middle > 0:
-        values = least * (high / least) ** places
-    else:
-        low, upper = (low, upper) if low < upper else (float(samples.min()), float(samples.max()))
-        values = low + (upper - low) * places
+    values = _values_at(places, samples, middle)
     below, above = middle - values[0], values[-1] - middle
     inner = float(np.ptp(np.percentile(samples, (25.0, 75.0))))
     shows_low = bool(below > MIN_LOW * above)
@@ -75,6 +75,8 @@ def of_field(samples: Array, n_voxels: float) -> Curves:
     for is_shown, risen, few in ((shows_low, 1.0 - places, share), (not shows_low, places, 100.0 - share)):
         if is_shown or shows_both:
             clear, background = (float(np.interp(v, values, risen)) for v in (np.percentile(samples, few), middle))
+            if clear > MAX_CLEAR:
+                clear = 0.5
             if shows_both:
                 clear = max(clear, background + LEAST_SIGNED * (1.0 - background))
             opacity += rising(_beyond(risen, clear), FIELD_DEPTH * n_voxels)
@@ -106,6 +108,26 @@ def of_signed_field(samples: Array, n_voxels: float) -> Curves:
             clear = min(max(LEAST_SIGNED, few), 0.8 * most)
             opacity += rising(_beyond(sign * places, clear, most), SIGNED_DEPTH * n_voxels)
     return Curves(values, opacity, (places + 1.0) / 2.0)
+
+
+def _values_at(places: Array, samples: Array, middle: float) -> Array:
+    """Values at places of a window, 0..1: even ones, or even in the logarithm where a few are far larger than most."""
+    high = float(np.percentile(samples, 99.9))
+    low, shoulder, upper = (float(v) for v in np.percentile(_matter(samples, middle), (1.0, 95.0, 99.0)))
+    least = _least_of_logarithm(samples)
+    # Below a median of 0 nothing is few, and a phase that has one value, as of drops in a gas, is no tail.
+    if least is not None and high > HEAVY * middle and middle > 0 and upper > PLATEAU * shoulder:
+        return np.asarray(least * (high / least) ** places)
+    low, upper = min(low, middle), max(upper, middle)
+    low, upper = (low, upper) if low < upper else (float(samples.min()), float(samples.max()))
+    return low + (upper - low) * places
+
+
+def _matter(samples: Array, middle: float) -> Array:
+    """Samples without those of a background of about one value, where nearly all are that; else all of them."""
+    low, high = np.percentile(samples, (0.1, 99.9))
+    others = samples[np.abs(samples - middle) > SAME_VALUE * (high - low)]
+    return others if 0 < others.size < MAX_MATTER * samples.size else samples
 
 
 def _beyond(places: Array, clear: float, end: float = 1.0) -> Array:

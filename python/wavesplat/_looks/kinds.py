@@ -98,6 +98,8 @@ MIN_BRIGHT = 0.45
 #: counted from photons), least ratio of the 99.9th percentile to the median of the object, both above the background
 #: (cells 3.3 to 11, a mouse brain 3.9; vessels 1.3), and distance of samples in a file that has another unit, metres.
 MAX_EQUAL, MIN_GLOW, FINE_METRES = 0.25, 3.0, 1e-4
+#: Bytes of a sample of a scan, at most; counts of particles, and histograms, have four or eight.
+SCANNED_BYTES = 2
 #: Units that microscopes use.
 SMALL_UNITS = ("um", "nm", "angstrom", "pm")
 #: Units of atoms and molecules, whose densities and orbitals are floating-point numbers.
@@ -289,6 +291,8 @@ def _by_values(volume: Volume | WaveletVolume, values: NDArray[np.float64], *, h
         return "field", "a field of floating-point numbers"
     if not has_noise:
         return "field", "a field of whole numbers without noise, by the values"
+    if isinstance(volume, Volume) and volume.dtype.itemsize > SCANNED_BYTES:
+        return "field", "a field of whole numbers of more than 16 bits"
     if _is_dense(values):
         return "EM", "dense matter that fills the volume, as in electron microscopy: mostly bright, by the values"
     if volume.unit is None and _glows(values):

@@ -73,6 +73,16 @@ def test_names_of_netcdf(tmp_path):
     assert (volume.facts.quantity, volume.value_unit) == ("p", "Pa")
 
 
+def test_names_of_objects():
+    xarray = pytest.importorskip("xarray")
+    pyvista = pytest.importorskip("pyvista")
+    field = xarray.DataArray(DENSITY, dims=("z", "y", "x"), name="density", attrs={"units": "g/cm3"})
+    assert "density (g/cm3)" in texts(ws.render(field, size=(200, 200)).annotated(colorbar=True))
+    image = pyvista.ImageData(dimensions=DENSITY.shape[::-1])
+    image["temperature"] = DENSITY.ravel()
+    assert ws.Volume(image).facts.quantity == "temperature"
+
+
 def test_images_of_two_datasets_have_two_arrays(file):
     pytest.importorskip("pyvista")
     images = [ws.open(file, dataset=f"fields/{name}").to_pyvista() for name in ("density", "temperature")]

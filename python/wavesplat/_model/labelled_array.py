@@ -12,7 +12,7 @@ import numpy as np
 
 from wavesplat._model import units
 from wavesplat._model.converted import Converted
-from wavesplat._model.facts import Channel, Facts, value_unit_of
+from wavesplat._model.facts import Channel, Facts, quantity_of, value_unit_of
 from wavesplat._model.placement import UPRIGHT
 from wavesplat.errors import ArgumentError
 
@@ -67,8 +67,9 @@ def in_order(array: Any, *, has_place: bool) -> Converted:
     said = getattr(array, "attrs", {})
     modality, value_unit = said.get(MODALITY), value_unit_of(said.get(UNITS))
     channel = _channel_of(ordered)
+    values = Facts(modality=modality, value_unit=value_unit, quantity=quantity_of(title), channel=channel)
     if has_place:
-        return Converted(ordered, None, Facts(modality=modality, value_unit=value_unit, channel=channel), title)
+        return Converted(ordered, None, values, title)
     places = {axis: _first_and_step(ordered, name) for axis, name in zip("zyx", spatial, strict=True)}
     matrix = np.diag([*(places[axis][1] for axis in "xyz"), 1.0])
     matrix[:3, 3] = [places[axis][0] for axis in "xyz"]
@@ -82,12 +83,10 @@ def in_order(array: Any, *, has_place: bool) -> Converted:
         () if len(bare) in (0, 3) else (f"distance along {', '.join(bare)} 1: the array has no coordinates there",)
     )
     guesses = (*guesses, *units.guesses_of((x, y, z)))
-    facts = Facts(
+    facts = replace(
+        values,
         unit=unit,
         is_anatomical=said.get(SPACE) == "RAS",
-        modality=modality,
-        value_unit=value_unit,
-        channel=channel,
         conventions=(UPRIGHT,) if str(spatial[1]).lower() in LATITUDES else (),
         guesses=guesses,
     )

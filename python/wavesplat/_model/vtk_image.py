@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wavesplat._model import affine
 from wavesplat._model.converted import Converted
-from wavesplat._model.facts import Facts
+from wavesplat._model.facts import Facts, quantity_of
 from wavesplat.errors import ArgumentError
 
 __all__ = ["SPACE", "UNIT", "of_vtk"]
@@ -43,8 +43,9 @@ def of_vtk(image: Any) -> Converted:
     # The origin is that of point 0; the image may begin at another.
     matrix[:3, 3] += matrix[:3, :3] @ (extent[:, 0] + (0.5 if of_cells else 0.0))
     samples: NDArray[Any] = np.asarray(array).reshape(tuple(size[::-1]))
-    facts = Facts(unit=_text(image, UNIT), is_anatomical=_text(image, SPACE) == "RAS")
-    return Converted(samples, matrix, facts, array.GetName())
+    name = array.GetName()
+    facts = Facts(unit=_text(image, UNIT), quantity=quantity_of(name), is_anatomical=_text(image, SPACE) == "RAS")
+    return Converted(samples, matrix, facts, name)
 
 
 def _scalars(image: Any) -> tuple[Any, bool]:

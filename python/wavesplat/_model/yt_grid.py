@@ -12,7 +12,7 @@ import numpy as np
 
 from wavesplat._model import units
 from wavesplat._model.converted import Converted
-from wavesplat._model.facts import Facts, value_unit_of
+from wavesplat._model.facts import Facts, quantity_of, value_unit_of
 from wavesplat.errors import ArgumentError
 
 __all__ = ["of_unyt", "of_yt"]
@@ -48,9 +48,9 @@ def of_yt(thing: Any) -> Converted:
     matrix[:3, :3] = np.diag(spacing)
     matrix[:3, 3] = np.asarray(corner, np.float64) + spacing / 2
     length = units.canonical(str(getattr(corner, "units", "")).replace("code_length", ""))
-    facts = Facts(unit=length, value_unit=_unit_of(values))
-    name = fields[0][-1] if isinstance(fields[0], tuple) else str(fields[0])
-    return Converted(np.asarray(values).transpose(), matrix, facts, str(name))
+    name = str(fields[0][-1] if isinstance(fields[0], tuple) else fields[0])
+    facts = Facts(unit=length, value_unit=_unit_of(values), quantity=quantity_of(name))
+    return Converted(np.asarray(values).transpose(), matrix, facts, name)
 
 
 def of_unyt(array: Any) -> Converted:

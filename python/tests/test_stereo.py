@@ -10,6 +10,8 @@ from typer.testing import CliRunner
 
 import wavesplat as ws
 from wavesplat._cli import app
+from wavesplat._model.stereo import Eyes, within
+from wavesplat._movie.turn import cameras_of
 from wavesplat._render import eyes as eye_pictures
 from wavesplat._render import panorama
 
@@ -41,11 +43,14 @@ FOLDS = ws.TransferFunction([(0.5, 0), (0.9, 0.5)], [(0, 0.2, 0.3, 1), (1, 1, 0.
 
 @pytest.fixture
 def with_faces(monkeypatch):
-    """Draws a panorama of other faces."""
+    """Draws a panorama of other faces, from the middle, whose horizon leans."""
+    eye = within(ws.Camera.view(folds(), "isometric", view_angle=30), is_level=False)
 
     def draw(faces, **options):
         monkeypatch.setattr(eye_pictures, "_faces", lambda _: faces)
-        return ws.render(folds(), FOLDS, panorama=True, background="white", size=(512, 256), device="cpu", **options)
+        return ws.render(
+            folds(), FOLDS, eye, panorama=True, background="white", size=(512, 256), device="cpu", **options
+        )
 
     return draw
 
@@ -240,6 +245,26 @@ def test_a_view_by_name_is_seen_from_the_middle():
     assert picture.pixel is None
     with pytest.raises(ws.errors.ArgumentError, match="scale bar"):
         picture.annotated(scale_bar=True)
+
+
+def test_panoramas_of_views_are_level_and_eyes_are_near_each_other():
+    """The horizon leaned with a view from above, and eyes were as far apart as for a view of the whole box."""
+    volume = folds()
+    picture = ws.render(volume, FOLDS, "isometric", panorama=True, stereo="left", size=(64, 32))
+    camera, above = picture.camera, ws.Camera.view(volume, "isometric")
+    ahead, down = np.subtract(camera.focal_point, camera.position), np.subtract(above.focal_point, above.position)
+    assert camera.view_up == (0, 0, 1)
+    assert ahead[2] == 0
+    assert np.allclose(ahead[:2] / np.hypot(*ahead[:2]), down[:2] / np.hypot(*down[:2]))
+    half = max(np.ptp(volume.bounds, axis=0)) / 2
+    assert half < np.linalg.norm(ahead) < 3 * half
+    assert picture.report["stereo"]["eye_distance"] == pytest.approx(2 * np.linalg.norm(ahead) * tan(radians(1)))
+    for view in ("top", "xy"):
+        eye = ws.render(volume, FOLDS, view, panorama=True, size=(64, 32)).camera
+        assert abs(np.subtract(eye.focal_point, eye.position)[2]) > half
+    turn = ws.Turn(2, elevation=30)
+    cameras = cameras_of(turn, ws.Scene(volume, FOLDS), None, 2.0, Eyes(panorama=True))
+    assert np.subtract(cameras[0].focal_point, cameras[0].position)[2] < -half / 3
 
 
 def test_a_panorama_that_is_not_twice_as_wide_says_so():

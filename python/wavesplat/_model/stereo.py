@@ -34,6 +34,8 @@ LAYOUTS: tuple[str, ...] = get_args(Layout)
 
 #: Vertical angle of view, degrees, that VTK and ParaView give a camera, for views that are orthographic by themselves.
 VIEW_ANGLE = 30.0
+#: Least share of a view's up along the world's z of one that has a horizon.
+LEAST_UPRIGHT = 0.5
 #: Angle between the eyes, seen from where they converge, degrees: the default of VTK's and ParaView's cameras.
 EYE_ANGLE = 2.0
 
@@ -180,10 +182,25 @@ def in_perspective(camera: Camera) -> Camera:
     return replace(camera, position=place, parallel_scale=None, view_angle=VIEW_ANGLE)
 
 
-def within(camera: Camera) -> Camera:
-    """The camera moved to its focal point, which looks the same way: the eye of a panorama from the middle."""
-    ahead: Any = tuple(2 * focal - place for focal, place in zip(camera.focal_point, camera.position, strict=True))
-    return replace(camera, position=camera.focal_point, focal_point=ahead, parallel_scale=None, view_angle=90.0)
+def within(camera: Camera, *, is_level: bool = True) -> Camera:
+    """The camera moved to its focal point: the eye of a panorama from the middle of what the camera shows.
+
+    It looks the same way or, level, along the horizon below or above that, with the world's z upright; views along z
+    have none. The focal point is as far ahead as the camera shows to each side, as what is around the eye is.
+    """
+    import numpy as np
+
+    from wavesplat._model import camera_fit
+    from wavesplat._model.camera import Camera
+
+    _, up, back = camera_fit.axes_of(camera)
+    far = camera.parallel_scale
+    if far is None:
+        far = dist(camera.position, camera.focal_point) * tan(radians((camera.view_angle or 0.0) / 2))
+    if is_level and abs(up[2]) > LEAST_UPRIGHT:
+        up, back = np.array([0.0, 0.0, np.sign(up[2])]), back * (1.0, 1.0, 0.0)
+    ahead = camera.focal_point - far / np.linalg.norm(back) * back
+    return Camera(camera.focal_point, ahead, up, view_angle=90.0)
 
 
 def _positive(given: Any, name: str) -> float:

@@ -136,7 +136,7 @@ def cameras_of(turn: Turn, scene: Scene, composite: Operator | None, aspect: flo
         matrix = camera_fit.about(turn.axis, angle)
         cameras.append(Camera(first.focal_point + matrix @ offset, first.focal_point, matrix @ up, **lens))
     if eyes.panorama and not isinstance(turn.start, Camera):
-        return [within(camera) for camera in cameras]
+        return [within(camera, is_level=turn.elevation == 0) for camera in cameras]
     return [eyes.camera(camera) for camera in cameras]
 
 

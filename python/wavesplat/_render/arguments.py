@@ -149,7 +149,8 @@ def chosen_camera(
         camera = framing.in_view_again(camera.turned(*turned), parts, **fitting)
     for volume, _ in parts:
         check_view(camera, volume)
-    return within(camera) if eyes.panorama else camera
+    # Who lifts the eye wants to look down or up.
+    return within(camera, is_level=turned is None or turned[1] == 0) if eyes.panorama else camera
 
 
 def cut_open(volume: Volume | WaveletVolume, boxes: Boxes) -> Volume | WaveletVolume:

@@ -44,7 +44,7 @@ def test_names_of_units_in_files(name, ours):
     ("length", "unit", "text"),
     [
         (2000, "um", "2 mm"), (500, "um", "500 µm"), (0.2, "um", "200 nm"), (50, "mm", "50 mm"), (5, "cm", "50 mm"),
-        (0.05, "m", "50 mm"), (2e-6, "m", "2 µm"), (20, "angstrom", "2 nm"), (5, None, "5"), (0.5, "kpc", "0.5 kpc"),
+        (0.05, "m", "50 mm"), (2e-6, "m", "2 µm"), (0.5, "m", "0.5 m"), (500, "mm", "500 mm"), (20, "angstrom", "2 nm"), (5, None, "5"), (0.5, "kpc", "0.5 kpc"),
         (1000, "nm", "1 µm"), (2000, "km", "2000 km"), (5e-3, "pm", "0.005 pm"),
     ],
 )  # fmt: skip

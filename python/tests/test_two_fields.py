@@ -159,6 +159,11 @@ def test_colour_bars_and_reports_name_the_field_of_the_colours() -> None:
         assert shown["name"] == "temperature"
         assert shown["transfer_function"]["color"][-1] == (N - 1, 1, 0, 0)
         assert picture.annotated(colorbar=True).rgba.shape[1] > 64
+    of_layer = ws.Layer(ws.Volume(along_x().samples, facts=ws.Facts(value_unit="K")), RED, name="temperature")
+    of_file = ws.Volume(along_x().samples, facts=ws.Facts(quantity="temperature", value_unit="K"))
+    for field in (of_layer, of_file):
+        (shown,) = ws.render(ws.Scene(ws.Layer(ball(), color_from=field)), size=(32, 32)).report["shown"]
+        assert (shown["quantity"], shown["values"]) == ("temperature", "K"), "bars say both"
     function = ws.TransferFunction2D([0, 14], [0, 31], np.ones((2, 2, 4)), rows="field")
     both = ws.render(ws.Scene(ws.Layer(ball(), function, color_from=along_x())), size=(32, 32))
     with pytest.raises(ArgumentError, match="second field"):

@@ -159,7 +159,8 @@ def length_text(length: float, unit: str | None) -> str:
     for name in READABLE:
         # Rounded: 1000 um is 1 mm, whatever the last bit says.
         number = float(f"{length * size / METRES[name]:.9g}")
-        if number >= 1:
+        # Tenths of a metre stay metres in a world of metres, as the numbers of its frame: 0.5 m, not 500 mm.
+        if number >= 1 or (name == unit == "m" and number >= 0.1):
             break
     return f"{number:g} {written(name)}"
 

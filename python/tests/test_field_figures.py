@@ -101,7 +101,11 @@ def test_a_figure_of_a_field_has_a_bar_by_itself(wavesplat, file, tmp_path):
     assert width("figure.png", "--figure") > 120
     assert width("mapped.png", "--figure", "--cmap", "viridis") > 120
     # A surface has one colour.
-    assert width("surface.png", "--figure", "--composite", "isosurface", "--iso-value", "0.5") == 120
+    surface = ("--figure", "--composite", "isosurface", "--iso-value", "0.5")
+    assert width("surface.png", *surface) == 120
+    # Another field gives one more.
+    assert width("colored.png", *surface, "--color-by", "temperature:inferno") > 120
+    assert width("both.png", "--figure", "--color-by", "temperature") > 120
 
 
 def test_a_figure_of_a_scan_has_letters_and_no_bar(wavesplat, tmp_path):

@@ -125,7 +125,9 @@ def _bars_of_fields(picture: Picture, scene: Scene) -> bool | str:
     from wavesplat._looks.kinds import FIELDS, kind_of
 
     shown = [one for one in picture.report.get("shown") or () if one["composite"] != "first-hit"]
-    fields = {layer.name or layer.drawn.name for layer in scene.layers if kind_of(layer.drawn) in FIELDS}
+    # The report names a layer by the field that colours it.
+    coloring = [layer if layer.color_from is None else layer.color_from for layer in scene.layers]
+    fields = {layer.name or layer.drawn.name for layer in coloring if kind_of(layer.drawn) in FIELDS}
     named = [one["name"] for one in shown if one["name"] in fields and one["transfer_function"] is not None]
     return len(named) == len(shown) or named[0] if named else False
 

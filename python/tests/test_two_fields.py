@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 import wavesplat as ws
+from wavesplat._picture.color_bar import scale_of
 from wavesplat._viewer.code import python_of
 from wavesplat._viewer.state import ViewerState
 from wavesplat.errors import ArgumentError
@@ -164,6 +165,12 @@ def test_colour_bars_and_reports_name_the_field_of_the_colours() -> None:
     for field in (of_layer, of_file):
         (shown,) = ws.render(ws.Scene(ws.Layer(ball(), color_from=field)), size=(32, 32)).report["shown"]
         assert (shown["quantity"], shown["values"]) == ("temperature", "K"), "bars say both"
+    half = ws.TransferFunction([(N / 2, 0), (N - 1, 1)], RED.color)
+    scene = ws.Scene(ws.Layer(ball(), color_from=ws.Layer(along_x(), half)))
+    (shown,) = ws.render(scene, size=(32, 32)).report["shown"]
+    function = ws.TransferFunction(**shown["transfer_function"])
+    bar = scale_of(function, "over", "", (1.0, 1.0, 1.0))
+    assert (bar.low, bar.high) == (0, N - 1), "colours of values that the field's own opacity leaves clear"
     function = ws.TransferFunction2D([0, 14], [0, 31], np.ones((2, 2, 4)), rows="field")
     both = ws.render(ws.Scene(ws.Layer(ball(), function, color_from=along_x())), size=(32, 32))
     with pytest.raises(ArgumentError, match="second field"):

@@ -89,7 +89,9 @@ def _shown(
         name = own.name or layer.volume.name
         return shown_layer(name, composite, function, _unit(scene, own), quantity_of(own))
     # A surface that another field colours has as many colours as matter.
-    curves, of_field = color.function_at(function, operator), color.layer
+    of_field, colors = color.layer, color.function_at(function, operator).color
+    # What is seen is not told by this field's values, so a bar has all of its colours.
+    curves = TransferFunction([(colors[0][0], 1.0)], colors)
     # Its name tells the field that colours from the one that is seen, so a colour bar says it beside the unit.
     named = color.name if color.name != of_field.volume.name else None
     return shown_layer(color.name, "over", curves, _unit(scene, of_field), quantity_of(of_field) or named)

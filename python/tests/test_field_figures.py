@@ -94,6 +94,8 @@ def test_a_figure_of_a_field_has_a_bar_by_itself(wavesplat, file, tmp_path):
         asked = ("--dataset", "fields/density", "--size", "120x120", *options)
         done = wavesplat("render", file, "-o", tmp_path / name, *asked)
         assert done.returncode == 0, done.stderr
+        if name.endswith(".svg"):
+            return None
         with Image.open(tmp_path / name) as picture:
             return picture.width
 
@@ -106,6 +108,8 @@ def test_a_figure_of_a_field_has_a_bar_by_itself(wavesplat, file, tmp_path):
     # Another field gives one more.
     assert width("colored.png", *surface, "--color-by", "temperature:inferno") > 120
     assert width("both.png", "--figure", "--color-by", "temperature") > 120
+    assert width("fast.svg", "--figure", "--color-by", "velocity") is None
+    assert ">velocity magnitude</text>" in (tmp_path / "fast.svg").read_text()
 
 
 def test_a_figure_of_a_scan_has_letters_and_no_bar(wavesplat, tmp_path):

@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 import wavesplat as ws
+from wavesplat._looks.field_colors import field_colors
 from wavesplat._picture.color_bar import scale_of
 from wavesplat._viewer.code import python_of
 from wavesplat._viewer.state import ViewerState
@@ -175,6 +176,16 @@ def test_colour_bars_and_reports_name_the_field_of_the_colours() -> None:
     both = ws.render(ws.Scene(ws.Layer(ball(), function, color_from=along_x())), size=(32, 32))
     with pytest.raises(ArgumentError, match="second field"):
         both.annotated(colorbar=True)
+
+
+def test_diverging_maps_of_a_colour_field_end_where_its_values_or_the_window_do() -> None:
+    heat = ws.Volume(300 + 5 * along_x().samples, name="heat")
+    for window, ends in ((None, [300, 455]), ((350, 400), [350, 400])):
+        color = field_colors(heat, "coolwarm", window).color
+        assert [color[0][0], color[-1][0]] == pytest.approx(ends, abs=0 if window else 5)
+    wave = ws.Volume(np.sin(radius()) - np.float32(0.2), name="wave")
+    values = [value for value, *_ in field_colors(wave, "coolwarm").color]
+    assert values[0] == pytest.approx(-values[-1])
 
 
 def test_scenes_of_two_fields_are_drawn_again_from_their_pictures(tmp_path: Path) -> None:

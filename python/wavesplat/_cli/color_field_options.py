@@ -61,7 +61,8 @@ def color_layer(text: str, input: str, reader: ReaderOptions, *, has_times: bool
         volume = _opened(said, text, input, reader, has_times=has_times)
         seen: Any = brightest(volume) if isinstance(volume, Series) else volume
         # The last part of its name, as colour bars have it.
-        name = None if said.dataset is None else said.dataset.rpartition("/")[2]
+        own = said.dataset and said.dataset.rpartition("/")[2]
+        name = None if own is None else seen.facts.quantity or own
         if said.colormap is None and said.window is None:
             return Layer(volume, name=name)
         try:

@@ -22,14 +22,21 @@ FIELD_MAP = "inferno"
 def field_colors(volume: Volume, colormap: str | None, window: Any = None) -> TransferFunction:
     """The colours of a map over a window, by default over the values that the automatic look of the field shows.
 
+    Maps that diverge, too, have their ends at those of the window; without one, of values with two signs their middle
+    is at 0.
+
     Raises
     ------
     ArgumentError
         If there is no such map, or the window cannot work.
     """
     name = colormap or FIELD_MAP
-    if window is not None or colormaps.is_diverging(name) or kind_of(volume) != "field":
-        return mapped(volume, name, window)
+    if window is not None:
+        return TransferFunction.from_colormap(name, clim=window)
+    kind = kind_of(volume)
+    if kind != "field":
+        is_even = colormaps.is_diverging(name) and kind != "signed field"
+        return TransferFunction.from_colormap(name, volume) if is_even else mapped(volume, name)
     function = automatic(volume, "over").transfer_function
     assert isinstance(function, TransferFunction)
     values = [value for value, *_ in function.color]

@@ -176,6 +176,66 @@ def test_one_reader_of_transfer_functions(tmp_path):
         ws.TransferFunction.load(tmp_path / "bad.json")
 
 
+#: As versions from 5.13 on write it.
+NEW_PYTHON = """# state file generated using paraview version 6.0.1
+import paraview
+paraview.compatibility.major = 6
+from paraview.simple import *
+renderView1 = CreateView('RenderView')
+renderView1.Set(
+    ViewSize=[800, 600],
+    CameraPosition=[30.0, -20.0, 25.0],
+    CameraFocalPoint=[5.75, 5.75, 5.75],
+    CameraViewUp=[0.0, 0.0, 1.0],
+)
+renderView1.AxesGrid.Set(CameraPosition=[1.0, 1.0, 1.0])
+densityLUT = GetColorTransferFunction('density')
+densityLUT.Set(
+    RGBPoints=GenerateRGBPoints(
+        range_min=1.0,
+        range_max=1000.0,
+    ),
+    ScalarRangeInitialized=1.0,
+)
+densityPWF = GetOpacityTransferFunction('density')
+densityPWF.Set(Points=[1.0, 0.0, 0.5, 0.0, 1000.0, 1.0, 0.5, 0.0])
+display = Show(reader, renderView1, 'UniformGridRepresentation')
+display.Set(
+    LookupTable=densityLUT,
+    ScalarOpacityUnitDistance=0.75,
+)
+"""
+
+
+def test_states_of_new_versions_set_several_properties_at_once(tmp_path):
+    """They were not seen: the camera stood at (0, 0, 1), and colours were those of another map from 0 to 1."""
+    path = tmp_path / "new.py"
+    path.write_text(NEW_PYTHON)
+    camera = ws.Camera.load(path)
+    assert (camera.position, camera.view_up) == ((30, -20, 25), (0, 0, 1))
+    function = ws.TransferFunction.load(path)
+    assert function.opacity_unit == 0.75
+    assert function.opacity[0] == (1, 0)
+    assert function.color[0] == pytest.approx((1, 0.0564, 0.0564, 0.47))
+    assert function.color[-1] == pytest.approx((1000, 0.59, 0.0767, 0.119475))
+    path.write_text(NEW_PYTHON.replace("range_min", "preset_name='Viridis (matplotlib)', range_min"))
+    viridis = ws.TransferFunction.from_colormap("viridis", clim=(1, 1000))
+    values = np.linspace(1, 1000, 40)
+    np.testing.assert_allclose(ws.TransferFunction.load(path)(values)[:, :3], viridis(values)[:, :3], atol=0.005)
+    path.write_text(NEW_PYTHON.replace("version 6.0.1", "version 5.13.3").replace("major = 6", "major = 5"))
+    np.testing.assert_allclose(ws.TransferFunction.load(path)([1])[0, :3], (0.231373, 0.298039, 0.752941), atol=1e-6)
+    path.write_text(NEW_PYTHON.replace("range_min", "preset_name='Jet', range_min"))
+    with pytest.raises(ArgumentError, match=r"names the colours 'Jet' and does not write them out; save .* as \.pvsm"):
+        ws.TransferFunction.load(path)
+
+
+def test_views_whose_camera_is_not_written_are_refused(tmp_path):
+    path = tmp_path / "view.py"
+    path.write_text("from paraview.simple import *\nview = GetActiveViewOrCreate('RenderView')\nResetCamera(view)\n")
+    with pytest.raises(ArgumentError, match="does not say where the camera of 'view' is; save the state"):
+        ws.Camera.load(path)
+
+
 def test_a_state_is_never_run(tmp_path):
     path = tmp_path / "evil.py"
     mark = tmp_path / "ran"

@@ -23,7 +23,9 @@ import numpy as np
 
 from wavesplat._looks import color_spaces, value_scale, vtk_curves
 from wavesplat._looks.look import Look
+from wavesplat._looks.paraview_colors import points_of
 from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._model.paraview_state import NamedPoints
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -90,7 +92,8 @@ def look(document: dict[str, Any], volume: Volume | WaveletVolume | None) -> Loo
         raise ArgumentError(f"{WHAT}: {name!r} is in the space {space!r}; read are {', '.join(color_spaces.SPACES)}")
     if document.get("IndexedLookup"):
         raise ArgumentError(f"{WHAT}: {name!r} is a map of categories, which is not read")
-    nodes = _table(document["RGBPoints"], 4, "RGBPoints")
+    points = document["RGBPoints"]
+    nodes = _table(points_of(points) if isinstance(points, NamedPoints) else points, 4, "RGBPoints")
     if not all(0 <= channel <= 1 for node in nodes for channel in node[1:]):
         raise ArgumentError(f'{WHAT}: {name!r} has a colour in "RGBPoints" that is not of three numbers 0..1')
     nodes.sort(key=lambda node: node[0])

@@ -2,16 +2,18 @@
 
 A `.pvsm` lists proxies: `<Proxy type="RenderView" id="7">` with `<Property name="CameraPosition">` of `<Element>`, and
 their names in `<ProxyCollection>`. A Python state sets the same properties, those that differ from ParaView's defaults:
-`renderView1.CameraPosition = [...]`. It is read and never run: only values that are written out count.
+`renderView1.CameraPosition = [...]` or, from version 5.13 on, `renderView1.Set(CameraPosition=[...])`. It is read and
+never run: only values that are written out count, and colours that are named by `GenerateRGBPoints`.
 
-Source: ParaView's vtkSMStateLoader and smstate.py, and its definitions of views and of rendering, version 5.
+Source: ParaView's vtkSMStateLoader and smstate.py, and its definitions of views and of rendering, versions 5 and 6.
 """
 
 from __future__ import annotations
 
 import ast
+import re
 from collections.abc import Iterable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from math import inf, isfinite
 from typing import TYPE_CHECKING, Any
 
@@ -21,7 +23,7 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from xml.etree.ElementTree import Element
 
-__all__ = ["View", "color_maps", "is_state", "view_named", "views"]
+__all__ = ["NamedPoints", "View", "color_maps", "is_state", "view_named", "views"]
 
 WHAT = "state of ParaView"
 #: Roots of its XML files: states, alone or within another element, and cameras.
@@ -38,26 +40,13 @@ VIEW = {
     "CameraParallelProjection": 0.0,
 }
 #: Properties of maps of colours, with ParaView's defaults.
-COLORS = {
-    "ColorSpace": "Diverging",
-    "RGBPoints": (
-        0.0,
-        0.231373,
-        0.298039,
-        0.752941,
-        0.5,
-        0.865003,
-        0.865003,
-        0.865003,
-        1.0,
-        0.705882,
-        0.0156863,
-        0.14902,
-    ),
-    "UseLogScale": 0.0,
-    "HSVWrap": 0.0,
-    "IndexedLookup": 0.0,
-}
+COLORS = {"UseLogScale": 0.0, "HSVWrap": 0.0, "IndexedLookup": 0.0}
+#: The version from which on another map is the default, and name and colour space of the default, before and since.
+NEW_COLORS, DEFAULT_COLORS = 6, (("Cool to Warm", "Diverging"), ("Fast", "Lab"))
+#: Where a Python file says the version that it is for.
+VERSION = re.compile(r"paraview(?:\.compatibility\.major\s*=\s*| version )(\d+)")
+#: The function of Python states that makes colour points of a name and a range.
+NAMED = "GenerateRGBPoints"
 #: Colour spaces by their numbers, where a file has no names of them.
 SPACES = ("RGB", "HSV", "Lab", "Diverging", "Lab/CIEDE2000", "Step")
 VIEWS, TABLES, OPACITIES = ("RenderView",), ("PVLookupTable",), ("PiecewiseFunction",)
@@ -89,6 +78,15 @@ class View:
     view_up: tuple[float, ...]
     parallel_scale: float | None
     view_angle: float | None
+
+
+@dataclass(frozen=True)
+class NamedPoints:
+    """Colour points of a map that a state names, over a range of values."""
+
+    preset: str
+    low: float = 0.0
+    high: float = 1.0
 
 
 @dataclass
@@ -137,6 +135,9 @@ def color_maps(text: str) -> list[dict[str, Any]]:
     and `Absolute`: values are samples, and not places in a range.
     """
     proxies = _proxies(text)
+    version = VERSION.search(text)
+    preset, space = DEFAULT_COLORS[version is not None and int(version[1]) >= NEW_COLORS]
+    defaults = {"ColorSpace": space, "RGBPoints": NamedPoints(preset), **COLORS}
     found = []
     for table in (proxy for proxy in proxies if proxy.kind in TABLES):
         opacity = table.properties.get("ScalarOpacityFunction")
@@ -147,7 +148,9 @@ def color_maps(text: str) -> list[dict[str, Any]]:
                     f"{WHAT}: {table.name!r} is changed by {one.calls[0]}, whose result the file does not have; save "
                     "the state in ParaView (File > Save State), and give that file"
                 )
-        made = {"Name": table.name, **{key: table.properties.get(key, default) for key, default in COLORS.items()}}
+        made = {"Name": table.name, **{key: table.properties.get(key, default) for key, default in defaults.items()}}
+        if isinstance(made["RGBPoints"], NamedPoints):
+            made["RGBPoints"] = replace(made["RGBPoints"], preset=made["RGBPoints"].preset or preset)
         if isinstance(made["ColorSpace"], float):
             made["ColorSpace"] = SPACES[int(made["ColorSpace"])] if made["ColorSpace"] in range(len(SPACES)) else "?"
         if opacity is not None and "Points" in opacity.properties:
@@ -167,6 +170,11 @@ def _same_name(proxies: Iterable[_Proxy], name: str) -> _Proxy | None:
 
 
 def _view(proxy: _Proxy) -> View:
+    if "CameraPosition" not in proxy.properties:
+        raise ArgumentError(
+            f"{WHAT}: it does not say where the camera of {proxy.name!r} is; save the state in ParaView (File > Save "
+            "State) once the view is as you want it, and give that file"
+        )
     given = {key: proxy.properties.get(key, default) for key, default in VIEW.items()}
     for key, default in VIEW.items():
         value = given[key]
@@ -260,10 +268,19 @@ def _of_python(text: str) -> list[_Proxy]:
         if isinstance(line, ast.Assign) and len(line.targets) == 1:
             _assign(line.targets[0], line.value, made)
         elif isinstance(line, ast.Expr) and isinstance(line.value, ast.Call):
-            called = line.value.func
-            if isinstance(called, ast.Attribute) and called.attr in NOT_WRITTEN and isinstance(called.value, ast.Name):
-                made.setdefault(called.value.id, _Proxy("", called.value.id)).calls.append(called.attr)
+            _note_call(line.value, made)
     return list(made.values())
+
+
+def _note_call(call: ast.Call, made: dict[str, _Proxy]) -> None:
+    """Note `name.Set(Property=value)`, and calls that change a map unseen."""
+    if not isinstance(call.func, ast.Attribute) or not isinstance(call.func.value, ast.Name):
+        return
+    proxy = made.setdefault(call.func.value.id, _Proxy("", call.func.value.id))
+    if call.func.attr == "Set":
+        proxy.properties |= {one.arg: _written(one.value, made) for one in call.keywords if one.arg is not None}
+    elif call.func.attr in NOT_WRITTEN:
+        proxy.calls.append(call.func.attr)
 
 
 def _assign(target: ast.expr, value: ast.expr, made: dict[str, _Proxy]) -> None:
@@ -275,8 +292,21 @@ def _assign(target: ast.expr, value: ast.expr, made: dict[str, _Proxy]) -> None:
         made[target.id] = _Proxy(kind, named)
     elif isinstance(target, ast.Attribute) and isinstance(target.value, ast.Name):
         proxy = made.setdefault(target.value.id, _Proxy("", target.value.id))
-        linked = made.get(value.id) if isinstance(value, ast.Name) else None
-        proxy.properties[target.attr] = _literal(value) if linked is None else linked
+        proxy.properties[target.attr] = _written(value, made)
+
+
+def _written(value: ast.expr, made: dict[str, _Proxy]) -> Any:
+    """The value of a property: a proxy by its variable, named colours, or what is written out."""
+    if isinstance(value, ast.Name) and value.id in made:
+        return made[value.id]
+    if not (isinstance(value, ast.Call) and isinstance(value.func, ast.Name) and value.func.id == NAMED):
+        return _literal(value)
+    given = dict(zip(("preset_name", "range_min", "range_max"), map(_literal, value.args), strict=False))
+    given |= {one.arg: _literal(one.value) for one in value.keywords if one.arg is not None}
+    preset, low, high = given.get("preset_name"), given.get("range_min", 0.0), given.get("range_max", 1.0)
+    if not (_is_number(low) and _is_number(high) and (preset is None or isinstance(preset, str))):
+        return None
+    return NamedPoints(preset or "", low, high)
 
 
 def _literal(value: ast.expr) -> Any:

@@ -112,6 +112,16 @@ def test_a_figure_of_a_field_has_a_bar_by_itself(wavesplat, file, tmp_path):
     assert ">velocity magnitude</text>" in (tmp_path / "fast.svg").read_text()
 
 
+def test_a_patient_s_axes_and_millimetres_of_a_header_are_not_those_of_a_simulation(wavesplat, tmp_path):
+    """A protein was 20 mm large, and a flame had a right side."""
+    ws.Volume(DENSITY, unit="mm", anatomical=True).save(tmp_path / "flame.nrrd")
+    for name, asked, has in (("a.svg", (), False), ("b.svg", ("--axes", "--scale-bar"), True)):
+        done = wavesplat("render", tmp_path / "flame.nrrd", "--size", "200", "--figure", *asked, "-o", tmp_path / name)
+        assert done.returncode == 0, done.stderr
+        drawn = (tmp_path / name).read_text()
+        assert (" mm</text>" in drawn, ">R</text>" in drawn) == (has, has)
+
+
 def test_a_figure_of_a_scan_has_letters_and_no_bar(wavesplat, tmp_path):
     ws.examples.mri_head().save(tmp_path / "head.nii.gz")
     for name in ("a.svg", "a.png"):

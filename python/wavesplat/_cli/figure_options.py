@@ -106,13 +106,16 @@ def annotated(picture: Picture, options: FigureOptions, scene: Scene, *, quiet: 
     if options.figure:
         from wavesplat._render.framing import is_of_patient
 
-        of_patient = is_of_patient(scene.layers[0].drawn)
+        first = scene.layers[0].drawn
+        of_patient = is_of_patient(first)
+        # Headers name a patient's axes and millimetres for what is none, too: these nobody measured.
+        is_measured = of_patient or not first.is_anatomical
         is_marked = options.letters or options.cube or options.axes
         options = replace(
             options,
-            scale_bar=options.scale_bar or picture.unit is not None,
+            scale_bar=options.scale_bar or (is_measured and picture.unit is not None),
             letters=options.letters or (not is_marked and of_patient),
-            axes=options.axes or (not is_marked and not of_patient),
+            axes=options.axes or (not is_marked and not of_patient and is_measured),
         )
         bars = bars or _bars_of_fields(picture, scene)
         options = replace(options, colorbar=bool(bars))

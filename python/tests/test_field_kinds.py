@@ -5,6 +5,7 @@ Windows are percentiles of the samples: of the values, or of their sizes where b
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import wavesplat as ws
 from wavesplat._looks.colormaps import colors_of
@@ -180,6 +181,55 @@ def test_each_field_is_seen_and_seen_through(name, background):
         for sign in (1, -1):
             hue = sign * (picture.rgba[..., 0] - picture.rgba[..., 2])
             assert (hue > 0.1).mean() > 0.001, "both signs are there"
+
+
+@pytest.mark.parametrize(
+    "name", ["velocity of a wind", "heavy tails of both signs", "density, log-normal", "pressure in vortices"]
+)
+def test_another_map_changes_the_colours_alone(name):
+    volume = made(name)
+    own, other = ws.Look.auto(volume), ws.Look.auto(volume, colormap="coolwarm")
+    assert other.transfer_function.opacity == own.transfer_function.opacity
+    assert other.shading == own.shading
+    values = [value for value, *_ in own.transfer_function.color]
+    places, table = colors_of("coolwarm")
+    at = np.linspace(0, 1, len(values))
+    wanted = [
+        (value, *(np.interp(place, places, table[:, c]) for c in range(3)))
+        for value, place in zip(values, at, strict=True)
+    ]
+    np.testing.assert_allclose(other.transfer_function.color, wanted, atol=1e-6)
+    if TABLE[name][2] == SIGNED:
+        assert values[len(values) // 2] == 0, "the middle of a diverging map is at 0"
+
+
+def test_looks_without_a_map_of_colours_say_so():
+    for volume, composite in ((made("bytes of a scan"), None), (made("speed"), "maximum")):
+        with pytest.raises(
+            ws.errors.ArgumentError, match=r"is not one of a field.*from_colormap\('coolwarm', volume\)"
+        ):
+            ws.Look.auto(volume, composite, colormap="coolwarm")
+
+
+def test_the_command_s_map_alone_is_that_of_the_look(wavesplat, tmp_path):
+    """`--cmap coolwarm` made a field a wall, whose middle colour was not at 0."""
+    volume = made("velocity of a wind")
+    volume.save(tmp_path / "wind.nrrd")
+    size = ("--size", "48x48", "--background", "transparent")
+    done = wavesplat("render", tmp_path / "wind.nrrd", "--cmap", "coolwarm", *size, "-o", tmp_path / "a.png")
+    assert done.returncode == 0, done.stderr
+    there = ws.open(tmp_path / "wind.nrrd")
+    ws.render(there, ws.Look.auto(there, colormap="coolwarm"), size=(48, 48)).save(tmp_path / "b.png")
+    with Image.open(tmp_path / "a.png") as one, Image.open(tmp_path / "b.png") as two:
+        assert np.array_equal(one, two)
+    clim = wavesplat(
+        "render", tmp_path / "wind.nrrd", "--cmap", "coolwarm", "--clim", "-20,20", *size, "-o", tmp_path / "c.png"
+    )
+    assert clim.returncode == 0, clim.stderr
+    given = ws.TransferFunction.from_colormap("coolwarm", clim=(-20, 20))
+    ws.render(there, given, size=(48, 48)).save(tmp_path / "d.png")
+    with Image.open(tmp_path / "c.png") as one, Image.open(tmp_path / "d.png") as two:
+        assert np.array_equal(one, two), "values that are given count, from clear to opaque"
 
 
 def test_components_of_a_vector_get_one_kind():

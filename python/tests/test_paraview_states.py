@@ -225,7 +225,7 @@ def test_states_of_new_versions_set_several_properties_at_once(tmp_path):
     path.write_text(NEW_PYTHON.replace("version 6.0.1", "version 5.13.3").replace("major = 6", "major = 5"))
     np.testing.assert_allclose(ws.TransferFunction.load(path)([1])[0, :3], (0.231373, 0.298039, 0.752941), atol=1e-6)
     path.write_text(NEW_PYTHON.replace("range_min", "preset_name='Jet', range_min"))
-    with pytest.raises(ArgumentError, match=r"names the colours 'Jet' and does not write them out; save .* as \.pvsm"):
+    with pytest.raises(ArgumentError, match=r"names the colours 'Jet' and does not write them out; save it as \.pvsm"):
         ws.TransferFunction.load(path)
 
 

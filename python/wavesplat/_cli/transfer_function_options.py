@@ -49,7 +49,9 @@ class ColorOptions:
     cmap: Annotated[
         str | None,
         typer.Option(
-            metavar="NAME", help="Colour map of matplotlib or others: viridis, inferno, coolwarm_r, cmocean:ice."
+            metavar="NAME",
+            help="Colour map of matplotlib or others: viridis, inferno, coolwarm_r, cmocean:ice. Alone, of fields, it "
+            "colours what is seen without it.",
         ),
     ] = None
     clim: Annotated[
@@ -88,6 +90,11 @@ class ColorOptions:
     def name_a_map(self) -> bool:
         """Whether they make a look of a colour map, and do not change another."""
         return self.cmap is not None or self.log
+
+    @property
+    def name_a_map_alone(self) -> bool:
+        """Whether they name a map, and neither values nor opacities, which the automatic look of a field has."""
+        return self == ColorOptions(cmap=self.cmap) and self.cmap is not None
 
     def look(self, volume: Volume | WaveletVolume, opacity: str | float) -> Look:
         """The look of the map, grey if none is named. `opacity`: the default."""
@@ -151,12 +158,15 @@ class LookOptions:
 
     def look(self, volume: Volume | WaveletVolume, path: str, colors: ColorOptions, *, quiet: bool) -> Look:
         """The look that is named, or the one that suits the data. `path`: where the volume came from, for messages."""
+        from wavesplat._looks.automatic import are_colored
         from wavesplat._looks.look import Look
         from wavesplat._render.arguments import chosen_look
 
         if self.materials is not None:
             function = _function_of_materials(volume, self.materials, self.surfaces)
             return Look(transfer_function=function, composite=self.operator or "over")
+        if self._is_automatic and colors.name_a_map_alone and are_colored(volume, self.operator):
+            return Look.auto(volume, self.operator, colormap=colors.cmap)
         is_projection = self.operator not in (None, "over", "first-hit")
         if colors.name_a_map or (is_projection and self._is_automatic and (colors.clim or colors.window)):
             # Greys of projections over a window are even from end to end, so that they can be read off.

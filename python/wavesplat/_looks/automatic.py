@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -19,7 +20,7 @@ from wavesplat._looks.channels import LUMINANCE, channel_window, lightened, ramp
 from wavesplat._looks.colormaps import colors_of
 from wavesplat._looks.field_curves import Curves, of_field, of_signed_field
 from wavesplat._looks.histogram import without_padding
-from wavesplat._looks.kinds import Evidence, Kind, evidence, offset_of
+from wavesplat._looks.kinds import Evidence, Kind, evidence, kind_of, offset_of
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.look import Look
 from wavesplat._looks.measured_maps import SIGNIFICANT
@@ -40,10 +41,12 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._model.options import Composite
 
-__all__ = ["automatic", "tinted"]
+__all__ = ["COLORED", "are_colored", "automatic", "function_in_colors", "in_colors", "tinted"]
 
 Rgb = tuple[float, float, float]
 
+#: Kinds whose look has a map of colours over a scale.
+COLORED: tuple[Kind, ...] = ("field", "signed field")
 #: Light for solid things: ambient occlusion lets depth be seen.
 SOLID = Shading(ambient_occlusion=0.3)
 #: Light for translucent things: a highlight on every faint boundary would be noise.
@@ -155,6 +158,31 @@ def automatic(volume: Volume | WaveletVolume, composite: Composite | None, color
         name="auto",
         reason=known.reason,
     )
+
+
+def are_colored(volume: Volume | WaveletVolume, composite: Composite | None) -> bool:
+    """Whether the automatic look of a volume has a map of colours, which another one can take the place of."""
+    is_detail = isinstance(volume, WaveletVolume) and volume.is_detail
+    return composite in (None, "over") and not is_detail and kind_of(volume) in COLORED
+
+
+def in_colors(look: Look, volume: Volume | WaveletVolume, colormap: str) -> Look:
+    """The automatic look of a field in the colours of a map; an `ArgumentError` of other looks."""
+    function = look.transfer_function
+    if not are_colored(volume, look.composite) or not isinstance(function, TransferFunction):
+        raise ArgumentError(
+            f"volume {volume.name!r}: the look ({look.composite}, {look.reason}) is not one of a field, whose colours "
+            f"a map can take the place of; use TransferFunction.from_colormap({colormap!r}, volume)"
+        )
+    return replace(look, transfer_function=function_in_colors(function, colormap), name=colormap)
+
+
+def function_in_colors(function: TransferFunction, colormap: str) -> TransferFunction:
+    """The automatic function of a field in the colours of a map: evenly over its nodes."""
+    values = [value for value, *_ in function.color]
+    places, colors = colors_of(colormap)
+    rgb = [np.interp(np.linspace(0, 1, len(values)), places, colors[:, c]).tolist() for c in range(3)]
+    return TransferFunction(function.opacity, list(zip(values, *rgb, strict=True)), function.opacity_unit)
 
 
 def tinted(function: TransferFunction | TransferFunction2D, color: Rgb) -> TransferFunction | TransferFunction2D:

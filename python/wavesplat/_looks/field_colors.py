@@ -1,13 +1,14 @@
-"""Colours of a field by a named map: even over its values, or over their logarithm where a few are far larger."""
+"""Colours of a field by a named map, over the values that its automatic look shows, on the same scale.
+
+Values are even, or logarithms where a few are far larger; of two signs the map's middle is at 0.
+"""
 
 from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from wavesplat._looks import colormaps
-from wavesplat._looks.automatic import automatic
+from wavesplat._looks.automatic import COLORED, automatic, function_in_colors
 from wavesplat._looks.kinds import kind_of
 from wavesplat._looks.overlays import mapped
 from wavesplat._looks.transfer_function import TransferFunction
@@ -33,13 +34,9 @@ def field_colors(volume: Volume, colormap: str | None, window: Any = None) -> Tr
     name = colormap or FIELD_MAP
     if window is not None:
         return TransferFunction.from_colormap(name, clim=window)
-    kind = kind_of(volume)
-    if kind != "field":
-        is_even = colormaps.is_diverging(name) and kind != "signed field"
+    if kind_of(volume) not in COLORED:
+        is_even = colormaps.is_diverging(name)
         return TransferFunction.from_colormap(name, volume) if is_even else mapped(volume, name)
     function = automatic(volume, "over").transfer_function
     assert isinstance(function, TransferFunction)
-    values = [value for value, *_ in function.color]
-    places, colors = colormaps.colors_of(name)
-    rgb = [np.interp(np.linspace(0, 1, len(values)), places, colors[:, c]).tolist() for c in range(3)]
-    return TransferFunction(function.opacity, list(zip(values, *rgb, strict=True)), function.opacity_unit)
+    return function_in_colors(function, name)

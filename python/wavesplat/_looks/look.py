@@ -89,7 +89,7 @@ class Look:
 
     @classmethod
     @takes_its_types
-    def auto(cls, volume: VolumeLike, composite: Composite | None = None) -> Look:
+    def auto(cls, volume: VolumeLike, composite: Composite | None = None, *, colormap: str | None = None) -> Look:
         """A look for a first picture, by the kind of data that the volume holds; `reason` says which, and why.
 
         Parameters
@@ -98,15 +98,21 @@ class Look:
             Any data.
         composite : str, optional
             Operator; None takes the one that suits the kind of data.
+        colormap : str, optional
+            Of fields: this map's colours, over the same values and with the same opacities, instead of the look's own.
+            Names are those of `TransferFunction.from_colormap`.
 
         Raises
         ------
         ArgumentError
-            If all samples are equal: there is nothing to tell apart.
+            If all samples are equal: there is nothing to tell apart. If there is no map of that name, or the look is
+            not one of a field, such as that of a CT or of a projection.
         """
         from wavesplat._looks import automatic
 
-        return automatic.automatic(as_volume(volume), composite)
+        shown = as_volume(volume)
+        look = automatic.automatic(shown, composite)
+        return look if colormap is None else automatic.in_colors(look, shown, colormap)
 
     @classmethod
     @takes_its_types

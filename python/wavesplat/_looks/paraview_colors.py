@@ -1,15 +1,11 @@
-"""Colour points that states of ParaView name, and do not write out: of its own maps, and of matplotlib's.
+"""Colour points of the maps that ParaView starts with, which its Python states name and do not write out.
 
 Source: ParaView's Remoting/Views/ColorMaps.json, version 6.
 """
 
 from __future__ import annotations
 
-from wavesplat._looks import colormaps
-from wavesplat._model.paraview_state import NamedPoints
-from wavesplat.errors import ArgumentError
-
-__all__ = ["points_of"]
+__all__ = ["OWN"]
 
 #: Place, 0..1, red, green and blue of the maps that ParaView starts with: up to version 5, and from 6 on.
 OWN = {
@@ -30,26 +26,3 @@ OWN = {
         (1.0, 0.59, 0.0767, 0.119475),
     ],
 }
-#: End of the names of maps that are matplotlib's.
-OF_MATPLOTLIB = " (matplotlib)"
-
-
-def points_of(named: NamedPoints) -> list[float]:
-    """Value, red, green and blue of each point, one after the other.
-
-    Raises
-    ------
-    ArgumentError
-        If the map is neither ParaView's first one nor one of matplotlib's.
-    """
-    if named.preset in OWN:
-        nodes = OWN[named.preset]
-    elif named.preset.endswith(OF_MATPLOTLIB):
-        places, rgb = colormaps.colors_of(named.preset.removesuffix(OF_MATPLOTLIB))
-        nodes = [(place, *one) for place, one in zip(places.tolist(), rgb.tolist(), strict=True)]
-    else:
-        raise ArgumentError(
-            f"state of ParaView: it names the colours {named.preset!r} and does not write them out; save the state as "
-            ".pvsm in ParaView, which does, or export the colour map as .json"
-        )
-    return [number for place, *rgb in nodes for number in (named.low + place * (named.high - named.low), *rgb)]

@@ -21,9 +21,9 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from wavesplat._looks import color_spaces, value_scale, vtk_curves
+from wavesplat._looks import color_spaces, colormaps, value_scale, vtk_curves
 from wavesplat._looks.look import Look
-from wavesplat._looks.paraview_colors import points_of
+from wavesplat._looks.paraview_colors import OWN
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model.paraview_state import NamedPoints
 from wavesplat.errors import ArgumentError
@@ -40,6 +40,8 @@ WHAT = "colour map of ParaView"
 TAG = "ColorMap"
 #: Number of lines between two points of a map, where they are not lines already.
 N_LINES = 16
+#: End of the names of maps that are matplotlib's.
+OF_MATPLOTLIB = " (matplotlib)"
 #: Range of points that are fractions.
 UNIT = (0.0, 1.0)
 
@@ -93,7 +95,7 @@ def look(document: dict[str, Any], volume: Volume | WaveletVolume | None) -> Loo
     if document.get("IndexedLookup"):
         raise ArgumentError(f"{WHAT}: {name!r} is a map of categories, which is not read")
     points = document["RGBPoints"]
-    nodes = _table(points_of(points) if isinstance(points, NamedPoints) else points, 4, "RGBPoints")
+    nodes = _table(_points_of(points) if isinstance(points, NamedPoints) else points, 4, "RGBPoints")
     if not all(0 <= channel <= 1 for node in nodes for channel in node[1:]):
         raise ArgumentError(f'{WHAT}: {name!r} has a colour in "RGBPoints" that is not of three numbers 0..1')
     nodes.sort(key=lambda node: node[0])
@@ -116,6 +118,21 @@ def look(document: dict[str, Any], volume: Volume | WaveletVolume | None) -> Loo
     function = TransferFunction(alphas, _color(nodes, space, is_log=is_log), document.get("OpacityUnit"))
     reason = f"ParaView's colour map {name}." if name else "A colour map of ParaView."
     return Look(transfer_function=function, name=name, reason=reason)
+
+
+def _points_of(named: NamedPoints) -> list[float]:
+    """Value, red, green and blue of each point, one after the other, of a map that a state names."""
+    if named.preset in OWN:
+        nodes = OWN[named.preset]
+    elif named.preset.endswith(OF_MATPLOTLIB):
+        places, rgb = colormaps.colors_of(named.preset.removesuffix(OF_MATPLOTLIB))
+        nodes = [(place, *one) for place, one in zip(places.tolist(), rgb.tolist(), strict=True)]
+    else:
+        raise ArgumentError(
+            f"{WHAT}: the state names the colours {named.preset!r} and does not write them out; save it as .pvsm in "
+            "ParaView, which does, or export the colour map as .json"
+        )
+    return [number for place, *rgb in nodes for number in (named.low + place * (named.high - named.low), *rgb)]
 
 
 def _color(nodes: list[tuple[float, ...]], space: str, *, is_log: bool) -> list[tuple[float, ...]]:

@@ -203,6 +203,11 @@ def test_another_map_changes_the_colours_alone(name):
         assert values[len(values) // 2] == 0, "the middle of a diverging map is at 0"
 
 
+def test_infinite_samples_side_by_side_are_left_out_without_a_warning():
+    samples = np.where(R < 0.3, np.inf, SMOOTH).astype(np.float32)
+    assert kind_of(ws.Volume(samples)) == SIGNED
+
+
 def test_looks_without_a_map_of_colours_say_so():
     for volume, composite in ((made("bytes of a scan"), None), (made("speed"), "maximum")):
         with pytest.raises(

@@ -134,7 +134,9 @@ def evidence(volume: Volume | WaveletVolume) -> Evidence:
     """The kind of data that a volume holds, with the reason and the samples looked at."""
     samples, neighbours = _looked_at(volume)
     values = samples.astype(np.float64)
-    differences = [0.5 * (after.astype(np.float64) - before) for before, after in neighbours]
+    # Infinite neighbours have no difference, which is left out below.
+    with np.errstate(invalid="ignore"):
+        differences = [0.5 * (after.astype(np.float64) - before) for before, after in neighbours]
     # `hypot`, since the squares of samples near the limits of float64 overflow.
     gradients = np.hypot.reduce([np.zeros_like(values), *differences])
     finite = np.isfinite(values) & np.isfinite(gradients)

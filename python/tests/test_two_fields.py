@@ -235,7 +235,7 @@ def test_what_cannot_be_coloured_says_what_to_do() -> None:
     wavelets = ws.WaveletVolume.from_volume(along_x())
     for layer, arguments, wanted in (
         (ws.Layer(ball(), color_from=wavelets), {}, r"to_volume\(\)"),
-        (ws.Layer(ball(), color_from=small), {}, "covers it"),
+        (ws.Layer(ball(), color_from=small), {}, r"does not cover it: it lies from \(0, 0, 0\) to \(7, 7, 7\), and"),
         (ws.Layer(ball(), color_from=along_x()), {"composite": "maximum"}, "leave out color_from"),
         (ws.Layer(ball(), gradients, color_from=along_x()), {}, "colours by value and gradient"),
         (ws.Layer(ball(), fields), {}, "function of two fields"),

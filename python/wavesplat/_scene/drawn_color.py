@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from wavesplat._looks.look import Look
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
@@ -19,6 +21,10 @@ if TYPE_CHECKING:
     from wavesplat._scene.layer import Layer
 
 __all__ = ["DrawnColor", "check_operator", "check_rows", "drawn_color"]
+
+
+#: Part of a sample by which rounding may take a corner too far.
+ROUNDING = 1e-3
 
 
 @dataclass(frozen=True)
@@ -73,6 +79,7 @@ def drawn_color(layer: Layer, drawn: Volume | WaveletVolume, look: Look, first: 
             f"{of_field.name!r}, which colours {layer.name!r}, has a look of two dimensions; give it a "
             'TransferFunction, and a TransferFunction2D(..., rows="field") as the look of the layer itself'
         )
+    _check_covers(layer, drawn, volume)
     seen = on_axes_of(volume, first)
     assert isinstance(seen, Volume)
     return DrawnColor(of_field, volume, seen, look, function)
@@ -84,6 +91,23 @@ def _check_has_samples(layer: Layer, name: str | None, volume: Volume | WaveletV
             f"{layer.name!r} is coloured by another field, for which both must have samples, but {name!r} is a "
             "WaveletVolume; give its to_volume()"
         )
+
+
+def _check_covers(layer: Layer, drawn: Grid, field: Grid) -> None:
+    """Raise an `ArgumentError` where a layer lies beyond the field that colours it, by more than one of its samples."""
+    reach = np.abs(field.world_from_index[:3, :3]).sum(axis=1) * (1 + ROUNDING)
+    lower, upper = field.bounds
+    if np.all(drawn.bounds[0] >= lower - reach) and np.all(drawn.bounds[1] <= upper + reach):
+        return
+    places = [
+        " to ".join(f"({', '.join(f'{number:g}' for number in corner)})" for corner in grid.bounds)
+        for grid in (field, drawn)
+    ]
+    raise ArgumentError(
+        f"{layer.color_from.name!r}, which colours {layer.name!r}, does not cover it: it lies from {places[0]}, and "
+        f"{layer.name!r} from {places[1]}; crop the layer to where the field is, or say spacing and place where a file "
+        "has none"
+    )
 
 
 def check_rows(layer: Layer, look: Look) -> None:

@@ -39,6 +39,12 @@ def test_pictures_of_one_colour(options, note):
     assert note in notes(ws.render(VOLUME, **SIZE, **options))
 
 
+def test_a_map_over_the_range_of_one_value():
+    """It said: try --preset auto, which one value has not."""
+    note = notes(ws.render(FLAT, ws.TransferFunction.from_colormap("viridis", FLAT), **SIZE))
+    assert "every sample of the volume is 7, where the transfer function is transparent; give a range" in note
+
+
 @pytest.mark.parametrize("composite", ["mean", "sum", "minimum", "maximum", "x-ray"])
 def test_volumes_of_one_value(composite):
     curves = ws.TransferFunction([(0, 1)], [(0, 0, 0, 0), (1e9, 0, 0, 0)])

@@ -52,6 +52,10 @@ def notes_on_picture(
     if composite == "first-hit" and iso_value is not None and not low <= iso_value <= high:
         return [f"there is no surface at iso value {iso_value:g}: the volume's values are {low:g} to {high:g}"]
     if composite == "over" and isinstance(curves, TransferFunction) and _is_transparent(curves, low, high):
+        if low == high:
+            # No look can be chosen for it by itself.
+            is_clear = f"every sample of the volume is {low:g}, where the transfer function is transparent"
+            return [f"{is_clear}; give a range around it (clim)"]
         where = f"over the volume's values, {low:g} to {high:g}"
         return [f"the transfer function is transparent {where}, so the picture is empty; try --preset auto"]
     return [NOTHING_SHOWS]

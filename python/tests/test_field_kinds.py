@@ -55,6 +55,13 @@ SCAN = (120 * (R < 0.6) + np.abs(9 * noise(6))).astype(np.uint8)
 #: Shares of a liquid: a half of the box with waves, and a drop of 1 % of it.
 SURFACE = 0.5 - 0.5 * np.tanh(20 * (Z + 0.1 * np.sin(4 * X)))
 DROP = 0.5 - 0.5 * np.tanh(20 * (R - 0.27))
+DROPS = 1 - np.prod(
+    [
+        0.5 + 0.5 * np.tanh(20 * (np.sqrt((X - x) ** 2 + (Y - y) ** 2 + (Z - z) ** 2) - 0.33))
+        for x, y, z in ((-0.5, 0, 0.4), (0.5, 0.3, 0.3), (0.1, -0.4, -0.5), (0.5, 0.5, -0.5))
+    ],
+    axis=0,
+)
 CELLS = 1 + (X > 0) + 2 * (Y > 0.2) + 4 * (Z > -0.3)
 
 SIGNED, FIELD = "signed field", "field"
@@ -85,6 +92,7 @@ TABLE = {
     # One sign.
     "speed": (np.hypot(SMOOTH, OTHER), None, FIELD, "map", "linear", (1, 99)),
     "density, log-normal": (np.exp(1.5 * SMOOTH), None, FIELD, "map", "log", (5, 99.9)),
+    "density of galaxies": (np.exp(3 * SMOOTH), None, FIELD, "map", "log", None),
     "density with voids": (np.where(SMOOTH < -0.5, 0, np.exp(2 * SMOOTH)), None, FIELD, "map", "log", None),
     "density of an orbital": (ORBITAL**2, ANGSTROM, FIELD, "map", "log", None),
     "density with undershoots": (np.exp(2 * SMOOTH) - 0.01, None, FIELD, "map", "log", None),
@@ -112,6 +120,7 @@ TABLE = {
     "share of water": (SURFACE, None, FIELD, "map", "linear", (1, 99)),
     "density of water in air": (1.2 + 997 * SURFACE, None, FIELD, "map", "linear", (1, 99)),
     "drop in air": (1.2 + 997 * DROP, None, FIELD, "map", "linear", (1, 99.9)),
+    "drops of a tenth": (DROPS, None, FIELD, "map", "linear", (1, 99)),
     "pores": ((SMOOTH < 0.4) * (1 + 0.01 * OTHER), None, FIELD, "reversed", "linear", None),
     # No fields.
     "labels": (CELLS.astype(np.int32), None, "labels", None, None, None),

@@ -34,9 +34,12 @@ N_NODES, N_SIGNED = 17, 33
 #: Low values stand out: least ratio of the lower part of the range to the upper one. A background in the middle: the
 #: largest share of the range that half of the samples have.
 MIN_LOW, MAX_INNER = 3.0, 0.1
-#: A phase of one value at the end of the range: least ratio of the 99th percentile of what is none to the 95th; and the
-#: place up to which a field is clear at most, since what begins beyond it is a phase, and is seen from half way to it.
-PLATEAU, MAX_CLEAR = 1.1, 0.9
+#: A phase of one value at the end of the range: the least ratio of its values to the end, either way, and its least part
+#: of the samples beyond half of the end. (Drops with soft borders: 0.64 to 0.7; tails of exponentials of normal noise,
+#: and a Gaussian blob: 0.24 to 0.28.)
+PLATEAU, MIN_PHASE = 0.8, 0.5
+#: Place up to which a field is clear at most: what begins beyond it is a phase, and is seen from half way to it.
+MAX_CLEAR = 0.9
 #: A background of about one value: the largest distance of values that are the same, as a share of the range, and the
 #: largest share of the other samples.
 SAME_VALUE, MAX_MATTER = 0.01, 0.1
@@ -113,11 +116,13 @@ def of_signed_field(samples: Array, n_voxels: float) -> Curves:
 def _values_at(places: Array, samples: Array, middle: float) -> Array:
     """Values at places of a window, 0..1: even ones, or even in the logarithm where a few are far larger than most."""
     high = float(np.percentile(samples, 99.9))
-    low, shoulder, upper = (float(v) for v in np.percentile(_matter(samples, middle), (1.0, 95.0, 99.0)))
     least = _least_of_logarithm(samples)
     # Below a median of 0 nothing is few, and a phase that has one value, as of drops in a gas, is no tail.
-    if least is not None and high > HEAVY * middle and middle > 0 and upper > PLATEAU * shoulder:
-        return np.asarray(least * (high / least) ** places)
+    if least is not None and high > HEAVY * middle and middle > 0:
+        plateau = np.mean((samples > PLATEAU * high) & (samples < high / PLATEAU))
+        if plateau < MIN_PHASE * np.mean(samples > 0.5 * high):
+            return np.asarray(least * (high / least) ** places)
+    low, upper = (float(v) for v in np.percentile(_matter(samples, middle), (1.0, 99.0)))
     low, upper = min(low, middle), max(upper, middle)
     low, upper = (low, upper) if low < upper else (float(samples.min()), float(samples.max()))
     return low + (upper - low) * places

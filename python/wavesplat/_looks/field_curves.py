@@ -34,7 +34,7 @@ N_NODES, N_SIGNED = 17, 33
 #: Low values stand out: least ratio of the lower part of the range to the upper one. A background in the middle: the
 #: largest share of the range that half of the samples have.
 MIN_LOW, MAX_INNER = 3.0, 0.1
-#: A phase of one value at the end of the range: the least ratio of its values to the end, either way, and its least part
+#: A phase of one value at the range's end: the least ratio of its values to the end, either way, and its least part
 #: of the samples beyond half of the end. (Drops with soft borders: 0.64 to 0.7; tails of exponentials of normal noise,
 #: and a Gaussian blob: 0.24 to 0.28.)
 PLATEAU, MIN_PHASE = 0.8, 0.5

@@ -108,14 +108,6 @@ TABLE = {
     "bytes of a fuel": (bytes_of(BLOB), None, FIELD, "map", "linear", (1, 99)),
     "bytes of NRRD": (bytes_of(VORTEX + 0.2 * BLOB), PATIENT, FIELD, "map", "linear", (1, 99)),
     "two bytes of a distance": (np.round(1000 * R).astype(np.uint16), None, FIELD, "map", "linear", (1, 99)),
-    "counts of particles": (
-        np.random.default_rng(8).poisson(np.exp(1.2 * SMOOTH)).astype(np.int32),
-        None,
-        FIELD,
-        "map",
-        "linear",
-        (1, 99),
-    ),
     # Phases, of which many samples have the largest value.
     "share of water": (SURFACE, None, FIELD, "map", "linear", (1, 99)),
     "density of water in air": (1.2 + 997 * SURFACE, None, FIELD, "map", "linear", (1, 99)),

@@ -98,8 +98,6 @@ MIN_BRIGHT = 0.45
 #: counted from photons), least ratio of the 99.9th percentile to the median of the object, both above the background
 #: (cells 3.3 to 11, a mouse brain 3.9; vessels 1.3), and distance of samples in a file that has another unit, metres.
 MAX_EQUAL, MIN_GLOW, FINE_METRES = 0.25, 3.0, 1e-4
-#: Bytes of a sample of a scan, at most; counts of particles, and histograms, have four or eight.
-SCANNED_BYTES = 2
 #: Units that microscopes use.
 SMALL_UNITS = ("um", "nm", "angstrom", "pm")
 #: Units of atoms and molecules, whose densities and orbitals are floating-point numbers.
@@ -289,19 +287,15 @@ def _by_values(volume: Volume | WaveletVolume, values: NDArray[np.float64], *, h
         return "field", "a field: the lengths of vectors"
     if is_of_patient:
         return _of_patient(volume, values, numbers)
-    if numbers == "f" or not has_noise or (isinstance(volume, Volume) and volume.dtype.itemsize > SCANNED_BYTES):
-        return "field", _of_calculation(numbers, has_noise=has_noise)
+    if numbers == "f":
+        return "field", "a field of floating-point numbers"
+    if not has_noise:
+        return "field", "a field of whole numbers without noise, by the values"
     if _is_dense(values):
         return "EM", "dense matter that fills the volume, as in electron microscopy: mostly bright, by the values"
     if volume.unit is None and _glows(values):
         return "fluorescence", "fluorescence: noise, and a few samples far brighter than the rest, by the values"
     return "scan", "a scan of no fixed scale"
-
-
-def _of_calculation(numbers: str, *, has_noise: bool) -> str:
-    if numbers == "f":
-        return "a field of floating-point numbers"
-    return f"a field of whole numbers {'of more than 16 bits' if has_noise else 'without noise'}, by the values"
 
 
 def _of_patient(volume: Volume | WaveletVolume, values: NDArray[np.float64], numbers: str) -> tuple[Kind, str]:

@@ -146,7 +146,7 @@ class SlicedArray:
         check: Callable[[Any, Sequence[int | slice]], None] | None = None,
         reads_parts: bool = False,
     ) -> None:
-        self._array, self._opened = array, opened
+        self._array, self._opened, self._fills = array, opened, hasattr(array, "read_into")
         self._process = os.getpid()
         self._order, self._picked = order, tuple(picked)
         self._convert, self._check = convert, check
@@ -196,7 +196,7 @@ class SlicedArray:
     def read_into(self, lo: Shape, hi: Shape, out: NDArray[Any]) -> None:
         """Read the samples of a box into an array of zeros [z, y, x], of its shape and of the type `dtype`."""
         is_as_stored = self._convert is None and self._stored.newbyteorder("=") == self.dtype
-        if not is_as_stored or not hasattr(self._source, "read_into"):
+        if not (self._fills and is_as_stored):
             out[...] = self.read(lo, hi)
             return
         axes = [self._order.index(axis) for axis in sorted(self._order)]

@@ -25,7 +25,7 @@ pub struct GpuLayer {
     pub tables: [u32; 4],
     /// First density, entries per density, last density, 1 / opacity unit.
     pub domain: [f32; 4],
-    /// Densities beyond which nothing is visible.
+    /// Densities beyond which nothing is visible; below and above which all is opaque.
     pub visible: [f32; 4],
     /// The only colour, and whether there is only one.
     pub only: [f32; 4],

@@ -112,10 +112,11 @@ impl Numbers {
     /// Adds the tables of a transfer function; returns a layer that reads them.
     pub fn transfer_function(&mut self, tables: &TransferTables, opacity_unit: f64) -> GpuLayer {
         let [lo, hi] = tables.visible_range.map(|density| density.clamp(-HUGE, HUGE));
+        let [opaque_lo, opaque_hi] = tables.opaque_ends.map(|density| density.clamp(-HUGE, HUGE));
         GpuLayer {
             tables: [self.table(tables.colors), self.table(tables.segments), 0, tables.colors.len() as u32],
             domain: [tables.first, tables.per_density, tables.last, (1.0 / opacity_unit) as f32],
-            visible: [lo, hi, 0.0, 0.0],
+            visible: [lo, hi, opaque_lo, opaque_hi],
             only: tables.only_color.map_or([0.0; 4], |[r, g, b]| [r, g, b, 1.0]),
             ..GpuLayer::default()
         }

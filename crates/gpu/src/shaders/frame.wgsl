@@ -39,7 +39,7 @@ struct Layer {
     tables: vec4<u32>,
     // Density of the first entry, entries per density, density of the last entry, 1 / opacity unit.
     domain: vec4<f32>,
-    // Densities beyond which nothing is visible.
+    // Densities beyond which nothing is visible; below and above which all is opaque.
     visible: vec4<f32>,
     // The only colour, and whether there is only one.
     only: vec4<f32>,

@@ -79,7 +79,7 @@ fn add_sheet_LAYER(ray: Ray, block: u32, sheet: u32, ends: bool, begin: f32, end
 fn joint_passage_LAYER(front: vec4<f32>, back: vec4<f32>, cuts: vec3<f32>) -> Passage {
     let middles = (cuts.xy + cuts.yz) * 0.5f;
     let depths = (vec2<f32>(front.w) + middles * (back.w - front.w)) * (cuts.yz - cuts.xy);
-    return Passage(cuts.x, cuts.z, depths);
+    return Passage(cuts.x, cuts.z, 0.5f, depths);
 }
 
 fn add_slab_LAYER(ray: Ray, block: u32, slab: u32, mixture: ptr<function, Mixture>) {

@@ -165,15 +165,17 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
             length *= left;
             shown_length *= left;
         }
-        // Light of each half, and the mean position that it comes from: the middle of a thin half, the front of an
-        // opaque one. 1 / (2 + 0.75 depth) approximates that position for even extinction, as a share of the half's
+        // Light of each part, and the mean position that it comes from: the middle of a thin part, the front of an
+        // opaque one. 1 / (2 + 0.75 depth) approximates that position for even extinction, as a share of the part's
         // length: 1/depth - 1/(exp(depth) - 1).
         var alpha = 0.0f;
         var moment = 0.0f;
         for (var k = 0u; k < 2u; k++) {
             let depth = select(passage.depths.x, passage.depths.y, k == 1u) * length;
             let own = (1.0f - alpha) * one_minus_exp_neg(depth);
-            moment += own * (f32(k) + 1.0f / (2.0f + 0.75f * depth)) * 0.5f;
+            let start = select(0.0f, passage.split, k == 1u);
+            let long = select(passage.split, 1.0f - passage.split, k == 1u);
+            moment += own * (start + long / (2.0f + 0.75f * depth));
             alpha += own;
             scan_depth += depth;
         }

@@ -21,7 +21,9 @@ struct Passage {
     // Shares of the way where the first visible density is met, and where the last one is left.
     first: f32,
     last: f32,
-    // Optical depths of the two halves of the visible part, for a way of one opacity unit.
+    // Share of the visible part where its two parts meet.
+    split: f32,
+    // Optical depths of the two parts, for a way of one opacity unit.
     depths: vec2<f32>,
 }
 
@@ -31,7 +33,7 @@ fn preintegrate(layer: u32, begin: f32, end: f32) -> Passage {
     if abs(change) < LEVEL / domain.y {
         // Nearly equal densities, whose difference of integrals would cancel: the optical depth in the middle.
         let depth = classify(layer, (begin + end) * 0.5f).w * 0.5f;
-        return Passage(0.0f, 1.0f, vec2<f32>(depth));
+        return Passage(0.0f, 1.0f, 0.5f, vec2<f32>(depth));
     }
     let inverse = 1.0f / change;
     let rises = change > 0.0f;
@@ -39,9 +41,18 @@ fn preintegrate(layer: u32, begin: f32, end: f32) -> Passage {
     let at_end = integral(layer, end);
     let first = clamp((select(at_begin.z, at_begin.y, rises) - begin) * inverse, 0.0f, 1.0f);
     let last = clamp((select(at_end.y, at_end.z, rises) - begin) * inverse, 0.0f, 1.0f);
-    let middle = integral(layer, begin + first * change + (last - first) * 0.5f * change).x;
+    // The middle, or where the way enters or leaves the densities that are opaque up to an end of the curve.
+    var split = 0.5f;
+    for (var k = 0u; k < 2u; k++) {
+        let end = select(parameters.layers[layer].visible.z, parameters.layers[layer].visible.w, k == 1u);
+        let share = ((end - begin) * inverse - first) / (last - first);
+        if share > 0.0f && share < 1.0f {
+            split = share;
+        }
+    }
+    let middle = integral(layer, begin + (first + split * (last - first)) * change).x;
     let depths = vec2<f32>(middle - at_begin.x, at_end.x - middle) * inverse;
-    return Passage(first, last, max(depths, vec2<f32>(0.0f)));
+    return Passage(first, last, split, max(depths, vec2<f32>(0.0f)));
 }
 
 // Passage in two parts of the way, cut at the three rising shares `cuts`.
@@ -50,7 +61,7 @@ fn preintegrate_parts(layer: u32, begin: f32, end: f32, cuts: vec3<f32>) -> Pass
     let domain = parameters.layers[layer].domain;
     if abs(change) < LEVEL * 3.0f / domain.y {
         let depth = classify(layer, (begin + end) * 0.5f).w;
-        return Passage(cuts.x, cuts.z, depth * (cuts.yz - cuts.xy));
+        return Passage(cuts.x, cuts.z, 0.5f, depth * (cuts.yz - cuts.xy));
     }
     let inverse = 1.0f / change;
     let rises = change > 0.0f;
@@ -60,5 +71,5 @@ fn preintegrate_parts(layer: u32, begin: f32, end: f32, cuts: vec3<f32>) -> Pass
     let first = clamp((select(at_begin.z, at_begin.y, rises) - begin) * inverse, cuts.x, cuts.z);
     let last = clamp((select(at_end.y, at_end.z, rises) - begin) * inverse, cuts.x, cuts.z);
     let depths = vec2<f32>(middle - at_begin.x, at_end.x - middle) * inverse;
-    return Passage(first, last, max(depths, vec2<f32>(0.0f)));
+    return Passage(first, last, 0.5f, max(depths, vec2<f32>(0.0f)));
 }

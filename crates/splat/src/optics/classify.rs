@@ -11,7 +11,7 @@
 use crate::optics::depth_integral::{DepthIntegral, Opaque};
 use crate::optics::preintegrate::segment_table;
 use wavesplat_compute::simd::{Math, ROUND};
-use wavesplat_core::TransferFunction;
+use wavesplat_core::{OpacityNode, TransferFunction};
 
 pub use wavesplat_compute::simd::Entry;
 
@@ -38,6 +38,8 @@ pub struct Classifier {
     pub(super) per_density: f32,
     /// Densities beyond which nothing is visible.
     pub(super) visible_range: [f32; 2],
+    /// Densities below and above which all is opaque: where the ends of the curve of opacity 1 begin; infinite without.
+    pub(super) opaque_ends: [f32; 2],
     /// The colour of all that is visible, where there is only one.
     pub(super) only_color: Option<[f32; 3]>,
     /// Number of visible places before each place: entry 0, the cell from it to entry 1, entry 1, and so on. A range
@@ -62,6 +64,8 @@ pub struct TransferTables<'a> {
     pub per_density: f32,
     /// Densities beyond which nothing is visible.
     pub visible_range: [f32; 2],
+    /// Densities below and above which all is opaque; infinite where there are none.
+    pub opaque_ends: [f32; 2],
     /// The colour of all that is visible, where there is only one.
     pub only_color: Option<[f32; 3]>,
 }
@@ -143,6 +147,7 @@ impl Classifier {
             }
         }
         let only_color = only_color((0..n).filter(|cell| is_visible(*cell)).map(|cell| &table[cell..cell + 2]));
+        let opaque_ends = opaque_ends(tf.opacity_nodes(), density);
         let density = |i: usize| (lo + i.min(n) as f64 * step) as f32;
         let mut cells = (0..n).filter(|cell| is_visible(*cell));
         let first = cells.next();
@@ -160,7 +165,7 @@ impl Classifier {
         let segments = segment_table(&integrals, depth, &seen, density);
         let (lo, hi) = (lo as f32, hi as f32);
         let per_density = (1.0 / step) as f32;
-        Self { table, segments, lo, hi, per_density, visible_range, only_color, visible, range }
+        Self { table, segments, lo, hi, per_density, visible_range, opaque_ends, only_color, visible, range }
     }
 
     /// Total variation of a slab's associated colour and opacity from the least density to the greatest.
@@ -189,6 +194,7 @@ impl Classifier {
             last: self.hi,
             per_density: self.per_density,
             visible_range: self.visible_range,
+            opaque_ends: self.opaque_ends,
             only_color: self.only_color,
         }
     }
@@ -251,6 +257,18 @@ fn has_step_at(value: f64, values: impl Iterator<Item = f64>) -> bool {
     values.filter(|other| *other == value).count() > 1
 }
 
+/// Densities below and above which all is opaque: of the last of the first nodes of opacity 1, and of the first of the
+/// last ones.
+fn opaque_ends(nodes: &[OpacityNode], density: impl Fn(f64) -> f64) -> [f32; 2] {
+    let is_clear = |node: &OpacityNode| node.opacity < 1.0;
+    let n_first = nodes.iter().position(is_clear).unwrap_or(nodes.len());
+    let n_last = nodes.iter().rev().position(is_clear).unwrap_or(nodes.len());
+    [
+        if n_first == 0 { f32::NEG_INFINITY } else { density(nodes[n_first - 1].value) as f32 },
+        if n_last == 0 { f32::INFINITY } else { density(nodes[nodes.len() - n_last].value) as f32 },
+    ]
+}
+
 /// The colour that all entries have; `None` where they differ.
 fn only_color<'a>(entries: impl Iterator<Item = &'a [Entry]>) -> Option<[f32; 3]> {
     let mut only = None;
@@ -292,7 +310,7 @@ pub fn one_minus_exp_neg<S: Math>(s: S, x: S::F) -> S::F {
 mod tests {
     use super::*;
     use wavesplat_compute::simd::{LANES, Plain};
-    use wavesplat_core::{ColorNode, OpacityNode};
+    use wavesplat_core::ColorNode;
 
     fn one_minus_exp_neg(x: f32) -> f32 {
         super::one_minus_exp_neg(Plain, [x; LANES])[0]

@@ -50,25 +50,33 @@ impl Classifier {
             zero
         } else {
             let [_, _, _, level] = self.look_up(s, s.mul(s.add(from, to), s.splat(0.5)));
-            s.mul(level, s.splat(1.0 / N_VISIBLE_PARTS as f32))
+            s.mul(level, s.splat(0.5))
         };
         let first = s.select(is_level, zero, first);
         let last = s.select(is_level, one, last);
-        let part = s.mul(s.mul(s.sub(last, first), s.splat(1.0 / N_VISIBLE_PARTS as f32)), change);
-        let begin = s.add_mul(from, first, change);
-        let mut before = integral_from;
-        let mut depths = [level; N_VISIBLE_PARTS];
-        for (k, depth) in depths.iter_mut().enumerate() {
-            let integral = if k + 1 == N_VISIBLE_PARTS {
-                integral_to
-            } else {
-                let [integral, _, _] = self.integral(s, s.add_mul(begin, part, s.splat((k + 1) as f32)));
-                integral
-            };
-            *depth = s.select(is_level, level, s.max(s.mul(s.sub(integral, before), inverse), zero));
-            before = integral;
+        let split = s.select(is_level, s.splat(0.5), self.split(s, [from, inverse], [first, last]));
+        let at = s.mul(s.add_mul(first, split, s.sub(last, first)), change);
+        let [middle, _, _] = self.integral(s, s.add(from, at));
+        let depth = |from, to| s.select(is_level, level, s.max(s.mul(s.sub(to, from), inverse), zero));
+        SegmentOpacity { first, last, split, depths: [depth(integral_from, middle), depth(middle, integral_to)] }
+    }
+
+    /// Share of the visible part where its two parts meet: its middle, or where it enters or leaves the densities that
+    /// are opaque up to an end of the curve. Light comes from the front of these, not from that of a part which is taken
+    /// as even with what lies before them.
+    #[inline(always)]
+    fn split<S: Wide>(&self, s: S, [from, inverse]: [S::F; 2], [first, last]: [S::F; 2]) -> S::F {
+        let mut split = s.splat(0.5);
+        let [zero, one] = [s.splat(0.0), s.splat(1.0)];
+        for end in self.opaque_ends {
+            if end.is_finite() {
+                let at = s.mul(s.sub(s.splat(end), from), inverse);
+                let share = s.div(s.sub(at, first), s.sub(last, first));
+                let is_inside = s.and(s.lt(zero, share), s.lt(share, one));
+                split = s.select(is_inside, share, split);
+            }
         }
-        SegmentOpacity { first, last, depths }
+        split
     }
 
     /// Visible part of a segment, as [`Classifier::preintegrate`], and optical depths of parts of it. `cuts`: rising
@@ -121,17 +129,16 @@ pub struct PartOpacities<S: Math> {
 /// Difference of densities, in table entries, below which a difference of integrals is mostly rounding.
 pub const LEVEL: f32 = 0.25;
 
-/// Number of equal parts of the visible part of a segment, which show where its light comes from.
-pub const N_VISIBLE_PARTS: usize = 2;
-
 /// Visible part of a segment between two densities, and its optical depths.
 pub struct SegmentOpacity<S: Math> {
     /// Share of the way where the first visible density is met.
     pub first: S::F,
     /// Share of the way where the last visible density is left.
     pub last: S::F,
-    /// Optical depth per `opacity_unit` of the whole way's length, of each of the visible part's equal parts.
-    pub depths: [S::F; N_VISIBLE_PARTS],
+    /// Share of the visible part where its two parts meet, which show where its light comes from.
+    pub split: S::F,
+    /// Optical depth per `opacity_unit` of the whole way's length, of each of the two parts.
+    pub depths: [S::F; 2],
 }
 
 /// Table of `(∫ τ, nearest visible density above, nearest below, τ)`. `integrals`: ∫ τ up to each entry; `seen`:

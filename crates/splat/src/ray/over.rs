@@ -17,7 +17,6 @@ use wavesplat_compute::simd::{Pair, Simd, Wide};
 
 use crate::optics::classify::{Classifier, one_minus_exp_neg};
 use crate::optics::modifiers::Modifiers;
-use crate::optics::preintegrate::N_VISIBLE_PARTS;
 use crate::optics::shade::Shader;
 use crate::ray::accumulator::{Accumulator, Chunks, Fragment, between, extent, lit};
 use crate::ray::compositor::ChunkSurfaces;
@@ -203,15 +202,15 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
             (length, shown_length) = (w.mul(length, share), w.mul(shown_length, share));
         }
         let [mut alpha, mut moment, mut scan_depth] = [w.splat(0.0); 3];
-        for (k, depth) in passage.depths.into_iter().enumerate() {
+        let parts = [[w.splat(0.0), passage.split], [passage.split, w.sub(w.splat(1.0), passage.split)]];
+        for (depth, [start, long]) in passage.depths.into_iter().zip(parts) {
             let depth = w.mul(depth, length);
             if MODIFIED {
                 scan_depth = w.add(scan_depth, depth);
             }
             let share = w.mul(w.sub(w.splat(1.0), alpha), one_minus_exp_neg(w, depth));
             let mean = w.div(w.splat(1.0), w.add_mul(w.splat(2.0), w.splat(0.75), depth));
-            moment =
-                w.add_mul(moment, share, w.mul(w.add(w.splat(k as f32), mean), w.splat(1.0 / N_VISIBLE_PARTS as f32)));
+            moment = w.add_mul(moment, share, w.add_mul(start, mean, long));
             alpha = w.add(alpha, share);
         }
         let is_seen = w.lt(w.splat(0.0), alpha);

@@ -64,6 +64,14 @@ def test_pictures_are_those_of_the_cpu(device, options):
     json.dumps(own.report)
 
 
+def test_curves_that_end_in_opacity_1_are_those_of_the_cpu(device):
+    samples = np.where(np.random.default_rng(1).random((16, 16, 16)) < 0.1, 385, 0.5).astype(np.float32)
+    function = ws.TransferFunction.from_colormap("turbo", clim=(0, 31), opacity=[0.0, 1.0])
+    options = {"size": (90, 70), "camera": "isometric"}
+    own = ws.render(ws.Volume(samples), function, device=device, **options)
+    assert alike(own, ws.render(ws.Volume(samples), function, device="cpu", **options))
+
+
 def test_scenes_with_labels_layers_and_light(device):
     volume = ws.examples.ripples(24)
     codes = np.zeros((24, 24, 24), np.uint8)

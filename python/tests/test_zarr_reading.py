@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import pickle
 import shutil
+import tracemalloc
 
 import numpy as np
 import pytest
 
 import wavesplat as ws
+from wavesplat._files import zarr_decoding
 from wavesplat._files.zarr_reading import read_zarr, zarr_reader
 from wavesplat._model.lazy_array import lazy_array
 from wavesplat.errors import FileError
@@ -162,6 +164,35 @@ def test_a_chunk_that_unpacks_to_another_size_is_damaged(tmp_path):
         file.write_bytes(numcodecs.Zstd().encode(bytes(n)))
         with pytest.raises(FileError, match=f"unpacks to {n} bytes instead of 96"):
             level.read((0, 0, 0), SAMPLES.shape)
+
+
+@pytest.mark.parametrize("name", ["zstd", "blosc", "lz4"])
+def test_a_chunk_that_says_it_is_long_is_not_unpacked(tmp_path, name):
+    codec = numcodecs.get_codec({"id": name})
+    level = lazy_array(written(tmp_path / "a.zarr", {"zarr_format": 2, "compressors": codec})).levels[0]
+    (tmp_path / "a.zarr" / "0.0.0").write_bytes(codec.encode(np.zeros(10_000_000, np.uint8)))
+    tracemalloc.start()
+    with pytest.raises(FileError, match="unpacks to 10000000 bytes instead of 96"):
+        level.read((0, 0, 0), (3, 4, 4))
+    peak = tracemalloc.get_traced_memory()[1]
+    tracemalloc.stop()
+    assert peak < 1_000_000
+
+
+@pytest.mark.parametrize("n", [0, 1, 100, 255, 256, 300, 65791, 65792, 100_000])
+@pytest.mark.parametrize("name", ["zstd", "blosc", "lz4"])
+def test_headers_say_how_long_the_content_is(name, n):
+    packed = bytes(numcodecs.get_codec({"id": name}).encode(np.zeros(n, np.uint8) if n else b"\0"))
+    assert zarr_decoding.SAID_BYTES[name](packed) in {max(n, 1), None if len(packed) < 18 else max(n, 1)}
+
+
+def test_frames_without_a_size_are_unpacked(tmp_path):
+    level = lazy_array(written(tmp_path / "a.zarr", {"zarr_format": 2})).levels[0]
+    # A frame of one raw block of 96 bytes, whose header has a window and no size.
+    raw = bytes(range(96))
+    frame = zarr_decoding.ZSTD_MAGIC + bytes([0, 0]) + (96 << 3 | 1).to_bytes(3, "little") + raw
+    (tmp_path / "a.zarr" / "0.0.0").write_bytes(frame)
+    assert level.read((0, 0, 0), (3, 4, 4)).tobytes() == raw
 
 
 def test_a_link_to_nothing_is_no_empty_chunk(tmp_path):

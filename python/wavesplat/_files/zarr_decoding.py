@@ -8,6 +8,7 @@ https://zarr-specs.readthedocs.io/en/latest/v3/codecs/sharding-indexed/index.htm
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass
 from math import prod
@@ -15,6 +16,8 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
+
+from wavesplat._files.zarr_chunks import BLOSC_HEADER
 
 __all__ = ["ChunkDecoder", "ShardIndex", "decoder_of", "shard_index_of"]
 
@@ -24,21 +27,27 @@ COMPRESSORS = {"blosc", "bz2", "gzip", "lz4", "lzma", "zlib", "zstd"}
 COMPRESSORS_OF_V3 = {"blosc", "gzip", "zstd"}
 #: Bytes of a checksum.
 CRC_BYTES = 4
+#: Bytes of the longest header of a frame of Zstandard, and those that it begins with.
+ZSTD_HEADER, ZSTD_MAGIC = 18, b"\x28\xb5\x2f\xfd"
 #: Offset and length of an inner chunk that a shard does not have.
 NONE_STORED = 2**64 - 1
 
-Unpack = Callable[[Any], Any]
+#: Function from bytes, and an array for the outcome or None, to bytes.
+Unpack = Callable[[Any, Any], Any]
+#: Memory of each thread for the chunk that it decodes.
+OF_THREAD = threading.local()
 
 
 @dataclass(frozen=True)
 class ChunkDecoder:
     """Functions and layout by which the bytes of a chunk become samples.
 
-    unpack : functions from bytes to bytes, in the order of decoding.
+    unpack : functions from bytes and an array for the outcome, or None, to bytes, in the order of decoding.
     dtype : type of the stored samples, with their byte order.
     shape : samples along the stored axes.
     axes : the stored axis that is each axis of the array.
     is_blosc : whether blosc was applied last, so that the file begins with its header.
+    said_bytes : function that reads from the bytes before the last step how many there are after it; None without one.
     """
 
     unpack: tuple[Unpack, ...]
@@ -46,6 +55,7 @@ class ChunkDecoder:
     shape: tuple[int, ...]
     axes: tuple[int, ...]
     is_blosc: bool = False
+    said_bytes: Callable[[Any], int | None] | None = None
 
     @property
     def n_bytes(self) -> int:
@@ -53,14 +63,37 @@ class ChunkDecoder:
         return prod(self.shape) * self.dtype.itemsize
 
     def __call__(self, content: bytes) -> NDArray[Any]:
-        """Decode a chunk; the axes of the samples are the array's. An exception of any type if it is damaged."""
+        """Decode a chunk; the axes of the samples are the array's. An exception of any type if it is damaged.
+
+        The samples may lie in memory that the next chunk of this thread is decoded into.
+        """
         unpacked: Any = content
-        for unpack in self.unpack:
-            unpacked = unpack(unpacked)
+        for unpack in self.unpack[:-1]:
+            unpacked = unpack(unpacked, None)
+        if self.unpack:
+            unpacked = self._unpacked_last(unpacked)
         n = memoryview(unpacked).nbytes
         if n != self.n_bytes:
-            raise ValueError(f"a chunk unpacks to {n} bytes instead of {self.n_bytes}")
+            raise self._wrong_size(n)
         return np.frombuffer(unpacked, self.dtype).reshape(self.shape).transpose(self.axes)
+
+    def _unpacked_last(self, packed: Any) -> Any:
+        """The bytes of the samples, by the last function: in memory of this thread where their header says they fit it.
+
+        What says that it is longer is not unpacked, as a few kilobytes can unpack to gigabytes.
+        """
+        said = None if self.said_bytes is None else self.said_bytes(packed)
+        if said is None:
+            return self.unpack[-1](packed, None)
+        if said != self.n_bytes:
+            raise self._wrong_size(said)
+        if getattr(OF_THREAD, "memory", None) is None or OF_THREAD.memory.nbytes != said:
+            OF_THREAD.memory = np.empty(said, np.uint8)
+        self.unpack[-1](packed, OF_THREAD.memory)
+        return OF_THREAD.memory
+
+    def _wrong_size(self, n: int) -> ValueError:
+        return ValueError(f"a chunk unpacks to {n} bytes instead of {self.n_bytes}")
 
 
 @dataclass(frozen=True)
@@ -134,7 +167,8 @@ def _decoder_of_v2(metadata: Mapping[str, Any], dtype: np.dtype[Any]) -> ChunkDe
     axes = tuple(range(len(shape)))
     if metadata["order"] == "F":
         shape, axes = shape[::-1], axes[::-1]
-    return ChunkDecoder(unpack, dtype, shape, axes, is_blosc=bool(compressor) and compressor["id"] == "blosc")
+    name = compressor["id"] if compressor else ""
+    return ChunkDecoder(unpack, dtype, shape, axes, is_blosc=name == "blosc", said_bytes=SAID_BYTES.get(name))
 
 
 def _decoder_of_codecs(
@@ -142,6 +176,7 @@ def _decoder_of_codecs(
 ) -> ChunkDecoder | None:
     """The decoder of a chain of codecs of Zarr v3: transpositions, the order of bytes, compressors and checksums."""
     axes, unpack, names = list(range(len(shape))), list[Unpack](), list[str]()
+    said_bytes = None
     for codec in codecs:
         name = codec["name"]
         if name == "transpose":
@@ -150,15 +185,17 @@ def _decoder_of_codecs(
         elif name == "bytes":
             dtype = dtype.newbyteorder("<" if _is_little(codec) else ">")
         elif name == "crc32c":
-            unpack.insert(0, _checked)
+            unpack.insert(0, _without_checksum)
         elif name in COMPRESSORS_OF_V3:
+            if not unpack:
+                said_bytes = SAID_BYTES.get(name)
             unpack.insert(0, _decompressor(name))
         else:
             return None
         names.append(name)
     stored = tuple(shape[axis] for axis in axes)
     back = tuple(int(axis) for axis in np.argsort(axes))
-    return ChunkDecoder(tuple(unpack), dtype, stored, back, is_blosc=names[-1] == "blosc")
+    return ChunkDecoder(tuple(unpack), dtype, stored, back, is_blosc=names[-1] == "blosc", said_bytes=said_bytes)
 
 
 def _is_plain_v3(metadata: Mapping[str, Any]) -> bool:
@@ -189,6 +226,10 @@ def _decompressor(name: str) -> Unpack:
     return decode
 
 
+def _without_checksum(content: Any, _: object) -> Any:
+    return _checked(content)
+
+
 def _checked(content: Any) -> Any:
     """The content before a CRC-32C at its end, which is compared."""
     import google_crc32c
@@ -197,3 +238,32 @@ def _checked(content: Any) -> Any:
     if google_crc32c.value(own).to_bytes(CRC_BYTES, "little") != said:
         raise ValueError("the checksum is wrong: the content is damaged")
     return own
+
+
+def _said_by_blosc(packed: Any) -> int | None:
+    return int.from_bytes(packed[4:8], "little") if len(packed) >= BLOSC_HEADER else None
+
+
+def _said_by_lz4(packed: Any) -> int | None:
+    return int.from_bytes(packed[:4], "little") if len(packed) > 4 else None
+
+
+def _said_by_zstd(packed: Any) -> int | None:
+    """Content size in the header of a frame of Zstandard; None where it has none (RFC 8878, 3.1.1.1)."""
+    if len(packed) < ZSTD_HEADER or packed[:4] != ZSTD_MAGIC:
+        return None
+    descriptor = packed[4]
+    flag, is_single = descriptor >> 6, descriptor >> 5 & 1
+    n = (is_single, 2, 4, 8)[flag]
+    if n == 0:
+        return None
+    first = 5 + (1 - is_single) + (0, 1, 2, 4)[descriptor & 3]
+    return int.from_bytes(packed[first : first + n], "little") + (256 if n == 2 else 0)
+
+
+#: Compressors whose headers say how many bytes they unpack to.
+SAID_BYTES: dict[str, Callable[[Any], int | None]] = {
+    "blosc": _said_by_blosc,
+    "lz4": _said_by_lz4,
+    "zstd": _said_by_zstd,
+}

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import gzip
 import inspect
+import itertools
 import sys
 
 import foreign_fakes as fakes
@@ -21,6 +22,8 @@ from wavesplat._model.volume_like import as_volume
 from wavesplat.errors import ArgumentError, FileError
 
 SAMPLES = np.random.default_rng(5).integers(-900, 900, (4, 5, 6)).astype(np.int16)
+#: Numbers of files in memory.
+NUMBERS = itertools.count()
 
 
 def oblique(spacing=(0.7, 0.9, 2.5), origin=(-11.5, 20.25, 33.0)):
@@ -326,7 +329,8 @@ class Thing:
 def _file():
     import h5py
 
-    return h5py.File("x.h5", "w", driver="core", backing_store=False)
+    # Of other names, since one of before may still be open, in the traceback of an error.
+    return h5py.File(f"x{next(NUMBERS)}.h5", "w", driver="core", backing_store=False)
 
 
 def _colours():

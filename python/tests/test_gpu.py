@@ -68,8 +68,11 @@ def test_curves_that_end_in_opacity_1_are_those_of_the_cpu(device):
     samples = np.where(np.random.default_rng(1).random((16, 16, 16)) < 0.1, 385, 0.5).astype(np.float32)
     function = ws.TransferFunction.from_colormap("turbo", clim=(0, 31), opacity=[0.0, 1.0])
     options = {"size": (90, 70), "camera": "isometric"}
-    own = ws.render(ws.Volume(samples), function, device=device, **options)
-    assert alike(own, ws.render(ws.Volume(samples), function, device="cpu", **options))
+    other = ws.Layer(ws.examples.ripples(24), LOOK)
+    for thing in (ws.Scene(ws.Volume(samples), function), ws.Scene([ws.Layer(ws.Volume(samples), function), other])):
+        own = thing.render(device=device, **options)
+        assert own.report["device"]["reason"] is None
+        assert alike(own, thing.render(device="cpu", **options))
 
 
 def test_scenes_with_labels_layers_and_light(device):

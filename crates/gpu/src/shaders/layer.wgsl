@@ -157,7 +157,15 @@ fn add_slab_LAYER(ray: Ray, block: u32, slab: u32, mixture: ptr<function, Mixtur
         let starts = max(cuts.xy, vec2<f32>(passage.first));
         let places = starts + means * max(min(cuts.yz, vec2<f32>(passage.last)) - starts, vec2<f32>(0.0f));
         let alpha = near + far;
-        let at = select(middle, (near * places.x + far * places.y) / max(alpha, 1e-30f), alpha > 0.0f);
+        var at = select(middle, (near * places.x + far * places.y) / max(alpha, 1e-30f), alpha > 0.0f);
+        let own_front = front + begin * (back - front);
+        let own_back = front + end * (back - front);
+        if BY_GRADIENT_LAYER != BY_BOTH && meets_opaque_end(LAYERu, own_front, own_back) {
+            // The parts are those of all layers; the layer's own meet where its densities get opaque.
+            let whole = preintegrate(LAYERu, own_front, own_back);
+            let mean = light_of(whole, whole.depths * ((end - begin) * length)).y;
+            at = begin + (whole.first + mean * (whole.last - whole.first)) * (end - begin);
+        }
         var color = joint_color;
         if BY_GRADIENT_LAYER != BY_BOTH {
             color = color_of(LAYERu, front + at * (back - front));

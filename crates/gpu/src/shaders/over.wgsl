@@ -165,21 +165,11 @@ fn add_slab(ray: Ray, front: ptr<function, Sheet>, back: ptr<function, Sheet>, n
             length *= left;
             shown_length *= left;
         }
-        // Light of each part, and the mean position that it comes from: the middle of a thin part, the front of an
-        // opaque one. 1 / (2 + 0.75 depth) approximates that position for even extinction, as a share of the part's
-        // length: 1/depth - 1/(exp(depth) - 1).
-        var alpha = 0.0f;
-        var moment = 0.0f;
-        for (var k = 0u; k < 2u; k++) {
-            let depth = select(passage.depths.x, passage.depths.y, k == 1u) * length;
-            let own = (1.0f - alpha) * one_minus_exp_neg(depth);
-            let start = select(0.0f, passage.split, k == 1u);
-            let long = select(passage.split, 1.0f - passage.split, k == 1u);
-            moment += own * (start + long / (2.0f + 0.75f * depth));
-            alpha += own;
-            scan_depth += depth;
-        }
-        let mean = select(0.5f, moment / max(alpha, 1e-30f), alpha > 0.0f);
+        let depths = passage.depths * length;
+        scan_depth = depths.x + depths.y;
+        let light = light_of(passage, depths);
+        let alpha = light.x;
+        let mean = light.y;
         let at = begin + (passage.first + mean * (passage.last - passage.first)) * share;
         let place = s_front + at * (s_back - s_front);
         let full_depth = (passage.depths.x + passage.depths.y) * shown_length;

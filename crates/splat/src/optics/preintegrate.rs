@@ -5,7 +5,7 @@
 //! integral form of pre-integration; Engel, Kraus, Ertl 2001). Tables of one dimension are built in the time that it
 //! takes to read them.
 
-use crate::optics::classify::{Classifier, Entry};
+use crate::optics::classify::{Classifier, Entry, one_minus_exp_neg};
 use wavesplat_compute::simd::{Math, Wide};
 
 impl Classifier {
@@ -59,6 +59,20 @@ impl Classifier {
         let [middle, _, _] = self.integral(s, s.add(from, at));
         let depth = |from, to| s.select(is_level, level, s.max(s.mul(s.sub(to, from), inverse), zero));
         SegmentOpacity { first, last, split, depths: [depth(integral_from, middle), depth(middle, integral_to)] }
+    }
+
+    /// Segments that enter or leave the densities that are opaque up to an end of the curve; `None` if none does.
+    #[inline(always)]
+    pub fn meets_opaque_end<S: Wide>(&self, s: S, from: S::F, to: S::F) -> Option<S::M> {
+        let mut meets: Option<S::M> = None;
+        for end in self.opaque_ends {
+            if end.is_finite() {
+                let end = s.splat(end);
+                let own = s.and(s.lt(s.min(from, to), end), s.lt(end, s.max(from, to)));
+                meets = Some(meets.map_or(own, |other| s.or(own, other)));
+            }
+        }
+        meets.filter(|meets| s.all_bits(*meets) != [0; 2])
     }
 
     /// Share of the visible part where its two parts meet: its middle, or where it enters or leaves the densities that
@@ -139,6 +153,27 @@ pub struct SegmentOpacity<S: Math> {
     pub split: S::F,
     /// Optical depth per `opacity_unit` of the whole way's length, of each of the two parts.
     pub depths: [S::F; 2],
+}
+
+impl<S: Math> SegmentOpacity<S> {
+    /// Opacity of the visible part, and the mean place that its light comes from, as a share of it. `depths`: optical
+    /// depths of its two parts.
+    ///
+    /// In a part of even extinction and depth τ that place is `1/τ − 1/(e^τ − 1)` of its length, which `1 / (2 + ¾ τ)`
+    /// approximates to 0.06: the middle of a thin part, the front of an opaque one.
+    #[inline(always)]
+    pub fn light(&self, s: S, depths: [S::F; 2]) -> [S::F; 2] {
+        let (zero, one) = (s.splat(0.0), s.splat(1.0));
+        let parts = [[zero, self.split], [self.split, s.sub(one, self.split)]];
+        let [mut alpha, mut moment] = [zero; 2];
+        for (depth, [start, long]) in depths.into_iter().zip(parts) {
+            let share = s.mul(s.sub(one, alpha), one_minus_exp_neg(s, depth));
+            let mean = s.div(one, s.add_mul(s.splat(2.0), s.splat(0.75), depth));
+            moment = s.add_mul(moment, share, s.add_mul(start, mean, long));
+            alpha = s.add(alpha, share);
+        }
+        [alpha, s.select(s.lt(zero, alpha), s.div(moment, alpha), s.splat(0.5))]
+    }
 }
 
 /// Table of `(∫ τ, nearest visible density above, nearest below, τ)`. `integrals`: ∫ τ up to each entry; `seen`:

@@ -164,9 +164,6 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
         let begin = w.mul(w.sub(from, w.splat(s_front)), per_s);
         let end = w.add_mul(begin, extent, per_s);
         let passage = self.classifier.preintegrate(w, w.add_mul(front, begin, change), w.add_mul(front, end, change));
-        // Opacity part by part, and the mean place that light comes from. In a part of even extinction and depth τ that
-        // place is `1/τ − 1/(e^τ − 1)` of its length, which `1 / (2 + ¾ τ)` approximates to 0.06: the middle of a thin
-        // part, the front of an opaque one.
         let full_length = w.mul(extent, rays.thickness(w, chunks));
         // As if no sample were missing, for the whole and for the scan: the matter that a cut makes a face of.
         let mut shown_length = full_length;
@@ -201,20 +198,9 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
             };
             (length, shown_length) = (w.mul(length, share), w.mul(shown_length, share));
         }
-        let [mut alpha, mut moment, mut scan_depth] = [w.splat(0.0); 3];
-        let parts = [[w.splat(0.0), passage.split], [passage.split, w.sub(w.splat(1.0), passage.split)]];
-        for (depth, [start, long]) in passage.depths.into_iter().zip(parts) {
-            let depth = w.mul(depth, length);
-            if MODIFIED {
-                scan_depth = w.add(scan_depth, depth);
-            }
-            let share = w.mul(w.sub(w.splat(1.0), alpha), one_minus_exp_neg(w, depth));
-            let mean = w.div(w.splat(1.0), w.add_mul(w.splat(2.0), w.splat(0.75), depth));
-            moment = w.add_mul(moment, share, w.add_mul(start, mean, long));
-            alpha = w.add(alpha, share);
-        }
-        let is_seen = w.lt(w.splat(0.0), alpha);
-        let mean = w.select(is_seen, w.div(moment, alpha), w.splat(0.5));
+        let depths = passage.depths.map(|depth| w.mul(depth, length));
+        let scan_depth = w.add(depths[0], depths[1]);
+        let [mut alpha, mean] = passage.light(w, depths);
         let within = w.add_mul(passage.first, mean, w.sub(passage.last, passage.first));
         let at = w.add_mul(begin, within, w.mul(extent, per_s));
         let mut gradient = None;

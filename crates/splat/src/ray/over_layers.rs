@@ -324,7 +324,20 @@ impl<'a> OverLayers<'a> {
                     moment = w.add_mul(moment, share, at);
                     alpha = w.add(alpha, share);
                 }
-                let at = w.select(w.lt(zero, alpha), w.div(moment, alpha), middle);
+                let mut at = w.select(w.lt(zero, alpha), w.div(moment, alpha), middle);
+                let change = w.sub(back, front);
+                let [own_front, own_back] = [w.add_mul(front, begin, change), w.add_mul(front, end, change)];
+                if joint.is_none()
+                    && let Some(meets) = medium.classifier.meets_opaque_end(w, own_front, own_back)
+                {
+                    // The parts are those of all layers; the layer's own meet where its densities get opaque.
+                    let passage = medium.classifier.preintegrate(w, own_front, own_back);
+                    let drawn = w.sub(end, begin);
+                    let own_length = w.mul(drawn, length);
+                    let [_, mean] = passage.light(w, passage.depths.map(|depth| w.mul(depth, own_length)));
+                    let within = w.add_mul(passage.first, mean, w.sub(passage.last, passage.first));
+                    at = w.select(meets, w.add_mul(begin, within, drawn), at);
+                }
                 let rgb =
                     joint_rgb.unwrap_or_else(|| medium.classifier.color(w, w.add_mul(front, at, w.sub(back, front))));
                 let gradient = gradients.map(|[front, back]| between(w, front, back, at));

@@ -271,35 +271,35 @@ def test_workers_that_are_restarted_change_nothing():
 
 
 @pytest.mark.parametrize(("module", "step"), [("machines", "facts_of_workers"), ("blocks", "held")])
-def test_a_worker_that_dies_within_a_step_of_the_start_changes_nothing(client, monkeypatch, module, step):
+def test_a_worker_that_dies_within_a_step_of_the_start_changes_nothing(monkeypatch, module, step):
     """Killed by the clock, a worker is seldom hit in these steps (F3, F4): this one is stopped as they begin."""
     samples = shells(64)
     lazy = ws.Volume.lazy(Chunked(samples, (16, 16, 16)), memory="50 MB", cache=False)
     lazy.survey(0, "linear")
     here = ws.render(ws.Volume(samples), HARD, "isometric", size=(80, 60))
-    client.wait_for_workers(2, timeout=300)
-    pid = next(iter(client.run(os.getpid).values()))
-    killer = threading.Timer(0.5, os.kill, (pid, signal.SIGKILL))
-    place = importlib.import_module(f"wavesplat._cluster.{module}")
-    real = getattr(place, step)
-
-    def struck(*arguments):
-        if not killer.is_alive():
-            os.kill(pid, signal.SIGSTOP)
-            killer.start()
-        return real(*arguments)
-
-    monkeypatch.setattr(place, step, struck)
     drawn = []
-    drawing = threading.Thread(
-        target=lambda: drawn.append(ws.render(lazy, HARD, "isometric", size=(80, 60), client=client)), daemon=True
-    )
-    drawing.start()
-    drawing.join(timeout=120)
-    killer.join()
-    assert drawn, "it hangs, or ended with an error"
+    with _two_workers() as client:
+        client.wait_for_workers(2, timeout=300)
+        pid = next(iter(client.run(os.getpid).values()))
+        killer = threading.Timer(0.5, os.kill, (pid, signal.SIGKILL))
+        place = importlib.import_module(f"wavesplat._cluster.{module}")
+        real = getattr(place, step)
+
+        def struck(*arguments):
+            if killer.ident is None:
+                os.kill(pid, signal.SIGSTOP)
+                killer.start()
+            return real(*arguments)
+
+        monkeypatch.setattr(place, step, struck)
+        drawing = threading.Thread(
+            target=lambda: drawn.append(ws.render(lazy, HARD, "isometric", size=(80, 60), client=client)), daemon=True
+        )
+        drawing.start()
+        drawing.join(timeout=120)
+        killer.join()
+        assert drawn, "it hangs, or ended with an error"
     assert _same(here, drawn[0])
-    client.wait_for_workers(2, timeout=300)
 
 
 def test_a_cluster_that_loses_all_workers_is_named(monkeypatch):

@@ -30,7 +30,6 @@ from wavesplat._model.lazy_array import SlicedArray
 from wavesplat._model.placement import UPRIGHT
 from wavesplat._readers import single_planes
 from wavesplat._readers.netcdf_axes import (
-    EXTRA,
     evenly,
     is_downwards,
     places_told,
@@ -48,6 +47,8 @@ if TYPE_CHECKING:
 
 __all__ = ["is_netcdf", "lazy_samples", "read"]
 
+#: The extra that has the libraries.
+EXTRA = "netcdf"
 #: First bytes of HDF5, and of the form of netCDF-3 with 64-bit sizes, which SciPy does not read.
 HDF5, CDF5 = b"\x89HDF", b"CDF\5"
 #: Bytes of a float -> the number that the library netCDF leaves where none was written (NC_FILL_FLOAT, _DOUBLE).

@@ -19,7 +19,6 @@ from wavesplat._readers.request import Request
 from wavesplat.errors import FileError
 
 __all__ = [
-    "EXTRA",
     "evenly",
     "is_downwards",
     "places_told",

@@ -57,22 +57,19 @@ impl Classifier {
         let split = s.select(is_level, s.splat(0.5), self.split(s, [from, inverse], [first, last]));
         let at = s.mul(s.add_mul(first, split, s.sub(last, first)), change);
         let [middle, _, _] = self.integral(s, s.add(from, at));
-        let depth = |from, to| s.select(is_level, level, s.max(s.mul(s.sub(to, from), inverse), zero));
-        SegmentOpacity { first, last, split, depths: [depth(integral_from, middle), depth(middle, integral_to)] }
+        let near = s.max(s.mul(s.sub(middle, integral_from), inverse), zero);
+        let far = s.max(s.mul(s.sub(integral_to, middle), inverse), zero);
+        let depths = [s.select(is_level, level, near), s.select(is_level, level, far)];
+        SegmentOpacity { first, last, split, depths }
     }
 
     /// Segments that enter or leave the densities that are opaque up to an end of the curve; `None` if none does.
     #[inline(always)]
     pub fn meets_opaque_end<S: Wide>(&self, s: S, from: S::F, to: S::F) -> Option<S::M> {
-        let mut meets: Option<S::M> = None;
-        for end in self.opaque_ends {
-            if end.is_finite() {
-                let end = s.splat(end);
-                let own = s.and(s.lt(s.min(from, to), end), s.lt(end, s.max(from, to)));
-                meets = Some(meets.map_or(own, |other| s.or(own, other)));
-            }
-        }
-        meets.filter(|meets| s.all_bits(*meets) != [0; 2])
+        let [lo, hi] = [s.min(from, to), s.max(from, to)];
+        let [below, above] = [s.splat(self.opaque_ends[0]), s.splat(self.opaque_ends[1])];
+        let meets = s.or(s.and(s.lt(lo, below), s.lt(below, hi)), s.and(s.lt(lo, above), s.lt(above, hi)));
+        if s.all_bits(meets) == [0; 2] { None } else { Some(meets) }
     }
 
     /// Share of the visible part where its two parts meet: its middle, or where it enters or leaves the densities that

@@ -198,7 +198,7 @@ impl<'a, const MODIFIED: bool> Over<'a, MODIFIED> {
             };
             (length, shown_length) = (w.mul(length, share), w.mul(shown_length, share));
         }
-        let depths = passage.depths.map(|depth| w.mul(depth, length));
+        let depths = [w.mul(passage.depths[0], length), w.mul(passage.depths[1], length)];
         let scan_depth = w.add(depths[0], depths[1]);
         let [mut alpha, mean] = passage.light(w, depths);
         let within = w.add_mul(passage.first, mean, w.sub(passage.last, passage.first));

@@ -334,7 +334,8 @@ impl<'a> OverLayers<'a> {
                     let passage = medium.classifier.preintegrate(w, own_front, own_back);
                     let drawn = w.sub(end, begin);
                     let own_length = w.mul(drawn, length);
-                    let [_, mean] = passage.light(w, passage.depths.map(|depth| w.mul(depth, own_length)));
+                    let depths = [w.mul(passage.depths[0], own_length), w.mul(passage.depths[1], own_length)];
+                    let [_, mean] = passage.light(w, depths);
                     let within = w.add_mul(passage.first, mean, w.sub(passage.last, passage.first));
                     at = w.select(meets, w.add_mul(begin, within, drawn), at);
                 }

@@ -187,13 +187,19 @@ def test_arrays_in_workers_memory_are_drawn_in_segments(client):
         ws.render(lazy, LOOK, "isometric", size=(80, 60), client=client)
 
 
-def test_a_worker_that_is_killed_changes_nothing(client):
-    samples = shells(96)
+def _slow(samples, seconds):
+    """A lazy volume of these samples, whose boxes take some seconds each to read once it was looked through."""
     array = Slow(samples, (16, 16, 16))
     array.seconds = 0.0
     lazy = ws.Volume.lazy(array, memory="50 MB", cache=False)
     lazy.survey(0, "linear")
-    array.seconds = 0.05
+    array.seconds = seconds
+    return lazy
+
+
+def test_a_worker_that_is_killed_changes_nothing(client):
+    samples = shells(96)
+    lazy = _slow(samples, 0.05)
     here = ws.render(ws.Volume(samples), HARD, "isometric", size=(200, 150))
     pids = client.run(os.getpid)
     worker, pid = next(iter(pids.items()))
@@ -220,10 +226,7 @@ def test_a_worker_that_is_killed_changes_nothing(client):
 def test_a_worker_that_is_killed_at_the_start_changes_nothing(client, seconds):
     """The picture hung, or ended with a bare KeyError, if a worker died just before or while it began (F3, F4)."""
     samples = shells(64)
-    array = Slow(samples, (16, 16, 16))
-    array.seconds = 0.0
-    lazy = ws.Volume.lazy(array, memory="50 MB", cache=False)
-    lazy.survey(0, "linear")
+    lazy = _slow(samples, 0.0)
     here = ws.render(ws.Volume(samples), HARD, "isometric", size=(80, 60))
     client.wait_for_workers(2, timeout=300)
     pid = next(iter(client.run(os.getpid, on_error="ignore").values()))
@@ -252,11 +255,7 @@ def _restart_when_busy(client):
 def test_workers_that_are_restarted_change_nothing():
     """Frames ended with a bare FutureCancelledError."""
     samples = shells(64)
-    array = Slow(samples, (16, 16, 16))
-    array.seconds = 0.0
-    lazy = ws.Volume.lazy(array, memory="50 MB", cache=False)
-    lazy.survey(0, "linear")
-    array.seconds = 0.05
+    lazy = _slow(samples, 0.05)
     here = ws.render(ws.Volume(samples), HARD, "isometric", size=(200, 150))
     with _two_workers() as client:
         restarting = _restart_when_busy(client)
@@ -308,11 +307,7 @@ def test_a_cluster_that_loses_all_workers_is_named(monkeypatch):
     monkeypatch.setattr(waiting, "PATIENCE_S", 1.0)
     monkeypatch.setattr(waiting, "LOOK_S", 0.3)
     samples = shells(64)
-    array = Slow(samples, (16, 16, 16))
-    array.seconds = 0.0
-    lazy = ws.Volume.lazy(array, memory="50 MB", cache=False)
-    lazy.survey(0, "linear")
-    array.seconds = 0.2
+    lazy = _slow(samples, 0.2)
     options = {"processes": False, "dashboard_address": "127.0.0.1:0"}
     with (
         distributed.LocalCluster(n_workers=1, threads_per_worker=1, **options) as cluster,

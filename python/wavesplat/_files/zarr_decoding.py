@@ -34,8 +34,8 @@ NONE_STORED = 2**64 - 1
 
 #: Function from bytes, and an array for the outcome or None, to bytes.
 Unpack = Callable[[Any, Any], Any]
-#: Memory of each thread for the chunk that it decodes.
-OF_THREAD = threading.local()
+#: Scratch memory of each thread, for the chunk that it decodes.
+SCRATCH = threading.local()
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class ChunkDecoder:
     shape : samples along the stored axes.
     axes : the stored axis that is each axis of the array.
     is_blosc : whether blosc was applied last, so that the file begins with its header.
-    said_bytes : function that reads from the bytes before the last step how many there are after it; None without one.
+    unpacked_size : function that reads the number of unpacked bytes from the header of packed ones; None without one.
     """
 
     unpack: tuple[Unpack, ...]
@@ -55,7 +55,7 @@ class ChunkDecoder:
     shape: tuple[int, ...]
     axes: tuple[int, ...]
     is_blosc: bool = False
-    said_bytes: Callable[[Any], int | None] | None = None
+    unpacked_size: Callable[[Any], int | None] | None = None
 
     @property
     def n_bytes(self) -> int:
@@ -82,15 +82,15 @@ class ChunkDecoder:
 
         What says that it is longer is not unpacked, as a few kilobytes can unpack to gigabytes.
         """
-        said = None if self.said_bytes is None else self.said_bytes(packed)
+        said = None if self.unpacked_size is None else self.unpacked_size(packed)
         if said is None:
             return self.unpack[-1](packed, None)
         if said != self.n_bytes:
             raise self._wrong_size(said)
-        if getattr(OF_THREAD, "memory", None) is None or OF_THREAD.memory.nbytes != said:
-            OF_THREAD.memory = np.empty(said, np.uint8)
-        self.unpack[-1](packed, OF_THREAD.memory)
-        return OF_THREAD.memory
+        if getattr(SCRATCH, "memory", None) is None or SCRATCH.memory.nbytes != said:
+            SCRATCH.memory = np.empty(said, np.uint8)
+        self.unpack[-1](packed, SCRATCH.memory)
+        return SCRATCH.memory
 
     def _wrong_size(self, n: int) -> ValueError:
         return ValueError(f"a chunk unpacks to {n} bytes instead of {self.n_bytes}")
@@ -168,7 +168,7 @@ def _decoder_of_v2(metadata: Mapping[str, Any], dtype: np.dtype[Any]) -> ChunkDe
     if metadata["order"] == "F":
         shape, axes = shape[::-1], axes[::-1]
     name = compressor["id"] if compressor else ""
-    return ChunkDecoder(unpack, dtype, shape, axes, is_blosc=name == "blosc", said_bytes=SAID_BYTES.get(name))
+    return ChunkDecoder(unpack, dtype, shape, axes, is_blosc=name == "blosc", unpacked_size=UNPACKED_SIZES.get(name))
 
 
 def _decoder_of_codecs(
@@ -176,7 +176,7 @@ def _decoder_of_codecs(
 ) -> ChunkDecoder | None:
     """The decoder of a chain of codecs of Zarr v3: transpositions, the order of bytes, compressors and checksums."""
     axes, unpack, names = list(range(len(shape))), list[Unpack](), list[str]()
-    said_bytes = None
+    unpacked_size = None
     for codec in codecs:
         name = codec["name"]
         if name == "transpose":
@@ -188,14 +188,14 @@ def _decoder_of_codecs(
             unpack.insert(0, _without_checksum)
         elif name in COMPRESSORS_OF_V3:
             if not unpack:
-                said_bytes = SAID_BYTES.get(name)
+                unpacked_size = UNPACKED_SIZES.get(name)
             unpack.insert(0, _decompressor(name))
         else:
             return None
         names.append(name)
     stored = tuple(shape[axis] for axis in axes)
     back = tuple(int(axis) for axis in np.argsort(axes))
-    return ChunkDecoder(tuple(unpack), dtype, stored, back, is_blosc=names[-1] == "blosc", said_bytes=said_bytes)
+    return ChunkDecoder(tuple(unpack), dtype, stored, back, is_blosc=names[-1] == "blosc", unpacked_size=unpacked_size)
 
 
 def _is_plain_v3(metadata: Mapping[str, Any]) -> bool:
@@ -240,15 +240,15 @@ def _checked(content: Any) -> Any:
     return own
 
 
-def _said_by_blosc(packed: Any) -> int | None:
+def _size_in_blosc_header(packed: Any) -> int | None:
     return int.from_bytes(packed[4:8], "little") if len(packed) >= BLOSC_HEADER else None
 
 
-def _said_by_lz4(packed: Any) -> int | None:
+def _size_in_lz4_header(packed: Any) -> int | None:
     return int.from_bytes(packed[:4], "little") if len(packed) > 4 else None
 
 
-def _said_by_zstd(packed: Any) -> int | None:
+def _size_in_zstd_header(packed: Any) -> int | None:
     """Content size in the header of a frame of Zstandard; None where it has none (RFC 8878, 3.1.1.1)."""
     if len(packed) < ZSTD_HEADER or packed[:4] != ZSTD_MAGIC:
         return None
@@ -262,8 +262,8 @@ def _said_by_zstd(packed: Any) -> int | None:
 
 
 #: Compressors whose headers say how many bytes they unpack to.
-SAID_BYTES: dict[str, Callable[[Any], int | None]] = {
-    "blosc": _said_by_blosc,
-    "lz4": _said_by_lz4,
-    "zstd": _said_by_zstd,
+UNPACKED_SIZES: dict[str, Callable[[Any], int | None]] = {
+    "blosc": _size_in_blosc_header,
+    "lz4": _size_in_lz4_header,
+    "zstd": _size_in_zstd_header,
 }

@@ -38,7 +38,7 @@ pub struct Classifier {
     pub(super) per_density: f32,
     /// Densities beyond which nothing is visible.
     pub(super) visible_range: [f32; 2],
-    /// Densities below and above which all is opaque: where the ends of the curve of opacity 1 begin; infinite without.
+    /// Densities below and above which all is opaque; infinite where there are none.
     pub(super) opaque_ends: [f32; 2],
     /// The colour of all that is visible, where there is only one.
     pub(super) only_color: Option<[f32; 3]>,
@@ -257,8 +257,7 @@ fn has_step_at(value: f64, values: impl Iterator<Item = f64>) -> bool {
     values.filter(|other| *other == value).count() > 1
 }
 
-/// Densities below and above which all is opaque: of the last of the first nodes of opacity 1, and of the first of the
-/// last ones.
+/// Densities up to which, and from which, the curve has opacity 1 to its end; infinite where that end is below 1.
 fn opaque_ends(nodes: &[OpacityNode], density: impl Fn(f64) -> f64) -> [f32; 2] {
     let is_clear = |node: &OpacityNode| node.opacity < 1.0;
     let n_first = nodes.iter().position(is_clear).unwrap_or(nodes.len());

@@ -73,8 +73,8 @@ class ZarrReader:
         ------
         FileError
             If a chunk is cut short, no file, or more than can be there.
-        Exception
-            What the codec raises for a damaged chunk.
+        ValueError
+            If a chunk is damaged.
         """
         indices: dict[str, NDArray[np.uint64] | None] = {}
         for pieces in product(*map(_pieces, self.chunks, index)):
@@ -82,9 +82,17 @@ class ZarrReader:
             here = tuple(piece[2] for piece in pieces if piece[2] is not None)
             content = self._content(number, indices)
             if content is not None:
-                out[here] = self._decode(content)[tuple(piece[1] for piece in pieces)]
+                out[here] = self._decoded(content, number)[tuple(piece[1] for piece in pieces)]
             elif self._fill != 0:
                 out[here] = self._fill
+
+    def _decoded(self, content: bytes, number: tuple[int, ...]) -> NDArray[Any]:
+        try:
+            return self._decode(content)
+        except Exception as error:  # codecs raise errors of any type
+            grid = (1,) * len(number) if self._shards is None else self._shards.grid
+            name = self._key(tuple(k // n for k, n in zip(number, grid, strict=True)))
+            raise ValueError(f"chunk {name!r}: {error}") from error
 
     def _content(self, number: tuple[int, ...], indices: dict[str, NDArray[np.uint64] | None]) -> bytes | None:
         """The bytes of a chunk; None where there are none. `indices`: those of the shards that were met."""

@@ -17,6 +17,7 @@ from wavesplat._files.libraries import library
 from wavesplat._files.size_checks import check_memory
 from wavesplat._geometry.foreign_shapes import kind_of, points_of, surface_of
 from wavesplat._geometry.read_shape import Asked, ReadShape
+from wavesplat._model import units
 from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["SUFFIXES", "read"]
@@ -37,6 +38,9 @@ def read(asked: Asked) -> ReadShape:
     content = path.read_bytes()
     suffix = path.suffix.lower()
     trimesh: Any = library("trimesh", extra="geometry")
+    if suffix == ".3mf":  # what trimesh reads it by
+        library("lxml", extra="geometry")
+        library("networkx", extra="geometry")
     if suffix == ".stl":
         _check_stl(content)
     if suffix == ".gltf":
@@ -59,7 +63,7 @@ def read(asked: Asked) -> ReadShape:
         guesses = (LPS_TOLD,)
     if suffix == ".stl":
         fields |= _merged(fields["vertices"], fields["faces"])
-    unit = made.units if suffix == ".3mf" and isinstance(getattr(made, "units", None), str) else None
+    unit = units.canonical(getattr(made, "units", None)) if suffix == ".3mf" else None
     return ReadShape("surface", fields, unit, guesses)
 
 

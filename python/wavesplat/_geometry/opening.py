@@ -118,8 +118,15 @@ def open_geometry(
     own = given or found.unit
     if given is not None and found.unit is not None and given != found.unit:
         raise ArgumentError(f"unit is {unit!r}, and the file's own is {found.unit!r}; leave it out: {path}")
-    shape: Any = _made(found, _factor(own, world), look, str(path))
+    factor = units.factor(own, world)
+    shape: Any = _made(found, factor or 1.0, look, str(path))
     guesses = list(found.guesses)
+    if factor is None:
+        unknown = own if units.metres(own) is None else world
+        guesses.append(
+            f"positions in {own!r} are taken in {world!r}, the volume's unit, as their numbers are: the size of "
+            f"{unknown!r} is unknown; give unit="
+        )
     if own is None and world is not None:
         guesses.append(f"positions are taken in {units.written(world)}, the volume's unit: the file names none")
     options = {"kind": found.kind, "values": values, "unit": unit, "world_unit": world_unit}
@@ -148,12 +155,6 @@ def _reader_of(path: Path) -> tuple[str, Callable[[Asked], ReadShape]]:
 
 def _told(kind: str) -> str:
     return {"surface": "a surface", "lines": "lines", "points": "points"}[kind]
-
-
-def _factor(own: str | None, world: str | None) -> float:
-    """Factor that brings lengths of a unit to another; 1 where one of them is unknown."""
-    a, b = units.metres(own), units.metres(world)
-    return 1.0 if a is None or b is None or own == world else float(f"{a / b:.12g}")
 
 
 def _made(found: ReadShape, factor: float, look: dict[str, Any], path: str) -> Any:

@@ -69,7 +69,8 @@ def read(asked: Asked) -> ReadShape:
     path = asked.file
     table = _parquet(path) if path.suffix.lower() == ".parquet" else _of_text(read_text(path, "table"), path)
     names, told = _axes(table, path)
-    unit, factors = _unit(table, names)
+    unit, factors, strange = _unit(table, names)
+    told += strange
     columns = [None if name is None else table.numbers(name) for name in names]
     n = max(len(column) for column in columns if column is not None)
     positions = np.stack([np.zeros(n) if column is None else column for column in columns], axis=1) * factors
@@ -173,12 +174,13 @@ def _axes_among(names: Container[str]) -> list[str | None] | None:
     return None
 
 
-def _unit(table: _Table, names: Sequence[str | None]) -> tuple[str | None, tuple[float, float, float]]:
-    """Unit of the positions, and factors that bring the axes to it."""
+def _unit(table: _Table, names: Sequence[str | None]) -> tuple[str | None, tuple[float, float, float], list[str]]:
+    """Unit of the positions, factors that bring the axes to it, and a sentence for each unit that is unknown."""
     own = [None if name is None else units.canonical(table.units.get(name)) for name in names]
     if not any(own) and (column := table.first(("unit", "units"))) is not None and len(table.columns[column]):
         own = [units.canonical(str(table.columns[column][0]))] * 3
-    return units.in_one_unit((own[0], own[1], own[2]))
+    unit, factors = units.in_one_unit((own[0], own[1], own[2]))
+    return unit, factors, units.guesses_of((own[0], own[1], own[2]))
 
 
 def _alike(name: str) -> tuple[str, str | None]:

@@ -108,8 +108,7 @@ def along_axes_of(scan: Grid, codes: NDArray[Any], world_from_index: Array) -> t
 
 def check_unit(unit: str | None, scan: Grid) -> None:
     """Raise an `ArgumentError` if a segmentation's lengths are in another unit than a scan's; None: unknown."""
-    own, of_scan = units.metres(unit), units.metres(scan.unit)
-    if own and of_scan and own != of_scan:
+    if units.differ(unit, scan.unit):
         raise ArgumentError(
             f"labels: the lengths of the segmentation are in {unit}, those of the scan {scan.name!r} in {scan.unit}; "
             "open one of them with spacing= and unit= of the other"

@@ -107,7 +107,8 @@ def _converted(samples: NDArray[Any], lps: NDArray[np.float64], said: dict[str, 
         is_anatomical = said.get("itk_inputfiltername") not in WITHOUT_ANATOMY
     else:
         is_anatomical = space.lower().removesuffix("-time") in ANATOMICAL_SPACES
-    unit = units.canonical(said.get(UNIT))
+    unit, factor = units.of_file(said.get(UNIT))
+    lps = np.diag([factor, factor, factor, 1.0]) @ lps
     conventions = []
     if is_anatomical and space is None:
         conventions.append("axes of a patient: ITK counts them so")

@@ -1,7 +1,7 @@
 """Units of length: their names in files, their size, and the one in which a length reads best.
 
-Lengths in units that are no power of ten of a metre (inch) are converted to one that is, by their size from `metres`;
-pixels have no size.
+Lengths in other units (inch, megametre) are converted to one of these, by their size from `metres`.
+A unit that a file names and that is unknown here is never taken for another one without a word: `guesses_of`, `differ`.
 """
 
 from __future__ import annotations
@@ -9,7 +9,19 @@ from __future__ import annotations
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
-__all__ = ["METRES", "canonical", "checked", "in_one_unit", "length_text", "metres", "written"]
+__all__ = [
+    "METRES",
+    "canonical",
+    "checked",
+    "differ",
+    "factor",
+    "guesses_of",
+    "in_one_unit",
+    "length_text",
+    "metres",
+    "of_file",
+    "written",
+]
 
 #: Our name of a unit -> its size in metres.
 METRES = {
@@ -30,11 +42,21 @@ FOREIGN = {
     "yard": (0.9144, "m"),
     "mile": (1609.344, "km"),
     "thou": (2.54e-5, "um"),
+    "line": (0.0254 / 12, "mm"),
     "point": (0.0254 / 72, "mm"),
+    "Mm": (1e6, "km"),
+    "hm": (1e2, "m"),
+    "dam": (1e1, "m"),
+    "fm": (1e-15, "pm"),
+    "bohr": (5.29177210903e-11, "angstrom"),
 }
 #: Names in files, in lower case -> our names.
-NAMES = {name: name for name in (*METRES, *FOREIGN)} | {
+NAMES = {name.lower(): name for name in (*METRES, *FOREIGN) if name != "Mm"} | {
+    "megameter": "Mm",
     "kilometer": "km",
+    "hectometer": "hm",
+    "decameter": "dam",
+    "dekameter": "dam",
     "meter": "m",
     "decimeter": "dm",
     "centimeter": "cm",
@@ -48,6 +70,7 @@ NAMES = {name: name for name in (*METRES, *FOREIGN)} | {
     "ångström": "angstrom",
     "ang": "angstrom",
     "picometer": "pm",
+    "femtometer": "fm",
     "in": "inch",
     "inches": "inch",
     '"': "inch",
@@ -55,6 +78,8 @@ NAMES = {name: name for name in (*METRES, *FOREIGN)} | {
     "feet": "foot",
     "yd": "yard",
     "mi": "mile",
+    "mil": "thou",
+    "li": "line",
     "pt": "point",
 }
 #: Units in which lengths are shown, the longest first.
@@ -85,9 +110,9 @@ def canonical(text: object) -> str | None:
     folded = name.lower().replace("metre", "meter")
     if folded in NONE:
         return None
-    # Case distinguishes mm from Mm (megametre), and no other units here.
-    if name == "Mm":
-        return "Mm"
+    # A capital M and P are mega and peta, small ones milli and pico.
+    if name in ("Mm", "Pm"):
+        return name
     singular = folded.removesuffix("s") if len(folded) > 3 else folded
     known = NAMES.get(folded) or NAMES.get(singular)
     return known or name[:LONGEST_NAME]
@@ -124,9 +149,32 @@ def in_one_unit(units: tuple[str | None, str | None, str | None]) -> tuple[str |
     if first is None:
         named = {unit for unit in units if unit is not None}
         return named.pop() if len(named) == 1 else None, (1.0, 1.0, 1.0)
-    common = FOREIGN[first][1] if first in FOREIGN else first
-    x, y, z = (_factor(unit, common) if metres(unit) is not None else _factor(first, common) for unit in units)
+    common = _shown(first)
+    x, y, z = (factor(unit if metres(unit) is not None else first, common) or 1.0 for unit in units)
     return common, (x, y, z)
+
+
+def of_file(name: object) -> tuple[str | None, float]:
+    """The unit for lengths of a file that names one for all axes, and the factor that brings them to it."""
+    own = canonical(name)
+    unit, (by, _, _) = in_one_unit((own, own, own))
+    return unit, by
+
+
+def factor(own: str | None, wanted: str | None) -> float | None:
+    """The number that lengths of a unit are multiplied by to be in another; None where one is named and unknown.
+
+    Where one of them names none, the lengths stay as they are.
+    """
+    if own is None or wanted is None or own == wanted:
+        return 1.0
+    size, of_wanted = metres(own), metres(wanted)
+    return None if size is None or of_wanted is None else float(f"{size / of_wanted:.12g}")
+
+
+def differ(own: str | None, other: str | None) -> bool:
+    """Whether lengths of two units cannot stand beside each other as they are; a unit that is not named fits to all."""
+    return factor(own, other) != 1.0
 
 
 def guesses_of(units: tuple[str | None, str | None, str | None]) -> list[str]:
@@ -143,12 +191,9 @@ def guesses_of(units: tuple[str | None, str | None, str | None]) -> list[str]:
     return guesses
 
 
-def _factor(unit: str | None, common: str) -> float:
-    if unit == common:
-        return 1.0
-    # Of powers of ten, the quotient or its inverse is exact.
-    size, of_common = metres(unit) or 1.0, METRES[common]
-    return float(f"{size / of_common:.12g}")
+def _shown(unit: str) -> str:
+    """The unit in which lengths of a unit of files are told."""
+    return FOREIGN[unit][1] if unit in FOREIGN else unit
 
 
 def length_text(length: float, unit: str | None) -> str:

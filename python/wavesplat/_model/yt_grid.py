@@ -47,7 +47,8 @@ def of_yt(thing: Any) -> Converted:
     matrix = np.eye(4)
     matrix[:3, :3] = np.diag(spacing)
     matrix[:3, 3] = np.asarray(corner, np.float64) + spacing / 2
-    length = units.canonical(str(getattr(corner, "units", "")).replace("code_length", ""))
+    length, factor = units.of_file(str(getattr(corner, "units", "")).replace("code_length", ""))
+    matrix[:3] *= factor
     name = str(fields[0][-1] if isinstance(fields[0], tuple) else fields[0])
     facts = Facts(unit=length, value_unit=_unit_of(values), quantity=quantity_of(name))
     return Converted(np.asarray(values).transpose(), matrix, facts, name)

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from wavesplat._files.named_files import check_named_file, check_within
 from wavesplat._files.reading import reading
+from wavesplat._model import units
 from wavesplat._model.facts import Channel, Facts
 from wavesplat._model.hdf5_files import read_hdf5
 from wavesplat._readers.bdv_n5 import N5Samples
@@ -212,12 +213,14 @@ def described(samples: Samples, data: SpimData | None, request: Request) -> Stor
     names = [samples.name(view, level) for level in range(len(factors))]
     shapes = [samples.shape(name) for name in names]
     finest, guesses = _place(data, setup, view)
+    unit, factor = units.of_file(setup.unit)
+    finest[:3] *= factor
     wanted = level_numbers(len(names), request)
     stored = [StoredLevel(names[k], shapes[k], finest @ _of_blocks(factors[k] / factors[0])) for k in wanted]
     # A single setup without a name may be of anything, electrons too: that it is a channel would tell of dyes.
     is_described = len(channels) > 1 or bool(channels[0].name)
     facts = Facts(
-        unit=setup.unit,
+        unit=unit,
         channel=channels[number] if is_described else None,
         channels=tuple(channels) if is_described else (),
         n_times=len(times),
@@ -263,14 +266,14 @@ def _place(data: SpimData | None, setup: Setup, view: tuple[int, int]) -> tuple[
             return np.eye(4), ("distances of samples 1, 1, 1: the XML has none",)
         return np.diag([*voxel, 1.0]), ()
     if voxel is None:
-        return matrix, ("distances of samples by the registration of the view: the XML has no voxelSize",)
+        return matrix.copy(), ("distances of samples by the registration of the view: the XML has no voxelSize",)
     scale = _scale_of_registrations(data)
     if scale is None:
         steps = " x ".join(f"{step:.4g}" for step in np.linalg.norm(matrix[:3, :3], axis=0))
         told = " x ".join(f"{step:.4g}" for step in voxel)
-        return matrix, (f"distances of samples {steps} by the registration of the view: voxelSize says {told}",)
+        return matrix.copy(), (f"distances of samples {steps} by the registration of the view: voxelSize says {told}",)
     if scale == 1:
-        return matrix, ()
+        return matrix.copy(), ()
     scaled = matrix.copy()
     scaled[:3] *= scale
     told = f"{scale:.6g} {setup.unit or 'of voxelSize'}".rstrip()

@@ -204,11 +204,12 @@ def _steps(image: Any) -> tuple[tuple[float, float, float], str | None, tuple[st
         own = getattr(getattr(image, "dimension_properties", None), axis, None)
         unit = getattr(own, "unit", None)
         named.append("um" if unit is None else units.canonical(unit))
-    unit, factors = units.in_one_unit((named[0], named[1], named[2]))
+    xyz_units = (named[0], named[1], named[2])
+    unit, factors = units.in_one_unit(xyz_units)
     steps = [None if step is None else float(f"{step * by:.7g}") for step, by in zip(told, factors, strict=True)]
     x = steps[0] or 1.0
     y, z = (x if step is None else step for step in steps[1:])
-    return (x, y, z), unit if any(told) else None, tuple(guesses_of_steps(steps, x))
+    return (x, y, z), unit if any(told) else None, (*guesses_of_steps(steps, x), *units.guesses_of(xyz_units))
 
 
 def _channels(image: Any, count: int) -> tuple[Channel, ...]:

@@ -88,7 +88,9 @@ def of_nrrd(path: Path) -> Header:
     if unit is None and "space directions" not in fields:
         named = _three_units(fields.get("units", ""))
         unit, index_factors = units.in_one_unit(named)
-    unit = unit or units.canonical(keys.get(UNIT))  # ITK has no units, and keeps one as a key
+    if unit is None:  # ITK has no units, and keeps one as a key
+        unit, factor = units.of_file(keys.get(UNIT))
+        world_factors = (factor, factor, factor)
     conventions = []
     if unit is None and is_anatomical:
         unit = "mm"
@@ -164,14 +166,15 @@ def of_meta_image(path: Path) -> Header:
         fields[name.strip().lower()] = value.strip()
         if "elementdatafile" in fields:
             break
-    unit = units.canonical(fields.get("distanceunits", "").replace("?", ""))
+    unit, factor = units.of_file(fields.get("distanceunits", "").replace("?", ""))
     conventions = ["axes of a patient: MetaImage is ITK's format, and these are ITK's"]
     if unit is None:
         unit = "mm"
         conventions.append("unit mm: the file names none; millimetres are ITK's convention")
     modality = MODALITIES.get(fields.get("modality", "").lower().removeprefix("met_mod_"))
     modality = modality or MODALITIES.get(fields.get("0008|0060", "").lower())
-    return Header(fields, Facts(unit=unit, is_anatomical=True, modality=modality, conventions=tuple(conventions)))
+    facts = Facts(unit=unit, is_anatomical=True, modality=modality, conventions=tuple(conventions))
+    return Header(fields, facts, world_factors=(factor, factor, factor))
 
 
 def inflated(path: Path, header: Header, shape: tuple[int, ...]) -> NDArray[Any]:

@@ -66,10 +66,11 @@ def described(file: h5py.File, request: Request) -> StoredImage:
     shapes = [_shape(file, group, request) for group in groups]
     image = _info(file, "Image", request)
     lower, upper, guesses = _box(image, shapes[0])
+    unit, factor = units.of_file(_text(image, "Unit"))
+    lower, upper = lower * factor, upper * factor
     wanted = level_numbers(len(levels), request)
     stored = [StoredLevel(f"{groups[k]}/Data", shapes[k], _world_from_index(lower, upper, shapes[k])) for k in wanted]
     moments, moments_unit = _times(_info(file, "TimeInfo", request), times)
-    unit = units.canonical(_text(image, "Unit"))
     facts = Facts(
         unit=unit,
         modality="fluorescence" if any(one.emission_nm is not None for one in channels) else None,

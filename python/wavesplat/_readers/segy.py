@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from wavesplat._files import size_checks
 from wavesplat._files.libraries import library
 from wavesplat._files.reading import reading
+from wavesplat._model import units
 from wavesplat._model.facts import Facts
 from wavesplat._model.placement import UPRIGHT
 from wavesplat._readers.request import Grid, Request
@@ -29,6 +30,8 @@ INLINE, CROSSLINE, OFFSET, X, Y, SCALE = 189, 193, 37, 181, 185, 71
 #: Place of the code of the samples' type in a file, and codes that segyio reads; it takes others for IBM's floats.
 FORMAT_AT, FORMATS = 3224, (1, 2, 3, 5, 6, 8, 9, 10, 11, 12, 16)
 MOST_FORMATS = 16
+#: Code of the measurement system -> its unit of length.
+SYSTEMS = {1: "m", 2: "foot"}
 #: Traces of a regular survey are off by at most this fraction of a step.
 TOLERANCE = 0.5
 #: Parts of steps below this fraction of the shortest are errors of the fit.
@@ -67,13 +70,19 @@ def read(request: Request) -> Grid:
             size_checks.check_memory(2 * size_checks.n_bytes(shape, np.dtype("f4")), path)
             step = float(np.diff(file.samples).mean()) if n_samples > 1 else 1.0
             first = float(file.samples[0])
-            steps, told, unit = _steps(segyio, file, inlines, crosslines)
+            steps, told, own = _steps(segyio, file, inlines, crosslines)
             cube, missing = _cube(file.trace.raw[:], inlines, crosslines)
     matrix = np.eye(4)
     matrix[:3, :2], matrix[:3, 3] = steps[:, :2], steps[:, 2]
     matrix[2, 2], matrix[2, 3] = -step, -first
-    way = f"1 of them drawn as 1 {unit or 'unit of x and y'}, downwards"
-    told = (f"samples are {step:g} ms apart, or m if traces are in depth, which the file does not say: {way}", *told)
+    unit, factor = units.of_file(own)
+    matrix[:3] *= factor
+    way = f"1 of them drawn as 1 {own or 'unit of x and y'}, downwards"
+    length = own or "m"
+    told = (
+        f"samples are {step:g} ms apart, or {length} if traces are in depth, which the file does not say: {way}",
+        *told,
+    )
     return Grid(cube, matrix, Facts(unit=unit, conventions=(UPRIGHT,), guesses=told + missing))
 
 
@@ -168,6 +177,7 @@ def _steps(
         if rank == 3 and area > 0 and off <= TOLERANCE * shortest:
             system = int(file.bin[segyio.BinField.MeasurementSystem])
             columns = np.concatenate([found.T, np.zeros((1, 3))])
-            return columns, (), {1: "m", 2: "foot"}.get(system)
+            unknown = f"distances of traces: the file's measurement system, {system}, is unknown; 1 is m, 2 is feet"
+            return columns, () if system in (0, *SYSTEMS) else (unknown,), SYSTEMS.get(system)
     told = ("distance of inlines and crosslines 1: the traces have no places (CDP X and Y) on a regular grid",)
     return np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 0]]), told, None

@@ -35,10 +35,10 @@ BEYOND = 1e-6
 
 def check_units(grids: list[Volume | WaveletVolume]) -> None:
     """Raise an `ArgumentError` for volumes whose worlds have different units of length."""
-    known = [(grid, units.metres(grid.unit)) for grid in grids if units.metres(grid.unit)]
-    for grid, size in known[1:]:
-        first, its_size = known[0]
-        if size != its_size:
+    known = [grid for grid in grids if grid.unit]
+    for grid in known[1:]:
+        first = known[0]
+        if units.differ(grid.unit, first.unit):
             raise ArgumentError(
                 f"the lengths of {first.name!r} are in {first.unit}, those of {grid.name!r} in {grid.unit}; open one "
                 "of them with spacing= and unit= of the other"

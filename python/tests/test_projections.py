@@ -138,6 +138,18 @@ def test_sums_and_means_are_those_of_numpy(dtype, eye, up):
         np.testing.assert_allclose(got, want / n, rtol=0, atol=1e-6 * largest)
 
 
+@pytest.mark.parametrize("quality", ["normal", "fine", "high"])
+@pytest.mark.parametrize("composite", ["sum", "mean"])
+def test_named_qualities_keep_sums_and_means_of_numpy(composite, quality):
+    """With the automatic look of white noise, by which texels were 1.2 or 1.5 a pixel and sums 10 to 27 % off."""
+    samples = np.random.default_rng(6).random((6, 6, 6)).astype("f4")
+    volume = ws.Volume(samples, spacing=(1, 1, 1))
+    camera = ws.Camera((2.5, 2.5, 100), (2.5, 2.5, 2.5), (0, 1, 0), parallel_scale=3)
+    got = ws.render(volume, None, camera, size=(6, 6), composite=composite, quality=quality).value
+    want = trapezoid(np.moveaxis(samples.astype(float), 0, -1)) / (1 if composite == "sum" else 5)
+    np.testing.assert_allclose(np.sort(got, axis=None), np.sort(want, axis=None), rtol=1e-6)
+
+
 def first_local_maximum(profile, threshold):
     """The first sample of at least the threshold that the next one is below; the largest where there is none."""
     for here, following in pairwise(profile):

@@ -548,6 +548,7 @@ def quality_settings(
             tuple[Volume | LazyVolume, TransferFunction] | None,
         ]
     ],
+    operator: tuple[str, Sequence[float]],
     camera: Camera,
     height: int,
 ) -> tuple[float, float]: ...

@@ -311,11 +311,13 @@ pub fn quality_settings(
     py: Python<'_>,
     name: &str,
     layers: Vec<PyLayer<'_>>,
+    operator: (String, Vec<f64>),
     camera: &PyCamera,
     height: usize,
 ) -> PyResult<(f64, f64)> {
+    let operator = composite(&operator.0, &operator.1)?;
     with_scene(py, &layers, |scene| {
-        let sampling = scene.sampling(name, &camera.0, height).map_err(to_py)?;
+        let sampling = scene.sampling(name, operator, &camera.0, height).map_err(to_py)?;
         Ok((sampling.sheets_per_slice, sampling.oversampling))
     })
 }

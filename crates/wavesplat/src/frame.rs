@@ -109,7 +109,7 @@ impl Scene<'_> {
         callback: &dyn ProgressCallback,
     ) -> Result<Frame> {
         let fixed = match options.effort {
-            Effort::Named(quality) => Some(self.sampling(quality.name(), camera, size_px[1])?),
+            Effort::Named(quality) => Some(self.sampling(quality.name(), options.composite, camera, size_px[1])?),
             Effort::Fixed(sampling) => Some(sampling),
             Effort::Psnr(_) => None,
         };
@@ -124,15 +124,15 @@ impl Scene<'_> {
     }
 
     /// Sampling of a named quality for this scene, seen by a camera in a picture `height_px` pixels high: the finest of
-    /// its layers' samplings.
-    pub fn sampling(&self, quality: &str, camera: &Camera, height_px: usize) -> Result<Sampling> {
+    /// its layers' samplings. Projections, whose values are measured, have whole texels.
+    pub fn sampling(&self, quality: &str, composite: Composite, camera: &Camera, height_px: usize) -> Result<Sampling> {
         let mut finest = Sampling::NONE;
         for SceneLayer { volume, transfer_function: tf, shading, .. } in &self.layers {
             let needs_preintegration = volume.needs_preintegration(tf, shading.as_ref())?;
             let own = Quality::sampling(quality, volume.grid(), tf, needs_preintegration, camera, height_px)?;
             finest = finest.max(own);
         }
-        Ok(finest)
+        Ok(if composite.is_projection() { finest.with_whole_texels() } else { finest })
     }
 
     /// Samplings from which a picture of a wanted PSNR is chosen: for each rung the finest of the layers'.

@@ -118,7 +118,7 @@ impl Scene<'static> {
         streaming: &StreamOptions,
     ) -> Result<Planned> {
         let sampling = match options.effort {
-            Effort::Named(quality) => self.sampling(quality.name(), camera, size_px[1])?,
+            Effort::Named(quality) => self.sampling(quality.name(), options.composite, camera, size_px[1])?,
             Effort::Fixed(sampling) => sampling,
             Effort::Psnr(_) => {
                 let mend = "give a named quality, or how many sheets and texels there are";

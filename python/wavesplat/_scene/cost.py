@@ -332,7 +332,7 @@ def _bounds_bytes(shape: Sequence[int], side: int) -> int:
 def _stream(core: _native.LazyVolume, camera: Camera, options: DrawOptions, streaming: Streaming) -> _native.Stream:
     """The stream of a volume of which nothing is known."""
     drawn, size = [(core, ALL_SEEN._core, None, None)], options.size
-    sheets, texels = _native.quality_settings("normal", drawn, camera._core, size[1])
+    sheets, texels = _native.quality_settings("normal", drawn, ("over", []), camera._core, size[1])
     frame: Any = {
         "labels": None,
         "width": size[0],

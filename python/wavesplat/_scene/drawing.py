@@ -518,17 +518,19 @@ def _rendered(
     drawn = for_module(layers, faded, lights, colors, lazy)
     absorbs = projection.absorption(operator, layers[0].volume) if isinstance(operator, XRay) else None
     numbers = projection.numbers(operator, functions[0], layers[0].volume, absorbs)
+    in_order = [operator.iso_value] if isinstance(operator, FirstHit) else projection.in_order(numbers)
+    compiled = projection.compiled_name(operator), in_order
     errors = _measured_errors(frame, layers, functions)
     with drawing(*(layer.volume for layer in layers), *(layer.color.volume for layer in layers if layer.color)):
-        sheets_per_slice, oversampling = _sampling(frame, drawn)
+        sheets_per_slice, oversampling = _sampling(frame, drawn, compiled)
         texels = 1 if options.psnr is not None else min(abs(oversampling), MAX_OVERSAMPLING) ** 2
         check_picture_memory(frame.size, PIXEL_BYTES + TEXEL_BYTES * texels)
         arguments: dict[str, Any] = {
             "width": width,
             "height": height,
             "kernel": options.kernel,
-            "composite": projection.compiled_name(operator),
-            "numbers": [operator.iso_value] if isinstance(operator, FirstHit) else projection.in_order(numbers),
+            "composite": compiled[0],
+            "numbers": compiled[1],
             "sheets_per_slice": sheets_per_slice,
             "oversampling": oversampling,
             "psnr": None if options.psnr is None else float(options.psnr),
@@ -564,10 +566,12 @@ def _rendered(
     return result, report
 
 
-def _sampling(frame: _Frame, drawn: Sequence[tuple[Any, Any, Any, Any]]) -> tuple[float, float]:
-    """Sheets per slice and texels per pixel: as given, else what the quality says for the layer that needs most."""
+def _sampling(
+    frame: _Frame, drawn: Sequence[tuple[Any, Any, Any, Any]], operator: tuple[str, Sequence[float]]
+) -> tuple[float, float]:
+    """Sheets per slice and texels per pixel: as given, else by the quality for the layer that needs most."""
     wanted, height = frame.sampling, frame.size[1]
-    sheets, texels = _native.quality_settings(wanted.quality, drawn, frame.camera._core, height)
+    sheets, texels = _native.quality_settings(wanted.quality, drawn, operator, frame.camera._core, height)
     return (
         sheets if wanted.sheets_per_slice is None else wanted.sheets_per_slice,
         texels if wanted.oversampling is None else wanted.oversampling,

@@ -22,6 +22,17 @@ impl Sampling {
     /// No sheets and no texels.
     pub const NONE: Self = Self { sheets_per_slice: 0.0, oversampling: 0.0 };
 
+    /// The same with a whole number of texels per pixel, where there is at least one. The centres of pixels then lie on
+    /// texels, or midway between equally many, so that a projection along an axis has the values of the samples: with
+    /// 1.2 texels a pixel, a sum of white noise is up to 27 % off.
+    #[must_use]
+    pub fn with_whole_texels(self) -> Self {
+        Self {
+            oversampling: if self.oversampling > 1.0 { self.oversampling.ceil() } else { self.oversampling },
+            ..self
+        }
+    }
+
     /// The larger number of sheets, and the larger number of texels.
     #[must_use]
     pub fn max(self, other: Self) -> Self {

@@ -76,6 +76,7 @@ def test_geometry_of_a_file_is_named_by_it(tmp_path, monkeypatch):
             "file": {"path": "cells.csv", "kind": "points", "values": "speed"},
             "cmap": "hot",
             "clim": [0.0, 100.0],
+            "quantity": "speed",
             "size": 4.0,
             "opacity": 0.5,
             "name": "cells",

@@ -102,7 +102,7 @@ def check_figure(options: FigureOptions) -> None:
 
 def annotated(picture: Picture, options: FigureOptions, scene: Scene, *, quiet: bool) -> Picture:
     """The picture as a figure, with the marks that the options ask for. `scene`: what is drawn."""
-    bars: bool | str = options.colorbar
+    bars: bool | list[str] = options.colorbar
     if options.figure:
         from wavesplat._render.framing import is_of_patient
 
@@ -123,8 +123,9 @@ def annotated(picture: Picture, options: FigureOptions, scene: Scene, *, quiet: 
     return picture.annotated(**marks | {"colorbar": bars}, dpi=options.dpi) if marks else picture
 
 
-def _bars_of_fields(picture: Picture, scene: Scene) -> bool | str:
-    """The layers that get a colour bar by themselves: fields, but no surfaces of one colour; one by its name."""
+def _bars_of_fields(picture: Picture, scene: Scene) -> bool | list[str]:
+    """What gets a colour bar by itself: shapes with values, and fields, but no surfaces of one colour."""
+    from wavesplat._geometry.slice_plane import SlicePlane
     from wavesplat._looks.kinds import FIELDS, kind_of
 
     shown = [one for one in picture.report.get("shown") or () if one["composite"] != "first-hit"]
@@ -132,7 +133,9 @@ def _bars_of_fields(picture: Picture, scene: Scene) -> bool | str:
     coloring = [layer if layer.color_from is None else layer.color_from for layer in scene.layers]
     fields = {layer.name or layer.drawn.name for layer in coloring if kind_of(layer.drawn) in FIELDS}
     named = [one["name"] for one in shown if one["name"] in fields and one["transfer_function"] is not None]
-    return len(named) == len(shown) or named[0] if named else False
+    shapes = picture.report.get("geometry_colors") or ()
+    named += [one["name"] for one in shapes if one["kind"] != SlicePlane.KIND]
+    return len(named) == len(shown) + len(shapes) or named if named else False
 
 
 def marks_of(options: FigureOptions, unit: str | None, *, quiet: bool) -> dict[str, Any]:

@@ -276,4 +276,8 @@ def _named_values(mesh: Any, name: Any) -> dict[str, Any]:
         names: Iterable[str] = [str(of_points.GetArrayName(k)) for k in range(of_points.GetNumberOfArrays())]
         raise ArgumentError(f"the points have no array {name!r}; there are: {', '.join(names) or 'none'}")
     values = _array(array)
-    return {"values": values if values.ndim == 1 else np.linalg.norm(values, axis=1)}
+    is_vector = values.ndim > 1
+    return {
+        "values": np.linalg.norm(values, axis=1) if is_vector else values,
+        "quantity": f"{name} magnitude" if is_vector else name,
+    }

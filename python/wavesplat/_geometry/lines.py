@@ -44,7 +44,7 @@ class Lines(Shape):
     values : array, optional
         Instead of `color`: a value for each position of all paths, one after the other, or for each path, coloured by
         `cmap`; where it is NaN nothing is drawn. Of a mesh of PyVista also the name of one of its arrays.
-    cmap, clim
+    cmap, clim, quantity, value_unit
         As for `Surface`.
     radius : float, optional
         Tubes of this radius, world units: their thickness depends on the distance.
@@ -75,6 +75,8 @@ class Lines(Shape):
     values: Any = None
     cmap: str | None = None
     clim: Any = None
+    quantity: str | None = None
+    value_unit: str | None = None
     radius: float | None = None
     width: float | None = None
     opacity: float = 1.0

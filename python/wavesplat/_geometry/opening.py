@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 from collections.abc import Callable
 from dataclasses import fields
 from os import PathLike
@@ -23,6 +24,7 @@ from wavesplat._geometry.shape import Shape, is_one
 from wavesplat._geometry.surface import Surface
 from wavesplat._model import sources, units
 from wavesplat._model.argument_types import described, takes_its_types
+from wavesplat._model.facts import quantity_of
 from wavesplat._public import public
 from wavesplat._readers.request import NAMED_WITHIN
 from wavesplat.errors import ArgumentError, FileError
@@ -43,6 +45,8 @@ READERS: dict[str, tuple[str, Callable[[Asked], ReadShape]]] = {
 }
 OF_FREESURFER = ("a surface of FreeSurfer", brain_surfaces.read_freesurfer)
 SUFFIXES = tuple(READERS)
+#: Parts of the name of a file of values that do not name them: "lh.thickness", "area.shape.gii".
+OF_BRAINS = re.compile(r"^[lr]h\.|(\.(shape|func|gii|txt))+$")
 
 
 @public
@@ -115,6 +119,9 @@ def open_geometry(
         raise (error if str(error).endswith(str(path)) else FileError(f"{error}: {path}")) from error.__cause__
     if kind is not None and kind != found.kind:
         raise FileError(f"the file holds {_told(found.kind)}, and {_told(kind)} is asked for; leave out kind: {path}")
+    if values is not None and found.fields.get("values") is not None:
+        name = values if found.values_from is None else OF_BRAINS.sub("", found.values_from.name)
+        found.fields.setdefault("quantity", quantity_of(name))
     own = given or found.unit
     if given is not None and found.unit is not None and given != found.unit:
         raise ArgumentError(f"unit is {unit!r}, and the file's own is {found.unit!r}; leave it out: {path}")
@@ -182,7 +189,7 @@ def _without_what_is_given(own: dict[str, Any], look: dict[str, Any]) -> dict[st
     """Fields of a file, but for colours and sizes that the look has."""
     dropped = {name for name, value in own.items() if value is None}
     if look.get("color") is not None:
-        dropped |= {"color", "values"}
+        dropped |= {"color", "values", "quantity", "value_unit"}
     if own.get("values") is not None and "values" not in dropped:
         dropped.add("color")
     if any(look.get(name) is not None for name in ("radius", "size", "width")):

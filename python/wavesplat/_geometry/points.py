@@ -35,7 +35,7 @@ class Points(Shape):
     ----------
     positions : array, shape (n, 3), or an object that has points
         World positions (x, y, z). Or a layer of points of napari, or a point cloud of PyVista, VTK or trimesh.
-    color, values, cmap, clim
+    color, values, cmap, clim, quantity, value_unit
         As for `Surface`, with one for each point; a point whose value is NaN is not drawn. None is yellow.
     radius : float or array, shape (n,), optional
         Balls of this radius, world units.
@@ -67,6 +67,8 @@ class Points(Shape):
     values: Any = None
     cmap: str | None = None
     clim: Any = None
+    quantity: str | None = None
+    value_unit: str | None = None
     radius: Any = None
     size: Any = None
     labels: Any = None

@@ -96,9 +96,11 @@ class Shape:
 
     def _check_style(self) -> None:
         """Check name, opacity and switches, as all shapes have them."""
-        check_text(self.name, "name of the shape")
-        if not isinstance(self.name, str | None):
-            raise ArgumentError(f"name of the {self.KIND} is {described(self.name)}; give a text or None")
+        for field in ("name", "quantity", "value_unit"):
+            given = getattr(self, field, None)
+            check_text(given, f"{field} of the {self.KIND}")
+            if not isinstance(given, str | None):
+                raise ArgumentError(f"{field} of the {self.KIND} is {described(given)}; give a text or None")
         for switch in ("lit", "clipped", "visible"):
             given = getattr(self, switch, None)
             if not isinstance(given, bool | None):

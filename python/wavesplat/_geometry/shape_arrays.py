@@ -18,8 +18,10 @@ from wavesplat._geometry.points import Points
 from wavesplat._geometry.shape import Shape
 from wavesplat._geometry.slice_plane import SlicePlane
 from wavesplat._geometry.surface import Surface
+from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model.argument_types import described
 from wavesplat._model.grid import Grid
+from wavesplat._picture.report_facts import shown_layer
 from wavesplat.errors import ArgumentError
 
 __all__ = [
@@ -54,6 +56,8 @@ class ShapeArrays:
     cards: list[_native.CardArrays] = field(default_factory=list)
     #: How many cards each slice has, in the order of shapes: one, or one for each face of the cuts.
     n_cards: list[int] = field(default_factory=list)
+    #: The report's entries of the colours of values, for colour bars.
+    shown: list[dict[str, Any]] = field(default_factory=list)
     _core: _native.Shapes | None = field(default=None, repr=False)
     _black: ShapeArrays | None = field(default=None, repr=False)
 
@@ -61,17 +65,18 @@ class ShapeArrays:
     def of(
         cls,
         shapes: Sequence[Shape],
-        cards_of: Callable[[SlicePlane], list[_native.CardArrays]],
+        cards_of: Callable[[SlicePlane], tuple[list[_native.CardArrays], dict[str, Any]]],
         bounds: NDArray[np.float64],
         far: tuple[bool, bool, bool],
     ) -> ShapeArrays:
         """The arrays of shapes.
 
-        cards_of : makes the pictures of a slice. bounds : the box of frames without one. far : for x, y, z whether the
-        upper side of a frame lies behind it.
+        cards_of : makes the pictures of a slice, and the report's entry of its colours. bounds : the box of frames
+        without one. far : for x, y, z whether the upper side of a frame lies behind it.
         """
         made = cls()
-        for shape in shapes:
+        for shape, name in zip(shapes, names_of_shapes(shapes), strict=True):
+            entry: dict[str, Any] = {}
             if isinstance(shape, Surface):
                 made.meshes.append(shape._arrays())
             elif isinstance(shape, Lines):
@@ -79,12 +84,24 @@ class ShapeArrays:
             elif isinstance(shape, Points):
                 made.points.append(shape._arrays())
             elif isinstance(shape, SlicePlane):
-                cards = cards_of(shape)
+                cards, entry = cards_of(shape)
                 made.cards += cards
                 made.n_cards.append(len(cards))
             elif isinstance(shape, Frame):
                 made.paths += shape._arrays(bounds, far)
+            entry = _colors_of(shape) or entry
+            if entry:
+                is_named = shape.name or all(other["name"] != shape.KIND for other in made.shown)
+                named = {"kind": shape.KIND, "name": (shape.name or shape.KIND) if is_named else name}
+                made._show(entry | named)
         return made
+
+    def _show(self, entry: dict[str, Any]) -> None:
+        """Keep an entry, unless one is there that says the same: slices of one volume in one window have one bar."""
+        is_told = entry.get("quantity") or entry["kind"] == SlicePlane.KIND
+        names = ("quantity", "values", "transfer_function")
+        if not (is_told and any(all(one.get(name) == entry.get(name) for name in names) for one in self.shown)):
+            self.shown.append(entry)
 
     @property
     def core(self) -> _native.Shapes:
@@ -102,7 +119,7 @@ class ShapeArrays:
         """The same shapes in black: they hide as much, and give no light."""
         if self._black is None:
             meshes, paths, points, cards = ([_in_black(arrays) for arrays in kind] for kind in self._kinds)
-            self._black = ShapeArrays(meshes, paths, points, cards)
+            self._black = ShapeArrays(meshes, paths, points, cards, self.n_cards, self.shown)
         return self._black
 
     @property
@@ -111,6 +128,15 @@ class ShapeArrays:
 
     def __getstate__(self) -> dict[str, Any]:
         return {**self.__dict__, "_core": None, "_black": None}
+
+
+def _colors_of(shape: Any) -> dict[str, Any] | None:
+    """The report's entry of the colours of a shape's values; None of one without values."""
+    if shape._mapped is None:
+        return None
+    _, cmap, ends = shape._mapped
+    curves = TransferFunction.from_colormap(cmap, clim=ends, opacity=1.0)
+    return shown_layer(shape.name or shape.KIND, "over", curves, shape.value_unit or "", shape.quantity)
 
 
 def _in_black(arrays: Any) -> Any:

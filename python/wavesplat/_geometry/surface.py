@@ -50,6 +50,9 @@ class Surface(Shape):
         Colour map of the values; None is "viridis".
     clim : (low, high), optional
         Values of both ends of the map, or percentiles such as "1%"; None is the least and the largest.
+    quantity, value_unit : str, optional
+        Name of the values and their unit, such as "speed" and "m/s", for colour bars; the name is that of an array or
+        of a column where `values` names one.
     opacity : float, 0..1, default 1
         Of the surface, from whatever side and angle. Matter before it dims it, matter behind it is seen through it.
     normals : "smooth", "flat" or array, shape (n, 3)
@@ -89,6 +92,8 @@ class Surface(Shape):
     values: Any = None
     cmap: str | None = None
     clim: Any = None
+    quantity: str | None = None
+    value_unit: str | None = None
     opacity: float = 1.0
     normals: Any = "smooth"
     lit: bool = True

@@ -20,6 +20,7 @@ from wavesplat._files.libraries import library
 from wavesplat._files.paths import read_text
 from wavesplat._geometry.read_shape import Asked, ReadShape
 from wavesplat._model import units
+from wavesplat._model.facts import quantity_of, value_unit_of
 from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["SUFFIXES", "read"]
@@ -89,7 +90,7 @@ def read(asked: Asked) -> ReadShape:
     left_out = n - len(rows)
     if left_out:
         told.append(f"{left_out} of {n} rows left out: x, y, z or the track is no number")
-    values = {} if asked.values is None else {"values": table.numbers(_named(table, asked))[rows]}
+    values = {} if asked.values is None else _values(table, _named(table, asked), rows)
     if kind == "lines":
         return ReadShape("lines", {"paths": np.split(positions[rows], ends), **values}, unit, tuple(told))
     fields = {"positions": positions[rows], **values, **_of_points(table, rows, factors[0])}
@@ -128,6 +129,20 @@ def _of_points(table: _Table, rows: NDArray[np.int64], factor: float) -> dict[st
     if (name := table.first(LABELS)) is not None and len({*(cells := table.columns[name])}) > 1:
         found["labels"] = [str(cells[row]).strip() for row in rows]
     return found
+
+
+def _values(table: _Table, name: str, rows: NDArray[np.int64]) -> dict[str, Any]:
+    """The numbers of a column, what they are, and their unit: "speed" and "m/s" of "speed (m/s)"."""
+    written, unit = table.written[name], table.units.get(name)
+    if (in_brackets := IN_BRACKETS.match(written)) is not None:
+        written = in_brackets[1]
+    elif unit is not None:
+        written = written.removesuffix(f"_{unit}")
+    return {
+        "values": table.numbers(name)[rows],
+        "quantity": quantity_of(written),
+        "value_unit": value_unit_of(unit),
+    }
 
 
 def _named(table: _Table, asked: Asked) -> str:

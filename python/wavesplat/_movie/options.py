@@ -18,7 +18,7 @@ class FigureOptions(TypedDict, total=False):
 
     scale_bar: bool | float | str
     orientation: Orientation | None
-    colorbar: bool | str
+    colorbar: bool | str | Sequence[str]
     legend: bool | Iterable[str]
     title: str | None
     unit: str | None

@@ -52,7 +52,7 @@ class Figure:
 
     scale_bar: bool | float | str = False
     orientation: Orientation | None = None
-    colorbar: bool | str = False
+    colorbar: bool | str | Sequence[str] = False
     legend: bool | Iterable[str] = False
     title: str | None = None
     unit: str | None = None
@@ -277,8 +277,9 @@ def _check(figure: Figure) -> None:
                 f"{name} is {described(getattr(figure, name))}; use one of: {', '.join(get_args(places))}"
             )
     colorbar: object = figure.colorbar
-    if not isinstance(colorbar, bool | np.bool_ | str):
-        raise ArgumentError(f"colorbar is {described(colorbar)}; give True, False or the name of a layer")
+    is_names = isinstance(colorbar, list | tuple) and colorbar and all(isinstance(name, str) for name in colorbar)
+    if not is_names and not isinstance(colorbar, bool | np.bool_ | str):
+        raise ArgumentError(f"colorbar is {described(colorbar)}; give True, False or names of layers")
     size = figure.font_size
     if size is not None and not (isfinite(size) and 1 <= size <= 1000):
         raise ArgumentError(f"font_size is {size:g}; give 1 to 1000: points where dpi is given, else pixels")
@@ -338,24 +339,37 @@ def _orient(sheet: _Sheet, figure: Figure, report: Mapping[str, Any], style: Sty
 
 
 def _colored(figure: Figure, report: Mapping[str, Any]) -> list[tuple[report_facts.ShownLayer, str]]:
-    """Layers that get a colour bar, with the bar's title."""
-    layers = report_facts.layers_of(report)
-    if isinstance(figure.colorbar, str):
-        names = [layer.name for layer in layers]
-        if figure.colorbar not in names:
-            raise ArgumentError(f"no layer is named {figure.colorbar!r}; there are: {', '.join(map(repr, names))}")
-        layers = [layer for layer in layers if layer.name == figure.colorbar]
+    """Layers, and what stands in space with values, that get a colour bar, with the bar's title."""
+    shapes = report_facts.shapes_of(report)
+    layers = report_facts.layers_of(report) if report.get("shown") or not shapes else []
+    if not isinstance(figure.colorbar, bool | np.bool_):
+        wanted = [figure.colorbar] if isinstance(figure.colorbar, str) else list(figure.colorbar)
+        names = [one.name for one in (*layers, *shapes)]
+        if missing := [name for name in wanted if name not in names]:
+            raise ArgumentError(f"no layer is named {missing[0]!r}; there are: {', '.join(map(repr, names))}")
+        layers, shapes = ([one for one in kind if one.name in wanted] for kind in (layers, shapes))
     layers = [layer for layer in layers if layer.composite != "first-hit"]
-    if not layers:
+    if not layers and not shapes:
         raise ArgumentError(
             "a surface of one value has one colour, so a colour bar says nothing of it; leave out the colour bar, or "
             "write the value as a title"
         )
     if figure.values is not None:
-        return [(layer, figure.values) for layer in layers]
-    if len(layers) == 1 and layers[0].values and not layers[0].quantity:
+        named = [(one, figure.values) for one in (layers or shapes)]
+        return named if not layers else [*named, *_titled(shapes)]
+    if len(layers) == 1 and not shapes and layers[0].values and not layers[0].quantity:
         return [(layers[0], layers[0].values)]
-    return [(layer, _title_of_values(layer)) for layer in layers]
+    return _titled([*layers, *shapes])
+
+
+def _titled(shown: Sequence[report_facts.ShownLayer]) -> list[tuple[report_facts.ShownLayer, str]]:
+    """Bars with their titles; of several with one title the later ones have the names of what they belong to."""
+    found: list[tuple[report_facts.ShownLayer, str]] = []
+    for one in shown:
+        title = _title_of_values(one)
+        is_told = one.quantity and any(title == other for _, other in found)
+        found.append((one, f"{report_facts.plain_name(one.name)}, {title}" if is_told else title))
+    return found
 
 
 def _title_of_values(layer: report_facts.ShownLayer) -> str:
@@ -366,10 +380,12 @@ def _title_of_values(layer: report_facts.ShownLayer) -> str:
 
 def _scales(figure: Figure, report: Mapping[str, Any], behind: Color) -> list[color_bar.Scale]:
     """Scales of the colour bars: of depth colours those of the places, else those of the layers."""
+    of_depths = []
     if (depth_colors := report.get("depth_colors")) is not None:
-        return [color_bar.scale_of_depths(depth_colors, report.get("unit"))]
-    colored = _colored(figure, report)
-    return [color_bar.scale_of(layer.function, layer.composite, title, behind) for layer, title in colored]
+        of_depths = [color_bar.scale_of_depths(depth_colors, report.get("unit"))]
+    colored = _titled(report_facts.shapes_of(report)) if of_depths else _colored(figure, report)
+    own = [color_bar.scale_of(layer.function, layer.composite, title, behind) for layer, title in colored]
+    return [*of_depths, *own]
 
 
 def _color_bars(

@@ -146,7 +146,7 @@ class Picture:
         *,
         scale_bar: bool | float | str = False,
         orientation: Orientation | None = None,
-        colorbar: bool | str = False,
+        colorbar: bool | str | Sequence[str] = False,
         legend: bool | Iterable[str] = False,
         title: str | None = None,
         unit: str | None = None,
@@ -174,9 +174,9 @@ class Picture:
             "letters": R, L, A, P, S, I at the edges, and the sum of these for oblique views, nearest first; only for
             the world of a patient. "cube": a small cube, its faces with these letters, else with x, y, z. "axes": the
             same as arrows.
-        colorbar : bool or str
-            The colours of the values that are shown, for all layers, or for the one of this name. Light and shadows are
-            not in it, nor is opacity, but for projections.
+        colorbar : bool, str or sequence of str
+            The colours of the values that are shown, for all layers and what stands in space with values, or for those
+            of these names. Light and shadows are not in it, nor is opacity, but for projections.
         legend : bool or sequence of str
             Names and colours of the labels and, where there are several, of the layers, of more than 30 the first 30;
             or of these only. Slices name the labels in them; where there are none, all.

@@ -54,6 +54,10 @@ FIELDS: dict[str, Field] = {
         OBJECTS,
         "What stands in space with the volumes: kind, name, number of parts; `visible` is false of hidden ones.",
     ),
+    "geometry_colors": Field(
+        OBJECTS,
+        "Of what stands in space and has values: kind, name, what they are (`quantity`), unit, and colours of values.",
+    ),
     "labels": Field(OBJECTS, "Names and colours of the labels that show; of slices those in them."),
     "time": Field(OBJECT, "Of a time point: its number, and its time with the unit as text."),
     "panels": Field(OBJECTS, "Of a lightbox plane, position and place on the sheet, in pixels, of each slice."),

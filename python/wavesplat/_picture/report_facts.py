@@ -27,6 +27,7 @@ __all__ = [
     "facts_of_view",
     "layers_of",
     "plain_name",
+    "shapes_of",
     "shown_layer",
     "swatches_of",
     "view_of",
@@ -88,22 +89,29 @@ def view_of(report: Mapping[str, Any]) -> View:
 
 def layers_of(report: Mapping[str, Any]) -> list[ShownLayer]:
     """The layers that are visible, in their order."""
-    shown = [
-        ShownLayer(
-            layer.get("name") or f"layer {number}",
-            layer.get("composite") or "over",
-            None if layer.get("transfer_function") is None else _curves(layer["transfer_function"]),
-            layer.get("values") or "",
-            layer.get("quantity") or "",
-        )
-        for number, layer in enumerate(report.get("shown") or [])
-    ]
+    shown = [_layer(layer, f"layer {number}") for number, layer in enumerate(report.get("shown") or [])]
     if not shown:
         raise ArgumentError(
             "this picture does not say which colours its values have; pictures of render and slice do, but not those "
             "of one laid over another"
         )
     return shown
+
+
+def shapes_of(report: Mapping[str, Any]) -> list[ShownLayer]:
+    """What stands in space and shows values in colours."""
+    return [_layer(shape, shape.get("kind") or "geometry") for shape in report.get("geometry_colors") or []]
+
+
+def _layer(entry: Mapping[str, Any], name: str) -> ShownLayer:
+    """An entry of the report; `name` is for one without."""
+    return ShownLayer(
+        entry.get("name") or name,
+        entry.get("composite") or "over",
+        None if entry.get("transfer_function") is None else _curves(entry["transfer_function"]),
+        entry.get("values") or "",
+        entry.get("quantity") or "",
+    )
 
 
 def swatches_of(report: Mapping[str, Any]) -> list[tuple[str, Rgb]]:

@@ -159,7 +159,8 @@ def _drawn_scene(scene: Scene, camera: Camera | str | None, options: DrawOptions
     if eyes.are_plain:
         picture = with_text(picture, scene.geometry, first, eye, behind)
     picture.report.update(facts_of_picture(scene, eye, eyes.size_of(size), behind, labels))
-    picture.report.update(facts_of_layers(scene, layers, functions, operator) | facts_of_geometry(scene.geometry))
+    picture.report.update(facts_of_layers(scene, layers, functions, operator))
+    picture.report.update(facts_of_geometry(scene.geometry, shapes))
     picture.report.update(_facts(frame, eyes, layers, functions, picture.report))
     if resampled := shown.resampled:
         picture.report["resampled"] = resampled

@@ -76,9 +76,10 @@ def with_text(
     return picture._with_marks(marks) if marks else picture
 
 
-def facts_of_geometry(geometry: Sequence[Shape]) -> dict[str, Any]:
-    """The report's list of shapes; empty without any."""
-    return {"geometry": facts_of_shapes(geometry)} if geometry else {}
+def facts_of_geometry(geometry: Sequence[Shape], shapes: ShapeArrays | None) -> dict[str, Any]:
+    """The report's list of shapes, and the colours of their values; empty without any."""
+    colors = {"geometry_colors": shapes.shown} if shapes is not None and shapes.shown else {}
+    return {"geometry": facts_of_shapes(geometry), **colors} if geometry else {}
 
 
 def notes_on_geometry(

@@ -31,7 +31,7 @@ def bytes_of_geometry(geometry: Any, volume: Grid) -> int:
     """
     shown = [shape for shape in as_shapes(geometry) if shape._is_seen]
 
-    def empty_cards(plane: SlicePlane) -> list[_native.CardArrays]:
+    def empty_cards(plane: SlicePlane) -> tuple[list[_native.CardArrays], dict[str, Any]]:
         width, height = size_of_card(plane, volume)
         card: _native.CardArrays = {
             "corner": (0.0, 0.0, 0.0),
@@ -40,6 +40,6 @@ def bytes_of_geometry(geometry: Any, volume: Grid) -> int:
             "rgba": np.broadcast_to(np.float32(0), (height, width, 4)),
             "style": (plane.opacity, False, plane.clipped),
         }
-        return [card] if width * height else []
+        return [card] if width * height else [], {}
 
     return ShapeArrays.of(shown, empty_cards, volume.bounds, (True, True, True)).n_bytes

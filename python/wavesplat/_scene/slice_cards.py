@@ -71,19 +71,21 @@ class SliceSource:
         return self.clipping, self.labels, over, self.identity_of_part
 
 
-def cards_of(plane: SlicePlane, source: SliceSource) -> list[_native.CardArrays]:
-    """The slice, or the faces of the scene's cuts, as the compiled module takes them."""
+def cards_of(plane: SlicePlane, source: SliceSource) -> tuple[list[_native.CardArrays], dict[str, Any]]:
+    """The slice, or the faces of the scene's cuts, as the compiled module takes them, and the colours of its values."""
     volume: Any = source.volume if plane.volume is None else plane.volume
     volume = volume[0] if isinstance(volume, Series) else volume
     if plane.plane != CUTS:
         picture, _ = _picture_of(plane, volume, plane.plane, _size(volume, plane.plane))
-        return [_card(picture, picture.rgba, (plane.opacity, False, plane.clipped))]
+        card = _card(picture, picture.rgba, (plane.opacity, False, plane.clipped))
+        return [card], picture.report["shown"][0]
     faces, volume = _cut(plane, source)
     labels = source.labels if plane.volume is None else None
     labels = None if labels is None else labels.for_slices_of(source.volume)
     over = source.over if plane.volume is None else ()
     found = [_card_on(plane, face, volume, (over, labels)) for face in faces]
-    return [card for card in found if card is not None]
+    cards = [one for one in found if one is not None]
+    return [card for card, _ in cards], cards[0][1] if cards else {}
 
 
 def positions_on_cuts(plane: SlicePlane, source: SliceSource) -> NDArray[np.float64]:
@@ -130,8 +132,10 @@ def _slice_on(plane: SlicePlane, face: CutFace, volume: Any, size: tuple[int, in
 
 def _card_on(
     plane: SlicePlane, face: CutFace, volume: Any, shown: tuple[Sequence[SliceLayer], Labels | None]
-) -> _native.CardArrays | None:
-    """The slice of a volume on the face of a cut, clear where the face is not seen; None where it is beside it.
+) -> tuple[_native.CardArrays, dict[str, Any]] | None:
+    """The slice of a volume on the face of a cut, clear where the face is not seen, and the colours of its values.
+
+    None where the face is beside the volume.
 
     shown : further layers and labels over it.
     """
@@ -144,7 +148,7 @@ def _card_on(
         rgba, _ = overlaid_values.laid_over(rgba, values, layer.curves, layer.opacity)
     rgba = rgba if labels is None else label_slices.laid_over(rgba, found.planes, labels)[0]
     drawn = np.where(found.is_seen[..., None], rgba, np.float32(0))
-    return _card(found.picture, drawn, (plane.opacity, False, False))
+    return _card(found.picture, drawn, (plane.opacity, False, False)), found.picture.report["shown"][0]
 
 
 def _coarse_size(volume: Grid, face: CutFace) -> tuple[int, int]:

@@ -39,7 +39,7 @@ def pet(folder, pixels=None, *, of_drug=None, each=None, without=(), **changes):
     said = {
         "modality": "PT",
         "Units": "BQML",
-        "CorrectedImage": ["NORM", "ATTN", "DECAY", "SCAT"],
+        "CorrectedImage": ["NORM", "ATTN", "DECY", "SCAT"],
         "DecayCorrection": "START",
         "PatientWeight": WEIGHT,
         "RescaleSlope": 2.5,
@@ -107,7 +107,8 @@ def test_an_injection_without_a_date_is_of_the_day_of_the_scan(tmp_path):
 
 
 def test_values_that_are_corrected_to_the_injection(tmp_path):
-    check_suv(pet(tmp_path / "pet", DecayCorrection="ADMIN"), expected(0))
+    said = ["ATTN", "DECAY"]  # as QIBA writes it, in place of DICOM's DECY
+    check_suv(pet(tmp_path / "pet", DecayCorrection="ADMIN", CorrectedImage=said), expected(0))
 
 
 def test_each_slice_has_its_own_slope(tmp_path):
@@ -259,8 +260,8 @@ def test_values_that_are_uptake_already(tmp_path):
         ({"without": ["RadiopharmaceuticalInformationSequence"]}, "RadionuclideTotalDose"),
         ({"without": ["DecayCorrection"]}, r"DecayCorrection \(0054,1102\) is missing"),
         ({"DecayCorrection": "NONE"}, "DecayCorrection .* is NONE"),
-        ({"CorrectedImage": ["DECAY"]}, "corrected for attenuation"),
-        ({"CorrectedImage": ["ATTN"]}, "corrected for decay"),
+        ({"CorrectedImage": ["DECY"]}, "corrected for attenuation"),
+        ({"CorrectedImage": ["ATTN"]}, r"corrected for decay: CorrectedImage \(0028,0051\) has no DECY, it says ATTN"),
         ({"without": ["Units"]}, r"no Units \(0054,1001\)"),
         ({"Units": "PROPCPS"}, "the values are in PROPCPS"),
         ({"without": ["SeriesTime", "AcquisitionTime"]}, "time of the scan, are missing"),

@@ -29,6 +29,9 @@ MAX_HALF_LIVES = 10.0
 #: Least injected activity, Bq: a smaller number is in MBq.
 MIN_DOSE = 1e4
 PHILIPS, GE = "Philips PET Private Group", "GEMS_PETD_01"
+#: Corrections that SUV need, with their words in CorrectedImage (0028,0051): the standard's (PS3.3, C.8.9.1), and then
+#: that of QIBA's pseudo-code.
+CORRECTIONS = {"attenuation": ("ATTN",), "decay": ("DECY", "DECAY")}
 
 
 @dataclass(frozen=True)
@@ -154,9 +157,14 @@ def _reasons_against(one: Tracer) -> Iterator[tuple[bool, str]]:
     yield one.units != "BQML" and not is_counts, f"the values are in {one.units} (Units, 0054,1001), not in BQML"
     has_factor = one.philips_suv > 0 or one.philips_bqml > 0
     yield is_counts and not has_factor, "the values are counts, and the scanner's factor (7053,1000) is missing"
-    for word, what in (("ATTN", "attenuation"), ("DECAY", "decay")):
-        told = f"the header does not say that the values are corrected for {what} (CorrectedImage, 0028,0051)"
-        yield word not in one.corrected, told
+    corrections = {word.strip() for word in one.corrected.split("\\")}
+    said = "\\".join(sorted(corrections - {""})) or "nothing"
+    for what, words in CORRECTIONS.items():
+        told = (
+            f"the header does not say that the values are corrected for {what}: CorrectedImage (0028,0051) has no "
+            f"{words[0]}, it says {said}"
+        )
+        yield corrections.isdisjoint(words), told
     if is_counts and one.philips_suv > 0:
         return
     said = f"is {one.decay_correction}" if one.decay_correction else "is missing"

@@ -136,6 +136,21 @@ def test_b_values_and_directions_together(tmp_path):
     assert series.times == tuple(range(7))
 
 
+@pytest.mark.parametrize("numbers", ["by volume", "by slice"])
+def test_directions_are_in_the_order_of_acquisition(tmp_path, numbers):
+    """As in a .bvec file: pictures without diffusion in between keep their places."""
+    directions = [None, [1, 0, 0], [0, 0.6, 0.8], None, [0, 1, 0], None]
+
+    def kind(t, z):
+        clock = {"AcquisitionTime": f"12{10 + t}{10 + z}"}
+        if directions[t] is None:
+            return {**clock, "DiffusionBValue": 0.0}
+        return {**clock, "DiffusionBValue": 1000.0, "DiffusionGradientOrientation": directions[t]}
+
+    number = {"by volume": lambda t, z: t * N_SLICES + z, "by slice": lambda t, z: z * 6 + t}[numbers]
+    check_volumes(written(tmp_path / "mr", kind, number, n_volumes=6), 6)
+
+
 def test_identifiers_of_time_order_volumes_of_any_kind(tmp_path):
     """The order is that of acquisition: weighted and unweighted volumes in turns."""
     kind = lambda t, _: {"TemporalPositionIdentifier": t + 1, "DiffusionBValue": 1000.0 * (t % 2)}  # noqa: E731
@@ -310,6 +325,32 @@ def test_functional_groups_tell_frames_apart(tmp_path, kind):
     folder = save(tmp_path / "mr", [frames_of(kind, ORDER)])
     series = check_volumes(folder)
     assert series[0].guesses == ()
+
+
+@pytest.mark.parametrize("is_explained", [True, False])
+def test_indices_of_an_enhanced_file_order_its_volumes(tmp_path, is_explained):
+    """Philips numbers b-values and directions; some exports leave out which index is which.
+
+    The indices, stack, place, b-value and direction, are those of a public file, philips_enhanced/dti/001 of
+    icometrix/dicom2nifti, whose frames without diffusion have the last direction. Temporal positions are against them.
+    """
+    directions = [None, [1.0, 0.0, 0.0], [0.0, -1.0, 0.0], [-0.026, -0.649, 0.76]]
+    places = [divmod(int(n), N_SLICES) for n in np.random.default_rng(5).permutation(4 * N_SLICES)]
+    pixels = np.array([np.full((6, 7), 100 * t + z, np.uint16) for t, z in places])
+    dataset = enhanced(pixels, [(1.5 * z,) for _, z in places])
+    for (t, z), group in zip(places, dataset.PerFrameFunctionalGroupsSequence, strict=True):
+        content = group.FrameContentSequence[0]
+        content.DimensionIndexValues = [1, z + 1, 1 if t == 0 else 2, 65 if t == 0 else t]
+        content.TemporalPositionIndex = 4 - t
+        direction = (
+            {} if t == 0 else {"DiffusionGradientDirectionSequence": {"DiffusionGradientOrientation": directions[t]}}
+        )
+        group.MRDiffusionSequence = sequence({"DiffusionBValue": 1300.0 if t else 0.0, **direction})
+    pointers = (0x00209056, 0x00209057, 0x00189087, 0x00189089)
+    dataset.DimensionIndexSequence = sequence(*({"DimensionIndexPointer": tag} for tag in pointers))
+    if not is_explained:
+        del dataset.DimensionIndexSequence
+    check_volumes(save(tmp_path / "mr", [dataset]), 4)
 
 
 def test_frames_of_a_file_in_its_order_are_a_guess(tmp_path):

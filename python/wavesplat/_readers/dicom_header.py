@@ -289,8 +289,10 @@ def _of_frame(
     """Arguments of `Frame` from its functional groups, or else from the dataset."""
     content = _in_group(groups, 0x00209111)
     indices = whole_numbers(content, 0x00209157, "u4") if content is not None else ()
+    # A file may number its frames and leave out by what (DimensionIndexSequence).
+    meant = pointers or range(1, len(indices) + 1)
     dimensions = {
-        _name_of_dimension(of): float(value) for value, of in zip(indices, pointers, strict=False) if of not in OF_PLACE
+        _name_of_dimension(of): float(value) for value, of in zip(indices, meant, strict=False) if of not in OF_PLACE
     }
     spacing = _found(groups, dataset, 0x00289110, 0x00280030, 2)
     if not np.isfinite(spacing).all():
@@ -320,8 +322,11 @@ def _instance(dataset: Dataset) -> int:
 
 @lru_cache
 def _name_of_dimension(tag: int) -> str:
+    """The name of a dimension by its tag, or by its number where the file has no tags."""
     from pydicom.datadict import dictionary_description, dictionary_has_tag
 
+    if tag < 0x10000:
+        return f"{INDEX}dimension {tag}"
     described = dictionary_description(tag) if dictionary_has_tag(tag) else f"{tag >> 16:04x},{tag & 0xFFFF:04x}"
     return f"{INDEX}{described}"
 

@@ -28,6 +28,8 @@ __all__ = ["FrameVolume", "times_of", "volumes_of"]
 PLACE_MM, PLACE_PIXELS = 0.01, 0.01
 #: Words of image types for the parts of a complex image, in the order of their volumes.
 PARTS = {"M": 0, "MAGNITUDE": 0, "P": 1, "PHASE": 1, "R": 2, "REAL": 2, "I": 3, "IMAGINARY": 3}
+#: Attributes of diffusion.
+OF_DIFFUSION = {"b-value", "diffusion", "direction"}
 #: The attribute of frames that only their numbers distinguish.
 NUMBER = Attribute("number", "", ())
 
@@ -113,7 +115,8 @@ def _split(frames: list[Frame], request: Request) -> list[FrameVolume]:
         keys = [*keys, _Key(NUMBER, [float(rank + 1) for rank in ranks], ranks)]
     whole = next(place for place in places if len(place) == n_volumes)
     keys.sort(key=lambda key: key.attribute.is_time or key.attribute is NUMBER)  # kinds before times
-    sorted_by = [_sort_keys(key, frames) for key in (*_leading(frames, places), *keys)]
+    leading = _leading(frames, places) or _as_acquired(frames, places, codes, keys)
+    sorted_by = [_sort_keys(key, frames) for key in (*leading, *keys)]
     first = sorted(whole, key=lambda n: [values[n] for values in sorted_by])
     labels = _labels(keys, first)
     is_time = all(key.attribute.is_time or key.attribute is NUMBER for key in keys)
@@ -220,23 +223,48 @@ def _is_unique(codes: Sequence[int], places: Sequence[Sequence[int]]) -> bool:
 
 
 def _leading(frames: Sequence[Frame], places: Sequence[Sequence[int]]) -> list[_Key]:
-    """Attributes that order volumes before their kinds do: one that counts them all; else the file's own indices.
+    """Attributes that order volumes before their kinds do: the file's own indices; or one that counts all volumes.
 
     Not a clock: it may be the time at which pictures were computed.
     """
-    for attribute in ATTRIBUTES:
-        if attribute.is_time and not _is_clock(attribute) and _varies(frames, attribute.name):
-            values = [frame.attributes.get(attribute.name) for frame in frames]
-            codes = _refined([0] * len(frames), values, places)
-            if codes is not None and _is_unique(codes, places):
-                return [_Key(attribute, values, values)]
     codes = [0] * len(frames)
     keys: list[_Key] = []
     for attribute in _dimensions(frames):
         values = [frame.attributes.get(attribute.name) for frame in frames]
         if (finer := _refined(codes, values, places)) is not None:
             codes, keys = finer, [*keys, _Key(attribute, values, values)]
+    if keys and _is_unique(codes, places):
+        return keys
+    for attribute in ATTRIBUTES:
+        if attribute.is_time and not _is_clock(attribute) and _varies(frames, attribute.name):
+            values = [frame.attributes.get(attribute.name) for frame in frames]
+            codes = _refined([0] * len(frames), values, places) or [0] * len(frames)
+            if _is_unique(codes, places):
+                return [_Key(attribute, values, values)]
     return keys
+
+
+def _as_acquired(
+    frames: Sequence[Frame], places: Sequence[Sequence[int]], codes: Sequence[int], keys: Sequence[_Key]
+) -> list[_Key]:
+    """The order of instance numbers for diffusion directions, if it is the same at every place.
+
+    A .bvec file lists directions as they were acquired, with pictures without diffusion between them.
+    """
+    kinds = {key.attribute.name for key in keys if not (key.attribute.is_time or key.attribute is NUMBER)}
+    if "direction" not in kinds or kinds - OF_DIFFUSION:
+        return []
+    orders = set()
+    for place in places:
+        numbers = [(frames[n].instance, frames[n].index) for n in place]
+        if len(set(numbers)) < len(numbers):
+            return []
+        orders.add(tuple(codes[n] for _, n in sorted(zip(numbers, place, strict=True))))
+    if len(orders) > 1:
+        return []
+    [order] = orders
+    ranks = [float(order.index(code)) for code in codes]
+    return [_Key(NUMBER, ranks, ranks)]
 
 
 def _dimensions(frames: Sequence[Frame]) -> list[Attribute]:

@@ -75,7 +75,8 @@ def test_a_segmentation_that_is_drawn_alone_has_the_names_and_colours_of_its_fil
     assert ws.Look.auto(volume).labels.labels[2].name != "liver"
 
 
-def test_label_tables_of_nifti(tmp_path, segmentation):
+@pytest.mark.parametrize("code", [0, 30])  # of TotalSegmentator, and of Connectome Workbench
+def test_label_tables_of_nifti(tmp_path, segmentation, code):
     image = nibabel.Nifti1Image(segmentation.T, np.eye(4))
     text = (
         '<?xml version="1.0"?><CaretExtension><VolumeInformation Index="0"><LabelTable>'
@@ -83,7 +84,9 @@ def test_label_tables_of_nifti(tmp_path, segmentation):
         '<Label Key="5" Red="7" Green="0" Blue="0">kidney &amp; fat</Label>'
         "</LabelTable></VolumeInformation></CaretExtension>"
     )
-    image.header.extensions.append(nibabel.nifti1.Nifti1Extension(0, text.encode()))
+    # Extensions that hold something else, one of them damaged, are none of ours.
+    for one, content in ((6, b"a remark"), (2, b"no DICOM"), (code, text.encode())):
+        image.header.extensions.append(nibabel.nifti1.Nifti1Extension(one, content))
     path = tmp_path / "a.nii.gz"
     nibabel.save(image, path)
     labels = ws.Labels.open(path)

@@ -1,7 +1,7 @@
 """Names and colours of labels, from the segmentation's file or from a table beside it.
 
-In the file: segments of 3D Slicer (.seg.nrrd: `Segment0_LabelValue`, `_Name`, `_Color`), and the label table that
-Connectome Workbench and TotalSegmentator put into an extension of NIfTI (`<Label Key="1" Red="0.5" ...>liver</Label>`),
+In the file: segments of 3D Slicer (.seg.nrrd: `Segment0_LabelValue`, `_Name`, `_Color`), the label table of Connectome
+Workbench (code 30) and TotalSegmentator (code 0) in an extension of NIfTI (`<Label Key="1" Red="0.5" ...>liver</Label>`),
 the segments of DICOM segmentations (`SegmentLabel`, `RecommendedDisplayCIELabValue`), and `image-label` of OME-Zarr.
 Tables: ITK-SNAP's label descriptions, 3D Slicer's colour tables (.ctbl), and the look-up tables of BIDS (.tsv with the
 columns index, name and, if they are there, color).
@@ -17,7 +17,7 @@ from collections.abc import Iterable, Mapping, Sequence
 from html import unescape
 from os import PathLike
 from pathlib import Path
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 
@@ -144,8 +144,7 @@ def _nifti_labels(path: Path) -> dict[int, Named]:
         return {}
     found: dict[int, Named] = {}
     for extension in extensions:
-        content = extension.get_content()
-        text = content.decode("utf-8", "replace") if isinstance(content, bytes) else str(content)
+        text = _bytes_of(extension).decode("utf-8", "replace")
         for attributes, name in re.findall(r"<Label\b([^>]*)>(.*?)</Label>", text, re.DOTALL):
             values: dict[str, str] = dict(re.findall(r'(\w+)\s*=\s*"([^"]*)"', attributes))
             key = values.get("Key", values.get("Index", ""))
@@ -154,6 +153,19 @@ def _nifti_labels(path: Path) -> dict[int, Named]:
                 numbers = _floats([values.get(channel, "") for channel in ("Red", "Green", "Blue")])
                 found[int(key)] = (unescape(plain).strip() or key, _color(numbers, 1.0))
     return found
+
+
+def _bytes_of(extension: Any) -> bytes:
+    """The bytes of an extension of NIfTI; none where they cannot be had.
+
+    nibabel has no form of most codes, among them Connectome Workbench's, and raises where it is asked for one; from 5.3
+    on it has the bytes themselves.
+    """
+    try:
+        content = extension.content if hasattr(extension, "content") else extension.get_content()
+    except Exception:  # noqa: BLE001 - an extension of another kind, which nibabel cannot write again
+        return b""
+    return content if isinstance(content, bytes) else str(content).encode()
 
 
 def _columns(text: str) -> dict[int, Named]:

@@ -227,8 +227,8 @@ class Labels:
         """A segmentation from a file that `wavesplat.open` reads, with names and colours where there are any.
 
         They are in DICOM segmentations (SEG), in the segments of 3D Slicer (.seg.nrrd), in the label tables of NIfTI
-        files as TotalSegmentator writes them, and in `image-label` of OME-Zarr. Labels without a colour get one of
-        their own.
+        files as TotalSegmentator and Connectome Workbench write them, and in `image-label` of OME-Zarr. Labels without
+        a colour get one of their own.
         The regions of a structure set of radiotherapy (RTSTRUCT), which are closed lines, are filled on the samples of
         `scan`: voxels whose centre is inside an odd number of lines.
 

@@ -69,7 +69,6 @@ def test_a_segmentation_that_is_drawn_alone_has_the_names_and_colours_of_its_fil
     assert (green == (cut.value == 2)).mean() > 0.9  # values are read between samples, labels at the nearest
     assert green.any()
     assert np.ptp(ws.slice(volume, clim=(0, 2)).rgba[..., :3], axis=-1).max() == 0
-    assert np.ptp(ws.slice(ws.Volume(samples)).rgba[..., :3], axis=-1).max() == 0
     # The names are those of the file, for as long as it is there.
     path.unlink()
     assert ws.Look.auto(volume).labels.labels[2].name != "liver"

@@ -1,7 +1,11 @@
 """Slices with a segmentation over them."""
 
+import json
+
+import nibabel
 import numpy as np
 import pytest
+import SimpleITK
 
 import wavesplat as ws
 from wavesplat.errors import ArgumentError
@@ -83,3 +87,72 @@ def test_a_legend_names_the_labels_of_the_slice():
     assert names(9) == ["liver", "spleen"]
     assert names(16) == ["spleen"]
     assert names(1) == []
+
+
+def blocks():
+    found = np.zeros((24, 24, 24), np.uint8)
+    for number, corner in {1: (2, 2, 2), 2: (2, 2, 13), 3: (2, 13, 2), 7: (13, 13, 13)}.items():
+        z, y, x = corner
+        found[z : z + 9, y : y + 9, x : x + 9] = number
+    return found
+
+
+def in_colours(picture):
+    return bool(np.ptp(picture.rgba[..., :3], axis=-1).max() > 0.1)
+
+
+@pytest.mark.parametrize("dtype", [np.float32, np.float64, np.int64, np.uint64])
+def test_a_label_map_of_any_type_gives_the_picture_and_the_slice_of_its_bytes(dtype):
+    small, wide = (ws.Volume(blocks().astype(one), spacing=(1, 1, 2), unit="mm") for one in (np.uint8, dtype))
+    assert np.array_equal(np.asarray(ws.render(small, size=(40, 40))), np.asarray(ws.render(wide, size=(40, 40))))
+    cut = ws.slice(wide, "xy", 8.0)
+    assert np.array_equal(cut.rgba, ws.slice(small, "xy", 8.0).rgba)
+    looks = ws.Labels(blocks()).labels
+    expected = np.array([looks[number].color if number else (0, 0, 0) for number in blocks()[4].ravel()])
+    np.testing.assert_allclose(cut.rgba[..., :3].reshape(-1, 3), expected, atol=1e-6)
+    assert {one["name"] for one in cut.report["labels"]} == {"1", "2", "3"}
+
+
+def test_whole_numbers_that_are_no_labels_stay_grey():
+    random = np.random.default_rng(1)
+    counts = random.poisson(0.5, (24, 24, 24)).astype(np.float32)
+    hounsfield = np.rint(np.where(blocks() > 0, 40, -1000) + random.normal(0, 8, (24, 24, 24)))
+    fraction = np.repeat(blocks().astype(np.float32), 3, axis=2)
+    fraction[4, 4, 7] += 0.25  # between the samples that are looked at first
+    measured = ws.Volume(blocks().astype(np.float32), facts=ws.Facts(unit="m", value_unit="kg/m3"))
+    for volume in (measured, *(ws.Volume(samples) for samples in (counts, hounsfield, fraction))):
+        assert not in_colours(ws.slice(volume))
+        assert ws.Look.auto(volume).labels is None
+
+
+def test_a_mask_is_in_colour_where_its_file_names_it(tmp_path):
+    mask = (blocks() > 0).astype(np.uint8)
+    assert not in_colours(ws.slice(ws.Volume(mask)))
+    image = nibabel.Nifti1Image(mask.T, np.eye(4))
+    table = b'<CaretExtension><LabelTable><Label Key="1" Red="1" Green="0" Blue="0">liver</Label></LabelTable>'
+    image.header.extensions.append(nibabel.nifti1.Nifti1Extension(30, table + b"</CaretExtension>"))
+    nibabel.save(image, tmp_path / "mask.nii")
+    cut = ws.slice(ws.open(tmp_path / "mask.nii"), "axial", 5)
+    assert [one["name"] for one in cut.report["labels"]] == ["liver"]
+    assert cut.rgba[..., 0].max() == 1
+    assert cut.rgba[..., 1:3].max() == 0
+
+
+@pytest.mark.parametrize("name", ["a.nii.gz", "a.nrrd", "a.mha", "a.ome.tif", "a.ome.zarr"])
+def test_info_lists_the_labels_of_any_file(tmp_path, wavesplat, name):
+    dtype = np.float32 if name == "a.nii.gz" else np.int64 if name == "a.ome.zarr" else np.uint16
+    unit = "um" if name in ("a.ome.tif", "a.ome.zarr") else "mm"
+    if name == "a.mha":
+        image = SimpleITK.GetImageFromArray(blocks())
+        image.SetSpacing((1, 1, 2))
+        SimpleITK.WriteImage(image, str(tmp_path / name))
+    else:
+        ws.Volume(blocks().astype(dtype), spacing=(1, 1, 2), unit=unit).save(tmp_path / name)
+    answer = wavesplat("info", tmp_path / name, "--json")
+    assert answer.returncode == 0, answer.stderr
+    labels = json.loads(answer.stdout)["labels"]
+    looks = ws.Labels(blocks()).labels
+    ml = 9**3 * 2 * (1e-12 if unit == "um" else 1e-3)
+    assert [(one["number"], one["name"], one["n_voxels"]) for one in labels] == [(n, str(n), 729) for n in (1, 2, 3, 7)]
+    assert [tuple(one["color"]) for one in labels] == [looks[number].color for number in (1, 2, 3, 7)]
+    np.testing.assert_allclose([one["volume_ml"] for one in labels], ml)

@@ -47,15 +47,14 @@ def info(input: Input, *, reader: ReaderOptions, json: Json = False) -> None:
 
 
 def _labels_of(input: str, volume: Volume, dataset: str | None) -> list[dict[str, Any]]:
-    """The labels that a file names; none of an address, and of scans, whose headers need not be read again."""
+    """The labels of a segmentation; none of scans, whose headers need not be read again. Addresses have no names."""
     from wavesplat._cli import label_counts
     from wavesplat._files.addresses import is_address
     from wavesplat._looks import label_names
 
-    if is_address(input) or volume.modality not in (None, "SEG"):
+    if volume.modality not in (None, "SEG"):
         return []
-    named = label_names.in_file(input, dataset)
-    return label_counts.counted(volume, named) if named else []
+    return label_counts.counted(volume, {} if is_address(input) else label_names.in_file(input, dataset))
 
 
 def _first(

@@ -41,7 +41,7 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._model.options import Composite
 
-__all__ = ["COLORED", "are_colored", "automatic", "function_in_colors", "in_colors", "tinted"]
+__all__ = ["COLORED", "are_colored", "automatic", "function_in_colors", "in_colors", "labels_alone", "tinted"]
 
 Rgb = tuple[float, float, float]
 
@@ -133,17 +133,8 @@ def automatic(volume: Volume | WaveletVolume, composite: Composite | None, color
         if known.kind == "CT" and composite in histogram.MAXIMA:
             function = histogram.not_before(function, CT_MAXIMUM_BLACK + offset_of(volume))
         return Look(transfer_function=function, composite=composite, shading=None, name="auto", reason=known.reason)
-    if (
-        known.kind == "labels"
-        and composite in (None, "over")
-        and isinstance(volume, Volume)
-        and volume.dtype.kind in "iu"
-        and not (isinstance(volume, LazyVolume) and not volume.fits_in_budget)
-    ):
+    if composite in (None, "over") and (labels := labels_alone(volume, known.kind)) is not None:
         clear = TransferFunction([(0.0, 0.0)], [(0.0, 1.0, 1.0, 1.0)])
-        # Labels lie in memory.
-        labels = Labels(volume.read() if isinstance(volume, LazyVolume) else volume)
-        labels = labels._with_names(label_names.of_volume(volume))
         return Look(transfer_function=clear, labels=labels, shading=SOLID, name="auto", reason=known.reason)
     if composite is None and known.kind in IN_GREYS and axis_of_few_slices(volume) is not None:
         n = min(volume.shape)
@@ -158,6 +149,24 @@ def automatic(volume: Volume | WaveletVolume, composite: Composite | None, color
         name="auto",
         reason=known.reason,
     )
+
+
+def labels_alone(volume: Volume | WaveletVolume, kind: Kind) -> Labels | None:
+    """The labels of a segmentation, or of a mask that its file names, with the file's names and colours; else None.
+
+    Labels lie in memory: of a segmentation that does not fit there are none.
+    """
+    if kind not in ("labels", "mask") or not isinstance(volume, Volume) or volume.dtype.kind not in "iuf":
+        return None
+    named = label_names.of_volume(volume)
+    is_lazy = isinstance(volume, LazyVolume)
+    if (kind == "mask" and not named) or (is_lazy and not volume.fits_in_budget):
+        return None
+    try:
+        labels = Labels(volume.read() if is_lazy else volume)
+    except ArgumentError:  # fractions, or far too many numbers, between the samples that were looked at
+        return None
+    return labels._with_names(named)
 
 
 def are_colored(volume: Volume | WaveletVolume, composite: Composite | None) -> bool:

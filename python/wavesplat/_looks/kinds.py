@@ -87,6 +87,8 @@ FEW_LABELS, MIN_ALIKE_OF_FEW, MAX_GENTLE = 8, 0.5, 0.95
 #: neither the same value nor the background's, with the least share in regions of few labels. (Pieces of the bones of a
 #: CT at 3 mm: 0.61 in regions, no others; vessels with an aneurysm: 0.82, no others; scans: 0.46 others at least.)
 MAX_OTHERS = 0.02
+#: Units of values that labels may have: files that must name one say that they have none.
+UNITS_OF_LABELS = ("", "1")
 #: Signs: least ratio of the smaller of the two tails to the larger one. A tail ends at a percentile; of data without
 #: noise, of which no sample is an accident, at the extreme.
 MIN_TAIL, TAILS = 0.15, (0.5, 99.5)
@@ -209,15 +211,31 @@ def _segmentation(
         return "labels", "labels: the file says SEG"
     if volume.modality == "SEG":
         return "probability", "probabilities: the file says SEG, and has values between whole numbers"
-    if not is_whole or values.min() < 0 or n_values > MAX_LABELS:
+    if not is_whole or values.min() < 0 or n_values > MAX_LABELS or _is_measured(volume):
         return None
     alike = _share_alike(samples, neighbours)
     if alike < MIN_ALIKE_OF_FEW:  # nearly all scans, of which nothing else is counted
         return None
     is_few = n_values <= FEW_LABELS and _has_steps(samples, neighbours)
-    if alike >= MIN_ALIKE or is_few or _share_of_others(samples, neighbours) <= MAX_OTHERS:
+    seem_labels = alike >= MIN_ALIKE or is_few or _share_of_others(samples, neighbours) <= MAX_OTHERS
+    if seem_labels and _is_whole(volume):
         return "labels", "labels: whole numbers that are the same from sample to sample, by the values"
     return None
+
+
+def _is_measured(volume: Volume | WaveletVolume) -> bool:
+    """Whether the file gives values a unit, as simulations do: numbers of labels have none.
+
+    Exported as DICOM of a scan, label maps say CT and HU, so that a modality tells nothing.
+    """
+    return volume.modality is None and volume.value_unit not in (None, *UNITS_OF_LABELS)
+
+
+def _is_whole(volume: Volume | WaveletVolume) -> bool:
+    """Whether floating-point numbers in memory are all whole, also those that samples spread over them missed."""
+    if not isinstance(volume, Volume) or isinstance(volume, LazyVolume) or volume.dtype.kind != "f":
+        return True
+    return all(bool(np.array_equal(plane, np.rint(plane))) for plane in volume.samples)
 
 
 def _has_others(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> bool:

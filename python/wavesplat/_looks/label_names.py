@@ -1,7 +1,7 @@
 """Names and colours of labels, from the segmentation's file or from a table beside it.
 
 In the file: segments of 3D Slicer (.seg.nrrd: `Segment0_LabelValue`, `_Name`, `_Color`), the label table of Connectome
-Workbench (code 30) and TotalSegmentator (code 0) in an extension of NIfTI (`<Label Key="1" Red="0.5" ...>liver</Label>`),
+Workbench (code 30) and TotalSegmentator (code 0) in extensions of NIfTI (`<Label Key="1" Red="1" ...>liver</Label>`),
 the segments of DICOM segmentations (`SegmentLabel`, `RecommendedDisplayCIELabValue`), and `image-label` of OME-Zarr.
 Tables: ITK-SNAP's label descriptions, 3D Slicer's colour tables (.ctbl), and the look-up tables of BIDS (.tsv with the
 columns index, name and, if they are there, color).

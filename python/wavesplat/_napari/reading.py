@@ -76,12 +76,15 @@ def _layer(series: Series, number: int | None) -> LayerData:
     """The layer of a channel; `number`: None of a file that has no more than one."""
     first = series[0]
     is_lazy = isinstance(first, LazyVolume)
-    is_segmentation = (
-        number is None and not is_lazy and first.dtype.kind in "iu" and kind_of(first) in ("labels", "mask")
-    )
+    # Of several times, floating-point numbers of a later one may be no whole numbers.
+    of_numbers = first.dtype.kind in "iu" or len(series) == 1
+    kind = kind_of(first) if number is None and not is_lazy and of_numbers else None
+    is_segmentation = kind == "labels" or (kind == "mask" and first.dtype.kind in "iu")
     channel = first.facts.channel
     name = (channel.name if channel is not None else "") or ("" if number is None else f"channel {number}")
     told: dict[str, Any] = {"name": f"{first.name} {name}".strip(), **_place(series, first)}
+    if is_segmentation and first.dtype.kind == "f":
+        return first.samples.astype(np.int64), told, "labels"
     if is_segmentation:
         # Numbers of a later time may be larger than those of the first.
         return _samples(series, np.result_type(first.dtype, np.int32)), told, "labels"

@@ -10,7 +10,8 @@ from typing import Any, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._looks import colors, label_names
+from wavesplat._looks import colors
+from wavesplat._looks.automatic import labels_alone
 from wavesplat._looks.kinds import kind_of, unit_of_values
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.look import Look
@@ -31,7 +32,6 @@ from wavesplat._picture.report import Report
 from wavesplat._picture.report_facts import shown_layer
 from wavesplat._public import public
 from wavesplat._render import windows
-from wavesplat._render.arguments import chosen_look
 from wavesplat._render.isolines import Isolines
 from wavesplat._render.slicing import Planes, sliced
 from wavesplat._scene import label_slices
@@ -88,7 +88,8 @@ def slice(
         `Layer.opacity` is how opaque a layer is where the opacity of its look is greatest; elsewhere it is less in
         proportion. Below the low end of its look, where it is transparent and outside of its volume a layer does not
         show.
-        A segmentation alone, whose file says that it is one or names its labels, has their colours.
+        A segmentation alone has the colours of its labels: whole numbers, also as floating-point numbers, that are the
+        same from sample to sample. A mask has them where its file names it; else it is white.
         The labels of a scene lie over the slice, faint inside and full along their outlines; of a slab those of its
         middle plane. Clips and the background of a scene are for pictures in space.
     plane : str or (point, normal), optional
@@ -266,16 +267,14 @@ def _with_labels(
 
 
 def _labels_alone(scene: Scene) -> Labels | None:
-    """The labels of a segmentation that is cut alone, of a file that says so or names its labels; None of others."""
+    """The labels of a segmentation in memory that is cut alone; None of others."""
     first, volume = scene.layers[0], scene.layers[0].drawn
     if len(scene.layers) > 1 or not (is_automatic(first) and first.is_shown and isinstance(volume, Volume)):
         return None
-    if isinstance(volume, LazyVolume) or volume.dtype.kind not in "iu" or volume.modality not in (None, "SEG"):
-        return None
-    if volume.modality is None and not label_names.of_volume(volume):
+    if isinstance(volume, LazyVolume):
         return None
     key = (id(volume), "labels alone")
-    return scene._cache.get_or_compute(key, identity_of(volume), lambda: chosen_look(first.look, volume, None).labels)
+    return scene._cache.get_or_compute(key, identity_of(volume), lambda: labels_alone(volume, kind_of(volume)))
 
 
 def _notes_on_scene(scene: Scene) -> list[str]:

@@ -115,6 +115,9 @@ def test_segmentations_are_labels_and_patients_have_an_affine(tmp_path):
     ((samples, told, kind),) = ws.napari.layers_of(tmp_path / "a.nrrd")
     assert kind == "labels"
     np.testing.assert_array_equal(samples, numbers)
+    np.save(tmp_path / "a.npy", numbers.astype(np.float32))
+    ((samples, _, kind),) = ws.napari.layers_of(tmp_path / "a.npy")
+    assert (kind, samples.dtype) == ("labels", np.int64)
     index = np.array([3, 4, 5, 1])  # z, y, x
     world = matrix @ [5, 4, 3, 1]
     np.testing.assert_allclose((told["affine"] @ index)[:3], world[2::-1])
@@ -221,6 +224,39 @@ def test_labels_keep_their_colours():
     alone = ws.napari.scene_of(fakes.viewer(fakes.Labels(numbers, "cells")))
     assert len(alone.labels.labels) == 7
     assert alone.render("left", size=(16, 16)).rgba[8, 8, 3] == 1
+
+
+RENDERINGS = ["mip", "attenuated_mip", "minip", "average", "iso", "translucent", "additive"]
+
+
+@pytest.mark.parametrize("rendering", RENDERINGS)
+def test_labels_show_with_every_rendering(rendering):
+    """Over napari's usual maximum, and all other projections, they were left out in silence."""
+    z, y, x = np.indices((16, 16, 16))
+    cell = ((z - 8) ** 2 + (y - 8) ** 2 + (x - 8) ** 2 < 16).astype(np.uint8) * 3
+    image = fakes.Image(np.full((16, 16, 16), 200, np.uint16), rendering=rendering, iso_threshold=500.0)
+    image.attenuation = 0.05
+    camera = fakes.Camera(center=(7.5, 7.5, 7.5))
+    drawn = [
+        ws.napari.draw(fakes.viewer(image, *labels, camera=camera, size=(16, 16))).rgba
+        for labels in ([], [fakes.Labels(cell, "cells")])
+    ]
+    changed = np.abs(drawn[1] - drawn[0]).max(axis=-1) > 0.02
+    # The label's disc, and nothing but it; its edge is smoothed.
+    inside, outside = (cell.max(axis=0) > 0), np.hypot(*np.indices((16, 16)) - 8) > 6
+    assert not changed[outside].any()
+    if rendering not in ("translucent", "additive"):  # where matter lies before it
+        assert changed[inside].mean() > 0.9
+        assert drawn[1][8, 8, 0] > drawn[0][8, 8, 0] + 0.2  # its colour is (1, 0.5, 0.3)
+
+
+def test_labels_alone_are_drawn_by_every_operator():
+    numbers = np.kron(np.arange(8).reshape(2, 2, 2), np.ones((4, 4, 4))).astype(np.uint8)
+    viewer = fakes.viewer(fakes.Labels(numbers, "cells"), camera=fakes.Camera(center=(3.5, 3.5, 3.5)), size=(8, 8))
+    for composite in (None, "maximum", "mean"):
+        picture = ws.napari.draw(viewer, composite=composite)
+        assert len(picture.report["labels"]) == 7
+        assert picture.rgba[6, 6, 0] > 0.2
 
 
 def test_what_cannot_be_drawn_is_told():

@@ -11,6 +11,7 @@ import numpy as np
 from wavesplat._looks.labels import Label, Labels
 from wavesplat._looks.look import Look
 from wavesplat._looks.transfer_function import TransferFunction
+from wavesplat._mesh.meshing import mesh
 from wavesplat._model.composites import AttenuatedMaximum, FirstHit
 from wavesplat._model.napari_layer import of_napari
 from wavesplat._model.options import Composite, Quality
@@ -46,7 +47,8 @@ def scene_of(viewer: Any, composite: Composite | None = None) -> Scene:
     ----------
     viewer : napari.Viewer
         Its images and labels of three axes or more, at the place of the sliders; of several levels the finest. Of
-        several layers of labels the first one is drawn, on the samples of the first image. Points are balls of their
+        several layers of labels the first one is drawn, on the samples of the first image: over projections, which have
+        no depth, and as surfaces beside an isosurface. Points are balls of their
         size, tracks are drawn with their tails and heads, of shapes the outlines.
     composite : str, optional
         Operator that the looks are for, as for `render`; None is that of `draw`.
@@ -78,13 +80,17 @@ def scene_of(viewer: Any, composite: Composite | None = None) -> Scene:
     if left_out:
         warnings.warn(f"layers that are left out: {', '.join(left_out)}", WavesplatWarning, stacklevel=2)
     geometry = [shape for layer in shapes if (shape := shape_of(viewer, layer)) is not None]
-    segmentation = _labels(viewer, labels[0]) if labels and wanted == "over" else None
+    segmentation = _labels(viewer, labels[0]) if labels else None
     if not images:
         volume = _volume(viewer, labels[0])
         clear = TransferFunction([(0.0, 0.0)], [(0.0, 1.0, 1.0, 1.0)])
-        look = Look(transfer_function=clear) if segmentation else Look.auto(volume, None)
+        look = Look(transfer_function=clear)
         return Scene(Layer(volume, look), labels=segmentation, background="black", geometry=geometry)
     layers = [_layer(viewer, layer, wanted) for layer in images]
+    if segmentation is not None and isinstance(wanted, FirstHit):
+        # Beside the surface of an image labels are surfaces, too.
+        geometry += mesh(segmentation, labels=[*segmentation.labels]).parts
+        segmentation = None
     return Scene(layers, labels=segmentation, background="black", geometry=geometry)
 
 

@@ -227,6 +227,27 @@ def test_series_are_coloured_by_the_field_of_their_time() -> None:
         assert picture.rgba[16, 16, 0] == pytest.approx(red, abs=0.01)
 
 
+@pytest.mark.parametrize("step", [1, 2])  # the field has samples of its own
+def test_labels_have_the_colour_of_the_field_s_mean_over_each(step: int) -> None:
+    """They kept their own colours, without a word."""
+    numbers = np.zeros((24, 24, 24), np.uint8)
+    numbers[2:10, 2:10, 2:10], numbers[2:10, 12:20, 2:10], numbers[12:20, 2:10, 12:20] = 1, 2, 7
+    measure = np.array([0, 5, 2, 0, 0, 0, 0, 9], np.float32)[numbers]
+    measure[4, 4, 4] = np.nan
+    cells = ws.Volume(numbers, spacing=(1, 1, 1), unit="um")
+    field = ws.Volume(measure[::step, ::step, ::step], spacing=(step,) * 3, unit="um", name="intensity")
+    viridis = ws.TransferFunction.from_colormap("viridis", clim=(2, 9))
+    by_look = ws.Layer(field, ws.TransferFunction([(0, 1)], [(0, 0, 0, 0), (10, 1, 0, 0)]))
+    for color, wanted in ((field, viridis([5, 2, 9])[:, :3]), (by_look, [(0.5, 0, 0), (0.2, 0, 0), (0.9, 0, 0)])):
+        picture = ws.Scene(ws.Layer(cells, color_from=color)).render(size=(48, 48))
+        assert [one["name"] for one in picture.report["labels"]] == ["1", "2", "7"]
+        np.testing.assert_allclose([one["color"] for one in picture.report["labels"]], wanted, atol=1e-6)
+        assert picture.report["shown"][0]["name"] == "intensity"
+    red = np.asarray(picture)
+    assert red[..., 0].max() > 100
+    assert red[..., 1].max() < 60
+
+
 def test_what_cannot_be_coloured_says_what_to_do() -> None:
     small = ws.Volume(np.indices((8, 8, 8), np.float32)[0], name="small")
     gradients = ws.TransferFunction2D([0, 1], [0], np.ones((1, 2, 4)))

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from wavesplat._looks.labels import Labels
 from wavesplat._looks.look import Look
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.composites import FirstHit, Operator
 from wavesplat._model.grid import Grid
+from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._scene.resampling import on_axes_of
@@ -20,9 +22,10 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._scene.layer import Layer
 
-__all__ = ["DrawnColor", "check_operator", "check_rows", "drawn_color"]
+__all__ = ["DrawnColor", "check_operator", "check_rows", "drawn_color", "labels_by_field"]
 
-
+#: Map of the measures of labels, whose dark end is seen on black.
+MEASURE_MAP = "viridis"
 #: Part of a sample by which rounding may take a corner too far.
 ROUNDING = 1e-3
 
@@ -83,6 +86,38 @@ def drawn_color(layer: Layer, drawn: Volume | WaveletVolume, look: Look, first: 
     seen = on_axes_of(volume, first)
     assert isinstance(seen, Volume)
     return DrawnColor(of_field, volume, seen, look, function)
+
+
+def labels_by_field(layer: Layer, labels: Labels, given: Look | None) -> tuple[Labels, Look]:
+    """Labels in the colours that a field has at its mean over each, and the look that has these colours.
+
+    Labels without a sample of the field, or with missing ones (NaN) alone, are not drawn.
+
+    given : look of the field; None is the map `MEASURE_MAP`, from the least mean to the largest.
+    """
+    volume = layer.color_from.drawn
+    _check_has_samples(layer, layer.color_from.name, volume)
+    volume = volume.read() if isinstance(volume, LazyVolume) else volume
+    placed = labels.on_samples_of(volume)
+    is_known = np.isfinite(volume.samples)
+    codes, values = placed._codes[is_known], volume.samples[is_known].astype(np.float64)
+    counts, sums = (np.bincount(codes, weights, len(placed.numbers)) for weights in (None, values))
+    means = {
+        number: sums[code] / counts[code]
+        for code, number in enumerate(placed.numbers)
+        if counts[code] and number in labels.labels
+    }
+    if given is None and means:
+        low, high = min(means.values()), max(means.values())
+        clim = (low, high if high > low else low + max(abs(low), 1.0))
+        given = Look(transfer_function=TransferFunction.from_colormap(MEASURE_MAP, clim=clim, opacity=1))
+    function = None if given is None else given.transfer_function
+    if given is None or not isinstance(function, TransferFunction):
+        what = "has no value in any of them" if not means else "has a look of two dimensions; give a TransferFunction"
+        raise ArgumentError(f"{layer.color_from.name!r}, which colours the labels of {layer.name!r}, {what}")
+    colors = function(list(means.values()))[:, :3].tolist()
+    looks = {n: replace(labels.labels[n], color=color) for n, color in zip(means, colors, strict=True)}
+    return labels.with_looks(looks), given
 
 
 def _check_has_samples(layer: Layer, name: str | None, volume: Volume | WaveletVolume) -> None:

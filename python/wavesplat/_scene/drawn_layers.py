@@ -36,7 +36,7 @@ from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._render.arguments import chosen_look, cut_open
 from wavesplat._render.framing import Part
 from wavesplat._render.tables import note_on_table
-from wavesplat._scene.drawn_color import DrawnColor, check_operator, check_rows, drawn_color
+from wavesplat._scene.drawn_color import DrawnColor, check_operator, check_rows, drawn_color, labels_by_field
 from wavesplat._scene.resampling import check_units, is_oblique, on_axes_of
 from wavesplat._scene.slice_cards import SliceLayer, SliceSource
 from wavesplat.errors import ArgumentError
@@ -233,7 +233,7 @@ def drawn_layers(scene: Scene, composite: Composite | None) -> DrawnLayers:
         drawn = _part(scene, layer, volume, look, is_tableless=name != "minimum" and not scene.keep_table)
         placed = on_axes_of(drawn, volumes[0])
         boxes = in_samples_of(placed, scene._clipping.boxes, first)
-        color = _color(scene, layer, volume, volumes[0])
+        look, color = _by_field(scene, layer, volume, look, volumes[0])  # noqa: PLW2901
         check_rows(layer, look)
         check_operator(layer, name)
         seen = cut_open(placed, boxes)
@@ -254,13 +254,20 @@ def looks_beside_each_other(
     return _over_others(scene, layers, alone, composite)
 
 
-def _color(
-    scene: Scene, layer: Layer, volume: Volume | WaveletVolume, first: Volume | WaveletVolume
-) -> DrawnColor | None:
-    """The field that colours a layer, with its look."""
-    if layer.color_from is None:
-        return None
-    return drawn_color(layer, volume, _kept_look(scene, layer.color_from, "over"), first)
+def _by_field(
+    scene: Scene, layer: Layer, volume: Volume | WaveletVolume, look: Look, first: Volume | WaveletVolume
+) -> tuple[Look, DrawnColor | None]:
+    """The look of a layer, and the field that colours it, with its own look; labels have the colours of its means."""
+    field = layer.color_from
+    if field is None:
+        return look, None
+    if look.labels is None:
+        return look, drawn_color(layer, volume, _kept_look(scene, field, "over"), first)
+    given = None if is_automatic(field) else _kept_look(scene, field, "over")
+    key = (id(volume), "labels by a field", id(look.labels), id(field.drawn), id(field.look))
+    find = partial(labels_by_field, layer, look.labels, given)
+    labels, of_field = scene._cache.get_or_compute(key, (identity_of(volume), identity_of(field.drawn)), find)
+    return replace(look, labels=labels), drawn_color(layer, volume, of_field, first)
 
 
 def why_no_brain(layer: DrawnLayer) -> str | None:

@@ -56,7 +56,9 @@ class Layer:
         values of its own volume; its opacities count for nothing. Without a look one is chosen by the kind of data. Of
         a series it is the volume of this layer's `time`. The field has its own samples and must cover `volume`; where
         either value is missing (NaN), nothing is drawn. With a `TransferFunction2D(..., rows="field")` as `look` both
-        fields decide opacity and colour together. Both must be in memory. None colours the layer by its own values.
+        fields decide opacity and colour together. Both must be in memory. The labels of a segmentation have the colour
+        of the field's mean over each of them; without a look "viridis", from the least mean to the largest. None
+        colours the layer by its own values.
 
     Raises
     ------

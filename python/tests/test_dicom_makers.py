@@ -11,11 +11,15 @@ from pathlib import Path
 import numpy as np
 import pytest
 from dicom_files import random, save, sequence, slice_at
+from pydicom.uid import ImplicitVRLittleEndian
 
 import wavesplat as ws
+from wavesplat.errors import FileError
 
 FOLDER = Path(__file__).parent / "fixtures" / "dicom_headers"
 PET = json.loads((FOLDER / "pet.json").read_text())["headers"]
+MR = json.loads((FOLDER / "mr.json").read_text())
+GRID, MOSAICS = MR["grids"][0], MR["mosaics"]
 #: Private elements of Philips by their names.
 PHILIPS = {"SUVScaleFactor": 0x00, "ActivityConcentrationScaleFactor": 0x09}
 
@@ -35,3 +39,123 @@ def test_uptake_of_real_headers_is_that_of_calculate_suv(tmp_path, scan):
     volume = ws.open(save(tmp_path / "pet", datasets), suv=True)
     slopes = np.arange(1, 4)[:, None, None]
     np.testing.assert_allclose(volume.samples, pixels * slopes * scan["suv_factor"], rtol=1e-3)
+
+
+# Slices side by side
+
+
+def tiled(slices, n_columns, n_rows):
+    """A picture of slices [z, y, x] side by side, row by row."""
+    rows, columns = slices.shape[1:]
+    picture = np.zeros((n_rows * rows, n_columns * columns), slices.dtype)
+    for k, one in enumerate(slices):
+        row, column = divmod(k, n_columns)
+        picture[row * rows : (row + 1) * rows, column * columns : (column + 1) * columns] = one
+    return picture
+
+
+def grid(slices, number=0, *, leave_out=(), n_said=None):
+    """A file of UIH with slices side by side, the b-value and the direction those of the real one."""
+    positions, times = GRID["positions"][: len(slices)], GRID["times"]
+    n_columns = int(np.ceil(np.sqrt(len(slices))))
+    picture = tiled(slices, n_columns, -(-len(slices) // n_columns))
+    placed = {**GRID["header"], "Rows": picture.shape[0], "Columns": picture.shape[1]}
+    dataset = slice_at(picture, number, modality="MR", Manufacturer="UIH", **placed)
+    del dataset.ImagePositionPatient
+    items = sequence(
+        *({"ImagePositionPatient": at, "AcquisitionTime": time} for at, time in zip(positions, times, strict=False))
+    )
+    block = dataset.private_block(0x0065, "Image Private Header", create=True)
+    elements = {
+        0x09: ("FD", 0.0 if number == 0 else GRID["b_value"]),
+        0x37: ("FD", [0.0, 0.0, 0.0] if number == 0 else np.roll(GRID["direction"], number).tolist()),
+        0x50: ("DS", str(n_said or len(slices))),
+        0x51: ("SQ", items),
+    }
+    for element, (code, value) in elements.items():
+        if element not in leave_out:
+            block.add_new(element, code, value)
+    return dataset
+
+
+@pytest.mark.parametrize("is_implicit", [False, True])
+def test_a_grid_of_uih_lies_where_dcm2niix_puts_it(tmp_path, is_implicit):
+    x, y, z = GRID["shape"]
+    slices = random(z, size=(y, x))
+    dataset = grid(slices)
+    if is_implicit:  # which hides that the private element is a sequence
+        dataset.file_meta.TransferSyntaxUID = ImplicitVRLittleEndian
+    dataset.save_as(tmp_path / "a.dcm", enforce_file_format=True)
+    volume = ws.open(tmp_path / "a.dcm")
+    np.testing.assert_array_equal(volume.samples, slices)
+    # dcm2niix turns the rows around.
+    theirs = np.linalg.inv([*GRID["affine"], [0, 0, 0, 1]]) @ volume.world_from_index
+    wanted = np.array([[1, 0, 0, 0], [0, -1, 0, y - 1], [0, 0, 1, 0], [0, 0, 0, 1]])
+    np.testing.assert_allclose(theirs, wanted, atol=1e-3)
+    assert volume.guesses == ()
+
+
+def test_grids_of_uih_are_a_series_in_the_order_of_the_files(tmp_path):
+    slices = [random(5 + t, size=(6, 7))[:5] for t in range(4)]  # in three columns and two rows
+    series = ws.open_series(save(tmp_path / "mr", [grid(one, t) for t, one in enumerate(slices)]))
+    for volume, one in zip(series, slices, strict=True):
+        np.testing.assert_array_equal(volume.samples, one)
+
+
+@pytest.mark.parametrize(
+    ("changes", "told"),
+    [
+        ({"leave_out": [0x51]}, r"holds a grid \(United Imaging\), .* were removed"),
+        ({"n_said": 6}, r"of 6 slices \(0065,xx50\), and describes 5"),
+    ],
+)
+def test_grids_that_cannot_be_split_are_refused(tmp_path, changes, told):
+    folder = save(tmp_path / "mr", [grid(random(5), t, **changes) for t in range(2)])
+    with pytest.raises(FileError, match=told):
+        ws.open(folder)
+
+
+@pytest.mark.parametrize("end", ["last", "first"])
+@pytest.mark.parametrize("scan", MOSAICS, ids=[scan["name"] for scan in MOSAICS])
+def test_mosaics_by_the_protocol_of_their_series(tmp_path, scan, end):
+    """The picture's position is that of its first slice, at one of the ends of the protocol's list."""
+    words = [line.replace(" ", "").split("=") for line in scan["protocol"]]
+    said = {
+        name.removeprefix("sSliceArray."): float(int(value, 0) if "x" in value else float(value))
+        for name, value in words
+    }
+    n = int(said["lSize"])
+    ends = np.array([[said[f"asSlice[{k}].sPosition.d{axis}"] for axis in ("Sag", "Cor", "Tra")] for k in (0, n - 1)])
+    side = int(np.ceil(np.sqrt(n)))
+    rows = scan["header"]["Rows"] // side
+    slices = random(n, size=(rows, rows))
+    place = np.array(scan["header"]["ImagePositionPatient"])
+    if end == "first":
+        place, ends = place + ends[0] - ends[1], ends[::-1]
+    own = {**scan["header"], "ImagePositionPatient": place.tolist()}
+    dataset = slice_at(tiled(slices, side, side), modality="MR", Manufacturer="SIEMENS", number=0, **own)
+    text = "\n".join(["### ASCCONV BEGIN ###", *scan["protocol"], "### ASCCONV END ###"])
+    dataset.private_block(0x0029, "SIEMENS CSA HEADER", create=True).add_new(0x20, "OB", text.encode())
+    del dataset[0x00290010]  # as in the public files
+    dataset.save_as(tmp_path / "a.dcm", enforce_file_format=True)
+    volume = ws.open(tmp_path / "a.dcm")
+    # Slices are in order upwards.
+    np.testing.assert_array_equal(volume.samples, slices[::-1] if end == "last" else slices)
+    upwards = sorted(ends.tolist(), key=lambda centre: centre[2])
+    normal = np.cross(*np.reshape(scan["header"]["ImageOrientationPatient"], (2, 3)))
+    for k, centre in zip((0, n - 1), upwards, strict=True):
+        ours = (volume.world_from_index @ [rows / 2 - 0.5, rows / 2 - 0.5, k, 1])[:3] * [-1, -1, 1]
+        assert abs((ours - centre) @ normal) < 0.01
+        np.testing.assert_allclose(ours, centre, atol=0.51 * scan["header"]["PixelSpacing"][0])
+
+
+def test_a_mosaic_of_several_files_is_no_stack_of_pictures(tmp_path):
+    """Also where each file lies elsewhere, as of a head that moves."""
+    header = MOSAICS[0]["header"]
+    datasets = []
+    for t in range(3):
+        place = np.add(header["ImagePositionPatient"], [0, 0, 2.5 * t]).tolist()
+        own = {**header, "Rows": 8, "Columns": 8, "ImagePositionPatient": place}
+        datasets.append(slice_at(random(3, size=(8, 8))[t], t, modality="MR", **own))
+    with pytest.raises(FileError, match=r"holds a mosaic \(Siemens\), .* were removed"):
+        ws.open(save(tmp_path / "mr", datasets))

@@ -27,7 +27,6 @@ from wavesplat._model.quantities import quantity_of_image_type
 from wavesplat._readers import dicom_segments
 from wavesplat._readers.dicom_checks import check_alike, check_is_volume, mended
 from wavesplat._readers.dicom_header import Frame, Header, content_of, header_of
-from wavesplat._readers.dicom_mosaic import MOSAIC
 from wavesplat._readers.dicom_pixel_data import NATIVE, check_enough, n_bits_of
 from wavesplat._readers.dicom_pixels import frames_in, is_padding_beyond_bits
 from wavesplat._readers.dicom_places import files_below, files_of_directory, is_zip, unpacked
@@ -130,12 +129,12 @@ def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Re
     guesses = list(said_guesses)
     _once(kept, "alike", all_frames, lambda: check_alike(headers, all_frames, request))
     if sum(header.n_frames for header in headers) == 1:
-        raise FileError(_single(headers[0], unreadable, request))
+        raise FileError(_single(unreadable, request))
     first = headers[0]
     is_placed = _once(kept, "places", all_frames, lambda: all(frame.is_placed() for frame in all_frames))
     wanted = {header.file for header in headers}
     if is_placed and not unreadable:  # files of other volumes need not be read
-        wanted = {frame.file for frame in _chosen(all_frames, (), headers, request, kept)[0].frames}
+        wanted = {frame.file for frame in _chosen(all_frames, (), request, kept)[0].frames}
     pixels, damaged = _pixels([header for header in headers if header.file in wanted], request)
     if not pixels:
         raise next(iter(damaged.values()))
@@ -145,10 +144,10 @@ def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Re
     losses = [f"{named(unreadable)}, and left out"] if unreadable else []
     frames = [frame for frame in all_frames if frame.file not in damaged] if damaged else all_frames
     if len(frames) == 1:
-        raise FileError(_single(headers[0], unreadable, request))
+        raise FileError(_single(unreadable, request))
     guesses += _guesses_of_values([header for header in headers if header.file in pixels])
     if is_placed:
-        volume, n_times, times = _chosen(frames, losses, headers, request, kept)
+        volume, n_times, times = _chosen(frames, losses, request, kept)
         stack = stacked(volume.frames, request)
         losses += [*mends, *([volume.loss] if volume.loss else [])]
         if volume.guess:
@@ -230,7 +229,6 @@ def _once(kept: dict[str, Any], name: str, things: Sequence[Any], made: Callable
 def _chosen(
     frames: Sequence[Frame],
     losses: Sequence[str],
-    headers: Sequence[Header],
     request: Request,
     kept: dict[str, Any],
 ) -> tuple[FrameVolume, int, tuple[float, ...]]:
@@ -238,7 +236,10 @@ def _chosen(
     try:
         volumes = _once(kept, "volumes", frames, lambda: volumes_of(frames, request))
         if all(len(volume.frames) == 1 for volume in volumes):
-            raise FileError(_at_one_place(headers[0], request))
+            raise FileError(
+                f"the frames lie at one place, and are pictures of it, no volume; name a series of slices: "
+                f"{request.path}"
+            )
         labels = [volume.label for volume in volumes]
         number = choose("time", len(volumes), request.time, request.path, described=labels)
         volume = volumes[number]
@@ -256,25 +257,9 @@ def _chosen(
     return volume, len(volumes), _once(kept, "times", volumes, lambda: times_of(volumes))
 
 
-def _single(header: Header, unreadable: Unreadable, request: Request) -> str:
-    if MOSAIC in header.image_type:
-        return _mosaic(request)
+def _single(unreadable: Unreadable, request: Request) -> str:
     others = f" ({named(unreadable)})" if unreadable else ""
     return f"the series has a single slice, which is 2-D; add the other slices of the series{others}: {request.path}"
-
-
-def _at_one_place(header: Header, request: Request) -> str:
-    if MOSAIC in header.image_type:
-        return _mosaic(request)
-    return f"the frames lie at one place, and are pictures of it, no volume; name a series of slices: {request.path}"
-
-
-def _mosaic(request: Request) -> str:
-    return (
-        "each file holds a mosaic (Siemens), the slices of a volume side by side in one picture, and the private "
-        "elements that say how many there are and where (0019,xx0A, or the CSA header) were removed; export the series "
-        f"with them: {request.path}"
-    )
 
 
 def _pixels(

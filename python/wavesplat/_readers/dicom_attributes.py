@@ -71,6 +71,7 @@ SIEMENS, GE_ACQUISITION, GE_PARAMETERS = (
     (0x00430010, "GEMS_PARM"),
 )
 PHILIPS, PHILIPS_MR = (0x20010010, "Philips Imaging"), (0x20050010, "Philips MR")
+UIH = (0x00650010, "Image Private Header")
 
 #: Attributes in the order in which they split frames, the surest first: kinds of picture, identifiers of times, clocks.
 ATTRIBUTES = (
@@ -86,6 +87,7 @@ ATTRIBUTES = (
         Source(0x0019100C, "decimal", creator=SIEMENS),
         Source(0x00431039, "decimal", creator=GE_PARAMETERS),
         Source(0x20011003, "f4", creator=PHILIPS),
+        Source(0x00651009, "f8", creator=UIH),
     ),
     _kind("diffusion", Source(0x00189075, "text")),
     _kind(
@@ -94,6 +96,7 @@ ATTRIBUTES = (
         Source(0x0019100E, "f8", count=3, creator=SIEMENS),
         Source(0x001910BB, "decimal", (0x001910BC, 0x001910BD), creator=GE_ACQUISITION),
         Source(0x200510B0, "f4", (0x200510B1, 0x200510B2), creator=PHILIPS_MR),
+        Source(0x00651037, "f8", count=3, creator=UIH),
     ),
     _kind("velocity direction", Source(0x00189090, "f8", count=3)),
     _kind("spin labelling", Source(0x00189257, "text")),

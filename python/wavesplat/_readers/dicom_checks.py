@@ -10,6 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from wavesplat._readers.dicom_header import Frame, Header
+from wavesplat._readers.dicom_mosaic import told_of_tiles
 from wavesplat._readers.request import Request
 from wavesplat.errors import FileError
 
@@ -21,8 +22,10 @@ WHOLE_SLIDE = "1.2.840.10008.5.1.4.1.1.77.1.6"
 
 
 def check_is_volume(headers: Sequence[Header]) -> None:
-    """Raise a `FileError` if frames are tiles of a picture, and no slices."""
+    """Raise a `FileError` if frames are tiles of a picture, or pictures of several slices, and no slices."""
     for header in headers:
+        if header.n_frames == 1 and header.tiles is None and (told := told_of_tiles(header.image_type)):
+            raise FileError(f"{told}: {header.file}")
         if header.sop_class == WHOLE_SLIDE or header.modality == "SM":
             raise FileError(
                 f"the file holds tiles of a slide (whole-slide microscopy), and no volume; open it with a viewer of "

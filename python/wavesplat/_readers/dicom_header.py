@@ -22,7 +22,7 @@ from wavesplat._files.bounded_file import BoundedFile
 from wavesplat._readers.dicom_attributes import SEQUENCES, Value, attributes_of_frames
 from wavesplat._readers.dicom_contents import IMAGES, Content, content_by
 from wavesplat._readers.dicom_deflated import header_dataset
-from wavesplat._readers.dicom_mosaic import MOSAIC, Tiles, positions_of, tiles_of
+from wavesplat._readers.dicom_mosaic import Picture, Tiles, split_of
 from wavesplat._readers.dicom_pixel_data import PixelData, check_n_frames, pixel_data_at
 from wavesplat._readers.dicom_places import N_FIRST, begins_as_dicom
 from wavesplat._readers.dicom_suv import Tracer, tracer_of
@@ -44,8 +44,6 @@ if TYPE_CHECKING:
 
 __all__ = ["INDEX", "Frame", "Header", "content_of", "header_of", "is_dicom"]
 
-#: Dimensions of enhanced files that say where a frame lies, and not how it differs from others of its position.
-OF_PLACE = {0x00209057, 0x00200032, 0x00209301, 0x00209056, 0x00540080, 0x0062000B}
 #: Functional groups that are read: those with attributes, and of pixels, values, positions, orientations and segments.
 GROUPS = SEQUENCES | {0x0062000A, 0x00289110, 0x00289145, 0x00209113, 0x00209116, 0x0020930E, 0x0020930F}
 #: Prefix of the names of attributes by which enhanced files count frames.
@@ -195,22 +193,23 @@ def header_of(file: Path) -> Header | None:
                 f"(PerFrameFunctionalGroupsSequence); copy or export it again: {file}"
             )
     header = replace(header, frames=tuple(_frames(dataset, file, n_frames)))
-    if MOSAIC in header.image_type and n_frames == 1 and header.frames[0].is_placed():
-        return _split(header, dataset)
-    return header
+    return _split(header, dataset) if n_frames == 1 else header
 
 
 def _split(header: Header, dataset: Dataset) -> Header:
-    """The header of a mosaic as one of many frames; the header itself where the number of slices is not said."""
-    tiles, [frame] = tiles_of(dataset, header.size, header.file), header.frames
-    if tiles is None:
+    """The header of a picture with several slices side by side as one of many frames; of other pictures as it is."""
+    [frame] = header.frames
+    place = (frame.position, frame.orientation, frame.pixel_spacing, header.slice_step)
+    found = split_of(dataset, Picture(header.image_type, header.size, *place, header.file))
+    if found is None:
         return header
-    row_spacing, column_spacing = frame.pixel_spacing
-    steps = (column_spacing, row_spacing, header.slice_step)
-    positions = positions_of(tiles, header.size, frame.position, frame.orientation, steps)
-    frames = tuple(replace(frame, index=k, position=position) for k, position in enumerate(positions))
-    size = tiles.size_of_one(header.size)
-    return replace(header, size=size, n_frames=tiles.n, frames=frames, tiles=tiles, whole=header)
+    own = [attributes_of_frames(item, {}, (), 1)[0] for item in found.items] or [{}] * found.tiles.n
+    frames = tuple(
+        replace(frame, index=k, position=position, attributes={**frame.attributes, **attributes})
+        for k, (position, attributes) in enumerate(zip(found.positions, own, strict=True))
+    )
+    size = found.tiles.size_of_one(header.size)
+    return replace(header, size=size, n_frames=found.tiles.n, frames=frames, tiles=found.tiles, whole=header)
 
 
 def content_of(file: Path) -> Content:
@@ -291,9 +290,7 @@ def _of_frame(
     indices = whole_numbers(content, 0x00209157, "u4") if content is not None else ()
     # A file may number its frames and leave out by what (DimensionIndexSequence).
     meant = pointers or range(1, len(indices) + 1)
-    dimensions = {
-        _name_of_dimension(of): float(value) for value, of in zip(indices, meant, strict=False) if of not in OF_PLACE
-    }
+    dimensions = {_name_of_dimension(of): float(value) for value, of in zip(indices, meant, strict=False)}
     spacing = _found(groups, dataset, 0x00289110, 0x00280030, 2)
     if not np.isfinite(spacing).all():
         spacing = numbers(dataset, 0x00181164, 2)
@@ -351,9 +348,11 @@ def _placed(
     """
     position = _found(groups, dataset, 0x00209113, 0x00200032, 3)
     orientation = _found(groups, dataset, 0x00209116, 0x00200037, 6)
-    if not np.isfinite(position).all():
-        position = _found(groups, dataset, 0x0020930E, 0x00209301, 3)
-        orientation = _found(groups, dataset, 0x0020930F, 0x00209302, 6)
+    if (
+        not np.isfinite(position).all()
+        and np.isfinite(probed := _found(groups, dataset, 0x0020930E, 0x00209301, 3)).all()
+    ):
+        position, orientation = probed, _found(groups, dataset, 0x0020930F, 0x00209302, 6)
     detectors = items(dataset, 0x00540022)
     if not np.isfinite(orientation).all() and detectors:
         position, orientation = numbers(detectors[0], 0x00200032, 3), numbers(detectors[0], 0x00200037, 6)

@@ -37,7 +37,7 @@ def mesh(tmp_path):
     from vtkmodules import vtkCommonDataModel, vtkIOXML
     from vtkmodules.util.numpy_support import numpy_to_vtk
 
-    def write(boxes, *, scale=1.0, name="density"):
+    def write(boxes, *, scale=1.0, name="density", values_of=values_of):
         amr = vtkCommonDataModel.vtkOverlappingAMR()
         counts = [sum(level == k for level, _, _ in boxes) for k in range(1 + max(level for level, _, _ in boxes))]
         try:
@@ -52,7 +52,7 @@ def mesh(tmp_path):
             grid.SetOrigin(scale * np.array(low))
             grid.SetSpacing(side, side, side)
             grid.SetDimensions([cells + 1 for cells in n])
-            array = numpy_to_vtk(values_of(number, n).ravel(), deep=1)
+            array = numpy_to_vtk(np.squeeze(values_of(number, n).reshape(np.prod(n), -1)), deep=1)
             array.SetName(name)
             grid.GetCellData().AddArray(array)
             amr.SetSpacing(level, [side] * 3)
@@ -97,6 +97,22 @@ def test_cells_that_only_finer_levels_have_are_their_means(mesh):
     means = values_of(1, (4, 8, 8)).reshape(4, 2, 4, 2, 2, 2).mean(axis=(1, 3, 5))
     np.testing.assert_allclose(volume.samples[:, :, 4:], means, rtol=1e-6)
     assert "50.0%" not in volume.guesses[0]
+
+
+def test_lengths_are_those_of_averaged_vectors(mesh):
+    """Of vectors that cancel each other in a cell of the grid nothing is left."""
+
+    def opposite(number, n):
+        signs = (-1.0) ** np.indices(n[::-1]).sum(axis=0)
+        return np.stack([signs if number else np.full(n[::-1], 3.0), np.full(n[::-1], 4.0), 0 * signs], axis=-1)
+
+    path = mesh([(0, (0, 0, 0), (4, 4, 4)), (1, (4, 0, 0), (4, 8, 8))], name="B", values_of=opposite)
+    volume = ws.open(path, resample=6)
+    assert volume.facts.quantity == "B magnitude"
+    assert np.allclose(volume.samples[:, :, :4], 5)
+    assert np.allclose(volume.samples[:, :, 4:], 4)
+    parts = [ws.open(path, resample=6, component=axis).samples for axis in "xyz"]
+    assert np.allclose(volume.samples, np.sqrt(sum(np.square(part) for part in parts)))
 
 
 def test_places_without_cells_are_missing(mesh):

@@ -263,6 +263,27 @@ def test_several_arrays_and_vectors(tmp_path):
         ws.open(path, resample=10, dataset="v", component="y")
 
 
+@pytest.mark.parametrize("suffix", [".vtr", ".vtu", ".vtm"])
+def test_lengths_are_those_of_interpolated_vectors(tmp_path, suffix):
+    """Vectors turn round within a cell, where the interpolated length would be far too large."""
+    z, y, x = places(UNEVEN)
+    grid = put(rectilinear(UNEVEN), "u", np.stack([x - 0.4, 2 * y - 0.5, z - 3], -1))
+    grid = unstructured(grid) if suffix == ".vtu" else grid
+    if suffix == ".vtm":
+        several = data_model.vtkMultiBlockDataSet()
+        several.SetBlock(0, grid)
+        several.SetBlock(1, unstructured(rectilinear(UNEVEN)))
+        grid = several
+    path = write(tmp_path / f"a{suffix}", grid, vtkIOXML.vtkXMLMultiBlockDataWriter if suffix == ".vtm" else None)
+    volume = ws.open(path, resample=30, component="magnitude")
+    x, y, z = world_places(volume)
+    inside = np.isfinite(volume.samples)
+    assert inside.mean() > 0.8
+    expected = np.sqrt((x - 0.4) ** 2 + (2 * y - 0.5) ** 2 + (z - 3) ** 2)
+    np.testing.assert_allclose(volume.samples[inside], expected[inside], atol=2e-5)
+    assert volume.facts.quantity == "u magnitude"
+
+
 def test_what_cannot_be_sampled_is_said(tmp_path, monkeypatch):
     with pytest.raises(ArgumentError, match="resample is 1; give a number of samples, 2 to"):
         ws.open(WAYS[".vtr"](tmp_path, UNEVEN), resample=1)

@@ -20,6 +20,7 @@ __all__ = [
     "check_vectors",
     "component_of",
     "has_vectors",
+    "is_length",
     "length_of",
     "named_component",
     "number_of_component",
@@ -29,6 +30,12 @@ __all__ = [
 AXES = "xyz"
 #: Components of a vector.
 N_COMPONENTS = 3
+
+
+def is_length(n_components: int, dtype: np.dtype[Any], request: Request) -> bool:
+    """Whether the length of vectors is drawn, of which the components are to be interpolated, not the lengths."""
+    is_asked = request.component in (None, "magnitude") and 1 < n_components <= len(AXES)
+    return is_asked and _are_vectors(n_components, dtype, request)
 
 
 def _are_vectors(n_components: int, dtype: np.dtype[Any], request: Request) -> bool:

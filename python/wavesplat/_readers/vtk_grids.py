@@ -24,9 +24,9 @@ from wavesplat._files.libraries import library
 from wavesplat._files.mute_stderr import muted_stderr
 from wavesplat._files.named_files import check_named_file
 from wavesplat._files.reading import reading
-from wavesplat._model.facts import Facts, quantity_of
+from wavesplat._model.facts import Facts
 from wavesplat._model.placement import UPRIGHT
-from wavesplat._readers.components import component_of, quantity_of_array
+from wavesplat._readers.components import component_of, is_length, length_of, quantity_of_array
 from wavesplat._readers.request import Grid, Request
 from wavesplat._readers.vti import parsed
 from wavesplat._readers.vtk_amr import Box, boxes_of, on_one_grid, sizes_of
@@ -349,19 +349,29 @@ def _which_level(data: Any, boxes: list[Box], request: Request) -> FileError:
 
 def _of_level(data: Any, boxes: list[Box], array: _Array, request: Request) -> Grid:
     """The samples of an adaptive mesh on the grid of one of its levels."""
-    told: tuple[str, ...] = ()
+    first = next(numbers for box in boxes if (numbers := array.numbers_of(box.grid)) is not None)
+    _, told = component_of(first[:1], request, array.name)
 
-    def values_of(grid: Any) -> NDArray[Any] | None:
-        nonlocal told
-        numbers = array.numbers_of(grid)
-        if numbers is None:
-            return None
-        values, told = component_of(numbers, request, array.name)
-        return np.asarray(values)
+    def sampled(part: int | None) -> tuple[NDArray[Any], NDArray[np.float64], str]:
+        """Samples of one of the components, or of what is asked for (None)."""
 
-    samples, matrix, sampled = on_one_grid(boxes, values_of, request)
-    guesses = (f"{described_grid(data.GetClassName())}, {sampled}", *told)
-    return Grid(samples, matrix, Facts(quantity=quantity_of(array.name), conventions=(UPRIGHT,), guesses=guesses))
+        def values_of(grid: Any) -> NDArray[Any] | None:
+            numbers = array.numbers_of(grid)
+            if numbers is None:
+                return None
+            return numbers[:, part] if part is not None else np.asarray(component_of(numbers, request, array.name)[0])
+
+        return on_one_grid(boxes, values_of, request)
+
+    n = first.shape[1]
+    if is_length(n, first.dtype, request):
+        parts = [sampled(part) for part in range(n)]
+        samples, (_, matrix, how) = length_of([part[0] for part in parts]), parts[0]
+    else:
+        samples, matrix, how = sampled(None)
+    guesses = (f"{described_grid(data.GetClassName())}, {how}", *told)
+    quantity = quantity_of_array(array.name, n, first.dtype, request)
+    return Grid(samples, matrix, Facts(quantity=quantity, conventions=(UPRIGHT,), guesses=guesses))
 
 
 def _resampled(data: Any, blocks: list[Any], array: _Array, request: Request) -> Grid:
@@ -369,11 +379,15 @@ def _resampled(data: Any, blocks: list[Any], array: _Array, request: Request) ->
     told: tuple[str, ...] = ()
     quantity: str | None = None
     values: list[NDArray[Any] | None] = []
+    are_lengths = False
     for block in blocks:
         numbers = array.numbers_of(block)
         if numbers is not None:
             quantity = quantity_of_array(array.name, numbers.shape[-1], numbers.dtype, request)
-            numbers, told = component_of(numbers, request, array.name)
+            are_lengths = is_length(numbers.shape[-1], numbers.dtype, request)
+            part, told = component_of(numbers, request, array.name)
+            # The length is that of the interpolated vector, not the interpolated length.
+            numbers = numbers if are_lengths else part
         values.append(numbers)
     there = [one for one in values if one is not None]
     dtype = type_of_samples(there)
@@ -385,6 +399,7 @@ def _resampled(data: Any, blocks: list[Any], array: _Array, request: Request) ->
         sampled_data = _together([block for block, _ in having])
         told += (f"blocks without {array.name!r}, which are left out: {len(blocks) - len(having)} of {len(blocks)}",)
     samples, matrix, sampled = sampled_on_image(sampled_data, [block for block, _ in having], request)
+    samples = length_of(np.moveaxis(samples, -1, 0)) if are_lengths else samples[..., 0]
     what = f"{described_grid(data.GetClassName())}, {sampled}"
     of_cells = (f"{array.name!r} is of cells, and constant in each",) if array.of_cells else ()
     return Grid(samples, matrix, Facts(quantity=quantity, conventions=(UPRIGHT,), guesses=(what, *of_cells, *told)))

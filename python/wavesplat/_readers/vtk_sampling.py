@@ -123,7 +123,7 @@ def _sides(blocks: list[Any]) -> NDArray[np.float64]:
 
 
 def sampled_on_image(data: Any, blocks: list[Any], request: Request) -> tuple[NDArray[Any], NDArray[np.float64], str]:
-    """Samples on an image that covers a grid, NaN outside of it; its affine; and the cost, in words."""
+    """Samples [z, y, x, component] on an image that covers a grid, NaN outside; its affine; and the cost, in words."""
     from vtkmodules.util.numpy_support import vtk_to_numpy
     from vtkmodules.vtkFiltersCore import vtkResampleToImage
 
@@ -131,7 +131,8 @@ def sampled_on_image(data: Any, blocks: list[Any], request: Request) -> tuple[ND
     step = lengths.max() / ((request.resample or 2) - 1)
     size = [max(2, round(length / step) + 1) for length in lengths]
     # The sampling, its mask and a copy.
-    size_checks.check_memory(3 * size_checks.n_bytes(size, np.dtype("f4")), request.path)
+    n = _n_components(blocks)
+    size_checks.check_memory((2 * n + 1) * size_checks.n_bytes(size, np.dtype("f4")), request.path)
     sampler = vtkResampleToImage()
     sampler.SetInputDataObject(data)
     sampler.SetUseInputBounds(True)
@@ -143,11 +144,11 @@ def sampled_on_image(data: Any, blocks: list[Any], request: Request) -> tuple[ND
     if values is None or valid is None:
         raise FileError(f"VTK could not sample the grid; sample it with ParaView, and write .vti: {request.path}")
     shape = tuple(size[::-1])
-    samples = vtk_to_numpy(values).reshape(shape).copy()
+    samples = vtk_to_numpy(values).reshape(*shape, -1).copy()
     is_inside = vtk_to_numpy(valid).reshape(shape) != 0
     if not is_inside.any():
         raise FileError(
-            f"VTK finds no cell around any of {samples.size} samples; give a larger resample=N, or split its cells "
+            f"VTK finds no cell around any of {is_inside.size} samples; give a larger resample=N, or split its cells "
             f"into tetrahedra, as pyvista.read(path).triangulate() does: {request.path}"
         )
     samples[~is_inside] = np.nan
@@ -157,6 +158,13 @@ def sampled_on_image(data: Any, blocks: list[Any], request: Request) -> tuple[ND
     smallest, largest = _cell_sizes(blocks)
     cells = f"cells are {smallest:.3g} to {largest:.3g} wide; " if largest > 0 else ""
     return samples, matrix, f"{told}; {cells}{outside:.1%} of the samples lie outside of it"
+
+
+def _n_components(blocks: list[Any]) -> int:
+    """Components of the array that is sampled."""
+    parts = [part for block in blocks for part in (block.GetPointData(), block.GetCellData())]
+    found = [array.GetNumberOfComponents() for part in parts if (array := part.GetArray(SAMPLED)) is not None]
+    return int(max(found, default=1))
 
 
 def _cell_sizes(blocks: list[Any]) -> tuple[float, float]:

@@ -81,10 +81,14 @@ def test_a_piece_beyond_the_extent_is_refused(tmp_path):
 def test_arrays_and_channels_are_chosen(tmp_path):
     colors = np.stack([SAMPLES, SAMPLES + 1, SAMPLES + 2], axis=-1)
     path = save_vti(tmp_path / "a.vti", {"d": SAMPLES, "colors": colors})
-    with pytest.raises(FileError, match=r"holds 2 arrays \(d, colors\); choose one with dataset="):
-        ws.open(path)
-    with pytest.raises(ArgumentError, match="no array 'e'; the file holds d, colors"):
-        ws.open(path, dataset="e")
+    first = ws.open(path)
+    assert np.array_equal(first.samples, SAMPLES)
+    assert first.guesses == (
+        "shown: d, the first of 2 arrays (d, colors); dataset=NAME (--dataset NAME) chooses another",
+    )
+    with pytest.raises(ArgumentError, match="no array 'Color'; did you mean 'colors'. the file holds d, colors"):
+        ws.open(path, dataset="Color")
+    assert ws.open(path, dataset="d").guesses == ()
     assert np.array_equal(ws.open(path, dataset="d").samples, SAMPLES)
     assert np.array_equal(ws.open(path, dataset="colors", channel=2).samples, SAMPLES + 2)
 

@@ -25,15 +25,21 @@ MEMORY = "1 GB"
 @takes_reader_options
 def info(input: Input, *, reader: ReaderOptions, json: Json = False) -> None:
     """Say what a file holds: what there is to choose, and size, spacing, unit, orientation, values of a volume."""
-    from wavesplat._cli import describe, label_counts, region_facts, zarr_contents
+    from wavesplat._cli import describe, file_arrays, label_counts, region_facts, zarr_contents
     from wavesplat._model.wavelet_volume import WaveletVolume
 
     if (regions := region_facts.regions_of(input)) is not None:
         print_result(regions, "\n".join(region_facts.lines(regions)), as_json=json)
         return
-    choices, volume = _first(input, reader, [])
-    facts: dict[str, Any] = {"choices": [choice.facts() for choice in choices], **zarr_contents.contents(input, reader)}
-    text = [line for choice in choices for line in choice.lines()] + zarr_contents.lines(facts)
+    arrays = file_arrays.contents(input, reader)
+    choices, volume, problem = _first(input, reader, [], has_arrays=bool(arrays))
+    facts: dict[str, Any] = {"choices": [choice.facts() for choice in choices], **arrays}
+    facts |= zarr_contents.contents(input, reader)
+    text = file_arrays.lines(facts) + [line for choice in choices for line in choice.lines()]
+    text += zarr_contents.lines(facts)
+    if problem is not None:
+        facts["problem"] = problem
+        text.append(f"not shown    {problem}")
     if volume is None:
         pass
     elif isinstance(volume, WaveletVolume):
@@ -58,26 +64,31 @@ def _labels_of(input: str, volume: Volume, dataset: str | None) -> list[dict[str
 
 
 def _first(
-    input: str, reader: ReaderOptions, choices: list[describe.Choice]
-) -> tuple[list[describe.Choice], Volume | WaveletVolume | None]:
-    """The choices that a file leaves open, and the volume that their first values name; None if it cannot be read."""
+    input: str, reader: ReaderOptions, choices: list[describe.Choice], *, has_arrays: bool
+) -> tuple[list[describe.Choice], Volume | WaveletVolume | None, str | None]:
+    """The choices that a file leaves open, and the volume that their first values name.
+
+    It is None if it cannot be read; a file whose arrays are listed (`has_arrays`) may hold none, for a reason.
+    """
     from wavesplat._cli.describe import Choice
     from wavesplat._readers.request import SeveralError
     from wavesplat.errors import FileError
 
     try:
-        return choices, _opened(input, reader)
+        return choices, _opened(input, reader), None
     except SeveralError as several:
         if not several.names or several.option in [choice.option for choice in choices]:
             raise
         first: dict[str, Any] = {several.option: several.names[0]}
         choice = Choice(several.option, several.names, several.described)
-        return _first(input, replace(reader, **first), [*choices, choice])
+        return _first(input, replace(reader, **first), [*choices, choice], has_arrays=has_arrays)
     except FileError as error:
         # The first of several may be unreadable where another one is not: its error is reported with the choice.
-        if not choices:
-            raise
-        return [*choices[:-1], replace(choices[-1], problem=str(error))], None
+        if choices:
+            return [*choices[:-1], replace(choices[-1], problem=str(error))], None, None
+        if has_arrays:
+            return [], None, str(error)
+        raise
 
 
 def _opened(input: str, reader: ReaderOptions) -> Volume | WaveletVolume:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import struct
 import zipfile
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -21,10 +22,20 @@ from wavesplat._readers.components import (
     has_vectors,
     quantity_of_array,
 )
-from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, one_volume_of, several, unwarned
+from wavesplat._readers.file_contents import MOST_BYTES, Contents, FileArray, ranges_of
+from wavesplat._readers.request import (
+    Grid,
+    Request,
+    index_unnamed_axes,
+    n_times_of,
+    no_such_name,
+    one_volume_of,
+    several,
+    unwarned,
+)
 from wavesplat.errors import ArgumentError, FileError
 
-__all__ = ["read", "stored_member"]
+__all__ = ["contents", "read", "stored_member"]
 
 #: A member of a zip file begins with a header of 30 bytes, whose lengths of name and extra field are at byte 26; these
 #: follow it (PKWARE's APPNOTE.TXT, 4.3.7).
@@ -44,6 +55,24 @@ def read(request: Request) -> Grid:
         samples = array[index_unnamed_axes(array.shape, request)]
         samples = np.array(samples) if isinstance(array, np.memmap) else samples
         return Grid(samples, np.eye(4), Facts(quantity=quantity_of(name), n_times=n_times_of(array.shape, request)))
+
+
+def contents(request: Request) -> Contents | None:
+    """All arrays of a .npz file; None of a .npy file, which has one without a name."""
+    if not zipfile.is_zipfile(request.file):
+        return None
+    with reading("a NumPy file", request.file), unwarned("numpy"), zipfile.ZipFile(request.file) as archive:
+        found = []
+        for name in _names(archive):
+            with archive.open(f"{name}.npy") as member:
+                shape, dtype = npy_header(member)
+            looked_at = dtype.kind in "biuf" and size_checks.n_bytes(shape, dtype) <= MOST_BYTES
+            array = _from_npz(replace(request, dataset=name))[1] if looked_at else None
+            are_vectors = has_vectors(shape, dtype, replace(request, channel=None, time=None))
+            ranges = () if array is None else ranges_of(array, has_components=are_vectors)
+            n = N_COMPONENTS if are_vectors else 1
+            found.append(FileArray(name, str(dtype), shape[:-1] if are_vectors else shape, n, None, ranges))
+        return Contents(tuple(found))
 
 
 def _from_npy(request: Request) -> NDArray[Any]:
@@ -102,7 +131,7 @@ def _names(archive: zipfile.ZipFile) -> list[str]:
 def _chosen(names: list[str], request: Request) -> str:
     if request.dataset is not None:
         if request.dataset not in names:
-            raise ArgumentError(f"no array {request.dataset!r}; the file holds {', '.join(names)}: {request.path}")
+            raise no_such_name("array", request.dataset, names, request)
         return request.dataset
     if len(names) != 1:
         listed = ", ".join(names) or "none"

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -17,14 +18,15 @@ from wavesplat._model.hdf5_files import read_hdf5
 from wavesplat._model.hdf5_place import Place, place_of
 from wavesplat._readers import hdf5_vectors, openpmd_records, theta_modes
 from wavesplat._readers.components import AXES, check_vectors, has_vectors, length_of
-from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, several
+from wavesplat._readers.file_contents import Contents, FileArray, are_small, ranges_of
+from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, no_such_name, several
 from wavesplat._readers.vtk_arrays import other_grid
 from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
     import h5py
 
-__all__ = ["check_own", "check_way", "chosen_dataset", "facts_of", "kind_of", "named", "place_of", "read"]
+__all__ = ["check_own", "check_way", "chosen_dataset", "contents", "facts_of", "kind_of", "named", "place_of", "read"]
 
 #: Groups and links on the path to a dataset, at most.
 MAX_STEPS = 100
@@ -72,6 +74,36 @@ def _read(request: Request) -> Grid:
                 facts = replace(facts, guesses=(*facts.guesses, hdf5_vectors.TOLD.format(dataset.name.lstrip("/"))))
         samples = np.transpose(samples, place.zyx) if place.zyx != (0, 1, 2) else samples
         return Grid(samples, place.world_from_index, facts)
+
+
+def contents(request: Request) -> Contents:
+    """All datasets of numbers with three axes or more; components of a mesh of openPMD as one."""
+    with reading("HDF5", request.path), read_hdf5(request.file) as file:
+        _check_kind(file, request)
+        records = openpmd_records.records_of(file) if "data" in file else {}
+        found: dict[str, list[tuple[str, h5py.Dataset]]] = {}
+        for name in openpmd_records.names_of_volumes(file):
+            record, _, part = name.rpartition("/")
+            found.setdefault(record if record in records else name, []).append((part, file[name]))
+        looks = are_small(dataset for parts in found.values() for _, dataset in parts)
+        return Contents(tuple(_described_array(file, name, parts, request, looks) for name, parts in found.items()))
+
+
+def _described_array(
+    file: h5py.File, name: str, parts: list[tuple[str, h5py.Dataset]], request: Request, looks: bool
+) -> FileArray:
+    """A dataset, or the components of a mesh of openPMD; without ranges where samples may lie in other files."""
+    first = parts[0][1]
+    is_vector = len(parts) == 1 and has_vectors(first.shape, first.dtype, replace(request, channel=None, time=None))
+    ranges: list[tuple[Any, ...]] = []
+    with suppress(FileError):
+        for _, dataset in parts:
+            check_own(file, dataset, request, set())
+            ranges.append(ranges_of(dataset, has_components=is_vector) if looks else ())
+    shape, n = (first.shape[:-1], first.shape[-1]) if is_vector else (first.shape, len(parts))
+    is_whole = len(ranges) == len(parts) and all(ranges)
+    own = tuple(one for of_part in ranges for one in of_part) if is_whole else ()
+    return FileArray(name, str(first.dtype), shape, n, None, own)
 
 
 def named(dataset: h5py.Dataset, component: str | None = None) -> dict[str, Any]:
@@ -166,7 +198,6 @@ def _dataset(file: h5py.File, request: Request) -> h5py.Dataset:
     import h5py
 
     found = {name: file[name] for name in openpmd_records.names_of_volumes(file)}
-    listed = ", ".join(f"{name} {dataset.shape}" for name, dataset in found.items()) or "none"
     if request.dataset is not None:
         check_way(file, request.dataset, request)
         node = file.get(request.dataset)
@@ -175,7 +206,7 @@ def _dataset(file: h5py.File, request: Request) -> h5py.Dataset:
         if not isinstance(node, h5py.Dataset) and len(ends) == 1:
             return found[ends[0]]
         if not isinstance(node, h5py.Dataset):
-            raise ArgumentError(f"no dataset {request.dataset!r}; the file holds: {listed}: {request.path}")
+            raise no_such_name("dataset", request.dataset, list(found), request)
         return node
     if not found:
         raise _none_found(file, request)

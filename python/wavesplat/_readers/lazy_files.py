@@ -242,14 +242,15 @@ def _first_sample(file: Path, offset: int, fields: dict[str, str], n_bytes: int)
 
 
 def _of_vtk_legacy(request: Request) -> LazyGrid:
-    stored, channel, shape, matrix = vtk_legacy.chosen_array(request)
+    found = vtk_legacy.chosen_array(request)
+    stored = found.stored
     if stored.is_text or stored.is_bits:
         written = "text" if stored.is_text else "bits"
         raise FileError(f"the samples are written as {written}; open the file without memory=: {request.safe_path}")
-    picked = [None, None, None, channel]
-    array = stored_samples(request.file, stored.dtype, stored.begin, shape, order=(0, 1, 2), picked=picked)
+    picked = [None, None, None, found.channel]
+    array = stored_samples(request.file, stored.dtype, stored.begin, found.shape, order=(0, 1, 2), picked=picked)
     quantity = quantity_of_array(stored.name, stored.n_components, stored.dtype, request)
-    return LazyGrid([array], [matrix], Facts(quantity=quantity))
+    return LazyGrid([array], [found.world_from_index], Facts(quantity=quantity, guesses=found.guesses))
 
 
 def _of_hdf5(request: Request) -> LazyGrid:

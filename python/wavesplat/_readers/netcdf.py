@@ -29,6 +29,7 @@ from wavesplat._model.labelled_array import in_order
 from wavesplat._model.lazy_array import SlicedArray
 from wavesplat._model.placement import UPRIGHT
 from wavesplat._readers import single_planes
+from wavesplat._readers.file_contents import Contents, FileArray, are_small, ranges_of
 from wavesplat._readers.netcdf_axes import (
     evenly,
     is_downwards,
@@ -39,13 +40,13 @@ from wavesplat._readers.netcdf_axes import (
     with_true_unit,
     without_unit,
 )
-from wavesplat._readers.request import Grid, Request, SeveralError, choose, several, unwarned
+from wavesplat._readers.request import Grid, Request, SeveralError, choose, no_such_name, several, unwarned
 from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
     import h5py
 
-__all__ = ["is_netcdf", "lazy_samples", "read"]
+__all__ = ["contents", "is_netcdf", "lazy_samples", "read"]
 
 #: The extra that has the libraries.
 EXTRA = "netcdf"
@@ -82,6 +83,29 @@ def read(request: Request) -> Grid:
         _check_stored(variable, request)
         samples = _without_unwritten(np.asarray(variable.array), variable.array.encoding)
         return Grid(samples, variable.world_from_index, variable.facts)
+
+
+def contents(request: Request) -> Contents:
+    """All variables of numbers with three axes or more, unpacked."""
+    with reading("netCDF", request.path), _quietly(), _opened(request.file, request) as datasets:
+        borders, found = _borders(datasets), _volumes(datasets)
+        looks = are_small(found.values())
+        arrays = [
+            FileArray(name, str(array.dtype), array.shape, ranges=ranges_of(_Unpacked(array)) if looks else ())
+            for name, array in found.items()
+            if name not in borders
+        ]
+        return Contents(tuple(arrays))
+
+
+class _Unpacked:
+    """Numbers of a variable that are read where they are sliced."""
+
+    def __init__(self, array: Any) -> None:
+        self.dtype, self.shape, self.ndim, self._variable = array.dtype, array.shape, array.ndim, array.variable
+
+    def __getitem__(self, index: Any) -> NDArray[Any]:
+        return _without_unwritten(np.asarray(self._variable[index]), self._variable.encoding)
 
 
 def lazy_samples(request: Request) -> tuple[SlicedArray, NDArray[np.float64], Facts]:
@@ -227,12 +251,7 @@ def _chosen(datasets: dict[str, Any], request: Request) -> _Variable:
             "the file holds a mesh of finite elements (Exodus); save pyvista.read(path).combine() as .vtu, and open "
             f"that with resample=N (--resample N): {request.path}"
         )
-    found = {
-        f"{group}/{name}".lstrip("/"): array
-        for group, dataset in datasets.items()
-        for name, array in dataset.data_vars.items()
-        if array.ndim >= 3 and array.dtype.kind in "biuf"
-    }
+    found = _volumes(datasets)
     if request.dataset is None:
         borders = _borders(datasets)
         found = {name: array for name, array in found.items() if name not in borders}
@@ -243,9 +262,7 @@ def _chosen(datasets: dict[str, Any], request: Request) -> _Variable:
     if request.dataset is not None:
         name = request.dataset.strip("/")
         if name not in found:
-            raise ArgumentError(
-                f"no variable {request.dataset!r} with three or more axes; the file holds: {listed}: {request.path}"
-            )
+            raise no_such_name("variable", request.dataset, list(found), request)
     elif len(found) == 1:
         name = next(iter(found))
     else:
@@ -255,6 +272,16 @@ def _chosen(datasets: dict[str, Any], request: Request) -> _Variable:
         )
         raise several(message, "dataset", list(found), described)
     return _volume_of(name, found[name], request)
+
+
+def _volumes(datasets: dict[str, Any]) -> dict[str, Any]:
+    """The variables of numbers with three axes or more, by their names."""
+    return {
+        f"{group}/{name}".lstrip("/"): array
+        for group, dataset in datasets.items()
+        for name, array in dataset.data_vars.items()
+        if array.ndim >= 3 and array.dtype.kind in "biuf"
+    }
 
 
 def _borders(datasets: dict[str, Any]) -> set[str]:

@@ -33,6 +33,7 @@ from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._public import public
 from wavesplat._readers import bioio_files, lazy_files, netcdf, single_planes, vasp, vtk_grids
 from wavesplat._readers.bdv_n5 import holds_setups
+from wavesplat._readers.file_contents import Contents, contents_of
 from wavesplat._readers.hdf5 import kind_of as hdf5_kind
 from wavesplat._readers.options import OpenOptions
 from wavesplat._readers.request import Grid, Request, requested
@@ -42,7 +43,7 @@ from wavesplat.errors import ArgumentError, FileError, FileWarning, WavesplatErr
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-__all__ = ["is_zarr", "open", "opened"]
+__all__ = ["contents", "is_zarr", "open", "opened"]
 
 #: Suffix -> module. Longer suffixes come first where one ends with another.
 SUFFIXES = {
@@ -232,6 +233,16 @@ def opened(request: Request, *, stacklevel: int = 2) -> Volume:
     for loss in grid.told:
         warn(f"{loss}: {request.safe_path}", FileWarning, stacklevel=stacklevel)
     return volume
+
+
+def contents(request: Request) -> Contents | None:
+    """All arrays of a file, and the grid that they lie on; None where its reader lists none."""
+    if request.is_url:
+        return None
+    family = _family(replace(request, dataset=None))
+    if family == "vtk_legacy" and vtk_grids.is_grid(request.file, or_mesh=True):
+        family = "vtk_grids"
+    return contents_of(request, family)
 
 
 #: Families whose samples lie in one file as they are: its size gives theirs.

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
 from dataclasses import dataclass, field, fields
+from difflib import get_close_matches
 from os import PathLike, fspath
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, NamedTuple
@@ -32,8 +33,10 @@ __all__ = [
     "SeveralError",
     "choose",
     "index_unnamed_axes",
+    "listed",
     "n_times_of",
     "named_within",
+    "no_such_name",
     "one_volume_of",
     "quiet",
     "requested",
@@ -43,6 +46,8 @@ __all__ = [
 ]
 
 
+#: Names that a message lists, at most.
+MOST_LISTED = 40
 #: Samples along the longest side of a grid that is made of another, at most.
 MAX_RESAMPLED = 4096
 
@@ -222,6 +227,23 @@ def unwarned(library: str) -> Iterator[None]:
     with warnings.catch_warnings():
         warnings.filterwarnings("ignore", module=library)
         yield
+
+
+def listed(names: Sequence[object], most: int = MOST_LISTED) -> str:
+    """Names for a message: the first of them where there are many."""
+    return ", ".join(map(str, names[:most])) + (", ..." if len(names) > most else "")
+
+
+def no_such_name(what: str, wanted: str, names: Sequence[str], request: Request) -> ArgumentError:
+    """The error for a dataset that is not in a file, with the name that may be meant.
+
+    what : what the names are, such as "array".
+    """
+    alike = {name.lower(): name for name in names}
+    near = get_close_matches(wanted.lower(), alike, 1, 0.6)
+    hint = f"did you mean {alike[near[0]]!r}? " if near else ""
+    holds = f"the file holds {listed(names)}" if names else f"the file holds no {what}"
+    return ArgumentError(f"no {what} {wanted!r}; {hint}{holds}: {request.path}")
 
 
 #: Channels of pixels whose three or four samples are a colour and its opacity.

@@ -13,7 +13,7 @@ import lzma
 import mmap
 import xml.etree.ElementTree as ET
 import zlib
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Literal
@@ -25,12 +25,13 @@ from wavesplat._files import size_checks
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
 from wavesplat._readers.components import component_of, quantity_of_array
+from wavesplat._readers.file_contents import Contents, FileArray, joined_ranges, ranges_of
 from wavesplat._readers.request import Grid, Request
-from wavesplat._readers.vtk_arrays import chosen, other_grid, world_from_index
+from wavesplat._readers.vtk_arrays import chosen, image_facts, other_grid, world_from_index
 from wavesplat._readers.vtk_blanking import GHOSTS, without_hidden
 from wavesplat.errors import FileError
 
-__all__ = ["parsed", "read"]
+__all__ = ["contents", "parsed", "read"]
 
 #: VTK's name of a type -> NumPy's.
 TYPES = {"Float32": "f4", "Float64": "f8"} | {
@@ -61,33 +62,30 @@ def _read(request: Request, stored: _Stored) -> Grid:
     if image is None:
         raise other_grid(stored.header.get("type", ""), path)
     whole = _extent(image.get("WholeExtent", ""))
-    of_cells, name, n_components = _chosen(image, request)
-    size = _size(whole, of_cells)
+    array, guessed = _chosen(image, request)
+    size = _size(whole, array.of_cells)
     samples: NDArray[Any] | None = None
     n_cells = 0
     told: tuple[str, ...] = ()
     quantity: str | None = None
-    for piece in image.iter("Piece"):
-        extent = _extent(piece.get("Extent", ""))
-        if (extent[:, 0] < whole[:, 0]).any() or (extent[:, 1] > whole[:, 1]).any():
-            raise ValueError("a piece beyond the extent")
-        for array in piece.findall("CellData/DataArray" if of_cells else "PointData/DataArray"):
-            if array.get("Name", "") == name:
-                numbers = stored.samples(array, (*_size(extent, of_cells)[::-1], n_components))
-                part, told = component_of(numbers, request, name)
-                quantity = quantity_of_array(name, n_components, numbers.dtype, request)
-                if samples is None:
-                    size_checks.check_memory(size_checks.n_bytes(size, part.dtype), path)
-                    samples = np.zeros(size[::-1], part.dtype)
-                first = extent[:, 0] - whole[:, 0]
-                samples[tuple(slice(i, i + n) for i, n in zip(first[::-1], part.shape, strict=True))] = part
-                n_cells += _n_cells(extent)
+    for extent, numbers in _parts(stored, image, array, whole):
+        part, told = component_of(numbers, request, array.name)
+        quantity = quantity_of_array(array.name, array.n_components, numbers.dtype, request)
+        if samples is None:
+            size_checks.check_memory(size_checks.n_bytes(size, part.dtype), path)
+            samples = np.zeros(size[::-1], part.dtype)
+        first = extent[:, 0] - whole[:, 0]
+        samples[tuple(slice(i, i + n) for i, n in zip(first[::-1], part.shape, strict=True))] = part
+        n_cells += _n_cells(extent)
     # Pieces share points, but no cells.
     if samples is None or n_cells != _n_cells(whole):
-        raise FileError(f"the pieces of {name!r} do not fill the file's extent; write them all into one file: {path}")
+        raise FileError(
+            f"the pieces of {array.name!r} do not fill the file's extent; write them all into one file: {path}"
+        )
     ghosts = (_ghosts(stored, image, whole, of_cells=False), _ghosts(stored, image, whole, of_cells=True))
-    samples, hidden = without_hidden(samples, *ghosts, are_cells=of_cells)
-    return Grid(samples, _world_from_index(image, whole, of_cells), Facts(quantity=quantity, guesses=told + hidden))
+    samples, hidden = without_hidden(samples, *ghosts, are_cells=array.of_cells)
+    facts = Facts(quantity=quantity, guesses=guessed + told + hidden)
+    return Grid(samples, _world_from_index(image, whole, array.of_cells), facts)
 
 
 def _ghosts(
@@ -106,21 +104,79 @@ def _ghosts(
     return found
 
 
-def _chosen(image: ET.Element, request: Request) -> tuple[bool, str, int]:
-    """Whether the chosen array is of cells, its name, and its number of components."""
+@dataclass(frozen=True)
+class _Array:
+    """An array of points or cells that the first piece of an image describes."""
+
+    name: str
+    of_cells: bool
+    n_components: int
+    kind: str
+
+
+def _arrays(image: ET.Element) -> tuple[list[_Array], list[str]]:
+    """The arrays of an image, and the names of those that are its scalars."""
     piece = image.find("Piece")
     points, cells = ([], []) if piece is None else (piece.findall("PointData"), piece.findall("CellData"))
     arrays = [
-        (array, part in cells)
+        _Array(array.get("Name", ""), part in cells, int(array.get("NumberOfComponents") or 1), array.get("type", ""))
         for part in (*points, *cells)
         for array in part.findall("DataArray")
         if array.get("Name") != GHOSTS
     ]
-    names = [array.get("Name", "") for array, _ in arrays]
-    named = [name for part in (*points, *cells) if (name := part.get("Scalars", "")) in names]
-    place = chosen(names, named, request)
-    array, of_cells = arrays[place]
-    return of_cells, names[place], int(array.get("NumberOfComponents") or 1)
+    return arrays, [name for part in (*points, *cells) if (name := part.get("Scalars", ""))]
+
+
+def _chosen(image: ET.Element, request: Request) -> tuple[_Array, tuple[str, ...]]:
+    """The array that is drawn, and what was guessed."""
+    arrays, scalars = _arrays(image)
+    names, sizes = [array.name for array in arrays], [array.n_components for array in arrays]
+    number, guessed = chosen(names, scalars, sizes, request)
+    return arrays[number], guessed
+
+
+def _parts(
+    stored: _Stored, image: ET.Element, array: _Array, whole: NDArray[np.int64]
+) -> Iterator[tuple[NDArray[np.int64], NDArray[Any]]]:
+    """The extents of the pieces that have an array, and its numbers there, [z, y, x, component]."""
+    for piece in image.iter("Piece"):
+        extent = _extent(piece.get("Extent", ""))
+        if (extent[:, 0] < whole[:, 0]).any() or (extent[:, 1] > whole[:, 1]).any():
+            raise ValueError("a piece beyond the extent")
+        for one in piece.findall("CellData/DataArray" if array.of_cells else "PointData/DataArray"):
+            if one.get("Name", "") == array.name:
+                shape = (*_size(extent, array.of_cells)[::-1], array.n_components)
+                yield extent, stored.samples(one, shape)
+
+
+def contents(request: Request) -> Contents:
+    """All arrays of the file."""
+    with (
+        reading("a VTK image", request.path),
+        request.file.open("rb") as file,
+        mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content,
+    ):
+        stored = _Stored.of(content, request.file)
+        image = stored.header.find("ImageData")
+        if image is None:
+            raise other_grid(stored.header.get("type", ""), request.path)
+        whole = _extent(image.get("WholeExtent", ""))
+        found = [_described(stored, image, array, whole) for array in _arrays(image)[0]]
+        corners = _world_from_index(image, whole, of_cells=False)
+        n_points = tuple(int(n) for n in _size(whole, of_cells=False))
+        return Contents(tuple(found), image_facts("ImageData", n_points, corners))
+
+
+def _described(stored: _Stored, image: ET.Element, array: _Array, whole: NDArray[np.int64]) -> FileArray:
+    parts = [part for _, part in _parts(stored, image, array, whole)] if array.kind in TYPES else []
+    return FileArray(
+        array.name,
+        str(np.dtype(TYPES[array.kind])) if array.kind in TYPES else array.kind,
+        tuple(_size(whole, array.of_cells)[::-1]),
+        array.n_components,
+        "cells" if array.of_cells else "points",
+        joined_ranges([ranges_of(part, has_components=True) for part in parts]),
+    )
 
 
 def _extent(text: str) -> NDArray[np.int64]:

@@ -3,15 +3,20 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from wavesplat._readers.request import Request, several
-from wavesplat.errors import ArgumentError, FileError
+from wavesplat._readers.components import N_COMPONENTS
+from wavesplat._readers.file_contents import GridFacts
+from wavesplat._readers.request import Request, listed, no_such_name
+from wavesplat.errors import FileError
 
-__all__ = ["chosen", "described_grid", "other_grid", "world_from_index"]
+__all__ = ["chosen", "described_grid", "image_facts", "other_grid", "world_from_index"]
 
+#: Names that a guess lists, at most.
+MOST_IN_GUESS = 8
 #: VTK's names of data that are no image -> their description.
 GRIDS = {
     "RECTILINEARGRID": "a rectilinear grid, whose samples may be unevenly spaced",
@@ -27,23 +32,30 @@ GRIDS = {
 }
 
 
-def chosen(names: Sequence[str], scalars: Sequence[str], request: Request) -> int:
-    """The number of the array that is asked for, else of the first of the scalars, else of the only one."""
+def chosen(
+    names: Sequence[str], scalars: Sequence[str], n_components: Sequence[int], request: Request
+) -> tuple[int, tuple[str, ...]]:
+    """The number of the array that is asked for, else of the active scalars, else of the first; and what was guessed.
+
+    n_components : of each array. One of scalars or vectors is drawn without a further choice, so it comes first.
+    """
     if not names:
         raise FileError(
             f"the file holds a grid without an array of numbers, so there is nothing to draw; write it with values: "
             f"{request.path}"
         )
-    listed = ", ".join(names)
     if request.dataset is not None:
         if request.dataset not in names:
-            raise ArgumentError(f"no array {request.dataset!r}; the file holds {listed}: {request.path}")
-        return list(names).index(request.dataset)
-    named = [name for name in scalars if name in names]
-    if named or len(names) == 1:
-        return list(names).index(named[0]) if named else 0
-    message = f"the file holds {len(names)} arrays ({listed}); choose one with dataset= (--dataset): {request.path}"
-    raise several(message, "dataset", names)
+            raise no_such_name("array", request.dataset, names, request)
+        return list(names).index(request.dataset), ()
+    active = [name for name in scalars if name in names]
+    drawn = [name for name, n in zip(names, n_components, strict=True) if n in (1, N_COMPONENTS)]
+    number = list(names).index((active or drawn or list(names))[0])
+    if len(names) == 1:
+        return number, ()
+    which = "the active one" if active and number else "one" if number else "the first"
+    told = f"shown: {names[number]}, {which} of {len(names)} arrays ({listed(names, MOST_IN_GUESS)})"
+    return number, (f"{told}; dataset=NAME (--dataset NAME) chooses another",)
 
 
 def world_from_index(
@@ -55,6 +67,17 @@ def world_from_index(
     begin = np.asarray(first, np.float64) + (0.5 if of_cells else 0.0)
     matrix[:3, 3] = np.asarray(origin, np.float64) + matrix[:3, :3] @ begin
     return matrix
+
+
+def image_facts(kind: str, n_points: Sequence[int], world_from_index: NDArray[np.float64]) -> GridFacts:
+    """Facts of an image of evenly spaced points along x, y, z; its affine is that of points."""
+    n_cells = int(np.prod([max(n - 1, 1) for n in n_points]))
+    ends = [(0, n - 1) for n in n_points]
+    corners = np.array([[*corner, 1] for corner in product(*ends)]) @ world_from_index.T
+    low, high = corners[:, :3].min(axis=0), corners[:, :3].max(axis=0)
+    size = " x ".join(map(str, n_points))
+    bounds = tuple(low.tolist()), tuple(high.tolist())
+    return GridFacts(f"an image of {size} evenly spaced points ({kind})", int(np.prod(n_points)), n_cells, bounds)
 
 
 def other_grid(kind: str, path: object) -> FileError:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from threading import Lock
 from typing import Any
@@ -27,6 +27,7 @@ from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
 from wavesplat._model.placement import UPRIGHT
 from wavesplat._readers.components import component_of, is_length, length_of, quantity_of_array
+from wavesplat._readers.file_contents import Contents, FileArray, joined_ranges, ranges_of
 from wavesplat._readers.request import Grid, Request
 from wavesplat._readers.vti import parsed
 from wavesplat._readers.vtk_amr import Box, boxes_of, on_one_grid, sizes_of
@@ -36,6 +37,7 @@ from wavesplat._readers.vtk_checks import check_grid
 from wavesplat._readers.vtk_legacy import check_whole
 from wavesplat._readers.vtk_sampling import (
     check_depth,
+    facts_of_grid,
     n_points,
     sampled_on_image,
     set_only_array,
@@ -44,7 +46,7 @@ from wavesplat._readers.vtk_sampling import (
 )
 from wavesplat.errors import FileError
 
-__all__ = ["SUFFIXES", "check_promises", "is_grid", "loaded", "read"]
+__all__ = ["SUFFIXES", "check_promises", "contents", "is_grid", "loaded", "read"]
 
 SUFFIXES = (".vtr", ".vts", ".vtu", ".vtp", ".pvti", ".pvtr", ".pvts", ".pvtu", ".pvtp", ".vtm", ".vtmb", ".vthb")
 EXTRA = "vtk"
@@ -74,17 +76,10 @@ def read(request: Request) -> Grid:
     with reading("a VTK grid", request.path):
         if (kind := _kind(request.file)) in ("PolyData", "PPolyData"):
             raise other_grid(kind, request.path)
-        library("vtkmodules", extra=EXTRA)
-        _check_file(request.file, request, MAX_DEPTH)
-        data = loaded(request.file)
-        blocks = [block for block in _blocks(data) if block.GetNumberOfPoints() > 0]
-        if not blocks:
-            raise FileError(f"the grid has no points; write one that has: {request.path}")
-        for block in blocks:
-            check_grid(block)
-        array = _chosen(blocks, request)
+        data, blocks = _checked_blocks(request)
+        array, guessed = _chosen(blocks, request)
         if len(blocks) == 1 and (matrix := uniform_place(blocks[0], of_cells=array.of_cells)) is not None:
-            return _as_it_is(blocks[0], array, matrix, request)
+            return _with_guesses(_as_it_is(blocks[0], array, matrix, request), guessed)
         check_depth(blocks, request)
         boxes = boxes_of(data) if array.of_cells else None
         if request.resample is None and boxes:
@@ -96,12 +91,46 @@ def read(request: Request) -> Grid:
                 f"samples along its longest side, by resample=N (--resample N): {request.path}"
             )
         if boxes:
-            return _of_level(data, boxes, array, request)
-        return _resampled(data, blocks, array, request)
+            return _with_guesses(_of_level(data, boxes, array, request), guessed)
+        return _with_guesses(_resampled(data, blocks, array, request), guessed)
 
 
-def is_grid(path: Path) -> bool:
-    """Whether a legacy or XML file of VTK holds another grid than one image, or an image packed as VTK alone does."""
+def _checked_blocks(request: Request) -> tuple[Any, list[Any]]:
+    """The data object in a file, and the grids that it is made of, all checked."""
+    library("vtkmodules", extra=EXTRA)
+    _check_file(request.file, request, MAX_DEPTH)
+    data = loaded(request.file)
+    blocks = [block for block in _blocks(data) if block.GetNumberOfPoints() > 0]
+    if not blocks:
+        raise FileError(f"the grid has no points; write one that has: {request.path}")
+    for block in blocks:
+        check_grid(block)
+    return data, blocks
+
+
+def contents(request: Request) -> Contents:
+    """All arrays of the file, and its grid."""
+    with reading("a VTK grid", request.path):
+        data, blocks = _checked_blocks(request)
+        arrays = tuple(_described(name, array, blocks) for name, array in _arrays_of(blocks).items())
+        return Contents(arrays, facts_of_grid(data, blocks))
+
+
+def _described(name: str, array: _Array, blocks: list[Any]) -> FileArray:
+    found = [numbers for block in blocks if (numbers := array.numbers_of(block)) is not None]
+    n = sum(len(numbers) for numbers in found)
+    same_width = {numbers.shape[1] for numbers in found}
+    ranges = [ranges_of(numbers, has_components=True) for numbers in found if len(numbers)]
+    place: Any = "cells" if array.of_cells else "points"
+    dtype = str(np.result_type(*found))
+    return FileArray(name, dtype, (n,), max(same_width), place, joined_ranges(ranges) if len(same_width) == 1 else ())
+
+
+def is_grid(path: Path, *, or_mesh: bool = False) -> bool:
+    """Whether a legacy or XML file of VTK holds another grid than one image, or an image packed as VTK alone does.
+
+    or_mesh : or a mesh of surfaces or lines in a legacy file, which holds no samples.
+    """
     with path.open("rb") as file:
         head = file.read(HEAD_BYTES)
     if head.lstrip().startswith(b"<"):
@@ -109,7 +138,8 @@ def is_grid(path: Path) -> bool:
         is_other = kind is not None and kind != "ImageData" and f".{_SUFFIX_OF.get(kind, '')}" in SUFFIXES
         return is_other or (kind == "ImageData" and LZ4.search(head) is not None)
     found = DATASET.search(head)
-    return found is not None and found[1].upper() in (b"RECTILINEAR_GRID", b"STRUCTURED_GRID", b"UNSTRUCTURED_GRID")
+    grids = [b"RECTILINEAR_GRID", b"STRUCTURED_GRID", b"UNSTRUCTURED_GRID", *([b"POLYDATA"] if or_mesh else [])]
+    return found is not None and found[1].upper() in grids
 
 
 _SUFFIX_OF = {
@@ -292,22 +322,37 @@ class _Array:
         return numbers.reshape(len(numbers), -1)
 
 
-def _chosen(blocks: list[Any], request: Request) -> _Array:
-    """The array that is asked for, else the active scalars of the only block, else the only array."""
+def _arrays_of(blocks: list[Any]) -> dict[str, _Array]:
+    """The arrays of grids by the names that choose them."""
     found: list[_Array] = []
-    scalars: list[str] = []
     for block in blocks:
         for part, of_cells in ((block.GetPointData(), False), (block.GetCellData(), True)):
             for number in range(part.GetNumberOfArrays()):
                 array = part.GetArray(number)
                 if array is not None and array.GetName() not in (None, GHOSTS):
                     found.append(_Array(str(array.GetName()), of_cells))
-            if len(blocks) == 1 and (active := part.GetScalars()) is not None:
-                scalars.append(str(active.GetName()))
     arrays = list(dict.fromkeys(found))
     of_points = {array.name for array in arrays if not array.of_cells}
-    names = [f"{array.name} of cells" if array.of_cells and array.name in of_points else array.name for array in arrays]
-    return arrays[chosen(names, scalars, request)]
+    return {
+        f"{array.name} of cells" if array.of_cells and array.name in of_points else array.name: array
+        for array in arrays
+    }
+
+
+def _chosen(blocks: list[Any], request: Request) -> tuple[_Array, tuple[str, ...]]:
+    """The array that is asked for, else the active scalars of the only block, else the first; and what was guessed."""
+    arrays = _arrays_of(blocks)
+    parts = [blocks[0].GetPointData(), blocks[0].GetCellData()] if len(blocks) == 1 else []
+    active = [str(scalars.GetName()) for part in parts if (scalars := part.GetScalars()) is not None]
+    sizes = [
+        next(n.shape[1] for block in blocks if (n := one.numbers_of(block)) is not None) for one in arrays.values()
+    ]
+    number, guessed = chosen(list(arrays), active, sizes, request)
+    return list(arrays.values())[number], guessed
+
+
+def _with_guesses(grid: Grid, guesses: tuple[str, ...]) -> Grid:
+    return grid._replace(facts=replace(grid.facts, guesses=(*guesses, *grid.facts.guesses)))
 
 
 def _as_it_is(grid: Any, array: _Array, matrix: NDArray[np.float64], request: Request) -> Grid:
@@ -399,7 +444,7 @@ def _resampled(data: Any, blocks: list[Any], array: _Array, request: Request) ->
         sampled_data = _together([block for block, _ in having])
         told += (f"blocks without {array.name!r}, which are left out: {len(blocks) - len(having)} of {len(blocks)}",)
     samples, matrix, sampled = sampled_on_image(sampled_data, [block for block, _ in having], request)
-    samples = length_of(np.moveaxis(samples, -1, 0)) if are_lengths else samples[..., 0]
+    samples = length_of([*np.moveaxis(samples, -1, 0)]) if are_lengths else samples[..., 0]
     what = f"{described_grid(data.GetClassName())}, {sampled}"
     of_cells = (f"{array.name!r} is of cells, and constant in each",) if array.of_cells else ()
     return Grid(samples, matrix, Facts(quantity=quantity, conventions=(UPRIGHT,), guesses=(what, *of_cells, *told)))

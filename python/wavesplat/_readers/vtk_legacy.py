@@ -22,11 +22,12 @@ from wavesplat._files import size_checks
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
 from wavesplat._readers.components import component_of, number_of_component, quantity_of_array
+from wavesplat._readers.file_contents import Contents, FileArray, ranges_of
 from wavesplat._readers.request import Grid, Request
-from wavesplat._readers.vtk_arrays import chosen, other_grid, world_from_index
+from wavesplat._readers.vtk_arrays import chosen, image_facts, other_grid, world_from_index
 from wavesplat.errors import FileError
 
-__all__ = ["LegacyArray", "check_whole", "chosen_array", "read"]
+__all__ = ["LegacyArray", "check_whole", "chosen_array", "contents", "read"]
 
 #: The format's names of a type -> NumPy's. Bits are eight to a byte. Identifiers are written as 32-bit integers.
 TYPES = {
@@ -104,23 +105,58 @@ def read(request: Request) -> Grid:
         mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content,
     ):
         image = _Parser(content, path).image()
-        array, matrix = _picked(image, request)
+        array, matrix, guessed = _picked(image, request)
         shape = (*image.size_of(array)[::-1], array.n_components)
         numbers = _numbers(content, array, path)
         # Not a view: the file is closed.
         samples, told = component_of(numbers.reshape(shape), request, array.name)
         quantity = quantity_of_array(array.name, array.n_components, array.dtype, request)
-        return Grid(np.array(samples), matrix, Facts(quantity=quantity, guesses=told))
+        return Grid(np.array(samples), matrix, Facts(quantity=quantity, guesses=guessed + told))
 
 
-def chosen_array(request: Request) -> tuple[LegacyArray, int, tuple[int, ...], NDArray[np.float64]]:
-    """The array that is asked for, which of its components, its shape (z, y, x, component), and world from index."""
+def contents(request: Request) -> Contents:
+    """All arrays of the file."""
+    path = request.file
+    with (
+        reading("a VTK image", path),
+        path.open("rb") as file,
+        mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content,
+    ):
+        image = _Parser(content, path).image()
+        corners = world_from_index(np.eye(3), image.spacing, image.origin, image.first, of_cells=False)
+        found = [
+            FileArray(
+                array.name,
+                str(array.dtype.newbyteorder("=")),
+                image.size_of(array)[::-1],
+                array.n_components,
+                "cells" if array.of_cells else "points",
+                ranges_of(_numbers(content, array, path).reshape(-1, array.n_components), has_components=True),
+            )
+            for array in image.arrays
+        ]
+        return Contents(tuple(found), image_facts("STRUCTURED_POINTS", image.size.tolist(), corners))
+
+
+@dataclass(frozen=True)
+class ChosenArray:
+    """An array that is asked for, which of its components, its shape (z, y, x, component), its place, and guesses."""
+
+    stored: LegacyArray
+    channel: int
+    shape: tuple[int, ...]
+    world_from_index: NDArray[np.float64]
+    guesses: tuple[str, ...]
+
+
+def chosen_array(request: Request) -> ChosenArray:
+    """The array that is asked for, for samples that are read in parts."""
     path = request.file
     with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
         image = _Parser(content, path).image()
-    array, matrix = _picked(image, request)
+    array, matrix, guessed = _picked(image, request)
     channel = number_of_component(array.n_components, array.dtype, request, array.name)
-    return array, channel, (*image.size_of(array)[::-1], array.n_components), matrix
+    return ChosenArray(array, channel, (*image.size_of(array)[::-1], array.n_components), matrix, guessed)
 
 
 def check_whole(path: Path) -> None:
@@ -129,9 +165,10 @@ def check_whole(path: Path) -> None:
         _Parser(content, path).pass_over()
 
 
-def _picked(image: _Image, request: Request) -> tuple[LegacyArray, NDArray[np.float64]]:
-    names = [array.name for array in image.arrays]
-    array = image.arrays[chosen(names, [one.name for one in image.arrays if one.is_scalars], request)]
+def _picked(image: _Image, request: Request) -> tuple[LegacyArray, NDArray[np.float64], tuple[str, ...]]:
+    names, sizes = [array.name for array in image.arrays], [array.n_components for array in image.arrays]
+    number, guessed = chosen(names, [one.name for one in image.arrays if one.is_scalars], sizes, request)
+    array = image.arrays[number]
     nx, ny, nz = image.size_of(array)
     if array.n_tuples != nx * ny * nz:
         raise FileError(
@@ -139,7 +176,7 @@ def _picked(image: _Image, request: Request) -> tuple[LegacyArray, NDArray[np.fl
             f"write it again: {request.path}"
         )
     matrix = world_from_index(np.eye(3), image.spacing, image.origin, image.first, of_cells=array.of_cells)
-    return array, matrix
+    return array, matrix, guessed
 
 
 def _numbers(content: mmap.mmap, array: LegacyArray, path: Path) -> NDArray[Any]:

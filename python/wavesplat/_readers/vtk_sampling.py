@@ -9,14 +9,16 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files import size_checks
+from wavesplat._readers.file_contents import GridFacts
 from wavesplat._readers.request import Request
-from wavesplat._readers.vtk_arrays import world_from_index
+from wavesplat._readers.vtk_arrays import described_grid, world_from_index
 from wavesplat._readers.vtk_blanking import GHOSTS
 from wavesplat._readers.vtk_checks import fills_space
 from wavesplat.errors import FileError
 
 __all__ = [
     "check_depth",
+    "facts_of_grid",
     "n_points",
     "sampled_on_image",
     "set_only_array",
@@ -28,6 +30,8 @@ __all__ = [
 TOLERANCE = 1e-4
 #: The array in which VTK says whether a sample lies in the grid.
 VALID = "vtkValidPointMask"
+#: Largest number of cells whose widths are measured to tell what a file holds.
+MOST_MEASURED = 2_000_000
 #: The array that is sampled.
 SAMPLED = "wavesplat"
 
@@ -113,6 +117,22 @@ def check_depth(blocks: list[Any], request: Request) -> None:
             "the cells are surfaces or lines (such as triangles), which have no samples inside; name the volume that "
             f"they were made from: {request.path}"
         )
+
+
+def facts_of_grid(data: Any, blocks: list[Any]) -> GridFacts:
+    """Points, cells and bounds of the grids that a data object is made of."""
+    bounds = np.array([block.GetBounds() for block in blocks]).reshape(-1, 3, 2)
+    low, high = bounds[..., 0].min(axis=0), bounds[..., 1].max(axis=0)
+    n_cells = sum(block.GetNumberOfCells() for block in blocks)
+    widths = _cell_sizes(blocks) if n_cells <= MOST_MEASURED else (0.0, 0.0)
+    return GridFacts(
+        described_grid(data.GetClassName()),
+        sum(block.GetNumberOfPoints() for block in blocks),
+        n_cells,
+        (tuple(low.tolist()), tuple(high.tolist())),
+        len(blocks),
+        widths if widths[1] > 0 else None,
+    )
 
 
 def _sides(blocks: list[Any]) -> NDArray[np.float64]:

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._looks import histogram, label_names
+from wavesplat._looks.channel_colors import color_of
 from wavesplat._looks.channels import LUMINANCE, channel_window, lightened, ramp, window_of_values
 from wavesplat._looks.colormaps import colors_of
 from wavesplat._looks.field_curves import Curves, of_field, of_signed_field
@@ -339,8 +340,7 @@ def _fluorescence(volume: Volume | WaveletVolume, _known: Evidence, wanted: Rgb 
     low, high, _ = channel_window(volume)
     # Windows of files often begin below the background, which in space is fog.
     background, _ = window_of_values(without_padding(histogram.subsampled(volume)))
-    channel = volume.facts.channel
-    color = lightened(wanted or (channel.color if channel is not None and channel.color is not None else GREEN))
+    color = lightened(wanted or color_of(volume.facts.channel, volume.facts.channels) or GREEN)
     luminance = sum(share * weight for share, weight in zip(color, LUMINANCE, strict=True))
     red, green, blue = (min(1.0, MAX_LUMINANCE / luminance) * share for share in color)
     return ramp((red, green, blue), low, high, opaque_after(volume), clear=background, white=0.5), None

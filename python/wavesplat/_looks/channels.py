@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._looks import colors
+from wavesplat._looks.channel_colors import CHANNEL_COLORS, Rgb, color_of
 from wavesplat._looks.histogram import subsampled, without_padding
 from wavesplat._looks.look import Look
 from wavesplat._looks.transfer_function import TransferFunction
@@ -43,19 +44,6 @@ __all__ = [
     "window_of_values",
 ]
 
-Rgb = tuple[float, float, float]
-
-#: Conventional colours of channels whose file has none: green, magenta, cyan, yellow, red, blue, white, orange.
-CHANNEL_COLORS: tuple[Rgb, ...] = (
-    (0.0, 1.0, 0.0),
-    (1.0, 0.0, 1.0),
-    (0.0, 1.0, 1.0),
-    (1.0, 1.0, 0.0),
-    (1.0, 0.0, 0.0),
-    (0.0, 0.0, 1.0),
-    (1.0, 1.0, 1.0),
-    (1.0, 0.65, 0.0),
-)
 #: Upper ends of windows that span the values of a type, or of a camera: writers put them where they know no window.
 WHOLE_RANGES = {float(2**n - 1) for n in (8, 10, 11, 12, 13, 14, 15, 16, 32)}
 #: Least luminance (Rec. 709) of a colour at the end of the window; a pure blue has 0.07 and is lost on black.
@@ -78,10 +66,9 @@ def channel_look(
     composite: Composite = "over",
 ) -> Look:
     """See `Look.channel`."""
-    channel = volume.facts.channel
     if color is None:
-        rgb = (channel.color if channel is not None else None) or CHANNEL_COLORS[0]
-        said = "its colour" if channel is not None and channel.color is not None else "green"
+        own = color_of(volume.facts.channel, volume.facts.channels)
+        rgb, said = own or CHANNEL_COLORS[0], "green" if own is None else "its colour"
     else:
         rgb, said = _rgb(color), "its colour"
     if window is not None:

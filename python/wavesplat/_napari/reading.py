@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files.libraries import library
+from wavesplat._looks.channel_colors import color_of
 from wavesplat._looks.channels import is_full_range_window
 from wavesplat._looks.histogram import finite_samples
 from wavesplat._looks.kinds import kind_of
@@ -90,7 +91,8 @@ def _layer(series: Series, number: int | None) -> LayerData:
         return _samples(series, np.result_type(first.dtype, np.int32)), told, "labels"
     told["contrast_limits"] = _window(first)
     if channel is not None:
-        told["colormap"] = "gray" if channel.color is None else _hex(channel.color)
+        color = color_of(channel, first.facts.channels)
+        told["colormap"] = "gray" if color is None else _hex(color)
         told["visible"] = channel.is_active
     if number is not None:
         told["blending"] = "additive"

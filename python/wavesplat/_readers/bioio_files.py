@@ -28,6 +28,7 @@ from wavesplat._files.reading import reading
 from wavesplat._model import units
 from wavesplat._model.facts import Channel, Facts
 from wavesplat._model.lazy_array import SlicedArray
+from wavesplat._readers.czi_channels import CziChannel, czi_channels
 from wavesplat._readers.request import COLORS, Grid, Request, choose, quiet, several
 from wavesplat._readers.tiff_facts import guesses_of_steps
 from wavesplat.errors import ArgumentError, FileError
@@ -58,6 +59,8 @@ SUFFIXES = {
 }
 #: Beginnings of the names that bioio gives to channels without one.
 MADE_UP = ("Channel:",)
+#: White, which OME's metadata say where a reader knows no colour.
+OME_DEFAULT = (1.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -221,18 +224,24 @@ def _channels(image: Any, count: int) -> tuple[Channel, ...]:
         described = list(image.ome_metadata.images[image.current_scene_index].pixels.channels)
     if len(names) != count or len(described) != count:
         names, described = [""] * count, [None] * count
-    made = tuple(_channel(name, one) for name, one in zip(names, described, strict=True))
+    of_czi = [CziChannel()] * count
+    with suppress(Exception):  # the metadata of each reader are objects of their own
+        of_czi = czi_channels(image.metadata, count)
+    made = tuple(_channel(name, one, own) for name, one, own in zip(names, described, of_czi, strict=True))
     return made if count > 1 or made != (Channel(),) else ()
 
 
-def _channel(name: str, described: Any) -> Channel:
-    color = wavelength = None
-    with suppress(Exception):
-        color = tuple(part / 255 for part in described.color.as_rgb_tuple(alpha=False))
-    with suppress(Exception):
-        size = units.metres(units.canonical(described.emission_wavelength_unit.value))
-        wavelength = _positive(float(f"{described.emission_wavelength * (size or 0) / 1e-9:.9g}"))
-    return Channel(name, color, wavelength)
+def _channel(name: str, described: Any, of_czi: CziChannel) -> Channel:
+    color, wavelength = of_czi.color, _positive(of_czi.emission_nm)
+    if color is None:
+        with suppress(Exception):
+            told = tuple(part / 255 for part in described.color.as_rgb_tuple(alpha=False))
+            color = None if told == OME_DEFAULT else told
+    if wavelength is None:
+        with suppress(Exception):
+            size = units.metres(units.canonical(described.emission_wavelength_unit.value))
+            wavelength = _positive(described.emission_wavelength * (size or 0) / 1e-9)
+    return Channel(name, color, None if wavelength is None else float(f"{wavelength:.9g}"))
 
 
 def _time_step(image: Any) -> tuple[float | None, str | None]:

@@ -16,6 +16,7 @@ from wavesplat import _native
 from wavesplat._geometry.slice_plane import CUTS
 from wavesplat._looks.automatic import automatic, tinted
 from wavesplat._looks.brain import brain_of
+from wavesplat._looks.channel_colors import color_of
 from wavesplat._looks.default_colors import label_color
 from wavesplat._looks.kinds import kind_of
 from wavesplat._looks.labels import Label, Labels
@@ -412,8 +413,7 @@ def _colored(volume: Volume | WaveletVolume, look: Look, composite: Composite, c
 
 
 def _free_color(volume: Volume | WaveletVolume, taken: Sequence[Rgb]) -> Rgb:
-    channel = volume.facts.channel
-    own = channel.color if channel is not None else None
+    own = color_of(volume.facts.channel, volume.facts.channels)
     for color in (*([own] if own is not None else []), *CHANNEL_COLORS):
         if all(max(abs(a - b) for a, b in zip(color, other, strict=True)) >= SAME_COLOR for other in taken):
             return color

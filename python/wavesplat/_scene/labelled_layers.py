@@ -1,7 +1,7 @@
 """Layers of an array whose axes have names, as xarray's: one for each place along the axis of channels.
 
 A layer is a volume or, where there is an axis of times, a series whose volumes are made when they are asked for. Its
-look is that of a channel of a file without colours and windows.
+look is that of a channel of a file without colours and windows: of dyes that are named, in their usual colours.
 """
 
 from __future__ import annotations
@@ -10,8 +10,9 @@ from typing import Any
 
 import numpy as np
 
-from wavesplat._looks.channels import CHANNEL_COLORS
+from wavesplat._looks.channel_colors import CHANNEL_COLORS, distinct_colors, usual_color
 from wavesplat._looks.look import Look
+from wavesplat._model.facts import Channel
 from wavesplat._model.labelled_array import channel_and_time_axes, is_labelled
 from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
@@ -67,15 +68,19 @@ def labelled_layers(what: Any, *, has_looks: bool) -> list[Layer]:
             f"the array has {what.sizes[channels]} channels along {channels!r}, a scene at most {n}; "
             f"choose some, as with array.isel({channels}=range({n}))"
         )
-    made = []
-    for number in range(what.sizes[channels]):
-        one = what.isel({channels: number})
-        layer = Layer(Volume(one) if times is None else _series(one, times))
-        channel = layer.drawn.facts.channel
-        name = channel.name if channel is not None and channel.name else f"channel {number}"
-        look = None if has_looks else Look.channel(layer.looked_at, CHANNEL_COLORS[number])
-        made.append(Layer(layer.volume, look, name=name))
-    return made
+    places = range(what.sizes[channels])
+    ones = [what.isel({channels: number}) for number in places]
+    made = [Layer(Volume(one) if times is None else _series(one, times)) for one in ones]
+    known = [layer.drawn.facts.channel or Channel() for layer in made]
+    colors = distinct_colors([None] * len(made), [usual_color(channel) for channel in known])
+    return [
+        Layer(
+            layer.volume,
+            None if has_looks else Look.channel(layer.looked_at, color),
+            name=channel.name or f"channel {number}",
+        )
+        for number, layer, channel, color in zip(places, made, known, colors, strict=True)
+    ]
 
 
 def _series(array: Any, axis: Any) -> Series:

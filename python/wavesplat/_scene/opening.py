@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from wavesplat._files.addresses import safe_address
 from wavesplat._files.notes import warn
-from wavesplat._looks.channels import CHANNEL_COLORS, Rgb
+from wavesplat._looks.channel_colors import color_of, distinct_colors
+from wavesplat._looks.channels import Rgb
 from wavesplat._looks.colors import parse
 from wavesplat._looks.look import Look
 from wavesplat._looks.over_time import brightest
@@ -32,10 +33,6 @@ if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 __all__ = ["open_scene"]
-
-#: Colours that differ by less in every part count as the same.
-SAME_COLOR = 0.1
-WHITE = (1.0, 1.0, 1.0)
 
 
 @dataclass(frozen=True)
@@ -116,10 +113,9 @@ def open_scene(
         raise ArgumentError(f"a scene has 1 to {MAX_LAYERS} channels, not {len(wanted)}")
     if len(wanted) == 1 and wanted[0].color is None and wanted[0].window is None:
         return Scene(_layer(source, wanted[0], None))
-    looks, taken = list[Look](), list[Rgb]()
-    for one in wanted:
-        color = _color(one, source.color(one.number), taken)
-        taken.append(color)
+    colors = distinct_colors([one.color for one in wanted], [source.color(one.number) for one in wanted])
+    looks = []
+    for one, color in zip(wanted, colors, strict=True):
         window = _window_of_colors(source, one) if one.window is None else one.window
         looks.append(Look.channel(source.volume_of(one.number), color, window, composite))
     return Scene([_layer(source, one, look) for one, look in zip(wanted, looks, strict=True)])
@@ -162,16 +158,8 @@ class _Source:
         return facts.channels[number] if number < len(facts.channels) else Channel()
 
     def color(self, number: int) -> Rgb | None:
-        """The file's colour of a channel; None where all of several are white, which is written where there was none.
-
-        A white beside other colours was chosen. A second one changes, as any colour that another channel has.
-        """
-        own = self.facts(number).color
-        if own is None or not _is_same(own, WHITE):
-            return own
-        others = [self.facts(other).color for other in range(self.n) if other != number]
-        given = [color for color in others if color is not None]
-        return None if given and all(_is_same(color, WHITE) for color in given) else own
+        """The file's colour of a channel, else that of its light; None where neither is known."""
+        return color_of(self.facts(number), [self.facts(one) for one in range(self.n)])
 
     def name(self, number: int) -> str:
         if number < len(self._names):
@@ -225,15 +213,6 @@ def _number(which: Any, source: _Source) -> int:
     return number
 
 
-def _color(wanted: _Wanted, of_file: Rgb | None, taken: Sequence[Rgb]) -> Rgb:
-    """The colour of a channel: as wanted, else the file's, unless another has it, else the next of the convention."""
-    if wanted.color is not None:
-        return wanted.color
-    own = [] if of_file is None else [of_file]
-    free = [color for color in (*own, *CHANNEL_COLORS) if not any(_is_same(color, other) for other in taken)]
-    return free[0]
-
-
 def _window_of_colors(source: _Source, wanted: _Wanted) -> tuple[float, float] | None:
     """One window for the red, green and blue of coloured samples, so that hues stay; None for other channels."""
     colored = [number for number in range(source.n) if source.facts(number) in COLORS[:3]]
@@ -241,10 +220,6 @@ def _window_of_colors(source: _Source, wanted: _Wanted) -> tuple[float, float] |
         return None
     highest = max(source.volume_of(number).value_range[1] for number in colored)
     return (0.0, float(highest)) if highest > 0 else None
-
-
-def _is_same(color: Rgb, other: Rgb) -> bool:
-    return all(abs(a - b) < SAME_COLOR for a, b in zip(color, other, strict=True))
 
 
 def _layer(source: _Source, wanted: _Wanted, look: Look | None) -> Layer:

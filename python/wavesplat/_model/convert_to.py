@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files.libraries import library
-from wavesplat._model import affine, itk_image, labelled_array, nibabel_image, units, vtk_image
+from wavesplat._model import affine, itk_image, labelled_array, nibabel_image, placement, units, vtk_image
 from wavesplat._model.grid import Grid
 
 if TYPE_CHECKING:
@@ -45,8 +45,11 @@ def to_xarray(grid: Grid, samples: NDArray[Any]) -> xarray.DataArray:
         attributes[labelled_array.AFFINE] = rows.ravel().tolist()
     coordinates = {}
     said = {} if grid.unit is None else {"units": grid.unit}
+    is_map = placement.UPRIGHT in grid.facts.conventions
     for name, first, step, n in zip("xyz", firsts, steps, reversed(grid.shape), strict=True):
-        coordinates[name] = (name, first + step * np.arange(n), said)
+        # As the conventions for climate and forecasts say that z is up.
+        more = {"axis": name.upper(), **({"positive": "up"} if name == "z" else {})} if is_map else {}
+        coordinates[name] = (name, first + step * np.arange(n), said | more)
     made: xarray.DataArray = library("xarray", extra="xarray").DataArray(
         samples, dims=("z", "y", "x"), coords=coordinates, name=grid.facts.quantity or grid.name, attrs=attributes
     )

@@ -27,6 +27,8 @@ class Converted:
     world_from_index: NDArray[np.float64] | None = None
     facts: Facts = NOTHING_SAID
     name: str | None = None
+    #: Signs of the axes x, y, z where the caller gives their distances: -1 of one that falls, or grows downwards.
+    directions: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
 
 def whole(array: Any) -> NDArray[Any]:

@@ -116,6 +116,8 @@ class LazyConverted:
     world_from_index: list[NDArray[np.float64]] | None = None
     facts: Facts = field(default_factory=Facts)
     name: str | None = None
+    #: Signs of the axes x, y, z, where the caller gives their distances (see `Converted`).
+    directions: tuple[float, float, float] = (1.0, 1.0, 1.0)
 
 
 class SlicedArray:
@@ -365,18 +367,22 @@ def _is_in_worker() -> bool:
     return True
 
 
-def lazy_array(thing: Any, *, argument: str = "samples") -> LazyConverted:
-    """The lazy array of another library's object, or one for each of a list of levels, the finest first."""
+def lazy_array(thing: Any, *, argument: str = "samples", has_place: bool = False) -> LazyConverted:
+    """The lazy array of another library's object, or one for each of a list of levels, the finest first.
+
+    has_place : the caller gives the distances of samples, so that they may be uneven.
+    """
     if isinstance(thing, list | tuple) and thing:
-        found = [lazy_array(level, argument=argument) for level in thing]
+        found = [lazy_array(level, argument=argument, has_place=has_place) for level in thing]
         places = [one.world_from_index for one in found]
         levels = [level for one in found for level in one.levels]
         known = [place[0] for place in places if place is not None]
-        return LazyConverted(levels, known if len(known) == len(levels) else None, found[0].facts, found[0].name)
+        own = known if len(known) == len(levels) else None
+        return LazyConverted(levels, own, found[0].facts, found[0].name, found[0].directions)
     if hasattr(thing, "read") and hasattr(thing, "read_many") and hasattr(thing, "token"):
         return LazyConverted([thing], name=thing.name)
     if is_labelled(thing):
-        return _of_labelled(thing)
+        return _of_labelled(thing, has_place=has_place)
     libraries = {base.__module__.partition(".")[0] for base in type(thing).__mro__}
     if "h5py" in libraries and hasattr(thing, "shape"):
         return _of_hdf5(thing)
@@ -490,8 +496,8 @@ class _Labelled:
         return np.asarray(self._array[index])
 
 
-def _of_labelled(array: Any) -> LazyConverted:
-    found = in_order(array, has_place=False)
+def _of_labelled(array: Any, *, has_place: bool) -> LazyConverted:
+    found = in_order(array, has_place=has_place)
     ordered = found.samples
     own = getattr(ordered, "data", None) if getattr(ordered, "chunks", None) else None
     inner = lazy_array(_Labelled(ordered) if own is None else own)
@@ -499,4 +505,4 @@ def _of_labelled(array: Any) -> LazyConverted:
     if isinstance(level, SlicedArray):
         level.name = found.name or level.name
     places = None if found.world_from_index is None else [found.world_from_index]
-    return replace(inner, world_from_index=places, facts=found.facts, name=found.name)
+    return replace(inner, world_from_index=places, facts=found.facts, name=found.name, directions=found.directions)

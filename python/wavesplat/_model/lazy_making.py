@@ -36,14 +36,16 @@ def lazy_volume(
     """See `Volume.lazy`."""
     if isinstance(samples, LazyVolume):
         raise ArgumentError("this is a lazy volume already; change it with with_memory or at_level")
-    found = lazy_array(samples)
     (spacing, matrix), (unit, anatomical, given_name, given_facts) = place, said
+    found = lazy_array(samples, has_place=spacing is not None or matrix is not None)
     name = printable((found.name or "volume") if given_name is None else text_of(given_name, "name of the volume"))
     own = found.world_from_index
     if spacing is None and matrix is None and own:
         matrices, known = [_checked_affine(None, one, name) for one in own], found.facts
     else:
         first = _checked_affine(spacing, matrix, name)
+        if spacing is not None:
+            first = first @ np.diag([*found.directions, 1.0])
         known = (
             found.facts if spacing is None and matrix is None else replace(found.facts, unit=None, is_anatomical=False)
         )

@@ -220,6 +220,8 @@ class Volume(Grid):
         else:  # the object's unit and anatomy belong to its own place
             known = replace(found.facts, unit=None, is_anatomical=False)
         matrix = _checked_affine(spacing, world_from_index, name)
+        if spacing is not None:
+            matrix = matrix @ np.diag([*found.directions, 1.0])
         given = known if facts is None else _with_guesses(facts, known.guesses, name)
         super().__init__(name, (n_z, n_y, n_x), matrix, _checked_facts(given, unit, anatomical, name))
         self._source = None

@@ -27,19 +27,10 @@ from wavesplat._model.facts import Facts, quantity_of
 from wavesplat._model.hdf5_files import check_links, held_hdf5, read_hdf5
 from wavesplat._model.labelled_array import in_order
 from wavesplat._model.lazy_array import SlicedArray
-from wavesplat._model.placement import UPRIGHT
+from wavesplat._model.map_axes import role_of, spatial_axes
 from wavesplat._readers import single_planes
 from wavesplat._readers.file_contents import Contents, FileArray, are_small, ranges_of
-from wavesplat._readers.netcdf_axes import (
-    evenly,
-    is_downwards,
-    places_told,
-    role_of,
-    spatial_axes,
-    times_of,
-    with_true_unit,
-    without_unit,
-)
+from wavesplat._readers.netcdf_axes import evenly, places_told, times_of
 from wavesplat._readers.request import Grid, Request, SeveralError, choose, no_such_name, several, unwarned
 from wavesplat.errors import ArgumentError, FileError
 
@@ -271,7 +262,7 @@ def _chosen(datasets: dict[str, Any], request: Request) -> _Variable:
             f"{listed}: {request.path}"
         )
         raise several(message, "dataset", list(found), described)
-    return _volume_of(name, found[name], request)
+    return _volume_of(name, found[name], datasets[""].attrs, request)
 
 
 def _volumes(datasets: dict[str, Any]) -> dict[str, Any]:
@@ -319,44 +310,31 @@ def _described(name: str, array: Any) -> str:
     return ", ".join((f"{name} ({axes})", *said))
 
 
-def _volume_of(name: str, array: Any, request: Request) -> _Variable:
-    """One volume of a variable: one of its times, and one place along a further axis."""
+def _volume_of(name: str, array: Any, attributes: dict[str, Any], request: Request) -> _Variable:
+    """One volume of a variable: one of its times, and one place along a further axis.
+
+    attributes : of the file.
+    """
     if len(set(array.dims)) < array.ndim:
         raise FileError(
             f"{_described(name, array)} has an axis twice, so it is a table and no volume; choose another with "
             f"dataset= (--dataset): {request.path}"
         )
-    picked, spatial, time, said = _picked(name, array, request)
-    guesses: list[str] = []
-    if time is not None:
-        guesses.append(f"the axis {str(time)!r} is drawn as one of space: {name!r} has no third one")
-        array = without_unit(array, time)
+    picked, spatial, said = _picked(name, array, request)
     volume = array.isel(picked).transpose(*spatial)
     single_planes.check_thickness(volume.shape, request)
     volume, made = evenly(volume if request.resample is None else _with_gaps(volume), request)
-    found = in_order(volume, has_place=request.spacing is not None)
-    bare = [str(axis) for axis in spatial if axis not in volume.coords]
-    curved = [str(axis) for axis in volume.coords if volume.coords[axis].ndim == 2 and len(bare) > 1]
-    if curved:
-        guesses.append(f"places of its cells differ from row to row, and are not used: {', '.join(curved)}")
-    if len(bare) == 3:
-        guesses.append(f"distance of samples 1, 1, 1: the file has no coordinates along {', '.join(bare)}")
-    facts = replace(found.facts, quantity=quantity_of(name), guesses=(*found.facts.guesses, *guesses, *made), **said)
-    if len(bare) < 3:
-        facts = replace(with_true_unit(facts, volume, spatial), conventions=(UPRIGHT,))
+    found = in_order(volume, has_place=request.spacing is not None, of_file=attributes)
+    facts = replace(found.facts, quantity=quantity_of(name), guesses=(*found.facts.guesses, *made), **said)
     order = [list(array.dims).index(axis) for axis in found.samples.dims]
     index = tuple(picked.get(axis) for axis in array.dims)
-    matrix = np.eye(4) if found.world_from_index is None else found.world_from_index
-    if request.spacing is None and is_downwards(volume, spatial[0]):
-        # Up is up in pictures: the surface of the sea is on top.
-        matrix = np.diag([1.0, 1.0, -1.0, 1.0]) @ matrix
-        told = f"z is minus {spatial[0]}, which grows downwards"
-        facts = replace(facts, guesses=(*facts.guesses, told))
+    directions = np.diag([*found.directions, 1.0])
+    matrix = directions if found.world_from_index is None else found.world_from_index
     return _Variable(found.samples, facts, matrix, (order[0], order[1], order[2]), index, name)
 
 
-def _picked(name: str, array: Any, request: Request) -> tuple[dict[Any, int], list[Any], Any, dict[str, Any]]:
-    """One place along each axis that is not of space, the axes z, y, x, an axis of time among them, and its facts."""
+def _picked(name: str, array: Any, request: Request) -> tuple[dict[Any, int], list[Any], dict[str, Any]]:
+    """One place along each axis that is not of space, the axes z, y, x, and facts of time."""
     picked: dict[Any, int] = {}
     said: dict[str, Any] = {}
     roles = {axis: role_of(array, axis) for axis in array.dims}
@@ -384,7 +362,7 @@ def _picked(name: str, array: Any, request: Request) -> tuple[dict[Any, int], li
             f"give wavesplat.Volume(xarray.open_dataset(path)[name].isel(...)), with one of each other axis: "
             f"{request.path}"
         )
-    return picked, spatial, None if time in picked else time, said
+    return picked, spatial, said
 
 
 def _further(array: Any, axis: Any, request: Request) -> int:

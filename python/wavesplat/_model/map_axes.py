@@ -1,0 +1,232 @@
+"""Axes with names: which of them are x, y and z, where north and up are, and what the units of their numbers mean.
+
+Conventions for climate and forecasts (CF, https://cfconventions.org, "Coordinate Types"): the attributes `axis`,
+`positive`, `standard_name` and `units` of coordinates. Dimensions of the models WRF (bottom_top, south_north,
+west_east) and ROMS (s_rho, eta_rho, xi_rho) have their names alone, and so have many files with lat and lon.
+One reading for netCDF, HDF5, Zarr, GRIB and arrays in memory: all are arrays with `dims`, `coords` and attributes.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Mapping
+from typing import Any
+
+import numpy as np
+
+from wavesplat._model import units
+
+__all__ = [
+    "TIMES",
+    "is_downwards",
+    "is_of_world",
+    "length_unit_of",
+    "role_of",
+    "said_of",
+    "spatial_axes",
+    "told_of_units",
+    "without_lengths",
+    "wrf_steps",
+]
+
+#: Names of axes of arrays of any kind, in lower case -> ours.
+NAMES = {
+    **dict.fromkeys(("z", "depth", "plane", "slice"), "z"),
+    **dict.fromkeys(("y", "row"), "y"),
+    **dict.fromkeys(("x", "col", "column", "width"), "x"),
+}
+#: Names of axes of maps, of the sea and of the air: z grows up or down, y to the north, x to the east.
+MAP_NAMES = {
+    "z": re.compile(
+        r"i?lev(el)?s?[_\d]*|olev(el)?|[mp]lev\d*|(air_)?pressure\w*|isobaric\w*|heights?(?!_)\w*|height_\w+|alt(itude)?s?"
+        r"|depth\w+|(bottom_top|soil_layers|snow_layers|snso_layers)(_stag)?|s_(rho|w)|sigma\w*|hybrid\w*"
+        r"|model_level\w*|(atmosphere|ocean)_\w+|generalvertical\w*|nav_lev|z(_[twl]|lev|t|u|w)|st_ocean|sw_ocean"
+    ),
+    "y": re.compile(
+        r"(grid_)?lat(itude)?s?[_\d]*|[rny]lat\d*|south_north(_stag)?|eta_(rho|u|v|psi)|projection_y_coordinate|northings?"
+    ),
+    "x": re.compile(
+        r"(grid_)?lon(gitude)?s?[_\d]*|[rnx]lon\d*|west_east(_stag)?|xi_(rho|u|v|psi)|projection_x_coordinate|eastings?"
+    ),
+}
+#: Coordinates' attribute `units` -> axis.
+OF_UNITS = {
+    f"degree{plural}{end}": axis
+    for axis, ends in (("y", ("_north", "_n", "n")), ("x", ("_east", "_e", "e")))
+    for end in ends
+    for plural in ("", "s")
+}
+#: Standard names of coordinates -> axis; those of vertical ones are many.
+OF_STANDARD_NAMES = {
+    **dict.fromkeys(("latitude", "grid_latitude", "projection_y_coordinate"), "y"),
+    **dict.fromkeys(("longitude", "grid_longitude", "projection_x_coordinate"), "x"),
+    **dict.fromkeys(("height", "altitude", "depth", "air_pressure", "sea_water_pressure", "model_level_number"), "z"),
+    "time": "time",
+}
+#: Vertical coordinates that are shares of a height, a depth or a pressure, and no lengths.
+SHARES = re.compile(r"(atmosphere|ocean)_\w*(sigma|hybrid|s_coordinate)\w*|s_(rho|w)|sigma\w*")
+#: Units of pressure, which by the conventions mark an axis that grows downwards.
+PRESSURES = ("pa", "hpa", "kpa", "mb", "mbar", "millibar", "millibars", "bar", "dbar", "decibar", "decibars")
+#: Names of what grows downwards where nothing says otherwise, and numbers of levels do not tell.
+DOWNWARDS = re.compile(r"depth\w*|plev\d*|(air_|sea_water_)?pressure\w*|isobaric\w*")
+#: Names of axes of time.
+TIMES = ("time", "t", "times")
+#: Units that are none of lengths.
+WITHOUT_LENGTH = ("1", "level", "levels", "layer", "layers", "sigma_level", "count", "index", "-")
+ANGLES = ("deg", "degree", "degrees", "arc_degree", "rad", "radian", "radians")
+
+
+def said_of(array: Any, axis: Any) -> dict[str, Any]:
+    """Attributes of the coordinate along an axis."""
+    return dict(getattr(array.coords[axis], "attrs", {})) if axis in array.coords else {}
+
+
+def role_of(array: Any, axis: Any) -> str:
+    """The role of an axis: "x", "y", "z", "time", or "" where nothing says which."""
+    said = said_of(array, axis)
+    unit = _text(said, "units")
+    by_axis = {"t": "time", "x": "x", "y": "y", "z": "z"}.get(_text(said, "axis"), "")
+    standard_name = _text(said, "standard_name")
+    by_meaning = OF_STANDARD_NAMES.get(standard_name) or ("z" if SHARES.fullmatch(standard_name) else "")
+    by_place = "z" if _text(said, "positive") in ("up", "down") or unit in PRESSURES else ""
+    is_time = " since " in unit or (axis in array.coords and array.coords[axis].dtype.kind == "M")
+    told = by_axis or ("time" if is_time else "") or OF_UNITS.get(unit, "") or by_meaning or by_place
+    return told or _role_by_name(axis, array.dims)
+
+
+def _role_by_name(axis: Any, dims: Any) -> str:
+    name = str(axis).lower()
+    if name in TIMES:
+        return "time"
+    if name == "height" and "width" in [str(other).lower() for other in dims]:
+        return "y"  # of a picture
+    return NAMES.get(name) or _role_on_maps(axis)
+
+
+def _role_on_maps(axis: Any) -> str:
+    return next((role for role, names in MAP_NAMES.items() if names.fullmatch(str(axis).lower())), "")
+
+
+def spatial_axes(axes: list[tuple[Any, str]], sizes: Any) -> list[Any]:
+    """The axes z, y, x: those that are known to be, the others in their order; fewer than three if unclear."""
+    known = {role: axis for axis, role in axes if role in ("x", "y", "z") and [r for _, r in axes].count(role) == 1}
+    if len(known) == 3:
+        return [known[role] for role in "zyx"]
+    others = [axis for axis, _ in axes if axis not in known.values()]
+    if len(axes) > 3:  # axes of one sample are not missed
+        others = [axis for axis in others if sizes[axis] > 1]
+    if len(others) + len(known) != 3:
+        return []
+    return [known[role] if role in known else others.pop(0) for role in "zyx"]
+
+
+def is_of_world(array: Any, spatial: list[Any]) -> bool:
+    """Whether z is up and y north by what is said of the axes z, y, x, as of a map, the sea or the air.
+
+    Rows of images grow downwards, and nothing is said of theirs but a name and a unit as small as they are.
+    What xarray has opened is of such a file: it reads the formats of models, and names it.
+    """
+    own = getattr(array, "attrs", {})
+    if "source" in getattr(array, "encoding", {}) or "grid_mapping" in own or _text(own, "standard_name"):
+        return True
+    for axis in spatial:
+        said = said_of(array, axis)
+        unit = _text(said, "units")
+        is_named = _role_on_maps(axis) == _role_by_name(axis, array.dims) != ""
+        is_told = any(_text(said, key) for key in ("axis", "positive", "standard_name"))
+        is_large = (units.metres(units.canonical(unit)) or 0.0) >= 1.0
+        if is_named or is_told or is_large or _other_unit(unit):
+            return True
+    return any(array.coords[name].ndim == 2 and _is_map_place(array, name) for name in array.coords)
+
+
+def _is_map_place(array: Any, name: Any) -> bool:
+    """Whether a coordinate of two axes is a latitude or longitude."""
+    said = said_of(array, name)
+    return _text(said, "units") in OF_UNITS or OF_STANDARD_NAMES.get(_text(said, "standard_name")) in ("x", "y")
+
+
+def is_downwards(array: Any, axis: Any) -> bool:
+    """Whether an axis z of a map grows downwards; pressures and depths do where they say nothing.
+
+    Numbers that are below 0 everywhere are heights already, whatever their name is.
+    """
+    if axis not in array.coords:
+        return False
+    said = said_of(array, axis)
+    if (positive := _text(said, "positive")) in ("up", "down"):
+        return positive == "down"
+    is_named = DOWNWARDS.fullmatch(_text(said, "standard_name") or str(axis).lower()) is not None
+    places = np.asarray(array.coords[axis])
+    is_height = places.dtype.kind in "iuf" and bool(places.size) and float(np.nanmax(places)) <= 0 > np.nanmin(places)
+    return (_text(said, "units") in PRESSURES or is_named) and not is_height
+
+
+def without_lengths(array: Any, spatial: list[Any]) -> list[Any]:
+    """The axis z where its numbers are shares, such as of the depth in ROMS, beside axes x and y that only count."""
+    z, *others = spatial
+    said = said_of(array, z)
+    names = [_text(said, "standard_name"), str(z).lower()]
+    is_share = any(SHARES.fullmatch(name) for name in names) and _text(said, "units") in ("", *WITHOUT_LENGTH)
+    return [z] if is_share and not any(_text(said_of(array, axis), "units") for axis in others) else []
+
+
+def wrf_steps(array: Any, spatial: list[Any], attributes: Mapping[str, Any]) -> tuple[float, float] | None:
+    """Distances along x and y, in metres, by the attributes DX and DY of a file of WRF; None of another one."""
+    _, y, x = (str(axis) for axis in spatial)
+    if not (y.startswith("south_north") and x.startswith("west_east")) or {y, x} & set(array.coords):
+        return None
+    steps = [attributes.get(name, array.attrs.get(name)) for name in ("DX", "DY")]
+    try:
+        dx, dy = (float(np.ravel(step)[0]) for step in steps)
+    except (TypeError, ValueError, IndexError):
+        return None
+    return (dx, dy) if 0 < dx < np.inf and 0 < dy < np.inf else None
+
+
+def length_unit_of(array: Any, axis: Any) -> str | None:
+    """The unit of length of a coordinate, by our name or as it is; None for degrees, pressures, numbers, times."""
+    said = said_of(array, axis)
+    unit = said.get("units", said.get("unit"))
+    is_time = role_of(array, axis) == "time"
+    return None if is_time or _other_unit(unit) is not None else units.canonical(unit)
+
+
+def _other_unit(unit: object) -> str | None:
+    """A unit that is none of lengths, as sentences name it; "" for levels that are counted; None for any other."""
+    name = str(unit or "").strip()
+    if name.lower() in OF_UNITS or name.lower() in ("deg", "degree", "degrees", "arc_degree"):
+        return "degrees"
+    if name.lower() in ANGLES:
+        return "radians"
+    if name.lower() in PRESSURES:
+        return name
+    return "" if name.lower() in WITHOUT_LENGTH else None
+
+
+def told_of_units(array: Any, spatial: list[Any], unit: str | None) -> tuple[str | None, list[str]]:
+    """The unit of length of the world, None where x or y have no lengths, and a sentence on degrees and pressures.
+
+    spatial : axes z, y, x. unit : that of the axes that are lengths.
+    """
+    named = {
+        letter: _other_unit(said_of(array, axis).get("units"))
+        for letter, axis in zip("xyz", reversed(spatial), strict=True)
+        if role_of(array, axis) != "time"
+    }
+    other = {letter: one for letter, one in named.items() if one}
+    if not other:
+        return unit, []
+    is_length = units.metres(unit) is not None
+    told = [
+        f"distances along {', '.join(letter for letter in other if other[letter] == one)} in {one}: 1 is drawn as 1"
+        f"{f' {unit} of the others' if is_length else ' unit of length'}"
+        for one in dict.fromkeys(other.values())
+    ]
+    keeps = is_length and not {"x", "y"} & other.keys()
+    return unit if keeps else None, told
+
+
+def _text(said: dict[str, Any], key: str) -> str:
+    value = said.get(key)
+    return value.strip().lower() if isinstance(value, str) else ""

@@ -70,6 +70,26 @@ def test_a_misspelt_option_is_told_with_the_one_that_is_meant():
         ws.open("a.nrrd", zzz=3)
 
 
+@pytest.mark.parametrize(
+    ("function", "keyword", "words"),
+    [
+        (ws.render, "view", r"; write camera= \(the name of a view, such as \"xy\""),
+        (ws.Scene.render, "view", r"; write camera= "),
+        (ws.slice, "view", r"^slice\(\) got .* 'view'; write plane=$"),
+        (ws.render, "cmap", r"; write look=$"),
+        (ws.slice, "cmap", r"; write transfer_function= "),
+        (ws.render, "iso_value", r"; write composite= \(wavesplat.FirstHit\(value\)\)$"),
+        (ws.render, "scale_bar", r"; annotate the picture: picture.annotated\(scale_bar=...\)$"),
+        (ws.slice, "labels", r"; give a scene: wavesplat.Scene\(volume, labels=...\)$"),
+        (ws.open, "voxel_size", r"; write spacing=$"),
+        (ws.Label, "colour", r"^Label\(\) got .*; is it 'color'\?$"),
+    ],
+)
+def test_a_keyword_of_the_command_or_of_another_program_says_what_to_write(function, keyword, words):
+    with pytest.raises(TypeError, match=words):
+        function(ws.examples.ripples(8), **{keyword: 1})
+
+
 def test_an_option_of_a_list_is_taken_by_every_door_and_leaves_no_trace():
     # What a new option costs: a line in the list and one with its default; doors need none.
     class Wider(FrameOptions, total=False):

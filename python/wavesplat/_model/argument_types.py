@@ -15,6 +15,7 @@ from operator import index
 from typing import ParamSpec, TypeVar
 
 from wavesplat._files.json_text import is_text
+from wavesplat._model.keyword_hints import check_keywords
 from wavesplat.errors import ArgumentError
 
 __all__ = ["check_text", "described", "is_whole_number_below", "takes_its_types", "text_of"]
@@ -80,11 +81,15 @@ def takes_its_types(function: Callable[P, R]) -> Callable[P, R]:
         if isinstance(parameter.annotation, str) and (check := _check(parameter.annotation))
     }
 
+    takes_any = any(parameter.kind is parameter.VAR_KEYWORD for parameter in signature.parameters.values())
+
     @wraps(function)
     def checked(*args: P.args, **kwargs: P.kwargs) -> R:
         try:
             given = signature.bind(*args, **kwargs).arguments
         except TypeError:
+            if not takes_any:
+                check_keywords(function, kwargs, signature.parameters)
             return function(*args, **kwargs)  # which says it better
         for name, value in given.items():
             if name in checks:

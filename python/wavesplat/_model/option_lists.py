@@ -7,13 +7,14 @@ gives the function the whole signature and documentation, so that `help` shows t
 
 from __future__ import annotations
 
-import difflib
 import inspect
 import textwrap
 from collections.abc import Callable
 from dataclasses import fields
 from functools import wraps
 from typing import Any, ParamSpec, TypeVar
+
+from wavesplat._model.keyword_hints import check_keywords
 
 __all__ = ["takes_options"]
 
@@ -46,11 +47,7 @@ def takes_options(
 
         @wraps(function)
         def called(*args: P.args, **kwargs: P.kwargs) -> R:
-            for name in kwargs:
-                if name not in whole.parameters:
-                    near = difflib.get_close_matches(name, whole.parameters, 1)
-                    hint = f"; is it {near[0]!r}?" if near else ""
-                    raise TypeError(f"{function.__name__}() got an unexpected keyword argument {name!r}{hint}")
+            check_keywords(function, kwargs, whole.parameters)
             return function(*args, **kwargs)
 
         called.__signature__ = whole  # type: ignore[attr-defined]

@@ -6,6 +6,7 @@ from PIL import Image
 
 import wavesplat as ws
 from wavesplat._cli import parsers
+from wavesplat._scene import lightbox as lightbox_module
 from wavesplat.errors import ArgumentError
 
 FACTS = ws.Facts(unit="mm", is_anatomical=True)
@@ -161,3 +162,20 @@ def test_contours_and_isolines_are_those_of_each_slice():
 def test_a_plane_may_be_an_array():
     sheet = ws.lightbox(SCAN, np.array([[20, 20, 20], [0, 0, 1.0]]), 2, size=(40, 40))
     assert [panel["plane"] for panel in sheet.report["panels"]] == ["oblique", "oblique"]
+
+
+def test_letters_of_three_planes_have_one_size_and_figures_one_sign_of_micrometres(monkeypatch):
+    """Those of thin planes were half as high, and "um" stood above a bar of "µm"."""
+    drawn = []
+    with_caption = lightbox_module.with_caption
+    monkeypatch.setattr(
+        lightbox_module,
+        "with_caption",
+        lambda rgba, text, ink, font_px: drawn.append((text, font_px)) or with_caption(rgba, text, ink, font_px),
+    )
+    volume = ws.Volume(np.zeros((24, 128, 128), np.float32) + np.arange(128), spacing=(0.3, 0.3, 0.3), unit="um")
+    ws.lightbox(volume, "ortho", size=(256, 256))
+    assert [text for text, _ in drawn] == ["z 3.6 µm", "x 19.2 µm", "y 19.2 µm"]
+    assert len({font_px for _, font_px in drawn}) == 1
+    # The thinnest plane is 47 pixels high.
+    assert 7.5 < drawn[0][1] <= 10

@@ -35,6 +35,8 @@ Orientation: TypeAlias = Literal["letters", "cube", "axes"]
 #: (86 mm) then has 9 points.
 TEXT_SHARE, TEXT_PX = 1 / 27, (10.0, 200.0)
 POINTS_PER_INCH = 72.0
+#: Sizes of the font along the shorter side of the smallest picture of a sheet, so that a position fits across it.
+LEAST_LINES = 6.0
 #: Distances in sizes of the font: from the edges, between blocks, from the rendering to the blocks beside it.
 MARGIN, GAP, BESIDE = 0.9, 0.9, 1.2
 #: Height of a colour bar as a share of the rendering's, where it has room; least height, in sizes of the font.
@@ -131,10 +133,18 @@ def style_of(rgba: NDArray[np.float32], background: Any) -> Style:
     ).on_picture()
 
 
-def with_caption(rgba: NDArray[np.float32], text: str, color: Color = WHITE) -> NDArray[np.float32]:
-    """The picture with a line of text in its upper left corner."""
+def common_font_px(sizes: Sequence[tuple[int, int]]) -> float:
+    """Height of the font that pictures of one sheet share, pixels: that of the largest, if the smallest has room."""
+    largest = max(_font_px(Figure(), width, height) for width, height in sizes)
+    return max(TEXT_PX[0], min(largest, min(map(min, sizes)) / LEAST_LINES))
+
+
+def with_caption(
+    rgba: NDArray[np.float32], text: str, color: Color = WHITE, font_px: float | None = None
+) -> NDArray[np.float32]:
+    """The picture with a line of text in its upper left corner. `font_px`: height of the font, by its size if None."""
     height, width = rgba.shape[:2]
-    style = Style(_font_px(Figure(), width, height), color).on_picture()
+    style = Style(font_px or _font_px(Figure(), width, height), color).on_picture()
     mark = Text(0.5 * style.size, 1.2 * style.size, text, style.size, style.ink, "start", style.halo)
     return raster.drawn(Canvas(width, height, rgba, marks=(mark,)))
 
@@ -375,7 +385,7 @@ def _titled(shown: Sequence[report_facts.ShownLayer]) -> list[tuple[report_facts
 def _title_of_values(layer: report_facts.ShownLayer) -> str:
     """The title of a layer's colour bar: the name of its values and their unit, such as "temperature (K)"."""
     name = layer.quantity or report_facts.plain_name(layer.name)
-    return f"{name} ({layer.values})" if layer.values else name
+    return f"{name} ({units.written(layer.values)})" if layer.values else name
 
 
 def _scales(figure: Figure, report: Mapping[str, Any], behind: Color) -> list[color_bar.Scale]:

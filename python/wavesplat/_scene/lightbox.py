@@ -12,10 +12,11 @@ from numpy.typing import NDArray
 from wavesplat._looks import colors
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.regions import Region
+from wavesplat._model import units
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.options import Kernel, Plane, Slab
 from wavesplat._model.views import PLANES, named_plane, planes_of
-from wavesplat._picture.annotating import with_caption
+from wavesplat._picture.annotating import common_font_px, with_caption
 from wavesplat._picture.picture import Picture
 from wavesplat._picture.report import Report
 from wavesplat._picture.style import WHITE
@@ -168,22 +169,26 @@ def lightbox(
         pictures.append(slice(scene, scout, size=cells[-1], **options))
     if has_lines:
         pictures = _with_lines(pictures, scout is not None)
-    with_bar = (len(cuts) - 1) // count * count
+    font_px = common_font_px([picture.size for picture in pictures])
     if scale_bar is not False:
-        pictures[with_bar] = pictures[with_bar].annotated(scale_bar=scale_bar)
+        with_bar = (len(cuts) - 1) // count * count
+        pictures[with_bar] = pictures[with_bar].annotated(scale_bar=scale_bar, font_size=font_px)
     told = [picture.report.pop("notes", []) for picture in pictures][: len(cuts)]
     shown_planes = [*(one for one, _ in cuts), *([] if scout is None else [scout])]
-    inks = [color_of(picture.report) if has_lines else WHITE for picture in pictures]
     sheet = _blank(whole, background)
     panels = list[dict[str, Any]]()
     report: dict[str, Any] = {}
-    for picture, one, ink, (left, top) in zip(pictures, shown_planes, inks, places, strict=True):
+    for picture, one, (left, top) in zip(pictures, shown_planes, places, strict=True):
         report = _joined(report, picture.report)
         height, width = picture.rgba.shape[:2]
-        sheet[top : top + height, left : left + width] = _lettered(picture, one, ink) if letters else picture.rgba
-        name = one if isinstance(one, str) else "oblique"
+        ink = color_of(picture.report) if has_lines else WHITE
+        sheet[top : top + height, left : left + width] = (
+            _lettered(picture, one, ink, font_px) if letters else picture.rgba
+        )
         placed = {"left": left, "top": top, "width": width, "height": height}
-        panels.append({"plane": name, "position": picture.report["position"], **placed})
+        panels.append(
+            {"plane": one if isinstance(one, str) else "oblique", "position": picture.report["position"], **placed}
+        )
     # What belongs to one slice alone: a sheet has no place in the world.
     for name in ("position", "origin", "normal", "right", "down", "letters"):
         report.pop(name, None)
@@ -308,9 +313,12 @@ def _joined(report: dict[str, Any], other: Any) -> dict[str, Any]:
     return joined
 
 
-def _lettered(picture: Picture, plane: AnyPlane, ink: tuple[float, float, float]) -> NDArray[np.float32]:
+def _lettered(
+    picture: Picture, plane: AnyPlane, ink: tuple[float, float, float], font_px: float
+) -> NDArray[np.float32]:
     """The slice with its position, and the letters of its edges where there are any; `ink`: the position's colour."""
-    lettered = picture.annotated(orientation="letters") if picture.report.get("letters") else picture
+    has_letters = picture.report.get("letters")
+    lettered = picture.annotated(orientation="letters", font_size=font_px) if has_letters else picture
     axis = f"{PLANES[plane].across} " if isinstance(plane, str) else ""
-    text = f"{axis}{picture.report['position']:.4g}{f' {picture.unit}' if picture.unit else ''}"
-    return with_caption(lettered.rgba, text, ink)
+    unit = f" {units.written(picture.unit)}" if picture.unit else ""
+    return with_caption(lettered.rgba, f"{axis}{picture.report['position']:.4g}{unit}", ink, font_px)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import wavesplat as ws
+from wavesplat._looks.kinds import kind_of
 from wavesplat._model.views import VIEWS
 from wavesplat._render.framing import natural_view
 
@@ -15,6 +16,7 @@ FIELD = np.exp(-4 * (X * X + Y * Y + Z * Z)).astype(np.float32)
 SIGNED = (np.sin(4 * X) * np.cos(3 * Y) * np.cos(Z)).astype(np.float32)
 BLOCK = np.abs(np.random.default_rng(2).normal(0, 5, (N, N, N)))
 BLOCK[6:26, 4:28, 3:29] += 150
+NOISE = np.random.default_rng(4).normal(0, 0.5, (N, N, N)).astype(np.float32)
 TYPES = {"uint8": "unsigned char", "int16": "short", "float32": "float"}
 
 
@@ -35,6 +37,25 @@ def test_a_space_of_nrrd_alone_is_no_patient(tmp_path, samples):
     assert volume.is_anatomical
     assert natural_view(volume) == VIEWS["isometric"]
     assert any("as by default" in told for told in volume.facts.conventions)
+
+
+@pytest.mark.parametrize("noisy", [FIELD + np.abs(NOISE), SIGNED + NOISE, np.abs(NOISE)])
+def test_noise_does_not_make_a_patient_of_a_header_without_a_place(tmp_path, noisy):
+    """The vorticity of a simulation, as programs that know ITK write it; whole numbers may be of a head."""
+    import SimpleITK
+
+    image = SimpleITK.GetImageFromArray(noisy)
+    SimpleITK.WriteImage(image, tmp_path / "a.mha")
+    SimpleITK.WriteImage(image, tmp_path / "b.nrrd")
+    volumes = [nrrd(tmp_path / "a.nrrd", noisy), ws.open(tmp_path / "a.mha"), ws.open(tmp_path / "b.nrrd")]
+    for volume in (*volumes, ws.Volume(image)):
+        assert volume.is_anatomical
+        assert natural_view(volume) == VIEWS["isometric"]
+        assert kind_of(volume) in ("field", "signed field")
+    image.SetOrigin((-90.5, -126, -72))
+    assert natural_view(ws.Volume(image)) == VIEWS["anterior"]
+    hounsfield = np.where(FIELD > 0.3, 40.0, -1000.0) + 20 * NOISE  # air around soft tissue, in fractions
+    assert natural_view(nrrd(tmp_path / "ct.nrrd", hounsfield.astype(np.float32))) == VIEWS["anterior"]
 
 
 def test_scans_of_patients_are_seen_from_the_front(tmp_path):

@@ -25,7 +25,7 @@ from wavesplat._looks.thresholds import otsu, robust_range_of
 from wavesplat._model import units
 from wavesplat._model.facts import LENGTH
 from wavesplat._model.lazy_volume import LazyVolume
-from wavesplat._model.placement import is_placed_by_default
+from wavesplat._model.placement import is_of_no_patient, is_placed_by_default
 from wavesplat._model.thinning import KIND_SAMPLES, UNIT_SAMPLES, step_for
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
@@ -299,6 +299,7 @@ def _by_shares(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> t
 def _by_values(volume: Volume | WaveletVolume, values: NDArray[np.float64], *, has_noise: bool) -> tuple[Kind, str]:
     numbers = _numbers(volume)
     is_of_patient = volume.is_anatomical and (has_noise or not is_placed_by_default(volume))
+    is_of_patient = is_of_patient and not is_of_no_patient(volume, values)
     if _has_two_signs(values, numbers, is_of_patient=is_of_patient, has_noise=has_noise):
         return "signed field", "a field with two signs, by the values"
     if LENGTH in volume.facts.processing:

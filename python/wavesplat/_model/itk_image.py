@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from wavesplat._model import affine, units
 from wavesplat._model.converted import Converted
 from wavesplat._model.facts import Facts, value_unit_of
+from wavesplat._model.placement import NO_PLACE, is_without_place
 from wavesplat.errors import ArgumentError
 
 __all__ = [
@@ -116,6 +117,8 @@ def _converted(samples: NDArray[Any], lps: NDArray[np.float64], said: dict[str, 
         unit = "mm"
         conventions.append("unit mm: the image names none; millimetres are ITK's convention")
     modality = said.get("modality", said.get("0008|0060", "")).strip().lower().removeprefix("met_mod_")
+    if len(conventions) > 1 and modality not in MODALITIES and is_without_place(lps):
+        conventions.append(NO_PLACE)
     facts = Facts(
         unit=unit,
         is_anatomical=is_anatomical,

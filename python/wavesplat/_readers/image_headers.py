@@ -173,8 +173,20 @@ def of_meta_image(path: Path) -> Header:
         conventions.append("unit mm: the file names none; millimetres are ITK's convention")
     modality = MODALITIES.get(fields.get("modality", "").lower().removeprefix("met_mod_"))
     modality = modality or MODALITIES.get(fields.get("0008|0060", "").lower())
+    if len(conventions) > 1 and modality is None and _has_no_place_of_meta_image(fields):
+        conventions.append(NO_PLACE)
     facts = Facts(unit=unit, is_anatomical=True, modality=modality, conventions=tuple(conventions))
     return Header(fields, facts, world_factors=(factor, factor, factor))
+
+
+def _has_no_place_of_meta_image(fields: dict[str, str]) -> bool:
+    """Whether distances, directions and origin of a MetaImage are left out, or those of an image without a place."""
+    said = (
+        (("elementspacing", "elementsize"), [1, 1, 1]),
+        (("transformmatrix", "rotation", "orientation"), [1, 0, 0, 0, 1, 0, 0, 0, 1]),
+        (("offset", "origin", "position"), [0, 0, 0]),
+    )
+    return all(_floats(fields[name].split()) == usual for names, usual in said for name in names if name in fields)
 
 
 def inflated(path: Path, header: Header, shape: tuple[int, ...]) -> NDArray[Any]:

@@ -102,8 +102,9 @@ def is_of_patient(volume: Volume | WaveletVolume) -> bool:
     if not volume.is_anatomical or volume.modality is not None or not is_placed_by_default(volume):
         return volume.is_anatomical
     known = found_in(volume)
-    is_calculated = known.kind in ("field", "signed field") and not known.has_noise
-    return not is_calculated and not (known.kind == "scan" and NO_PLACE in volume.facts.conventions)
+    if NO_PLACE in volume.facts.conventions:
+        return known.kind not in ("field", "signed field", "scan")
+    return known.kind not in ("field", "signed field") or known.has_noise
 
 
 def framed(

@@ -120,6 +120,21 @@ def test_places_off_by_less_than_a_ten_thousandth_are_even(tmp_path):
         ws.open(WAYS[".vtr"](tmp_path, axes))
 
 
+@pytest.mark.parametrize("suffix", [".vtr", ".vts"])
+def test_single_precision_is_even_within_its_rounding(tmp_path, suffix):
+    """Near 5e6, a place of a map in metres, numbers of single precision are multiples of a half."""
+    x = (5e6 + 1.7 * np.arange(6)).astype(np.float32)
+    assert np.ptp(np.diff(x)) == 0.5
+    axes = {"x": x, "y": np.arange(5, dtype=np.float32), "z": np.arange(4, dtype=np.float32)}
+    made = {".vtr": rectilinear, ".vts": structured}[suffix]
+    volume = ws.open(write(tmp_path / f"a{suffix}", filled(made(axes), axes)))
+    assert volume.spacing == pytest.approx((1.7, 1, 1), rel=0.1)
+    assert volume.shape == (4, 5, 6)
+    axes["y"] = np.array([0, 1, 2.1, 3, 4], np.float32)  # not rounded at all
+    with pytest.raises(FileError, match="resample=N"):
+        ws.open(write(tmp_path / f"b{suffix}", filled(made(axes), axes)))
+
+
 def test_cells_have_their_samples_in_their_middles(tmp_path):
     cells = np.arange(3 * 4 * 5, dtype=np.int16).reshape(3, 4, 5)
     for grid, name in ((rectilinear(EVEN), "a.vtr"), (structured(EVEN), "a.vts")):

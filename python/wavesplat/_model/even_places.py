@@ -32,13 +32,12 @@ def off_from_even(places: NDArray[Any], tolerance: float = TOLERANCE) -> tuple[f
 
 
 def rounding_of(places: NDArray[Any]) -> float:
-    """The distance by which even coordinates can be off since their type is short; 0 for whole numbers."""
+    """The distance by which even coordinates can be off since their type is short."""
+    if places.dtype.kind != "f" or not np.isfinite(places).all():
+        return 0.0
     with np.errstate(over="ignore"):
         single = places.astype(np.float32)
-    if places.dtype.kind not in "fiu" or not np.isfinite(single).all():
-        return 0.0
-    if places.dtype.kind != "f" or np.array_equal(np.round(places), places):
-        return 0.0
-    # Double precision that has the numbers of single precision was converted from it.
-    kept = single if np.array_equal(single, places) else places
+    # Fractions in double precision that have the numbers of single precision were converted from it.
+    is_converted = np.array_equal(single, places) and not np.array_equal(np.round(places), places)
+    kept = single if is_converted else places
     return ULPS * float(np.spacing(np.abs(kept).max()))

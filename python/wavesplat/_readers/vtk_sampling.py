@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files import size_checks
+from wavesplat._model.even_places import off_from_even, rounding_of
 from wavesplat._readers.file_contents import GridFacts
 from wavesplat._readers.request import Request
 from wavesplat._readers.vtk_arrays import described_grid, world_from_index
@@ -52,22 +53,29 @@ def uniform_place(grid: Any, *, of_cells: bool) -> NDArray[np.float64] | None:
         first = np.array(grid.GetExtent())[::2]
         return world_from_index(rows, grid.GetSpacing(), grid.GetOrigin(), first, of_cells=of_cells)
     if grid.IsA("vtkRectilinearGrid"):
-        axes = [vtk_to_numpy(getattr(grid, f"Get{axis}Coordinates")()).astype(np.float64) for axis in "XYZ"]
-        steps = [(axis[-1] - axis[0]) / (len(axis) - 1) if len(axis) > 1 else 1.0 for axis in axes]
-        for axis, step in zip(axes, steps, strict=True):
-            off = np.abs(axis - (axis[0] + step * np.arange(len(axis)))).max()
-            if not (step != 0 and off <= TOLERANCE * abs(step)):
-                return None
-        return world_from_index(np.eye(3), steps, [axis[0] for axis in axes], (0, 0, 0), of_cells=of_cells)
+        axes = [vtk_to_numpy(getattr(grid, f"Get{axis}Coordinates")()) for axis in "XYZ"]
+        found = [off_from_even(axis, TOLERANCE) if len(axis) > 1 else (1.0, 0.0, True) for axis in axes]
+        if not all(is_even for _, _, is_even in found):
+            return None
+        first = [float(axis[0]) for axis in axes]
+        return world_from_index(np.eye(3), [step for step, _, _ in found], first, (0, 0, 0), of_cells=of_cells)
     if grid.IsA("vtkStructuredGrid"):
         nx, ny, nz = n_points(grid)
-        points = vtk_to_numpy(grid.GetPoints().GetData()).astype(np.float64)
-        return _of_points(points.reshape(nz, ny, nx, 3), of_cells=of_cells)
+        points = vtk_to_numpy(grid.GetPoints().GetData()).reshape(nz, ny, nx, 3)
+        # Expected places go by four corners, each of them rounded.
+        corners = points[:: max(nz - 1, 1), :: max(ny - 1, 1), :: max(nx - 1, 1)]
+        rounding = np.array([2 * rounding_of(corners[..., axis]) for axis in range(3)])
+        return _of_points(points.astype(np.float64), rounding, of_cells=of_cells)
     return None
 
 
-def _of_points(points: NDArray[np.float64], *, of_cells: bool) -> NDArray[np.float64] | None:
-    """The affine of points [z, y, x] that lie on an even, maybe skewed grid; None of others."""
+def _of_points(
+    points: NDArray[np.float64], rounding: NDArray[np.float64], *, of_cells: bool
+) -> NDArray[np.float64] | None:
+    """The affine of points [z, y, x] that lie on an even, maybe skewed grid; None of others.
+
+    rounding : the distance along x, y, z by which they may be off since their type is short.
+    """
     if min(points.shape[:3]) < 2:
         return None
     origin = points[0, 0, 0]
@@ -77,7 +85,7 @@ def _of_points(points: NDArray[np.float64], *, of_cells: bool) -> NDArray[np.flo
     k, j, i = (np.arange(n, dtype=np.float64) for n in points.shape[:3])
     for z in k.astype(int):  # a layer at a time: of all points the places would take as much memory again
         expected = origin + z * steps[:, 2] + j[:, None, None] * steps[:, 1] + i[None, :, None] * steps[:, 0]
-        if not np.abs(points[z] - expected).max() <= TOLERANCE * finest:
+        if not (np.abs(points[z] - expected).max(axis=(0, 1)) <= np.maximum(TOLERANCE * finest, rounding)).all():
             return None
     if abs(np.linalg.det(steps)) == 0:
         return None

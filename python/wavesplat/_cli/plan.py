@@ -7,6 +7,7 @@ from typing import Annotated, Any
 import typer
 
 from wavesplat._cli import parsers
+from wavesplat._cli.crop_options import box, chosen_crop
 from wavesplat._cli.geometry_options import GeometryOptions, opened_geometry, takes_geometry_options
 from wavesplat._cli.printing import print_result
 from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options
@@ -32,6 +33,8 @@ def plan(
     draw_ns: Annotated[
         float | None, typer.Option(metavar="NS", help="Nanoseconds of a texel on a core; else measured.")
     ] = None,
+    crop: Annotated[Any, box("Plan the picture of this box alone, world units.")] = None,
+    crop_index: Annotated[Any, box("The same, in samples.")] = None,
     showing: GeometryOptions,
     json: Json = False,
 ) -> None:
@@ -53,5 +56,6 @@ def plan(
         read_rate=read_rate,
         draw_ns=draw_ns,
         geometry=opened_geometry(showing, volume.facts.unit, quiet=True),
+        crop=chosen_crop(crop, crop_index),
     )
     print_result(cost.as_json(), "\n".join(cost.lines()), as_json=json)

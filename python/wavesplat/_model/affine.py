@@ -23,6 +23,7 @@ __all__ = [
     "checked_map",
     "from_spacing",
     "spacing_of",
+    "transformed",
     "with_spacing",
     "world_bounds",
 ]
@@ -104,8 +105,13 @@ def box_corners(world_from_index: Affine, shape: tuple[int, int, int]) -> NDArra
     """World positions of the eight outermost sample centres, shape (8, 3); `shape` is (z, y, x)."""
     n_z, n_y, n_x = shape
     index = np.array(list(product((0, n_x - 1), (0, n_y - 1), (0, n_z - 1))), dtype=np.float64)
-    corners: NDArray[np.float64] = index @ world_from_index[:3, :3].T + world_from_index[:3, 3]
-    return corners
+    return transformed(world_from_index, index)
+
+
+def transformed(matrix: NDArray[np.floating], points: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Points, shape (n, 3), by an affine map."""
+    moved: NDArray[np.float64] = points @ matrix[:3, :3].T + matrix[:3, 3]
+    return moved
 
 
 def axis_codes(world_from_index: Affine) -> str:

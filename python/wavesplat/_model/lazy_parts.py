@@ -3,22 +3,39 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat import _native
 from wavesplat._files.memory import check_room
+from wavesplat._model import affine
 from wavesplat._model.crop import Crop
 from wavesplat._model.lazy_array import LazyArray
-from wavesplat._model.read_ahead import Box, BoxReader
+from wavesplat._model.read_ahead import Box, BoxReader, n_in
+from wavesplat._model.survey import ShownPart
 from wavesplat._model.volume import Volume
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
+    from wavesplat._model.grid import Grid
     from wavesplat._model.lazy_volume import LazyVolume, Level
+    from wavesplat._model.survey import Survey
 
-__all__ = ["MAX_OVERVIEW", "busiest_part", "level_in_finest", "nearest_every", "part_of", "preview_of", "read_box"]
+__all__ = [
+    "MAX_OVERVIEW",
+    "box_of_crop",
+    "busiest_part",
+    "corners_of_crop",
+    "level_in_finest",
+    "nearest_every",
+    "part_of",
+    "preview_of",
+    "read_box",
+    "shown_part",
+]
 
 #: Samples of a finer level from which its brightness is learnt, and the ratio of its spacing, both at most.
 MAX_PART, MAX_FINER = 1 << 22, 4.5
@@ -26,6 +43,9 @@ MAX_PART, MAX_FINER = 1 << 22, 4.5
 LEAST_SIDE = 16
 #: Samples of the finest level whose neighbours tell noise and labels, about.
 N_BUSIEST = 1 << 18
+#: Samples of a level that is read as a whole whatever is cropped, at most; and samples around a crop that are read with
+#: it: kernels reach 3, differences of gradients 1, and missing samples are filled from 16.
+MIN_CROPPED, AROUND_CROP = 1 << 21, 20
 #: Samples of a level that is read as a whole for looks, cameras and previews, at most.
 MAX_OVERVIEW = 1 << 24
 
@@ -54,30 +74,67 @@ def part_of(volume: LazyVolume, level: Level, crop: Crop | None) -> Volume:
 
 def read_box(array: LazyArray, box: Box) -> NDArray[Any]:
     """Read the samples of a box."""
-    n = math.prod(b - a for a, b in zip(*box, strict=True))
-    check_room(n * array.dtype.itemsize, "the samples", "read a smaller box, or a coarser level")
+    check_room(n_in(box) * array.dtype.itemsize, "the samples", "read a smaller box, or a coarser level")
     with BoxReader([array]) as reader:
         return reader.begin(0, box, [box]).result()
 
 
 def _index_box(volume: LazyVolume, level: Level, crop: Crop) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """First and last index (x, y, z) of a box in the samples of a level, not rounded."""
-    ends = crop.corners_in("world")
-    from_world = np.linalg.inv(level.world_from_index)
-    if ends is None:
-        ends = crop.corners_in("index")
-        from_world = from_world @ volume.world_from_index
-    lower, upper = (np.asarray(end, np.float64) for end in ends or ((0.0,) * 3,) * 2)
-    corners = np.stack([np.where([(k >> a) & 1 for a in range(3)], upper, lower) for k in range(8)])
-    inside = corners @ from_world[:3, :3].T + from_world[:3, 3]
+    inside = affine.transformed(np.linalg.inv(level.world_from_index), corners_of_crop(volume, crop))
     return inside.min(axis=0), inside.max(axis=0)
 
 
-def nearest_every(volume: LazyVolume, level: Level, number: int, step: int) -> NDArray[Any]:
-    """The sample of a level nearest to every n-th sample of the finest level, [z, y, x]."""
-    between = np.linalg.inv(level.world_from_index) @ volume.world_from_index
+def corners_of_crop(volume: Grid, crop: Crop) -> NDArray[np.float64]:
+    """The eight corners of a crop in the world, which may be given in the samples of a volume."""
+    lower, upper = np.asarray(crop.lower, np.float64), np.asarray(crop.upper, np.float64)
+    corners = np.stack([np.where([(k >> a) & 1 for a in range(3)], upper, lower) for k in range(8)])
+    return corners if crop.space == "world" else affine.transformed(volume.world_from_index, corners)
+
+
+def box_of_crop(volume: LazyVolume, number: int, corners: NDArray[np.float64] | None) -> Box | None:
+    """The only box of a level that is read where a crop hides the rest, along the borders of chunks.
+
+    None where all is read: there is no crop, the level is small, no coarser one tells of the rest, or the box has more
+    than half of its samples. It depends on sizes alone, so that a picture does not depend on earlier ones.
+
+    corners : the corners of the crop in the world, shape (8, 3).
+    """
+    level, shape = volume._levels[number], volume._levels[number].array.shape
+    if corners is None or volume._surveyed_level() <= number or math.prod(shape) <= MIN_CROPPED:
+        return None
+    index = affine.transformed(np.linalg.inv(level.world_from_index), corners)[:, ::-1]
+    first, end = index.min(axis=0) - AROUND_CROP, index.max(axis=0) + AROUND_CROP + 1
+    low, high = [], []
+    for n, chunk, a, b in zip(shape, level.array.chunks, first.tolist(), end.tolist(), strict=True):
+        low.append(min(max(0, math.floor(a)), n - 1) // chunk * chunk)
+        high.append(min(n, -(-max(1, math.ceil(b)) // chunk) * chunk))
+    size = [b - a for a, b in zip(low, high, strict=True)]
+    if min(size) <= 0 or 2 * math.prod(size) > math.prod(shape):
+        return None
+    return (low[0], low[1], low[2]), (high[0], high[1], high[2])
+
+
+def shown_part(volume: LazyVolume, number: int, box: Box) -> ShownPart:
+    """A box of a level that is read, and the rest by the level that looks are made from."""
+    level, coarse = volume._levels[number], volume._surveyed_level()
+    value_range = volume.value_range
+    steps = _native.light_step(level.array.shape, level.world_from_index)
+    light = nearest_every(volume, volume._levels[coarse], coarse, steps, of=level).astype(np.float32)
+    return ShownPart(box, value_range, np.nan_to_num(light, nan=value_range[0], posinf=0.0, neginf=0.0))
+
+
+def nearest_every(
+    volume: LazyVolume, level: Level, number: int, steps: Sequence[int], *, of: Level | None = None
+) -> NDArray[Any]:
+    """The sample of a level nearest to every n-th sample of a finer one, [z, y, x].
+
+    steps : between the samples along z, y, x. of : the finer level; None is the finest.
+    """
+    finer = of or volume._levels[0]
+    between = np.linalg.inv(level.world_from_index) @ finer.world_from_index
     places = []
-    for axis, n in enumerate(volume.shape):
+    for axis, (n, step) in enumerate(zip(finer.array.shape, steps, strict=True)):
         a = 2 - axis
         index = between[a, a] * np.arange(0, n, step) + between[a, 3]
         places.append(np.clip(np.rint(index), 0, level.array.shape[axis] - 1).astype(np.int64))
@@ -105,18 +162,22 @@ def preview_of(volume: LazyVolume, number: int) -> Volume:
     return Volume(samples, world_from_index=matrix, name=volume.name, facts=volume.facts)
 
 
-def level_in_finest(volume: LazyVolume, number: int) -> tuple[Any, Any, Any] | None:
-    """Place of a level in the finest one, and the same box of it and of a finer one, to match their brightness."""
+def level_in_finest(volume: LazyVolume, number: int, box: Box | None) -> tuple[Any, Any, Any] | None:
+    """Place of a level in the finest one, and the same box of it and of a finer one, to match their brightness.
+
+    box : the only part of the level that is read for a picture, as `box_of_crop` has it.
+    """
     if number == 0:
         return None
-    levels, value_range = volume._levels, volume.survey(number, "linear").value_range
+    survey = volume.survey(number, "linear", box)
+    levels, value_range = volume._levels, survey.value_range
     finest, own = levels[0], levels[number]
     # The finest level within the ratio: reading a finer one costs more than it adds.
     ratios = [max(a / b for a, b in zip(own.spacing, finer.spacing, strict=True)) for finer in levels[:number]]
     fitting = [k for k, ratio in enumerate(ratios) if ratio <= MAX_FINER]
     place = fitting[0] if fitting else number - 1
     finer = levels[place]
-    coarse_box = _busiest(volume, number, MAX_PART / _ratio(own, finer))
+    coarse_box = _busiest(own.array.shape, survey, MAX_PART / _ratio(own, finer))
     coarse = read_box(volume.arrays(number), coarse_box)
     fine_box = _same_box(coarse_box, own, finer)
     fine = read_box(volume.arrays(place), fine_box)
@@ -130,7 +191,7 @@ def busiest_part(volume: LazyVolume, number: int) -> NDArray[Any]:
     """Samples of the finest level, [z, y, x], side by side, where the values of a coarser one vary most."""
     own, finest = volume._levels[number], volume._levels[0]
     side = max(4, int((N_BUSIEST / _ratio(own, finest)) ** (1 / 3)))
-    box = _busiest(volume, number, max(side, LEAST_SIDE) ** 3)
+    box = _busiest(own.array.shape, volume.survey(number, "linear"), max(side, LEAST_SIDE) ** 3)
     # In two steps, since a small box has many places in a level.
     within = [range(a, max(b - side, a) + 1, max(side // 2, 1)) for a, b in zip(*box, strict=True)]
     coarse = read_box(volume.arrays(number), box)
@@ -168,12 +229,11 @@ def _finite(samples: NDArray[Any]) -> NDArray[np.float32]:
     return np.ascontiguousarray(np.nan_to_num(samples.astype(np.float32)))
 
 
-def _busiest(volume: LazyVolume, number: int, most: float) -> Box:
-    """A box of about `most` samples of a level, where the values that its survey kept vary most."""
-    shape = volume._levels[number].array.shape
+def _busiest(shape: Sequence[int], survey: Survey, most: float) -> Box:
+    """A box of about `most` samples of a level of this shape, where the values that its survey kept vary most."""
     side = max(LEAST_SIDE, int(round(most ** (1 / 3), 6)))
     size = [min(n, side) for n in shape]
-    steps, strided = volume.survey(number, "linear").finest()
+    steps, strided = survey.finest()
     best, first = -1.0, [(n - s) // 2 for n, s in zip(shape, size, strict=True)]
     for z in range(0, shape[0] - size[0] + 1, max(size[0] // 2, 1)):
         for y in range(0, shape[1] - size[1] + 1, max(size[1] // 2, 1)):

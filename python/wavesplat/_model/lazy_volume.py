@@ -27,9 +27,9 @@ from wavesplat._model.crop import Crop
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
 from wavesplat._model.lazy_array import LazyArray, lazy_array
-from wavesplat._model.lazy_changes import look_again
+from wavesplat._model.lazy_changes import LazyCache, look_again
 from wavesplat._model.stack import Box
-from wavesplat._model.survey import Survey, kept_survey, surveyed
+from wavesplat._model.survey import KeepOn, Survey, kept_survey, surveyed
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
@@ -68,27 +68,6 @@ class Level:
         """Distances between neighbouring samples along x, y, z."""
         x, y, z = (float(step) for step in affine.spacing_of(self.world_from_index))
         return x, y, z
-
-
-class LazyCache:
-    """Cache of the lazy volumes that read the same levels with the same budget: surveys, and data made of them.
-
-    n_changes : number of changes found in the files so far.
-    """
-
-    def __init__(self, n_changes: int) -> None:
-        self.n_changes = n_changes
-        #: Number of calls of `forget`, by which scenes see whether their looks still fit the samples.
-        self.generation = 0
-        #: Surveys by level and kernel, and data made of them, the latest last.
-        self.surveys: dict[tuple[int, str], Survey] = {}
-        self.derived: dict[Any, Any] = {}
-
-    def forget(self) -> None:
-        """Drop everything: the samples have changed."""
-        self.surveys.clear()
-        self.derived.clear()
-        self.generation += 1
 
 
 def default_memory() -> int:
@@ -277,7 +256,7 @@ class LazyVolume(Volume):
         level = self._surveyed_level()
         if math.prod(self._levels[level].array.shape) <= SMALL:
             return True
-        return self.known_survey(level, "linear") is not None or (level, "linear") in self._cache.surveys
+        return self.known_survey(level, "linear") is not None or (level, "linear", None) in self._cache.surveys
 
     @property
     def fits_in_budget(self) -> bool:
@@ -394,11 +373,13 @@ class LazyVolume(Volume):
 
     # Data for pictures.
 
-    def survey(self, level: int, kernel: str, progress: Callable[[float], object] | None = None) -> Survey:
-        """The survey of a level, by one pass over its samples; made once."""
+    def survey(self, level: int, kernel: str, box: Box | None = None, keep_on: KeepOn = None) -> Survey:
+        """The survey of a level, by one pass over its samples, or those in a box (`box_of_crop`); made once."""
         self.notice_changes()
-        found = self._cache.surveys.get((level, kernel))
+        found = self._cache.surveys.get((level, kernel, box))
         if found is None:
+            from wavesplat._model.lazy_parts import shown_part
+
             own = self._levels[level]
             found = surveyed(
                 self.arrays(level),
@@ -407,30 +388,33 @@ class LazyVolume(Volume):
                 self._memory,
                 keep=self._keep,
                 holes=self._holes,
-                progress=progress,
+                part=None if box is None else shown_part(self, level, box),
+                keep_on=keep_on,
             )
-            self._cache.surveys[level, kernel] = found
+            self._cache.surveys[level, kernel, box] = found
         return found
 
-    def known_survey(self, level: int, kernel: str) -> Survey | None:
+    def known_survey(self, level: int, kernel: str, box: Box | None = None) -> Survey | None:
         """The survey of a level, bounds included, if it is there without reading samples; else None."""
         self.notice_changes()
-        found = self._cache.surveys.get((level, kernel))
+        found = self._cache.surveys.get((level, kernel, box))
+        if box is not None:
+            return found if found is not None and found.core.has_bounds else None
         if found is None or not found.core.has_bounds:
             found = kept_survey(
                 self._levels[level].array, self._levels[level].world_from_index, kernel, self._memory, self._keep
             )
         return found
 
-    def packed_surveys(self, level: int, kernel: str) -> bytes:
-        """The surveys of a level, pickled for another process."""
+    def packed_surveys(self, level: int, kernel: str, box: Box | None) -> bytes:
+        """The surveys of a level, or of a box of it, pickled for another process."""
         found = {}
         for own in {kernel, "linear"} if level > 0 else {kernel}:
-            survey = self.survey(level, own)
+            survey = self.survey(level, own, box)
             if not survey.core.has_bounds:
-                self._cache.surveys.pop((level, own))
-                survey = self.survey(level, own)
-            found[level, own] = survey
+                self._cache.surveys.pop((level, own, box))
+                survey = self.survey(level, own, box)
+            found[level, own, box] = survey
         return pickle.dumps(found)
 
     def take_surveys(self, packed: bytes) -> None:
@@ -448,7 +432,7 @@ class LazyVolume(Volume):
                 return found
         from wavesplat._model.lazy_parts import nearest_every
 
-        return nearest_every(self, self._levels[told_by], told_by, step)
+        return nearest_every(self, self._levels[told_by], told_by, (step, step, step))
 
     def _with_neighbours(self, step: int) -> tuple[NDArray[Any], list[tuple[NDArray[Any], NDArray[Any]]]] | None:
         """Samples `step` apart and their neighbours along each axis, as its survey kept them; None of a pyramid."""
@@ -481,18 +465,18 @@ class LazyVolume(Volume):
             found = self._cache.derived["overview", level] = read_box(array, ((0, 0, 0), array.shape))
         return found
 
-    def core_of(self, level: int, kernel: str, progress: Callable[[float], object] | None = None) -> _native.LazyVolume:
-        """The compiled module's `LazyVolume` of a level, which plans frames."""
+    def core_of(self, level: int, kernel: str, box: Box | None = None, keep_on: KeepOn = None) -> _native.LazyVolume:
+        """The compiled module's `LazyVolume` of a level, which plans frames; `box`: the only part that is read."""
         self.notice_changes()
-        key = level, kernel
+        key = level, kernel, box
         core: _native.LazyVolume | None = self._cache.derived.pop(key, None)
         if core is None:
             from wavesplat._model.lazy_parts import level_in_finest
 
-            own, survey = self._levels[level], self.survey(level, kernel, progress)
+            own, survey = self._levels[level], self.survey(level, kernel, box, keep_on)
             if not survey.core.has_bounds:  # an earlier `_native.LazyVolume` took them
-                self._cache.surveys.pop((level, kernel))
-                survey = self.survey(level, kernel, progress)
+                self._cache.surveys.pop(key)
+                survey = self.survey(level, kernel, box, keep_on)
             core = _native.LazyVolume(
                 self.name,
                 own.array.shape,
@@ -504,7 +488,7 @@ class LazyVolume(Volume):
                 light=0,
                 chunk=own.array.chunks,
                 sample_bytes=own.array.dtype.itemsize,
-                level=level_in_finest(self, level),
+                level=level_in_finest(self, level, box),
             )
             survey.forget_bounds()
         self._cache.derived[key] = core

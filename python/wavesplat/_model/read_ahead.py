@@ -273,6 +273,11 @@ def cells(box: Box, chunks: Sequence[int], most: int) -> list[Box]:
     return [((z[0], y[0], x[0]), (z[1], y[1], x[1])) for z in ranges[0] for y in ranges[1] for x in ranges[2]]
 
 
+def n_in(box: Box) -> int:
+    """Number of samples in a box."""
+    return math.prod(b - a for a, b in zip(*box, strict=True))
+
+
 def copy_overlap(before: NDArray[Any], of: Box, samples: NDArray[Any], held: Box) -> None:
     """Copy the intersection of the boxes `of` and `held` from `before`, the samples of `of`, to those of `held`."""
     low = [max(a, b) for a, b in zip(of[0], held[0], strict=True)]

@@ -16,7 +16,8 @@ import zlib
 from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import suppress
-from typing import Any
+from dataclasses import dataclass
+from typing import Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,11 +27,11 @@ from wavesplat._files.cache_folder import CacheFolder, default_folder
 from wavesplat._files.memory import trim_heap
 from wavesplat._files.paths import expanded
 from wavesplat._model.lazy_array import LazyArray
-from wavesplat._model.read_ahead import FOR_UNPACKING, Box, BoxReader, Pending, cells, check_budget
+from wavesplat._model.read_ahead import FOR_UNPACKING, Box, BoxReader, Pending, cells, check_budget, n_in
 from wavesplat._model.thinned_samples import LookSamples
 from wavesplat.errors import ArgumentError, CancelledError, WavesplatError
 
-__all__ = ["Survey", "kept_survey", "surveyed"]
+__all__ = ["KeepOn", "ShownPart", "Survey", "kept_survey", "surveyed"]
 
 #: Version of the cached files.
 FORMAT = 5
@@ -47,6 +48,23 @@ Shape = tuple[int, int, int]
 #: A folder, and the name of a file in it.
 Place = tuple[CacheFolder, str]
 Matrix = NDArray[np.float64]
+#: Asked between reads whether to go on; None always goes on.
+KeepOn: TypeAlias = Callable[[], object] | None
+
+
+@dataclass(frozen=True)
+class ShownPart:
+    """The only part of a level that is read, since a crop hides the rest, and the rest as a coarser level has it.
+
+    box : samples (z, y, x) that are read, first and end.
+    value_range : smallest and largest sample of the coarser level.
+    light : the samples of the coarser level nearest to those that light is computed from, [z, y, x]. Matter that a crop
+        hides shades what is left, so light needs samples from beyond the box.
+    """
+
+    box: Box
+    value_range: tuple[float, float]
+    light: NDArray[np.float32]
 
 
 class Survey:
@@ -62,8 +80,11 @@ class Survey:
         light_step: Shape,
         looks: LookSamples,
         is_from_cache: bool = False,
+        is_whole: bool = True,
     ) -> None:
         self.shape = shape
+        #: Whether all samples were read; else `looks` holds those of a part alone.
+        self.is_whole = is_whole
         #: Samples for looks, cameras and kinds of data.
         self.looks = looks
         #: Whether it comes from a cache folder: no sample was read for it.
@@ -95,14 +116,15 @@ class Survey:
         """The closest samples that were kept, and the steps between them; `is_cube`: equal along the axes."""
         step, samples = self.looks.finest
         of_looks, of_light = (step, step, step), self.light_step
-        if math.prod(of_looks) <= math.prod(of_light) or (is_cube and len(set(of_light)) > 1):
+        is_best = math.prod(of_looks) <= math.prod(of_light) or (is_cube and len(set(of_light)) > 1)
+        if self.is_whole and is_best:
             return of_looks, samples
         return of_light, self.core.strided(0)
 
     def __reduce__(self) -> tuple[Any, ...]:
         parts = {name: (core.parts(), core.statistics) for name, core in self._cores()}
         place = self.shape, self.kernel, self.light_step
-        return _unpacked, (place, parts, self.looks, self.is_from_cache)
+        return _unpacked, (place, parts, self.looks, self.is_from_cache, self.is_whole)
 
     def _cores(self) -> list[tuple[str, _native.Survey]]:
         pairs = (("samples", self.core), ("prepared", self.prepared))
@@ -110,7 +132,7 @@ class Survey:
 
 
 def _unpacked(
-    place: tuple[Shape, str, Shape], parts: dict[str, Any], looks: LookSamples, is_from_cache: bool
+    place: tuple[Shape, str, Shape], parts: dict[str, Any], looks: LookSamples, is_from_cache: bool, is_whole: bool
 ) -> Survey:
     (shape, kernel, step), made = place, {}
     for name, ((side, bounds, strided), statistics) in parts.items():
@@ -125,6 +147,7 @@ def _unpacked(
         light_step=step,
         looks=looks,
         is_from_cache=is_from_cache,
+        is_whole=is_whole,
     )
 
 
@@ -136,13 +159,16 @@ def surveyed(
     *,
     keep: bool | str | os.PathLike[str] = True,
     holes: bool = False,
-    progress: Callable[[float], object] | None = None,
+    part: ShownPart | None = None,
+    keep_on: KeepOn = None,
 ) -> Survey:
     """The cached survey, or a new one, which reads all samples; twice for B-spline coefficients or missing samples.
 
     memory : bytes; a quarter is for bounds, so that bricks are larger where there is less.
     keep : True for the cache folder, the name of another folder, or False.
     holes : samples that cannot be read count as 0; the survey is not cached then.
+    part : reads the samples of this box alone; the survey is not cached then.
+    keep_on : called after each box; False ends the pass with a `CancelledError`.
     """
     if hasattr(array, "survey"):  # of the parts of several processes, which have looked through their own
         found: Survey = array.survey(kernel)
@@ -153,10 +179,9 @@ def surveyed(
     if array.files is not None:
         # The files as they are before the first read; what is read later from files in another state is an error.
         array.files.begin()
-    place = _place_of(array, world_from_index, kernel, keep)
+    place = None if part else _place_of(array, world_from_index, kernel, keep)
     if place is not None and (known := _kept(place, array, kernel, light_step, memory)) is not None:
         return known
-    n_passes = 2 if kernel.startswith("bspline") else 1
     core = _native.Survey(shape, kernel, memory // 4, [light_step])
     looks = LookSamples(shape, array.dtype)
 
@@ -164,13 +189,15 @@ def surveyed(
         core.add(samples, box[0])
         looks.take(samples, box[0])
 
-    n_missing = _read_all(array, memory, add_samples, holes, _part_of(progress, 0, n_passes))
+    boxes = _steps(array, memory, part)
+    n_missing = _read_all(array, boxes, memory, add_samples, holes=holes, keep_on=keep_on)
+    core = _completed(core, part, shape, kernel, light_step)
     low, high, n_nonfinite = core.statistics
     if not low <= high:
         raise ArgumentError(f"volume {array.name!r}: none of its samples is finite, so there is nothing to draw")
     prepared = None
-    if n_passes == 2 or n_nonfinite:
-        made = prepared = _native.Survey(shape, kernel, memory // 4, [light_step])
+    if kernel.startswith("bspline") or n_nonfinite:
+        made = _native.Survey(shape, kernel, memory // 4, [light_step])
 
         def add(samples: NDArray[Any], box: Box, held: Box) -> None:
             made.add_prepared(samples, held[0], box, kernel, (low, high, n_nonfinite), world_from_index)
@@ -178,9 +205,9 @@ def surveyed(
         def around(box: Box) -> Box:
             return _native.samples_for(shape, box, kernel, n_nonfinite, world_from_index)
 
-        told = _part_of(progress, n_passes - 1, n_passes)
-        _read_prepared(array, memory, around, add, holes=holes, progress=told)
-    survey = Survey(shape, core, prepared, kernel, light_step=light_step, looks=looks)
+        _read_prepared(array, boxes, memory, around, add, holes=holes, keep_on=keep_on)
+        prepared = _completed(made, part, shape, kernel, light_step)
+    survey = Survey(shape, core, prepared, kernel, light_step=light_step, looks=looks, is_whole=part is None)
     if place is not None and not n_missing:
         with suppress(OSError):  # a full disk must not keep a picture from being drawn
             _keep(place, survey)
@@ -197,31 +224,43 @@ def kept_survey(
     return None if place is None else _kept(place, array, kernel, step, memory)
 
 
-def _part_of(progress: Callable[[float], object] | None, number: int, n: int) -> Callable[[float], object] | None:
-    return None if progress is None else lambda done: progress((number + done) / n)
-
-
-def _report(progress: Callable[[float], object] | None, done: float) -> None:
-    if progress is not None and progress(done) is False:
+def _check_going_on(keep_on: KeepOn) -> None:
+    if keep_on is not None and keep_on() is False:
         raise CancelledError("looking through the samples was cancelled by the progress callback")
 
 
-def _steps(array: LazyArray, memory: int) -> list[Box]:
-    """Boxes along the chunks that fill the volume, each read at once."""
-    whole: Box = ((0, 0, 0), array.shape)
+def _completed(
+    core: _native.Survey, part: ShownPart | None, shape: Shape, kernel: str, light_step: Shape
+) -> _native.Survey:
+    """A survey of a part, with range and samples for light of the rest by the coarser level."""
+    if part is None:
+        return core
+    side, bounds, strided = core.parts()
+    low, high, n_nonfinite = core.statistics
+    inside = tuple(slice(-(-a // n), -(-b // n)) for a, b, n in zip(*part.box, light_step, strict=True))
+    light = part.light.copy()
+    light[inside] = strided[0][inside]
+    statistics = min(low, part.value_range[0]), max(high, part.value_range[1]), n_nonfinite
+    return _native.Survey.from_parts(shape, kernel, side, statistics, bounds, [(light_step, light)])
+
+
+def _steps(array: LazyArray, memory: int, part: ShownPart | None) -> list[Box]:
+    """Boxes along the chunks that fill the volume, or the part that is shown, each read at once."""
+    whole: Box = ((0, 0, 0), array.shape) if part is None else part.box
     most = min(STEP_BYTES, max(memory // 16, 1)) // array.dtype.itemsize
     return cells(whole, array.chunks, max(most, 1))
 
 
 def _read_all(
     array: LazyArray,
+    boxes: Sequence[Box],
     memory: int,
     add: Callable[[NDArray[Any], Box], None],
+    *,
     holes: bool,
-    progress: Callable[[float], object] | None,
+    keep_on: KeepOn,
 ) -> int:
     """Read every box once, the next ones ahead; return the number of chunks that could not be read."""
-    boxes = _steps(array, memory)
     with BoxReader([array], holes=[0.0] if holes else None, memory=int(memory * FOR_UNPACKING)) as reader:
         pending = deque[Pending]()
         n_begun, n_ahead = 0, _n_ahead(array, boxes, memory)
@@ -231,27 +270,27 @@ def _read_all(
                 n_begun += 1
             add(pending.popleft().result(), box)
             trim_heap()
-            _report(progress, (k + 1) / len(boxes))
+            _check_going_on(keep_on)
         return len(reader.counts.holes)
 
 
 def _n_ahead(array: LazyArray, boxes: Sequence[Box], memory: int) -> int:
     """Boxes that are read ahead: those that a quarter of the budget holds beside the one that is looked through."""
-    one = max(math.prod(b - a for a, b in zip(*box, strict=True)) for box in boxes) * array.dtype.itemsize
+    one = max(n_in(box) for box in boxes) * array.dtype.itemsize
     return min(max(2, array.n_readers) - 1, max(memory // 4 // one - 1, 0))
 
 
 def _read_prepared(
     array: LazyArray,
+    boxes: Sequence[Box],
     memory: int,
     around: Callable[[Box], Box],
     add: Callable[[NDArray[Any], Box, Box], None],
     *,
     holes: bool,
-    progress: Callable[[float], object] | None,
+    keep_on: KeepOn,
 ) -> None:
     """Read every box together with the samples that `around` says it needs."""
-    boxes = _steps(array, memory)
     with BoxReader([array], holes=[0.0] if holes else None, memory=int(memory * FOR_UNPACKING)) as reader:
         held = around(boxes[0])
         pending = reader.begin(0, held, [held])
@@ -263,7 +302,7 @@ def _read_prepared(
             add(samples, box, own)
             del samples
             trim_heap()
-            _report(progress, (k + 1) / len(boxes))
+            _check_going_on(keep_on)
 
 
 def _place_of(

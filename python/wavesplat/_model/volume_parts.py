@@ -23,6 +23,7 @@ from wavesplat._model.convert_from import converted
 from wavesplat._model.facts import Facts
 from wavesplat._model.lazy_checks import DEFAULT_SIDE, renderable_type
 from wavesplat._model.lazy_volume import LazyVolume, lazily
+from wavesplat._model.read_ahead import n_in
 from wavesplat._model.survey import Survey
 from wavesplat._model.thinned_samples import LookSamples
 from wavesplat._model.volume import _checked_affine, _checked_facts
@@ -359,7 +360,7 @@ def _check_tiling(known: list[Overview], own: Box, shape: Shape, name: str) -> N
                 f"parts of {name!r} overlap: {_text_of(one)}, and {_text_of(other)}; own samples, without ghost "
                 "samples, must be of one part only"
             )
-    n_own = sum(math.prod(b - a for a, b in zip(*box, strict=True)) for box in boxes)
+    n_own = sum(n_in(box) for box in boxes)
     if n_own != math.prod(shape):
         raise ArgumentError(
             f"the parts of {name!r} have {n_own} samples of {math.prod(shape)}; give the overviews of all of them"

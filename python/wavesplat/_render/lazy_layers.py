@@ -5,8 +5,9 @@ Fields that colour layers are sources of samples too: they come after the layers
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,8 +16,9 @@ from wavesplat import _native
 from wavesplat._files.file_states import FileChangedError
 from wavesplat._model.camera import Camera
 from wavesplat._model.lazy_array import LazyArray, lazy_array
+from wavesplat._model.lazy_parts import box_of_crop, corners_of_crop
 from wavesplat._model.lazy_volume import LazyVolume, Level, lazily
-from wavesplat._model.read_ahead import ReadCounts, check_budget
+from wavesplat._model.read_ahead import Box, ReadCounts, check_budget
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._render.arguments import chosen_labels
@@ -29,6 +31,7 @@ if TYPE_CHECKING:
     from wavesplat._looks.shading import Shading
     from wavesplat._looks.transfer_function import TransferFunction
     from wavesplat._looks.transfer_function_2d import TransferFunction2D
+    from wavesplat._model.crop import Crop
     from wavesplat._model.cutting import Boxes
     from wavesplat._render.options import DrawOptions
 
@@ -44,6 +47,8 @@ class LazyLayers:
 
     volumes: list[LazyVolume]
     levels: list[int]
+    #: The only box of each level that is read, where a crop hides the rest.
+    boxes: list[Box | None]
     options: DrawOptions
     #: Number of changes of each volume's samples that were found before.
     n_changes: list[int]
@@ -55,8 +60,12 @@ class LazyLayers:
         camera: Camera,
         size: tuple[int, int],
         options: DrawOptions,
+        crop: Crop | None,
     ) -> LazyLayers | None:
-        """Volumes of layers, then of fields, as lazy ones; None where none is lazy, and nothing asks for blocks."""
+        """Volumes of layers, then of fields, as lazy ones; None where none is lazy, and nothing asks for blocks.
+
+        crop : the box that is drawn, in the world or in samples of the first volume.
+        """
         is_asked_for = options.segments is not None or options.client is not None
         if not is_asked_for and not any(isinstance(volume, LazyVolume) for volume in volumes):
             return None
@@ -67,7 +76,14 @@ class LazyLayers:
             )
         lazy = [_lazily(volume) for volume in volumes]
         levels = [volume.level_for(lambda level: pixel_in_samples(level, camera, size)) for volume in lazy]
-        return cls(lazy, levels, options, [volume.n_changes_of_files() for volume in lazy])
+        corners = None if crop is None else corners_of_crop(lazy[0], crop)
+        boxes = [box_of_crop(volume, level, corners) for volume, level in zip(lazy, levels, strict=True)]
+        return cls(lazy, levels, boxes, options, [volume.n_changes_of_files() for volume in lazy])
+
+    @property
+    def _places(self) -> Iterator[tuple[LazyVolume, int, Box | None]]:
+        """Each volume with its level and the box of it that is read."""
+        return zip(self.volumes, self.levels, self.boxes, strict=True)
 
     def for_module(
         self,
@@ -77,7 +93,10 @@ class LazyLayers:
     ) -> list[tuple[Any, Any, Any, Any]]:
         """The layers for the compiled module: volume, transfer function, light, and the field that colours it."""
         kernel = self.options.kernel
-        cores = [volume.core_of(level, kernel) for volume, level in zip(self.volumes, self.levels, strict=True)]
+        progress = self.options.progress
+        # Nothing is drawn yet, but whoever watches may cancel.
+        keep_on = None if progress is None else partial(progress, 0.0)
+        cores = [volume.core_of(level, kernel, box, keep_on) for volume, level, box in self._places]
         of_layers, of_fields = cores[: len(functions)], iter(cores[len(functions) :])
         fields = [None if color is None else (next(of_fields), color._core) for color in colors]
         return [
@@ -98,7 +117,7 @@ class LazyLayers:
     def _where_surveys_are_from(self) -> list[str]:
         """Origin of each source's range and bounds: the cache, or a pass over the samples."""
         kernel = self.options.kernel
-        surveys = [volume.survey(level, kernel) for volume, level in zip(self.volumes, self.levels, strict=True)]
+        surveys = [volume.survey(level, kernel, box) for volume, level, box in self._places]
         return [FROM_CACHE if survey.is_from_cache else "computed" for survey in surveys]
 
     @property
@@ -112,7 +131,7 @@ class LazyLayers:
         if not all(volume.holes for volume in self.volumes):
             return None
         kernel = self.options.kernel
-        return [v.survey(k, kernel).value_range[0] for v, k in zip(self.volumes, self.levels, strict=True)]
+        return [volume.survey(level, kernel, box).value_range[0] for volume, level, box in self._places]
 
     @property
     def memory(self) -> int:
@@ -173,8 +192,8 @@ class FrameSpec:
     def with_surveys(self) -> FrameSpec:
         """The specification with surveys of the samples."""
         kernel = self.layers.options.kernel
-        pairs = zip(self.layers.volumes, self.layers.levels, strict=True)
-        return replace(self, surveys=[volume.packed_surveys(level, kernel) for volume, level in pairs])
+        packed = [volume.packed_surveys(level, kernel, box) for volume, level, box in self.layers._places]
+        return replace(self, surveys=packed)
 
     @property
     def arrays(self) -> list[LazyArray]:

@@ -21,6 +21,7 @@ from functools import partial
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wavesplat import _native
 from wavesplat._cluster.machines import MAX_TASKS
@@ -31,6 +32,8 @@ from wavesplat._looks.shading import Shading
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.camera import Camera
+from wavesplat._model.crop import Crop
+from wavesplat._model.lazy_parts import box_of_crop, corners_of_crop
 from wavesplat._model.lazy_volume import LazyVolume, Level
 from wavesplat._model.read_ahead import (
     FOR_UNPACKING,
@@ -38,6 +41,7 @@ from wavesplat._model.read_ahead import (
     UNPACKED_TIMES,
     cells,
     check_budget,
+    n_in,
     unpacked_bytes,
 )
 from wavesplat._model.volume import Volume
@@ -88,6 +92,9 @@ class Cost:
         samples before the first picture reads them once more.
     memory : int
         Bytes that a worker's process takes at most, Python and its libraries included.
+    bytes_surveyed : int
+        Bytes of the pass that looks through the samples before the first picture; 0 where that was done before. Of a
+        crop of a pyramid it reads the crop's chunks alone.
     partial_bytes : int
         Bytes of partial pictures that are merged; 0 without segments.
     geometry_bytes : int
@@ -108,6 +115,7 @@ class Cost:
     boxes: int
     bytes_stored: int
     bytes_read: int
+    bytes_surveyed: int
     is_known: bool
     memory: int
     partial_bytes: int
@@ -124,7 +132,8 @@ class Cost:
         known = (
             "what shows nothing left out"
             if self.is_known
-            else "nothing is known of the samples, so all of them, after a first pass over them"
+            else f"nothing is known of the samples, so all that the picture can show, after a first pass over "
+            f"{byte_size(self.bytes_surveyed)}"
         )
         tasks = f"{self.tasks} tasks for {self.workers} workers of {self.cores} cores"
         share = f"{self.bytes_read / max(self.bytes_stored, 1):.2f} of the level ({known})"
@@ -163,6 +172,7 @@ def plan(
     read_rate: float | str | None = None,
     draw_ns: float | None = None,
     geometry: Any = None,
+    crop: Crop | None = None,
 ) -> Cost:
     """Estimate the cost of a picture of a lazy volume, on this machine or on many, before it is drawn.
 
@@ -174,7 +184,7 @@ def plan(
     size : (width, height), default (512, 512)
         Pixels.
     camera : Camera, optional
-        None is a three-quarter view of all of it.
+        None is a three-quarter view of all of it, or of the crop.
     workers, cores : int
         Machines, and cores of each; None is those of this one.
     memory : str or number, optional
@@ -188,6 +198,8 @@ def plan(
     geometry : shape or list of them, optional
         Surfaces, lines, points, slices and frames in the picture, as for `render`: their memory, and their way to the
         workers. Slices are not made for it.
+    crop : Crop, optional
+        The box that is drawn.
 
     Returns
     -------
@@ -220,7 +232,8 @@ def plan(
         raise ArgumentError(f"camera is {described(camera)}; give a wavesplat.Camera or None")
     checked_size(size)
     n_geometry = 0 if geometry is None else bytes_of_geometry(geometry, volume)
-    eye = camera or Camera.orbit(volume, *natural_view(volume), aspect=size[0] / max(size[1], 1))
+    corners, aspect = _shown_corners(volume, crop), size[0] / max(size[1], 1)
+    eye = camera or Camera.orbit(volume, *natural_view(volume), aspect=aspect, points=corners)
     width, height = checked_size(size)
     number = volume.level_for(lambda level: pixel_in_samples(level, eye, (width, height)))
     level = volume._levels[number]
@@ -228,14 +241,16 @@ def plan(
     check_budget([level.array], budget)
     n_blocks = 1 if workers == 1 else BLOCKS_PER_WORKER * workers
     base = resident_bytes() or PROCESS_BYTES
-    survey = volume.known_survey(number, "linear") if volume.is_looked_through else None
+    box = box_of_crop(volume, number, corners)
+    survey = volume.known_survey(number, "linear", box) if volume.is_looked_through else None
     options = DrawOptions(size=(width, height), segments=segments, device="cpu")
     if survey is None:
-        stream, shares = _stream(_core_of(volume, level), eye, options, Streaming(budget, n_blocks, segments)), Shares()
+        streaming = Streaming(budget, n_blocks, segments)
+        stream, shares = _stream(_core_of(volume, level), eye, options, streaming, corners), Shares()
     else:
-        spec = replace(frame_of(volume, None, camera, options), n_blocks=n_blocks, memory=budget)
+        spec = replace(frame_of(volume, None, camera, options, crop), n_blocks=n_blocks, memory=budget)
         stream = spec.stream()
-        shares = rehearsed(spec, stream.n_blocks, level, survey)
+        shares = rehearsed(spec, stream.n_blocks, level, survey, corners)
     costs = [round(shares.read * n) for n in stream.bytes_to_read()]
     n_segments = sum(len(stream.segments(block)) for block in range(stream.n_blocks))
     steps = sum(stream.n_steps(block) for block in range(stream.n_blocks))
@@ -274,6 +289,7 @@ def plan(
         boxes=stream.n_boxes(),
         bytes_stored=math.prod(level.array.shape) * itemsize,
         bytes_read=sum(costs),
+        bytes_surveyed=0 if survey else itemsize * n_in(box or ((0, 0, 0), level.array.shape)),
         is_known=survey is not None,
         memory=base + held + rays + SHAPE_COPIES * n_geometry + _memory_beside(level, budget),
         partial_bytes=partial,
@@ -329,8 +345,23 @@ def _bounds_bytes(shape: Sequence[int], side: int) -> int:
     return 8 * math.prod(-(-(n - 1) // side) for n in shape)
 
 
-def _stream(core: _native.LazyVolume, camera: Camera, options: DrawOptions, streaming: Streaming) -> _native.Stream:
-    """The stream of a volume of which nothing is known."""
+def _shown_corners(volume: LazyVolume, crop: Crop | None) -> NDArray[np.float64] | None:
+    """The corners of a crop in the world, shape (8, 3), within the bounds of the volume."""
+    if crop is None:
+        return None
+    if not isinstance(crop, Crop):
+        raise ArgumentError(f"crop is {described(crop)}; give a wavesplat.Crop or None")
+    return np.clip(corners_of_crop(volume, crop), *volume.bounds)
+
+
+def _stream(
+    core: _native.LazyVolume,
+    camera: Camera,
+    options: DrawOptions,
+    streaming: Streaming,
+    corners: NDArray[np.float64] | None,
+) -> _native.Stream:
+    """The stream of a volume of which nothing is known; `corners`: of the box that is drawn."""
     drawn, size = [(core, ALL_SEEN._core, None, None)], options.size
     sheets, texels = _native.quality_settings("normal", drawn, ("over", []), camera._core, size[1])
     frame: Any = {
@@ -345,7 +376,7 @@ def _stream(core: _native.LazyVolume, camera: Camera, options: DrawOptions, stre
         "psnr": None,
         "like": None,
         "crop_index": None,
-        "crop_world": None,
+        "crop_world": None if corners is None else (tuple(corners.min(axis=0)), tuple(corners.max(axis=0))),
         "clip_planes": [],
         "background": None,
         "threads": None,

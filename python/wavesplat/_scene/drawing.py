@@ -512,7 +512,7 @@ def _rendered(
 ) -> tuple[_native.RenderResult, dict[str, Any]]:
     """Result of the compiled module for layers, and its report."""
     options, (width, height), operator = frame.options, frame.size, frame.operator
-    lazy = LazyLayers.of(sources_of(layers), frame.camera, frame.size, options)
+    lazy = LazyLayers.of(sources_of(layers), frame.camera, frame.size, options, frame.scene._clipping.crop)
     faded = [_with_opacity(frame, layer, function) for layer, function in zip(layers, functions, strict=True)]
     lights = [_light(frame.scene, layer, frame.light) for layer in layers]
     colors = colors_of(layers, faded, operator)

@@ -10,10 +10,12 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from wavesplat._looks.look import Look
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model.camera import Camera
+from wavesplat._model.crop import Crop
 from wavesplat._model.lazy_array import SlicedArray
 from wavesplat._model.lazy_volume import LazyVolume, Level, lazily
 from wavesplat._model.survey import Survey
@@ -39,7 +41,9 @@ class Shares:
     drawn: float = 1.0
 
 
-def frame_of(volume: Volume, look: Look | None, camera: Camera | None, options: DrawOptions) -> FrameSpec:
+def frame_of(
+    volume: Volume, look: Look | None, camera: Camera | None, options: DrawOptions, crop: Crop | None = None
+) -> FrameSpec:
     """The frame that `render` streams for a lazy volume; nothing is read but what its look needs."""
     found: list[FrameSpec] = []
 
@@ -48,15 +52,22 @@ def frame_of(volume: Volume, look: Look | None, camera: Camera | None, options: 
         raise CancelledError("only planned")
 
     try:
-        draw(Scene(volume, look), camera, replace(options, before_plan=keep))
+        draw(Scene(volume, look, clip=crop or ()), camera, replace(options, before_plan=keep))
     except CancelledError:
         if not found:
             raise
     return found[0]
 
 
-def rehearsed(spec: FrameSpec, n_blocks: int, level: Level, survey: Survey) -> Shares:
-    """Shares of a frame of one layer, in as many blocks."""
+def rehearsed(
+    spec: FrameSpec, n_blocks: int, level: Level, survey: Survey, corners: NDArray[np.float64] | None
+) -> Shares:
+    """Shares of a frame of one layer, in as many blocks; 1 where the survey is of a crop alone.
+
+    corners : the corners of the crop in the world, shape (8, 3).
+    """
+    if not survey.is_whole:
+        return Shares()
     # The closest samples: chunks of few samples would be put together to deeper steps than the picture's.
     (step, *_), samples = survey.finest(is_cube=True)
     samples = samples.astype(level.array.dtype)
@@ -77,7 +88,8 @@ def rehearsed(spec: FrameSpec, n_blocks: int, level: Level, survey: Survey) -> S
     scale = min(1.0, MAX_PIXELS / max(width, height))
     size = max(1, round(scale * width)), max(1, round(scale * height))
     look = Look(transfer_function=function, shading=spec.lights[0], composite=spec.arguments["composite"])
-    own = frame_of(thinned, look, spec.camera, DrawOptions(size=size, device="cpu"))
+    crop = None if corners is None else Crop(corners.min(axis=0), corners.max(axis=0))
+    own = frame_of(thinned, look, spec.camera, DrawOptions(size=size, device="cpu"), crop)
     own = replace(own, n_blocks=n_blocks)
     try:
         # Steps are as deep, in the world, as those of the frame within its budget.

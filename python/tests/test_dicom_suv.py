@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from datetime import datetime, timedelta
 
 import numpy as np
@@ -301,28 +302,67 @@ def test_times_are_in_uptake_too(tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("attributes", "unit"),
+    ("attributes", "unit", "told"),
     [
-        ({"modality": "CT"}, "HU"),
-        ({"modality": "CT", "RescaleType": "HU"}, "HU"),
-        ({"modality": "CT", "RescaleType": "MGML"}, "mg/ml"),
-        ({"modality": "MR"}, "a.u."),
-        ({"modality": "MR", "RescaleType": "normalized"}, "a.u."),
-        ({"modality": "MR", "RescaleType": "10^-6 mm^2/s"}, "10^-6 mm^2/s"),
-        ({"modality": "PT", "Units": "CPS"}, "counts/s"),
-        ({"modality": "RTDOSE", "DoseUnits": "GY"}, "Gy"),
-        ({"modality": "RTDOSE", "DoseUnits": "RELATIVE"}, "relative dose"),
-        ({"modality": "XA"}, None),
-        ({"modality": "CT", "RescaleSlope": 0}, None),
+        ({"modality": "CT"}, "HU", ""),
+        ({"modality": "CT", "RescaleType": "HU"}, "HU", ""),
+        ({"modality": "CT", "RescaleType": "MGML"}, "mg/ml", ""),
+        ({"modality": "CT", "RescaleType": "EDW"}, "electron density of water", ""),
+        ({"modality": "CT", "RescaleType": "US"}, "HU", "as of every CT: RescaleType .* is US, and names no unit"),
+        ({"modality": "CR", "RescaleType": "OD"}, "10⁻³ optical density", ""),
+        ({"modality": "MR"}, "a.u.", ""),
+        ({"modality": "MR", "RescaleType": "normalized"}, "a.u.", ""),
+        ({"modality": "MR", "RescaleType": "10^-6 mm^2/s"}, "10^-6 mm^2/s", ""),
+        (
+            {"modality": "CT", "RescaleType": "iodine concentration in mg/ml"},
+            "iodine concentration in",
+            "own unit, 'iodine",
+        ),
+        ({"modality": "PT", "Units": "CPS"}, "counts/s", ""),
+        ({"modality": "PT", "Units": "NONE"}, None, ""),
+        ({"modality": "PT", "Units": "STDDEV"}, "standard deviations", ""),
+        ({"modality": "PT", "Units": "KBQML"}, "KBQML", r"'KBQML': Units \(0054,1001\) has a word .* not define"),
+        ({"modality": "PT", "Units": "CM2ML"}, "SUV (body surface)", ""),
+        ({"modality": "PT", "Units": "GML", "SUVType": "XYZ"}, "SUV (XYZ)", "'XYZ': SUVType"),
+        ({"modality": "RTDOSE", "DoseUnits": "GY"}, "Gy", ""),
+        ({"modality": "RTDOSE", "DoseUnits": "RELATIVE"}, "relative dose", ""),
+        ({"modality": "RTDOSE", "DoseUnits": "CGY"}, "CGY", "'CGY': DoseUnits"),
+        ({"modality": "XA"}, None, ""),
+        ({"modality": "CT", "RescaleSlope": 0}, None, ""),
     ],
 )
-def test_units_are_those_of_the_header(tmp_path, attributes, unit):
+def test_units_are_those_of_the_header_or_said_to_be_unknown(tmp_path, attributes, unit, told):
     folder = save(tmp_path / "a", [slice_at(one, n, **attributes) for n, one in enumerate(random(3))])
     if attributes.get("RescaleSlope") == 0:
         with pytest.warns(ws.errors.FileWarning, match="values as they are stored"):
             assert ws.open(folder).value_unit is unit
-    else:
-        assert ws.open(folder).value_unit == unit
+        return
+    volume = ws.open(folder)
+    assert volume.value_unit == unit
+    assert bool(volume.guesses) == bool(told)
+    assert not told or re.search(told, volume.guesses[0])
+
+
+def test_files_of_several_units_are_said_to_be(tmp_path):
+    units = ("HU", "MGML", "HU")
+    folder = save(tmp_path / "a", [slice_at(one, n, RescaleType=units[n]) for n, one in enumerate(random(3))])
+    volume = ws.open(folder)
+    assert volume.value_unit is None
+    assert "files of the series name HU, mg/ml" in volume.guesses[0]
+
+
+@pytest.mark.parametrize(("slope", "unit"), [(2.0, "µm²/s"), (0.5, "a.u.")])
+def test_units_of_real_world_values(tmp_path, slope, unit):
+    """As of parametric maps; where their slope is another, the values that are read are not in that unit."""
+    code = {"CodeValue": "um2/s", "CodingSchemeDesignator": "UCUM", "CodeMeaning": "um2/s"}
+    mapping = {"RealWorldValueSlope": slope, "RealWorldValueIntercept": 0.0, "MeasurementUnitsCodeSequence": code}
+    said = {"modality": "MR", "RescaleSlope": 2, "RescaleIntercept": 0}
+    datasets = [
+        slice_at(one, n, **said, RealWorldValueMappingSequence=sequence(mapping)) for n, one in enumerate(random(3))
+    ]
+    volume = ws.open(save(tmp_path / "a", datasets))
+    assert volume.value_unit == unit
+    assert bool(volume.guesses) == (slope != 2)
 
 
 def test_units_of_frames(tmp_path):

@@ -196,7 +196,7 @@ def _valued(headers: Sequence[Header], request: Request) -> tuple[list[Frame], l
 
 def _value_unit(headers: Sequence[Header], told: Sequence[str]) -> str | None:
     """The unit of the values; None where files differ in it, or `told` says that values are as they are stored."""
-    found = {header.value_unit for header in headers}
+    found = {header.value_unit.name for header in headers}
     is_stored = any(one.startswith(AS_STORED) for one in told)
     if found == {ARBITRARY} and quantity_of_image_type(headers[0].image_type) is not None:
         return None  # of scans, and a map has a scale
@@ -205,7 +205,10 @@ def _value_unit(headers: Sequence[Header], told: Sequence[str]) -> str | None:
 
 def _guesses_of_values(headers: Sequence[Header]) -> list[str]:
     """Assumptions about the stored numbers of these files, a sentence each."""
-    guesses = []
+    guesses = list(dict.fromkeys(header.value_unit.told for header in headers if header.value_unit.told))
+    names = sorted({header.value_unit.name or "none" for header in headers})
+    if len(names) > 1:
+        guesses.append(f"values of several units as if of one: files of the series name {', '.join(names)}")
     n_longer = sum(_is_longer(header) for header in headers)
     if n_longer:
         guesses.append(

@@ -26,7 +26,7 @@ from wavesplat._readers.dicom_mosaic import Picture, Tiles, split_of
 from wavesplat._readers.dicom_pixel_data import PixelData, check_n_frames, pixel_data_at
 from wavesplat._readers.dicom_places import N_FIRST, begins_as_dicom
 from wavesplat._readers.dicom_suv import Tracer, tracer_of
-from wavesplat._readers.dicom_units import unit_of_values
+from wavesplat._readers.dicom_units import ValueUnit, unit_of_values
 from wavesplat._readers.dicom_values import (
     as_numbers,
     first_items,
@@ -45,7 +45,9 @@ if TYPE_CHECKING:
 __all__ = ["INDEX", "Frame", "Header", "content_of", "header_of", "is_dicom"]
 
 #: Functional groups that are read: those with attributes, and of pixels, values, positions, orientations and segments.
-GROUPS = SEQUENCES | {0x0062000A, 0x00289110, 0x00289145, 0x00209113, 0x00209116, 0x0020930E, 0x0020930F}
+GROUPS = SEQUENCES | {
+    *(0x0062000A, 0x00289110, 0x00289145, 0x00209113, 0x00209116, 0x0020930E, 0x0020930F, 0x00409096),
+}
 #: Prefix of the names of attributes by which enhanced files count frames.
 INDEX = "index of "
 #: Approximate memory of the description of a frame, beside its pixels, in bytes.
@@ -122,8 +124,8 @@ class Header:
     #: Distance between slices, for frames without positions.
     slice_step: float
     has_lookup_table: bool
-    #: Unit of the values once slope and intercept are applied; None where it is unknown.
-    value_unit: str | None
+    #: Unit of the values once slope and intercept are applied.
+    value_unit: ValueUnit
     #: Elements that uptake values need; None of files that are no PET.
     tracer: Tracer | None
     #: Whether its axes are a patient's, and not those of a probe.
@@ -178,7 +180,7 @@ def header_of(file: Path) -> Header | None:
         padding=_padding(dataset),
         slice_step=_slice_step(dataset),
         has_lookup_table=0x00283000 in dataset,
-        value_unit=_value_unit(dataset, modality),
+        value_unit=ValueUnit(None),
         tracer=tracer_of(dataset) if modality == "PT" else None,
         is_of_patient=0x0020930F not in _shared_groups(dataset),
         frames=(),
@@ -192,7 +194,8 @@ def header_of(file: Path) -> Header | None:
                 f"the header says {n_frames} frames (NumberOfFrames) and describes {n_groups} of them "
                 f"(PerFrameFunctionalGroupsSequence); copy or export it again: {file}"
             )
-    header = replace(header, frames=tuple(_frames(dataset, file, n_frames)))
+    frames = tuple(_frames(dataset, file, n_frames))
+    header = replace(header, frames=frames, value_unit=_value_unit(dataset, frames[0], modality))
     return _split(header, dataset) if n_frames == 1 else header
 
 
@@ -234,10 +237,9 @@ def _n_frames(dataset: Dataset, file: Path) -> int:
         ) from None
 
 
-def _value_unit(dataset: Dataset, modality: str) -> str | None:
+def _value_unit(dataset: Dataset, frame: Frame, modality: str) -> ValueUnit:
     own = [first_items(group, GROUPS) for group in items(dataset, 0x52009230)[:1]]
-    rescaled = _in_group((*own, _shared_groups(dataset)), 0x00289145)
-    return unit_of_values(dataset, () if rescaled is None else (rescaled,), modality)
+    return unit_of_values(dataset, (*own, _shared_groups(dataset)), modality, (frame.slope, frame.intercept))
 
 
 def _series_number(dataset: Dataset) -> int | None:

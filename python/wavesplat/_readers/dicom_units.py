@@ -1,22 +1,25 @@
-"""Units of DICOM values: of PET, of doses, of rescaled values, and by modality.
+"""Units of DICOM values: of PET, of doses, of rescaled values, of real-world values, and by modality.
 
 Defined terms: Units (0054,1001) and SUVType (0054,1006), DICOM PS3.3 C.8.9.1; DoseUnits (3004,0002), C.8.8.3;
-RescaleType (0028,1054), C.11.1.1.2.
+RescaleType (0028,1054), C.11.1.1.2. Real-world values (C.7.6.16.2.11) have units of UCUM.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+import math
+from collections.abc import Mapping, Sequence
+from typing import Any, NamedTuple
 
-from wavesplat._readers.dicom_values import text
+from wavesplat._readers.dicom_values import as_numbers, items, raw_value, text
 
-__all__ = ["ARBITRARY", "unit_of_values"]
+__all__ = ["ARBITRARY", "ValueUnit", "unit_of_values"]
 
 #: Unit of numbers without a scale of their own, such as those of MR.
 ARBITRARY = "a.u."
 #: Units of PET.
-OF_PET = {
+OF_PET: dict[str, str | None] = {
+    "NONE": None,
+    "STDDEV": "standard deviations",
     "BQML": "Bq/ml",
     "CNTS": "counts",
     "CPS": "counts/s",
@@ -33,6 +36,8 @@ OF_PET = {
     "MLG": "ml/g",
     "MLML": "ml/ml",
 }
+#: Units of uptake values, of which SUVType says more.
+OF_UPTAKE = ("GML", "CM2ML")
 #: Standardised uptake values by SUVType: by body weight, where nothing is said, by lean body mass, by ideal weight, and
 #: by body surface.
 OF_SUV = {
@@ -49,7 +54,9 @@ OF_RESCALED = {
     "HU": "HU",
     "HU_MOD": "HU",
     "MGML": "mg/ml",
+    "OD": "10⁻³ optical density",
     "ED": "10²³ electrons/ml",
+    "EDW": "electron density of water",
     "Z_EFF": "effective Z",
     "PCT": "%",
     "US": "",
@@ -59,23 +66,94 @@ OF_RESCALED = {
 }
 OF_DOSES = {"GY": "Gy", "RELATIVE": "relative dose"}
 OF_MODALITY = {"CT": "HU", "MR": ARBITRARY}
-#: Longest name of a unit that a file gives in its own words.
-MAX_LETTERS = 24
+RESCALED = "RescaleType (0028,1054)"
+#: Groups with slope and intercept, and with real-world values, their units, and codes of UCUM that we name otherwise.
+RESCALED_GROUP, REAL_WORLD, UNITS_CODE = 0x00289145, 0x00409096, 0x004008EA
+OF_CODES: dict[str, str | None] = {
+    "[hnsf'U]": "HU",
+    "1": None,
+    "": None,
+    "no units": None,
+    "Bq/ml": "Bq/ml",
+    "g/ml{SUVbw}": "SUV",
+    "{SUVbw}g/ml": "SUV",
+    "{counts}": "counts",
+    "{counts}/s": "counts/s",
+    "um2/s": "µm²/s",
+    "mm2/s": "mm²/s",
+}
+#: Letters of a unit's name in a file's own words that are shown, and told in a sentence.
+MAX_LETTERS, MAX_TOLD = 24, 64
 
 
-def unit_of_values(dataset: Any, rescaled: Sequence[Any], modality: str) -> str | None:
-    """The unit of a file's values, once slope and intercept are applied; None where the file does not say.
+class ValueUnit(NamedTuple):
+    """The unit of a file's values, None where it names none; and a sentence where it is not sure what it means."""
 
-    rescaled : functional groups with slope and intercept, the frame's own first.
+    name: str | None
+    told: str = ""
+
+
+def unit_of_values(
+    dataset: Any, groups: Sequence[Mapping[int, Any]], modality: str, scale: tuple[float, float]
+) -> ValueUnit:
+    """The unit of a file's values, once slope and intercept are applied.
+
+    groups : functional groups by tag, the frame's own first. scale : the slope and the intercept that are applied.
     """
+    found = _by_modality(dataset, [group[RESCALED_GROUP] for group in groups if RESCALED_GROUP in group], modality)
+    mapped = next((group[REAL_WORLD] for group in groups if REAL_WORLD in group), None)
+    mapped = mapped or next(iter(items(dataset, REAL_WORLD)), None)
+    if mapped is None or found.name not in (None, ARBITRARY) or modality == "SEG":
+        return found
+    return _real_world(mapped, scale, found)
+
+
+def _real_world(mapped: Any, scale: tuple[float, float], found: ValueUnit) -> ValueUnit:
+    """The unit of real-world values, where these are the values that are read."""
+    said = next((text(code, 0x00080100) for code in items(mapped, UNITS_CODE)), "")
+    unit = OF_CODES.get(said, _shown(said) or None)
+    if unit is None:
+        return found
+    own = [next(iter(as_numbers(raw_value(mapped, tag), "f8")), math.nan) for tag in (0x00409225, 0x00409224)]
+    if all(math.isclose(one, other, rel_tol=1e-5, abs_tol=1e-9) for one, other in zip(own, scale, strict=True)):
+        return ValueUnit(unit)
+    told = "values by slope and intercept: the file has others to real-world values in"
+    return ValueUnit(found.name, f"{told} {said[:MAX_TOLD]!r} (RealWorldValueMappingSequence, 0040,9096), not applied")
+
+
+def _by_modality(dataset: Any, rescaled: Sequence[Any], modality: str) -> ValueUnit:
+    """The unit by the attribute that a modality has for it."""
     if modality == "RTDOSE":
-        return OF_DOSES.get(text(dataset, 0x30040002).upper())
-    if modality in ("PT", "NM") and (said := text(dataset, 0x00541001).upper()):
-        if said in ("GML", "CM2ML"):
-            return OF_SUV.get(text(dataset, 0x00541006).upper() or ("BSA" if said == "CM2ML" else ""))
-        return OF_PET.get(said)
+        return _by_word(text(dataset, 0x30040002), OF_DOSES, "DoseUnits (3004,0002)")
+    if modality in ("PT", "NM") and (said := text(dataset, 0x00541001)):
+        if said.upper() in OF_UPTAKE:
+            kind = text(dataset, 0x00541006) or ("BSA" if said.upper() == "CM2ML" else "")
+            found = _by_word(kind, OF_SUV, "SUVType (0054,1006)")
+            return ValueUnit(f"SUV ({found.name})", found.told) if found.told else found
+        return _by_word(said, OF_PET, "Units (0054,1001)")
     if modality == "SEG":
-        return None
-    said = next((found for one in (*rescaled, dataset) if (found := text(one, 0x00281054))), "").strip()
-    unit = OF_RESCALED.get(said.upper(), said if said.isprintable() and len(said) <= MAX_LETTERS else "")
-    return unit or OF_MODALITY.get(modality)
+        return ValueUnit(None)
+    said = next((word for one in (*rescaled, dataset) if (word := text(one, 0x00281054))), "")
+    usual = OF_MODALITY.get(modality)
+    if said.upper() in OF_RESCALED:
+        unit = OF_RESCALED[said.upper()]
+        is_guess = not unit and modality == "CT"
+        told = f"values in HU, as of every CT: RescaleType (0028,1054) is {said}, and names no unit" if is_guess else ""
+        return ValueUnit(unit or usual, told)
+    # Makers have units of their own here, and DICOM permits it.
+    return ValueUnit(_shown(said) or usual, "" if not said or said == _shown(said) else _unknown(said, RESCALED))
+
+
+def _by_word(said: str, units: Mapping[str, str | None], where: str) -> ValueUnit:
+    """The unit for a word of a list, or the word itself with a sentence on it."""
+    if said.upper() in units or not said:
+        return ValueUnit(units.get(said.upper()))
+    return ValueUnit(_shown(said) or None, _unknown(said, where))
+
+
+def _shown(said: str) -> str:
+    return said[:MAX_LETTERS].strip() if said.isprintable() else ""
+
+
+def _unknown(said: str, where: str) -> str:
+    return f"values in the file's own unit, {said[:MAX_TOLD]!r}: {where} has a word that DICOM does not define"

@@ -130,3 +130,38 @@ def test_times_in_a_list_of_files(tmp_path):
     volume = ws.open(tmp_path / "a.nhdr", time=2)
     np.testing.assert_array_equal(volume.samples, TIMES[2])
     assert (volume.facts.n_times, volume.facts.guesses) == (3, ())
+
+
+@pytest.mark.parametrize(
+    ("space", "signs"),
+    [
+        ("left-posterior-superior-time", (-1, -1, 1)),
+        ("LPST", (-1, -1, 1)),
+        ("right-anterior-superior-time", (1, 1, 1)),
+        ("RAST", (1, 1, 1)),
+        ("LAST", (-1, 1, 1)),
+        ("scanner-xyz-time", None),
+    ],
+)
+def test_spaces_with_a_time_axis(tmp_path, space, signs):
+    """By their long and their short names. ITK turns no such space, and does not name its units."""
+    head = (
+        f"NRRD0005\ntype: short\ndimension: 4\nspace: {space}\nsizes: 6 5 4 3\nendian: little\nencoding: raw\n"
+        "space directions: (2,0,0,0) (0,3,0,0) (0,0,4,0) (0,0,0,2.5)\nspace origin: (7,8,9,0)\n"
+        'space units: "um" "um" "um" "s"\nkinds: domain domain domain domain\n\n'
+    )
+    (tmp_path / "a.nrrd").write_bytes(head.encode() + TIMES.tobytes())
+    series = ws.open_series(tmp_path / "a.nrrd")
+    assert (series.times, series[0].facts.time_unit, series[0].unit) == ((0, 2.5, 5), "s", "um")
+    assert series[0].facts.is_anatomical == (signs is not None)
+    for t, volume in enumerate(series):
+        np.testing.assert_array_equal(volume.samples, TIMES[t])
+    wanted = np.diag([*(signs or (1, 1, 1)), 1]) @ [[2, 0, 0, 7], [0, 3, 0, 8], [0, 0, 4, 9], [0, 0, 0, 1]]
+    np.testing.assert_array_equal(series[0].world_from_index, wanted)
+
+
+def test_modalities_by_the_codes_of_dicom(tmp_path):
+    """As ITK writes what it read from DICOM."""
+    for word, code in (("XA", "XA"), ("SEG", "SEG"), ("PT", "PT"), ("nonsense", None)):
+        (tmp_path / "a.nrrd").write_bytes(f"{HEADER}encoding: raw\n0008|0060:={word}\n\n".encode() + SAMPLES.tobytes())
+        assert ws.open(tmp_path / "a.nrrd").modality == code

@@ -6,6 +6,7 @@ or from a VTK file, keeps its axes.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -18,25 +19,24 @@ from wavesplat._model.placement import NO_PLACE, is_without_place
 from wavesplat.errors import ArgumentError
 
 __all__ = [
-    "ANATOMICAL_SPACES",
     "MODALITIES",
     "NO_ANATOMY",
     "SPACE",
     "UNIT",
     "VALUE_UNIT",
     "affine_of",
+    "modality_of",
     "of_itk",
     "of_simple_itk",
+    "ras_signs_of",
 ]
 
-#: NRRD's spaces whose axes are a patient's, as in ITK; a time axis may follow.
-ANATOMICAL_SPACES = {
-    "left-posterior-superior",
-    "lps",
-    "right-anterior-superior",
-    "ras",
-    "left-anterior-superior",
-    "las",
+#: NRRD's spaces whose axes are a patient's, by their names -> the letters of the axes. A time axis may follow, and the
+#: name has -time or T at its end.
+SPACES = {
+    **dict.fromkeys(("left-posterior-superior", "lps"), "LPS"),
+    **dict.fromkeys(("right-anterior-superior", "ras"), "RAS"),
+    **dict.fromkeys(("left-anterior-superior", "las"), "LAS"),
 }
 #: Words of headers for the modality -> DICOM's codes.
 MODALITIES = {
@@ -50,10 +50,18 @@ MODALITIES = {
     "us": "US",
     "rtdose": "RTDOSE",
 }
+#: DICOM's codes of images (PS3.3, C.7.3.1.1.1) under its own key, beside those above.
+DICOM_KEY = "0008|0060"
+DICOM_CODES = {
+    *("BI", "BMD", "CR", "DG", "DX", "ES", "GM", "IO", "IVOCT", "IVUS", "LS", "MG", "OCT", "OP", "OPM", "OPT", "OT"),
+    *("PA", "PX", "RF", "RG", "RTIMAGE", "SEG", "SM", "TG", "XA", "XC"),
+}
 #: ITK's key for NRRD's space, the space that is no patient's, and our keys for the unit of lengths, and of values.
 SPACE, NO_ANATOMY, UNIT, VALUE_UNIT = "NRRD_space", "3D-right-handed", "unit", "value_unit"
 #: Keys of metadata that are read, in lower case.
 KEYS = {SPACE.lower(), UNIT, VALUE_UNIT, "itk_inputfiltername", "modality", "0008|0060"}
+#: Signs from LPS to RAS.
+SIGNS_OF_ITK = (-1.0, -1.0, 1.0)
 #: ITK's readers of formats that say nothing of a patient, unless the file names a space.
 WITHOUT_ANATOMY = ("NrrdImageIO", "VTKImageIO")
 
@@ -103,11 +111,12 @@ def _check(image: Any, n_axes: int, mend: str) -> None:
 
 def _converted(samples: NDArray[Any], lps: NDArray[np.float64], said: dict[str, str]) -> Converted:
     """The converted image. `said`: its metadata, keys in lower case."""
-    space = said.get(SPACE.lower())
+    space, signs = said.get(SPACE.lower()), None
     if space is None:
         is_anatomical = said.get("itk_inputfiltername") not in WITHOUT_ANATOMY
     else:
-        is_anatomical = space.lower().removesuffix("-time") in ANATOMICAL_SPACES
+        signs = ras_signs_of(space)
+        is_anatomical = signs is not None
     unit, factor = units.of_file(said.get(UNIT))
     lps = np.diag([factor, factor, factor, 1.0]) @ lps
     conventions = []
@@ -116,14 +125,34 @@ def _converted(samples: NDArray[Any], lps: NDArray[np.float64], said: dict[str, 
     if is_anatomical and unit is None:
         unit = "mm"
         conventions.append("unit mm: the image names none; millimetres are ITK's convention")
-    modality = said.get("modality", said.get("0008|0060", "")).strip().lower().removeprefix("met_mod_")
-    if len(conventions) > 1 and modality not in MODALITIES and is_without_place(lps):
+    modality = modality_of(said)
+    if len(conventions) > 1 and modality is None and is_without_place(lps):
         conventions.append(NO_PLACE)
     facts = Facts(
         unit=unit,
         is_anatomical=is_anatomical,
-        modality=MODALITIES.get(modality),
+        modality=modality,
         value_unit=value_unit_of(said.get(VALUE_UNIT)),
         conventions=tuple(conventions),
     )
-    return Converted(samples, affine.RAS_FROM_LPS @ lps if is_anatomical else lps, facts)
+    world_from_index = np.diag([*(signs or SIGNS_OF_ITK), 1.0]) @ lps if is_anatomical else lps
+    return Converted(samples, world_from_index, facts)
+
+
+def ras_signs_of(space: str) -> tuple[float, float, float] | None:
+    """Signs by which ITK's world of an NRRD file becomes RAS; None where its space is no patient's.
+
+    ITK turns all spaces of patients to LPS, but for those with a time axis, which it leaves as they are.
+    """
+    folded = space.strip().lower()
+    if folded in SPACES:
+        return SIGNS_OF_ITK
+    letters = SPACES.get(folded.removesuffix("-time")) or SPACES.get(folded.removesuffix("t"))
+    return None if letters is None else (-1.0 if letters[0] == "L" else 1.0, -1.0 if letters[1] == "P" else 1.0, 1.0)
+
+
+def modality_of(said: Mapping[str, str]) -> str | None:
+    """DICOM's code of the modality that metadata name, keys in lower case; None where they name none, or another."""
+    words = [said.get(key, "").strip().lower().removeprefix("met_mod_") for key in ("modality", DICOM_KEY)]
+    known = next((MODALITIES[word] for word in words if word in MODALITIES), None)
+    return known or (words[1].upper() if words[1].upper() in DICOM_CODES else None)

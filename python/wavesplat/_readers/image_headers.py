@@ -17,9 +17,9 @@ from numpy.typing import NDArray
 
 from wavesplat._model import units
 from wavesplat._model.facts import Facts, value_unit_of
-from wavesplat._model.itk_image import ANATOMICAL_SPACES, MODALITIES, UNIT, VALUE_UNIT
+from wavesplat._model.itk_image import SIGNS_OF_ITK, UNIT, VALUE_UNIT, modality_of, ras_signs_of
 from wavesplat._model.placement import NO_PLACE
-from wavesplat._readers.nrrd_for_itk import ListedAxis, listed_axis
+from wavesplat._readers.nrrd_for_itk import ListedAxis, is_space_with_time, listed_axis
 from wavesplat.errors import FileError
 
 __all__ = ["Header", "inflated", "of_meta_image", "of_nrrd"]
@@ -53,6 +53,8 @@ class Header:
     keys: dict[str, str] = field(default_factory=dict)
     #: The axis that ITK takes for the components of a sample: an axis of times, or of channels.
     listed: ListedAxis | None = None
+    #: Signs by which ITK's world becomes RAS, of a patient.
+    ras_signs: tuple[float, float, float] = SIGNS_OF_ITK
 
     def in_one_unit(self, world_from_index: NDArray[np.float64]) -> NDArray[np.float64]:
         """The affine with all lengths in one unit."""
@@ -80,9 +82,10 @@ def of_nrrd(path: Path) -> Header:
             keys[name.strip().lower()] = value[1:].strip()
         else:
             fields[name.strip().lower()] = value.strip()
-    is_anatomical = fields.get("space", "").lower().removesuffix("-time") in ANATOMICAL_SPACES
+    signs = ras_signs_of(fields.get("space", ""))
+    is_anatomical = signs is not None
     axis = listed_axis(fields)
-    named = _three_units(fields.get("space units", ""))
+    named = _three_units(fields.get("space units", ""), without=3 if is_space_with_time(fields) else None)
     unit, world_factors = units.in_one_unit(named)
     index_factors = (1.0, 1.0, 1.0)
     if unit is None and "space directions" not in fields:
@@ -95,7 +98,7 @@ def of_nrrd(path: Path) -> Header:
     if unit is None and is_anatomical:
         unit = "mm"
         conventions.append("unit mm: the file names none; programs that read NRRD of patients take millimetres")
-    modality = MODALITIES.get(keys.get("modality", keys.get("0008|0060", "")).lower())
+    modality = modality_of(keys)
     if conventions and modality is None and _has_no_place(fields):
         conventions.append(NO_PLACE)
     guesses = (
@@ -110,9 +113,8 @@ def of_nrrd(path: Path) -> Header:
         conventions=tuple(conventions),
         guesses=tuple(guesses),
     )
-    if axis is not None:
-        facts = replace(facts, **_listed_times(axis.number, axis.size, fields, keys))
-    return Header(fields, facts, index_factors, world_factors, keys, axis)
+    facts = replace(facts, **_times(axis, fields, keys))
+    return Header(fields, facts, index_factors, world_factors, keys, axis, signs or SIGNS_OF_ITK)
 
 
 def _has_no_place(fields: dict[str, str]) -> bool:
@@ -121,6 +123,14 @@ def _has_no_place(fields: dict[str, str]) -> bool:
         _floats(re.sub(r"[(),]", " ", fields.get(name, "")).split()) for name in ("space directions", "space origin")
     )
     return directions == [1, 0, 0, 0, 1, 0, 0, 0, 1] and origin in ([], [0, 0, 0])
+
+
+def _times(listed: ListedAxis | None, fields: dict[str, str], keys: dict[str, str]) -> dict[str, Any]:
+    """Facts about times: of an axis beside those of space, or the unit of the fourth axis of a space with time."""
+    if listed is not None:
+        return _listed_times(listed.number, listed.size, fields, keys)
+    named = _quoted(fields.get("space units", ""))
+    return {"time_unit": named[3] or None} if is_space_with_time(fields) and len(named) == 4 else {}
 
 
 def _listed_times(axis: int, count: int, fields: dict[str, str], keys: dict[str, str]) -> dict[str, Any]:
@@ -171,8 +181,7 @@ def of_meta_image(path: Path) -> Header:
     if unit is None:
         unit = "mm"
         conventions.append("unit mm: the file names none; millimetres are ITK's convention")
-    modality = MODALITIES.get(fields.get("modality", "").lower().removeprefix("met_mod_"))
-    modality = modality or MODALITIES.get(fields.get("0008|0060", "").lower())
+    modality = modality_of(fields)
     if len(conventions) > 1 and modality is None and _has_no_place_of_meta_image(fields):
         conventions.append(NO_PLACE)
     facts = Facts(unit=unit, is_anatomical=True, modality=modality, conventions=tuple(conventions))

@@ -18,7 +18,6 @@ from numpy.typing import NDArray
 from wavesplat._files import size_checks
 from wavesplat._files.mute_stderr import muted_stderr
 from wavesplat._files.reading import reading
-from wavesplat._model import affine
 from wavesplat._readers.detached_samples import places_of_samples
 from wavesplat._readers.image_headers import Header, inflated, of_meta_image, of_nrrd
 from wavesplat._readers.meta_for_itk import meta_for_itk
@@ -128,7 +127,7 @@ def world_from_index_of(image: Any, header: Header) -> NDArray[np.float64]:
     matrix = np.eye(4)
     matrix[:3, :3] = np.reshape(image.GetDirection(), (n, n))[:3, :3] * np.asarray(image.GetSpacing())[:3]
     matrix[:3, 3] = image.GetOrigin()[:3]
-    matrix = affine.RAS_FROM_LPS @ matrix if header.facts.is_anatomical else matrix
+    matrix = np.diag([*header.ras_signs, 1.0]) @ matrix if header.facts.is_anatomical else matrix
     return header.in_one_unit(matrix)
 
 

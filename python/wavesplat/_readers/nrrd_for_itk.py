@@ -28,13 +28,15 @@ from wavesplat._files import size_checks
 from wavesplat._readers.detached_samples import MAX_HEADER_BYTES
 from wavesplat.errors import FileError
 
-__all__ = ["ListedAxis", "header_for_itk", "is_bzip2", "listed_axis", "skip_lines"]
+__all__ = ["ListedAxis", "header_for_itk", "is_bzip2", "is_space_with_time", "listed_axis", "skip_lines"]
 
 BLOCK_BYTES = 1 << 20
 #: Beginning of a field of the format, and not of a key of the same name (`kinds:=...`).
 FIELD = r"(?i)^[ \t]*{}[ \t]*:(?!=)"
 #: Fields that say where the samples are; "LIST" is followed by lines of names.
 OF_PLACES = ("data ?file", "line ?skip", "byte ?skip")
+#: Short names of spaces with a time axis.
+WITH_TIME = {"rast", "last", "lpst"}
 #: Kinds of axes that say nothing.
 UNSAID = ("???", "none")
 #: The format's names of a type, without blanks -> NumPy's.
@@ -67,7 +69,7 @@ def listed_axis(fields: dict[str, str]) -> ListedAxis | None:
     A space such as RAS-time has times as its fourth axis, and ITK does as well.
     """
     sizes, kinds = fields.get("sizes", "").split(), fields.get("kinds", "").lower().split()
-    if len(sizes) != 4 or fields.get("space", "").lower().endswith("-time"):
+    if len(sizes) != 4 or is_space_with_time(fields):
         return None
     for kind in ("time", "list"):
         if len(kinds) == 4 and kinds.count(kind) == 1:
@@ -80,6 +82,12 @@ def listed_axis(fields: dict[str, str]) -> ListedAxis | None:
     if len(kinds) == 4 and kinds[number] not in UNSAID:
         return None
     return ListedAxis(number, int(sizes[number]), is_said=False)
+
+
+def is_space_with_time(fields: dict[str, str]) -> bool:
+    """Whether the space of a file has a time axis, as "right-anterior-superior-time", or "RAST", has."""
+    space = fields.get("space", "").lower()
+    return space.endswith("-time") or space in WITH_TIME
 
 
 def is_bzip2(fields: dict[str, str]) -> bool:

@@ -49,6 +49,32 @@ def test_nifti_keeps_the_type(tmp_path, oblique, dtype):
     check(ws.open(save_nifti(tmp_path / "a.nii", samples, oblique.world_from_index)), samples, oblique.world_from_index)
 
 
+@pytest.mark.parametrize(
+    ("code", "scale", "unit", "told"),
+    [
+        (1 | 16, 1000, "ms", ""),
+        (3 | 24, 0.001, "us", ""),
+        (2 | 40, 1, None, "its steps are 2 ppm"),
+        (5 | 8, 1, "s", "the file's unit has code 5, which NIfTI has not"),
+        (2 | 56, 1, None, "its unit has code 56"),
+    ],
+)
+def test_nifti_units_that_are_no_times_or_unknown_are_said(tmp_path, code, scale, unit, told):
+    import nibabel
+
+    image = nibabel.Nifti1Image(np.zeros((4, 5, 6, 3), np.int16), np.eye(4))
+    image.header.set_zooms((1, 1, 1, 2))
+    nibabel.save(image, tmp_path / "a.nii")
+    content = bytearray((tmp_path / "a.nii").read_bytes())
+    content[123] = code  # xyzt_units
+    (tmp_path / "a.nii").write_bytes(content)
+    facts = ws.open(tmp_path / "a.nii", time=0).facts
+    assert (facts.unit, facts.time_unit, facts.time_step) == ("mm", unit, 2 if unit else None)
+    assert ws.open(tmp_path / "a.nii", time=0).spacing == (scale,) * 3
+    assert len(facts.guesses) == bool(told)
+    assert told in "".join(facts.guesses)
+
+
 def test_nifti_big_endian(tmp_path, oblique):
     path = save_nifti(tmp_path / "a.nii", oblique.samples, oblique.world_from_index, big_endian=True)
     check(ws.open(path), oblique.samples, oblique.world_from_index)

@@ -21,9 +21,11 @@ if TYPE_CHECKING:
 
 __all__ = ["LARGEST_FLOAT32", "NO_ANATOMY", "facts_of", "of_nibabel", "scaled", "time_axis", "world_from_index"]
 
-MM_PER_UNIT = {"meter": 1000.0, "mm": 1.0, "micron": 0.001}
-#: nibabel's names of the units of time -> ours; its others (hz, ppm) are no times.
-TIME_UNITS = {"sec": "s", "msec": "ms", "usec": "us"}
+#: NIfTI's codes of units (nifti1.h, NIFTI_UNITS_*), in the three low bits of a number and in the next three: metres,
+#: millimetres, micrometres; seconds, milliseconds, microseconds; and units of fourth axes that are none of times.
+MM_PER_UNIT = {1: 1000.0, 2: 1.0, 3: 0.001}
+TIME_UNITS = {8: "s", 16: "ms", 24: "us"}
+NO_TIMES = {32: "Hz", 40: "ppm", 48: "rad/s"}
 LARGEST_FLOAT32 = float(np.finfo(np.float32).max)
 #: Description that `Volume.to_nibabel` writes for a world that is no patient's, since NIfTI has no code for it.
 NO_ANATOMY = "axes without anatomy"
@@ -93,7 +95,7 @@ def world_from_index(image: SpatialImage) -> NDArray[np.float64]:
     else:
         world_from_index = np.array(image.affine, dtype=np.float64)
     if _has_units(image):
-        world_from_index[:3] *= MM_PER_UNIT.get(header.get_xyzt_units()[0], 1.0)
+        world_from_index[:3] *= MM_PER_UNIT.get(_unit_codes(image)[0], 1.0)
     return world_from_index
 
 
@@ -103,7 +105,14 @@ def _quantity(image: Any) -> str | None:
     return None if get_intent is None else OF_INTENTS.get(get_intent()[0])
 
 
-def _time_unit(image: SpatialImage, said: str) -> str | None:
+def _unit_codes(image: SpatialImage) -> tuple[int, int]:
+    """The codes of the units of lengths and of times, 0 where none is named (nibabel stops at unknown ones)."""
+    header: Any = image.header
+    code = int(header["xyzt_units"]) if _has_units(image) else 0
+    return code & 0x07, code & 0x38
+
+
+def _time_unit(image: SpatialImage, said: int) -> str | None:
     from nibabel.freesurfer.mghformat import MGHImage
 
     # FreeSurfer's format has the repetition time in milliseconds.
@@ -140,7 +149,7 @@ def facts_of(image: SpatialImage) -> Facts:
     is_placed = _has_orientation(image)
     is_anatomical = is_placed and not (_has_units(image) and header["descrip"].item() == NO_ANATOMY.encode())
     n_times = int(image.shape[3]) if len(image.shape) > 3 else 1
-    unit, time_unit = header.get_xyzt_units() if _has_units(image) else ("unknown", "unknown")
+    unit, time_unit = _unit_codes(image)
     conventions, guesses = [], []
     if not is_placed:
         guesses.append(
@@ -148,6 +157,9 @@ def facts_of(image: SpatialImage) -> Facts:
             "codes are 0, or it is Analyze), only distances"
         )
     ours = "mm" if unit in MM_PER_UNIT else None
+    if unit and ours is None:
+        guesses.append(f"lengths as numbers of millimetres: the file's unit has code {unit}, which NIfTI has not")
+        ours = "mm"
     if ours is None and is_anatomical:
         ours = "mm"
         programs = "read NIfTI" if _has_units(image) else "read such files"
@@ -155,6 +167,11 @@ def facts_of(image: SpatialImage) -> Facts:
     # Asked for of several times alone: an image of ECAT has no distances of samples in its header.
     zooms: tuple[Any, ...] = header.get_zooms() if n_times > 1 else ()
     step = float(zooms[3]) if len(zooms) > 3 and zooms[3] > 0 else None
+    if step is not None and time_unit and time_unit not in TIME_UNITS:
+        known = NO_TIMES.get(time_unit)
+        said = f"its steps are {step:g} {known}" if known else f"its unit has code {time_unit}, which NIfTI has not"
+        guesses.append(f"volumes of the fourth axis as times without a clock: {said}")
+        step = None
     return Facts(
         unit=ours,
         is_anatomical=is_anatomical,

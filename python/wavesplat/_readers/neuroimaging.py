@@ -156,7 +156,8 @@ def _compact(samples: NDArray[Any], image: Any) -> NDArray[Any]:
 
 def _facts(image: Any, n_times: int, axis: int | None) -> Facts:
     step, unit = _time_step(image, axis) if n_times > 1 else (None, None)
-    return Facts(unit="mm", is_anatomical=True, n_times=n_times, time_step=step, time_unit=unit)
+    modality = "MR" if type(image).__name__ == "PARRECImage" else None  # a format of Philips' MR scanners
+    return Facts(unit="mm", is_anatomical=True, modality=modality, n_times=n_times, time_step=step, time_unit=unit)
 
 
 def _time_step(image: Any, axis: int | None) -> tuple[float | None, str | None]:

@@ -174,6 +174,9 @@ def test_what_no_volume_can_be_made_of_is_refused(tmp_path):
     tiled = segmentation(frames(), segments=SEGMENTS, TotalPixelMatrixColumns=70)
     with pytest.raises(FileError, match="viewer of slides"):
         ws.open(saved(tmp_path, tiled, "tiled"))
+    odd = segmentation(frames(), segments=SEGMENTS, SegmentationType="PROBABILITY")
+    with pytest.raises(FileError, match="kind of the segmentation is 'PROBABILITY'.* one of BINARY, FRACTIONAL"):
+        ws.open(saved(tmp_path, odd, "odd"))
     flat = segmentation(frames(), segments=SEGMENTS)
     for group in flat.PerFrameFunctionalGroupsSequence:
         del group.PlanePositionSequence

@@ -13,6 +13,7 @@ import zipfile
 import dicom_files
 import numpy as np
 import pytest
+import test_dicom_makers
 import test_dicom_mosaic
 import test_dicom_suv
 from damage import DAMAGE, JSON_DAMAGE, ODD_NUMBERS, ODD_WORDS, PLACES, check, damaged, damaged_json, fuzz
@@ -381,6 +382,8 @@ def sources_of_dicom(folder, kind):
         return test_dicom_suv.pet(folder)
     if kind == "mosaics":
         return dicom_files.save(folder, [test_dicom_mosaic.mosaic(test_dicom_mosaic.slices_of(t), t) for t in range(2)])
+    if kind == "grids":
+        return dicom_files.save(folder, [test_dicom_makers.grid(dicom_files.random(5), t) for t in range(2)])
     if kind == "segmentation":
         masks = [(n, z, np.eye(6, 7, z)) for n in (1, 2) for z in range(3)]
         segments = {1: ("liver", [43803, 26565, 37722]), 2: ("spleen", None)}
@@ -435,9 +438,11 @@ def labels_in(file):
     return labels, ws.Region.open(file) if "structures" in file.parent.name else None
 
 
-@pytest.mark.parametrize("kind", ["series", "enhanced", "dose", "pet", "mosaics", "segmentation", "structures"])
+@pytest.mark.parametrize(
+    "kind", ["series", "enhanced", "dose", "pet", "mosaics", "grids", "segmentation", "structures"]
+)
 def test_dicom(tmp_path, capfd, kind):
-    options = {"pet": {"suv": True}, "mosaics": {"time": 1}}.get(kind, {})
+    options = {"pet": {"suv": True}, "mosaics": {"time": 1}, "grids": {"time": 1}}.get(kind, {})
     folder = sources_of_dicom(tmp_path / kind, kind)
     files = sorted(folder.iterdir())
     whole = {file: file.read_bytes() for file in files}

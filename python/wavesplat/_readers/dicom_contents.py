@@ -33,6 +33,8 @@ NO_IMAGES = {
         "name the scan, or lay the dose (RTDOSE) over it: wavesplat slice SCAN --layer DOSE",
     ),
     "PLAN": Content("a plan", IMAGES),
+    "RTINTENT": Content("the intent of a radiotherapy (RTINTENT)", "name the scan, or the dose (RTDOSE)"),
+    "RTRAD": Content("beams of a radiotherapy (RTRAD)", "name the scan, or the dose (RTDOSE)"),
     "RTRECORD": Content("a record of a radiotherapy (RTRECORD)", "name the scan or the dose (RTDOSE) of the treatment"),
     "RTDOSE": Content("a dose without its grid (RTDOSE)", "export it with the grid of doses, or name the scan"),
     "SR": Content(
@@ -54,6 +56,9 @@ NO_IMAGES = {
     "AU": Content("sound", WAVEFORMS),
     "ECG": Content("an electrocardiogram (ECG)", WAVEFORMS),
     "EEG": Content("an electroencephalogram (EEG)", WAVEFORMS),
+    "EMG": Content("an electromyogram (EMG)", WAVEFORMS),
+    "EOG": Content("an electrooculogram (EOG)", WAVEFORMS),
+    "POS": Content("positions of a body (POS)", WAVEFORMS),
     "HD": Content("pressures and waveforms (HD)", WAVEFORMS),
     "RESP": Content("a curve of breath (RESP)", WAVEFORMS),
     "RWV": Content("a table of real world values (RWV)", IMAGES),

@@ -35,6 +35,8 @@ if TYPE_CHECKING:
 __all__ = ["Segment", "is_segmentation", "read", "segments_in"]
 
 SOP_CLASSES = {"1.2.840.10008.5.1.4.1.1.66.4", "1.2.840.10008.5.1.4.1.1.66.7"}
+#: Words of SegmentationType (0062,0001).
+KINDS = ("BINARY", "FRACTIONAL", "LABELMAP")
 #: Share of a voxel from which on it counts as a segment's.
 HALF = 0.5
 #: Positions nearer than this, mm, are of one slice: headers round them.
@@ -92,6 +94,11 @@ def read(header: Header, request: Request, wanted: Sequence[int] | None = None) 
         raise FileError(
             f"the file segments a slide (whole-slide microscopy) in tiles, and no volume; open it with a viewer of "
             f"slides: {header.file}"
+        )
+    if said.kind not in KINDS:
+        raise FileError(
+            f"the kind of the segmentation is {said.kind[:32]!r} (SegmentationType, 0062,0001), and must be one of "
+            f"{', '.join(KINDS)}; export it again: {header.file}"
         )
     if header.n_samples != 1:
         raise FileError(f"the file says that it is a segmentation, and has colours; export it again: {header.file}")

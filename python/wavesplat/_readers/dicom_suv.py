@@ -32,6 +32,8 @@ PHILIPS, GE = "Philips PET Private Group", "GEMS_PETD_01"
 #: Corrections that SUV need, with their words in CorrectedImage (0028,0051): the standard's (PS3.3, C.8.9.1), and then
 #: that of QIBA's pseudo-code.
 CORRECTIONS = {"attenuation": ("ATTN",), "decay": ("DECY", "DECAY")}
+#: Words of DecayCorrection (0054,1102) for the times to which values can be corrected.
+DECAY_CORRECTED = ("START", "ADMIN")
 
 
 @dataclass(frozen=True)
@@ -168,7 +170,7 @@ def _reasons_against(one: Tracer) -> Iterator[tuple[bool, str]]:
     if is_counts and one.philips_suv > 0:
         return
     said = f"is {one.decay_correction}" if one.decay_correction else "is missing"
-    is_known = one.decay_correction in ("START", "ADMIN")
+    is_known = one.decay_correction in DECAY_CORRECTED
     yield not is_known, f"DecayCorrection (0054,1102) {said}, and START or ADMIN is needed"
     for name in ("weight_kg", "dose_bq", "half_life_s"):
         yield not getattr(one, name) > 0, f"{NAMES[name]} is missing or 0"

@@ -19,8 +19,8 @@ from wavesplat._model.placement import NO_PLACE, is_without_place
 from wavesplat.errors import ArgumentError
 
 __all__ = [
-    "MODALITIES",
     "NO_ANATOMY",
+    "SIGNS_OF_ITK",
     "SPACE",
     "UNIT",
     "VALUE_UNIT",

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from wavesplat._looks.hounsfield import looks_like_hounsfield
 from wavesplat._looks.measured_maps import map_kind
+from wavesplat._looks.number_types import numbers_of
 from wavesplat._looks.roughness import is_smooth
 from wavesplat._looks.shares import share_kind
 from wavesplat._looks.stored_offset import stored_offset
@@ -269,7 +270,7 @@ def _by_microscope(
     volume: Volume | WaveletVolume, values: NDArray[np.float64], *, has_noise: bool
 ) -> tuple[Kind, str] | None:
     """The kind by the channels and the lengths of microscopes; atoms and plasmas are calculated at such lengths too."""
-    numbers = _numbers(volume)
+    numbers = numbers_of(volume)
     two_signs = _has_two_signs(values, numbers, is_of_patient=False, has_noise=has_noise)
     is_calculated = numbers == "f" and (two_signs or not has_noise or volume.unit in ATOMIC_UNITS)
     if is_calculated and volume.facts.channel is None:
@@ -297,7 +298,7 @@ def _by_shares(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> t
 
 
 def _by_values(volume: Volume | WaveletVolume, values: NDArray[np.float64], *, has_noise: bool) -> tuple[Kind, str]:
-    numbers = _numbers(volume)
+    numbers = numbers_of(volume)
     is_of_patient = volume.is_anatomical and (has_noise or not is_placed_by_default(volume))
     is_of_patient = is_of_patient and not is_of_no_patient(volume, values)
     if _has_two_signs(values, numbers, is_of_patient=is_of_patient, has_noise=has_noise):
@@ -323,11 +324,6 @@ def _of_patient(volume: Volume | WaveletVolume, values: NDArray[np.float64], num
     if min(volume.spacing) >= PET_SPACING_MM and _tail(values) >= PET_TAIL:
         return "PET", "PET: coarse samples and a few very bright spots, by the values"
     return "MR", "MR, or another scan of a patient without a fixed scale, by the values"
-
-
-def _numbers(volume: Volume | WaveletVolume) -> str:
-    """The kind of the samples' type, as NumPy names it; coefficients of wavelets are floating-point numbers."""
-    return str(getattr(volume, "dtype", np.dtype(np.float32)).kind)
 
 
 def _has_two_signs(values: NDArray[np.float64], numbers: str, *, is_of_patient: bool, has_noise: bool) -> bool:

@@ -18,6 +18,7 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._looks.number_types import numbers_of
 from wavesplat._model import quantities as q
 
 if TYPE_CHECKING:
@@ -76,7 +77,7 @@ def map_kind(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> Fou
         return "map", f"a map of the {said}: the file says so"
     if volume.modality is None and (found := _by_words(_words_of(volume.name), values, low, high)) is not None:
         return found
-    if low < 0 or getattr(volume, "dtype", np.dtype(np.float32)).kind != "f":
+    if low < 0 or numbers_of(volume) != "f":
         return None
     if MIN_DIFFUSIVITY <= high <= MAX_DIFFUSIVITY:
         return "map", f"a map of diffusion in mm²/s: up to {high:.2g}, by the values"

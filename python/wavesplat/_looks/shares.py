@@ -17,6 +17,8 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._looks.number_types import numbers_of
+
 if TYPE_CHECKING:
     from wavesplat._model.volume import Volume
     from wavesplat._model.wavelet_volume import WaveletVolume
@@ -59,7 +61,7 @@ def share_kind(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> F
         return None
     if words & PROBABILITY_WORDS and high <= PER_CENT:
         return "probability", f"probabilities up to {high:.3g}, by the file's name and by the values"
-    if high > MAX_FA or getattr(volume, "dtype", np.dtype(np.float32)).kind != "f":
+    if high > MAX_FA or numbers_of(volume) != "f":
         return None
     found = values[values > NOT_ZERO * high]
     if found.size and _is_clipped_anisotropy(values, found, high):

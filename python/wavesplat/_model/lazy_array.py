@@ -37,6 +37,7 @@ from wavesplat._model.lazy_checks import (
     checked_shape,
     checked_type,
     converted,
+    is_wide_integer,
     renderable_type,
 )
 from wavesplat.errors import ArgumentError, FileError, WavesplatError
@@ -157,7 +158,8 @@ class SlicedArray:
         full = tuple(int(n) for n in own.shape) if own is not None else ()
         self.shape = shape if shape is not None else (full[order[0]], full[order[1]], full[order[2]])
         self._stored = np.dtype(own.dtype) if own is not None else np.dtype(dtype)
-        self.dtype = renderable_type(self._stored if dtype is None else dtype, name)
+        declared = self._stored if dtype is None else dtype
+        self.dtype, self.is_wide_integer = renderable_type(declared, name), is_wide_integer(declared)
         z, y, x = (max(1, min(int(n), size)) for n, size in zip(chunks, self.shape, strict=True))
         self.chunks = (z, y, x)
         self.token = None if token is None else f"{token} {self._stored.str} {order} {self._picked}"

@@ -12,7 +12,16 @@ from numpy.typing import NDArray
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
-__all__ = ["DEFAULT_SIDE", "NATIVE", "checked_chunks", "checked_shape", "checked_type", "converted", "renderable_type"]
+__all__ = [
+    "DEFAULT_SIDE",
+    "checked_chunks",
+    "checked_shape",
+    "checked_type",
+    "converted",
+    "is_wide_integer",
+    "narrowest_integer",
+    "renderable_type",
+]
 
 #: Types that the renderer reads as they are.
 NATIVE = tuple(np.dtype(code) for code in ("u1", "i1", "u2", "i2", "u4", "i4", "f4", "f8"))
@@ -85,10 +94,28 @@ def renderable_type(dtype: np.dtype[Any], name: str) -> np.dtype[Any]:
         return np.dtype(np.uint8)
     if own.kind == "f":
         return np.dtype(np.float32 if own.itemsize == 2 else np.float64)
-    if own.kind in "iu":
+    if is_wide_integer(own):
         # Which narrower type would do is known once all are read; this holds whole numbers up to 2^53.
         return np.dtype(np.float64)
     raise ArgumentError(f"volume {name!r}: samples are {dtype}, not real numbers; {_hint(dtype)}")
+
+
+def is_wide_integer(dtype: np.dtype[Any]) -> bool:
+    """Whether a type is an integer type that the renderer does not read: of 64 bits."""
+    return dtype.kind in "iu" and dtype.newbyteorder("=") not in NATIVE
+
+
+def narrowest_integer(lowest: float, highest: float) -> np.dtype[Any]:
+    """The smallest integer type of the renderer that holds a range of whole numbers exactly, else float64.
+
+    Samples of 64-bit integers have it in memory; read in parts they are float64, and the look is chosen as for it.
+    """
+    for dtype in NATIVE:
+        if dtype.kind in "iu":
+            limits = np.iinfo(dtype)
+            if limits.min <= lowest and highest <= limits.max:
+                return dtype
+    return np.dtype(np.float64)
 
 
 def _hint(dtype: np.dtype[Any]) -> str:

@@ -28,6 +28,7 @@ from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
 from wavesplat._model.lazy_array import LazyArray, lazy_array
 from wavesplat._model.lazy_changes import LazyCache, look_again
+from wavesplat._model.lazy_checks import narrowest_integer
 from wavesplat._model.stack import Box
 from wavesplat._model.survey import KeepOn, Survey, kept_survey, surveyed
 from wavesplat._model.volume import Volume
@@ -214,8 +215,13 @@ class LazyVolume(Volume):
 
     @property
     def dtype(self) -> np.dtype[Any]:
-        """The samples' type."""
+        """The type that the samples are read in: float64 for 64-bit integers."""
         return self._levels[0].array.dtype
+
+    @property
+    def _type_in_memory(self) -> np.dtype[Any]:
+        array = self._levels[0].array
+        return narrowest_integer(*self.value_range) if getattr(array, "is_wide_integer", False) else array.dtype
 
     @property
     def memory(self) -> int:

@@ -20,7 +20,7 @@ from wavesplat._model.converted import Converted, check_shape
 from wavesplat._model.crop import Crop
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
-from wavesplat._model.lazy_checks import NATIVE, renderable_type
+from wavesplat._model.lazy_checks import is_wide_integer, narrowest_integer, renderable_type
 from wavesplat._model.sources import Source, then
 from wavesplat._model.stack import Box, stacked
 from wavesplat._public import public
@@ -484,6 +484,11 @@ class Volume(Grid):
         return self._samples.dtype
 
     @property
+    def _type_in_memory(self) -> np.dtype[Any]:
+        """The type that the samples have in memory, by which looks are chosen."""
+        return self.dtype
+
+    @property
     def value_range(self) -> tuple[float, float]:
         """Smallest and largest finite sample."""
         return self._core.value_range
@@ -526,20 +531,9 @@ def _as_renderable(array: NDArray[Any], name: str) -> NDArray[Any]:
 
 
 def _renderable_dtype(array: NDArray[Any], name: str) -> np.dtype[Any]:
-    if array.dtype.kind in "iu" and array.dtype.newbyteorder("=") not in NATIVE:
-        return _narrowest_integer(array)
+    if is_wide_integer(array.dtype):
+        return narrowest_integer(int(array.min()), int(array.max()))
     return renderable_type(array.dtype, name)
-
-
-def _narrowest_integer(array: NDArray[Any]) -> np.dtype[Any]:
-    """The smallest integer type that holds every sample of a 64-bit array exactly, else float64."""
-    lowest, highest = int(array.min()), int(array.max())
-    for dtype in NATIVE:
-        if dtype.kind in "iu":
-            limits = np.iinfo(dtype)
-            if limits.min <= lowest and highest <= limits.max:
-                return dtype
-    return np.dtype(np.float64)
 
 
 def _with_guesses(facts: Facts, guesses: tuple[str, ...], name: str) -> Facts:

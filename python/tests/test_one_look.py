@@ -136,3 +136,66 @@ def test_the_kind_is_looked_for_again_after_a_change():
     cells[:] = np.random.default_rng(1).normal(size=cells.shape)
     volume.changed()
     assert found_in(volume).kind == "signed field"
+
+
+@pytest.mark.parametrize("peak", [300, 2000])
+@pytest.mark.parametrize("of", [np.uint16, np.float32])
+def test_a_bead_in_noise_is_its_brightest_pixels(peak, of):
+    """It was a brick of noise, "dense matter that fills the volume": half of the noise is above its median."""
+    z, y, x = np.indices((48, 48, 48)) - np.reshape((10, 24, 30), (3, 1, 1, 1))
+    light = 140 + peak * np.exp(-(z * z + y * y + x * x) / 8)
+    samples = np.random.default_rng(1).poisson(light).astype(of)
+    looks = [kind_of(samples, unit=unit) for unit in (None, "um")]
+    assert looks[0] == looks[1]
+    assert looks[0].composite == "maximum"
+    picture = ws.render(ws.Volume(samples), looks[0], camera=ws.Camera.orbit(ws.Volume(samples), 0, 90), size=(48, 48))
+    brightness = picture.rgba[..., :3].sum(axis=2)
+    row, column = np.unravel_index(brightness.argmax(), brightness.shape)
+    assert picture.value[row, column] > 140 + 0.8 * peak
+    assert np.median(brightness) < 0.1 * brightness.max()
+
+
+def test_hot_pixels_are_no_beads():
+    dark = np.random.default_rng(1).poisson(140, (48, 48, 48)).astype(np.uint16)
+    dark[::7, ::7, ::7] = 2000
+    assert kind_of(dark).composite == "over"
+
+
+def test_spots_in_noise_have_no_haze():
+    random = np.random.default_rng(0)
+    z, y, x = np.indices((48, 48, 48))
+    light = np.full(z.shape, 140.0)
+    for at in random.uniform(5, 43, (20, 3)):
+        light += 1500 * np.exp(-((z - at[0]) ** 2 + (y - at[1]) ** 2 + (x - at[2]) ** 2) / 4)
+    samples = random.poisson(light).astype(np.uint16)
+    looks = [kind_of(samples, unit=unit) for unit in (None, "um", "mm")]
+    assert looks[0] == looks[1] == looks[2]
+    assert looks[0].transfer_function([140 + 3 * np.sqrt(140)])[0, 3] == 0
+    assert looks[0].transfer_function([1000])[0, 3] > 0.1
+
+
+@pytest.mark.parametrize("unit", ["um", "nm", "mm", "m"])
+def test_scans_of_any_unit_are_scans(unit):
+    z, y, x = np.mgrid[-1:1:32j, -1:1:32j, -1:1:32j]
+    body = 100.0 * (x * x + y * y + z * z < 0.5) + np.abs(np.random.default_rng(1).normal(0, 6, x.shape))
+    assert kind_of(body.astype(np.uint16), unit=unit, spacing=(0.01,) * 3) == kind_of(
+        body.astype(np.uint16), spacing=(0.01,) * 3
+    )
+
+
+@pytest.mark.parametrize("shift", ["mean", "middle", "least"])
+def test_a_normalised_mr_looks_like_the_scan(shift):
+    """z-scores were a filled box, "a field with two signs": their air is negative, and most of the volume."""
+    head = ws.examples.mri_head()
+    values = head.samples.astype(np.float64)
+    subtracted = {"mean": values.mean(), "middle": np.ptp(values) / 2 + values.min(), "least": values.min()}[shift]
+    divided = values.std() if shift == "mean" else np.ptp(values)
+    made = ws.Volume(
+        ((values - subtracted) / divided).astype(np.float32),
+        world_from_index=head.world_from_index,
+        facts=ws.Facts(unit="mm", is_anatomical=True),
+    )
+    wanted = ws.Volume(head.samples.astype(np.int16), world_from_index=head.world_from_index, facts=made.facts)
+    pictures = [ws.render(volume, size=(64, 64)) for volume in (wanted, made)]
+    assert np.mean((pictures[0].rgba - pictures[1].rgba) ** 2) < 1e-5  # 50 dB
+    assert pictures[0].report.get("notes") == pictures[1].report.get("notes")

@@ -17,11 +17,18 @@ from numpy.typing import NDArray
 
 from wavesplat._looks import histogram, label_names
 from wavesplat._looks.channel_colors import color_of
-from wavesplat._looks.channels import LUMINANCE, channel_window, lightened, ramp, window_of_values
+from wavesplat._looks.channels import (
+    LUMINANCE,
+    channel_window,
+    clear_of_values,
+    lightened,
+    ramp,
+    window_of_values,
+)
 from wavesplat._looks.colormaps import colors_of
-from wavesplat._looks.field_curves import Curves, of_field, of_signed_field
+from wavesplat._looks.field_curves import Curves, Part, of_field, of_signed_field
 from wavesplat._looks.histogram import without_padding
-from wavesplat._looks.kinds import Evidence, Kind, evidence, kind_of, offset_of
+from wavesplat._looks.kinds import FAR, Evidence, Kind, evidence, kind_of, offset_of
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.look import Look
 from wavesplat._looks.measured_maps import SIGNIFICANT
@@ -102,6 +109,9 @@ DOSE_MAP, LEAST_DOSE = "turbo", 0.1
 SHARE_MAP, FA_ENDS = "hot", (0.2, 0.9)
 #: Percentile of the pixels of air in a PET that is still white, and the largest share of the greys that white has.
 AIR_PERCENT, MAX_AIR = 99.5, 0.02
+#: Largest share of the box that has samples where these are an object, and the opacity of a ray through such an object
+#: where its values are those that few samples have not.
+MAX_OBJECT, VEIL = 0.9, 0.4
 #: Percentiles of the values above 0 of a calculated map that are clear and opaque: fits leave a few far off.
 MAP_ENDS = (0.1, 99.5)
 
@@ -110,7 +120,7 @@ def automatic(volume: Volume | WaveletVolume, composite: Composite | None, color
     """See `Look.auto`; `color` is that of fluorescence, instead of the channel's own."""
     low, high = volume.value_range
     # Uniform matter projects to lengths, which depend on the view, so greys can still be found for it.
-    if not low < high and composite not in BY_VIEW:
+    if not low < high and composite not in BY_VIEW and not (volume.n_nonfinite and composite in (None, "over")):
         raise ArgumentError(
             f"volume {volume.name!r}: every sample is {low:g}, so the histogram shows nothing to tell apart; "
             "pass a transfer function, or check the file"
@@ -125,14 +135,10 @@ def automatic(volume: Volume | WaveletVolume, composite: Composite | None, color
     known = evidence(volume)
     if composite is None and known.kind == "PET":
         return _inverted_maximum(volume, known)
+    if composite is None and known.has_few_bright:
+        return _maximum_of_few(volume, known)
     if composite in histogram.PROJECTIONS:
-        function = histogram.projected(volume, composite)
-        if known.kind == "fluorescence" and composite in histogram.MAXIMA:
-            # A few specks may be many times as bright as all else, and have many pixels.
-            low, high = window_of_values(without_padding(histogram.subsampled(volume)))
-            function = histogram.not_beyond(function, low + MAX_WHITE * (high - low))
-        if known.kind == "CT" and composite in histogram.MAXIMA:
-            function = histogram.not_before(function, CT_MAXIMUM_BLACK + offset_of(volume))
+        function = _greys_of_projection(volume, known, composite)
         return Look(transfer_function=function, composite=composite, shading=None, name="auto", reason=known.reason)
     if composite in (None, "over") and (labels := labels_alone(volume, known.kind)) is not None:
         clear = TransferFunction([(0.0, 0.0)], [(0.0, 1.0, 1.0, 1.0)])
@@ -168,6 +174,19 @@ def labels_alone(volume: Volume | WaveletVolume, kind: Kind) -> Labels | None:
     except ArgumentError:  # fractions, or far too many numbers, between the samples that were looked at
         return None
     return labels._with_names(named)
+
+
+def _greys_of_projection(volume: Volume | WaveletVolume, known: Evidence, composite: Composite) -> TransferFunction:
+    function = histogram.projected(volume, composite)
+    if composite not in histogram.MAXIMA:
+        return function
+    if known.kind == "fluorescence" or (known.kind == "scan" and not volume.is_anatomical):
+        # A few specks may be many times as bright as all else, and have many pixels.
+        low, high = window_of_values(without_padding(histogram.subsampled(volume)))
+        function = histogram.not_beyond(function, low + MAX_WHITE * (high - low))
+    if known.kind == "CT":
+        function = histogram.not_before(function, CT_MAXIMUM_BLACK + offset_of(volume))
+    return function
 
 
 def are_colored(volume: Volume | WaveletVolume, composite: Composite | None) -> bool:
@@ -226,6 +245,19 @@ def _inverted_maximum(volume: Volume | WaveletVolume, known: Evidence) -> Look:
         name="auto",
         reason=known.reason,
     )
+
+
+def _maximum_of_few(volume: Volume | WaveletVolume, known: Evidence) -> Look:
+    """A look that shows the largest value along each ray, of a few samples far above noise, which is nearly black."""
+    pixels = histogram.pixels_of_maxima(volume)
+    noise = float(np.median(pixels))
+    deviation = 1.4826 * float(np.median(np.abs(pixels - noise)))
+    far = pixels[pixels > noise + FAR * deviation]
+    white = float(np.percentile(far, 98.0)) if far.size else float(pixels.max())
+    black = min(noise + 2.0 * deviation, 0.5 * (noise + white))
+    reason = f"{known.reason}; so the largest value along each ray is shown"
+    function = TransferFunction([(black, 1.0)], [(black, 0.0, 0.0, 0.0), (white, 1.0, 1.0, 1.0)])
+    return Look(transfer_function=function, composite="maximum", shading=None, name="auto", reason=reason)
 
 
 def _greys(known: Evidence, *, is_clear_below: bool = False) -> TransferFunction:
@@ -339,7 +371,7 @@ def _fluorescence(volume: Volume | WaveletVolume, _known: Evidence, wanted: Rgb 
     """A look of light in the colour of the channel: nothing is shaded."""
     low, high, _ = channel_window(volume)
     # Windows of files often begin below the background, which in space is fog.
-    background, _ = window_of_values(without_padding(histogram.subsampled(volume)))
+    background = clear_of_values(without_padding(histogram.subsampled(volume)))
     color = lightened(wanted or color_of(volume.facts.channel, volume.facts.channels) or GREEN)
     luminance = sum(share * weight for share, weight in zip(color, LUMINANCE, strict=True))
     red, green, blue = (min(1.0, MAX_LUMINANCE / luminance) * share for share in color)
@@ -353,7 +385,7 @@ def _em(_volume: Volume | WaveletVolume, known: Evidence) -> Made:
 
 def _signed_field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     """A look in blue below zero and red above, as strong at a value as at minus it."""
-    curves = of_signed_field(known.values, opaque_after(volume))
+    curves = of_signed_field(known.values, opaque_after(volume), _part_with_samples(volume))
     table = np.array(SIGNS)
     rgb = np.stack([np.interp(curves.places, table[:, 0], table[:, channel]) for channel in (1, 2, 3)], axis=1)
     return _of_curves(curves, [(value, *one) for value, one in zip(curves.values.tolist(), rgb.tolist(), strict=True)])
@@ -361,11 +393,33 @@ def _signed_field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
 
 def _field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     """A look in a perceptual colour map, bright where few samples are."""
-    curves = of_field(known.values, opaque_after(volume))
+    fill, part = known.fill, _part_with_samples(volume)
+    values = known.values if fill is None else known.values[known.values > fill]
+    curves = of_field(values, opaque_after(volume), replace(part, share=part.share * values.size / known.values.size))
     color = _mapped(FIELD_MAP, curves.values, start=FIELD_START)
     if curves.shows_low:
         color = [(value, *rgb) for value, (_, *rgb) in zip(curves.values.tolist(), reversed(color), strict=True)]
-    return _of_curves(curves, color)
+    function, shading = _of_curves(curves, color)
+    if fill is not None and function.opacity[0][1] > 0:
+        # Samples without data are clear, also beside the lowest values, which are seen.
+        least = float(values.min())
+        edge = [(least - 0.5 * (least - fill), 0.0), (least, function.opacity[0][1])]
+        nodes = [*edge, *(node for node in function.opacity if node[0] > least)]
+        function = TransferFunction(nodes, function.color)
+    return function, shading
+
+
+def _part_with_samples(volume: Volume | WaveletVolume) -> Part:
+    """The part of the box that has samples; where much is missing, the rest is an object, whose shape is seen."""
+    samples = histogram.subsampled(volume)
+    is_there = np.isfinite(samples)
+    share = float(is_there.mean())
+    if not 0 < share < MAX_OBJECT:
+        return Part(max(share, 1e-6))
+    step = volume.shape[0] / samples.shape[0]
+    along = np.concatenate([is_there.sum(axis=axis).ravel() for axis in range(3)])
+    thickness = step * float(np.median(along[along > 0]))
+    return Part(share, opacity_of_voxel(VEIL, thickness))
 
 
 def _of_curves(curves: Curves, color: list[tuple[float, ...]]) -> Made:

@@ -1,6 +1,7 @@
 """Curves of fields: values, opacities, and which end of the values is shown.
 
-What few samples have is seen, and most of the volume is clear: a field fills its box, and the box would be a wall.
+What few samples have is seen, and most of the box is clear: a field fills its box, and the box would be a wall. Where
+samples are missing, the rest is an object, whose shape is seen: more of it is seen, and none of it is clear.
 Values stand in a logarithm where a few are far larger than the others. Of a field whose values reach much further down
 than up the low ones are seen; of one with two signs, both ends are.
 """
@@ -60,10 +61,28 @@ class Curves:
     shows_low: bool = False
 
 
-def of_field(samples: Array, n_voxels: float) -> Curves:
+@dataclass(frozen=True)
+class Part:
+    """The part of a volume's box that has samples.
+
+    share : of the box. veil : least opacity of a voxel of it.
+    """
+
+    share: float = 1.0
+    veil: float = 0.0
+
+    def seen(self, share: float) -> float:
+        """The share of the samples that is seen where a share of the box is."""
+        return min(1.0, share / self.share)
+
+
+WHOLE = Part()
+
+
+def of_field(samples: Array, n_voxels: float, part: Part = WHOLE) -> Curves:
     """Curves of a field of one sign: the end that fewer samples have is opaque.
 
-    samples : finite samples, any number. n_voxels : voxels of light that are opaque together.
+    samples : finite samples, any number. n_voxels : voxels of light that are opaque together. part : of the box.
     """
     middle = float(np.median(samples))
     places = np.linspace(0.0, 1.0, N_NODES)
@@ -73,7 +92,7 @@ def of_field(samples: Array, n_voxels: float) -> Curves:
     shows_low = bool(below > MIN_LOW * above)
     # A background in the middle, such as a pressure's: both what is below it and what is above it is seen.
     shows_both = inner < MAX_INNER * (below + above) and MIN_LOW * min(below, above) > max(below, above)
-    share = 100.0 * (SEEN / 2 if shows_both else SEEN)
+    share = 100.0 * part.seen(SEEN) / (2 if shows_both else 1)
     opacity = np.zeros(N_NODES)
     for is_shown, risen, few in ((shows_low, 1.0 - places, share), (not shows_low, places, 100.0 - share)):
         if is_shown or shows_both:
@@ -83,13 +102,13 @@ def of_field(samples: Array, n_voxels: float) -> Curves:
             if shows_both:
                 clear = max(clear, background + LEAST_SIGNED * (1.0 - background))
             opacity += rising(_beyond(risen, clear), FIELD_DEPTH * n_voxels)
-    return Curves(values, opacity, places, shows_low)
+    return Curves(values, np.maximum(opacity, part.veil), places, shows_low)
 
 
-def of_signed_field(samples: Array, n_voxels: float) -> Curves:
+def of_signed_field(samples: Array, n_voxels: float, part: Part = WHOLE) -> Curves:
     """Curves of a field with two signs, as long below 0 as above it; of each sign some is seen.
 
-    samples : finite samples, any number. n_voxels : voxels of light that are opaque together.
+    samples : finite samples, any number. n_voxels : voxels of light that are opaque together. part : of the box.
     """
     sizes = np.abs(samples)
     limit, upper = (float(v) for v in np.percentile(sizes, (99.5, 95.0)))
@@ -104,13 +123,13 @@ def of_signed_field(samples: Array, n_voxels: float) -> Curves:
     opacity = np.zeros(N_SIGNED)
     for sign in (-1, 1):
         side = sign * places > 0
-        ends = np.percentile(sign * samples, (100.0 * (1.0 - SEEN_SIGNED), 99.95))
+        ends = np.percentile(sign * samples, (100.0 * (1.0 - part.seen(SEEN_SIGNED)), 99.95))
         few, most = np.interp(ends, sign * values[side][::sign], sign * places[side][::sign]).tolist()
         # Each sign is seen to its own end, so that the weaker one is not lost beside the stronger one.
         if most > LEAST_SIGNED:
             clear = min(max(LEAST_SIGNED, few), 0.8 * most)
             opacity += rising(_beyond(sign * places, clear, most), SIGNED_DEPTH * n_voxels)
-    return Curves(values, opacity, (places + 1.0) / 2.0)
+    return Curves(values, np.where(places == 0, 0.0, np.maximum(opacity, part.veil)), (places + 1.0) / 2.0)
 
 
 def _values_at(places: Array, samples: Array, middle: float) -> Array:

@@ -5,7 +5,6 @@ Projections get a grey ramp over the values that they project to, along the thre
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
@@ -13,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._looks.hounsfield import looks_like_hounsfield
+from wavesplat._looks.looked_at import subsampled
 from wavesplat._looks.thresholds import robust_range_of
 from wavesplat._looks.transfer_function import TransferFunction
-from wavesplat._model.thinning import HISTOGRAM_SAMPLES, step_for
 from wavesplat._model.wavelet_volume import WaveletVolume
 
 if TYPE_CHECKING:
@@ -128,11 +127,6 @@ def attenuation(volume: Volume | WaveletVolume) -> tuple[float, float]:
     clear, _ = robust_range_of(values)
     most = float(np.percentile(_projected(volume, "x-ray", clear), 99.5))
     return clear, UNKNOWN_DEPTH / most if most > 0 else 1.0
-
-
-def subsampled(volume: Volume | WaveletVolume) -> NDArray[Any]:
-    """Every n-th sample along each axis, [z, y, x]."""
-    return volume._every(step_for(math.prod(volume.shape), HISTOGRAM_SAMPLES))
 
 
 def without_padding(samples: NDArray[Any]) -> NDArray[np.float64]:

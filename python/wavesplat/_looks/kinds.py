@@ -17,6 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._looks.hounsfield import looks_like_hounsfield
+from wavesplat._looks.looked_at import Pairs, looked_at, slopes, subsampled, with_neighbours, without_missing
 from wavesplat._looks.measured_maps import map_kind
 from wavesplat._looks.number_types import numbers_of
 from wavesplat._looks.roughness import is_smooth
@@ -27,7 +28,7 @@ from wavesplat._model import units
 from wavesplat._model.facts import LENGTH
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.placement import is_of_no_patient, is_placed_by_default
-from wavesplat._model.thinning import KIND_SAMPLES, UNIT_SAMPLES, step_for
+from wavesplat._model.thinning import UNIT_SAMPLES, step_for
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 
@@ -101,10 +102,19 @@ MIN_BRIGHT = 0.45
 #: counted from photons), least ratio of the 99.9th percentile to the median of the object, both above the background
 #: (cells 3.3 to 11, a mouse brain 3.9; vessels 1.3), and distance of samples in a file that has another unit, metres.
 MAX_EQUAL, MIN_GLOW, FINE_METRES = 0.25, 3.0, 1e-4
-#: Units that microscopes use.
-SMALL_UNITS = ("um", "nm", "angstrom", "pm")
-#: Units of atoms and molecules, whose densities and orbitals are floating-point numbers.
-ATOMIC_UNITS = ("angstrom", "pm")
+#: A few bright samples over noise: least ratio of the distances of the 10th and 90th percentiles to the median, either
+#: way, deviations of the noise above the median that are far, largest share of samples that far, and least number of
+#: neighbours that are both so. (Beads: 0.83 to 1, up to 0.015; cells: 0.3 to 0.7; EM 0.4; vessels in PC-MR: 0.2.)
+MIN_EVEN, FAR, MAX_FAR, MIN_TOGETHER = 0.78, 8.0, 0.02, 4
+FEW_BRIGHT: tuple[Kind, str] = (
+    "fluorescence",
+    "fluorescence, or other light: nearly all is noise, and a few samples are far above it, by the values",
+)
+DENSE = "dense matter that fills the volume, as in electron microscopy: mostly bright, by the values"
+#: Least share of the samples that have exactly the least value, where that stands for nothing, as -30 dBZ does.
+MIN_FILL = 0.1
+#: Bins of the histogram in which air is looked for, and the part of them where it is.
+N_AIR_BINS, MAX_AIR_PLACE = 64, 0.1
 
 
 @dataclass(frozen=True)
@@ -115,6 +125,8 @@ class Found:
     reason: str
     #: Whether samples have noise, unlike results of calculations.
     has_noise: bool
+    #: Whether nearly all samples are the noise of a background, and a few are far above it, as beads are.
+    has_few_bright: bool
 
     @property
     def is_guess(self) -> bool:
@@ -130,36 +142,53 @@ class Evidence(Found):
     #: Magnitudes of the differences of neighbours, sample units per voxel, at `values`.
     gradients: NDArray[np.float64]
 
+    @property
+    def fill(self) -> float | None:
+        """The value that stands for nothing; None where no value does. See `fill_of`."""
+        return fill_of(self.values)
+
+
+def fill_of(values: NDArray[np.float64]) -> float | None:
+    """The value of samples without data: a negative one, the least, that a large share of samples has exactly.
+
+    None where another phase has the largest value as often.
+    """
+    if not values.size or not values.min() < 0:
+        return None
+    least, largest = float(values.min()), float(values.max())
+    is_fill = np.mean(values == least) >= MIN_FILL > np.mean(values == largest)
+    return least if is_fill else None
+
 
 def evidence(volume: Volume | WaveletVolume) -> Evidence:
     """The kind of data that a volume holds, with the reason and the samples looked at."""
-    samples, neighbours = _looked_at(volume)
-    values = samples.astype(np.float64)
-    # Infinite neighbours have no difference, which is left out below.
-    with np.errstate(invalid="ignore"):
-        differences = [0.5 * (after.astype(np.float64) - before) for before, after in neighbours]
+    samples, neighbours = looked_at(volume)
     # `hypot`, since the squares of samples near the limits of float64 overflow.
-    gradients = np.hypot.reduce([np.zeros_like(values), *differences])
-    finite = np.isfinite(values) & np.isfinite(gradients)
+    values = samples.astype(np.float64)
+    gradients = np.hypot.reduce([np.zeros_like(values), *slopes(samples, neighbours)])
+    finite = np.isfinite(values)
     values, gradients = values[finite], gradients[finite]
     if not values.size or values.min() == values.max():
         # All that varies was not looked at, such as the border of a small volume: curves need a range.
         values, gradients = np.append(values, volume.value_range), np.append(gradients, (0.0, 0.0))
     # Coarser levels are means of what was noise, and steeper.
     fine = volume._busiest_part() if isinstance(volume, LazyVolume) else None
-    side_by_side = (samples, neighbours) if fine is None else _with_neighbours(fine, 1)
+    side_by_side = (samples, neighbours) if fine is None else with_neighbours(fine, 1)
     has_noise = not is_smooth(*side_by_side)
+    has_few_bright = has_noise and _has_few_bright(volume)
     kind, reason = (
         _segmentation(volume, values, *side_by_side)
         or _by_maps(volume, values)
         or _by_facts(volume, values)
+        or (FEW_BRIGHT if has_few_bright else None)
         or _by_microscope(volume, values, has_noise=has_noise)
         or _by_shares(volume, values)
         or _by_values(volume, values, has_noise=has_noise)
     )
+    has_few_bright = has_few_bright and kind == "fluorescence"
     if (keeper := _keeper(volume)) is not None:
-        keeper._kind = Found(kind, reason, has_noise)
-    return Evidence(kind, reason, has_noise, values, gradients)
+        keeper._kind = Found(kind, reason, has_noise, has_few_bright)
+    return Evidence(kind, reason, has_noise, has_few_bright, values, gradients)
 
 
 def found_in(volume: Volume | WaveletVolume) -> Found:
@@ -192,7 +221,7 @@ def offset_of(volume: Volume | WaveletVolume) -> float:
     """The offset that seems to be added to the Hounsfield units of a CT, 1000 or 1024; 0 for other volumes."""
     if volume.modality not in (None, "CT"):
         return 0.0
-    samples, _ = _looked_at(volume)
+    samples, _ = looked_at(volume)
     return _offset(volume, samples.astype(np.float64))
 
 
@@ -206,7 +235,8 @@ def _segmentation(
 ) -> tuple[Kind, str] | None:
     n_values = np.unique(values).size
     if n_values <= 2 and not _has_others(volume, values):
-        return "mask", "a mask: it has but two values"
+        return "mask", f"a mask: it has but {'two values' if n_values == 2 else 'one value, or none'}"
+    samples, neighbours = without_missing(samples, neighbours)
     is_whole = bool(np.all(values == np.round(values)))
     if volume.modality == "SEG" and is_whole:
         return "labels", "labels: the file says SEG"
@@ -236,12 +266,40 @@ def _is_whole(volume: Volume | WaveletVolume) -> bool:
     """Whether floating-point numbers in memory are all whole, also those that samples spread over them missed."""
     if not isinstance(volume, Volume) or isinstance(volume, LazyVolume) or volume.dtype.kind != "f":
         return True
-    return all(bool(np.array_equal(plane, np.rint(plane))) for plane in volume.samples)
+    return all(bool(np.array_equal(plane, np.rint(plane), equal_nan=True)) for plane in volume.samples)
 
 
 def _has_others(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> bool:
-    """Whether a volume has values between whole numbers that samples spread over it missed, as of a small lesion."""
-    return any(value != np.round(value) and value not in values for value in volume.value_range)
+    """Whether a volume has other values than two, which those of the kind's samples missed, as of a small lesion."""
+    low, high = volume.value_range
+    if any(value != np.round(value) and value not in values for value in (low, high)):
+        return True
+    more = subsampled(volume)
+    return bool(np.any(np.isfinite(more) & (more != low) & (more != high)))
+
+
+def _has_few_bright(volume: Volume | WaveletVolume) -> bool:
+    """Whether nearly all samples are noise that is as wide below its median as above it, and a few are far above.
+
+    A few that lie alone are hot pixels of a camera, not beads.
+    """
+    if volume.is_anatomical and not (_is_fine(volume) or is_placed_by_default(volume)):
+        return False
+    samples = subsampled(volume)
+    values = samples[np.isfinite(samples)].astype(np.float64)
+    low, middle, high = np.percentile(values, (10.0, 50.0, 90.0))
+    lower, upper = middle - low, high - middle
+    deviation = 1.4826 * float(np.median(np.abs(values - middle)))
+    if not (deviation > 0 and MIN_EVEN * lower <= upper <= lower / MIN_EVEN):
+        return False
+    above = samples > middle + FAR * deviation
+    n_far, n_below = np.count_nonzero(above), np.count_nonzero(values < middle - FAR * deviation)
+    if not n_below < n_far <= MAX_FAR * values.size:
+        return False
+    n_together = sum(
+        np.count_nonzero(np.logical_and(*(np.delete(above, end, axis) for end in (0, -1)))) for axis in range(3)
+    )
+    return n_together >= MIN_TOGETHER
 
 
 def _by_maps(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tuple[Kind, str] | None:
@@ -269,25 +327,13 @@ def _by_facts(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tu
 def _by_microscope(
     volume: Volume | WaveletVolume, values: NDArray[np.float64], *, has_noise: bool
 ) -> tuple[Kind, str] | None:
-    """The kind by the channels and the lengths of microscopes; atoms and plasmas are calculated at such lengths too."""
-    numbers = numbers_of(volume)
-    two_signs = _has_two_signs(values, numbers, is_of_patient=False, has_noise=has_noise)
-    is_calculated = numbers == "f" and (two_signs or not has_noise or volume.unit in ATOMIC_UNITS)
-    if is_calculated and volume.facts.channel is None:
-        return None
-    if volume.unit not in SMALL_UNITS:
-        if volume.facts.channel is not None and not volume.is_anatomical and not _is_dense(values):
-            return "fluorescence", "fluorescence: the file names channels, and mostly dark, by the values"
-        if _is_fine(volume) and _glows(values):
-            said = (
-                "samples less than a tenth of a millimetre apart, and a few far brighter than the rest, by the values"
-            )
-            return "fluorescence", f"fluorescence: {said}"
+    """The kind by the channels of microscopes; their unit alone tells nothing, so that it changes no look."""
+    if volume.facts.channel is None or (volume.is_anatomical and not _is_fine(volume)):
         return None
     # Fluorescence is dark with a bright tail; stained tissue in an electron microscope fills the picture.
-    if _is_dense(values):
-        return "EM", f"dense microscopy: lengths in {volume.unit}, and mostly bright, by the values"
-    return "fluorescence", f"fluorescence: lengths in {volume.unit}, and mostly dark, by the values"
+    if not _is_dense(values):
+        return "fluorescence", "fluorescence: the file names channels, and mostly dark, by the values"
+    return ("EM", DENSE) if has_noise else None
 
 
 def _by_shares(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tuple[Kind, str] | None:
@@ -299,7 +345,7 @@ def _by_shares(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> t
 
 def _by_values(volume: Volume | WaveletVolume, values: NDArray[np.float64], *, has_noise: bool) -> tuple[Kind, str]:
     numbers = numbers_of(volume)
-    is_of_patient = volume.is_anatomical and (has_noise or not is_placed_by_default(volume))
+    is_of_patient = volume.is_anatomical and not _is_fine(volume) and (has_noise or not is_placed_by_default(volume))
     is_of_patient = is_of_patient and not is_of_no_patient(volume, values)
     if _has_two_signs(values, numbers, is_of_patient=is_of_patient, has_noise=has_noise):
         return "signed field", "a field with two signs, by the values"
@@ -312,23 +358,40 @@ def _by_values(volume: Volume | WaveletVolume, values: NDArray[np.float64], *, h
     if not has_noise:
         return "field", "a field of whole numbers without noise, by the values"
     if _is_dense(values):
-        return "EM", "dense matter that fills the volume, as in electron microscopy: mostly bright, by the values"
-    if volume.unit is None and _glows(values):
+        return "EM", DENSE
+    if _glows(values):
         return "fluorescence", "fluorescence: noise, and a few samples far brighter than the rest, by the values"
     return "scan", "a scan of no fixed scale"
 
 
 def _of_patient(volume: Volume | WaveletVolume, values: NDArray[np.float64], numbers: str) -> tuple[Kind, str]:
-    if numbers == "u" or values.min() < 0:
+    air = _air_of_normalised(values) if numbers == "f" else None
+    if numbers == "u" or (values.min() < 0 and air is None):
         return "scan", "a scan of no fixed scale"
-    if min(volume.spacing) >= PET_SPACING_MM and _tail(values) >= PET_TAIL:
+    if min(volume.spacing) >= PET_SPACING_MM and _tail(values - (air or 0.0)) >= PET_TAIL:
         return "PET", "PET: coarse samples and a few very bright spots, by the values"
+    if air is not None:
+        return "MR", "MR, or another scan of a patient, normalised: its air has a negative value, by the values"
     return "MR", "MR, or another scan of a patient without a fixed scale, by the values"
+
+
+def _air_of_normalised(values: NDArray[np.float64]) -> float | None:
+    """The negative value of air in a scan whose mean was subtracted, or that was scaled: commonest, and nearly least.
+
+    None where the commonest value is not that: differences and statistics of two signs are commonest at 0.
+    """
+    low, high = robust_range_of(values)
+    counts, edges = np.histogram(values, bins=N_AIR_BINS, range=(low, high)) if low < high else ([0], [0.0, 0.0])
+    place = int(np.argmax(counts))
+    air = 0.5 * float(edges[place] + edges[place + 1])
+    return air if air < 0 and place < MAX_AIR_PLACE * N_AIR_BINS else None
 
 
 def _has_two_signs(values: NDArray[np.float64], numbers: str, *, is_of_patient: bool, has_noise: bool) -> bool:
     """Whether values go to both sides of 0, neither by the noise of a background nor by an offset."""
-    if numbers not in "fi" or (numbers == "i" and is_of_patient):
+    if numbers not in "fi" or (numbers == "i" and is_of_patient) or fill_of(values) is not None:
+        return False
+    if is_of_patient and _air_of_normalised(values) is not None:
         return False
     low, high = np.percentile(values, TAILS) if has_noise else (values.min(), values.max())
     least = MIN_TAIL if numbers == "f" else MIN_WHOLE_TAIL
@@ -360,30 +423,6 @@ def _glows(values: NDArray[np.float64]) -> bool:
 def _tail(values: NDArray[np.float64]) -> float:
     upper, top = np.percentile(values, (90.0, 99.9))
     return float(top / upper) if upper > 0 else math.inf
-
-
-Pairs: TypeAlias = "list[tuple[NDArray[Any], NDArray[Any]]]"
-
-
-def _looked_at(volume: Volume | WaveletVolume) -> tuple[NDArray[Any], Pairs]:
-    """Samples spread evenly over the volume, and their two neighbours along each axis that has any, all flat."""
-    step = step_for(math.prod(volume.shape), KIND_SAMPLES)
-    if isinstance(volume, LazyVolume) and (kept := volume._with_neighbours(step)) is not None:
-        return kept
-    if isinstance(volume, WaveletVolume | LazyVolume):
-        return _with_neighbours(volume._every(step), 1)
-    return _with_neighbours(volume.samples, step)
-
-
-def _with_neighbours(samples: NDArray[Any], step: int) -> tuple[NDArray[Any], Pairs]:
-    inside = [slice(1, n - 1, step) if n >= 3 else slice(0, n, step) for n in samples.shape]
-    pairs = []
-    for axis, n in enumerate(samples.shape):
-        if n >= 3:
-            before, after = list(inside), list(inside)
-            before[axis], after[axis] = slice(0, n - 2, step), slice(2, n, step)
-            pairs.append((samples[tuple(before)].ravel(), samples[tuple(after)].ravel()))
-    return samples[tuple(inside)].ravel(), pairs
 
 
 def _has_steps(samples: NDArray[Any], neighbours: Pairs) -> bool:

@@ -22,18 +22,21 @@ MAX_SMOOTH = 0.9
 def roughness(samples: NDArray[Any], neighbours: list[tuple[NDArray[Any], NDArray[Any]]]) -> float:
     """Ratio of bend to rise, over all samples and in the median of those that rise, whichever is larger.
 
-    samples : any number of samples. neighbours : their two neighbours along each axis. Infinity where nothing rises.
+    samples : any number of samples. neighbours : their two neighbours along each axis; samples take no part along axes
+        where one of the three is missing (not finite). Infinity where nothing rises.
     """
     middle = samples.astype(np.float64)
     bend, rise = np.zeros(middle.shape), np.zeros(middle.shape)
     with np.errstate(over="ignore", invalid="ignore"):
         for before, after in neighbours:
             low, high = before.astype(np.float64), after.astype(np.float64)
-            bend += np.abs(low - 2 * middle + high)
-            rise += 0.5 * np.abs(high - low)
-        values, counts = np.unique(middle, return_counts=True)
+            is_known = np.isfinite(low) & np.isfinite(middle) & np.isfinite(high)
+            bend += np.where(is_known, np.abs(low - 2 * middle + high), 0.0)
+            rise += np.where(is_known, 0.5 * np.abs(high - low), 0.0)
+        values, counts = np.unique(middle[np.isfinite(middle)], return_counts=True)
         # A background of one value is no matter, smooth or not.
-        is_matter = np.isfinite(bend) & np.isfinite(rise) & (rise > 0) & (middle != values[counts.argmax()])
+        background = values[counts.argmax()] if values.size else np.nan
+        is_matter = np.isfinite(bend) & np.isfinite(rise) & (rise > 0) & (middle != background)
         if not is_matter.any():
             return float("inf")
         is_finite = np.isfinite(bend) & np.isfinite(rise)

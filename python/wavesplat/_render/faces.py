@@ -128,7 +128,8 @@ class _Head:
         if finite.size == 0 or finite.min() == finite.max():
             return None
         is_ct = volume.modality != "MR" and looks_like_hounsfield(finite, volume)
-        threshold = AIR_HU if is_ct else 0.6 * otsu(finite, *robust_range_of(finite))
+        low, high = robust_range_of(finite)
+        threshold = AIR_HU if is_ct else low + 0.6 * (otsu(finite, low, high) - low)
         values = np.where(np.isfinite(values), values, finite.min())
         return cls(
             values, values > threshold, step * np.asarray(volume.spacing)[order], np.column_stack([columns, origin])

@@ -67,6 +67,34 @@ def test_without_a_face_there_is_none(volume, options):
     assert notes(volume, **options) == []
 
 
+def stripped_brain(scale=1.0):
+    """A brain as large as in MNI's space, 140 x 176 x 148 mm, with its cerebellum and stem, and nothing around it."""
+    x, y, z = (4.0 * (np.arange(n) - n / 2) / scale for n in (46, 54, 46))
+    x, y, z = x[None, None, :], y[None, :, None], z[:, None, None]
+    cerebrum = ((x / 70) ** 2 + (y / 88) ** 2 + ((z - 20) / 62) ** 2 < 1) & (z > -30 - 0.2 * y)
+    cerebellum = (x / 50) ** 2 + ((y + 50) / 32) ** 2 + ((z + 40) / 25) ** 2 < 1
+    stem = ((x / 14) ** 2 + ((y + 18) / 14) ** 2 < 1) & (z < 0) & (z > -72)
+    samples = np.where(cerebrum | cerebellum | stem, 200, 0).astype(np.int16)
+    facts = ws.Facts(modality="MR", is_anatomical=True, unit="mm")
+    return ws.Volume(samples, world_from_index=np.diag([4.0, 4, 4, 1]), facts=facts)
+
+
+def lungs():
+    """Two lungs beside the middle, as large across as a head."""
+    x, y, z = (4.0 * (np.arange(n) - n / 2) for n in (70, 54, 64))
+    x, y, z = x[None, None, :], y[None, :, None], z[:, None, None]
+    pair = [((x - at) / 55) ** 2 + (y / 88) ** 2 + ((z + 20) / 110) ** 2 < 1 for at in (-62, 62)]
+    facts = ws.Facts(is_anatomical=True, unit="mm")
+    return ws.Volume((pair[0] | pair[1]).astype(np.uint8), world_from_index=np.diag([4.0, 4, 4, 1]), facts=facts)
+
+
+@pytest.mark.parametrize("volume", [stripped_brain(), stripped_brain(1.1), lungs()], ids=["brain", "large", "lungs"])
+def test_brains_without_a_head_and_lungs_have_no_face(volume):
+    """The note was on six of seven brains without skulls, on a map of grey matter and on a mask of lungs."""
+    assert notes(volume, None) == []
+    assert notes(volume) == []
+
+
 def pelvis(width, *, is_cut):
     """An ellipse of tissue along z, in a field of view of 240 mm, or of 320 with its front."""
     n = 60 if is_cut else 80

@@ -4,8 +4,9 @@ It is decided by simple facts, on a thinned copy of the samples, and errs toward
 
 1. The volume is a patient's MR or CT (or of unknown kind) in millimetres, no larger across than a scan of a head.
 2. Its tissue is as large as a head, no wider (a pelvis is), and the profile in the middle comes as far forward at nose
-   and mouth, 95 to 140 mm below the vertex, as at the forehead: in a defaced scan, and in an extracted brain, it does
-   not.
+   and mouth, 95 to 140 mm below the vertex, as at the forehead: in a defaced scan it does not. Nor does it in a brain
+   without its head, of which nothing but the stem is left at the mouth; and a head is solid in its middle, unlike
+   lungs and skulls.
 3. The skin of the face lies in the scan: most rays from the front meet tissue behind the scan's wall, where a pelvis
    that fills its field of view is cut.
 4. What is drawn is opaque within 12 mm of the surface, along most rays from the front that meet the face.
@@ -49,6 +50,11 @@ MAX_WIDTH_MM = 260.0
 MIN_UNCUT = 0.5
 #: Heights below the vertex of the forehead, and of nose and mouth; how far the latter may lie behind. mm.
 FOREHEAD_MM, FACE_MM, MAX_BEHIND_MM = (30.0, 70.0), (95.0, 140.0), 15.0
+#: Heights below the vertex of the mouth, and how far it may lie behind the forehead: heads 24 at most, brains in the
+#: space of MNI, which are large, 60 at least. mm.
+MOUTH_MM, MAX_MOUTH_BEHIND_MM = (130.0, 145.0), 40.0
+#: Least share of tissue in the middle of the forehead's slices, from back to front: heads 0.87 to 0.96; a skull 0.29.
+MIN_SOLID = 0.4
 #: Half widths of the profile and of the face, mm.
 PROFILE_MM, FACE_HALF_MM = 15.0, 45.0
 #: Depth within which skin is opaque, mm, the least opacity, and the least share of rays.
@@ -149,6 +155,14 @@ class _Head:
         forehead = self._front(profile, self._below(vertex, FOREHEAD_MM))
         nose = self._front(profile, self._below(vertex, FACE_MM))
         if nose < forehead - MAX_BEHIND_MM / self.steps[1]:
+            return None
+        is_scanned = vertex > MOUTH_MM[0] / self.steps[2]
+        mouth = self._front(profile, self._below(vertex, MOUTH_MM)) if is_scanned else forehead
+        if mouth < forehead - MAX_MOUTH_BEHIND_MM / self.steps[1]:
+            return None
+        middle_part = self.is_tissue[profile, :, self._below(vertex, FOREHEAD_MM)]
+        rows = np.flatnonzero(middle_part.any(axis=(0, 2)))
+        if middle_part[:, rows.min() : rows.max() + 1].mean() < MIN_SOLID:
             return None
         across, along = self._around(middle, FACE_HALF_MM), self._below(vertex, (FOREHEAD_MM[1], FACE_MM[1]))
         is_face = not self._is_too_wide(vertex) and self._has_its_surface(across, along)

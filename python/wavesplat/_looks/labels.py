@@ -434,10 +434,18 @@ class Labels:
         apart = np.abs(self.world_from_index - scan.world_from_index).max()
         return bool(apart <= TOLERANCE * min(scan.spacing))
 
+    def _lacks_origin(self, scan: Grid) -> bool:
+        """Whether it has the scan's distances and begins at (0, 0, 0): programs that segment forget the stage."""
+        matrix = self.world_from_index
+        if matrix is None or self._facts.is_anatomical or scan.is_anatomical or matrix[:3, 3].any():
+            return False
+        apart = np.abs(matrix[:3, :3] - scan.world_from_index[:3, :3]).max()
+        return bool(apart <= TOLERANCE * min(scan.spacing))
+
     def _placed(self, scan: Grid) -> tuple[tuple[int, ...], NDArray[Any], _Placing]:
         """Numbers and codes on the samples of a scan, and how they came there."""
         matrix = self.world_from_index
-        if not self._has_place and self.shape == scan.shape:
+        if self.shape == scan.shape and (not self._has_place or self._lacks_origin(scan)):
             guess = "guess: the segmentation says nothing of its place, and is taken to lie on the scan's samples"
             return self.numbers, self._codes, _Placing(None if matrix is None else guess)
         if matrix is None or not (self._has_place or np.array_equal(scan.world_from_index, np.eye(4))):

@@ -29,11 +29,10 @@ from wavesplat._readers.hdf5_levels import (
     checked_dataset,
     grid_of,
     lazy_levels_of,
-    level_numbers,
     member_at,
     numbered,
 )
-from wavesplat._readers.request import Grid, Request, choose
+from wavesplat._readers.request import Grid, Request, choose, level_numbers
 from wavesplat._readers.unsupported_formats import OF_N5
 from wavesplat.errors import FileError
 

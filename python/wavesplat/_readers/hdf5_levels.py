@@ -19,7 +19,7 @@ from wavesplat._model.hdf5_files import files_of_dataset, open_hdf5
 from wavesplat._model.lazy_array import SlicedArray
 from wavesplat._readers.hdf5 import check_own, check_way
 from wavesplat._readers.request import Grid, Request
-from wavesplat.errors import ArgumentError, FileError
+from wavesplat.errors import FileError
 
 if TYPE_CHECKING:
     import h5py
@@ -31,7 +31,6 @@ __all__ = [
     "checked_dataset",
     "grid_of",
     "lazy_levels_of",
-    "level_numbers",
     "member_at",
     "numbered",
 ]
@@ -68,18 +67,6 @@ def numbered(group: Any, name: str) -> list[int]:
     keys = [str(key) for key in group] if hasattr(group, "keys") else []
     parts = [key.removeprefix(name).strip() for key in keys if key.startswith(name)]
     return sorted({int(part) for part in parts if part.isascii() and part.isdigit()})
-
-
-def level_numbers(count: int, request: Request) -> list[int]:
-    """The levels that are asked for: all, or the one of `level=`."""
-    level = request.level
-    if level is None:
-        return list(range(count))
-    if not 0 <= level < count:
-        raise ArgumentError(
-            f"level={level}, but there are {count} levels, 0..{count - 1}; 0 is the finest: {request.safe_path}"
-        )
-    return [level]
 
 
 def checked_dataset(file: h5py.File, name: str, request: Request) -> h5py.Dataset:

@@ -24,11 +24,10 @@ from wavesplat._readers.hdf5_levels import (
     StoredLevel,
     checked_dataset,
     grid_of,
-    level_numbers,
     member_at,
     numbered,
 )
-from wavesplat._readers.request import Grid, Request, choose, window_of
+from wavesplat._readers.request import Grid, Request, choose, level_numbers, window_of
 from wavesplat.errors import FileError
 
 if TYPE_CHECKING:

@@ -358,8 +358,8 @@ def _token_of_url(request: Request, inner: str) -> str | None:
 
 
 def _of_tiff(request: Request) -> LazyGrid:
-    array, matrix, facts = lazy_tiff.stack_of(request)
-    return LazyGrid([array], [matrix], facts)
+    arrays_of_levels, matrices, facts = lazy_tiff.stacks_of(request)
+    return LazyGrid([*arrays_of_levels], matrices, facts)
 
 
 def _of_netcdf(request: Request) -> LazyGrid:

@@ -19,26 +19,28 @@ from wavesplat._files.file_states import StoredFiles
 from wavesplat._model.facts import Facts
 from wavesplat._model.lazy_array import SlicedArray
 from wavesplat._readers import tiff
-from wavesplat._readers.request import Request, quiet
+from wavesplat._readers.request import Request, level_numbers, quiet
 from wavesplat._readers.stored_samples import stored_samples
 from wavesplat._readers.tiff_pages import check_pages
 from wavesplat.errors import FileError
 
-__all__ = ["stack_of"]
+__all__ = ["stacks_of"]
 
 
-def stack_of(request: Request) -> tuple[SlicedArray, NDArray[np.float64], Facts]:
-    """The slices of a TIFF file, or of a folder of them, with place and facts."""
+def stacks_of(request: Request) -> tuple[list[SlicedArray], list[NDArray[np.float64]], Facts]:
+    """The slices of the levels of a TIFF file, the finest first, or of a folder of slices, with places and facts."""
     with quiet("tifffile"):
-        return _of_folder(request) if request.file.is_dir() else _of_file(request)
+        if request.file.is_dir():
+            array, facts = _of_folder(request)
+            return [array], [np.eye(4)], facts
+        levels = tiff.described(request.file, request)
+        return [_of_level(one, request) for one in levels], [one.world_from_index for one in levels], levels[0].facts
 
 
-def _of_file(request: Request) -> tuple[SlicedArray, NDArray[np.float64], Facts]:
+def _of_level(described: tiff.Described, request: Request) -> SlicedArray:
     path = request.file
-    described = tiff.described(path, request)
     if described.offset is not None:
-        array = _in_one_piece(path, described, described.offset)
-        return array, described.world_from_index, described.facts
+        return _in_one_piece(path, described, described.offset)
     series_shape, keyframe = described.shape, described.page_shape
     n_of_pages = len(series_shape) - len(keyframe)
     if series_shape[n_of_pages:] != keyframe or n_of_pages == 0:
@@ -49,16 +51,15 @@ def _of_file(request: Request) -> tuple[SlicedArray, NDArray[np.float64], Facts]
     if wanted.ndim != 1 or sum(isinstance(part, slice) for part in inside) != 2:
         raise FileError(f"the slices are no pages along z; open the file without memory=: {path}")
     turned = described.order != [0, 1, 2]
-    array = _stack(
-        partial(_FilePages, str(path), [int(k) for k in wanted.ravel()], inside, turned),
+    return _stack(
+        partial(_FilePages, str(path), described.level, [int(k) for k in wanted.ravel()], inside, turned),
         request,
         (wanted.size, *(n for n, part in zip(keyframe, inside, strict=True) if isinstance(part, slice))),
         described.dtype.newbyteorder("="),
-        token=f"TIFF {path} {described.picked}",
+        token=f"TIFF {path} {described.level} {described.picked}",
         files=StoredFiles([path, *described.others]),
         turned=turned,
     )
-    return array, described.world_from_index, described.facts
 
 
 def _in_one_piece(path: Path, described: tiff.Described, offset: int) -> SlicedArray:
@@ -68,8 +69,10 @@ def _in_one_piece(path: Path, described: tiff.Described, offset: int) -> SlicedA
     return stored_samples(path, described.dtype, offset, described.shape, order=(z, y, x), picked=picked)
 
 
-def _of_folder(request: Request) -> tuple[SlicedArray, NDArray[np.float64], Facts]:
+def _of_folder(request: Request) -> tuple[SlicedArray, Facts]:
     import tifffile
+
+    level_numbers(1, request)
 
     folder = request.file
     files = tiff.files_in(folder, request)
@@ -83,7 +86,7 @@ def _of_folder(request: Request) -> tuple[SlicedArray, NDArray[np.float64], Fact
         token=f"TIFF folder {folder} {request.channel}",
         files=StoredFiles(files, axis=0),
     )
-    return array, np.eye(4), tiff.FACTS_OF_FOLDER
+    return array, tiff.FACTS_OF_FOLDER
 
 
 def _stack(
@@ -125,13 +128,13 @@ class _Pages:
 class _FilePages(_Pages):
     """Pages of a file. `inside`: index into a page; `turned`: its axes are x, y."""
 
-    def __init__(self, path: str, numbers: list[int], inside: Sequence[Any], turned: bool) -> None:
+    def __init__(self, path: str, level: int, numbers: list[int], inside: Sequence[Any], turned: bool) -> None:
         import tifffile
 
         self._file = tifffile.TiffFile(path)
         # Closed with these pages, rather than by the garbage collector's warning.
         weakref.finalize(self, self._file.close)
-        self._pages = self._file.series[0].pages
+        self._pages = tiff.levels_in(self._file)[level].pages
         self._numbers, self._inside, self._turned = numbers, tuple(inside), turned
         self._lock = Lock()
 

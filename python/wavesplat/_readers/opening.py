@@ -114,7 +114,7 @@ OPTIONS = {
     "vti": {"channel", "component", "dataset"},
     "vtk_legacy": {"channel", "component", "dataset"},
     "dicom": {"series", "time", "channel", "gaps", "suv"},
-    "tiff": {"time", "channel", "external_files"},
+    "tiff": {"time", "channel", "level", "external_files"},
     "arrays": {"time", "channel", "component", "dataset"},
     "raw": {"time", "channel", "shape", "dtype", "byte_order", "offset"},
     "hdf5": {"time", "channel", "component", "dataset", "resample", "external_files"},

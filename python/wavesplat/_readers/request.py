@@ -33,6 +33,7 @@ __all__ = [
     "SeveralError",
     "choose",
     "index_unnamed_axes",
+    "level_numbers",
     "listed",
     "n_times_of",
     "named_within",
@@ -178,6 +179,18 @@ def requested(path: str | PathLike[str], **options: Any) -> Request:
 #: `within` of the requests that are made now. Not an argument of functions that open: users have no document. Requests
 #: keep it, also for later reads.
 NAMED_WITHIN: ContextVar[Path | None] = ContextVar("named_within", default=None)
+
+
+def level_numbers(count: int, request: Request) -> list[int]:
+    """The levels that are asked for: all, or the one of `level=`."""
+    level = request.level
+    if level is None:
+        return list(range(count))
+    if not 0 <= level < count:
+        raise ArgumentError(
+            f"level={level}, but there are {count} levels, 0..{count - 1}; 0 is the finest: {request.safe_path}"
+        )
+    return [level]
 
 
 #: Whether a single plane is taken as two equal ones beside each other. Not an argument of functions that open, as of

@@ -23,15 +23,15 @@ from wavesplat._files.named_files import check_named_file, check_within
 from wavesplat._files.natural_order import natural_key
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Channel, Facts
-from wavesplat._readers.request import COLORS, Grid, Request, choose, quiet
-from wavesplat._readers.tiff_facts import place_of
+from wavesplat._readers.request import COLORS, Grid, Request, choose, level_numbers, quiet
+from wavesplat._readers.tiff_facts import TiffPlace, place_of
 from wavesplat._readers.tiff_pages import check_pages
 from wavesplat.errors import FileError
 
 if TYPE_CHECKING:
     from tifffile import TiffFile
 
-__all__ = ["FACTS_OF_FOLDER", "Described", "described", "files_in", "read", "slice_of"]
+__all__ = ["FACTS_OF_FOLDER", "Described", "described", "files_in", "levels_in", "read", "slice_of"]
 
 #: Attributes of OME metadata that name another file.
 NAMES_OF_FILES = ("FileName", "MetadataFile")
@@ -41,6 +41,7 @@ def read(request: Request) -> Grid:
     """The stack in a TIFF file or a folder of TIFF files."""
     with reading("TIFF", request.path), quiet("tifffile"):
         if request.file.is_dir():
+            level_numbers(1, request)
             return _read_folder(request.file, request)
         return _read_file(request.file, request)
 
@@ -49,15 +50,16 @@ def _read_file(path: Path, request: Request) -> Grid:
     import tifffile
 
     with tifffile.TiffFile(path) as tiff:
-        found = _described(tiff, path, request)
-        samples = np.transpose(_picked_samples(tiff, found.picked, path), found.order)
+        found = _described(tiff, path, request)[0]
+        samples = np.transpose(_picked_samples(tiff, found, path), found.order)
         return Grid(samples, found.world_from_index, found.facts)
 
 
 @dataclass(frozen=True)
 class Described:
-    """Layout, place and facts of a file's first series, before samples are read."""
+    """Layout, place and facts of a level of a file's first series, before samples are read."""
 
+    level: int
     shape: tuple[int, ...]
     page_shape: tuple[int, ...]
     #: Type of the samples, in the byte order of the file.
@@ -72,34 +74,76 @@ class Described:
     others: tuple[Path, ...] = ()
 
 
-def described(path: Path, request: Request) -> Described:
-    """Description of the stack in a file, and of the part that is asked for."""
+def described(path: Path, request: Request) -> list[Described]:
+    """Descriptions of the levels of the stack in a file, the finest first, or of the one that is asked for."""
     import tifffile
 
     with tifffile.TiffFile(path) as tiff:
         found = _described(tiff, path, request, in_memory=False)
-        return replace(found, others=tuple(path.parent / name for name in dict.fromkeys(_named_files(tiff))))
+        others = tuple(path.parent / name for name in dict.fromkeys(_named_files(tiff)))
+        return [replace(one, others=others) for one in found]
 
 
-def _described(tiff: TiffFile, path: Path, request: Request, *, in_memory: bool = True) -> Described:
+def _described(tiff: TiffFile, path: Path, request: Request, *, in_memory: bool = True) -> list[Described]:
     check_pages(path)
     _check_named_files(tiff, path, request)
-    series: Any = tiff.series[0]
-    others = "TCS" if "Z" in series.axes else "CS"
-    one = [n for name, n in zip(series.axes, series.shape, strict=True) if name not in others]
-    _check_stored(tiff, path, one if in_memory else [1])
-    place = place_of(tiff, has_z="Z" in series.axes or "T" not in series.axes)
-    channels = place.facts.channels or _colors(series)
+    levels = levels_in(tiff)
+    finest: Any = levels[0]
+    place = place_of(
+        tiff,
+        has_z="Z" in finest.axes or "T" not in finest.axes,
+        time=request.time or 0,
+        channel=request.channel or 0,
+    )
+    channels = place.facts.channels or _colors(finest)
     names = [channel.name for channel in channels]
-    picked, order = _one_stack(series.axes, series.shape, request, names)
-    facts = replace(place.facts, channels=channels, n_times=_n_times(series))
-    facts = replace(facts, channel=_channel_of(facts, request))
-    # A negative distance mirrors the axis.
-    matrix = np.diag([*place.steps, 1.0])
-    pages = tuple(series.keyframe.shape)
-    offset = _offset_of(series)
-    dtype = series.dtype.newbyteorder(tiff.byteorder)
-    return Described(tuple(series.shape), pages, dtype, offset, picked, order, matrix, facts)
+    layouts = [_one_stack(series.axes, series.shape, request, names) for series in levels]
+    shapes = [_zyx(series.shape, *layout) for series, layout in zip(levels, layouts, strict=True)]
+    facts = replace(place.facts, channels=channels, n_times=_n_times(finest))
+    facts = replace(facts, channel=_channel_of(facts, request), levels=tuple(shapes) if len(shapes) > 1 else ())
+    found = []
+    for number in level_numbers(len(levels), request)[: 1 if in_memory else None]:
+        series, (picked, order) = levels[number], layouts[number]
+        others = "TCS" if "Z" in series.axes else "CS"
+        one = [n for name, n in zip(series.axes, series.shape, strict=True) if name not in others]
+        _check_stored(path, one if in_memory else [1], series)
+        matrix = _world_from_index(place, np.array(shapes[0][::-1]) / np.array(shapes[number][::-1]))
+        pages = tuple(series.keyframe.shape)
+        dtype = series.dtype.newbyteorder(tiff.byteorder)
+        offset = _offset_of(series)
+        found.append(Described(number, tuple(series.shape), pages, dtype, offset, picked, order, matrix, facts))
+    return found
+
+
+def levels_in(tiff: TiffFile) -> list[Any]:
+    """The levels of the first series, the finest first: those of a pyramid that have its axes, and get smaller."""
+    finest: Any = tiff.series[0]
+    levels = [finest]
+    for one in finest.levels[1:]:
+        sizes = list(zip(one.axes, one.shape, levels[-1].shape, strict=False))
+        is_smaller = any(n < before for _, n, before in sizes) and all(n <= before for _, n, before in sizes)
+        is_same = all(n == before for name, n, before in sizes if name not in "ZYX")
+        if one.axes == finest.axes and one.dtype == finest.dtype and is_smaller and is_same:
+            levels.append(one)
+    return levels
+
+
+def _zyx(shape: Sequence[int], picked: Sequence[Any], order: Sequence[int]) -> tuple[int, int, int]:
+    """Samples along z, y, x of a stack; 1 along z of a single plane."""
+    kept = [n for n, part in zip(shape, picked, strict=True) if isinstance(part, slice)]
+    z, y, x = ([1] * (3 - len(kept)) + [kept[axis] for axis in order])[-3:]
+    return z, y, x
+
+
+def _world_from_index(place: TiffPlace, ratios: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The affine of a level that has so many samples of the finest for each of its own, whose boxes are the same.
+
+    A negative distance mirrors the axis.
+    """
+    steps = np.array(place.steps)
+    matrix = np.diag([*(ratios * steps), 1.0])
+    matrix[:3, 3] = np.array(place.origin) + (ratios - 1) / 2 * steps
+    return matrix
 
 
 def _offset_of(series: Any) -> int | None:
@@ -215,9 +259,10 @@ def _one_stack(
     return tuple(picked), [kept.index(name) for name in "ZYX" if name in kept]
 
 
-def _picked_samples(tiff: TiffFile, picked: tuple[Any, ...], path: Path) -> NDArray[Any]:
-    """Samples of the first series at the index `picked`; other pages are not read."""
-    series: Any = tiff.series[0]
+def _picked_samples(tiff: TiffFile, found: Described, path: Path) -> NDArray[Any]:
+    """Samples of a level of the first series at the index `picked`; other pages are not read."""
+    picked = found.picked
+    series: Any = levels_in(tiff)[found.level]
     of_pages = len(series.shape) - len(series.keyframe.shape)
     n_pages = len(series.pages)
     is_part = not all(isinstance(part, slice) for part in picked[:of_pages])
@@ -229,17 +274,16 @@ def _picked_samples(tiff: TiffFile, picked: tuple[Any, ...], path: Path) -> NDAr
         return np.array(mapped[picked])
     if is_part and is_regular:
         wanted = np.arange(n_pages).reshape(series.shape[:of_pages])[picked[:of_pages]]
-        pages: NDArray[Any] = tiff.asarray(key=wanted.ravel().tolist(), series=0)
+        pages: NDArray[Any] = np.stack([series.pages[int(number)].asarray() for number in wanted.ravel()])
         pages = pages.reshape(*wanted.shape, *series.keyframe.shape)
         return np.asarray(pages[(..., *picked[of_pages:])])
     whole: NDArray[Any] = series.asarray()
     return np.asarray(whole[picked])
 
 
-def _check_stored(tiff: TiffFile, path: Path, one: Sequence[int]) -> None:
+def _check_stored(path: Path, one: Sequence[int], series: Any) -> None:
     """Raise a `FileError` if a page's data reach past the end of the file. `one`: shape of one volume."""
     size = path.stat().st_size
-    series: Any = tiff.series[0]
     size_checks.check_stored(series.shape, series.dtype, size, path, ratio=size_checks.ANY_RATIO, held=one)
     ends = [series.dataoffset + series.nbytes] if series.dataoffset is not None else []
     for page in series.pages:

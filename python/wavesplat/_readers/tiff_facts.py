@@ -24,6 +24,8 @@ __all__ = ["TiffPlace", "guesses_of_steps", "place_of"]
 
 #: A nanometre in metres, for wavelengths.
 NM = 1e-9
+#: What the place of the stage is taken for.
+STAGE_IS_FIRST = "which OME-TIFF has for each plane; it is taken for the place of the first sample"
 #: OME's names of modes in which the light of a dye is measured.
 FLUORESCENCE = {
     "Fluorescence",
@@ -46,10 +48,11 @@ FLUORESCENCE = {
 
 @dataclass(frozen=True)
 class TiffPlace:
-    """Steps along x, y, z, which may be negative, and the facts."""
+    """Steps along x, y, z, which may be negative, the place of the first sample, and the facts."""
 
     steps: tuple[float, float, float]
     facts: Facts
+    origin: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
 
 @dataclass(frozen=True)
@@ -60,12 +63,17 @@ class _Said:
     units: tuple[str | None, str | None, str | None] = (None, None, None)
     #: Invalid values in the place of distances: 0, "nan", "abc".
     odd: tuple[Any, Any, Any] = (None, None, None)
+    #: Where the stage was at the first plane, along x, y, z, in metres.
+    stage_m: tuple[float | None, float | None, float | None] = (None, None, None)
     facts: Facts = field(default_factory=Facts)
 
 
-def place_of(tiff: TiffFile, *, has_z: bool = True) -> TiffPlace:
-    """Distances, unit and facts of the first image in the file. `has_z`: whether it has slices, not only times."""
-    said = _of_ome(tiff) if tiff.is_ome else _of_imagej(tiff) if tiff.is_imagej else _Said()
+def place_of(tiff: TiffFile, *, has_z: bool = True, time: int = 0, channel: int = 0) -> TiffPlace:
+    """Distances, unit, place and facts of the first image in the file.
+
+    has_z : whether it has slices, not only times. time, channel : those whose place is asked for.
+    """
+    said = _of_ome(tiff, time, channel) if tiff.is_ome else _of_imagej(tiff) if tiff.is_imagej else _Said()
     unit, factors = units.in_one_unit(said.units)
     steps = [None if step is None else step * factor for step, factor in zip(said.steps, factors, strict=True)]
     # A missing distance is taken from x: then the stack keeps its proportions at least in scale.
@@ -82,7 +90,11 @@ def place_of(tiff: TiffFile, *, has_z: bool = True) -> TiffPlace:
     bare = ", ".join(name for name, one, step in described if one is None and step is not None)
     if unit is not None and bare:
         guesses.append(f"distances along {bare} in {unit}: the file names no unit for them")
-    return TiffPlace((x, y, z), replace(said.facts, unit=unit, guesses=tuple(guesses)))
+    size = units.metres(unit)
+    stage = [0.0 if at is None or size is None else float(f"{at / size:.9g}") for at in said.stage_m]
+    conventions = [f"placed where the stage was, {STAGE_IS_FIRST}"] if any(stage) else []
+    facts = replace(said.facts, unit=unit, guesses=tuple(guesses), conventions=tuple(conventions))
+    return TiffPlace((x, y, z), facts, (stage[0], stage[1], stage[2]))
 
 
 def _odd_guesses(said: _Said) -> list[str]:
@@ -176,7 +188,7 @@ def _table_color(table: Any) -> tuple[float, float, float] | None:
 # OME
 
 
-def _of_ome(tiff: TiffFile) -> _Said:
+def _of_ome(tiff: TiffFile, time: int, channel: int) -> _Said:
     root = _parsed(tiff.ome_metadata or "")
     image = None if root is None else next(_named(root, "Image"), None)
     pixels = None if image is None else next(_named(image, "Pixels"), None)
@@ -197,6 +209,7 @@ def _of_ome(tiff: TiffFile) -> _Said:
         steps=(steps[0], steps[1], steps[2]),
         units=(of_axes[0], of_axes[1], of_axes[2]),
         odd=(odd[0], odd[1], odd[2]),
+        stage_m=_ome_stage(pixels, time, channel),
         facts=Facts(
             modality=_ome_modality(described),
             channels=tuple(_ome_channel(channel) for channel in described),
@@ -206,6 +219,25 @@ def _of_ome(tiff: TiffFile) -> _Said:
             times=times if time_step is None else (),
         ),
     )
+
+
+def _ome_stage(pixels: ET.Element, time: int, channel: int) -> tuple[float | None, float | None, float | None]:
+    """Where the stage was at the first plane of a time and channel, else of all, metres; None without a length's unit.
+
+    The standard's default, a reference frame of unknown size, is none.
+    """
+    first = [plane for plane in _named(pixels, "Plane") if plane.get("TheZ", "0") == "0"]
+    wanted = (str(time), str(channel))
+    own = [plane for plane in first if (plane.get("TheT", "0"), plane.get("TheC", "0")) == wanted]
+    planes = own or first
+    if not planes:
+        return None, None, None
+    found = []
+    for axis in "XYZ":
+        at = _number(planes[0].get(f"Position{axis}"))
+        size = units.metres(units.canonical(planes[0].get(f"Position{axis}Unit")))
+        found.append(None if at is None or size is None else at * size)
+    return found[0], found[1], found[2]
 
 
 def _ome_times(pixels: ET.Element, n_times: int) -> tuple[tuple[float, ...], str | None]:

@@ -12,7 +12,7 @@ from contextvars import ContextVar
 
 from wavesplat.errors import CancelledError
 
-__all__ = ["cancelled_by", "check_cancelled"]
+__all__ = ["cancelled_by", "cancelled_by_progress", "check_cancelled"]
 
 _IS_CANCELLED: ContextVar[Callable[[], bool] | None] = ContextVar("is_cancelled", default=None)
 
@@ -27,8 +27,18 @@ def cancelled_by(is_cancelled: Callable[[], bool]) -> Iterator[None]:
         _IS_CANCELLED.reset(token)
 
 
+@contextmanager
+def cancelled_by_progress(progress: Callable[[float], object] | None) -> Iterator[None]:
+    """Cancel what reads files for a picture, before any of it is drawn, once its progress callback gives False."""
+    if progress is None:
+        yield
+        return
+    with cancelled_by(lambda: progress(0.0) is False):
+        yield
+
+
 def check_cancelled() -> None:
     """Raise a `CancelledError` if nobody wants the result any more."""
     is_cancelled = _IS_CANCELLED.get()
     if is_cancelled is not None and is_cancelled():
-        raise CancelledError("reading was cancelled; open the file again")
+        raise CancelledError("reading was cancelled; ask again for what it was read for")

@@ -30,7 +30,7 @@ from wavesplat._model.lazy_array import LazyArray, lazy_array
 from wavesplat._model.lazy_changes import LazyCache, look_again
 from wavesplat._model.lazy_checks import narrowest_integer
 from wavesplat._model.stack import Box
-from wavesplat._model.survey import KeepOn, Survey, kept_survey, surveyed
+from wavesplat._model.survey import Survey, kept_survey, surveyed
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
@@ -379,7 +379,7 @@ class LazyVolume(Volume):
 
     # Data for pictures.
 
-    def survey(self, level: int, kernel: str, box: Box | None = None, keep_on: KeepOn = None) -> Survey:
+    def survey(self, level: int, kernel: str, box: Box | None = None) -> Survey:
         """The survey of a level, by one pass over its samples, or those in a box (`box_of_crop`); made once."""
         self.notice_changes()
         found = self._cache.surveys.get((level, kernel, box))
@@ -395,7 +395,6 @@ class LazyVolume(Volume):
                 keep=self._keep,
                 holes=self._holes,
                 part=None if box is None else shown_part(self, level, box),
-                keep_on=keep_on,
             )
             self._cache.surveys[level, kernel, box] = found
         return found
@@ -471,7 +470,7 @@ class LazyVolume(Volume):
             found = self._cache.derived["overview", level] = read_box(array, ((0, 0, 0), array.shape))
         return found
 
-    def core_of(self, level: int, kernel: str, box: Box | None = None, keep_on: KeepOn = None) -> _native.LazyVolume:
+    def core_of(self, level: int, kernel: str, box: Box | None = None) -> _native.LazyVolume:
         """The compiled module's `LazyVolume` of a level, which plans frames; `box`: the only part that is read."""
         self.notice_changes()
         key = level, kernel, box
@@ -479,10 +478,10 @@ class LazyVolume(Volume):
         if core is None:
             from wavesplat._model.lazy_parts import level_in_finest
 
-            own, survey = self._levels[level], self.survey(level, kernel, box, keep_on)
+            own, survey = self._levels[level], self.survey(level, kernel, box)
             if not survey.core.has_bounds:  # an earlier `_native.LazyVolume` took them
                 self._cache.surveys.pop(key)
-                survey = self.survey(level, kernel, box, keep_on)
+                survey = self.survey(level, kernel, box)
             core = _native.LazyVolume(
                 self.name,
                 own.array.shape,

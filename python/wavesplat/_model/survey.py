@@ -17,21 +17,22 @@ from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
-from typing import Any, TypeAlias
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat import _native
 from wavesplat._files.cache_folder import CacheFolder, default_folder
+from wavesplat._files.cancelling import check_cancelled
 from wavesplat._files.memory import trim_heap
 from wavesplat._files.paths import expanded
 from wavesplat._model.lazy_array import LazyArray
 from wavesplat._model.read_ahead import FOR_UNPACKING, Box, BoxReader, Pending, cells, check_budget, n_in
 from wavesplat._model.thinned_samples import LookSamples
-from wavesplat.errors import ArgumentError, CancelledError, WavesplatError
+from wavesplat.errors import ArgumentError, WavesplatError
 
-__all__ = ["KeepOn", "ShownPart", "Survey", "kept_survey", "surveyed"]
+__all__ = ["ShownPart", "Survey", "kept_survey", "surveyed"]
 
 #: Version of the cached files.
 FORMAT = 5
@@ -48,8 +49,6 @@ Shape = tuple[int, int, int]
 #: A folder, and the name of a file in it.
 Place = tuple[CacheFolder, str]
 Matrix = NDArray[np.float64]
-#: Asked between reads whether to go on; None always goes on.
-KeepOn: TypeAlias = Callable[[], object] | None
 
 
 @dataclass(frozen=True)
@@ -160,7 +159,6 @@ def surveyed(
     keep: bool | str | os.PathLike[str] = True,
     holes: bool = False,
     part: ShownPart | None = None,
-    keep_on: KeepOn = None,
 ) -> Survey:
     """The cached survey, or a new one, which reads all samples; twice for B-spline coefficients or missing samples.
 
@@ -168,7 +166,6 @@ def surveyed(
     keep : True for the cache folder, the name of another folder, or False.
     holes : samples that cannot be read count as 0; the survey is not cached then.
     part : reads the samples of this box alone; the survey is not cached then.
-    keep_on : called after each box; False ends the pass with a `CancelledError`.
     """
     if hasattr(array, "survey"):  # of the parts of several processes, which have looked through their own
         found: Survey = array.survey(kernel)
@@ -190,7 +187,7 @@ def surveyed(
         looks.take(samples, box[0])
 
     boxes = _steps(array, memory, part)
-    n_missing = _read_all(array, boxes, memory, add_samples, holes=holes, keep_on=keep_on)
+    n_missing = _read_all(array, boxes, memory, add_samples, holes=holes)
     core = _completed(core, part, shape, kernel, light_step)
     low, high, n_nonfinite = core.statistics
     if not low <= high:
@@ -205,7 +202,7 @@ def surveyed(
         def around(box: Box) -> Box:
             return _native.samples_for(shape, box, kernel, n_nonfinite, world_from_index)
 
-        _read_prepared(array, boxes, memory, around, add, holes=holes, keep_on=keep_on)
+        _read_prepared(array, boxes, memory, around, add, holes=holes)
         prepared = _completed(made, part, shape, kernel, light_step)
     survey = Survey(shape, core, prepared, kernel, light_step=light_step, looks=looks, is_whole=part is None)
     if place is not None and not n_missing:
@@ -222,11 +219,6 @@ def kept_survey(
     place = _place_of(array, world_from_index, kernel, keep)
     step = _native.light_step(array.shape, world_from_index)
     return None if place is None else _kept(place, array, kernel, step, memory)
-
-
-def _check_going_on(keep_on: KeepOn) -> None:
-    if keep_on is not None and keep_on() is False:
-        raise CancelledError("looking through the samples was cancelled by the progress callback")
 
 
 def _completed(
@@ -258,7 +250,6 @@ def _read_all(
     add: Callable[[NDArray[Any], Box], None],
     *,
     holes: bool,
-    keep_on: KeepOn,
 ) -> int:
     """Read every box once, the next ones ahead; return the number of chunks that could not be read."""
     with BoxReader([array], holes=[0.0] if holes else None, memory=int(memory * FOR_UNPACKING)) as reader:
@@ -270,7 +261,7 @@ def _read_all(
                 n_begun += 1
             add(pending.popleft().result(), box)
             trim_heap()
-            _check_going_on(keep_on)
+            check_cancelled()
         return len(reader.counts.holes)
 
 
@@ -288,7 +279,6 @@ def _read_prepared(
     add: Callable[[NDArray[Any], Box, Box], None],
     *,
     holes: bool,
-    keep_on: KeepOn,
 ) -> None:
     """Read every box together with the samples that `around` says it needs."""
     with BoxReader([array], holes=[0.0] if holes else None, memory=int(memory * FOR_UNPACKING)) as reader:
@@ -302,7 +292,7 @@ def _read_prepared(
             add(samples, box, own)
             del samples
             trim_heap()
-            _check_going_on(keep_on)
+            check_cancelled()
 
 
 def _place_of(

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -93,10 +92,7 @@ class LazyLayers:
     ) -> list[tuple[Any, Any, Any, Any]]:
         """The layers for the compiled module: volume, transfer function, light, and the field that colours it."""
         kernel = self.options.kernel
-        progress = self.options.progress
-        # Nothing is drawn yet, but whoever watches may cancel.
-        keep_on = None if progress is None else partial(progress, 0.0)
-        cores = [volume.core_of(level, kernel, box, keep_on) for volume, level, box in self._places]
+        cores = [volume.core_of(level, kernel, box) for volume, level, box in self._places]
         of_layers, of_fields = cores[: len(functions)], iter(cores[len(functions) :])
         fields = [None if color is None else (next(of_fields), color._core) for color in colors]
         return [

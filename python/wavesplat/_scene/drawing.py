@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from wavesplat import _native
 from wavesplat._cluster.blocks import drawn_on_machines
+from wavesplat._files.cancelling import cancelled_by_progress
 from wavesplat._looks import colors
 from wavesplat._looks.automatic import SOLID
 from wavesplat._looks.brain import PROCESSING as BRAIN
@@ -126,7 +127,7 @@ class _Frame:
 def draw(scene: Scene, camera: Camera | str | None, options: DrawOptions) -> Picture:
     """See `wavesplat.render`."""
     options = replace(options, segments=checked_count(options.segments, "segments"))
-    with comparing_once(drawn_volumes(scene)):
+    with comparing_once(drawn_volumes(scene)), cancelled_by_progress(options.progress):
         return _drawn_scene(scene, camera, options)
 
 

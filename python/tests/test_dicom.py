@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import shutil
 
 import numpy as np
 import pytest
@@ -253,6 +254,25 @@ def test_a_stray_slice_is_no_gap(tmp_path):
     (folder / "far").rmdir()
     with pytest.raises(FileError, match="not evenly spaced.*between 003.dcm and 900.dcm"):
         ws.open(folder)
+
+
+def test_a_survey_of_three_directions_says_how_to_name_one(tmp_path):
+    pixels = random(9)
+    directions = ([1, 0, 0, 0, 1, 0], [1, 0, 0, 0, 0, -1], [0, 1, 0, 0, 0, -1])
+    datasets = [
+        slice_at(one, n, ImagePositionPatient=[4 * (n % 3)] * 3, ImageOrientationPatient=directions[n // 3])
+        for n, one in enumerate(pixels)
+    ]
+    folder = save(tmp_path / "survey", datasets)
+    told = r"000.dcm and 003.dcm, 3 directions in all .*; {}name one file .*, such as 000.dcm, and others are left out"
+    with pytest.raises(FileError, match=told.format("")):
+        ws.open(folder)
+    archive = shutil.make_archive(str(tmp_path / "survey"), "zip", folder)
+    with pytest.raises(FileError, match=told.format("unpack the archive, and ")):
+        ws.open(archive)
+    volume = ws.open(folder / "003.dcm")
+    np.testing.assert_array_equal(np.sort(volume.samples, axis=None), np.sort(pixels[3:6], axis=None))
+    assert "without 6 files" in volume.guesses[0]
 
 
 def test_pixel_spacing_that_changes_is_refused(tmp_path):

@@ -11,6 +11,7 @@ import numpy as np
 
 from wavesplat._readers.dicom_header import Frame, Header
 from wavesplat._readers.dicom_mosaic import told_of_tiles
+from wavesplat._readers.dicom_places import is_zip
 from wavesplat._readers.request import Request
 from wavesplat.errors import FileError
 
@@ -40,8 +41,7 @@ def check_alike(headers: Sequence[Header], frames: Sequence[Frame], request: Req
         if (one.size, one.n_samples) != (first.size, first.n_samples):
             raise FileError(
                 f"slices differ in size: {first.file.name} has {first.size} pixels, "
-                f"{one.file.name} has {one.size}; "
-                f"move one kind to another folder: {request.path}"
+                f"{one.file.name} has {one.size}; {_name_one(frames, request)}: {request.path}"
             )
     of_stack: dict[str, list[Frame]] = {}
     for frame in frames:
@@ -55,9 +55,10 @@ def _check_stack(frames: Sequence[Frame], request: Request, *, may_turn: bool) -
     orientations = np.array([frame.orientation for frame in frames])
     alike = np.isclose(orientations, like.orientation, rtol=0, atol=DIRECTION, equal_nan=True).all(axis=1)
     if not may_turn and not alike.all():
+        n_directions = len(np.unique(np.round(orientations, 2), axis=0))
         raise FileError(
-            f"slices are not parallel: {like.name} and {frames[int(np.argmin(alike))].name} "
-            f"(a scout or a radial series?); move one kind to another folder: {request.path}"
+            f"slices are not parallel: {like.name} and {frames[int(np.argmin(alike))].name}, {n_directions} directions "
+            f"in all (a survey, a scout or a radial series?); {_name_one(frames, request)}: {request.path}"
         )
     spacings = np.array([frame.pixel_spacing for frame in frames])
     alike = np.isclose(spacings, like.pixel_spacing, rtol=1e-3, atol=0, equal_nan=True).all(axis=1)
@@ -65,9 +66,17 @@ def _check_stack(frames: Sequence[Frame], request: Request, *, may_turn: bool) -
         other = frames[int(np.argmin(alike))]
         raise FileError(
             f"slices differ in the spacing of their pixels: {like.name} has {like.pixel_spacing} mm, "
-            f"{other.name} has {other.pixel_spacing}; move one kind to another folder, or pass spacing=(x, y, z): "
+            f"{other.name} has {other.pixel_spacing}; {_name_one(frames, request)}; or pass spacing=(x, y, z): "
             f"{request.path}"
         )
+
+
+def _name_one(frames: Sequence[Frame], request: Request) -> str:
+    """Advice for frames of several kinds: a file that is named opens with those of its kind."""
+    if len({frame.file for frame in frames}) == 1:
+        return "export each kind by itself"
+    before = "unpack the archive, and " if is_zip(request.file) else ""
+    return f"{before}name one file of the kind that is wanted, such as {frames[0].file.name}, and others are left out"
 
 
 def mended(headers: Sequence[Header], request: Request) -> tuple[list[Frame], list[str], list[str]]:

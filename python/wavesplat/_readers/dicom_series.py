@@ -227,18 +227,20 @@ def alike(headers: Sequence[Header], known: Header) -> tuple[list[Header], str]:
 
     A series may also hold scouts, and pictures of other sizes: these must not hinder the file that was named.
     """
-    orientation = known.frames[0].orientation
+    first = known.frames[0]
     fitting = [
         one
         for one in headers
         if (one.size, one.n_samples) == (known.size, known.n_samples)
-        and (np.allclose(one.frames[0].orientation, orientation, rtol=0, atol=DIRECTION, equal_nan=True))
+        and np.allclose(one.frames[0].orientation, first.orientation, rtol=0, atol=DIRECTION, equal_nan=True)
+        and np.allclose(one.frames[0].pixel_spacing, first.pixel_spacing, rtol=1e-3, atol=0, equal_nan=True)
     ]
     n_left = len(headers) - len(fitting)
     if not n_left:
         return fitting, ""
     are = "1 file" if n_left == 1 else f"{n_left} files"
-    return fitting, f"without {are} of the series, whose size or direction is another than that of {known.file.name}"
+    differ = "size, direction or distance of pixels"
+    return fitting, f"without {are} of the series, whose {differ} is another than that of {known.file.name}"
 
 
 def without_copies(headers: Sequence[Header], named_file: Path | None) -> list[Header]:

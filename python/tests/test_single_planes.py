@@ -77,3 +77,60 @@ def test_addresses_of_other_files_than_zarr_say_the_way(name):
     with pytest.raises(FileError, match="only Zarr is read from addresses; get the file first") as error:
         ws.open(f"https://example.invalid/a/{name}")
     assert "secret" not in str(error.value)
+
+
+def save_pyramid(path, samples, axes):
+    """Write levels of every second sample as OME-Zarr, or as OME-TIFF with SubIFDs."""
+    levels = [samples[..., :: 2**k, :: 2**k] for k in range(3)]
+    if path.suffix == ".tif":
+        metadata = {"axes": axes.upper(), "PhysicalSizeX": 0.25, "PhysicalSizeY": 0.25}
+        with tifffile.TiffWriter(path, ome=True) as file:
+            file.write(levels[0], subifds=2, metadata=metadata)
+            for level in levels[1:]:
+                file.write(level, subfiletype=1)
+        return
+    zarr = pytest.importorskip("zarr", minversion="3")
+    group = zarr.open_group(path, mode="w")
+    datasets = []
+    for number, level in enumerate(levels):
+        group.create_array(str(number), data=level)
+        scale = [1.0] * (len(axes) - 2) + [0.25 * 2**number] * 2
+        datasets.append({"path": str(number), "coordinateTransformations": [{"type": "scale", "scale": scale}]})
+    kinds = [{"name": "c", "type": "channel"}] * (len(axes) - 2)
+    kinds += [{"name": name, "type": "space", "unit": "micrometer"} for name in "yx"]
+    group.attrs["ome"] = {"version": "0.5", "multiscales": [{"axes": kinds, "datasets": datasets}]}
+
+
+@pytest.mark.parametrize("name", ["a.ome.zarr", "a.ome.tif"])
+def test_a_plane_of_several_levels_is_read_at_the_one_that_the_picture_needs(tmp_path, wavesplat, name):
+    y, x = np.mgrid[:96, :128]
+    samples = np.where((y // 16 + x // 16) % 2, 200, 40).astype(np.uint8)
+    save_pyramid(tmp_path / name, samples, "yx")
+    window = ["--clim", "0,255", "-o", str(tmp_path / "o.png")]
+    for options, level in (
+        (["--size", "32x24"], 2),
+        (["--size", "60x45"], 1),
+        (["--size", "32x24", "--zoom", "4"], 0),
+        (["--size", "32x24", "--level", "0"], 0),
+        ([], 0),  # a small image is shown whole
+    ):
+        done = wavesplat("slice", tmp_path / name, *window, *options)
+        assert done.returncode == 0, done.stderr
+        assert (f"note: level {level} of 0..2" in done.stderr) == (level > 0)
+    # The last picture: a pixel of each sample, row 0 on top.
+    shown = np.asarray(Image.open(tmp_path / "o.png").convert("L")).astype(int)
+    assert np.abs(shown - samples).max() <= 1
+
+
+def test_channels_of_a_plane_are_shown_together_and_a_volume_is_refused(tmp_path, wavesplat):
+    plane = np.random.default_rng(4).poisson(10, (2, 24, 32)).astype(np.uint8)
+    plane[0, 4:10, 4:20] += 200
+    plane[1, 14:20, 10:30] += 200
+    save_pyramid(tmp_path / "a.ome.zarr", plane, "cyx")
+    done = wavesplat("slice", tmp_path / "a.ome.zarr", "-o", tmp_path / "o.png")
+    assert done.returncode == 0, done.stderr
+    shown = np.asarray(Image.open(tmp_path / "o.png").convert("RGB")).astype(int)
+    assert shown[7, 10, 1] > shown[7, 10, 0] + 60  # green
+    assert shown[17, 20, 0] > shown[17, 20, 1] + 60  # magenta
+    with pytest.raises(FileError, match="the axes are c, y, x, so the image is 2-D.*wavesplat slice` shows it"):
+        ws.open(tmp_path / "a.ome.zarr", channel=0)

@@ -40,6 +40,8 @@ __all__ = ["slice"]
 OF_THREE = ("all", "ortho")
 #: Least number of pixels along the longer side of a patient's slice that is not given a size.
 MIN_SIDE_PX = 512
+#: Least number of pixels along the longer side of a single plane of several levels that is not given a size.
+PLANE_PX = 2048
 
 
 @takes_several_inputs(".png")
@@ -168,6 +170,7 @@ def slice(
         colors=colors,
         processing=processing,
         is_alone=not (layer or isolines or checkerboard or difference),
+        n_pixels=zoom * (max(size) if size else PLANE_PX),
         quiet=quiet,
     )
     if difference is not None:
@@ -253,12 +256,13 @@ def _first(
     colors: ColorOptions,
     processing: ProcessingOptions,
     is_alone: bool,
+    n_pixels: float,
     quiet: bool,
 ) -> _First:
     layering = LayerOptions(channel=channel)
     from wavesplat._readers.request import taking_planes
 
-    with taking_planes():
+    with taking_planes(n_pixels):
         opened: Any = in_uptake(
             lambda suv: opened_layers(
                 input, replace(reader, suv=suv), layering, processing, composite=None, quiet=quiet

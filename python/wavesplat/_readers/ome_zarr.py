@@ -35,7 +35,17 @@ from wavesplat._readers.components import (
     quantity_of_array,
 )
 from wavesplat._readers.ome_zarr_facts import Axes, channels_of, facts_of
-from wavesplat._readers.request import Grid, Request, choose, index_unnamed_axes, n_times_of, requested, several
+from wavesplat._readers.request import (
+    PLANES_ARE_TAKEN,
+    Grid,
+    Request,
+    choose,
+    index_unnamed_axes,
+    n_times_of,
+    requested,
+    several,
+)
+from wavesplat._readers.single_planes import level_of_plane, note_on_level
 from wavesplat.errors import ArgumentError, FileError, WavesplatError
 
 __all__ = ["ZarrLevel", "check_part", "contents", "label_looks", "labels_of", "levels_of", "mark_of", "read"]
@@ -176,6 +186,8 @@ def _described_level(
     _read_later(array)
     place = _placed(group, array, multiscales, dataset, request)
     picked = [None if isinstance(part, slice) else part for part in place.picked]
+    if len(place.spatial) < 3:
+        raise FileError(f"the image is 2-D, of which no parts are read; leave out memory=: {request.safe_path}")
     z, y, x = (place.axes.index(name) for name in place.spatial)
     return ZarrLevel(array, str(dataset["path"]), (z, y, x), picked, place.world_from_index, place.facts)
 
@@ -345,7 +357,11 @@ def _check_level(n_levels: int, request: Request) -> int:
 
 def _read_level(group: Any, multiscales: dict[str, Any], request: Request) -> Grid:
     datasets = multiscales["datasets"]
-    dataset = datasets[_check_level(len(datasets), request)]
+    level = _check_level(len(datasets), request)
+    if "z" not in Axes.of(multiscales).names:
+        shapes = [(1, *sorted(shape)[-2:]) for shape in _shapes(group, datasets, request)]
+        level = level_of_plane(shapes, request) or level
+    dataset = datasets[level]
     zarr_metadata.check_codecs(_location(request, group), f"{request.dataset or ''}/{dataset['path']}")
     array = group[dataset["path"]]
     zarr_metadata.check_numbers(array, request.safe_path)
@@ -355,7 +371,10 @@ def _read_level(group: Any, multiscales: dict[str, Any], request: Request) -> Gr
     samples = _samples(array, place.picked, request)
     kept = [name for name in place.axes if name in place.spatial]
     samples = np.transpose(samples, [kept.index(name) for name in place.spatial])
-    return Grid(samples, place.world_from_index, place.facts, _refused_chunks(array, request))
+    facts = place.facts
+    if level > 0 and request.level is None:
+        facts = _with_guesses(facts, (note_on_level(level, len(datasets)),))
+    return Grid(samples, place.world_from_index, facts, _refused_chunks(array, request))
 
 
 @dataclass(frozen=True)
@@ -415,12 +434,17 @@ def _shapes(group: Any, datasets: list[dict[str, Any]], request: Request) -> lis
 
 
 def _spatial_axes(axes: list[str], request: Request) -> list[str]:
-    """Names of the axes that become z, y, x."""
-    if not {"z", "y", "x"} <= set(axes):
+    """Names of the axes that become z, y, x; y and x of a single plane, where these are taken."""
+    if not {"y", "x"} <= set(axes):
+        raise FileError(f"the axes are {', '.join(axes)}; an image needs y and x, a volume z too: {request.safe_path}")
+    if "z" in axes:
+        return ["z", "y", "x"]
+    if not PLANES_ARE_TAKEN.get():
         raise FileError(
-            f"the axes are {', '.join(axes)}, so the image is 2-D; a volume needs z, y and x: {request.safe_path}"
+            f"the axes are {', '.join(axes)}, so the image is 2-D, and a volume needs z, y and x; `wavesplat slice` "
+            f"shows it: {request.safe_path}"
         )
-    return ["z", "y", "x"]
+    return ["y", "x"]
 
 
 def _picked(name: str, count: int, spatial: list[str], request: Request, channels: list[str]) -> slice | int:
@@ -499,8 +523,8 @@ def _numbers(step: dict[str, Any], kind: str, shape: tuple[int, ...], request: R
 
 
 def _spatial_part(matrix: NDArray[np.float64], xyz: list[int]) -> NDArray[np.float64]:
-    """The affine of x, y, z: their rows and columns of an affine over all axes."""
-    part = np.eye(4)
-    part[:3, :3] = matrix[np.ix_(xyz, xyz)]
-    part[:3, 3] = matrix[xyz, -1]
+    """The affine of x, y, z, rows and columns of one over all axes; of x and y alone, without a step along z."""
+    part, n = np.diag([0.0, 0.0, 0.0, 1.0]), len(xyz)
+    part[:n, :n] = matrix[np.ix_(xyz, xyz)]
+    part[:n, 3] = matrix[xyz, -1]
     return part

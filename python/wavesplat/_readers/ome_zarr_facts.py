@@ -54,7 +54,7 @@ class Axes:
         """Guesses for axes without a unit, or with one that is unknown, beside those that have one."""
         unit, _ = self.in_one_unit()
         x, y, z = (units.canonical(self.unit_of(name)) for name in "xyz")
-        bare = [name for name, own in zip("xyz", (x, y, z), strict=True) if own is None]
+        bare = [name for name, own in zip("xyz", (x, y, z), strict=True) if own is None and name in self.names]
         none = f"distances along {', '.join(bare)} in {unit}: the file names no unit for them"
         return [*([none] if unit and bare else []), *units.guesses_of((x, y, z))]
 
@@ -108,7 +108,7 @@ def facts_of(
         n_times = int(shape[place])
         time_step = float(matrix[place, place])
     has_units_of_time = units.canonical(axes.unit_of("t")) is not None
-    zyx = [axes.names.index(name) for name in "zyx"]
+    zyx = [axes.names.index(name) if name in axes.names else None for name in "zyx"]
     emits = any(one.emission_nm is not None for one in channels)
     return Facts(
         unit=unit,
@@ -119,8 +119,12 @@ def facts_of(
         # A scale of 1 without a unit is what writers put where they know nothing.
         time_step=time_step if n_times > 1 and has_units_of_time else None,
         time_unit=TIME_UNITS.get(str(axes.unit_of("t")), axes.unit_of("t")) if n_times > 1 else None,
-        levels=tuple((int(level[zyx[0]]), int(level[zyx[1]]), int(level[zyx[2]])) for level in levels)
-        if len(levels) > 1
-        else (),
+        levels=tuple(_shape(level, zyx) for level in levels) if len(levels) > 1 else (),
         guesses=tuple(axes.guesses()),
     )
+
+
+def _shape(level: Sequence[int], zyx: Sequence[int | None]) -> tuple[int, int, int]:
+    """Samples along z, y, x of a level; 1 along an axis that it does not have."""
+    z, y, x = (1 if axis is None else int(level[axis]) for axis in zyx)
+    return z, y, x

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import logging
+import math
 import warnings
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
@@ -198,14 +199,19 @@ def level_numbers(count: int, request: Request) -> list[int]:
 PLANES_ARE_TAKEN: ContextVar[bool] = ContextVar("planes_are_taken", default=False)
 
 
+#: Pixels along the longer side of a single plane that its picture needs: of a pyramid a coarser level may have them.
+PLANE_PX: ContextVar[float] = ContextVar("plane_px", default=math.inf)
+
+
 @contextmanager
-def taking_planes() -> Iterator[None]:
-    """Take files of a single plane meanwhile, for slices."""
-    token = PLANES_ARE_TAKEN.set(True)
+def taking_planes(n_pixels: float = math.inf) -> Iterator[None]:
+    """Take files of a single plane meanwhile, for slices that show the longer side of the whole in so many pixels."""
+    token, token_of_px = PLANES_ARE_TAKEN.set(True), PLANE_PX.set(n_pixels)
     try:
         yield
     finally:
         PLANES_ARE_TAKEN.reset(token)
+        PLANE_PX.reset(token_of_px)
 
 
 @contextmanager

@@ -7,10 +7,10 @@ from dataclasses import replace
 
 import numpy as np
 
-from wavesplat._readers.request import PLANES_ARE_TAKEN, Grid, Request
+from wavesplat._readers.request import PLANE_PX, PLANES_ARE_TAKEN, Grid, Request
 from wavesplat.errors import FileError
 
-__all__ = ["TOLD", "as_volume", "check_thickness"]
+__all__ = ["TOLD", "as_volume", "check_thickness", "level_of_plane", "note_on_level"]
 
 TOLD = "a single plane: it is shown as it is, and has no thickness"
 
@@ -23,6 +23,21 @@ def check_thickness(shape: Sequence[int], request: Request) -> None:
             f"the file holds a single plane of x {x}, y {y}, z {z} samples, which fills no space; "
             f"`wavesplat slice` shows it, and a volume is a file or a folder of several slices: {request.safe_path}"
         )
+
+
+def level_of_plane(shapes: Sequence[Sequence[int]], request: Request) -> int | None:
+    """The coarsest level of a single plane that has the pixels of its picture, else the finest; None for volumes.
+
+    shapes : of all levels (z, y, x), the finest first. A level that is asked for is that one.
+    """
+    if request.level is not None or not PLANES_ARE_TAKEN.get() or min(shapes[0]) > 1:
+        return None
+    return max((number for number, shape in enumerate(shapes) if max(shape) >= PLANE_PX.get()), default=0)
+
+
+def note_on_level(level: int, n_levels: int) -> str:
+    """The note that a coarser level of a plane is shown."""
+    return f"level {level} of 0..{n_levels - 1} has the pixels of the picture; --level 0 shows all samples"
 
 
 def as_volume(grid: Grid, request: Request) -> Grid:

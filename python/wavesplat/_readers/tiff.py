@@ -24,6 +24,7 @@ from wavesplat._files.natural_order import natural_key
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Channel, Facts
 from wavesplat._readers.request import COLORS, Grid, Request, choose, level_numbers, quiet
+from wavesplat._readers.single_planes import level_of_plane, note_on_level
 from wavesplat._readers.tiff_facts import TiffPlace, place_of
 from wavesplat._readers.tiff_pages import check_pages
 from wavesplat.errors import FileError
@@ -101,8 +102,13 @@ def _described(tiff: TiffFile, path: Path, request: Request, *, in_memory: bool 
     shapes = [_zyx(series.shape, *layout) for series, layout in zip(levels, layouts, strict=True)]
     facts = replace(place.facts, channels=channels, n_times=_n_times(finest))
     facts = replace(facts, channel=_channel_of(facts, request), levels=tuple(shapes) if len(shapes) > 1 else ())
+    wanted = level_numbers(len(levels), request)
+    if in_memory:
+        wanted = [level_of_plane(shapes, request) or wanted[0]]
+        if wanted[0] > 0 and request.level is None:
+            facts = replace(facts, guesses=(*facts.guesses, note_on_level(wanted[0], len(levels))))
     found = []
-    for number in level_numbers(len(levels), request)[: 1 if in_memory else None]:
+    for number in wanted:
         series, (picked, order) = levels[number], layouts[number]
         others = "TCS" if "Z" in series.axes else "CS"
         one = [n for name, n in zip(series.axes, series.shape, strict=True) if name not in others]

@@ -47,7 +47,7 @@ def test_a_damaged_file_is_none_of_a_reader(save_dv):
     with pytest.raises(FileError, match=r"a\.dv$"):
         ws.open(path, channel=0)
     path.write_bytes(b"1234" * 400)
-    with pytest.raises(FileError, match=r"damaged, or of a newer form.*OME-TIFF"):
+    with pytest.raises(FileError, match=r"of another form than they read.*OME-TIFF"):
         ws.open(path)
 
 
@@ -119,6 +119,33 @@ def use(monkeypatch, image, suffixes=SUFFIXES):
     monkeypatch.setitem(sys.modules, "bioio", bioio)
     monkeypatch.setitem(sys.modules, "bioio.plugins", plugins)
     return image
+
+
+class UnscaledImage(Image):
+    """One whose reader has no scale, and says so by an error, as of CZI without Scaling."""
+
+    physical_pixel_sizes = dimension_properties = property(lambda _: 1 / 0, lambda *_: None)
+
+
+class XZImage(Image):
+    """A scan of x and z, whose reader has no slices (LIF)."""
+
+    def get_image_dask_data(self, *_, **__):
+        raise ValueError("cannot select frame dimension 'Z'; frame dimensions ('X', 'Z') are fixed")
+
+
+def test_a_form_that_a_reader_does_not_take_is_not_called_damaged(monkeypatch, path):
+    use(monkeypatch, XZImage())
+    with pytest.raises(FileError, match=r"does not take this form, such as a scan of x and z.*OME-TIFF") as caught:
+        ws.open(path, channel=0, time=0)
+    assert "damaged" not in str(caught.value)
+
+
+def test_a_file_without_a_scale_is_opened(monkeypatch, path):
+    use(monkeypatch, UnscaledImage())
+    volume = ws.open(path, channel=0, time=0)
+    assert (volume.spacing, volume.unit) == ((1, 1, 1), None)
+    assert volume.guesses == ("distances of samples 1, 1, 1: the file has none",)
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ import h5py
 import numpy as np
 import pytest
 from test_netcdf import save_netcdf3
-from test_vti import save_vti
+from vti_files import save_vti
 
 import wavesplat as ws
 from wavesplat._readers.opening import contents

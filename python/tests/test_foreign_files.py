@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import contextlib
 import gzip
+import re
+import sys
+from pathlib import Path
+from types import ModuleType, SimpleNamespace
 
 import numpy as np
 import pytest
+from PIL import Image
 
 import wavesplat as ws
 from wavesplat.errors import FileError
@@ -44,6 +50,28 @@ def said(path, **options):
         ("a.mha", b"version https://git-lfs.github.com/spec/v1\n", ("Git LFS", "git lfs pull")),
         ("a.nrrd", b"\n<!DOCTYPE html><html>404</html>", ("a web page", "download the file again")),
         ("a.vti", b'<VTKFile type="PolyData"></VTKFile>', ("a mesh of surfaces", "no samples inside")),
+        ("a.map", b"x", ("an MRC map", "moveaxis", "h.mapc", "docs/interop.md")),
+        ("a.map.gz", b"\x1f\x8b", ("an MRC map", "mrcfile.open")),
+        ("a.rec", bytes(208) + b"MAP " + bytes(812), ("an MRC map",)),
+        ("case.foam", b"", ("a case of OpenFOAM", "OpenFOAMReader", "time_values", "internalMesh")),
+        ("a.ex2", b"CDF\1", ("Exodus", "pyvista.read")),
+        ("a.silo", b"\x89HDF\r\n\x1a\n", ("Silo", "VisIt")),
+        ("a.case", b"FORMAT", ("EnSight", "pyvista.read")),
+        ("a.q", b"\2\0\0\0", ("PLOT3D", "MultiBlockPlot3DReader")),
+        ("a.xyz", b"\2\0\0\0", ("PLOT3D",)),
+        ("a.xyz", b"2\nwater\nO 0 0 0\n", ("atoms", "wavesplat.Points")),
+        ("a.hierarchy", b"\nGrid = 1", ("Enzo", "yt.load", "covering_grid")),
+        ("a.bin0", b"# OOMMF OVF 2.0", ("OVF", "discretisedfield")),
+        ("a.omf", b"# OOMMF", ("OVF", "f.array[..., 2].T")),
+        ("a.slc", b"11", ("SLC", "pyvista.read(path) as .vti")),
+        ("a.cjson", b"{}", ("Chemical JSON", "Gaussian cubes")),
+        ("silicon", b"ITEM: TIMESTEP\n0", ("LAMMPS", "lammps-dump-text")),
+        ("a.pp", b"\0\0\1\0", ("Met Office", "iris.load_cube")),
+        ("gasdens5.dat", bytes(64), ("FARGO3D", "domain_y.dat", "float64")),
+        ("a.fits", b"SIMPLE  =", ("FITS", "astropy")),
+        ("weather", b"GRIB\0\0", ("GRIB", "xarray")),
+        ("a.mat", b"MATLAB 5.0 MAT-file", ("MATLAB", "loadmat")),
+        ("a.bp", b"x", ("ADIOS2", "adios2.FileReader")),
     ],
 )
 def test_what_the_file_holds_and_the_way(tmp_path, name, content, words):
@@ -54,6 +82,59 @@ def test_what_the_file_holds_and_the_way(tmp_path, name, content, words):
         assert word in text
     assert "damaged" not in text
     assert "truncated" not in text
+
+
+@pytest.mark.parametrize(
+    ("files", "words"),
+    [
+        ({"attributes.json": '{"dimensions": [2, 3, 4]}'}, ("N5", "tensorstore")),
+        ({"color/1/attributes.json": "{}"}, ("N5", "'driver': 'n5'")),
+        ({"info": '{"scales": [], "num_channels": 1}'}, ("precomputed", "neuroglancer_precomputed")),
+        ({"color/info": '{"scales": [], "num_channels": 1}'}, ("precomputed",)),
+        ({"color/1/header.wkw": "WKW"}, ("WEBKNOSSOS", "wkw.Dataset.open")),
+        ({"system/controlDict": "", "constant/polyMesh/points": ""}, ("a case of OpenFOAM", "OpenFOAMReader")),
+        ({"run/case.foam": "", "run/0/U": ""}, ("a case of OpenFOAM",)),
+        ({"md.idx": "", "data.0": ""}, ("ADIOS2",)),
+        ({"Header": "", "Level_0/Cell_H": ""}, ("AMReX", "yt.load")),
+    ],
+)
+def test_what_a_folder_holds_and_the_way(tmp_path, files, words):
+    for name, content in files.items():
+        (tmp_path / name).parent.mkdir(parents=True, exist_ok=True)
+        (tmp_path / name).write_text(content)
+    text = said(tmp_path)
+    for word in words:
+        assert word in text
+
+
+def test_a_format_deep_in_a_folder_of_slices_hides_them_not(tmp_path):
+    for number in range(3):
+        Image.fromarray(SAMPLES[number].astype(np.uint8)).save(tmp_path / f"{number}.tif")
+    (tmp_path / "resaved").mkdir()
+    (tmp_path / "resaved" / "attributes.json").write_text("{}")
+    assert ws.open(tmp_path).shape == SAMPLES.shape
+
+
+def test_the_lines_for_mrc_keep_axes_and_place(monkeypatch):
+    """An odd order of axes, against arithmetic: columns are z, rows x, sections y, as of EMD-3001."""
+    values = np.random.default_rng(0).normal(size=(4, 3, 5)).astype(np.float32)  # sections y, rows x, columns z
+    header = {"mapc": 3, "mapr": 1, "maps": 2, "nxstart": 7, "nystart": -2, "nzstart": 10, "origin": np.zeros(3)}
+    size = np.array((0.5, 1.0, 2.0))
+    opened = SimpleNamespace(data=values, header=header, voxel_size=size)
+    fake = ModuleType("mrcfile")
+    fake.open = lambda *_, **__: contextlib.nullcontext(opened)
+    monkeypatch.setitem(sys.modules, "mrcfile", fake)
+    page = (Path(__file__).parents[2] / "docs" / "interop.md").read_text(encoding="utf-8")
+    (code,) = re.findall(r"```python\n(def volume_of_mrc.*?)```", page, re.DOTALL)
+    names = {"np": np, "ws": ws}
+    exec(code, names)  # noqa: S102 - of our own page
+    volume = names["volume_of_mrc"]("a.map")
+    assert (volume.shape, volume.spacing, volume.unit) == ((5, 4, 3), (0.5, 1.0, 2.0), "angstrom")
+    assert volume.samples[4, 2, 1] == values[2, 1, 4]
+    # Starts along columns, rows, sections: z from 7, x from -2, y from 10.
+    np.testing.assert_allclose(volume.world_from_index[:3, 3], (-2 * 0.5, 10 * 1.0, 7 * 2.0))
+    header["origin"] = np.array((3.0, 4.0, 5.0))
+    np.testing.assert_allclose(names["volume_of_mrc"]("a.map").world_from_index[:3, 3], (3, 4, 5))
 
 
 def test_samples_that_begin_like_another_kind_are_samples(tmp_path):

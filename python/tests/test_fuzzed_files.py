@@ -20,6 +20,7 @@ from damage import DAMAGE, JSON_DAMAGE, ODD_NUMBERS, ODD_WORDS, PLACES, check, d
 from hypothesis import strategies as st
 from microscope_files import image, save_bdv, save_imaris
 from vti_files import save_vti
+from vtk_series_files import save_pvd, save_series
 
 import wavesplat as ws
 
@@ -113,6 +114,17 @@ def big_data_viewer(path):
     save_bdv(path.parent, image(2, 1, SAMPLES.shape), times="<first>0</first><last>1</last>")
 
 
+def pvd(path, names):
+    for name in names:
+        save_vti(path.with_name(name), ONE)
+    save_pvd(path, list(enumerate(names)))
+
+
+def series(path, names):
+    pvd(path, names)
+    save_series(path, list(enumerate(names)))
+
+
 def dicom_zip(path):
     with zipfile.ZipFile(path, "w", zipfile.ZIP_DEFLATED) as archive:
         for number, dataset in enumerate(slices()):
@@ -169,6 +181,8 @@ KINDS = {
     "packed.vti": (lambda path: save_vti(path, ONE, compressor="vtkZLibDataCompressor", block=70), 500, False),
     "text.vti": (lambda path: save_vti(path, ONE, form="ascii"), 800, False),
     "inline.vti": (lambda path: save_vti(path, ONE, form="binary"), 800, False),
+    "times.pvd": (lambda path: pvd(path, ("a_0.vti", "a_1.vti")), 300, False),
+    "times.vti.series": (lambda path: series(path, ("a_0.vti", "a_1.vti")), 200, False),
     "a.tif": (tiff, 600, True),
     "packed.tif": (lambda path: tiff(path, compression="zlib", tile=(16, 16)), 600, True),
     "imagej.tif": (lambda path: tiff(path, imagej=True, metadata={"spacing": 2.0, "axes": "ZYX"}), 500, True),

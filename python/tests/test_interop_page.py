@@ -31,7 +31,7 @@ def test_its_code_runs(tmp_path, monkeypatch):
         for told in re.findall(r"print\(error\)  # (.*)|print\(ws\.Volume\(smooth\)\)  # (.*)", block):
             assert "".join(told) in said.getvalue()
         n_run += 1
-    assert n_run >= len(BLOCKS) - 1 == 5
+    assert n_run >= len(BLOCKS) - 1 == 6
     assert sorted(path.name for path in tmp_path.iterdir()) == ["head.nii.gz", "head.nrrd"]
 
 

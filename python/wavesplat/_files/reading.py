@@ -53,9 +53,11 @@ GIB = 1 << 30
 
 
 @contextmanager
-def reading(kind: str, path: object) -> Iterator[None]:
+def reading(kind: str, path: object, *, other_form: str | None = None) -> Iterator[None]:
     """Turn whatever a library raises while it reads into one line that names the kind and the path.
 
+    other_form : what to do where no error says that bytes are missing or wrong, as of a library that reads some forms
+    of a format alone; None says that the file may be damaged.
     Parsers of damaged files raise nearly anything (KeyError, struct.error, zlib.error, MemoryError, ...), so this is
     the one place that catches everything.
     """
@@ -66,10 +68,12 @@ def reading(kind: str, path: object) -> Iterator[None]:
     except Exception as error:
         if isinstance(error, MemoryError) or NO_MEMORY.search(str(error)):
             raise LimitError(_memory_line(kind, path)) from error
-        raise FileError(f"cannot read as {kind}: {_informative_line(error)}; {_advice(error)}: {path}") from error
+        raise FileError(
+            f"cannot read as {kind}: {_informative_line(error)}; {_advice(error, other_form)}: {path}"
+        ) from error
 
 
-def _advice(error: Exception) -> str:
+def _advice(error: Exception, other_form: str | None) -> str:
     """The end of a message: bytes are called missing or wrong only where the error says so."""
     if named := MISSING.search(str(error)):
         return f"a package is missing; run: pip install {named[1] or named[2]}"
@@ -84,7 +88,9 @@ def _advice(error: Exception) -> str:
         return "the server does not answer, or refuses; check the address, and try again"
     if isinstance(error, TRUNCATION_ERRORS) or TRUNCATION_WORDS.search(str(error)):
         return "the file is truncated or damaged; copy or export it again"
-    return "the file is damaged, or of a form that wavesplat does not read; export it again, or in another format"
+    return other_form or (
+        "the file is damaged, or of a form that wavesplat does not read; export it again, or in another format"
+    )
 
 
 def _memory_line(kind: str, path: object) -> str:

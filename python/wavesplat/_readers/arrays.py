@@ -71,7 +71,8 @@ def contents(request: Request) -> Contents | None:
             are_vectors = has_vectors(shape, dtype, replace(request, channel=None, time=None))
             ranges = () if array is None else ranges_of(array, has_components=are_vectors)
             n = N_COMPONENTS if are_vectors else 1
-            found.append(FileArray(name, str(dtype), shape[:-1] if are_vectors else shape, n, None, ranges))
+            own = shape[:-1] if are_vectors else shape
+            found.append(FileArray(name, str(dtype.newbyteorder("=")), own, n, None, ranges))
         return Contents(tuple(found))
 
 

@@ -57,6 +57,11 @@ SUFFIXES = {
     **dict.fromkeys((".ics", ".ids", ".sld"), OTHER),
     ".sldy": Vendor("an image of SlideBook (SLDY)", "bioio-sldy"),
 }
+#: Advice where a reader of bioio fails, and does not say that bytes are missing.
+OTHER_FORM = (
+    "its reader in bioio does not take this form, such as a scan of x and z or of wavelengths; export it as OME-TIFF, "
+    "as with Fiji"
+)
 #: Beginnings of the names that bioio gives to channels without one.
 MADE_UP = ("Channel:",)
 #: White, which OME's metadata say where a reader knows no colour.
@@ -126,7 +131,11 @@ def _opened(request: Request) -> Iterator[Any]:
         raise _not_installed(path, SUFFIXES[suffix]) from None
     if not is_read:
         raise _not_installed(path, SUFFIXES[suffix])
-    with reading("a microscope's file", request.path), quiet("bioio.bio_image"), warnings.catch_warnings():
+    with (
+        reading("a microscope's file", request.path, other_form=OTHER_FORM),
+        quiet("bioio.bio_image"),
+        warnings.catch_warnings(),
+    ):
         warnings.simplefilter("ignore")
         image = _image(bioio, path)
         image.set_scene(_scene(list(image.scenes), request))
@@ -140,8 +149,8 @@ def _image(bioio: Any, path: Path) -> Any:
         if type(error).__name__ != "UnsupportedFileFormatError":
             raise
         raise FileError(
-            "the readers of bioio that are installed do not open the file: it is damaged, or of a newer form; copy it "
-            f"again, or export it as OME-TIFF, as with Fiji: {path}"
+            "the readers of bioio that are installed do not open the file: it is of another form than they read, or "
+            f"its first bytes are wrong; export it as OME-TIFF, as with Fiji: {path}"
         ) from error
 
 
@@ -200,11 +209,15 @@ def _described(image: Any, request: Request) -> _Described:
 
 def _steps(image: Any) -> tuple[tuple[float, float, float], str | None, tuple[str, ...]]:
     """Distances along x, y, z, their unit, and guesses; one that the file has not is taken from x."""
-    sizes = image.physical_pixel_sizes
-    told = [_positive(getattr(sizes, axis)) for axis in "XYZ"]
+    sizes = None
+    with suppress(Exception):  # of files without a scale some readers raise an error
+        sizes = image.physical_pixel_sizes
+    told = [_positive(getattr(sizes, axis, None)) for axis in "XYZ"]
     named: list[str | None] = []
     for axis in "XYZ":
-        own = getattr(getattr(image, "dimension_properties", None), axis, None)
+        own = None
+        with suppress(Exception):
+            own = getattr(image.dimension_properties, axis)
         unit = getattr(own, "unit", None)
         named.append("um" if unit is None else units.canonical(unit))
     xyz_units = (named[0], named[1], named[2])

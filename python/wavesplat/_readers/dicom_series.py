@@ -20,6 +20,7 @@ from wavesplat._readers.dicom_header import Header, content_of, header_of, is_di
 from wavesplat._readers.dicom_places import SUFFIXES
 from wavesplat._readers.dicom_stack import N_NAMED
 from wavesplat._readers.request import Request, several
+from wavesplat._readers.unsupported_formats import foreign_folder
 from wavesplat.errors import ArgumentError, FileError, LimitError
 
 __all__ = ["Unreadable", "alike", "chosen_series", "named", "scanned", "without_copies"]
@@ -130,7 +131,7 @@ def _nothing(scan: Scan, request: Request) -> FileError:
             f"the {_place(request)} holds DICOM files without images ({scan.others[0].name} holds {content.what}); "
             f"{content.instead}: {request.path}"
         )
-    return FileError(
+    return foreign_folder(request.file, depth=2) or FileError(
         f"the folder holds no DICOM series, no TIFF slices and no Zarr array; name another: {request.path}"
     )
 

@@ -19,7 +19,8 @@ from wavesplat._model.hdf5_place import Place, place_of
 from wavesplat._readers import hdf5_vectors, openpmd_records, theta_modes
 from wavesplat._readers.components import AXES, check_vectors, has_vectors, length_of
 from wavesplat._readers.file_contents import Contents, FileArray, are_small, ranges_of
-from wavesplat._readers.request import Grid, Request, index_unnamed_axes, n_times_of, no_such_name, several
+from wavesplat._readers.request import Grid, Request, index_unnamed_axes, listed, n_times_of, no_such_name, several
+from wavesplat._readers.unsupported_formats import BY_YT
 from wavesplat._readers.vtk_arrays import other_grid
 from wavesplat.errors import ArgumentError, FileError
 
@@ -34,6 +35,8 @@ MAX_STEPS = 100
 MOST_TOLD = 6
 #: Groups at the root of Imaris' files.
 IMARIS = {"DataSetInfo", "DataSet"}
+#: Names of the grids of Enzo's adaptive meshes.
+ENZO = re.compile(r"Grid\d{8}/")
 #: Names of groups at the root of BigDataViewer's files: a setup, a time point.
 SETUP, TIME_POINT = re.compile(r"s\d{2,}"), re.compile(r"t\d{5,}")
 
@@ -103,7 +106,7 @@ def _described_array(
     shape, n = (first.shape[:-1], first.shape[-1]) if is_vector else (first.shape, len(parts))
     is_whole = len(ranges) == len(parts) and all(ranges)
     own = tuple(one for of_part in ranges for one in of_part) if is_whole else ()
-    return FileArray(name, str(first.dtype), shape, n, None, own)
+    return FileArray(name, str(first.dtype.newbyteorder("=")), shape, n, None, own)
 
 
 def named(dataset: h5py.Dataset, component: str | None = None) -> dict[str, Any]:
@@ -214,9 +217,11 @@ def _dataset(file: h5py.File, request: Request) -> h5py.Dataset:
         described = _described(file, found)
         message = (
             f"the file holds {len(described)} datasets with three or more axes; choose one with dataset= (--dataset): "
-            f"{', '.join(described.values())}: {request.path}"
+            f"{listed(list(described.values()))}: {request.path}"
         )
-        raise several(message, "dataset", list(described), list(described.values()))
+        of_enzo = any(ENZO.match(name) for name in found)
+        how = f"; they are grids of an adaptive mesh of Enzo: to put them together, {BY_YT}" if of_enzo else ""
+        raise several(f"{message}{how}", "dataset", list(described), list(described.values()))
     return next(iter(found.values()))
 
 

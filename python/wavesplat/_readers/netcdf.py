@@ -79,13 +79,14 @@ def read(request: Request) -> Grid:
 def contents(request: Request) -> Contents:
     """All variables of numbers with three axes or more, unpacked."""
     with reading("netCDF", request.path), _quietly(), _opened(request.file, request) as datasets:
+        _check_kind(datasets, request)
         borders, found = _borders(datasets), _volumes(datasets)
         looks = are_small(found.values())
-        arrays = [
-            FileArray(name, str(array.dtype), array.shape, ranges=ranges_of(_Unpacked(array)) if looks else ())
-            for name, array in found.items()
-            if name not in borders
-        ]
+        arrays = []
+        for name, array in found.items():
+            if name not in borders:
+                ranges = ranges_of(_Unpacked(array)) if looks else ()
+                arrays.append(FileArray(name, str(array.dtype.newbyteorder("=")), array.shape, ranges=ranges))
         return Contents(tuple(arrays))
 
 
@@ -237,11 +238,7 @@ def _with_coordinates_of(dataset: Any, around: list[Any]) -> Any:
 
 def _chosen(datasets: dict[str, Any], request: Request) -> _Variable:
     """The volume of the variable that `dataset` names, or of the only one with three axes or more."""
-    if set(datasets[""].attrs) >= EXODUS:
-        raise FileError(
-            "the file holds a mesh of finite elements (Exodus); save pyvista.read(path).combine() as .vtu, and open "
-            f"that with resample=N (--resample N): {request.path}"
-        )
+    _check_kind(datasets, request)
     found = _volumes(datasets)
     if request.dataset is None:
         borders = _borders(datasets)
@@ -263,6 +260,15 @@ def _chosen(datasets: dict[str, Any], request: Request) -> _Variable:
         )
         raise several(message, "dataset", list(found), described)
     return _volume_of(name, found[name], datasets[""].attrs, request)
+
+
+def _check_kind(datasets: dict[str, Any], request: Request) -> None:
+    """Raise a `FileError` for a mesh of finite elements (Exodus), which is netCDF too."""
+    if set(datasets[""].attrs) >= EXODUS:
+        raise FileError(
+            "the file holds a mesh of finite elements (Exodus); save pyvista.read(path).combine() as .vtu, and open "
+            f"that with resample=N (--resample N): {request.path}"
+        )
 
 
 def _volumes(datasets: dict[str, Any]) -> dict[str, Any]:

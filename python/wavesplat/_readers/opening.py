@@ -37,13 +37,18 @@ from wavesplat._readers.file_contents import Contents, contents_of
 from wavesplat._readers.hdf5 import kind_of as hdf5_kind
 from wavesplat._readers.options import OpenOptions
 from wavesplat._readers.request import Grid, Request, requested
-from wavesplat._readers.unsupported_formats import foreign_content, foreign_folder, foreign_kind
+from wavesplat._readers.unsupported_formats import (
+    check_no_empty_case,
+    foreign_content,
+    foreign_folder,
+    foreign_kind,
+)
 from wavesplat.errors import ArgumentError, FileError, FileWarning, WavesplatError
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-__all__ = ["contents", "is_zarr", "open", "opened"]
+__all__ = ["contents", "grid_of", "is_zarr", "open", "opened"]
 
 #: Suffix -> module. Longer suffixes come first where one ends with another.
 SUFFIXES = {
@@ -68,6 +73,7 @@ SUFFIXES = {
     ".vtk": "vtk_legacy",
     ".vti": "vti",
     **dict.fromkeys(vtk_grids.SUFFIXES, "vtk_grids"),
+    **dict.fromkeys((".pvd", ".series"), "vtk_series"),
     ".dcm": "dicom",
     ".ima": "dicom",
     ".zarr.zip": "ome_zarr",
@@ -122,6 +128,7 @@ OPTIONS = {
     "bdv": {"time", "channel", "level", "external_files"},
     "bioio_files": {"series", "time", "channel"},
     "vtk_grids": {"channel", "component", "dataset", "resample", "external_files"},
+    "vtk_series": {"time", "channel", "component", "dataset", "resample", "external_files"},
     "cube": {"dataset"},
     "vasp": {"dataset"},
     "bov": {"channel", "component", "external_files"},
@@ -153,11 +160,11 @@ def open(
     path : path or URL
         NIfTI (.nii, .nii.gz, .hdr/.img), FreeSurfer (.mgz, .mgh), MINC (.mnc), AFNI (.HEAD, .BRIK), PAR/REC, ECAT
         (.v), NRRD (.nrrd, .nhdr), MetaImage (.mha, .mhd), VTK images and grids (.vtk, .vti, .vtr, .vts, .vtu, .vtm and
-        others), DICOM (a folder, also of folders, one of the files, a DICOMDIR, or a .zip of them), a TIFF stack (one
-        file or a folder), .npy, .npz, raw, HDF5, netCDF (.nc), Gaussian cubes (.cube), VASP (CHGCAR, LOCPOT), BOV,
-        SEG-Y, Imaris (.ims), BigDataViewer (its .xml or .h5), OME-Zarr (also zipped, or under a URL), microscopes'
-        files by bioio (.czi, .lif, .nd2, ...). Or an object of another library, without options: the same as
-        `Volume(object)`.
+        others, .pvd and .vtu.series of several times), DICOM (a folder, also of folders, one of the files, a DICOMDIR,
+        or a .zip of them), a TIFF stack (one file or a folder), .npy, .npz, raw, HDF5, netCDF (.nc), Gaussian cubes
+        (.cube), VASP (CHGCAR, LOCPOT), BOV, SEG-Y, Imaris (.ims), BigDataViewer (its .xml or .h5), OME-Zarr (also
+        zipped, or under a URL), microscopes' files by bioio (.czi, .lif, .nd2, ...). Or an object of another library,
+        without options: the same as `Volume(object)`.
     **options : OpenOptions
         What to read of the file, and how.
 
@@ -245,6 +252,14 @@ def contents(request: Request) -> Contents | None:
     return contents_of(request, family)
 
 
+def grid_of(request: Request) -> Grid:
+    """The samples of a file, as its reader gives them."""
+    family = _family(request)
+    _check_options(request, family)
+    grid: Grid = import_module(f"wavesplat._readers.{family}").read(request)
+    return grid
+
+
 #: Families whose samples lie in one file as they are: its size gives theirs.
 UNCOMPRESSED = ("arrays", "raw", "nifti", "itk", "vtk_legacy")
 #: Families whose headers give the size of their samples.
@@ -319,6 +334,7 @@ def _family(request: Request) -> str:
     check_no_pipe(path)
     if path.is_dir():
         return _family_of_folder(path)
+    check_no_empty_case(path)
     size_checks.check_readable(path)
     suffix = next((suffix for suffix in SUFFIXES if path.name.lower().endswith(suffix)), None)
     with path.open("rb") as file:
@@ -326,9 +342,7 @@ def _family(request: Request) -> str:
     family = _family_by_content(SUFFIXES.get(suffix or "") or _family_by_magic(start), path)
     if suffix == ".zip" and holds_zarr(path):
         return "ome_zarr"
-    may_be_ours = suffix in (".zip", ".zarr.zip", ".ozx") or family == "netcdf"
-    if not may_be_ours and (error := foreign_content(path, start)) is not None:
-        raise error
+    _check_no_other_format(path, start, suffix, family)
     if family == "dicom" and suffix != ".zip":
         # One file of a series: the others are looked for beside it.
         for name in _names_in(path.parent):
@@ -340,6 +354,15 @@ def _family(request: Request) -> str:
             f"unknown kind of file; wavesplat reads {KINDS}; for raw samples pass shape=(z, y, x) and dtype=: {path}"
         )
     return family
+
+
+def _check_no_other_format(path: Path, start: bytes, suffix: str | None, family: str | None) -> None:
+    """Refuse a file that is of a format that is not read, by its first bytes, or by its name where it is also HDF5."""
+    may_be_ours = suffix in (".zip", ".zarr.zip", ".ozx") or family == "netcdf"
+    if not may_be_ours and (error := foreign_content(path, start)) is not None:
+        raise error
+    if suffix is None and family in ("hdf5", "netcdf") and (error := foreign_kind(path)) is not None:
+        raise error
 
 
 def _check_address(request: Request) -> None:
@@ -364,7 +387,7 @@ def _family_of_folder(folder: Path) -> str:
         return "tiff"
     if holds_setups(names):
         return "bdv"
-    if (error := foreign_folder(folder, names)) is not None:
+    if (error := foreign_folder(folder)) is not None:
         raise error
     return "dicom"
 

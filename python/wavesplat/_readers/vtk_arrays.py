@@ -89,11 +89,6 @@ def other_grid(kind: str, path: object) -> FileError:
         )
     if kind == "ImageData":
         return FileError(f"the file holds an image in VTK's HDF5; write it as pyvista.read(path).save('a.vti'): {path}")
-    if kind == "Collection":
-        return FileError(
-            f"the file names one file for each time (Collection) and holds no samples; open one of those, or all as a "
-            f"series: wavesplat movie 'NAME_*.vtu' --times all: {path}"
-        )
     return FileError(
         f"the file holds {held}, not an image of evenly spaced samples; resample it to one, as with "
         f"pyvista.ImageData(dimensions=..., spacing=..., origin=...).sample(pyvista.read(path)): {path}"

@@ -5,7 +5,7 @@ import pytest
 
 import wavesplat as ws
 from wavesplat._render.framing import natural_view
-from wavesplat.errors import ArgumentError
+from wavesplat.errors import ArgumentError, FileError
 
 xarray = pytest.importorskip("xarray")
 
@@ -88,6 +88,35 @@ def test_files_and_arrays_have_one_place(tmp_path, kind):
         assert np.sign(first.world_from_index[1, 1]) == (-1 if "lat" in array.dims else 1)
         views += [natural_view(one) for one in volumes[:2]]
     assert len(set(views)) == 1
+
+
+@pytest.mark.filterwarnings("ignore:Consolidated metadata")
+@pytest.mark.parametrize("version", [2, 3])
+def test_zarr_of_xarray_has_the_same_place(tmp_path, version):
+    pytest.importorskip("zarr", minversion="3")
+    times = ("time", [0.0, 6, 18], {"units": "hours since 2001-01-01"})
+    dims, coordinates, _ = KINDS["pressures"]
+    array = xarray.DataArray(
+        np.stack([NOISE, 2 * NOISE, 3 * NOISE]), dims=("time", *dims), coords=coordinates | {"time": times}, name="t"
+    ).transpose("time", "lon", "level", "lat")
+    array.to_dataset().to_zarr(tmp_path / "a.zarr", zarr_format=version)
+    with pytest.raises(FileError, match="3 time points"):
+        ws.open(tmp_path / "a.zarr", dataset="t")
+    volume = ws.open(tmp_path / "a.zarr", dataset="t", time=1)
+    lazy = ws.open(tmp_path / "a.zarr", dataset="t", time=1, memory="1 MB")
+    wanted = ws.Volume(array.isel(time=1))
+    for one in (volume, lazy):
+        np.testing.assert_array_equal(one.world_from_index, wanted.world_from_index)
+        assert (one.guesses, one.facts.conventions) == (wanted.guesses, wanted.facts.conventions)
+        assert (one.facts.times, one.facts.time_unit) == ((0, 6, 18), "hours")
+    np.testing.assert_array_equal(volume.samples, 2 * NOISE)
+    np.testing.assert_array_equal(lazy.read().samples, 2 * NOISE)
+    uneven = array.assign_coords(level=("level", [1000.0, 925, 850, 700, 500], {"units": "hPa"}))
+    uneven.to_dataset().to_zarr(tmp_path / "b.zarr", zarr_format=version)
+    with pytest.raises(FileError, match=r"'level' are not evenly spaced.*spacing="):
+        ws.open(tmp_path / "b.zarr", dataset="t", time=0)
+    turned = ws.open(tmp_path / "b.zarr", dataset="t", time=0, spacing=(1, 2, 3))
+    np.testing.assert_array_equal(np.diag(turned.world_from_index), [1, -2, 3, 1])
 
 
 def test_units_of_maps_are_told_once():
@@ -181,6 +210,9 @@ def test_axes_are_even_within_the_rounding_of_their_numbers(tmp_path):
         array.to_netcdf(tmp_path / "a.nc", engine="scipy")
         for volume in (ws.open(tmp_path / "a.nc"), ws.Volume(array)):
             assert volume.spacing[0] == pytest.approx(0.0009, rel=0.01)
+    shares = {"s_rho": ("s_rho", np.array([-0.9, -0.5, -0.3, -0.1, 0.0]))}  # uneven, and no lengths
+    roms = xarray.DataArray(NOISE, dims=KINDS["ROMS"][0], coords=shares)
+    np.testing.assert_array_equal(ws.Volume(roms).world_from_index, np.eye(4))
     for places in ((359.58 + 0.0009 * np.arange(8)) + 1e-5 * (np.arange(8) == 3), [0, 1, 2, 3, 4, 5, 6, 7.1]):
         array = xarray.DataArray(NOISE, dims=dims, coords=coordinates | {"lon": ("lon", places, EAST)}, name="t")
         with pytest.raises(ArgumentError, match="not evenly spaced"):

@@ -98,7 +98,10 @@ def _place(
 ) -> tuple[NDArray[np.float64], str | None, list[str]]:
     """The affine by the coordinates of the axes z, y, x, the unit of the world, and sentences on what was assumed."""
     skipped = map_axes.without_lengths(array, spatial) if is_map else []
-    places = {axis: _first_and_step(array, name) for axis, name in zip("zyx", spatial, strict=True)}
+    places = {
+        axis: (0.0, _direction(array, name)) if name in skipped else _first_and_step(array, name)
+        for axis, name in zip("zyx", spatial, strict=True)
+    }
     own = [map_axes.length_unit_of(array, name) for name in reversed(spatial)]
     bare = [str(name) for name in spatial if name not in array.coords]
     z = spatial[0]
@@ -112,7 +115,6 @@ def _place(
             unused = "" if map_axes.role_of(array, z) == "time" else ": heights of its levels are not used"
             guesses.append(f"distance along {z} {dx:g} m, as along {spatial[2]}{unused}")
     elif skipped:
-        places["z"] = (0.0, _direction(array, z))
         guesses.append(f"distance along {z} 1, as along the others: its numbers are shares, no lengths")
     elif len(bare) in (1, 2):
         guesses.append(f"distance along {', '.join(bare)} 1: the array has no coordinates there")

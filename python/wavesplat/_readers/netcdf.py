@@ -27,11 +27,10 @@ from wavesplat._model.facts import Facts, quantity_of
 from wavesplat._model.hdf5_files import check_links, held_hdf5, read_hdf5
 from wavesplat._model.labelled_array import in_order
 from wavesplat._model.lazy_array import SlicedArray
-from wavesplat._model.map_axes import role_of, spatial_axes
 from wavesplat._readers import single_planes
 from wavesplat._readers.file_contents import Contents, FileArray, are_small, ranges_of
-from wavesplat._readers.netcdf_axes import evenly, places_told, times_of
-from wavesplat._readers.request import Grid, Request, SeveralError, choose, no_such_name, several, unwarned
+from wavesplat._readers.netcdf_axes import evenly, picked_axes, variable_text
+from wavesplat._readers.request import Grid, Request, no_such_name, several, unwarned
 from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
@@ -245,7 +244,7 @@ def _chosen(datasets: dict[str, Any], request: Request) -> _Variable:
         found = {name: array for name, array in found.items() if name not in borders}
     if not found:
         raise _none_found(datasets, request)
-    described = [_described(name, array) for name, array in found.items()]
+    described = [variable_text(name, array) for name, array in found.items()]
     listed = "; ".join(described)
     if request.dataset is not None:
         name = request.dataset.strip("/")
@@ -296,7 +295,7 @@ def _borders(datasets: dict[str, Any]) -> set[str]:
 def _none_found(datasets: dict[str, Any], request: Request) -> FileError:
     """The error for a file without a variable of three axes, with those that it has instead."""
     flat = [
-        _described(f"{group}/{name}".lstrip("/"), array)
+        variable_text(f"{group}/{name}".lstrip("/"), array)
         for group, dataset in datasets.items()
         for name, array in dataset.data_vars.items()
         if array.ndim > 0
@@ -309,13 +308,6 @@ def _none_found(datasets: dict[str, Any], request: Request) -> FileError:
     )
 
 
-def _described(name: str, array: Any) -> str:
-    """A variable in messages: "t (time 2, level 3, lat 4, lon 5), air temperature, K"."""
-    axes = ", ".join(f"{axis} {size}" for axis, size in array.sizes.items())
-    said = [str(array.attrs[key]) for key in ("long_name", "units") if array.attrs.get(key) is not None]
-    return ", ".join((f"{name} ({axes})", *said))
-
-
 def _volume_of(name: str, array: Any, attributes: dict[str, Any], request: Request) -> _Variable:
     """One volume of a variable: one of its times, and one place along a further axis.
 
@@ -323,10 +315,10 @@ def _volume_of(name: str, array: Any, attributes: dict[str, Any], request: Reque
     """
     if len(set(array.dims)) < array.ndim:
         raise FileError(
-            f"{_described(name, array)} has an axis twice, so it is a table and no volume; choose another with "
+            f"{variable_text(name, array)} has an axis twice, so it is a table and no volume; choose another with "
             f"dataset= (--dataset): {request.path}"
         )
-    picked, spatial, said = _picked(name, array, request)
+    picked, spatial, said = picked_axes(name, array, request)
     volume = array.isel(picked).transpose(*spatial)
     single_planes.check_thickness(volume.shape, request)
     volume, made = evenly(volume if request.resample is None else _with_gaps(volume), request)
@@ -337,48 +329,6 @@ def _volume_of(name: str, array: Any, attributes: dict[str, Any], request: Reque
     directions = np.diag([*found.directions, 1.0])
     matrix = directions if found.world_from_index is None else found.world_from_index
     return _Variable(found.samples, facts, matrix, (order[0], order[1], order[2]), index, name)
-
-
-def _picked(name: str, array: Any, request: Request) -> tuple[dict[Any, int], list[Any], dict[str, Any]]:
-    """One place along each axis that is not of space, the axes z, y, x, and facts of time."""
-    picked: dict[Any, int] = {}
-    said: dict[str, Any] = {}
-    roles = {axis: role_of(array, axis) for axis in array.dims}
-    time = next((axis for axis, role in roles.items() if role == "time"), None)
-    if time is not None and array.ndim > 3:
-        picked[time] = choose("time", array.sizes[time], request.time, request.path, described=places_told(array, time))
-        said = times_of(array, time)
-    rest = [axis for axis in array.dims if axis not in picked]
-    spatial = spatial_axes([(axis, roles[axis]) for axis in rest], array.sizes)
-    further = [axis for axis in rest if axis not in spatial]
-    longer = [axis for axis in further if array.sizes[axis] > 1]
-    if len(spatial) == 3 and len(longer) == 1:
-        axis = longer[0]
-        picked[axis] = _further(array, axis, request)
-    picked |= dict.fromkeys((axis for axis in further if axis not in picked and array.sizes[axis] == 1), 0)
-    for option, given, has in (
-        ("time", request.time, time is not None and time in picked),
-        ("channel", request.channel, len(longer) == 1),
-    ):
-        if given is not None and not has:
-            raise ArgumentError(f"{option}= has no meaning for {_described(name, array)}; leave it out: {request.path}")
-    if len(spatial) != 3 or len(array.dims) - len(picked) != 3:
-        raise FileError(
-            f"which axes are z, y and x is not clear: {_described(name, array)}; "
-            f"give wavesplat.Volume(xarray.open_dataset(path)[name].isel(...)), with one of each other axis: "
-            f"{request.path}"
-        )
-    return picked, spatial, said
-
-
-def _further(array: Any, axis: Any, request: Request) -> int:
-    """The place that is asked for along an axis that is neither of space nor of times, such as the member of a run."""
-    described = [f"{axis} {place}" for place in places_told(array, axis)]
-    try:
-        return choose("channel", array.sizes[axis], request.channel, request.path, described=described)
-    except SeveralError as error:
-        error.are_light = False
-        raise
 
 
 def _with_gaps(array: Any) -> Any:

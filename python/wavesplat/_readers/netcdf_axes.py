@@ -12,17 +12,70 @@ from numpy.typing import NDArray
 
 from wavesplat._files.libraries import library
 from wavesplat._model.even_places import off_from_even
-from wavesplat._model.map_axes import without_lengths
-from wavesplat._readers.request import Request
-from wavesplat.errors import FileError
+from wavesplat._model.map_axes import role_of, spatial_axes, without_lengths
+from wavesplat._readers.request import Request, SeveralError, choose
+from wavesplat.errors import ArgumentError, FileError, LibraryError
 
-__all__ = ["evenly", "places_told", "times_of"]
+__all__ = ["evenly", "picked_axes", "variable_text"]
 
 #: The extra of the libraries.
 EXTRA = "netcdf"
 
 
-def places_told(array: Any, axis: Any) -> list[str]:
+def variable_text(name: str, array: Any) -> str:
+    """A variable in messages: "t (time 2, level 3, lat 4, lon 5), air temperature, K"."""
+    axes = ", ".join(f"{axis} {size}" for axis, size in array.sizes.items())
+    said = [str(array.attrs[key]) for key in ("long_name", "units") if array.attrs.get(key) is not None]
+    return ", ".join((f"{name} ({axes})", *said))
+
+
+def picked_axes(name: str, array: Any, request: Request) -> tuple[dict[Any, int], list[Any], dict[str, Any]]:
+    """One place along each axis that is not of space, the axes z, y, x, and facts of time."""
+    picked: dict[Any, int] = {}
+    said: dict[str, Any] = {}
+    roles = {axis: role_of(array, axis) for axis in array.dims}
+    time = next((axis for axis, role in roles.items() if role == "time"), None)
+    if time is not None and array.ndim > 3:
+        picked[time] = choose(
+            "time", array.sizes[time], request.time, request.path, described=_places_told(array, time)
+        )
+        said = _times_of(array, time)
+    rest = [axis for axis in array.dims if axis not in picked]
+    spatial = spatial_axes([(axis, roles[axis]) for axis in rest], array.sizes)
+    further = [axis for axis in rest if axis not in spatial]
+    longer = [axis for axis in further if array.sizes[axis] > 1]
+    if len(spatial) == 3 and len(longer) == 1:
+        axis = longer[0]
+        picked[axis] = _further(array, axis, request)
+    picked |= dict.fromkeys((axis for axis in further if axis not in picked and array.sizes[axis] == 1), 0)
+    for option, given, has in (
+        ("time", request.time, time is not None and time in picked),
+        ("channel", request.channel, len(longer) == 1),
+    ):
+        if given is not None and not has:
+            raise ArgumentError(
+                f"{option}= has no meaning for {variable_text(name, array)}; leave it out: {request.path}"
+            )
+    if len(spatial) != 3 or len(array.dims) - len(picked) != 3:
+        raise FileError(
+            f"which axes are z, y and x is not clear: {variable_text(name, array)}; "
+            f"give wavesplat.Volume(xarray.open_dataset(path)[name].isel(...)), with one of each other axis: "
+            f"{request.path}"
+        )
+    return picked, spatial, said
+
+
+def _further(array: Any, axis: Any, request: Request) -> int:
+    """The place that is asked for along an axis that is neither of space nor of times, such as the member of a run."""
+    listed = [f"{axis} {place}" for place in _places_told(array, axis)]
+    try:
+        return choose("channel", array.sizes[axis], request.channel, request.path, described=listed)
+    except SeveralError as error:
+        error.are_light = False
+        raise
+
+
+def _places_told(array: Any, axis: Any) -> list[str]:
     """The coordinates along an axis, in messages; times of a calendar as dates."""
     if axis not in array.coords:
         return []
@@ -35,7 +88,10 @@ def places_told(array: Any, axis: Any) -> list[str]:
 
 def _dates(array: Any, axis: Any) -> list[str]:
     """Dates of an axis of times; none where their calendar is that of a model."""
-    xarray = library("xarray", extra=EXTRA)
+    try:
+        xarray = library("xarray", extra=EXTRA)
+    except LibraryError:
+        return []  # Zarr needs it for nothing else
     bare = xarray.Dataset({"time": (axis, np.asarray(array.coords[axis]), array.coords[axis].attrs)})
     try:
         dates = np.asarray(xarray.decode_cf(bare)["time"])
@@ -47,7 +103,7 @@ def _dates(array: Any, axis: Any) -> list[str]:
     return [str(date) for date in np.datetime_as_string(dates, unit=unit)]
 
 
-def times_of(array: Any, axis: Any) -> dict[str, Any]:
+def _times_of(array: Any, axis: Any) -> dict[str, Any]:
     """Facts of time: the numbers of the coordinate, and the first word of its unit ("days since 2001-01-01")."""
     said: dict[str, Any] = {"n_times": int(array.sizes[axis])}
     if axis not in array.coords or array.coords[axis].dtype.kind not in "iuf":

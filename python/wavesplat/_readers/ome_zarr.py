@@ -46,6 +46,7 @@ from wavesplat._readers.request import (
     several,
 )
 from wavesplat._readers.single_planes import level_of_plane, note_on_level
+from wavesplat._readers.zarr_maps import NamedVolume, named_volume
 from wavesplat.errors import ArgumentError, FileError, WavesplatError
 
 __all__ = ["ZarrLevel", "check_part", "contents", "label_looks", "labels_of", "levels_of", "mark_of", "read"]
@@ -70,6 +71,11 @@ def read(request: Request) -> Grid:
             raise _no_array(request)
         _check_level(1, request)
         zarr_metadata.check_numbers(node, request.safe_path)
+        if (named := _named(node, request)) is not None:
+            samples = _samples(node, [slice(None) if at is None else at for at in named.picked], request)
+            left = sorted(named.order)
+            samples = samples.transpose([left.index(axis) for axis in named.order])
+            return Grid(samples, named.world_from_index, named.facts, _refused_chunks(node, request))
         name = request.dataset or request.name
         if are_vectors := has_vectors(node.shape, node.dtype, request):
             index: tuple[Any, ...] = (...,)
@@ -113,6 +119,10 @@ def levels_of(request: Request) -> list[ZarrLevel]:
     if not hasattr(node, "shape"):
         raise _no_array(request)
     _check_level(1, request)
+    if (named := _named(node, request)) is not None:
+        _check_kind(node, request)
+        _read_later(node)
+        return [ZarrLevel(node, request.dataset or "", named.order, named.picked, named.world_from_index, named.facts)]
     quantity = named_component(quantity_of(request.dataset), request)
     request = as_channel(node.shape, node.dtype, request)
     check_vectors(request, request.dataset or request.name)
@@ -124,6 +134,18 @@ def levels_of(request: Request) -> list[ZarrLevel]:
     z, y, x = (axis for axis, part in enumerate(picked) if part is None)
     facts = Facts(quantity=quantity, n_times=n_times_of(node.shape, request))
     return [ZarrLevel(node, request.dataset or "", (z, y, x), picked, np.eye(4), facts)]
+
+
+def _named(array: Any, request: Request) -> NamedVolume | None:
+    """The volume of an array whose axes have names, as of xarray, with the arrays in its group as coordinates."""
+
+    def read(own: Any) -> NDArray[Any]:
+        zarr_metadata.check_numbers(own, request.safe_path)
+        return _samples(own, [slice(None)], request)
+
+    name = (request.dataset or "").strip("/")
+    group = _open(replace(request, dataset=name.rpartition("/")[0] or None)) if name else None
+    return named_volume(array, group, read, request)
 
 
 def mark_of(request: Request, key: str) -> str | None:

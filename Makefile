@@ -32,7 +32,7 @@ export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
 
 .DELETE_ON_ERROR:
 .NOTPARALLEL:
-.PHONY: wheels sdist crates page-package cross-check release-check advisories release-lint sbom help demo dev test check fmt quality edges random-functions random-scenes looks looks-beside-vtk looks-beside-napari looks-beside-pyvista study study-wavelets study-lod study-cuts bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers bench-shapes scene-hashes roofline instructions gallery concepts face site site-test golden pictures \
+.PHONY: wheels sdist crates page-package cross-check release-check extras-check advisories release-lint sbom help demo dev test check fmt quality edges random-functions random-scenes looks looks-beside-vtk looks-beside-napari looks-beside-pyvista study study-wavelets study-lod study-cuts bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers bench-shapes scene-hashes roofline instructions gallery concepts face site site-test golden pictures \
 	clean wheel fuzz memcheck miri fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
 	rust-test python-test test-arm test-napari rust-lint python-lint stubs spelling licences docs readme
 
@@ -265,6 +265,9 @@ release-check: release-lint licences wheels sdist crates page-package sbom ## bu
 	python python/tools/try_on_arm.py dist/*aarch64.whl --beside $(OUT)/release/first.png
 	python python/tools/check_repeat.py dist/*x86_64.whl dist/*.tar.gz $(ZIG)
 	@$(MAKE) --no-print-directory cross-check
+
+extras-check: $(STAMPS)/tools ## install each extra in an empty environment and open a file of each of its formats; asks the net, half an hour
+	python python/tools/check_extras.py
 
 clean: ## remove all that the recipes made
 	rm -rf .venv target .cache out dist python/wavesplat/_native*.so

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 import re
+from pathlib import Path
 
 import numpy as np
 import pytest
+from PIL import Image
 from test_open_scene import DESCRIBED, cells, save
 
 import wavesplat as ws
@@ -280,3 +282,24 @@ def test_a_window_far_below_the_values_of_a_layer_has_a_note(wavesplat, tmp_path
     assert "100 % of the values of layer 'pet.nrrd' lie above its window, which ends at 8" in note("hot:2,8")
     for words in ("hot:20,90", "hot", "hot:10%,50%", "hot:2,8:threshold=5"):
         assert bool(note(words)) == (":2,8" in words)
+
+
+def test_a_word_for_the_channel_draws_each_channel_alone(tmp_path, wavesplat):
+    """One file of that very name was written, braces included."""
+    tifffile = pytest.importorskip("tifffile")
+    samples = np.random.default_rng(2).poisson(40, (2, 6, 20, 24)).astype(np.uint16)
+    samples[0, 2:4, 4:10, 4:10], samples[1, 2:4, 12:18, 12:20] = 900, 900
+    channels = {"Name": ["DAPI", "a/b"]}
+    source = tmp_path / "a.ome.tif"
+    tifffile.imwrite(source, samples, metadata={"axes": "CZYX", "Channel": channels, "PhysicalSizeX": 1.0})
+    options = ["--size", "32x24", "--quiet"]
+    done = wavesplat("render", source, "-o", tmp_path / "q_{channel}.png", *options, "--json")
+    assert done.returncode == 0, done.stderr
+    paths = [Path(one["picture"]) for one in json.loads(done.stdout)["pictures"]]
+    assert [path.name for path in paths] == ["q_DAPI.png", "q_a_b.png"]
+    blue, green = (np.asarray(Image.open(path).convert("RGB")).astype(int) for path in paths)
+    assert blue[..., 2].sum() > 2 * blue[..., 1].sum()
+    assert green[..., 1].sum() > 2 * green[..., 2].sum()
+    wrong = wavesplat("render", source, "-o", tmp_path / "q_{chanel}.png", *options)
+    assert "unknown {chanel} in --output, is it {channel}?; words in braces are" in wrong.stderr
+    assert "unknown {channel} in --output" in wavesplat("slice", source, "-o", tmp_path / "{channel}.png").stderr

@@ -131,8 +131,8 @@ class Batch:
             found = [max(pair, key=lambda one: one[0]) for pair in zip(found, ours, strict=False)]
         return tuple(look for _, look in found)
 
-    def add(self, input: str, time: str | None, picture: Picture) -> None:
-        """Note the windows of a picture, and put it on the sheet. `time`: of one of several, as text."""
+    def add(self, input: str, told: str | None, picture: Picture) -> None:
+        """Note the windows of a picture, and put it on the sheet. `told`: time and channel of one of several."""
         self._windows.setdefault(input, _windows_of(picture))
         if self.has_sheet:
             from wavesplat._render.arguments import check_picture_memory
@@ -143,7 +143,7 @@ class Batch:
             name, well = self._name_of(input)
             if well is not None:
                 self._wells.append(well)
-            alone = [time] if len(self.inputs) == 1 and time else [name, time]
+            alone = [told] if len(self.inputs) == 1 and told else [name, told]
             self._panels.append((", ".join(text for text in alone if text), picture.rgba))
 
     def finish(self, *, as_json: bool) -> None:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import typer
 
@@ -41,8 +41,11 @@ if TYPE_CHECKING:
 
 __all__ = ["render"]
 
+#: Place of the channel in the name of an output: a picture of each channel alone.
+PLACE_OF_CHANNEL = "{channel}"
 
-@takes_several_inputs(".png")
+
+@takes_several_inputs(".png", words=("channel", "time"))
 @takes_figure_options
 @takes_cut_options
 @takes_light_options
@@ -130,7 +133,7 @@ def render(
     chosen = batch.chosen(input, choose, lambda one: _settled(one, viewing, size, eyes))
     scene, look, operator = chosen.scene, chosen.look, chosen.operator
     pictures = _pictures(scene, layering.times, input, output)
-    camera = camera_for([one for one, _ in pictures], look, viewing, size, eyes)
+    camera = camera_for([one.scene for one in pictures], look, viewing, size, eyes)
     made = _drawn_all(
         pictures,
         camera,
@@ -146,10 +149,10 @@ def render(
         **of_eyes,
         **drawing_arguments(sampling),
     )
-    facts = made[0] if layering.times is None else {"pictures": made}
+    facts = made[0] if layering.times is None and len(made) == 1 else {"pictures": made}
     if report is not None:
         write_report(report, facts, embed_paths=embed_paths)
-    print_result(facts, "\n".join(str(path) for _, path in pictures), as_json=json, written=pictures[-1][1])
+    print_result(facts, "\n".join(str(one.path) for one in pictures), as_json=json, written=pictures[-1].path)
 
 
 def _settled(chosen: ChosenScene, viewing: ViewOptions, size: tuple[int, int], eyes: EyeOptions) -> ChosenScene:
@@ -164,23 +167,51 @@ def _settled(chosen: ChosenScene, viewing: ViewOptions, size: tuple[int, int], e
     return chosen._replace(scene=scene, look=first)
 
 
-def _pictures(scene: Scene, times: str | None, input: str, output: Path) -> list[tuple[Scene, Path]]:
-    """The scene at each time that is asked for, and the file for its picture."""
+class _Planned(NamedTuple):
+    """A picture to draw, its file, and its time and channel as text; empty for the only one."""
+
+    scene: Scene
+    path: Path
+    told: str = ""
+
+
+def _pictures(scene: Scene, times: str | None, input: str, output: Path) -> list[_Planned]:
+    """The pictures of each time, and of each channel, that are asked for."""
     from wavesplat._model.series import Series
     from wavesplat._model.time_stamps import time_texts
 
-    if times is None:
-        return [(scene, output)]
-    series = next((layer.volume for layer in scene.layers if isinstance(layer.volume, Series)), None)
-    texts = ("0",) if series is None else time_texts(series.times, series.time_unit)
-    named = list(names_of_pictures(output, times_of(times, len(texts)), texts))
-    for _, path in named:
-        check_outputs(input, path, "pictures")
-    return [(scene if series is None else scene.at_time(number), path) for number, path in named]
+    planned = [_Planned(scene, output)]
+    if times is not None:
+        series = next((layer.volume for layer in scene.layers if isinstance(layer.volume, Series)), None)
+        texts = ("0",) if series is None else time_texts(series.times, series.time_unit)
+        planned = [
+            _Planned(scene if series is None else scene.at_time(number), path, texts[number])
+            for number, path in names_of_pictures(output, times_of(times, len(texts)), texts)
+        ]
+    if PLACE_OF_CHANNEL in output.name:
+        planned = [channel for one in planned for channel in _of_channels(one)]
+    if len(planned) > 1 or planned[0].path != output:
+        for one in planned:
+            check_outputs(input, one.path, "pictures")
+    return planned
+
+
+def _of_channels(planned: _Planned) -> list[_Planned]:
+    """A picture of each layer alone, named after it, in place of the picture of all."""
+    from wavesplat._mesh.safe_names import safe_names
+
+    layers = planned.scene.layers
+    names = [layer.name or layer.drawn.name for layer in layers]
+    made = []
+    for layer, name, safe in zip(layers, names, safe_names(names, range(len(names))), strict=True):
+        path = planned.path.with_name(planned.path.name.replace(PLACE_OF_CHANNEL, safe))
+        told = ", ".join(text for text in (planned.told, name) if text)
+        made.append(_Planned(planned.scene.with_(layers=[layer]), path, told))
+    return made
 
 
 def _drawn_all(
-    pictures: Sequence[tuple[Scene, Path]],
+    pictures: Sequence[_Planned],
     camera: Camera,
     input: str,
     *,
@@ -196,14 +227,14 @@ def _drawn_all(
     from wavesplat._scene.summary import stamped
 
     made, title = [], figure.title
-    for scene, path in pictures:
+    for scene, path, told in pictures:
         if title and len(pictures) > 1:
             figure = replace(figure, title=stamped(title, scene))
         picture = _drawn(scene, camera, shown=not quiet and is_terminal(), **options)
         if not quiet:
             print_notes(picture)
         picture = annotated(picture, figure, scene, quiet=quiet)
-        batch.add(input, picture.report["time"]["text"] if len(pictures) > 1 else None, picture)
+        batch.add(input, told if len(pictures) > 1 else None, picture)
         picture.save(path, bits=bits, dpi=figure.dpi, scene=embed_scene, embed_paths=embed_paths)
         made.append({"picture": str(path), "size": list(picture.size), "input": input, "report": picture.report})
     return made

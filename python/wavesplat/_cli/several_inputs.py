@@ -2,7 +2,8 @@
 
 In the name of an output, {stem} is the input's without suffix, {name} with it, {folder} the folder that it is in,
 {path} what is after the folder that all inputs share, with _ between its parts, and {number} counts from 1. Of images
-of a plate of OME-Zarr {well} is the well, such as A1, and {field} the image in it. Other braces are left as they are.
+of a plate of OME-Zarr {well} is the well, such as A1, and {field} the image in it. Other words in braces are refused,
+but for those that a command fills itself.
 """
 
 from __future__ import annotations
@@ -12,6 +13,7 @@ import os
 import re
 from collections.abc import Callable
 from contextlib import suppress
+from difflib import get_close_matches
 from functools import wraps
 from pathlib import Path
 from typing import Annotated, Any
@@ -35,18 +37,20 @@ _INPUTS = typer.Argument(
 Inputs = Annotated[list[str], _INPUTS]
 InputsOrNone = Annotated[list[str] | None, _INPUTS]
 
-PLACE = re.compile(r"\{(stem|name|folder|path|well|field|number)\}")
+#: A word in braces.
+WORD = re.compile(r"\{([a-z]+)\}")
 #: Words in braces that only images of plates have.
 OF_PLATES = ("well", "field")
 
 
 def takes_several_inputs(
-    suffix: str | None = None, *, own: tuple[str, ...] = ()
+    suffix: str | None = None, *, own: tuple[str, ...] = (), words: tuple[str, ...] = ()
 ) -> Callable[[Callable[..., None]], Callable[..., None]]:
     """Give a command of one `input` several of them, one after the other.
 
     suffix : of results, where `output` is a folder; None for a command without an output.
     own : an option, and words in braces that the command fills itself where that option is given.
+    words : words in braces that the command fills itself.
 
     A command with a parameter `batch` is given the `Batch` of all inputs, and has its options.
     """
@@ -62,7 +66,7 @@ def takes_several_inputs(
                     options.pop(parameter.name)
                 command(input=None, **options)
                 return
-            left = own[1:] if own and options.get(own[0]) else ()
+            left = (own[1:] if own and options.get(own[0]) else ()) + words
             inputs = _found(input)
             batch = batch_of(inputs, options) if together else None
             runs = _runs(inputs, options if batch is None else {**options, "batch": batch}, suffix, left)
@@ -110,7 +114,9 @@ def _runs(
         if asks_wells:
             places |= _places_in_plate(input)
         places |= {word: f"{{{word}}}" for word in left}
-        own = {option: _named(options[option], places) for option in ("output", "report") if options.get(option)}
+        own = {
+            option: _named(option, options[option], places) for option in ("output", "report") if options.get(option)
+        }
         # A folder of Zarr that is there is a result, not a place for results.
         is_place = suffix is not None and "output" in own and not own["output"].name.lower().endswith(".zarr")
         if is_place and is_folder(own["output"]):
@@ -175,8 +181,16 @@ def _words_that_differ(one: str, other: str) -> list[str]:
     return ["{folder}" if has_own_folder else "{path}", "{number}"]
 
 
-def _named(path: Path, places: dict[str, str]) -> Path:
-    return Path(PLACE.sub(lambda place: places[place[1]], str(path)))
+def _named(option: str, path: Path, places: dict[str, str]) -> Path:
+    """The path with values in place of words in braces; an `ArgumentError` for a word that is none."""
+    known = {**dict.fromkeys(OF_PLATES, ""), **places}
+    unknown = next((word for word in WORD.findall(path.name) if word not in known), None)
+    if unknown is not None:
+        near = get_close_matches(unknown, known, 1)
+        meant = f", is it {{{near[0]}}}?" if near else ""
+        listed = ", ".join(f"{{{word}}}" for word in known)
+        raise ArgumentError(f"unknown {{{unknown}}} in --{option}{meant}; words in braces are {listed}: {path}")
+    return Path(WORD.sub(lambda place: places.get(place[1], place[0]), str(path)))
 
 
 def _run_all(command: Callable[..., None], runs: list[dict[str, Any]], batch: Batch | None, *, titled: bool) -> None:

@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from wavesplat._model.argument_types import VOLUME, described
 from wavesplat._model.converted import Converted, loaded
 from wavesplat._model.grid import Grid
+from wavesplat._model.hdf5_files import check_nesting
 from wavesplat._model.hdf5_place import place_of
 from wavesplat._model.itk_image import of_itk, of_simple_itk
 from wavesplat._model.labelled_array import is_labelled, unlabelled
@@ -133,6 +134,7 @@ def _of_hdf5(dataset: Any) -> Converted | None:
     if not hasattr(dataset, "shape"):
         return None
     name = str(dataset.name).rpartition("/")[2]
+    check_nesting(dataset, dataset.file.filename)
     place = place_of(dataset)
     samples = loaded(dataset, name)
     return Converted(np.transpose(samples, place.zyx), place.world_from_index, place.facts, name)

@@ -10,21 +10,30 @@ from __future__ import annotations
 
 import os
 import weakref
+from collections import Counter
 from contextlib import suppress
 from itertools import count
+from math import prod
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wavesplat._files.file_states import StoredFiles
+from wavesplat._files.memory import check_room
 from wavesplat._files.named_files import refused
+from wavesplat.errors import FileError
 
 if TYPE_CHECKING:
     import h5py
 
-__all__ = ["check_links", "files_of_dataset", "held_hdf5", "is_own_file", "open_hdf5", "read_hdf5"]
+__all__ = ["check_links", "check_nesting", "files_of_dataset", "held_hdf5", "is_own_file", "open_hdf5", "read_hdf5"]
 
-#: Nesting of virtual datasets, at most.
+#: Nesting of virtual datasets whose files are found, at most.
 MAX_DEPTH = 8
+#: Nesting of virtual datasets that are read, at most. HDF5 calls itself for each and has no limit of its own.
+MAX_NESTED = 32
+#: Sources that HDF5 opens for one virtual dataset, at most, counted again for each way to them: it closes 80 million a
+#: second (x86-64, HDF5 1.14), and 16 sources in each of 12 datasets are 2e13.
+MAX_SOURCES = 10_000_000
 #: Environment variables that change where other files are looked for.
 PREFIXES = ("HDF5_EXTFILE_PREFIX", "HDF5_VDS_PREFIX")
 
@@ -66,14 +75,21 @@ def held_hdf5(path: Path) -> h5py.File:
     return file
 
 
-def check_links(path: Path) -> None:
-    """Raise a `FileError` if parts of a file lie in other files."""
+def check_links(path: Path, *, external_files: bool = False) -> None:
+    """Raise a `FileError` if parts of a file lie in other files, or with these allowed, if HDF5 cannot read a dataset.
+
+    See `check_nesting`.
+    """
     import h5py
 
     def check(name: str, node: Any) -> None:
         if isinstance(node, h5py.Dataset):
-            if node.external or node.is_virtual:
+            if external_files:
+                check_nesting(node, path)
+            elif node.external or node.is_virtual:
                 raise refused(f"another file as the place of {name!r}", path)
+            return
+        if external_files:
             return
         if not isinstance(node, h5py.Group):
             return
@@ -85,6 +101,15 @@ def check_links(path: Path) -> None:
     with read_hdf5(path) as file:
         check("/", file)
         file.visititems(check)
+
+
+def check_nesting(dataset: h5py.Dataset, path: object) -> None:
+    """Raise a `FileError` if sources of a virtual dataset, also in other files, form a circle or are nested too deep.
+
+    HDF5 follows them without a limit: circles end the process, and nested ones can take more than a lifetime. Also a
+    `LimitError` if a chunk does not fit into memory, whatever is read of it.
+    """
+    _Nesting(path).of_dataset(dataset, ())
 
 
 def is_own_file(dataset: h5py.Dataset) -> bool:
@@ -103,6 +128,70 @@ def files_of_dataset(dataset: h5py.Dataset) -> StoredFiles:
     places.add(dataset, 0)
     is_moved = any(os.environ.get(name) for name in PREFIXES)
     return StoredFiles(places.files, is_complete=places.is_complete and not is_moved)
+
+
+class _Nesting:
+    """The sources of virtual datasets, and those of these."""
+
+    def __init__(self, path: object) -> None:
+        self._path = path
+        #: File and place in it of a virtual dataset -> datasets that HDF5 opens for it, and how deep they are nested.
+        self._found: dict[tuple[str, int], tuple[int, int]] = {}
+
+    def of_dataset(self, dataset: h5py.Dataset, around: tuple[tuple[str, int], ...]) -> tuple[int, int]:
+        """Number of datasets that HDF5 opens to read a source of the datasets `around`, and their depth."""
+        import h5py
+
+        if not dataset.is_virtual:
+            self._check_chunk(dataset)
+            return 1, 0
+        own = os.path.realpath(dataset.file.filename), h5py.h5o.get_info(dataset.id).addr
+        if own in around:
+            raise FileError(
+                f"the virtual dataset {dataset.name!r} is made of itself, through its sources; write it again, of "
+                f"datasets that hold samples: {self._path}"
+            )
+        if own not in self._found and len(around) < MAX_NESTED:
+            sources = Counter((one.file_name, one.dset_name) for one in dataset.virtual_sources())
+            each = [(n, *self._of_source(dataset, name, (*around, own))) for name, n in sources.items()]
+            depth = 1 + max((depth for _, _, depth in each), default=0)
+            self._found[own] = sum(n * n_opened for n, n_opened, _ in each), depth
+        n_opened, depth = self._found.get(own, (0, MAX_NESTED))
+        if n_opened > MAX_SOURCES or len(around) + depth > MAX_NESTED:
+            raise FileError(
+                f"the virtual dataset {dataset.name!r} is made of virtual datasets that are nested too deep (at most "
+                f"{MAX_NESTED} in each other, and {MAX_SOURCES} sources); write its samples into one: {self._path}"
+            )
+        return n_opened, depth
+
+    def _of_source(
+        self, dataset: h5py.Dataset, source: tuple[str, str], around: tuple[tuple[str, int], ...]
+    ) -> tuple[int, int]:
+        import h5py
+
+        file_name, inner = source
+        if file_name == ".":
+            other = dataset.file.get(inner)
+            return self.of_dataset(other, around) if isinstance(other, h5py.Dataset) else (1, 0)
+        n_opened, depth = 1, 0
+        for place in {folder / file_name for folder in (Path(dataset.file.filename).absolute().parent, Path.cwd())}:
+            try:
+                file = h5py.File(place, "r")
+            except OSError:
+                continue  # reads as fill values
+            with file:
+                if isinstance(other := file.get(inner), h5py.Dataset):
+                    more, deep = self.of_dataset(other, around)
+                    n_opened, depth = n_opened + more, max(depth, deep)
+        return n_opened, depth
+
+    def _check_chunk(self, dataset: h5py.Dataset) -> None:
+        if not dataset.chunks:
+            return
+        # A packed chunk is unpacked as a whole, and the room for it grows by doubling.
+        needed = prod(map(int, dataset.chunks)) * dataset.dtype.itemsize * (1 if dataset.compression is None else 2)
+        shape = " x ".join(map(str, dataset.chunks))
+        check_room(needed, f"chunks of {shape} samples", f"store {dataset.name!r} in smaller ones: {self._path}")
 
 
 class _Places:

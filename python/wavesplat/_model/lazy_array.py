@@ -28,7 +28,7 @@ from wavesplat._files.zarr_states import chunk_files
 from wavesplat._model.argument_types import VOLUME, described
 from wavesplat._model.converted import check_shape
 from wavesplat._model.facts import Facts
-from wavesplat._model.hdf5_files import files_of_dataset, is_own_file, open_hdf5
+from wavesplat._model.hdf5_files import check_nesting, files_of_dataset, is_own_file, open_hdf5
 from wavesplat._model.hdf5_place import place_of
 from wavesplat._model.labelled_array import in_order, is_labelled
 from wavesplat._model.lazy_checks import (
@@ -466,6 +466,7 @@ def _of_numpy(array: NDArray[Any], name: str, order: Shape, picked: Sequence[int
 
 
 def _of_hdf5(dataset: Any) -> LazyConverted:
+    check_nesting(dataset, dataset.file.filename)
     place, name = place_of(dataset), str(dataset.name).rpartition("/")[2]
     order, picked = _spatial(dataset.shape, name)
     zyx = (order[place.zyx[0]], order[place.zyx[1]], order[place.zyx[2]])

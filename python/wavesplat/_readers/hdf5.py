@@ -14,7 +14,7 @@ from wavesplat._files import size_checks
 from wavesplat._files.named_files import refused
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts, quantity_of, value_unit_of
-from wavesplat._model.hdf5_files import read_hdf5
+from wavesplat._model.hdf5_files import check_nesting, read_hdf5
 from wavesplat._model.hdf5_place import Place, place_of
 from wavesplat._readers import hdf5_vectors, openpmd_records, theta_modes
 from wavesplat._readers.components import AXES, check_vectors, has_vectors, length_of
@@ -27,7 +27,7 @@ from wavesplat.errors import ArgumentError, FileError
 if TYPE_CHECKING:
     import h5py
 
-__all__ = ["check_own", "check_way", "chosen_dataset", "contents", "facts_of", "kind_of", "named", "place_of", "read"]
+__all__ = ["check_places", "check_way", "chosen_dataset", "contents", "facts_of", "kind_of", "named", "place_of", "read"]
 
 #: Groups and links on the path to a dataset, at most.
 MAX_STEPS = 100
@@ -158,7 +158,7 @@ def chosen_dataset(file: h5py.File, request: Request) -> h5py.Dataset:
     dataset = _dataset(file, request)
     for node in (dataset, dataset.parent):
         hdf5_vectors.check_geometry(node, request)
-    _check_places(file, dataset, request)
+    check_places(file, dataset, request)
     return dataset
 
 
@@ -170,14 +170,8 @@ def _modes_dataset(file: h5py.File, request: Request) -> h5py.Dataset:
         raise ArgumentError(
             f"resample= is for grids that are not even; {dataset.name!r} is read as it is: {request.path}"
         )
-    _check_places(file, dataset, request)
+    check_places(file, dataset, request)
     return dataset
-
-
-def _check_places(file: h5py.File, dataset: h5py.Dataset, request: Request) -> None:
-    """Raise a `FileError` if samples lie in other files, where these are not allowed."""
-    if not request.external_files:
-        check_own(file, dataset, request, set())
 
 
 def _own_names(file: h5py.File) -> set[str]:
@@ -257,23 +251,31 @@ def _none_found(file: h5py.File, request: Request) -> FileError:
     )
 
 
-def check_own(file: h5py.File, dataset: h5py.Dataset, request: Request, seen: set[str]) -> None:
-    """Raise a `FileError` if samples lie in other files, also through other datasets of this file (`seen`)."""
+def check_places(file: h5py.File, dataset: h5py.Dataset, request: Request) -> None:
+    """Raise a `FileError` if samples lie in other files, where these are not allowed, or HDF5 cannot read them."""
+    if not request.external_files:
+        _check_own(file, dataset, request)
+    check_nesting(dataset, request.path)
+
+
+def _check_own(file: h5py.File, dataset: h5py.Dataset, request: Request) -> None:
+    """Raise a `FileError` if samples lie in other files, also through other datasets of this file."""
     import h5py
 
-    others = [name for name, _, _ in dataset.external or ()]
-    sources = {(one.file_name, one.dset_name) for one in dataset.virtual_sources()} if dataset.is_virtual else set()
-    # A name with "%" is that of another dataset for each block.
-    others += [name if name != "." else inner for name, inner in sorted(sources) if name != "." or "%" in inner]
-    if others:
-        raise refused(f"{others[0]!r} as the place of its samples", request.path)
-    for _, inner in sorted(sources):
-        if inner not in seen:
+    seen, left = {dataset.name}, [dataset]
+    while left:
+        one = left.pop()
+        others = [name for name, _, _ in one.external or ()]
+        sources = {(source.file_name, source.dset_name) for source in one.virtual_sources()} if one.is_virtual else ()
+        # A name with "%" is that of another dataset for each block.
+        others += [name if name != "." else inner for name, inner in sorted(sources) if name != "." or "%" in inner]
+        if others:
+            raise refused(f"{others[0]!r} as the place of its samples", request.path)
+        for inner in sorted({inner for _, inner in sources} - seen):
             seen.add(inner)
             check_way(file, inner, request)
-            source = file.get(inner)
-            if isinstance(source, h5py.Dataset):
-                check_own(file, source, request, seen)
+            if isinstance(source := file.get(inner), h5py.Dataset):
+                left.append(source)
 
 
 def check_way(file: h5py.File, name: str, request: Request) -> None:

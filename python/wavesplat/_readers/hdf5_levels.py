@@ -17,7 +17,7 @@ from wavesplat._files import size_checks
 from wavesplat._model.facts import Facts
 from wavesplat._model.hdf5_files import files_of_dataset, open_hdf5
 from wavesplat._model.lazy_array import SlicedArray
-from wavesplat._readers.hdf5 import check_own, check_way
+from wavesplat._readers.hdf5 import check_places, check_way
 from wavesplat._readers.request import Grid, Request
 from wavesplat.errors import FileError
 
@@ -56,10 +56,18 @@ class StoredImage:
 
 
 def member_at(file: h5py.File, name: str, request: Request) -> Any:
-    """The group or dataset of a name; None where there is none. A `FileError` if the way to it leaves the file."""
+    """The group or dataset of a name; None where there is none.
+
+    A `FileError` if the way to it, or to its samples, leaves the file.
+    """
+    import h5py
+
     if not request.external_files:
         check_way(file, name, request)
-    return file.get(name)
+    member = file.get(name)
+    if isinstance(member, h5py.Dataset):
+        check_places(file, member, request)
+    return member
 
 
 def numbered(group: Any, name: str) -> list[int]:
@@ -79,8 +87,6 @@ def checked_dataset(file: h5py.File, name: str, request: Request) -> h5py.Datase
             f"the samples of this channel, time and level are not there ({name}); copy or export it again, "
             f"with all files that belong to it: {request.safe_path}"
         )
-    if not request.external_files:
-        check_own(file, dataset, request, set())
     if dataset.ndim != 3 or dataset.dtype.kind not in "iuf":
         raise FileError(
             f"a level has shape {dataset.shape} and type {dataset.dtype} ({name}), but its samples are numbers "

@@ -195,8 +195,7 @@ def _opened(path: Path, request: Request, *, stays: bool = False) -> Iterator[di
             yield {"": dataset}
         return
     h5netcdf = library("h5netcdf", extra=EXTRA)
-    if not request.external_files:
-        check_links(path)
+    check_links(path, external_files=request.external_files)
     with (held_hdf5 if stays else read_hdf5)(path) as file, h5netcdf.File(file, "r", phony_dims="access") as root:
         store = xarray.backends.H5NetCDFStore
         stored = {name: root[name] if name else root for name in _groups(root, "")}

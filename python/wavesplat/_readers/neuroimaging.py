@@ -51,9 +51,9 @@ def read(request: Request) -> Grid:
     _check_parts(path, request.within)
     if name == "MINC" and not _is_hdf5(path):
         name = "MINC 1"
-    elif name == "MINC" and not request.external_files:
+    elif name == "MINC":
         with reading(name, request.path):
-            check_links(path)
+            check_links(path, external_files=request.external_files)
     with reading(name, request.path), quiet("nibabel.global"), unwarned("nibabel"), _opened(path, name) as image:
         _check_kind(image, path)
         _check_size(image, path, request)

@@ -27,6 +27,7 @@ from wavesplat._files.paths import check_no_pipe, expanded
 from wavesplat._model import affine
 from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.grid import Grid
+from wavesplat._model.hdf5_files import check_links
 from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError, FileError
@@ -169,8 +170,11 @@ def _four_by_four(place: Path) -> Matrix | None:
 
 
 def _of_itk(place: Path, moving: Grid, fixed: Grid) -> Matrix:
+    import h5py
     import SimpleITK
 
+    if h5py.is_hdf5(place):
+        check_links(place, external_files=True)
     SimpleITK.ProcessObject.SetGlobalWarningDisplay(False)
     try:
         transform: Any = SimpleITK.ReadTransform(str(place))

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import wavesplat as ws
-from wavesplat._files.output import write_atomically
+from wavesplat._files.output import write_atomically, write_folder_atomically
 from wavesplat.errors import FileError
 
 pytestmark = pytest.mark.skipif(sys.platform == "win32", reason="places that POSIX has")
@@ -262,7 +262,7 @@ def test_json_of_what_is_infinite(tmp_path):
 
 HALF = """
 import pathlib, sys, time
-from wavesplat._files.output import write_atomically
+from wavesplat._files.output import write_atomically, write_folder_atomically
 def half(part):
     part.write_bytes(b"half")
     print("half", flush=True)
@@ -279,6 +279,50 @@ def test_a_process_that_is_told_to_end_leaves_no_part_of_a_file(tmp_path, number
         process.send_signal(number)
         assert process.wait(30) == -number
     assert list(tmp_path.iterdir()) == []
+
+
+KILLED = """
+import os, sys
+from wavesplat._files.output import write_folder_atomically
+def half(part):
+    (part / "0").mkdir()
+    (part / "0" / "c").write_bytes(b"half")
+    print(part.name, flush=True)
+    os.kill(os.getpid(), 9)
+write_folder_atomically(sys.argv[1], half)
+"""
+
+
+def test_what_a_killed_process_left_is_removed_by_the_next_output_there(tmp_path):
+    command = [sys.executable, "-c", KILLED, tmp_path / "a.ome.zarr"]
+    left = subprocess.run(command, check=False, stdout=subprocess.PIPE, text=True).stdout.strip()
+    assert [entry.name for entry in tmp_path.iterdir()] == [left]
+    pid, number, machine = left.strip(".").removesuffix(".part").split("-")
+    # Of this process, which is alive; of other machines; and what was there before an output: all may be needed.
+    others = {f".{os.getpid()}-99999-{machine}.part", f".{pid}-{number}-00000000.part", f".{pid}-9-{machine}.old"}
+    for name in others:
+        (tmp_path / name).mkdir()
+    (tmp_path / f".{pid}-7-{machine}.part.png").write_bytes(b"half")
+    write_folder_atomically(tmp_path / "b.ome.zarr", lambda part: (part / "zarr.json").write_text("{}"))
+    assert {entry.name for entry in tmp_path.iterdir()} == {"b.ome.zarr", *others}
+
+
+def test_links_stay_and_what_they_lead_to_is_replaced(tmp_path):
+    there = tmp_path / "there"
+    there.mkdir()
+    (tmp_path / "a.txt").symlink_to(there / "a.txt")
+    (tmp_path / "b.ome.zarr").symlink_to("there/b.ome.zarr")
+    for text in ("old", "new"):
+        write_atomically(tmp_path / "a.txt", lambda part, text=text: part.write_text(text))
+        ws.Volume(np.full((2, 2, 2), len(text), np.uint8)).save(tmp_path / "b.ome.zarr")
+        assert (tmp_path / "a.txt").is_symlink()
+        assert (there / "a.txt").read_text() == text
+        assert (there / "b.ome.zarr" / "zarr.json").exists()
+    with pytest.raises(ZeroDivisionError):
+        write_atomically(tmp_path / "a.txt", lambda part: part.write_text("half") / 0)
+    assert (there / "a.txt").read_text() == "new"
+    assert {entry.name for entry in there.iterdir()} == {"a.txt", "b.ome.zarr"}
+    assert {entry.name for entry in tmp_path.iterdir()} == {"there", "a.txt", "b.ome.zarr"}
 
 
 def test_signals_are_as_they_were(tmp_path):

@@ -7,26 +7,25 @@ from __future__ import annotations
 
 import errno
 import os
-import shutil
 import signal
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, suppress
-from itertools import count
 from os import PathLike
 from pathlib import Path
 from types import FrameType
 from typing import Literal, TypeAlias
 
+from wavesplat._files.part_files import part_beside, remove_left_over, removed
 from wavesplat.errors import ArgumentError, FileError, WavesplatError
 
 __all__ = [
-    "NUMBERS",
     "SUFFIXES",
     "Kind",
     "as_file_errors",
     "check_output",
     "check_writable",
+    "followed",
     "removed_when_terminated",
     "write_atomically",
     "write_folder_atomically",
@@ -58,9 +57,6 @@ MENDS = {
 #: Signals that ask a process to end.
 ENDING = ("SIGTERM", "SIGHUP")
 
-#: Numbers that distinguish files written at the same time.
-NUMBERS = count()
-
 
 def check_output(path: str | PathLike[str], kind: Kind) -> str:
     """The suffix in lower case, if a result of this kind can be written there; else a `FileError`."""
@@ -87,7 +83,7 @@ def _check_folder(target: Path, contents: tuple[str, ...]) -> None:
                 f"cannot write: the folder holds {named}, which would be lost; change the name, or remove it first: "
                 f"{target}"
             )
-        if target.is_symlink() or not os.access(target.parent, os.W_OK | os.X_OK):
+        if not os.access(followed(target).parent, os.W_OK | os.X_OK):
             raise FileError(f"cannot write: the folder cannot be replaced; choose another place: {target}")
 
 
@@ -102,7 +98,7 @@ def check_writable(path: str | PathLike[str]) -> Path:
     """The path, if a file can be written there; else a `FileError`."""
     target = _named(path)
     with as_file_errors(target):
-        folder = target.parent
+        folder = followed(target).parent
         if not folder.is_dir():
             raise FileError(f"cannot write: the folder does not exist; make it first, or change the name: {target}")
         if target.is_dir():
@@ -135,11 +131,12 @@ def as_file_errors(target: Path) -> Iterator[None]:
 def write_atomically(path: str | PathLike[str], write: Callable[[Path], object]) -> None:
     """Let `write` fill a new file beside `path`, then put it in place; on failure nothing is left.
 
-    The new file has the same suffix, since some libraries choose the format by it.
+    The new file has the same suffix, since some libraries choose the format by it. A symbolic link stays: the file that
+    it leads to is replaced.
     """
-    target = check_writable(path)
-    # Not with the name in it, which may be as long as names can be; threads may write the same file at once.
-    part = target.with_name(f".{os.getpid()}-{next(NUMBERS)}.part{target.suffix}")
+    target = followed(check_writable(path))
+    remove_left_over(target.parent, again=False)
+    part = part_beside(target, f".part{target.suffix}")
     with as_file_errors(target), removed_when_terminated(part):
         try:
             write(part)
@@ -151,11 +148,12 @@ def write_atomically(path: str | PathLike[str], write: Callable[[Path], object])
 def write_folder_atomically(path: str | PathLike[str], write: Callable[[Path], object]) -> None:
     """Let `write` fill a new folder beside `path`, then put it in place of what is there; on failure nothing is left.
 
-    Check an existing folder by `check_output` first.
+    A symbolic link stays: the folder that it leads to is replaced. Check an existing folder by `check_output` first.
     """
-    target = _named(path)
-    number = f".{os.getpid()}-{next(NUMBERS)}"
-    part, old = target.with_name(f"{number}.part"), target.with_name(f"{number}.old")
+    target = followed(_named(path))
+    remove_left_over(target.parent)
+    # The old folder is never taken for a left-over: it may be all that there is.
+    part, old = part_beside(target), part_beside(target, ".old")
     with as_file_errors(target), removed_when_terminated(part):
         try:
             part.mkdir()
@@ -169,15 +167,13 @@ def write_folder_atomically(path: str | PathLike[str], write: Callable[[Path], o
                     old.rename(target)
                 raise
         finally:
-            _remove(part)
-            _remove(old)
+            removed(part)
+            removed(old)
 
 
-def _remove(part: Path) -> None:
-    if part.is_dir():
-        shutil.rmtree(part, ignore_errors=True)
-    else:
-        part.unlink(missing_ok=True)
+def followed(target: Path) -> Path:
+    """The place that a symbolic link leads to, or the path itself."""
+    return Path(os.path.realpath(target)) if target.is_symlink() else target
 
 
 @contextmanager
@@ -191,7 +187,7 @@ def removed_when_terminated(part: Path) -> Iterator[None]:
         return
 
     def end(number: int, _frame: FrameType | None) -> None:
-        _remove(part)
+        removed(part)
         signal.signal(number, signal.SIG_DFL)
         os.kill(os.getpid(), number)
 

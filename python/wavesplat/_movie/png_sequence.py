@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import hashlib
 import json
-import os
 import re
 import struct
 import zlib
@@ -21,7 +20,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat import _native
-from wavesplat._files.output import NUMBERS, as_file_errors, check_writable
+from wavesplat._files.output import as_file_errors, check_writable
+from wavesplat._files.part_files import part_beside, remove_left_over
 from wavesplat._looks import look_json
 from wavesplat._looks.look import Look
 from wavesplat._model.wavelet_volume import WaveletVolume
@@ -80,7 +80,8 @@ class Frame(NamedTuple):
 
 def temporary_path(pattern: Path) -> Path:
     """Temporary file of a frame until it is whole."""
-    return pattern.with_name(f".{os.getpid()}-{next(NUMBERS)}.part.png")
+    remove_left_over(pattern.parent)
+    return part_beside(pattern, ".part.png")
 
 
 def write_frames(part: Path, frames: Iterator[Frame]) -> None:

@@ -106,7 +106,12 @@ def test_what_is_no_address():
         ("100.64.0.1", False), ("224.0.0.1", False), ("::1", False), ("fe80::1%eth0", False), ("::", False),
         ("::ffff:10.0.0.1", False), ("64:ff9b::7f00:1", False), ("2002:7f00:1::", False), ("localhost", False),
         ("127.1", False), ("2130706433", False), ("127.0.0.1.", False), ("8.8", False),
-        ("8.8.8.8", True), ("2606:4700::1111", True), ("::ffff:8.8.8.8", True),
+        ("fec0::1", False), ("fc00::1", False), ("100::1", False), ("2001:db8::1", False), ("3fff::1", False),
+        ("5f00::1", False), ("64:ff9b:1::1", False), ("::127.0.0.1", False), ("::8.8.8.8", False),
+        ("2001:0:808:808:0:0:80ff:fffe", False), ("0.1.2.3", False), ("192.0.0.8", False), ("192.0.0.10", False),
+        ("192.0.2.1", False), ("192.88.99.1", False), ("198.18.0.1", False), ("198.51.100.1", False),
+        ("203.0.113.9", False), ("240.0.0.1", False), ("255.255.255.255", False), ("ff0e::1", False),
+        ("8.8.8.8", True), ("2606:4700::1111", True), ("::ffff:8.8.8.8", True), ("64:ff9b::808:808", True),
     ],
 )  # fmt: skip
 def test_public_hosts(host, expected):
@@ -205,6 +210,15 @@ def test_parts_of_paths_are_quoted(store):
     with OddServer(store) as server:
         np.testing.assert_array_equal(ws.open(f"{server.address}/image.zarr?k=1").samples, SAMPLES)
         assert any(path.startswith("/image.zarr/s%200/0.0.0?k=1") for path in server.asked)
+
+
+def test_what_is_encoded_is_sent_as_typed(store):
+    """Servers that compare the letters of a signature refuse it with / for %2F."""
+    query, encoded = "sig=a%2Fb%2b%3D&x=/", "im%61ge%2ezarr"
+    with OddServer(store) as server:
+        np.testing.assert_array_equal(ws.open(f"{server.address}/{encoded}?{query}").samples, SAMPLES)
+        assert server.asked
+        assert all(path.startswith(f"/{encoded}/") and path.endswith(f"?{query}") for path in server.asked)
 
 
 @pytest.mark.parametrize("name", NAMES)

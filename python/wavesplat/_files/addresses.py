@@ -31,6 +31,11 @@ WEB = ("http", "https")
 MAX_LETTERS = 120
 #: IPv6 addresses that stand for an IPv4 address in their last 32 bits (RFC 6052).
 NAT64 = ipaddress.ip_network("64:ff9b::/96")
+#: The IPv6 addresses that are given to networks at all; site-local ones (fec0::/10), say, lie outside.
+UNICAST = ipaddress.ip_network("2000::/3")
+#: Special-purpose addresses that only newer releases of Python know not to be public (IANA's registries, 2026):
+#: protocols, relays of 6to4, documentation.
+SPECIAL = [ipaddress.ip_network(net) for net in ("192.0.0.0/24", "192.88.99.0/24", "2001:db8::/32", "3fff::/20")]
 
 
 def is_address(path: str | PathLike[str]) -> bool:
@@ -124,5 +129,7 @@ def is_public(host: str) -> bool:
         inner = address.ipv4_mapped or address.sixtofour or (address.teredo[1] if address.teredo else None)
         if address in NAT64:
             inner = ipaddress.IPv4Address(int(address) & 0xFFFFFFFF)
+        if inner is None and address not in UNICAST:
+            return False
         address = inner or address
-    return address.is_global and not address.is_multicast
+    return address.is_global and not address.is_multicast and not any(address in net for net in SPECIAL)

@@ -5,6 +5,7 @@ fsspec keeps the session and the thread that waits; its own `cat` reads a body t
 
 from __future__ import annotations
 
+import re
 import zlib
 from http import HTTPStatus
 from typing import Any, TypeAlias
@@ -27,6 +28,8 @@ BLOCK_BYTES = 1 << 18
 #: Status codes of something that is not there.
 MISSING = (HTTPStatus.NOT_FOUND, HTTPStatus.GONE)
 PORTS = {"http": 80, "https": 443}
+#: An address whose parts behind the host are percent-encoded as a server gets them (RFC 3986), and are sent as typed.
+ENCODED = re.compile(r"(?ai)https?://[\w.~:@\[\]-]+(?:[/?#](?:[\w.~:/?#\[\]@!$&'()*+,;=-]|%[0-9a-f]{2})*)?")
 
 
 class ForbiddenError(Exception):
@@ -87,7 +90,8 @@ async def _request(url: str, headers: dict[str, str], *, public_only: bool) -> A
     import yarl
 
     files = fsspec.filesystem("http", get_client=_public_client if public_only else _client)
-    where = yarl.URL(url)
+    # yarl writes %2F in a query as /, which signed addresses do not survive.
+    where = yarl.URL(url, encoded=ENCODED.fullmatch(url) is not None)
     for host in (where.host or "", where.raw_host or ""):
         if public_only and _is_number(host) and not is_public(host):
             raise _not_public(host)

@@ -248,6 +248,23 @@ def test_other_messages_end_the_conversation(server, messages):
     assert all(header["type"] != "frame" for header in got)
 
 
+def test_keys_of_pages_that_are_here_are_kept():
+    tokens = Tokens()
+    first, second = (tokens.key_for(tokens.new(), None) for _ in range(2))
+    tokens.leave(second)
+    others = [tokens.key_for(tokens.new(), None) for _ in range(100)]
+    for key in others[:50]:
+        tokens.leave(key)
+    # The one that came back has two connections, of which the old one ends later.
+    assert tokens.key_for(None, first) == first
+    tokens.leave(first)
+    for key in others[50:]:
+        tokens.leave(key)
+    assert tokens.key_for(None, first) == first
+    assert tokens.key_for(None, others[-1]) == others[-1]
+    assert tokens.key_for(None, second) is None  # 64 others left after it
+
+
 def test_wrong_tokens_keep_nobody_out():
     tokens = Tokens()
     token = tokens.new()

@@ -7,6 +7,7 @@ import http.client
 import json
 import os
 import stat
+import struct
 import threading
 import time
 from pathlib import Path
@@ -334,6 +335,20 @@ def test_nothing_is_posted(server):
     with contextlib.closing(connection):
         connection.request("POST", "/upload", b"abc", {"Origin": f"http://127.0.0.1:{server.port}"})
         assert connection.getresponse().status in (400, 403, 404, 405)
+
+
+@pytest.mark.parametrize("value", ["a\ud800", 10**309, float("nan")], ids=["surrogate", "number", "nan"])
+def test_names_and_numbers_that_nothing_can_hold_are_answered(server, value):
+    half = json.dumps(
+        {"type": "ask", "id": 2, "question": "upload", "arguments": {"upload": 1, "path": value}}
+    ).encode()
+    message = struct.pack("<I", len(half)) + half
+    got = talk(server, ask(1, "upload_begin", files=1, bytes=3), message, ask(3, "offered"), n=4)
+    assert [(header["type"], header.get("id")) for header, _ in got[1:]] == [
+        ("answer", 1),
+        ("failed", 2),
+        ("answer", 3),
+    ]
 
 
 def test_a_page_opens_a_file_and_gets_the_session(server):

@@ -130,8 +130,6 @@ class Opener:
             raise ArgumentError(f"message: id is {described(number)}; it must be a whole number")
         if not isinstance(arguments, Mapping):
             raise ArgumentError(f"{question}: the arguments are {described(arguments)}; give an object")
-        json_text.check_values(arguments, question)
-
         asked = _Asked(owner, number, question, arguments, payload)
 
         def answer() -> None:
@@ -176,6 +174,7 @@ class Opener:
     def _answer(self, send: Send, asked: _Asked) -> None:
         number = asked.number
         try:
+            json_text.check_values(asked.arguments, asked.name)
             with cancelled_by(lambda: asked.is_cancelled):
                 fields, payload = self._questions[asked.name](asked)
         except CancelledError:

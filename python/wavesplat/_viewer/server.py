@@ -313,6 +313,8 @@ class _Socket(tornado.websocket.WebSocketHandler):
     def on_close(self) -> None:
         """Let go of a page that has gone."""
         self._server._sockets.discard(self)
+        if self._key is not None:
+            self._server.tokens.leave(self._key)
         if self._deadline is not None:
             self._deadline.cancel()
         if self._server._opener is not None:

@@ -129,7 +129,7 @@ def isolines_of(text: str) -> IsolinesText:
     path, rest = named_file(text, "--isolines", ISOLINES, "dose.dcm:20,40,60")
     said, _, color = rest.partition(":")
     parts = said.split(",")
-    if not all(re.fullmatch(r"\s*[-+]?(\d+\.?\d*|\.\d+)([eE][-+]?\d+)?\s*", part) for part in parts):
+    if not all(re.fullmatch(r"\s*[-+]?(\d+(?:\.\d*)?|\.\d+)([eE][-+]?\d+)?\s*", part) for part in parts):
         raise ArgumentError(f"--isolines {text!r} has the values {said!r}; it is {ISOLINES}, such as dose.dcm:20,40,60")
     return IsolinesText(path, tuple(map(float, parts)), color or None, transform)
 

@@ -32,7 +32,7 @@ def _deviation(text: str) -> tuple[float, str | None]:
     """A number, and its unit of length; None is voxels."""
     from wavesplat._model import units
 
-    parts = re.fullmatch(r"\s*([\d.]+(?:e[+-]?\d+)?)\s*(\D*)", text)
+    parts = re.fullmatch(r"([\d.]+(?:e[+-]?\d+)?)(\D*)", text.strip())
     try:
         return float(parts[1] if parts else text), units.canonical(parts[2]) if parts else None
     except ValueError:

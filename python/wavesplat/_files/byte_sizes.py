@@ -13,7 +13,7 @@ UNITS = {"b": 1, "kb": 10**3, "mb": 10**6, "gb": 10**9, "tb": 10**12, "kib": 1 <
 UNITS |= {"": 1, "k": 10**3, "m": 10**6, "g": 10**9, "t": 10**12, "tib": 1 << 40}
 #: Bound of amounts: more than any machine addresses.
 MAX_BYTES = 1 << 63
-AMOUNT = re.compile(r"\s*([0-9]*\.?[0-9]+(?:e[0-9]+)?)\s*([a-z]*)\s*", re.IGNORECASE)
+AMOUNT = re.compile(r"\s*((?:[0-9]+(?:\.[0-9]+)?|\.[0-9]+)(?:e[0-9]+)?)\s*([a-z]*)\s*", re.IGNORECASE)
 
 
 def bytes_of(given: float | str, what: str = "memory") -> int:

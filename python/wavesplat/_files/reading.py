@@ -21,11 +21,11 @@ __all__ = ["reading"]
 OLD_REASON = "Reason: "
 
 #: A place in a library's source, and the prefix of ITK's messages: "itk::ERROR: Class(0x5555): ", "[nrrd] function: ".
-SOURCE = re.compile(r"\S*\.[ch](?:xx|pp)?:\d+:\s*")
+SOURCE = re.compile(r"(?<!\S)\S*\.[ch](?:xx|pp)?:\d+:\s*")
 ITK_PLACE = re.compile(r"^((itk::|ITK )ERROR: \w+\(\w+\): |sitk::ERROR: |\[\w+\] \w+: )")
 
 #: The file in ITK's messages, which we name ourselves.
-ITK_FILE = re.compile(r": \S.* for reading$")
+ITK_FILE = " for reading"
 
 #: Messages of libraries in C and C++ that get no memory. HDF5's image buffer holds its own structure: it is too large
 #: only where a length in the file is wrong.
@@ -50,6 +50,8 @@ MISSING = re.compile(r"Install (s3fs|gcsfs) to access|(?:requires the|No module 
 EXTRAS = {"aiohttp": "http"}
 
 GIB = 1 << 30
+#: Letters of a library's message in which a line is looked for: some repeat the file.
+MOST_LETTERS = 20_000
 
 
 @contextmanager
@@ -104,8 +106,8 @@ def _informative_line(error: BaseException) -> str:
 
     ITK begins with a line of its own source and goes from the general to the particular: of it, the last.
     """
-    lines = [line.strip().rstrip(".;") for line in str(error).splitlines() if line.strip()]
+    lines = [line.strip().rstrip(".;") for line in str(error)[:MOST_LETTERS].splitlines() if line.strip()]
     lines = [line for line in lines if not line.startswith(OLD_REASON)] or lines
     if len(lines) > 1 and SOURCE.search(f"{lines[0]}:"):
-        lines = [ITK_FILE.sub("", lines[-1])]
+        lines = [lines[-1].partition(": ")[0] if lines[-1].endswith(ITK_FILE) else lines[-1]]
     return ITK_PLACE.sub("", SOURCE.sub("", lines[0])) if lines else type(error).__name__

@@ -35,8 +35,6 @@ NUMBERED = ("axis_{}", "centroid_{}")
 TRACKS = ("track_id", "trackid", "track", "particle", "track_number")
 TIMES = ("frame", "time", "t", "position_t", "time_point", "timepoint")
 LABELS = ("name", "electrode")
-#: Name of a column with the unit in brackets: x (µm), x [mm].
-IN_BRACKETS = re.compile(r"^(.*?)\s*[(\[]([^()\[\]]*)[)\]]\s*$")
 SEPARATORS = "\t;,"
 
 Cells: TypeAlias = "Sequence[str] | NDArray[Any]"
@@ -134,8 +132,8 @@ def _of_points(table: _Table, rows: NDArray[np.int64], factor: float) -> dict[st
 def _values(table: _Table, name: str, rows: NDArray[np.int64]) -> dict[str, Any]:
     """The numbers of a column, what they are, and their unit: "speed" and "m/s" of "speed (m/s)"."""
     written, unit = table.written[name], table.units.get(name)
-    if (in_brackets := IN_BRACKETS.match(written)) is not None:
-        written = in_brackets[1]
+    if (in_brackets := _in_brackets(written)) is not None:
+        written = in_brackets[0]
     elif unit is not None:
         written = written.removesuffix(f"_{unit}")
     return {
@@ -201,13 +199,23 @@ def _unit(table: _Table, names: Sequence[str | None]) -> tuple[str | None, tuple
 def _alike(name: str) -> tuple[str, str | None]:
     """A column's name in small letters, and the unit in it: "Position X (µm)" is position_x in µm."""
     unit = None
-    if (found := IN_BRACKETS.match(name)) is not None:
-        name, unit = found[1], found[2]
+    if (found := _in_brackets(name)) is not None:
+        name, unit = found
     plain = re.sub(r"[\s\-.]+", "_", name.strip().lower()).strip("_")
     head, _, tail = plain.rpartition("_")
     if unit is None and head and units.metres(units.canonical(tail)) is not None and tail not in ("m", "point"):
         return head, tail
     return plain, unit
+
+
+def _in_brackets(name: str) -> tuple[str, str] | None:
+    """What stands before the brackets at the end of a column's name, and in them: x (µm), x [mm]."""
+    text = name.strip()
+    begin = max(text.rfind("("), text.rfind("["))
+    inside = text[begin + 1 : -1]
+    if begin < 0 or not text.endswith((")", "]")) or ")" in inside or "]" in inside:
+        return None
+    return text[:begin].rstrip(), inside
 
 
 def _table_of(header: Sequence[str], columns: Sequence[Cells], units_below: Mapping[int, str]) -> _Table:
@@ -245,7 +253,7 @@ def _of_text(text: str, path: Path) -> _Table:
     # TrackMate repeats the header in words, and writes the units below it.
     told: dict[int, str] = {}
     while body and not any(np.isfinite(_number(cell)) for cell in body[0]):
-        told |= {k: found[2] for k, cell in enumerate(body.pop(0)) if (found := IN_BRACKETS.match(cell))}
+        told |= {k: found[1] for k, cell in enumerate(body.pop(0)) if (found := _in_brackets(cell))}
     return _table_of(header, list(zip(*body, strict=True)) or [()] * len(header), told)
 
 

@@ -13,7 +13,7 @@ import csv
 import fnmatch
 import re
 import warnings
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from html import unescape
 from os import PathLike
 from pathlib import Path
@@ -36,6 +36,10 @@ Named: TypeAlias = "tuple[str, tuple[float, float, float] | None]"
 
 #: Longest header that is searched for names, bytes.
 MAX_HEADER_BYTES = 2**22
+#: Digits of a label's number, at most: those of 64 bits, and one.
+MAX_DIGITS = 20
+#: Letters of a line in messages, at most.
+MOST_TOLD = 100
 
 
 def in_file(path: str | PathLike[str], dataset: str | None = None) -> dict[int, Named]:
@@ -124,11 +128,11 @@ def _segments(header: dict[str, str]) -> dict[int, Named]:
     found: dict[int, Named] = {}
     for key, value in header.items():
         match = re.fullmatch(r"(Segment\d+)_LabelValue", key)
-        if match is None or not value.isdecimal():
+        if match is None or (number := _number(value)) is None:
             continue
         numbers = _floats(header.get(f"{match[1]}_Color", "").split())
         name = header.get(f"{match[1]}_Name") or header.get(f"{match[1]}_ID") or value
-        found[int(value)] = (name, _color(numbers, 1.0))
+        found[number] = (name, _color(numbers, 1.0))
     return found
 
 
@@ -145,13 +149,11 @@ def _nifti_labels(path: Path) -> dict[int, Named]:
     found: dict[int, Named] = {}
     for extension in extensions:
         text = _bytes_of(extension).decode("utf-8", "replace")
-        for attributes, name in re.findall(r"<Label\b([^>]*)>(.*?)</Label>", text, re.DOTALL):
-            values: dict[str, str] = dict(re.findall(r'(\w+)\s*=\s*"([^"]*)"', attributes))
-            key = values.get("Key", values.get("Index", ""))
-            if key.isdecimal():
-                plain = re.sub(r"<!\[CDATA\[(.*?)\]\]>", r"\1", name, flags=re.DOTALL)
+        for values, name in _label_elements(text):
+            number = _number(values.get("Key", values.get("Index", "")))
+            if number is not None:
                 numbers = _floats([values.get(channel, "") for channel in ("Red", "Green", "Blue")])
-                found[int(key)] = (unescape(plain).strip() or key, _color(numbers, 1.0))
+                found[number] = (name or str(number), _color(numbers, 1.0))
     return found
 
 
@@ -168,21 +170,51 @@ def _bytes_of(extension: Any) -> bytes:
     return content if isinstance(content, bytes) else str(content).encode()
 
 
+def _label_elements(text: str) -> Iterator[tuple[dict[str, str], str]]:
+    """Attributes and content of each `<Label>`; by splits, since expressions that search for ends take n^2 steps."""
+    for element in text.split("<Label")[1:]:
+        start, is_closed, rest = element.partition(">")
+        content, is_ended, _ = rest.partition("</Label>")
+        if not (start[:1].isspace() and is_closed and is_ended):
+            continue
+        values = {}
+        parts = start.split('"')
+        for before, value in zip(parts[::2], parts[1::2], strict=False):
+            if words := before.rstrip().removesuffix("=").split():
+                values[words[-1]] = value
+        plain = content.replace("<![CDATA[", "").replace("]]>", "")
+        yield values, _unescaped(plain).strip()
+
+
+def _unescaped(text: str) -> str:
+    try:
+        return unescape(text)
+    except ValueError:  # the number of a letter with more than 4300 digits
+        return text
+
+
+def _number(text: str) -> int | None:
+    """A label's number; None for other text, and for more digits than any type of samples has."""
+    return int(text) if text.isdecimal() and len(text) <= MAX_DIGITS else None
+
+
 def _columns(text: str) -> dict[int, Named]:
     """Labels of ITK-SNAP (`1 255 0 0 1 1 1 "liver"`) or 3D Slicer (`1 liver 255 0 0 255`, underscores for blanks)."""
     found: dict[int, Named] = {}
     for number, line in enumerate(text.splitlines(), 1):
         if not line.strip() or line.lstrip().startswith("#"):
             continue
-        quoted = re.fullmatch(r'\s*(\d+)\s+(.*?)\s+"(.*)"\s*', line)
+        before, is_quoted, name = line.strip().partition('"')
         fields = line.split()
-        if quoted is not None:
-            index, name, numbers = quoted[1], quoted[3], _floats(quoted[2].split()[:3])
-        elif fields[0].isdecimal() and len(fields) >= 5:
-            index, name, numbers = fields[0], fields[1].replace("_", " "), _floats(fields[2:5])
+        index = _number(fields[0])
+        if index is not None and is_quoted and name.endswith('"') and before[-1:].isspace():
+            found[index] = (name[:-1], _color(_floats(before.split()[1:4]), 255.0))
+        elif index is not None and len(fields) >= 5:
+            found[index] = (fields[1].replace("_", " "), _color(_floats(fields[2:5]), 255.0))
         else:
-            raise ArgumentError(f"line {number} is {line.strip()!r}; it must be a number, a name and a colour 0..255")
-        found[int(index)] = (name, _color(numbers, 255.0))
+            said = line.strip()
+            said = repr(said) if len(said) <= MOST_TOLD else f"{said[:MOST_TOLD]!r}..."
+            raise ArgumentError(f"line {number} is {said}; it must be a number, a name and a colour 0..255")
     return found
 
 

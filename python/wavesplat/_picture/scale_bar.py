@@ -92,8 +92,9 @@ def _asked(wanted: bool | float | str) -> tuple[float | None, str | None]:
     if wanted is True:
         return None, None
     if isinstance(wanted, str):
-        match = re.fullmatch(r"\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)?\s*(.*?)\s*", wanted)
-        digits, name = (match[1], match[2]) if match else (None, wanted)
+        text = wanted.strip()
+        match = re.match(r"[0-9.]+(?:[eE][-+]?[0-9]+)?", text)
+        digits, name = (match[0], text[match.end() :].lstrip()) if match else (None, text)
         try:
             number = float(digits) if digits else None
         except ValueError:

@@ -40,6 +40,8 @@ def read(request: Request) -> Grid:
         unit = 1.0 if min(size) < 0 else BOHR
         size = [abs(n) for n in size]
         vectors = np.array([step[1:4] for step in steps], np.float64) * unit
+        if vectors.shape != (3, 3) or origin.shape != (3,):
+            raise ValueError("an origin or a step of other than three numbers")
         if abs(n_atoms) > MOST or min(size) < 1:
             raise ValueError(f"{n_atoms} atoms, {size} samples")
         for _ in range(abs(n_atoms)):

@@ -51,7 +51,7 @@ def _time_in(path: Path) -> tuple[float, str | None] | None:
     with path.open("rb") as file:
         start = file.read(HEAD_BYTES)
     if path.name.lower().endswith(".bov"):
-        found = re.search(rb"^\s*TIME\s*:\s*(\S+)", start, re.MULTILINE | re.IGNORECASE)
+        found = re.search(rb"^[ \t\r\v\f]*TIME\s*:\s*(\S+)", start, re.MULTILINE | re.IGNORECASE)
         return (float(found[1]), None) if found else None
     if not start.startswith(HDF5):
         return None

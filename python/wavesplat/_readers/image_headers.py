@@ -25,6 +25,7 @@ from wavesplat.errors import FileError
 __all__ = ["Header", "inflated", "of_meta_image", "of_nrrd"]
 
 N_HEADER_BYTES = 2**16
+QUOTED = re.compile(r'"((?:[^"\\]|\\.)*)"')
 META_TYPES = {
     "MET_CHAR": "i1",
     "MET_UCHAR": "u1",
@@ -154,7 +155,14 @@ def _floats(texts: list[str]) -> list[float]:
 
 
 def _quoted(text: str) -> list[str]:
-    return re.findall(r'"((?:[^"\\]|\\.)*)"', text)
+    """Texts in quotation marks, in which a backslash stands before such marks."""
+    found: list[str] = []
+    at = text.find('"')
+    # Not `findall`, which goes on behind a mark without an end, and so over the rest from each of them.
+    while at >= 0 and (match := QUOTED.match(text, at)):
+        found.append(match[1])
+        at = text.find('"', match.end())
+    return found
 
 
 def _three_units(text: str, without: int | None = None) -> tuple[str | None, str | None, str | None]:

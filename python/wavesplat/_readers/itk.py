@@ -27,6 +27,9 @@ from wavesplat.errors import FileError
 
 __all__ = ["dtype_of", "for_itk", "header_of", "read", "simple_itk", "world_from_index_of"]
 
+#: Bytes that are looked through at once, white space, and letters of a number written as text, at most.
+BLOCK_BYTES, SPACES, MAX_WORD_BYTES = 1 << 20, np.frombuffer(b" \t\n\r\v\f", np.uint8), 500
+
 
 def read(request: Request) -> Grid:
     """The volume in an NRRD or MetaImage file, or one of its time points or channels."""
@@ -159,15 +162,39 @@ def _check_payload(
         ratio = size_checks.DEFLATE_RATIO
     else:
         ratio = size_checks.ANY_RATIO if encoding in ("bzip2", "bz2") else 1
-    if encoding not in ("ascii", "text", "txt", "hex"):
-        stored = sum(max(file.stat().st_size - offset, 0) for file, offset in dict(places).items())
-        size_checks.check_stored(shape, dtype, stored, path, ratio=ratio)
+    stored = sum(max(file.stat().st_size - offset, 0) for file, offset in dict(places).items())
+    if encoding in ("ascii", "text", "txt"):
+        # Each number takes at least a digit and a space.
+        size_checks.check_stored(shape, np.dtype("u1"), (stored + 1) // 2, path, held=(1,))
+        size_checks.check_memory(size_checks.n_bytes(shape, dtype), path)
+        for file, offset in places:
+            _check_words(file, offset, path)
+    else:
+        size_checks.check_stored(shape, dtype, stored // 2 if encoding == "hex" else stored, path, ratio=ratio)
     if ratio == size_checks.DEFLATE_RATIO:
         # ITK returns a part of the samples of a damaged stream, and does not verify checksums.
         skipped = int(header.get("headersize", 0)) if len(places) == 1 and places[0][1] == 0 else 0
         n_lines = int(header.get("line skip", header.get("lineskip", 0)))
         begins = [(file, _after_lines(file, offset + max(skipped, 0), n_lines)) for file, offset in places]
         size_checks.check_deflated(begins, size_checks.n_bytes(shape, dtype), path)
+
+
+def _check_words(file: Path, offset: int, path: Path) -> None:
+    """Raise a `FileError` for samples of text with a word longer than any number: ITK writes it beyond its room."""
+    longest, begin = 0, 0
+    with file.open("rb") as stream:
+        stream.seek(offset)
+        while piece := stream.read(BLOCK_BYTES):
+            ends = np.flatnonzero(np.isin(np.frombuffer(piece, np.uint8), SPACES))
+            # The word at the end of a piece goes on in the next one.
+            edges = np.concatenate([[begin], ends, [len(piece)]])
+            longest = max(longest, int(np.diff(edges).max()))
+            begin = int(edges[-2]) - len(piece)
+    if longest > MAX_WORD_BYTES:
+        raise FileError(
+            f"damaged: among its samples stands a word of {longest - 1} letters, which is no number; copy or export it "
+            f"again: {path}"
+        )
 
 
 def _after_lines(file: Path, offset: int, n_lines: int) -> int:

@@ -75,7 +75,7 @@ def listed_axis(fields: dict[str, str]) -> ListedAxis | None:
         if len(kinds) == 4 and kinds.count(kind) == 1:
             return ListedAxis(kinds.index(kind), int(sizes[kinds.index(kind)]), is_said=True)
     # Vectors are "(1,0,0)", also with blanks in them.
-    directions = re.findall(r"\([^)]*\)|none", fields.get("space directions", "").lower())
+    directions = re.findall(r"\([^()]*\)|none", fields.get("space directions", "").lower())
     if len(directions) != 4 or directions.count("none") != 1:
         return None
     number = directions.index("none")

@@ -178,7 +178,7 @@ def _of_itk(place: Path, moving: Grid, fixed: Grid) -> Matrix:
     SimpleITK.ProcessObject.SetGlobalWarningDisplay(False)
     try:
         transform: Any = SimpleITK.ReadTransform(str(place))
-    except RuntimeError:
+    except (RuntimeError, ValueError):  # a message that repeats the file may be no text
         raise FileError(f"not a transform that ITK reads, or damaged: {place}") from None
     if transform.GetDimension() != 3:
         raise ArgumentError(f"the transform has {transform.GetDimension()} dimensions, and scans have 3: {place}")

@@ -82,6 +82,8 @@ def _cell(file: IO[bytes]) -> NDArray[np.float64]:
         cell *= np.cbrt(-scale[0] / abs(np.linalg.det(cell)))
     else:
         cell *= scale
+    if cell.shape != (3, 3):
+        raise ValueError(f"a cell of {cell.size} numbers")
     counts = file.readline().split()
     if not counts[0].isdigit():  # names of the elements, which old files leave out
         counts = file.readline().split()

@@ -52,17 +52,18 @@ SUFFIXES = (".vtr", ".vts", ".vtu", ".vtp", ".pvti", ".pvtr", ".pvts", ".pvtu", 
 EXTRA = "vtk"
 #: Bytes in which the kind of a file is looked for.
 HEAD_BYTES = 1 << 16
-DATASET = re.compile(rb"^\s*DATASET[ \t]+(\w+)", re.IGNORECASE | re.MULTILINE)
+# Not `^\s*`, which goes over all empty lines from each of them.
+DATASET = re.compile(rb"^[ \t\r\v\f]*DATASET[ \t]+(\w+)", re.IGNORECASE | re.MULTILINE)
 #: Numbers of points and cells that a file promises, and extents.
 COUNTS = re.compile(
-    rb"""\bNumberOf(?:Points|Cells)\s*=\s*["']\s*(\d+)|^\s*(?:POINTS|CELLS|POINT_DATA|CELL_DATA)[ \t]+(\d+)""",
+    rb"""\bNumberOf(?:Points|Cells)\s*=\s*["']\s*(\d+)|^[ \t\r\v\f]*(?:POINTS|CELLS|POINT_DATA|CELL_DATA)[ \t]+(\d+)""",
     re.MULTILINE,
 )
-EXTENTS = re.compile(rb"""\bExtent\s*=\s*["']([-\d\s]+)["']|^\s*DIMENSIONS((?:[ \t]+\d+){3})""", re.MULTILINE)
+EXTENTS = re.compile(rb"""\bExtent\s*=\s*["']([-\d\s]+)["']|^[ \t\r\v\f]*DIMENSIONS((?:[ \t]+\d+){3})""", re.MULTILINE)
 #: A codec that Python lacks, and VTK has.
-LZ4 = re.compile(rb"""<VTKFile\b[^>]*?\bcompressor\s*=\s*["']vtkLZ4DataCompressor["']""")
+LZ4 = re.compile(rb"""<VTKFile\b[^<>]*?\bcompressor\s*=\s*["']vtkLZ4DataCompressor["']""")
 #: The directions of an image's axes, of its element.
-DIRECTION = re.compile(rb"""<ImageData\b[^>]*?\bDirection\s*=\s*["']([^"']*)["']""")
+DIRECTION = re.compile(rb"""<ImageData\b[^<>]*?\bDirection\s*=\s*["']([^"']*)["']""")
 #: The window that VTK writes errors to is one for all threads.
 _WINDOW = Lock()
 #: Letters of an error of VTK that are told, at most.

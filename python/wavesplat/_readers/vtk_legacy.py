@@ -52,10 +52,12 @@ TYPES = {
 OF_TWO_WIDTHS = ("long", "unsigned_long")
 #: Attributes with a fixed number of components -> that number.
 COMPONENTS = {"VECTORS": 3, "NORMALS": 3, "TENSORS": 9, "TENSORS6": 6, "GLOBAL_IDS": 1, "PEDIGREE_IDS": 1}
-#: The version in the first line, and the first one whose cells have offsets.
-VERSION, FIRST_WITH_OFFSETS = re.compile(rb"Version\s+(\d+)\.\d+", re.IGNORECASE), 5
+#: The version in the first line, and the first one whose cells have offsets. VTK ends the process at longer numbers.
+VERSION, FIRST_WITH_OFFSETS = re.compile(rb"Version\s+(\d{1,3})\.\d{1,3}(?!\d)", re.IGNORECASE), 5
 BLOCK_BYTES = 1 << 20
 MAX_LINE_BYTES = 1 << 16
+#: Bytes of a line that VTK reads; it never comes back from a longer one.
+MAX_VTK_LINE_BYTES = 255
 WORD = re.compile(rb"\S+")
 IS_SPACE = np.isin(np.arange(256), list(b" \t\n\r\v\f"))
 #: Words that begin cells: of a grid, and of the four kinds of a PolyData.
@@ -229,6 +231,7 @@ class _Parser:
     def __init__(self, content: mmap.mmap, path: Path) -> None:
         self._content, self._path, self._at = content, path, 0
         self._is_text = False
+        #: Whether VTK reads the file after this check.
         self._checks_words = False
         self._version: int | None = None
         self._image = _Image()
@@ -250,10 +253,10 @@ class _Parser:
 
     def pass_over(self) -> None:
         """Pass over all numbers of a grid of any kind; those of text are parsed, since VTK ends at other words."""
+        self._checks_words = True
         self._begin()
         if self._version is None:
             raise ValueError("a first line without a version")
-        self._checks_words = True
         while words := self._words():
             key, rest = words[0], words[1:]
             if key in ("X_COORDINATES", "Y_COORDINATES", "Z_COORDINATES"):
@@ -411,7 +414,13 @@ class _Parser:
 
     def _skip_to_empty_line(self) -> None:
         while self._at < len(self._content) and self._content[self._at : self._end_of_line()].strip():
-            self._at = self._end_of_line()
+            begin, self._at = self._at, self._end_of_line()
+            self._check_length(begin)
+
+    def _check_length(self, begin: int) -> None:
+        """Raise a `ValueError` if VTK, which reads the file next, never comes back from the line that begins there."""
+        if self._checks_words and self._at - begin > MAX_VTK_LINE_BYTES:
+            raise ValueError(f"a line of more than {MAX_VTK_LINE_BYTES} letters")
 
     def _end_of_line(self) -> int:
         found = self._content.find(b"\n", self._at, self._at + MAX_LINE_BYTES)
@@ -421,6 +430,7 @@ class _Parser:
         """The next line that is not empty; empty at the end of the file."""
         while self._at < len(self._content):
             begin, self._at = self._at, self._end_of_line()
+            self._check_length(begin)
             if line := self._content[begin : self._at].strip():
                 return line
         return b""

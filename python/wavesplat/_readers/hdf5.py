@@ -27,7 +27,17 @@ from wavesplat.errors import ArgumentError, FileError
 if TYPE_CHECKING:
     import h5py
 
-__all__ = ["check_places", "check_way", "chosen_dataset", "contents", "facts_of", "kind_of", "named", "place_of", "read"]
+__all__ = [
+    "check_places",
+    "check_way",
+    "chosen_dataset",
+    "contents",
+    "facts_of",
+    "kind_of",
+    "named",
+    "place_of",
+    "read",
+]
 
 #: Groups and links on the path to a dataset, at most.
 MAX_STEPS = 100
@@ -101,7 +111,7 @@ def _described_array(
     ranges: list[tuple[Any, ...]] = []
     with suppress(FileError):
         for _, dataset in parts:
-            check_own(file, dataset, request, set())
+            check_places(file, dataset, request)
             ranges.append(ranges_of(dataset, has_components=is_vector) if looks else ())
     shape, n = (first.shape[:-1], first.shape[-1]) if is_vector else (first.shape, len(parts))
     is_whole = len(ranges) == len(parts) and all(ranges)

@@ -5,6 +5,9 @@ it is clear, and several channels can be seen through each other. Opacity is tha
 that light belongs to the matter, not to its box.
 
 The window is the file's where somebody chose it and samples lie in it, else percentiles of the samples.
+
+The red, green and blue of a colour picture have one window, all that their type can hold, and their own colours, so
+that what they add up to is the colour that is stored. In space they give light in proportion to their values.
 """
 
 from __future__ import annotations
@@ -20,8 +23,9 @@ from wavesplat._looks.channel_colors import CHANNEL_COLORS, Rgb, color_of
 from wavesplat._looks.histogram import subsampled, without_padding
 from wavesplat._looks.look import Look
 from wavesplat._looks.transfer_function import TransferFunction
-from wavesplat._looks.voxel_opacity import opaque_after, rising
+from wavesplat._looks.voxel_opacity import OPAQUE, opaque_after, rising
 from wavesplat._looks.window_ends import End, values_of
+from wavesplat._model.facts import is_part_of_color
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -57,6 +61,9 @@ MOSTLY_NOISE, NOISE = 1.6, 4.0
 DARK_PART, MIN_SHARE, MAX_SHARE = 0.3, 3e-4, 0.3
 #: Share of a colour at the low end of a window, where matter is nearly clear, and the place of the full colour.
 DARKEST, FULL_COLOR = 0.2, 0.65
+#: Places of the nodes of opacity of a part of a colour, and the one up to which a part is noise of black.
+PLACES_OF_PARTS = np.array([0.0, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 1.0])
+NOISE_OF_BLACK = 0.03
 #: Largest difference of colours that are equal but for rounding.
 ROUNDING = 1e-6
 #: Places of the nodes of opacity in the window: closest where its square bends most against a straight line.
@@ -81,11 +88,15 @@ def channel_look(
     else:
         low, high, said_window = channel_window(volume)
     reason = f"a channel in {said}, from {low:g} to {high:g}{said_window}"
-    if composite in ("over", "first-hit"):
-        function = ramp(lightened(rgb), low, high, opaque_after(volume))
-    else:
+    is_part = is_part_of_color(volume.facts) and channel is not None and rgb == channel.color
+    shown = rgb if is_part else lightened(rgb)
+    if composite not in ("over", "first-hit"):
         # A projection colours one value per ray: dark where it is low, so that other channels keep their light there.
-        function = TransferFunction([(low, 1.0)], [(low, 0.0, 0.0, 0.0), (high, *lightened(rgb))])
+        function = TransferFunction([(low, 1.0)], [(low, 0.0, 0.0, 0.0), (high, *shown)])
+    elif is_part:
+        function = _ramp_of_part(rgb, low, high, opaque_after(volume))
+    else:
+        function = ramp(shown, low, high, opaque_after(volume))
     return Look(
         transfer_function=function,
         shading=None,
@@ -104,6 +115,8 @@ def is_full_range_window(window: tuple[float, float], volume: Volume | WaveletVo
 
 def channel_window(volume: Volume | WaveletVolume) -> tuple[float, float, str]:
     """Values that are clear and that have the full light, and the source of them, in words that follow the window."""
+    if is_part_of_color(volume.facts):
+        return 0.0, _highest(volume), ", all that its colours can hold"
     values = without_padding(subsampled(volume))
     low, high = window_of_values(values)
     channel = volume.facts.channel
@@ -113,6 +126,17 @@ def channel_window(volume: Volume | WaveletVolume) -> tuple[float, float, str]:
     if problem := _problem_of(channel.window, values):
         return low, high, f", by the values, since of the file's window, {first:g} to {last:g}, {problem}"
     return first, last, ", as the file says"
+
+
+def _highest(volume: Volume | WaveletVolume) -> float:
+    """The value of a full red, green or blue: the file's, else the largest of the type, or of fractions 1."""
+    window = volume.facts.channel.window if volume.facts.channel else None
+    if window is not None:
+        return window[1]
+    highest = volume.value_range[1]
+    types = getattr(volume, "dtype", None)
+    ranges = [1.0, 255.0, 65535.0] if types is None or types.kind not in "iu" else [float(np.iinfo(types).max)]
+    return next((end for end in ranges if highest <= end * (1 + ROUNDING)), highest)
 
 
 def _problem_of(window: tuple[float, float], values: NDArray[np.float64]) -> str | None:
@@ -166,6 +190,18 @@ def ramp(
     alphas = rising(PLACES, n_voxels)
     opacity = [(first + float(t) * (high - first), float(a)) for t, a in zip(PLACES, alphas, strict=True)]
     return TransferFunction(opacity, [(low, *dark), (middle, *color), (high, *bright)])
+
+
+def _ramp_of_part(color: Rgb, low: float, high: float, n_voxels: float) -> TransferFunction:
+    """A ramp of the red, green or blue of a picture: its light, extinction times colour, is in proportion to the value.
+
+    So light of all three adds up to the hue that is stored. Noise of black is clear.
+    """
+    shares = DARKEST + (1 - DARKEST) * np.minimum(PLACES_OF_PARTS / FULL_COLOR, 1.0)
+    depths = np.where(PLACES_OF_PARTS > NOISE_OF_BLACK, PLACES_OF_PARTS / shares, 0.0)
+    alphas = -np.expm1(np.log1p(-OPAQUE) / n_voxels * depths)
+    opacity = [(low + float(t) * (high - low), float(a)) for t, a in zip(PLACES_OF_PARTS, alphas, strict=True)]
+    return TransferFunction(opacity, ramp(color, low, high, n_voxels, white=0.0).color)
 
 
 def is_ramp(look: Look) -> bool:

@@ -14,7 +14,7 @@ from wavesplat._model.short_repr import short_repr
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
-__all__ = ["LENGTH", "Channel", "Facts", "quantity_of", "value_unit_of"]
+__all__ = ["COLORS", "LENGTH", "Channel", "Facts", "is_part_of_color", "quantity_of", "value_unit_of"]
 
 #: Bound of time points: more than any file has.
 MAX_TIMES = 2**53
@@ -74,7 +74,7 @@ class Channel:
         if self.emission_nm is not None:
             object.__setattr__(self, "emission_nm", _positive(self.emission_nm, "emission_nm"))
         if self.window is not None:
-            object.__setattr__(self, "window", _window(self.window))
+            object.__setattr__(self, "window", _window(self.window, "window of a channel"))
         object.__setattr__(self, "is_active", bool(self.is_active))
 
 
@@ -99,6 +99,10 @@ class Facts:
     quantity : str, optional
         Name of the values, such as "temperature": of the dataset or array that they are in, or of a calculated map, by
         the intent of NIfTI or the image type of DICOM; None where the file has none.
+    window : two numbers (low, high), optional
+        Values that the file wants shown in black and in white, of a picture.
+    is_inverted : bool
+        Whether the file wants the lowest values shown in white, as X-ray films have them (MONOCHROME1 of DICOM).
     channel : Channel, optional
         The channel of the samples.
     channels : sequence of Channel
@@ -137,6 +141,8 @@ class Facts:
     modality: str | None = None
     value_unit: str | None = None
     quantity: str | None = None
+    window: tuple[float, float] | None = None
+    is_inverted: bool = False
     channel: Channel | None = None
     channels: tuple[Channel, ...] = ()
     n_times: int = 1
@@ -160,6 +166,8 @@ class Facts:
             "modality": None if self.modality is None else text_of(self.modality, "facts: modality"),
             "value_unit": _value_unit(self.value_unit),
             "quantity": _quantity(self.quantity),
+            "window": None if self.window is None else _window(self.window, "facts: window"),
+            "is_inverted": bool(self.is_inverted),
             "channels": channels,
             "n_times": self.n_times,
             "time_step": _step(self.time_step),
@@ -199,6 +207,15 @@ class Facts:
             elif name == "channels":
                 given[name] = tuple(map(_channel, _listed(value, name)))
         return cls(**given)
+
+
+def is_part_of_color(facts: Facts) -> bool:
+    """Whether samples are the red, green or blue of a colour picture, and no channel of a microscope."""
+    if facts.channel is None or facts.modality == "fluorescence":
+        return False
+    named = [(channel.name, channel.color) for channel in facts.channels[:3]]
+    parts = [(channel.name, channel.color) for channel in COLORS[:3]]
+    return named == parts and (facts.channel.name, facts.channel.color) in parts
 
 
 def value_unit_of(name: object) -> str | None:
@@ -296,13 +313,13 @@ def _color(color: Iterable[float]) -> tuple[float, float, float]:
     return red, green, blue
 
 
-def _window(window: Iterable[float]) -> tuple[float, float]:
+def _window(window: Iterable[float], name: str) -> tuple[float, float]:
     try:
         low, high = (float(end) for end in window)
     except (TypeError, ValueError, OverflowError):
         low, high = 0.0, 0.0
     if not (isfinite(low) and isfinite(high) and low < high):
-        raise ArgumentError(f"window of a channel is {described(window)}; give two numbers, the smaller one first")
+        raise ArgumentError(f"{name} is {described(window)}; give two numbers, the smaller one first")
     return low, high
 
 
@@ -323,3 +340,12 @@ def _sentences(texts: Iterable[str], name: str) -> tuple[str, ...]:
     for sentence in sentences:
         check_text(sentence, f"facts: a text of {name}")
     return sentences
+
+
+#: Channels of pixels whose three or four samples are a colour and its opacity.
+COLORS = (
+    Channel("red", (1.0, 0.0, 0.0)),
+    Channel("green", (0.0, 1.0, 0.0)),
+    Channel("blue", (0.0, 0.0, 1.0)),
+    Channel("alpha", is_active=False),
+)

@@ -26,10 +26,10 @@ from wavesplat._files.file_states import StoredFiles
 from wavesplat._files.libraries import how_to_install
 from wavesplat._files.reading import reading
 from wavesplat._model import units
-from wavesplat._model.facts import Channel, Facts
+from wavesplat._model.facts import COLORS, Channel, Facts
 from wavesplat._model.lazy_array import SlicedArray
 from wavesplat._readers.czi_channels import CziChannel, czi_channels
-from wavesplat._readers.request import COLORS, Grid, Request, choose, quiet, several
+from wavesplat._readers.request import Grid, Request, choose, quiet, several
 from wavesplat._readers.tiff_facts import guesses_of_steps
 from wavesplat.errors import ArgumentError, FileError
 

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._model.facts import quantity_of
+from wavesplat._model.facts import COLORS, quantity_of
 from wavesplat._readers.request import Request, choose
 from wavesplat.errors import ArgumentError
 
@@ -19,6 +19,7 @@ __all__ = [
     "as_channel",
     "check_vectors",
     "component_of",
+    "facts_of_colors",
     "has_vectors",
     "is_length",
     "length_of",
@@ -43,6 +44,14 @@ def _are_vectors(n_components: int, dtype: np.dtype[Any], request: Request) -> b
     if request.component is not None:
         return True
     return n_components == N_COMPONENTS and dtype != np.uint8 and request.channel is None
+
+
+def facts_of_colors(n: int, dtype: np.dtype[Any], request: Request, *, are_colors: bool = False) -> dict[str, Any]:
+    """The channels, as arguments of `Facts`, of numbers that are red, green and blue: three bytes, or said to be."""
+    is_rgb = n == N_COMPONENTS and (are_colors or dtype == np.uint8)
+    if request.component is not None or not (is_rgb or (are_colors and n == len(COLORS))):
+        return {}
+    return {"channels": COLORS[:n], "channel": COLORS[request.channel or 0]}
 
 
 def component_of(numbers: NDArray[Any], request: Request, name: str) -> tuple[NDArray[Any], tuple[str, ...]]:

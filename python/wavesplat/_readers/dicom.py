@@ -22,7 +22,7 @@ from wavesplat._files.cancelling import check_cancelled
 from wavesplat._files.named_files import check_within
 from wavesplat._files.reading import reading
 from wavesplat._model import affine
-from wavesplat._model.facts import Facts
+from wavesplat._model.facts import COLORS, Facts
 from wavesplat._model.quantities import quantity_of_image_type
 from wavesplat._readers import dicom_segments
 from wavesplat._readers.dicom_checks import check_alike, check_is_volume, mended
@@ -43,7 +43,7 @@ from wavesplat._readers.dicom_stack import Stack, stacked
 from wavesplat._readers.dicom_suv import uptake_of
 from wavesplat._readers.dicom_units import ARBITRARY
 from wavesplat._readers.dicom_volumes import FrameVolume, times_of, volumes_of
-from wavesplat._readers.request import COLORS, Grid, Request, SeveralError, choose, quiet, unwarned
+from wavesplat._readers.request import Grid, Request, SeveralError, choose, quiet, unwarned
 from wavesplat.errors import FileError, LimitError
 
 __all__ = ["read"]

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from wavesplat._files import size_checks
 from wavesplat._files.mute_stderr import muted_stderr
 from wavesplat._files.reading import reading
+from wavesplat._readers.components import facts_of_colors
 from wavesplat._readers.detached_samples import places_of_samples
 from wavesplat._readers.image_headers import Header, inflated, of_meta_image, of_nrrd
 from wavesplat._readers.meta_for_itk import meta_for_itk
@@ -68,7 +69,9 @@ def read(request: Request) -> Grid:
                 samples = sitk.GetArrayFromImage(place)
             if n_components > 1:
                 samples = samples[..., time if has_times else channel]
-            facts = replace(header.facts, n_times=n_times)
+            are_colors = "-color" in header.fields.get("kinds", "").lower()
+            colors = facts_of_colors(n_channels, dtype, request, are_colors=are_colors)
+            facts = replace(header.facts, n_times=n_times, **colors)
             if header.listed is not None and not header.listed.is_said:
                 facts = replace(facts, guesses=(*facts.guesses, _guess(header.listed, has_times)))
             if len(size) == 4:

@@ -46,7 +46,7 @@ from wavesplat._readers import (
     raw,
     vtk_legacy,
 )
-from wavesplat._readers.components import as_channel, check_vectors, named_component, quantity_of_array
+from wavesplat._readers.components import as_channel, check_vectors, facts_of_colors, named_component, quantity_of_array
 from wavesplat._readers.hdf5_levels import StoredImage, lazy_levels_of
 from wavesplat._readers.request import Request, index_unnamed_axes, n_times_of, quiet
 from wavesplat._readers.stored_samples import stored_samples
@@ -250,7 +250,9 @@ def _of_vtk_legacy(request: Request) -> LazyGrid:
     picked = [None, None, None, found.channel]
     array = stored_samples(request.file, stored.dtype, stored.begin, found.shape, order=(0, 1, 2), picked=picked)
     quantity = quantity_of_array(stored.name, stored.n_components, stored.dtype, request)
-    return LazyGrid([array], [found.world_from_index], Facts(quantity=quantity, guesses=found.guesses))
+    colors = facts_of_colors(stored.n_components, np.dtype(stored.dtype), request)
+    facts = Facts(quantity=quantity, guesses=found.guesses, **colors)
+    return LazyGrid([array], [found.world_from_index], facts)
 
 
 def _of_hdf5(request: Request) -> LazyGrid:

@@ -77,7 +77,8 @@ def _of_folder(request: Request) -> tuple[SlicedArray, Facts]:
     folder = request.file
     files = tiff.files_in(folder, request)
     check_pages(files[0])
-    first = tiff.slice_of(tifffile.imread(files[0]), files[0], request)
+    pixels = tifffile.imread(files[0])
+    first = tiff.slice_of(pixels, files[0], request)
     array = _stack(
         partial(_FolderPages, [str(file) for file in files], request, first.shape, first.dtype),
         request,
@@ -86,7 +87,7 @@ def _of_folder(request: Request) -> tuple[SlicedArray, Facts]:
         token=f"TIFF folder {folder} {request.channel}",
         files=StoredFiles(files, axis=0),
     )
-    return array, tiff.FACTS_OF_FOLDER
+    return array, tiff.facts_of_folder(pixels.shape, request)
 
 
 def _stack(

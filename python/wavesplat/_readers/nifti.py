@@ -21,11 +21,11 @@ from numpy.typing import NDArray
 from wavesplat._files import size_checks
 from wavesplat._files.named_files import check_within
 from wavesplat._files.reading import reading
-from wavesplat._model.facts import Facts
+from wavesplat._model.facts import COLORS, Facts
 from wavesplat._model.nibabel_image import facts_of as facts_of_image
 from wavesplat._model.nibabel_image import scaled, world_from_index
 from wavesplat._readers import nifti_vectors
-from wavesplat._readers.request import COLORS, Grid, Request, choose, quiet, unwarned
+from wavesplat._readers.request import Grid, Request, choose, quiet, unwarned
 from wavesplat.errors import FileError
 
 if TYPE_CHECKING:

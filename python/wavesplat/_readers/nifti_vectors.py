@@ -14,9 +14,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._model.facts import LENGTH, Facts
+from wavesplat._model.facts import COLORS, LENGTH, Facts
 from wavesplat._readers.components import AXES, N_COMPONENTS, component_of
-from wavesplat._readers.request import COLORS, Request, choose
+from wavesplat._readers.request import Request, choose
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:

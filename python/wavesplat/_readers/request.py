@@ -21,14 +21,14 @@ from wavesplat._files.addresses import checked, is_address, last_part, safe_addr
 from wavesplat._files.named_files import check_within
 from wavesplat._files.paths import expanded, printable
 from wavesplat._model import units
-from wavesplat._model.facts import Channel, Facts
+from wavesplat._model.facts import Facts
 from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
     from numpy.typing import DTypeLike
 
 __all__ = [
-    "COLORS",
+    "FilmError",
     "Grid",
     "Request",
     "SeveralError",
@@ -83,6 +83,10 @@ class SeveralError(FileError):
     is_said: bool = True
     #: Whether channels are light of colours that add up; those of simulations are runs, months or species.
     are_light: bool = True
+
+
+class FilmError(FileError):
+    """The file holds a film, and its pictures, which fill no space, were not asked for as such."""
 
 
 def several(
@@ -265,13 +269,6 @@ def no_such_name(what: str, wanted: str, names: Sequence[str], request: Request)
     return ArgumentError(f"no {what} {wanted!r}; {hint}{holds}: {request.path}")
 
 
-#: Channels of pixels whose three or four samples are a colour and its opacity.
-COLORS = (
-    Channel("red", (1.0, 0.0, 0.0)),
-    Channel("green", (0.0, 1.0, 0.0)),
-    Channel("blue", (0.0, 0.0, 1.0)),
-    Channel("alpha", is_active=False),
-)
 #: Time points or channels that an error describes, at most.
 N_DESCRIBED = 6
 WHAT = {"time": "time points", "channel": "channels"}

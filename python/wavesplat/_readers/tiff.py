@@ -22,8 +22,8 @@ from wavesplat._files.cancelling import check_cancelled
 from wavesplat._files.named_files import check_named_file, check_within
 from wavesplat._files.natural_order import natural_key
 from wavesplat._files.reading import reading
-from wavesplat._model.facts import Channel, Facts
-from wavesplat._readers.request import COLORS, Grid, Request, choose, level_numbers, quiet
+from wavesplat._model.facts import COLORS, Channel, Facts
+from wavesplat._readers.request import Grid, Request, choose, level_numbers, quiet
 from wavesplat._readers.single_planes import level_of_plane, note_on_level
 from wavesplat._readers.tiff_facts import TiffPlace, place_of
 from wavesplat._readers.tiff_pages import check_pages
@@ -32,7 +32,7 @@ from wavesplat.errors import FileError
 if TYPE_CHECKING:
     from tifffile import TiffFile
 
-__all__ = ["FACTS_OF_FOLDER", "Described", "described", "files_in", "levels_in", "read", "slice_of"]
+__all__ = ["Described", "described", "facts_of_folder", "files_in", "levels_in", "read", "slice_of"]
 
 #: Attributes of OME metadata that name another file.
 NAMES_OF_FILES = ("FileName", "MetadataFile")
@@ -96,7 +96,7 @@ def _described(tiff: TiffFile, path: Path, request: Request, *, in_memory: bool 
         time=request.time or 0,
         channel=request.channel or 0,
     )
-    channels = place.facts.channels or _colors(finest)
+    channels = _colors(finest) or place.facts.channels
     names = [channel.name for channel in channels]
     layouts = [_one_stack(series.axes, series.shape, request, names) for series in levels]
     shapes = [_zyx(series.shape, *layout) for series, layout in zip(levels, layouts, strict=True)]
@@ -198,7 +198,8 @@ def _read_folder(folder: Path, request: Request) -> Grid:
 
     files = files_in(folder, request)
     check_pages(files[0])
-    first = slice_of(tifffile.imread(files[0]), files[0], request)
+    pixels = tifffile.imread(files[0])
+    first = slice_of(pixels, files[0], request)
     size_checks.check_memory(first.nbytes * len(files), folder)
     stack = np.empty((len(files), *first.shape), first.dtype)
     for number, file in enumerate(files):
@@ -213,11 +214,15 @@ def _read_folder(folder: Path, request: Request) -> Grid:
                 f"keep one kind in the folder: {folder}"
             )
         stack[number] = one
-    return Grid(stack, np.eye(4), FACTS_OF_FOLDER)
+    return Grid(stack, np.eye(4), facts_of_folder(pixels.shape, request))
 
 
-#: Facts of a folder of slices.
-FACTS_OF_FOLDER = Facts(guesses=("distances of samples 1, 1, 1: a folder of slices has none",))
+def facts_of_folder(shape: Sequence[int], request: Request) -> Facts:
+    """Facts of a folder of slices. shape : of one, with its colours behind."""
+    colors = COLORS[: shape[-1]] if len(shape) == 3 and shape[-1] in (3, 4) else ()
+    guesses = ("distances of samples 1, 1, 1: a folder of slices has none",)
+    facts = Facts(channels=colors, guesses=guesses)
+    return replace(facts, channel=_channel_of(facts, request))
 
 
 def files_in(folder: Path, request: Request) -> list[Path]:

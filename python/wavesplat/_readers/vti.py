@@ -24,7 +24,7 @@ from numpy.typing import NDArray
 from wavesplat._files import size_checks
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
-from wavesplat._readers.components import component_of, quantity_of_array
+from wavesplat._readers.components import component_of, facts_of_colors, quantity_of_array
 from wavesplat._readers.file_contents import Contents, FileArray, joined_ranges, ranges_of
 from wavesplat._readers.request import Grid, Request
 from wavesplat._readers.vtk_arrays import chosen, image_facts, other_grid, world_from_index
@@ -84,7 +84,8 @@ def _read(request: Request, stored: _Stored) -> Grid:
         )
     ghosts = (_ghosts(stored, image, whole, of_cells=False), _ghosts(stored, image, whole, of_cells=True))
     samples, hidden = without_hidden(samples, *ghosts, are_cells=array.of_cells)
-    facts = Facts(quantity=quantity, guesses=guessed + told + hidden)
+    colors = facts_of_colors(array.n_components, samples.dtype, request)
+    facts = Facts(quantity=quantity, guesses=guessed + told + hidden, **colors)
     return Grid(samples, _world_from_index(image, whole, array.of_cells), facts)
 
 

@@ -26,7 +26,7 @@ from wavesplat._files.named_files import check_named_file
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
 from wavesplat._model.placement import UPRIGHT
-from wavesplat._readers.components import component_of, is_length, length_of, quantity_of_array
+from wavesplat._readers.components import component_of, facts_of_colors, is_length, length_of, quantity_of_array
 from wavesplat._readers.file_contents import Contents, FileArray, joined_ranges, ranges_of
 from wavesplat._readers.request import Grid, Request
 from wavesplat._readers.vti import parsed
@@ -369,7 +369,8 @@ def _as_it_is(grid: Any, array: _Array, matrix: NDArray[np.float64], request: Re
     samples, hidden = without_hidden(np.array(samples), of_points, of_cells, are_cells=array.of_cells)
     # Rows of images grow downwards, in one file or several.
     conventions = () if grid.IsA("vtkImageData") else (UPRIGHT,)
-    return Grid(samples, matrix, Facts(quantity=quantity, conventions=conventions, guesses=told + hidden))
+    colors = facts_of_colors(numbers.shape[-1], numbers.dtype, request)
+    return Grid(samples, matrix, Facts(quantity=quantity, conventions=conventions, guesses=told + hidden, **colors))
 
 
 def _ghosts_of(grid: Any) -> tuple[NDArray[Any] | None, NDArray[Any] | None]:

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from wavesplat._files import size_checks
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
-from wavesplat._readers.components import component_of, number_of_component, quantity_of_array
+from wavesplat._readers.components import component_of, facts_of_colors, number_of_component, quantity_of_array
 from wavesplat._readers.file_contents import Contents, FileArray, ranges_of
 from wavesplat._readers.request import Grid, Request
 from wavesplat._readers.vtk_arrays import chosen, image_facts, other_grid, world_from_index
@@ -113,7 +113,8 @@ def read(request: Request) -> Grid:
         # Not a view: the file is closed.
         samples, told = component_of(numbers.reshape(shape), request, array.name)
         quantity = quantity_of_array(array.name, array.n_components, array.dtype, request)
-        return Grid(np.array(samples), matrix, Facts(quantity=quantity, guesses=guessed + told))
+        colors = facts_of_colors(array.n_components, np.dtype(array.dtype), request)
+        return Grid(np.array(samples), matrix, Facts(quantity=quantity, guesses=guessed + told, **colors))
 
 
 def contents(request: Request) -> Contents:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from wavesplat._looks.channel_light import ChannelLight, light_of
 from wavesplat._looks.kinds import kind_of, unit_of_values
 from wavesplat._looks.look import Look
+from wavesplat._model.facts import is_part_of_color
 from wavesplat._picture.report_facts import shown_layer
 from wavesplat._render.slicing import Planes
 from wavesplat._scene.drawn_layers import identity_of, is_automatic, looks_beside_each_other
@@ -37,10 +38,16 @@ def channels_of(scene: Scene) -> Channels:
 
 
 def automatic_fluorescence(scene: Scene, layer: Layer) -> Look | None:
-    """The look that a layer of fluorescence without a look has in space, beside the others; None of other layers."""
+    """The look that a channel without a look has in space, beside the others; None of other layers.
+
+    Channels are fluorescence, and the red, green and blue of colour pictures.
+    """
     if not is_automatic(layer):
         return None
     volume = layer.looked_at
+    if is_part_of_color(volume.facts):
+        key = (id(volume), "part of a colour")
+        return scene._cache.get_or_compute(key, identity_of(volume), lambda: Look.channel(volume))
     kind = scene._cache.get_or_compute((id(volume), "kind"), identity_of(volume), lambda: kind_of(volume))
     if kind != "fluorescence":
         return None

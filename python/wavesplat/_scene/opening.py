@@ -23,7 +23,7 @@ from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
 from wavesplat._readers.options import FileOptions
-from wavesplat._readers.request import COLORS, Request, SeveralError
+from wavesplat._readers.request import Request, SeveralError
 from wavesplat._readers.time_points import open_series
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import MAX_LAYERS, Scene
@@ -116,8 +116,7 @@ def open_scene(
     colors = distinct_colors([one.color for one in wanted], [source.color(one.number) for one in wanted])
     looks = []
     for one, color in zip(wanted, colors, strict=True):
-        window = _window_of_colors(source, one) if one.window is None else one.window
-        looks.append(Look.channel(source.volume_of(one.number), color, window, composite))
+        looks.append(Look.channel(source.volume_of(one.number), color, one.window, composite))
     return Scene([_layer(source, one, look) for one, look in zip(wanted, looks, strict=True)])
 
 
@@ -211,15 +210,6 @@ def _number(which: Any, source: _Source) -> int:
             f"channel {number}, but the file holds {source.n} channels, 0..{source.n - 1}: {safe_address(source.path)}"
         )
     return number
-
-
-def _window_of_colors(source: _Source, wanted: _Wanted) -> tuple[float, float] | None:
-    """One window for the red, green and blue of coloured samples, so that hues stay; None for other channels."""
-    colored = [number for number in range(source.n) if source.facts(number) in COLORS[:3]]
-    if wanted.number not in colored:
-        return None
-    highest = max(source.volume_of(number).value_range[1] for number in colored)
-    return (0.0, float(highest)) if highest > 0 else None
 
 
 def _layer(source: _Source, wanted: _Wanted, look: Look | None) -> Layer:

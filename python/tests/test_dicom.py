@@ -185,12 +185,12 @@ def test_info_tells_kinds_of_frames(wavesplat, tmp_path):
 
 def test_frames_without_places_are_slices_by_guess(tmp_path):
     pixels = random(4, np.uint8, most=250)
-    save(tmp_path / "us", [base(pixels, modality="US", NumberOfFrames=4, PixelSpacing=[0.5, 0.5], SliceThickness=2)])
-    volume = ws.open(tmp_path / "us")
-    np.testing.assert_array_equal(volume.samples, pixels)
-    assert volume.spacing == pytest.approx((0.5, 0.5, 2))
-    assert (volume.unit, volume.is_anatomical, volume.modality) == ("mm", False, "US")
-    assert "frames as slices, 2 mm apart" in volume.guesses[0]
+    save(tmp_path / "ct", [base(pixels, NumberOfFrames=4, PixelSpacing=[0.5, 0.5], SliceThickness=2)])
+    volume = ws.open(tmp_path / "ct")
+    # No patient's world: x to the right, y down, the first frame in front.
+    check(volume, pixels, place=np.diag([0.5, 0.5, 2, 1]))
+    assert (volume.unit, volume.is_anatomical, volume.modality) == ("mm", False, "CT")
+    assert "frames as slices, 2 mm apart, with x to the right and y down" in volume.guesses[0]
 
 
 def test_doses_have_offsets_and_a_scaling(tmp_path):

@@ -230,7 +230,7 @@ def test_times_of_a_zip_are_unpacked_once(tmp_path, monkeypatch):
 
 def test_messages_name_the_archive_and_not_where_it_was_unpacked(tmp_path):
     folder = save(tmp_path / "ct", [slice_at(random(1)[0], 0)])
-    with pytest.raises(FileError, match=r"single slice.*study.zip$") as caught:
+    with pytest.raises(FileError, match=r"single plane.*study.zip$") as caught:
         ws.open(packed(tmp_path, folder))
     assert "wavesplat-" not in str(caught.value)
 

@@ -467,7 +467,7 @@ def test_info_lists_what_there_is_to_choose(wavesplat, tmp_path):
 
 
 def test_info_of_several_of_which_the_first_is_none(wavesplat, tmp_path):
-    np.savez(tmp_path / "a.npz", flat=SAMPLES[0], whole=SAMPLES)
+    np.savez(tmp_path / "a.npz", flat=SAMPLES[0, 0], whole=SAMPLES)
     done = wavesplat("info", tmp_path / "a.npz")
     assert done.returncode == 0
     assert "datasets     2, choose with --dataset: flat, whole" in done.stdout

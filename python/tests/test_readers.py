@@ -310,7 +310,7 @@ def test_dicom_doubled_slice(tmp_path, oblique):
 
 def test_dicom_single_slice_is_no_volume(tmp_path, oblique):
     folder = save_dicom(tmp_path / "ct", oblique.samples[:1], oblique.lps_from_index)
-    with pytest.raises(FileError, match="single slice, which is 2-D"):
+    with pytest.raises(FileError, match="single plane"):
         ws.open(folder)
 
 

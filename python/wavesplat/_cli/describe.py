@@ -13,6 +13,7 @@ from wavesplat._model.lazy_changes import comparing_once
 from wavesplat._model.lazy_parts import MAX_OVERVIEW
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.thinning import HISTOGRAM_SAMPLES, step_for
+from wavesplat._readers.single_planes import shape_in_file
 
 if TYPE_CHECKING:
     from wavesplat._model.grid import Grid
@@ -28,6 +29,8 @@ N_SAMPLES_MAX = 10_000_000
 OF_FILE = (
     "modality",
     "value_unit",
+    "window",
+    "is_inverted",
     "channel",
     "channels",
     "n_times",
@@ -111,7 +114,7 @@ def _described(volume: Volume, *, of_coarsest: bool) -> dict[str, Any]:
     return {
         **place,
         "dtype": str(volume.dtype),
-        "n_bytes": math.prod(volume.shape) * volume.dtype.itemsize,
+        "n_bytes": math.prod(shape_in_file(volume)) * volume.dtype.itemsize,
         **told,
     }
 
@@ -183,7 +186,7 @@ def _place(grid: Grid) -> dict[str, Any]:
     facts = grid.facts.as_json()
     return {
         "name": grid.name,
-        "shape_zyx": list(grid.shape),
+        "shape_zyx": list(shape_in_file(grid)),
         "spacing_xyz": list(grid.spacing),
         "unit": grid.unit,
         "is_anatomical": grid.is_anatomical,
@@ -242,6 +245,10 @@ def _place_lines(facts: dict[str, Any]) -> list[str]:
     ]
     if facts["modality"]:
         text.append(f"modality     {facts['modality']}")
+    if facts["window"] or facts["is_inverted"]:
+        low, high = facts["window"] or (None, None)
+        shown = [] if low is None else [f"level {(low + high) / 2:g}, width {high - low:g}"]
+        text.append(f"window       {', '.join([*shown, *(['inverted'] if facts['is_inverted'] else [])])}")
     text += [f"channel {n:<4} {_channel_text(channel)}" for n, channel in enumerate(facts["channels"])]
     if facts["n_times"] > 1:
         step = f", {facts['time_step']:g} {facts['time_unit'] or ''}".rstrip() + " apart" if facts["time_step"] else ""

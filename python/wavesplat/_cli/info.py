@@ -96,9 +96,16 @@ def _opened(input: str, reader: ReaderOptions) -> Volume | WaveletVolume:
     from wavesplat._cli import describe
     from wavesplat._files.addresses import is_address
     from wavesplat._readers.opening import is_zarr
+    from wavesplat._readers.request import PictureError, taking_planes
 
     if reader.memory is None and reader.level is None and is_zarr(input, **vars(reader)):
         lazy = open_samples(input, replace(reader, memory=MEMORY, cache=False), quiet=True)
         if is_address(input) or describe.is_large_pyramid(lazy):
             return lazy
-    return open_any(input, reader, quiet=True)
+    try:
+        return open_any(input, reader, quiet=True)
+    except PictureError:  # of a picture or a film there are facts, too
+        if is_zarr(input, **vars(reader)):
+            raise
+        with taking_planes():
+            return open_any(input, reader, quiet=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -24,8 +24,10 @@ from wavesplat._cli.scene_options import (
     check_scene_options,
     chosen_scene,
     takes_scene_options,
+    unit_of,
 )
 from wavesplat._cli.shared_options import Json, Quiet, Size
+from wavesplat._cli.slice_input import FirstLayers, first_layers
 from wavesplat._cli.transfer_function_options import ColorOptions, takes_color_options
 from wavesplat._cli.view_options import (
     ViewOptions,
@@ -40,12 +42,15 @@ if TYPE_CHECKING:
     from wavesplat._model.camera import Camera
     from wavesplat._movie.key_frame import KeyFrame
     from wavesplat._movie.turn import Turn
+    from wavesplat._scene.scene import Scene
 
 __all__ = ["movie"]
 
 EXIT_INTERRUPTED = 130
 #: Frames of a turn by default: four seconds.
 TURN = 120
+#: Pixels of a frame of a volume by default; a film has its own.
+DEFAULT_SIZE = (512, 512)
 
 
 @takes_frame_figure_options
@@ -81,7 +86,10 @@ def movie(
         ),
     ] = None,
     degrees: Annotated[float, typer.Option(metavar="DEG", help="How far it turns; less than 0: to the right.")] = 360.0,
-    fps: Annotated[float, typer.Option(metavar="N", help="Frames a second.")] = 30.0,
+    fps: Annotated[
+        float | None,
+        typer.Option(metavar="N", help="Frames a second; 30 if not given, and of a film its own."),
+    ] = None,
     crf: Annotated[
         int | None,
         typer.Option(metavar="N", help="Of .mp4 (18) and .webm (24): less loses less, in a larger file."),
@@ -102,60 +110,125 @@ def movie(
     json: Json = False,
     quiet: Quiet = False,
 ) -> None:
-    """Draw a movie of a volume, a turn, all time points or both, and print its path."""
+    """Draw a movie of a volume, a turn, all time points or both, or of a film, and print its path."""
     check_scene_options(showing, colors, cuts)
     check_view_options(viewing)
     of_eyes = eye_arguments(eyes)
     check_figure(figure)
     from wavesplat._cli import progress
-    from wavesplat._movie.movie import check_movie
+    from wavesplat._movie.movie import FPS, check_movie
     from wavesplat._movie.movie import movie as make
     from wavesplat._movie.turn import Turn
+    from wavesplat._readers.request import PictureError
 
     round_trip = None if turn is None and layering.times is not None else Turn(TURN if turn is None else turn, degrees)
-    pattern = check_movie(output, fps=fps, crf=crf, resume=resume)
+    rate = FPS if fps is None else fps
+    pattern = check_movie(output, fps=rate, crf=crf, resume=resume)
     if pattern is None:
         check_outputs(input, output, "movies")
-    chosen = chosen_scene(
-        input,
-        showing,
-        colors=colors,
-        layering=layering,
-        cuts=cuts,
-        lighting=lighting,
-        reader=reader,
-        processing=processing,
-        quiet=quiet,
-    )
-    along = _along(chosen, round_trip, layering.times, viewing, size=size, fps=fps, eyes=eyes)
-    n = along.frames if isinstance(along, Turn) else len(along)
-    arguments = drawing_arguments(sampling) | marks_of(figure, chosen.unit, quiet=quiet)
-    if sampling.quality is None and sampling.sheets_per_slice is None and sampling.oversampling is None:
-        arguments["quality"] = None
+    try:
+        chosen = chosen_scene(
+            input,
+            showing,
+            colors=colors,
+            layering=layering,
+            cuts=cuts,
+            lighting=lighting,
+            reader=reader,
+            processing=processing,
+            quiet=quiet,
+        )
+    except PictureError as error:
+        if error.n_times == 1 or turn is not None:
+            raise
+        first = first_layers(
+            input,
+            reader,
+            layering.channel,
+            look=showing,
+            colors=colors,
+            processing=processing,
+            is_alone=True,
+            all_times=True,
+            quiet=quiet,
+        )
+        shown = _film(first, showing, colors, layering.times, size=size, fps=fps)
+        shown.arguments["threads"] = sampling.threads
+    else:
+        along = _along(chosen, round_trip, layering.times, viewing, size=size, fps=rate, eyes=eyes)
+        shown = _Shown(chosen.scene, along, chosen.look.name, chosen.look.reason, rate, size)
+        shown.arguments |= drawing_arguments(sampling) | {"composite": chosen.operator, **of_eyes}
+        if sampling.quality is None and sampling.sheets_per_slice is None and sampling.oversampling is None:
+            shown.arguments["quality"] = None
     try:
         with progress.bar("drawing", shown=not quiet and is_terminal()) as told:
             make(
-                chosen.scene,
+                shown.scene,
                 output,
-                along,
-                fps=fps,
-                size=size,
-                composite=chosen.operator,
-                **of_eyes,
+                shown.along,
+                fps=shown.fps,
+                size=shown.size,
                 crf=crf,
                 resume=resume,
                 progress=told,
-                **arguments,
+                **shown.arguments,
+                **marks_of(figure, unit_of(shown.scene), quiet=quiet),
             )
     except KeyboardInterrupt:
         if pattern is None:
             raise
         message("interrupted; the frames that are done stay, and --resume goes on with them")
         raise SystemExit(EXIT_INTERRUPTED) from None
+    n = shown.along.frames if isinstance(shown.along, Turn) else len(shown.along)
     facts: dict[str, Any] = {"movie": str(pattern or output), "frames": n}
-    facts |= {"fps": fps, "size": list(size), "input": input}
-    facts["look"] = {"name": chosen.look.name, "reason": chosen.look.reason}
+    facts |= {"fps": shown.fps, "size": list(shown.size), "input": input}
+    facts["look"] = {"name": shown.look, "reason": shown.reason}
     print_result(facts, str(pattern or output), as_json=json, written=output)
+
+
+@dataclass
+class _Shown:
+    """What a movie shows, the look that is told, and further arguments of `wavesplat.movie`."""
+
+    scene: Scene
+    along: list[KeyFrame] | list[Camera] | Turn
+    look: str
+    reason: str
+    fps: float
+    size: tuple[int, int]
+    arguments: dict[str, Any] = field(default_factory=dict)
+
+
+def _film(
+    first: FirstLayers,
+    showing: SceneOptions,
+    colors: ColorOptions,
+    times: str | None,
+    *,
+    size: tuple[int, int],
+    fps: float | None,
+) -> _Shown:
+    """The frames of a film, in its own size and at its own rate where no others are given."""
+    from wavesplat._looks.transfer_function import TransferFunction
+    from wavesplat._movie.films import film_frame, film_of, rate_of
+    from wavesplat._movie.key_frame import KeyFrame
+    from wavesplat._movie.movie import FPS
+    from wavesplat._render import windows
+    from wavesplat._scene.layer import Layer
+    from wavesplat._scene.scene import Scene
+
+    look = first.transfer_function
+    if first.is_grey and (colors.window or colors.clim):
+        low, high = windows.limits(first.volume, colors.window, colors.clim)
+        look = TransferFunction.from_colormap("gray", clim=(low, high), opacity=1)
+    layers = first.layers if isinstance(first.layers[0], Layer) else [Layer(first.layers[0], look)]
+    scene = Scene(layers, background=showing.background or "black")
+    film = film_of(scene)
+    assert film is not None
+    numbers = range(len(film)) if times is None else times_of(times, len(film))
+    along = [KeyFrame(float(k), time=number) for k, number in enumerate(numbers)]
+    own = film_frame(scene).size if size == DEFAULT_SIZE else size
+    return _Shown(scene, along, "film", "a film, as it is", fps or rate_of(film) or FPS, own)
 
 
 def _along(

@@ -75,8 +75,11 @@ def opened_layers(
         return processed(path, reader, processing, quiet=quiet)
     except SeveralError as error:
         if error.option == "time" and error.is_said and reader.time is None:
-            reader, layering = _with_times(reader, layering, len(error.names), all_times=all_times, quiet=quiet)
-            return opened_layers(path, reader, layering, processing, composite=composite, quiet=quiet)
+            reader, layering = _with_times(reader, layering, all_times=all_times)
+            found = opened_layers(path, reader, layering, processing, composite=composite, quiet=quiet)
+            if not (quiet or all_times):
+                message(f"note: the file holds {len(error.names)} time points; this is --time 0")
+            return found
         # In an array whose axes have no names, no axis is known to be that of channels.
         if error.option != "channel" or said or not error.is_said:
             raise
@@ -131,14 +134,10 @@ def refuse_for_channels(
 
 
 def _with_times(
-    reader: ReaderOptions, layering: LayerOptions, n_times: int, *, all_times: bool, quiet: bool
+    reader: ReaderOptions, layering: LayerOptions, *, all_times: bool
 ) -> tuple[ReaderOptions, LayerOptions]:
-    """The options completed for a file of several times: all of them, or the first, with a note."""
-    if all_times:
-        return reader, replace(layering, times="all")
-    if not quiet:
-        message(f"note: the file holds {n_times} time points; this is --time 0")
-    return replace(reader, time=0), layering
+    """The options completed for a file of several times: all of them, or the first."""
+    return (reader, replace(layering, times="all")) if all_times else (replace(reader, time=0), layering)
 
 
 def series_options(reader: ReaderOptions) -> dict[str, Any]:
@@ -155,9 +154,19 @@ def _series(path: str, reader: ReaderOptions, processing: ProcessingOptions, *, 
         warnings.simplefilter("ignore", FileWarning)  # they are among the guesses
         series = open_series(path, channel=reader.channel, **series_options(reader))
         first = series[0]
+    _check_is_no_film(first, path)
     if not quiet:
         print_guesses([first])
     return changed_series(series, processing)
+
+
+def _check_is_no_film(volume: Volume, path: str) -> None:
+    """Raise an error for a film, whose times are pictures, where these are not taken."""
+    from wavesplat._readers.request import requested
+    from wavesplat._readers.single_planes import check_thickness, is_single_plane, shape_in_file
+
+    if is_single_plane(volume):
+        check_thickness(shape_in_file(volume), requested(path), volume.facts.n_times)
 
 
 def _channels(
@@ -191,6 +200,7 @@ def _channels(
             if said is None:
                 raise
             raise ArgumentError(f"{error} (--channel is {CHANNEL})") from None
+    _check_is_no_film(_volume(scene.layers[0]), path)
     if not quiet:
         print_guesses([_volume(layer) for layer in scene.layers])
         times = scene.layers[0].volume

@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from wavesplat._model.wavelet_volume import WaveletVolume
     from wavesplat._scene.scene import Scene
 
-__all__ = ["ChosenScene", "SceneOptions", "check_scene_options", "chosen_scene", "takes_scene_options"]
+__all__ = ["ChosenScene", "SceneOptions", "check_scene_options", "chosen_scene", "takes_scene_options", "unit_of"]
 
 
 @dataclass(frozen=True)
@@ -129,8 +129,13 @@ class ChosenScene(NamedTuple):
     @property
     def unit(self) -> str | None:
         """Unit of the world's lengths, where a file names one."""
-        units = (layer.drawn.facts.unit for layer in self.scene.layers)
-        return next((unit for unit in units if unit is not None), None)
+        return unit_of(self.scene)
+
+
+def unit_of(scene: Scene) -> str | None:
+    """Unit of the lengths of a scene's world, where a file names one."""
+    units = (layer.drawn.facts.unit for layer in scene.layers)
+    return next((unit for unit in units if unit is not None), None)
 
 
 def check_scene_options(showing: SceneOptions, colors: ColorOptions, cuts: CutOptions) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import replace
 from math import ceil
-from typing import Annotated, Any, NamedTuple, get_args
+from typing import Annotated, Any, get_args
 
 import typer
 
@@ -12,24 +12,22 @@ from wavesplat._cli import parsers
 from wavesplat._cli.comparison_options import Checkerboard, Difference, Tiles, opened_comparison
 from wavesplat._cli.figure_options import FigureOptions, annotated, check_figure, takes_figure_options
 from wavesplat._cli.label_options import LabelsFile, LabelTable, Segments, opened_labels
-from wavesplat._cli.layer_options import FurtherLayers, LayerOptions, ShownChannels, further_layers
+from wavesplat._cli.layer_options import FurtherLayers, ShownChannels, further_layers
 from wavesplat._cli.line_options import ContoursFile, IsolinesTexts, opened_contours, opened_isolines
-from wavesplat._cli.opened_layers import Channels, changed_channels, modality_of, opened_layers, refuse_for_channels
 from wavesplat._cli.outputs import check_outputs
 from wavesplat._cli.printing import print_notes, print_result, warnings_as_notes
 from wavesplat._cli.processing_options import ProcessingOptions, takes_processing_options
 from wavesplat._cli.reader_options import Input, ReaderOptions, takes_reader_options_but_channel
 from wavesplat._cli.several_inputs import takes_several_inputs
 from wavesplat._cli.shared_options import Background, Bits, Json, Kernel, PictureOutput, Quiet, Threads, Zoom
+from wavesplat._cli.slice_input import FirstLayers, first_layers
 from wavesplat._cli.transfer_function_options import (
     ColorOptions,
     LookOptions,
     TransferFunctionFile,
-    function_of_histogram,
-    named_look,
     takes_color_options,
 )
-from wavesplat._cli.uptake import check_uptake, in_uptake
+from wavesplat._cli.uptake import check_uptake
 from wavesplat._model.options import Slab
 from wavesplat._model.views import PLANES
 from wavesplat.errors import ArgumentError
@@ -42,6 +40,8 @@ OF_THREE = ("all", "ortho")
 MIN_SIDE_PX = 512
 #: Least number of pixels along the longer side of a single plane of several levels that is not given a size.
 PLANE_PX = 2048
+#: Largest difference from 1 of the cosine of a plane's normal and an axis, where a named plane shows it.
+ON_AXIS = 1e-9
 
 
 @takes_several_inputs(".png")
@@ -162,7 +162,7 @@ def slice(
     check_bits(bits)
     check_figure(figure)
     look = LookOptions(preset=preset, tf=tf)
-    first = _first(
+    first = first_layers(
         input,
         reader,
         channel,
@@ -220,68 +220,28 @@ def slice(
     print_result(facts, output, as_json=json, written=output)
 
 
-def _only_plane(volume: Any) -> str | None:
-    """The plane that a file of a single one holds; None of a volume."""
-    from wavesplat._readers.single_planes import TOLD
+def _only_plane(volume: Any) -> Any:
+    """The plane that a file of a single one holds, a name, or point and normal where it is oblique; None of volumes."""
+    import numpy as np
 
-    if TOLD not in volume.guesses:
+    from wavesplat._readers.single_planes import is_single_plane
+
+    if not is_single_plane(volume):
         return None
     across = 2 - volume.shape.index(min(volume.shape))
-    axis = max(range(3), key=lambda number: abs(volume.world_from_index[number, across]))
+    along = [volume.world_from_index[:3, number] for number in range(3) if number != across]
+    normal = np.cross(*along) / np.linalg.norm(np.cross(*along))
+    axis = int(np.abs(normal).argmax())
+    if abs(normal[axis]) < 1 - ON_AXIS:
+        return volume.bounds.mean(axis=0).tolist(), normal.tolist()
     names = ("sagittal", "coronal", "axial") if volume.is_anatomical else ("yz", "xz", "xy")
     return names[axis]
 
 
-class _First(NamedTuple):
-    """The volume that decides the plane, as a layer or, of several channels, as layers, and its colours."""
-
-    layers: list[Any]
-    volume: Any
-    transfer_function: Any
-    is_grey: bool
-
-
-def _check_colors(first: _First, tf: object) -> None:
+def _check_colors(first: FirstLayers, tf: object) -> None:
     """Refuse colours of the volume's values for a difference."""
     if not (first.is_grey or tf):
         raise ArgumentError("--difference has its own colours; give their ends as --clim LOW,HIGH, or others as --tf")
-
-
-def _first(
-    input: str,
-    reader: ReaderOptions,
-    channel: list[str] | None,
-    *,
-    look: LookOptions,
-    colors: ColorOptions,
-    processing: ProcessingOptions,
-    is_alone: bool,
-    n_pixels: float,
-    quiet: bool,
-) -> _First:
-    layering = LayerOptions(channel=channel)
-    from wavesplat._readers.request import taking_planes
-
-    with taking_planes(n_pixels):
-        opened: Any = in_uptake(
-            lambda suv: opened_layers(
-                input, replace(reader, suv=suv), layering, processing, composite=None, quiet=quiet
-            ),
-            modality_of,
-            suv=reader.suv,
-            is_alone=is_alone,
-        )
-    # A window or a range alone maps to greys.
-    is_grey = colors == ColorOptions(clim=colors.clim, window=colors.window)
-    if isinstance(opened, Channels):
-        refuse_for_channels(look, colors, len(opened.layers), ("cmap", "log", "opacity", "gamma"))
-        shown = changed_channels(opened, colors)
-        return _First(shown.layers, shown.layers[0].drawn, None, False)
-    if look.preset == "auto":
-        return _First([opened], opened, function_of_histogram(opened, input), is_grey)
-    of_look = None if is_grey else colors
-    named = named_look(opened, preset=look.preset, tf=look.tf, colors=of_look, opacity=1.0, quiet=quiet)
-    return _First([opened], opened, named and named.transfer_function, is_grey)
 
 
 def _size(volume: Any, plane: Any) -> tuple[int, int]:

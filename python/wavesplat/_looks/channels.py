@@ -88,6 +88,7 @@ def channel_look(
     else:
         low, high, said_window = channel_window(volume)
     reason = f"a channel in {said}, from {low:g} to {high:g}{said_window}"
+    channel = volume.facts.channel
     is_part = is_part_of_color(volume.facts) and channel is not None and rgb == channel.color
     shown = rgb if is_part else lightened(rgb)
     if composite not in ("over", "first-hit"):

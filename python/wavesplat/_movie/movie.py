@@ -17,6 +17,7 @@ from wavesplat._model.camera import Camera
 from wavesplat._model.option_lists import takes_options
 from wavesplat._model.sampling import Sampling
 from wavesplat._movie import encoding, png_sequence
+from wavesplat._movie.films import film_frame, film_of, rate_of, shots_of
 from wavesplat._movie.frame_figure import FrameFigure
 from wavesplat._movie.frames import check_client, drawn_by_client
 from wavesplat._movie.key_frame import KeyFrame
@@ -40,6 +41,8 @@ __all__ = ["Along", "check_movie", "movie"]
 
 T = TypeVar("T")
 
+#: Frames a second, by default.
+FPS = 30.0
 #: Most pixels of all frames that are drawn at once: each takes some hundred bytes meanwhile.
 MAX_PIXELS_AT_ONCE = 8_000_000
 
@@ -59,7 +62,7 @@ def movie(
     along: Along | None = None,
     look: AnyLook | Sequence[AnyLook] = None,
     *,
-    fps: float = 30.0,
+    fps: float | None = None,
     background: str | Sequence[float] | None = None,
     crf: int | None = None,
     resume: bool = False,
@@ -71,17 +74,19 @@ def movie(
     Parameters
     ----------
     what : Scene, Volume, WaveletVolume, array, Layer, or several volumes or layers in a list
-        What to show, as for `render`. Clips, labels and light are those of a `Scene`.
+        What to show, as for `render`. Clips, labels and light are those of a `Scene`. Of a film, a series of single
+        pictures such as ultrasound, each frame as `slice` shows it.
     path : path
         The suffix chooses the format. `.mp4`: H.264, which every browser and every slide plays; `.webm`: VP9; `.gif`
         and `.webp`: animations that repeat. A folder, or a name such as `frames/%04d.png`: a PNG file for each frame.
     along : Turn, sequence of Camera, or sequence of KeyFrame, optional
         `Turn(frames=120)` goes round at one scale, which is what None does. Cameras are a frame each
-        (`Camera.interpolate` makes them from a few). Key frames say what is shown when, and change it in between.
+        (`Camera.interpolate` makes them from a few). Key frames say what is shown when, and change it in between. Of a
+        film None is all of its frames, or key frames with a time each.
     look : Look, TransferFunction, TransferFunction2D, Materials or str, optional
         How values are shown, as for `render`. What is chosen by the data is chosen once, for all frames.
-    fps : float, default 30
-        Frames a second.
+    fps : float, optional
+        Frames a second. None is 30, and of a film its own rate.
     background : colour, optional
         None is the scene's own, or black. Only PNG and WebP files can be transparent.
     crf : int, optional
@@ -96,7 +101,7 @@ def movie(
         The others as for `wavesplat.render`. `quality` None is one sheet a slice and 0.6 texels a pixel: on frames of
         the bundled CT 31 to 35 dB, where "normal" has 35 to 37 and takes four times as long. With `psnr` the first
         frame is measured, and later ones where the view differs much. Videos have even sides: a row or column of an
-        odd size is repeated.
+        odd size is repeated. A film has its own size where none is given, and what is said on space has no meaning.
 
     Returns
     -------
@@ -124,7 +129,7 @@ def movie(
     >>> ws.movie(pelvis, "opened/%04d.png", keys, size=(32, 32)).parent.name
     'opened'
     """
-    pattern = check_movie(path, fps=fps, crf=crf, resume=resume)
+    pattern = check_movie(path, fps=FPS if fps is None else fps, crf=crf, resume=resume)
     target = Path(path)
     drawing, marks = parted(options)
     values = DrawOptions(**{"quality": None, **drawing})
@@ -134,7 +139,13 @@ def movie(
     check_client(client, values.psnr)
     scene = as_scene(what, look, labels=None, shading="look", clip=(), background=background)
     eyes = values.eyes
-    shots = _shots(scene, Turn() if along is None else along, fps, values)
+    film = film_of(scene)
+    fps = ((rate_of(film) if film else None) or FPS) if fps is None else fps
+    if film is not None:
+        shots = _Shots(shots_of(scene, film, along))
+        width, height = (width, height) if "size" in options else film_frame(shots[0].scene).size
+    else:
+        shots = _shots(scene, Turn() if along is None else along, fps, values)
     figure = FrameFigure(marks, is_still=shots.have_one_look)
     quality = values.quality
     if quality is None:
@@ -148,7 +159,16 @@ def movie(
         "panorama": eyes.panorama,
     }
     told = Progress(values.progress, len(shots))
-    draw = _Drawing(shots, told, values.threads, client, size=(width, height), device=values.device, **same)
+    draw = _Drawing(
+        shots,
+        told,
+        values.threads,
+        client,
+        size=(width, height),
+        device=values.device,
+        is_film=film is not None,
+        **same,
+    )
     if pattern is None:
         frames = draw.all(range(len(shots)), lambda number, picture: figure.drawn(picture, shots[number].scene))
         settings: Any = {"fps": fps, "crf": crf}
@@ -177,14 +197,24 @@ def movie(
 class _Drawing:
     """Draws frames, several of the same scene at once, which share the threads that one picture has."""
 
-    def __init__(self, shots: _Shots, told: Progress, threads: int | None, client: Any = None, **options: Any) -> None:
+    def __init__(
+        self,
+        shots: _Shots,
+        told: Progress,
+        threads: int | None,
+        client: Any = None,
+        *,
+        is_film: bool = False,
+        **options: Any,
+    ) -> None:
+        self._is_film = is_film
         self._shots, self._progress, self._threads, self._options = shots, told, threads, options
         self._client = client
         self._n_threads = 1
 
     def all(self, numbers: Iterable[int], made: Callable[[int, Picture], T]) -> Generator[T]:
         """Yield `made` of each frame, in order; several frames are drawn at once, here or elsewhere."""
-        if self._client is None:
+        if self._client is None or self._is_film:
             yield from made_ahead(lambda number: made(number, self(number)), numbers, self.at_once, self._progress)
             return
         wanted = list(numbers)
@@ -196,6 +226,8 @@ class _Drawing:
 
     def __call__(self, number: int) -> Picture:
         shot, at_once = self._shots[number], self.at_once()
+        if self._is_film:
+            return film_frame(shot.scene, self._options["size"], self._threads)
         threads = self._threads if at_once == 1 else self._n_threads // at_once
         picture = shot.scene.render(shot.camera, threads=threads, progress=self._progress.of(number), **self._options)
         if at_once == 1:

@@ -1,5 +1,7 @@
 """DICOM: a folder (also of folders), DICOMDIR or zip archive with series of slices, a slice, or a file of many frames.
 
+Frames that lie nowhere in a body are pictures: a film is a series of times, and they have x to the right and y down.
+
 `dicom_places` finds the files, `dicom_series` the series that is asked for. Headers are read by pydicom
 (`dicom_header`, with `dicom_attributes`), pixels by it and SimpleITK (`dicom_pixels`);
 `dicom_checks` finds impossible values, `dicom_volumes` the frames that belong together, `dicom_stack` makes slices at
@@ -12,7 +14,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from operator import is_not
 from pathlib import Path
-from typing import Any, TypeVar, cast
+from typing import Any, NamedTuple, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -39,11 +41,19 @@ from wavesplat._readers.dicom_series import (
     scanned,
     without_copies,
 )
-from wavesplat._readers.dicom_stack import Stack, stacked
+from wavesplat._readers.dicom_stack import Stack, single, stacked
 from wavesplat._readers.dicom_suv import uptake_of
 from wavesplat._readers.dicom_units import ARBITRARY
-from wavesplat._readers.dicom_volumes import FrameVolume, times_of, volumes_of
-from wavesplat._readers.request import Grid, Request, SeveralError, choose, quiet, unwarned
+from wavesplat._readers.dicom_volumes import PLACE_MM, FrameVolume, times_of, volumes_of
+from wavesplat._readers.request import (
+    PLANES_ARE_TAKEN,
+    Grid,
+    Request,
+    SeveralError,
+    choose,
+    quiet,
+    unwarned,
+)
 from wavesplat.errors import FileError, LimitError
 
 __all__ = ["read"]
@@ -55,6 +65,7 @@ AS_STORED = "values as they are stored"
 
 def read(request: Request) -> Grid:
     """The volume of a DICOM series."""
+    request = request if request.kept is not None else replace(request, kept={})
     with reading("DICOM", request.path), quiet("pydicom"), unwarned("pydicom"):
         path = request.file
         if is_zip(path):
@@ -63,7 +74,8 @@ def read(request: Request) -> Grid:
                 return _read_files(files_below(folder), folder, replace(request, within=None))
         if path.is_dir():
             return _read_files(files_below(path, request.within, request.kept), path, request)
-        first = header_of(path)
+        scan = scanned([path], path.parent, request)  # which is kept from one frame of a film to the next
+        first = scan.headers[0] if scan.headers else header_of(path)
         if first is None:
             files, missing = files_of_directory(path, request.within)
             if files or missing:
@@ -72,7 +84,8 @@ def read(request: Request) -> Grid:
             raise FileError(f"the file is DICOM and holds {content.what}, no image; {content.instead}: {path}")
         if dicom_segments.is_segmentation(first):
             return dicom_segments.read(first, request)
-        if first.n_frames > 1:
+        is_alone = first.pictures.is_picture and request.series is None and not first.frames[0].is_placed()
+        if first.n_frames > 1 or is_alone:
             return _read_headers([first], {}, request)
         return _read_named(first, request)
 
@@ -115,70 +128,144 @@ def _read_named(first: Header, request: Request) -> Grid:
     told = ""
     if first.file in {header.file for header in headers}:
         headers, told = alike(headers, first)
+        if request.series is None and request.time is None and _are_of_one_place(headers):
+            headers = [first]  # of pictures of one place the one that was named
     if (labels := _read_segmentation(headers, request)) is not None:  # `series` may choose one beside the file
         return labels
     grid = _read_headers(headers, scan.unreadable, request)
     return grid if not told else grid._replace(facts=replace(grid.facts, guesses=(*grid.facts.guesses, told)))
 
 
+def _are_of_one_place(headers: Sequence[Header]) -> bool:
+    positions = np.array([frame.position for header in headers for frame in header.frames])
+    return bool(np.isfinite(positions).all() and np.ptp(positions, axis=0).max() <= PLACE_MM)
+
+
+class _Placed(NamedTuple):
+    """Frames as a stack in the world, how many times there are, and when; guesses and losses about them."""
+
+    stack: Stack
+    n_times: int
+    times: tuple[float, ...]
+    guesses: list[str]
+    losses: list[str]
+
+
 def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Request) -> Grid:
     """One volume of the frames of these files."""
     check_is_volume(headers)
     kept = {} if request.kept is None else request.kept
-    all_frames, said_guesses, mends, processing = _once(kept, "frames", headers, lambda: _valued(headers, request))
-    guesses = list(said_guesses)
+    all_frames, guesses, mends, processing = _once(kept, "frames", headers, lambda: _valued(headers, request))
     _once(kept, "alike", all_frames, lambda: check_alike(headers, all_frames, request))
-    if sum(header.n_frames for header in headers) == 1:
-        raise FileError(_single(unreadable, request))
     first = headers[0]
+    _check_is_wanted(all_frames, unreadable, request)
     is_placed = _once(kept, "places", all_frames, lambda: all(frame.is_placed() for frame in all_frames))
-    wanted = {header.file for header in headers}
-    if is_placed and not unreadable:  # files of other volumes need not be read
-        wanted = {frame.file for frame in _chosen(all_frames, (), request, kept)[0].frames}
-    pixels, damaged = _pixels([header for header in headers if header.file in wanted], request)
+    film = None if is_placed else _film(headers, all_frames, request)
+    pixels, damaged = _pixels_for(headers, all_frames, unreadable, film, request)
     if not pixels:
         raise next(iter(damaged.values()))
-    if damaged:  # where files are missing, all that there are decide which frames belong together
-        pixels, damaged = _pixels(headers, request, {**pixels, **damaged})
     unreadable = {**unreadable, **damaged}
     losses = [f"{named(unreadable)}, and left out"] if unreadable else []
     frames = [frame for frame in all_frames if frame.file not in damaged] if damaged else all_frames
-    if len(frames) == 1:
-        raise FileError(_single(unreadable, request))
-    guesses += _guesses_of_values([header for header in headers if header.file in pixels])
+    _check_is_wanted(frames, unreadable, request)
+    guesses = [*guesses, *_guesses_of_values([header for header in headers if header.file in pixels])]
     if is_placed:
-        volume, n_times, times = _chosen(frames, losses, request, kept)
-        stack = stacked(volume.frames, request)
-        losses += [*mends, *([volume.loss] if volume.loss else [])]
-        if volume.guess:
-            (losses if volume.is_by_names else guesses).append(volume.guess)
+        placed = _of_volumes(frames, losses, mends, headers, request)
     else:
-        choose("time", 1, request.time, request.path)
-        n_times, times = 1, ()
-        losses += mends
-        stack = _as_they_come(frames, first)
-        guesses.append(f"frames as slices, {_distances(stack)} mm apart: the file does not say where they lie")
-    if not np.isfinite(first.frames[0].pixel_spacing).all():
+        placed = _of_pictures(frames, film, first, request)
+        placed = placed._replace(losses=[*losses, *mends])
+    stack, has_sizes = placed.stack, bool(np.isfinite(first.frames[0].pixel_spacing).all())
+    guesses += placed.guesses
+    if not has_sizes:
         guesses.append("distances of pixels 1, 1: the file has none")
-        stack = _with_pixels_of_1(stack)
-    samples, told = samples_of(stack, pixels, {header.file: header for header in headers}, request)
+        stack = _with_pixels_of_1(stack, is_placed=is_placed)
+    elif first.pictures.spacing_source:
+        guesses.append(first.pictures.spacing_source)
+    if not (first.is_of_patient and is_placed):
+        stack = replace(stack, world_from_index=affine.RAS_FROM_LPS @ stack.world_from_index)
+    of_pixels = request if film is None else replace(request, channel=None)  # which has been chosen
+    samples, told = samples_of(stack, pixels, {header.file: header for header in headers}, of_pixels)
     guesses += [told] if told else []
-    colors = COLORS[:3] if first.n_samples == 3 else ()
+    colors = COLORS[:3] if first.n_colors == 3 else ()
+    is_picture = len(stack.frames) == 1 and not colors
     facts = Facts(
-        unit="mm" if np.isfinite(first.frames[0].pixel_spacing).all() else None,
+        unit="mm" if has_sizes else None,
         is_anatomical=first.is_of_patient and is_placed,
         modality=first.modality,
         value_unit="SUV" if request.suv else _value_unit(headers, [*guesses, *mends]),
         quantity=quantity_of_image_type(first.image_type),
         processing=processing,
+        window=first.pictures.window if is_picture and not request.suv else None,
+        is_inverted=first.pictures.is_inverted and is_picture,
         channels=colors,
         channel=colors[request.channel or 0] if colors else None,
-        n_times=n_times,
-        times=times,
-        time_unit="s" if times else None,
+        n_times=placed.n_times,
+        times=placed.times,
+        time_unit="s" if placed.times else None,
         guesses=tuple(guesses),
     )
-    return Grid(samples, stack.world_from_index, facts, (*losses, *stack.losses))
+    return Grid(samples, stack.world_from_index, facts, (*placed.losses, *stack.losses))
+
+
+def _check_is_wanted(frames: Sequence[Frame], unreadable: Unreadable, request: Request) -> None:
+    """Raise a `FileError` for a single frame that is what damaged files left of a volume."""
+    if len(frames) == 1 and unreadable and not PLANES_ARE_TAKEN.get():
+        raise FileError(
+            "the series has a single slice, which is 2-D; add the other slices of the series "
+            f"({named(unreadable)}): {request.path}"
+        )
+
+
+def _pixels_for(
+    headers: Sequence[Header],
+    frames: Sequence[Frame],
+    unreadable: Unreadable,
+    film: Sequence[float] | None,
+    request: Request,
+) -> tuple[dict[Path, NDArray[Any]], Unreadable]:
+    """Stored numbers of the files that are needed, and those that cannot be read."""
+    kept = {} if request.kept is None else request.kept
+    if film is not None:
+        choose("time", len(frames), request.time, request.path)
+        return _once(kept, "film", headers, lambda: _pixels_of_film(headers[0], request))
+    wanted = {header.file for header in headers}
+    if not unreadable and all(frame.is_placed() for frame in frames):  # files of other volumes need not be read
+        wanted = {frame.file for frame in _chosen(frames, (), request, kept)[0].frames}
+    pixels, damaged = _pixels([header for header in headers if header.file in wanted], request)
+    if pixels and damaged:  # where files are missing, all that there are decide which frames belong together
+        pixels, damaged = _pixels(headers, request, {**pixels, **damaged})
+    return pixels, damaged
+
+
+def _of_volumes(
+    frames: Sequence[Frame],
+    losses: Sequence[str],
+    mends: Sequence[str],
+    headers: Sequence[Header],
+    request: Request,
+) -> _Placed:
+    """The volume that is asked for, of frames that lie in a body."""
+    kept = {} if request.kept is None else request.kept
+    volume, n_times, times = _chosen(frames, losses, request, kept)
+    first, is_one = headers[0], len(volume.frames) == 1
+    stack = single(volume.frames[0], first.slice_step) if is_one else stacked(volume.frames, request)
+    told: list[str] = []
+    lost = [*losses, *mends, *([volume.loss] if volume.loss else [])]
+    if volume.guess:
+        (lost if volume.is_by_names else told).append(volume.guess)
+    if n_times > 1 and not times and len(first.pictures.times) == n_times:
+        times = first.pictures.times
+    return _Placed(stack, n_times, times, told, lost)
+
+
+def _of_pictures(frames: Sequence[Frame], film: tuple[float, ...] | None, first: Header, request: Request) -> _Placed:
+    """The frame of a film that is asked for, or all frames as slices, where the file does not say where they lie."""
+    if film is not None:
+        stack = _as_they_come([frames[request.time or 0]], first)
+        return _Placed(stack, len(frames), film if any(film) else (), [_way_of(stack)], [])
+    choose("time", 1, request.time, request.path)
+    stack = _as_they_come(frames, first)
+    return _Placed(stack, 1, (), [_way_of(stack)], [])
 
 
 def _valued(headers: Sequence[Header], request: Request) -> tuple[list[Frame], list[str], list[str], tuple[str, ...]]:
@@ -200,7 +287,7 @@ def _value_unit(headers: Sequence[Header], told: Sequence[str]) -> str | None:
     is_stored = any(one.startswith(AS_STORED) for one in told)
     if found == {ARBITRARY} and quantity_of_image_type(headers[0].image_type) is not None:
         return None  # of scans, and a map has a scale
-    return found.pop() if len(found) == 1 and not is_stored and headers[0].n_samples == 1 else None
+    return found.pop() if len(found) == 1 and not is_stored and headers[0].n_colors == 1 else None
 
 
 def _guesses_of_values(headers: Sequence[Header]) -> list[str]:
@@ -238,15 +325,11 @@ def _chosen(
     """The volume that is asked for, the number of volumes, and their times; errors name `losses`, a likely cause."""
     try:
         volumes = _once(kept, "volumes", frames, lambda: volumes_of(frames, request))
-        if all(len(volume.frames) == 1 for volume in volumes):
-            raise FileError(
-                f"the frames lie at one place, and are pictures of it, no volume; name a series of slices: "
-                f"{request.path}"
-            )
+        are_pictures = all(len(volume.frames) == 1 for volume in volumes)
         labels = [volume.label for volume in volumes]
         number = choose("time", len(volumes), request.time, request.path, described=labels)
         volume = volumes[number]
-        if len(volume.frames) == 1:
+        if len(volume.frames) == 1 and not are_pictures:
             raise FileError(
                 f"volume {number} of the series ({volume.label}) has a single slice, others have more; "
                 f"choose another with time= (--time): {request.path}"
@@ -258,11 +341,6 @@ def _chosen(
             raise
         raise FileError(f"{losses[0]}; then {error}") from None
     return volume, len(volumes), _once(kept, "times", volumes, lambda: times_of(volumes))
-
-
-def _single(unreadable: Unreadable, request: Request) -> str:
-    others = f" ({named(unreadable)})" if unreadable else ""
-    return f"the series has a single slice, which is 2-D; add the other slices of the series{others}: {request.path}"
 
 
 def _pixels(
@@ -287,7 +365,7 @@ def _pixels_of(header: Header) -> NDArray[Any] | Exception:
 
 
 def _n_bytes(header: Header) -> int:
-    return header.size[0] * header.size[1] * header.n_frames * header.n_samples * max(header.bits_allocated // 8, 1)
+    return header.size[0] * header.size[1] * header.n_frames * header.n_colors * max(header.bits_allocated // 8, 1)
 
 
 def _is_longer(header: Header) -> bool:
@@ -299,22 +377,56 @@ def _is_longer(header: Header) -> bool:
     return data.n_bytes > check_enough(header, data.n_bytes, n_bits_of(data.tag, header)) + 1
 
 
+def _film(headers: Sequence[Header], frames: Sequence[Frame], request: Request) -> tuple[float, ...] | None:
+    """Times of the frames of a film in seconds, all 0 where they are unknown; None of what is no film."""
+    first = headers[0]
+    if all(header.n_frames == 1 for header in headers):
+        return None
+    times = first.pictures.times or times_of([FrameVolume([frame], is_time=True) for frame in frames])
+    if not (times or first.pictures.is_film):
+        return None
+    if len(headers) > 1:
+        raise FileError(
+            f"the series holds {len(headers)} files with films or pictures, which are no slices of a volume; name one "
+            f"of the files, such as {first.file.name}: {request.path}"
+        )
+    return times if len(times) == len(frames) else (0.0,) * len(frames)
+
+
+def _pixels_of_film(header: Header, request: Request) -> tuple[dict[Path, NDArray[Any]], Unreadable]:
+    """Stored numbers of all frames of a film, of the channel that is asked for alone: they are kept for all times."""
+    channel = choose("channel", header.n_colors, request.channel, request.path)
+    pixels, damaged = _pixels([header], request)
+    return {file: one[..., channel].copy() if one.ndim == 4 else one for file, one in pixels.items()}, damaged
+
+
+def _way_of(stack: Stack) -> str:
+    """The guess about frames that lie nowhere in a body."""
+    way = "with x to the right and y down, as pixels come: the file does not say where"
+    if len(stack.frames) == 1:
+        return f"the picture {way} it lies"
+    return f"frames as slices, {_distances(stack)} apart, {way} they lie"
+
+
 def _as_they_come(frames: Sequence[Frame], header: Header) -> Stack:
     """A stack of frames without positions: by number, along z."""
     ordered = sorted(frames, key=lambda frame: (frame.instance, frame.file.name, frame.index))
-    row, column = (abs(step) if np.isfinite(step) else 1.0 for step in ordered[0].pixel_spacing)
+    row, column = map(abs, ordered[0].pixel_spacing)
+    if not np.isfinite((row, column)).all():
+        row, column = (side / min(header.pictures.aspect) for side in header.pictures.aspect)
     step = abs(header.slice_step) if np.isfinite(header.slice_step) else column
     slices = [(n, n, 0.0) for n in range(len(ordered))]
+    # All but what lies in a patient is turned from LPS at the end.
     return Stack(ordered, slices, affine.RAS_FROM_LPS @ np.diag([column, row, step, 1.0]))
 
 
 def _distances(stack: Stack) -> str:
-    return f"{affine.spacing_of(stack.world_from_index)[2]:.4g}"
+    unit = " mm" if np.isfinite(stack.frames[0].pixel_spacing).all() else ""
+    return f"{affine.spacing_of(stack.world_from_index)[2]:.4g}{unit}"
 
 
-def _with_pixels_of_1(stack: Stack) -> Stack:
+def _with_pixels_of_1(stack: Stack, *, is_placed: bool) -> Stack:
     matrix = np.where(np.isfinite(stack.world_from_index), stack.world_from_index, 0.0)
-    orientation = stack.frames[0].orientation
-    if np.isfinite(orientation).all():
-        matrix[:3, :2] = affine.RAS_FROM_LPS[:3, :3] @ orientation.reshape(2, 3).T
-    return Stack(stack.frames, stack.slices, matrix, stack.losses)
+    if is_placed:
+        matrix[:3, :2] = affine.RAS_FROM_LPS[:3, :3] @ stack.frames[0].orientation.reshape(2, 3).T
+    return replace(stack, world_from_index=matrix)

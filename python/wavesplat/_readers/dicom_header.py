@@ -23,6 +23,7 @@ from wavesplat._readers.dicom_attributes import SEQUENCES, Value, attributes_of_
 from wavesplat._readers.dicom_contents import IMAGES, Content, content_by
 from wavesplat._readers.dicom_deflated import header_dataset
 from wavesplat._readers.dicom_mosaic import Picture, Tiles, split_of
+from wavesplat._readers.dicom_pictures import NO_PICTURES, FactsOfPictures, facts_of_pictures, sizes_of_pixels
 from wavesplat._readers.dicom_pixel_data import PixelData, check_n_frames, pixel_data_at
 from wavesplat._readers.dicom_places import N_FIRST, begins_as_dicom
 from wavesplat._readers.dicom_suv import Tracer, tracer_of
@@ -131,9 +132,16 @@ class Header:
     #: Whether its axes are a patient's, and not those of a probe.
     is_of_patient: bool
     frames: tuple[Frame, ...]
+    #: Facts about the frames as pictures: a film, a window.
+    pictures: FactsOfPictures = NO_PICTURES
     #: How the frames lie side by side in one picture, and the header of that; None where each is a picture of its own.
     tiles: Tiles | None = None
     whole: Header | None = None
+
+    @property
+    def n_colors(self) -> int:
+        """Numbers of a pixel, once looked up in the file's palette."""
+        return 3 if self.photometric == "PALETTE COLOR" else self.n_samples
 
 
 def is_dicom(file: Path) -> bool:
@@ -183,6 +191,7 @@ def header_of(file: Path) -> Header | None:
         value_unit=ValueUnit(None),
         tracer=tracer_of(dataset) if modality == "PT" else None,
         is_of_patient=0x0020930F not in _shared_groups(dataset),
+        pictures=facts_of_pictures(dataset, modality, n_frames),
         frames=(),
     )
     if n_frames > 1:
@@ -294,9 +303,10 @@ def _of_frame(
     meant = pointers or range(1, len(indices) + 1)
     dimensions = {_name_of_dimension(of): float(value) for value, of in zip(indices, meant, strict=False)}
     spacing = _found(groups, dataset, 0x00289110, 0x00280030, 2)
-    if not np.isfinite(spacing).all():
-        spacing = numbers(dataset, 0x00181164, 2)
     position, orientation, lengths = _placed(groups, dataset)
+    is_lost = not np.isfinite(position).all() and not (spacing > 0).all()  # some write 0 where they know none
+    if is_lost or not np.isfinite(spacing).all():
+        spacing = np.array(sizes_of_pixels(dataset)[0])
     segment = _in_group(groups, 0x0062000A)
     return {
         "position": position,
@@ -352,9 +362,9 @@ def _placed(
     orientation = _found(groups, dataset, 0x00209116, 0x00200037, 6)
     if (
         not np.isfinite(position).all()
-        and np.isfinite(probed := _found(groups, dataset, 0x0020930E, 0x00209301, 3)).all()
+        and np.isfinite(probed := _found(groups, dataset, 0x0020930E, 0x00209301, 3, "f8")).all()
     ):
-        position, orientation = probed, _found(groups, dataset, 0x0020930F, 0x00209302, 6)
+        position, orientation = probed, _found(groups, dataset, 0x0020930F, 0x00209302, 6, "f8")
     detectors = items(dataset, 0x00540022)
     if not np.isfinite(orientation).all() and detectors:
         position, orientation = numbers(detectors[0], 0x00200032, 3), numbers(detectors[0], 0x00200037, 6)
@@ -395,13 +405,14 @@ def _in_group(groups: Sequence[Mapping[int, Any]], tag: int) -> Any:
     return next((group[tag] for group in groups if tag in group), None)
 
 
-def _found(
-    groups: Sequence[Mapping[int, Any]], dataset: Dataset, group: int, tag: int, count: int
-) -> NDArray[np.float64]:
-    """Numbers of an attribute: in the frame's group, in the shared one, or beside them."""
+def _found(groups: Sequence[Mapping[int, Any]], dataset: Dataset, group: int, *said: Any) -> NDArray[np.float64]:
+    """Numbers of an attribute: in the frame's group, in the shared one, or beside them.
+
+    said : its tag, their count, and their encoding if it is not decimal.
+    """
     item = _in_group(groups, group)
-    found = np.full(count, NONE) if item is None else numbers(item, tag, count)
-    return found if np.isfinite(found).all() else numbers(dataset, tag, count)
+    found = np.full(said[1], NONE) if item is None else numbers(item, *said)
+    return found if np.isfinite(found).all() else numbers(dataset, *said)
 
 
 def _pointer(item: Any) -> int:

@@ -47,6 +47,8 @@ class PixelData:
     offset: int
     #: Bytes of the value: of compressed pixels all to the end of the file, of a packed file at most those it can hold.
     n_bytes: int
+    #: Whether bytes are stored as words of two, whose order is that of the file.
+    is_of_words: bool = False
 
 
 def pixel_data_at(stream: BinaryIO | UnpackedStream, dataset: Dataset, file: Path) -> PixelData | None:
@@ -67,7 +69,8 @@ def pixel_data_at(stream: BinaryIO | UnpackedStream, dataset: Dataset, file: Pat
     if length == UNDEFINED_LENGTH and syntax in NATIVE:
         return None
     n_left = file.stat().st_size - begin
-    return PixelData(tag, begin, n_left if syntax not in NATIVE else min(length, n_left))
+    is_of_words = not is_implicit and head[4:6] == b"OW"
+    return PixelData(tag, begin, n_left if syntax not in NATIVE else min(length, n_left), is_of_words)
 
 
 def n_bits_of(tag: int, header: Header) -> int:

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from wavesplat._files import size_checks
 from wavesplat._files.bounded_file import BoundedFile
 from wavesplat._files.mute_stderr import muted_stderr
-from wavesplat._readers.dicom_deflated import DEFLATED, check_unpacked_size, unpacked_part
+from wavesplat._readers.dicom_deflated import DEFLATED, unpacked_part
 from wavesplat._readers.dicom_header import Header
 from wavesplat._readers.dicom_mosaic import slices_in
 from wavesplat._readers.dicom_pixel_data import (
@@ -51,25 +51,42 @@ def frames_in(header: Header) -> NDArray[Any]:
     check_syntax(header)
     columns, rows = header.size
     shape = (header.n_frames, rows, columns)
-    size_checks.check_memory(math.prod(shape) * header.n_samples * max(header.bits_allocated // 8, 1), header.file)
-    if header.photometric == "PALETTE COLOR":
-        # GDCM looks colours up; the pixels that it is given must be complete.
-        if header.transfer_syntax in NATIVE:
-            content = _native_bytes(header)[1]
-            if header.transfer_syntax == DEFLATED and header.pixel_data is not None:
-                check_unpacked_size(header.file, header.pixel_data.offset + len(content))
-        return _by_itk(header.file, shape)
+    size_checks.check_memory(math.prod(shape) * header.n_colors * max(header.bits_allocated // 8, 1), header.file)
+    stored = _stored(header, shape)
+    return _looked_up(stored, header) if header.photometric == "PALETTE COLOR" else stored
+
+
+def _stored(header: Header, shape: tuple[int, int, int]) -> NDArray[Any]:
+    if header.transfer_syntax == RLE:
+        unpacked = _unpacked_rle(header).reshape((*shape, header.n_samples) if header.n_samples > 1 else shape)
+        return unpacked if header.n_samples > 1 else _meant(unpacked, header)
     if header.n_samples > 1:
         is_native = header.transfer_syntax in NATIVE
         return _by_neutral_copy(header, shape, None if is_native else _fragments(header))
     if header.transfer_syntax in NATIVE:
         return _native(header, shape)
-    if header.transfer_syntax == RLE:
-        return _meant(_unpacked_rle(header).reshape(shape), header)
     fragments = _fragments(header)
     stored = _by_neutral_copy(header, shape, fragments)
     _check_bits(max(stored.dtype.itemsize * 8, _jpeg_precision(fragments)), header)
     return _meant(stored, header)
+
+
+def _looked_up(stored: NDArray[Any], header: Header) -> NDArray[Any]:
+    """Colours of stored numbers, red, green and blue, in the palette of the file.
+
+    Entries of 16 bits, of which only the lowest 8 are used, are of 8.
+    """
+    from pydicom import dcmread
+    from pydicom.pixels.processing import apply_color_lut
+
+    with BoundedFile(header.file) as stream:
+        dataset = dcmread(stream, stop_before_pixels=True, force=True)
+    try:
+        colors = np.concatenate([apply_color_lut(frame, dataset)[None, ..., :3] for frame in stored])
+    except (AttributeError, KeyError, ValueError) as error:
+        reason = str(error).strip().splitlines()[0].rstrip(".")
+        raise FileError(f"the palette cannot be read: {reason}; export it again: {header.file}") from error
+    return colors.astype(np.uint8) if colors.dtype == np.uint16 and colors.max(initial=0) < 1 << 8 else colors
 
 
 def frame_by_frame(header: Header) -> Callable[[int], NDArray[Any]]:
@@ -170,9 +187,11 @@ def _native_bytes(header: Header) -> tuple[int, bytes]:
             content = unpacked_part(header.file, data.offset, needed)
             check_enough(header, len(content), n_bits)
             return data.tag, content
+        is_swapped = data.is_of_words and n_bits == 8 and header.transfer_syntax == BIG_ENDIAN
         with header.file.open("rb") as stream:
             stream.seek(data.offset)
-            return data.tag, stream.read(needed)
+            content = stream.read(needed + needed % 2 if is_swapped else needed)
+        return data.tag, np.frombuffer(content, "u2").byteswap().tobytes()[:needed] if is_swapped else content
     from pydicom import dcmread
 
     with BoundedFile(header.file) as stream:

@@ -18,7 +18,7 @@ from wavesplat._readers.dicom_header import Frame
 from wavesplat._readers.request import Request
 from wavesplat.errors import FileError
 
-__all__ = ["N_NAMED", "Stack", "stacked"]
+__all__ = ["N_NAMED", "Stack", "single", "stacked"]
 
 #: Tolerance of slice positions, as a fraction of the slice distance: scanners round positions.
 TOLERANCE = 0.05
@@ -49,6 +49,12 @@ def stacked(frames: Sequence[Frame], request: Request) -> Stack:
         return Stack(frames, slices, _world_from_index(frames[0], step))
     slices, step, loss = _filled(frames, positions, request)
     return Stack(frames, slices, _world_from_index(frames[0], step), (loss,))
+
+
+def single(frame: Frame, thickness: float) -> Stack:
+    """A slice alone, of a thickness in mm, NaN where it is unknown."""
+    step = abs(thickness) if math.isfinite(thickness) and thickness != 0 else min(frame.pixel_spacing)
+    return Stack([frame], [(0, 0, 0.0)], _world_from_index(frame, frame.normal * step))
 
 
 def _world_from_index(first: Frame, step: NDArray[np.float64]) -> NDArray[np.float64]:

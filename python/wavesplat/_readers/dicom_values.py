@@ -50,9 +50,9 @@ def text(dataset: Any, tag: int) -> str:
     return as_text(raw_value(dataset, tag))
 
 
-def numbers(dataset: Any, tag: int, count: int) -> NDArray[np.float64]:
-    """`count` decimal numbers of an element; all NaN if it has another count of them."""
-    found = as_numbers(raw_value(dataset, tag), "decimal")
+def numbers(dataset: Any, tag: int, count: int, encoding: str = "decimal") -> NDArray[np.float64]:
+    """`count` numbers of an element; all NaN if it has another count of them."""
+    found = as_numbers(raw_value(dataset, tag), encoding)
     return np.array(found if len(found) == count else [NONE] * count)
 
 

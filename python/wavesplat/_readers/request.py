@@ -28,8 +28,8 @@ if TYPE_CHECKING:
     from numpy.typing import DTypeLike
 
 __all__ = [
-    "FilmError",
     "Grid",
+    "PictureError",
     "Request",
     "SeveralError",
     "choose",
@@ -85,8 +85,11 @@ class SeveralError(FileError):
     are_light: bool = True
 
 
-class FilmError(FileError):
-    """The file holds a film, and its pictures, which fill no space, were not asked for as such."""
+class PictureError(FileError):
+    """The file holds a picture or a film, which fills no space, and was not asked for as such."""
+
+    #: Pictures of a film.
+    n_times: int = 1
 
 
 def several(

@@ -4,25 +4,42 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 
-from wavesplat._readers.request import PLANE_PX, PLANES_ARE_TAKEN, Grid, Request
-from wavesplat.errors import FileError
+from wavesplat._readers.request import PLANE_PX, PLANES_ARE_TAKEN, Grid, PictureError, Request
 
-__all__ = ["TOLD", "as_volume", "check_thickness", "level_of_plane", "note_on_level"]
+__all__ = ["as_volume", "check_thickness", "is_single_plane", "level_of_plane", "note_on_level", "shape_in_file"]
 
 TOLD = "a single plane: it is shown as it is, and has no thickness"
 
 
-def check_thickness(shape: Sequence[int], request: Request) -> None:
-    """Raise a `FileError` for samples [z, y, x] of a single plane where these are not taken."""
-    if len(shape) == 3 and min(shape) == 1 and sorted(shape)[1] >= 2 and not PLANES_ARE_TAKEN.get():
-        z, y, x = shape
-        raise FileError(
-            f"the file holds a single plane of x {x}, y {y}, z {z} samples, which fills no space; "
-            f"`wavesplat slice` shows it, and a volume is a file or a folder of several slices: {request.safe_path}"
-        )
+def is_single_plane(volume: Any) -> bool:
+    """Whether a volume is a plane of its file, as `as_volume` makes it."""
+    return TOLD in volume.facts.guesses
+
+
+def shape_in_file(volume: Any) -> tuple[int, ...]:
+    """The shape of a volume, of a single plane without the copy of it."""
+    shape: tuple[int, ...] = volume.shape
+    return tuple(1 if n == min(shape) else n for n in shape) if is_single_plane(volume) else shape
+
+
+def check_thickness(shape: Sequence[int], request: Request, n_times: int = 1) -> None:
+    """Raise a `PictureError` for samples [z, y, x] of a single plane where these are not taken."""
+    if len(shape) != 3 or min(shape) != 1 or sorted(shape)[1] < 2 or PLANES_ARE_TAKEN.get():
+        return
+    z, y, x = shape
+    what, way = f"a single plane of x {x}, y {y}, z {z} samples, which fills no space", "`wavesplat slice` shows it"
+    if n_times > 1:
+        what = f"a film of {n_times} pictures of x {x}, y {y}, z {z} samples, which fill no space"
+        way = "`wavesplat movie` shows all of them, `wavesplat slice --time N` one"
+    error = PictureError(
+        f"the file holds {what}; {way}, and a volume is a file or a folder of several slices: {request.safe_path}"
+    )
+    error.n_times = n_times
+    raise error
 
 
 def level_of_plane(shapes: Sequence[Sequence[int]], request: Request) -> int | None:
@@ -47,7 +64,7 @@ def as_volume(grid: Grid, request: Request) -> Grid:
     if len(shape) != 3 or min(shape) != 1 or sorted(shape)[1] < 2:
         return grid
     axis = shape.index(1)
-    check_thickness(shape, request)
+    check_thickness(shape, request, grid.facts.n_times)
     matrix = np.array(grid.world_from_index, np.float64)
     across = 2 - axis
     column = matrix[:3, across]

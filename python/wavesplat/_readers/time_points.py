@@ -18,7 +18,7 @@ from wavesplat._public import public
 from wavesplat._readers.file_times import times_of_files
 from wavesplat._readers.opening import opened
 from wavesplat._readers.options import FileOptions
-from wavesplat._readers.request import Request, SeveralError, requested
+from wavesplat._readers.request import Request, SeveralError, requested, taking_planes
 from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
@@ -120,7 +120,8 @@ class _OfOneFile:
         if not self._has_several:
             first, self._first = self._first, None
             return opened(self.request) if first is None else first
-        volume = opened(replace(self.request, time=number, kept=self._kept))
+        with taking_planes():  # films are times of pictures
+            volume = opened(replace(self.request, time=number, kept=self._kept))
         self._times = times_of_facts(volume.facts, self._n)
         return volume
 

@@ -36,6 +36,7 @@ from wavesplat._picture import orientation
 from wavesplat._picture.picture import Picture
 from wavesplat._picture.report import Report
 from wavesplat._picture.report_facts import shown_layer
+from wavesplat._readers.single_planes import is_single_plane
 from wavesplat._render import windows
 from wavesplat._render.arguments import (
     check_picture_memory,
@@ -108,8 +109,10 @@ def sliced(
     }
     if transfer_function is None:
         report["window"], report["clim"] = ((low + high) / 2, high - low), (low, high)
-        picture = in_greys(values, (low, high), background)
-        colored = TransferFunction([(low, 1), (high, 1)], [(low, 0, 0, 0), (high, 1, 1, 1)])
+        is_inverted = volume.facts.is_inverted
+        picture = in_greys(values, (low, high), background, is_inverted=is_inverted)
+        black, white = (float(is_inverted),) * 3, (float(not is_inverted),) * 3
+        colored = TransferFunction([(low, 1), (high, 1)], [(low, *black), (high, *white)])
     else:
         curves = chosen_transfer_function(transfer_function, volume)
         if isinstance(curves, TransferFunction2D):
@@ -313,7 +316,8 @@ def _shown(volume: Grid, normal: Array) -> tuple[Array, Array]:
 
 
 def _middle_sample(volume: Grid) -> Array:
-    index = np.array([n // 2 for n in reversed(volume.shape)], dtype=np.float64)
+    is_flat = is_single_plane(volume)  # two equal planes, and it lies between them
+    index = np.array([0.5 if is_flat and n == 2 else n // 2 for n in reversed(volume.shape)], dtype=np.float64)
     matrix = volume.world_from_index
     middle: Array = matrix[:3, :3] @ index + matrix[:3, 3]
     return middle
@@ -381,11 +385,19 @@ def _triple(numbers: Array) -> Vector:
 
 
 def in_greys(
-    values: NDArray[np.float32], limits: tuple[float, float], background: str | Sequence[float] | None
+    values: NDArray[np.float32],
+    limits: tuple[float, float],
+    background: str | Sequence[float] | None,
+    *,
+    is_inverted: bool = False,
 ) -> NDArray[np.float32]:
-    """Values as greys, over the background where there are none. `limits`: the values that are black and white."""
+    """Values as greys, over the background where there are none.
+
+    limits : the values that are black and white. is_inverted : white and black.
+    """
     low, high = limits
     grey = np.clip((values.astype(np.float64) - low) / (high - low), 0, 1)[..., None]
+    grey = 1 - grey if is_inverted else grey
     return _on_background(grey, np.isfinite(values), background)
 
 

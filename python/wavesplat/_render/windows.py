@@ -47,7 +47,7 @@ def limits(
 ) -> tuple[float, float]:
     """The values that are black and white, given as numbers or percentiles.
 
-    Without a window they are those that count as the volume's smallest and largest.
+    Without a window they are those of its file, of a picture, or that count as the volume's smallest and largest.
     """
     if window is not None and clim is not None:
         raise ArgumentError("window and clim both say which values are black and white; give one of them")
@@ -58,6 +58,8 @@ def limits(
     if window is not None:
         level, width = _named(window, volume) if isinstance(window, str) else _level_and_width(window)
         return level - width / 2, level + width / 2
+    if volume.facts.window is not None:
+        return volume.facts.window
     low, high = robust_range(volume)
     # A volume that is the same everywhere is black.
     return (low, high) if low < high else (low, low + 1.0)

@@ -34,6 +34,7 @@ from wavesplat._model.options import Composite
 from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
+from wavesplat._readers.single_planes import is_single_plane
 from wavesplat._render.arguments import chosen_look, cut_open
 from wavesplat._render.framing import Part
 from wavesplat._render.tables import note_on_table
@@ -221,6 +222,11 @@ def drawn_layers(scene: Scene, composite: Composite | None) -> DrawnLayers:
     fields = [layer.color_from.drawn for layer in layers if layer.color_from is not None]
     # Changed files are found before kept looks are used, which were chosen for the samples as they were.
     compare([*volumes, *fields])
+    if flat := next((volume for volume in volumes if is_single_plane(volume)), None):
+        raise ArgumentError(
+            f"{flat.name!r} is a single picture, or a film, and fills no space; `wavesplat slice` shows it "
+            "(wavesplat.slice), and `wavesplat movie` a film (wavesplat.movie)"
+        )
     first = volumes[0] if layers and layers[0] is scene.layers[0] else scene.layers[0].drawn
     check_units([*volumes, *fields])
     # Two fields are drawn as matter where nothing else is said.

@@ -11,9 +11,12 @@ from pathlib import Path
 import numpy as np
 import pytest
 from dicom_files import random, save, sequence, slice_at
+from pydicom import dcmread
+from pydicom.data import get_testdata_file
 from pydicom.uid import ImplicitVRLittleEndian
 
 import wavesplat as ws
+from wavesplat._readers.dicom_header import header_of
 from wavesplat.errors import FileError
 
 FOLDER = Path(__file__).parent / "fixtures" / "dicom_headers"
@@ -39,6 +42,24 @@ def test_uptake_of_real_headers_is_that_of_calculate_suv(tmp_path, scan):
     volume = ws.open(save(tmp_path / "pet", datasets), suv=True)
     slopes = np.arange(1, 4)[:, None, None]
     np.testing.assert_allclose(volume.samples, pixels * slopes * scan["suv_factor"], rtol=1e-3)
+
+
+@pytest.mark.parametrize("scan", MR["diffusion"], ids=[scan["name"] for scan in MR["diffusion"]])
+def test_diffusion_of_real_headers_without_the_names_of_private_blocks(tmp_path, scan):
+    """Programs that remove names of persons remove these names, too; the maker says whose elements they are."""
+
+    def found(**changes):
+        dataset = slice_at(random(1)[0], 0, modality="MR", **{**scan["header"], **changes})
+        for tag, code, value in scan["private"]:
+            dataset.add_new(tag, code, value)
+        dataset.save_as(tmp_path / "a.dcm", enforce_file_format=True)
+        attributes = header_of(tmp_path / "a.dcm").frames[0].attributes
+        return attributes.get("b-value"), attributes.get("direction")
+
+    direction = None if scan["direction"] is None else tuple(scan["direction"])
+    assert found() == (scan["b_value"], direction)
+    if scan["private"]:
+        assert found(Manufacturer="another")[0] is None
 
 
 # Slices side by side
@@ -159,3 +180,22 @@ def test_a_mosaic_of_several_files_is_no_stack_of_pictures(tmp_path):
         datasets.append(slice_at(random(3, size=(8, 8))[t], t, modality="MR", **own))
     with pytest.raises(FileError, match=r"holds a mosaic \(Siemens\), .* were removed"):
         ws.open(save(tmp_path / "mr", datasets))
+
+
+# Doses and segmentations, of files that come with pydicom
+
+
+def test_a_dose_of_a_planning_system():
+    file = get_testdata_file("rtdose.dcm", download=False)
+    said = dcmread(file)
+    volume = ws.open(file)
+    np.testing.assert_allclose(volume.samples, said.pixel_array * float(said.DoseGridScaling), rtol=1e-12)
+    assert (said.DoseUnits, volume.value_unit, volume.guesses) == ("RELATIVE", "relative dose", ())
+
+
+def test_a_segmentation_of_dcmqi():
+    file = get_testdata_file("liver_1frame.dcm", download=False)
+    said = dcmread(file)
+    volume = ws.open(file)
+    np.testing.assert_array_equal(volume.samples, [0 * said.pixel_array, said.pixel_array, 0 * said.pixel_array])
+    assert ws.Labels.open(file).labels[1].name == said.SegmentSequence[0].SegmentLabel == "Liver"

@@ -143,21 +143,20 @@ def test_attributes_are_read_as_the_dictionaries_say(name, source, tag):
     if source.creator is None:
         assert dictionary_VR(tag) in TYPES[source.encoding]
     elif source.creator != dicom_attributes.UIH:
-        _, begin = source.creator
         group, element = f"{tag >> 16:04x}", f"{tag & 0xFF:02x}"
         found = {
             entries[key][0]
             for creator, entries in private_dictionaries.items()
             for key in entries
-            if creator.startswith(begin) and key.lower() == f"{group}xx{element}"
+            if creator.startswith(source.creator.name) and key.lower() == f"{group}xx{element}"
         }
         assert found & TYPES[source.encoding], name
 
 
 def test_names_of_private_blocks_are_those_of_the_dictionaries():
-    names = {dicom_mosaic.CREATOR[1], dicom_suv.PHILIPS, dicom_suv.GE}
+    names = {dicom_mosaic.CREATOR.name, dicom_suv.PHILIPS.name, dicom_suv.GE.name}
     assert names <= private_dictionaries.keys()
-    assert private_dictionaries[dicom_suv.GE]["0009xx0D"][2] == "PET scan_datetime"
-    assert private_dictionaries[dicom_suv.PHILIPS]["7053xx00"][2] == "SUV Scale Factor"
-    assert private_dictionaries[dicom_suv.PHILIPS]["7053xx09"][2] == "Activity Concentration Scale Factor"
-    assert private_dictionaries[dicom_mosaic.CREATOR[1]]["0019xx0A"][2] == "NumberOfImagesInMosaic"
+    assert private_dictionaries[dicom_suv.GE.name]["0009xx0D"][2] == "PET scan_datetime"
+    assert private_dictionaries[dicom_suv.PHILIPS.name]["7053xx00"][2] == "SUV Scale Factor"
+    assert private_dictionaries[dicom_suv.PHILIPS.name]["7053xx09"][2] == "Activity Concentration Scale Factor"
+    assert private_dictionaries[dicom_mosaic.CREATOR.name]["0019xx0A"][2] == "NumberOfImagesInMosaic"

@@ -14,7 +14,7 @@ from dataclasses import dataclass
 from datetime import date
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from wavesplat._readers.dicom_values import as_numbers, as_text, first_items, raw_value
+from wavesplat._readers.dicom_values import MANUFACTURER, Creator, as_numbers, as_text, first_items, raw_value
 
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
@@ -38,8 +38,7 @@ class Source:
     encoding: str
     #: Further tags of the components of a direction, or the date that a time belongs to.
     others: tuple[int, ...] = ()
-    #: For private tags: the tag that names the block's creator, and the beginning of the name.
-    creator: tuple[int, str] | None = None
+    creator: Creator | None = None
     count: int = 1
 
 
@@ -66,12 +65,13 @@ def _time(name: str, *sources: Source, unit: str = "", units_per_second: float =
 
 
 SIEMENS, GE_ACQUISITION, GE_PARAMETERS = (
-    (0x00190010, "SIEMENS MR HEADER"),
-    (0x00190010, "GEMS_ACQU"),
-    (0x00430010, "GEMS_PARM"),
+    Creator(0x00190010, "SIEMENS MR HEADER", "SIEMENS"),
+    Creator(0x00190010, "GEMS_ACQU", "GE"),
+    Creator(0x00430010, "GEMS_PARM", "GE"),
 )
-PHILIPS, PHILIPS_MR = (0x20010010, "Philips Imaging"), (0x20050010, "Philips MR")
-UIH = (0x00650010, "Image Private Header")
+PHILIPS = Creator(0x20010010, "Philips Imaging", "PHILIPS")
+PHILIPS_MR = Creator(0x20050010, "Philips MR", "PHILIPS")
+UIH = Creator(0x00650010, "Image Private Header", "UIH")
 
 #: Attributes in the order in which they split frames, the surest first: kinds of picture, identifiers of times, clocks.
 ATTRIBUTES = (
@@ -153,7 +153,7 @@ TAGS = frozenset(
     tag
     for attribute in ATTRIBUTES
     for source in attribute.sources
-    for tag in (source.tag, *source.others, *(() if source.creator is None else source.creator[:1]))
+    for tag in (source.tag, *source.others, *(() if source.creator is None else (source.creator.tag, MANUFACTURER)))
 )
 #: Tags of nuclear medicine whose values have a number for each frame of the file.
 VECTORS = (0x00540010, 0x00540020, 0x00540030, 0x00540050, 0x00540060, 0x00540070, 0x00540090, 0x00540100)
@@ -221,8 +221,8 @@ def _values(found: Mapping[int, Raw]) -> dict[str, Value]:
 
 def _value(source: Source, found: Mapping[int, Raw]) -> Value | None:
     if source.creator is not None:
-        tag, name = source.creator
-        if not as_text(found.get(tag, (b"", True))).startswith(name):
+        said, maker = (as_text(found.get(tag, (b"", True))) for tag in (source.creator.tag, MANUFACTURER))
+        if not source.creator.owns(said, maker):
             return None
     if source.encoding == "text":
         return as_text(found[source.tag]) or None

@@ -23,7 +23,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._readers.dicom_values import as_numbers, as_text, numbers, raw_value
+from wavesplat._readers.dicom_values import Creator, as_numbers, numbers, raw_value
 from wavesplat.errors import FileError
 
 if TYPE_CHECKING:
@@ -39,8 +39,8 @@ MISSING = {
     GRID: "private 0065,xx50 and 0065,xx51; and ImageOrientationPatient",
 }
 #: The tag of the number of slices of Siemens, and of the name of the block that it is in; both of UIH; its slices.
-N_SLICES, CREATOR = 0x0019100A, (0x00190010, "SIEMENS MR HEADER")
-N_OF_GRID, CREATOR_OF_GRID, SLICES = 0x00651050, (0x00650010, "Image Private Header"), 0x00651051
+N_SLICES, CREATOR = 0x0019100A, Creator(0x00190010, "SIEMENS MR HEADER", "SIEMENS")
+N_OF_GRID, CREATOR_OF_GRID, SLICES = 0x00651050, Creator(0x00650010, "Image Private Header", "UIH"), 0x00651051
 #: Groups that may hold the protocol of Siemens, and its lines: the number of slices, and coordinates of their centres.
 GROUPS_OF_PROTOCOL = (0x0029, 0x0021)
 BEGIN, END = b"### ASCCONV BEGIN", b"### ASCCONV END"
@@ -141,7 +141,7 @@ def _tiles(word: str, n: int, picture: Picture) -> Tiles:
 
 
 def _split_grid(dataset: Dataset, picture: Picture) -> Split | None:
-    if not as_text(raw_value(dataset, CREATOR_OF_GRID[0])).startswith(CREATOR_OF_GRID[1]):
+    if not CREATOR_OF_GRID.is_in(dataset):
         return None
     items = _items(dataset)
     said = as_numbers(raw_value(dataset, N_OF_GRID), "decimal")
@@ -182,7 +182,7 @@ def _items(dataset: Dataset) -> Sequence[Any]:
 def _split_mosaic(dataset: Dataset, picture: Picture) -> Split | None:
     tags = _of_image(dataset)
     said = tags.get("NumberOfImagesInMosaic") or []
-    if as_text(raw_value(dataset, CREATOR[0])).startswith(CREATOR[1]):
+    if CREATOR.is_in(dataset):
         said = as_numbers(raw_value(dataset, N_SLICES), "u2") or said
     vector = np.array(tags.get("SliceNormalVector") or [], np.float64)
     is_direction = vector.shape == (3,) and np.isfinite(vector).all() and vector.any()

@@ -18,7 +18,7 @@ from dataclasses import dataclass, fields
 from typing import Any
 
 from wavesplat._readers.dicom_attributes import SECONDS_PER_DAY, seconds_of
-from wavesplat._readers.dicom_values import as_numbers, as_text, items, raw_value, text
+from wavesplat._readers.dicom_values import Creator, as_numbers, items, raw_value, text
 from wavesplat.errors import FileError
 
 __all__ = ["Tracer", "Uptake", "tracer_of", "uptake_of"]
@@ -28,7 +28,8 @@ NONE = float("nan")
 MAX_HALF_LIVES = 10.0
 #: Least injected activity, Bq: a smaller number is in MBq.
 MIN_DOSE = 1e4
-PHILIPS, GE = "Philips PET Private Group", "GEMS_PETD_01"
+PHILIPS = Creator(0x70530010, "Philips PET Private Group", "PHILIPS")
+GE = Creator(0x00090010, "GEMS_PETD_01", "GE")
 #: Corrections that SUV need, with their words in CorrectedImage (0028,0051): the standard's (PS3.3, C.8.9.1), and then
 #: that of QIBA's pseudo-code.
 CORRECTIONS = {"attenuation": ("ATTN",), "decay": ("DECY", "DECAY")}
@@ -90,8 +91,8 @@ def tracer_of(dataset: Any) -> Tracer:
         acquired=_time(text(dataset, 0x00080022), text(dataset, 0x00080032)),
         reference_s=_number(dataset, 0x00541300) / 1000,
         duration_s=_number(dataset, 0x00181242) / 1000,
-        philips_suv=_private(dataset, 0x70530010, 0x70531000, PHILIPS),
-        philips_bqml=_private(dataset, 0x70530010, 0x70531009, PHILIPS),
+        philips_suv=_private(dataset, 0x70531000, PHILIPS),
+        philips_bqml=_private(dataset, 0x70531009, PHILIPS),
         ge_scan=_ge_scan(dataset),
     )
 
@@ -242,12 +243,12 @@ def _time_of_day(time: str) -> float:
     return NONE if found is None else found
 
 
-def _private(dataset: Any, creator: int, tag: int, name: str) -> float:
+def _private(dataset: Any, tag: int, creator: Creator) -> float:
     """A number of a private element as text; NaN if the block is another's."""
-    return _number(dataset, tag) if as_text(raw_value(dataset, creator)).startswith(name) else NONE
+    return _number(dataset, tag) if creator.is_in(dataset) else NONE
 
 
 def _ge_scan(dataset: Any) -> float:
     """The start of the scan by GE."""
-    said = text(dataset, 0x0009100D) if text(dataset, 0x00090010).startswith(GE) else ""
+    said = text(dataset, 0x0009100D) if GE.is_in(dataset) else ""
     return _time(said[:8], said[8:])

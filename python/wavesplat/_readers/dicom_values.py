@@ -3,14 +3,43 @@
 from __future__ import annotations
 
 from collections.abc import Container
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
-__all__ = ["as_numbers", "as_text", "first_items", "integer", "items", "numbers", "raw_value", "text", "whole_numbers"]
+__all__ = [
+    "MANUFACTURER",
+    "Creator",
+    "as_numbers",
+    "as_text",
+    "first_items",
+    "integer",
+    "items",
+    "numbers",
+    "raw_value",
+    "text",
+    "whole_numbers",
+]
 
 NONE = float("nan")
+MANUFACTURER = 0x00080070
+
+
+class Creator(NamedTuple):
+    """The element that names the owner of a block of private ones, the beginning of the name, and of the maker's."""
+
+    tag: int
+    name: str
+    maker: str
+
+    def owns(self, said: str, manufacturer: str) -> bool:
+        """Whether a block is of this creator. Programs that remove names remove these, too, and keep the elements."""
+        return said.startswith(self.name) or (not said and manufacturer.upper().startswith(self.maker))
+
+    def is_in(self, dataset: Any) -> bool:
+        """Whether the block of a dataset is of this creator."""
+        return self.owns(text(dataset, self.tag), text(dataset, MANUFACTURER))
 
 
 def raw_value(dataset: Any, tag: int) -> tuple[bytes, bool]:

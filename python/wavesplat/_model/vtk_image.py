@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from wavesplat._model import affine
+from wavesplat._model import affine, units
 from wavesplat._model.converted import Converted
 from wavesplat._model.facts import Facts, quantity_of
 from wavesplat.errors import ArgumentError
@@ -44,7 +44,9 @@ def of_vtk(image: Any) -> Converted:
     matrix[:3, 3] += matrix[:3, :3] @ (extent[:, 0] + (0.5 if of_cells else 0.0))
     samples: NDArray[Any] = np.asarray(array).reshape(tuple(size[::-1]))
     name = array.GetName()
-    facts = Facts(unit=_text(image, UNIT), quantity=quantity_of(name), is_anatomical=_text(image, SPACE) == "RAS")
+    unit, factor = units.of_file(_text(image, UNIT))
+    matrix[:3] *= factor
+    facts = Facts(unit=unit, quantity=quantity_of(name), is_anatomical=_text(image, SPACE) == "RAS")
     return Converted(samples, matrix, facts, name)
 
 

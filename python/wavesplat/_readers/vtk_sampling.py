@@ -57,8 +57,8 @@ def uniform_place(grid: Any, *, of_cells: bool) -> NDArray[np.float64] | None:
         found = [off_from_even(axis, TOLERANCE) if len(axis) > 1 else (1.0, 0.0, True) for axis in axes]
         if not all(is_even for _, _, is_even in found):
             return None
-        first = [float(axis[0]) for axis in axes]
-        return world_from_index(np.eye(3), [step for step, _, _ in found], first, (0, 0, 0), of_cells=of_cells)
+        origin = [float(axis[0]) for axis in axes]
+        return world_from_index(np.eye(3), [step for step, _, _ in found], origin, (0, 0, 0), of_cells=of_cells)
     if grid.IsA("vtkStructuredGrid"):
         nx, ny, nz = n_points(grid)
         points = vtk_to_numpy(grid.GetPoints().GetData()).reshape(nz, ny, nx, 3)

@@ -90,7 +90,7 @@ def named_volume(array: Any, group: Any, read: Callable[[Any], NDArray[Any]], re
         return None
     coordinates = {}
     for name, size in zip(names, array.shape, strict=True):
-        own = None if group is None or "/" in name else group.get(name)
+        own: Any = None if group is None or "/" in name else group.get(name)
         if getattr(own, "shape", None) == (size,) and size <= LONGEST and own.dtype.kind in "iuf":
             coordinates[name] = _Coordinate(read(own), dict(own.attrs))
     title = (request.dataset or request.name).rpartition("/")[2]

@@ -300,6 +300,6 @@ def test_a_word_for_the_channel_draws_each_channel_alone(tmp_path, wavesplat):
     blue, green = (np.asarray(Image.open(path).convert("RGB")).astype(int) for path in paths)
     assert blue[..., 2].sum() > 2 * blue[..., 1].sum()
     assert green[..., 1].sum() > 2 * green[..., 2].sum()
-    wrong = wavesplat("render", source, "-o", tmp_path / "q_{chanel}.png", *options)
-    assert "unknown {chanel} in --output, is it {channel}?; words in braces are" in wrong.stderr
+    wrong = wavesplat("render", source, "-o", tmp_path / "q_{chan}.png", *options)
+    assert "unknown {chan} in --output, is it {channel}?; words in braces are" in wrong.stderr
     assert "unknown {channel} in --output" in wavesplat("slice", source, "-o", tmp_path / "{channel}.png").stderr

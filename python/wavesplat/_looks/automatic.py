@@ -166,11 +166,10 @@ def labels_alone(volume: Volume | WaveletVolume, kind: Kind) -> Labels | None:
     if kind not in ("labels", "mask") or not isinstance(volume, Volume) or volume.dtype.kind not in "iuf":
         return None
     named = label_names.of_volume(volume)
-    is_lazy = isinstance(volume, LazyVolume)
-    if (kind == "mask" and not named) or (is_lazy and not volume.fits_in_budget):
+    if (kind == "mask" and not named) or (isinstance(volume, LazyVolume) and not volume.fits_in_budget):
         return None
     try:
-        labels = Labels(volume.read() if is_lazy else volume)
+        labels = Labels(volume.read() if isinstance(volume, LazyVolume) else volume)
     except ArgumentError:  # fractions, or far too many numbers, between the samples that were looked at
         return None
     return labels._with_names(named)

@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from wavesplat._geometry.surface import Surface
 from wavesplat._looks.labels import Label, Labels
 from wavesplat._looks.look import Look
 from wavesplat._looks.transfer_function import TransferFunction
@@ -89,7 +90,7 @@ def scene_of(viewer: Any, composite: Composite | None = None) -> Scene:
     layers = [_layer(viewer, layer, wanted) for layer in images]
     if segmentation is not None and isinstance(wanted, FirstHit):
         # Beside the surface of an image labels are surfaces, too.
-        geometry += mesh(segmentation, labels=[*segmentation.labels]).parts
+        geometry += [Surface(part) for part in mesh(segmentation, labels=[*segmentation.labels])]
         segmentation = None
     return Scene(layers, labels=segmentation, background="black", geometry=geometry)
 

@@ -408,6 +408,42 @@ def _message(path):
     return None
 
 
+PLY = (
+    "ply\nformat ascii 1.0\nelement vertex {}\nproperty float x\nproperty float y\nproperty float z\nelement face 1\n"
+    "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"
+)
+
+
+def test_meshes_of_text_that_broke_off(here):
+    """Anywhere: none opens as a smaller shape, or as another kind of shape."""
+    trimesh = pytest.importorskip("trimesh")
+    (here / "a.ply").write_text(PLY.format(1_000_000_000))
+    with pytest.raises(FileError, match="truncated: its header promises 1000000000 of vertex and 1 of face"):
+        ws.open_geometry("a.ply")
+    (here / "a.ply").write_text(PLY.format(3))
+    assert isinstance(ws.open_geometry("a.ply"), ws.Surface)
+    mesh = trimesh.creation.box()
+    (here / "b.off").write_text(mesh.export(file_type="off"))
+    (here / "c.stl").write_text(mesh.export(file_type="stl_ascii"))
+    (here / "d.ply").write_bytes(mesh.export(file_type="ply", encoding="ascii"))
+    for name in ("a.ply", "b.off", "c.stl", "d.ply"):
+        assert ws.open_geometry(name)
+        whole = (here / name).read_text().rstrip().removesuffix("endsolid").rstrip()
+        for cut in range(len(whole) // 3, len(whole) - 9, 7):
+            (here / name).write_text(whole[:cut])
+            assert _message(here / name) is not None or whole[:cut].endswith("endfacet"), (name, whole[:cut][-40:])
+
+
+def test_tracts_that_broke_off_behind_one_of_them(here):
+    streamlines = pytest.importorskip("nibabel.streamlines")
+    tracts = streamlines.Tractogram([np.ones((3, 3), "f4")] * 5, affine_to_rasmm=np.eye(4))
+    streamlines.save(tracts, "a.trk")
+    assert len(ws.open_geometry("a.trk").paths) == 5
+    (here / "a.trk").write_bytes((here / "a.trk").read_bytes()[: 1000 + 3 * (4 + 36)])
+    with pytest.raises(FileError, match="truncated: its header promises 5 tracts, and it holds 3"):
+        ws.open_geometry("a.trk")
+
+
 def test_damaged_files_are_errors_of_one_line_or_shapes(here):
     """Cut anywhere, and with bytes changed anywhere: nothing else is ever raised."""
     rng = np.random.default_rng(0)

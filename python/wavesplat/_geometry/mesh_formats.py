@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from wavesplat._files.libraries import library
 from wavesplat._files.size_checks import check_memory
+from wavesplat._geometry import mesh_counts
 from wavesplat._geometry.foreign_shapes import kind_of, points_of, surface_of
 from wavesplat._geometry.read_shape import Asked, ReadShape
 from wavesplat._model import units
@@ -45,6 +46,7 @@ def read(asked: Asked) -> ReadShape:
         _check_stl(content)
     if suffix == ".gltf":
         _check_gltf(content)
+    mesh_counts.check_text(content, suffix)
     made = trimesh.load(io.BytesIO(content), file_type=suffix[1:], process=False)
     if isinstance(made, trimesh.Scene):
         parts = [part for part in made.dump() if kind_of(part) == "surface"]

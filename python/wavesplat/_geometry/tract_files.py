@@ -22,8 +22,12 @@ def read(asked: Asked) -> ReadShape:
     """The tracts in a file; `values` names one of a TRK file's numbers for each position or tract."""
     check_memory(BYTES_PER_BYTE * asked.file.stat().st_size, asked.file)
     streamlines: Any = library("nibabel.streamlines", extra="geometry")
+    # Before: nibabel puts the number that it has read in its place.
+    promised = _count(streamlines.load(str(asked.file), lazy_load=True).header)
     tractogram = streamlines.load(str(asked.file)).tractogram
     tracts = [np.asarray(one, np.float64) for one in tractogram.streamlines]
+    if len(tracts) < promised:
+        raise ValueError(f"truncated: its header promises {promised} tracts, and it holds {len(tracts)}")
     n_lost = sum(not np.isfinite(one).all() for one in tracts)
     kept = [k for k, one in enumerate(tracts) if len(one) and np.isfinite(one).all()]
     if not kept:
@@ -33,6 +37,14 @@ def read(asked: Asked) -> ReadShape:
         fields["values"] = _values(tractogram, asked, kept)
     guesses = (f"{n_lost} of {len(tracts)} tracts left out: they have positions that are not finite",) if n_lost else ()
     return ReadShape("lines", fields, "mm", guesses)
+
+
+def _count(header: Any) -> int:
+    """The number of tracts that a header promises; 0 where it says none."""
+    try:
+        return int(header.get("nb_streamlines") or header.get("count") or 0)
+    except (TypeError, ValueError):
+        return 0
 
 
 def _values(tractogram: Any, asked: Asked, kept: list[int]) -> Any:

@@ -40,7 +40,8 @@ def test_pictures_hold_no_folder_fault_23(patient, tmp_path, name):
     picture = ws.render([ws.Layer(scan, ws.TransferFunction.diverging(300))], labels=labels, size=(40, 30)).annotated(
         scale_bar=True, unit="mm"
     )
-    assert PATIENT in json.dumps(picture.report)  # so that there is something to leave out
+    assert PATIENT in picture.report.to_json(embed_paths=True)  # so that there is something to leave out
+    assert PATIENT not in picture.report.to_json() + repr(picture.report) + json.dumps(picture.report)
     (tmp_path / "out").mkdir()
     picture.save(tmp_path / "out" / name)
     content = (tmp_path / "out" / name).read_bytes()
@@ -131,14 +132,38 @@ def test_files_of_one_name_are_not_taken_for_each_other(tmp_path):
 @pytest.mark.parametrize(
     ("path", "name"),
     [
-        ("/data/DOE/scan.nii.gz", "scan.nii.gz"),
-        ("/data/DOE/scan_*.nii", "scan_*.nii"),
-        ("/data/*/scan.nii", None),
+        ("/data/DOE/cells.ome.tif", "cells.ome.tif"),
+        ("/data/DOE/cells_*.tif", "cells_*.tif"),
+        ("/data/*/cells.tif", None),
+        ("/data/DOE/DOE.nii.gz", None),  # there is no such file whose content could name it
+        ("/data/DOE/IM0001", None),
         ("https://host/DOE/cells.zarr?token=1", "cells.zarr"),
     ],
 )
 def test_the_name_of_a_file(path, name):
     assert file_name_of(path) == name
+
+
+def test_scans_of_patients_are_named_by_their_content(tmp_path, monkeypatch):
+    (tmp_path / PATIENT).mkdir()
+    for name, samples in (("DOE", SAMPLES), ("other", SAMPLES[::-1])):
+        ws.Volume(SAMPLES if name == "DOE" else samples, spacing=(1, 1, 2), anatomical=True).save(
+            tmp_path / PATIENT / f"{name}.nii.gz"
+        )
+    picture = ws.render(ws.open(tmp_path / PATIENT / "DOE.nii.gz"), "grey", size=(20, 16))
+    picture.save(tmp_path / "x.png")
+    text = text_in((tmp_path / "x.png").read_bytes(), "wavesplat")
+    assert "DOE" not in text
+    assert json.loads(text)["layers"][0]["volume"]["path"].startswith("content:")
+    with pytest.raises(FileError, match="names a scan by its content, and there is no such file in the document's"):
+        scene_files.load(tmp_path / "x.png")
+    # It is found by what it holds, whatever it is called, and drawn again with the same bytes.
+    (tmp_path / PATIENT / "DOE.nii.gz").rename(tmp_path / PATIENT / "renamed.nii.gz")
+    monkeypatch.chdir(tmp_path / PATIENT)
+    again = drawn(tmp_path / "x.png")
+    np.testing.assert_array_equal(again.rgba, picture.rgba)
+    again.save(tmp_path / "y.png")
+    assert (tmp_path / "y.png").read_bytes() == (tmp_path / "x.png").read_bytes()
 
 
 def test_stores_of_zarr_are_named(tmp_path):

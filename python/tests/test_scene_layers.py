@@ -161,7 +161,7 @@ def test_looks_are_given_one_for_each_or_one_for_all():
     assert [layer.look for layer in ws.Scene([CT, ws.Layer(CT, BLUE)], [SOFT, None]).layers] == [SOFT, BLUE]
     for what, look, message in (
         ([CT, CT], [SOFT], "there are 1 looks for 2 volumes"),
-        (ws.Layer(CT, BLUE), SOFT, "layer 'ct_pelvis.nii.gz' has a look, and another one is given"),
+        (ws.Layer(CT, BLUE), SOFT, "layer 'CT' has a look, and another one is given"),
         ([], None, "a scene has 1 to 8 layers, not 0"),
         ([CT] * 9, None, "not 9"),
         (ws.Scene(CT), None, "this is a scene already"),

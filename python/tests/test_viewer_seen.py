@@ -97,7 +97,7 @@ def test_the_copied_code_draws_the_same_pixels(pelvis, shown, marks, tmp_path, m
     asked = {"width": 480, "height": 360, "shown": shown, "annotated": marks}
     told, payload = questions.answer(state, "picture", asked)
     expected = np.asarray(Image.open(io.BytesIO(payload)).convert("RGBA"))
-    name = {"3d": "ct_pelvis", "z": "ct_pelvis_axial", "x": "ct_pelvis_sagittal", "all": "ct_pelvis_all"}[shown]
+    name = {"3d": "CT", "z": "CT_axial", "x": "CT_sagittal", "all": "CT_all"}[shown]
     assert told["name"] == f"{name}.png"
     monkeypatch.chdir(tmp_path)
     path = tmp_path / f"{name}.png"

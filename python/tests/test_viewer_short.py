@@ -58,7 +58,7 @@ def test_ct_and_pet_have_a_short_command_that_draws_the_same_pixels(scans, look,
     text = command.replace("wavesplat ", f"{shlex.quote(sys.executable)} -m wavesplat ", 1)
     done = subprocess.run(["sh", "-c", text], cwd=scans, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    drawn = np.asarray(Image.open(scans / "ct.png").convert("RGBA"))
+    drawn = np.asarray(Image.open(scans / "CT.png").convert("RGBA"))
     assert np.array_equal(drawn, np.asarray(picture_of(state, "3d", SIZE)))
 
 
@@ -109,7 +109,7 @@ def test_settings_that_differ_are_options(scans, path, value, option):
     assert option in command
     text = command.replace("wavesplat ", f"{shlex.quote(sys.executable)} -m wavesplat ", 1)
     assert subprocess.run(["sh", "-c", text], cwd=scans, capture_output=True, check=False).returncode == 0
-    drawn = np.asarray(Image.open(scans / "ct.png").convert("RGBA"))
+    drawn = np.asarray(Image.open(scans / "CT.png").convert("RGBA"))
     assert np.array_equal(drawn, np.asarray(picture_of(state, "3d", SIZE)))
 
 
@@ -123,7 +123,7 @@ def test_names_of_files_that_options_could_mistake_are_quoted_or_left_to_the_doc
     text = command.replace("wavesplat ", f"{shlex.quote(sys.executable)} -m wavesplat ", 1)
     done = subprocess.run(["sh", "-c", text], cwd=scans, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
-    drawn = np.asarray(Image.open(scans / "ct.png").convert("RGBA"))
+    drawn = np.asarray(Image.open(scans / "CT.png").convert("RGBA"))
     assert np.array_equal(drawn, np.asarray(picture_of(state, "3d", SIZE)))
 
 

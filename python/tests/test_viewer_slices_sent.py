@@ -1,4 +1,4 @@
-"""Slices of DICOM and TIFF that pages send, in folders and without: one volume with the name of folder or series."""
+"""Slices of DICOM and TIFF that pages send, in folders and without: one volume, called by what it shows."""
 
 import io
 import json
@@ -36,14 +36,15 @@ def within(folder, files):
     return {f"{folder}/{name}": data for name, data in files.items()}
 
 
-def check(page, begun, files, name, samples):
+def check(page, begun, files, name, samples, *, layer="CT"):
+    """`name`: what the page is told that it sent; `layer`: the name in the picture."""
     told = page.open(files)
     assert told["shown"]
     assert told["found"] == [{"kind": "volume", "name": name}]
-    layer = begun[0].scene.layers[0]
-    assert (layer.name, layer.volume.name) == (name, name)
-    assert begun[0].document["layers"][0]["name"] == name
-    assert np.array_equal(layer.drawn.samples, samples)
+    shown = begun[0].scene.layers[0]
+    assert shown.name == layer == begun[0].document["layers"][0]["name"]
+    assert begun[0].document["layers"][0]["volume"]["name"] == layer
+    assert np.array_equal(shown.drawn.samples, samples)
     return begun[0].file_document()["layers"][0]["volume"]["path"]
 
 
@@ -55,7 +56,7 @@ def test_a_folder_of_dicom_has_its_name(started, tmp_path, folder):
 
 def test_a_folder_of_tiff_has_its_name(started):
     files, samples = tiff()
-    check(*started, within("em stack", files), "em stack", samples)
+    check(*started, within("em stack", files), "em stack", samples, layer="EM")
 
 
 def test_loose_dicom_has_the_description_of_its_series(started, tmp_path):
@@ -118,7 +119,7 @@ def test_pictures_of_a_folder_that_was_sent_do_not_hold_its_name(started, tmp_pa
     check(page, begun, within("DOE^JANE", files), "DOE^JANE", pixels)
     document = without_folders(begun[0].file_document())
     assert "DOE" not in json.dumps(document)
-    assert document["layers"][0]["name"] == "volume"
+    assert document["layers"][0]["name"] == "CT"
 
 
 def test_pictures_of_loose_slices_do_not_hold_the_description_of_their_series(started, tmp_path):

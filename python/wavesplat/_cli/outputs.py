@@ -36,9 +36,11 @@ def check_outputs(
 def write_report(path: Path, facts: dict[str, Any], *, embed_paths: bool) -> None:
     """Write the facts about a result to a JSON file, with paths or with names of files alone."""
     from wavesplat._files.output import write_atomically
-    from wavesplat._model.private_names import without_folders
+    from wavesplat._model.private_names import whole, without_folders
 
-    if not embed_paths:
+    if embed_paths:
+        facts = whole(facts)
+    else:
         # So that `picture` and `input` are treated as the paths in the scene are.
         named = without_folders({name: {"path": facts[name]} for name in ("picture", "input") if name in facts})
         facts = {**without_folders(facts), **{name: one["path"] for name, one in named.items()}}

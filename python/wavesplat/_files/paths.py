@@ -6,6 +6,7 @@ import os
 from os import PathLike
 from pathlib import Path
 
+from wavesplat._files.file_names import FileName
 from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["check_no_pipe", "check_text", "expanded", "lies_in", "printable", "read_text", "real_path"]
@@ -81,4 +82,6 @@ def check_text(path: Path) -> None:
 
 def printable(name: str) -> str:
     """A name as text: bytes that are no UTF-8, which some systems allow in names, are replaced."""
+    if isinstance(name, FileName):
+        return name
     return name.encode("utf-8", "surrogatepass").decode("utf-8", "replace")

@@ -67,7 +67,7 @@ def labels_of_structures(
             more = ", ..." if len(listed) > N_NAMED else ""
             _warn(f"{told} {', '.join(listed[:N_NAMED])}{more}", file, stacklevel=5)
     facts = Facts(unit=scan.unit, is_anatomical=scan.is_anatomical, modality="RTSTRUCT")
-    volume = Volume(samples, world_from_index=scan.world_from_index, name=file.name, facts=facts)
+    volume = Volume(samples, world_from_index=scan.world_from_index, name="labels", facts=facts)
     return volume, {one.number: (one.name, one.color) for one in found}
 
 

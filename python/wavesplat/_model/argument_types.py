@@ -14,6 +14,7 @@ from functools import wraps
 from operator import index
 from typing import ParamSpec, TypeVar
 
+from wavesplat._files.file_names import FileName
 from wavesplat._files.json_text import is_text
 from wavesplat._model.keyword_hints import check_keywords
 from wavesplat.errors import ArgumentError
@@ -66,6 +67,8 @@ def check_text(value: object, what: str) -> None:
 
 def text_of(value: object, what: str) -> str:
     """A value as a text; an `ArgumentError` for a whole number of more digits than Python writes."""
+    if isinstance(value, FileName):
+        return value
     try:
         return str(value)
     except ValueError:

@@ -14,7 +14,16 @@ from wavesplat._model.short_repr import short_repr
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
-__all__ = ["COLORS", "LENGTH", "Channel", "Facts", "is_part_of_color", "quantity_of", "value_unit_of"]
+__all__ = [
+    "COLORS",
+    "LENGTH",
+    "Channel",
+    "Facts",
+    "description_of",
+    "is_part_of_color",
+    "quantity_of",
+    "value_unit_of",
+]
 
 #: Bound of time points: more than any file has.
 MAX_TIMES = 2**53
@@ -103,6 +112,9 @@ class Facts:
         Values that the file wants shown in black and in white, of a picture.
     is_inverted : bool
         Whether the file wants the lowest values shown in white, as X-ray films have them (MONOCHROME1 of DICOM).
+    description : str, optional
+        What the file calls the scan: tracer and description of the series in DICOM, which tell scans of one modality
+        apart in legends.
     channel : Channel, optional
         The channel of the samples.
     channels : sequence of Channel
@@ -143,6 +155,7 @@ class Facts:
     quantity: str | None = None
     window: tuple[float, float] | None = None
     is_inverted: bool = False
+    description: str | None = None
     channel: Channel | None = None
     channels: tuple[Channel, ...] = ()
     n_times: int = 1
@@ -165,9 +178,10 @@ class Facts:
             "is_anatomical": bool(self.is_anatomical),
             "modality": None if self.modality is None else text_of(self.modality, "facts: modality"),
             "value_unit": _value_unit(self.value_unit),
-            "quantity": _quantity(self.quantity),
             "window": None if self.window is None else _window(self.window, "facts: window"),
             "is_inverted": bool(self.is_inverted),
+            "quantity": _line(self.quantity, "quantity", "temperature"),
+            "description": _line(self.description, "description", "Thorax 1.0"),
             "channels": channels,
             "n_times": self.n_times,
             "time_step": _step(self.time_step),
@@ -235,12 +249,20 @@ def quantity_of(name: object) -> str | None:
     return told if is_name else None
 
 
-def _quantity(name: object) -> str | None:
-    if name is None:
+def description_of(*texts: str) -> str | None:
+    """The description of a scan, of what a file says of it; None where it says nothing."""
+    told = ", ".join(
+        " ".join("".join(sign if sign.isprintable() else " " for sign in one).split()) for one in texts if one
+    )
+    return told[:LONGEST_QUANTITY].strip() or None
+
+
+def _line(text: object, name: str, example: str) -> str | None:
+    if text is None:
         return None
-    if not isinstance(name, str) or len(name) > LONGEST_QUANTITY or not name.isprintable():
-        raise ArgumentError(f'facts: quantity is {described(name)}; give a name of one line, such as "temperature"')
-    return name.strip() or None
+    if not isinstance(text, str) or len(text) > LONGEST_QUANTITY or not text.isprintable():
+        raise ArgumentError(f'facts: {name} is {described(text)}; give a name of one line, such as "{example}"')
+    return text.strip() or None
 
 
 def _value_unit(unit: object) -> str | None:

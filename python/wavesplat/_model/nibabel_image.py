@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._files.file_names import FileName
 from wavesplat._model.converted import Converted
 from wavesplat._model.facts import Facts
 from wavesplat._model.quantities import OF_INTENTS
@@ -61,7 +62,7 @@ def of_nibabel(image: Any) -> Converted:
             f"wavesplat.Volume(image.dataobj[{samples.dtype.names[0]!r}].T, world_from_index=image.affine)"
         )
     file = image.get_filename()
-    name = None if file is None else Path(file).name
+    name = None if file is None else FileName(Path(file).name, is_private=True)
     return Converted(samples.reshape(shape[:3], order="F").T, world_from_index(image), facts_of(image), name)
 
 

@@ -1,45 +1,106 @@
-"""Documents without the names of folders, which may be those of patients: what files that are published hold.
+"""Documents without names of folders and of patients' scans: what pictures, reports and other published files hold.
 
-A path becomes the name of its file. It becomes null where that would not do: a folder of slices, whose own name may be
-a patient's; a pattern with wildcards for folders; two different files of one name. Stores of Zarr are folders that
-users name as files.
+A path becomes the name of its file. The name of a scan of a patient, by its format or by what it holds, may be the
+patient's, so such a file is named by its content: `content:`, its size and a digest, by which it is found again in a
+folder, whatever it is called (`_scene.document_paths`). A path becomes null where neither would do: a folder of slices,
+a pattern with wildcards for folders or for scans, a header with samples in another file, two files of one name. Stores
+of Zarr are folders that users name as files.
 """
 
 from __future__ import annotations
 
 import glob
+import hashlib
 import os
+from collections.abc import Collection
+from functools import lru_cache
 from pathlib import Path, PurePath
 from typing import Any
 
 from wavesplat._files.addresses import is_address, last_part
-from wavesplat._model.sources import Source, with_paths
+from wavesplat._model.sources import with_paths
 
-__all__ = ["file_name_of", "name_in_files", "without_folders"]
+__all__ = [
+    "CONTENT",
+    "Published",
+    "file_name_of",
+    "file_of_content",
+    "published",
+    "whole",
+    "with_fields",
+    "without_folders",
+]
 
-#: Name in place of a folder's, of volumes and layers that have it.
-NAMELESS = "volume"
+#: Beginning of a path that names a file by its content.
+CONTENT = "content:"
+#: Suffixes of headers whose samples may lie in another file.
+HEADERS = (".hdr", ".img", ".nhdr", ".mhd", ".head", ".par")
+#: Suffixes of formats for scans of patients. DICOM has many more, or none, so whatever is no word counts too.
+OF_SCANS = (
+    *(*HEADERS, ".nii", ".nii.gz", ".mgh", ".mgz", ".mnc", ".rec", ".v", ".nrrd", ".mha", ".dcm", ".dicom", ".ima"),
+    *(".gipl", ".gipl.gz", ".zip", ".img.gz", ".brik", ".brik.gz"),
+)
+#: Bytes of a file that are read as a whole for its digest; of a larger one so many blocks of these bytes.
+MAX_WHOLE, N_BLOCKS, BLOCK = 1 << 24, 64, 1 << 16
 
 
-def without_folders(document: Any) -> Any:
+class Published(dict[str, Any]):
+    """A document without folders and patients' names.
+
+    whole : the same with paths; not written by `json` and not shown by `repr`.
+    private : paths that name scans of patients though their suffixes do not say so.
+    """
+
+    whole: dict[str, Any]
+    private: frozenset[str]
+
+
+def published(document: dict[str, Any], private: Collection[str] = ()) -> Published:
+    """The document as files hold it. `private`: paths that name scans of patients."""
+    made = Published(without_folders(document, private))
+    made.whole, made.private = document, frozenset(private)
+    return made
+
+
+def with_fields(document: dict[str, Any], **fields: Any) -> dict[str, Any]:
+    """The document with other fields, which may hold paths."""
+    if not isinstance(document, Published):
+        return {**document, **fields}
+    return published({**document.whole, **fields}, document.private)
+
+
+def whole(document: Any) -> Any:
+    """The document, or the report with documents in it, with paths."""
+    if isinstance(document, Published):
+        return document.whole
+    if isinstance(document, dict):
+        return {name: whole(part) for name, part in document.items()}
+    return [whole(part) for part in document] if isinstance(document, list) else document
+
+
+def without_folders(document: Any, private: Collection[str] = ()) -> Any:
     """The document, or the report, with names of files in place of paths; see the module."""
     paths: dict[str, str | None] = {}
 
     def look(path: str) -> str:
-        paths[path] = file_name_of(path)
+        paths[path] = file_name_of(path, is_private=path in private)
         return path
 
     with_paths(document, look)
     given = list(paths.values())
-    chosen = {path: None if given.count(name) > 1 else name for path, name in paths.items()}
-    folders = {PurePath(path).name for path, name in chosen.items() if name is None}
-    return _renamed(with_paths(document, chosen.__getitem__), folders)
+    chosen = {
+        path: None if given.count(name) > 1 and not (name or "").startswith(CONTENT) else name
+        for path, name in paths.items()
+    }
+    return with_paths(document, chosen.__getitem__)
 
 
-def file_name_of(path: str) -> str | None:
-    """The name of a file, or the last part of an address; None of what is, or may be, a folder."""
+def file_name_of(path: str, *, is_private: bool = False) -> str | None:
+    """The name of a file, or of its content, or the last part of an address; None of what is, or may be, a folder."""
     if is_address(path):
         return last_part(path)
+    if path.startswith(CONTENT):  # of a document that was read
+        return path
     parts = PurePath(path)
     is_zarr = parts.suffix.lower() == ".zarr"
     if path.endswith("/") and not is_zarr:  # a folder that need not be here, such as one that a page sent
@@ -48,35 +109,49 @@ def file_name_of(path: str) -> str | None:
         return None
     if Path(path).is_dir() and not is_zarr:
         return None
+    if is_private or _is_of_scan(parts.name):
+        return content_of(path)
     return parts.name
 
 
-def name_in_files(name: str, source: Source | None) -> str:
-    """The name of a volume, with another one where it is that of a folder which the volume was read from."""
-    paths: list[str] = []
-
-    def look(path: str) -> str:
-        paths.append(path)
-        return path
-
-    with_paths(source, look)
-    return NAMELESS if name in {PurePath(path).name for path in paths if file_name_of(path) is None} else name
-
-
-def _renamed(part: Any, folders: set[str]) -> Any:
-    """The document with another name where a volume or layer has that of a folder."""
-    if isinstance(part, list | tuple):
-        return [_renamed(one, folders) for one in part]
-    if not isinstance(part, dict):
-        return part
-    return {
-        name: _name_of(one, folders) if name in ("name", "layer", "resampled") else _renamed(one, folders)
-        for name, one in part.items()
-    }
+def content_of(path: str) -> str | None:
+    """The name of a file by its content; None where it cannot be read, or does not have the samples."""
+    try:
+        state = Path(path).stat()
+        if path.lower().endswith(HEADERS):
+            return None
+        return _content_of(path, state.st_size, state.st_mtime_ns)
+    except OSError:
+        return None
 
 
-def _name_of(one: Any, folders: set[str]) -> Any:
-    """A name, or a list of names, with another one where it is that of a folder."""
-    if isinstance(one, list | tuple):
-        return [_name_of(each, folders) for each in one]
-    return NAMELESS if isinstance(one, str) and one in folders else _renamed(one, folders)
+def file_of_content(name: str, folder: Path) -> Path | None:
+    """The file in a folder that has the content of such a name; None where there is none."""
+    size = name.removeprefix(CONTENT).partition("-")[0]
+    try:
+        with os.scandir(folder) as entries:
+            paths = sorted(one.path for one in entries if one.is_file() and str(one.stat().st_size) == size)
+    except OSError:
+        return None
+    return next((Path(path) for path in paths if content_of(path) == name), None)
+
+
+@lru_cache(maxsize=64)
+def _content_of(path: str, size: int, changed: int) -> str:  # noqa: ARG001 - a changed file has another content
+    digest = hashlib.sha256()
+    with open(path, "rb") as file:  # noqa: PTH123
+        if size <= MAX_WHOLE:
+            digest.update(file.read())
+        else:
+            for number in range(N_BLOCKS):
+                file.seek((size - BLOCK) * number // (N_BLOCKS - 1))
+                digest.update(file.read(BLOCK))
+    return f"{CONTENT}{size}-{digest.hexdigest()[:32]}"
+
+
+def _is_of_scan(name: str) -> bool:
+    """Whether a file has a suffix of scans, or one that is no word, as DICOM files have that are named by numbers."""
+    if name.lower().endswith(".zarr.zip"):
+        return False
+    suffix = PurePath(name).suffix
+    return name.lower().endswith(OF_SCANS) or not any(letter.isalpha() for letter in suffix)

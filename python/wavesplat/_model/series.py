@@ -100,6 +100,8 @@ class Series:
         self._lock = RLock()
         #: Number of the volume that looks are made for, and that volume (`_looks.over_time`).
         self._brightest: tuple[int, Volume] | None = None
+        #: Name of layers that show the series, once it was found (`_looks.layer_names`).
+        self._shown_name: str | None = None
 
     @property
     def name(self) -> str:

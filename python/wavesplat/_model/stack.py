@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from wavesplat._model.facts import Channel, Facts
 from wavesplat._model.grid import Grid
-from wavesplat._model.private_names import name_in_files
+from wavesplat._model.scan_names import name_in_files
 from wavesplat.errors import ArgumentError
 
 __all__ = ["Box", "Stack", "Stored", "VolumesOfTimes", "WiderType", "stacked"]
@@ -74,10 +74,8 @@ class Stack:
 
     @property
     def name(self) -> str:
-        """The name of the image in files; that of a folder of slices may be a patient's, and is left out."""
-        first = self.volumes[0]
-        source = getattr(first, "_source", None) or getattr(first[0], "_source", None)
-        return name_in_files(self.grid.name, source)
+        """The name of the image in files; that of a patient's file is left out."""
+        return name_in_files(self.grid)
 
     @property
     def n_channels(self) -> int:

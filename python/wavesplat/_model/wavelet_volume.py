@@ -7,6 +7,7 @@ import math
 import sys
 import zipfile
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import accumulate
 from operator import index
 from os import PathLike
@@ -27,6 +28,7 @@ from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
 from wavesplat._model.interruptible import interruptible
+from wavesplat._model.scan_names import name_in_files
 from wavesplat._model.sources import Source, of_file, then
 from wavesplat._model.volume import Volume
 from wavesplat._public import public
@@ -351,7 +353,7 @@ class WaveletVolume(Grid):
         check_output(path, "wavelet coefficients")
         has_block, masks, values, _ = self._core.parts()
         arrays: dict[str, Any] = {
-            "format": np.array([FORMAT, FORMAT_VERSIONS[self._core.offset != 0], self._family, self._name]),
+            "format": np.array([FORMAT, FORMAT_VERSIONS[self._core.offset != 0], self._family, name_in_files(self)]),
             "shape": np.array(self._shape),
             "levels_and_threshold": np.array([self.n_levels, self.threshold]),
             "offset": np.array([self._core.offset], np.float32),
@@ -359,7 +361,7 @@ class WaveletVolume(Grid):
             "left_out": np.array([self._left_out]),
             "world_from_index": self._world_from_index,
             # A text, which releases that do not know it leave alone.
-            "facts": np.array(json.dumps(self._facts.as_json())),
+            "facts": np.array(json.dumps(replace(self._facts, description=None).as_json())),
             "has_block": np.packbits(has_block),
             "n_blocks": np.array([has_block.size]),
             "masks": masks,

@@ -222,6 +222,7 @@ class Picture:
         '100 mm'
         >>> figure.save("pelvis.svg")
         """
+        from wavesplat._model.private_names import with_fields
         from wavesplat._picture import annotating, raster
 
         wanted = annotating.Figure(
@@ -245,7 +246,7 @@ class Picture:
         canvas, told = annotating.annotated(under.rgba, self.report, wanted, under.marks)
         if isinstance(self.report.get("scene"), dict):
             # So that the document of the picture has the figure too.
-            told = told | {"scene": self.report["scene"] | {"figure": wanted.as_json()}}
+            told = told | {"scene": with_fields(self.report["scene"], figure=wanted.as_json())}
         made = Picture(raster.drawn(canvas), report=Report(self.report | told))
         object.__setattr__(made, "_canvas", canvas)
         return made
@@ -281,8 +282,8 @@ class Picture:
             Quality of JPEG and WebP files, 1 to 100; a WebP file of 100 loses nothing.
         scene : bool
             Whether the scene is written into a PNG file, so that `Scene.load` reads it from there, and
-            `wavesplat render --from` draws it again. It holds the names of files, without their folders, which may have
-            patients' names: it is drawn again beside the files, or in their folder.
+            `wavesplat render --from` draws it again, beside the files or in their folder. It holds the names of files
+            without their folders, and of scans of patients, whose files may have their names, the content alone.
         embed_paths : bool, default False
             Write whole paths of files into the scene, relative where they lie below the picture's folder or beside it.
 

@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat import _native
-from wavesplat._model.private_names import without_folders
+from wavesplat._model.private_names import Published, whole, without_folders
 from wavesplat._model.sources import beside
 from wavesplat._picture.png_text import KEYWORD, with_text
 
@@ -81,9 +81,13 @@ def with_scene(content: bytes, scene: Any, folder: Path | None) -> bytes:
     """
     if not isinstance(scene, dict):
         return content
-    document = without_folders(scene) if folder is None else beside(scene, folder)
+    document = _without_folders(scene) if folder is None else beside(whole(scene), folder)
     text = json.dumps(document, ensure_ascii=False, separators=(",", ":"))
     return with_text(content, KEYWORD, text)
+
+
+def _without_folders(scene: dict[str, Any]) -> Any:
+    return scene if isinstance(scene, Published) else without_folders(scene)
 
 
 def write_bytes_of(picture: Picture, path: Path, *, dpi: float | None, quality: int) -> None:

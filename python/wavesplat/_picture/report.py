@@ -6,6 +6,7 @@ import json
 import math
 from typing import Any, NamedTuple
 
+from wavesplat._model.private_names import whole
 from wavesplat._public import public
 
 __all__ = ["FIELDS", "Report", "finite"]
@@ -65,7 +66,10 @@ FIELDS: dict[str, Field] = {
     "processing": Field(TEXTS, "What was done to the samples before, a sentence each (`Facts.processing`)."),
     "resampled": Field(TEXTS, "Names of layers that were resampled onto the first one's axes."),
     "notes": Field(TEXTS, "What a user should know, a sentence each: why nothing shows, or why the CPU drew."),
-    "scene": Field(OBJECT, "The scene as a document that draws the same picture (`Scene.from_json`)."),
+    "scene": Field(
+        OBJECT,
+        "The scene as a document that draws the same picture beside its data (`Scene.from_json`); without folders.",
+    ),
     "version": Field(TEXT, "Version of Wavesplat that drew the picture."),
     # How it was drawn.
     "quality": Field({"type": ["string", "object"]}, "Quality that was asked for; of a PSNR the sampling it took."),
@@ -153,15 +157,17 @@ class Report(dict[str, Any]):
     def __dir__(self) -> list[str]:
         return [*super().__dir__(), *FIELDS]
 
-    def to_json(self, indent: int | None = None) -> str:
+    def to_json(self, indent: int | None = None, *, embed_paths: bool = False) -> str:
         """The report as JSON text, of the schema `schema()`.
 
         Parameters
         ----------
         indent : int, optional
             Columns by which inner lines are moved in; None writes one line.
+        embed_paths : bool, default False
+            Write whole paths of files into the scene; else it holds no folders, and no names of patients' scans.
         """
-        return json.dumps(finite(self), indent=indent, allow_nan=False, default=float)
+        return json.dumps(finite(whole(self) if embed_paths else self), indent=indent, allow_nan=False, default=float)
 
     @classmethod
     def fields(cls) -> dict[str, str]:

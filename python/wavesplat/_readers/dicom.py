@@ -24,7 +24,7 @@ from wavesplat._files.cancelling import check_cancelled
 from wavesplat._files.named_files import check_within
 from wavesplat._files.reading import reading
 from wavesplat._model import affine
-from wavesplat._model.facts import COLORS, Facts
+from wavesplat._model.facts import COLORS, Facts, description_of
 from wavesplat._model.quantities import quantity_of_image_type
 from wavesplat._readers import dicom_segments
 from wavesplat._readers.dicom_checks import check_alike, check_is_volume, mended
@@ -194,6 +194,7 @@ def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Re
         modality=first.modality,
         value_unit="SUV" if request.suv else _value_unit(headers, [*guesses, *mends]),
         quantity=quantity_of_image_type(first.image_type),
+        description=description_of(first.drug, first.description),
         processing=processing,
         window=first.pictures.window if is_picture and not request.suv else None,
         is_inverted=first.pictures.is_inverted and is_picture,

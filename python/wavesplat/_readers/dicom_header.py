@@ -106,6 +106,8 @@ class Header:
     series_number: int | None
     instance_uid: str
     description: str
+    #: Name of the drug that PET shows; "" where there is none.
+    drug: str
     modality: str | None
     transfer_syntax: str
     size: tuple[int, int]
@@ -173,6 +175,7 @@ def header_of(file: Path) -> Header | None:
         series_number=_series_number(dataset),
         instance_uid=text(dataset, 0x00080018),
         description=text(dataset, 0x0008103E),
+        drug=_drug(dataset),
         modality=modality or None,
         transfer_syntax=str(dataset.file_meta.get("TransferSyntaxUID", "1.2.840.10008.1.2")),
         size=(columns, rows),
@@ -244,6 +247,13 @@ def _n_frames(dataset: Dataset, file: Path) -> int:
         raise FileError(
             f"NumberOfFrames is {said[:32]!r}, and is a whole number; copy or export it again: {file}"
         ) from None
+
+
+def _drug(dataset: Dataset) -> str:
+    """The name of the tracer: of its code, else as somebody typed it."""
+    found = items(dataset, 0x00540016)
+    codes = items(found[0], 0x00540304) if found else ()
+    return (text(codes[0], 0x00080104) if codes else "") or (text(found[0], 0x00180031) if found else "")
 
 
 def _value_unit(dataset: Dataset, frame: Frame, modality: str) -> ValueUnit:

@@ -19,6 +19,7 @@ import numpy as np
 
 from wavesplat._files import size_checks
 from wavesplat._files.cancelling import check_cancelled
+from wavesplat._files.file_names import FileName
 from wavesplat._files.memory import free_bytes
 from wavesplat._files.notes import warn
 from wavesplat._files.paths import check_no_pipe, check_text, printable
@@ -28,6 +29,7 @@ from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.facts import Facts
 from wavesplat._model.lazy_volume import LazyVolume, lazily
 from wavesplat._model.option_lists import takes_options
+from wavesplat._model.scan_names import name_of_facts
 from wavesplat._model.volume import Volume
 from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._public import public
@@ -112,6 +114,8 @@ MAGIC = {
     (0, b"CDF"): "netcdf",
 }
 N_FIRST_BYTES = 352
+#: Modules of formats that hold scans of patients, whatever their headers say.
+OF_PATIENTS = ("nifti", "neuroimaging", "dicom")
 #: Module -> options that it takes, besides `spacing` and `unit`, which all take.
 OPTIONS = {
     "nifti": {"time", "channel", "component"},
@@ -235,7 +239,7 @@ def opened(request: Request, *, stacklevel: int = 2) -> Volume:
         return _lazily(request, family)
     module = import_module(f"wavesplat._readers.{family}")
     grid: Grid = module.read(request)
-    volume = _volume(grid, request)
+    volume = _volume(grid, request, family)
     volume._source = sources.of_file(request.path, {name: getattr(request, name) for name in request.given()})
     for loss in grid.told:
         warn(f"{loss}: {request.safe_path}", FileWarning, stacklevel=stacklevel)
@@ -295,7 +299,8 @@ def _lazily(request: Request, family: str) -> LazyVolume:
         # Coarser levels keep their place relative to the finest.
         first = affine.with_spacing(places[0], request.spacing)
         places = [first @ np.linalg.inv(places[0]) @ place for place in places]
-    name, facts = request.name, _facts(grid.facts, (), request)
+    facts = _facts(grid.facts, (), request)
+    name = _name(request, family, facts)
     volume = lazily(grid.levels, places, name, facts, memory=request.memory, keep=request.cache, holes=request.holes)
     options = {name: getattr(request, name) for name in (*request.given(), "memory") if name != "holes"}
     volume._source = sources.of_file(request.path, {k: v for k, v in options.items() if v is not None})
@@ -310,14 +315,22 @@ def _facts(said: Facts, losses: Sequence[str], request: Request) -> Facts:
     return replace(said, guesses=tuple(guesses), unit=request.unit or said.unit)
 
 
-def _volume(grid: Grid, request: Request) -> Volume:
+def _name(request: Request, family: str, facts: Facts) -> FileName:
+    """The name of a volume: that of its file; of a folder, what the values are."""
+    if request.name.is_private:
+        return FileName(name_of_facts(facts) or request.name, is_private=True)
+    return FileName(request.name, is_private=family in OF_PATIENTS)
+
+
+def _volume(grid: Grid, request: Request, family: str) -> Volume:
     grid = single_planes.as_volume(grid, request)
     world_from_index = grid.world_from_index
     if request.spacing is not None:
         world_from_index = affine.with_spacing(world_from_index, request.spacing)
     facts = _facts(grid.facts, grid.told, request)
+    name = _name(request, family, facts)
     try:
-        return Volume(grid.samples, world_from_index=world_from_index, name=request.name, facts=facts)
+        return Volume(grid.samples, world_from_index=world_from_index, name=name, facts=facts)
     except ArgumentError as error:
         # The array came from the file, so the file is to blame, not the caller.
         raise FileError(f"{error}: {request.safe_path}") from None

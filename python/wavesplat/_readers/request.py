@@ -18,8 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files.addresses import checked, is_address, last_part, safe_address
+from wavesplat._files.file_names import NAMELESS, FileName
 from wavesplat._files.named_files import check_within
-from wavesplat._files.paths import expanded, printable
+from wavesplat._files.paths import expanded
 from wavesplat._model import units
 from wavesplat._model.facts import Facts
 from wavesplat.errors import ArgumentError, FileError
@@ -148,11 +149,13 @@ class Request:
         return is_address(self.path)
 
     @property
-    def name(self) -> str:
-        """The last part of the path."""
+    def name(self) -> FileName:
+        """The last part of the path; of a folder, whose name may be a patient's, another one."""
         if self.is_url:
-            return printable(last_part(str(self.path)))
-        return printable(fspath(self.path).rstrip("/").rpartition("/")[2] or fspath(self.path))
+            return FileName(last_part(str(self.path)))
+        if self.file.is_dir() and self.file.suffix.lower() != ".zarr":
+            return FileName(NAMELESS, is_private=True)
+        return FileName(fspath(self.path).rstrip("/").rpartition("/")[2] or fspath(self.path))
 
     def given(self) -> set[str]:
         """Names of the options that were set."""

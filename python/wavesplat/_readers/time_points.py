@@ -7,6 +7,7 @@ from dataclasses import replace
 from os import PathLike, fspath
 from typing import TYPE_CHECKING, Any
 
+from wavesplat._files.file_names import FileName
 from wavesplat._files.patterns import matching_files
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.option_lists import takes_options
@@ -174,9 +175,9 @@ class _OfManyFiles:
         return f"the list of files {_name_of_all(self._requests)!r}"
 
 
-def _name_of_all(requests: Sequence[Request]) -> str:
+def _name_of_all(requests: Sequence[Request]) -> FileName:
     first, last = requests[0].name, requests[-1].name
-    return first if len(requests) == 1 else f"{first} to {last}"
+    return first if first == last else FileName(f"{first} to {last}", is_private=first.is_private)
 
 
 def _files(path: Any) -> list[Any]:

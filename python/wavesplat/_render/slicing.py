@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from wavesplat import _native
 from wavesplat._looks import colors
 from wavesplat._looks.kinds import unit_of_values
+from wavesplat._looks.layer_names import layer_name_of
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model import affine
@@ -119,7 +120,9 @@ def sliced(
             raise ArgumentError("a slice shows values, not gradients; give a TransferFunction, or none for grey")
         colored = curves
         picture = in_colors(values, curves, background)
-    report["shown"] = [shown_layer(volume.name, "over", colored, unit_of_values(volume), volume.facts.quantity)]
+    report["shown"] = [
+        shown_layer(layer_name_of(volume), "over", colored, unit_of_values(volume), volume.facts.quantity)
+    ]
     if notes := notes_on_slice(picture, values, report.get("clim")):
         report["notes"] = notes
     return Picture(picture, value=values, report=Report(report)), planes

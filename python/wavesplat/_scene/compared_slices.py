@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._looks.kinds import kind_of, offset_of, unit_of_values
+from wavesplat._looks.layer_names import layer_name_of, told_apart
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.window_ends import are_percentiles
 from wavesplat._model.argument_types import described
@@ -23,6 +24,7 @@ from wavesplat._render import windows
 from wavesplat._render.arguments import chosen_transfer_function
 from wavesplat._render.slicing import Planes, in_colors, in_greys, planes_through
 from wavesplat._scene.drawn_layers import identity_of
+from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import Scene
 from wavesplat.errors import ArgumentError
 
@@ -57,16 +59,22 @@ class Comparison:
         """
         values = planes.values_of(self.other, **options)
         first = scene.layers[0].drawn
+        names = self._names(scene.layers[0])
         if self.tiles is not None:
-            shown = _checkered(self, first, picture, values, **given)
+            shown = _checkered(self, first, picture, values, names=names, **given)
         else:
-            shown = _differing(self, first, picture, values, scene, **given)
+            shown = _differing(self, first, picture, values, scene, names=names, **given)
         if not np.isfinite(values).any():
             shown.report["notes"] = [
                 *shown.report.get("notes", []),
-                f"no part of {self.other.name!r} lies in the slice",
+                f"no part of {names[1]!r} lies in the slice",
             ]
         return shown
+
+    def _names(self, first: Layer) -> list[str]:
+        """The names of both scans."""
+        volumes = first.drawn, self.other
+        return told_apart([first.name or "", layer_name_of(self.other)], lambda n: volumes[n].facts.description)
 
     def window_of_first(self, window: Any, clim: Any) -> tuple[Any, Any]:
         """Arguments window and clim of the first scan's slice; given ones are for the difference, if there is one."""
@@ -97,6 +105,7 @@ def _checkered(
     picture: Picture,
     values: Values,
     *,
+    names: Sequence[str],
     window: Any,
     clim: Any,
     transfer_function: Any,
@@ -105,7 +114,7 @@ def _checkered(
     """Squares of both scans in turn; the upper left one is of the first."""
     report = picture.report
     other = chosen.other
-    fields: dict[str, Any] = {"checkerboard": other.name, "tiles": chosen.tiles}
+    fields: dict[str, Any] = {"checkerboard": names[1], "tiles": chosen.tiles}
     if transfer_function is not None:
         curves: Any = chosen_transfer_function(transfer_function, first)
         rgba = in_colors(values, curves, background)
@@ -115,13 +124,14 @@ def _checkered(
         fields["clim"] = limits
         if limits != tuple(report["clim"]):
             greys = TransferFunction([(limits[0], 1), (limits[1], 1)], [(limits[0], 0, 0, 0), (limits[1], 1, 1, 1)])
-            report["shown"] += [shown_layer(other.name, "over", greys, unit_of_values(other))]
+            report["shown"] += [shown_layer(names[1], "over", greys, unit_of_values(other))]
             low, high = report["clim"]
             note = (
-                f"black and white are {low:g} and {high:g} of {first.name!r}, {limits[0]:g} and {limits[1]:g} of "
-                f"{other.name!r}: their values have no scale in common"
+                f"black and white are {low:g} and {high:g} of {names[0]!r}, {limits[0]:g} and {limits[1]:g} of "
+                f"{names[1]!r}: their values have no scale in common"
             )
             report["notes"] = [*report.get("notes", []), note]
+    report["shown"][0]["name"] = names[0]
     report["compared"] = fields
     height, width = values.shape
     side = ceil(max(width, height) / fields["tiles"])
@@ -155,6 +165,7 @@ def _differing(
     values: Values,
     scene: Scene,
     *,
+    names: Sequence[str],
     window: Any,
     clim: Any,
     transfer_function: Any,
@@ -200,8 +211,8 @@ def _differing(
         low, high = windows.limits(first, window, clim)
         curves = TransferFunction.from_colormap(COLORMAP, clim=(low, high), opacity=1.0)
         report["window"], report["clim"] = ((low + high) / 2, high - low), (low, high)
-    report["compared"] = {"difference": other.name}
-    name = f"{first.name} - {other.name}"
+    report["compared"] = {"difference": names[1]}
+    name = f"{names[0]} - {names[1]}"
     report["shown"] = [shown_layer(name, "over", curves, units[0] if units[0] == units[1] else "")]
     return Picture(in_colors(value, curves, background), value=value, report=report)
 

@@ -15,6 +15,7 @@ from typing import Any
 from wavesplat._files.addresses import checked, is_address, is_web, safe_address
 from wavesplat._files.paths import lies_in, real_path
 from wavesplat._model.argument_types import described
+from wavesplat._model.private_names import CONTENT, file_of_content
 from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["Reach"]
@@ -76,8 +77,9 @@ class Reach:
             here = Path.cwd()
             if isinstance(name, str) and _is_bare(name) and not (_is_in(name, self.folder) or _is_in(name, here)):
                 also = "" if self.folder == here else f", nor in the working directory, {here}"
+                told = "a scan by its content" if name.startswith(CONTENT) else repr(name[:MAX_LETTERS])
                 raise FileError(
-                    f"{what} names {name[:MAX_LETTERS]!r}, and there is no such file in the document's folder, "
+                    f"{what} names {told}, and there is no such file in the document's folder, "
                     f"{self.folder}{also}; go to the file's folder, or copy the document there"
                 )
 
@@ -90,7 +92,8 @@ class Reach:
                 raise FileError(f"{what} names {safe_address(path)!r}, which is no address of a web server; {MEND}")
             checked(path)
             return path
-        place = os.path.normpath(self.folder / path)
+        named = file_of_content(path, self.folder) if path.startswith(CONTENT) else None
+        place = os.path.normpath(named or self.folder / path)
         if not self.external_files:
             # Readers check what a pattern matches, what a folder holds, and other parts of a file (`check_within`).
             self._check(place, path, what)
@@ -110,6 +113,8 @@ def _is_bare(path: str) -> bool:
 
 
 def _is_in(name: str, folder: Path) -> bool:
-    """Whether a folder has a file of a name, or files that fit it where it is a pattern."""
+    """Whether a folder has a file of a name, or of a content, or files that fit it where it is a pattern."""
+    if name.startswith(CONTENT):
+        return file_of_content(name, folder) is not None
     place = folder / name
     return os.path.lexists(place) or (glob.has_magic(name) and any(folder.glob(name)))

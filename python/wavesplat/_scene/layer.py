@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from copy import copy
 from dataclasses import KW_ONLY, dataclass, replace
 from math import isfinite
 from operator import index
 from typing import Any, TypeAlias
 
 from wavesplat._looks import overlays
+from wavesplat._looks.layer_names import FoundName, layer_name_of
 from wavesplat._looks.look import Look
 from wavesplat._looks.materials import Materials
 from wavesplat._looks.over_time import brightest
@@ -49,7 +51,9 @@ class Layer:
     time : int, default 0
         Which volume of a series.
     name : str, optional
-        What legends and messages call it; None is the name of the volume.
+        What legends and messages call it; None is the name of the volume. Scans of patients are then called by channel,
+        quantity or modality ("CT"), not by their files, and where a scene has two of one name, by description or number
+        too.
     color_from : Layer, Volume, Series, array, or what else `Volume` takes, optional
         A second field, whose values give the colours, while those of `volume` say how opaque it is, or where its
         surface lies (`FirstHit`): density coloured by temperature. Of a `Layer` the colours are those of its look, in
@@ -100,9 +104,9 @@ class Layer:
             )
         object.__setattr__(self, "visible", _flag(self.visible))
         object.__setattr__(self, "opacity", _share(self.opacity))
-        object.__setattr__(
-            self, "name", self.volume.name if self.name is None else text_of(self.name, "name of the layer")
-        )
+        is_found = self.name is None or isinstance(self.name, FoundName)
+        name = layer_name_of(self.volume, self.time) if is_found else text_of(self.name, "name of the layer")
+        object.__setattr__(self, "name", name)
         check_text(self.name, "name of the layer")
         if self.color_from is not None:
             object.__setattr__(self, "color_from", _color_layer(self.color_from, self.time))
@@ -157,6 +161,17 @@ class Layer:
         if name is None and window is None and threshold is None:
             return layer
         return replace(layer, look=overlays.overlay(layer.looked_at, name, window, threshold))
+
+    @property
+    def _has_own_name(self) -> bool:
+        """Whether the name is another than the one that is found where the user gives none."""
+        return self.name != layer_name_of(self.volume, self.time)
+
+    def _with_name(self, name: str) -> Layer:
+        """The layer under a name that was found, which `dataclasses.replace` would look for again."""
+        made = copy(self)
+        object.__setattr__(made, "name", name)
+        return made
 
     @property
     def drawn(self) -> Volume | WaveletVolume:

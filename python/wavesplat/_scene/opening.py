@@ -215,7 +215,7 @@ def _number(which: Any, source: _Source) -> int:
 def _layer(source: _Source, wanted: _Wanted, look: Look | None) -> Layer:
     times = source.series(wanted.number)
     has_many = len(times) > 1
-    name = source.name(wanted.number) or (f"channel {wanted.number}" if source.n > 1 else times.name)
+    name = source.name(wanted.number) or (f"channel {wanted.number}" if source.n > 1 else None)
     return Layer(
         times if has_many else times[0],
         look,

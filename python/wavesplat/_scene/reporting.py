@@ -12,10 +12,14 @@ from typing import TYPE_CHECKING, Any
 
 from wavesplat import _native
 from wavesplat._looks import look_json
+from wavesplat._looks.layer_names import is_of_patient
 from wavesplat._looks.look import Look
 from wavesplat._model.camera import Camera
 from wavesplat._model.composites import Operator, name_of
+from wavesplat._model.private_names import published
 from wavesplat._model.sampling import Sampling
+from wavesplat._model.scan_names import is_scan
+from wavesplat._model.sources import with_paths
 from wavesplat._model.stereo import Eyes
 from wavesplat._scene import scene_json
 from wavesplat._scene.drawn_layers import Curves, DrawnLayer
@@ -67,11 +71,28 @@ def facts_of(
         document["render"]["psnr"] = psnr
     return {
         "version": _native.__version__,
-        "scene": document,
+        "scene": published(document, _private_paths(scene)),
         "quality": quality,
         "kernel": kernel,
         "composite": name_of(operator),
     }
+
+
+def _private_paths(scene: Scene) -> set[str]:
+    """Paths of files that hold scans of patients, and labels on them, by what the files say."""
+    layers = [*scene.layers, *(layer.color_from for layer in scene.layers if layer.color_from is not None)]
+    found: set[str] = set()
+
+    def note(path: str) -> str:
+        found.add(path)
+        return path
+
+    for layer in layers:
+        if is_of_patient(layer.drawn) or is_scan(layer.drawn.facts):
+            with_paths(layer.volume._source or layer.drawn._source, note)
+    if scene.labels is not None and found:
+        with_paths(scene.labels._source, note)
+    return found
 
 
 def _resolved(scene: Scene, layer: DrawnLayer, curves: Curves) -> Any:

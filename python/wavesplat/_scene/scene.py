@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
+from itertools import zip_longest
 from os import PathLike
 from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
@@ -17,6 +18,7 @@ from wavesplat._geometry.shape import Shape
 from wavesplat._geometry.shape_arrays import as_shapes, is_geometry
 from wavesplat._looks import colors
 from wavesplat._looks.labels import Labels
+from wavesplat._looks.layer_names import FoundName, layer_name_of, told_apart
 from wavesplat._looks.shading import Shading
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.camera import Camera
@@ -35,7 +37,7 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
-__all__ = ["Cache", "Scene", "as_scene"]
+__all__ = ["Cache", "Scene", "as_scene", "names_by_themselves"]
 
 #: Largest number of layers of a scene.
 MAX_LAYERS = 8
@@ -171,7 +173,7 @@ class Scene:
         colors.parse(background)  # or an error
         layers, among = _parted(layers)
         values: dict[str, Any] = {
-            "layers": _layers(layers, look),
+            "layers": _told_apart(_layers(layers, look)),
             "labels": labels,
             "shading": shading,
             "clip": clips,
@@ -488,6 +490,19 @@ def _layers(what: Any, look: Any) -> tuple[Layer, ...]:
             f"there are {len(looks)} looks for {len(things)} volumes; give one for each, or one for all"
         )
     return tuple(_layer(thing, one) for thing, one in zip(things, looks, strict=True))
+
+
+def _told_apart(layers: tuple[Layer, ...]) -> tuple[Layer, ...]:
+    """The layers, of which no two that the user did not name have one name."""
+    names = names_by_themselves(layers, [None if isinstance(one.name, FoundName) else one.name for one in layers])
+    return tuple(one if one.name == name else one._with_name(name) for one, name in zip(layers, names, strict=True))
+
+
+def names_by_themselves(layers: Sequence[Layer], given: Sequence[str | None] = ()) -> list[str]:
+    """The names that layers of one scene have where the user gives none. `given`: names that some of them have."""
+    # As each has alone: the layer that one was told apart from may be gone.
+    alone = [name or layer_name_of(one.volume, one.time) for one, name in zip_longest(layers, given)]
+    return told_apart(alone, lambda n: layers[n].drawn.facts.description)
 
 
 def _layer(thing: Any, look: Any) -> Layer:

@@ -121,7 +121,7 @@ def document_of(scene: Scene, *, strict: bool = True, look_of: Callable[[Layer],
 def _fields_of_layer(layer: Layer, what: str, strict: bool, look_of: Callable[[Layer], Any]) -> dict[str, Any]:
     told = {
         "volume": _source_of(layer, f"the volume of {what}", strict),
-        "name": layer.name,
+        "name": str(layer.name),
         "look": look_of(layer),
         "visible": layer.visible,
         "opacity": layer.opacity,
@@ -143,7 +143,7 @@ def _source_of(layer: Layer, what: str, strict: bool) -> dict[str, Any]:
             f"{what}, {layer.volume.name!r}, comes from no file, so a document cannot name it; write it to a file that "
             "wavesplat.open reads, and open that"
         )
-    return {"path": None, "name": layer.volume.name}
+    return {"path": None, "name": str(layer.name)}
 
 
 def given_look(layer: Layer) -> Any:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from wavesplat._looks.kinds import unit_of_values
 from wavesplat._looks.labels import Labels
+from wavesplat._looks.layer_names import layer_name_of
 from wavesplat._looks.region_masks import mask_of
 from wavesplat._looks.regions import Region
 from wavesplat._looks.structure_labels import in_unit_of
@@ -117,7 +118,7 @@ def _with_isolines(
     for one in isolines:
         values = planes.values_of(one.volume, kernel, slab, threads)
         unit = unit_of_values(one.volume)
-        name = one.name or ("" if unit else plain_name(one.volume.name))
+        name = one.name or ("" if unit else plain_name(layer_name_of(one.volume)))
         absent = []
         for value, color in zip(one.values, one.colors(), strict=True):
             text = f"{value:g} {unit}".rstrip()
@@ -129,7 +130,7 @@ def _with_isolines(
         if absent:
             inside = values[np.isfinite(values)]
             there = f"its values there are {inside.min():g} to {inside.max():g}" if inside.size else "it lies elsewhere"
-            notes.append(f"no isoline {', '.join(absent)} of {one.volume.name!r} lies in the slice: {there}")
+            notes.append(f"no isoline {', '.join(absent)} of {layer_name_of(one.volume)!r} lies in the slice: {there}")
     return Over(rgba, shown, notes)
 
 

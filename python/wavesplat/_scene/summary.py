@@ -76,7 +76,7 @@ def facts_of_layers(
 
 def quantity_of(layer: Layer) -> str | None:
     """The name of a layer's values by its file; None where there is none, or the layer has a name of its own."""
-    return layer.drawn.facts.quantity if layer.name == layer.volume.name else None
+    return None if layer._has_own_name else layer.drawn.facts.quantity
 
 
 def _shown(
@@ -86,14 +86,13 @@ def _shown(
     color, composite, own = layer.color, name_of(operator), layer.layer
     is_of_both = isinstance(function, TransferFunction2D) and composite == "over"
     if color is None or is_of_both:
-        name = own.name or layer.volume.name
-        return shown_layer(name, composite, function, _unit(scene, own), quantity_of(own))
+        return shown_layer(own.name or "", composite, function, _unit(scene, own), quantity_of(own))
     # A surface that another field colours has as many colours as matter.
     of_field, colors = color.layer, color.function_at(function, operator).color
     # What is seen is not told by this field's values, so a bar has all of its colours.
     curves = TransferFunction([(colors[0][0], 1.0)], colors)
     # Its name tells the field that colours from the one that is seen, so a colour bar says it beside the unit.
-    named = color.name if color.name != of_field.volume.name else None
+    named = color.name if of_field._has_own_name else None
     return shown_layer(color.name, "over", curves, _unit(scene, of_field), quantity_of(of_field) or named)
 
 

@@ -14,6 +14,7 @@ from wavesplat._model.volume import Volume
 from wavesplat._render.arguments import chosen_look
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import Scene
+from wavesplat._scene.summary import quantity_of
 from wavesplat._viewer.previews import preview_of
 from wavesplat._viewer.probing import sample_at, value_at
 
@@ -61,7 +62,4 @@ def _value_of(layer: Layer, point: NDArray[np.float64]) -> dict[str, Any]:
 
 def _name_of(layer: Layer) -> str:
     """The layer's own name, else that of its values, which tells datasets of one file apart."""
-    volume = layer.drawn
-    if layer.name is not None and layer.name != volume.name:
-        return layer.name
-    return volume.facts.quantity or volume.name
+    return quantity_of(layer) or layer.name or ""

@@ -6,6 +6,7 @@ import json
 import shlex
 from typing import Any
 
+from wavesplat._scene.scene import names_by_themselves
 from wavesplat._viewer.short_looks import short_look
 from wavesplat._viewer.state import ViewerState
 
@@ -29,7 +30,8 @@ def options_of(state: ViewerState, size: tuple[int, int]) -> str | None:
         and isinstance(options["composite"], str)
         and isinstance(options["quality"], str)
     )
-    if not is_plain or not all(map(_is_plain_layer, document["layers"], state.sources, state.scene.layers)):
+    names = names_by_themselves(state.scene.layers)
+    if not is_plain or not all(map(_is_plain_layer, document["layers"], state.sources, names)):
         return None
     looks = [short_look(state, number) for number in range(len(state.sources))]
     first, *others = zip(looks, state.sources, strict=True)
@@ -52,8 +54,8 @@ def options_of(state: ViewerState, size: tuple[int, int]) -> str | None:
     return shlex.join(arguments)
 
 
-def _is_plain_layer(layer: dict[str, Any], source: dict[str, Any], own: Any) -> bool:
-    """Whether a layer is a file without options, shown in full under its own name."""
+def _is_plain_layer(layer: dict[str, Any], source: dict[str, Any], name: str) -> bool:
+    """Whether a layer is a file without options, shown in full under the name that it has by itself."""
     path = source.get("path")
     return (
         isinstance(path, str)
@@ -62,7 +64,7 @@ def _is_plain_layer(layer: dict[str, Any], source: dict[str, Any], own: Any) -> 
         and layer["visible"]
         and layer["opacity"] == 1
         and layer["time"] == 0
-        and layer["name"] == own.volume.name
+        and layer["name"] == name
     )
 
 

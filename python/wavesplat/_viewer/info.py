@@ -121,7 +121,7 @@ def _volume(layer: Layer) -> dict[str, Any]:
         if finite.size:
             least, most = float(finite.min()), float(finite.max())
     return {
-        "name": layer.name or volume.name,
+        "name": layer.name,
         "shape": list(reversed(volume.shape)),
         "spacing": list(volume.spacing),
         "unit": SYMBOLS.get(volume.unit, volume.unit) if volume.unit else volume.unit,

@@ -19,6 +19,7 @@ from wavesplat._looks.look import Look
 from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
 from wavesplat._scene import scene_json
+from wavesplat._scene.scene import names_by_themselves
 from wavesplat._viewer import code, encoding, export_html
 from wavesplat._viewer.color_fields import values_at
 from wavesplat._viewer.framed_cameras import framed, kept_in_view
@@ -86,7 +87,7 @@ def state_from_text(state: ViewerState, text: str) -> ViewerState:
     whole["layers"] = [
         {
             **USUAL,
-            "name": state.scene.layers[n].volume.name,
+            "name": names_by_themselves(state.scene.layers)[n],
             **layer,
             "volume": now["volume"],
             "look": now["look"] if layer.get("look") is None else _look(state, n, layer),

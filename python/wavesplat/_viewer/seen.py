@@ -55,8 +55,7 @@ def check_shown(shown: str) -> Shown:
 
 def name_of(state: ViewerState, shown: Shown) -> str:
     """Name of a picture's file without its suffix, after the first volume: "scan", "scan_axial", "scan_all"."""
-    volume = state.scene.layers[0].drawn
-    name = volume.name
+    volume, name = state.scene.layers[0].drawn, state.document["layers"][0]["name"]
     suffix = next((one for one in TWO_SUFFIXES if name.lower().endswith(one)), "." + name.rpartition(".")[2])
     stem = re.sub(r"[^\w.-]+", "_", name[: -len(suffix)] if name.lower().endswith(suffix.lower()) else name)
     view = shown if shown in ("3d", "all") else plane_across(shown, is_anatomical=volume.is_anatomical)

@@ -12,6 +12,7 @@ from typing import Any
 from wavesplat._files.notes import collected_notes
 from wavesplat._looks import look_json, overlays, presets
 from wavesplat._looks.look import Look
+from wavesplat._scene.scene import names_by_themselves
 from wavesplat._viewer.state import ViewerState
 from wavesplat.errors import WavesplatError
 
@@ -26,7 +27,7 @@ def short_document(state: ViewerState, document: dict[str, Any]) -> dict[str, An
     layers = []
     for number, layer in enumerate(document["layers"]):
         kept = {name: value for name, value in layer.items() if name not in USUAL or value != USUAL[name]}
-        if layer["name"] == state.scene.layers[number].volume.name:
+        if layer["name"] == names_by_themselves(state.scene.layers)[number]:
             kept.pop("name")
         layers.append({**kept, "look": short_look(state, number)})
     usual: dict[str, Any] = {"labels": None, "shading": "look", "clip": [], "geometry": []}

@@ -17,10 +17,12 @@ from wavesplat._geometry.shape import Shape
 from wavesplat._geometry.shape_arrays import facts_of_shapes, names_of_shapes
 from wavesplat._looks import look_json
 from wavesplat._looks.labels import Labels
+from wavesplat._looks.layer_names import layer_name_of
 from wavesplat._looks.look import Look
 from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
 from wavesplat._model.options import Kernel
+from wavesplat._model.private_names import whole
 from wavesplat._scene import scene_json
 from wavesplat._scene.drawn_layers import drawn_layers
 from wavesplat._scene.layer import Layer
@@ -105,7 +107,7 @@ class ViewerState:
         scene = with_labels_apart(scene)
         given = {name: value for name, value in (options or {}).items() if name in ("quality", "kernel", "composite")}
         picture = preview_of(scene).render(camera, size=FIRST_SIZE, **{**given, "quality": "draft"})
-        document = picture.report["scene"]
+        document = whole(picture.report["scene"])
         if has_lazy(scene):
             _as_of_all_samples(document, scene)
         if scene.shading != "look" and any(layer["look"] is None for layer in document["layers"]):
@@ -116,10 +118,10 @@ class ViewerState:
             if not isinstance(layer["look"], dict):
                 # The report has no look of a layer that is hidden or has labels.
                 layer["look"] = look_json.fields_of(_plain_look(scene, opened))
-            fields = {"path": None, "name": opened.volume.name}
+            fields = {"path": None, "name": str(layer_name_of(opened.volume, opened.time))}
             entries.append(known.add(opened, fields, layer["volume"], layer.pop("color_from", None)))
             layer["volume"] = dict(entries[-1].fields)
-            layer["name"] = layer["name"] or opened.volume.name
+            layer["name"] = layer["name"] or opened.name
         labels, label_entry = document["labels"], None
         if labels is not None:
             label_entry = known.add(scene.labels, {"path": None}, labels["volume"])

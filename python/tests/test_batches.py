@@ -164,6 +164,22 @@ def test_a_sheet_has_all_pictures_and_their_names(wavesplat, dyes):
     np.testing.assert_array_equal(sheet[GAP_PX : GAP_PX + height, 2 * GAP_PX + width :][:, :width], other)
 
 
+def test_scans_of_patients_are_numbered_on_a_sheet_unless_a_caption_is_asked_for(wavesplat, tmp_path):
+    names = ("DOE_JANE", "DOE_JOHN")
+    for name, seed in zip(names, (1, 2), strict=True):
+        samples = np.random.default_rng(seed).integers(0, 900, (4, 5, 6)).astype(np.int16)
+        ws.Volume(samples, spacing=(1, 1, 2), anatomical=True).save(tmp_path / f"{name}.nii.gz")
+    command = ("render", *(f"{name}.nii.gz" for name in names), "-o", "{stem}.png", "--size", "64", "--json")
+    found = {}
+    for caption in ((), ("--caption", "{number}: {stem}")):
+        done = wavesplat(*command, "--sheet", "sheet.png", *caption, cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+        found[caption] = json.loads(done.stdout)["results"][-1]["names"]
+    assert [*found.values()] == [["MR 1", "MR 2"], ["1: DOE_JANE", "2: DOE_JOHN"]]
+    done = wavesplat(*command, "--caption", "{stem}", cwd=tmp_path)
+    assert (done.returncode, "give it with --sheet" in done.stderr) == (2, True)
+
+
 def test_a_sheet_of_times(wavesplat, tmp_path):
     (tmp_path / "out").mkdir()
     samples = np.stack([cells(500 + 100 * time) for time in range(3)])
@@ -237,7 +253,7 @@ def test_windows_are_noted_once(capsys):
 
     batch = Batch(["a.tif", "b.tif", "c.tif"])
     for name, high in (("a.tif", 9), ("b.tif", 9), ("c.tif", 7)):
-        batch.add(name, None, picture(1, high))
+        batch.add(name, None, picture(1, high), ws.Layer(np.zeros((2, 2, 2), np.uint8)))
     batch.finish(as_json=False)
     told = capsys.readouterr().err
     assert told.count("\n") == 1

@@ -400,7 +400,7 @@ def test_a_pet_is_in_uptake_beside_a_ct(wavesplat, tmp_path, command, order):
     done = wavesplat(command, one, "--layer", f"{other}:hot:0,9", *picture)
     assert done.returncode == 0, done.stderr
     units = {layer["name"]: layer["values"] for layer in json.loads(done.stdout)["report"]["shown"]}
-    assert units == {"pet": "SUV", "ct": "HU"}
+    assert units == {"PET": "SUV", "CT": "HU"}
     without = wavesplat(command, tmp_path / "ct", "--layer", f"{tmp_path / 'ct'}:hot", *picture)
     assert "no volume of the picture is one" in without.stderr
     pet(tmp_path / "pet", without=["PatientWeight"])

@@ -78,6 +78,13 @@ def test_files_of_layers_may_have_colons(tmp_path, monkeypatch, name, look, said
     assert layer_of(name + look) == LayerText(name, *said)
 
 
+def test_layers_have_names_of_ones_own(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "pet.nii.gz").touch()
+    wanted = LayerText("pet.nii.gz", "hot", (2, 8), 3.0, "x.mat", "FDG: late")
+    assert layer_of("pet.nii.gz:hot:2,8:threshold=3:reg=x.mat:name=FDG: late") == wanted
+
+
 @pytest.mark.parametrize(
     ("text", "layer"),
     [

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, get_type_hints
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from wavesplat._cli.scene_options import ChosenScene
     from wavesplat._looks.look import Look
     from wavesplat._picture.picture import Picture
+    from wavesplat._scene.layer import Layer
 
 __all__ = ["Batch", "BatchOptions", "batch_of", "batch_parameters"]
 
@@ -46,7 +47,16 @@ class BatchOptions:
     ] = None
     sheet: Annotated[
         Path | None,
-        typer.Option(metavar="OUT", help="Also put all pictures on one sheet, each with the name of its input."),
+        typer.Option(
+            metavar="OUT",
+            help="Also put all pictures on one sheet, each with the name of its input, or the number of a patient's.",
+        ),
+    ] = None
+    caption: Annotated[
+        str | None,
+        typer.Option(
+            metavar="TEXT", help="What stands below each picture of the sheet; {stem}, {number}, ... as in --output."
+        ),
     ] = None
 
 
@@ -67,6 +77,8 @@ def batch_of(inputs: Sequence[str], options: dict[str, Any]) -> Batch:
 
         for input in inputs:
             check_outputs(input, own.sheet, "pictures", option="--sheet")
+    elif own.caption is not None:
+        raise ArgumentError("--caption stands below the pictures of a sheet; give it with --sheet")
     return Batch(list(inputs), own, is_quiet=bool(options.get("quiet")))
 
 
@@ -77,6 +89,8 @@ class Batch:
     inputs: list[str]
     options: BatchOptions = field(default_factory=BatchOptions)
     is_quiet: bool = False
+    #: Captions that the user gave, by input.
+    captions: Mapping[str, str] = field(default_factory=dict)
     _looks: tuple[Look, ...] | None = None
     #: Lowest and highest values that the layers of each input show, by input.
     _windows: dict[str, list[tuple[float, float]]] = field(default_factory=dict)
@@ -131,7 +145,7 @@ class Batch:
             found = [max(pair, key=lambda one: one[0]) for pair in zip(found, ours, strict=False)]
         return tuple(look for _, look in found)
 
-    def add(self, input: str, told: str | None, picture: Picture) -> None:
+    def add(self, input: str, told: str | None, picture: Picture, first: Layer) -> None:
         """Note the windows of a picture, and put it on the sheet. `told`: time and channel of one of several."""
         self._windows.setdefault(input, _windows_of(picture))
         if self.has_sheet:
@@ -140,10 +154,10 @@ class Batch:
             if not self._panels:
                 width, height = picture.size
                 check_picture_memory((width, height * max(len(self.inputs), 1)), BYTES_OF_PIXEL)
-            name, well = self._name_of(input)
+            name, well = self._name_of(input, first)
             if well is not None:
                 self._wells.append(well)
-            alone = [told] if len(self.inputs) == 1 and told else [name, told]
+            alone = [told] if len(self.inputs) == 1 and told and not self.captions else [name, told]
             self._panels.append((", ".join(text for text in alone if text), picture.rgba))
 
     def finish(self, *, as_json: bool) -> None:
@@ -158,10 +172,19 @@ class Batch:
         if self.options.same_look is None and not self.is_quiet:
             self._note_windows()
 
-    def _name_of(self, input: str) -> tuple[str, tuple[str, str] | None]:
-        """The name of an input on the sheet, and row and column of the well that it is of, on a plate."""
+    def _name_of(self, input: str, first: Layer) -> tuple[str, tuple[str, str] | None]:
+        """The name of an input on the sheet, and row and column of the well that it is of, on a plate.
+
+        Scans of patients have the names of their first layers, and numbers, since their files may have the patients'.
+        """
+        from wavesplat._looks.layer_names import is_of_patient
         from wavesplat._readers.ome_zarr_layout import well_of
 
+        if self.captions:
+            return self.captions[input], None
+        if is_of_patient(first.drawn):
+            number = f" {self.inputs.index(input) + 1}" if len(self.inputs) > 1 else ""
+            return f"{first.name}{number}", None
         found = [None if is_address(one) else well_of(Path(one)) for one in self.inputs]
         own = found[self.inputs.index(input)]
         if own is None:

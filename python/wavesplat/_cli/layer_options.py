@@ -50,7 +50,8 @@ __all__ = [
 Ends: TypeAlias = tuple[float | str, float | str]
 
 CHANNEL = "NUMBER|NAME[:COLOR][:LOW,HIGH]"
-LAYER = f"FILE[#DATASET][:LOOK][:LOW,HIGH][:threshold=T]{registered.REG}"
+NAME = ":name="
+LAYER = f"FILE[#DATASET][:LOOK][:LOW,HIGH][:threshold=T]{registered.REG}[{NAME}TEXT]"
 TIMES = "all|N,N,...|FIRST:END[:STEP]"
 #: Placeholder of the time in the name of its picture.
 PLACE_OF_TIME = "{time}"
@@ -67,7 +68,7 @@ FurtherLayers = Annotated[
         metavar=LAYER,
         help="Another volume in the same picture, such as pet.nii.gz:hot:2,8, clear up to LOW. LOOK: a colour map, a "
         "colour or a preset. threshold=: hidden below it, of maps of two signs between -T and T, opaque beyond. "
-        f"{registered.REG_HELP} May be repeated.",
+        f"{registered.REG_HELP} name=: what legends call it. May be repeated.",
     ),
 ]
 
@@ -175,13 +176,14 @@ def without_window(text: str, syntax: str) -> tuple[str, Ends | None]:
 
 
 class LayerText(NamedTuple):
-    """A `--layer`, parsed: its file, look, window, threshold, and the file of its transform."""
+    """A `--layer`, parsed: its file, look, window, threshold, the file of its transform, and its name."""
 
     path: str
     look: str | None = None
     window: Ends | None = None
     threshold: float | None = None
     transform: str | None = None
+    name: str | None = None
 
     @property
     def is_plain(self) -> bool:
@@ -193,13 +195,14 @@ def layer_of(text: str) -> LayerText:
     """Parse a `--layer`; the longest beginning that names a file is the file."""
     if Path(text).exists():  # the file's own name ends like a window
         return LayerText(text)
+    text, _, name = text.partition(NAME)
     said, transform = registered.split(text, "--layer")
     said, threshold = _without_threshold(said)
     if Path(said).exists():
-        return LayerText(said, None, None, threshold, transform)
+        return LayerText(said, None, None, threshold, transform, name or None)
     rest, window = without_window(said, f"--layer is {LAYER}")
     path, look = named_file(rest, "--layer", LAYER, "pet.nii.gz:hot:2,8")
-    return LayerText(path, look or None, window, threshold, transform)
+    return LayerText(path, look or None, window, threshold, transform, name or None)
 
 
 def _without_threshold(text: str) -> tuple[str, float | None]:
@@ -278,7 +281,7 @@ def further_layers(
         volume = series if has_many else series[0]
         with warnings_as_notes(quiet=quiet):
             try:
-                look: Any = {"threshold": said.threshold, "time": time if has_many else 0}
+                look: Any = {"threshold": said.threshold, "time": time if has_many else 0, "name": said.name}
                 layers.append(Layer.overlay(volume, said.look, said.window, **look))
             except ArgumentError as error:
                 raise ArgumentError(f"--layer is {LAYER}: {error}") from None

@@ -234,7 +234,7 @@ def _drawn_all(
         if not quiet:
             print_notes(picture)
         picture = annotated(picture, figure, scene, quiet=quiet)
-        batch.add(input, told if len(pictures) > 1 else None, picture)
+        batch.add(input, told if len(pictures) > 1 else None, picture, scene.layers[0])
         picture.save(path, bits=bits, dpi=figure.dpi, scene=embed_scene, embed_paths=embed_paths)
         made.append({"picture": str(path), "size": list(picture.size), "input": input, "report": picture.report})
     return made

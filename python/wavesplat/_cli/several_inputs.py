@@ -69,6 +69,8 @@ def takes_several_inputs(
             left = (own[1:] if own and options.get(own[0]) else ()) + words
             inputs = _found(input)
             batch = batch_of(inputs, options) if together else None
+            if batch is not None and batch.options.caption is not None:
+                batch.captions = _captions(inputs, batch.options.caption)
             runs = _runs(inputs, options if batch is None else {**options, "batch": batch}, suffix, left)
             if batch is not None:
                 batch.check_apart([run.get("output") for run in runs])
@@ -106,16 +108,13 @@ def _runs(
     """Arguments of the command for each input. `left`: words in braces that stay."""
     runs = []
     makers: dict[Path, str] = {}
-    paths = _paths(inputs)
     named = " ".join(str(options.get(option)) for option in ("output", "report"))
-    asks_wells = any(f"{{{word}}}" in named for word in OF_PLATES)
-    for number, input in enumerate(inputs, 1):
-        places = {**_places(input, f"{number:0{len(str(len(inputs)))}}"), "path": paths[number - 1]}
-        if asks_wells:
-            places |= _places_in_plate(input)
-        places |= {word: f"{{{word}}}" for word in left}
+    for input, found in zip(inputs, _all_places(inputs, named), strict=True):
+        places = found | {word: f"{{{word}}}" for word in left}
         own = {
-            option: _named(option, options[option], places) for option in ("output", "report") if options.get(option)
+            option: Path(_filled(option, str(options[option]), places))
+            for option in ("output", "report")
+            if options.get(option)
         }
         # A folder of Zarr that is there is a result, not a place for results.
         is_place = suffix is not None and "output" in own and not own["output"].name.lower().endswith(".zarr")
@@ -136,6 +135,22 @@ def _runs(
                 )
         runs.append({**options, **own, "input": input})
     return runs
+
+
+def _captions(inputs: list[str], caption: str) -> dict[str, str]:
+    """What stands below the picture of each input."""
+    places = _all_places(inputs, caption)
+    return {input: _filled("caption", caption, own) for input, own in zip(inputs, places, strict=True)}
+
+
+def _all_places(inputs: list[str], text: str) -> list[dict[str, str]]:
+    """Values of the words in braces, which stand in a text, for each input; those of plates only if it has them."""
+    asks_wells = any(f"{{{word}}}" in text for word in OF_PLATES)
+    found = []
+    for number, (input, path) in enumerate(zip(inputs, _paths(inputs), strict=True), 1):
+        places = {**_places(input, f"{number:0{len(str(len(inputs)))}}"), "path": path}
+        found.append(places | (_places_in_plate(input) if asks_wells else {}))
+    return found
 
 
 def _places(input: str, number: str) -> dict[str, str]:
@@ -181,16 +196,17 @@ def _words_that_differ(one: str, other: str) -> list[str]:
     return ["{folder}" if has_own_folder else "{path}", "{number}"]
 
 
-def _named(option: str, path: Path, places: dict[str, str]) -> Path:
-    """The path with values in place of words in braces; an `ArgumentError` for a word that is none."""
+def _filled(option: str, text: str, places: dict[str, str]) -> str:
+    """The text with values in place of words in braces; an `ArgumentError` for a word that is none."""
     known = {**dict.fromkeys(OF_PLATES, ""), **places}
-    unknown = next((word for word in WORD.findall(path.name) if word not in known), None)
+    # Braces in the names of folders are theirs.
+    unknown = next((word for word in WORD.findall(Path(text).name) if word not in known), None)
     if unknown is not None:
         near = get_close_matches(unknown, known, 1)
         meant = f", is it {{{near[0]}}}?" if near else ""
         listed = ", ".join(f"{{{word}}}" for word in known)
-        raise ArgumentError(f"unknown {{{unknown}}} in --{option}{meant}; words in braces are {listed}: {path}")
-    return Path(WORD.sub(lambda place: places.get(place[1], place[0]), str(path)))
+        raise ArgumentError(f"unknown {{{unknown}}} in --{option}{meant}; words in braces are {listed}: {text}")
+    return WORD.sub(lambda place: places.get(place[1], place[0]), text)
 
 
 def _run_all(command: Callable[..., None], runs: list[dict[str, Any]], batch: Batch | None, *, titled: bool) -> None:

@@ -13,6 +13,7 @@ from wavesplat._looks.shading import Shading
 from wavesplat._model.clips import Clip, ClipPlane, CutOut
 from wavesplat._scene import geometry_json, scene_json
 from wavesplat._scene.layer import Layer
+from wavesplat._scene.scene import names_by_themselves
 from wavesplat._viewer.command_options import options_of
 from wavesplat._viewer.seen import Shown, name_of
 from wavesplat._viewer.short_looks import short_document
@@ -20,6 +21,8 @@ from wavesplat._viewer.state import ViewerState
 
 __all__ = ["command_of", "python_of"]
 
+#: In place of a thing that comes from no file.
+NOT_GIVEN = "...  # give the {} here: it comes from no file"
 #: Functions of `wavesplat` that change volumes, by the step in their source; other steps are methods.
 FUNCTIONS = {"largest_body": "ws.largest_body", "wavelets": "ws.WaveletVolume.from_volume"}
 
@@ -64,24 +67,28 @@ def _scene_lines(state: ViewerState) -> list[str]:
     names = []
     for number, (layer, source) in enumerate(zip(scene.layers, state.sources, strict=True)):
         name = "volume" if len(scene.layers) == 1 else f"volume_{number}"
-        lines.append(f"{name} = {_volume(source, layer.volume.name)}")
+        lines.append(_made(name, source, layer))
         names.append(name)
     colors: list[str | None] = []
     for name, layer, field in zip(names, scene.layers, state.color_fields, strict=True):
         if field is None:
             colors.append(None)
             continue
-        lines.append(f"{name}_colors = {_volume(field['volume'], layer.color_from.volume.name)}")
-        colors.append(_layer(f"{name}_colors", layer.color_from, field))
+        lines.append(_made(f"{name}_colors", field["volume"], layer.color_from))
+        colors.append(_layer(f"{name}_colors", layer.color_from, field, has_own_name=layer.color_from._has_own_name))
+    own_names = names_by_themselves(scene.layers)
     arguments = [
-        _layer(name, layer, state.document["layers"][n], color)
+        _layer(name, layer, state.document["layers"][n], color, has_own_name=layer.name != own_names[n])
         for n, (name, layer, color) in enumerate(zip(names, scene.layers, colors, strict=True))
     ]
+    missing = _Missing(lines)
+    labels = None if scene.labels is None else _labels(scene.labels, state.label_source, missing)
+    shapes = [_shape(one, missing) for one in _geometry_fields(state)]
     lines += ["scene = ws.Scene(", "    ["]
     lines += [f"        {argument}," for argument in arguments]
     lines.append("    ],")
-    if scene.labels is not None:
-        lines.append(f"    labels={_labels(scene.labels, state.label_source)},")
+    if labels is not None:
+        lines.append(f"    labels={labels},")
     if not (isinstance(scene.shading, str) and scene.shading == "look"):
         lines.append(f"    shading={_shading(scene.shading)},")
     if scene.clip:
@@ -89,8 +96,8 @@ def _scene_lines(state: ViewerState) -> list[str]:
     lines.append(f"    background={scene.background!r},")
     if scene.keep_table:
         lines.append("    keep_table=True,")
-    if scene.geometry:
-        lines += ["    geometry=[", *[f"        {_shape(one)}," for one in _geometry_fields(state)], "    ],"]
+    if shapes:
+        lines += ["    geometry=[", *[f"        {shape}," for shape in shapes], "    ],"]
     lines.append(")")
     camera = state.camera
     lens = (
@@ -112,13 +119,32 @@ def _has_sources(state: ViewerState) -> bool:
     return all(source.get("path") is not None or "example" in source for source in sources)
 
 
-def _volume(source: dict[str, Any], name: str) -> str:
+class _Missing:
+    """Names for what comes from no file: each gets a line with a remark, which cannot stand inside of an expression."""
+
+    def __init__(self, lines: list[str]) -> None:
+        self._lines, self._n = lines, 0
+
+    def name(self, what: str) -> str:
+        """A name for a thing that the user must give."""
+        self._n += 1
+        self._lines.append(f"given_{self._n} = {NOT_GIVEN.format(what)}")
+        return f"given_{self._n}"
+
+
+def _made(name: str, source: dict[str, Any], layer: Layer) -> str:
+    """The line that makes the volume of a layer."""
+    return f"{name} = {_volume(source) or NOT_GIVEN.format(f'volume {layer.name!r}')}"
+
+
+def _volume(source: dict[str, Any]) -> str | None:
+    """The expression that opens a volume; None of one that comes from no file."""
     options = dict(source)
     steps = options.pop("then", [])
     if "example" in options:
         made = f"ws.examples.{options.pop('example')}({_given(options)})"
     elif options.get("path") is None:
-        return f"...  # give the volume {name!r} here: it comes from no file"
+        return None
     else:
         path = options.pop("path")
         is_series = options.pop("series_of_times", False)
@@ -141,8 +167,10 @@ def _given(options: dict[str, Any]) -> str:
     return ", ".join(f"{name}={value!r}" for name, value in options.items())
 
 
-def _layer(name: str, layer: Layer, fields: dict[str, Any], color_from: str | None = None) -> str:
-    given: dict[str, Any] = {"name": layer.name} if layer.name not in (None, layer.volume.name) else {}
+def _layer(
+    name: str, layer: Layer, fields: dict[str, Any], color_from: str | None = None, *, has_own_name: bool
+) -> str:
+    given: dict[str, Any] = {"name": layer.name} if has_own_name else {}
     given |= {} if layer.visible else {"visible": False}
     given |= {} if layer.opacity == 1 else {"opacity": layer.opacity}
     given |= {} if layer.time == 0 else {"time": layer.time}
@@ -166,20 +194,20 @@ def _geometry_fields(state: ViewerState) -> list[dict[str, Any]]:
     return found
 
 
-def _shape(fields: dict[str, Any]) -> str:
+def _shape(fields: dict[str, Any], missing: _Missing) -> str:
     ((name, own),) = fields.items()
     own = {key: tuple(value) if key == "clim" else value for key, value in own.items()}
     kind = geometry_json.TYPES[name].__name__
     if (file := own.pop("file", None)) is not None:
         if file["path"] is None:
-            return f"...  # give the {name} here: it comes from no file"
+            return missing.name(name)
         options = {"kind": name, **file}
         path = options.pop("path")
         return f"ws.open_geometry({', '.join(filter(None, (repr(path), _given(options), _given(own))))})"
     volume = own.pop("volume", None)
     if isinstance(own.get("plane"), dict):
         own["plane"] = (own["plane"]["point"], own["plane"]["normal"])
-    first = [] if volume is None else [_volume(volume, "slice")]
+    first = [] if volume is None else [_volume(volume) or missing.name("volume of a slice")]
     values = own.pop("values", None)
     if values is not None:  # in JSON what is not a number is null
         listed = ", ".join('float("nan")' if value is None else repr(value) for value in values)
@@ -192,13 +220,13 @@ def _places(own: dict[str, Any]) -> list[str]:
     return [_given({name: own.pop(name)}) for name in ("vertices", "faces", "paths", "positions") if name in own]
 
 
-def _labels(labels: Labels, source: dict[str, Any] | None) -> str:
+def _labels(labels: Labels, source: dict[str, Any] | None, missing: _Missing) -> str:
     looks = ", ".join(
         f"{number}: ws.Label({look.color!r}, {_given(scene_json.settings(look, but=('color',)))})"
         for number, look in sorted(labels.labels.items())
     )
     smooth = "" if labels.smooth else ", smooth=False"
-    volume = "..." if source is None else _volume(source, "labels")
+    volume = (None if source is None else _volume(source)) or missing.name("segmentation")
     return f"ws.Labels({volume}, {{{looks}}}{smooth})"
 
 

@@ -114,7 +114,7 @@ def test_codes_of_nifti_are_those_of_nibabel():
     times = {"sec": "s", "msec": "ms", "usec": "us", "hz": "Hz", "ppm": "ppm", "rads": "rad/s"}
     ours = {**nibabel_image.TIME_UNITS, **nibabel_image.NO_TIMES}
     assert ours == {unit_codes.code[name]: unit for name, unit in times.items()}
-    # NIFTI_INTENT_ZSCORE, TTEST, FTEST, PVAL of nifti1.h
+    # By nifti1.h: z score, t test, F test, p-value.
     assert {intent_codes.code[name] for name in quantities.OF_INTENTS} == {5, 3, 4, 22}
 
 

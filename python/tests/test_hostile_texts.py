@@ -1,5 +1,6 @@
 """Texts in files that ended the process, or never let it go, inside of ITK and VTK."""
 
+import numpy as np
 import pytest
 import test_fuzzed_files as files
 from test_growth_of_work import TEXT_VTK
@@ -46,3 +47,16 @@ def test_cubes_and_grids_whose_vectors_have_other_lengths(tmp_path):
     for name in ("a.cube", "CHGCAR"):
         with pytest.raises(FileError, match="cannot read as a"):
             ws.open(tmp_path / name)
+
+
+def test_cells_of_points_that_are_not_there(tmp_path):
+    """VTK looks them up to find the outer faces."""
+    vtk = pytest.importorskip("pyvista")
+    grid = vtk.UnstructuredGrid(np.array([4, 0, 1, 2, 3]), np.array([10]), np.eye(4, 3))
+    grid.save(tmp_path / "a.vtu", binary=False)
+    assert len(ws.open_geometry(tmp_path / "a.vtu").faces) == 4
+    text = (tmp_path / "a.vtu").read_text()
+    assert "0 1 2 3" in text
+    (tmp_path / "a.vtu").write_text(text.replace("0 1 2 3", "0 1 2 999999999"))
+    with pytest.raises(FileError, match="a cell of points that are not there"):
+        ws.open_geometry(tmp_path / "a.vtu")

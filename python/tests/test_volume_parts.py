@@ -7,6 +7,8 @@ import pickle
 import shutil
 import subprocess
 import sys
+import zlib
+from dataclasses import replace
 from importlib.util import find_spec
 from itertools import product
 from pathlib import Path
@@ -252,6 +254,31 @@ def test_what_does_not_fit_together_is_said() -> None:
     missing = [part_of(holed, box, 2) for box in boxes]
     with pytest.raises(ArgumentError, match="1 samples are NaN"):
         missing[0].whole([part.overview() for part in missing])
+
+
+def test_what_was_damaged_on_its_way_is_said() -> None:
+    whole = field((12, 12, 12))
+    boxes: list[Box] = [((0, 0, 0), (6, 12, 12)), ((6, 0, 0), (12, 12, 12))]
+    parts = [part_of(whole, box, 3) for box in boxes]
+    overviews = [part.overview() for part in parts]
+    drawn = [ws.render_part(part.whole(overviews), size=(16, 16)) for part in parts]
+    planes = drawn[1].planes
+    for lost in (
+        {},
+        {9: b"", **planes},
+        {**planes, max(planes): b"no zlib"},
+        {**planes, max(planes): zlib.compress(b"")},
+    ):
+        with pytest.raises(ArgumentError, match="on its way"):
+            ws.merge([drawn[0], replace(drawn[1], planes=lost)])
+    for frame in (b"no pickle", pickle.dumps(5), None):
+        with pytest.raises(ArgumentError, match="on its way|holds the frame"):
+            ws.merge([replace(drawn[0], frame=frame), drawn[1]])
+    for lie in ({"own": 5}, {"bounds": {}}, {"statistics": None}, {"looks": []}, {"whole": (1, 2)}, {"light": ((), 0)}):
+        with pytest.raises(ArgumentError, match="on its way|of the whole"):
+            ws.render_part(parts[0].whole([overviews[0], replace(overviews[1], **lie)]), size=(16, 16))
+    with pytest.raises(ArgumentError, match="an overview is a dict"):
+        parts[0].whole([overviews[0], {}])  # type: ignore[list-item]
 
 
 def test_what_needs_the_whole_volume_is_refused() -> None:

@@ -67,6 +67,8 @@ class PartialPicture:
     boxes: list[Box]
     #: By base plane: the state of its rays, packed.
     planes: dict[int, bytes]
+    #: The base planes that the part has, to find those that were lost on their way.
+    drawn: tuple[int, ...] = field(repr=False)
     #: The frame with its surveys, in the process of the part that has the first sample.
     frame: bytes | None = field(repr=False)
 
@@ -121,7 +123,9 @@ class PartDrawing:
                 "there is no part of a volume in this scene; give what VolumePart.whole returns, or draw the whole "
                 "with ws.render"
             )
-        return PartialPicture(picture, self.array.own, self.array.boxes, self._planes, self._frame)
+        return PartialPicture(
+            picture, self.array.own, self.array.boxes, self._planes, tuple(sorted(self._planes)), self._frame
+        )
 
 
 @public
@@ -161,22 +165,51 @@ def merge(pictures: Iterable[PartialPicture | None]) -> Picture:
         if not isinstance(partial, PartialPicture):
             raise ArgumentError(f"merge takes partial pictures, by ws.render_part, not {type(partial).__name__}")
     _check_complete(given)
-    packed = next(partial.frame for partial in given if partial.frame is not None)
-    spec: FrameSpec = pickle.loads(packed)  # noqa: S301 - our own, by the way that MPI sends objects
+    spec = _frame_of(given)
     infinite = (-math.inf,) * 3, (math.inf,) * 3
     stream = replace(spec, memory=UNBOUNDED).stream(infinite)
     ordered = [given[k] for k in _front_to_back(spec, [partial.own for partial in given])]
+    parts = [_states_of(partial, stream.n_planes) for partial in ordered]
     for plane in range(stream.n_planes):
-        states = [partial.planes[plane] for partial in ordered if plane in partial.planes]
-        if states:
-            stream.put_plane(
-                plane, stream.fold([_native.BlockState.from_bytes(zlib.decompress(state)) for state in states])
-            )
+        if states := [of_part[plane] for of_part in parts if plane in of_part]:
+            stream.put_plane(plane, stream.fold(states))
     result = stream.picture()
     first = given[0].picture.report
     report = {**{key: value for key, value in first.items() if key not in OF_PROCESS}, **result["report"]}
     report["n_texels"] = sum(partial.picture.report["n_texels"] for partial in given)
     return Picture(result["rgba"], result["depth"], result["value"], Report(report))
+
+
+def _frame_of(given: list[PartialPicture]) -> FrameSpec:
+    """The frame that one of the partial pictures holds.
+
+    It is unpickled, which runs what it says: ranks are trusted, as MPI's own way to send objects trusts them.
+    """
+    packed = next((partial.frame for partial in given if partial.frame is not None), None)
+    if packed is None:
+        raise ArgumentError("none of the pictures to merge holds the frame; give them as ws.render_part returns them")
+    try:
+        spec = pickle.loads(packed)  # noqa: S301
+    except Exception as error:  # noqa: BLE001 - a damaged pickle raises anything
+        raise ArgumentError(f"a picture to merge was damaged on its way: {type(error).__name__} in its frame") from None
+    if not isinstance(spec, FrameSpec):
+        raise ArgumentError(f"a picture to merge was damaged on its way: its frame is a {type(spec).__name__}")
+    return spec
+
+
+def _states_of(partial: PartialPicture, n_planes: int) -> dict[int, _native.BlockState]:
+    """The states of the rays of a part, by base plane."""
+    if tuple(sorted(partial.planes)) != partial.drawn or not set(partial.drawn) <= set(range(n_planes)):
+        raise ArgumentError(
+            f"the picture of the samples {_text_of(partial.own)} has lost base planes on its way: it was drawn on "
+            f"{partial.drawn}, and holds {tuple(partial.planes)} of {n_planes}"
+        )
+    try:
+        return {plane: _native.BlockState.from_bytes(zlib.decompress(state)) for plane, state in partial.planes.items()}
+    except (zlib.error, TypeError, ValueError) as error:
+        raise ArgumentError(
+            f"the picture of the samples {_text_of(partial.own)} was damaged on its way: {error}"
+        ) from None
 
 
 def _check_complete(given: list[PartialPicture]) -> None:

@@ -11,6 +11,7 @@ from wavesplat._geometry.foreign_shapes import kind_of, lines_of, points_of, sur
 from wavesplat._geometry.mesh_formats import HEAD_BYTES, LPS_TOLD, SPACE
 from wavesplat._geometry.read_shape import Asked, ReadShape
 from wavesplat._readers import vtk_grids
+from wavesplat._readers.vtk_checks import check_grid
 
 __all__ = ["SUFFIXES", "read"]
 
@@ -29,6 +30,8 @@ def read(asked: Asked) -> ReadShape:
     if not data.IsA("vtkPolyData"):
         if not data.IsA("vtkDataSet"):
             raise ValueError(f"it holds a {data.GetClassName()}, which is no one surface; write one of its blocks")
+        # VTK would end the process at cells of points that are not there.
+        check_grid(data)
         outer = library("vtkmodules.vtkFiltersGeometry", extra="geometry").vtkGeometryFilter()
         outer.SetInputData(data)
         outer.Update()

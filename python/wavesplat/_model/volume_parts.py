@@ -9,7 +9,8 @@ from __future__ import annotations
 
 import itertools
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass
 from typing import Any
 
@@ -28,7 +29,7 @@ from wavesplat._model.survey import Survey
 from wavesplat._model.thinned_samples import LookSamples
 from wavesplat._model.volume import _checked_affine, _checked_facts
 from wavesplat._public import public
-from wavesplat.errors import ArgumentError
+from wavesplat.errors import ArgumentError, WavesplatError
 
 __all__ = ["Overview", "PartArray", "VolumePart"]
 
@@ -127,13 +128,16 @@ class PartArray:
         side, bounds, (light,) = core.parts()
         looks = LookSamples(self.shape, self.dtype)
         arrays = looks.parts()
-        for overview in self._overviews:
-            place, own = overview.bounds[kernel][1]
-            low, high = bounds[..., 0][place], bounds[..., 1][place]
-            np.minimum(low, own[..., 0], out=low)
-            np.maximum(high, own[..., 1], out=high)
-            for array, (place, values) in zip([light, *arrays], [overview.light, *overview.looks], strict=True):
-                array[place] = values
+        with _told_as_damaged(self.name):
+            for overview in self._overviews:
+                place, own = overview.bounds[kernel][1]
+                low, high = bounds[..., 0][place], bounds[..., 1][place]
+                np.minimum(low, own[..., 0], out=low)
+                np.maximum(high, own[..., 1], out=high)
+                for array, (place, values) in zip([light, *arrays], [overview.light, *overview.looks], strict=True):
+                    if array[place].shape != np.shape(values):
+                        raise ValueError(f"samples of shape {np.shape(values)} for {array[place].shape}")
+                    array[place] = values
         looks.fill(arrays)
         made = _native.Survey.from_parts(
             self.shape, kernel, side, statistics_of(self._overviews), bounds, [(light_step, light)]
@@ -143,6 +147,20 @@ class PartArray:
     def __getstate__(self) -> dict[str, Any]:
         # The samples stay where they are.
         return {**self.__dict__, "_samples": None}
+
+
+@contextmanager
+def _told_as_damaged(name: str) -> Iterator[None]:
+    """Turn what overviews raise that do not hold what `overview` has put into them into an `ArgumentError`."""
+    try:
+        yield
+    except WavesplatError:
+        raise
+    except (TypeError, ValueError, IndexError, KeyError, AttributeError) as error:
+        raise ArgumentError(
+            f"parts of {name!r}: an overview was damaged on its way ({type(error).__name__}: {error}); send what "
+            "overview() returns, as a whole"
+        ) from None
 
 
 def statistics_of(overviews: Iterable[Overview]) -> tuple[float, float, int]:
@@ -259,10 +277,17 @@ class VolumePart:
         ArgumentError
             If the parts do not tile the volume, or samples are missing (NaN): fill them first.
         """
-        known = sorted((one for one in overviews if one is not None), key=lambda overview: overview.own)
-        _check_one_whole(known, self.name)
-        _check_tiling(known, self.own, self.shape, self.name)
-        low, high, n_missing = statistics_of(known)
+        given = [one for one in overviews if one is not None]
+        for one in given:
+            if not isinstance(one, Overview):
+                raise ArgumentError(
+                    f"parts of {self.name!r}: an overview is a {type(one).__name__}; give what overview() returns"
+                )
+        with _told_as_damaged(self.name):
+            known = sorted(given, key=lambda overview: overview.own)
+            _check_one_whole(known, self.name)
+            _check_tiling(known, self.own, self.shape, self.name)
+            low, high, n_missing = statistics_of(known)
         if n_missing or not low <= high:
             raise ArgumentError(
                 f"volume {self.name!r}: {n_missing} samples are NaN or infinite, which parts of a volume cannot fill; "

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 import wavesplat as ws
-from wavesplat._render.framing import natural_view
+from wavesplat._render.framing import is_upright, natural_view
 from wavesplat.errors import ArgumentError, FileError
 
 xarray = pytest.importorskip("xarray")
@@ -164,6 +164,18 @@ def test_given_distances_keep_the_directions(tmp_path):
     for volume in volumes:
         np.testing.assert_array_equal(volume.world_from_index, np.diag([1, -2, 3, 1]))
         assert volume.guesses == ("z is minus level, which grows downwards",)
+
+
+def test_a_file_of_a_model_is_upright_without_a_word_on_its_axes(tmp_path):
+    for n, values in enumerate(VALUES):
+        path = tmp_path / f"{n}.nc"
+        xarray.DataArray(values, dims=list("zyx"), name="t").to_netcdf(path, engine="scipy")
+        with xarray.open_dataset(path, engine="scipy") as opened:
+            volumes = ws.open(path), ws.Volume(opened["t"])
+        for volume in volumes:
+            np.testing.assert_array_equal(volume.world_from_index, np.eye(4))
+            assert is_upright(volume)
+            assert volume.guesses == ("distance of samples 1, 1, 1: the array has no coordinates along z, y, x",)
 
 
 def test_images_have_row_0_on_top():

@@ -124,10 +124,11 @@ def is_of_world(array: Any, spatial: list[Any]) -> bool:
     """Whether z is up and y north by what is said of the axes z, y, x, as of a map, the sea or the air.
 
     Rows of images grow downwards, and nothing is said of theirs but a name and a unit as small as they are.
-    What xarray has opened is of such a file: it reads the formats of models, and names it.
+    What xarray has opened is of such a file: it reads the formats of models, and keeps how the values are stored there.
     """
     own = getattr(array, "attrs", {})
-    if "source" in getattr(array, "encoding", {}) or "grid_mapping" in own or _text(own, "standard_name"):
+    is_opened = bool({"source", "dtype"} & set(getattr(array, "encoding", {})))
+    if is_opened or "grid_mapping" in own or _text(own, "standard_name"):
         return True
     for axis in spatial:
         said = said_of(array, axis)

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import atexit
+import json
 import os
 import shutil
 import subprocess
 import sys
 import tempfile
+from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +29,40 @@ atexit.register(shutil.rmtree, os.environ["XDG_CACHE_HOME"], ignore_errors=True)
 os.environ.setdefault("WAVESPLAT_DEVICE", "cpu")
 
 SPACING = (0.7, 0.8, 1.5)
+
+
+@pytest.fixture(scope="session", autouse=True)
+def documents_keep_to_their_schemas():
+    """Hold every scene, saved state and report of all tests to the schemas that the package ships."""
+    import jsonschema
+
+    from wavesplat._picture.report import FIELDS, Report
+    from wavesplat._scene import scene_json
+
+    schema = Path(scene_json.__file__).with_name("scene.schema.json")
+    scenes = jsonschema.Draft202012Validator(json.loads(schema.read_text(encoding="utf-8")))
+    reports = jsonschema.Draft202012Validator(Report.schema())
+    write, to_json = scene_json.write, Report.to_json
+
+    def checked_write(document):
+        text = write(document)
+        scenes.validate(json.loads(text))
+        return text
+
+    def made(report, *args, **fields):
+        dict.__init__(report, *args, **fields)
+        assert set(report) <= set(FIELDS)
+
+    def checked_report(report, indent=None):
+        text = to_json(report, indent)
+        reports.validate(json.loads(text))
+        return text
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(scene_json, "write", checked_write)
+        patch.setattr(Report, "__init__", made)
+        patch.setattr(Report, "to_json", checked_report)
+        yield
 
 
 def pytest_make_parametrize_id(val, argname):

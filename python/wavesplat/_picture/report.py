@@ -11,7 +11,9 @@ from wavesplat._public import public
 
 __all__ = ["FIELDS", "Report", "finite"]
 
-NUMBER, WHOLE, TEXT, FLAG, OBJECT = ({"type": name} for name in ("number", "integer", "string", "boolean", "object"))
+WHOLE, TEXT, FLAG, OBJECT = ({"type": name} for name in ("integer", "string", "boolean", "object"))
+#: A number that is not finite is null in JSON.
+NUMBER = {"type": ["number", "null"]}
 TEXTS = {"type": "array", "items": TEXT}
 THREE = {"type": "array", "items": NUMBER, "minItems": 3, "maxItems": 3}
 TWO = {"type": "array", "items": NUMBER, "minItems": 2, "maxItems": 2}
@@ -34,9 +36,7 @@ class Field(NamedTuple):
 FIELDS: dict[str, Field] = {
     # What is shown.
     "size": Field(PIXELS, "Width and height, pixels."),
-    "pixel": Field(
-        _or_none(NUMBER), "Distance of neighbouring pixels, world units; in perspective in the focal plane."
-    ),
+    "pixel": Field(NUMBER, "Distance of neighbouring pixels, world units; in perspective in the focal plane."),
     "unit": Field(_or_none(TEXT), "Unit of the world's lengths; none where unknown."),
     "anatomical": Field(FLAG, "Whether the world's axes are a patient's: x to the right, y to the front, z up."),
     "camera": Field(OBJECT, "The camera, as `Camera.from_json` takes it; slices have none."),
@@ -107,6 +107,8 @@ FIELDS: dict[str, Field] = {
     "n_sheets": Field({"type": "array", "items": WHOLE}, "Sheets of each base plane."),
     "n_planes": Field(WHOLE, "Of a slice: planes that were combined; 1 unless it is a slab."),
     "n_splats": Field(WHOLE, "Of standard splatting: samples that were splatted."),
+    "n_fragments": Field(WHOLE, "Of surfaces, lines and points: places where they meet the rays."),
+    "n_joined_rays": Field(WHOLE, "Rays that meet more surfaces than are kept apart, so that deeper ones are joined."),
     "n_nonfinite_samples": Field(WHOLE, "Samples that are no numbers, or infinite."),
     "n_threads": Field(WHOLE, "Threads that drew."),
     "simd": Field(TEXT, "Vector instructions of the processor that were used."),

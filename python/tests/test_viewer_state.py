@@ -61,6 +61,15 @@ def test_the_page_sees_no_paths(tmp_path):
     assert state.file_document()["layers"][0]["volume"]["path"] == str(path)
 
 
+@pytest.mark.parametrize("spacing", [1e-9, 1e11])
+def test_worlds_of_any_size_have_a_state(spacing):
+    """From molecules to a heliosphere, in metres: whatever a camera takes, the crosshair takes."""
+    volume = ws.Volume(np.random.default_rng(1).random((24, 24, 24)).astype(np.float32), spacing=(spacing,) * 3)
+    state = ViewerState.of(ws.Scene(volume))
+    assert state.view["slices"]["crosshair"] == pytest.approx([11.5 * spacing] * 3)
+    assert state.replaced(state.document).document == state.document
+
+
 def test_files_are_scenes_that_draw_the_same(pelvis, tmp_path):
     path = tmp_path / "view.json"
     path.write_text(scene_json.write(pelvis.file_document((64, 48))), encoding="utf-8")

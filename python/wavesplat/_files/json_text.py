@@ -12,10 +12,13 @@ from typing import Any
 
 from wavesplat.errors import ArgumentError
 
-__all__ = ["check_values", "decode", "decode_syntax", "is_text"]
+__all__ = ["check_values", "decode", "decode_syntax", "is_number", "is_text"]
 
 #: The largest whole number of a document: the largest float64.
 MAX_WHOLE = int(1.7976931348623157e308)
+#: The largest number of a scene: samples may be 1e14 units apart, and 1e12 times that from the origin. Its square is
+#: still far from the largest float64. `web/src/state/checks.ts` has the same.
+LARGEST_NUMBER = 1e30
 #: Letters of a path that fit in a message.
 MAX_PATH = 100
 
@@ -75,6 +78,12 @@ def check_values(value: Any, what: str) -> None:
                 pending.append((part, (steps, name)))
         elif isinstance(found, list | tuple):
             pending.extend((part, (steps, number)) for number, part in enumerate(found))
+
+
+def is_number(value: object) -> bool:
+    """Whether a value of a document is a number of a scene, up to `LARGEST_NUMBER`; true and false are none."""
+    is_real = isinstance(value, int | float) and not isinstance(value, bool)
+    return is_real and -LARGEST_NUMBER <= value <= LARGEST_NUMBER
 
 
 def is_text(text: str) -> bool:

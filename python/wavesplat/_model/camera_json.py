@@ -7,10 +7,10 @@ In perspective `"view_angle": 30` instead of `parallel_scale`.
 
 from __future__ import annotations
 
-from math import isfinite
 from typing import Any
 
 from wavesplat._files import json_object, json_text
+from wavesplat._files.json_text import is_number
 from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
 from wavesplat.errors import ArgumentError
@@ -46,7 +46,7 @@ def build(document: dict[str, Any]) -> Camera:
     json_object.check_fields(document, WHAT, needed=("version", *TRIPLE), known=known, hint="Camera.as_json")
     for name in TRIPLE:
         given = document[name]
-        if not isinstance(given, list | tuple) or len(given) != 3 or not all(map(_is_number, given)):
+        if not isinstance(given, list | tuple) or len(given) != 3 or not all(map(is_number, given)):
             raise ArgumentError(f"{WHAT}: field {name!r} is {described(given)}; it must be three numbers, [x, y, z]")
     scale, angle = (json_object.optional_number(document, WHAT, name) for name in LENSES)
     if (scale is None) == (angle is None):
@@ -55,7 +55,3 @@ def build(document: dict[str, Any]) -> Camera:
         return Camera(*(document[name] for name in TRIPLE), parallel_scale=scale, view_angle=angle)
     except ArgumentError as error:
         raise ArgumentError(f"{WHAT}: {error}") from None
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and not isinstance(value, bool) and isfinite(value)

@@ -12,6 +12,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from wavesplat._files import json_text
+from wavesplat._files.json_text import is_number
 from wavesplat._files.notes import collected_notes
 from wavesplat._looks import look_json, presets
 from wavesplat._looks.histogram import finite_samples
@@ -307,7 +308,7 @@ OF_CAMERAS = ("framed", "first_view", "kept_in_view")
 
 def _number(arguments: Mapping[str, Any], name: str) -> float:
     value = arguments.get(name)
-    if not isinstance(value, int | float) or isinstance(value, bool) or not abs(value) < 1e30:
+    if not is_number(value):
         raise ArgumentError(f"{name} is {described(value)}; give a number")
     return float(value)
 

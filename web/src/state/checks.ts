@@ -6,11 +6,14 @@ export function refuse(value: unknown, where: string, must: string): never {
   throw new Error(`${where} is ${(JSON.stringify(value) ?? "missing").slice(0, 60)}; it must be ${must}`);
 }
 
+/** The largest number of a scene, as in `_files/json_text.py`. */
+const LARGEST = 1e30;
+
 export const number =
-  (low = -Infinity, high = Infinity): Check =>
+  (low = -LARGEST, high = LARGEST): Check =>
   (value, where) => {
     if (typeof value !== "number" || !Number.isFinite(value) || value < low || value > high) {
-      refuse(value, where, low === -Infinity ? "a number" : `a number from ${low} to ${high}`);
+      refuse(value, where, low === -LARGEST ? "a number" : `a number from ${low} to ${high}`);
     }
   };
 const kind =

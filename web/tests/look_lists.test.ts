@@ -2,6 +2,7 @@ import { describe, expect, test } from "vitest";
 
 import { patched } from "../src/state/patch.ts";
 import type { LabelLook, Layer, View, ViewerState } from "../src/state/state.ts";
+import { chosenRows } from "../src/view/legend_rows.ts";
 import { isSolo, isSoloLabel, labelRows, shownLabels, soloLayer, toggledLabel, type Hidden } from "../src/view/look/layers.ts";
 import {
   dropPreset,
@@ -14,6 +15,14 @@ import {
   type OwnPreset,
 } from "../src/view/look/own_presets.ts";
 import { nextTime, shownViews, waitFor } from "../src/view/look/time_steps.ts";
+
+test("a legend with room for few rows has those that are shown, and those that were just clicked, in their order", () => {
+  const rows = [..."abcdefgh"].map((key) => ({ key, isShown: "cfh".includes(key) }));
+  const keys = (most: number, ...touched: string[]): string => chosenRows(rows, most, new Set(touched)).map(({ key }) => key).join("");
+  expect(keys(4)).toBe("acfh");
+  expect(keys(2)).toBe("cf");
+  expect(keys(3, "g")).toBe("cfg");
+});
 
 describe("layers", () => {
   const scene = (...visible: boolean[]) => ({ layers: visible.map((one) => ({ visible: one }) as Layer) });

@@ -5,6 +5,7 @@ import { describe, expect, test, vi } from "vitest";
 import type { Connection, Problem } from "../src/engine/engine.ts";
 import type { Header } from "../src/engine/framing.ts";
 import { parseAnswer } from "../src/engine/messages.ts";
+import { keepSteps, resumeSteps } from "../src/state/kept_steps.ts";
 import { patched, set, type Operation } from "../src/state/patch.ts";
 import { Replica } from "../src/state/replica.ts";
 import { createStore } from "../src/state/store.ts";
@@ -56,6 +57,42 @@ describe("the store", () => {
     store.redo();
     expect(store.state.render.kernel).toBe("gaussian");
     expect(store.canRedo).toBe(false);
+  });
+  test("a page that is opened again has the steps of the one before, if its state is the same", () => {
+    const before = make();
+    before.store.change([set("gaussian", "render", "kernel")]);
+    before.store.change([set("bspline3", "render", "kernel")]);
+    before.store.undo();
+    const room = new Map<string, string>();
+    const storage = {
+      getItem: (key: string) => room.get(key) ?? null,
+      setItem: (key: string, value: string) => {
+        if (value.length > 3.5 * JSON.stringify(STATE).length) throw new Error("full");
+        room.set(key, value);
+      },
+      removeItem: (key: string) => void room.delete(key),
+    };
+    keepSteps(before.store, "data", storage);
+    const other = make();
+    resumeSteps(other.store, "data", storage);
+    expect(other.store.canUndo).toBe(false);
+    const same = make();
+    same.store.adjust([set("gaussian", "render", "kernel"), set("light", "view", "interface", "theme")]);
+    resumeSteps(same.store, "data", storage);
+    same.store.redo();
+    expect(same.store.state.render.kernel).toBe("bspline3");
+    same.store.undo();
+    same.store.undo();
+    expect(same.store.state.render.kernel).toBe(STATE.render.kernel);
+    expect(same.store.state.view.interface.theme).toBe("light");
+    // Where there is room for less, the nearest steps stay.
+    for (const kernel of ["gaussian", "linear", "bspline3"] as const) before.store.change([set(kernel, "render", "kernel")]);
+    keepSteps(before.store, "data", storage);
+    const less = make();
+    less.store.adjust([set("bspline3", "render", "kernel")]);
+    resumeSteps(less.store, "data", storage);
+    less.store.undo();
+    expect(less.store.state.render.kernel).toBe("linear");
   });
   test("the interface is no step, and stays as it is", () => {
     const { store } = make();

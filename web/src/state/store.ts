@@ -1,6 +1,7 @@
 // Undo and redo over the state that the engine holds.
 
 import type { Engine } from "../engine/engine.ts";
+import { differences } from "./differences.ts";
 import { patched, type Operation } from "./patch.ts";
 import type { ViewerState } from "./state.ts";
 
@@ -21,7 +22,18 @@ export interface Store {
   redo(): void;
   readonly canUndo: boolean;
   readonly canRedo: boolean;
+  /** The steps that can be undone and redone, for a page that is opened again. */
+  readonly steps: Steps;
+  /** Takes the steps of an earlier page, if its state is the one that is shown now. */
+  resume(steps: Steps): void;
   subscribe(listener: () => void): Stop;
+}
+
+/** Steps of undo: the state that they belong to, and the states before and after it. */
+export interface Steps {
+  readonly now: ViewerState;
+  readonly past: readonly ViewerState[];
+  readonly future: readonly ViewerState[];
 }
 
 /** Largest number of steps that can be undone. */
@@ -112,6 +124,15 @@ export function createStore(engine: Engine): Store {
     },
     get canRedo() {
       return future.length > 0;
+    },
+    get steps() {
+      return { now: engine.state, past, future };
+    },
+    resume(steps) {
+      const changed = differences(steps.now, engine.state).filter(({ path }) => !INTERFACE.some((start) => path.startsWith(start)));
+      if (changed.length > 0) return;
+      [past, future] = [[...steps.past], [...steps.future]];
+      notify();
     },
     subscribe(listener) {
       listeners.add(listener);

@@ -7,6 +7,7 @@ import { actionOf, keyName } from "../input/keys.ts";
 import { fromLink } from "../state/link.ts";
 import type { Operation } from "../state/patch.ts";
 import type { ViewName } from "../state/state.ts";
+import { keepSteps, resumeSteps } from "../state/kept_steps.ts";
 import { createStore, type Store } from "../state/store.ts";
 import { WORDS } from "../words.ts";
 import { FrameStatistics } from "./frame_statistics.ts";
@@ -143,6 +144,8 @@ class App {
       document.addEventListener("keydown", this.onKey, { signal: stop.signal });
       // The end of a gesture by keys, whose presses are one step of undo.
       document.addEventListener("keyup", () => store.settle(), { signal: stop.signal });
+      resumeSteps(store, welcome.fingerprint, sessionStorage);
+      window.addEventListener("pagehide", () => keepSteps(store, welcome.fingerprint, sessionStorage), { signal: stop.signal });
       this.stops.push(() => stop.abort());
     }
     this.expose();

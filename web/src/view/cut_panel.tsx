@@ -137,6 +137,7 @@ function PlaneNumbers(
           <label key={name} class="row">
             {TEXT.normal(name)}
             <input
+              class="short"
               type="number"
               step="any"
               value={Number((normal[a] ?? 0).toFixed(4))}

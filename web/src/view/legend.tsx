@@ -1,6 +1,7 @@
 // The legend of the 3-D picture: labels and layers with their colours. A click hides one, in space and on slices.
 
 import type { ComponentChild } from "preact";
+import { useRef } from "preact/hooks";
 
 import { set } from "../state/patch.ts";
 import { WORDS } from "../words.ts";
@@ -9,6 +10,7 @@ import { labelRows, toggledLabel } from "./look/layers.ts";
 import { hexColor, namedColor } from "./look/looks.ts";
 import { Ramp } from "./look/ramp.tsx";
 import type { ViewerState } from "../state/state.ts";
+import { chosenRows } from "./legend_rows.ts";
 import type { PartProps } from "./part.ts";
 import { toggled } from "./sheet.tsx";
 
@@ -30,17 +32,22 @@ interface Row {
 
 export function Legend(props: PartProps & { readonly height: number }) {
   const { store, height } = props;
+  const touched = useRef(new Set<string>());
   const rows = [...labelsOf(props), ...layersOf(props)];
   if (rows.length === 0) return null;
   const most = Math.max(1, Math.min(MAX_ROWS, Math.floor((height / 2 - ABOVE_PX) / ROW_PX)));
   // A row that counts one other takes the place of that one.
-  const shown = rows.slice(0, rows.length === most + 1 ? rows.length : most);
+  const shown = rows.length <= most + 1 ? rows : chosenRows(rows, most, touched.current);
   const more = rows.length - shown.length;
+  const onRow = (key: string, toggle: () => void): void => {
+    touched.current.add(key);
+    toggle();
+  };
   return (
     <ul class="corner legend" aria-label={TEXT.title} onPointerDown={(event) => event.stopPropagation()}>
       {shown.map(({ key, name, isShown, chip, toggle }) => (
         <li key={key}>
-          <button class="legend-row" aria-pressed={isShown} title={isShown ? TEXT.hide(name) : TEXT.show(name)} onClick={toggle}>
+          <button class="legend-row" aria-pressed={isShown} title={isShown ? TEXT.hide(name) : TEXT.show(name)} onClick={() => onRow(key, toggle)}>
             {chip}
             <span>{name}</span>
           </button>

@@ -207,10 +207,13 @@ function pixelsOf(
   const scale = Number(frame?.settings["scale"] ?? 1);
   // Of several views, and of views that are not on the screen: the area of all views.
   const area = ui.root.querySelector(".views")?.getBoundingClientRect();
+  // Several views make room for this very sheet: a picture is as wide as without it.
+  const page = ui.root.querySelector(".wavesplat")?.getBoundingClientRect();
+  const widened = page !== undefined && area !== undefined && area.width > 0 ? page.width / area.width : 1;
   const ratio = window.devicePixelRatio || 1;
   const [width, height] = frame === undefined
-    ? [(area?.width ?? 1024) * ratio, (area?.height ?? 768) * ratio]
-    : [frame.width / scale, frame.height / scale];
+    ? [(page?.width ?? 1024) * ratio, (area?.height ?? 768) * ratio]
+    : [(widened * frame.width) / scale, frame.height / scale];
   const factor = size === "2" ? 2 : 1;
   return { width: Math.min(Math.round(factor * width), MAX_SIDE), height: Math.min(Math.round(factor * height), MAX_SIDE) };
 }

@@ -11,8 +11,9 @@ import { alongAxis } from "./box.ts";
 
 const TEXT = WORDS.cut;
 const COLOR = "#8be0d4";
-/** Pixels from the middle of the plane's square to its sides; steps of keys: a share of the volume, and degrees. */
+/** Pixels from the middle of the plane's square to its sides, and between two handles, at least; steps of keys: a share of the volume, and degrees. */
 const ARM_PX = 90;
+const APART_PX = 24;
 const STEP_SHARE = 0.01;
 const STEP_DEG = 2;
 
@@ -56,24 +57,10 @@ export function PlaneHandles(
         <path d={`M${square.map((corner) => `${corner?.x} ${corner?.y}`).join("L")}Z`} stroke-width="1.3" fill={COLOR} fill-opacity="0.08" />
       )}
       {tip !== null && <path d={`M${at.x} ${at.y}L${tip.x} ${tip.y}`} stroke-width="2" />}
-      <Handle
-        label={TEXT.planeHandle(number)}
-        text={TEXT.planeAlong(number, shortNumber(dot(plane.point, normal), 4))}
-        value={dot(plane.point, normal)}
-        range={[-extent, extent]}
-        x={at.x}
-        y={at.y}
-        color={COLOR}
-        onDrag={(_x, _y, dx, dy) => slide(alongAxis(camera, size, now().point, unit(now().normal), dx, dy), "plane")}
-        onKey={(event) => {
-          const n = stepOf(event);
-          if (n !== undefined) slide(n * STEP_SHARE * extent, "key plane");
-        }}
-        onEnd={() => store.settle()}
-      />
       {ends.map((end, k) => {
         const shown = project(camera, size, end);
-        if (shown === null) return null;
+        // A handle that points at the eye would lie on the one in the middle, by which the plane is pushed.
+        if (shown === null || Math.hypot(shown.x - at.x, shown.y - at.y) < APART_PX) return null;
         const axis = k === 0 ? second : first;
         return (
           <Handle
@@ -98,6 +85,21 @@ export function PlaneHandles(
           />
         );
       })}
+      <Handle
+        label={TEXT.planeHandle(number)}
+        text={TEXT.planeAlong(number, shortNumber(dot(plane.point, normal), 4))}
+        value={dot(plane.point, normal)}
+        range={[-extent, extent]}
+        x={at.x}
+        y={at.y}
+        color={COLOR}
+        onDrag={(_x, _y, dx, dy) => slide(alongAxis(camera, size, now().point, unit(now().normal), dx, dy), "plane")}
+        onKey={(event) => {
+          const n = stepOf(event);
+          if (n !== undefined) slide(n * STEP_SHARE * extent, "key plane");
+        }}
+        onEnd={() => store.settle()}
+      />
     </g>
   );
 }

@@ -27,6 +27,8 @@ import { SliceOverlay } from "./slice_overlay.tsx";
 const COARSE = 10;
 const KEY_PX = 24;
 const KEY_ZOOM = 1.1;
+/** Pixels of a drag over which the width of a window grows e times, and over which its level moves by its width. */
+const WINDOW_PX = 200;
 
 /** A drag: the frame and the middle of the picture when it began, which hold until it ends. */
 interface Press {
@@ -61,7 +63,7 @@ export function SlicePane(props: PartProps & { readonly pane: Pane }) {
     if (range === undefined) return;
     change([set(stepped(store.state, pane, n * step(), range), "view", "slices", "crosshair")], gesture);
   };
-  const window = (dx: number, dy: number, size: CssSize): void => {
+  const window = (dx: number, dy: number): void => {
     const volume = welcome.volumes[0];
     const automatic = ui.frames[pane]?.slice?.window;
     // Channels have windows of their own, in their looks.
@@ -69,8 +71,9 @@ export function SlicePane(props: PartProps & { readonly pane: Pane }) {
     const before = automatic && (slices().window ?? automatic);
     if (volume === undefined || !before) return;
     const span = volume.robust_range[1] - volume.robust_range[0] || 1;
-    const width = Math.max(before[1] + (dx / size.width) * span, span * 1e-4);
-    change([set([before[0] - (dy / size.height) * span, width], "view", "slices", "window")], "window");
+    // By shares of the window, so that a narrow one is set as finely as a wide one: 140 px double its width.
+    const width = Math.max(before[1] * Math.exp(dx / WINDOW_PX), span * 1e-4);
+    change([set([before[0] - (dy / WINDOW_PX) * before[1], width], "view", "slices", "window")], "window");
   };
   const zoomAt = (size: CssSize, factor: number, x: number, y: number): void => {
     const on = now(size);
@@ -102,7 +105,7 @@ export function SlicePane(props: PartProps & { readonly pane: Pane }) {
     else if (phase === "end") store.settle();
     else if (what === "pan") change(panned(from.on, from.center, x - from.x, y - from.y, welcome), "slice pan");
     else if (phase === "start") return;
-    else if (what === "window" || (isMain && ui.tool === "window")) window(gesture.dx, gesture.dy, size);
+    else if (what === "window" || (isMain && ui.tool === "window")) window(gesture.dx, gesture.dy);
     else if (what === "zoom") zoomAt(size, Math.exp((-2 * gesture.dy) / size.height), from.x, from.y);
     else if (isMain) change([set(worldAt(from.on, x, y), "view", "slices", "crosshair")], "crosshair");
     if (phase === "end") press.current = null;

@@ -8,7 +8,7 @@ import tifffile
 
 import wavesplat as ws
 from wavesplat._cli.batches import Batch, _distinct_names
-from wavesplat._cli.contact_sheet import GAP_PX, sheet_of
+from wavesplat._cli.contact_sheet import GAP_PX, columns_of, sheet_of
 from wavesplat._picture import lettering
 
 images = pytest.importorskip("PIL.Image")
@@ -228,6 +228,17 @@ def test_pictures_of_several_sizes_lie_in_the_middle():
     assert sheet[..., 3].min() == 1
     alone = sheet_of([("a", of(40, 60, 1))]).rgba
     assert alone.shape[1] == 60 + 2 * GAP_PX
+
+
+@pytest.mark.parametrize(
+    ("n", "size", "columns"),
+    [
+        *[(1, (400, 330), 1), (2, (400, 330), 2), (2, (300, 430), 2), (2, (900, 200), 1)],
+        *[(4, (300, 300), 2), (6, (300, 300), 3), (9, (400, 330), 3), (12, (300, 300), 4)],
+    ],
+)
+def test_a_sheet_is_about_as_wide_as_a_screen(n, size, columns):
+    assert columns_of(n, *size) == columns
 
 
 def test_names_tell_inputs_apart():

@@ -18,6 +18,7 @@ from figure_pictures import (
 from PIL import Image
 
 import wavesplat as ws
+from wavesplat._cli.outputs import check_outputs
 from wavesplat._picture import raster
 from wavesplat._picture.marks import UPWARDS, Canvas, Polygon, Ramp, Rectangle, Text, disc
 from wavesplat._picture.report_facts import View
@@ -159,6 +160,14 @@ def test_pixels_per_inch_of_a_figure_are_in_its_files(figure, tmp_path):
     figure.save(tmp_path / "a.png", dpi=72)
     with Image.open(tmp_path / "a.png") as read:
         assert read.info["dpi"] == pytest.approx((72, 72), abs=0.1)
+
+
+def test_a_missing_library_is_told_before_all_is_drawn(tmp_path, monkeypatch):
+    import sys
+
+    monkeypatch.setitem(sys.modules, "reportlab.pdfgen.canvas", None)
+    with pytest.raises(LibraryError, match=r'reportlab is not installed.*pip install "wavesplat\[figure\]"'):
+        check_outputs("scan.nii.gz", tmp_path / "sheet.pdf", "pictures", option="--sheet")
 
 
 def test_pdf_needs_reportlab(figure, tmp_path, monkeypatch):

@@ -11,6 +11,7 @@ import pytest
 import zarr
 
 import wavesplat as ws
+from wavesplat._readers.components import length_of
 from wavesplat.errors import ArgumentError
 
 VECTORS = np.random.default_rng(0).normal(size=(6, 7, 8, 3)).astype(np.float32)
@@ -64,3 +65,9 @@ def test_colours_and_times_in_files_of_numpy_are_no_vectors(tmp_path: Path) -> N
     for lazily in ({}, {"memory": "10 MB"}):
         with pytest.raises(ArgumentError, match=r"'plain\.npy' holds no vectors"):
             ws.open(tmp_path / "plain.npy", component="x", **lazily)  # type: ignore[arg-type]
+
+
+def test_the_largest_float_as_a_filler_is_no_warning():
+    large = np.float32(np.finfo(np.float32).max)
+    parts = [np.array([3, 3e30, large, large], np.float32), np.array([4, 4e30, 0, large], np.float32)]
+    np.testing.assert_allclose(length_of(parts), [5, 5e30, large, np.inf], rtol=1e-6)

@@ -108,3 +108,19 @@ def test_steps_between_distant_slices_are_told_with_what_softens_them():
     assert told((0.8, 0.8, 6.4), smooth=1) == []
     assert told((0.8, 0.8, 6.4), composite="maximum") == []
     assert told((0.8, 0.8, 6.4), quality="draft") == []
+
+
+def test_layers_that_lie_apart_are_told():
+    def at(x, name):
+        matrix = np.diag([1.0, 1, 1, 1])
+        matrix[0, 3] = x
+        return ws.Volume(np.arange(1000.0).reshape(10, 10, 10), world_from_index=matrix, unit="mm", name=name)
+
+    def told(x):
+        report = ws.render([at(0, "ct"), at(x, "pet")], size=(16, 16)).report
+        return [note for note in report.get("notes", []) if "away from" in note]
+
+    (note,) = told(790)
+    assert note.startswith("the layer 'pet' lies 781 mm away from 'ct', at x 790 to 799, y 0 to 9, z 0 to 9")
+    # Overlapping, and tiles beside each other.
+    assert told(5) == told(9.5) == []

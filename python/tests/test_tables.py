@@ -394,3 +394,18 @@ def test_a_chest_wall_that_a_round_field_of_view_cuts_thin_stays(x, y, radius):
     facts = ws.Facts(unit="mm", is_anatomical=True, modality="CT")
     scan = ws.Volume(noisy.astype(np.int16), world_from_index=np.diag([1.5, 1.5, 3, 1]), facts=facts)
     assert without_table(scan) is None
+
+
+def test_pictures_from_inside_of_the_body_have_no_note_on_a_table() -> None:
+    scan = lying()
+    middle = scan.bounds.mean(axis=0)
+    inside = ws.Camera(tuple(middle), tuple(np.add(middle, (0, 50, 0))), (0, 0, 1), view_angle=90.0)
+    outside = ws.Camera(tuple(np.add(middle, (0, 900, 0))), tuple(middle), (0, 0, 1), view_angle=30.0)
+    scene = ws.Scene(scan, "ct-skin", keep_table=True)
+
+    def told(camera: ws.Camera) -> list[str]:
+        notes = scene.render(camera, size=(24, 24)).report.get("notes", [])
+        return [note for note in notes if "seems to show the table" in note]
+
+    assert len(told(outside)) == 1
+    assert told(inside) == []

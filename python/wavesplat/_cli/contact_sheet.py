@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from math import ceil, sqrt
+from math import ceil, log
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -23,6 +23,8 @@ __all__ = ["drawn", "sheet_of"]
 
 #: Grey of the sheet around and between pictures, and width of these gaps, pixels.
 GREY, GAP_PX = 0.25, 2
+#: Width of a sheet over its height that is aimed at, and weight of places that stay empty.
+SCREEN, EMPTY = 1.5, 1.1
 
 
 def drawn(volume: Volume | WaveletVolume, names: Sequence[str], size: tuple[int, int]) -> Picture:
@@ -37,7 +39,7 @@ def drawn(volume: Volume | WaveletVolume, names: Sequence[str], size: tuple[int,
 def sheet_of(
     pictures: Sequence[tuple[str, NDArray[np.float32]]], wells: Sequence[tuple[str, str]] | None = None
 ) -> Picture:
-    """A sheet of pictures with their names below: by rows and columns of wells, else as nearly square as may be.
+    """A sheet of pictures with their names below: by rows and columns of wells, else by `columns_of`.
 
     wells : names of the row and the column of each picture on a plate.
     """
@@ -49,7 +51,7 @@ def sheet_of(
         n_rows, n_columns = len(rows), len(columns)
         places = [(rows.index(row), columns.index(column)) for row, column in wells]
     else:
-        n_columns = min(len(pictures), max(1, round(sqrt(len(pictures) * height / width))))
+        n_columns = columns_of(len(pictures), width, height)
         n_rows = ceil(len(pictures) / n_columns)
         places = [divmod(number, n_columns) for number in range(len(pictures))]
     shape = (n_rows * (height + GAP_PX) + GAP_PX, n_columns * (width + GAP_PX) + GAP_PX, 4)
@@ -62,6 +64,16 @@ def sheet_of(
         _lay(sheet, rgba, top + (room - rgba.shape[0]) // 2, left + (width - rgba.shape[1]) // 2)
         _lay(sheet, strip, top + room, left)
     return Picture(sheet)
+
+
+def columns_of(n: int, width: int, height: int) -> int:
+    """How many of `n` pictures stand in a row: the sheet is about as wide as a screen, with few places empty."""
+
+    def unfit(columns: int) -> float:
+        rows = ceil(n / columns)
+        return abs(log(columns * width / (rows * height) / SCREEN)) + EMPTY * log(rows * columns / n)
+
+    return min(range(1, n + 1), key=unfit)
 
 
 def _lay(sheet: NDArray[np.float32], rgba: NDArray[np.float32], top: int, left: int) -> None:

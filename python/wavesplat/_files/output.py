@@ -16,6 +16,7 @@ from pathlib import Path
 from types import FrameType
 from typing import Literal, TypeAlias
 
+from wavesplat._files.libraries import library
 from wavesplat._files.part_files import part_beside, remove_left_over, removed
 from wavesplat.errors import ArgumentError, FileError, WavesplatError
 
@@ -46,6 +47,9 @@ SUFFIXES: dict[Kind, tuple[str, ...]] = {
 #: Suffixes of formats that are folders, and the files in such a folder; folders in it are named by numbers.
 FOLDERS = {".ome.zarr": ("zarr.json", ".zgroup", ".zattrs", ".zmetadata")}
 
+#: Suffix -> the library that writes it, and the extra that has it.
+BY_LIBRARIES = {".pdf": ("reportlab.pdfgen.canvas", "figure")}
+
 #: Error of the system -> advice, where another folder may not help.
 MENDS = {
     errno.ENOSPC: "free some space or choose another folder",
@@ -65,6 +69,9 @@ def check_output(path: str | PathLike[str], kind: Kind) -> str:
     if suffix not in SUFFIXES[kind] or target.name.lower() == suffix:
         given = f"as {suffix}" if suffix else "to a name without a suffix"
         raise FileError(f"cannot write {kind} {given}; use one of: {', '.join(SUFFIXES[kind])}: {path}")
+    if suffix in BY_LIBRARIES:  # before the work that would be lost
+        name, extra = BY_LIBRARIES[suffix]
+        library(name, extra=extra)
     if suffix in FOLDERS and target.is_dir():
         _check_folder(target, FOLDERS[suffix])
     else:

@@ -134,10 +134,18 @@ def as_channel(shape: Sequence[int], dtype: np.dtype[Any], request: Request) -> 
 
 
 def length_of(components: Sequence[NDArray[Any]]) -> NDArray[Any]:
-    """The length of vectors: float64 of components of 32-bit integers or wider ones, else float32."""
+    """The length of vectors: float64 of components of 32-bit integers or wider ones, else float32.
+
+    Infinite where no number is large enough, as of the largest float that marks missing vectors.
+    """
     wide = components[0].dtype.itemsize > 4 or (components[0].dtype.kind != "f" and components[0].dtype.itemsize == 4)
     dtype = np.float64 if wide else np.float32
     total = np.zeros(components[0].shape, dtype)
-    for component in components:
-        total += np.square(component, dtype=dtype)
-    return np.sqrt(total, out=total)
+    with np.errstate(over="ignore"):
+        for component in components:
+            total += np.square(component, dtype=dtype)
+        np.sqrt(total, out=total)
+        if (is_over := np.isinf(total)).any():  # the square alone may be too large
+            few = [component[is_over].astype(dtype) for component in components]
+            total[is_over] = np.hypot.reduce(np.stack(few), axis=0)
+    return total

@@ -70,6 +70,7 @@ from wavesplat._scene.drawn_layers import (
     sources_of,
     why_no_brain,
 )
+from wavesplat._scene.layer_notes import is_inside, note_on_brain, notes_on_places
 from wavesplat._scene.measured_errors import MeasuredErrors
 from wavesplat._scene.reporting import facts_of
 from wavesplat._scene.scene_shapes import also_in_view, facts_of_geometry, notes_on_geometry, shapes_of, with_text
@@ -178,6 +179,7 @@ def _notes(
     """Notes on what may be recognised or was left out, and on who drew."""
     notes = [FACE_NOTE] if _has_face(frame, layers, functions) else []
     notes += [*_notes_on_parts(layers), *_notes_on_steps(frame, layers), *_notes_on_tables(frame, layers, functions)]
+    notes += notes_on_places([(layer.name, layer.volume) for layer in layers if layer.opacity > 0])
     notes += notes_on_geometry(frame.scene.geometry, frame.shapes, frame.scene._clipping, frame.options)
     told = report["device"]
     if chosen_device(frame.options.device) not in ("auto", "cpu") and told["name"] == "cpu" and told["reason"]:
@@ -217,7 +219,8 @@ def _seen_by(eyes: Eyes, frame: _Frame, layers: Sequence[DrawnLayer], functions:
 
 def _notes_on_parts(layers: Sequence[DrawnLayer]) -> list[str]:
     """Notes on layers of which a part is drawn, or was asked for."""
-    notes = [_note_on_brain(layer) for layer in layers if layer.look.part == "brain"]
+    asked = [layer for layer in layers if layer.look.part == "brain"]
+    notes = [note_on_brain(layer.name, layer.seen, why_no_brain(layer)) for layer in asked]
     is_left_out = any(TABLE_LEFT_OUT in layer.seen.facts.processing for layer in layers)
     return [*notes, *([LEFT_OUT] if is_left_out else [])]
 
@@ -228,19 +231,6 @@ def _notes_on_steps(frame: _Frame, layers: Sequence[DrawnLayer]) -> list[str]:
         return []
     lit = [layer for layer in layers if layer.opacity > 0 and layer.look.shading is not None]
     return [note for layer in lit if (note := note_on_steps(layer.volume)) is not None]
-
-
-def _note_on_brain(layer: DrawnLayer) -> str:
-    """Note on a layer of which the brain is asked for."""
-    why = why_no_brain(layer)
-    if why is not None:
-        return (
-            f"no brain could be told from skull and skin in {layer.name!r}, so all of it is drawn: {why}; "
-            "strip the skull first (mri_synthstrip, HD-BET), or take another look"
-        )
-    if BRAIN not in layer.seen.facts.processing:
-        return f"{layer.name!r} is no larger than a brain, so it is drawn as it is, as a scan without its skull"
-    return "the brain is drawn alone, by a simple extraction (thresholds and shapes), not for measuring"
 
 
 def _has_face(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> bool:
@@ -268,7 +258,7 @@ def _has_face(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[C
 
 
 def _notes_on_tables(frame: _Frame, layers: Sequence[DrawnLayer], functions: Sequence[Curves]) -> list[str]:
-    """Notes on CTs that show their tables; none on drafts, projections and scans that are cut."""
+    """Notes on CTs that show their tables; none on drafts, projections, scans that are cut, and from inside of them."""
     if frame.composite != "over" or frame.sampling.quality == "draft" or frame.clipping != Clipping():
         return []
 
@@ -277,7 +267,8 @@ def _notes_on_tables(frame: _Frame, layers: Sequence[DrawnLayer], functions: Seq
         key: Any = id(volume), "table"
         return frame.scene._cache.get_or_compute(key, (layer.identity, curves), lambda: note_on_table(volume, curves))
 
-    shown = [pair for pair in zip(layers, functions, strict=True) if pair[0].opacity > 0 and not pair[0].boxes]
+    pairs = [pair for pair in zip(layers, functions, strict=True) if pair[0].opacity > 0 and not pair[0].boxes]
+    shown = [pair for pair in pairs if not is_inside(frame.camera, pair[0].volume)]
     return list(dict.fromkeys(note for layer, curves in shown if (note := found(layer, curves)) is not None))
 
 

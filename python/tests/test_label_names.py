@@ -98,6 +98,7 @@ def test_label_tables_of_nifti(tmp_path, segmentation, code):
 TABLES = {
     "itksnap.txt": '# IDX -R- -G- -B- -A- VIS MSH LABEL\n 0 0 0 0 0 0 0 "Clear"\n 5 255 0 51 1 1 1 "left kidney"\n',
     "slicer.ctbl": "# Slicer color table\n0 Background 0 0 0 0\n5 left_kidney 255 0 51 255\n",
+    "workbench.txt": "Clear\n0 0 0 0 0\nleft kidney\n5 255 0 51 255\n",
     "bids.tsv": "index\tname\tcolor\n0\tnone\t\n5\tleft kidney\t#ff0033\n",
 }
 

@@ -33,7 +33,7 @@ LabelTable = Annotated[
     typer.Option(
         metavar="FILE",
         help="Names and colours of the labels (of slices without --labels, of the contours), from ITK-SNAP, "
-        "FreeSurfer, 3D Slicer (.ctbl) or BIDS (.tsv).",
+        "FreeSurfer, 3D Slicer (.ctbl), Connectome Workbench or BIDS (.tsv).",
     ),
 ]
 Segments = Annotated[

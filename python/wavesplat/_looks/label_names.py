@@ -3,8 +3,9 @@
 In the file: segments of 3D Slicer (.seg.nrrd: `Segment0_LabelValue`, `_Name`, `_Color`), the label table of Connectome
 Workbench (code 30) and TotalSegmentator (code 0) in extensions of NIfTI (`<Label Key="1" Red="1" ...>liver</Label>`),
 the segments of DICOM segmentations (`SegmentLabel`, `RecommendedDisplayCIELabValue`), and `image-label` of OME-Zarr.
-Tables: ITK-SNAP's label descriptions, 3D Slicer's colour tables (.ctbl), and the look-up tables of BIDS (.tsv with the
-columns index, name and, if they are there, color).
+Tables: ITK-SNAP's label descriptions, 3D Slicer's colour tables (.ctbl), lists of Connectome Workbench (a line with the
+name, then one with number and RGBA), and the look-up tables of BIDS (.tsv with the columns index, name and, if
+they are there, color).
 """
 
 from __future__ import annotations
@@ -79,7 +80,7 @@ def in_table(path: str | PathLike[str]) -> dict[int, Named]:
         If it cannot be read, or is none of the known tables.
     """
     text = read_text(path, "table of labels")
-    read = _bids if str(path).lower().endswith(".tsv") else _columns
+    read = _bids if str(path).lower().endswith(".tsv") else _pairs if _is_of_pairs(text) else _columns
     try:
         found = read(text)
     except (ArgumentError, ValueError, IndexError, TypeError, csv.Error) as error:
@@ -87,7 +88,7 @@ def in_table(path: str | PathLike[str]) -> dict[int, Named]:
     if not found:
         raise FileError(
             "the table of labels holds none; give ITK-SNAP's label descriptions, a colour table of 3D Slicer (.ctbl), "
-            f"or a .tsv with the columns index and name: {path}"
+            f"a label list of Connectome Workbench, or a .tsv with the columns index and name: {path}"
         )
     return found
 
@@ -215,6 +216,31 @@ def _columns(text: str) -> dict[int, Named]:
             said = line.strip()
             said = repr(said) if len(said) <= MOST_TOLD else f"{said[:MOST_TOLD]!r}..."
             raise ArgumentError(f"line {number} is {said}; it must be a number, a name and a colour 0..255")
+    return found
+
+
+def _lines(text: str) -> list[str]:
+    return [line.strip() for line in text.splitlines() if line.strip()]
+
+
+def _is_of_pairs(text: str) -> bool:
+    """Whether a table has a line with a name, then one of five whole numbers, as Connectome Workbench lists labels."""
+    lines = _lines(text)
+    numbers = [line.split() for line in lines[1::2]]
+    return (
+        len(lines) % 2 == 0
+        and bool(lines)
+        and all(len(fields) == 5 and all(field.lstrip("-").isdecimal() for field in fields) for fields in numbers)
+    )
+
+
+def _pairs(text: str) -> dict[int, Named]:
+    """Labels of Connectome Workbench: `left kidney`, and in the next line `5 255 0 51 255`, number and RGBA."""
+    lines = _lines(text)
+    found: dict[int, Named] = {}
+    for name, line in zip(lines[::2], lines[1::2], strict=True):
+        number, *rgba = line.split()
+        found[int(number)] = (name, _color(_floats(rgba[:3]), 255.0))
     return found
 
 

@@ -240,7 +240,7 @@ class Labels:
             Or the name of labels of `scan`, an OME-Zarr image, such as "nuclei", where no file has that name.
         table : path, optional
             Names and colours instead of the file's: label descriptions of ITK-SNAP, a colour table of FreeSurfer or 3D
-            Slicer (.ctbl), or a .tsv with the columns index, name and color (BIDS).
+            Slicer (.ctbl), a label list of Connectome Workbench, or a .tsv with index, name and color (BIDS).
         segments : sequence of str or int, optional
             The labels that are shown, by name, by a pattern of names such as "rib*", or by number; all if not given.
             Of a structure set all but the outline of the patient (EXTERNAL).

@@ -267,3 +267,12 @@ def test_beside_a_document_nothing_is_chosen(wavesplat, folder, options, message
     done = wavesplat("render", "--from", folder / "scene.json", "-o", folder / "a.png", *options)
     assert done.returncode == 2
     assert message in done.stderr
+
+
+@pytest.mark.parametrize("look", ["/etc/hostname", "no such preset", ""])
+def test_looks_that_are_no_presets_are_refused_when_a_document_is_read(look):
+    document = {
+        "wavesplat": "scene", "version": 1, "layers": [{"volume": {"example": "ripples", "n": 8}, "look": look}]
+    }  # fmt: skip
+    with pytest.raises(ws.errors.ArgumentError, match=r"layers?.*field 'look'.*unknown preset"):
+        ws.Scene.from_json(json.dumps(document))

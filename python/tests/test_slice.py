@@ -393,3 +393,11 @@ def test_command_line_mistakes(wavesplat, ramp_file, tmp_path, options, message)
     assert (done.returncode, done.stdout, done.stderr.count("\n")) == (2, "", 1)
     assert message in done.stderr
     assert not (tmp_path / "a.png").exists()
+
+
+def test_the_report_has_the_size():
+    """Of slices and sheets of them, as of pictures: width and height."""
+    volume = ws.examples.ripples(12)
+    for picture in (ws.slice(volume, "xy", size=(30, 20)), ws.lightbox(volume, "xy", [2, 5, 8])):
+        assert picture.report.size == list(picture.size)
+        assert picture.rgba.shape[:2] == tuple(picture.report["size"])[::-1]

@@ -100,6 +100,7 @@ def sliced(
     low, high = windows.limits(volume, window, clim) if transfer_function is None else (0.0, 1.0)
     values = planes.values_of(volume, kernel, slab, threads)
     report: dict[str, Any] = {
+        "size": [values.shape[1], values.shape[0]],
         **place_of(planes, volume),
         "unit": volume.unit,
         "anatomical": volume.is_anatomical,

@@ -192,7 +192,7 @@ def lightbox(
     # What belongs to one slice alone: a sheet has no place in the world.
     for name in ("position", "origin", "normal", "right", "down", "letters"):
         report.pop(name, None)
-    report["panels"] = panels
+    report["size"], report["panels"] = [sheet.shape[1], sheet.shape[0]], panels
     # What only some of the slices lack is no news; what all of them say is.
     if notes := [note for note in told[0] if all(note in other for other in told)]:
         report["notes"] = notes

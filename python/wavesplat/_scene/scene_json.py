@@ -26,7 +26,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from wavesplat._files import json_text
-from wavesplat._looks import look_json
+from wavesplat._looks import look_json, presets
 from wavesplat._looks.labels import Label, Labels
 from wavesplat._looks.look import Look
 from wavesplat._looks.materials import Materials
@@ -284,6 +284,8 @@ def layer_of(layer: Any, what: str, volume: Any) -> Layer:
         look = made_at(f"{what}.look", lambda: look_json.build(fields_of_look, None))
     elif not isinstance(look, str | None):
         raise ArgumentError(f"{what}: field 'look' is {described(look)}; it must be an object, a name or null")
+    elif look is not None:
+        made_at(f"{what}: field 'look'", lambda: presets.checked_name(look))
     for name, kind, form in (("visible", bool, "true or false"), ("time", int, "a whole number")):
         if not isinstance(layer.get(name, kind()), kind):
             raise ArgumentError(f"{what}: field {name!r} is {described(layer[name])}; it must be {form}")

@@ -98,7 +98,7 @@ def names() -> list[str]:
 
 def preset(name: str, volume: Volume | WaveletVolume | None) -> Look:
     """See `Look.preset`."""
-    found = _found(name)
+    found = checked_name(name)
     if found == "auto":
         if volume is None:
             raise ArgumentError("preset 'auto' is made from a volume's histogram; pass the volume too")
@@ -185,7 +185,7 @@ def _in_words(one: slicer_files.VolumeProperty) -> str:
     return f"Shows what is above {low:g}, {lit}."
 
 
-def _found(name: str) -> str:
+def checked_name(name: str) -> str:
     """The preset's own spelling of a name, or an `ArgumentError` that offers near ones."""
     wanted = plain(name)
     spellings = {plain(known): known for known in names()}

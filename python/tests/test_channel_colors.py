@@ -51,6 +51,8 @@ def test_light_has_its_usual_colour(wanted):
         assert abs(hue(color) - HUES[wanted]) < 1, light
     for name in ("", "channel 0", "Ch1-T1", "nuclei", "membrane", "E-cadherin", "Z500", "s00", "tile 512"):
         assert usual_color(ws.Channel(name)) is None, name
+    # bioio names the channels of Leica's files after their look-up tables.
+    assert [usual_color(ws.Channel(name)) for name in ("Green", "Red", "Gray")] == [GREEN, (1, 0, 0), WHITE]
     assert usual_color(ws.Channel("TL Brightfield")) == usual_color(ws.Channel("T-PMT")) == WHITE
 
 

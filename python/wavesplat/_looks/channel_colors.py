@@ -59,6 +59,16 @@ DYES = {
 BEFORE_DYES = ("em", "me", "sf", "td", "d", "e", "j", "m")
 #: Names of light that is let through, which has no colour of a dye.
 TRANSMITTED = {"brightfield", "bf", "dic", "phase", "transmitted", "tl", "esid", "tpmt", "phasecontrast"}
+#: Names that are those of colours: of Leica's files the names of channels are those of their look-up tables.
+NAMES_OF_COLORS: dict[str, Rgb] = {
+    "blue": (0.0, 0.0, 1.0),
+    "cyan": (0.0, 1.0, 1.0),
+    "green": (0.0, 1.0, 0.0),
+    "yellow": (1.0, 1.0, 0.0),
+    "red": (1.0, 0.0, 0.0),
+    "magenta": (1.0, 0.0, 1.0),
+    **dict.fromkeys(("gray", "grey", "white"), WHITE),
+}
 #: Lines that excite, and numbers of dyes that are named after them; and the difference of their light, nanometres.
 LINES = {
     *(350, 355, 365, 375, 385, 395, 405, 430, 440, 445, 450, 458, 470, 473, 475, 476, 477, 480, 485, 488, 490, 491),
@@ -105,11 +115,11 @@ def color_of(channel: Channel | None, channels: Sequence[Channel]) -> Rgb | None
 
 
 def usual_color(channel: Channel) -> Rgb | None:
-    """The colour of a channel's light, by its wavelength, else by the name of its dye; None where neither is known."""
+    """The colour of a channel's light, by its wavelength, else by the name of its dye, or of a colour; else None."""
     wavelength = channel.emission_nm if channel.emission_nm is not None else _wavelength_of(channel.name)
     if wavelength is None:
         is_transmitted = not TRANSMITTED.isdisjoint(_words(channel.name))
-        return WHITE if is_transmitted else None
+        return WHITE if is_transmitted else NAMES_OF_COLORS.get(channel.name.strip().lower())
     if not LIGHT_NM[0] <= wavelength <= LIGHT_NM[1]:
         return None
     return next((color for longest, color in COLORS_OF_LIGHT if wavelength < longest), FAR_RED)

@@ -128,6 +128,7 @@ TYPES = {
     "u4": {"UL"},
     "time": {"TM"},
     "datetime": {"DT"},
+    "comment": {"LT"},
 }
 SOURCES = [
     (attribute.name, source, tag)

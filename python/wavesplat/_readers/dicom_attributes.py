@@ -9,6 +9,7 @@ conformance statements list for diffusion.
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from datetime import date
@@ -31,7 +32,8 @@ Raw: TypeAlias = tuple[bytes, bool]
 class Source:
     """A tag that holds an attribute, and how its bytes are read.
 
-    encoding : "text", "decimal" (a number as text), "f4", "f8", "u2", "u4" (binary), "time", "datetime".
+    encoding : "text", "decimal" (a number as text), "f4", "f8", "u2", "u4" (binary), "time", "datetime", "comment" (a
+        direction as Canon and Toshiba write it among comments).
     """
 
     tag: int
@@ -97,6 +99,7 @@ ATTRIBUTES = (
         Source(0x001910BB, "decimal", (0x001910BC, 0x001910BD), creator=GE_ACQUISITION),
         Source(0x200510B0, "f4", (0x200510B1, 0x200510B2), creator=PHILIPS_MR),
         Source(0x00651037, "f8", count=3, creator=UIH),
+        Source(0x00204000, "comment"),
     ),
     _kind("velocity direction", Source(0x00189090, "f8", count=3)),
     _kind("spin labelling", Source(0x00189257, "text")),
@@ -162,6 +165,8 @@ N_DIGITS = 6
 #: GE adds multiples of this to b-values.
 GE_B_VALUE = 100_000
 SECONDS_PER_DAY = 86400
+#: A comment such as b=1500(0.895,0.000,-0.445).
+COMMENT = re.compile(r"b=\d+\((-?\d+\.\d+),(-?\d+\.\d+),(-?\d+\.\d+)\)$")
 
 
 def attributes_of_frames(
@@ -226,6 +231,9 @@ def _value(source: Source, found: Mapping[int, Raw]) -> Value | None:
             return None
     if source.encoding == "text":
         return as_text(found[source.tag]) or None
+    if source.encoding == "comment":
+        parts = COMMENT.match(as_text(found[source.tag]))
+        return None if parts is None else tuple(_rounded(float(part)) for part in parts.groups())
     if source.encoding == "time":
         dates = (as_text(found[tag]) for tag in source.others if tag in found)
         return seconds_of(next(dates, ""), as_text(found[source.tag]))

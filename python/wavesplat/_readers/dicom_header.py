@@ -282,7 +282,7 @@ def _padding(dataset: Dataset) -> tuple[int, int] | None:
 
 
 def _frames(dataset: Dataset, file: Path, n_frames: int) -> Iterator[Frame]:
-    pointers = [_pointer(item) for item in items(dataset, 0x00209222)]
+    dimensions = [_name_of_dimension(item) for item in items(dataset, 0x00209222)]
     along = _positions_along_a_line(dataset, n_frames)
     instance = _instance(dataset)
     own, shared = [first_items(group, GROUPS) for group in items(dataset, 0x52009230)], _shared_groups(dataset)
@@ -292,7 +292,7 @@ def _frames(dataset: Dataset, file: Path, n_frames: int) -> Iterator[Frame]:
         # Frames without groups of their own are alike but for the place along the line.
         if index < len(own) or not said:
             groups = (own[index] if index < len(own) else {}, shared)
-            said = _of_frame(dataset, groups, pointers, attributes[index])
+            said = _of_frame(dataset, groups, dimensions, attributes[index])
         else:
             said["attributes"] = attributes[index]
         if along is not None:
@@ -303,15 +303,15 @@ def _frames(dataset: Dataset, file: Path, n_frames: int) -> Iterator[Frame]:
 def _of_frame(
     dataset: Dataset,
     groups: Sequence[Mapping[int, Any]],
-    pointers: Sequence[int],
+    dimensions: Sequence[str],
     attributes: Mapping[str, Value],
 ) -> dict[str, Any]:
     """Arguments of `Frame` from its functional groups, or else from the dataset."""
     content = _in_group(groups, 0x00209111)
     indices = whole_numbers(content, 0x00209157, "u4") if content is not None else ()
     # A file may number its frames and leave out by what (DimensionIndexSequence).
-    meant = pointers or range(1, len(indices) + 1)
-    dimensions = {_name_of_dimension(of): float(value) for value, of in zip(indices, meant, strict=False)}
+    names = dimensions or [f"{INDEX}dimension {n}" for n in range(1, len(indices) + 1)]
+    numbered = {name: float(value) for value, name in zip(indices, names, strict=False)}
     spacing = _found(groups, dataset, 0x00289110, 0x00280030, 2)
     position, orientation, lengths = _placed(groups, dataset)
     is_lost = not np.isfinite(position).all() and not (spacing > 0).all()  # some write 0 where they know none
@@ -328,7 +328,7 @@ def _of_frame(
         "intercept": _factor(groups, dataset, 0x00281052, 0.0),
         "stack": text(content, 0x00209056) if content is not None else "",
         "segment": 0 if segment is None else integer(segment, 0x0062000B),
-        "attributes": {**attributes, **dimensions} if dimensions else attributes,
+        "attributes": {**attributes, **numbered} if numbered else attributes,
     }
 
 
@@ -337,17 +337,6 @@ def _instance(dataset: Dataset) -> int:
         return int(float(text(dataset, 0x00200013) or 0))
     except (ValueError, OverflowError):
         return 0
-
-
-@lru_cache
-def _name_of_dimension(tag: int) -> str:
-    """The name of a dimension by its tag, or by its number where the file has no tags."""
-    from pydicom.datadict import dictionary_description, dictionary_has_tag
-
-    if tag < 0x10000:
-        return f"{INDEX}dimension {tag}"
-    described = dictionary_description(tag) if dictionary_has_tag(tag) else f"{tag >> 16:04x},{tag & 0xFFFF:04x}"
-    return f"{INDEX}{described}"
 
 
 def _factor(groups: Sequence[Mapping[int, Any]], dataset: Dataset, tag: int, absent: float) -> float:
@@ -425,7 +414,14 @@ def _found(groups: Sequence[Mapping[int, Any]], dataset: Dataset, group: int, *s
     return found if np.isfinite(found).all() else numbers(dataset, *said)
 
 
-def _pointer(item: Any) -> int:
-    """The tag that a dimension points to: two shorts, group and element."""
-    group, element = (*whole_numbers(item, 0x00209165, "u2"), 0, 0)[:2]
-    return group << 16 | element
+def _name_of_dimension(item: Any) -> str:
+    """The name of what a dimension counts: by the dictionary or, of a private element, the file's own."""
+    group, element = (*whole_numbers(item, 0x00209165, "u2"), 0, 0)[:2]  # two shorts
+    return f"{INDEX}{_description(group << 16 | element) or text(item, 0x00209421) or f'{group:04x},{element:04x}'}"
+
+
+@lru_cache
+def _description(tag: int) -> str:
+    from pydicom.datadict import dictionary_description, dictionary_has_tag
+
+    return dictionary_description(tag) if dictionary_has_tag(tag) else ""

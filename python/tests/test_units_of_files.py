@@ -9,6 +9,7 @@ from test_facts_of_files import SAMPLES, save_imagej, save_meta, save_nrrd, save
 from test_molecules_and_traces import save_segy
 
 import wavesplat as ws
+from wavesplat._looks.structure_labels import in_unit_of
 from wavesplat._model import units
 
 #: Names as files have them -> metres, by NIST's and ISO's definitions; None: of no size that anybody knows.
@@ -146,6 +147,15 @@ def test_volumes_in_units_that_do_not_fit_are_no_scene():
     one, other = (ws.Volume(SAMPLES, unit=unit) for unit in ("mm", "furlong"))
     with pytest.raises(ws.errors.ArgumentError, match="in mm, those of .* in furlong; open one of them with spacing="):
         ws.render([one, other], size=(8, 8))
+
+
+def test_regions_of_a_patient_need_a_unit_of_known_size():
+    line = np.array([[10.0, 20, 30]])
+    for unit, size in (("cm", 0.1), ("um", 1000.0), (None, 1.0)):
+        scan = ws.Volume(SAMPLES, anatomical=True, unit=unit)
+        np.testing.assert_allclose(in_unit_of(scan, [line])[0], size * line)
+    with pytest.raises(ws.errors.ArgumentError, match="size of 'furlong'.* is unknown; open it with spacing="):
+        in_unit_of(ws.Volume(SAMPLES, anatomical=True, unit="furlong"), [line])
 
 
 def test_capital_letters_of_si():

@@ -18,10 +18,10 @@ from wavesplat._files import size_checks
 from wavesplat._files.notes import warn
 from wavesplat._looks.label_names import Named, chosen_numbers
 from wavesplat._looks.region_masks import Mask, mask_of
+from wavesplat._model import units
 from wavesplat._model.argument_types import described
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
-from wavesplat._model.units import METRES
 from wavesplat._model.volume import Volume
 from wavesplat._readers.dicom_structures import Structure, structures_in
 from wavesplat.errors import ArgumentError, FileError, FileWarning
@@ -126,14 +126,19 @@ def in_unit_of(scan: Grid, lines: Sequence[NDArray[np.float64]]) -> list[NDArray
     Raises
     ------
     ArgumentError
-        If the scan does not say where it lies in the patient.
+        If the scan does not say where it lies in the patient, or its unit has no size that is known.
     """
     if not scan.is_anatomical:
         raise ArgumentError(
             f"the scan {scan.name!r} says nothing of a patient, and lines of a structure set (RTSTRUCT) lie in one; "
             "open the DICOM or NIfTI series that it was drawn on"
         )
-    scale = METRES["mm"] / METRES[scan.unit] if scan.unit in METRES else 1.0
+    scale = units.factor("mm", scan.unit)
+    if scale is None:
+        raise ArgumentError(
+            f"lines of a structure set (RTSTRUCT) are in millimetres, and the size of {scan.unit!r}, the unit of the "
+            f"scan {scan.name!r}, is unknown; open it with spacing= and unit='mm'"
+        )
     return [line * scale for line in lines]
 
 

@@ -87,7 +87,7 @@ def tried(folder: Path, packages: list[str], code: str) -> str:
     venv.create(place, with_pip=True)
     python = place / ("Scripts" if os.name == "nt" else "bin") / "python"
     environment = {name: value for name, value in os.environ.items() if not name.startswith("PYTHON")}
-    install = [python, "-m", "pip", "install", "--quiet", "--disable-pip-version-check", *packages]
+    install = [python, "-m", "pip", "install", "--quiet", "--no-compile", "--disable-pip-version-check", *packages]
     done = subprocess.run(  # noqa: S603 - pip of the new environment
         install, env=environment, capture_output=True, text=True, check=False
     )

@@ -9,7 +9,7 @@ from PIL import Image
 
 import wavesplat as ws
 from wavesplat._readers.request import taking_planes
-from wavesplat.errors import FileError
+from wavesplat.errors import ArgumentError, FileError
 
 
 def opened(path, **options):
@@ -175,3 +175,93 @@ def test_a_tilted_slice_is_shown_whole(tmp_path, wavesplat):
     dataset = slice_at(pixels, 0, ImageOrientationPatient=turned, spacing=(1, 1), WindowCenter=500, WindowWidth=1000)
     picture, _ = shown(wavesplat, tmp_path, save(tmp_path / "mr", [dataset]) / "000.dcm", "--size", "60x40")
     assert picture.min() == 255
+
+
+COLORS = np.zeros((3, 6, 8, 3), np.uint8)
+COLORS[:, :3], COLORS[:, 3:, :4], COLORS[:, 3:, 4:] = (200, 30, 30), (40, 90, 200), (1, 1, 1)
+COLORS[1, 0] = 255
+
+
+def test_a_film_in_colours(tmp_path, wavesplat):
+    path = save(tmp_path / "us", [colored(COLORS, NumberOfFrames=3, FrameTime=40)]) / "000.dcm"
+    picture, _ = shown(wavesplat, tmp_path, path, "--time", "1")
+    np.testing.assert_array_equal(picture, COLORS[1])
+    done = wavesplat("movie", str(path), "-o", str(tmp_path / "frames"))
+    assert done.returncode == 0, done.stderr
+    files = sorted((tmp_path / "frames").iterdir())
+    frames = [np.asarray(Image.open(file).convert("RGB")) for file in files]
+    np.testing.assert_array_equal(frames, COLORS)
+
+
+def test_a_film_has_its_own_rate_and_a_window_of_all_frames(tmp_path, wavesplat):
+    path = save(tmp_path / "us", [base(FRAMES, modality="US", NumberOfFrames=4, FrameTime=50)]) / "000.dcm"
+    done = wavesplat("movie", str(path), "--times", "1:3", "-o", str(tmp_path / "us.gif"), "--json")
+    assert done.returncode == 0, done.stderr
+    told = json.loads(done.stdout)
+    assert (told["frames"], told["fps"], told["size"]) == (2, pytest.approx(20), [60, 40])
+    ws.movie(ws.open_series(path), tmp_path / "python")
+    darkest = [np.asarray(Image.open(file).convert("L")).min() for file in sorted((tmp_path / "python").iterdir())]
+    assert darkest[0] < darkest[1] < darkest[2] < darkest[3]
+    with pytest.raises(ArgumentError, match="a film, which is shown as it is, without a camera"):
+        ws.movie(ws.open_series(path), tmp_path / "turn", ws.Turn(frames=2))
+
+
+def test_pictures_fill_no_space(tmp_path, wavesplat):
+    path = save(tmp_path / "us", [base(FRAMES, modality="US", NumberOfFrames=4, FrameTime=50)]) / "000.dcm"
+    with pytest.raises(ArgumentError, match="a single picture, or a film, and fills no space; `wavesplat slice`"):
+        ws.render(ws.open_series(path)[0])
+    for arguments in (["--time", "1"], ["--times", "all"]):
+        done = wavesplat("render", str(path), *arguments, "-o", str(tmp_path / "o.png"))
+        assert done.returncode == 1
+        assert "a film of 4 pictures" in done.stderr
+
+
+def test_info_lists_the_times_of_a_film(tmp_path, wavesplat):
+    path = save(tmp_path / "us", [base(FRAMES, modality="US", NumberOfFrames=4, FrameTime=50)]) / "000.dcm"
+    told = wavesplat("info", str(path)).stdout
+    assert "times        4: 0, 0.05, 0.1, 0.15 s" in told
+    assert "samples      60 x 40 x 1" in told
+
+
+@pytest.mark.parametrize("bits", [8, 16])
+def test_palettes_are_looked_up(tmp_path, wavesplat, bits):
+    indices = np.arange(48, dtype=np.uint8).reshape(6, 8)
+    numbers = np.random.default_rng(3).integers(0, 256, (3, 48)).astype(np.uint16)
+    dataset = palette(indices, *(numbers * (257 if bits == 16 else 1)), bits=bits)
+    picture, _ = shown(wavesplat, tmp_path, save(tmp_path / "us", [dataset]) / "000.dcm")
+    np.testing.assert_array_equal(picture, numbers.T[indices])
+
+
+def test_entries_of_16_bits_with_values_of_8(tmp_path, wavesplat):
+    indices = np.arange(48, dtype=np.uint8).reshape(6, 8)
+    numbers = np.random.default_rng(3).integers(0, 256, (3, 48)).astype(np.uint16)
+    picture, _ = shown(wavesplat, tmp_path, save(tmp_path / "us", [palette(indices, *numbers)]) / "000.dcm")
+    np.testing.assert_array_equal(picture, numbers.T[indices])
+
+
+def test_colours_of_16_bits_by_rle_and_of_12_stored(tmp_path, wavesplat):
+    from pydicom.uid import RLELossless
+
+    deep = COLORS[0].astype(np.uint16) * 257
+    dataset = colored(deep)
+    dataset["PixelData"].VR = "OW"
+    dataset.compress(RLELossless, generate_instance_uid=False)
+    picture, _ = shown(wavesplat, tmp_path, save(tmp_path / "rle", [dataset]) / "000.dcm")
+    np.testing.assert_array_equal(picture, COLORS[0])
+    dataset = colored((COLORS[0] / 255 * 4095).round().astype(np.uint16), BitsStored=12, HighBit=11)
+    dataset["PixelData"].VR = "OW"
+    picture, _ = shown(wavesplat, tmp_path, save(tmp_path / "twelve", [dataset]) / "000.dcm")
+    np.testing.assert_array_equal(picture, COLORS[0])
+
+
+def test_bytes_in_big_endian_words(tmp_path):
+    from pydicom.uid import ExplicitVRBigEndian
+
+    pixels = np.arange(48, dtype=np.uint8).reshape(6, 8)
+    dataset = base(pixels, modality="US")
+    dataset.file_meta.TransferSyntaxUID = ExplicitVRBigEndian
+    dataset.PixelData = pixels.view("u2").byteswap().tobytes()
+    dataset["PixelData"].VR = "OW"
+    (tmp_path / "us").mkdir()
+    dataset.save_as(tmp_path / "us" / "000.dcm", enforce_file_format=True, little_endian=False, implicit_vr=False)
+    np.testing.assert_array_equal(opened(tmp_path / "us" / "000.dcm").samples[0], pixels)

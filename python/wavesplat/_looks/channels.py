@@ -134,10 +134,11 @@ def _highest(volume: Volume | WaveletVolume) -> float:
     window = volume.facts.channel.window if volume.facts.channel else None
     if window is not None:
         return window[1]
+    dtype = getattr(volume, "dtype", None)
+    if dtype is not None and dtype.kind in "iu":
+        return float(np.iinfo(dtype).max)
     highest = volume.value_range[1]
-    types = getattr(volume, "dtype", None)
-    ranges = [1.0, 255.0, 65535.0] if types is None or types.kind not in "iu" else [float(np.iinfo(types).max)]
-    return next((end for end in ranges if highest <= end * (1 + ROUNDING)), highest)
+    return next((end for end in (1.0, 255.0, 65535.0) if highest <= end * (1 + ROUNDING)), highest)
 
 
 def _problem_of(window: tuple[float, float], values: NDArray[np.float64]) -> str | None:

@@ -24,7 +24,7 @@ from wavesplat._files.cancelling import check_cancelled
 from wavesplat._files.named_files import check_within
 from wavesplat._files.reading import reading
 from wavesplat._model import affine
-from wavesplat._model.facts import COLORS, Facts, description_of
+from wavesplat._model.facts import COLORS, Channel, Facts, description_of
 from wavesplat._model.quantities import quantity_of_image_type
 from wavesplat._readers import dicom_segments
 from wavesplat._readers.dicom_checks import check_alike, check_is_volume, mended
@@ -186,7 +186,7 @@ def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Re
     of_pixels = request if film is None else replace(request, channel=None)  # which has been chosen
     samples, told = samples_of(stack, pixels, {header.file: header for header in headers}, of_pixels)
     guesses += [told] if told else []
-    colors = COLORS[:3] if first.n_colors == 3 else ()
+    colors = _colors_of(first)
     is_picture = len(stack.frames) == 1 and not colors
     facts = Facts(
         unit="mm" if has_sizes else None,
@@ -206,6 +206,15 @@ def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Re
         guesses=tuple(guesses),
     )
     return Grid(samples, stack.world_from_index, facts, (*placed.losses, *stack.losses))
+
+
+def _colors_of(header: Header) -> tuple[Channel, ...]:
+    """Red, green and blue as channels, with their range where it is not that of their type; none of greys."""
+    if header.n_colors != 3:
+        return ()
+    is_whole = header.photometric == "PALETTE COLOR" or header.bits_stored == header.bits_allocated
+    window = None if is_whole else (0.0, float((1 << header.bits_stored) - 1))
+    return tuple(replace(color, window=window) for color in COLORS[:3])
 
 
 def _check_is_wanted(frames: Sequence[Frame], unreadable: Unreadable, request: Request) -> None:

@@ -31,6 +31,7 @@ from wavesplat._picture.picture import Picture
 from wavesplat._picture.report import Report
 from wavesplat._picture.report_facts import shown_layer
 from wavesplat._public import public
+from wavesplat._readers.single_planes import is_single_plane
 from wavesplat._render import windows
 from wavesplat._render.isolines import Isolines
 from wavesplat._render.slicing import Planes, sliced
@@ -271,7 +272,8 @@ def _labels_alone(scene: Scene) -> Labels | None:
     first, volume = scene.layers[0], scene.layers[0].drawn
     if len(scene.layers) > 1 or not (is_automatic(first) and first.is_shown and isinstance(volume, Volume)):
         return None
-    if isinstance(volume, LazyVolume):
+    is_picture = is_single_plane(volume) and volume.modality not in (None, "SEG")  # such as a screen of few greys
+    if isinstance(volume, LazyVolume) or is_picture:
         return None
     key = (id(volume), "labels alone")
     return scene._cache.get_or_compute(key, identity_of(volume), lambda: labels_alone(volume, kind_of(volume)))

@@ -33,6 +33,8 @@ class Scene:
     scene: ws.Scene
     camera: ws.Camera
     kernel: Any
+    #: Samples of each layer as they were made, [z, y, x], of any type.
+    samples: tuple[NDArray[Any], ...]
 
     def draw(self, quality: Any = "normal", **options: Any) -> NDArray[np.float64]:
         """Draw the scene by the renderer."""
@@ -90,12 +92,14 @@ def scene(seed: int, number: int, parts: Parts | None = None) -> Scene:
     n_layers = int(random.choice([1, 1, 1, 2, 3]))
     shape = tuple(int(n) for n in random.integers(5, 19, 3))
     affine = _affine(draw)
-    layers = []
+    layers, samples = [], []
     for k in range(n_layers if parts.layers else 1):
         # Further layers lie elsewhere, and have shapes and spacings of their own.
         own_shape = shape if k == 0 else tuple(int(n) for n in draw.stream(20 + k).integers(5, 19, 3))
         own = affine if k == 0 else _beside(draw, k, affine, shape, own_shape)
-        layers.append(_layer(draw, k, own_shape, own, parts))
+        layer, made = _layer(draw, k, own_shape, own, parts)
+        layers.append(layer)
+        samples.append(made)
     if len(layers) > 1:
         draw.traits.append(f"{len(layers)} layers")
     first = layers[0].volume
@@ -109,7 +113,7 @@ def scene(seed: int, number: int, parts: Parts | None = None) -> Scene:
         whole = whole.with_(geometry=_geometry(draw, first))
     camera = _camera(draw, first)
     kernel = parts.kernel or kernel
-    return Scene(seed, number, (kernel, *draw.traits), whole, camera, kernel)
+    return Scene(seed, number, (kernel, *draw.traits), whole, camera, kernel, tuple(samples))
 
 
 def _affine(draw: _Draw) -> NDArray[np.float64]:
@@ -172,7 +176,10 @@ def _field(random: np.random.Generator, shape: tuple[int, ...], matter: str) -> 
     return scaled
 
 
-def _layer(draw: _Draw, k: int, shape: tuple[int, ...], affine: NDArray[np.float64], parts: Parts) -> ws.Layer:
+def _layer(
+    draw: _Draw, k: int, shape: tuple[int, ...], affine: NDArray[np.float64], parts: Parts
+) -> tuple[ws.Layer, NDArray[Any]]:
+    """A layer, and its samples as they were made."""
     random = draw.stream(40 + k)
     matter, kind = str(random.choice(MATTER)), np.dtype(str(random.choice(TYPES)))
     values = _field(random, shape, matter)
@@ -195,11 +202,9 @@ def _layer(draw: _Draw, k: int, shape: tuple[int, ...], affine: NDArray[np.float
             samples[mask] = missing.choice([np.nan, np.inf, -np.inf])
     draw.traits += [matter] if k == 0 else []
     look = draw.stream(60 + k)
-    return ws.Layer(
-        ws.Volume(samples, world_from_index=affine),
-        _look(look, draw, k, float(low), float(high)),
-        opacity=float(look.choice([1.0, 1.0, 0.6])),
-    )
+    function = _look(look, draw, k, float(low), float(high))
+    opacity = float(look.choice([1.0, 1.0, 0.6]))
+    return ws.Layer(ws.Volume(samples, world_from_index=affine), function, opacity=opacity), samples
 
 
 def _missing(random: np.random.Generator, shape: tuple[int, ...]) -> NDArray[np.bool_]:

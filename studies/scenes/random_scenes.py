@@ -9,7 +9,10 @@ cast again with one exact ray per pixel. Where that is better by at most a decib
 texels a pixel have 35 dB, what is missing is rays. Converging alone is no excuse: gaps that only coarse texels have
 converge as well.
 
-Exit code 1 if fewer than nine of ten scenes have 35 dB, or one has less than 28 dB without that reason.
+Each scene also has the properties of `properties.py`: the same bytes however its samples are read, and sums of samples.
+
+Exit code 1 if a scene lacks a property, fewer than nine of ten scenes have 35 dB, or one has less than 28 dB without
+that reason.
 """
 
 # ruff: noqa: INP001 - a script, not a package
@@ -23,6 +26,7 @@ import warnings
 
 import generator
 import numpy as np
+import properties
 from numpy.typing import NDArray
 
 import wavesplat as ws
@@ -42,6 +46,15 @@ def psnr_db(got: NDArray[np.float64], want: NDArray[np.float64]) -> float:
     return min(HIGHEST_DB, float(-10 * np.log10(max(error, 1e-12))))
 
 
+def _without_a_property(drawn: generator.Scene) -> list[int]:
+    """The number of the scene for each property that it lacks, which is told."""
+    found = {"reading": properties.reading(drawn), "sums": properties.sums(drawn)}
+    for name, wrong in found.items():
+        if wrong is not None:
+            print(f"scene {drawn.number}: {name}: {wrong}: {', '.join(drawn.traits)}")
+    return [drawn.number for wrong in found.values() if wrong is not None]
+
+
 def main() -> int:
     """Draw, compare, report."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -56,6 +69,7 @@ def main() -> int:
     warnings.simplefilter("ignore")
     found: list[tuple[float, int, tuple[str, ...]]] = []
     unexplained: list[int] = []
+    lacking: list[int] = []
     begin = time.perf_counter()
     for number in range(given.first, given.first + given.n):
         drawn = generator.scene(given.seed, number, parts)
@@ -67,6 +81,7 @@ def main() -> int:
         if not np.isfinite(want).all():
             print(f"scene {number}: the reference is not finite")
             return 1
+        lacking += _without_a_property(drawn)
         db = psnr_db(got, want)
         found.append((db, number, drawn.traits))
         if db < MIN_DB:
@@ -93,7 +108,8 @@ def main() -> int:
     n_good = int((values >= GOAL_DB).sum())
     print(f"{n_good} of {len(found)} have {GOAL_DB:g} dB; {int((values < MIN_DB).sum())} have less than {MIN_DB:g}, "
           f"of which {len(unexplained)} are not explained by sampling")  # fmt: skip
-    return int(n_good < SHARE * len(found) or bool(unexplained))
+    print(f"{len(set(lacking))} of {len(found)} lack a property")
+    return int(n_good < SHARE * len(found) or bool(unexplained) or bool(lacking))
 
 
 if __name__ == "__main__":

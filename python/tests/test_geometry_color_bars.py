@@ -91,3 +91,12 @@ def test_values_of_files_are_named_after_them_on_the_command_line(tmp_path, monk
     (points,) = ws.Scene([ws.open("box.nrrd"), ws.open_geometry("a.csv", values="speed")]).geometry
     assert (points.quantity, points.value_unit) == ("speed", "m/s")
     assert points.with_(color="red", values=None, cmap=None, clim=None)._mapped is None
+
+
+def test_values_of_another_file_are_named_by_its_measure_not_by_a_patient(tmp_path):
+    nib = pytest.importorskip("nibabel")
+    nib.freesurfer.write_geometry(str(tmp_path / "lh.pial"), np.array(CORNERS), np.array([(0, 1, 2)]))
+    for name, quantity in (("lh.thickness", "thickness"), ("DOE_JOHN", None)):
+        nib.freesurfer.write_morph_data(str(tmp_path / name), np.array([1.0, 2, 3], np.float32))
+        surface = ws.open_geometry(tmp_path / "lh.pial", values=str(tmp_path / name))
+        assert surface.quantity == quantity

@@ -45,8 +45,9 @@ READERS: dict[str, tuple[str, Callable[[Asked], ReadShape]]] = {
 }
 OF_FREESURFER = ("a surface of FreeSurfer", brain_surfaces.read_freesurfer)
 SUFFIXES = tuple(READERS)
-#: Parts of the name of a file of values that do not name them: "lh.thickness", "area.shape.gii".
+#: Parts of the name of a file of values that do not name them, and names that do: others may be those of a patient.
 OF_BRAINS = re.compile(r"^[lr]h\.|(\.(shape|func|gii|txt))+$")
+MEASURES = {"area", "area.mid", "area.pial", "curv", "curv.pial", "jacobian_white", "sulc", "thickness", "volume"}
 
 
 @public
@@ -120,8 +121,7 @@ def open_geometry(
     if kind is not None and kind != found.kind:
         raise FileError(f"the file holds {_told(found.kind)}, and {_told(kind)} is asked for; leave out kind: {path}")
     if values is not None and found.fields.get("values") is not None:
-        name = values if found.values_from is None else OF_BRAINS.sub("", found.values_from.name)
-        found.fields.setdefault("quantity", quantity_of(name))
+        found.fields.setdefault("quantity", quantity_of(_name_of_values(values, found)))
     own = given or found.unit
     if given is not None and found.unit is not None and given != found.unit:
         raise ArgumentError(f"unit is {unit!r}, and the file's own is {found.unit!r}; leave it out: {path}")
@@ -158,6 +158,14 @@ def _reader_of(path: Path) -> tuple[str, Callable[[Asked], ReadShape]]:
             f"and FreeSurfer's surfaces: {path}"
         )
     return found
+
+
+def _name_of_values(values: str, found: ReadShape) -> str | None:
+    """The name of the values of vertices: of their array or column, of a file of FreeSurfer its measure."""
+    if found.values_from is None:
+        return values
+    name = OF_BRAINS.sub("", found.values_from.name)
+    return name if name in MEASURES else None
 
 
 def _told(kind: str) -> str:

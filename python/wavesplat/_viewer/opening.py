@@ -35,6 +35,8 @@ __all__ = ["Opener"]
 Send: TypeAlias = Callable[[dict[str, Any], bytes], None]
 Answer: TypeAlias = tuple[dict[str, Any], bytes]
 
+#: Seconds in which the thread that reads may finish when the viewer ends; its files are removed before.
+CLOSING_S = 1.0
 #: Largest number of files that are read and not shown yet, and of questions that wait.
 MAX_READ, MAX_WAITING = 4, 64
 HOWS = ("replace", "overlay", "labels")
@@ -165,7 +167,7 @@ class Opener:
         if self._thread is not None:
             self._waiting.put((-1, next(self._order), None))
             if self._thread is not threading.current_thread():
-                self._thread.join(timeout=5)
+                self._thread.join(timeout=CLOSING_S)
 
     def _work(self) -> None:
         while (task := self._waiting.get()[2]) is not None:

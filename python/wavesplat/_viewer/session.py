@@ -35,6 +35,8 @@ __all__ = ["Client", "Session"]
 #: Function that sends header and payload to a page; called from any thread, and must not wait.
 Send = Callable[[dict[str, Any], bytes], None]
 
+#: Seconds in which the threads of a session that ends may finish what they do.
+CLOSING_S = 2.0
 #: Seconds without a change after which a picture is at rest, where the page does not say so before.
 REST_S = 0.12
 #: Frames on their way to a page, for each view.
@@ -164,9 +166,11 @@ class Session:
                 client.is_open = False
             self._clients.clear()
             self._changed.notify_all()
+        # One wait for all, which are given up where they are: none of them writes a file.
+        until = time.monotonic() + CLOSING_S
         for thread in self._threads:
             if thread is not threading.current_thread():
-                thread.join(timeout=5)
+                thread.join(timeout=max(until - time.monotonic(), 0.0))
 
     # Messages of pages
 
@@ -375,7 +379,7 @@ class Session:
             if at_rest:
                 refining.advance(part)
             # A picture at rest is given up when something changes.
-            return not at_rest or (pane.n_changes == n_changes and client.is_open and self._is_open)
+            return self._is_open and (not at_rest or (pane.n_changes == n_changes and client.is_open))
 
         try:
             pictures = self._pictures(state, view, size, settings, goes_on, at_rest=at_rest)

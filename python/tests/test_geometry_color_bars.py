@@ -95,7 +95,10 @@ def test_values_of_files_are_named_after_them_on_the_command_line(tmp_path, monk
 
 def test_values_of_another_file_are_named_by_its_measure_not_by_a_patient(tmp_path):
     nib = pytest.importorskip("nibabel")
-    nib.freesurfer.write_geometry(str(tmp_path / "lh.pial"), np.array(CORNERS), np.array([(0, 1, 2)]))
+    header = {"head": [2, 0, 20], "valid": "1", "filename": "a", "volume": [9, 9, 9], "voxelsize": [1, 1, 1]}
+    axes = {"xras": [-1, 0, 0], "yras": [0, 0, -1], "zras": [0, 1, 0], "cras": [0, 0, 0]}
+    faces = np.array([(0, 1, 2)])
+    nib.freesurfer.write_geometry(str(tmp_path / "lh.pial"), np.array(CORNERS), faces, volume_info=header | axes)
     for name, quantity in (("lh.thickness", "thickness"), ("DOE_JOHN", None)):
         nib.freesurfer.write_morph_data(str(tmp_path / name), np.array([1.0, 2, 3], np.float32))
         surface = ws.open_geometry(tmp_path / "lh.pial", values=str(tmp_path / name))

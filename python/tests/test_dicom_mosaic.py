@@ -90,6 +90,7 @@ def test_a_series_of_mosaics_is_a_series_of_times(tmp_path, said):
     for t, volume in enumerate(series):
         np.testing.assert_array_equal(volume.samples, slices_of(t))
         np.testing.assert_allclose(volume.spacing, (0.7, 0.8, 3.6))
+        assert any("does not say their order" in told for told in volume.guesses) == (said == "number")
 
 
 def test_mosaics_without_the_private_header_are_named(tmp_path):

@@ -302,7 +302,8 @@ def _value_unit(headers: Sequence[Header], told: Sequence[str]) -> str | None:
 
 def _guesses_of_values(headers: Sequence[Header]) -> list[str]:
     """Assumptions about the stored numbers of these files, a sentence each."""
-    guesses = list(dict.fromkeys(header.value_unit.told for header in headers if header.value_unit.told))
+    told = (one for header in headers for one in (header.value_unit.told, header.guess) if one)
+    guesses = list(dict.fromkeys(told))
     names = sorted({header.value_unit.name or "none" for header in headers})
     if len(names) > 1:
         guesses.append(f"values of several units as if of one: files of the series name {', '.join(names)}")

@@ -139,6 +139,8 @@ class Header:
     #: How the frames lie side by side in one picture, and the header of that; None where each is a picture of its own.
     tiles: Tiles | None = None
     whole: Header | None = None
+    #: What was assumed about them; empty where nothing was.
+    guess: str = ""
 
     @property
     def n_colors(self) -> int:
@@ -224,7 +226,9 @@ def _split(header: Header, dataset: Dataset) -> Header:
         for k, (position, attributes) in enumerate(zip(found.positions, own, strict=True))
     )
     size = found.tiles.size_of_one(header.size)
-    return replace(header, size=size, n_frames=found.tiles.n, frames=frames, tiles=found.tiles, whole=header)
+    return replace(
+        header, size=size, n_frames=found.tiles.n, frames=frames, tiles=found.tiles, whole=header, guess=found.guess
+    )
 
 
 def content_of(file: Path) -> Content:

@@ -47,6 +47,10 @@ BEGIN, END = b"### ASCCONV BEGIN", b"### ASCCONV END"
 SIZE = re.compile(rb"^\s*sSliceArray\.lSize\s*=\s*(\d{1,6})\s*$", re.MULTILINE)
 CENTRE = re.compile(rb"^\s*sSliceArray\.asSlice\[(\d{1,6})\]\.sPosition\.d(Sag|Cor|Tra)\s*=\s*(\S+)", re.MULTILINE)
 AXES = (b"Sag", b"Cor", b"Tra")
+#: What is assumed where neither of them gives the order of the slices.
+UNSAID = (
+    "slices of a mosaic along the normal of its picture: the file does not say their order (0029,xx10 or 0029,xx20)"
+)
 #: Slices of a protocol, at most: a scanner's have some hundreds.
 MAX_SLICES = 4096
 
@@ -83,11 +87,12 @@ class Tiles:
 
 @dataclass(frozen=True)
 class Split:
-    """The slices of a picture, their positions, LPS, and the item of a sequence about each, of UIH."""
+    """The slices of a picture, their positions, LPS, the item of a sequence about each, of UIH, and an assumption."""
 
     tiles: Tiles
     positions: NDArray[np.float64]
     items: Sequence[Any] = ()
+    guess: str = ""
 
 
 def told_of_tiles(image_type: str) -> str:
@@ -205,7 +210,8 @@ def _split_mosaic(dataset: Dataset, picture: Picture) -> Split | None:
             step = step if np.isfinite(numbers(dataset, 0x00180088, 1)).all() else between
         across = -normal if vector.shape == (3,) and vector @ normal < 0 else normal
         positions: NDArray[np.float64] = first + np.arange(n)[:, None] * (step * across)
-    return Split(tiles, positions)
+    is_said = vector.shape == (3,) and bool(vector.any())
+    return Split(tiles, positions, guess="" if is_said else UNSAID)
 
 
 def _order(

@@ -16,6 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._looks import histogram, label_names
+from wavesplat._looks.blocks import is_block
 from wavesplat._looks.channel_colors import color_of
 from wavesplat._looks.channels import (
     LUMINANCE,
@@ -38,7 +39,7 @@ from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._looks.voxel_opacity import opacity_of_voxel, opaque_after, rising
 from wavesplat._model import units
-from wavesplat._model.few_slices import axis_of_few_slices
+from wavesplat._model.few_slices import axis_of_few_slices, is_thin
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.options import BY_VIEW
 from wavesplat._model.units import METRES
@@ -84,6 +85,8 @@ MAX_WHITE = 2.0
 #: Kinds of data that are shown in greys where there are but a few slices: their looks are translucent, millimetre by
 #: millimetre.
 IN_GREYS = ("CT", "MR", "ultrasound", "scan")
+#: Kinds of data that are cut open where matter fills the volume up to its faces.
+BLOCKS = ("MR", "scan")
 #: Hounsfield units in the black of a maximum: every ray through a body meets soft tissue, so that what is below shows
 #: nothing but the table, and takes half of the greys from vessels and bone.
 CT_MAXIMUM_BLACK = -100.0
@@ -149,6 +152,8 @@ def automatic(volume: Volume | WaveletVolume, composite: Composite | None, color
         return Look(transfer_function=_greys(known, is_clear_below=True), shading=None, name="auto", reason=reason)
     made_by = LOOKS[known.kind]
     function, shading = made_by(volume, known, color) if made_by is _fluorescence else made_by(volume, known)
+    if composite is None and known.kind in BLOCKS and is_block(volume, function):
+        return _cut_open(volume, known)
     return Look(
         transfer_function=function,
         shading=shading,
@@ -221,6 +226,18 @@ def tinted(function: TransferFunction | TransferFunction2D, color: Rgb) -> Trans
     red, green, blue = color
     nodes = [(value, r * red, g * green, b * blue) for value, r, g, b in function.color]
     return TransferFunction(function.opacity, nodes, function.opacity_unit, function.gradient_opacity)
+
+
+def _cut_open(volume: Volume | WaveletVolume, known: Evidence) -> Look:
+    """A look of a block of matter, of which nothing but its faces would be seen: as slices through its middle."""
+    return Look(
+        transfer_function=_greys(known),
+        shading=None,
+        view=None if is_thin(volume) else "isometric",
+        part="cut open",
+        name="auto",
+        reason=f"{known.reason}; a block of matter, cut open, in greys",
+    )
 
 
 def _inverted_maximum(volume: Volume | WaveletVolume, known: Evidence) -> Look:

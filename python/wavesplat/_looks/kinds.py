@@ -299,7 +299,7 @@ def _has_few_bright(volume: Volume | WaveletVolume) -> bool:
     n_together = sum(
         np.count_nonzero(np.logical_and(*(np.delete(above, end, axis) for end in (0, -1)))) for axis in range(3)
     )
-    return n_together >= MIN_TOGETHER
+    return bool(n_together >= MIN_TOGETHER)
 
 
 def _by_maps(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tuple[Kind, str] | None:

@@ -48,7 +48,8 @@ class Look:
         A segmentation that is drawn with it.
     part : str, optional
         Part of the body that is drawn: "brain" of a head in MR, by a simple extraction, not for measuring. The samples
-        stay; where no brain can be told, all is drawn, and a note says why. None draws all.
+        stay; where no brain can be told, all is drawn, and a note says why. "cut open" leaves out the front corner, or
+        of a thin stack the front half, so that planes through the middle are seen. None draws all.
     name : str
         Name of the preset, "auto", or "" for one of your own.
     reason : str
@@ -68,7 +69,7 @@ class Look:
     view: str | None = None
     background: str | None = None
     labels: Labels | None = None
-    part: Literal["brain"] | None = None
+    part: Literal["brain", "cut open"] | None = None
     name: str = ""
     reason: str = ""
 
@@ -76,8 +77,8 @@ class Look:
         for name in ("name", "reason"):
             if not isinstance(getattr(self, name), str):
                 raise ArgumentError(f"{name} of the look is {described(getattr(self, name))}; give a text")
-        if self.part not in (None, "brain"):
-            raise ArgumentError(f'part of the look is {described(self.part)}; give "brain" or None')
+        if self.part not in (None, "brain", "cut open"):
+            raise ArgumentError(f'part of the look is {described(self.part)}; give "brain", "cut open" or None')
         for name in ("view", "background", "name", "reason"):
             check_text(getattr(self, name), f"{name} of the look")
         colors.parse(self.background)

@@ -1,4 +1,4 @@
-"""Volumes of a few slices, such as two frames of a CT: too thin for translucent looks, and seen from their front."""
+"""Volumes of a few slices, such as two frames of a CT, and thin stacks: both are seen from their front."""
 
 from __future__ import annotations
 
@@ -6,10 +6,18 @@ import numpy as np
 
 from wavesplat._model.grid import Grid
 
-__all__ = ["axis_of_few_slices"]
+__all__ = ["axis_of_few_slices", "is_thin"]
 
 #: Largest number of slices, and least number of samples along their sides.
 FEW, WIDE = 4, 16
+#: Largest ratio of the thinnest side to the second one of a thin stack, which is seen along its thin side.
+THIN = 0.3
+
+
+def is_thin(grid: Grid) -> bool:
+    """Whether a volume is a thin stack."""
+    thinnest, second, _ = np.sort(np.ptp(grid.bounds, axis=0))
+    return bool(thinnest < THIN * second)
 
 
 def axis_of_few_slices(grid: Grid) -> int | None:

@@ -23,7 +23,6 @@ from wavesplat._looks.brain import PROCESSING as BRAIN
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.look import Look
 from wavesplat._looks.shading import Shading
-from wavesplat._looks.tables import PROCESSING as TABLE_LEFT_OUT
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model.camera import Camera
 from wavesplat._model.clips import Clipping
@@ -55,7 +54,7 @@ from wavesplat._render.faces import is_from_behind, shows_face
 from wavesplat._render.lazy_layers import FrameSpec, LazyLayers
 from wavesplat._render.notes import note_on_steps, notes_on_layers, notes_on_picture
 from wavesplat._render.options import DrawOptions
-from wavesplat._render.tables import LEFT_OUT, note_on_table
+from wavesplat._render.tables import note_on_table
 from wavesplat._scene.compositing import AddedLight, over_background
 from wavesplat._scene.drawn_layers import (
     Curves,
@@ -66,11 +65,11 @@ from wavesplat._scene.drawn_layers import (
     drawn_volumes,
     for_module,
     identity_of,
+    notes_on_parts,
     slice_source,
     sources_of,
-    why_no_brain,
 )
-from wavesplat._scene.layer_notes import is_inside, note_on_brain, notes_on_places
+from wavesplat._scene.layer_notes import is_inside, notes_on_places
 from wavesplat._scene.measured_errors import MeasuredErrors
 from wavesplat._scene.reporting import facts_of
 from wavesplat._scene.scene_shapes import also_in_view, facts_of_geometry, notes_on_geometry, shapes_of, with_text
@@ -178,7 +177,11 @@ def _notes(
 ) -> list[str]:
     """Notes on what may be recognised or was left out, and on who drew."""
     notes = [FACE_NOTE] if _has_face(frame, layers, functions) else []
-    notes += [*_notes_on_parts(layers), *_notes_on_steps(frame, layers), *_notes_on_tables(frame, layers, functions)]
+    notes += [
+        *notes_on_parts(frame.scene, layers),
+        *_notes_on_steps(frame, layers),
+        *_notes_on_tables(frame, layers, functions),
+    ]
     notes += notes_on_places([(layer.name, layer.volume) for layer in layers if layer.opacity > 0])
     notes += notes_on_geometry(frame.scene.geometry, frame.shapes, frame.scene._clipping, frame.options)
     told = report["device"]
@@ -215,14 +218,6 @@ def _seen_by(eyes: Eyes, frame: _Frame, layers: Sequence[DrawnLayer], functions:
         return picture
 
     return put_together(eyes, frame.camera, frame.size, draw)
-
-
-def _notes_on_parts(layers: Sequence[DrawnLayer]) -> list[str]:
-    """Notes on layers of which a part is drawn, or was asked for."""
-    asked = [layer for layer in layers if layer.look.part == "brain"]
-    notes = [note_on_brain(layer.name, layer.seen, why_no_brain(layer)) for layer in asked]
-    is_left_out = any(TABLE_LEFT_OUT in layer.seen.facts.processing for layer in layers)
-    return [*notes, *([LEFT_OUT] if is_left_out else [])]
 
 
 def _notes_on_steps(frame: _Frame, layers: Sequence[DrawnLayer]) -> list[str]:

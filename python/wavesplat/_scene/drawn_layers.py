@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 from wavesplat import _native
 from wavesplat._geometry.slice_plane import CUTS
 from wavesplat._looks.automatic import automatic, tinted
+from wavesplat._looks.blocks import is_block
 from wavesplat._looks.brain import brain_of
 from wavesplat._looks.channel_colors import color_of
 from wavesplat._looks.default_colors import label_color
@@ -23,11 +24,13 @@ from wavesplat._looks.labels import Label, Labels
 from wavesplat._looks.lazy_tables import without_table_in_parts
 from wavesplat._looks.look import Look
 from wavesplat._looks.overlays import MAPPED_KINDS, OVERLAY_MAPS, cleared, mapped
+from wavesplat._looks.tables import PROCESSING as TABLE_LEFT_OUT
 from wavesplat._looks.tables import without_table
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._model.composites import Operator
 from wavesplat._model.cutting import Boxes, in_samples_of
+from wavesplat._model.few_slices import is_thin
 from wavesplat._model.lazy_changes import compare
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.options import Composite
@@ -37,8 +40,11 @@ from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._readers.single_planes import is_single_plane
 from wavesplat._render.arguments import chosen_look, cut_open
 from wavesplat._render.framing import Part
-from wavesplat._render.tables import note_on_table
+from wavesplat._render.opened import NOTE as CUT_OPEN
+from wavesplat._render.opened import cut_open_from
+from wavesplat._render.tables import LEFT_OUT, note_on_table
 from wavesplat._scene.drawn_color import DrawnColor, check_operator, check_rows, drawn_color, labels_by_field
+from wavesplat._scene.layer_notes import note_on_brain
 from wavesplat._scene.resampling import check_units, is_oblique, on_axes_of
 from wavesplat._scene.slice_cards import SliceLayer, SliceSource
 from wavesplat.errors import ArgumentError
@@ -61,11 +67,11 @@ __all__ = [
     "is_automatic",
     "look_over_others",
     "looks_beside_each_other",
+    "notes_on_parts",
     "operator_name",
     "seen_parts",
     "slice_source",
     "sources_of",
-    "why_no_brain",
 ]
 
 Rgb = tuple[float, float, float]
@@ -84,6 +90,12 @@ CHANNEL_COLORS: tuple[Rgb, ...] = (
 )
 #: Colours that differ by less in every channel count as the same.
 SAME_COLOR = 0.1
+
+
+DENSE = (
+    "dense matter fills the volume up to its faces, and hides what is inside: --composite maximum shows the brightest "
+    "of it, --cut-out +x-y+z opens it, and --slice-plane shows slices in space"
+)
 
 
 @dataclass(frozen=True)
@@ -277,12 +289,6 @@ def _by_field(
     return replace(look, labels=labels), drawn_color(layer, volume, of_field, first)
 
 
-def why_no_brain(layer: DrawnLayer) -> str | None:
-    """Why a layer is drawn whole whose look asks for the brain; None where it does not, or has it."""
-    found = brain_of(layer.volume) if layer.look.part == "brain" else None
-    return found if isinstance(found, str) else None
-
-
 def _part(
     scene: Scene, layer: Layer, volume: Volume | WaveletVolume, look: Look, *, is_tableless: bool
 ) -> Volume | WaveletVolume:
@@ -290,6 +296,9 @@ def _part(
     if look.part == "brain":
         found = brain_of(volume)
         return volume if isinstance(found, str) else found
+    if look.part == "cut open":
+        find = partial(cut_open_from, volume, look.view)
+        return scene._cache.get_or_compute((id(volume), "cut open", look.view), identity_of(volume), find)
     if not is_tableless:
         return volume
     if isinstance(volume, LazyVolume | WaveletVolume):
@@ -424,6 +433,45 @@ def _free_color(volume: Volume | WaveletVolume, taken: Sequence[Rgb]) -> Rgb:
         if all(max(abs(a - b) for a, b in zip(color, other, strict=True)) >= SAME_COLOR for other in taken):
             return color
     return CHANNEL_COLORS[len(taken) % len(CHANNEL_COLORS)]
+
+
+# Notes on layers of which a part is drawn.
+
+
+def notes_on_parts(scene: Scene, layers: Sequence[DrawnLayer]) -> list[str]:
+    """Notes on layers of which a part is drawn, or was asked for."""
+    asked = [layer for layer in layers if layer.look.part == "brain"]
+    notes = [note_on_brain(layer.name, layer.seen, _why_no_brain(layer)) for layer in asked]
+    is_left_out = any(TABLE_LEFT_OUT in layer.seen.facts.processing for layer in layers)
+    is_open = any(layer.look.part == "cut open" for layer in layers)
+    is_dense = any(_is_dense(scene, layer) for layer in layers)
+    return [
+        *notes,
+        *([LEFT_OUT] if is_left_out else []),
+        *([CUT_OPEN] if is_open else []),
+        *([DENSE] if is_dense else []),
+    ]
+
+
+def _is_dense(scene: Scene, layer: DrawnLayer) -> bool:
+    """Whether an automatic look of microscopy shows nothing but the faces of a volume, none of which it is seen by."""
+    volume, look = layer.volume, layer.look
+    if not (layer.is_automatic and look.composite == "over" and layer.opacity > 0) or is_thin(volume):
+        return False
+
+    def found() -> bool:
+        function = look.transfer_function
+        if not isinstance(function, TransferFunction) or kind_of(volume) not in ("EM", "fluorescence"):
+            return False
+        return is_block(volume, function)
+
+    return scene._cache.get_or_compute((id(volume), "dense", look.transfer_function), layer.identity, found)
+
+
+def _why_no_brain(layer: DrawnLayer) -> str | None:
+    """Why a layer is drawn whole whose look asks for the brain; None where it does not, or has it."""
+    found = brain_of(layer.volume) if layer.look.part == "brain" else None
+    return found if isinstance(found, str) else None
 
 
 # Sources of samples: the layers, and after them the fields that colour layers, in the order of these.

@@ -73,3 +73,13 @@ def test_info_says_so_fault_14(wavesplat, tmp_path):
     assert guess in wavesplat("info", tmp_path / "stored.nrrd").stdout
     CT.save(tmp_path / "ct.nrrd")
     assert "seems to be added" not in wavesplat("info", tmp_path / "ct.nrrd").stdout
+
+
+def test_crops_with_little_air_and_heads_with_little_fat_are_told():
+    crop = CT.samples[28:84, 25:75, 30:91].astype(np.float64) + 1024
+    assert 0.003 < np.mean(crop < 100) < 0.004
+    assert stored_offset(np.maximum(crop, 0)) == 1024
+    random = np.random.default_rng(1)
+    parts = [(-1000, 10, 30_000), (35, 20, 64_000), (-95, 20, 2_400), (900, 300, 5_000)]
+    head = np.concatenate([random.normal(mean, deviation, n) for mean, deviation, n in parts])
+    assert stored_offset(np.maximum(np.round(head + 1000), 0)) == 1000

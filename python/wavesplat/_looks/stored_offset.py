@@ -18,10 +18,12 @@ __all__ = ["stored_offset"]
 OFFSETS = (1000.0, 1024.0)
 #: Ranges of fat and of soft tissue, and the value above which samples are of the body, Hounsfield units.
 FAT, SOFT_TISSUE, BODY = (-140.0, -50.0), (-20.0, 110.0), -400.0
-#: Least share of air, of the body, and of both peaks within the body.
-MIN_AIR, MIN_BODY, MIN_PEAKS = 0.02, 0.02, 0.55
-#: Least share of each peak in the body.
-MIN_PEAK = 0.05
+#: Least share of air, of which crops have little, and of the body.
+MIN_AIR, MIN_BODY = 0.003, 0.02
+#: Least share of each peak in the body, with the least share of both: there is little fat in a head, or in a chest. (Of
+#: 48 crops of three CTs 37 are told, 26 with the first pair and air of 0.02 alone; 4 of 19 other volumes x 40
+#: factors are taken for CT, as with the first pair: an engine and a mean head, each with factors of no use.)
+MIN_PEAKS = ((0.05, 0.55), (0.025, 0.7))
 #: Most values per unit below fat and above soft tissue, as a share of those in the larger peak.
 MAX_BESIDE = 0.35
 #: Least share of values above 200 Hounsfield units, bone or contrast medium, in the body.
@@ -51,7 +53,8 @@ def stored_offset(values: NDArray[Any]) -> float:
         return float(np.mean((body >= low) & (body <= high)))
 
     fat, soft = share(*FAT), share(*SOFT_TISSUE)
-    if min(fat, soft) < MIN_PEAK or fat + soft < MIN_PEAKS or share(200.0, np.inf) < MIN_BONE:
+    has_peaks = any(min(fat, soft) >= each and fat + soft >= both for each, both in MIN_PEAKS)
+    if not has_peaks or share(200.0, np.inf) < MIN_BONE:
         return 0.0
     density = max(fat / (FAT[1] - FAT[0]), soft / (SOFT_TISSUE[1] - SOFT_TISSUE[0]))
     beside = max(share(-300.0, -180.0) / 120.0, share(150.0, 270.0) / 120.0)

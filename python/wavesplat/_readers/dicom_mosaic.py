@@ -44,8 +44,10 @@ N_OF_GRID, CREATOR_OF_GRID, SLICES = 0x00651050, Creator(0x00650010, "Image Priv
 #: Groups that may hold the protocol of Siemens, and its lines: the number of slices, and coordinates of their centres.
 GROUPS_OF_PROTOCOL = (0x0029, 0x0021)
 BEGIN, END = b"### ASCCONV BEGIN", b"### ASCCONV END"
-SIZE = re.compile(rb"^\s*sSliceArray\.lSize\s*=\s*(\d{1,6})\s*$", re.MULTILINE)
-CENTRE = re.compile(rb"^\s*sSliceArray\.asSlice\[(\d{1,6})\]\.sPosition\.d(Sag|Cor|Tra)\s*=\s*(\S+)", re.MULTILINE)
+SIZE = re.compile(rb"^[ \t]*sSliceArray\.lSize[ \t]*=[ \t]*(\d{1,6})\b", re.MULTILINE)
+CENTRE = re.compile(
+    rb"^[ \t]*sSliceArray\.asSlice\[(\d{1,6})\]\.sPosition\.d(Sag|Cor|Tra)[ \t]*=[ \t]*(\S{1,40})", re.MULTILINE
+)
 AXES = (b"Sag", b"Cor", b"Tra")
 #: What is assumed where neither of them gives the order of the slices.
 UNSAID = (

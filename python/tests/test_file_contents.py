@@ -11,6 +11,7 @@ from test_netcdf import save_netcdf3
 from vti_files import save_vti
 
 import wavesplat as ws
+from wavesplat._readers import arrays, file_contents, vti
 from wavesplat._readers.opening import contents
 from wavesplat._readers.request import requested
 
@@ -163,3 +164,19 @@ def test_ranges_of_other_files_samples_are_not_looked_at(tmp_path):
         file.create_virtual_dataset("v", layout)
     arrays, _ = found(tmp_path / "a.h5")
     assert arrays["v"][3].size == 0
+
+
+@pytest.mark.parametrize("name", ["a.vti", "a.h5", "a.npz"])
+def test_large_files_are_listed_without_reading_all(tmp_path, monkeypatch, name):
+    for module in (file_contents, arrays, vti):
+        monkeypatch.setattr(module, "MOST_BYTES", 100)
+    if name == "a.vti":
+        save_vti(tmp_path / name, {"p": np.zeros(SHAPE)})
+    elif name == "a.npz":
+        np.savez(tmp_path / name, p=np.zeros(SHAPE))
+    else:
+        with h5py.File(tmp_path / name, "w") as file:
+            file["p"] = np.zeros(SHAPE)
+    found_arrays, _ = found(tmp_path / name)
+    assert found_arrays["p"][:2] == ("float64", 1)
+    assert found_arrays["p"][3].size == 0

@@ -22,7 +22,7 @@ from wavesplat._files import size_checks
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import Facts
 from wavesplat._readers.components import component_of, facts_of_colors, number_of_component, quantity_of_array
-from wavesplat._readers.file_contents import Contents, FileArray, ranges_of
+from wavesplat._readers.file_contents import MOST_BYTES, Contents, FileArray, ranges_of
 from wavesplat._readers.request import Grid, Request
 from wavesplat._readers.vtk_arrays import chosen, image_facts, other_grid, world_from_index
 from wavesplat.errors import FileError
@@ -127,6 +127,7 @@ def contents(request: Request) -> Contents:
     ):
         image = _Parser(content, path).image()
         corners = world_from_index(np.eye(3), image.spacing, image.origin, image.first, of_cells=False)
+        looks = len(content) <= MOST_BYTES
         found = [
             FileArray(
                 array.name,
@@ -134,11 +135,15 @@ def contents(request: Request) -> Contents:
                 image.size_of(array)[::-1],
                 array.n_components,
                 "cells" if array.of_cells else "points",
-                ranges_of(_numbers(content, array, path).reshape(-1, array.n_components), has_components=True),
+                _ranges(content, array, path) if looks else (),
             )
             for array in image.arrays
         ]
         return Contents(tuple(found), image_facts("STRUCTURED_POINTS", image.size.tolist(), corners))
+
+
+def _ranges(content: mmap.mmap, array: LegacyArray, path: Path) -> tuple[tuple[float, float] | None, ...]:
+    return ranges_of(_numbers(content, array, path).reshape(-1, array.n_components), has_components=True)
 
 
 @dataclass(frozen=True)

@@ -1,8 +1,12 @@
 """Files that are published hold no names of folders, which may be those of patients, and are still drawn again."""
 
+import contextlib
+import gzip
 import json
 import os
 import shutil
+import warnings
+import zipfile
 from pathlib import Path
 
 import dicom_files
@@ -13,6 +17,8 @@ import wavesplat as ws
 from wavesplat._model.private_names import file_name_of, without_folders
 from wavesplat._picture.png_text import text_in
 from wavesplat._scene import scene_files
+from wavesplat._viewer import export_html
+from wavesplat._viewer.state import ViewerState
 from wavesplat.errors import ArgumentError, FileError
 
 PATIENT = "DOE_JOHN_1950"
@@ -176,3 +182,78 @@ def test_scenes_saved_on_purpose_keep_relative_paths(patient, tmp_path):
     ws.Scene(ws.open(patient / "scan.npy"), "grey").save(tmp_path / "scene.json")
     path = json.loads((tmp_path / "scene.json").read_text())["layers"][0]["volume"]["path"]
     assert path == os.path.join(PATIENT, "scan.npy") == str(Path(PATIENT) / "scan.npy")  # noqa: PTH118
+
+
+def bundle_of(viewer):
+    """What a notebook keeps of a viewer."""
+    return viewer._repr_mimebundle_()
+
+
+#: How objects say or show themselves. `Scene.to_json` is asked for, to open the files again, and names them.
+SAYING = {"__repr__": repr, "to_json": lambda one: one.to_json(), "_repr_mimebundle_": bundle_of}
+WITH_PATHS = {("Scene", "to_json")}
+
+
+def objects_in(patient, tmp_path):
+    """Objects of all public types that know a file, read from a folder named after a patient."""
+    slices = dicom_files.save(patient / PATIENT, [dicom_files.slice_at(dicom_files.random(1)[0], n) for n in range(4)])
+    scan, labels = ws.open(patient / "scan.npy"), ws.Labels.open(patient / "labels.npy")
+    mesh = ws.mesh(scan, 100)
+    mesh.save(patient / "part.stl")
+    wavelets = ws.WaveletVolume.from_volume(scan)
+    wavelets.save(patient / "scan.wavelets")
+    layer = ws.Layer(ws.open(slices), "grey")
+    scene = ws.Scene([layer, scan], labels=None, geometry=[ws.open_geometry(patient / "part.stl")])
+    picture = scene.render(size=(120, 90))
+    return [
+        *(scan, labels, mesh, wavelets, ws.WaveletVolume.load(patient / "scan.wavelets"), layer, scene, picture),
+        *(layer.volume, picture.report, ws.open_series([patient / "scan.npy", slices]), ws.open_series(slices)),
+        *(ws.open(patient / "scan.npy", memory="1 MB"), ws.Isolines(layer.volume, [9]), scene.geometry[0]),
+        *(ws.Look.auto(scan), ws.Look.auto(scan).transfer_function, ws.Materials.preset("ct"), scan.facts),
+        *(ws.TransferFunction2D([0, 1], [0, 1], np.zeros((2, 2, 4))), ws.Frame(), ws.SlicePlane(layer.volume)),
+        *(layer.volume.facts, ws.slice(scene).report, picture.annotated(scale_bar=True, unit="mm").report),
+        *(ws.render(ws.Scene(scan, labels=labels), size=(9, 9)).report),
+    ]
+
+
+def test_no_object_says_the_name_of_a_folder(patient, tmp_path):
+    objects = objects_in(patient, tmp_path)
+    with ws.view(objects[6], browser=False) as viewer:
+        objects.append(viewer)
+        for one in objects:
+            for name, say in SAYING.items():
+                if hasattr(one, name) and (type(one).__name__, name) not in WITH_PATHS:
+                    assert PATIENT not in str(say(one)), (type(one).__name__, name)
+    known = {type(one).__name__ for one in objects}
+    sayers = [kind for kind in vars(ws).values() if isinstance(kind, type) and kind.__name__ in ws.__all__]
+    unknown = {kind.__name__ for kind in sayers if any(hasattr(kind, name) for name in [*SAYING][1:])} - known
+    assert not unknown, "give one of each to objects_in"
+
+
+def test_no_saved_file_holds_the_name_of_a_folder(patient, tmp_path):
+    """Volumes, coefficients, meshes, looks and pages; pictures and movies have tests of their own."""
+    out = tmp_path / "out"
+    out.mkdir()
+    slices = dicom_files.save(patient / PATIENT, [dicom_files.slice_at(dicom_files.random(1)[0], n) for n in range(4)])
+    for number, path in enumerate((patient / "scan.npy", slices)):
+        scan = ws.open(path)
+        for suffix in (".nii.gz", ".nrrd", ".mha", ".ome.tif", ".ome.zarr", ".vti", ".npy"):
+            with contextlib.suppress(FileError), warnings.catch_warnings():  # not all are written, nor all facts
+                warnings.simplefilter("ignore")
+                scan.save(out / f"{number}{suffix}")
+        ws.WaveletVolume.from_volume(scan).save(out / f"{number}.wavelets")
+        ws.Look.auto(scan).save(out / f"{number}.json")
+        for suffix in (".stl", ".ply", ".obj", ".glb", ".3mf"):
+            with contextlib.suppress(FileError):
+                ws.mesh(scan, 100).save(out / f"{number}{suffix}")
+        state = ViewerState.of(ws.Scene(scan))
+        (out / f"{number}.html").write_text(export_html.page_of(state, state.scene.render(size=(20, 16))))
+    files = [path for path in out.rglob("*") if path.is_file()]
+    assert {path.suffix for path in files} >= {".gz", ".nrrd", ".tif", ".wavelets", ".stl", ".ply", ".html", ".json"}
+    for path in files:
+        content = gzip.decompress(path.read_bytes()) if path.suffix == ".gz" else path.read_bytes()
+        parts = [content]
+        if zipfile.is_zipfile(path):
+            with zipfile.ZipFile(path) as archive:
+                parts += [archive.read(name) for name in archive.namelist()]
+        assert not any(PATIENT.encode() in part or "\0".join(PATIENT).encode() in part for part in parts), path.name

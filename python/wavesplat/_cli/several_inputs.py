@@ -138,7 +138,7 @@ def _runs(
 
 
 def _captions(inputs: list[str], caption: str) -> dict[str, str]:
-    """What stands below the picture of each input."""
+    """The captions of the pictures, by input."""
     places = _all_places(inputs, caption)
     return {input: _filled("caption", caption, own) for input, own in zip(inputs, places, strict=True)}
 

@@ -53,8 +53,8 @@ def documents_keep_to_their_schemas():
         dict.__init__(report, *args, **fields)
         assert set(report) <= set(FIELDS)
 
-    def checked_report(report, indent=None):
-        text = to_json(report, indent)
+    def checked_report(report, *args, **options):
+        text = to_json(report, *args, **options)
         reports.validate(json.loads(text))
         return text
 

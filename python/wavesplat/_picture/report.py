@@ -124,6 +124,7 @@ FIELDS: dict[str, Field] = {
     "letters": Field(_or_none(OBJECT), "Of a slice: the patient's sides at the edges; none without anatomy."),
     "window": Field(TWO, "Of a slice: level and width of the values that are shown."),
     "clim": Field(TWO, "Of a slice: the values shown as black and as white."),
+    "compared": Field(OBJECT, "Of a slice of two scans: name of the second one, in squares or subtracted."),
     # Figures, and pictures over each other.
     "scale_bar": Field(OBJECT, "Of a figure: length, pixels and text of its scale bar."),
     "over": Field(OBJECT, "Of a picture over another: the report of the upper one."),

@@ -38,7 +38,8 @@ def promising(kind, n_frames):
     elif kind == "dose":
         dataset = slice_at(pixels[0], 0, modality="RTDOSE", GridFrameOffsetVector=[0, 1], DoseGridScaling=0.5)
     else:
-        dataset = base(pixels[0], modality={"segmentation": "SEG", "tomogram": "NM"}.get(kind, "US"))
+        modality = {"segmentation": "SEG", "tomogram": "NM"}.get(kind, "US")
+        dataset = base(pixels[0], modality=modality, **({"FrameTime": 40} if kind == "ultrasound" else {}))
     if kind == "segmentation":
         dataset.PixelData = np.packbits(pixels[0] > 100, bitorder="little").tobytes()
         dataset.BitsAllocated = dataset.BitsStored = 1

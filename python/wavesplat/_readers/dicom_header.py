@@ -196,7 +196,6 @@ def header_of(file: Path) -> Header | None:
         value_unit=ValueUnit(None),
         tracer=tracer_of(dataset) if modality == "PT" else None,
         is_of_patient=0x0020930F not in _shared_groups(dataset),
-        pictures=facts_of_pictures(dataset, modality, n_frames),
         frames=(),
     )
     if n_frames > 1:
@@ -209,6 +208,8 @@ def header_of(file: Path) -> Header | None:
                 f"(PerFrameFunctionalGroupsSequence); copy or export it again: {file}"
             )
     frames = tuple(_frames(dataset, file, n_frames))
+    # After the checks: a film has as many times as its header promises frames.
+    header = replace(header, pictures=facts_of_pictures(dataset, modality, n_frames))
     header = replace(header, frames=frames, value_unit=_value_unit(dataset, frames[0], modality))
     return _split(header, dataset) if n_frames == 1 else header
 

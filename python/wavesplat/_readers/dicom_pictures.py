@@ -114,7 +114,7 @@ def _times(dataset: Any, modality: str, n_frames: int) -> tuple[float, ...]:
         steps = vector[len(vector) - n_frames + 1 :]  # the first of as many as frames stands before the first frame
         return _seconds([0.0, *accumulate(steps)])
     if modality == "NM":  # whose frames may be of several detectors
-        phases = _phases(dataset)
+        phases = _phases(dataset, n_frames)
         return _seconds(phases) if len(phases) == n_frames else ()
     step = _positive(dataset, 0x00181063) or _positive(dataset, 0x00181242)
     rate = _positive(dataset, 0x00180040) or _positive(dataset, 0x00082144)
@@ -122,15 +122,18 @@ def _times(dataset: Any, modality: str, n_frames: int) -> tuple[float, ...]:
     return _seconds([step * number for number in range(n_frames)]) if step else ()
 
 
-def _phases(dataset: Any) -> list[float]:
-    """Times of the frames of dynamic nuclear medicine, ms, of one detector and one window of energies."""
+def _phases(dataset: Any, n_frames: int) -> list[float]:
+    """Times of the frames of dynamic nuclear medicine, ms, of one detector and one window of energies.
+
+    None where phases say no times, or have more frames than there are.
+    """
     found: list[float] = []
     now = 0.0
     for item in items(dataset, 0x00540032):
         now += _positive(item, 0x00540036)
         step = _positive(item, 0x00181242)
         n = next(iter(whole_numbers(item, 0x00540033, "u2")), 0)
-        if not step:
+        if not step or len(found) + n > n_frames:
             return []
         found += [now + step * number for number in range(n)]
         now += step * n

@@ -6,6 +6,9 @@ Each property gives a sentence on what is wrong, or None.
 # ruff: noqa: INP001 - beside a script, not in a package
 from __future__ import annotations
 
+import importlib
+from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import generator
@@ -28,19 +31,20 @@ class Parts:
         self.chunks = tuple(min(CHUNK, n) for n in samples.shape)
 
     def __getitem__(self, part: Any) -> NDArray[Any]:
-        return self.samples[part]
+        found: NDArray[Any] = self.samples[part]
+        return found
 
 
 def reading(drawn: generator.Scene) -> str | None:
     """The picture of samples in memory is, to the byte, the one of samples that are read in parts, or by Dask."""
-    import dask.array
+    dask: Any = importlib.import_module("dask.array")
 
     if any(isinstance(clip, ws.CutOut) for clip in drawn.scene.clip):
         return None  # refused where samples are read in parts, with the reason
     want = drawn.draw()
-    ways = {
+    ways: dict[str, Callable[[NDArray[Any]], Any]] = {
         "in parts": Parts,
-        "by Dask": lambda samples: dask.array.from_array(samples, chunks=CHUNK),
+        "by Dask": lambda samples: dask.from_array(samples, chunks=CHUNK),
     }
     for name, array_of in ways.items():
         layers = []
@@ -51,7 +55,7 @@ def reading(drawn: generator.Scene) -> str | None:
             if ws.Look.auto(lazy).to_json() != ws.Look.auto(ws.Volume(samples)).to_json():
                 return f"the look of {samples.dtype} {name} is another one"
             layers.append(ws.Layer(lazy, layer.look, opacity=layer.opacity))
-        got = generator.replace(drawn, scene=drawn.scene.with_(layers=layers)).draw()
+        got = replace(drawn, scene=drawn.scene.with_(layers=layers)).draw()
         if not np.array_equal(got, want):
             return f"the picture of samples {name} differs by {np.abs(got - want).max():.2g}"
     return None
@@ -71,13 +75,16 @@ def sums(drawn: generator.Scene) -> str | None:
     camera = ws.Camera(middle + 1000 * towards, middle, up, parallel_scale=height / 2)
     along = np.moveaxis(samples, axis, 0)
     total = (along[1:] + along[:-1]).sum(axis=0) / 2
-    for composite, want in (("sum", total), ("mean", total / (len(along) - 1))):
-        for quality in ("normal", "fine", "high"):
+    wanted: dict[Any, NDArray[np.float64]] = {"sum": total, "mean": total / (len(along) - 1)}
+    qualities: tuple[Any, ...] = ("normal", "fine", "high")
+    for composite, want in wanted.items():
+        for quality in qualities:
             picture = ws.render(
                 volume, None, camera, size=(width, height), composite=composite, quality=quality, device="cpu"
             )
+            value = np.asarray(picture.value, np.float64)
             # Any of the eight orientations of a picture; the tests of projections hold the places.
-            error = np.abs(np.sort(picture.value, axis=None) - np.sort(want, axis=None)).max()
+            error = np.abs(np.sort(value, axis=None) - np.sort(want, axis=None)).max()
             if not error <= ROUNDING * max(np.abs(want).max(), 1e-30):
                 return f"{composite} at quality {quality} is {error:.2g} off, of {np.abs(want).max():.2g}"
     return None

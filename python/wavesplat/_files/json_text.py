@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from typing import Any
+from typing import Any, TypeGuard
 
 from wavesplat.errors import ArgumentError
 
@@ -80,10 +80,11 @@ def check_values(value: Any, what: str) -> None:
             pending.extend((part, (steps, number)) for number, part in enumerate(found))
 
 
-def is_number(value: object) -> bool:
+def is_number(value: object) -> TypeGuard[float]:
     """Whether a value of a document is a number of a scene, up to `LARGEST_NUMBER`; true and false are none."""
-    is_real = isinstance(value, int | float) and not isinstance(value, bool)
-    return is_real and -LARGEST_NUMBER <= value <= LARGEST_NUMBER
+    if not isinstance(value, int | float) or isinstance(value, bool):
+        return False
+    return -LARGEST_NUMBER <= value <= LARGEST_NUMBER
 
 
 def is_text(text: str) -> bool:

@@ -56,6 +56,18 @@ def test_a_thin_crop_is_seen_from_its_front_as_its_middle_slice():
     assert ends_at(thin) == pytest.approx(0.5, abs=0.15)
 
 
+@pytest.mark.parametrize(("axis", "view"), [(0, "xy"), (1, "xz"), (2, "yz")])
+def test_a_crop_with_distant_slices_is_seen_along_them(axis, view):
+    """As the sagittal slices of a spine are: the other planes are blurred."""
+    whole = crop_of_head(0.5)
+    every = [slice(None)] * 3
+    every[axis] = slice(None, None, 4)
+    spacing = [4.0 if 2 - axis == k else 1.0 for k in range(3)]
+    coarse = ws.Volume(whole.samples[tuple(every)], spacing=spacing, facts=PATIENT)
+    assert (ws.Look.auto(coarse).part, ws.Look.auto(coarse).view) == ("cut open", view)
+    assert ends_at(coarse) == pytest.approx(0.5, abs=0.1)
+
+
 def test_it_is_the_same_in_parts(tmp_path):
     crop_of_head(0.4).save(tmp_path / "a.nii")
     volumes = [ws.open(tmp_path / "a.nii"), ws.open(tmp_path / "a.nii", memory="100 MB")]

@@ -173,4 +173,4 @@ def test_stacks_with_distant_slices_are_seen_as_slices(spacing, view):
     )
     np.testing.assert_allclose(seen, along, atol=1e-9)
     body = ws.Volume(volume.samples, spacing=spacing, unit="mm", anatomical=True)
-    assert ws.render(body, size=(20, 20)).report["camera"]["view_up"] == [0, 0, 1]
+    assert ws.render(body, ws.Look.auto(body, "over"), size=(20, 20)).report["camera"]["view_up"] == [0, 0, 1]

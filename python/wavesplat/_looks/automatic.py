@@ -39,7 +39,7 @@ from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.transfer_function_2d import TransferFunction2D
 from wavesplat._looks.voxel_opacity import opacity_of_voxel, opaque_after, rising
 from wavesplat._model import units
-from wavesplat._model.few_slices import axis_of_few_slices, is_thin
+from wavesplat._model.few_slices import axis_of_distant_slices, axis_of_few_slices, is_thin
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.options import BY_VIEW
 from wavesplat._model.units import METRES
@@ -230,10 +230,12 @@ def tinted(function: TransferFunction | TransferFunction2D, color: Rgb) -> Trans
 
 def _cut_open(volume: Volume | WaveletVolume, known: Evidence) -> Look:
     """A look of a block of matter, of which nothing but its faces would be seen: as slices through its middle."""
+    axis = axis_of_distant_slices(volume)
+    view = "isometric" if axis is None else ("yz", "xz", "xy")[axis]
     return Look(
         transfer_function=_greys(known),
         shading=None,
-        view=None if is_thin(volume) else "isometric",
+        view=None if is_thin(volume) else view,
         part="cut open",
         name="auto",
         reason=f"{known.reason}; a block of matter, cut open, in greys",

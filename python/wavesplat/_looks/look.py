@@ -49,7 +49,8 @@ class Look:
     part : str, optional
         Part of the body that is drawn: "brain" of a head in MR, by a simple extraction, not for measuring. The samples
         stay; where no brain can be told, all is drawn, and a note says why. "cut open" leaves out the front corner, or
-        of a thin stack the front half, so that planes through the middle are seen. None draws all.
+        of a stack that is seen along its slices the front half, so that planes through the middle are seen. None draws
+        all.
     name : str
         Name of the preset, "auto", or "" for one of your own.
     reason : str

@@ -6,12 +6,22 @@ import numpy as np
 
 from wavesplat._model.grid import Grid
 
-__all__ = ["axis_of_few_slices", "is_thin"]
+__all__ = ["axis_of_distant_slices", "axis_of_few_slices", "is_thin"]
 
 #: Largest number of slices, and least number of samples along their sides.
 FEW, WIDE = 4, 16
 #: Largest ratio of the thinnest side to the second one of a thin stack, which is seen along its thin side.
 THIN = 0.3
+#: Least ratio of the distances of samples, across slices and within them, of a stack that is seen along it. (Confocal
+#: stacks: 4; electron microscopy of sections: 10.)
+COARSE = 3.0
+
+
+def axis_of_distant_slices(grid: Grid) -> int | None:
+    """The world's axis (0 is x) along which samples are far apart, so that other planes are blurred; else None."""
+    if max(grid.spacing) < COARSE * np.sort(grid.spacing)[1]:
+        return None
+    return int(np.argmax(np.abs(grid.world_from_index[:3, int(np.argmax(grid.spacing))])))
 
 
 def is_thin(grid: Grid) -> bool:

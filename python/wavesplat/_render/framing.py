@@ -18,7 +18,7 @@ from wavesplat._model import camera_fit
 from wavesplat._model.camera import Camera
 from wavesplat._model.clips import Clipping
 from wavesplat._model.facts import Facts
-from wavesplat._model.few_slices import axis_of_few_slices, is_thin
+from wavesplat._model.few_slices import axis_of_distant_slices, axis_of_few_slices, is_thin
 from wavesplat._model.grid import Grid
 from wavesplat._model.placement import NO_PLACE, UPRIGHT, is_placed_by_default
 from wavesplat._model.thinning import HISTOGRAM_SAMPLES, step_for
@@ -42,9 +42,6 @@ FILLED = 0.92
 #: Largest ratio of the thinnest side to the second one of a flat box, whose broad face is turned to the eye, and the
 #: azimuth of one that is flat along x, and the elevation of one that is flat along z, degrees.
 FLAT, TURNED, RAISED = 0.6, 120.0, 45.0
-#: Least ratio of the distances of samples, across slices and within them, of a stack that is seen along it. (Confocal
-#: stacks: 4; electron microscopy of sections: 10.)
-COARSE = 3.0
 #: Largest number of samples that are looked at.
 N_SAMPLES_MAX = 500_000
 #: Least opacity of a visible sample, as a share of the largest one, and least opacity of a visible voxel.
@@ -58,12 +55,10 @@ def natural_view(volume: Volume | WaveletVolume) -> tuple[float, float]:
     sides = np.ptp(volume.bounds, axis=0)
     thinnest = int(sides.argmin())
     faces_the_eye = is_thin(volume)
-    if (axis := axis_of_few_slices(volume)) is not None:
+    if (axis := axis_of_few_slices(volume)) is not None or (
+        not volume.is_anatomical and (axis := axis_of_distant_slices(volume)) is not None
+    ):
         thinnest, faces_the_eye = axis, True
-    elif not volume.is_anatomical and max(volume.spacing) >= COARSE * np.sort(volume.spacing)[1]:
-        # Its sides are blurred: slices are what such data have.
-        coarsest = volume.world_from_index[:3, int(np.argmax(volume.spacing))]
-        thinnest, faces_the_eye = int(np.argmax(np.abs(coarsest))), True
     if faces_the_eye:
         if is_upright(volume):
             # As plots and maps are: the axes of the world to the right and up.

@@ -1,7 +1,8 @@
 """Formats that Wavesplat knows and does not read: what the file or folder holds, and the way to a volume, for messages.
 
-One table; a format is known by the ends of its files' names, by their first bytes, or by names in a folder. The ways
-were tried with the libraries that they name.
+One table; a format is known by the ends of its files' names, by their first bytes, or by names in a folder. Tried with
+the libraries that they name were the ways of PyVista (Exodus, CGNS, PLOT3D, SLC, OpenFOAM), yt (Enzo), astropy, adios2,
+SciPy's .mat, ASE's LAMMPS dumps, MRC by gemmi and mrcfile, N5 of three axes, precomputed and WKW; not the others.
 """
 
 from __future__ import annotations

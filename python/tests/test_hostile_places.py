@@ -258,6 +258,15 @@ def test_json_of_what_is_infinite(tmp_path):
     assert json.loads(done.stdout)["threshold"] is None
 
 
+def test_no_memory_for_the_compiled_module():
+    """As the system's linker says it within `ulimit -v 150000`."""
+    from wavesplat._cli import _explained
+
+    said, _ = _explained(ImportError("/a/_native.abi3.so: failed to map segment from shared object"))
+    assert "not enough memory" in said
+    assert "mistake" not in said
+
+
 # Signals --------------------------------------------------------------------------------------------------------------
 
 HALF = """

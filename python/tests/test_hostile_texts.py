@@ -60,3 +60,12 @@ def test_cells_of_points_that_are_not_there(tmp_path):
     (tmp_path / "a.vtu").write_text(text.replace("0 1 2 3", "0 1 2 999999999"))
     with pytest.raises(FileError, match="a cell of points that are not there"):
         ws.open_geometry(tmp_path / "a.vtu")
+
+
+def test_compressed_bytes_that_a_meta_image_promises(tmp_path):
+    """ITK takes memory for as many."""
+    files.itk(tmp_path / "a.mha", useCompression=True)
+    header, name, rest = (tmp_path / "a.mha").read_bytes().partition(b"CompressedDataSize = ")
+    (tmp_path / "a.mha").write_bytes(header + name + b"9999" + rest)
+    with pytest.raises(FileError, match=r"truncated, or a wrong header: it promises 9999\d+ compressed bytes"):
+        ws.open(tmp_path / "a.mha")

@@ -166,6 +166,11 @@ def _check_payload(
     else:
         ratio = size_checks.ANY_RATIO if encoding in ("bzip2", "bz2") else 1
     stored = sum(max(file.stat().st_size - offset, 0) for file, offset in dict(places).items())
+    if (packed := int(header.get("compresseddatasize") or 0)) > stored:
+        raise FileError(
+            f"truncated, or a wrong header: it promises {packed} compressed bytes, the file holds {stored}; copy or "
+            f"export it again: {path}"
+        )
     if encoding in ("ascii", "text", "txt"):
         # Each number takes at least a digit and a space.
         size_checks.check_stored(shape, np.dtype("u1"), (stored + 1) // 2, path, held=(1,))

@@ -444,6 +444,12 @@ def test_tracts_that_broke_off_behind_one_of_them(here):
         ws.open_geometry("a.trk")
 
 
+def test_counts_of_freesurfer_beyond_the_file(here):
+    (here / "lh.pial").write_bytes(b"\xff\xff\xfecreated\n\n" + (2_000_000_000).to_bytes(4, "big") * 2 + bytes(100))
+    with pytest.raises(FileError, match="truncated: its header promises 2000000000 vertices and 2000000000 triangles"):
+        ws.open_geometry("lh.pial")
+
+
 def test_damaged_files_are_errors_of_one_line_or_shapes(here):
     """Cut anywhere, and with bytes changed anywhere: nothing else is ever raised."""
     rng = np.random.default_rng(0)

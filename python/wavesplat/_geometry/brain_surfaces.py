@@ -28,6 +28,8 @@ TRIANGLES, QUADS, CURVATURES = b"\xff\xff\xfe", (b"\xff\xff\xff", b"\xff\xff\xfd
 #: Axes of the coordinates of its surfaces: right, down and front of the slices.
 TKREGISTER = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 SCANNER = 1
+#: Letters of a line in the header of a surface of FreeSurfer, at most.
+MAX_LINE_BYTES = 1 << 12
 
 
 def is_freesurfer(path: Path) -> bool:
@@ -40,11 +42,27 @@ def is_freesurfer(path: Path) -> bool:
 def read_freesurfer(asked: Asked) -> ReadShape:
     """A surface of FreeSurfer, in the scanner's world."""
     nib: Any = library("nibabel", extra="geometry")
+    _check_counts(asked.file)
     vertices, faces, meta = nib.freesurfer.read_geometry(str(asked.file), read_metadata=True)
     moved, told = _in_scanner(np.asarray(vertices, np.float64), meta or {})
     fields = {"vertices": moved, "faces": np.asarray(faces)}
     values, values_from = _values(asked, len(moved))
     return ReadShape("surface", fields | values, "mm", told, values_from)
+
+
+def _check_counts(path: Path) -> None:
+    """Raise a `ValueError` if a file of triangles is shorter than its counts: memory is taken by them."""
+    with path.open("rb") as file:
+        if file.read(len(TRIANGLES)) != TRIANGLES:
+            return
+        file.readline(MAX_LINE_BYTES)
+        file.readline(MAX_LINE_BYTES)
+        vertices, triangles = (int.from_bytes(file.read(4), "big", signed=True) for _ in range(2))
+        held = path.stat().st_size - file.tell()
+    if min(vertices, triangles) < 0 or 12 * (vertices + triangles) > held:
+        raise ValueError(
+            f"truncated: its header promises {vertices} vertices and {triangles} triangles, and it holds {held} bytes"
+        )
 
 
 def _in_scanner(vertices: NDArray[np.float64], meta: Any) -> tuple[NDArray[np.float64], tuple[str, ...]]:

@@ -43,7 +43,7 @@ def test_a_layer_lies_over_the_slice_at_the_same_places(plane, opacity):
     assert outside.any()
     assert (np.abs(fused.rgba - below.rgba).max(axis=2) > 0.1).any()
     assert np.array_equal(fused.rgba[outside], below.rgba[outside])
-    assert [layer["name"] for layer in fused.report["shown"]] == [SCAN.name, "uptake"]
+    assert [layer["name"] for layer in fused.report["shown"]] == ["CT", "uptake"]
 
 
 def trilinear(samples: np.ndarray, index: np.ndarray) -> np.ndarray:

@@ -113,7 +113,9 @@ def _described(tiff: TiffFile, path: Path, request: Request, *, in_memory: bool 
         others = "TCS" if "Z" in series.axes else "CS"
         one = [n for name, n in zip(series.axes, series.shape, strict=True) if name not in others]
         _check_stored(path, one if in_memory else [1], series)
-        matrix = _world_from_index(place, np.array(shapes[0][::-1]) / np.array(shapes[number][::-1]))
+        # An empty image is refused when its samples are taken.
+        sizes = np.maximum([shapes[0][::-1], shapes[number][::-1]], 1)
+        matrix = _world_from_index(place, sizes[0] / sizes[1])
         pages = tuple(series.keyframe.shape)
         dtype = series.dtype.newbyteorder(tiff.byteorder)
         offset = _offset_of(series)

@@ -35,7 +35,7 @@ def test_a_crop_of_a_head_shows_slices_through_its_middle(share):
     volume = crop_of_head(share)
     look = ws.Look.auto(volume)
     assert (look.part, look.shading, look.view) == ("cut open", None, "isometric")
-    assert "cut open" in notes(volume)
+    assert "so it is cut open" in notes(volume)
     # The corner that faces the eye is gone.
     assert ends_at(volume) == pytest.approx(0.5, abs=0.1)
 
@@ -72,8 +72,17 @@ def test_it_is_the_same_in_parts(tmp_path):
     crop_of_head(0.4).save(tmp_path / "a.nii")
     volumes = [ws.open(tmp_path / "a.nii"), ws.open(tmp_path / "a.nii", memory="100 MB")]
     pictures = [ws.render(volume, size=(32, 32)) for volume in volumes]
-    assert "cut open" in str(pictures[0].report["notes"])
+    assert "so it is cut open" in str(pictures[0].report["notes"])
     assert pictures[0].rgba.tobytes() == pictures[1].rgba.tobytes()
+
+
+def test_what_does_not_lie_in_memory_is_not_said_to_be_cut_open(tmp_path):
+    crop = crop_of_head(0.4)
+    crop.save(tmp_path / "a.nii")
+    lazy = ws.open(tmp_path / "a.nii", memory=crop.samples.nbytes)
+    assert ws.Look.auto(lazy).part == "cut open"
+    for volume in (lazy, ws.WaveletVolume.from_volume(crop)):
+        assert "drawn in opaque greys; it is not cut open" in notes(volume)
 
 
 def test_the_look_is_kept_in_its_file():

@@ -229,7 +229,7 @@ def tinted(function: TransferFunction | TransferFunction2D, color: Rgb) -> Trans
 
 
 def _cut_open(volume: Volume | WaveletVolume, known: Evidence) -> Look:
-    """A look of a block of matter, of which nothing but its faces would be seen: as slices through its middle."""
+    """A look of matter that fills the volume, so that only its faces would be seen: cut open, in opaque greys."""
     axis = axis_of_distant_slices(volume)
     view = "isometric" if axis is None else ("yz", "xz", "xy")[axis]
     return Look(
@@ -238,7 +238,7 @@ def _cut_open(volume: Volume | WaveletVolume, known: Evidence) -> Look:
         view=None if is_thin(volume) else view,
         part="cut open",
         name="auto",
-        reason=f"{known.reason}; a block of matter, cut open, in greys",
+        reason=f"{known.reason}; matter up to the faces of the volume, shown in greys",
     )
 
 

@@ -48,9 +48,9 @@ class Look:
         A segmentation that is drawn with it.
     part : str, optional
         Part of the body that is drawn: "brain" of a head in MR, by a simple extraction, not for measuring. The samples
-        stay; where no brain can be told, all is drawn, and a note says why. "cut open" leaves out the front corner, or
-        of a stack that is seen along its slices the front half, so that planes through the middle are seen. None draws
-        all.
+        stay; where no brain is found, all is drawn, and a note says why. "cut open" leaves out the front corner, or the
+        front half of a stack that is seen along its slices, so that planes through the middle are seen; volumes that
+        are not held in memory are drawn whole, and a note says so. None draws all.
     name : str
         Name of the preset, "auto", or "" for one of your own.
     reason : str

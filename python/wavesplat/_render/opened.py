@@ -13,23 +13,35 @@ from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._render.framing import natural_view
 
-__all__ = ["NOTE", "cut_open_from"]
+__all__ = ["can_be_cut_open", "cut_open_from", "note_on_block"]
 
-NOTE = (
-    "matter fills the volume up to its faces, as of a crop or a small field of view, so it is cut open and shown in "
-    "greys, as slices through its middle; for other views of it take --composite maximum, a preset (--preset), "
-    "or `wavesplat slice` with --plane ortho"
-)
-#: Least cosine of the angle between the eye and an axis of the samples that is cut.
+BLOCK = "matter fills the volume up to its faces, as in a crop or a small field of view"
+OTHER_VIEWS = "other views: --composite maximum, a preset (--preset), or slices by `wavesplat slice` with --plane ortho"
+#: An axis is cut if the cosine of its angle to the direction of the eye is larger.
 TOWARDS_EYE = 0.2
 
 
-def cut_open_from(volume: Volume | WaveletVolume, view: str | None) -> Volume | WaveletVolume:
-    """The volume without the corner that faces the eye of a view, or without the half that does.
+def note_on_block(*, is_cut: bool) -> str:
+    """The note on a volume that is drawn by a look for blocks. is_cut : whether the corner at the eye is left out."""
+    if is_cut:
+        return f"{BLOCK}, so it is cut open and shown in greys, as slices through its middle; {OTHER_VIEWS}"
+    return (
+        f"{BLOCK}, so it is drawn in opaque greys; it is not cut open, since only volumes that are held in memory are, "
+        f"and shows its faces alone; {OTHER_VIEWS}"
+    )
 
-    The whole volume where its samples are decoded, or read in parts and do not fit into the budget.
+
+def can_be_cut_open(volume: Volume | WaveletVolume) -> bool:
+    """Whether all samples of a volume are in memory, or fit there, so that a part of them can be left out."""
+    return not isinstance(volume, WaveletVolume) and not (isinstance(volume, LazyVolume) and not volume.fits_in_budget)
+
+
+def cut_open_from(volume: Volume | WaveletVolume, view: str | None) -> Volume | WaveletVolume:
+    """The volume without the corner, or of a view along its slices the half, that is nearest to the eye.
+
+    The whole volume if it cannot be cut open (`can_be_cut_open`).
     """
-    if isinstance(volume, WaveletVolume) or (isinstance(volume, LazyVolume) and not volume.fits_in_budget):
+    if isinstance(volume, WaveletVolume) or not can_be_cut_open(volume):
         return volume
     angles = natural_view(volume) if view is None else view_angles(view, is_anatomical=volume.is_anatomical)
     camera = Camera.orbit(volume, *angles)

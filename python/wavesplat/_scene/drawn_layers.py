@@ -40,8 +40,7 @@ from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat._readers.single_planes import is_single_plane
 from wavesplat._render.arguments import chosen_look, cut_open
 from wavesplat._render.framing import Part
-from wavesplat._render.opened import NOTE as CUT_OPEN
-from wavesplat._render.opened import cut_open_from
+from wavesplat._render.opened import can_be_cut_open, cut_open_from, note_on_block
 from wavesplat._render.tables import LEFT_OUT, note_on_table
 from wavesplat._scene.drawn_color import DrawnColor, check_operator, check_rows, drawn_color, labels_by_field
 from wavesplat._scene.layer_notes import note_on_brain
@@ -443,12 +442,12 @@ def notes_on_parts(scene: Scene, layers: Sequence[DrawnLayer]) -> list[str]:
     asked = [layer for layer in layers if layer.look.part == "brain"]
     notes = [note_on_brain(layer.name, layer.seen, _why_no_brain(layer)) for layer in asked]
     is_left_out = any(TABLE_LEFT_OUT in layer.seen.facts.processing for layer in layers)
-    is_open = any(layer.look.part == "cut open" for layer in layers)
+    cut = {can_be_cut_open(layer.volume) for layer in layers if layer.look.part == "cut open"}
     is_dense = any(_is_dense(scene, layer) for layer in layers)
     return [
         *notes,
         *([LEFT_OUT] if is_left_out else []),
-        *([CUT_OPEN] if is_open else []),
+        *(note_on_block(is_cut=is_cut) for is_cut in sorted(cut)),
         *([DENSE] if is_dense else []),
     ]
 

@@ -86,7 +86,7 @@ def command_of(name: str) -> Any:
     return typer.main.get_command(alone)
 
 
-#: Words of the system's linker where there is no room for a compiled module.
+#: Messages of the system's linker when memory is too little to load a compiled module.
 NO_ROOM = ("failed to map segment", "annot allocate memory")
 
 
@@ -183,7 +183,8 @@ def _explained(error: BaseException) -> tuple[str, int]:
     if isinstance(error, MemoryError):
         return "not enough memory; use a smaller picture, a coarser level or a smaller volume", EXIT_FAILED
     if isinstance(error, ImportError) and any(words in str(error) for words in NO_ROOM):
-        return "not enough memory to load what wavesplat is made of; raise the limit of this process", EXIT_FAILED
+        what = "not enough memory to load the compiled module of wavesplat"
+        return f"{what}; raise the memory limit of this process", EXIT_FAILED
     if isinstance(error, OSError):
         return f"{error.strerror or error}; check names, permissions and free space", EXIT_FAILED
     what = ": ".join(part for part in (type(error).__name__, str(error)) if part)

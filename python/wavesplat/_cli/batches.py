@@ -146,7 +146,7 @@ class Batch:
         return tuple(look for _, look in found)
 
     def add(self, input: str, told: str | None, picture: Picture, first: Layer) -> None:
-        """Note the windows of a picture, and put it on the sheet. `told`: time and channel of one of several."""
+        """Record the windows of a picture and put it on the sheet. `told`: its time and channel, if it has several."""
         self._windows.setdefault(input, _windows_of(picture))
         if self.has_sheet:
             from wavesplat._render.arguments import check_picture_memory

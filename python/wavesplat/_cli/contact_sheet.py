@@ -23,7 +23,7 @@ __all__ = ["drawn", "sheet_of"]
 
 #: Grey of the sheet around and between pictures, and width of these gaps, pixels.
 GREY, GAP_PX = 0.25, 2
-#: Width of a sheet over its height that is aimed at, and weight of places that stay empty.
+#: Preferred ratio of a sheet's width to its height, and weight of empty places in the choice of columns.
 SCREEN, EMPTY = 1.5, 1.1
 
 
@@ -67,7 +67,7 @@ def sheet_of(
 
 
 def columns_of(n: int, width: int, height: int) -> int:
-    """How many of `n` pictures stand in a row: the sheet is about as wide as a screen, with few places empty."""
+    """The number of columns for `n` pictures: the sheet is about as wide as a screen, with few places empty."""
 
     def unfit(columns: int) -> float:
         rows = ceil(n / columns)

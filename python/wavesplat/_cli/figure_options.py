@@ -124,7 +124,7 @@ def annotated(picture: Picture, options: FigureOptions, scene: Scene, *, quiet: 
 
 
 def _bars_of_fields(picture: Picture, scene: Scene) -> bool | list[str]:
-    """What gets a colour bar by itself: shapes with values, and fields, but no surfaces of one colour."""
+    """Names of the fields and of the shapes with values that get a colour bar without being asked for."""
     from wavesplat._geometry.slice_plane import SlicePlane
     from wavesplat._looks.kinds import FIELDS, kind_of
 

@@ -10,12 +10,12 @@ if TYPE_CHECKING:
 
 __all__ = ["contents", "lines"]
 
-#: Arrays that the text lists, at most, and columns that a name takes.
+#: Maximum number of arrays that the text lists, and width of a name in letters.
 N_LISTED, NAME_WIDTH = 40, 24
 
 
 def contents(input: str, reader: ReaderOptions) -> dict[str, Any]:
-    """Facts on the arrays of a file and their grid; none of files of other kinds, and of those that cannot be read."""
+    """The arrays of a file and their grid; empty if the format has no list of arrays or the file cannot be read."""
     from wavesplat._readers.opening import contents as contents_of
     from wavesplat._readers.request import requested
     from wavesplat.errors import WavesplatError
@@ -23,7 +23,7 @@ def contents(input: str, reader: ReaderOptions) -> dict[str, Any]:
     try:
         found = contents_of(requested(input, **vars(reader)))
     except WavesplatError:
-        return {}  # whatever is wrong is said where the file is opened
+        return {}  # opening the file reports the error
     if found is None or not (found.arrays or found.grid):
         return {}
     return {

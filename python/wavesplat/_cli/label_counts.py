@@ -25,7 +25,7 @@ N_LISTED = 150
 
 
 def counted(volume: Volume, named: Mapping[int, Named]) -> list[dict[str, Any]]:
-    """The labels by number, those that occur and those that are only named; none where samples are no labels.
+    """The labels by number, including named labels without voxels; empty if the samples are not labels.
 
     Labels without a colour in the file have the one that they are drawn in; a mask without a name has none.
     """

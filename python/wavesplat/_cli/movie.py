@@ -188,7 +188,7 @@ def movie(
 
 @dataclass
 class _Shown:
-    """What a movie shows, the look that is told, and further arguments of `wavesplat.movie`."""
+    """The scene of a movie, the look to report, and further arguments of `wavesplat.movie`."""
 
     scene: Scene
     along: list[KeyFrame] | list[Camera] | Turn

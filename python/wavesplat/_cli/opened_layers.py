@@ -161,7 +161,7 @@ def _series(path: str, reader: ReaderOptions, processing: ProcessingOptions, *, 
 
 
 def _check_is_no_film(volume: Volume, path: str) -> None:
-    """Raise an error for a film, whose times are pictures, where these are not taken."""
+    """Raise a `PictureError` for a film if the command does not draw single pictures."""
     from wavesplat._readers.request import requested
     from wavesplat._readers.single_planes import check_thickness, is_single_plane, shape_in_file
 

@@ -197,7 +197,7 @@ def _pictures(scene: Scene, times: str | None, input: str, output: Path) -> list
 
 
 def _of_channels(planned: _Planned) -> list[_Planned]:
-    """A picture of each layer alone, named after it, in place of the picture of all."""
+    """One picture for each layer, named after it, instead of one picture of all layers."""
     from wavesplat._mesh.safe_names import safe_names
 
     layers = planned.scene.layers

@@ -144,7 +144,7 @@ def _captions(inputs: list[str], caption: str) -> dict[str, str]:
 
 
 def _all_places(inputs: list[str], text: str) -> list[dict[str, str]]:
-    """Values of the words in braces, which stand in a text, for each input; those of plates only if it has them."""
+    """Values of the words in braces for each input; words for plates only if the text has one of them."""
     asks_wells = any(f"{{{word}}}" in text for word in OF_PLATES)
     found = []
     for number, (input, path) in enumerate(zip(inputs, _paths(inputs), strict=True), 1):
@@ -197,7 +197,7 @@ def _words_that_differ(one: str, other: str) -> list[str]:
 
 
 def _filled(option: str, text: str, places: dict[str, str]) -> str:
-    """The text with values in place of words in braces; an `ArgumentError` for a word that is none."""
+    """The text with words in braces replaced by their values; an `ArgumentError` for an unknown word."""
     known = {**dict.fromkeys(OF_PLATES, ""), **places}
     # Braces in the names of folders are theirs.
     unknown = next((word for word in WORD.findall(Path(text).name) if word not in known), None)

@@ -38,9 +38,9 @@ __all__ = ["slice"]
 OF_THREE = ("all", "ortho")
 #: Least number of pixels along the longer side of a patient's slice that is not given a size.
 MIN_SIDE_PX = 512
-#: Least number of pixels along the longer side of a single plane of several levels that is not given a size.
+#: Minimum pixels along the longer side of a picture of a single plane with several levels, if no size is given.
 PLANE_PX = 2048
-#: Largest difference from 1 of the cosine of a plane's normal and an axis, where a named plane shows it.
+#: A plane counts as "xy", "xz" or "yz" if the cosine of its normal and the axis differs from 1 by at most this.
 ON_AXIS = 1e-9
 
 
@@ -221,7 +221,7 @@ def slice(
 
 
 def _only_plane(volume: Any) -> Any:
-    """The plane that a file of a single one holds, a name, or point and normal where it is oblique; None of volumes."""
+    """The plane of a file with a single plane: a name, or point and normal if it is oblique; None for volumes."""
     import numpy as np
 
     from wavesplat._readers.single_planes import is_single_plane

@@ -1,4 +1,4 @@
-"""INPUT as the commands that draw planes open it: layers, and the colours of the first one on a plane."""
+"""INPUT of `slice`, and of `movie` for films: its layers, and the colours of the first layer on a plane."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ def first_layers(
     n_pixels: float = inf,
     quiet: bool,
 ) -> FirstLayers:
-    """The layers of INPUT with its colours, where pictures and films are taken, too.
+    """The layers of INPUT with its colours; single pictures and films are allowed.
 
     all_times : keep all times of a file if no time is given. n_pixels : of the picture, along its longer side.
     """

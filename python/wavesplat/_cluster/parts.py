@@ -67,7 +67,7 @@ class PartialPicture:
     boxes: list[Box]
     #: By base plane: the state of its rays, packed.
     planes: dict[int, bytes]
-    #: The base planes that the part has, to find those that were lost on their way.
+    #: The base planes that were drawn, to notice if some are lost in transfer.
     drawn: tuple[int, ...] = field(repr=False)
     #: The frame with its surveys, in the process of the part that has the first sample.
     frame: bytes | None = field(repr=False)

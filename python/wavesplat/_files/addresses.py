@@ -31,7 +31,7 @@ WEB = ("http", "https")
 MAX_LETTERS = 120
 #: IPv6 addresses that stand for an IPv4 address in their last 32 bits (RFC 6052).
 NAT64 = ipaddress.ip_network("64:ff9b::/96")
-#: The IPv6 addresses that are given to networks at all; site-local ones (fec0::/10), say, lie outside.
+#: Range of global IPv6 addresses; site-local addresses (fec0::/10), for example, lie outside it.
 UNICAST = ipaddress.ip_network("2000::/3")
 #: Special-purpose addresses that only newer releases of Python know not to be public (IANA's registries, 2026):
 #: protocols, relays of 6to4, documentation.

@@ -29,7 +29,7 @@ def cancelled_by(is_cancelled: Callable[[], bool]) -> Iterator[None]:
 
 @contextmanager
 def cancelled_by_progress(progress: Callable[[float], object] | None) -> Iterator[None]:
-    """Cancel what reads files for a picture, before any of it is drawn, once its progress callback gives False."""
+    """Cancel reading for a picture, before drawing begins, when its progress callback returns False."""
     if progress is None:
         yield
         return
@@ -41,4 +41,4 @@ def check_cancelled() -> None:
     """Raise a `CancelledError` if nobody wants the result any more."""
     is_cancelled = _IS_CANCELLED.get()
     if is_cancelled is not None and is_cancelled():
-        raise CancelledError("reading was cancelled; ask again for what it was read for")
+        raise CancelledError("reading was cancelled; draw the picture again to read the file")

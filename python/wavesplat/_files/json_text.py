@@ -81,7 +81,7 @@ def check_values(value: Any, what: str) -> None:
 
 
 def is_number(value: object) -> TypeGuard[float]:
-    """Whether a value of a document is a number of a scene, up to `LARGEST_NUMBER`; true and false are none."""
+    """Whether a value in a document is a number of absolute value up to `LARGEST_NUMBER`; booleans are not."""
     if not isinstance(value, int | float) or isinstance(value, bool):
         return False
     return -LARGEST_NUMBER <= value <= LARGEST_NUMBER

@@ -159,7 +159,7 @@ def write_folder_atomically(path: str | PathLike[str], write: Callable[[Path], o
     """
     target = followed(_named(path))
     remove_left_over(target.parent)
-    # The old folder is never taken for a left-over: it may be all that there is.
+    # The old folder must not be removed as a left-over: it may be the only copy.
     part, old = part_beside(target), part_beside(target, ".old")
     with as_file_errors(target), removed_when_terminated(part):
         try:

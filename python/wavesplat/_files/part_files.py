@@ -20,7 +20,7 @@ __all__ = ["part_beside", "remove_left_over", "removed"]
 
 #: Numbers that distinguish files written at the same time.
 _NUMBERS = count()
-#: Folders in which this process has looked, for outputs of one file: a movie writes thousands into one folder.
+#: Folders that this process has already searched for left-over files: a movie writes thousands of files into one.
 _SEEN: set[str] = set()
 
 
@@ -33,7 +33,7 @@ def part_beside(target: Path, ending: str = ".part") -> Path:
 
 
 def remove_left_over(folder: Path, *, again: bool = True) -> None:
-    """Remove what killed processes of this machine left of outputs in a folder; nothing that is still written.
+    """Remove unfinished outputs of killed processes of this machine from a folder; outputs in progress stay.
 
     again : whether a folder is looked through that this process has looked through before.
     """
@@ -68,7 +68,7 @@ def _is_alive(pid: int) -> bool:
 
 @cache
 def _machine() -> str:
-    """Eight letters for the machine, or container, whose processes have the numbers that this one sees."""
+    """Eight hexadecimal digits that identify the machine or container in which process numbers are unique."""
     try:
         numbers_of = os.readlink("/proc/self/ns/pid")  # noqa: PTH115 - no path, but a name
     except OSError:

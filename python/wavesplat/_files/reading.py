@@ -50,7 +50,7 @@ MISSING = re.compile(r"Install (s3fs|gcsfs) to access|(?:requires the|No module 
 EXTRAS = {"aiohttp": "http"}
 
 GIB = 1 << 30
-#: Letters of a library's message in which a line is looked for: some repeat the file.
+#: Maximum number of letters of a library's message that are searched: some messages repeat the whole file.
 MOST_LETTERS = 20_000
 
 

@@ -51,7 +51,7 @@ def read_freesurfer(asked: Asked) -> ReadShape:
 
 
 def _check_counts(path: Path) -> None:
-    """Raise a `ValueError` if a file of triangles is shorter than its counts: memory is taken by them."""
+    """Raise a `ValueError` if a file of triangles is shorter than its counts say: readers allocate memory by them."""
     with path.open("rb") as file:
         if file.read(len(TRIANGLES)) != TRIANGLES:
             return

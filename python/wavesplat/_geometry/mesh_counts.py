@@ -1,4 +1,4 @@
-"""Counts that meshes written as text promise, held against the lines that are there.
+"""Checks the counts in the headers of meshes written as text against the lines in the file.
 
 A file whose copy broke off reads as a smaller shape, or as another one, since readers take what comes.
 Formats: PLY (Turk 1994), a line for each element; OFF (Geomview), the same behind the line of counts; STL.
@@ -37,7 +37,7 @@ def _check_ply(content: bytes) -> None:
         return
     names: list[str] = []
     counts: list[int] = []
-    #: Of each element whether each of its properties is a list.
+    #: For each element, whether each of its properties is a list.
     properties: list[list[bool]] = []
     for line in lines:
         if line[:1] == [b"element"] and len(line) == 3 and line[2].isdigit():
@@ -75,7 +75,7 @@ def _check_counts(names: Sequence[str], counts: Sequence[int], rows: Sequence[by
 
 
 def _check_last(row: bytes, are_lists: Sequence[bool], name: str) -> None:
-    """Raise a `ValueError` if the last line of all broke off."""
+    """Raise a `ValueError` if the last line of the file is incomplete."""
     words, at = row.split(), 0
     for is_list in are_lists:
         length = int(words[at]) if is_list and at < len(words) and words[at].isdigit() else 0

@@ -45,7 +45,7 @@ READERS: dict[str, tuple[str, Callable[[Asked], ReadShape]]] = {
 }
 OF_FREESURFER = ("a surface of FreeSurfer", brain_surfaces.read_freesurfer)
 SUFFIXES = tuple(READERS)
-#: Parts of the name of a file of values that do not name them, and names that do: others may be those of a patient.
+#: Parts of file names that say nothing of the values, and known names of values; others may be a patient's name.
 OF_BRAINS = re.compile(r"^[lr]h\.|(\.(shape|func|gii|txt))+$")
 MEASURES = {"area", "area.mid", "area.pial", "curv", "curv.pial", "jacobian_white", "sulc", "thickness", "volume"}
 

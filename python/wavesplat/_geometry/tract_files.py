@@ -22,7 +22,7 @@ def read(asked: Asked) -> ReadShape:
     """The tracts in a file; `values` names one of a TRK file's numbers for each position or tract."""
     check_memory(BYTES_PER_BYTE * asked.file.stat().st_size, asked.file)
     streamlines: Any = library("nibabel.streamlines", extra="geometry")
-    # Before: nibabel puts the number that it has read in its place.
+    # Taken before loading: nibabel replaces it by the number of tracts that it has read.
     promised = _count(streamlines.load(str(asked.file), lazy_load=True).header)
     tractogram = streamlines.load(str(asked.file)).tractogram
     tracts = [np.asarray(one, np.float64) for one in tractogram.streamlines]
@@ -40,7 +40,7 @@ def read(asked: Asked) -> ReadShape:
 
 
 def _count(header: Any) -> int:
-    """The number of tracts that a header promises; 0 where it says none."""
+    """The number of tracts in the header; 0 if the header has no count."""
     try:
         return int(header.get("nb_streamlines") or header.get("count") or 0)
     except (TypeError, ValueError):

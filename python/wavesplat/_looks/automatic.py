@@ -112,8 +112,8 @@ DOSE_MAP, LEAST_DOSE = "turbo", 0.1
 SHARE_MAP, FA_ENDS = "hot", (0.2, 0.9)
 #: Percentile of the pixels of air in a PET that is still white, and the largest share of the greys that white has.
 AIR_PERCENT, MAX_AIR = 99.5, 0.02
-#: Largest share of the box that has samples where these are an object, and the opacity of a ray through such an object
-#: where its values are those that few samples have not.
+#: Largest share of finite samples in the box for which they are taken for an object surrounded by missing samples, and
+#: the opacity of a ray through such an object at its common values.
 MAX_OBJECT, VEIL = 0.9, 0.4
 #: Percentiles of the values above 0 of a calculated map that are clear and opaque: fits leave a few far off.
 MAP_ENDS = (0.1, 99.5)
@@ -266,7 +266,7 @@ def _inverted_maximum(volume: Volume | WaveletVolume, known: Evidence) -> Look:
 
 
 def _maximum_of_few(volume: Volume | WaveletVolume, known: Evidence) -> Look:
-    """A look that shows the largest value along each ray, of a few samples far above noise, which is nearly black."""
+    """A maximum projection for a few bright samples over noise, in which the noise is nearly black."""
     pixels = histogram.pixels_of_maxima(volume)
     noise = float(np.median(pixels))
     deviation = 1.4826 * float(np.median(np.abs(pixels - noise)))
@@ -428,7 +428,7 @@ def _field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
 
 
 def _part_with_samples(volume: Volume | WaveletVolume) -> Part:
-    """The part of the box that has samples; where much is missing, the rest is an object, whose shape is seen."""
+    """The part of the box with finite samples; if many are missing, the others are an object whose shape is shown."""
     samples = histogram.subsampled(volume)
     is_there = np.isfinite(samples)
     share = float(is_there.mean())

@@ -1,8 +1,9 @@
 """Blocks: volumes whose matter goes up to their faces, such as crops and small fields of view.
 
-Of an opaque block nothing but the six outermost slices is seen. What goes up to a face is opaque there, so the share of
-the faces that is not clear tells a block. (`studies/looks`; mean of the six faces. Whole bodies, heads and things: 0 to
-0.16; crops to 0.3 and 0.5 of the sides of heads, brains and pelves: 0.52 to 0.91; a knee of 10 slices: 0.47.)
+Only the six outermost slices of an opaque block can be seen. Matter that goes up to a face is opaque there, so a block
+is recognised by the share of its faces that is not clear. (`studies/looks`; mean of the six faces. Whole bodies, heads
+and things: 0 to 0.16; crops to 0.3 and 0.5 of the sides of heads, brains and pelves: 0.52 to 0.91; a knee of 10 slices:
+0.47.)
 """
 
 from __future__ import annotations
@@ -18,12 +19,12 @@ from wavesplat._model.wavelet_volume import WaveletVolume
 
 __all__ = ["is_block"]
 
-#: Least mean share of the faces that is not clear, and least opacity of a voxel that is not.
+#: Minimum mean share of the faces that is not clear, and the opacity above which a voxel is not clear.
 MIN_FACES, MIN_OPACITY = 0.4, 0.02
 
 
 def is_block(volume: Volume | WaveletVolume, function: Callable[[NDArray[np.float64]], NDArray[np.float64]]) -> bool:
-    """Whether what is seen of a volume is a block. function : a transfer function: values to RGBA."""
+    """Whether a volume looks like a block under a transfer function, which maps values to RGBA."""
     samples = subsampled(volume)
     faces = [samples.take(end, axis).ravel().astype(np.float64) for axis in range(3) for end in (0, -1)]
     seen = [np.isfinite(face) & (function(np.nan_to_num(face))[:, 3] > MIN_OPACITY) for face in faces]

@@ -1,4 +1,4 @@
-"""The colour that a microscopist expects of a channel: the file's, else its light's, by the wavelength or the dye.
+"""The usual colour of a microscope's channel: from the file, else by its emission wavelength or its dye.
 
 White is what writers put where they know no colour, so that several channels that are all white have none.
 Dyes and proteins are known by their names; of names with a number, such as "Alexa 568" or "488 nm", the number is the
@@ -55,11 +55,11 @@ DYES = {
     **dict.fromkeys(("cherry", "scarlet", "ruby", "texasred", "txred", "jred", "rcamp", "propidium"), 610.0),
     **dict.fromkeys(("cy5", "cy7", "sir", "draq5", "plum", "irfp", "farred"), 670.0),
 }
-#: Beginnings of proteins' names that stand before those of `DYES`: monomeric, enhanced, superfolder, tandem dimer, ...
+#: Prefixes of the names in `DYES`: monomeric, enhanced, superfolder, tandem dimer, ...
 BEFORE_DYES = ("em", "me", "sf", "td", "d", "e", "j", "m")
-#: Names of light that is let through, which has no colour of a dye.
+#: Names of channels of transmitted light.
 TRANSMITTED = {"brightfield", "bf", "dic", "phase", "transmitted", "tl", "esid", "tpmt", "phasecontrast"}
-#: Names that are those of colours: of Leica's files the names of channels are those of their look-up tables.
+#: Names of colours: Leica's files name channels after their look-up tables.
 NAMES_OF_COLORS: dict[str, Rgb] = {
     "blue": (0.0, 0.0, 1.0),
     "cyan": (0.0, 1.0, 1.0),
@@ -69,14 +69,14 @@ NAMES_OF_COLORS: dict[str, Rgb] = {
     "magenta": (1.0, 0.0, 1.0),
     **dict.fromkeys(("gray", "grey", "white"), WHITE),
 }
-#: Lines that excite, and numbers of dyes that are named after them; and the difference of their light, nanometres.
+#: Excitation lines, by which dyes are numbered, and the Stokes shift to their emission, nanometres.
 LINES = {
     *(350, 355, 365, 375, 385, 395, 405, 430, 440, 445, 450, 458, 470, 473, 475, 476, 477, 480, 485, 488, 490, 491),
     *(505, 514, 515, 532, 543, 546, 549, 550, 552, 555, 560, 561, 565, 568, 590, 594, 610, 620, 630, 633, 635, 637),
     *(638, 640, 642, 646, 647, 649, 650, 660, 680, 700, 730, 740, 750, 785, 790),
 }
 STOKES_NM = 30.0
-#: Those that mean a dye or a laser whatever stands beside them, as in "actin 568".
+#: Lines whose number always means a dye or a laser, as in "actin 568".
 COMMON_LINES = {405, 488, 514, 532, 546, 555, 561, 568, 594, 633, 640, 647}
 #: Words that stand beside the number of a dye or of a wavelength; others make it a number of something else.
 BESIDE_NUMBERS = {
@@ -126,7 +126,7 @@ def usual_color(channel: Channel) -> Rgb | None:
 
 
 def distinct_colors(wanted: Sequence[Rgb | None], own: Sequence[Rgb | None]) -> list[Rgb]:
-    """A colour for each channel: what is wanted, else its own one, unless another has it, else one of the convention.
+    """A colour for each channel: the wanted one, else its own if no other channel has it, else a conventional one.
 
     Own colours are given before the others, so that none is taken by a channel that has none.
     """
@@ -159,7 +159,7 @@ def _words(name: str) -> list[str]:
 
 
 def _wavelength_of(name: str) -> float | None:
-    """The wavelength of the light of a dye, in nanometres; None where the name is none of a dye."""
+    """The emission wavelength of the dye that a name contains, in nanometres; None if it contains no dye."""
     for word in _words(name):
         for before in ("", *BEFORE_DYES):
             if word.startswith(before) and word[len(before) :] in DYES:

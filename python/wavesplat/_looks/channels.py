@@ -61,7 +61,7 @@ MOSTLY_NOISE, NOISE = 1.6, 4.0
 DARK_PART, MIN_SHARE, MAX_SHARE = 0.3, 3e-4, 0.3
 #: Share of a colour at the low end of a window, where matter is nearly clear, and the place of the full colour.
 DARKEST, FULL_COLOR = 0.2, 0.65
-#: Places of the nodes of opacity of a part of a colour, and the one up to which a part is noise of black.
+#: Values 0..1 at which the opacity of red, green or blue has nodes, and the value below which it is noise in black.
 PLACES_OF_PARTS = np.array([0.0, 0.03, 0.06, 0.1, 0.15, 0.2, 0.3, 0.4, 0.5, 0.65, 0.8, 1.0])
 NOISE_OF_BLACK = 0.03
 #: Largest difference of colours that are equal but for rounding.

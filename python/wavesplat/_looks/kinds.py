@@ -111,9 +111,9 @@ FEW_BRIGHT: tuple[Kind, str] = (
     "fluorescence, or other light: nearly all is noise, and a few samples are far above it, by the values",
 )
 DENSE = "dense matter that fills the volume, as in electron microscopy: mostly bright, by the values"
-#: Least share of the samples that have exactly the least value, where that stands for nothing, as -30 dBZ does.
+#: Minimum share of samples with exactly the least value for which that value means "no data", such as -30 dBZ.
 MIN_FILL = 0.1
-#: Bins of the histogram in which air is looked for, and the part of them where it is.
+#: Number of bins of the histogram in which the peak of air is searched; it must lie in this lowest share of the bins.
 N_AIR_BINS, MAX_AIR_PLACE = 64, 0.1
 
 
@@ -144,7 +144,7 @@ class Evidence(Found):
 
     @property
     def fill(self) -> float | None:
-        """The value that stands for nothing; None where no value does. See `fill_of`."""
+        """The value of samples without data (see `fill_of`); None if there is no such value."""
         return fill_of(self.values)
 
 
@@ -270,7 +270,7 @@ def _is_whole(volume: Volume | WaveletVolume) -> bool:
 
 
 def _has_others(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> bool:
-    """Whether a volume has other values than two, which those of the kind's samples missed, as of a small lesion."""
+    """Whether a volume has more than two values, although the samples that decide the kind have only two."""
     low, high = volume.value_range
     if any(value != np.round(value) and value not in values for value in (low, high)):
         return True
@@ -327,7 +327,7 @@ def _by_facts(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tu
 def _by_microscope(
     volume: Volume | WaveletVolume, values: NDArray[np.float64], *, has_noise: bool
 ) -> tuple[Kind, str] | None:
-    """The kind by the channels of microscopes; their unit alone tells nothing, so that it changes no look."""
+    """The kind of an image whose file names channels of a microscope; the unit of length alone is no evidence."""
     if volume.facts.channel is None or (volume.is_anatomical and not _is_fine(volume)):
         return None
     # Fluorescence is dark with a bright tail; stained tissue in an electron microscope fills the picture.

@@ -37,7 +37,7 @@ Named: TypeAlias = "tuple[str, tuple[float, float, float] | None]"
 
 #: Longest header that is searched for names, bytes.
 MAX_HEADER_BYTES = 2**22
-#: Digits of a label's number, at most: those of 64 bits, and one.
+#: Maximum number of digits of a label's number: numbers of 64 bits have at most 20.
 MAX_DIGITS = 20
 #: Letters of a line in messages, at most.
 MOST_TOLD = 100
@@ -159,7 +159,7 @@ def _nifti_labels(path: Path) -> dict[int, Named]:
 
 
 def _bytes_of(extension: Any) -> bytes:
-    """The bytes of an extension of NIfTI; none where they cannot be had.
+    """The bytes of an extension of NIfTI; empty if nibabel does not give them.
 
     nibabel has no form of most codes, among them Connectome Workbench's, and raises where it is asked for one; from 5.3
     on it has the bytes themselves.

@@ -39,7 +39,7 @@ def is_of_patient(volume: AnyVolume) -> bool:
 
 
 def layer_name_of(thing: AnyVolume | Series, time: int = 0) -> str:
-    """The name of a volume where the user gave none; a `FoundName` where it is not the volume's own.
+    """The default name of a layer that shows a volume or series; a `FoundName` if it is not the volume's name.
 
     time : the volume of a series to look at; a series has one name at all times.
     """
@@ -54,7 +54,7 @@ def layer_name_of(thing: AnyVolume | Series, time: int = 0) -> str:
 
 
 def told_apart(names: Sequence[str], description: Callable[[int], str | None]) -> list[str]:
-    """Names of layers, of which no found one is that of another layer too.
+    """Names of layers, with a found name changed if another layer has it too.
 
     description : of the volume of a layer, by the number of the layer.
     """

@@ -1,4 +1,4 @@
-"""The samples that tell the kind of data, with their neighbours; samples that are not finite are missing."""
+"""The samples that decide the kind of data, with their neighbours; non-finite samples count as missing."""
 
 from __future__ import annotations
 
@@ -68,7 +68,7 @@ def _finite_with_neighbours(samples: NDArray[Any]) -> tuple[NDArray[Any], Pairs]
 def slopes(samples: NDArray[Any], neighbours: Pairs) -> list[NDArray[np.float64]]:
     """Differences along each axis, sample units per voxel: of both neighbours, of one where the other is missing."""
     own, made = samples.astype(np.float64), []
-    # Those of infinite samples are no numbers, and are left out.
+    # Differences of infinite samples are NaN and are left out.
     with np.errstate(invalid="ignore", over="ignore"):
         for before, after in neighbours:
             low, high = before.astype(np.float64), after.astype(np.float64)

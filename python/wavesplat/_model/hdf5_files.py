@@ -131,7 +131,7 @@ def files_of_dataset(dataset: h5py.Dataset) -> StoredFiles:
 
 
 class _Nesting:
-    """The sources of virtual datasets, and those of these."""
+    """The sources of virtual datasets, and their own sources if these are virtual too."""
 
     def __init__(self, path: object) -> None:
         self._path = path

@@ -1,4 +1,4 @@
-"""Hints for keywords that a function does not take: those of our commands and of other programs, and what to write.
+"""Hints for unknown keyword arguments: the argument that is meant by a keyword of our commands or of other programs.
 
 Similar spelling is the last resort: `view` is not `device`.
 """
@@ -40,7 +40,7 @@ MEANT: dict[str, tuple[str, ...]] = {
     **dict.fromkeys(("channels", "c"), ("channel", "channels")),
     **dict.fromkeys(("t", "timepoint", "frame"), ("time",)),
 }
-#: Keywords of what is done elsewhere -> where.
+#: Keywords for things that another function does -> that function.
 ELSEWHERE = {
     **dict.fromkeys(
         ("scale_bar", "scalebar", "colorbar", "colourbar", "legend", "title", "letters", "dpi"),

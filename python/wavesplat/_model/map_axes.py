@@ -56,7 +56,7 @@ OF_UNITS = {
     for end in ends
     for plural in ("", "s")
 }
-#: Standard names of coordinates -> axis; those of vertical ones are many.
+#: Standard names of coordinates -> axis; of the many vertical ones those in common use.
 OF_STANDARD_NAMES = {
     **dict.fromkeys(("latitude", "grid_latitude", "projection_y_coordinate"), "y"),
     **dict.fromkeys(("longitude", "grid_longitude", "projection_x_coordinate"), "x"),
@@ -67,11 +67,11 @@ OF_STANDARD_NAMES = {
 SHARES = re.compile(r"(atmosphere|ocean)_\w*(sigma|hybrid|s_coordinate)\w*|s_(rho|w)|sigma\w*")
 #: Units of pressure, which by the conventions mark an axis that grows downwards.
 PRESSURES = ("pa", "hpa", "kpa", "mb", "mbar", "millibar", "millibars", "bar", "dbar", "decibar", "decibars")
-#: Names of what grows downwards where nothing says otherwise, and numbers of levels do not tell.
+#: Names of coordinates that grow downwards unless an attribute says otherwise.
 DOWNWARDS = re.compile(r"depth\w*|plev\d*|(air_|sea_water_)?pressure\w*|isobaric\w*")
 #: Names of axes of time.
 TIMES = ("time", "t", "times")
-#: Units that are none of lengths.
+#: Units that are not lengths.
 WITHOUT_LENGTH = ("1", "level", "levels", "layer", "layers", "sigma_level", "count", "index", "-")
 ANGLES = ("deg", "degree", "degrees", "arc_degree", "rad", "radian", "radians")
 
@@ -121,7 +121,7 @@ def spatial_axes(axes: list[tuple[Any, str]], sizes: Any) -> list[Any]:
 
 
 def is_of_world(array: Any, spatial: list[Any]) -> bool:
-    """Whether z is up and y north by what is said of the axes z, y, x, as of a map, the sea or the air.
+    """Whether names and attributes of the axes z, y, x say that z is up and y north, as of maps, the sea or the air.
 
     Rows of images grow downwards, and nothing is said of theirs but a name and a unit as small as they are.
     What xarray has opened is of such a file: it reads the formats of models, and keeps how the values are stored there.
@@ -164,7 +164,7 @@ def is_downwards(array: Any, axis: Any) -> bool:
 
 
 def without_lengths(array: Any, spatial: list[Any]) -> list[Any]:
-    """The axis z where its numbers are shares, such as of the depth in ROMS, beside axes x and y that only count."""
+    """The axis z if its coordinates are fractions, such as of the depth in ROMS, and x and y have no units."""
     z, *others = spatial
     said = said_of(array, z)
     names = [_text(said, "standard_name"), str(z).lower()]
@@ -194,7 +194,7 @@ def length_unit_of(array: Any, axis: Any) -> str | None:
 
 
 def _other_unit(unit: object) -> str | None:
-    """A unit that is none of lengths, as sentences name it; "" for levels that are counted; None for any other."""
+    """The name, for messages, of a unit that is not a length; "" for numbered levels; None for other units."""
     name = str(unit or "").strip()
     if name.lower() in OF_UNITS or name.lower() in ("deg", "degree", "degrees", "arc_degree"):
         return "degrees"

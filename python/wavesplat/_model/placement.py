@@ -34,7 +34,7 @@ def is_placed_by_default(grid: Grid) -> bool:
 
 
 def is_without_place(world_from_index: NDArray[np.float64]) -> bool:
-    """Whether an affine in RAS or LPS is the one of an image that was never placed."""
+    """Whether an affine in RAS or LPS is a format's default: steps of 1 from the origin."""
     return bool(np.array_equal(np.abs(world_from_index), np.eye(4)))
 
 

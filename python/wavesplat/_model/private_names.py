@@ -35,12 +35,13 @@ __all__ = [
 CONTENT = "content:"
 #: Suffixes of headers whose samples may lie in another file.
 HEADERS = (".hdr", ".img", ".nhdr", ".mhd", ".head", ".par")
-#: Suffixes of formats for scans of patients. DICOM has many more, or none, so whatever is no word counts too.
+#: Suffixes of formats for scans of patients. DICOM files have other suffixes or none, so a suffix that is no word
+#: counts too.
 OF_SCANS = (
     *(*HEADERS, ".nii", ".nii.gz", ".mgh", ".mgz", ".mnc", ".rec", ".v", ".nrrd", ".mha", ".dcm", ".dicom", ".ima"),
     *(".gipl", ".gipl.gz", ".zip", ".img.gz", ".brik", ".brik.gz"),
 )
-#: Bytes of a file that are read as a whole for its digest; of a larger one so many blocks of these bytes.
+#: Files of at most `MAX_WHOLE` bytes are read whole for their digest, larger ones in `N_BLOCKS` parts of `BLOCK` bytes.
 MAX_WHOLE, N_BLOCKS, BLOCK = 1 << 24, 64, 1 << 16
 
 
@@ -96,7 +97,7 @@ def without_folders(document: Any, private: Collection[str] = ()) -> Any:
 
 
 def file_name_of(path: str, *, is_private: bool = False) -> str | None:
-    """The name of a file, or of its content, or the last part of an address; None of what is, or may be, a folder."""
+    """A file's name or the name of its content, or the last part of an address; None if it may be a folder."""
     if is_address(path):
         return last_part(path)
     if path.startswith(CONTENT):  # of a document that was read
@@ -115,7 +116,7 @@ def file_name_of(path: str, *, is_private: bool = False) -> str | None:
 
 
 def content_of(path: str) -> str | None:
-    """The name of a file by its content; None where it cannot be read, or does not have the samples."""
+    """The name of a file by its content; None if it cannot be read or its samples lie in another file."""
     try:
         state = Path(path).stat()
         if path.lower().endswith(HEADERS):

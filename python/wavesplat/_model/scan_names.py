@@ -1,4 +1,4 @@
-"""Names of scans by what their files say of the values: none is that of a file or folder, which may be a patient's."""
+"""Names of scans by channel, quantity or modality, not by files or folders, which may be named after a patient."""
 
 from __future__ import annotations
 

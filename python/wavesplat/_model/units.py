@@ -162,7 +162,7 @@ def of_file(name: object) -> tuple[str | None, float]:
 
 
 def factor(own: str | None, wanted: str | None) -> float | None:
-    """The number that lengths of a unit are multiplied by to be in another; None where one is named and unknown.
+    """The factor from lengths in one unit to another; None if a named unit is unknown.
 
     Where one of them names none, the lengths stay as they are.
     """
@@ -192,7 +192,7 @@ def guesses_of(units: tuple[str | None, str | None, str | None]) -> list[str]:
 
 
 def _shown(unit: str) -> str:
-    """The unit in which lengths of a unit of files are told."""
+    """The unit in which lengths in a file's unit are reported."""
     return FOREIGN[unit][1] if unit in FOREIGN else unit
 
 

@@ -151,7 +151,7 @@ class PartArray:
 
 @contextmanager
 def _told_as_damaged(name: str) -> Iterator[None]:
-    """Turn what overviews raise that do not hold what `overview` has put into them into an `ArgumentError`."""
+    """Turn errors from damaged overviews into an `ArgumentError`."""
     try:
         yield
     except WavesplatError:

@@ -1,4 +1,4 @@
-"""Films: series of single pictures, such as ultrasound, which movies show as they are, one frame after the other."""
+"""Movies of films, that is of series of 2-D pictures such as ultrasound: one frame for each picture."""
 
 from __future__ import annotations
 

@@ -134,7 +134,7 @@ def style_of(rgba: NDArray[np.float32], background: Any) -> Style:
 
 
 def common_font_px(sizes: Sequence[tuple[int, int]]) -> float:
-    """Height of the font that pictures of one sheet share, pixels: that of the largest, if the smallest has room."""
+    """Font height in pixels for all pictures of a sheet: the largest picture's, reduced to fit the smallest."""
     largest = max(_font_px(Figure(), width, height) for width, height in sizes)
     return max(TEXT_PX[0], min(largest, min(map(min, sizes)) / LEAST_LINES))
 

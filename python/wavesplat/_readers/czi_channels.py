@@ -22,7 +22,7 @@ class CziChannel(NamedTuple):
 
 
 def czi_channels(metadata: Any, count: int) -> list[CziChannel]:
-    """What a tree of CZI says of each channel; nothing where it is another tree, or its channels cannot be matched."""
+    """Colour and wavelength of each channel in CZI metadata; None for both if the channels cannot be matched."""
     if not hasattr(metadata, "iterfind"):
         return [CziChannel()] * count
     measured = list(metadata.iterfind(".//Information/Image/Dimensions/Channels/Channel"))

@@ -209,7 +209,7 @@ def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Re
 
 
 def _colors_of(header: Header) -> tuple[Channel, ...]:
-    """Red, green and blue as channels, with their range where it is not that of their type; none of greys."""
+    """Red, green and blue as channels, with their range if it is not the range of their type; empty for greys."""
     if header.n_colors != 3:
         return ()
     is_whole = header.photometric == "PALETTE COLOR" or header.bits_stored == header.bits_allocated
@@ -242,7 +242,7 @@ def _pixels_for(
     if not unreadable and all(frame.is_placed() for frame in frames):  # files of other volumes need not be read
         wanted = {frame.file for frame in _chosen(frames, (), request, kept)[0].frames}
     pixels, damaged = _pixels([header for header in headers if header.file in wanted], request)
-    if pixels and damaged:  # where files are missing, all that there are decide which frames belong together
+    if pixels and damaged:  # with files missing, the remaining ones decide which frames belong together
         pixels, damaged = _pixels(headers, request, {**pixels, **damaged})
     return pixels, damaged
 
@@ -389,7 +389,7 @@ def _is_longer(header: Header) -> bool:
 
 
 def _film(headers: Sequence[Header], frames: Sequence[Frame], request: Request) -> tuple[float, ...] | None:
-    """Times of the frames of a film in seconds, all 0 where they are unknown; None of what is no film."""
+    """Times of the frames of a film in seconds, all 0 if unknown; None if the frames are not a film."""
     first = headers[0]
     if all(header.n_frames == 1 for header in headers):
         return None

@@ -72,7 +72,7 @@ def _check_stack(frames: Sequence[Frame], request: Request, *, may_turn: bool) -
 
 
 def _name_one(frames: Sequence[Frame], request: Request) -> str:
-    """Advice for frames of several kinds: a file that is named opens with those of its kind."""
+    """Advice for a series with several kinds of frames: a named file opens the frames of its own kind."""
     if len({frame.file for frame in frames}) == 1:
         return "export each kind by itself"
     before = "unpack the archive, and " if is_zip(request.file) else ""

@@ -106,7 +106,7 @@ class Header:
     series_number: int | None
     instance_uid: str
     description: str
-    #: Name of the drug that PET shows; "" where there is none.
+    #: Name of the radiotracer; "" if there is none.
     drug: str
     modality: str | None
     transfer_syntax: str
@@ -139,7 +139,7 @@ class Header:
     #: How the frames lie side by side in one picture, and the header of that; None where each is a picture of its own.
     tiles: Tiles | None = None
     whole: Header | None = None
-    #: What was assumed about them; empty where nothing was.
+    #: A sentence on what was assumed about the values; empty if nothing was.
     guess: str = ""
 
     @property

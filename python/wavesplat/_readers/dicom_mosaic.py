@@ -131,7 +131,7 @@ def _word(image_type: str) -> str:
 
 
 def _tiles(word: str, n: int, picture: Picture) -> Tiles:
-    """The layout of `n` slices: Siemens has as many rows as columns, UIH as many as are needed."""
+    """The layout of `n` slices: Siemens' mosaics are square, UIH's grids have only the rows they need."""
     n_per_row = math.isqrt(n - 1) + 1
     n_per_column = n_per_row if word == MOSAIC else -(-n // n_per_row)
     size = picture.size
@@ -231,7 +231,7 @@ def _order(
 
 
 def _of_image(dataset: Dataset) -> dict[str, list[Any]]:
-    """Values of the vendor's header of the image (CSA) by name; empty where there is none that can be read."""
+    """Values in Siemens' image header (CSA) by name; empty if it is missing or cannot be read."""
     with warnings.catch_warnings():
         # Of nibabel: that its readers of DICOM are new, and of what it finds in damaged headers.
         warnings.simplefilter("ignore")

@@ -111,7 +111,7 @@ def _times(dataset: Any, modality: str, n_frames: int) -> tuple[float, ...]:
     """Times of frames in seconds from the first one; empty where the file has none."""
     vector = as_numbers(raw_value(dataset, 0x00181065), "decimal")
     if n_frames - 1 <= len(vector) <= n_frames and all(step >= 0 for step in vector[1:]) and any(vector):
-        steps = vector[len(vector) - n_frames + 1 :]  # the first of as many as frames stands before the first frame
+        steps = vector[len(vector) - n_frames + 1 :]  # the first increment lies before the first frame
         return _seconds([0.0, *accumulate(steps)])
     if modality == "NM":  # whose frames may be of several detectors
         phases = _phases(dataset, n_frames)
@@ -153,7 +153,7 @@ def _seconds(milliseconds: Sequence[float]) -> tuple[float, ...]:
 def _window(dataset: Any) -> tuple[float, float] | None:
     """The window of the file, or the one that is nearest to its table; None where it has neither."""
     if 0x00283000 in dataset:
-        return None  # it is one of values that another table makes, which is not applied
+        return None  # the window is for values after the modality LUT, which is not applied
     groups = [group for tag in (0x52009229, 0x52009230) for group in items(dataset, tag)[:1]]
     holders = [dataset, *(item for group in groups for item in items(group, 0x00289132)[:1])]
     return next((found for holder in holders if (found := _linear(holder) or _of_table(holder, dataset))), None)

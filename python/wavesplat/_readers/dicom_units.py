@@ -82,12 +82,12 @@ OF_CODES: dict[str, str | None] = {
     "um2/s": "µm²/s",
     "mm2/s": "mm²/s",
 }
-#: Letters of a unit's name in a file's own words that are shown, and told in a sentence.
+#: Maximum letters of a unit in a file's own words that are shown as the unit, and in a sentence.
 MAX_LETTERS, MAX_TOLD = 24, 64
 
 
 class ValueUnit(NamedTuple):
-    """The unit of a file's values, None where it names none; and a sentence where it is not sure what it means."""
+    """The unit of a file's values, None if it names none, and a sentence if its meaning is uncertain."""
 
     name: str | None
     told: str = ""

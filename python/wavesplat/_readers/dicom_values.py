@@ -27,7 +27,7 @@ MANUFACTURER = 0x00080070
 
 
 class Creator(NamedTuple):
-    """The element that names the owner of a block of private ones, the beginning of the name, and of the maker's."""
+    """A private creator element, the beginning of its value, and the beginning of the manufacturer's name."""
 
     tag: int
     name: str

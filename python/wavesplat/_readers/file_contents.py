@@ -60,7 +60,7 @@ class Contents:
 
 
 def contents_of(request: Request, family: str) -> Contents | None:
-    """The contents of a file; None where its reader lists none. `family`: the module that reads it."""
+    """The contents of a file; None if its reader cannot list them. `family`: the module that reads the file."""
     listed: Any = getattr(import_module(f"wavesplat._readers.{family}"), "contents", None)
     found: Contents | None = None if listed is None else listed(request)
     return found
@@ -82,7 +82,7 @@ def ranges_of(numbers: Any, *, has_components: bool = False) -> tuple[Range, ...
 
 
 def joined_ranges(parts: Sequence[tuple[Range, ...]]) -> tuple[Range, ...]:
-    """The ranges of an array in several parts; empty where nobody looked at one of them."""
+    """The ranges of an array in several parts; empty if the range of any part is unknown."""
     if not parts or not all(parts):
         return ()
     return tuple(_joined(list(of_component)) for of_component in zip(*parts, strict=True))

@@ -277,7 +277,7 @@ def _check_own(file: h5py.File, dataset: h5py.Dataset, request: Request) -> None
         one = left.pop()
         others = [name for name, _, _ in one.external or ()]
         sources = {(source.file_name, source.dset_name) for source in one.virtual_sources()} if one.is_virtual else ()
-        # A name with "%" is that of another dataset for each block.
+        # "%" in a name stands for the number of a block: each block has a dataset of its own.
         others += [name if name != "." else inner for name, inner in sorted(sources) if name != "." or "%" in inner]
         if others:
             raise refused(f"{others[0]!r} as the place of its samples", request.path)

@@ -158,7 +158,7 @@ def _quoted(text: str) -> list[str]:
     """Texts in quotation marks, in which a backslash stands before such marks."""
     found: list[str] = []
     at = text.find('"')
-    # Not `findall`, which goes on behind a mark without an end, and so over the rest from each of them.
+    # Not `findall`: after each opening mark without a closing one it would scan the rest again.
     while at >= 0 and (match := QUOTED.match(text, at)):
         found.append(match[1])
         at = text.find('"', match.end())

@@ -188,7 +188,7 @@ def _check_payload(
 
 
 def _check_words(file: Path, offset: int, path: Path) -> None:
-    """Raise a `FileError` for samples of text with a word longer than any number: ITK writes it beyond its room."""
+    """Raise a `FileError` for text samples with a word longer than any number: it overflows ITK's buffer."""
     longest, begin = 0, 0
     with file.open("rb") as stream:
         stream.seek(offset)

@@ -316,7 +316,7 @@ def _facts(said: Facts, losses: Sequence[str], request: Request) -> Facts:
 
 
 def _name(request: Request, family: str, facts: Facts) -> FileName:
-    """The name of a volume: that of its file; of a folder, what the values are."""
+    """The name of a volume: its file's name; for a folder, the modality or quantity of its values."""
     if request.name.is_private:
         return FileName(name_of_facts(facts) or request.name, is_private=True)
     return FileName(request.name, is_private=family in OF_PATIENTS)
@@ -370,7 +370,7 @@ def _family(request: Request) -> str:
 
 
 def _check_no_other_format(path: Path, start: bytes, suffix: str | None, family: str | None) -> None:
-    """Refuse a file that is of a format that is not read, by its first bytes, or by its name where it is also HDF5."""
+    """Refuse a known format that is not read, by its first bytes or, for HDF5 and netCDF, by its name."""
     may_be_ours = suffix in (".zip", ".zarr.zip", ".ozx") or family == "netcdf"
     if not may_be_ours and (error := foreign_content(path, start)) is not None:
         raise error

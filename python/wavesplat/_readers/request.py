@@ -209,13 +209,13 @@ def level_numbers(count: int, request: Request) -> list[int]:
 PLANES_ARE_TAKEN: ContextVar[bool] = ContextVar("planes_are_taken", default=False)
 
 
-#: Pixels along the longer side of a single plane that its picture needs: of a pyramid a coarser level may have them.
+#: Pixels that a picture needs along the longer side of a single plane: a coarser level of a pyramid may have enough.
 PLANE_PX: ContextVar[float] = ContextVar("plane_px", default=math.inf)
 
 
 @contextmanager
 def taking_planes(n_pixels: float = math.inf) -> Iterator[None]:
-    """Take files of a single plane meanwhile, for slices that show the longer side of the whole in so many pixels."""
+    """Allow files of a single plane in this block, for pictures of `n_pixels` along the longer side."""
     token, token_of_px = PLANES_ARE_TAKEN.set(True), PLANE_PX.set(n_pixels)
     try:
         yield

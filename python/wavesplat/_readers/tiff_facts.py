@@ -24,7 +24,7 @@ __all__ = ["TiffPlace", "guesses_of_steps", "place_of"]
 
 #: A nanometre in metres, for wavelengths.
 NM = 1e-9
-#: What the place of the stage is taken for.
+#: How the position of the stage is interpreted.
 STAGE_IS_FIRST = "which OME-TIFF has for each plane; it is taken for the place of the first sample"
 #: OME's names of modes in which the light of a dye is measured.
 FLUORESCENCE = {

@@ -220,7 +220,7 @@ def foreign_folder(folder: Path, *, depth: int = 0) -> FileError | None:
 
 
 def _by_names(folder: Path, names: set[str], depth: int) -> tuple[str, str] | None:
-    """Content of a folder and the way to a volume; of several formats the one that lies least deep."""
+    """Content of a folder and the way to a volume; the folder's own format comes before those in its subfolders."""
     if "attributes.json" in names:
         return "N5 of another form than BigDataViewer's", OF_N5
     if "header.wkw" in names:

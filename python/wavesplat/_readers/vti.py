@@ -129,7 +129,7 @@ def _arrays(image: ET.Element) -> tuple[list[_Array], list[str]]:
 
 
 def _chosen(image: ET.Element, request: Request) -> tuple[_Array, tuple[str, ...]]:
-    """The array that is drawn, and what was guessed."""
+    """The array to draw, and sentences on what was guessed."""
     arrays, scalars = _arrays(image)
     names, sizes = [array.name for array in arrays], [array.n_components for array in arrays]
     number, guessed = chosen(names, scalars, sizes, request)

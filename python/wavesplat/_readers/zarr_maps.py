@@ -79,7 +79,7 @@ class _Axes:
 
 
 def named_volume(array: Any, group: Any, read: Callable[[Any], NDArray[Any]], request: Request) -> NamedVolume | None:
-    """The volume of an array whose axes have names; None where nothing but names of an image is known of them.
+    """The volume of an array with named axes; None if the axes have no names or only those of an image.
 
     group : of the arrays beside it, or None. read : reads all of a small array.
     """

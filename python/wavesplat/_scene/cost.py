@@ -361,7 +361,7 @@ def _stream(
     streaming: Streaming,
     corners: NDArray[np.float64] | None,
 ) -> _native.Stream:
-    """The stream of a volume of which nothing is known; `corners`: of the box that is drawn."""
+    """The stream of a volume whose samples were not surveyed. `corners`: of the box that is drawn."""
     drawn, size = [(core, ALL_SEEN._core, None, None)], options.size
     sheets, texels = _native.quality_settings("normal", drawn, ("over", []), camera._core, size[1])
     frame: Any = {

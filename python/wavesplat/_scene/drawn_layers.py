@@ -453,7 +453,7 @@ def notes_on_parts(scene: Scene, layers: Sequence[DrawnLayer]) -> list[str]:
 
 
 def _is_dense(scene: Scene, layer: DrawnLayer) -> bool:
-    """Whether an automatic look of microscopy shows nothing but the faces of a volume, none of which it is seen by."""
+    """Whether an automatic look of microscopy shows only the outer faces of a volume, so that its inside is hidden."""
     volume, look = layer.volume, layer.look
     if not (layer.is_automatic and look.composite == "over" and layer.opacity > 0) or is_thin(volume):
         return False
@@ -468,7 +468,7 @@ def _is_dense(scene: Scene, layer: DrawnLayer) -> bool:
 
 
 def _why_no_brain(layer: DrawnLayer) -> str | None:
-    """Why a layer is drawn whole whose look asks for the brain; None where it does not, or has it."""
+    """Why no brain was found for a look that draws the brain alone; None if one was found or none is drawn."""
     found = brain_of(layer.volume) if layer.look.part == "brain" else None
     return found if isinstance(found, str) else None
 

@@ -164,7 +164,7 @@ class Layer:
 
     @property
     def _has_own_name(self) -> bool:
-        """Whether the name is another than the one that is found where the user gives none."""
+        """Whether the name differs from the one that the layer would get by default."""
         return self.name != layer_name_of(self.volume, self.time)
 
     def _with_name(self, name: str) -> Layer:

@@ -21,7 +21,7 @@ def note_on_brain(name: str, seen: Grid, why: str | None) -> str:
     """Note on a layer of which the brain is asked for. `seen`: what is drawn; `why`: no brain was found."""
     if why is not None:
         return (
-            f"no brain could be told from skull and skin in {name!r}, so all of it is drawn: {why}; "
+            f"no brain was found apart from skull and skin in {name!r}, so all of it is drawn: {why}; "
             "strip the skull first (mri_synthstrip, HD-BET), or take another look"
         )
     if BRAIN not in seen.facts.processing:

@@ -493,14 +493,14 @@ def _layers(what: Any, look: Any) -> tuple[Layer, ...]:
 
 
 def _told_apart(layers: tuple[Layer, ...]) -> tuple[Layer, ...]:
-    """The layers, of which no two that the user did not name have one name."""
+    """The layers, renamed so that no two layers without a name from the user have the same name."""
     names = names_by_themselves(layers, [None if isinstance(one.name, FoundName) else one.name for one in layers])
     return tuple(one if one.name == name else one._with_name(name) for one, name in zip(layers, names, strict=True))
 
 
 def names_by_themselves(layers: Sequence[Layer], given: Sequence[str | None] = ()) -> list[str]:
-    """The names that layers of one scene have where the user gives none. `given`: names that some of them have."""
-    # As each has alone: the layer that one was told apart from may be gone.
+    """The default names of the layers of one scene. `given`: names from the user, or None, by layer."""
+    # Start from the names without numbers: a layer that one was numbered against may be gone.
     alone = [name or layer_name_of(one.volume, one.time) for one, name in zip_longest(layers, given)]
     return told_apart(alone, lambda n: layers[n].drawn.facts.description)
 

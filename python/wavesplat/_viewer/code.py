@@ -21,7 +21,7 @@ from wavesplat._viewer.state import ViewerState
 
 __all__ = ["command_of", "python_of"]
 
-#: In place of a thing that comes from no file.
+#: Placeholder for data that comes from no file.
 NOT_GIVEN = "...  # give the {} here: it comes from no file"
 #: Functions of `wavesplat` that change volumes, by the step in their source; other steps are methods.
 FUNCTIONS = {"largest_body": "ws.largest_body", "wavelets": "ws.WaveletVolume.from_volume"}

@@ -35,7 +35,7 @@ __all__ = ["Opener"]
 Send: TypeAlias = Callable[[dict[str, Any], bytes], None]
 Answer: TypeAlias = tuple[dict[str, Any], bytes]
 
-#: Seconds in which the thread that reads may finish when the viewer ends; its files are removed before.
+#: Seconds that the reading thread has to finish when the viewer ends; its files are removed before.
 CLOSING_S = 1.0
 #: Largest number of files that are read and not shown yet, and of questions that wait.
 MAX_READ, MAX_WAITING = 4, 64

@@ -35,7 +35,7 @@ __all__ = ["Client", "Session"]
 #: Function that sends header and payload to a page; called from any thread, and must not wait.
 Send = Callable[[dict[str, Any], bytes], None]
 
-#: Seconds in which the threads of a session that ends may finish what they do.
+#: Seconds that all threads of a session together have to finish when it ends.
 CLOSING_S = 2.0
 #: Seconds without a change after which a picture is at rest, where the page does not say so before.
 REST_S = 0.12
@@ -166,7 +166,7 @@ class Session:
                 client.is_open = False
             self._clients.clear()
             self._changed.notify_all()
-        # One wait for all, which are given up where they are: none of them writes a file.
+        # One time limit for all threads; those that still run are abandoned, which is safe: none of them writes a file.
         until = time.monotonic() + CLOSING_S
         for thread in self._threads:
             if thread is not threading.current_thread():

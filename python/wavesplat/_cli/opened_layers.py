@@ -13,6 +13,7 @@ from wavesplat._cli.printing import message, warnings_as_notes
 from wavesplat._cli.processing_options import ProcessingOptions, changed_samples, changed_series, processed
 from wavesplat._cli.reader_options import ReaderOptions, print_guesses
 from wavesplat._cli.transfer_function_options import ColorOptions, LookOptions
+from wavesplat._cli.uptake import in_uptake
 from wavesplat.errors import ArgumentError, FileWarning
 
 if TYPE_CHECKING:
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
     from wavesplat._model.wavelet_volume import WaveletVolume
     from wavesplat._scene.layer import Layer
 
-__all__ = ["Channels", "changed_channels", "modality_of", "opened_layers", "refuse_for_channels", "series_options"]
+__all__ = ["Channels", "changed_channels", "opened_in_uptake", "opened_layers", "refuse_for_channels", "series_options"]
 
 
 class Channels(NamedTuple):
@@ -94,7 +95,27 @@ def opened_layers(
     )
 
 
-def modality_of(opened: Volume | WaveletVolume | Series | Channels) -> str | None:
+def opened_in_uptake(
+    path: str,
+    reader: ReaderOptions,
+    layering: LayerOptions,
+    processing: ProcessingOptions,
+    *,
+    composite: Composite | None,
+    quiet: bool,
+    all_times: bool,
+    is_alone: bool,
+) -> Volume | WaveletVolume | Series | Channels:
+    """The same as `opened_layers`, in SUV if `--suv` is given. is_alone : whether no other file is drawn with it."""
+
+    def opened(suv: bool) -> Volume | WaveletVolume | Series | Channels:
+        own = replace(reader, suv=suv)
+        return opened_layers(path, own, layering, processing, composite=composite, quiet=quiet, all_times=all_times)
+
+    return in_uptake(opened, _modality_of, suv=reader.suv, is_alone=is_alone)
+
+
+def _modality_of(opened: Volume | WaveletVolume | Series | Channels) -> str | None:
     """The modality of what was opened; None of channels."""
     from wavesplat._model.series import Series
 

@@ -15,14 +15,14 @@ from wavesplat._cli.geometry_options import GeometryOptions, opened_geometry
 from wavesplat._cli.label_options import LabelsFile, LabelTable, Segments, opened_labels
 from wavesplat._cli.layer_options import LayerOptions, further_layers
 from wavesplat._cli.light_options import LightOptions, chosen_shading, exposure_of
-from wavesplat._cli.opened_layers import Channels, changed_channels, modality_of, opened_layers, refuse_for_channels
+from wavesplat._cli.opened_layers import Channels, changed_channels, opened_in_uptake, refuse_for_channels
 from wavesplat._cli.option_groups import with_options_of
 from wavesplat._cli.printing import message
 from wavesplat._cli.processing_options import ProcessingOptions
 from wavesplat._cli.reader_options import ReaderOptions
 from wavesplat._cli.shared_options import Background, Family, Threshold
 from wavesplat._cli.transfer_function_options import ColorOptions, LookOptions
-from wavesplat._cli.uptake import check_uptake, in_uptake
+from wavesplat._cli.uptake import check_uptake
 from wavesplat._model.options import BY_VIEW, Composite
 from wavesplat.errors import ArgumentError
 
@@ -172,18 +172,14 @@ def chosen_scene(
     if showing.keep_table and processing.remove_table:
         raise ArgumentError("--keep-table draws the table, and --remove-table takes it out; give one of them")
     composite = showing.operator
-    opened = in_uptake(
-        lambda suv: opened_layers(
-            input,
-            replace(reader, suv=suv),
-            layering,
-            processing,
-            composite=composite,
-            quiet=quiet,
-            all_times=all_times,
-        ),
-        modality_of,
-        suv=reader.suv,
+    opened = opened_in_uptake(
+        input,
+        reader,
+        layering,
+        processing,
+        composite=composite,
+        quiet=quiet,
+        all_times=all_times,
         is_alone=not layering.layer,
     )
     if isinstance(opened, Channels):

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from math import inf
 from typing import Any, NamedTuple
 
 from wavesplat._cli.layer_options import LayerOptions
-from wavesplat._cli.opened_layers import Channels, changed_channels, modality_of, opened_layers, refuse_for_channels
+from wavesplat._cli.opened_layers import Channels, changed_channels, opened_in_uptake, refuse_for_channels
 from wavesplat._cli.processing_options import ProcessingOptions
 from wavesplat._cli.reader_options import ReaderOptions
 from wavesplat._cli.transfer_function_options import (
@@ -16,7 +15,6 @@ from wavesplat._cli.transfer_function_options import (
     function_of_histogram,
     named_look,
 )
-from wavesplat._cli.uptake import in_uptake
 
 __all__ = ["FirstLayers", "first_layers"]
 
@@ -52,18 +50,14 @@ def first_layers(
 
     layering = LayerOptions(channel=channel)
     with taking_planes(n_pixels):
-        opened: Any = in_uptake(
-            lambda suv: opened_layers(
-                input,
-                replace(reader, suv=suv),
-                layering,
-                processing,
-                composite=None,
-                quiet=quiet,
-                all_times=all_times,
-            ),
-            modality_of,
-            suv=reader.suv,
+        opened: Any = opened_in_uptake(
+            input,
+            reader,
+            layering,
+            processing,
+            composite=None,
+            quiet=quiet,
+            all_times=all_times,
             is_alone=is_alone,
         )
     # A window or a range alone maps to greys.

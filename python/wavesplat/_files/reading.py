@@ -4,18 +4,20 @@ from __future__ import annotations
 
 import gzip
 import lzma
+import mmap
 import re
 import struct
 import zipfile
 import zlib
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 from wavesplat._files.libraries import how_to_install
 from wavesplat._files.memory import free_bytes
 from wavesplat.errors import FileError, LimitError, WavesplatError
 
-__all__ = ["reading"]
+__all__ = ["mapped", "reading"]
 
 #: Beginning of the line that ITK adds to every failure: the system's last error, of some earlier call, or "Success".
 OLD_REASON = "Reason: "
@@ -52,6 +54,13 @@ EXTRAS = {"aiohttp": "http"}
 GIB = 1 << 30
 #: Maximum number of letters of a library's message that are searched: some messages repeat the whole file.
 MOST_LETTERS = 20_000
+
+
+@contextmanager
+def mapped(path: Path) -> Iterator[mmap.mmap]:
+    """The bytes of a file, mapped into memory until the block ends."""
+    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+        yield content
 
 
 @contextmanager

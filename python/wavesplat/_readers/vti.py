@@ -22,7 +22,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files import size_checks
-from wavesplat._files.reading import reading
+from wavesplat._files.reading import mapped, reading
 from wavesplat._model.facts import Facts
 from wavesplat._readers.components import component_of, facts_of_colors, quantity_of_array
 from wavesplat._readers.file_contents import MOST_BYTES, Contents, FileArray, joined_ranges, ranges_of
@@ -48,11 +48,7 @@ CODECS: dict[str, tuple[Callable[[bytes, int], bytes], int]] = {
 def read(request: Request) -> Grid:
     """The volume in a .vti file: the array that it names as its scalars, or the one that `dataset` names."""
     path = request.file
-    with (
-        reading("a VTK image", path),
-        path.open("rb") as file,
-        mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content,
-    ):
+    with reading("a VTK image", path), mapped(path) as content:
         return _read(request, _Stored.of(content, path))
 
 
@@ -152,11 +148,7 @@ def _parts(
 
 def contents(request: Request) -> Contents:
     """All arrays of the file."""
-    with (
-        reading("a VTK image", request.path),
-        request.file.open("rb") as file,
-        mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content,
-    ):
+    with reading("a VTK image", request.path), mapped(request.file) as content:
         stored = _Stored.of(content, request.file)
         image = stored.header.find("ImageData")
         if image is None:

@@ -19,7 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files import size_checks
-from wavesplat._files.reading import reading
+from wavesplat._files.reading import mapped, reading
 from wavesplat._model.facts import Facts
 from wavesplat._readers.components import component_of, facts_of_colors, number_of_component, quantity_of_array
 from wavesplat._readers.file_contents import MOST_BYTES, Contents, FileArray, ranges_of
@@ -101,11 +101,7 @@ class _Image:
 def read(request: Request) -> Grid:
     """The volume in a legacy VTK file: its scalars, or the array that `dataset` names."""
     path = request.file
-    with (
-        reading("a VTK image", path),
-        path.open("rb") as file,
-        mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content,
-    ):
+    with reading("a VTK image", path), mapped(path) as content:
         image = _Parser(content, path).image()
         array, matrix, guessed = _picked(image, request)
         shape = (*image.size_of(array)[::-1], array.n_components)
@@ -120,11 +116,7 @@ def read(request: Request) -> Grid:
 def contents(request: Request) -> Contents:
     """All arrays of the file."""
     path = request.file
-    with (
-        reading("a VTK image", path),
-        path.open("rb") as file,
-        mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content,
-    ):
+    with reading("a VTK image", path), mapped(path) as content:
         image = _Parser(content, path).image()
         corners = world_from_index(np.eye(3), image.spacing, image.origin, image.first, of_cells=False)
         looks = len(content) <= MOST_BYTES
@@ -160,7 +152,7 @@ class ChosenArray:
 def chosen_array(request: Request) -> ChosenArray:
     """The array that is asked for, for samples that are read in parts."""
     path = request.file
-    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+    with mapped(path) as content:
         image = _Parser(content, path).image()
     array, matrix, guessed = _picked(image, request)
     channel = number_of_component(array.n_components, array.dtype, request, array.name)
@@ -169,7 +161,7 @@ def chosen_array(request: Request) -> ChosenArray:
 
 def check_whole(path: Path) -> None:
     """Raise an error unless all numbers that a grid of any kind promises are in its file: VTK does not look."""
-    with path.open("rb") as file, mmap.mmap(file.fileno(), 0, access=mmap.ACCESS_READ) as content:
+    with mapped(path) as content:
         _Parser(content, path).pass_over()
 
 

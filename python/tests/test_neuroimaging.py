@@ -5,6 +5,7 @@ import shutil
 import warnings
 from pathlib import Path
 
+import h5py
 import nibabel
 import numpy as np
 import pytest
@@ -112,6 +113,52 @@ def test_vectors_of_minc_have_a_route(tmp_path):
         image[:], image.signtype = 0, "signed__"
     with pytest.raises(FileError, match=r"holds vectors \(vector_dimension\).*isel\(vector_dimension=0\)"):
         ws.open(tmp_path / "a.mnc")
+
+
+def _vectors_of_minc_2(path, stored, largest, order="vector_dimension,zspace,yspace,xspace"):
+    """A file of vectors whose real numbers are 0 to `largest` for bytes of 0 to 255."""
+    with h5py.File(path, "w") as file:
+        root = file.create_group("minc-2.0")
+        for axis in order.split(","):
+            made = root.create_dataset(f"dimensions/{axis}", data=0)
+            made.attrs.update({"start": 5.0, "step": 2.0} if axis.endswith("space") else {})
+        image = root.create_dataset("image/0/image", data=stored)
+        image.attrs.update({"dimorder": np.bytes_(order), "valid_range": [0.0, 255.0]})
+        for end, value in (("image-min", 0.0), ("image-max", largest)):
+            root.create_dataset(f"image/0/{end}", data=value)
+
+
+def test_vectors_of_minc_2_are_no_times(tmp_path):
+    stored = np.random.default_rng(1).integers(0, 256, (3, 4, 5, 6), np.uint8)
+    _vectors_of_minc_2(tmp_path / "a.mnc", stored, 51.0)
+    drawn, along_y = ws.open(tmp_path / "a.mnc"), ws.open(tmp_path / "a.mnc", component="y")
+    vectors = stored / 5.0  # axes z, y, x of the file are those of the volume's index
+    np.testing.assert_allclose(drawn.samples.T, np.sqrt((vectors**2).sum(0)), rtol=1e-5)
+    np.testing.assert_allclose(along_y.samples.T, vectors[1], rtol=1e-6)
+    assert (drawn.facts.n_times, drawn.facts.channels, drawn.orientation) == (1, (), "SAR")
+
+
+def test_colours_of_minc_2_are_channels_whatever_the_order_of_axes(tmp_path):
+    stored = np.random.default_rng(1).integers(0, 256, (4, 5, 6, 3), np.uint8)
+    _vectors_of_minc_2(tmp_path / "a.mnc", stored, 255.0, "zspace,yspace,xspace,vector_dimension")
+    green = ws.open(tmp_path / "a.mnc", channel=1)
+    np.testing.assert_array_equal(green.samples.T, stored[..., 1])
+    assert (green.dtype, green.facts.channel.name) == (np.uint8, "green")
+    with pytest.raises(FileError, match=r"3 channels; choose one"):
+        ws.open(tmp_path / "a.mnc")
+
+
+def test_afni_without_a_matrix_lies_where_its_directions_say(tmp_path):
+    text = (DATA / "example4d+orig.HEAD").read_text()
+    parts = text.split("\n\n")
+    kept = [part for part in parts if "IJK_TO_DICOM" not in part]
+    assert len(kept) < len(parts)
+    (tmp_path / "example4d+orig.HEAD").write_text("\n\n".join(kept))
+    shutil.copy(DATA / "example4d+orig.BRIK.gz", tmp_path)
+    affine, samples = _by_nibabel(DATA / "example4d+orig.HEAD")
+    volume = ws.open(tmp_path / "example4d+orig.HEAD", time=1)
+    np.testing.assert_allclose(volume.world_from_index, affine, atol=1e-4)
+    np.testing.assert_array_equal(volume.samples.T, samples[..., 1])
 
 
 def test_minc_in_memory_has_its_times_first():

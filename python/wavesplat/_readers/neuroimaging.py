@@ -1,13 +1,14 @@
 """MINC, AFNI, Philips PAR/REC and ECAT, by nibabel, which knows their scaling, slice by slice, and their places.
 
 Samples, axes and affine are those of `nibabel.load`. nibabel has no time axis of its own for these formats: MINC's is
-the first one, that of the others the fourth.
+the first one, that of the others the fourth. It reads vectors of MINC 2, but takes their axis for any other.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -18,9 +19,10 @@ from wavesplat._files import size_checks
 from wavesplat._files.bounded_file import BoundedFile
 from wavesplat._files.named_files import check_within
 from wavesplat._files.reading import reading
-from wavesplat._model.facts import Facts
+from wavesplat._model.facts import LENGTH, Facts
 from wavesplat._model.hdf5_files import check_links
 from wavesplat._model.nibabel_image import LARGEST_FLOAT32, time_axis
+from wavesplat._readers.components import check_vectors, component_of, facts_of_colors, is_length
 from wavesplat._readers.request import Grid, Request, choose, quiet, unwarned
 from wavesplat.errors import FileError
 
@@ -57,6 +59,10 @@ def read(request: Request) -> Grid:
     with reading(name, request.path), quiet("nibabel.global"), unwarned("nibabel"), _opened(path, name) as image:
         _check_kind(image, path)
         _check_size(image, path, request)
+        if VECTORS in (names := _names_of_axes(image)):
+            return _of_vectors(image, names.index(VECTORS), request)
+        check_vectors(request, request.name)
+        choose("channel", 1, request.channel, request.path)
         shape, axis = image.shape, time_axis(image)
         n_times = 1 if axis is None else int(shape[axis])
         time = choose("time", n_times, request.time, request.path)
@@ -65,6 +71,32 @@ def read(request: Request) -> Grid:
             at[axis] = time
         samples = _compact(np.asarray(image.dataobj[tuple(at)]), image)
         return Grid(samples.T, np.array(image.affine, np.float64), _facts(image, n_times, axis))
+
+
+def _names_of_axes(image: Any) -> list[str]:
+    """The names of the axes of MINC; none of other formats."""
+    minc = getattr(image.dataobj, "minc_file", None)
+    return [] if minc is None else list(minc._dim_names)
+
+
+def _of_vectors(image: Any, axis: int, request: Request) -> Grid:
+    """The length of vectors of MINC 2, one of their components, or one of three colours."""
+    numbers = np.moveaxis(_compact(np.asarray(image.dataobj), image), axis, -1)
+    if numbers.ndim != 4:
+        raise FileError(f"the file holds vectors of shape {numbers.shape}; export those of one volume: {request.path}")
+    if _stored_type(image) == np.uint8 and _are_bytes(numbers):
+        numbers = np.rint(numbers).astype(np.uint8)  # colours; other vectors are bytes with a scale
+    n = numbers.shape[-1]
+    samples, told = component_of(numbers, request, request.name)
+    facts = Facts(unit="mm", is_anatomical=True, guesses=told, **facts_of_colors(n, numbers.dtype, request))
+    if is_length(n, numbers.dtype, request):
+        facts = replace(facts, processing=(LENGTH,))
+    return Grid(samples.T, np.array(image.affine, np.float64), facts)
+
+
+def _are_bytes(numbers: NDArray[Any]) -> bool:
+    """Whether scaled numbers are those that bytes hold without a scale."""
+    return bool(np.all((numbers > -0.01) & (numbers < 255.01) & (np.abs(numbers - np.rint(numbers)) < 0.01)))
 
 
 def _is_hdf5(path: Path) -> bool:
@@ -83,7 +115,7 @@ def _opened(path: Path, name: str) -> Iterator[Any]:
         "MINC 1": nibabel.minc1.Minc1Image,
     }
     if name not in kinds:
-        yield nibabel.load(path)
+        yield _of_afni(path) if name == "AFNI" else nibabel.load(path)
         return
     files = kinds[name].filespec_to_file_map(path)
     with ExitStack() as opened:
@@ -101,6 +133,23 @@ def _opened(path: Path, name: str) -> Iterator[Any]:
                 f"vector_dimension=0)): {path}"
             ) from error
         yield image
+
+
+def _of_afni(path: Path) -> Any:
+    """An image of AFNI, also of its first versions, which wrote no matrix, but directions, steps and an origin."""
+    from nibabel import brikhead
+
+    files = brikhead.AFNIImage.filespec_to_file_map(path)
+    info = brikhead.parse_AFNI_header(files["header"].filename)
+    if "IJK_TO_DICOM_REAL" not in info:
+        matrix = np.zeros((3, 4))
+        for axis, (code, step) in enumerate(zip(info["ORIENT_SPECIFIC"], info["DELTA"], strict=True)):
+            matrix[int(code) // 2, axis] = step  # x, y and z have two codes each; steps have signs
+            matrix[int(code) // 2, 3] = info["ORIGIN"][axis]
+        info["IJK_TO_DICOM_REAL"] = matrix.ravel().tolist()
+    header = brikhead.AFNIHeader(info)
+    samples = brikhead.AFNIImage.ImageArrayProxy(files["image"].filename, header)
+    return brikhead.AFNIImage(samples, header.get_affine(), header, file_map=files)
 
 
 def _check_kind(image: Any, path: Path) -> None:

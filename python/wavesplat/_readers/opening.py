@@ -35,6 +35,7 @@ from wavesplat._model.volume_like import VolumeLike, as_volume
 from wavesplat._public import public
 from wavesplat._readers import bioio_files, lazy_files, netcdf, single_planes, vasp, vtk_grids
 from wavesplat._readers.bdv_n5 import holds_setups
+from wavesplat._readers.dicom_places import begins_as_dicom
 from wavesplat._readers.file_contents import Contents, contents_of
 from wavesplat._readers.hdf5 import kind_of as hdf5_kind
 from wavesplat._readers.options import OpenOptions
@@ -104,7 +105,6 @@ SUFFIXES = {
 }
 #: First bytes -> module, for files under other names: (offset, bytes). (nibabel insists on its suffixes.)
 MAGIC = {
-    (128, b"DICM"): "dicom",
     (0, b"NRRD"): "itk",
     (0, b"# vtk DataFile"): "vtk_legacy",
     (0, b"II*\0"): "tiff",
@@ -119,7 +119,7 @@ OF_PATIENTS = ("nifti", "neuroimaging", "dicom")
 #: Module -> options that it takes, besides `spacing` and `unit`, which all take.
 OPTIONS = {
     "nifti": {"time", "channel", "component"},
-    "neuroimaging": {"time", "external_files"},
+    "neuroimaging": {"time", "channel", "component", "external_files"},
     "itk": {"time", "channel", "external_files"},
     "vti": {"channel", "component", "dataset"},
     "vtk_legacy": {"channel", "component", "dataset"},
@@ -433,6 +433,8 @@ def _family_by_content(family: str | None, path: Path) -> str | None:
 
 
 def _family_by_magic(start: bytes) -> str | None:
+    if begins_as_dicom(start):  # before the others: its first 128 bytes may be those of a TIFF
+        return "dicom"
     for (offset, magic), family in MAGIC.items():
         if start[offset:].startswith(magic):
             return family

@@ -76,8 +76,8 @@ class OpenOptions(FileOptions, total=False):
         DICOM: a PET's values as standardised uptake values (SUV) by body weight, corrected for decay as the header
         says, by the pseudo-code of QIBA. An error names what the header lacks for it.
     component : "x", "y", "z" or "magnitude", optional
-        Of arrays of vectors (HDF5, VTK, NIfTI, Zarr, NumPy): which component, or their length. None is the length,
-        with a note; of directions of fibres in NIfTI, three channels.
+        Of arrays of vectors (HDF5, VTK, NIfTI, MINC 2, Zarr, NumPy): which component, or their length. None is the
+        length, with a note; of directions of fibres in NIfTI, three channels.
     resample : int, optional
         netCDF, VTK, openPMD's modes: sample a grid that is not evenly spaced on one that is, with so many samples along
         its longest side; netCDF, whose axes have units of their own, along each axis that is not even. Without it such

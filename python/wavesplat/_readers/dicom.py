@@ -48,6 +48,7 @@ from wavesplat._readers.dicom_volumes import PLACE_MM, FrameVolume, times_of, vo
 from wavesplat._readers.request import (
     PLANES_ARE_TAKEN,
     Grid,
+    PictureError,
     Request,
     SeveralError,
     choose,
@@ -218,9 +219,9 @@ def _colors_of(header: Header) -> tuple[Channel, ...]:
 
 
 def _check_is_wanted(frames: Sequence[Frame], unreadable: Unreadable, request: Request) -> None:
-    """Raise a `FileError` for a single frame that is what damaged files left of a volume."""
+    """Raise a `PictureError` for a single frame that is what damaged files left of a volume."""
     if len(frames) == 1 and unreadable and not PLANES_ARE_TAKEN.get():
-        raise FileError(
+        raise PictureError(
             "the series has a single slice, which is 2-D; add the other slices of the series "
             f"({named(unreadable)}): {request.path}"
         )

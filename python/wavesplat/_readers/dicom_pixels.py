@@ -38,6 +38,9 @@ __all__ = ["check_syntax", "frame_by_frame", "frames_in", "is_padding_beyond_bit
 RLE = "1.2.840.10008.1.2.5"
 #: Transfer syntaxes that GDCM unpacks: JPEG (baseline, extended, lossless), JPEG-LS and JPEG 2000.
 JPEG = {f"1.2.840.10008.1.2.4.{number}" for number in (50, 51, 57, 70, 80, 81, 90, 91)}
+#: Those that may lose something: numbers can come out larger than they went in. And JPEG-LS.
+LOSSY = {f"1.2.840.10008.1.2.4.{number}" for number in (50, 51, 81, 91)}
+JPEG_LS = {f"1.2.840.10008.1.2.4.{number}" for number in (80, 81)}
 #: Transfer syntaxes of video: MPEG-2, MPEG-4 and HEVC.
 VIDEO = {f"1.2.840.10008.1.2.4.{number}" for number in range(100, 109)}
 SECONDARY_CAPTURE = "1.2.840.10008.5.1.4.1.1.7"
@@ -59,7 +62,7 @@ def frames_in(header: Header) -> NDArray[Any]:
 def _stored(header: Header, shape: tuple[int, int, int]) -> NDArray[Any]:
     if header.transfer_syntax == RLE:
         unpacked = _unpacked_rle(header).reshape((*shape, header.n_samples) if header.n_samples > 1 else shape)
-        return unpacked if header.n_samples > 1 else _meant(unpacked, header)
+        return _as_rgb(unpacked, header) if header.n_samples > 1 else _meant(unpacked, header)
     if header.n_samples > 1:
         is_native = header.transfer_syntax in NATIVE
         return _by_neutral_copy(header, shape, None if is_native else _fragments(header))
@@ -68,7 +71,18 @@ def _stored(header: Header, shape: tuple[int, int, int]) -> NDArray[Any]:
     fragments = _fragments(header)
     stored = _by_neutral_copy(header, shape, fragments)
     _check_bits(max(stored.dtype.itemsize * 8, _jpeg_precision(fragments)), header)
+    if header.transfer_syntax in LOSSY and not header.is_signed:
+        return stored.view(f"u{stored.dtype.itemsize}")  # numbers just beyond the stored bits are pixels, too
     return _meant(stored, header)
+
+
+def _as_rgb(stored: NDArray[Any], header: Header) -> NDArray[Any]:
+    """Red, green and blue of unpacked colours, which may be stored as brightness and two differences (YBR)."""
+    from pydicom.pixels import convert_color_space
+
+    if header.photometric not in ("YBR_FULL", "YBR_FULL_422") or stored.dtype != np.uint8:
+        return stored
+    return np.stack([convert_color_space(frame, header.photometric, "RGB") for frame in stored])
 
 
 def _looked_up(stored: NDArray[Any], header: Header) -> NDArray[Any]:
@@ -257,7 +271,15 @@ def _fragments(header: Header) -> bytes:
         end += 8 + int.from_bytes(content[end + 4 : end + 8], "little")
     if content[end : end + 4] != END_OF_ITEMS:
         raise FileError(f"truncated: the compressed pixels have no end; copy or export it again: {header.file}")
-    return content[:end]
+    return _one_a_frame(content[:end], header) if header.transfer_syntax in JPEG_LS else content[:end]
+
+
+def _one_a_frame(fragments: bytes, header: Header) -> bytes:
+    """The same items with one for each frame: GDCM does not join those of JPEG-LS."""
+    from pydicom.encaps import encapsulate, generate_frames
+
+    frames = list(generate_frames(fragments + END_OF_ITEMS + bytes(4), number_of_frames=header.n_frames))
+    return encapsulate(frames, has_bot=False)
 
 
 def _by_neutral_copy(header: Header, shape: tuple[int, int, int], fragments: bytes | None) -> NDArray[Any]:

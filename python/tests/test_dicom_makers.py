@@ -6,11 +6,12 @@
 from __future__ import annotations
 
 import json
+import warnings
 from pathlib import Path
 
 import numpy as np
 import pytest
-from dicom_files import random, save, sequence, slice_at
+from dicom_files import base, random, save, sequence, slice_at
 from pydicom import dcmread
 from pydicom.data import get_testdata_file
 from pydicom.uid import ImplicitVRLittleEndian
@@ -198,3 +199,18 @@ def test_a_segmentation_of_dcmqi():
     volume = ws.open(file)
     np.testing.assert_array_equal(volume.samples, [0 * said.pixel_array, said.pixel_array, 0 * said.pixel_array])
     assert ws.Labels.open(file).labels[1].name == said.SegmentSequence[0].SegmentLabel == "Liver"
+
+
+def test_raw_data_of_the_scanner_beside_a_series_are_no_slice(tmp_path):
+    """Philips writes a file of the class Raw Data, with rows, columns and the UID of the series, without pixels."""
+    pixels = np.random.default_rng(1).integers(0, 3000, (3, 6, 7), np.uint16)
+    slices = [slice_at(pixels[number], number) for number in range(3)]
+    raw = base(pixels[0], 3, sop_class="1.2.840.10008.5.1.4.1.1.66", modality="CT")
+    del raw.PixelData
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        volume = ws.open(save(tmp_path / "some", [*slices, raw]))
+    np.testing.assert_array_equal(volume.samples, pixels)
+    np.testing.assert_allclose(volume.world_from_index[:3, 3], (-10, -20, 30))
+    with pytest.raises(FileError, match=r"holds something else \(Raw Data\), no image"):
+        ws.open(tmp_path / "some" / "003.dcm")

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-__all__ = ["IMAGES", "Content", "content_by"]
+__all__ = ["IMAGES", "WITHOUT_PIXELS", "Content", "content_by"]
 
 
 class Content(NamedTuple):
@@ -20,6 +20,8 @@ class Content(NamedTuple):
 IMAGES = "name the images that it belongs to, or a folder of them"
 WAVEFORMS = "waveforms are no volume; open them with pydicom (Dataset.waveform_array)"
 DICOMDIR = "1.2.840.10008.1.3.10"
+#: SOP classes that have rows and columns, and no pixels: raw data, which scanners add to a series, and spectra.
+WITHOUT_PIXELS = ("1.2.840.10008.5.1.4.1.1.66", "1.2.840.10008.5.1.4.1.1.4.2")
 
 #: Contents by modality.
 NO_IMAGES = {

@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 from wavesplat._files import size_checks
 from wavesplat._files.bounded_file import BoundedFile
 from wavesplat._readers.dicom_attributes import SEQUENCES, Value, attributes_of_frames
-from wavesplat._readers.dicom_contents import IMAGES, Content, content_by
+from wavesplat._readers.dicom_contents import IMAGES, WITHOUT_PIXELS, Content, content_by
 from wavesplat._readers.dicom_deflated import header_dataset
 from wavesplat._readers.dicom_mosaic import Picture, Tiles, split_of
 from wavesplat._readers.dicom_pictures import NO_PICTURES, FactsOfPictures, facts_of_pictures, sizes_of_pixels
@@ -160,7 +160,7 @@ def header_of(file: Path) -> Header | None:
         dataset, content = header_dataset(file, stream)
         modality = text(dataset, 0x00080060).upper()
         rows, columns = integer(dataset, 0x00280010), integer(dataset, 0x00280011)
-        if rows * columns == 0:
+        if rows * columns == 0 or text(dataset, 0x00080016) in WITHOUT_PIXELS:
             if _content(dataset) is not None:
                 return None
             raise ValueError("the header has no rows and columns")

@@ -277,6 +277,32 @@ def test_several_arrays_and_vectors(tmp_path):
         ws.open(path, resample=10, dataset="v", component="y")
 
 
+def test_arrays_that_number_points_and_cells_come_last(tmp_path):
+    grid = rectilinear(UNEVEN)
+    for name in ("vtkOriginalPointIds", "GlobalNodeId"):
+        put(grid, name, np.arange(grid.GetNumberOfPoints(), dtype=float))
+    grid.GetPointData().SetActiveScalars("GlobalNodeId")
+    assert "shown: GlobalNodeId, the active one of 2" in ws.open(write(tmp_path / "a.vtr", grid), resample=8).guesses[0]
+    z, y, x = places(UNEVEN)
+    path = write(tmp_path / "b.vtr", put(grid, "v", values_at(x, y, z)))
+    assert ws.open(path, resample=8).guesses[0].startswith("shown: v, one of 3 arrays")
+
+
+def test_cells_in_bytes_need_no_end_of_a_line(tmp_path):
+    """The first cells of a file in bytes have no byte of value 10, so no line ends there."""
+    corners = np.array([[0, 0, 0], [4, 0, 0], [0, 4, 0], [0, 0, 4]])
+    points = np.concatenate([np.zeros((11, 3)), *[corners] * 20]).astype(">f4")
+    numbers = 11 + np.arange(80).reshape(20, 4)
+    content = f"# vtk DataFile Version 3.0\n\nBINARY\nDATASET UNSTRUCTURED_GRID\nPOINTS {len(points)} float\n".encode()
+    content += points.tobytes() + b"\nCELLS 20 100\n" + np.insert(numbers, 0, 4, axis=1).astype(">i4").tobytes()
+    content += b"\nCELL_TYPES 20\n" + np.full(20, 10, ">i4").tobytes() + b"\nPOINT_DATA 91\nSCALARS v float\n"
+    (tmp_path / "a.vtk").write_bytes(content + b"LOOKUP_TABLE default\n" + points.sum(axis=1).astype(">f4").tobytes())
+    volume = ws.open(tmp_path / "a.vtk", resample=9)
+    inside = np.isfinite(volume.samples)
+    assert inside.any()
+    np.testing.assert_allclose(volume.samples[inside], sum(world_places(volume))[inside], atol=1e-5)
+
+
 @pytest.mark.parametrize("suffix", [".vtr", ".vtu", ".vtm"])
 def test_lengths_are_those_of_interpolated_vectors(tmp_path, suffix):
     """Vectors turn round within a cell, where the interpolated length would be far too large."""

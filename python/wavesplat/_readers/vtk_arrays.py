@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Sequence
 from itertools import product
 
@@ -17,6 +18,12 @@ __all__ = ["chosen", "described_grid", "image_facts", "other_grid", "world_from_
 
 #: Names that a guess lists, at most.
 MOST_IN_GUESS = 8
+#: Names of arrays that number points and cells, or say where they came from: VTK puts them beside the fields.
+NUMBERS_ONLY = re.compile(
+    r"(vtk(Original|Ghost|Valid|Composite|Block|Domain)\w*|((Global|Pedigree)_?)?(Point|Cell|Node|Element)_?Ids?)"
+    r"( of cells)?",
+    re.IGNORECASE,
+)
 #: VTK's names of data that are no image -> their description.
 GRIDS = {
     "RECTILINEARGRID": "a rectilinear grid, whose samples may be unevenly spaced",
@@ -37,6 +44,8 @@ def chosen(
 ) -> tuple[int, tuple[str, ...]]:
     """The number of the array that is asked for, else of the active scalars, else of the first; and what was guessed.
 
+    Arrays that number points or cells come last.
+
     n_components : of each array. One of scalars or vectors is drawn without a further choice, so it comes first.
     """
     if not names:
@@ -48,9 +57,10 @@ def chosen(
         if request.dataset not in names:
             raise no_such_name("array", request.dataset, names, request)
         return list(names).index(request.dataset), ()
-    active = [name for name in scalars if name in names]
-    drawn = [name for name, n in zip(names, n_components, strict=True) if n in (1, N_COMPONENTS)]
-    number = list(names).index((active or drawn or list(names))[0])
+    fields = [name for name in names if not NUMBERS_ONLY.fullmatch(name)] or list(names)
+    active = [name for name in scalars if name in fields]
+    drawn = [name for name, n in zip(names, n_components, strict=True) if n in (1, N_COMPONENTS) and name in fields]
+    number = list(names).index((active or drawn or fields)[0])
     if len(names) == 1:
         return number, ()
     which = "the active one" if active and number else "one" if number else "the first"

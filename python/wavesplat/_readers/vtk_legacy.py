@@ -62,6 +62,8 @@ WORD = re.compile(rb"\S+")
 IS_SPACE = np.isin(np.arange(256), list(b" \t\n\r\v\f"))
 #: Words that begin cells: of a grid, and of the four kinds of a PolyData.
 CELLS = ("CELLS", "VERTICES", "LINES", "POLYGONS", "TRIANGLE_STRIPS")
+#: Bytes behind the line CELLS in which the word OFFSETS is looked for.
+BEHIND_CELLS = 64
 
 
 @dataclass(frozen=True)
@@ -270,7 +272,8 @@ class _Parser:
 
     def _pass_over_cells(self, n: int, n_numbers: int) -> None:
         """Pass over cells: their points, counted before each, or since version 5.1 two arrays."""
-        has_offsets = self._words(peek=True)[:1] == ["OFFSETS"]
+        # Not a line: the numbers of cells in bytes need not hold the end of one.
+        has_offsets = self._content[self._at : self._at + BEHIND_CELLS].upper().split()[:1] == [b"OFFSETS"]
         if has_offsets != ((self._version or 0) >= FIRST_WITH_OFFSETS):
             raise ValueError("cells of another version than the file's")
         if not has_offsets:

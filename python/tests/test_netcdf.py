@@ -1,6 +1,7 @@
 """netCDF-3 and netCDF-4 are read as what they are: unpacked, without missing values, placed by coordinates (F2)."""
 
 import json
+import warnings
 
 import h5py
 import numpy as np
@@ -295,6 +296,27 @@ def test_times_are_told_as_dates(tmp_path, packed):
     saved = save_netcdf3(tmp_path / "a.nc", {"t": (tuple(ALL), packed)}, {**ALL, "time": hours}, of_model)
     with pytest.raises(FileError, match=r"0 347921 days since 2001-01-01, 1 347921\.1 days"):
         ws.open(saved)
+
+
+def test_dates_before_the_reform_of_the_calendar_are_told_quietly(tmp_path, packed):
+    of_old = {**ATTRIBUTES, "time": {"units": "days since 0049-09-01 00:00:00"}}
+    saved = save_netcdf3(tmp_path / "a.nc", {"t": (tuple(ALL), packed)}, {**ALL, "time": np.arange(3.0)}, of_old)
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        with pytest.raises(FileError, match=r"0 0 days since 0049-09-01 00:00:00, 1 1 days"):
+            ws.open(saved)
+    assert [str(one.message) for one in told] == []
+
+
+@pytest.mark.parametrize("order", [("sigma", "xcoord", "ycoord"), ("x_coord", "sigma", "ycoord")])
+def test_coordinates_of_a_grid_are_axes_x_and_y(tmp_path, order):
+    sizes = {"xcoord": 4, "x_coord": 4, "ycoord": 5, "sigma": 3}
+    values = np.random.default_rng(3).normal(size=[sizes[name] for name in order]).astype(np.float32)
+    saved = save_netcdf3(tmp_path / "a.nc", {"u": (order, values)}, {name: np.arange(sizes[name]) for name in order})
+    role = [order.index(name) for name in order if name == "sigma"]
+    role += [order.index(name) for name in order if name.startswith("y")]
+    role += [order.index(name) for name in order if name.startswith("x")]
+    np.testing.assert_array_equal(ws.open(saved).samples, values.transpose(role))
 
 
 def test_a_unit_of_time_is_none_of_lengths(tmp_path, packed):

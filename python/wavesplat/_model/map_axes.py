@@ -43,10 +43,10 @@ MAP_NAMES = {
         r"|model_level\w*|(atmosphere|ocean)_\w+|generalvertical\w*|nav_lev|z(_[twl]|lev|t|u|w)|st_ocean|sw_ocean"
     ),
     "y": re.compile(
-        r"(grid_)?lat(itude)?s?[_\d]*|[rny]lat\d*|south_north(_stag)?|eta_(rho|u|v|psi)|projection_y_coordinate|northings?"
+        r"(grid_)?lat(itude)?s?[_\d]*|[rny]lat\d*|south_north(_stag)?|eta_(rho|u|v|psi)|projection_y_coordinate|northings?|y_?coord"
     ),
     "x": re.compile(
-        r"(grid_)?lon(gitude)?s?[_\d]*|[rnx]lon\d*|west_east(_stag)?|xi_(rho|u|v|psi)|projection_x_coordinate|eastings?"
+        r"(grid_)?lon(gitude)?s?[_\d]*|[rnx]lon\d*|west_east(_stag)?|xi_(rho|u|v|psi)|projection_x_coordinate|eastings?|x_?coord"
     ),
 }
 #: Coordinates' attribute `units` -> axis.

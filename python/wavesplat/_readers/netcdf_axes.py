@@ -5,6 +5,7 @@ Conventions for metadata (CF): https://cfconventions.org, "Coordinate Types".
 
 from __future__ import annotations
 
+import warnings
 from typing import Any, Literal
 
 import numpy as np
@@ -94,7 +95,9 @@ def _dates(array: Any, axis: Any) -> list[str]:
         return []  # Zarr needs it for nothing else
     bare = xarray.Dataset({"time": (axis, np.asarray(array.coords[axis]), array.coords[axis].attrs)})
     try:
-        dates = np.asarray(xarray.decode_cf(bare)["time"])
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", xarray.SerializationWarning)  # of dates before 1582, and of rounded ones
+            dates = np.asarray(xarray.decode_cf(bare)["time"])
     except (ValueError, OverflowError, ImportError):
         return []
     if dates.dtype.kind != "M":

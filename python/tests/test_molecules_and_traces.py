@@ -98,6 +98,15 @@ def test_charges_are_divided_by_the_volume_of_the_cell(tmp_path, values):
                                values.T / 960)  # fmt: skip
 
 
+@pytest.mark.parametrize("name", ["run1.CHGCAR", "Si_CHGCAR", "CHGCAR.test", "b.LOCPOT"])
+def test_names_of_vasp_begin_or_end_with_the_kind(tmp_path, values, name):
+    volume = ws.open(save_vasp(tmp_path / name, [values]))
+    assert volume.value_unit == ("eV" if "LOCPOT" in name else "e/angstrom^3")
+    (tmp_path / "my_CHGCAR_notes").write_text("none")
+    with pytest.raises(FileError, match="unknown kind of file"):
+        ws.open(tmp_path / "my_CHGCAR_notes")
+
+
 def test_spins_and_potentials_of_vasp(tmp_path, values):
     path = save_vasp(tmp_path / "CHGCAR_spin", [values, 3 * values])
     with pytest.raises(FileError, match=r"2 grids \(total, magnetization\).*dataset="):

@@ -24,9 +24,10 @@ from wavesplat.errors import ArgumentError, FileError
 
 __all__ = ["is_named", "read"]
 
-NAME = re.compile(r"^(CHGCAR|CHG|PARCHG|AECCAR[0-2]?|LOCPOT|ELFCAR)(?![A-Za-z0-9])")
-#: The kind of file in a name that ends in .vasp.
-IN_NAME = re.compile(r"(?<![A-Za-z0-9])(CHGCAR|CHG|PARCHG|AECCAR[0-2]?|LOCPOT|ELFCAR)(?![A-Za-z0-9])")
+#: The kind of file in a name; alone it says so at the name's beginning or end.
+KIND = r"(CHGCAR|CHG|PARCHG|AECCAR[0-2]?|LOCPOT|ELFCAR)"
+IN_NAME = re.compile(rf"(?<![A-Za-z0-9]){KIND}(?![A-Za-z0-9])")
+NAME = re.compile(rf"{KIND}(?![A-Za-z0-9])|.*(?<![A-Za-z0-9]){KIND}(\.gz)?$")
 #: Kinds of files whose values are no charges times the volume: -> the unit of their values.
 PLAIN = {"LOCPOT": "eV", "ELFCAR": None}
 MOST_ATOMS = 1 << 24
@@ -41,14 +42,14 @@ OF_SPINS = {**GRIDS, 2: ("up", "down")}
 
 
 def is_named(path: Path) -> bool:
-    """Whether a file has the name of one of VASP's grids, such as CHGCAR or CHGCAR_sum."""
+    """Whether a file has the name of one of VASP's grids, such as CHGCAR, CHGCAR_sum or run1.CHGCAR."""
     return NAME.match(path.name) is not None
 
 
 def read(request: Request) -> Grid:
     """The samples of a grid, in angstroms."""
     path = request.file
-    found = NAME.match(path.name) or IN_NAME.search(path.name)
+    found = IN_NAME.search(path.name)
     kind = found[1] if found else "CHGCAR"
     with reading("a grid of VASP", path), opened_text(path) as file:
         cell = _cell(file)

@@ -133,6 +133,15 @@ def test_a_few_slices_are_not_dark_fault_17(name, n):
     assert "greys" not in ws.Look.auto(ws.Volume(samples[20:30], facts=facts)).reason
 
 
+def test_rounding_below_zero_beside_high_peaks_is_no_second_sign():
+    """The density of the cores of atoms: nothing but rounding between them, which falls to both sides of 0."""
+    values = np.random.default_rng(1).normal(0, 1e-4, (20, 20, 20))
+    values[::10, ::10, ::10] = 2000
+    assert "two signs" not in ws.Look.auto(ws.Volume(values)).reason
+    values[::10, ::10, 5::10] = -1000
+    assert "two signs" in ws.Look.auto(ws.Volume(values)).reason
+
+
 def test_a_field_with_two_signs_shows_both():
     rgba = first_picture(volume("signed field")).rgba
     red, blue = rgba[..., 0] - rgba[..., 2], rgba[..., 2] - rgba[..., 0]

@@ -96,6 +96,8 @@ UNITS_OF_LABELS = ("", "1")
 MIN_TAIL, TAILS = 0.15, (0.5, 99.5)
 #: The same of whole numbers, which are scans with an offset more often.
 MIN_WHOLE_TAIL = 0.5
+#: Least ratio of the extremes of both signs; below, the smaller one is rounding. (Density of the cores of atoms: 3e-7.)
+MIN_END = 1e-5
 #: Dense tissue: least median, as a share of the range. (EM of a worm: 0.65; fluorescence: 0.1 to 0.2.)
 MIN_BRIGHT = 0.45
 #: Fluorescence, where only values tell: largest share of samples of one value (a background without noise was not
@@ -395,7 +397,9 @@ def _has_two_signs(values: NDArray[np.float64], numbers: str, *, is_of_patient: 
         return False
     low, high = np.percentile(values, TAILS) if has_noise else (values.min(), values.max())
     least = MIN_TAIL if numbers == "f" else MIN_WHOLE_TAIL
-    return bool(low < 0 < high and min(-low, high) >= least * max(-low, high))
+    below, above = -values.min(), values.max()
+    is_rounding = min(below, above) < MIN_END * max(below, above)
+    return bool(low < 0 < high and min(-low, high) >= least * max(-low, high) and not is_rounding)
 
 
 def _is_dense(values: NDArray[np.float64]) -> bool:

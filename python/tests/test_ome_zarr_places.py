@@ -78,6 +78,16 @@ def test_a_negative_scale_mirrors_and_is_told(tmp_path):
     assert volume.facts.guesses == ("axes z mirrored: their scale in the file is negative",)
 
 
+def test_a_rotation_mirrors_nothing(tmp_path):
+    """Turned by 127 degrees about x: numbers on the diagonal are negative, and handedness stays."""
+    rows = [[-0.6, -0.8, 0, 1], [0.8, -0.6, 0, 2], [0, 0, 1, 3]]
+    volume = ws.open(image(tmp_path, [[{"type": "affine", "affine": rows}]]))
+    np.testing.assert_allclose(
+        volume.world_from_index, [[1, 0, 0, 3], [0, -0.6, 0.8, 2], [0, -0.8, -0.6, 1], [0, 0, 0, 1]], atol=1e-12
+    )
+    assert volume.facts.guesses == ()
+
+
 @pytest.mark.parametrize(
     "step",
     [

@@ -428,7 +428,7 @@ def _placed(group: Any, array: Any, multiscales: dict[str, Any], dataset: dict[s
     if shift is not None:
         matrix = matrix @ shift
         guesses.append(GUESS_OF_LEVELS)
-    mirrored = [name for name in spatial if matrix[axes.index(name), axes.index(name)] < 0]
+    mirrored = [axes[number] for number in _mirrored(matrix, [axes.index(name) for name in spatial])]
     if mirrored:
         guesses.append(f"axes {', '.join(sorted(mirrored))} mirrored: their scale in the file is negative")
     world_from_index = _spatial_part(matrix, [axes.index(name) for name in reversed(spatial)])
@@ -445,6 +445,13 @@ def _placed(group: Any, array: Any, multiscales: dict[str, Any], dataset: dict[s
     if isinstance(attributes.get("ome", attributes).get("image-label"), dict):
         facts = replace(facts, modality="SEG")
     return _Place(axes, spatial, picked, world_from_index, facts)
+
+
+def _mirrored(matrix: NDArray[np.float64], numbers: list[int]) -> list[int]:
+    """Those of the axes whose scale is negative; a rotation has negative numbers too, and mirrors nothing."""
+    part = matrix[np.ix_(numbers, numbers)]
+    is_turned = np.count_nonzero(part) > len(numbers) and np.linalg.det(part) > 0
+    return [] if is_turned else [number for number in numbers if matrix[number, number] < 0]
 
 
 def _shapes(group: Any, datasets: list[dict[str, Any]], request: Request) -> list[tuple[int, ...]]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 import sys
 from datetime import timedelta
 from types import ModuleType, SimpleNamespace
@@ -203,3 +204,23 @@ def test_pixels_of_colours_are_channels(monkeypatch, path):
     use(monkeypatch, Image(np.concatenate([samples, samples], axis=1), order="TCZYXS", names=["0", "1"]))
     with pytest.raises(FileError, match="channels are colours themselves"):
         ws.open(path, channel=0)
+
+
+class LoggingImage(Image):
+    """One whose reader logs what a file does not have."""
+
+    @property
+    def time_interval(self):
+        logging.getLogger("bioio_czi.aicspylibczi_reader.reader").error("Failed to extract Total Time Duration")
+
+    @time_interval.setter
+    def time_interval(self, _):
+        pass
+
+
+def test_what_readers_log_is_not_shown(monkeypatch, path, caplog):
+    use(monkeypatch, LoggingImage())
+    assert ws.open(path, channel=0, time=0).facts.time_step is None
+    assert caplog.records == []
+    logging.getLogger("bioio_czi.aicspylibczi_reader.reader").error("else it is")
+    assert len(caplog.records) == 1

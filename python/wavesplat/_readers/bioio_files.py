@@ -57,6 +57,8 @@ SUFFIXES = {
     **dict.fromkeys((".ics", ".ids", ".sld"), OTHER),
     ".sldy": Vendor("an image of SlideBook (SLDY)", "bioio-sldy"),
 }
+#: Packages of bioio, which log what they do not find in a file: for many CZI, pages of errors about their duration.
+PACKAGES = ("bioio", *(f"bioio_{name}" for name in ("bioformats", "czi", "dv", "lif", "nd2", "sldy")))
 #: Advice where a reader of bioio fails, and does not say that bytes are missing.
 OTHER_FORM = (
     "its reader in bioio does not take this form, such as a scan of x and z or of wavelengths; export it as OME-TIFF, "
@@ -133,7 +135,7 @@ def _opened(request: Request) -> Iterator[Any]:
         raise _not_installed(path, SUFFIXES[suffix])
     with (
         reading("a microscope's file", request.path, other_form=OTHER_FORM),
-        quiet("bioio.bio_image"),
+        quiet(*PACKAGES),
         warnings.catch_warnings(),
     ):
         warnings.simplefilter("ignore")

@@ -240,14 +240,16 @@ def _is_same(value: object, default: object) -> bool:
 
 
 @contextmanager
-def quiet(library: str) -> Iterator[None]:
-    """Keep a library from logging about what we report ourselves."""
-    logger = logging.getLogger(library)
-    before, logger.disabled = logger.disabled, True
+def quiet(*libraries: str) -> Iterator[None]:
+    """Keep libraries, with the modules in them, from logging about what we report ourselves."""
+    before = [(logger, logger.level) for logger in map(logging.getLogger, libraries)]
+    for logger, _ in before:
+        logger.setLevel(logging.CRITICAL + 1)
     try:
         yield
     finally:
-        logger.disabled = before
+        for logger, level in before:
+            logger.setLevel(level)
 
 
 @contextmanager

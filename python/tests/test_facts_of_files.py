@@ -474,8 +474,8 @@ def test_info_of_several_of_which_the_first_is_none(wavesplat, tmp_path):
     assert "the first cannot be shown: " in done.stdout
 
 
-def test_planes_at_several_times_are_told(tmp_path):
-    path = save_imagej(tmp_path / "a.tif", axes="TYX")
-    volume = ws.open(path)
+@pytest.mark.parametrize("metadata", [{}, {"spacing": 2.0, "finterval": 60.0}])
+def test_planes_at_several_times_are_told(tmp_path, metadata):
+    volume = ws.open(save_imagej(tmp_path / "a.tif", axes="TYX", **metadata))
     np.testing.assert_array_equal(volume.samples, SAMPLES)
     assert any("a time series of 5 planes: time points are drawn as slices" in guess for guess in volume.guesses)

@@ -80,7 +80,7 @@ def place_of(tiff: TiffFile, *, has_z: bool = True, time: int = 0, channel: int 
     x = steps[0] or 1.0
     y, z = (abs(x) if step is None else step for step in steps[1:])
     guesses = [*guesses_of_steps(steps, x), *_odd_guesses(said)]
-    if not has_z and said.steps[2] is None:
+    if not has_z and (said.steps[2] is None or said.facts.time_step is not None):
         n = said.facts.n_times
         guesses.append(
             f"a time series of {n} planes: time points are drawn as slices along z, as the file has no slices"

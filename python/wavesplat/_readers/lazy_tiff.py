@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from wavesplat._files.file_states import StoredFiles
 from wavesplat._model.facts import Facts
 from wavesplat._model.lazy_array import SlicedArray
-from wavesplat._readers import tiff
+from wavesplat._readers import tiff, tiff_slices
 from wavesplat._readers.request import Request, level_numbers, quiet
 from wavesplat._readers.stored_samples import stored_samples
 from wavesplat._readers.tiff_pages import check_pages
@@ -31,8 +31,8 @@ def stacks_of(request: Request) -> tuple[list[SlicedArray], list[NDArray[np.floa
     """The slices of the levels of a TIFF file, the finest first, or of a folder of slices, with places and facts."""
     with quiet("tifffile"):
         if request.file.is_dir():
-            array, facts = _of_folder(request)
-            return [array], [np.eye(4)], facts
+            array, slices = _of_folder(request)
+            return [array], [slices.world_from_index], slices.facts
         levels = tiff.described(request.file, request)
         return [_of_level(one, request) for one in levels], [one.world_from_index for one in levels], levels[0].facts
 
@@ -69,25 +69,20 @@ def _in_one_piece(path: Path, described: tiff.Described, offset: int) -> SlicedA
     return stored_samples(path, described.dtype, offset, described.shape, order=(z, y, x), picked=picked)
 
 
-def _of_folder(request: Request) -> tuple[SlicedArray, Facts]:
-    import tifffile
-
+def _of_folder(request: Request) -> tuple[SlicedArray, tiff_slices.Slices]:
     level_numbers(1, request)
 
-    folder = request.file
-    files = tiff.files_in(folder, request)
-    check_pages(files[0])
-    pixels = tifffile.imread(files[0])
-    first = tiff.slice_of(pixels, files[0], request)
+    slices = tiff_slices.slices_in(request.file, request)
+    files, first = slices.files, slices.first
     array = _stack(
         partial(_FolderPages, [str(file) for file in files], request, first.shape, first.dtype),
         request,
         (len(files), *first.shape),
         first.dtype,
-        token=f"TIFF folder {folder} {request.channel}",
+        token=f"TIFF folder {request.file} {request.time} {request.channel}",
         files=StoredFiles(files, axis=0),
     )
-    return array, tiff.facts_of_folder(pixels.shape, request)
+    return array, slices
 
 
 def _stack(
@@ -162,7 +157,7 @@ class _FolderPages(_Pages):
         file = Path(self._files[number])
         check_pages(file)
         with quiet("tifffile"):
-            one = tiff.slice_of(tifffile.imread(file), file, self._request)
+            one = tiff_slices.slice_of(tifffile.imread(file), file, self._request)
         if (one.shape, one.dtype) != (self._shape, self._dtype):
             raise ValueError(
                 f"slices differ: the first is {self._shape} of {self._dtype}, {file.name} is {one.shape} of {one.dtype}"

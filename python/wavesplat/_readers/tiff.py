@@ -19,10 +19,10 @@ from numpy.typing import NDArray
 
 from wavesplat._files import size_checks
 from wavesplat._files.cancelling import check_cancelled
-from wavesplat._files.named_files import check_named_file, check_within
-from wavesplat._files.natural_order import natural_key
+from wavesplat._files.named_files import check_named_file
 from wavesplat._files.reading import reading
 from wavesplat._model.facts import COLORS, Channel, Facts
+from wavesplat._readers import tiff_slices
 from wavesplat._readers.request import Grid, Request, choose, level_numbers, quiet
 from wavesplat._readers.single_planes import level_of_plane, note_on_level
 from wavesplat._readers.tiff_facts import TiffPlace, place_of
@@ -32,7 +32,7 @@ from wavesplat.errors import FileError
 if TYPE_CHECKING:
     from tifffile import TiffFile
 
-__all__ = ["Described", "described", "facts_of_folder", "files_in", "levels_in", "read", "slice_of"]
+__all__ = ["Described", "described", "levels_in", "read"]
 
 #: Attributes of OME metadata that name another file.
 NAMES_OF_FILES = ("FileName", "MetadataFile")
@@ -198,50 +198,23 @@ def _named_files(tiff: TiffFile) -> list[str]:
 def _read_folder(folder: Path, request: Request) -> Grid:
     import tifffile
 
-    files = files_in(folder, request)
-    check_pages(files[0])
-    pixels = tifffile.imread(files[0])
-    first = slice_of(pixels, files[0], request)
-    size_checks.check_memory(first.nbytes * len(files), folder)
-    stack = np.empty((len(files), *first.shape), first.dtype)
-    for number, file in enumerate(files):
+    slices = tiff_slices.slices_in(folder, request)
+    first = slices.first
+    size_checks.check_memory(first.nbytes * len(slices.files), folder)
+    stack = np.empty((len(slices.files), *first.shape), first.dtype)
+    for number, file in enumerate(slices.files):
         check_cancelled()
         with reading("TIFF", file):
             check_pages(file)
-            one = slice_of(tifffile.imread(file), file, request)
+            one = tiff_slices.slice_of(tifffile.imread(file), file, request)
         if (one.shape, one.dtype) != (first.shape, first.dtype):
             raise FileError(
-                f"slices differ: {files[0].name} is {first.shape} of {first.dtype}, "
+                f"slices differ: {slices.files[0].name} is {first.shape} of {first.dtype}, "
                 f"{file.name} is {one.shape} of {one.dtype}; "
                 f"keep one kind in the folder: {folder}"
             )
         stack[number] = one
-    return Grid(stack, np.eye(4), facts_of_folder(pixels.shape, request))
-
-
-def facts_of_folder(shape: Sequence[int], request: Request) -> Facts:
-    """Facts of a folder of slices. shape : of one, with its colours behind."""
-    colors = COLORS[: shape[-1]] if len(shape) == 3 and shape[-1] in (3, 4) else ()
-    guesses = ("distances of samples 1, 1, 1: a folder of slices has none",)
-    facts = Facts(channels=colors, guesses=guesses)
-    return replace(facts, channel=_channel_of(facts, request))
-
-
-def files_in(folder: Path, request: Request) -> list[Path]:
-    """The slices in a folder, in their order."""
-    found = [file for file in folder.iterdir() if file.suffix.lower() in (".tif", ".tiff")]
-    for file in found:
-        check_within(file, request.within)
-    return sorted(found, key=lambda file: natural_key(file.name))
-
-
-def slice_of(pixels: NDArray[Any], file: Path, request: Request) -> NDArray[Any]:
-    """One 2-D slice, of one channel."""
-    if pixels.ndim == 3 and pixels.shape[-1] in (2, 3, 4):
-        return pixels[..., choose("channel", pixels.shape[-1], request.channel, file)]
-    if pixels.ndim != 2:
-        raise FileError(f"a slice in the folder is {pixels.ndim}-D, shape {pixels.shape}; open that file alone: {file}")
-    return pixels
+    return Grid(stack, slices.world_from_index, slices.facts)
 
 
 def _one_stack(

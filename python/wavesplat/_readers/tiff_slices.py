@@ -1,0 +1,118 @@
+"""Folders of TIFF files of one slice each: their order, distances, and the channels and times that their names tell."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from wavesplat._files.named_files import check_within
+from wavesplat._files.natural_order import natural_key
+from wavesplat._model.facts import COLORS, Channel, Facts
+from wavesplat._readers.request import Request, choose
+from wavesplat._readers.tiff_facts import TiffPlace, place_of
+from wavesplat._readers.tiff_pages import check_pages
+from wavesplat.errors import FileError
+
+__all__ = ["Slices", "slice_of", "slices_in"]
+
+NO_DISTANCES = "distances of samples 1, 1, 1: a folder of slices has none"
+#: How names of files number channels and times: c001, ch0, C00, channel_2; t0, T00003, time-5.
+IN_NAMES = {
+    "channel": re.compile(r"(?<![a-z])(?:channel|chan|ch|c)[-_=]?(\d+)", re.IGNORECASE),
+    "time": re.compile(r"(?<![a-z])(?:time|t)[-_=]?(\d+)", re.IGNORECASE),
+}
+
+
+@dataclass(frozen=True)
+class Slices:
+    """The slices of one channel and time in a folder, in their order."""
+
+    files: list[Path]
+    #: The samples of the first.
+    first: NDArray[Any]
+    world_from_index: NDArray[np.float64]
+    facts: Facts
+
+
+def slices_in(folder: Path, request: Request) -> Slices:
+    """The slices in a folder, of the channel and the time that are asked for where names of files tell several."""
+    import tifffile
+
+    files = _files_in(folder, request)
+    check_pages(files[0])
+    with tifffile.TiffFile(files[0]) as tiff:
+        place = place_of(tiff)
+    pixels = tifffile.imread(files[0])
+    if pixels.ndim == 2:
+        files, facts = _told_by_names(files, request)
+    else:
+        facts = Facts(channels=COLORS[: pixels.shape[-1]] if pixels.shape[-1] in (3, 4) else ())
+    number = request.channel or 0
+    facts = replace(facts, channel=facts.channels[number] if number < len(facts.channels) else None)
+    if place.facts.unit is None:
+        place = TiffPlace(
+            (1.0, 1.0, 1.0), Facts(guesses=("distances of samples 1, 1, 1: a folder of slices has none",))
+        )
+    facts = replace(facts, unit=place.facts.unit, guesses=(*place.facts.guesses, *facts.guesses))
+    first = slice_of(pixels, files[0], request)
+    return Slices(files, first, np.diag([*np.abs(place.steps), 1.0]), facts)
+
+
+def _files_in(folder: Path, request: Request) -> list[Path]:
+    found = [file for file in folder.iterdir() if file.suffix.lower() in (".tif", ".tiff")]
+    for file in found:
+        check_within(file, request.within)
+    return sorted(found, key=lambda file: natural_key(file.name))
+
+
+def _told_by_names(files: list[Path], request: Request) -> tuple[list[Path], Facts]:
+    """The files of one channel and time, and facts: of those two that several slices each have in their names."""
+    facts = Facts()
+    for what, pattern in IN_NAMES.items():
+        groups = _groups(files, pattern)
+        if len(groups) < 2:
+            continue
+        names = list(groups)
+        asked_for = request.channel if what == "channel" else request.time
+        number = choose(what, len(groups), asked_for, request.path, described=names)
+        files = groups[names[number]]
+        said = f"{what}s {', '.join(names[:8])}{', ...' if len(names) > 8 else ''}: by the names of the files"
+        facts = replace(facts, guesses=(*facts.guesses, said))
+        if what == "channel":
+            facts = replace(facts, channels=tuple(Channel(name) for name in names))
+        else:
+            facts = replace(facts, n_times=len(names))
+    return files, facts
+
+
+def _groups(files: Sequence[Path], pattern: re.Pattern[str]) -> dict[str, list[Path]]:
+    """Number in the name -> its files, where each number has the same slices, two at least; else none."""
+    groups: dict[str, list[Path]] = {}
+    rests: dict[str, list[str]] = {}
+    for file in files:
+        match = pattern.search(file.stem)
+        if match is None:
+            return {}
+        groups.setdefault(match[0], []).append(file)
+        rests.setdefault(match[0], []).append(file.stem[: match.start()] + file.stem[match.end() :])
+    first, *others = rests.values()
+    is_even = len(first) >= 2 and all(other == first for other in others)
+    return dict(sorted(groups.items(), key=lambda group: natural_key(group[0]))) if is_even else {}
+
+
+def slice_of(pixels: NDArray[Any], file: Path, request: Request) -> NDArray[Any]:
+    """One 2-D slice, of one channel."""
+    if pixels.ndim == 3 and pixels.shape[-1] in (2, 3, 4):
+        return pixels[..., choose("channel", pixels.shape[-1], request.channel, file)]
+    if pixels.ndim != 2:
+        raise FileError(
+            f"a slice in the folder is {pixels.ndim}-D, shape {pixels.shape}; open that file alone, or several of them "
+            f"as times, with wavesplat.Series: {file}"
+        )
+    return pixels

@@ -78,7 +78,7 @@ def _stored(header: Header, shape: tuple[int, int, int]) -> NDArray[Any]:
 
 def _as_rgb(stored: NDArray[Any], header: Header) -> NDArray[Any]:
     """Red, green and blue of unpacked colours, which may be stored as brightness and two differences (YBR)."""
-    from pydicom.pixels import convert_color_space
+    from pydicom.pixels.processing import convert_color_space
 
     if header.photometric not in ("YBR_FULL", "YBR_FULL_422") or stored.dtype != np.uint8:
         return stored

@@ -59,3 +59,14 @@ def test_stacks_in_a_folder(tmp_path):
         tifffile.imwrite(tmp_path / f"t{time}.tif", stack, photometric="minisblack")
     with pytest.raises(FileError, match="open that file alone, or several of them as times, with wavesplat.Series"):
         ws.open(tmp_path)
+
+
+def test_a_file_of_a_set_says_so(tmp_path):
+    """Planes whose metadata are in a .companion.ome, as Bio-Formats writes sets of files."""
+    schema = "http://www.openmicroscopy.org/Schemas/OME/2016-06"
+    set_of = '<BinaryOnly MetadataFile="a.companion.ome" UUID="urn:uuid:1"/>'
+    kept = {"description": f'<OME xmlns="{schema}">{set_of}</OME>', "metadata": None, "photometric": "minisblack"}
+    tifffile.imwrite(tmp_path / "0.ome.tif", SAMPLES[0, 0], **kept)
+    volume = ws.open(tmp_path / "0.ome.tif")
+    np.testing.assert_array_equal(volume.samples, SAMPLES[0, 0])
+    assert any(guess.startswith("one file of several, whose planes") for guess in volume.guesses)

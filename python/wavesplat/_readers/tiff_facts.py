@@ -24,6 +24,11 @@ __all__ = ["TiffPlace", "guesses_of_steps", "place_of"]
 
 #: A nanometre in metres, for wavelengths.
 NM = 1e-9
+#: What is said of OME-TIFF without metadata of their own, `BinaryOnly`.
+PART_OF_SET = (
+    "one file of several, whose planes, distances and channels are described in another (.companion.ome), which is not "
+    "read: for planes of one channel, open the folder"
+)
 #: How the position of the stage is interpreted.
 STAGE_IS_FIRST = "which OME-TIFF has for each plane; it is taken for the place of the first sample"
 #: OME's names of modes in which the light of a dye is measured.
@@ -79,7 +84,7 @@ def place_of(tiff: TiffFile, *, has_z: bool = True, time: int = 0, channel: int 
     # A missing distance is taken from x: then the stack keeps its proportions at least in scale.
     x = steps[0] or 1.0
     y, z = (abs(x) if step is None else step for step in steps[1:])
-    guesses = [*guesses_of_steps(steps, x), *_odd_guesses(said)]
+    guesses = [*said.facts.guesses, *guesses_of_steps(steps, x), *_odd_guesses(said)]
     if not has_z and (said.steps[2] is None or said.facts.time_step is not None):
         n = said.facts.n_times
         guesses.append(
@@ -193,7 +198,8 @@ def _of_ome(tiff: TiffFile, time: int, channel: int) -> _Said:
     image = None if root is None else next(_named(root, "Image"), None)
     pixels = None if image is None else next(_named(image, "Pixels"), None)
     if root is None or pixels is None:
-        return _Said(facts=Facts())
+        named = None if root is None else next(_named(root, "BinaryOnly"), None)
+        return _Said(facts=Facts(guesses=() if named is None else (PART_OF_SET,)))
     steps = tuple(_number(pixels.get(f"PhysicalSize{axis}")) for axis in "XYZ")
     odd = [_odd(pixels.get(f"PhysicalSize{axis}")) for axis in "XYZ"]
     # The standard's default is the micrometre.

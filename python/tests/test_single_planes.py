@@ -1,5 +1,7 @@
 """Files of a single plane: `wavesplat slice` shows them, and elsewhere a sentence says so."""
 
+import json
+
 import nibabel
 import numpy as np
 import pytest
@@ -134,3 +136,30 @@ def test_channels_of_a_plane_are_shown_together_and_a_volume_is_refused(tmp_path
     assert shown[17, 20, 0] > shown[17, 20, 1] + 60  # magenta
     with pytest.raises(FileError, match="the axes are c, y, x, so the image is 2-D.*wavesplat slice` shows it"):
         ws.open(tmp_path / "a.ome.zarr", channel=0)
+
+
+@pytest.mark.parametrize("options", [[], ["--memory", "100MB"]])
+def test_a_plane_of_a_zarr_image_without_axes(tmp_path, wavesplat, options):
+    """As early releases of bioformats2raw wrote it; `filters: []` made zarr warn each time it was read."""
+    array = {"shape": [1, 2, 1, 40, 50], "chunks": [1, 1, 1, 40, 50], "fill_value": "0", "dtype": "|u1", "filters": []}
+    array |= {"zarr_format": 2, "compressor": None, "order": "C", "dimension_separator": "."}
+    (tmp_path / "a.zarr" / "0").mkdir(parents=True)
+    (tmp_path / "a.zarr" / ".zgroup").write_text('{"zarr_format": 2}')
+    multiscales = [{"datasets": [{"path": "0"}], "version": "0.1"}]
+    (tmp_path / "a.zarr" / ".zattrs").write_text(json.dumps({"multiscales": multiscales}))
+    (tmp_path / "a.zarr" / "0" / ".zarray").write_text(json.dumps(array))
+    for channel in range(2):
+        (tmp_path / "a.zarr" / "0" / f"0.{channel}.0.0.0").write_bytes((PLANE // (channel + 1)).tobytes())
+    done = wavesplat("info", tmp_path / "a.zarr", *options)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "the first cannot be shown: the file holds a single plane of x 50, y 40, z 1 samples" in done.stdout
+    window = ["--channel", "1", "--clim", "0,255", "--size", "50x40"]
+    done = wavesplat("slice", tmp_path / "a.zarr", "-o", tmp_path / "o.png", *window, *options)
+    assert (done.returncode, done.stderr) == (
+        0,
+        "wavesplat: note: a single plane: it is shown as it is, and has no thickness\n",
+    )
+    shown = np.asarray(Image.open(tmp_path / "o.png").convert("L")).astype(int)
+    assert np.abs(shown - PLANE // 2).max() <= 1
+    with pytest.raises(FileError, match=r"a single plane of x 50, y 40, z 1 samples.*`wavesplat slice` shows it"):
+        ws.open(tmp_path / "a.zarr", channel=0, memory="1 MB")

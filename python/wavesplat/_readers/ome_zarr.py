@@ -44,6 +44,7 @@ from wavesplat._readers.request import (
     n_times_of,
     requested,
     several,
+    unwarned,
 )
 from wavesplat._readers.single_planes import level_of_plane, note_on_level
 from wavesplat._readers.zarr_maps import NamedVolume, named_volume
@@ -58,6 +59,7 @@ N_LISTED = 12
 GUESS_OF_LEVELS = "coarser levels taken for means of blocks, so half a block in: the file has no translation of them"
 
 
+@unwarned("zarr")
 def read(request: Request) -> Grid:
     """One level of a multi-scale image, or a plain array."""
     with reading("Zarr", request.safe_path):
@@ -103,6 +105,7 @@ class ZarrLevel:
     facts: Facts
 
 
+@unwarned("zarr")
 def levels_of(request: Request) -> list[ZarrLevel]:
     """The levels of an image, the finest first, or only the one that is asked for; nothing of them is read."""
     node, request, notes = _opened_image(request)
@@ -269,6 +272,7 @@ def _several_wells(wells: Sequence[layout.Well], images: list[str], request: Req
     return several(message, "dataset", images, described)
 
 
+@unwarned("zarr")
 def labels_of(path: str | PathLike[str], dataset: str | None = None) -> tuple[str, tuple[str, ...]]:
     """The path in the store of the image that is opened by default, and the names of its segmentations."""
     place, inner = _place_in(path, dataset)
@@ -282,6 +286,7 @@ def _images_of(place: ZarrPlace, path: str) -> list[str]:
     return series or [image for well in layout.wells_of(place, path) for image in well.images]
 
 
+@unwarned("zarr")
 def contents(path: str | PathLike[str], dataset: str | None = None) -> dict[str, Any]:
     """The images of a series, the wells of a plate, and the labels of an image, for people to choose from."""
     place, inner = _place_in(path, dataset)
@@ -295,6 +300,7 @@ def contents(path: str | PathLike[str], dataset: str | None = None) -> dict[str,
     }
 
 
+@unwarned("zarr")
 def label_looks(path: str | PathLike[str], dataset: str | None = None) -> dict[int, layout.Look]:
     """Names and colours of the labels of a segmentation, by number."""
     return layout.label_looks(*_place_in(path, dataset))

@@ -39,7 +39,7 @@ from wavesplat._readers.dicom_places import begins_as_dicom
 from wavesplat._readers.file_contents import Contents, contents_of
 from wavesplat._readers.hdf5 import kind_of as hdf5_kind
 from wavesplat._readers.options import OpenOptions
-from wavesplat._readers.request import Grid, Request, requested
+from wavesplat._readers.request import PLANES_ARE_TAKEN, Grid, Request, requested
 from wavesplat._readers.unsupported_formats import (
     check_no_empty_case,
     foreign_content,
@@ -235,8 +235,8 @@ def opened(request: Request, *, stacklevel: int = 2) -> Volume:
     _check_options(request, family)
     if family in ("itk", "dicom"):
         check_text(request.file)
-    if request.memory is not None or _is_large(request, family):
-        return _lazily(request, family)
+    if (request.memory is not None or _is_large(request, family)) and (volume := _lazily(request, family)) is not None:
+        return volume
     module = import_module(f"wavesplat._readers.{family}")
     grid: Grid = module.read(request)
     volume = _volume(grid, request, family)
@@ -285,9 +285,12 @@ def _is_large(request: Request, family: str) -> bool:
         return False  # whatever is wrong is said where the file is opened
 
 
-def _lazily(request: Request, family: str) -> LazyVolume:
-    """The volume whose samples stay in the file."""
+def _lazily(request: Request, family: str) -> LazyVolume | None:
+    """The volume whose samples stay in the file; None for a single plane that is asked for, which is read at once."""
     grid = lazy_files.lazy_grid(request, family)
+    single_planes.check_thickness(grid.levels[0].shape, request, grid.facts.n_times)
+    if PLANES_ARE_TAKEN.get() and min(grid.levels[0].shape) == 1:
+        return None
     places = grid.world_from_index
     if not np.isfinite(places).all():
         # The file is to blame, not the caller; at once, before anything calculates with it.

@@ -136,9 +136,9 @@ def test_a_few_slices_are_not_dark_fault_17(name, n):
 def test_rounding_below_zero_beside_high_peaks_is_no_second_sign():
     """The density of the cores of atoms: nothing but rounding between them, which falls to both sides of 0."""
     values = np.random.default_rng(1).normal(0, 1e-4, (20, 20, 20))
-    values[::10, ::10, ::10] = 2000
+    values[0, 0, 0] = 2000
     assert "two signs" not in ws.Look.auto(ws.Volume(values)).reason
-    values[::10, ::10, 5::10] = -1000
+    values[0, 0, 10] = -1000
     assert "two signs" in ws.Look.auto(ws.Volume(values)).reason
 
 

@@ -349,7 +349,8 @@ def _by_values(volume: Volume | WaveletVolume, values: NDArray[np.float64], *, h
     numbers = numbers_of(volume)
     is_of_patient = volume.is_anatomical and not _is_fine(volume) and (has_noise or not is_placed_by_default(volume))
     is_of_patient = is_of_patient and not is_of_no_patient(volume, values)
-    if _has_two_signs(values, numbers, is_of_patient=is_of_patient, has_noise=has_noise):
+    has_two_signs = _has_two_signs(values, numbers, is_of_patient=is_of_patient, has_noise=has_noise)
+    if has_two_signs and not _is_rounding(volume):
         return "signed field", "a field with two signs, by the values"
     if LENGTH in volume.facts.processing:
         return "field", "a field: the lengths of vectors"
@@ -397,9 +398,13 @@ def _has_two_signs(values: NDArray[np.float64], numbers: str, *, is_of_patient: 
         return False
     low, high = np.percentile(values, TAILS) if has_noise else (values.min(), values.max())
     least = MIN_TAIL if numbers == "f" else MIN_WHOLE_TAIL
-    below, above = -values.min(), values.max()
-    is_rounding = min(below, above) < MIN_END * max(below, above)
-    return bool(low < 0 < high and min(-low, high) >= least * max(-low, high) and not is_rounding)
+    return bool(low < 0 < high and min(-low, high) >= least * max(-low, high))
+
+
+def _is_rounding(volume: Volume | WaveletVolume) -> bool:
+    """Whether one sign is so small beside the other that it is rounding; peaks of single samples count too."""
+    ends = -volume.value_range[0], volume.value_range[1]
+    return min(ends) < MIN_END * max(ends)
 
 
 def _is_dense(values: NDArray[np.float64]) -> bool:

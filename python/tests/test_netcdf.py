@@ -308,6 +308,24 @@ def test_dates_before_the_reform_of_the_calendar_are_told_quietly(tmp_path, pack
     assert [str(one.message) for one in told] == []
 
 
+@pytest.mark.parametrize("of_mesh", [True, False])
+def test_values_of_meshes_are_refused_and_levels_of_each_place_are_no_coordinate(tmp_path, of_mesh):
+    """As FVCOM writes: `siglay` has the axes siglay and node."""
+    levels, values = np.linspace(-1, 0, 21).reshape(3, 7), np.arange(42.0).reshape(2, 3, 7)
+    with scipy.io.netcdf_file(tmp_path / "a.nc", "w") as file:
+        for axis, size in (("time", 2), ("siglay", 3), ("node", 7)):
+            file.createDimension(axis, size)
+        file.createVariable("siglay", "d", ("siglay", "node"))[:] = levels
+        made = file.createVariable("temp", "d", ("time", "siglay", "node"))
+        made[:] = values
+        vars(made)["_attributes"].update({"mesh": "fvcom", "location": "node"} if of_mesh else {})
+    if of_mesh:
+        with pytest.raises(FileError, match=r"values of a mesh \(fvcom, nodes\), whose axis 'node'.*griddata"):
+            ws.open(tmp_path / "a.nc")
+        return
+    assert sorted(ws.open(tmp_path / "a.nc").samples.ravel()) == sorted(values.ravel())
+
+
 @pytest.mark.parametrize("order", [("sigma", "xcoord", "ycoord"), ("x_coord", "sigma", "ycoord")])
 def test_coordinates_of_a_grid_are_axes_x_and_y(tmp_path, order):
     sizes = {"xcoord": 4, "x_coord": 4, "ycoord": 5, "sigma": 3}

@@ -46,6 +46,8 @@ HDF5, CDF5 = b"\x89HDF", b"CDF\5"
 UNWRITTEN = {4: np.float32(9.9692099683868690e36), 8: np.float64(9.9692099683868690e36)}
 #: Attributes of a file of finite elements (Exodus), which is netCDF too.
 EXODUS = {"api_version", "floating_point_word_size"}
+#: Attributes of variables on meshes (https://ugrid-conventions.github.io).
+MESH = {"mesh", "location"}
 #: Attributes by which a coordinate names the variable of the borders of its cells.
 BORDERS = ("bounds", "climatology")
 #: Variables without three axes that a message names, at most.
@@ -317,6 +319,16 @@ def _volume_of(name: str, array: Any, attributes: dict[str, Any], request: Reque
             f"{variable_text(name, array)} has an axis twice, so it is a table and no volume; choose another with "
             f"dataset= (--dataset): {request.path}"
         )
+    if set(array.attrs) >= MESH:
+        raise FileError(
+            f"{variable_text(name, array)} has values of a mesh ({array.attrs['mesh']}, {array.attrs['location']}s), "
+            f"whose axis {str(array.dims[-1])!r} has no neighbours in space; put those of one time on a "
+            f"grid x, y of the plane, as with scipy.interpolate.griddata((lon, lat), values.T, (x, y))"
+            f".transpose(2, 0, 1), and give that to wavesplat.Volume: {request.path}"
+        )
+    # Levels may have the name of their axis and differ from place to place: they are no coordinates of it.
+    several = [axis for axis in array.dims if axis in array.coords and array.coords[axis].ndim != 1]
+    array = array.drop_vars(several)
     picked, spatial, said = picked_axes(name, array, request)
     volume = array.isel(picked).transpose(*spatial)
     single_planes.check_thickness(volume.shape, request)

@@ -159,5 +159,11 @@ def test_modes_with_a_component_that_is_one_number_everywhere(tmp_path):
 def test_hdf5_without_a_volume_says_what_it_holds(tmp_path):
     with h5py.File(tmp_path / "a.h5", "w") as file:
         file["particles/x"] = np.arange(10.0)
+    for groups, what in ((("coordsets", "topologies"), "Blueprint"), (("results", "settings"), r"Fluent.*cas\.h5")):
+        with h5py.File(tmp_path / "mesh.h5", "w") as file:
+            for group in groups:
+                file[f"{group}/values"] = np.arange(4.0)
+        with pytest.raises(FileError, match=what):
+            ws.open(tmp_path / "mesh.h5")
     with pytest.raises(FileError, match=r"no dataset with three axes .* particles/x \(10,\); if one is a flattened"):
         ws.open(tmp_path / "a.h5")

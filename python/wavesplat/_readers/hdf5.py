@@ -20,7 +20,7 @@ from wavesplat._readers import hdf5_vectors, openpmd_records, theta_modes
 from wavesplat._readers.components import AXES, check_vectors, has_vectors, length_of
 from wavesplat._readers.file_contents import Contents, FileArray, are_small, ranges_of
 from wavesplat._readers.request import Grid, Request, index_unnamed_axes, listed, n_times_of, no_such_name, several
-from wavesplat._readers.unsupported_formats import BY_YT
+from wavesplat._readers.unsupported_formats import BY_YT, foreign_groups
 from wavesplat._readers.vtk_arrays import other_grid
 from wavesplat.errors import ArgumentError, FileError
 
@@ -246,6 +246,8 @@ def _none_found(file: h5py.File, request: Request) -> FileError:
     """The error for a file without a dataset of three axes, with those that it has instead."""
     import h5py
 
+    if (known := foreign_groups(list(file), request.path)) is not None:
+        return known
     flat: list[str] = []
 
     def visit(name: str, node: Any) -> None:

@@ -9,13 +9,22 @@ from __future__ import annotations
 
 import json
 import re
+from collections.abc import Collection
 from pathlib import Path
 from typing import NamedTuple
 
 from wavesplat._readers.vtk_arrays import other_grid
 from wavesplat.errors import FileError
 
-__all__ = ["BY_YT", "OF_N5", "check_no_empty_case", "foreign_content", "foreign_folder", "foreign_kind"]
+__all__ = [
+    "BY_YT",
+    "OF_N5",
+    "check_no_empty_case",
+    "foreign_content",
+    "foreign_folder",
+    "foreign_groups",
+    "foreign_kind",
+]
 
 OF_N5 = (
     "name a folder whose attributes.json has dimensions, and give wavesplat.Volume(tensorstore.open({'driver': 'n5', "
@@ -156,6 +165,18 @@ FORMATS = (
     Known("an archive", UNPACK, (".tar", ".tgz", ".7z", ".rar")),
     Known("packed bytes", UNPACK, (".gz", ".bz2", ".xz", ".zst")),
 )
+#: Groups at the root of an HDF5 file without a volume -> what it holds, and the way to a volume.
+BY_GROUPS = {
+    ("coordsets", "topologies"): ("a mesh of Conduit (Blueprint)", BY_EXPORT),
+    ("results", "settings"): (
+        "results of Fluent",
+        (
+            "save pyvista.read(path of the .cas.h5 beside it).combine() as .vtu, and open that with resample=N "
+            "(--resample N)"
+        ),
+    ),
+    ("meshes", "settings"): ("a case of Fluent", BY_VTU),
+}
 #: Ends of names of VTK's other files -> the name of their type.
 OF_VTK = {".htg": "HyperTreeGrid", ".vtkhdf": "VTKHDF"}
 #: First bytes -> content of the file, and the way to a volume, where the file should not have the name that it has.
@@ -253,6 +274,14 @@ def _is_precomputed(path: Path) -> bool:
     except (OSError, ValueError, RecursionError):
         return False
     return isinstance(found, dict) and {"scales", "num_channels"} <= set(found)
+
+
+def foreign_groups(groups: Collection[str], path: Path) -> FileError | None:
+    """The error that describes an HDF5 file by the groups at its root; None for an unknown one."""
+    for names, (what, way) in BY_GROUPS.items():
+        if set(names) <= set(groups):
+            return _error(what, way, path)
+    return None
 
 
 def foreign_content(path: Path, start: bytes) -> FileError | None:

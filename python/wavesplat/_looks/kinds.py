@@ -177,11 +177,10 @@ def evidence(volume: Volume | WaveletVolume) -> Evidence:
     fine = volume._busiest_part() if isinstance(volume, LazyVolume) else None
     side_by_side = (samples, neighbours) if fine is None else with_neighbours(fine, 1)
     has_noise = not is_smooth(*side_by_side)
-    has_few_bright = has_noise and _has_few_bright(volume)
+    said = _segmentation(volume, values, *side_by_side) or _by_maps(volume, values) or _by_facts(volume, values)
+    has_few_bright = has_noise and (said is None or said[0] == "fluorescence") and _has_few_bright(volume, values)
     kind, reason = (
-        _segmentation(volume, values, *side_by_side)
-        or _by_maps(volume, values)
-        or _by_facts(volume, values)
+        said
         or (FEW_BRIGHT if has_few_bright else None)
         or _by_microscope(volume, values, has_noise=has_noise)
         or _by_shares(volume, values)
@@ -280,23 +279,22 @@ def _has_others(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> 
     return bool(np.any(np.isfinite(more) & (more != low) & (more != high)))
 
 
-def _has_few_bright(volume: Volume | WaveletVolume) -> bool:
+def _has_few_bright(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> bool:
     """Whether nearly all samples are noise that is as wide below its median as above it, and a few are far above.
 
-    A few that lie alone are hot pixels of a camera, not beads.
+    A few that lie alone are hot pixels of a camera, not beads. `values` tell the noise; more samples, the few.
     """
     if volume.is_anatomical and not (_is_fine(volume) or is_placed_by_default(volume)):
         return False
-    samples = subsampled(volume)
-    values = samples[np.isfinite(samples)].astype(np.float64)
     low, middle, high = np.percentile(values, (10.0, 50.0, 90.0))
     lower, upper = middle - low, high - middle
     deviation = 1.4826 * float(np.median(np.abs(values - middle)))
     if not (deviation > 0 and MIN_EVEN * lower <= upper <= lower / MIN_EVEN):
         return False
+    samples = subsampled(volume)
     above = samples > middle + FAR * deviation
-    n_far, n_below = np.count_nonzero(above), np.count_nonzero(values < middle - FAR * deviation)
-    if not n_below < n_far <= MAX_FAR * values.size:
+    n_far, n_below = np.count_nonzero(above), np.count_nonzero(samples < middle - FAR * deviation)
+    if not n_below < n_far <= MAX_FAR * samples.size:
         return False
     n_together = sum(
         np.count_nonzero(np.logical_and(*(np.delete(above, end, axis) for end in (0, -1)))) for axis in range(3)

@@ -37,15 +37,15 @@ NAMES = {
 }
 #: Names of axes of maps, of the sea and of the air: z grows up or down, y to the north, x to the east.
 MAP_NAMES = {
-    "z": re.compile(
+    "z": (
         r"i?lev(el)?s?[_\d]*|olev(el)?|[mp]lev\d*|(air_)?pressure\w*|isobaric\w*|heights?(?!_)\w*|height_\w+|alt(itude)?s?"
         r"|depth\w+|(bottom_top|soil_layers|snow_layers|snso_layers)(_stag)?|s_(rho|w)|sigma\w*|hybrid\w*"
         r"|model_level\w*|(atmosphere|ocean)_\w+|generalvertical\w*|nav_lev|z(_[twl]|lev|t|u|w)|st_ocean|sw_ocean"
     ),
-    "y": re.compile(
+    "y": (
         r"(grid_)?lat(itude)?s?[_\d]*|[rny]lat\d*|south_north(_stag)?|eta_(rho|u|v|psi)|projection_y_coordinate|northings?|y_?coord"
     ),
-    "x": re.compile(
+    "x": (
         r"(grid_)?lon(gitude)?s?[_\d]*|[rnx]lon\d*|west_east(_stag)?|xi_(rho|u|v|psi)|projection_x_coordinate|eastings?|x_?coord"
     ),
 }
@@ -64,11 +64,11 @@ OF_STANDARD_NAMES = {
     "time": "time",
 }
 #: Vertical coordinates that are shares of a height, a depth or a pressure, and no lengths.
-SHARES = re.compile(r"(atmosphere|ocean)_\w*(sigma|hybrid|s_coordinate)\w*|s_(rho|w)|sigma\w*")
+SHARES = r"(atmosphere|ocean)_\w*(sigma|hybrid|s_coordinate)\w*|s_(rho|w)|sigma\w*"
 #: Units of pressure, which by the conventions mark an axis that grows downwards.
 PRESSURES = ("pa", "hpa", "kpa", "mb", "mbar", "millibar", "millibars", "bar", "dbar", "decibar", "decibars")
 #: Names of coordinates that grow downwards unless an attribute says otherwise.
-DOWNWARDS = re.compile(r"depth\w*|plev\d*|(air_|sea_water_)?pressure\w*|isobaric\w*")
+DOWNWARDS = r"depth\w*|plev\d*|(air_|sea_water_)?pressure\w*|isobaric\w*"
 #: Names of axes of time.
 TIMES = ("time", "t", "times")
 #: Units that are not lengths.
@@ -87,7 +87,7 @@ def role_of(array: Any, axis: Any) -> str:
     unit = _text(said, "units")
     by_axis = {"t": "time", "x": "x", "y": "y", "z": "z"}.get(_text(said, "axis"), "")
     standard_name = _text(said, "standard_name")
-    by_meaning = OF_STANDARD_NAMES.get(standard_name) or ("z" if SHARES.fullmatch(standard_name) else "")
+    by_meaning = OF_STANDARD_NAMES.get(standard_name) or ("z" if re.fullmatch(SHARES, standard_name) else "")
     by_place = "z" if _text(said, "positive") in ("up", "down") or unit in PRESSURES else ""
     is_time = " since " in unit or (axis in array.coords and array.coords[axis].dtype.kind == "M")
     told = by_axis or ("time" if is_time else "") or OF_UNITS.get(unit, "") or by_meaning or by_place
@@ -104,7 +104,7 @@ def _role_by_name(axis: Any, dims: Any) -> str:
 
 
 def _role_on_maps(axis: Any) -> str:
-    return next((role for role, names in MAP_NAMES.items() if names.fullmatch(str(axis).lower())), "")
+    return next((role for role, names in MAP_NAMES.items() if re.fullmatch(names, str(axis).lower())), "")
 
 
 def spatial_axes(axes: list[tuple[Any, str]], sizes: Any) -> list[Any]:
@@ -157,7 +157,7 @@ def is_downwards(array: Any, axis: Any) -> bool:
     said = said_of(array, axis)
     if (positive := _text(said, "positive")) in ("up", "down"):
         return positive == "down"
-    is_named = DOWNWARDS.fullmatch(_text(said, "standard_name") or str(axis).lower()) is not None
+    is_named = re.fullmatch(DOWNWARDS, _text(said, "standard_name") or str(axis).lower()) is not None
     places = np.asarray(array.coords[axis])
     is_height = places.dtype.kind in "iuf" and bool(places.size) and float(np.nanmax(places)) <= 0 > np.nanmin(places)
     return (_text(said, "units") in PRESSURES or is_named) and not is_height
@@ -168,7 +168,7 @@ def without_lengths(array: Any, spatial: list[Any]) -> list[Any]:
     z, *others = spatial
     said = said_of(array, z)
     names = [_text(said, "standard_name"), str(z).lower()]
-    is_share = any(SHARES.fullmatch(name) for name in names) and _text(said, "units") in ("", *WITHOUT_LENGTH)
+    is_share = any(re.fullmatch(SHARES, name) for name in names) and _text(said, "units") in ("", *WITHOUT_LENGTH)
     return [z] if is_share and not any(_text(said_of(array, axis), "units") for axis in others) else []
 
 

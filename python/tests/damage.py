@@ -31,9 +31,9 @@ SECONDS = float(os.environ.get("FUZZ_SECONDS", "0"))
 #: Examples of a part of a long run, after which the clock is looked at.
 N_OF_PART = 200
 #: Letters of a message, at most.
-MOST_LETTERS = 4500
+MAX_LETTERS = 4500
 #: Most that an example may take: seconds of the processor, seconds by the clock, and bytes of memory.
-MOST_CPU_S, MOST_S, MOST_BYTES = 5.0, 60, 1 << 28
+MAX_CPU_S, MAX_S, MAX_BYTES = 5.0, 60, 1 << 28
 
 ODD_WORDS = [
     b"", b"0", b"1", b"2", b"3", b"-1", b"-0", b"1.5", b"65536", b"4294967296", b"-9223372036854775808", b"9" * 30,
@@ -205,14 +205,14 @@ def check(load, *names):
         except WavesplatError as error:
             line, result = str(error), None
             assert line.isprintable(), line
-            assert len(line) < MOST_LETTERS, line
+            assert len(line) < MAX_LETTERS, line
             assert any(name in line for name in names), line
             # Sizes are to be checked before memory is asked for.
             assert "takes more memory than there is" not in line, line
-    assert time.process_time() - began < MOST_CPU_S, f"{time.process_time() - began:.1f} s"
+    assert time.process_time() - began < MAX_CPU_S, f"{time.process_time() - began:.1f} s"
     _, asked_for = tracemalloc.get_traced_memory()
     tracemalloc.stop()
-    assert max(asked_for, _most_resident() - resident) < MOST_BYTES, f"{asked_for} bytes"
+    assert max(asked_for, _most_resident() - resident) < MAX_BYTES, f"{asked_for} bytes"
     # Libraries' files that only the garbage collector closes are no fault of a file.
     ours = (WavesplatWarning, ResourceWarning)
     foreign = [
@@ -227,13 +227,13 @@ def check(load, *names):
 @contextlib.contextmanager
 def _alarm():
     def stop(*_):
-        raise TooLong(f"more than {MOST_S} s")
+        raise TooLong(f"more than {MAX_S} s")
 
     if not hasattr(signal, "SIGALRM"):
         yield
         return
     before = signal.signal(signal.SIGALRM, stop)
-    signal.alarm(MOST_S)
+    signal.alarm(MAX_S)
     try:
         yield
     finally:

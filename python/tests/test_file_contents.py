@@ -169,7 +169,7 @@ def test_ranges_of_other_files_samples_are_not_looked_at(tmp_path):
 @pytest.mark.parametrize("name", ["a.vti", "a.h5", "a.npz"])
 def test_large_files_are_listed_without_reading_all(tmp_path, monkeypatch, name):
     for module in (file_contents, arrays, vti):
-        monkeypatch.setattr(module, "MOST_BYTES", 100)
+        monkeypatch.setattr(module, "MAX_BYTES", 100)
     if name == "a.vti":
         save_vti(tmp_path / name, {"p": np.zeros(SHAPE)})
     elif name == "a.npz":

@@ -1,6 +1,6 @@
 """Work on texts grows as the texts do: a small file, or a name, cannot keep a parser busy for minutes.
 
-Each text is doubled and redoubled, and the first that takes more than `MOST_S` of the processor fails: what grows with
+Each text is doubled and redoubled, and the first that takes more than `MAX_S` of the processor fails: what grows with
 the square of the length takes seconds here, the others milliseconds, so that a loaded machine changes no verdict.
 """
 
@@ -30,7 +30,7 @@ from wavesplat._readers import file_times, image_headers, nrrd_for_itk, vtk_grid
 from wavesplat.errors import WavesplatError, WavesplatWarning
 
 #: Lengths of the repeated parts, and the seconds of the processor that none may take.
-LENGTHS, MOST_S = [500 << k for k in range(6)], 0.5
+LENGTHS, MAX_S = [500 << k for k in range(6)], 0.5
 #: Parts that are repeated, in texts of any kind: what parsers skip, look for, or find no end of.
 PARTS = [" ", "\n", '"', '\\"', "(", "<Label ", "<!--", "1", "a", "1 ", "1\n", "a: 1\n", "x=", "[", "&lt;"]
 
@@ -44,7 +44,7 @@ def check_growth(use, text_of):
             warnings.simplefilter("ignore")
             use(text)
         taken = time.thread_time() - begin
-        assert taken < MOST_S, f"{taken:.2f} s for a part of {length} letters"
+        assert taken < MAX_S, f"{taken:.2f} s for a part of {length} letters"
 
 
 def through_a_file(path, use):

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["counted", "lines"]
 
 #: Cubic metres of a millilitre, and its cubic micrometres; fewer millilitres than these are listed in the latter.
-M3_PER_ML, UM3_PER_ML, LEAST_ML = 1e-6, 1e12, 1e-6
+M3_PER_ML, UM3_PER_ML, MIN_ML = 1e-6, 1e12, 1e-6
 #: Largest number of labels that the text lists.
 N_LISTED = 150
 
@@ -71,5 +71,5 @@ def _parts(label: Mapping[str, Any]) -> list[str]:
     parts.append(f"{label['n_voxels']} voxels")
     if label["volume_ml"] is not None:
         ml = label["volume_ml"]
-        parts.append(f"{ml:.4g} ml" if ml == 0 or ml >= LEAST_ML else f"{ml * UM3_PER_ML:.4g} um^3")
+        parts.append(f"{ml:.4g} ml" if ml == 0 or ml >= MIN_ML else f"{ml * UM3_PER_ML:.4g} um^3")
     return parts

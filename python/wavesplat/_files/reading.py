@@ -53,7 +53,7 @@ EXTRAS = {"aiohttp": "http"}
 
 GIB = 1 << 30
 #: Maximum number of letters of a library's message that are searched: some messages repeat the whole file.
-MOST_LETTERS = 20_000
+MAX_LETTERS = 20_000
 
 
 @contextmanager
@@ -115,7 +115,7 @@ def _informative_line(error: BaseException) -> str:
 
     ITK begins with a line of its own source and goes from the general to the particular: of it, the last.
     """
-    lines = [line.strip().rstrip(".;") for line in str(error)[:MOST_LETTERS].splitlines() if line.strip()]
+    lines = [line.strip().rstrip(".;") for line in str(error)[:MAX_LETTERS].splitlines() if line.strip()]
     lines = [line for line in lines if not line.startswith(OLD_REASON)] or lines
     if len(lines) > 1 and SOURCE.search(f"{lines[0]}:"):
         lines = [lines[-1].partition(": ")[0] if lines[-1].endswith(ITK_FILE) else lines[-1]]

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from wavesplat._looks import histogram, label_names
 from wavesplat._looks.blocks import is_block
-from wavesplat._looks.channel_colors import color_of
+from wavesplat._looks.channel_colors import Rgb, color_of
 from wavesplat._looks.channels import (
     LUMINANCE,
     channel_window,
@@ -51,8 +51,6 @@ if TYPE_CHECKING:
     from wavesplat._model.options import Composite
 
 __all__ = ["COLORED", "are_colored", "automatic", "function_in_colors", "in_colors", "labels_alone", "tinted"]
-
-Rgb = tuple[float, float, float]
 
 #: Kinds whose look has a map of colours over a scale.
 COLORED: tuple[Kind, ...] = ("field", "signed field")
@@ -106,7 +104,7 @@ SIGNS = [
 ]
 #: The map of `cmap` that doses are shown in, blue to red as in programs for radiotherapy, and the least share of the
 #: largest dose that shows.
-DOSE_MAP, LEAST_DOSE = "turbo", 0.1
+DOSE_MAP, MIN_DOSE = "turbo", 0.1
 #: The map of `cmap` that shares are shown in. Fractional anisotropy that is clear and that is opaque: grey matter and
 #: fluid have less than the first, and single fibre bundles reach the second.
 SHARE_MAP, FA_ENDS = "hot", (0.2, 0.9)
@@ -330,7 +328,7 @@ def _scan(volume: Volume | WaveletVolume, known: Evidence) -> Made:
 def _dose(volume: Volume | WaveletVolume, known: Evidence) -> Made:
     """A look of a dose map: clear below a tenth of the largest dose, then from blue to red, the hottest solid."""
     highest = max(float(volume.value_range[1]), float(known.values.max()))
-    shares = np.linspace(LEAST_DOSE, 1.0, 17)
+    shares = np.linspace(MIN_DOSE, 1.0, 17)
     nodes = np.array(_increasing((shares * highest).tolist(), highest if highest > 0 else 1.0))
     n_voxels = opaque_after(volume)
     opacity = [

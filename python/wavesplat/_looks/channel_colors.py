@@ -11,11 +11,9 @@ import re
 from collections.abc import Sequence
 from itertools import pairwise
 
-from wavesplat._model.facts import Channel
+from wavesplat._model.facts import Channel, Rgb
 
 __all__ = ["CHANNEL_COLORS", "Rgb", "color_of", "distinct_colors", "is_same_color", "usual_color"]
-
-Rgb = tuple[float, float, float]
 
 #: Conventional colours of channels without a colour, and of unknown light: green, magenta, cyan, yellow, red, blue,
 #: white, orange.

@@ -45,7 +45,7 @@ MAX_CLEAR = 0.9
 #: largest share of the other samples.
 SAME_VALUE, MAX_MATTER = 0.01, 0.1
 #: Least place of what is seen beyond 0, and beyond a background in the middle, as a share of the way to the end.
-LEAST_SIGNED = 0.12
+MIN_SIGNED = 0.12
 
 
 @dataclass(frozen=True)
@@ -100,7 +100,7 @@ def of_field(samples: Array, n_voxels: float, part: Part = WHOLE) -> Curves:
             if clear > MAX_CLEAR:
                 clear = 0.5
             if shows_both:
-                clear = max(clear, background + LEAST_SIGNED * (1.0 - background))
+                clear = max(clear, background + MIN_SIGNED * (1.0 - background))
             opacity += rising(_beyond(risen, clear), FIELD_DEPTH * n_voxels)
     return Curves(values, np.maximum(opacity, part.veil), places, shows_low)
 
@@ -126,8 +126,8 @@ def of_signed_field(samples: Array, n_voxels: float, part: Part = WHOLE) -> Curv
         ends = np.percentile(sign * samples, (100.0 * (1.0 - part.seen(SEEN_SIGNED)), 99.95))
         few, most = np.interp(ends, sign * values[side][::sign], sign * places[side][::sign]).tolist()
         # Each sign is seen to its own end, so that the weaker one is not lost beside the stronger one.
-        if most > LEAST_SIGNED:
-            clear = min(max(LEAST_SIGNED, few), 0.8 * most)
+        if most > MIN_SIGNED:
+            clear = min(max(MIN_SIGNED, few), 0.8 * most)
             opacity += rising(_beyond(sign * places, clear, most), SIGNED_DEPTH * n_voxels)
     return Curves(values, np.where(places == 0, 0.0, np.maximum(opacity, part.veil)), (places + 1.0) / 2.0)
 

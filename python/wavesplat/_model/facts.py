@@ -19,12 +19,15 @@ __all__ = [
     "LENGTH",
     "Channel",
     "Facts",
+    "Rgb",
     "description_of",
     "is_part_of_color",
     "quantity_of",
     "value_unit_of",
 ]
 
+#: Red, green and blue, 0..1.
+Rgb = tuple[float, float, float]
 #: Bound of time points: more than any file has.
 MAX_TIMES = 2**53
 #: Longest name of a unit of values.

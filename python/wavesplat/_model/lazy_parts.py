@@ -40,7 +40,7 @@ __all__ = [
 #: Samples of a finer level from which its brightness is learnt, and the ratio of its spacing, both at most.
 MAX_PART, MAX_FINER = 1 << 22, 4.5
 #: Least side of a box that is looked for in all of a level, samples.
-LEAST_SIDE = 16
+MIN_SIDE = 16
 #: Samples of the finest level whose neighbours tell noise and labels, about.
 N_BUSIEST = 1 << 18
 #: Samples of a level that is read as a whole whatever is cropped, at most; and samples around a crop that are read with
@@ -191,7 +191,7 @@ def busiest_part(volume: LazyVolume, number: int) -> NDArray[Any]:
     """Samples of the finest level, [z, y, x], side by side, where the values of a coarser one vary most."""
     own, finest = volume._levels[number], volume._levels[0]
     side = max(4, int((N_BUSIEST / _ratio(own, finest)) ** (1 / 3)))
-    box = _busiest(own.array.shape, volume.survey(number, "linear"), max(side, LEAST_SIDE) ** 3)
+    box = _busiest(own.array.shape, volume.survey(number, "linear"), max(side, MIN_SIDE) ** 3)
     # In two steps, since a small box has many places in a level.
     within = [range(a, max(b - side, a) + 1, max(side // 2, 1)) for a, b in zip(*box, strict=True)]
     coarse = read_box(volume.arrays(number), box)
@@ -231,7 +231,7 @@ def _finite(samples: NDArray[Any]) -> NDArray[np.float32]:
 
 def _busiest(shape: Sequence[int], survey: Survey, most: float) -> Box:
     """A box of about `most` samples of a level of this shape, where the values that its survey kept vary most."""
-    side = max(LEAST_SIDE, int(round(most ** (1 / 3), 6)))
+    side = max(MIN_SIDE, int(round(most ** (1 / 3), 6)))
     size = [min(n, side) for n in shape]
     steps, strided = survey.finest()
     best, first = -1.0, [(n - s) // 2 for n, s in zip(shape, size, strict=True)]

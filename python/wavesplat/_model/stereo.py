@@ -35,7 +35,7 @@ LAYOUTS: tuple[str, ...] = get_args(Layout)
 #: Vertical angle of view, degrees, that VTK and ParaView give a camera, for views that are orthographic by themselves.
 VIEW_ANGLE = 30.0
 #: Least share of a view's up along the world's z of one that has a horizon.
-LEAST_UPRIGHT = 0.5
+MIN_UPRIGHT = 0.5
 #: Angle between the eyes, seen from where they converge, degrees: the default of VTK's and ParaView's cameras.
 EYE_ANGLE = 2.0
 
@@ -197,7 +197,7 @@ def within(camera: Camera, *, is_level: bool = True) -> Camera:
     far = camera.parallel_scale
     if far is None:
         far = dist(camera.position, camera.focal_point) * tan(radians((camera.view_angle or 0.0) / 2))
-    if is_level and abs(up[2]) > LEAST_UPRIGHT:
+    if is_level and abs(up[2]) > MIN_UPRIGHT:
         up, back = np.array([0.0, 0.0, np.sign(up[2])]), back * (1.0, 1.0, 0.0)
     ahead = camera.focal_point - far / np.linalg.norm(back) * back
     return Camera(camera.focal_point, ahead, up, view_angle=90.0)

@@ -36,7 +36,7 @@ Orientation: TypeAlias = Literal["letters", "cube", "axes"]
 TEXT_SHARE, TEXT_PX = 1 / 27, (10.0, 200.0)
 POINTS_PER_INCH = 72.0
 #: Sizes of the font along the shorter side of the smallest picture of a sheet, so that a position fits across it.
-LEAST_LINES = 6.0
+MIN_LINES = 6.0
 #: Distances in sizes of the font: from the edges, between blocks, from the rendering to the blocks beside it.
 MARGIN, GAP, BESIDE = 0.9, 0.9, 1.2
 #: Height of a colour bar as a share of the rendering's, where it has room; least height, in sizes of the font.
@@ -136,7 +136,7 @@ def style_of(rgba: NDArray[np.float32], background: Any) -> Style:
 def common_font_px(sizes: Sequence[tuple[int, int]]) -> float:
     """Font height in pixels for all pictures of a sheet: the largest picture's, reduced to fit the smallest."""
     largest = max(_font_px(Figure(), width, height) for width, height in sizes)
-    return max(TEXT_PX[0], min(largest, min(map(min, sizes)) / LEAST_LINES))
+    return max(TEXT_PX[0], min(largest, min(map(min, sizes)) / MIN_LINES))
 
 
 def with_caption(

@@ -104,7 +104,7 @@ def write_bytes_of(picture: Picture, path: Path, *, dpi: float | None, quality: 
 
 
 #: Least distance of pixels that a ratio of 32-bit numbers holds, in its unit.
-LEAST_STEP = 1e-8
+MIN_STEP = 1e-8
 
 
 def write_tiff(picture: Picture, path: Path, *, bits: int, dpi: float | None) -> None:
@@ -120,7 +120,7 @@ def write_tiff(picture: Picture, path: Path, *, bits: int, dpi: float | None) ->
     step = _pixel_of_all(picture)
     if dpi is not None:
         options |= {"resolution": (dpi, dpi), "resolutionunit": "INCH"}
-    elif step is not None and LEAST_STEP < step < 1 / LEAST_STEP:
+    elif step is not None and MIN_STEP < step < 1 / MIN_STEP:
         # Descriptions are in ASCII.
         named = f"unit={picture.unit}\n" if picture.unit and picture.unit.isascii() else ""
         options |= {"resolution": (1 / step, 1 / step), "resolutionunit": "NONE"}

@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 from wavesplat._looks import colors, transfer_function_json
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model.camera import Camera
-from wavesplat._model.facts import Facts
+from wavesplat._model.facts import Facts, Rgb
 from wavesplat.errors import ArgumentError
 
 __all__ = [
@@ -34,7 +34,6 @@ __all__ = [
 ]
 
 Array = NDArray[np.float64]
-Rgb = tuple[float, float, float]
 
 #: Least difference of the largest and the smallest channel of a colour with a hue.
 COLORED = 0.3

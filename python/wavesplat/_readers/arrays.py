@@ -22,7 +22,7 @@ from wavesplat._readers.components import (
     has_vectors,
     quantity_of_array,
 )
-from wavesplat._readers.file_contents import MOST_BYTES, Contents, FileArray, ranges_of
+from wavesplat._readers.file_contents import MAX_BYTES, Contents, FileArray, ranges_of
 from wavesplat._readers.request import (
     Grid,
     Request,
@@ -66,7 +66,7 @@ def contents(request: Request) -> Contents | None:
         for name in _names(archive):
             with archive.open(f"{name}.npy") as member:
                 shape, dtype = npy_header(member)
-            looked_at = dtype.kind in "biuf" and size_checks.n_bytes(shape, dtype) <= MOST_BYTES
+            looked_at = dtype.kind in "biuf" and size_checks.n_bytes(shape, dtype) <= MAX_BYTES
             array = _from_npz(replace(request, dataset=name))[1] if looked_at else None
             are_vectors = has_vectors(shape, dtype, replace(request, channel=None, time=None))
             ranges = () if array is None else ranges_of(array, has_components=are_vectors)

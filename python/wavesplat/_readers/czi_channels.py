@@ -9,9 +9,9 @@ from __future__ import annotations
 import re
 from typing import Any, NamedTuple
 
-__all__ = ["CziChannel", "czi_channels"]
+from wavesplat._model.facts import Rgb
 
-Rgb = tuple[float, float, float]
+__all__ = ["CziChannel", "czi_channels"]
 
 
 class CziChannel(NamedTuple):

@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from wavesplat._readers.request import Request
 
-__all__ = ["MOST_BYTES", "Contents", "FileArray", "GridFacts", "are_small", "contents_of", "joined_ranges", "ranges_of"]
+__all__ = ["MAX_BYTES", "Contents", "FileArray", "GridFacts", "are_small", "contents_of", "joined_ranges", "ranges_of"]
 
 Range = tuple[float, float] | None
 #: Ranges are found in files whose arrays take at most this many bytes together.
-MOST_BYTES = 1 << 30
+MAX_BYTES = 1 << 30
 
 
 @dataclass(frozen=True)
@@ -69,7 +69,7 @@ def contents_of(request: Request, family: str) -> Contents | None:
 def are_small(arrays: Iterable[Any]) -> bool:
     """Whether the numbers of all arrays, which have a shape and a type, are few enough to find their ranges."""
     n_bytes: int = sum(prod(array.shape) * array.dtype.itemsize for array in arrays)
-    return n_bytes <= MOST_BYTES
+    return n_bytes <= MAX_BYTES
 
 
 def ranges_of(numbers: Any, *, has_components: bool = False) -> tuple[Range, ...]:

@@ -42,7 +42,7 @@ __all__ = [
 #: Groups and links on the path to a dataset, at most.
 MAX_STEPS = 100
 #: Datasets without three axes that a message names, at most.
-MOST_TOLD = 6
+MAX_TOLD = 6
 #: Groups at the root of Imaris' files.
 IMARIS = {"DataSetInfo", "DataSet"}
 #: Names of the grids of Enzo's adaptive meshes.
@@ -255,8 +255,8 @@ def _none_found(file: h5py.File, request: Request) -> FileError:
             flat.append(f"{name} {node.shape}")
 
     file.visititems(visit)
-    more = f", and {len(flat) - MOST_TOLD} more" if len(flat) > MOST_TOLD else ""
-    held = ", ".join(flat[:MOST_TOLD]) or "groups alone"
+    more = f", and {len(flat) - MAX_TOLD} more" if len(flat) > MAX_TOLD else ""
+    held = ", ".join(flat[:MAX_TOLD]) or "groups alone"
     return FileError(
         f"the file holds no dataset with three axes of numbers, so no volume, but {held}{more}; if one is "
         f"a flattened volume, give wavesplat.Volume(h5py.File(path)[name][...].reshape(nz, ny, nx)): {request.path}"

@@ -51,7 +51,7 @@ MESH = {"mesh", "location"}
 #: Attributes by which a coordinate names the variable of the borders of its cells.
 BORDERS = ("bounds", "climatology")
 #: Variables without three axes that a message names, at most.
-MOST_TOLD = 6
+MAX_TOLD = 6
 
 
 @dataclass(frozen=True)
@@ -301,8 +301,8 @@ def _none_found(datasets: dict[str, Any], request: Request) -> FileError:
         for name, array in dataset.data_vars.items()
         if array.ndim > 0
     ]
-    more = f"; and {len(flat) - MOST_TOLD} more" if len(flat) > MOST_TOLD else ""
-    held = "; ".join(flat[:MOST_TOLD]) or "others"
+    more = f"; and {len(flat) - MAX_TOLD} more" if len(flat) > MAX_TOLD else ""
+    held = "; ".join(flat[:MAX_TOLD]) or "others"
     return FileError(
         f"the file holds no variable with three axes of numbers, so no volume, but {held}{more}; such variables "
         f"are drawn by xarray.open_dataset(path)[name].plot(): {request.path}"

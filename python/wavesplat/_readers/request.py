@@ -50,7 +50,7 @@ __all__ = [
 
 
 #: Names that a message lists, at most.
-MOST_LISTED = 40
+MAX_LISTED = 40
 #: Samples along the longest side of a grid that is made of another, at most.
 MAX_RESAMPLED = 4096
 
@@ -260,7 +260,7 @@ def unwarned(library: str) -> Iterator[None]:
         yield
 
 
-def listed(names: Sequence[object], most: int = MOST_LISTED) -> str:
+def listed(names: Sequence[object], most: int = MAX_LISTED) -> str:
     """Names for a message: the first of them where there are many."""
     return ", ".join(map(str, names[:most])) + (", ..." if len(names) > most else "")
 

@@ -29,7 +29,7 @@ EXTRA = "segy"
 INLINE, CROSSLINE, OFFSET, X, Y, SCALE = 189, 193, 37, 181, 185, 71
 #: Place of the code of the samples' type in a file, and codes that segyio reads; it takes others for IBM's floats.
 FORMAT_AT, FORMATS = 3224, (1, 2, 3, 5, 6, 8, 9, 10, 11, 12, 16)
-MOST_FORMATS = 16
+MAX_FORMATS = 16
 #: Code of the measurement system -> its unit of length.
 SYSTEMS = {1: "m", 2: "foot"}
 #: Traces of a regular survey are off by at most this fraction of a step.
@@ -37,7 +37,7 @@ TOLERANCE = 0.5
 #: Parts of steps below this fraction of the shortest are errors of the fit.
 ROUNDING = 1e-9
 #: A grid of inlines and crosslines with fewer traces than this share is taken for numbers that mean something else.
-LEAST_SHARE = 0.05
+MIN_SHARE = 0.05
 
 
 class _Axis(NamedTuple):
@@ -93,7 +93,7 @@ def _byte_order(path: Path) -> Literal["big", "little"]:
         code = file.read(2)
     orders: tuple[Literal["big", "little"], ...] = ("big", "little")
     for order in orders:
-        if 1 <= (number := int.from_bytes(code, order)) <= MOST_FORMATS:
+        if 1 <= (number := int.from_bytes(code, order)) <= MAX_FORMATS:
             if number not in FORMATS:
                 raise FileError(
                     f"its samples are of format {number}, which segyio does not read; write them as IEEE floats "
@@ -120,7 +120,7 @@ def _axes(file: Any, request: Request) -> tuple[_Axis, _Axis]:
             "193), so they are a line, a gather or have the numbers elsewhere; give their cube, as segyio.open(path, "
             f"iline=BYTE, xline=BYTE) finds it, to wavesplat.Volume: {request.path}"
         )
-    if n_traces < LEAST_SHARE * n_places:
+    if n_traces < MIN_SHARE * n_places:
         raise FileError(
             f"{n_traces} traces are scattered over {inlines.n} inlines (byte 189) and {crosslines.n} crosslines (byte "
             "193), so the numbers are elsewhere; give their cube, as segyio.open(path, iline=BYTE, xline=BYTE) finds "

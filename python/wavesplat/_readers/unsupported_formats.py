@@ -201,7 +201,7 @@ MAY_BE_OURS = (".npz", ".gz", ".mgz", ".img", ".raw", ".bin", ".mnc", ".brik", "
 #: Names of FARGO3D's arrays, which have no header; their sizes are in the domain files beside.
 FARGO = re.compile(r"gas(dens|energy|vx|vy|vz|rad)\d+\.dat")
 #: Subfolders of a folder that are looked into, at most, to know a format by them.
-MOST_FOLDERS = 50
+MAX_FOLDERS = 50
 
 
 def foreign_kind(path: Path) -> FileError | None:
@@ -256,7 +256,7 @@ def _by_names(folder: Path, names: set[str], depth: int) -> tuple[str, str] | No
         return "an adaptive mesh of AMReX", BY_YT
     if depth == 0:
         return None
-    inner = [folder / name for name in sorted(names)[:MOST_FOLDERS] if (folder / name).is_dir()]
+    inner = [folder / name for name in sorted(names)[:MAX_FOLDERS] if (folder / name).is_dir()]
     return next((found for one in inner if (found := _by_names(one, _names_in(one), depth - 1)) is not None), None)
 
 

@@ -30,7 +30,7 @@ IN_NAME = re.compile(rf"(?<![A-Za-z0-9]){KIND}(?![A-Za-z0-9])")
 NAME = re.compile(rf"{KIND}(?![A-Za-z0-9])|.*(?<![A-Za-z0-9]){KIND}(\.gz)?$")
 #: Kinds of files whose values are no charges times the volume: -> the unit of their values.
 PLAIN = {"LOCPOT": "eV", "ELFCAR": None}
-MOST_ATOMS = 1 << 24
+MAX_ATOMS = 1 << 24
 #: Number of grids in a file -> their names.
 GRIDS = {
     1: ("total",),
@@ -89,7 +89,7 @@ def _cell(file: IO[bytes]) -> NDArray[np.float64]:
     if not counts[0].isdigit():  # names of the elements, which old files leave out
         counts = file.readline().split()
     n_atoms = sum(int(count) for count in counts)
-    if not 0 < n_atoms <= MOST_ATOMS:
+    if not 0 < n_atoms <= MAX_ATOMS:
         raise ValueError(f"{n_atoms} atoms")
     if file.readline().strip()[:1] in b"Ss":
         file.readline()

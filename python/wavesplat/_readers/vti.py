@@ -25,7 +25,7 @@ from wavesplat._files import size_checks
 from wavesplat._files.reading import mapped, reading
 from wavesplat._model.facts import Facts
 from wavesplat._readers.components import component_of, facts_of_colors, quantity_of_array
-from wavesplat._readers.file_contents import MOST_BYTES, Contents, FileArray, joined_ranges, ranges_of
+from wavesplat._readers.file_contents import MAX_BYTES, Contents, FileArray, joined_ranges, ranges_of
 from wavesplat._readers.request import Grid, Request
 from wavesplat._readers.vtk_arrays import chosen, image_facts, other_grid, world_from_index
 from wavesplat._readers.vtk_blanking import GHOSTS, without_hidden
@@ -161,7 +161,7 @@ def contents(request: Request) -> Contents:
 
 
 def _described(stored: _Stored, image: ET.Element, array: _Array, whole: NDArray[np.int64]) -> FileArray:
-    looks = array.kind in TYPES and len(stored.content) <= MOST_BYTES
+    looks = array.kind in TYPES and len(stored.content) <= MAX_BYTES
     parts = [part for _, part in _parts(stored, image, array, whole)] if looks else []
     return FileArray(
         array.name,

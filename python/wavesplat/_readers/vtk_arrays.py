@@ -17,7 +17,7 @@ from wavesplat.errors import FileError
 __all__ = ["chosen", "described_grid", "image_facts", "other_grid", "world_from_index"]
 
 #: Names that a guess lists, at most.
-MOST_IN_GUESS = 8
+MAX_IN_GUESS = 8
 #: Names of arrays that number points and cells, or say where they came from: VTK puts them beside the fields.
 NUMBERS_ONLY = re.compile(
     r"(vtk(Original|Ghost|Valid|Composite|Block|Domain)\w*|((Global|Pedigree)_?)?(Point|Cell|Node|Element)_?Ids?)"
@@ -64,7 +64,7 @@ def chosen(
     if len(names) == 1:
         return number, ()
     which = "the active one" if active and number else "one" if number else "the first"
-    told = f"shown: {names[number]}, {which} of {len(names)} arrays ({listed(names, MOST_IN_GUESS)})"
+    told = f"shown: {names[number]}, {which} of {len(names)} arrays ({listed(names, MAX_IN_GUESS)})"
     return number, (f"{told}; dataset=NAME (--dataset NAME) chooses another",)
 
 

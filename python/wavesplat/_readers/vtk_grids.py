@@ -67,7 +67,7 @@ DIRECTION = re.compile(rb"""<ImageData\b[^<>]*?\bDirection\s*=\s*["']([^"']*)["'
 #: The window that VTK writes errors to is one for all threads.
 _WINDOW = Lock()
 #: Letters of an error of VTK that are told, at most.
-MOST_SAID = 120
+MAX_SAID = 120
 #: Files that files name, one in the other, at most.
 MAX_DEPTH = 8
 
@@ -244,7 +244,7 @@ def loaded(path: Path) -> Any:
     if data is None or any("ERR" in line for line in told):
         # Behind "ERROR: In FILE, line N" VTK says what is wrong, and which of its objects found it.
         reasons = [line.partition("): ")[2].strip(" .") for line in told if "): " in line]
-        said = f": {reasons[0][:MOST_SAID]}" if reasons else ""
+        said = f": {reasons[0][:MAX_SAID]}" if reasons else ""
         raise FileError(
             f"VTK cannot read the file{said}; it is truncated, damaged or of an old form: copy it again, or save it "
             f"anew with ParaView: {path}"

@@ -22,7 +22,7 @@ from wavesplat._files import size_checks
 from wavesplat._files.reading import mapped, reading
 from wavesplat._model.facts import Facts
 from wavesplat._readers.components import component_of, facts_of_colors, number_of_component, quantity_of_array
-from wavesplat._readers.file_contents import MOST_BYTES, Contents, FileArray, ranges_of
+from wavesplat._readers.file_contents import MAX_BYTES, Contents, FileArray, ranges_of
 from wavesplat._readers.request import Grid, Request
 from wavesplat._readers.vtk_arrays import chosen, image_facts, other_grid, world_from_index
 from wavesplat.errors import FileError
@@ -121,7 +121,7 @@ def contents(request: Request) -> Contents:
     with reading("a VTK image", path), mapped(path) as content:
         image = _Parser(content, path).image()
         corners = world_from_index(np.eye(3), image.spacing, image.origin, image.first, of_cells=False)
-        looks = len(content) <= MOST_BYTES
+        looks = len(content) <= MAX_BYTES
         found = [
             FileArray(
                 array.name,

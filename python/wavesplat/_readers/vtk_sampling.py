@@ -32,7 +32,7 @@ TOLERANCE = 1e-4
 #: The array in which VTK says whether a sample lies in the grid.
 VALID = "vtkValidPointMask"
 #: Largest number of cells whose widths are measured to tell what a file holds.
-MOST_MEASURED = 2_000_000
+MAX_MEASURED = 2_000_000
 #: The array that is sampled.
 SAMPLED = "wavesplat"
 
@@ -132,7 +132,7 @@ def facts_of_grid(data: Any, blocks: list[Any]) -> GridFacts:
     bounds = np.array([block.GetBounds() for block in blocks]).reshape(-1, 3, 2)
     low, high = bounds[..., 0].min(axis=0), bounds[..., 1].max(axis=0)
     n_cells = sum(block.GetNumberOfCells() for block in blocks)
-    widths = _cell_sizes(blocks) if n_cells <= MOST_MEASURED else (0.0, 0.0)
+    widths = _cell_sizes(blocks) if n_cells <= MAX_MEASURED else (0.0, 0.0)
     return GridFacts(
         described_grid(data.GetClassName()),
         sum(block.GetNumberOfPoints() for block in blocks),

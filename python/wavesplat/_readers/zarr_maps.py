@@ -23,7 +23,7 @@ from wavesplat.errors import ArgumentError, FileError
 __all__ = ["NamedVolume", "named_volume"]
 
 #: Longest coordinate that is read.
-LONGEST = 1 << 20
+MAX_COORDINATES = 1 << 20
 PACKED = "values are packed (scale_factor, add_offset), and drawn as they are stored: xarray.open_zarr unpacks them"
 
 
@@ -91,7 +91,7 @@ def named_volume(array: Any, group: Any, read: Callable[[Any], NDArray[Any]], re
     coordinates = {}
     for name, size in zip(names, array.shape, strict=True):
         own: Any = None if group is None or "/" in name else group.get(name)
-        if getattr(own, "shape", None) == (size,) and size <= LONGEST and own.dtype.kind in "iuf":
+        if getattr(own, "shape", None) == (size,) and size <= MAX_COORDINATES and own.dtype.kind in "iuf":
             coordinates[name] = _Coordinate(read(own), dict(own.attrs))
     title = (request.dataset or request.name).rpartition("/")[2]
     axes = _Axes(tuple(names), tuple(array.shape), coordinates, dict(array.attrs), title)

@@ -14,7 +14,7 @@ from wavesplat._looks.transfer_function import TransferFunction
 __all__ = ["AddedLight", "over_background"]
 
 #: Least share of a projection that its light can be told from.
-LEAST_LEFT = 1e-3
+MIN_LEFT = 1e-3
 
 
 def over_background(rgba: NDArray[np.float32], background: colors.Rgba | None) -> NDArray[np.float32]:
@@ -46,7 +46,7 @@ class AddedLight:
             # Below shapes the picture does not tell the projection's opacity; its values do, but for edges of pixels.
             alpha = np.where(self.alone[..., 3] > 0, _opacity_of(values, curves, alpha.shape), alpha)
             left = 1 - _share_of_shapes(alpha) * self.alone[..., 3]
-            light = np.divide(light, left[..., None], out=np.zeros_like(light), where=left[..., None] > LEAST_LEFT)
+            light = np.divide(light, left[..., None], out=np.zeros_like(light), where=left[..., None] > MIN_LEFT)
         # In double precision the sum of a few float32 colours does not depend on their order.
         self.light += light
         self.covers.append(1 - alpha)

@@ -17,7 +17,7 @@ from wavesplat._geometry.slice_plane import CUTS
 from wavesplat._looks.automatic import automatic, tinted
 from wavesplat._looks.blocks import is_block
 from wavesplat._looks.brain import brain_of
-from wavesplat._looks.channel_colors import color_of
+from wavesplat._looks.channel_colors import Rgb, color_of
 from wavesplat._looks.default_colors import label_color
 from wavesplat._looks.kinds import kind_of
 from wavesplat._looks.labels import Label, Labels
@@ -73,7 +73,6 @@ __all__ = [
     "sources_of",
 ]
 
-Rgb = tuple[float, float, float]
 Curves: TypeAlias = TransferFunction | TransferFunction2D
 
 #: Colours of channels without one: green, magenta, cyan, yellow, red, blue, white, orange.

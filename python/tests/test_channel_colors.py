@@ -79,6 +79,20 @@ CZI = """<ImageDocument><Metadata><Information><Image><Dimensions><Channels>
 </Channels></DisplaySetting></Metadata></ImageDocument>"""
 
 
+def test_in_space_a_channel_without_a_colour_takes_none_of_a_later_one():
+    """It took green, so that the channel that is green was drawn in magenta."""
+    samples = np.random.default_rng(1).gamma(1.0, 40.0, (2, 12, 12, 12)).astype(np.uint16)
+    channels = (ws.Channel("nuclei"), ws.Channel("membrane", color=GREEN))
+    layers = [
+        ws.Layer(ws.Volume(one, unit="um", facts=ws.Facts(channel=channel, channels=channels)))
+        for one, channel in zip(samples, channels, strict=True)
+    ]
+    shown = ws.render(layers, composite="maximum", size=(8, 8)).report["shown"]
+    of_nuclei, of_membrane = (one["transfer_function"]["color"][-1][1:] for one in shown)
+    assert hue(of_membrane) == pytest.approx(120, abs=10)
+    assert abs(hue(of_nuclei) - 120) > 30
+
+
 def test_a_czi_has_the_colours_of_its_display(monkeypatch, tmp_path):
     """bioio gives white for all of them; OME's metadata, which have the wavelengths, may be refused."""
     path = tmp_path / "a.czi"

@@ -1,7 +1,7 @@
 """The visible layers of a scene: their looks, in the operator that all share, and their volumes, cut open.
 
 Layers without a look get one by the kind of their data. Where there are several, channels of fluorescence have colours
-that can be told apart: those of the file, or, where it has none or two are the same, the ones below.
+that can be told apart: those of the file, or, where it has none or two are the same, `IN_SPACE`.
 """
 
 from __future__ import annotations
@@ -17,7 +17,7 @@ from wavesplat._geometry.slice_plane import CUTS
 from wavesplat._looks.automatic import automatic, tinted
 from wavesplat._looks.blocks import is_block
 from wavesplat._looks.brain import brain_of
-from wavesplat._looks.channel_colors import Rgb, color_of
+from wavesplat._looks.channel_colors import CHANNEL_COLORS, Rgb, color_of, distinct_colors
 from wavesplat._looks.default_colors import label_color
 from wavesplat._looks.kinds import kind_of
 from wavesplat._looks.labels import Label, Labels
@@ -75,20 +75,23 @@ __all__ = [
 
 Curves: TypeAlias = TransferFunction | TransferFunction2D
 
-#: Colours of channels without one: green, magenta, cyan, yellow, red, blue, white, orange.
-CHANNEL_COLORS: tuple[Rgb, ...] = (
-    (0.35, 1.0, 0.45),
-    (1.0, 0.35, 0.95),
-    (0.3, 0.9, 1.0),
-    (1.0, 0.9, 0.3),
-    (1.0, 0.35, 0.3),
-    (0.35, 0.5, 1.0),
-    (1.0, 1.0, 1.0),
-    (1.0, 0.6, 0.25),
+#: Conventional colours -> lighter ones, for pictures in space.
+IN_SPACE: dict[Rgb, Rgb] = dict(
+    zip(
+        CHANNEL_COLORS,
+        (
+            (0.35, 1.0, 0.45),
+            (1.0, 0.35, 0.95),
+            (0.3, 0.9, 1.0),
+            (1.0, 0.9, 0.3),
+            (1.0, 0.35, 0.3),
+            (0.35, 0.5, 1.0),
+            (1.0, 1.0, 1.0),
+            (1.0, 0.6, 0.25),
+        ),
+        strict=True,
+    )
 )
-#: Colours that differ by less in every channel count as the same.
-SAME_COLOR = 0.1
-
 
 DENSE = (
     "dense matter fills the volume up to its faces, and hides what is inside: --composite maximum shows the brightest "
@@ -359,15 +362,17 @@ def _with_distinct_colors(
     composite: Composite,
 ) -> list[Look]:
     """The looks with distinct colours for channels of fluorescence and, in projections, for all without a look."""
-    made, taken = list(looks), list[Rgb]()
-    for k, layer in enumerate(layers):
-        if not is_automatic(layer):
-            continue
-        volume = layer.looked_at
-        if composite in ("over", "first-hit") and kind_of(volume) != "fluorescence":
-            continue
-        color = _free_color(volume, taken)
-        taken.append(color)
+    is_drawn_in_space = composite in ("over", "first-hit")
+    chosen = [
+        k
+        for k, layer in enumerate(layers)
+        if is_automatic(layer) and not (is_drawn_in_space and kind_of(layer.looked_at) != "fluorescence")
+    ]
+    facts = [layers[k].looked_at.facts for k in chosen]
+    own = [color_of(one.channel, one.channels) for one in facts]
+    made = list(looks)
+    for k, found, its_own in zip(chosen, distinct_colors([None] * len(chosen), own), own, strict=True):
+        volume, color = layers[k].looked_at, found if found == its_own else IN_SPACE[found]
         key: Any = id(volume), "color", composite, color
         find = partial(_colored, volume, made[k], composite, color)
         made[k] = scene._cache.get_or_compute(key, identity_of(volume), find)
@@ -423,14 +428,6 @@ def _colored(volume: Volume | WaveletVolume, look: Look, composite: Composite, c
     if composite in ("over", "first-hit"):
         return automatic(volume, composite, color)
     return replace(look, transfer_function=tinted(look.transfer_function, color))
-
-
-def _free_color(volume: Volume | WaveletVolume, taken: Sequence[Rgb]) -> Rgb:
-    own = color_of(volume.facts.channel, volume.facts.channels)
-    for color in (*([own] if own is not None else []), *CHANNEL_COLORS):
-        if all(max(abs(a - b) for a, b in zip(color, other, strict=True)) >= SAME_COLOR for other in taken):
-            return color
-    return CHANNEL_COLORS[len(taken) % len(CHANNEL_COLORS)]
 
 
 # Notes on layers of which a part is drawn.

@@ -53,7 +53,7 @@ def info(input: Input, *, reader: ReaderOptions, json: Json = False) -> None:
 
 
 def _labels_of(input: str, volume: Volume, dataset: str | None) -> list[dict[str, Any]]:
-    """The labels of a segmentation; none of scans, whose headers need not be read again. Addresses have no names."""
+    """The labels of a segmentation; empty for scans. Label names are read from files, not from addresses."""
     from wavesplat._cli import label_counts
     from wavesplat._files.addresses import is_address
     from wavesplat._looks import label_names
@@ -104,7 +104,7 @@ def _opened(input: str, reader: ReaderOptions) -> Volume | WaveletVolume:
             return lazy
     try:
         return open_any(input, reader, quiet=True)
-    except PictureError:  # of a picture or a film there are facts, too
+    except PictureError:  # single pictures and films have facts to list too
         if is_zarr(input, **vars(reader)):
             raise
         with taking_planes():

@@ -131,7 +131,7 @@ class ShapeArrays:
 
 
 def _colors_of(shape: Any) -> dict[str, Any] | None:
-    """The report's entry of the colours of a shape's values; None of one without values."""
+    """The report's entry on the colours of a shape's values; None if the shape has no values."""
     if shape._mapped is None:
         return None
     _, cmap, ends = shape._mapped

@@ -209,7 +209,7 @@ def _alike(name: str) -> tuple[str, str | None]:
 
 
 def _in_brackets(name: str) -> tuple[str, str] | None:
-    """What stands before the brackets at the end of a column's name, and in them: x (µm), x [mm]."""
+    """A column's name without the brackets at its end, and the text in them: x (µm), x [mm]; None without brackets."""
     text = name.strip()
     begin = max(text.rfind("("), text.rfind("["))
     inside = text[begin + 1 : -1]

@@ -417,7 +417,7 @@ def _field(volume: Volume | WaveletVolume, known: Evidence) -> Made:
         color = [(value, *rgb) for value, (_, *rgb) in zip(curves.values.tolist(), reversed(color), strict=True)]
     function, shading = _of_curves(curves, color)
     if fill is not None and function.opacity[0][1] > 0:
-        # Samples without data are clear, also beside the lowest values, which are seen.
+        # Samples without data are clear, although the lowest values, which are close to them, are visible.
         least = float(values.min())
         edge = [(least - 0.5 * (least - fill), 0.0), (least, function.opacity[0][1])]
         nodes = [*edge, *(node for node in function.opacity if node[0] > least)]

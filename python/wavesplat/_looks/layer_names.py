@@ -28,7 +28,7 @@ UNKNOWN = "scan"
 
 
 class FoundName(str):
-    """A name of a layer that was found here, as the user gave none; scenes change it where two are the same."""
+    """A layer's default name, not given by the user; scenes change it if two layers have the same."""
 
 
 def is_of_patient(volume: AnyVolume) -> bool:

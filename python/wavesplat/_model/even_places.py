@@ -14,8 +14,8 @@ __all__ = ["TOLERANCE", "off_from_even", "rounding_of"]
 
 #: Tolerance of coordinates, as a fraction of the step: many are calculated in single precision.
 TOLERANCE = 1e-3
-#: Units in the last place by which a coordinate is off at most: half a unit each of itself and of both ends, and twice
-#: that where it was calculated from the one before it.
+#: Maximum rounding error of a coordinate in units in the last place: half a unit each for itself and both ends, doubled
+#: since coordinates are often calculated from the one before.
 ULPS = 2.0
 
 

@@ -253,7 +253,7 @@ def quantity_of(name: object) -> str | None:
 
 
 def description_of(*texts: str) -> str | None:
-    """The description of a scan, of what a file says of it; None where it says nothing."""
+    """The description of a scan, joined from texts of its file; None if these are empty."""
     told = ", ".join(
         " ".join("".join(sign if sign.isprintable() else " " for sign in one).split()) for one in texts if one
     )

@@ -173,7 +173,7 @@ def _only_array(array: Any) -> Any:
 
 
 def _spatial_axes(array: Any, sizes: dict[Any, int]) -> list[Any]:
-    """Names of the axes that become z, y, x: those that are told, else the only three (longer than 1), in order."""
+    """Names of the axes that become z, y, x: the given ones, else the only three axes longer than 1, in order."""
     names = map_axes.spatial_axes([(name, map_axes.role_of(array, name)) for name in sizes], sizes)
     if len(names) != 3:
         raise ArgumentError(

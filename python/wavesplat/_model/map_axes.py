@@ -173,7 +173,7 @@ def without_lengths(array: Any, spatial: list[Any]) -> list[Any]:
 
 
 def wrf_steps(array: Any, spatial: list[Any], attributes: Mapping[str, Any]) -> tuple[float, float] | None:
-    """Distances along x and y, in metres, by the attributes DX and DY of a file of WRF; None of another one."""
+    """Distances along x and y in metres, from the attributes DX and DY of a WRF file; None for other files."""
     _, y, x = (str(axis) for axis in spatial)
     if not (y.startswith("south_north") and x.startswith("west_east")) or {y, x} & set(array.coords):
         return None

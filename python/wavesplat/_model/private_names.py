@@ -127,7 +127,7 @@ def content_of(path: str) -> str | None:
 
 
 def file_of_content(name: str, folder: Path) -> Path | None:
-    """The file in a folder that has the content of such a name; None where there is none."""
+    """The file in a folder whose content has this name; None if there is none."""
     size = name.removeprefix(CONTENT).partition("-")[0]
     try:
         with os.scandir(folder) as entries:

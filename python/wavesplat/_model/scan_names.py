@@ -15,7 +15,7 @@ WORDS = {"PT": "PET", "RTDOSE": "dose", "SEG": "labels", "US": "ultrasound", "IV
 
 
 def name_of_facts(facts: Facts) -> str | None:
-    """The channel, else the quantity, else the modality; None where a file says none of them."""
+    """The channel, else the quantity, else the modality; None if the file names none of them."""
     channel = facts.channel.name if facts.channel is not None else ""
     modality = None if facts.modality is None else WORDS.get(facts.modality, facts.modality)
     return channel or facts.quantity or modality

@@ -74,7 +74,7 @@ class Stack:
 
     @property
     def name(self) -> str:
-        """The name of the image in files; that of a patient's file is left out."""
+        """The name of the image to write into files; a name from a patient's file is left out."""
         return name_in_files(self.grid)
 
     @property

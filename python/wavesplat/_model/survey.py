@@ -82,7 +82,7 @@ class Survey:
         is_whole: bool = True,
     ) -> None:
         self.shape = shape
-        #: Whether all samples were read; else `looks` holds those of a part alone.
+        #: Whether all samples were read; if not, `looks` holds samples of a part of the volume.
         self.is_whole = is_whole
         #: Samples for looks, cameras and kinds of data.
         self.looks = looks

@@ -26,7 +26,7 @@ SECONDS = {"s": 1.0, "ms": 1e-3}
 
 
 def film_of(scene: Scene) -> Series | None:
-    """The film that a scene shows; None of scenes of volumes."""
+    """The film that a scene shows; None if it shows volumes."""
     first = scene.layers[0]
     return first.volume if isinstance(first.volume, Series) and is_single_plane(first.drawn) else None
 
@@ -48,7 +48,7 @@ def shots_of(scene: Scene, film: Series, along: Any) -> Sequence[Shot]:
                 f"{film.name!r} is a film, which is shown as it is, without a camera; leave out along (--turn, views), "
                 "or give a KeyFrame with a time for each of its frames"
             )
-    camera = Camera((0, 0, 1), (0, 0, 0), (0, 1, 0), parallel_scale=1)  # which a picture has no use for
+    camera = Camera((0, 0, 1), (0, 0, 0), (0, 1, 0), parallel_scale=1)  # not used: a film is shown without a camera
     return [Shot(scene.at_time(number), camera) for number in numbers]
 
 

@@ -373,7 +373,7 @@ def _colored(figure: Figure, report: Mapping[str, Any]) -> list[tuple[report_fac
 
 
 def _titled(shown: Sequence[report_facts.ShownLayer]) -> list[tuple[report_facts.ShownLayer, str]]:
-    """Bars with their titles; of several with one title the later ones have the names of what they belong to."""
+    """Colour bars with their titles; if several have the same title, later ones are titled by their layer or shape."""
     found: list[tuple[report_facts.ShownLayer, str]] = []
     for one in shown:
         title = _title_of_values(one)

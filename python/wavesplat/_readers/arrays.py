@@ -58,7 +58,7 @@ def read(request: Request) -> Grid:
 
 
 def contents(request: Request) -> Contents | None:
-    """All arrays of a .npz file; None of a .npy file, which has one without a name."""
+    """All arrays of a .npz file; None for a .npy file, whose only array has no name."""
     if not zipfile.is_zipfile(request.file):
         return None
     with reading("a NumPy file", request.file), unwarned("numpy"), zipfile.ZipFile(request.file) as archive:

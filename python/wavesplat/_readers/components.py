@@ -34,7 +34,7 @@ N_COMPONENTS = 3
 
 
 def is_length(n_components: int, dtype: np.dtype[Any], request: Request) -> bool:
-    """Whether the length of vectors is drawn, of which the components are to be interpolated, not the lengths."""
+    """Whether the length of vectors is drawn: then components are interpolated, not lengths."""
     is_asked = request.component in (None, "magnitude") and 1 < n_components <= len(AXES)
     return is_asked and _are_vectors(n_components, dtype, request)
 

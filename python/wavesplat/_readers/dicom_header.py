@@ -420,7 +420,7 @@ def _found(groups: Sequence[Mapping[int, Any]], dataset: Dataset, group: int, *s
 
 
 def _name_of_dimension(item: Any) -> str:
-    """The name of what a dimension counts: by the dictionary or, of a private element, the file's own."""
+    """The name of a dimension: from the DICOM dictionary or, for a private element, from the file."""
     group, element = (*whole_numbers(item, 0x00209165, "u2"), 0, 0)[:2]  # two shorts
     return f"{INDEX}{_description(group << 16 | element) or text(item, 0x00209421) or f'{group:04x},{element:04x}'}"
 

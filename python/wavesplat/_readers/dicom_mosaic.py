@@ -49,8 +49,8 @@ CENTRE = re.compile(
     rb"^[ \t]*sSliceArray\.asSlice\[(\d{1,6})\]\.sPosition\.d(Sag|Cor|Tra)[ \t]*=[ \t]*(\S{1,40})", re.MULTILINE
 )
 AXES = (b"Sag", b"Cor", b"Tra")
-#: What is assumed where neither of them gives the order of the slices.
-UNSAID = (
+#: The assumption if neither the image header nor the protocol gives the order of the slices.
+ASSUMED_ORDER = (
     "slices of a mosaic along the normal of its picture: the file does not say their order (0029,xx10 or 0029,xx20)"
 )
 #: Slices of a protocol, at most: a scanner's have some hundreds.
@@ -204,7 +204,7 @@ def _split_mosaic(dataset: Dataset, picture: Picture) -> Split | None:
     along_row = picture.orientation[:3] * picture.pixel_spacing[1]
     along_column = picture.orientation[3:] * picture.pixel_spacing[0]
     normal, step = np.cross(picture.orientation[:3], picture.orientation[3:]), picture.slice_step
-    with np.errstate(over="ignore", invalid="ignore"):  # of distances that cannot be, which are told later
+    with np.errstate(over="ignore", invalid="ignore"):  # impossible distances are refused later
         first = picture.position + along_row * (picture.size[0] - columns) / 2
         first = first + along_column * (picture.size[1] - rows) / 2
         if centres is not None and len(centres) == n:
@@ -213,7 +213,7 @@ def _split_mosaic(dataset: Dataset, picture: Picture) -> Split | None:
         across = -normal if vector.shape == (3,) and vector @ normal < 0 else normal
         positions: NDArray[np.float64] = first + np.arange(n)[:, None] * (step * across)
     is_said = vector.shape == (3,) and bool(vector.any())
-    return Split(tiles, positions, guess="" if is_said else UNSAID)
+    return Split(tiles, positions, guess="" if is_said else ASSUMED_ORDER)
 
 
 def _order(
@@ -245,7 +245,7 @@ def _of_image(dataset: Dataset) -> dict[str, list[Any]]:
 
 
 def _centres(dataset: Dataset) -> NDArray[np.float64] | None:
-    """Centres of slices, LPS, mm, by the protocol of the series; None where there is none. It leaves out zeros."""
+    """Centres of slices, LPS, mm, from the protocol of the series, which omits coordinates of 0; None without one."""
     for tag in dataset.keys():  # noqa: SIM118 - a dataset iterates over its elements, and converts them
         if tag.group not in GROUPS_OF_PROTOCOL:
             continue

@@ -78,7 +78,7 @@ def _has_spacing(dataset: Any) -> bool:
 
 
 def sizes_of_pixels(dataset: Any) -> tuple[tuple[float, float], str]:
-    """Distances of rows and of columns in mm where there is no PixelSpacing, NaN if unknown, and a guess about them."""
+    """Distances of rows and columns in mm without a PixelSpacing, NaN if unknown, and a sentence on their source."""
     regions = [found for item in items(dataset, 0x00186011) if (found := _size_in_region(item)) is not None]
     if regions and all(np.allclose(one, regions[0], rtol=SAME, atol=0) for one in regions):
         return regions[0], "distances of pixels as in the regions of tissue (SequenceOfUltrasoundRegions)"
@@ -94,7 +94,7 @@ def sizes_of_pixels(dataset: Any) -> tuple[tuple[float, float], str]:
 
 
 def _size_in_region(item: Any) -> tuple[float, float] | None:
-    """Distances of rows and of columns in an ultrasound region, mm; None of curves and of other units."""
+    """Distances of rows and of columns in an ultrasound region, mm; None for curves and other units."""
     if (integer(item, 0x00186012), integer(item, 0x00186024), integer(item, 0x00186026)) != (
         TISSUE,
         CENTIMETRES,

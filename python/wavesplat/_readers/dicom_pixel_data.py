@@ -47,7 +47,7 @@ class PixelData:
     offset: int
     #: Bytes of the value: of compressed pixels all to the end of the file, of a packed file at most those it can hold.
     n_bytes: int
-    #: Whether bytes are stored as words of two, whose order is that of the file.
+    #: Whether samples of one byte are stored in 16-bit words, in the byte order of the file.
     is_of_words: bool = False
 
 

@@ -34,7 +34,7 @@ class Creator(NamedTuple):
     maker: str
 
     def owns(self, said: str, manufacturer: str) -> bool:
-        """Whether a block is of this creator. Programs that remove names remove these, too, and keep the elements."""
+        """Whether a block is of this creator: anonymisation often removes the creator's name and keeps the block."""
         return said.startswith(self.name) or (not said and manufacturer.upper().startswith(self.maker))
 
     def is_in(self, dataset: Any) -> bool:

@@ -56,7 +56,7 @@ class StoredImage:
 
 
 def member_at(file: h5py.File, name: str, request: Request) -> Any:
-    """The group or dataset of a name; None where there is none.
+    """The group or dataset with a name; None if there is none.
 
     A `FileError` if the way to it, or to its samples, leaves the file.
     """

@@ -155,7 +155,7 @@ def _floats(texts: list[str]) -> list[float]:
 
 
 def _quoted(text: str) -> list[str]:
-    """Texts in quotation marks, in which a backslash stands before such marks."""
+    """Texts in quotation marks; quotation marks inside are escaped by a backslash."""
     found: list[str] = []
     at = text.find('"')
     # Not `findall`: after each opening mark without a closing one it would scan the rest again.
@@ -197,7 +197,7 @@ def of_meta_image(path: Path) -> Header:
 
 
 def _has_no_place_of_meta_image(fields: dict[str, str]) -> bool:
-    """Whether distances, directions and origin of a MetaImage are left out, or those of an image without a place."""
+    """Whether distances, directions and origin of a MetaImage are missing or the format's defaults."""
     said = (
         (("elementspacing", "elementsize"), [1, 1, 1]),
         (("transformmatrix", "rotation", "orientation"), [1, 0, 0, 0, 1, 0, 0, 0, 1]),

@@ -124,7 +124,7 @@ def _described(tiff: TiffFile, path: Path, request: Request, *, in_memory: bool 
 
 
 def levels_in(tiff: TiffFile) -> list[Any]:
-    """The levels of the first series, the finest first: those of a pyramid that have its axes, and get smaller."""
+    """The levels of the first series, the finest first: levels of a pyramid with the same axes and falling sizes."""
     finest: Any = tiff.series[0]
     levels = [finest]
     for one in finest.levels[1:]:
@@ -144,7 +144,7 @@ def _zyx(shape: Sequence[int], picked: Sequence[Any], order: Sequence[int]) -> t
 
 
 def _world_from_index(place: TiffPlace, ratios: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The affine of a level that has so many samples of the finest for each of its own, whose boxes are the same.
+    """The affine of a coarser level with the same box, by the number of finest samples for each of its own.
 
     A negative distance mirrors the axis.
     """

@@ -80,7 +80,7 @@ def world_from_index(
 
 
 def image_facts(kind: str, n_points: Sequence[int], world_from_index: NDArray[np.float64]) -> GridFacts:
-    """Facts of an image of evenly spaced points along x, y, z; its affine is that of points."""
+    """Facts of an image of evenly spaced points along x, y, z, by the affine of its points."""
     n_cells = int(np.prod([max(n - 1, 1) for n in n_points]))
     ends = [(0, n - 1) for n in n_points]
     corners = np.array([[*corner, 1] for corner in product(*ends)]) @ world_from_index.T

@@ -400,7 +400,7 @@ def _of_level(data: Any, boxes: list[Box], array: _Array, request: Request) -> G
     _, told = component_of(first[:1], request, array.name)
 
     def sampled(part: int | None) -> tuple[NDArray[Any], NDArray[np.float64], str]:
-        """Samples of one of the components, or of what is asked for (None)."""
+        """Samples of one component, or, for None, of the component or length that the request asks for."""
 
         def values_of(grid: Any) -> NDArray[Any] | None:
             numbers = array.numbers_of(grid)
@@ -433,7 +433,7 @@ def _resampled(data: Any, blocks: list[Any], array: _Array, request: Request) ->
             quantity = quantity_of_array(array.name, numbers.shape[-1], numbers.dtype, request)
             are_lengths = is_length(numbers.shape[-1], numbers.dtype, request)
             part, told = component_of(numbers, request, array.name)
-            # The length is that of the interpolated vector, not the interpolated length.
+            # Vectors are interpolated before their length is taken: lengths between samples would be too large.
             numbers = numbers if are_lengths else part
         values.append(numbers)
     there = [one for one in values if one is not None]

@@ -430,11 +430,11 @@ def _colored(volume: Volume | WaveletVolume, look: Look, composite: Composite, c
     return replace(look, transfer_function=tinted(look.transfer_function, color))
 
 
-# Notes on layers of which a part is drawn.
+# Notes on layers that are drawn in part.
 
 
 def notes_on_parts(scene: Scene, layers: Sequence[DrawnLayer]) -> list[str]:
-    """Notes on layers of which a part is drawn, or was asked for."""
+    """Notes on layers that are drawn in part, or whose look asks for a part."""
     asked = [layer for layer in layers if layer.look.part == "brain"]
     notes = [note_on_brain(layer.name, layer.seen, _why_no_brain(layer)) for layer in asked]
     is_left_out = any(TABLE_LEFT_OUT in layer.seen.facts.processing for layer in layers)

@@ -18,7 +18,7 @@ FAR = 0.05
 
 
 def note_on_brain(name: str, seen: Grid, why: str | None) -> str:
-    """Note on a layer of which the brain is asked for. `seen`: what is drawn; `why`: no brain was found."""
+    """Note on a layer whose look draws the brain. `seen`: the drawn volume. `why`: the reason if no brain was found."""
     if why is not None:
         return (
             f"no brain was found apart from skull and skin in {name!r}, so all of it is drawn: {why}; "

@@ -157,7 +157,7 @@ class _Source:
         return facts.channels[number] if number < len(facts.channels) else Channel()
 
     def color(self, number: int) -> Rgb | None:
-        """The file's colour of a channel, else that of its light; None where neither is known."""
+        """The file's colour of a channel, else the usual colour of its light; None if neither is known."""
         return color_of(self.facts(number), [self.facts(one) for one in range(self.n)])
 
     def name(self, number: int) -> str:

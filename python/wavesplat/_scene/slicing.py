@@ -268,7 +268,7 @@ def _with_labels(
 
 
 def _labels_alone(scene: Scene) -> Labels | None:
-    """The labels of a segmentation in memory that is cut alone; None of others."""
+    """The labels of a scene that is one segmentation in memory; None for other scenes."""
     first, volume = scene.layers[0], scene.layers[0].drawn
     if len(scene.layers) > 1 or not (is_automatic(first) and first.is_shown and isinstance(volume, Volume)):
         return None

@@ -138,7 +138,7 @@ def _made(name: str, source: dict[str, Any], layer: Layer) -> str:
 
 
 def _volume(source: dict[str, Any]) -> str | None:
-    """The expression that opens a volume; None of one that comes from no file."""
+    """The expression that opens a volume; None if it comes from no file."""
     options = dict(source)
     steps = options.pop("then", [])
     if "example" in options:

@@ -246,7 +246,7 @@ def _none_found(file: h5py.File, request: Request) -> FileError:
     """The error for a file without a dataset of three axes, with those that it has instead."""
     import h5py
 
-    if (known := foreign_groups(list(file), request.path)) is not None:
+    if (known := foreign_groups(list(file), request.file)) is not None:
         return known
     flat: list[str] = []
 

@@ -235,8 +235,8 @@ def opened(request: Request, *, stacklevel: int = 2) -> Volume:
     _check_options(request, family)
     if family in ("itk", "dicom"):
         check_text(request.file)
-    if (request.memory is not None or _is_large(request, family)) and (volume := _lazily(request, family)) is not None:
-        return volume
+    if (request.memory is not None or _is_large(request, family)) and (lazy := _lazily(request, family)) is not None:
+        return lazy
     module = import_module(f"wavesplat._readers.{family}")
     grid: Grid = module.read(request)
     volume = _volume(grid, request, family)

@@ -45,6 +45,8 @@ READERS: dict[str, tuple[str, Callable[[Asked], ReadShape]]] = {
 }
 OF_FREESURFER = ("a surface of FreeSurfer", brain_surfaces.read_freesurfer)
 SUFFIXES = tuple(READERS)
+#: Advice on rows of a neuron, which are text: what is wrong with them is said, and no bytes need be missing.
+OF_NEURONS = "mend the rows, or export the neuron again"
 #: Parts of file names that say nothing of the values, and known names of values; others may be a patient's name.
 OF_BRAINS = re.compile(r"^[lr]h\.|(\.(shape|func|gii|txt))+$")
 MEASURES = {"area", "area.mid", "area.pial", "curv", "curv.pial", "jacobian_white", "sulc", "thickness", "volume"}
@@ -114,7 +116,7 @@ def open_geometry(
     check_readable(place)
     what, read = _reader_of(place)
     try:
-        with reading(what, path):
+        with reading(what, path, other_form=OF_NEURONS if place.suffix.lower() == ".swc" else None):
             found = read(Asked(place, values, kind, within))
     except FileError as error:
         raise (error if str(error).endswith(str(path)) else FileError(f"{error}: {path}")) from error.__cause__

@@ -337,6 +337,14 @@ def test_coordinates_of_a_grid_are_axes_x_and_y(tmp_path, order):
     np.testing.assert_array_equal(ws.open(saved).samples, values.transpose(role))
 
 
+def test_steps_of_time_are_times_without_a_unit_too(tmp_path, packed):
+    axes = {"timestep": np.arange(3), **{name: ALL[name] for name in ("lev", "lat", "lon")}}
+    saved = save_netcdf3(tmp_path / "a.nc", {"t": (tuple(axes), packed)}, axes)
+    volume = ws.open(saved, time=1)
+    np.testing.assert_array_equal(volume.samples, packed[1])
+    assert volume.facts.n_times == 3
+
+
 def test_a_unit_of_time_is_none_of_lengths(tmp_path, packed):
     coordinates = {"time": [0, 6, 12], "y": np.arange(5) * 2.0, "x": np.arange(6) * 2.0}
     for units, unit in (("m", "m"), (None, None)):

@@ -70,7 +70,7 @@ PRESSURES = ("pa", "hpa", "kpa", "mb", "mbar", "millibar", "millibars", "bar", "
 #: Names of coordinates that grow downwards unless an attribute says otherwise.
 DOWNWARDS = r"depth\w*|plev\d*|(air_|sea_water_)?pressure\w*|isobaric\w*"
 #: Names of axes of time.
-TIMES = ("time", "t", "times")
+TIMES = ("time", "t", "times", "timestep", "timesteps", "time_step", "time_steps")
 #: Units that are not lengths.
 WITHOUT_LENGTH = ("1", "level", "levels", "layer", "layers", "sigma_level", "count", "index", "-")
 ANGLES = ("deg", "degree", "degrees", "arc_degree", "rad", "radian", "radians")

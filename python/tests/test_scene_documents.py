@@ -55,6 +55,16 @@ def test_good_documents_are_drawn_and_written_as_they_were_read(path, folder):
     )
 
 
+def test_a_hidden_layer_is_read_as_it_was_written(tmp_path):
+    """Its look is needed once it is shown."""
+    volume = ws.examples.ripples(8)
+    scene = ws.Scene([volume, ws.Layer(volume, "no preset", visible=False)])
+    again = ws.Scene.from_json(scene.to_json())
+    np.testing.assert_array_equal(again.render(size=SIZE).rgba, scene.render(size=SIZE).rgba)
+    with pytest.raises(ArgumentError, match="unknown preset"):
+        ws.Scene.from_json(scene.to_json().replace('"visible": false', '"visible": true'))
+
+
 @pytest.mark.parametrize("path", fixtures("bad"))
 def test_bad_documents_are_refused_with_the_name_of_the_field(path, folder):
     case = json.loads(path.read_text())

@@ -182,11 +182,11 @@ class Batch:
 
         if self.captions:
             return self.captions[input], None
-        if is_of_patient(first.drawn):
-            number = f" {self.inputs.index(input) + 1}" if len(self.inputs) > 1 else ""
-            return f"{first.name}{number}", None
         found = [None if is_address(one) else well_of(Path(one)) for one in self.inputs]
         own = found[self.inputs.index(input)]
+        if own is None and is_of_patient(first.drawn):
+            number = f" {self.inputs.index(input) + 1}" if len(self.inputs) > 1 else ""
+            return f"{first.name}{number}", None
         if own is None:
             return _distinct_names(self.inputs)[self.inputs.index(input)], None
         has_fields = len({one[1] for one in found if one is not None}) > 1

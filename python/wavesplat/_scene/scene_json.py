@@ -284,7 +284,7 @@ def layer_of(layer: Any, what: str, volume: Any) -> Layer:
         look = made_at(f"{what}.look", lambda: look_json.build(fields_of_look, None))
     elif not isinstance(look, str | None):
         raise ArgumentError(f"{what}: field 'look' is {described(look)}; it must be an object, a name or null")
-    elif look is not None:
+    elif look is not None and layer.get("visible", True):  # a hidden layer is read as it was written
         made_at(f"{what}: field 'look'", lambda: presets.checked_name(look))
     for name, kind, form in (("visible", bool, "true or false"), ("time", int, "a whole number")):
         if not isinstance(layer.get(name, kind()), kind):

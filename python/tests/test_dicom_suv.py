@@ -353,7 +353,7 @@ def test_files_of_several_units_are_said_to_be(tmp_path):
 
 @pytest.mark.parametrize(("slope", "unit"), [(2.0, "µm²/s"), (0.5, "a.u.")])
 def test_units_of_real_world_values(tmp_path, slope, unit):
-    """As of parametric maps; where their slope is another, the values that are read are not in that unit."""
+    """Units of parametric maps; where their slope is another, the values that are read are not in that unit."""
     code = {"CodeValue": "um2/s", "CodingSchemeDesignator": "UCUM", "CodeMeaning": "um2/s"}
     mapping = {"RealWorldValueSlope": slope, "RealWorldValueIntercept": 0.0, "MeasurementUnitsCodeSequence": code}
     said = {"modality": "MR", "RescaleSlope": 2, "RescaleIntercept": 0}

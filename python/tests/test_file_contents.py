@@ -1,4 +1,4 @@
-"""What files hold, for `wavesplat info`: every array with its type, components, place and range (A4 of sim.md)."""
+"""Contents of files, for `wavesplat info`: every array with its type, components, place and range."""
 
 from __future__ import annotations
 

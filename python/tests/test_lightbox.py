@@ -165,7 +165,7 @@ def test_a_plane_may_be_an_array():
 
 
 def test_letters_of_three_planes_have_one_size_and_figures_one_sign_of_micrometres(monkeypatch):
-    """Those of thin planes were half as high, and "um" stood above a bar of "µm"."""
+    """Letters of thin planes were half as high, and "um" stood above a bar of "µm"."""
     drawn = []
     with_caption = lightbox_module.with_caption
     monkeypatch.setattr(

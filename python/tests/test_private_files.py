@@ -185,7 +185,7 @@ def test_scenes_saved_on_purpose_keep_relative_paths(patient, tmp_path):
 
 
 def bundle_of(viewer):
-    """What a notebook keeps of a viewer."""
+    """The output of a viewer that a notebook keeps."""
     return viewer._repr_mimebundle_()
 
 

@@ -140,7 +140,7 @@ SOURCES = [
 
 @pytest.mark.parametrize(("name", "source", "tag"), SOURCES)
 def test_attributes_are_read_as_the_dictionaries_say(name, source, tag):
-    """Those of UIH are in no dictionary of pydicom, but in dcm2niix (nii_dicom.cpp)."""
+    """Names of UIH are in no dictionary of pydicom, but in dcm2niix (nii_dicom.cpp)."""
     if source.creator is None:
         assert dictionary_VR(tag) in TYPES[source.encoding]
     elif source.creator != dicom_attributes.UIH:

@@ -10,7 +10,7 @@ from typing import Any
 import typer
 
 from wavesplat._cli.figure_options import FigureOptions, annotated, check_figure
-from wavesplat._cli.outputs import check_outputs, write_report
+from wavesplat._cli.outputs import check_outputs, with_paths, write_report
 from wavesplat._cli.printing import is_terminal, print_notes, print_result, warnings_as_notes
 from wavesplat.errors import ArgumentError
 
@@ -78,7 +78,7 @@ def draw_from(
     facts = {"picture": str(output), "size": list(picture.size), "input": str(path), "report": picture.report}
     if report is not None:
         write_report(report, facts, embed_paths=embed_paths)
-    print_result(facts, output, as_json=json, written=output)
+    print_result(with_paths(facts) if embed_paths else facts, output, as_json=json, written=output)
 
 
 def _refuse_others(context: typer.Context) -> None:

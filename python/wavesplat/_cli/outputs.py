@@ -11,7 +11,7 @@ from wavesplat.errors import ArgumentError
 if TYPE_CHECKING:
     from wavesplat._files.output import Kind
 
-__all__ = ["check_outputs", "write_report"]
+__all__ = ["check_outputs", "with_paths", "write_report"]
 
 
 def check_outputs(
@@ -33,13 +33,20 @@ def check_outputs(
             raise ArgumentError(f"{owner} and {name} are the same file, which would be lost; change a name: {path}")
 
 
+def with_paths(facts: dict[str, Any]) -> dict[str, Any]:
+    """The facts about a result with the whole paths of its volumes."""
+    from wavesplat._model.private_names import whole
+
+    return whole(facts)
+
+
 def write_report(path: Path, facts: dict[str, Any], *, embed_paths: bool) -> None:
     """Write the facts about a result to a JSON file, with paths or with names of files alone."""
     from wavesplat._files.output import write_atomically
-    from wavesplat._model.private_names import whole, without_folders
+    from wavesplat._model.private_names import without_folders
 
     if embed_paths:
-        facts = whole(facts)
+        facts = with_paths(facts)
     else:
         # So that `picture` and `input` are treated as the paths in the scene are.
         named = without_folders({name: {"path": facts[name]} for name in ("picture", "input") if name in facts})

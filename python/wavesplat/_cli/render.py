@@ -16,7 +16,7 @@ from wavesplat._cli.figure_options import FigureOptions, annotated, check_figure
 from wavesplat._cli.from_document import draw_from
 from wavesplat._cli.layer_options import LayerOptions, names_of_pictures, takes_layer_options, times_of
 from wavesplat._cli.light_options import LightOptions, takes_light_options
-from wavesplat._cli.outputs import check_outputs, write_report
+from wavesplat._cli.outputs import check_outputs, with_paths, write_report
 from wavesplat._cli.printing import is_terminal, print_notes, print_result
 from wavesplat._cli.processing_options import ProcessingOptions, takes_processing_options
 from wavesplat._cli.reader_options import InputOrNone, ReaderOptions, takes_reader_options_but_channel
@@ -152,7 +152,12 @@ def render(
     facts = made[0] if layering.times is None and len(made) == 1 else {"pictures": made}
     if report is not None:
         write_report(report, facts, embed_paths=embed_paths)
-    print_result(facts, "\n".join(str(one.path) for one in pictures), as_json=json, written=pictures[-1].path)
+    print_result(
+        with_paths(facts) if embed_paths else facts,
+        "\n".join(str(one.path) for one in pictures),
+        as_json=json,
+        written=pictures[-1].path,
+    )
 
 
 def _settled(chosen: ChosenScene, viewing: ViewOptions, size: tuple[int, int], eyes: EyeOptions) -> ChosenScene:

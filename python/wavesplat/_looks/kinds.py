@@ -102,8 +102,10 @@ MIN_END = 1e-5
 MIN_BRIGHT = 0.45
 #: Fluorescence, where only values tell: largest share of samples of one value (a background without noise was not
 #: counted from photons), least ratio of the 99.9th percentile to the median of the object, both above the background
-#: (cells 3.3 to 11, a mouse brain 3.9; vessels 1.3), and distance of samples in a file that has another unit, metres.
-MAX_EQUAL, MIN_GLOW, FINE_METRES = 0.25, 3.0, 1e-4
+#: (cells 2.8 to 11, a mouse brain 3.9; vessels 1.3, an engine 1.8), and distance of samples in a file that has another unit, metres.
+MAX_EQUAL, MIN_GLOW, FINE_METRES = 0.25, 2.5, 1e-4
+#: Padding: least distance of its value from the next one, as a share of the distance from the median of the others.
+MIN_GAP = 0.25
 #: A few bright samples over noise: least ratio of the distances of the 10th and 90th percentiles to the median, either
 #: way, deviations of the noise above the median that are far, largest share of samples that far, and least number of
 #: neighbours that are both so. (Beads: 0.83 to 1, up to 0.015; cells: 0.3 to 0.7; EM 0.4; vessels in PC-MR: 0.2.)
@@ -358,9 +360,10 @@ def _by_values(volume: Volume | WaveletVolume, values: NDArray[np.float64], *, h
         return "field", "a field of floating-point numbers"
     if not has_noise:
         return "field", "a field of whole numbers without noise, by the values"
-    if _is_dense(values):
+    of_matter = _without_padding(values)
+    if _is_dense(of_matter):
         return "EM", DENSE
-    if _glows(values):
+    if _glows(of_matter):
         return "fluorescence", "fluorescence: noise, and a few samples far brighter than the rest, by the values"
     return "scan", "a scan of no fixed scale"
 
@@ -414,6 +417,15 @@ def _is_fine(volume: Volume | WaveletVolume) -> bool:
     """Whether samples are as close together as a microscope's, whatever unit the file has."""
     metres = units.metres(volume.unit)
     return metres is not None and min(volume.spacing) * metres < FINE_METRES
+
+
+def _without_padding(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """The values without those of a frame around the image: many of exactly the least value, far from all others."""
+    least = values.min()
+    others = values[values > least]
+    if not others.size or values.size - others.size < MIN_FILL * values.size:
+        return values
+    return others if others.min() - least >= MIN_GAP * (np.median(others) - least) else values
 
 
 def _glows(values: NDArray[np.float64]) -> bool:

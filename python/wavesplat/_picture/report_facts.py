@@ -98,7 +98,7 @@ def layers_of(report: Mapping[str, Any]) -> list[ShownLayer]:
 
 
 def shapes_of(report: Mapping[str, Any]) -> list[ShownLayer]:
-    """What stands in space and shows values in colours."""
+    """Surfaces, lines, points and slices in space that show values in colours."""
     return [_layer(shape, shape.get("kind") or "geometry") for shape in report.get("geometry_colors") or []]
 
 

@@ -34,7 +34,7 @@ ENDS_OF_TABLE = 0.01
 
 @dataclass(frozen=True)
 class FactsOfPictures:
-    """What a file says about its frames as pictures.
+    """Facts that a file says about its frames as pictures.
 
     times : of the frames of a film, seconds from the first one; empty where they are unknown.
     window : values, after slope and intercept, that are black and white. is_inverted : whether the lowest is white.

@@ -38,7 +38,7 @@ __all__ = ["check_syntax", "frame_by_frame", "frames_in", "is_padding_beyond_bit
 RLE = "1.2.840.10008.1.2.5"
 #: Transfer syntaxes that GDCM unpacks: JPEG (baseline, extended, lossless), JPEG-LS and JPEG 2000.
 JPEG = {f"1.2.840.10008.1.2.4.{number}" for number in (50, 51, 57, 70, 80, 81, 90, 91)}
-#: Those that may lose something: numbers can come out larger than they went in. And JPEG-LS.
+#: Transfer syntaxes with loss, by which numbers can come out larger than they went in; and those of JPEG-LS.
 LOSSY = {f"1.2.840.10008.1.2.4.{number}" for number in (50, 51, 81, 91)}
 JPEG_LS = {f"1.2.840.10008.1.2.4.{number}" for number in (80, 81)}
 #: Transfer syntaxes of video: MPEG-2, MPEG-4 and HEVC.

@@ -454,7 +454,7 @@ def _placed(group: Any, array: Any, multiscales: dict[str, Any], dataset: dict[s
 
 
 def _mirrored(matrix: NDArray[np.float64], numbers: list[int]) -> list[int]:
-    """Those of the axes whose scale is negative; a rotation has negative numbers too, and mirrors nothing."""
+    """Axes whose scale is negative; a rotation has negative numbers too, and mirrors nothing."""
     part = matrix[np.ix_(numbers, numbers)]
     is_turned = np.count_nonzero(part) > len(numbers) and np.linalg.det(part) > 0
     return [] if is_turned else [number for number in numbers if matrix[number, number] < 0]

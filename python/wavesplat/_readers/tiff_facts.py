@@ -24,7 +24,7 @@ __all__ = ["TiffPlace", "guesses_of_steps", "place_of"]
 
 #: A nanometre in metres, for wavelengths.
 NM = 1e-9
-#: What is said of OME-TIFF without metadata of their own, `BinaryOnly`.
+#: Guess about an OME-TIFF without metadata of its own, `BinaryOnly`.
 PART_OF_SET = (
     "one file of several, whose planes, distances and channels are described in another (.companion.ome), which is not "
     "read: for planes of one channel, open the folder"

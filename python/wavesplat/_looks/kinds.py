@@ -102,7 +102,8 @@ MIN_END = 1e-5
 MIN_BRIGHT = 0.45
 #: Fluorescence, where only values tell: largest share of samples of one value (a background without noise was not
 #: counted from photons), least ratio of the 99.9th percentile to the median of the object, both above the background
-#: (cells 2.8 to 11, a mouse brain 3.9; vessels 1.3, an engine 1.8), and distance of samples in a file that has another unit, metres.
+#: (cells 2.8 to 11, a mouse brain 3.9; vessels 1.3, an engine 1.8), and distance of samples in a file that has another
+#: unit, metres.
 MAX_EQUAL, MIN_GLOW, FINE_METRES = 0.25, 2.5, 1e-4
 #: Padding: least distance of its value from the next one, as a share of the distance from the median of the others.
 MIN_GAP = 0.25

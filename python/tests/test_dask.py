@@ -377,6 +377,8 @@ def test_files_that_are_lost_in_mid_drawing_are_named(client, tmp_path, suffix, 
     told = []
 
     def hurt(share):
+        if share == 0:  # the samples are looked through, and nothing is drawn yet
+            return
         told.append(share)
         if len(told) == 1:
             if suffix == ".zarr":

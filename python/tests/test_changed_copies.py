@@ -20,7 +20,7 @@ CORNERS = [(0, 0, 0), (1, 0, 0), (0, 1, 0)]
 EIGHT = ((0, 8), (0, 8), (0, 8))
 PART = ws.VolumePart(BALL.samples, (0, 0, 0), EIGHT, (8, 8, 8))
 PARTIAL = ws.render_part(PART.whole([PART.overview()]), size=(8, 6))
-COST = ws.Cost((8, 8, 8), 0, 1, 1, 1, 1, 1, 512, 512, True, 512, 512, 0, {}, {}, 1, 1)
+COST = ws.Cost((8, 8, 8), 0, 1, 1, 1, 1, 1, 512, 512, 0, True, 512, 512, 0, {}, {}, 1, 1)
 
 #: Of every public dataclass one object, and a field with another value for it.
 SAMPLES = [

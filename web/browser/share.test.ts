@@ -46,8 +46,8 @@ async function saved(where: string): Promise<{ name: string; path: string }> {
 }
 
 test.each([
-  ["one slice", { name: "single", main: "z" }, "z", "ct_pelvis_axial.png"],
-  ["two by two", { name: "two-by-two", main: "3d" }, "z", "ct_pelvis_all.png"],
+  ["one slice", { name: "single", main: "z" }, "z", "CT_axial.png"],
+  ["two by two", { name: "two-by-two", main: "3d" }, "z", "CT_all.png"],
 ])("%s: what is saved has the measure, and the copied command draws the same pixels", async (_, layout, view, file) => {
   const [x, y, z] = (await state(page)).view.slices.crosshair;
   await change(page, { op: "replace", path: "/view/layout", value: layout }, { op: "replace", path: "/view/measures", value: [] });

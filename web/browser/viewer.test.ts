@@ -53,12 +53,12 @@ describe("the picture at rest", () => {
     await page.getByLabel("What was copied").filter({ visible: true }).waitFor();
     await expect.poll(() => page.evaluate(() => navigator.clipboard.readText())).toContain("import wavesplat");
     python(await page.evaluate(() => navigator.clipboard.readText()), where);
-    expect(differs(pngPixels(join(where, "ct_pelvis.png")), seen.data)).toBe(false);
+    expect(differs(pngPixels(join(where, "CT.png")), seen.data)).toBe(false);
     await page.getByRole("button", { name: "Copy as command" }).click();
     await expect.poll(() => page.evaluate(() => navigator.clipboard.readText())).toContain("wavesplat render");
-    writeFileSync(join(where, "ct_pelvis.png"), "");
+    writeFileSync(join(where, "CT.png"), "");
     command(await page.evaluate(() => navigator.clipboard.readText()), where);
-    expect(differs(pngPixels(join(where, "ct_pelvis.png")), seen.data)).toBe(false);
+    expect(differs(pngPixels(join(where, "CT.png")), seen.data)).toBe(false);
     const [saved] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: "Save state" }).click()]);
     await saved.saveAs(join(where, "view.json"));
     command("wavesplat render --from view.json -o again.png", where);
@@ -194,7 +194,7 @@ const CONTROLS: readonly (readonly [string, string, (page: Page) => Promise<unkn
     await p.keyboard.press("Tab");
   }, (s) => s.layers[0]?.look.transfer_function, true],
   ["a layer's opacity", "layers", (p) => p.locator('[data-panel="layers"]').getByRole("slider", { name: "Opacity" }).fill("0.4"), (s) => s.layers[0]?.opacity, true],
-  ["a layer hidden", "layers", (p) => p.getByRole("checkbox", { name: /^Show ct_pelvis/ }).uncheck(), (s) => s.layers[0]?.visible, true],
+  ["a layer hidden", "layers", (p) => p.getByRole("checkbox", { name: /^Show CT/ }).uncheck(), (s) => s.layers[0]?.visible, true],
   ["the operator", "light", (p) => p.getByRole("combobox", { name: "Projection" }).selectOption("maximum"), (s) => s.render.composite, true],
   ["an isosurface", "light", (p) => p.getByRole("combobox", { name: "Projection" }).selectOption("first-hit"), (s) => s.render.composite, true],
   ["shading off", "light", (p) => p.getByRole("checkbox", { name: "Shading" }).uncheck(), (s) => [s.shading, s.layers[0]?.look.shading], true],
@@ -325,15 +325,15 @@ describe("each control does what it says", () => {
   test("pictures, pages and states are saved", async () => {
     await openPanel(page, "share");
     const where = folder();
-    for (const [button, name] of [["Save picture", "ct_pelvis.png"], ["Save page (HTML)", "ct_pelvis.html"], ["Save state", "ct_pelvis.json"]] as const) {
+    for (const [button, name] of [["Save picture", "CT.png"], ["Save page (HTML)", "CT.html"], ["Save state", "CT.json"]] as const) {
       const [saved] = await Promise.all([page.waitForEvent("download"), page.getByRole("button", { name: button }).click()]);
       expect(saved.suggestedFilename()).toBe(name);
       await saved.saveAs(join(where, name));
     }
-    expect(readFileSync(join(where, "ct_pelvis.html"), "utf8")).toContain("data:image/png;base64,");
+    expect(readFileSync(join(where, "CT.html"), "utf8")).toContain("data:image/png;base64,");
     await drag(page, 60, 20);
     const turned = await state(page);
-    await page.locator('input[type="file"]').last().setInputFiles(join(where, "ct_pelvis.json"));
+    await page.locator('input[type="file"]').last().setInputFiles(join(where, "CT.json"));
     await expect.poll(async () => (await state(page)).camera).toEqual(first.camera);
     expect(turned.camera).not.toEqual(first.camera);
   });
@@ -401,7 +401,7 @@ test("the keyboard alone does the main job", async () => {
   await openPanel(page, "share");
   await reach(/Save picture/);
   const [saved] = await Promise.all([page.waitForEvent("download"), page.keyboard.press("Enter")]);
-  expect(saved.suggestedFilename()).toBe("ct_pelvis.png");
+  expect(saved.suggestedFilename()).toBe("CT.png");
 });
 
 test("touch turns, moves and magnifies", async () => {

@@ -47,8 +47,6 @@ SUFFIXES: dict[Kind, tuple[str, ...]] = {
 #: Suffixes of formats that are folders, and the files in such a folder; folders in it are named by numbers.
 FOLDERS = {".ome.zarr": ("zarr.json", ".zgroup", ".zattrs", ".zmetadata")}
 
-#: Suffix -> the library that writes it, and the extra that has it.
-BY_LIBRARIES = {".pdf": ("reportlab.pdfgen.canvas", "figure")}
 
 #: Error of the system -> advice, where another folder may not help.
 MENDS = {
@@ -69,9 +67,8 @@ def check_output(path: str | PathLike[str], kind: Kind) -> str:
     if suffix not in SUFFIXES[kind] or target.name.lower() == suffix:
         given = f"as {suffix}" if suffix else "to a name without a suffix"
         raise FileError(f"cannot write {kind} {given}; use one of: {', '.join(SUFFIXES[kind])}: {path}")
-    if suffix in BY_LIBRARIES:  # before the work that would be lost
-        name, extra = BY_LIBRARIES[suffix]
-        library(name, extra=extra)
+    if suffix == ".pdf":  # before the work that would be lost
+        library("reportlab.pdfgen.canvas", extra="figure")
     if suffix in FOLDERS and target.is_dir():
         _check_folder(target, FOLDERS[suffix])
     else:

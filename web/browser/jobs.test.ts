@@ -183,7 +183,7 @@ const JOBS: readonly Job[] = [
     does: async () => {
       await click(rail("share"));
       const [saved] = await Promise.all([page.waitForEvent("download"), click(button("Save picture"))]);
-      expect(saved.suggestedFilename()).toMatch(/^ct.*\.png$/);
+      expect(saved.suggestedFilename()).toMatch(/^CT.*\.png$/);
     },
   },
   {

@@ -37,7 +37,8 @@ def with_paths(facts: dict[str, Any]) -> dict[str, Any]:
     """The facts about a result with the whole paths of its volumes."""
     from wavesplat._model.private_names import whole
 
-    return whole(facts)
+    found: dict[str, Any] = whole(facts)
+    return found
 
 
 def write_report(path: Path, facts: dict[str, Any], *, embed_paths: bool) -> None:

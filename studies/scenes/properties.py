@@ -49,10 +49,9 @@ def reading(drawn: generator.Scene) -> str | None:
     for name, array_of in ways.items():
         layers = []
         for layer, samples in zip(drawn.scene.layers, drawn.samples, strict=True):
-            lazy = ws.Volume.lazy(
-                array_of(samples), world_from_index=layer.volume.world_from_index, memory=MEMORY, cache=False
-            )
-            if ws.Look.auto(lazy).to_json() != ws.Look.auto(ws.Volume(samples)).to_json():
+            place = layer.volume.world_from_index
+            lazy = ws.Volume.lazy(array_of(samples), world_from_index=place, memory=MEMORY, cache=False)
+            if ws.Look.auto(lazy).to_json() != ws.Look.auto(ws.Volume(samples, world_from_index=place)).to_json():
                 return f"the look of {samples.dtype} {name} is another one"
             layers.append(ws.Layer(lazy, layer.look, opacity=layer.opacity))
         got = replace(drawn, scene=drawn.scene.with_(layers=layers)).draw()

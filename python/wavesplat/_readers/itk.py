@@ -72,7 +72,7 @@ def read(request: Request) -> Grid:
             are_colors = "-color" in header.fields.get("kinds", "").lower()
             colors = facts_of_colors(n_channels, dtype, request, are_colors=are_colors)
             facts = replace(header.facts, n_times=n_times, **colors)
-            if header.listed is not None and not header.listed.is_said:
+            if header.listed is not None and not header.listed.is_known:
                 facts = replace(facts, guesses=(*facts.guesses, _guess(header.listed, has_times)))
             if len(size) == 4:
                 step = float(reader.GetSpacing()[3])
@@ -88,8 +88,8 @@ def for_itk(path: Path, header: Header, places: Sequence[tuple[Path, int]]) -> A
 
 
 def _is_of_channels(axis: ListedAxis, request: Request) -> bool:
-    """Whether an axis is one of channels: its kind is unsaid, and a channel is asked for, or else it is the fastest."""
-    if axis.is_said or request.time is not None:
+    """Whether an axis is one of channels: its kind is unknown, and a channel is asked for, or it is the fastest."""
+    if axis.is_known or request.time is not None:
         return False
     return request.channel is not None or axis.number == 0
 
@@ -182,7 +182,7 @@ def _check_payload(
     if ratio == size_checks.DEFLATE_RATIO:
         # ITK returns a part of the samples of a damaged stream, and does not verify checksums.
         skipped = int(header.get("headersize", 0)) if len(places) == 1 and places[0][1] == 0 else 0
-        n_lines = int(header.get("line skip", header.get("lineskip", 0)))
+        n_lines = int(header.get("line skip", 0))
         begins = [(file, _after_lines(file, offset + max(skipped, 0), n_lines)) for file, offset in places]
         size_checks.check_deflated(begins, size_checks.n_bytes(shape, dtype), path)
 

@@ -31,14 +31,12 @@ from wavesplat.errors import FileError
 __all__ = ["ListedAxis", "header_for_itk", "is_bzip2", "is_space_with_time", "listed_axis", "skip_lines"]
 
 BLOCK_BYTES = 1 << 20
-#: Beginning of a field of the format, and not of a key of the same name (`kinds:=...`).
-FIELD = r"(?i)^[ \t]*{}[ \t]*:(?!=)"
-#: Fields that say where the samples are; "LIST" is followed by lines of names.
-OF_PLACES = ("data ?file", "line ?skip", "byte ?skip")
+#: Fields that give the place of the samples.
+PLACE_FIELDS = ("data file", "line skip", "byte skip")
 #: Short names of spaces with a time axis.
 WITH_TIME = {"rast", "last", "lpst"}
 #: Kinds of axes that say nothing.
-UNSAID = ("???", "none")
+UNKNOWN = ("???", "none")
 #: The format's names of a type, without blanks -> NumPy's.
 TYPES = {
     **dict.fromkeys(("signedchar", "int8", "int8_t"), "i1"),
@@ -56,11 +54,11 @@ TYPES = {
 
 @dataclass(frozen=True)
 class ListedAxis:
-    """An axis beside three of space: its place among all, the fastest first, its size, and whether its kind is said."""
+    """An axis beside three of space: its place, the fastest first, its size, and whether the file names its kind."""
 
     number: int
     size: int
-    is_said: bool
+    is_known: bool
 
 
 def listed_axis(fields: dict[str, str]) -> ListedAxis | None:
@@ -73,15 +71,15 @@ def listed_axis(fields: dict[str, str]) -> ListedAxis | None:
         return None
     for kind in ("time", "list"):
         if len(kinds) == 4 and kinds.count(kind) == 1:
-            return ListedAxis(kinds.index(kind), int(sizes[kinds.index(kind)]), is_said=True)
+            return ListedAxis(kinds.index(kind), int(sizes[kinds.index(kind)]), is_known=True)
     # Vectors are "(1,0,0)", also with blanks in them.
     directions = re.findall(r"\([^()]*\)|none", fields.get("space directions", "").lower())
     if len(directions) != 4 or directions.count("none") != 1:
         return None
     number = directions.index("none")
-    if len(kinds) == 4 and kinds[number] not in UNSAID:
+    if len(kinds) == 4 and kinds[number] not in UNKNOWN:
         return None
-    return ListedAxis(number, int(sizes[number]), is_said=False)
+    return ListedAxis(number, int(sizes[number]), is_known=False)
 
 
 def is_space_with_time(fields: dict[str, str]) -> bool:
@@ -102,34 +100,34 @@ def header_for_itk(path: Path, fields: dict[str, str], places: Sequence[tuple[Pa
     places : the files that hold the samples, each with the bytes before them.
     """
     axis = listed_axis(fields)
-    is_listed = axis is None or fields.get("kinds", "").lower().split()[axis.number : axis.number + 1] == ["list"]
+    kinds = fields.get("kinds", "").lower().split()
+    is_listed = axis is None or kinds[axis.number : axis.number + 1] == ["list"]
     if is_listed and not (is_bzip2(fields) or _is_cut_list(path, fields) or _has_percent(fields, places)):
         yield path
         return
-    lines = _header_lines(path)
-    # The empty line ends the header.
-    n_lines = len(lines) + 1
+    fields = dict(fields)
     if axis is not None:
-        kinds = fields.get("kinds", "").split()
         kinds = kinds if len(kinds) == 4 else ["domain"] * 4
         kinds[axis.number] = "list"
-        _replace(lines, "kinds", [f"kinds: {' '.join(kinds)}"])
+        fields["kinds"] = " ".join(kinds)
     with tempfile.TemporaryDirectory() as made:
         if is_bzip2(fields):
             samples = Path(made) / "samples.raw"
             _unpack(path, fields, places, samples)
-            _replace(lines, "encoding", ["encoding: raw"])
-            _replace_places(lines, [f"data file: {samples.name}"])
+            place = [b"data file: samples.raw"]
+            fields["encoding"] = "raw"
         else:
-            _replace_places(lines, _places_of(fields, places, n_lines))
+            place = _places_of(fields, places)
+        # The format wants the place of the samples last, since a list of files has no end.
+        lines = [f"{name}: {value}".encode("latin-1") for name, value in fields.items() if name not in PLACE_FIELDS]
         header = Path(made) / "header.nhdr"
-        header.write_text("\n".join(lines) + "\n", encoding="utf-8", errors="surrogateescape", newline="\n")
+        header.write_bytes(b"\n".join([b"NRRD0005", *lines, *place, b""]))
         yield header
 
 
 def _is_cut_list(path: Path, fields: dict[str, str]) -> bool:
     """Whether a list of files ends without a line end: ITK would leave out the last of them."""
-    if not fields.get("data file", fields.get("datafile", "")).upper().startswith("LIST"):
+    if not fields.get("data file", "").upper().startswith("LIST"):
         return False
     with path.open("rb") as file:
         file.seek(-1, os.SEEK_END)
@@ -138,58 +136,29 @@ def _is_cut_list(path: Path, fields: dict[str, str]) -> bool:
 
 def _has_percent(fields: dict[str, str], places: Sequence[tuple[Path, int]]) -> bool:
     """Whether the one file that holds the samples has a percent sign in its name: ITK takes that for a pattern."""
-    named = fields.get("data file", fields.get("datafile", ""))
+    named = fields.get("data file", "")
     return "%" in named and len(places) == 1 and places[0][0].name == Path(named).name
 
 
-def _header_lines(path: Path) -> list[str]:
-    """Lines before the empty one, without line ends; names in a list of files are among them."""
-    lines = []
-    with path.open("rb") as file:
-        while (line := file.readline(MAX_HEADER_BYTES)) and (text := line.rstrip(b"\r\n")):
-            lines.append(text.decode("utf-8", "surrogateescape"))
-    return lines
-
-
-def _replace(lines: list[str], name: str, new: list[str]) -> None:
-    """Replace a field by other lines, or put them behind the sizes, which fields of axes have to follow."""
-    at = _line_of(lines, name)
-    first, last = (at, at + 1) if at is not None else ((_line_of(lines, "sizes") or 0) + 1,) * 2
-    lines[first:last] = new
-
-
-def _line_of(lines: list[str], name: str) -> int | None:
-    return next((number for number, line in enumerate(lines) if re.match(FIELD.format(name), line)), None)
-
-
-def _replace_places(lines: list[str], new: list[str]) -> None:
-    """Replace the fields of places by others, at the end of the header, where a list of files has to be."""
-    for name in OF_PLACES:
-        at = _line_of(lines, name)
-        if at is not None:
-            is_list = lines[at].partition(":")[2].strip().upper().startswith("LIST")
-            del lines[at : None if is_list else at + 1]
-    lines += new
-
-
-def _places_of(fields: dict[str, str], places: Sequence[tuple[Path, int]], n_lines: int) -> list[str]:
-    """Fields of places for a header in another folder: the same files, by absolute paths. `n_lines`: of the header."""
-    line_skip = int(fields.get("line skip", fields.get("lineskip", 0)))
-    byte_skip = fields.get("byte skip", fields.get("byteskip"))
-    named = fields.get("data file", fields.get("datafile"))
-    if named is None:
-        line_skip += n_lines
-    skips = [f"line skip: {line_skip}"] * (line_skip > 0) + [f"byte skip: {byte_skip}"] * (byte_skip is not None)
-    files = [str(file.absolute()) for file, _ in places]
-    if "%" in files[0] and len(files) == 1:
+def _places_of(fields: dict[str, str], places: Sequence[tuple[Path, int]]) -> list[bytes]:
+    """Fields of places for a header in another folder: the same files, by absolute paths."""
+    line_skip = int(fields.get("line skip", 0))
+    named = fields.get("data file")
+    if named is None:  # the samples follow the header, whose lines are skipped as well
+        with places[0][0].open("rb") as file:
+            line_skip += file.read(places[0][1]).count(b"\n")
+    skips = [f"line skip: {max(line_skip, 0)}".encode(), f"byte skip: {fields.get('byte skip', 0)}".encode()]
+    files = [os.fsencode(file.absolute()) for file, _ in places]
+    if len(files) == 1 and b"%" not in files[0]:
+        return [*skips, b"data file: " + files[0]]
+    if len(files) == 1:
         # In a list names are no patterns. It holds all axes.
-        return [*skips, f"data file: LIST {len(fields['sizes'].split())}", *files]
-    if named is None or len(files) == 1:
-        return [*skips, f"data file: {files[0]}"]
-    # How many axes a file holds is said behind the word LIST, or behind first, last and step of a pattern.
-    words = named.split()
-    n_axes = words[1:2] if words[0].upper() == "LIST" else words[4:5]
-    return [*skips, " ".join(["data file: LIST", *n_axes]), *files]
+        n_axes = [str(len(fields["sizes"].split()))]
+    else:
+        # How many axes a file holds stands behind the word LIST, or behind first, last and step of a pattern.
+        words = (named or "").split()
+        n_axes = words[1:2] if words[0].upper() == "LIST" else words[4:5]
+    return [*skips, " ".join(["data file: LIST", *n_axes]).encode(), *files]
 
 
 def _unpack(path: Path, fields: dict[str, str], places: Sequence[tuple[Path, int]], target: Path) -> None:
@@ -200,8 +169,8 @@ def _unpack(path: Path, fields: dict[str, str], places: Sequence[tuple[Path, int
     shape = [int(n) for n in fields.get("sizes", "").split()]
     stored = sum(max(file.stat().st_size - offset, 0) for file, offset in places)
     size_checks.check_stored(shape, np.dtype(TYPES[name]), stored, path, ratio=size_checks.ANY_RATIO)
-    line_skip = int(fields.get("line skip", fields.get("lineskip", 0)))
-    byte_skip = int(fields.get("byte skip", fields.get("byteskip", 0)))
+    line_skip = int(fields.get("line skip", 0))
+    byte_skip = int(fields.get("byte skip", 0))
     if byte_skip < 0:
         raise FileError(f"a byte skip of {byte_skip} beside encoding bzip2; write how many bytes to skip: {path}")
     needed = prod(shape) * np.dtype(TYPES[name]).itemsize // max(len(places), 1)

@@ -74,15 +74,21 @@ def test_a_tag_of_another_version_is_refused():
 
 
 def test_all_notes_have_a_kind():
-    assert sum(map(len, CHANGELOG.notes().values())) == len(list((ROOT / "changes").iterdir())) > 100
+    files = {path.name for path in (ROOT / "changes").iterdir()}
+    assert {path.name for paths in CHANGELOG.notes().values() for path in paths} == files - {"README.md"}
+
+
+def test_the_version_of_the_checkout_has_its_section_in_the_changelog():
+    assert len(CHANGELOG.of_version(VERSION.current()).splitlines()) > 50
 
 
 def test_notes_become_a_section_of_the_changelog(checkout):
+    (checkout / "changes" / "README.md").write_text("How notes are written.\n")
     (checkout / "changes" / "12.fixed.md").write_text("A hole is gone.\n")
     (checkout / "changes" / "3-x.added.md").write_text("Bones, as [there](../docs/x.md):\n\n- a\n- b\n")
     (checkout / "changes" / "4.added.md").write_text("- c\n- d\n  - e\n")
     CHANGELOG.release("7.8.9", dt.date(2030, 1, 2), checkout)
-    assert list((checkout / "changes").iterdir()) == []
+    assert [path.name for path in (checkout / "changes").iterdir()] == ["README.md"]
     text = (checkout / "CHANGELOG.md").read_text(encoding="utf-8")
     assert "## [7.8.9] - 2030-01-02" in text
     assert text.index("[Unreleased]") < text.index("[7.8.9]")

@@ -4,6 +4,7 @@
     python python/tools/changelog.py --of 0.2.0         # print the section of a version, or of "Unreleased": the notes
 
 A note is `changes/<name>.<added|changed|fixed|removed>.md`: sentences, or a list; links in it lead from `changes/`.
+`changes/README.md` is no note.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ def notes(root: Path = ROOT) -> dict[str, list[Path]]:
     """The notes of each kind, by number and name; an error about a file that is none."""
     found: dict[str, list[Path]] = {kind: [] for kind in KINDS}
     for path in sorted((root / "changes").glob("*"), key=_place):
+        if path.name == "README.md":
+            continue
         kind = path.name.split(".")[-2] if path.name.count(".") == 2 and path.suffix == ".md" else ""
         if kind not in KINDS:
             raise SystemExit(f"changes/{path.name} is no note; name it <name>.<{'|'.join(KINDS)}>.md")

@@ -9,7 +9,7 @@ import wavesplat as ws
 from wavesplat._looks import presets
 from wavesplat._looks.colormaps import is_diverging
 from wavesplat._looks.overlays import cleared
-from wavesplat._scene.drawn_layers import look_over_others
+from wavesplat._scene.looks_of_layers import look_over_others
 from wavesplat.errors import ArgumentError, WavesplatWarning
 
 SIZE = (40, 40)

@@ -122,7 +122,12 @@ CIRCLES = {
     ],
     "_picture": [("annotating", "pdf", "picture", "picture_files", "showing", "svg")],
     "_readers": [("dicom_header", "dicom_pixel_data")],
-    "_scene": [("drawing", "drawn_layers", "reporting", "scene", "scene_files", "scene_json", "summary")],
+    "_scene": [
+        (
+            *("drawing", "drawn_frame", "drawn_layers", "looks_of_layers", "picture_notes", "reporting", "scene"),
+            *("scene_files", "scene_json", "summary", "volumes_of_layers"),
+        )
+    ],
     "_viewer": [("notebook", "viewer")],
 }
 

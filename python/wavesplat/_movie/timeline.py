@@ -22,7 +22,7 @@ from wavesplat._movie.blending import blended_clips, blended_look
 from wavesplat._movie.key_frame import KeyFrame
 from wavesplat._movie.seen import camera_of
 from wavesplat._render.arguments import chosen_look
-from wavesplat._scene.drawn_layers import look_over_others
+from wavesplat._scene.looks_of_layers import look_over_others
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:

@@ -14,9 +14,10 @@ from wavesplat._looks.look import Look
 from wavesplat._model.facts import is_part_of_color
 from wavesplat._picture.report_facts import shown_layer
 from wavesplat._render.slicing import Planes
-from wavesplat._scene.drawn_layers import identity_of, is_automatic, looks_beside_each_other
 from wavesplat._scene.layer import Layer
+from wavesplat._scene.looks_of_layers import is_automatic, looks_beside_each_other
 from wavesplat._scene.scene import Scene
+from wavesplat._scene.volumes_of_layers import identity_of
 
 __all__ = ["Channels", "added", "automatic_fluorescence", "channels_of"]
 

@@ -23,9 +23,9 @@ from wavesplat._picture.report_facts import shown_layer
 from wavesplat._render import windows
 from wavesplat._render.arguments import chosen_transfer_function
 from wavesplat._render.slicing import Planes, in_colors, in_greys, planes_through
-from wavesplat._scene.drawn_layers import identity_of
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import Scene
+from wavesplat._scene.volumes_of_layers import identity_of
 from wavesplat.errors import ArgumentError
 
 __all__ = ["Comparison", "comparison"]

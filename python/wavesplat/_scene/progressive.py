@@ -21,9 +21,9 @@ from wavesplat._public import public
 from wavesplat._render.lazy_layers import pixel_in_samples
 from wavesplat._render.options import DrawOptions, FrameOptions
 from wavesplat._scene.drawing import camera_of, draw
-from wavesplat._scene.drawn_layers import drawn_volumes
 from wavesplat._scene.scene import Scene, as_scene
 from wavesplat._scene.summary import facts_of_picture
+from wavesplat._scene.volumes_of_layers import drawn_volumes
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack

@@ -38,13 +38,14 @@ from wavesplat._render.slicing import Planes, sliced
 from wavesplat._scene import label_slices
 from wavesplat._scene.channel_slices import Channels, added, automatic_fluorescence, channels_of
 from wavesplat._scene.compared_slices import comparison
-from wavesplat._scene.drawn_layers import identity_of, is_automatic, look_over_others
 from wavesplat._scene.layer import Layer
+from wavesplat._scene.looks_of_layers import is_automatic, look_over_others
 from wavesplat._scene.overlaid_values import clear_below, laid_over
 from wavesplat._scene.resampling import check_units
 from wavesplat._scene.scene import Scene, as_scene
 from wavesplat._scene.slice_lines import lines_over
 from wavesplat._scene.summary import facts_of_time, names_of, quantity_of
+from wavesplat._scene.volumes_of_layers import identity_of
 from wavesplat.errors import ArgumentError
 
 __all__ = ["curves_over", "slice"]

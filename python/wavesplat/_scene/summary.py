@@ -15,9 +15,10 @@ from wavesplat._model.composites import Operator, name_of
 from wavesplat._model.time_stamps import TimeStamp, time_stamp_of
 from wavesplat._picture.annotating import TIME
 from wavesplat._picture.report_facts import facts_of_view, shown_layer
-from wavesplat._scene.drawn_layers import DrawnLayer, identity_of
+from wavesplat._scene.drawn_layers import DrawnLayer
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import Scene
+from wavesplat._scene.volumes_of_layers import identity_of
 
 __all__ = ["facts_of_layers", "facts_of_picture", "facts_of_time", "names_of", "quantity_of", "stamped"]
 

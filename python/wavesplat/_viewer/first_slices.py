@@ -16,9 +16,9 @@ from wavesplat._looks.histogram import finite_samples, subsampled
 from wavesplat._looks.kinds import Kind, kind_of, offset_of
 from wavesplat._render import windows
 from wavesplat._scene.channel_slices import channels_of
-from wavesplat._scene.drawn_layers import identity_of
 from wavesplat._scene.layer import Layer
 from wavesplat._scene.scene import Scene
+from wavesplat._scene.volumes_of_layers import identity_of
 
 __all__ = ["first_crosshair", "has_channels", "slice_colors", "slice_window"]
 

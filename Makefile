@@ -339,8 +339,8 @@ readme: $(STAMPS)/tools
 # What the recipes stand on. A stamp is as old as the thing it stands for.
 
 $(STAMPS)/venv:
-	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 10))' || \
-		{ echo "Wavesplat needs Python 3.10 or newer; name one: make PYTHON=python3.12 $(MAKECMDGOALS)" >&2; exit 1; }
+	@$(PYTHON) -c 'import sys; sys.exit(sys.version_info < (3, 11))' || \
+		{ echo "Wavesplat needs Python 3.11 or newer; name one: make PYTHON=python3.12 $(MAKECMDGOALS)" >&2; exit 1; }
 	@cargo --version >/dev/null || { echo "Wavesplat needs Rust: https://rustup.rs" >&2; exit 1; }
 	$(PYTHON) -m venv .venv
 	$(BIN)/pip install --quiet 'maturin>=1.16,<2'

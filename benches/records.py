@@ -20,7 +20,7 @@ def keep(command: str, text: str) -> Path:
     """Write what a command printed, over what it printed earlier on the same day; the day's file."""
     git = ["git", "-C", str(scenes.ROOT), "describe", "--always", "--dirty"]
     commit = subprocess.run(git, capture_output=True, text=True, check=False).stdout.strip()
-    day = f"{dt.datetime.now(dt.timezone.utc):%Y-%m-%d}"
+    day = f"{dt.datetime.now(dt.UTC):%Y-%m-%d}"
     path = FOLDER / f"{day}.md"
     head = f"# Measured on {day}\n\nHow stands at the head of each command's script, what is drawn in `cases.toml`.\n\n"
     kept = path.read_text(encoding="utf-8") if path.exists() else head

@@ -6,13 +6,13 @@ import dataclasses
 import hashlib
 import math
 import os
+import tomllib
 from dataclasses import dataclass, field
 from functools import cache
 from pathlib import Path
 from typing import Any
 
 import numpy as np
-import tomllib
 from numpy.typing import NDArray
 
 import wavesplat as ws

@@ -198,7 +198,7 @@ def main() -> None:
     print(text)
     print(f"{sizes}, {processors} processors for server and browser")
     if given.record:
-        today = dt.datetime.now(tz=dt.timezone.utc).date()
+        today = dt.datetime.now(tz=dt.UTC).date()
         path = ROOT / "benches" / "records" / f"viewer-{today}.md"
         path.write_text(
             f"# The viewer, {today}\n\n`make bench-viewer`: 1024 x 768, server and Chromium on the same "

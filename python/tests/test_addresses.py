@@ -9,6 +9,7 @@ import json
 
 import numpy as np
 import pytest
+import zarr
 from odd_server import OddServer
 from test_readers import ome_attributes
 
@@ -16,7 +17,6 @@ import wavesplat as ws
 from wavesplat._files import addresses
 from wavesplat.errors import FileError, FileWarning, WavesplatError
 
-zarr = pytest.importorskip("zarr", minversion="3")
 pytest.importorskip("aiohttp")
 
 SAMPLES = np.random.default_rng(4).integers(1, 60000, (8, 8, 8)).astype(np.uint16)

@@ -7,7 +7,6 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-pytest.importorskip("tomllib", reason="the benchmarks read their cases with it; Python 3.11 has it")
 
 
 @pytest.fixture(scope="module")

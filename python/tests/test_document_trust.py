@@ -236,7 +236,8 @@ def test_files_that_belong_to_the_named_one_may_not_be_links_out(place, kind, op
 @pytest.mark.skipif(sys.platform == "win32", reason="links need rights there")
 @pytest.mark.parametrize("options", [{}, {"memory": "50 MB"}])
 def test_chunks_may_not_be_links_out(place, options):
-    zarr = pytest.importorskip("zarr", minversion="3")
+    import zarr
+
     zarr.create_array(place / "a.zarr", data=SAMPLES, chunks=(6, 7, 8), compressors=None)
     volume = {"path": "a.zarr", **options}
     path = written(place, volume)
@@ -252,7 +253,8 @@ def test_chunks_may_not_be_links_out(place, options):
 
 
 def test_later_times_of_a_series_reach_no_further(place):
-    zarr = pytest.importorskip("zarr", minversion="3")
+    import zarr
+
     data = np.stack([SAMPLES, SAMPLES + 1])
     zarr.create_array(place / "t.zarr", data=data, chunks=(1, 6, 7, 8), compressors=None)
     chunk = place / "t.zarr" / "c" / "1" / "0" / "0" / "0"
@@ -287,7 +289,8 @@ NUMBERS = ("127.1", "127.0.1", "2130706433", "0177.0.0.1", "127.0.0.1.", "0x7f.1
 
 
 def test_documents_do_not_ask_private_servers(place):
-    zarr = pytest.importorskip("zarr", minversion="3")
+    import zarr
+
     pytest.importorskip("aiohttp")
     zarr.create_array(place / "a.zarr", data=SAMPLES, compressors=None)
     with OddServer(place) as server:
@@ -303,7 +306,8 @@ def test_documents_do_not_ask_private_servers(place):
 
 
 def test_public_servers_are_asked_where_names_lead_to_public_hosts(place, monkeypatch):
-    zarr = pytest.importorskip("zarr", minversion="3")
+    import zarr
+
     pytest.importorskip("aiohttp")
     from wavesplat._files import web
 

@@ -153,11 +153,7 @@ def _zarr(folder):
     import zarr
 
     path = folder / "cells.zarr"
-    array = (
-        zarr.create_array(store=str(path), shape=SAMPLES.shape, dtype=SAMPLES.dtype)
-        if hasattr(zarr, "create_array")
-        else zarr.open(str(path), mode="w", shape=SAMPLES.shape, dtype=SAMPLES.dtype)
-    )
+    array = zarr.create_array(store=str(path), shape=SAMPLES.shape, dtype=SAMPLES.dtype)
     array[:] = SAMPLES
     return path, array
 

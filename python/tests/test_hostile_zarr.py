@@ -92,7 +92,8 @@ def test_pickles_below_are_not_opened(tmp_path, marker):
 
 def test_pickles_in_other_levels_are_not_opened(tmp_path, marker):
     # The shapes of all levels are reported, so the other levels are read too.
-    zarr = pytest.importorskip("zarr", minversion="3")
+    import zarr
+
     group = zarr.open_group(tmp_path / "a.zarr", mode="w", zarr_format=2)
     group.create_array("0", data=np.zeros((4, 4, 4), np.int16))
     group.attrs["multiscales"] = [{"version": "0.4", "axes": list("zyx"), "datasets": [{"path": "0"}, {"path": "1"}]}]
@@ -122,7 +123,8 @@ def test_pickles_of_zarr_3_are_not_opened(tmp_path, marker):
 
 
 def test_objects_without_a_pickle_are_not_samples(tmp_path):
-    zarr = pytest.importorskip("zarr", minversion="3")
+    import zarr
+
     array = zarr.create_array(tmp_path / "a.zarr", shape=(2, 2, 2), dtype=str, zarr_format=2)
     array[:] = "a"
     with pytest.raises(FileError, match=r"samples of type .* are not numbers; store them as integers or floats"):
@@ -130,7 +132,8 @@ def test_objects_without_a_pickle_are_not_samples(tmp_path):
 
 
 def test_numbers_beside_text_are_read(tmp_path):
-    zarr = pytest.importorskip("zarr", minversion="3")
+    import zarr
+
     group = zarr.open_group(tmp_path / "a.zarr", mode="w", zarr_format=2)
     group.create_array("names", shape=(3,), dtype=str)
     group.create_array("raw", data=np.arange(8, dtype=np.int16).reshape(2, 2, 2))

@@ -93,7 +93,6 @@ def test_files_and_arrays_have_one_place(tmp_path, kind):
 @pytest.mark.filterwarnings("ignore:Consolidated metadata")
 @pytest.mark.parametrize("version", [2, 3])
 def test_zarr_of_xarray_has_the_same_place(tmp_path, version):
-    pytest.importorskip("zarr", minversion="3")
     times = ("time", [0.0, 6, 18], {"units": "hours since 2001-01-01"})
     dims, coordinates, _ = KINDS["pressures"]
     array = xarray.DataArray(

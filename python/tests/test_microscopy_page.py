@@ -17,7 +17,6 @@ PAGE = pages.ROOT / "docs" / "microscopy.md"
 
 def test_its_blocks_run(tmp_path, monkeypatch, wavesplat):
     pytest.importorskip("matplotlib")
-    pytest.importorskip("zarr", minversion="3")
     monkeypatch.chdir(tmp_path)
     said, names = io.StringIO(), {}
     with warnings.catch_warnings(), contextlib.redirect_stdout(said):

@@ -98,7 +98,6 @@ def test_channels_are_layers(tmp_path):
 
 
 def test_windows_and_what_is_shown_are_the_file_s(tmp_path):
-    pytest.importorskip("zarr", minversion="3")
     channels = [ws.Channel("a", (1, 0, 0), window=(5, 60)), ws.Channel("b", (0, 1, 0), is_active=False)]
     volumes = [ws.Volume(letter(), facts=ws.Facts(unit="um", channel=one)) for one in channels]
     layers = [ws.Layer(one, visible=one.facts.channel.is_active, name=one.facts.channel.name) for one in volumes]
@@ -124,7 +123,6 @@ def test_segmentations_are_labels_and_patients_have_an_affine(tmp_path):
 
 
 def test_a_lazy_pyramid_has_its_levels(tmp_path):
-    pytest.importorskip("zarr", minversion="3")
     samples = np.random.default_rng(1).integers(0, 900, (20, 300, 140), np.uint16)
     ws.Volume(samples, unit="um").save(tmp_path / "a.ome.zarr")
     ((levels, told, _),) = ws.napari.layers_of(tmp_path / "a.ome.zarr", memory="100 MB")

@@ -6,6 +6,7 @@ import ast
 import re
 import subprocess
 import sys
+import tomllib
 from functools import cache
 from importlib import metadata, util
 
@@ -23,7 +24,6 @@ LINE = re.compile(r'pip install "wavesplat\[([\w,]+)\]"')
 
 @cache
 def project():
-    tomllib = pytest.importorskip("tomllib", reason="it reads the project's file; Python 3.11 has it")
     return tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
 
 

@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import zarr
 
 import wavesplat as ws
-
-zarr = pytest.importorskip("zarr", minversion="3")
 
 
 def image(folder, transforms, *, unit="micrometer", shape=(8, 16, 16)):

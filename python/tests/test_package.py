@@ -6,6 +6,7 @@ import pickle
 import pkgutil
 import subprocess
 import sys
+import tomllib
 from importlib import import_module
 from pathlib import Path
 
@@ -116,7 +117,6 @@ def test_options_are_read_without_large_libraries():
 
 
 def test_the_extra_of_all_has_what_the_others_have():
-    tomllib = pytest.importorskip("tomllib", reason="it reads the project's file; Python 3.11 has it")
     project = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     extras = project["optional-dependencies"]
     for_work_on_the_package = {"dev", "bench", "study", "site"}

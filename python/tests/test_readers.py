@@ -480,7 +480,8 @@ def ome_attributes(version, axes, datasets, **more):
 @pytest.mark.parametrize("version", ["0.4", "0.5"])
 @pytest.mark.parametrize("axes", ["zyx", "czyx", "tczyx", "xyz"])
 def test_ome_zarr(tmp_path, version, axes):
-    zarr = pytest.importorskip("zarr", minversion="3")
+    import zarr
+
     shape = tuple({"t": 2, "c": 3, "z": 5, "y": 6, "x": 7}[name] for name in axes)
     samples = np.arange(np.prod(shape), dtype=np.uint16).reshape(shape)
     group = zarr.open_group(tmp_path / "a.zarr", mode="w", zarr_format=2 if version == "0.4" else 3)
@@ -510,7 +511,8 @@ def test_ome_zarr(tmp_path, version, axes):
 
 
 def test_ome_zarr_rotation(tmp_path):
-    zarr = pytest.importorskip("zarr", minversion="3")
+    import zarr
+
     samples = np.arange(5 * 6 * 7, dtype=np.uint8).reshape(5, 6, 7)
     group = zarr.open_group(tmp_path / "a.zarr", mode="w")
     group.create_array("0", data=samples)
@@ -524,7 +526,8 @@ def test_ome_zarr_rotation(tmp_path):
 
 
 def test_plain_zarr(tmp_path, oblique):
-    zarr = pytest.importorskip("zarr", minversion="3")
+    import zarr
+
     group = zarr.open_group(tmp_path / "a.zarr", mode="w")
     group.create_array("raw", data=oblique.samples)
     check(ws.open(tmp_path / "a.zarr", dataset="raw"), oblique.samples, np.eye(4))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import sys
 
 import numpy as np
 import pytest
@@ -11,16 +10,15 @@ import tifffile
 
 import wavesplat as ws
 from wavesplat._model import ome_tiff_file, ome_zarr_file
-from wavesplat.errors import ArgumentError, FileError, LibraryError, WavesplatWarning
+from wavesplat.errors import ArgumentError, FileError, WavesplatWarning
 
-needs_zarr_3 = pytest.mark.skipif(sys.version_info < (3, 11), reason="zarr 3 needs Python 3.11")
 SPACING = (0.2, 0.2, 0.7)
 CHANNELS = (
     ws.Channel("DAPI", color=(0, 0, 1), emission_nm=461, window=(100, 900)),
     ws.Channel("GFP µ", color=(0, 1, 0), window=(20, 400.5)),
 )
 SHAPE = (5, 150, 33)
-SUFFIXES = [".ome.tif", pytest.param(".ome.zarr", marks=needs_zarr_3)]
+SUFFIXES = [".ome.tif", ".ome.zarr"]
 
 
 def volume_of(channel, seed=0, *, shape=SHAPE, dtype=np.uint16, **more):
@@ -98,7 +96,6 @@ def test_tifffile_reads_it(tmp_path):
     assert pixels["Channel"][0]["EmissionWavelength"] == 461
 
 
-@needs_zarr_3
 def test_zarr_reads_it(tmp_path):
     import zarr
 
@@ -125,7 +122,6 @@ def test_zarr_reads_it(tmp_path):
     assert all(window["min"] <= window["start"] and window["end"] <= window["max"] for window in windows)
 
 
-@needs_zarr_3
 @pytest.mark.filterwarnings("default")  # those of its own libraries
 def test_bioio_reads_it(tmp_path):
     bioio = pytest.importorskip("bioio")
@@ -160,7 +156,6 @@ def test_a_lazy_volume_is_written_part_by_part(tmp_path, monkeypatch, suffix):
         assert np.abs(coarse - means).max() <= 0.5
 
 
-@needs_zarr_3
 def test_levels_lie_where_they_are(tmp_path, monkeypatch):
     """A ramp along each axis has the value of its world position at all levels."""
     monkeypatch.setattr(ome_zarr_file, "CHUNK", 8)
@@ -178,7 +173,6 @@ def test_levels_lie_where_they_are(tmp_path, monkeypatch):
             np.testing.assert_allclose(along, place, atol=1e-5)
 
 
-@needs_zarr_3
 def test_coarser_levels_of_labels_have_labels(tmp_path, monkeypatch):
     monkeypatch.setattr(ome_zarr_file, "CHUNK", 8)
     labels = np.random.default_rng(1).choice([0, 7, 900], (16, 16, 17)).astype(np.uint16)
@@ -202,7 +196,6 @@ def test_times_that_are_not_even(tmp_path):
     assert (again.times, again.time_unit) == ((0, 1, 5), "min")
 
 
-@needs_zarr_3
 def test_times_that_ome_zarr_cannot_hold_are_told(tmp_path):
     series = ws.Series([volume_of(0, n) for n in range(3)], times=[0, 1, 5], time_unit="min")
     with pytest.warns(WavesplatWarning, match="OME-Zarr has no place for .*its times, which are not evenly spaced"):
@@ -241,7 +234,6 @@ def test_an_old_file_is_replaced_whole_or_not_at_all(tmp_path, monkeypatch, suff
     assert names_in(tmp_path) == [path.name]
 
 
-@needs_zarr_3
 def test_a_folder_of_other_files_is_not_replaced(tmp_path):
     folder = tmp_path / "a.ome.zarr"
     folder.mkdir()
@@ -254,7 +246,6 @@ def test_a_folder_of_other_files_is_not_replaced(tmp_path):
     assert (other / "thesis.txt").exists()
 
 
-@needs_zarr_3
 def test_labels_beside_an_image_are_not_lost(tmp_path):
     import zarr
 
@@ -324,15 +315,6 @@ def test_colours_and_windows_of_looks_are_written(tmp_path):
     assert [(one.name, one.color) for one in read] == [("a", (0, 0, 1)), ("b", (1, 0, 0))]
 
 
-def test_zarr_2_is_told(tmp_path, monkeypatch):
-    import zarr
-
-    monkeypatch.setattr(zarr, "__version__", "2.18.3")
-    with pytest.raises(LibraryError, match=r"zarr 2\.18\.3 writes no OME-Zarr 0\.5; .*Python 3\.11, or write OME-TIFF"):
-        volume_of(0).save(tmp_path / "a.ome.zarr")
-    assert names_in(tmp_path) == []
-
-
 def test_the_command_converts_all_channels_and_times(tmp_path, wavesplat):
     scene, samples = scene_over_time()
     scene.save_volumes(tmp_path / "a.ome.tif")
@@ -352,7 +334,6 @@ def test_the_command_converts_all_channels_and_times(tmp_path, wavesplat):
     np.testing.assert_array_equal(tifffile.imread(tmp_path / "e.ome.tif"), samples[2])
 
 
-@needs_zarr_3
 def test_the_command_knows_labels(tmp_path, wavesplat):
     numbers = np.arange(1, 65, dtype=np.uint16).reshape(4, 4, 4)
     labels = np.kron(numbers, np.ones((5, 40, 40), np.uint16))

@@ -9,6 +9,7 @@ from concurrent.futures import ThreadPoolExecutor
 
 import numpy as np
 import pytest
+import zarr
 
 import wavesplat as ws
 from wavesplat._cli import describe
@@ -16,7 +17,6 @@ from wavesplat._files import zarr_states
 from wavesplat._model import lazy_volume
 from wavesplat._render import lazy_layers
 
-zarr = pytest.importorskip("zarr", minversion="3")
 LOOK = ws.TransferFunction([(0, 0.0), (100, 0.0), (200, 0.9)], [(0, 1.0, 1.0, 1.0)])
 BRIGHT = 200
 

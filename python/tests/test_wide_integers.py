@@ -38,7 +38,9 @@ def test_one_look_and_one_picture_wherever_samples_lie(name, dtype, tmp_path):
 
 
 def test_zarr_and_dask_too(tmp_path):
-    zarr, dask = pytest.importorskip("zarr"), pytest.importorskip("dask.array")
+    import zarr
+
+    dask = pytest.importorskip("dask.array")
     samples = VOLUMES["labels"].astype(np.int64)
     stored = zarr.open(tmp_path / "a.zarr", mode="w", shape=samples.shape, chunks=(8, 8, 8), dtype=samples.dtype)
     stored[:] = samples

@@ -8,13 +8,13 @@ from pathlib import PureWindowsPath
 
 import numpy as np
 import pytest
+import zarr
 
 import wavesplat as ws
 from wavesplat._files import zarr_place
 from wavesplat._files.zarr_place import ZarrPlace
 from wavesplat.errors import FileError
 
-zarr = pytest.importorskip("zarr", minversion="3")
 SAMPLES = np.random.default_rng(5).integers(0, 250, (8, 8, 8)).astype(np.uint8)
 WAYS = [{}, {"memory": "50 MB"}]
 

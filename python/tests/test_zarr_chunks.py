@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+import zarr
 from test_readers import ome_attributes
 
 import wavesplat as ws
 from wavesplat.errors import FileError
 
-zarr = pytest.importorskip("zarr", minversion="3")
 SAMPLES = np.random.default_rng(1).integers(0, 60000, (8, 8, 8)).astype(np.uint16)
 
 

@@ -14,7 +14,6 @@ from zarr_images import LOOK, cells, labelled, opened, plate, series, write_imag
 import wavesplat as ws
 from wavesplat.errors import FileError
 
-pytest.importorskip("zarr", minversion="3")
 VERSIONS = pytest.mark.parametrize("version", ["0.4", "0.5"])
 SAMPLES, NUMBERS = cells()
 

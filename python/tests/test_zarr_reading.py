@@ -8,6 +8,7 @@ import tracemalloc
 
 import numpy as np
 import pytest
+import zarr
 
 import wavesplat as ws
 from wavesplat._files import zarr_decoding
@@ -15,7 +16,6 @@ from wavesplat._files.zarr_reading import read_zarr, zarr_reader
 from wavesplat._model.lazy_array import lazy_array
 from wavesplat.errors import FileError
 
-zarr = pytest.importorskip("zarr", minversion="3")
 numcodecs = pytest.importorskip("numcodecs")
 SAMPLES = np.random.default_rng(1).integers(0, 200, (13, 10, 9)).astype(np.uint16)
 SAMPLES[4:8] = 0

@@ -96,7 +96,7 @@ def main(arguments: list[str]) -> None:
     group.add_argument("--of", metavar="VERSION")
     given = parser.parse_args(arguments)
     if given.release:
-        release(given.release, dt.datetime.now(dt.timezone.utc).date())
+        release(given.release, dt.datetime.now(dt.UTC).date())
     else:
         print(of_version(given.of), end="")
 

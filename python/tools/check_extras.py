@@ -15,11 +15,11 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import tomllib
 import venv
 from pathlib import Path
 
 import numpy as np
-import tomllib
 
 ROOT = Path(__file__).parents[2]
 sys.path.insert(0, str(ROOT / "python" / "tests"))
@@ -39,7 +39,7 @@ def shape(*names):
 """
 #: Extra -> what must work by it.
 WORKS = {
-    "bio": "volume('a.dv'); import bioio_nd2, sys; sys.version_info < (3, 11) or __import__('bioio_lif')",
+    "bio": "volume('a.dv'); import bioio_nd2, bioio_lif",
     "body": "assert ws.largest_body(ball)",
     "dask": "assert ws.render(ball, size=(8, 8), client='threads').rgba.max() > 0",
     "figure": "p = ws.render(ball, size=(64, 64)); p.figure(); p.annotated(scale_bar=True).save('a.pdf')",

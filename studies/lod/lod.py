@@ -252,7 +252,7 @@ def record(rows: Sequence[Row], size: int) -> None:
     RESULTS.write_text(
         f"""# Levels of detail left out
 
-{dt.datetime.now(dt.timezone.utc):%Y-%m-%d}, {machine.describe()}, {size} x {size} pixels, cdf97, all coefficients.
+{dt.datetime.now(dt.UTC):%Y-%m-%d}, {machine.describe()}, {size} x {size} pixels, cdf97, all coefficients.
 Command: `make study-lod STUDY_LOD="{" ".join(sys.argv[1:])}"`. What is measured stands at the head of `lod.py`.
 Numbers are for one / two / three levels left out; those of a frame begin with none and end with all.
 Goals are about brightness; times are reported without one.

@@ -258,7 +258,7 @@ def record(scores: dict[Case, dict[str, Score]], size_px: int) -> None:
     RESULTS.write_text(
         f"""# Fast renderer against converged pictures
 
-{dt.datetime.now(dt.timezone.utc):%Y-%m-%d}, {machine.describe()}, {size_px} x {size_px} pixels.
+{dt.datetime.now(dt.UTC):%Y-%m-%d}, {machine.describe()}, {size_px} x {size_px} pixels.
 Command: `make quality QUALITY="{" ".join(sys.argv[1:])}"`.
 What is compared, and how, stands at the head of `quality.py`.
 A row shows the lowest PSNR and the largest mean absolute error, in grey levels of 255, of three oblique views.

@@ -306,7 +306,7 @@ def record(rows: Sequence[Row], frames: list[list[str]], size_px: int) -> None:
     RESULTS.write_text(
         f"""# Wavelet coefficients dropped
 
-{dt.datetime.now(dt.timezone.utc):%Y-%m-%d}, {machine.describe()}, {size_px} x {size_px} pixels.
+{dt.datetime.now(dt.UTC):%Y-%m-%d}, {machine.describe()}, {size_px} x {size_px} pixels.
 Command: `make study-wavelets STUDY_WAVELETS="{" ".join(given)}"`.
 What is measured, and how, stands at the head of `wavelets.py`; "theirs" is what the paper prints, of other scans.
 

@@ -211,8 +211,6 @@ def _refusal(status: int, url: str) -> FileError:
 
 def _as_file_error(error: Exception, url: str) -> FileError:
     """An error of aiohttp in words for the user."""
-    import asyncio
-
     import aiohttp
     import yarl
 
@@ -222,7 +220,7 @@ def _as_file_error(error: Exception, url: str) -> FileError:
 
     if isinstance(error, aiohttp.TooManyRedirects):
         return FileError(f"the server sends the request round in a circle; check the address: {safe_address(url)}")
-    if isinstance(error, asyncio.TimeoutError):  # the built-in one from Python 3.11 on
+    if isinstance(error, TimeoutError):
         return ServerError(f"the server does not answer within {WAITING_S:g} s; try again later: {safe_address(url)}")
     if isinstance(error, aiohttp.ClientConnectorError):
         return ServerError(

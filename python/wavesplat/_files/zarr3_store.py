@@ -1,4 +1,4 @@
-"""A `ZarrPlace` as a store of zarr 3. Imported only where zarr 3 is installed."""
+"""A `ZarrPlace` as a store of zarr, which this imports at once."""
 
 # ruff: noqa: ARG002 - the arguments are zarr's
 

@@ -38,7 +38,7 @@ WIDEST, INNER_BYTES, MARGIN_BYTES = 8, 256, 1 << 16
 def check_chunks(array: Any, picked: Sequence[int | slice], path: object) -> None:
     """Raise a `FileError` that names the first chunk, of those with picked samples, that is cut short or no file.
 
-    Of stores that are no folders, and of zarr 2, nothing is checked.
+    Of stores that are no folders nothing is checked.
     """
     for name, file in _files(array, picked):
         size = file.stat().st_size
@@ -60,23 +60,22 @@ def expect_chunks(array: Any, place: ZarrPlace | None) -> None:
     if place is None:
         return
     inner = prod(array.chunks)
-    n = prod(getattr(array, "shards", None) or array.chunks)
+    n = prod(array.shards or array.chunks)
     # Filters may store samples in a wider type than the array's.
-    itemsize = max(array.dtype.itemsize, WIDEST if getattr(array, "filters", None) else 0)
+    itemsize = max(array.dtype.itemsize, WIDEST if array.filters else 0)
     # Packed noise is longer by a few hundredths; each inner chunk of a shard has a header, and a place in an index.
     place.expect(array.path, n * itemsize + n * itemsize // 32 + (n // inner) * INNER_BYTES + MARGIN_BYTES)
 
 
 def _files(array: Any, picked: Sequence[int | slice]) -> Iterator[tuple[str, Path]]:
     """Names and files of the chunks that have one; the others are all fill value."""
-    place = getattr(array, "store_path", None)
-    root = getattr(getattr(place, "store", None), "root", None)
-    encode = getattr(getattr(array, "metadata", None), "encode_chunk_key", None)
-    if root is None or encode is None:
+    place = array.store_path
+    root = getattr(place.store, "root", None)
+    if root is None:
         return
-    folder = Path(root) / getattr(place, "path", "")
+    folder = Path(root) / place.path
     for number in chunk_numbers(array, picked):
-        name = str(encode(number))
+        name = str(array.metadata.encode_chunk_key(number))
         if _is_there(folder, name):
             yield name, folder / name
 
@@ -137,14 +136,13 @@ def check_missing(folder: str, name: str) -> None:
 
 def _file_chunks(array: Any) -> tuple[int, ...]:
     """Samples along each axis that share a file."""
-    shards = getattr(array, "shards", None)
-    return tuple(int(n) for n in (shards or array.chunks))
+    return tuple(int(n) for n in (array.shards or array.chunks))
 
 
 def _n_bytes_needed(array: Any, file: Path) -> int:
     """Least length of a chunk's file, in bytes; 0 where only decoding shows it."""
     codecs = [*(array.filters or ()), *(array.compressors or ())]
-    if getattr(array, "shards", None):
+    if array.shards:
         return 0
     if not codecs:
         return prod(map(int, array.chunks)) * int(array.dtype.itemsize)

@@ -22,7 +22,7 @@ from wavesplat._files.web import ForbiddenError, Part
 from wavesplat._files.zarr_archive import ZarrArchive
 from wavesplat.errors import FileError, FileWarning
 
-__all__ = ["METADATA_NAMES", "READ_ONLY", "ZarrPlace"]
+__all__ = ["METADATA_NAMES", "READ_ONLY", "ZarrPlace", "place_of"]
 
 #: The error for a library that would write.
 READ_ONLY = "places are only read"
@@ -284,3 +284,9 @@ async def _result_or_error(request: Coroutine[Any, Any, bytes | None]) -> tuple[
 
 def _is_metadata(key: str) -> bool:
     return key.rpartition("/")[2] in METADATA_NAMES
+
+
+def place_of(array: Any) -> ZarrPlace | None:
+    """The place of an array or group of zarr whose store is a `PlaceStore`; None for other stores."""
+    found = getattr(array.store_path.store, "place", None)
+    return found if isinstance(found, ZarrPlace) else None

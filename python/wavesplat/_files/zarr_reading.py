@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 from wavesplat._files.zarr_chunks import BLOSC_HEADER, check_missing, expect_chunks, packed_bytes, truncated
 from wavesplat._files.zarr_decoding import NONE_STORED, ChunkDecoder, ShardIndex, decoder_of, shard_index_of
-from wavesplat._files.zarr_place import ZarrPlace
-from wavesplat._files.zarr_stores import place_of
+from wavesplat._files.zarr_place import ZarrPlace, place_of
 
 __all__ = ["ZarrReader", "read_zarr", "zarr_reader"]
 
@@ -157,12 +156,12 @@ def read_zarr(array: Any, index: Sequence[Part]) -> NDArray[Any]:
 
 
 def zarr_reader(array: Any) -> ZarrReader | None:
-    """The reader of a zarr array in a folder or an archive; None for other stores and codecs, and for zarr 2."""
-    if getattr(array, "metadata", None) is None or prod(array.shape) == 0:
+    """The reader of a zarr array in a folder or an archive; None for other stores and codecs."""
+    if prod(array.shape) == 0:
         return None
     place = place_of(array)
     if place is None:
-        root = getattr(getattr(getattr(array, "store_path", None), "store", None), "root", None)
+        root = getattr(array.store_path.store, "root", None)
         if not isinstance(root, Path):
             return None
         place = ZarrPlace(root)

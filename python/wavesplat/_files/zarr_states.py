@@ -118,7 +118,7 @@ class ChunkFiles:
 
     def __init__(self, array: Any, folder: Path, picked: Sequence[int | None]) -> None:
         self._array, self._folder = array, folder
-        sizes = [int(n) for n in (getattr(array, "shards", None) or array.chunks)]
+        sizes = [int(n) for n in (array.shards or array.chunks)]
         self._grid = [-(-int(n) // size) for n, size in zip(array.shape, sizes, strict=True)]
         self._picked = [None if one is None else one // size for one, size in zip(picked, sizes, strict=True)]
         self._metadata = _metadata(folder)
@@ -215,15 +215,14 @@ def _metadata(folder: Path) -> str:
 
 
 def chunk_files(array: Any, picked: Sequence[int | None]) -> ChunkFiles | None:
-    """The chunk files of an array in a folder; None for other stores, and for zarr 2."""
-    place = getattr(array, "store_path", None)
-    root = getattr(getattr(place, "store", None), "root", None)
-    encode = getattr(getattr(array, "metadata", None), "encode_chunk_key", None)
-    if not isinstance(root, Path) or encode is None or array.ndim < 1:
+    """The chunk files of an array in a folder; None for other stores."""
+    place = array.store_path
+    root = getattr(place.store, "root", None)
+    if not isinstance(root, Path) or array.ndim < 1:
         return None
-    folder = root / getattr(place, "path", "")
+    folder = root / place.path
     # Only for chunk names that a pass finds.
-    name = str(encode(tuple(range(1, array.ndim + 1))))
+    name = str(array.metadata.encode_chunk_key(tuple(range(1, array.ndim + 1))))
     numbers = ".".join(map(str, range(1, array.ndim + 1)))
     if name.replace("/", ".") not in (numbers, f"c.{numbers}"):
         return None

@@ -12,7 +12,7 @@ from wavesplat._model.argument_types import check_text, described
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from typing_extensions import Self
+    from typing import Self
 
 __all__ = ["Shape", "is_one"]
 

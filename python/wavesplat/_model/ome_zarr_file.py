@@ -19,7 +19,6 @@ from numpy.typing import NDArray
 from wavesplat._model.facts import Channel
 from wavesplat._model.ome_facts import hex_of, steps_of
 from wavesplat._model.stack import Box, Stack
-from wavesplat.errors import LibraryError
 
 __all__ = ["Downsampling", "write"]
 
@@ -55,11 +54,6 @@ def write(stack: Stack, folder: Path, downsampling: Downsampling, progress: Call
     """Write a stack as a folder."""
     import zarr
 
-    if int(zarr.__version__.partition(".")[0]) < 3:
-        raise LibraryError(
-            f"zarr {zarr.__version__} writes no OME-Zarr 0.5; install zarr 3 or newer, which needs Python 3.11, or "
-            "write OME-TIFF"
-        )
     factors = _factors(stack.grid.shape, stack.grid.spacing)
     n_extra = (stack.n_times,) * (stack.n_times > 1) + (stack.n_channels,) * bool(stack.channels)
     group: Any = zarr.create_group(folder, zarr_format=3)

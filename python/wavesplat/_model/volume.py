@@ -420,8 +420,6 @@ class Volume(Grid):
         ------
         FileError
             If the suffix is unknown or the file cannot be written; an existing file is replaced only by a whole one.
-        LibraryError
-            If zarr is older than 3, which writes OME-Zarr 0.5 and needs Python 3.11.
 
         Warns
         -----

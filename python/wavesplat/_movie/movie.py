@@ -35,7 +35,7 @@ from wavesplat._scene.scene import Scene, as_scene
 from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
-    from typing_extensions import Unpack
+    from typing import Unpack
 
 __all__ = ["Along", "check_movie", "movie"]
 

@@ -23,9 +23,9 @@ from wavesplat._files.file_states import SourceFiles, StoredFiles
 from wavesplat._files.mute_stderr import muted_stderr
 from wavesplat._files.npz import npy_header
 from wavesplat._files.reading import reading
+from wavesplat._files.zarr_place import place_of
 from wavesplat._files.zarr_reading import zarr_reader
 from wavesplat._files.zarr_states import chunk_files
-from wavesplat._files.zarr_stores import place_of
 from wavesplat._model.facts import Facts, quantity_of
 from wavesplat._model.hdf5_files import files_of_dataset, open_hdf5, read_hdf5
 from wavesplat._model.lazy_array import LazyArray, SlicedArray

@@ -19,9 +19,8 @@ from wavesplat._files import size_checks
 from wavesplat._files.addresses import is_address
 from wavesplat._files.reading import reading
 from wavesplat._files.zarr_chunks import check_chunks, expect_chunks
-from wavesplat._files.zarr_place import METADATA_NAMES, ZarrPlace
+from wavesplat._files.zarr_place import METADATA_NAMES, ZarrPlace, place_of
 from wavesplat._files.zarr_reading import read_zarr
-from wavesplat._files.zarr_stores import place_of, store_of
 from wavesplat._model.facts import Facts, quantity_of
 from wavesplat._readers import ome_zarr_layout as layout
 from wavesplat._readers import zarr_metadata
@@ -317,10 +316,12 @@ def _with_guesses(facts: Facts, guesses: tuple[str, ...]) -> Facts:
 def _open(request: Request) -> Any:
     import zarr
 
+    from wavesplat._files.zarr3_store import PlaceStore
+
     place = _location(request)
     zarr_metadata.check_codecs(place, request.dataset or "")
     try:
-        node: Any = zarr.open(store_of(place), mode="r")
+        node: Any = zarr.open(PlaceStore(place), mode="r")
     except WavesplatError:
         raise
     except (OSError, KeyError, ValueError) as error:

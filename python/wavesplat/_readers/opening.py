@@ -49,7 +49,7 @@ from wavesplat._readers.unsupported_formats import (
 from wavesplat.errors import ArgumentError, FileError, FileWarning, WavesplatError
 
 if TYPE_CHECKING:
-    from typing_extensions import Unpack
+    from typing import Unpack
 
 __all__ = ["contents", "grid_of", "is_zarr", "open", "opened"]
 

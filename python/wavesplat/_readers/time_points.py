@@ -23,7 +23,7 @@ from wavesplat._readers.request import Request, SeveralError, requested, taking_
 from wavesplat.errors import ArgumentError, FileError
 
 if TYPE_CHECKING:
-    from typing_extensions import Unpack
+    from typing import Unpack
 
 __all__ = ["open_series"]
 

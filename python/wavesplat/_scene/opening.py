@@ -30,7 +30,7 @@ from wavesplat._scene.scene import MAX_LAYERS, Scene
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from typing_extensions import Unpack
+    from typing import Unpack
 
 __all__ = ["open_scene"]
 

@@ -21,7 +21,7 @@ from wavesplat._scene.scene import as_scene
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from typing_extensions import Unpack
+    from typing import Unpack
 
 __all__ = ["render_part"]
 

@@ -26,7 +26,7 @@ from wavesplat._scene.summary import facts_of_picture
 from wavesplat._scene.volumes_of_layers import drawn_volumes
 
 if TYPE_CHECKING:
-    from typing_extensions import Unpack
+    from typing import Unpack
 
     from wavesplat._scene.layer import Layer
 

@@ -19,7 +19,7 @@ from wavesplat._scene.layer import AnyLook
 from wavesplat._scene.scene import as_scene
 
 if TYPE_CHECKING:
-    from typing_extensions import Unpack
+    from typing import Unpack
 
 __all__ = ["render"]
 

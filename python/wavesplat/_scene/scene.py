@@ -35,7 +35,7 @@ from wavesplat._scene.layer import AnyLook, Layer
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from typing_extensions import Unpack
+    from typing import Unpack
 
 __all__ = ["Cache", "Scene", "as_scene", "names_by_themselves"]
 

@@ -220,7 +220,7 @@ class _File(_Guarded):
         written = self.finish(file.compressed if is_compressed else file.content)
         try:
             await asyncio.wait_for(written, ANSWER_S)
-        except (TimeoutError, asyncio.TimeoutError):
+        except TimeoutError:
             self.detach().close()
 
 

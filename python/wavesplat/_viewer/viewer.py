@@ -32,7 +32,7 @@ from wavesplat._viewer.state import ViewerState
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
-    from typing_extensions import Self
+    from typing import Self
 
 __all__ = ["Viewer", "view"]
 

@@ -27,6 +27,8 @@ PAGES = [
     "accuracy.md",
     "privacy.md",
     "faq.md",
+    "five_minutes.md",
+    "wrong_picture.md",
 ]
 
 

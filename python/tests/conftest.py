@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 import pytest
+from cases_of_the_day import mark_the_rest
 from command_server import CommandServer, can_fork
 from hypothesis import HealthCheck, settings
 
@@ -103,6 +104,19 @@ def ramp_file(tmp_path):
     path = tmp_path / "ramp.nii.gz"
     nibabel.save(nibabel.Nifti1Image(ramp.T, np.eye(4)), path)
     return path
+
+
+def pytest_configure(config):
+    """Run what is named case by case, `file::test`, also where it is of the night."""
+    if config.option.markexpr == "not nightly" and config.args and all("::" in name for name in config.args):
+        config.option.markexpr = "nightly or not nightly"
+
+
+@pytest.hookimpl(tryfirst=True)
+def pytest_collection_modifyitems(config, items):
+    """Before cases are left out by their marks, mark those that are of the night."""
+    if config.option.markexpr != "":
+        mark_the_rest(items)
 
 
 @pytest.fixture(scope="session")

@@ -332,6 +332,7 @@ def lying(path):
 
 @pytest.mark.parametrize("odd", [endless, bomb, lying])
 @pytest.mark.parametrize("options", [{}, {"memory": "50 MB"}])
+@pytest.mark.every_pair
 def test_no_more_is_read_than_a_chunk_can_have(store, odd, options):
     import tracemalloc
 

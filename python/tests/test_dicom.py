@@ -303,6 +303,7 @@ def garbage(path):
 
 @pytest.mark.parametrize("harm", [cut_in_the_pixels, cut_in_the_header, emptied, garbage])
 @pytest.mark.parametrize("compressed", [False, True])
+@pytest.mark.every_pair
 def test_damaged_files_of_a_series_are_named(tmp_path, harm, compressed):
     from pydicom.uid import RLELossless
 

@@ -66,6 +66,7 @@ def samples_of(scene):
     "volume",
     [{"path": "data/a.npy"}, {"path": "data/a.raw", **RAW}, {"path": "data/../data/a.npy"}, {"path": "./data/a.npy"}],
 )
+@pytest.mark.every_pair
 def test_files_in_the_folder_are_opened(place, kind, volume):
     np.testing.assert_array_equal(samples_of(ws.Scene.load(written(place, volume, kind))), SAMPLES)
 
@@ -202,6 +203,7 @@ def test_patterns_in_folders_whose_names_look_like_patterns(place):
 @pytest.mark.skipif(sys.platform == "win32", reason="links need rights there")
 @pytest.mark.parametrize("options", [{}, {"memory": "50 MB"}, {"series_of_times": True}])
 @pytest.mark.parametrize("kind", ["DICOM", "TIFF", "Analyze"])
+@pytest.mark.every_pair
 def test_files_that_belong_to_the_named_one_may_not_be_links_out(place, kind, options):
     if kind == "DICOM" and "memory" in options:
         pytest.skip("not read in parts")

@@ -134,6 +134,7 @@ def _cuts():
 
 @pytest.mark.parametrize("light", [None, Light()], ids=["unlit", "lit"])
 @pytest.mark.parametrize("cut", _cuts())
+@pytest.mark.every_pair
 def test_cut_pictures_are_those_of_the_caster(cut, light):
     """A cut face ends abruptly, so at its outline pixels differ by what lies between two texels; the others do not.
 

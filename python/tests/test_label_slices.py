@@ -44,6 +44,7 @@ def label_at(picture):
 
 @pytest.mark.parametrize("plane", ["axial", "coronal", "sagittal", ((8, 22, 18), (1, 2, 3))])
 @pytest.mark.parametrize("looks", [LOOKS, {40: LOOKS[40]}])
+@pytest.mark.every_pair
 def test_every_pixel_has_the_colour_of_the_sample_next_to_it(plane, looks, monkeypatch):
     monkeypatch.setattr("wavesplat._scene.label_slices.PIXELS_AT_ONCE", 300)
     below = ws.slice(scan(), plane, size=(80, 70))

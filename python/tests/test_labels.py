@@ -136,6 +136,7 @@ def test_the_command_line_draws_labels_and_light(tmp_path, scan):
 
 @pytest.mark.parametrize("scan_opacity", [0.3, 0.99, 1.0])
 @pytest.mark.parametrize("layers", [1, 2])
+@pytest.mark.every_pair
 def test_scan_and_matter_mix_by_extinction(scan_opacity, layers):
     """In a uniform mixture, the colour is the mean weighted by extinction, however opaque scan and label are."""
     scan = ws.Volume(np.full((12, 12, 12), 5.0, np.float32))

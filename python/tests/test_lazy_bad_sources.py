@@ -169,6 +169,7 @@ def _pipe(chunk):
         (_pipe, "is a device, a pipe or a socket"),
     ],
 )
+@pytest.mark.every_pair
 def test_chunks_that_are_no_files_are_named(tmp_path, damage, message, shards):
     chunk = _chunk(tmp_path, shards=shards)
     damage(chunk)

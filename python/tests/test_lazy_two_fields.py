@@ -74,6 +74,7 @@ FIELDS: tuple[tuple[NDArray[Any], NDArray[Any], dict[str, Any]], ...] = (
 
 @pytest.mark.parametrize("lazily", [in_zarr, mapped])
 @pytest.mark.parametrize("case", range(3))
+@pytest.mark.every_pair
 def test_two_lazy_fields_have_the_bytes_of_two_in_memory(lazily: Any, case: int, tmp_path: Path) -> None:
     density, heat, place = FIELDS[case]
     here = ws.Volume(density, name="density"), ws.Volume(heat, name="heat", **place)

@@ -42,6 +42,7 @@ def _known_length(samples):
 
 @pytest.mark.parametrize("kernel", KERNELS)
 @pytest.mark.parametrize("opacity", [[(0, OPACITY)], [(0, 0), (2.9, 0), (2.95, OPACITY)]], ids=["soft", "hard"])
+@pytest.mark.every_pair
 def test_extinction_is_multiplied_by_the_share_of_known_samples(kernel, opacity):
     samples = _samples()
     look = ws.TransferFunction(opacity, [(0, 1, 1, 1)], opacity_unit=1.0)

@@ -138,6 +138,7 @@ def test_frames_are_kept_only_if_everything_is_the_same(tmp_path, change):
 
 @pytest.mark.parametrize("suffix", [".mp4", ".webm", ".gif", ".webp"])
 @pytest.mark.parametrize("at", [0.0, 0.5])
+@pytest.mark.every_pair
 def test_a_stopped_movie_leaves_what_was_there(tmp_path, suffix, at):
     path = tmp_path / f"turn{suffix}"
     path.write_bytes(b"before")

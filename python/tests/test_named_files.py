@@ -43,6 +43,7 @@ def allowed(path, samples=SAMPLES, **options):
         ("mha", META + "ElementDataFile : {}\n"),
     ],
 )
+@pytest.mark.every_pair
 def test_samples_elsewhere(folder, name, suffix, header):
     path = folder / f"a.{suffix}"
     (folder / "sub").mkdir()
@@ -201,6 +202,7 @@ def test_hdf5_virtual_datasets_of_datasets_that_lie_elsewhere(folder):
 
 @pytest.mark.parametrize("options", [{}, {"memory": "50 MB"}])
 @pytest.mark.parametrize("name", ["VTKHDF", "minc-2.0", "x"])
+@pytest.mark.every_pair
 def test_hdf5_links_of_the_root_are_not_followed(folder, name, options):
     import h5py
 

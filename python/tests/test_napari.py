@@ -345,6 +345,7 @@ def test_napari_adds_our_layers(tmp_path):
 @pytest.mark.parametrize(
     "orientation", [("towards", "down", "right"), ("away", "down", "right"), ("away", "up", "left")]
 )
+@pytest.mark.every_pair
 def test_points_are_where_napari_shows_them(orientation, perspective):
     components = pytest.importorskip("napari.components")
     vispy = pytest.importorskip("vispy.scene")

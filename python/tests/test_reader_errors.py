@@ -72,7 +72,8 @@ def fails(path, message=r"\w", **options):
 
 
 @pytest.mark.parametrize("name", KINDS)
-@pytest.mark.parametrize("part", [0.9, 0.5, 0.01])
+@pytest.mark.parametrize("part", [pytest.param(0.9, marks=pytest.mark.nightly), 0.5, 0.01])
+@pytest.mark.every_pair
 def test_truncated(tmp_path, capfd, name, part):
     path = save(tmp_path / name)
     content = path.read_bytes()
@@ -415,6 +416,7 @@ def test_extensions_that_look_wrong_say_nothing(tmp_path):
         (b"endian: little", b"#" * 70_000 + b"\nendian: " + b"a" * 3000),
     ],
 )
+@pytest.mark.every_pair
 def test_fields_that_itk_has_no_room_for(tmp_path, old, new, options):
     path = save(tmp_path / "a.nrrd")
     whole = path.read_bytes()

@@ -180,6 +180,7 @@ def itk_image(samples, lps_from_index, **options):
 
 @pytest.mark.parametrize("compressed", [False, True])
 @pytest.mark.parametrize("suffix", [".nrrd", ".nhdr", ".mha", ".mhd"])
+@pytest.mark.every_pair
 def test_itk_formats(tmp_path, oblique, suffix, compressed):
     import SimpleITK
 
@@ -479,6 +480,7 @@ def ome_attributes(version, axes, datasets, **more):
 
 @pytest.mark.parametrize("version", ["0.4", "0.5"])
 @pytest.mark.parametrize("axes", ["zyx", "czyx", "tczyx", "xyz"])
+@pytest.mark.every_pair
 def test_ome_zarr(tmp_path, version, axes):
     import zarr
 

@@ -41,6 +41,7 @@ def scene_over_time(n_times=3):
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @pytest.mark.parametrize("dtype", ["u1", "i1", "u2", "i2", "u4", "i4", "f4", "f8"])
+@pytest.mark.every_pair
 def test_a_volume_comes_back(tmp_path, suffix, dtype):
     volume = volume_of(0, dtype=dtype)
     volume.save(tmp_path / f"a{suffix}")
@@ -57,6 +58,7 @@ def test_a_volume_comes_back(tmp_path, suffix, dtype):
 
 @pytest.mark.parametrize("suffix", SUFFIXES)
 @pytest.mark.parametrize("unit", [None, "mm", "nm", "angstrom", "m", "cm"])
+@pytest.mark.every_pair
 def test_units_come_back(tmp_path, suffix, unit):
     volume_of(0, unit=unit, facts=None).save(tmp_path / f"a{suffix}")
     again = ws.open(tmp_path / f"a{suffix}")
@@ -295,6 +297,7 @@ def test_types_of_channels_are_joined_without_loss(tmp_path):
 @pytest.mark.parametrize(
     ("largest", "dtype"), [((5, 2**20, 300), np.uint32), ((5, 2**33), np.float64), ((7, -9), np.int16)]
 )
+@pytest.mark.every_pair
 def test_labels_of_64_bits_that_outgrow_the_first_time_are_saved(tmp_path, largest, dtype, suffix):
     samples = [np.full(SHAPE, n, np.int64) for n in largest]
     for n, one in enumerate(samples):

@@ -158,6 +158,7 @@ def test_every_kernel_is_its_tensor_product(oblique, kernel, dtype):
 
 @pytest.mark.parametrize(("slab", "reduce"), [("maximum", np.max), ("minimum", np.min)])
 @pytest.mark.parametrize(("first", "last"), [(0, 2), (1, 3), (0, 4), (2, 4)])
+@pytest.mark.every_pair
 def test_slabs_between_slices_are_those_of_numpy(slab, reduce, first, last):
     volume = in_memory_order("LPS")
     position, thickness = 40.0 + first + last, 2.0 * (last - first)

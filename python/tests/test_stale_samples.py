@@ -246,6 +246,7 @@ def _written_into(path, samples, write):
 
 @pytest.mark.parametrize("how", [_replaced, _written_into])
 @pytest.mark.parametrize("name", FILES)
+@pytest.mark.every_pair
 def test_a_file_that_changes_must_be_opened_again(name, how, tmp_path):
     path, write = tmp_path / name, FILES[name]
     options = write(path, dim())

@@ -18,6 +18,7 @@ SAMPLES = np.random.default_rng(3).integers(0, 250, (6, 7, 9)).astype(np.int16)
 @pytest.mark.parametrize(
     ("form", "is_base64"), [("ascii", False), ("binary", True), ("appended", False), ("appended", True)]
 )
+@pytest.mark.every_pair
 def test_all_encodings(tmp_path, form, is_base64, compressor):
     orders, integers = ("LittleEndian", "BigEndian"), ("UInt32", "UInt64")
     for dtype, byte_order, header_type in itertools.product(["u1", "i2", "u4", "i8", "f4", "f8"], orders, integers):

@@ -43,6 +43,7 @@ def write(path, parts, *, is_text=False, place=PLACE, dataset="STRUCTURED_POINTS
 
 @pytest.mark.parametrize("is_text", [True, False])
 @pytest.mark.parametrize("kind", TYPES)
+@pytest.mark.every_pair
 def test_every_type(tmp_path, kind, is_text):
     parts = ["POINT_DATA 60\n", f"SCALARS s%20c {kind}\nLOOKUP_TABLE default\n"]
     path = write(tmp_path / "a.vtk", [*parts, numbers(SAMPLES, TYPES[kind], is_text)], is_text=is_text)

@@ -26,6 +26,7 @@ def seen(volume):
 
 @pytest.mark.parametrize("dtype", ["i8", "u8", ">i8", "i4"])
 @pytest.mark.parametrize("name", VOLUMES)
+@pytest.mark.every_pair
 def test_one_look_and_one_picture_wherever_samples_lie(name, dtype, tmp_path):
     """Eight labels were one beige lump in parts, and a scan was a field: their samples are float64 there."""
     if dtype == "u8" and VOLUMES[name].min() < 0:

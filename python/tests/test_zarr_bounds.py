@@ -38,6 +38,7 @@ def read(chunk, options):
 @pytest.mark.skipif(sys.platform == "win32", reason="has no such devices")
 @pytest.mark.parametrize("options", WAYS)
 @pytest.mark.parametrize("what", ["/dev/zero", "/dev/full", "pipe", "folder"])
+@pytest.mark.every_pair
 def test_chunks_that_are_no_files(chunk, options, what):
     chunk.unlink()
     if what == "folder":
@@ -77,6 +78,7 @@ def test_metadata_that_are_no_file(chunk, options):
         {"chunks": (1, 1, 2), "shards": (8, 8, 8), "compressors": zarr.codecs.BloscCodec()},
     ],
 )
+@pytest.mark.every_pair
 def test_chunks_that_do_not_shrink_are_read(tmp_path, options, made):
     zarr.create_array(tmp_path / "a.zarr", data=SAMPLES, **{"chunks": (8, 8, 8)} | made)
     np.testing.assert_array_equal(opened(tmp_path / "a.zarr", options), SAMPLES)

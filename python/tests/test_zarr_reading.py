@@ -90,6 +90,7 @@ def test_samples_are_those_of_zarr(tmp_path, layout):
 
 @pytest.mark.parametrize("dtype", ["?", "i1", "<i4", ">i8", "<u8", "<f4", ">f8", "<f2"])
 @pytest.mark.parametrize("zarr_format", [2, 3])
+@pytest.mark.every_pair
 def test_types(tmp_path, dtype, zarr_format):
     array = written(tmp_path / "a.zarr", {}, dtype=dtype, zarr_format=zarr_format)
     whole = tuple(slice(0, n) for n in array.shape)

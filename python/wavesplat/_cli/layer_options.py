@@ -267,7 +267,7 @@ def further_layers(
             open_it = partial(_opened, said.path)
             series = in_uptake(open_it, lambda one: one[0].modality, suv=suv, is_alone=False)
         except SeveralError as error:
-            if error.option != "channel" or not error.is_said or not said.is_plain:
+            if error.option != "channel" or not error.is_known or not said.is_plain:
                 raise
             channels = list(open_scene(said.path, time=time).layers)
             if said.transform is not None:

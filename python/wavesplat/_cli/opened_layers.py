@@ -75,14 +75,14 @@ def opened_layers(
             return _series(path, reader, processing, quiet=quiet)
         return processed(path, reader, processing, quiet=quiet)
     except SeveralError as error:
-        if error.option == "time" and error.is_said and reader.time is None:
+        if error.option == "time" and error.is_known and reader.time is None:
             reader, layering = _with_times(reader, layering, all_times=all_times)
             found = opened_layers(path, reader, layering, processing, composite=composite, quiet=quiet)
             if not (quiet or all_times):
                 message(f"note: the file holds {len(error.names)} time points; this is --time 0")
             return found
         # In an array whose axes have no names, no axis is known to be that of channels.
-        if error.option != "channel" or said or not error.is_said:
+        if error.option != "channel" or said or not error.is_known:
             raise
     return _channels(
         path,

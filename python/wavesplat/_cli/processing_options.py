@@ -118,7 +118,7 @@ class _Changed:
     def times(self) -> tuple[tuple[float, ...], str | None]:
         return self._series.times, self._series.time_unit
 
-    def told(self) -> str:
+    def description(self) -> str:
         return f"series {self._series.name!r}"
 
 

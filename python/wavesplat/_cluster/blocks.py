@@ -102,11 +102,11 @@ class _Tasks:
         costs = np.array(self._stream.bytes_to_read(), np.float64) + 1.0
         # The longest first, so that none is waited for at the end.
         order = [int(block) for block in np.argsort(-costs, kind="stable")]
-        told, whole = 0.0, float(costs.sum())
+        done_cost, whole = 0.0, float(costs.sum())
         results = self._by_threads(order) if isinstance(client, str) else self._by_client(client, order)
         for block, drawn in results:
-            told += float(costs[block])
-            if progress is not None and progress(told / whole) is False:
+            done_cost += float(costs[block])
+            if progress is not None and progress(done_cost / whole) is False:
                 results.close()
                 raise CancelledError("rendering was cancelled by the progress callback")
             yield block, drawn

@@ -69,28 +69,28 @@ def machines_of(client: Any) -> Machines:
     if client.status in CLOSED:
         raise ArgumentError("this client was closed; give a new dask.distributed.Client")
     with lost_scheduler_named(client):
-        told = facts_of_workers(client, _machine_facts)
-    if not told:
+        facts = facts_of_workers(client, _machine_facts)
+    if not facts:
         raise ArgumentError("the cluster has no workers yet; wait for them with client.wait_for_workers(1)")
-    _check_releases(told)
-    n_at_once = sum(n_threads for _, _, n_threads, _, _ in told.values())
+    _check_releases(facts)
+    n_at_once = sum(n_threads for _, _, n_threads, _, _ in facts.values())
     # Several workers of one machine share its processors.
     on_host = Counter[str]()
-    for _, host, n_threads, _, _ in told.values():
+    for _, host, n_threads, _, _ in facts.values():
         on_host[host] += n_threads
-    threads = min(max(1, n_cores // on_host[host]) for _, host, _, n_cores, _ in told.values())
-    limits = [limit // n_threads for _, _, n_threads, _, limit in told.values() if limit]
+    threads = min(max(1, n_cores // on_host[host]) for _, host, _, n_cores, _ in facts.values())
+    limits = [limit // n_threads for _, _, n_threads, _, limit in facts.values() if limit]
     memory = int(SHARE * min(limits)) if limits else default_memory()
     return Machines(n_at_once, threads, memory)
 
 
-def _check_releases(told: dict[str, Any]) -> None:
+def _check_releases(facts: dict[str, Any]) -> None:
     """Raise a `LibraryError` unless all workers have this release of the package."""
-    missing = {worker: found for worker, answer in told.items() if (found := _other_release(answer)) is not None}
+    missing = {worker: found for worker, answer in facts.items() if (found := _other_release(answer)) is not None}
     if missing:
         worker = min(missing)
         raise LibraryError(
-            f"{len(missing)} of {len(told)} workers, such as {worker}, have {missing[worker]}, and this is "
+            f"{len(missing)} of {len(facts)} workers, such as {worker}, have {missing[worker]}, and this is "
             f"{_native.__version__}; install the same release there (client.run, a plugin such as "
             "distributed.PipInstall, or the image of the workers)"
         )

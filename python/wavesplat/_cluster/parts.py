@@ -75,8 +75,8 @@ class PartialPicture:
     @property
     def identity(self) -> str:
         """Digest of all that pictures to be merged must share."""
-        told = {key: value for key, value in self.picture.report.items() if key not in OF_PROCESS}
-        text = json.dumps([told, sorted(self.boxes)], sort_keys=True, default=str)
+        report = {key: value for key, value in self.picture.report.items() if key not in OF_PROCESS}
+        text = json.dumps([report, sorted(self.boxes)], sort_keys=True, default=str)
         return hashlib.sha256(text.encode()).hexdigest()
 
     def __repr__(self) -> str:

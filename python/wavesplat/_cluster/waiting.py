@@ -144,11 +144,11 @@ def facts_of_workers(client: Any, facts: Callable[..., Any]) -> dict[str, Any]:
         answers: dict[str, Any] = {}
         with suppress(OSError):  # a scheduler that has just gone
             answers = client.run(facts, on_error="return")
-        told = {worker: _import_error(answer) or answer for worker, answer in answers.items()}
-        told = {worker: answer for worker, answer in told.items() if not isinstance(answer, Exception)}
+        answered = {worker: _import_error(answer) or answer for worker, answer in answers.items()}
+        answered = {worker: answer for worker, answer in answered.items() if not isinstance(answer, Exception)}
         # None where the cluster knows of workers, and all of them are gone.
-        if told or not client.scheduler_info()["workers"] or time.monotonic() - begun > PATIENCE_S:
-            return told
+        if answered or not client.scheduler_info()["workers"] or time.monotonic() - begun > PATIENCE_S:
+            return answered
         time.sleep(0.5)
 
 

@@ -94,8 +94,8 @@ class StoredFiles:
         written = [state[1] for state in self._states if state is not None]
         if not self._is_complete or not written or not wait_for_next_tick(max(written)):
             return None
-        told = "\n".join(f"{path} {state}" for path, state in zip(self._paths, self._states, strict=True))
-        return hashlib.sha256(told.encode("utf-8", "surrogateescape")).hexdigest()
+        lines = "\n".join(f"{path} {state}" for path, state in zip(self._paths, self._states, strict=True))
+        return hashlib.sha256(lines.encode("utf-8", "surrogateescape")).hexdigest()
 
     def check_read(self, index: Sequence[int | slice]) -> None:
         """Raise a `FileChangedError` if one of the files that were read has changed."""

@@ -200,13 +200,13 @@ def _not_public(host: str) -> FileError:
 def _refusal(status: int, url: str) -> FileError:
     """The error for an answer that has no content."""
     known = {one.value: one.phrase for one in HTTPStatus}
-    said = f"{status} {known.get(status, '')}".strip()
+    reason = f"{status} {known.get(status, '')}".strip()
     if status == HTTPStatus.UNAUTHORIZED:
         place = "give an address that holds the access, ...?token=..."
-        return FileError(f"the server asks for a log-in ({said}); {place}: {safe_address(url)}")
+        return FileError(f"the server asks for a log-in ({reason}); {place}: {safe_address(url)}")
     if status >= HTTPStatus.INTERNAL_SERVER_ERROR or status == HTTPStatus.TOO_MANY_REQUESTS:
-        return ServerError(f"the server has a fault or is busy ({said}); try again later: {safe_address(url)}")
-    return FileError(f"the server does not give what is asked for ({said}); check the address: {safe_address(url)}")
+        return ServerError(f"the server has a fault or is busy ({reason}); try again later: {safe_address(url)}")
+    return FileError(f"the server does not give what is asked for ({reason}); check the address: {safe_address(url)}")
 
 
 def _as_file_error(error: Exception, url: str) -> FileError:
@@ -228,9 +228,9 @@ def _as_file_error(error: Exception, url: str) -> FileError:
         )
     if isinstance(error, aiohttp.ClientPayloadError):
         return ServerError(f"truncated: the server ended its answer too early; try again: {safe_address(url)}")
-    said = (str(error).splitlines() or [""])[0] or type(error).__name__
+    reason = (str(error).splitlines() or [""])[0] or type(error).__name__
     for name in (url, str(yarl.URL(url))):  # aiohttp quotes it whole
-        said = said.replace(name, safe_address(name))
+        reason = reason.replace(name, safe_address(name))
     return ServerError(
-        f"the server cannot be asked, or not understood ({said}); check the address: {safe_address(url)}"
+        f"the server cannot be asked, or not understood ({reason}); check the address: {safe_address(url)}"
     )

@@ -82,13 +82,13 @@ class ChunkDecoder:
 
         What says that it is longer is not unpacked, as a few kilobytes can unpack to gigabytes.
         """
-        said = None if self.unpacked_size is None else self.unpacked_size(packed)
-        if said is None:
+        declared = None if self.unpacked_size is None else self.unpacked_size(packed)
+        if declared is None:
             return self.unpack[-1](packed, None)
-        if said != self.n_bytes:
-            raise self._wrong_size(said)
-        if getattr(SCRATCH, "memory", None) is None or SCRATCH.memory.nbytes != said:
-            SCRATCH.memory = np.empty(said, np.uint8)
+        if declared != self.n_bytes:
+            raise self._wrong_size(declared)
+        if getattr(SCRATCH, "memory", None) is None or SCRATCH.memory.nbytes != declared:
+            SCRATCH.memory = np.empty(declared, np.uint8)
         self.unpack[-1](packed, SCRATCH.memory)
         return SCRATCH.memory
 
@@ -234,8 +234,8 @@ def _checked(content: Any) -> Any:
     """The content before a CRC-32C at its end, which is compared."""
     import google_crc32c
 
-    own, said = bytes(content[:-CRC_BYTES]), bytes(content[-CRC_BYTES:])
-    if google_crc32c.value(own).to_bytes(CRC_BYTES, "little") != said:
+    own, declared = bytes(content[:-CRC_BYTES]), bytes(content[-CRC_BYTES:])
+    if google_crc32c.value(own).to_bytes(CRC_BYTES, "little") != declared:
         raise ValueError("the checksum is wrong: the content is damaged")
     return own
 

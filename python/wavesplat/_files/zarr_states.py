@@ -147,10 +147,10 @@ class ChunkFiles:
         assert seen is not None
         if not wait_for_next_tick(seen.written_ns):
             return None
-        told = hashlib.sha256(f"{self._folder.absolute()}\n{self._metadata}\n".encode("utf-8", "surrogateescape"))
-        told.update(seen.numbers.tobytes())
-        told.update(seen.states.tobytes())
-        return told.hexdigest()
+        digest = hashlib.sha256(f"{self._folder.absolute()}\n{self._metadata}\n".encode("utf-8", "surrogateescape"))
+        digest.update(seen.numbers.tobytes())
+        digest.update(seen.states.tobytes())
+        return digest.hexdigest()
 
     def check_read(self, index: Sequence[int | slice]) -> None:
         """Raise a `FileChangedError` if a chunk that was just read is not in the state of the last pass."""
@@ -202,7 +202,7 @@ def _have_same_mtimes(folders: dict[str, int]) -> bool:
 
 def _metadata(folder: Path) -> str:
     """Hash of an array's metadata without its attributes, which say nothing of samples."""
-    told = hashlib.sha256()
+    digest = hashlib.sha256()
     for name in ARRAY_METADATA_NAMES:
         with suppress(OSError):
             text = (folder / name).read_bytes()
@@ -210,8 +210,8 @@ def _metadata(folder: Path) -> str:
                 fields = json.loads(text)
                 fields.pop("attributes", None)
                 text = json.dumps(fields, sort_keys=True).encode()
-            told.update(text)
-    return told.hexdigest()
+            digest.update(text)
+    return digest.hexdigest()
 
 
 def chunk_files(array: Any, picked: Sequence[int | None]) -> ChunkFiles | None:

@@ -44,10 +44,10 @@ def read_freesurfer(asked: Asked) -> ReadShape:
     nib: Any = library("nibabel", extra="geometry")
     _check_counts(asked.file)
     vertices, faces, meta = nib.freesurfer.read_geometry(str(asked.file), read_metadata=True)
-    moved, told = _in_scanner(np.asarray(vertices, np.float64), meta or {})
+    moved, guesses = _in_scanner(np.asarray(vertices, np.float64), meta or {})
     fields = {"vertices": moved, "faces": np.asarray(faces)}
     values, values_from = _values(asked, len(moved))
-    return ReadShape("surface", fields | values, "mm", told, values_from)
+    return ReadShape("surface", fields | values, "mm", guesses, values_from)
 
 
 def _check_counts(path: Path) -> None:
@@ -87,18 +87,18 @@ def read_gifti(asked: Asked) -> ReadShape:
         raise FileError("it holds values and no surface; open the surface, and give this file as values=")
     vertices = np.asarray(points[0].data, np.float64)
     system = points[0].coordsys
-    told: tuple[str, ...] = ()
+    guesses: tuple[str, ...] = ()
     if system is not None and system.xformspace == SCANNER != system.dataspace and system.xform is not None:
         matrix = np.asarray(system.xform, np.float64)
         vertices = vertices @ matrix[:3, :3].T + matrix[:3, 3]
-        told = ("moved by the file's own transform into the scanner's world",)
+        guesses = ("moved by the file's own transform into the scanner's world",)
     elif (system is None or system.dataspace != SCANNER) and (center := _center_of(points[0].meta)) is not None:
         vertices = vertices + center
         x, y, z = center.tolist()
-        told = (f"moved by c_ras ({x:g}, {y:g}, {z:g}) mm into the scanner's world",)
+        guesses = (f"moved by c_ras ({x:g}, {y:g}, {z:g}) mm into the scanner's world",)
     fields = {"vertices": vertices, "faces": np.asarray(triangles[0].data)}
     values, values_from = _values(asked, len(vertices))
-    return ReadShape("surface", fields | values, "mm", told, values_from)
+    return ReadShape("surface", fields | values, "mm", guesses, values_from)
 
 
 def _center_of(meta: Any) -> NDArray[np.float64] | None:

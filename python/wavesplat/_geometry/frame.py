@@ -96,12 +96,12 @@ class Frame(Shape):
         for switch in ("ticks", "units", "grid"):
             if not isinstance(getattr(self, switch), bool):
                 given = described(getattr(self, switch))
-                raise ArgumentError(f"{switch} of {self._told} is {given}; give True or False")
+                raise ArgumentError(f"{switch} of {self._title} is {given}; give True or False")
         if self.box is not None:
-            self._set(box=_checked_box(self.box, self._told))
+            self._set(box=_checked_box(self.box, self._title))
         if self.color is not None:
-            self._set(color=checked_color(self.color, 1, f"color of {self._told}", "frame"))
-        self._set(width=checked_size(self.width, 1, f"width of {self._told}"))
+            self._set(color=checked_color(self.color, 1, f"color of {self._title}", "frame"))
+        self._set(width=checked_size(self.width, 1, f"width of {self._title}"))
 
     def _around(self, bounds: Box) -> Box:
         """The box: that given, else the one around the volume."""
@@ -185,9 +185,9 @@ def _grid(box: Box, far: tuple[bool, bool, bool]) -> list[Any]:
     return found
 
 
-def _checked_box(given: Any, told: str) -> Box:
+def _checked_box(given: Any, title: str) -> Box:
     form = "(lower, upper), two world positions (x, y, z), each number of the second larger"
-    box = numbers_of(given, f"box of {told}", form)
+    box = numbers_of(given, f"box of {title}", form)
     if box.shape != (2, 3) or not np.isfinite(box).all() or not (box[0] < box[1]).all():
-        raise ArgumentError(f"box of {told} is {described(given, lists=True)}; give {form}")
+        raise ArgumentError(f"box of {title} is {described(given, lists=True)}; give {form}")
     return box

@@ -88,24 +88,24 @@ class Lines(Shape):
     def __post_init__(self) -> None:
         self._take(foreign_shapes.lines_of(self.paths, self.values))
         self._check_style()
-        chains = chains_of(self.paths, f"paths of {self._told}")
+        chains = chains_of(self.paths, f"paths of {self._title}")
         n = len(chains.positions)
         is_by_direction = isinstance(self.color, str) and self.color == BY_DIRECTION
         given = None if is_by_direction else _on_positions(self.color, chains, 2)
         values = _on_positions(self.values, chains, 1)
         if is_by_direction and values is not None:
-            raise ArgumentError(f"color and values of {self._told} both say its colours; give one of them")
+            raise ArgumentError(f"color and values of {self._title} both say its colours; give one of them")
         color, values, cmap, clim = checked_paint(
-            given, values, self.cmap, self.clim, n=n, what=self._told, each="position"
+            given, values, self.cmap, self.clim, n=n, what=self._title, each="position"
         )
         if self.radius is not None and self.width is not None:
             raise ArgumentError(
-                f"radius and width of {self._told} both say how thick it is; give the radius in world units, or the "
+                f"radius and width of {self._title} both say how thick it is; give the radius in world units, or the "
                 "width in pixels"
             )
         for name in ("radius", "width"):
             if (size := getattr(self, name)) is not None:
-                self._set(**{name: _number(size, f"{name} of {self._told}")})
+                self._set(**{name: _number(size, f"{name} of {self._title}")})
         kept = BY_DIRECTION if is_by_direction else color
         self._set(paths=chains, color=kept, values=values, cmap=cmap, clim=clim)
 

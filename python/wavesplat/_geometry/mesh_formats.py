@@ -29,7 +29,7 @@ SPACE = re.compile(rb"SPACE\s*=\s*(LPS|RAS)")
 HEAD_BYTES = 1 << 12
 #: Bytes of a mesh in memory for each byte of its file, at most as a rule.
 BYTES_PER_BYTE = 6
-LPS_TOLD = "turned from LPS, as its header says, to RAS"
+LPS_NOTE = "turned from LPS, as its header says, to RAS"
 
 
 def read(asked: Asked) -> ReadShape:
@@ -60,9 +60,9 @@ def read(asked: Asked) -> ReadShape:
         fields["values"] = _values(made, asked)
         fields.pop("color", None)
     guesses: tuple[str, ...] = ()
-    if (said := SPACE.search(content[:HEAD_BYTES])) and said[1] == b"LPS":
+    if (space := SPACE.search(content[:HEAD_BYTES])) and space[1] == b"LPS":
         fields["vertices"] = np.asarray(fields["vertices"]) * (-1, -1, 1)
-        guesses = (LPS_TOLD,)
+        guesses = (LPS_NOTE,)
     if suffix == ".stl":
         fields |= _merged(fields["vertices"], fields["faces"])
     unit = units.canonical(getattr(made, "units", None)) if suffix == ".3mf" else None

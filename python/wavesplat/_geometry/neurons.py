@@ -38,13 +38,13 @@ def read(asked: Asked) -> ReadShape:
         raise ArgumentError(f"a neuron has no values {asked.values!r}; there are: radius, type: {asked.file}")
     fields = {"paths": [rows[chain, 2:5] for chain in chains]}
     radii = rows[np.concatenate(chains), 5]
-    told: tuple[str, ...] = ("lengths are micrometres, as SWC files have them",)
+    guesses: tuple[str, ...] = ("lengths are micrometres, as SWC files have them",)
     if (radii > 0).any():
         fields["radius"] = float(radii[radii > 0].mean())  # type: ignore[assignment]
-        told = (*told, "branches are drawn with the mean radius of their points")
+        guesses = (*guesses, "branches are drawn with the mean radius of their points")
     if asked.values is not None:
         fields["values"] = rows[np.concatenate(chains), columns[asked.values]]
-    return ReadShape("lines", fields, "um", told)
+    return ReadShape("lines", fields, "um", guesses)
 
 
 def _rows(text: str) -> NDArray[np.float64]:

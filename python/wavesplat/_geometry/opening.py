@@ -121,7 +121,9 @@ def open_geometry(
     except FileError as error:
         raise (error if str(error).endswith(str(path)) else FileError(f"{error}: {path}")) from error.__cause__
     if kind is not None and kind != found.kind:
-        raise FileError(f"the file holds {_told(found.kind)}, and {_told(kind)} is asked for; leave out kind: {path}")
+        raise FileError(
+            f"the file holds {_plural(found.kind)}, and {_plural(kind)} is asked for; leave out kind: {path}"
+        )
     if values is not None and found.fields.get("values") is not None:
         found.fields.setdefault("quantity", quantity_of(_name_of_values(values, found)))
     own = given or found.unit
@@ -170,7 +172,7 @@ def _name_of_values(values: str, found: ReadShape) -> str | None:
     return name if name in MEASURES else None
 
 
-def _told(kind: str) -> str:
+def _plural(kind: str) -> str:
     return {"surface": "a surface", "lines": "lines", "points": "points"}[kind]
 
 
@@ -180,7 +182,7 @@ def _made(found: ReadShape, factor: float, look: dict[str, Any], path: str) -> A
     known = [field.name for field in fields(kind)]  # type: ignore[arg-type]
     for name in look:
         if name not in known:
-            raise ArgumentError(f"{_told(found.kind)} has no {name!r}; it has {', '.join(known)}: {path}")
+            raise ArgumentError(f"{_plural(found.kind)} has no {name!r}; it has {', '.join(known)}: {path}")
     own = _without_what_is_given(found.fields, look)
     for name in ("vertices", "positions", "radius"):
         if name in own:

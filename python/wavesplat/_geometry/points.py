@@ -81,20 +81,20 @@ class Points(Shape):
     def __post_init__(self) -> None:
         self._take(foreign_shapes.points_of(self.positions, self.values))
         self._check_style()
-        positions = checked_positions(self.positions, f"positions of {self._told}", "point")
+        positions = checked_positions(self.positions, f"positions of {self._title}", "point")
         n = len(positions)
         color, values, cmap, clim = checked_paint(
-            self.color, self.values, self.cmap, self.clim, n=n, what=self._told, each="point"
+            self.color, self.values, self.cmap, self.clim, n=n, what=self._title, each="point"
         )
         if self.radius is not None and self.size is not None:
             raise ArgumentError(
-                f"radius and size of {self._told} both say how large they are; give the radius in world units, or the "
+                f"radius and size of {self._title} both say how large they are; give the radius in world units, or the "
                 "size in pixels"
             )
         for name in ("radius", "size"):
             if (given := getattr(self, name)) is not None:
-                self._set(**{name: checked_size(given, n, f"{name} of {self._told}")})
-        labels = None if self.labels is None else _labels(self.labels, n, self._told)
+                self._set(**{name: checked_size(given, n, f"{name} of {self._title}")})
+        labels = None if self.labels is None else _labels(self.labels, n, self._title)
         self._set(positions=positions, color=color, values=values, cmap=cmap, clim=clim, labels=labels)
 
     @property
@@ -128,15 +128,15 @@ class Points(Shape):
         return f"<Points{name}: {len(self.positions)}>"
 
 
-def _labels(given: Any, n: int, told: str) -> tuple[str, ...]:
+def _labels(given: Any, n: int, title: str) -> tuple[str, ...]:
     """Checked names, "" for none."""
     if isinstance(given, str) or not isinstance(given, Iterable):
-        raise ArgumentError(f"labels of {told} is {described(given)}; give a name for each of the {n} points")
+        raise ArgumentError(f"labels of {title} is {described(given)}; give a name for each of the {n} points")
     labels = tuple("" if label is None else str(label) for label in given)
     if len(labels) != n:
-        raise ArgumentError(f"labels of {told} has {len(labels)} names, and there are {n} points; give one for each")
+        raise ArgumentError(f"labels of {title} has {len(labels)} names, and there are {n} points; give one for each")
     for row, label in enumerate(labels):
-        check_text(label, f"labels[{row}] of {told}")
+        check_text(label, f"labels[{row}] of {title}")
         if not label.isprintable():
-            raise ArgumentError(f"labels[{row}] of {told} is {described(label)}; give letters that can be printed")
+            raise ArgumentError(f"labels[{row}] of {title} is {described(label)}; give letters that can be printed")
     return labels

@@ -8,7 +8,7 @@ import numpy as np
 
 from wavesplat._files.libraries import library
 from wavesplat._geometry.foreign_shapes import kind_of, lines_of, points_of, surface_of
-from wavesplat._geometry.mesh_formats import HEAD_BYTES, LPS_TOLD, SPACE
+from wavesplat._geometry.mesh_formats import HEAD_BYTES, LPS_NOTE, SPACE
 from wavesplat._geometry.read_shape import Asked, ReadShape
 from wavesplat._readers import vtk_grids
 from wavesplat._readers.vtk_checks import check_grid
@@ -38,11 +38,11 @@ def read(asked: Asked) -> ReadShape:
         data = outer.GetOutput()
     kind = asked.kind or kind_of(data) or "points"
     fields = {"surface": surface_of, "lines": lines_of, "points": points_of}[kind](data, asked.values)
-    said = SPACE.search(head[:HEAD_BYTES])
-    if said is None or said[1] != b"LPS":
+    space = SPACE.search(head[:HEAD_BYTES])
+    if space is None or space[1] != b"LPS":
         return ReadShape(kind, fields)
     turned = {name: _turned(part) if name in PLACES else part for name, part in fields.items()}
-    return ReadShape(kind, turned, None, (LPS_TOLD,))
+    return ReadShape(kind, turned, None, (LPS_NOTE,))
 
 
 def _turned(places: Any) -> Any:

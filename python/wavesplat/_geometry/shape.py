@@ -42,7 +42,7 @@ class Shape:
         known = [field.name for field in fields(self) if field.init]  # type: ignore[arg-type]
         for name in changes:
             if name not in known:
-                raise ArgumentError(f"{self._told} has no {name!r} to change; it has {', '.join(known)}")
+                raise ArgumentError(f"{self._title} has no {name!r} to change; it has {', '.join(known)}")
         changed = replace(self, **changes)  # type: ignore[type-var]
         if not set(changes) & set(self.OF_FILE):
             # A value for each of its parts is not in the file.
@@ -64,7 +64,7 @@ class Shape:
         return self.visible and getattr(self, "opacity", 1.0) > 0
 
     @property
-    def _told(self) -> str:
+    def _title(self) -> str:
         """The shape in messages."""
         name = getattr(self, "name", None)
         return f"the {self.KIND} {name!r}" if name else f"the {self.KIND}"
@@ -104,8 +104,8 @@ class Shape:
         for switch in ("lit", "clipped", "visible"):
             given = getattr(self, switch, None)
             if not isinstance(given, bool | None):
-                raise ArgumentError(f"{switch} of {self._told} is {described(given)}; give True or False")
-        self._set(opacity=checked_share(getattr(self, "opacity", 1.0), f"opacity of {self._told}"))
+                raise ArgumentError(f"{switch} of {self._title} is {described(given)}; give True or False")
+        self._set(opacity=checked_share(getattr(self, "opacity", 1.0), f"opacity of {self._title}"))
 
 
 def is_one(name: str, value: Any) -> bool:

@@ -98,9 +98,9 @@ class ShapeArrays:
 
     def _show(self, entry: dict[str, Any]) -> None:
         """Keep an entry, unless one is there that says the same: slices of one volume in one window have one bar."""
-        is_told = entry.get("quantity") or entry["kind"] == SlicePlane.KIND
+        has_bar = entry.get("quantity") or entry["kind"] == SlicePlane.KIND
         names = ("quantity", "values", "transfer_function")
-        if not (is_told and any(all(one.get(name) == entry.get(name) for name in names) for one in self.shown)):
+        if not (has_bar and any(all(one.get(name) == entry.get(name) for name in names) for one in self.shown)):
             self.shown.append(entry)
 
     @property

@@ -96,12 +96,12 @@ class SlicePlane(Shape):
         else:
             self._set(plane=_point_and_normal(self.plane))
         if self.position is not None and self.index is not None:
-            raise ArgumentError(f"position and index of {self._told} both say where it lies; give one of them")
+            raise ArgumentError(f"position and index of {self._title} both say where it lies; give one of them")
         if self.index is not None:
-            self._set(index=_whole(self.index, f"index of {self._told}"))
+            self._set(index=_whole(self.index, f"index of {self._title}"))
             if not isinstance(self.plane, str):
                 raise ArgumentError(
-                    f"index of {self._told} counts slices, and an oblique plane has none; give position"
+                    f"index of {self._title} counts slices, and an oblique plane has none; give position"
                 )
         if self.cmap is not None:
             TransferFunction.from_colormap(self.cmap, clim=(0, 1))  # or an error
@@ -110,7 +110,7 @@ class SlicePlane(Shape):
         given = [word for word in ("position", "index") if getattr(self, word) is not None]
         if given or self.clipped:
             raise ArgumentError(
-                f"{(given or ['clipped'])[0]} of {self._told} says which part is seen, and cuts are where the scene's "
+                f"{(given or ['clipped'])[0]} of {self._title} says which part is seen, and cuts are where the scene's "
                 "clips cut; leave it out"
             )
 

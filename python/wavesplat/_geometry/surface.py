@@ -109,19 +109,19 @@ class Surface(Shape):
                 self._set(normals=normals)
             self._take(found)
         self._check_style()
-        vertices = checked_positions(self.vertices, f"vertices of {self._told}", "vertex")
+        vertices = checked_positions(self.vertices, f"vertices of {self._title}", "vertex")
         n = len(vertices)
         color, values, cmap, clim = checked_paint(
-            self.color, self.values, self.cmap, self.clim, n=n, what=self._told, each="vertex"
+            self.color, self.values, self.cmap, self.clim, n=n, what=self._title, each="vertex"
         )
         self._set(
             vertices=vertices,
-            faces=_faces(self.faces, n, self._told),
+            faces=_faces(self.faces, n, self._title),
             color=color,
             values=values,
             cmap=cmap,
             clim=clim,
-            normals=_normals(self.normals, n, self._told),
+            normals=_normals(self.normals, n, self._title),
         )
 
     @property
@@ -157,40 +157,40 @@ class Surface(Shape):
         return f"<Surface{name}: {len(self.vertices)} vertices, {len(self.faces)} faces>"
 
 
-def _faces(given: Any, n: int, told: str) -> NDArray[np.uint32]:
+def _faces(given: Any, n: int, title: str) -> NDArray[np.uint32]:
     """Checked faces; an `ArgumentError` names the first that has a vertex which does not exist."""
     form = f"an integer array of shape (m, 3): three vertices of each triangle, by their numbers 0 to {n - 1}"
     array: NDArray[Any] = np.asarray(given) if given is not None else np.empty(0)
     if given is None or array.dtype.kind not in "iu" or array.ndim != 2 or array.shape[1] != 3:
         what = described(given) if given is None or not array.ndim else f"{array.dtype} of shape {array.shape}"
-        raise ArgumentError(f"faces of {told} is {what}; give {form}; quadrilaterals are two triangles each")
-    check_count(array, f"faces of {told}")
+        raise ArgumentError(f"faces of {title} is {what}; give {form}; quadrilaterals are two triangles each")
+    check_count(array, f"faces of {title}")
     if not len(array):
-        raise ArgumentError(f"faces of {told} is empty: it has no triangles; leave the surface out")
+        raise ArgumentError(f"faces of {title} is empty: it has no triangles; leave the surface out")
     is_right = ((array >= 0) & (array < n)).all(axis=1)
     if not is_right.all():
         row = int(np.argmin(is_right))
         raise ArgumentError(
-            f"faces[{row}] of {told} is {tuple(array[row].tolist())}, and there are {n} vertices; give {form}; do "
+            f"faces[{row}] of {title} is {tuple(array[row].tolist())}, and there are {n} vertices; give {form}; do "
             "vertices and faces belong together?"
         )
     return frozen(np.array(array, np.uint32))
 
 
-def _normals(given: Any, n: int, told: str) -> Any:
+def _normals(given: Any, n: int, title: str) -> Any:
     """A way to find normals, or checked normals."""
     form = f'"smooth", "flat" or a direction for each vertex, shape ({n}, 3)'
     if isinstance(given, str):
         if given not in ("smooth", "flat"):
-            raise ArgumentError(f"normals of {told} is {given!r}; give {form}")
+            raise ArgumentError(f"normals of {title} is {given!r}; give {form}")
         return given
-    array = numbers_of(given, f"normals of {told}", form)
+    array = numbers_of(given, f"normals of {title}", form)
     if array.shape != (n, 3):
-        raise ArgumentError(f"normals of {told} has shape {array.shape}, and there are {n} vertices; give {form}")
+        raise ArgumentError(f"normals of {title} has shape {array.shape}, and there are {n} vertices; give {form}")
     lengths = np.linalg.norm(array, axis=1)
     if not np.isfinite(lengths).all():
         row = int(np.argmin(np.isfinite(lengths)))
-        raise ArgumentError(f"normals[{row}] of {told} is not finite; give {form}")
+        raise ArgumentError(f"normals[{row}] of {title} is not finite; give {form}")
     array[lengths == 0], lengths[lengths == 0] = (0, 0, 1), 1
     lengths[np.abs(lengths - 1) < ROUNDED] = 1  # so that documents read back to the bit
     return frozen((array / lengths[:, None]).astype(np.float32))

@@ -67,9 +67,9 @@ def read(asked: Asked) -> ReadShape:
     """The points of a table, or its tracks where it has a column of them."""
     path = asked.file
     table = _parquet(path) if path.suffix.lower() == ".parquet" else _of_text(read_text(path, "table"), path)
-    names, told = _axes(table, path)
+    names, guesses = _axes(table, path)
     unit, factors, strange = _unit(table, names)
-    told += strange
+    guesses += strange
     columns = [None if name is None else table.numbers(name) for name in names]
     n = max(len(column) for column in columns if column is not None)
     positions = np.stack([np.zeros(n) if column is None else column for column in columns], axis=1) * factors
@@ -87,12 +87,12 @@ def read(asked: Asked) -> ReadShape:
             )
     left_out = n - len(rows)
     if left_out:
-        told.append(f"{left_out} of {n} rows left out: x, y, z or the track is no number")
+        guesses.append(f"{left_out} of {n} rows left out: x, y, z or the track is no number")
     values = {} if asked.values is None else _values(table, _named(table, asked), rows)
     if kind == "lines":
-        return ReadShape("lines", {"paths": np.split(positions[rows], ends), **values}, unit, tuple(told))
+        return ReadShape("lines", {"paths": np.split(positions[rows], ends), **values}, unit, tuple(guesses))
     fields = {"positions": positions[rows], **values, **_of_points(table, rows, factors[0])}
-    return ReadShape("points", fields, unit, tuple(told))
+    return ReadShape("points", fields, unit, tuple(guesses))
 
 
 def _along_tracks(
@@ -165,11 +165,11 @@ def _axes(table: _Table, path: Path) -> tuple[list[str | None], list[str]]:
             f"the table has no columns x, y, z; it has {table.listed}; name them x, y, z (or x_um, POSITION_X, axis-0, "
             f"centroid-0): {path}"
         )
-    told = [] if found[2] is not None else ["z is 0: the table has x and y alone"]
+    guesses = [] if found[2] is not None else ["z is 0: the table has x and y alone"]
     if found[0] not in {form.format("x") for form in PLAIN}:
         named = [f"{table.written[name]} as {axis}" for axis, name in zip("xyz", found, strict=True) if name]
-        told.append(f"{', '.join(named)}, in world units: the table names none")
-    return found, told
+        guesses.append(f"{', '.join(named)}, in world units: the table names none")
+    return found, guesses
 
 
 def _axes_among(names: Container[str]) -> list[str | None] | None:
@@ -226,8 +226,8 @@ def _table_of(header: Sequence[str], columns: Sequence[Cells], units_below: Mapp
         if not name or name in found:
             continue
         found[name], written[name] = column, str(header[k])
-        if (said := unit or units_below.get(k)) is not None:
-            in_units[name] = said
+        if (unit_here := unit or units_below.get(k)) is not None:
+            in_units[name] = unit_here
     return _Table(found, written, in_units)
 
 
@@ -251,10 +251,10 @@ def _of_text(text: str, path: Path) -> _Table:
     if n_ragged > len(below) // 2:
         raise FileError(f"{n_ragged} of {len(below)} rows have not the {len(header)} cells of the header: {path}")
     # TrackMate repeats the header in words, and writes the units below it.
-    told: dict[int, str] = {}
+    guesses: dict[int, str] = {}
     while body and not any(np.isfinite(_number(cell)) for cell in body[0]):
-        told |= {k: found[1] for k, cell in enumerate(body.pop(0)) if (found := _in_brackets(cell))}
-    return _table_of(header, list(zip(*body, strict=True)) or [()] * len(header), told)
+        guesses |= {k: found[1] for k, cell in enumerate(body.pop(0)) if (found := _in_brackets(cell))}
+    return _table_of(header, list(zip(*body, strict=True)) or [()] * len(header), guesses)
 
 
 def _parquet(path: Path) -> _Table:

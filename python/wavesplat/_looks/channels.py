@@ -79,15 +79,15 @@ def channel_look(
     """See `Look.channel`."""
     if color is None:
         own = color_of(volume.facts.channel, volume.facts.channels)
-        rgb, said = own or CHANNEL_COLORS[0], "green" if own is None else "its colour"
+        rgb, color_name = own or CHANNEL_COLORS[0], "green" if own is None else "its colour"
     else:
-        rgb, said = _rgb(color), "its colour"
+        rgb, color_name = _rgb(color), "its colour"
     if window is not None:
         low, high = values_of(window, volume)
-        said_window = ""
+        window_note = ""
     else:
-        low, high, said_window = channel_window(volume)
-    reason = f"a channel in {said}, from {low:g} to {high:g}{said_window}"
+        low, high, window_note = channel_window(volume)
+    reason = f"a channel in {color_name}, from {low:g} to {high:g}{window_note}"
     channel = volume.facts.channel
     is_part = is_part_of_color(volume.facts) and channel is not None and rgb == channel.color
     shown = rgb if is_part else lightened(rgb)

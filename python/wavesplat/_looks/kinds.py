@@ -180,10 +180,10 @@ def evidence(volume: Volume | WaveletVolume) -> Evidence:
     fine = volume._busiest_part() if isinstance(volume, LazyVolume) else None
     side_by_side = (samples, neighbours) if fine is None else with_neighbours(fine, 1)
     has_noise = not is_smooth(*side_by_side)
-    said = _segmentation(volume, values, *side_by_side) or _by_maps(volume, values) or _by_facts(volume, values)
-    has_few_bright = has_noise and (said is None or said[0] == "fluorescence") and _has_few_bright(volume, values)
+    found = _segmentation(volume, values, *side_by_side) or _by_maps(volume, values) or _by_facts(volume, values)
+    has_few_bright = has_noise and (found is None or found[0] == "fluorescence") and _has_few_bright(volume, values)
     kind, reason = (
-        said
+        found
         or (FEW_BRIGHT if has_few_bright else None)
         or _by_microscope(volume, values, has_noise=has_noise)
         or _by_shares(volume, values)
@@ -313,13 +313,13 @@ def _by_maps(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tup
 def _by_facts(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> tuple[Kind, str] | None:
     modality = volume.modality
     if modality in (None, "CT") and looks_like_hounsfield(values, volume):
-        told = "the file says CT, and " if modality == "CT" else ""
-        return "CT", f"CT in Hounsfield units: {told}the values have air and soft tissue"
+        prefix = "the file says CT, and " if modality == "CT" else ""
+        return "CT", f"CT in Hounsfield units: {prefix}the values have air and soft tissue"
     if offset := _offset(volume, values):
-        told = "the file says CT, and " if modality == "CT" else ""
+        prefix = "the file says CT, and " if modality == "CT" else ""
         return (
             "CT",
-            f"CT in Hounsfield units with {offset:g} added: {told}air, fat and soft tissue, by the values",
+            f"CT in Hounsfield units with {offset:g} added: {prefix}air, fat and soft tissue, by the values",
         )
     if modality in MODALITIES:
         kind = MODALITIES[modality]

@@ -49,7 +49,7 @@ def opened_segmentation(
     alone = dicom_labels.with_segments(
         file, chosen_numbers(segments, {number: name for number, (name, _) in named.items()}, path)
     )
-    for loss in alone.told:
+    for loss in alone.all_losses:
         warn(f"{loss}: {path}", FileWarning, stacklevel=5)
     if np.array_equal(alone.samples != 0, np.isin(volume.samples, np.unique(alone.samples[alone.samples != 0]))):
         return volume, named  # which documents can name

@@ -40,7 +40,7 @@ MAX_HEADER_BYTES = 2**22
 #: Maximum number of digits of a label's number: numbers of 64 bits have at most 20.
 MAX_DIGITS = 20
 #: Letters of a line in messages, at most.
-MAX_TOLD = 100
+MAX_LETTERS = 100
 
 
 def in_file(path: str | PathLike[str], dataset: str | None = None) -> dict[int, Named]:
@@ -213,9 +213,9 @@ def _columns(text: str) -> dict[int, Named]:
         elif index is not None and len(fields) >= 5:
             found[index] = (fields[1].replace("_", " "), _color(_floats(fields[2:5]), 255.0))
         else:
-            said = line.strip()
-            said = repr(said) if len(said) <= MAX_TOLD else f"{said[:MAX_TOLD]!r}..."
-            raise ArgumentError(f"line {number} is {said}; it must be a number, a name and a colour 0..255")
+            shown = line.strip()
+            shown = repr(shown) if len(shown) <= MAX_LETTERS else f"{shown[:MAX_LETTERS]!r}..."
+            raise ArgumentError(f"line {number} is {shown}; it must be a number, a name and a colour 0..255")
     return found
 
 

@@ -200,7 +200,7 @@ class Labels:
             _source=source,
             _notes=(),
             _facts=found.facts,
-            _has_place=matrix is not None and _says_place(matrix, found.facts),
+            _has_place=matrix is not None and _has_place_of(matrix, found.facts),
             _placing=_Placing(),
             _cores={},
             _on_scans={},
@@ -530,7 +530,7 @@ def _share(number: float, name: str, what: str) -> float:
     return share
 
 
-def _says_place(world_from_index: NDArray[np.float64], facts: Facts) -> bool:
+def _has_place_of(world_from_index: NDArray[np.float64], facts: Facts) -> bool:
     """Whether an affine was given; volumes whose file says nothing of their place have the identity and no unit."""
     return facts.unit is not None or facts.is_anatomical or not np.array_equal(world_from_index, np.eye(4))
 

@@ -104,11 +104,11 @@ def largest_body(volume: VolumeLike, threshold: float | None = None, *, opening:
     least_left = MIN_LEFT_HU if by_hounsfield else MIN_LEFT
     kept = _Morphology(distances, axis=2 - across).body(matter, radius, least_left)
     samples = _emptied(volume, kept, steps)
-    told = f"all but the largest body emptied: above {least:g}, opened by {radius:g} {volume.unit or 'world units'}"
+    done = f"all but the largest body emptied: above {least:g}, opened by {radius:g} {volume.unit or 'world units'}"
     options = {"threshold": threshold, "opening": opening}
     given = {name: float(value) for name, value in options.items() if value is not None}
     source = then(volume._source, "largest_body", **given)
-    return volume._processed(samples, told, source)
+    return volume._processed(samples, done, source)
 
 
 def _threshold(volume: Volume, by_hounsfield: bool) -> float:

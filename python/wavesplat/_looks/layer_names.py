@@ -20,7 +20,7 @@ from wavesplat._model.series import Series
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 
-__all__ = ["FoundName", "is_of_patient", "layer_name_of", "told_apart"]
+__all__ = ["FoundName", "distinct_names", "is_of_patient", "layer_name_of"]
 
 AnyVolume: TypeAlias = Volume | WaveletVolume
 #: Name of a scan whose kind is not known before its samples are read.
@@ -53,7 +53,7 @@ def layer_name_of(thing: AnyVolume | Series, time: int = 0) -> str:
     return FoundName(name_of_facts(thing.facts) or _kind(thing)) if is_of_patient(thing) else str(thing.name)
 
 
-def told_apart(names: Sequence[str], description: Callable[[int], str | None]) -> list[str]:
+def distinct_names(names: Sequence[str], description: Callable[[int], str | None]) -> list[str]:
     """Names of layers, with a found name changed if another layer has it too.
 
     description : of the volume of a layer, by the number of the layer.

@@ -70,11 +70,11 @@ def map_kind(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> Fou
     if not volume.is_anatomical or volume.modality not in (None, "MR") or not values.size:
         return None
     low, high = volume.value_range
-    said = volume.facts.quantity
-    if said == q.P_VALUE and 0 <= low <= high <= 1:
+    quantity = volume.facts.quantity
+    if quantity == q.P_VALUE and 0 <= low <= high <= 1:
         return _p_values(values, "the file says so")
-    if said in q.QUANTITIES and low >= 0:
-        return "map", f"a map of the {said}: the file says so"
+    if quantity in q.QUANTITIES and low >= 0:
+        return "map", f"a map of the {quantity}: the file says so"
     if volume.modality is None and (found := _by_words(_words_of(volume.name), values, low, high)) is not None:
         return found
     if low < 0 or numbers_of(volume) != "f":

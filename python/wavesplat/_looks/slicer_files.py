@@ -114,17 +114,17 @@ def from_vp(text: str, name: str) -> VolumeProperty:
     lines = [line for line in text.splitlines() if line.strip()]
     if len(lines) < len(VP_LINES):
         raise ArgumentError(f"{WHAT}: {len(lines)} lines; a .vp file has {len(VP_LINES)}: {', '.join(VP_LINES)}")
-    said = dict(zip(VP_LINES, lines, strict=False))
+    fields = dict(zip(VP_LINES, lines, strict=False))
     return VolumeProperty(
         name=name,
-        shade=_number(said["shade"], "shade") != 0,
-        ambient=_number(said["ambient"], "ambient"),
-        diffuse=_number(said["diffuse"], "diffuse"),
-        specular=_number(said["specular"], "specular"),
-        specular_power=_number(said["specular power"], "specular power"),
-        opacity=_nodes(said["scalar opacity"], "scalar opacity", 2),
-        gradient_opacity=_nodes(said["gradient opacity"], "gradient opacity", 2),
-        color=_nodes(said["color"], "color", 4),
+        shade=_number(fields["shade"], "shade") != 0,
+        ambient=_number(fields["ambient"], "ambient"),
+        diffuse=_number(fields["diffuse"], "diffuse"),
+        specular=_number(fields["specular"], "specular"),
+        specular_power=_number(fields["specular power"], "specular power"),
+        opacity=_nodes(fields["scalar opacity"], "scalar opacity", 2),
+        gradient_opacity=_nodes(fields["gradient opacity"], "gradient opacity", 2),
+        color=_nodes(fields["color"], "color", 4),
     )
 
 
@@ -137,41 +137,41 @@ def from_json(document: dict[str, Any], name: str) -> list[VolumeProperty]:
         raise ArgumentError(f"{WHAT}: not as its schema volume-property-schema-v1.0.0 says: {error!r}") from None
 
 
-def _of_attributes(said: dict[str, str]) -> VolumeProperty:
-    missing = [name for name in ("scalarOpacity", "colorTransfer") if name not in said]
+def _of_attributes(fields: dict[str, str]) -> VolumeProperty:
+    missing = [name for name in ("scalarOpacity", "colorTransfer") if name not in fields]
     if missing:
-        raise ArgumentError(f"{WHAT}: {said.get('name', TAG)!r} has no {missing[0]}")
+        raise ArgumentError(f"{WHAT}: {fields.get('name', TAG)!r} has no {missing[0]}")
     return VolumeProperty(
-        name=said.get("name", ""),
-        shade=_number(said.get("shade", "0"), "shade") != 0,
-        ambient=_number(said.get("ambient", "0.1"), "ambient"),
-        diffuse=_number(said.get("diffuse", "0.7"), "diffuse"),
-        specular=_number(said.get("specular", "0.2"), "specular"),
-        specular_power=_number(said.get("specularPower", "10"), "specularPower"),
-        opacity=_nodes(said["scalarOpacity"], "scalarOpacity", 2),
-        gradient_opacity=_nodes(said.get("gradientOpacity", "0"), "gradientOpacity", 2),
-        color=_nodes(said["colorTransfer"], "colorTransfer", 4),
+        name=fields.get("name", ""),
+        shade=_number(fields.get("shade", "0"), "shade") != 0,
+        ambient=_number(fields.get("ambient", "0.1"), "ambient"),
+        diffuse=_number(fields.get("diffuse", "0.7"), "diffuse"),
+        specular=_number(fields.get("specular", "0.2"), "specular"),
+        specular_power=_number(fields.get("specularPower", "10"), "specularPower"),
+        opacity=_nodes(fields["scalarOpacity"], "scalarOpacity", 2),
+        gradient_opacity=_nodes(fields.get("gradientOpacity", "0"), "gradientOpacity", 2),
+        color=_nodes(fields["colorTransfer"], "colorTransfer", 4),
     )
 
 
-def _of_component(said: dict[str, Any], name: str) -> VolumeProperty:
-    light = said.get("lighting", {})
-    if "rgbTransferFunction" in said:
-        color = _points(said["rgbTransferFunction"], "color")
+def _of_component(fields: dict[str, Any], name: str) -> VolumeProperty:
+    light = fields.get("lighting", {})
+    if "rgbTransferFunction" in fields:
+        color = _points(fields["rgbTransferFunction"], "color")
     else:
-        color = [(x, grey, grey, grey) for x, grey in _points(said["grayTransferFunction"], "y")]
-    gradient = said.get("gradientOpacity")
+        color = [(x, grey, grey, grey) for x, grey in _points(fields["grayTransferFunction"], "y")]
+    gradient = fields.get("gradientOpacity")
     return VolumeProperty(
         name=name,
-        shade=bool(said.get("shade", False)),
+        shade=bool(fields.get("shade", False)),
         ambient=float(light.get("ambient", 0.1)),
         diffuse=float(light.get("diffuse", 0.7)),
         specular=float(light.get("specular", 0.2)),
         specular_power=float(light.get("specularPower", 10.0)),
-        opacity=_points(said["scalarOpacity"], "y"),
-        gradient_opacity=_points(gradient, "y") if gradient and not said.get("disableGradientOpacity") else [],
+        opacity=_points(fields["scalarOpacity"], "y"),
+        gradient_opacity=_points(gradient, "y") if gradient and not fields.get("disableGradientOpacity") else [],
         color=color,
-        opacity_unit=float(said.get("scalarOpacityUnitDistance", 1.0)),
+        opacity_unit=float(fields.get("scalarOpacityUnitDistance", 1.0)),
     )
 
 

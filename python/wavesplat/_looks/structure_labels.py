@@ -58,14 +58,14 @@ def labels_of_structures(
         )
     samples, covered = _numbered(masks, scan, file)
     oblique = [f"{mask.n_oblique} lines of {one.name!r}" for one, mask in masks if mask.n_oblique]
-    for told, listed in (
+    for problem, listed in (
         ("regions overlap, and the smallest is shown: hidden are", covered),
         ("regions that are not in the scan:", outside),
         ("lines that lie in no slice of the scan are left out:", oblique),
     ):
         if listed:
             more = ", ..." if len(listed) > N_NAMED else ""
-            _warn(f"{told} {', '.join(listed[:N_NAMED])}{more}", file, stacklevel=5)
+            _warn(f"{problem} {', '.join(listed[:N_NAMED])}{more}", file, stacklevel=5)
     facts = Facts(unit=scan.unit, is_anatomical=scan.is_anatomical, modality="RTSTRUCT")
     volume = Volume(samples, world_from_index=scan.world_from_index, name="labels", facts=facts)
     return volume, {one.number: (one.name, one.color) for one in found}

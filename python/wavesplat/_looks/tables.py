@@ -124,12 +124,12 @@ class Decided:
 def _decided(volume: Volume) -> Decided | None:
     """The table of a volume; None where there is none, or it is in doubt. It is kept with the volume."""
     if "table" not in volume._parts:
-        volume._parts["table"] = _told(volume) or ""
+        volume._parts["table"] = _find(volume) or ""
     found = volume._parts["table"]
     return None if isinstance(found, str) else found
 
 
-def _told(volume: Volume) -> Decided | None:
+def _find(volume: Volume) -> Decided | None:
     if not may_have_table(volume) or volume.samples.nbytes > LARGEST:
         return None
     places = Places.of(volume)

@@ -51,8 +51,8 @@ def values_of(ends: Iterable[End], volume: Volume | WaveletVolume | None, what: 
     if isfinite(low) and isfinite(high) and low < high:
         return low, high
     if are_percentiles(ends):
-        told = f"the values {low:g} and {high:g}"
-        raise ArgumentError(f"{what} is {described(ends)}, {told}, which do not grow; give percentiles farther apart")
+        found = f"the values {low:g} and {high:g}"
+        raise ArgumentError(f"{what} is {described(ends)}, {found}, which do not grow; give percentiles farther apart")
     hint = f"; did you mean ({high:g}, {low:g})?" if high < low else ""
     raise ArgumentError(f"{what} is ({low:g}, {high:g}); low must be less than high{hint}")
 

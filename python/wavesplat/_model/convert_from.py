@@ -57,8 +57,8 @@ def converted(thing: Any, what: str, *, has_place: bool = False) -> Converted:
     except ArgumentError as error:
         raise ArgumentError(f"{what}: {error}") from error
     except (AttributeError, KeyError, OSError, RuntimeError, TypeError, ValueError) as error:
-        said = (str(error).splitlines() or [type(error).__name__])[0]
-        raise ArgumentError(f"{what}: a {type(thing).__name__} could not be read as samples: {said}") from error
+        first_line = (str(error).splitlines() or [type(error).__name__])[0]
+        raise ArgumentError(f"{what}: a {type(thing).__name__} could not be read as samples: {first_line}") from error
     if found is None:
         raise ArgumentError(f"{what} {_no_volume(thing, libraries)}")
     return found

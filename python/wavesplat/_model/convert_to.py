@@ -44,12 +44,12 @@ def to_xarray(grid: Grid, samples: NDArray[Any]) -> xarray.DataArray:
         rows = matrix @ np.diag([*(1 / steps), 1.0])
         attributes[labelled_array.AFFINE] = rows.ravel().tolist()
     coordinates = {}
-    said = {} if grid.unit is None else {"units": grid.unit}
+    with_unit = {} if grid.unit is None else {"units": grid.unit}
     is_map = placement.UPRIGHT in grid.facts.conventions
     for name, first, step, n in zip("xyz", firsts, steps, reversed(grid.shape), strict=True):
         # As the conventions for climate and forecasts say that z is up.
         more = {"axis": name.upper(), **({"positive": "up"} if name == "z" else {})} if is_map else {}
-        coordinates[name] = (name, first + step * np.arange(n), said | more)
+        coordinates[name] = (name, first + step * np.arange(n), with_unit | more)
     made: xarray.DataArray = library("xarray", extra="xarray").DataArray(
         samples, dims=("z", "y", "x"), coords=coordinates, name=grid.facts.quantity or grid.name, attrs=attributes
     )

@@ -16,7 +16,7 @@ from wavesplat.errors import ArgumentError
 __all__ = ["Converted", "check_shape", "loaded"]
 
 
-NOTHING_SAID = Facts()
+NO_FACTS = Facts()
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Converted:
 
     samples: Any
     world_from_index: NDArray[np.float64] | None = None
-    facts: Facts = NOTHING_SAID
+    facts: Facts = NO_FACTS
     name: str | None = None
     #: Signs of the axes x, y, z where the caller gives their distances: -1 of one that falls, or grows downwards.
     directions: tuple[float, float, float] = (1.0, 1.0, 1.0)

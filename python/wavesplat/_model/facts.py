@@ -237,8 +237,8 @@ def is_part_of_color(facts: Facts) -> bool:
 
 def value_unit_of(name: object) -> str | None:
     """A unit of values as another program names it; None where it names none that can be shown."""
-    told = name.strip() if isinstance(name, str) else ""
-    return told if told and told.isprintable() and len(told) <= LONGEST_UNIT else None
+    text = name.strip() if isinstance(name, str) else ""
+    return text if text and text.isprintable() and len(text) <= LONGEST_UNIT else None
 
 
 def quantity_of(name: object) -> str | None:
@@ -247,17 +247,17 @@ def quantity_of(name: object) -> str | None:
     name : may be a path within the file, such as "native_fields/temperature", or bytes.
     """
     text = name.decode("utf-8", "replace") if isinstance(name, bytes) else name
-    told = " ".join(text.rstrip("/").rpartition("/")[2].split()) if isinstance(text, str) else ""
-    is_name = told.lower() not in NO_QUANTITIES and told.isprintable() and len(told) <= LONGEST_QUANTITY
-    return told if is_name else None
+    text = " ".join(text.rstrip("/").rpartition("/")[2].split()) if isinstance(text, str) else ""
+    is_name = text.lower() not in NO_QUANTITIES and text.isprintable() and len(text) <= LONGEST_QUANTITY
+    return text if is_name else None
 
 
 def description_of(*texts: str) -> str | None:
     """The description of a scan, joined from texts of its file; None if these are empty."""
-    told = ", ".join(
+    text = ", ".join(
         " ".join("".join(sign if sign.isprintable() else " " for sign in one).split()) for one in texts if one
     )
-    return told[:LONGEST_QUANTITY].strip() or None
+    return text[:LONGEST_QUANTITY].strip() or None
 
 
 def _line(text: object, name: str, example: str) -> str | None:

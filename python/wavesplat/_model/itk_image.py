@@ -71,8 +71,8 @@ def of_simple_itk(image: Any) -> Converted:
     import SimpleITK
 
     _check(image, image.GetDimension(), "SimpleITK.VectorIndexSelectionCast(image, 0)")
-    said = {key.lower(): image.GetMetaData(key) for key in image.GetMetaDataKeys()}
-    return _converted(SimpleITK.GetArrayFromImage(image), affine_of(image), said)
+    metadata = {key.lower(): image.GetMetaData(key) for key in image.GetMetaDataKeys()}
+    return _converted(SimpleITK.GetArrayFromImage(image), affine_of(image), metadata)
 
 
 def of_itk(image: Any) -> Converted:
@@ -86,10 +86,10 @@ def of_itk(image: Any) -> Converted:
     # Samples begin at the buffered region, the origin is that of index 0.
     first = np.array(tuple(image.GetBufferedRegion().GetIndex()), np.float64)
     matrix[:3, 3] += matrix[:3, :3] @ first
-    return _converted(itk.array_from_image(image), matrix, _said(image.GetMetaDataDictionary()))
+    return _converted(itk.array_from_image(image), matrix, _metadata(image.GetMetaDataDictionary()))
 
 
-def _said(dictionary: Any) -> dict[str, str]:
+def _metadata(dictionary: Any) -> dict[str, str]:
     """The texts of ITK's metadata under `KEYS`; other values may have types that Python does not know."""
     keys = [key for key in dictionary.GetKeys() if key.lower() in KEYS]
     return {key.lower(): str(dictionary[key]) for key in keys}
@@ -109,15 +109,15 @@ def _check(image: Any, n_axes: int, mend: str) -> None:
         raise ArgumentError(f"the image has {n_channels} channels; give one of them, as with {mend}")
 
 
-def _converted(samples: NDArray[Any], lps: NDArray[np.float64], said: dict[str, str]) -> Converted:
-    """The converted image. `said`: its metadata, keys in lower case."""
-    space, signs = said.get(SPACE.lower()), None
+def _converted(samples: NDArray[Any], lps: NDArray[np.float64], metadata: dict[str, str]) -> Converted:
+    """The converted image. `metadata`: its metadata, keys in lower case."""
+    space, signs = metadata.get(SPACE.lower()), None
     if space is None:
-        is_anatomical = said.get("itk_inputfiltername") not in WITHOUT_ANATOMY
+        is_anatomical = metadata.get("itk_inputfiltername") not in WITHOUT_ANATOMY
     else:
         signs = ras_signs_of(space)
         is_anatomical = signs is not None
-    unit, factor = units.of_file(said.get(UNIT))
+    unit, factor = units.of_file(metadata.get(UNIT))
     lps = np.diag([factor, factor, factor, 1.0]) @ lps
     conventions = []
     if is_anatomical and space is None:
@@ -125,14 +125,14 @@ def _converted(samples: NDArray[Any], lps: NDArray[np.float64], said: dict[str, 
     if is_anatomical and unit is None:
         unit = "mm"
         conventions.append("unit mm: the image names none; millimetres are ITK's convention")
-    modality = modality_of(said)
+    modality = modality_of(metadata)
     if len(conventions) > 1 and modality is None and is_without_place(lps):
         conventions.append(NO_PLACE)
     facts = Facts(
         unit=unit,
         is_anatomical=is_anatomical,
         modality=modality,
-        value_unit=value_unit_of(said.get(VALUE_UNIT)),
+        value_unit=value_unit_of(metadata.get(VALUE_UNIT)),
         conventions=tuple(conventions),
     )
     world_from_index = np.diag([*(signs or SIGNS_OF_ITK), 1.0]) @ lps if is_anatomical else lps
@@ -151,8 +151,8 @@ def ras_signs_of(space: str) -> tuple[float, float, float] | None:
     return None if letters is None else (-1.0 if letters[0] == "L" else 1.0, -1.0 if letters[1] == "P" else 1.0, 1.0)
 
 
-def modality_of(said: Mapping[str, str]) -> str | None:
+def modality_of(metadata: Mapping[str, str]) -> str | None:
     """DICOM's code of the modality that metadata name, keys in lower case; None where they name none, or another."""
-    words = [said.get(key, "").strip().lower().removeprefix("met_mod_") for key in ("modality", DICOM_KEY)]
+    words = [metadata.get(key, "").strip().lower().removeprefix("met_mod_") for key in ("modality", DICOM_KEY)]
     known = next((MODALITIES[word] for word in words if word in MODALITIES), None)
     return known or (words[1].upper() if words[1].upper() in DICOM_CODES else None)

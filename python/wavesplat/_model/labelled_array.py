@@ -62,9 +62,9 @@ def in_order(array: Any, *, has_place: bool, of_file: Mapping[str, Any] | None =
             )
     ordered = array.isel(dict.fromkeys(extra, 0)).transpose(*spatial)
     title = None if array.name is None else str(array.name)
-    said = getattr(array, "attrs", {})
-    modality, value_unit = said.get(MODALITY), value_unit_of(said.get(UNITS))
-    is_anatomical = said.get(SPACE) == "RAS"
+    attributes = getattr(array, "attrs", {})
+    modality, value_unit = attributes.get(MODALITY), value_unit_of(attributes.get(UNITS))
+    is_anatomical = attributes.get(SPACE) == "RAS"
     is_model = of_file is not None or map_axes.is_of_world(ordered, spatial)
     is_map = is_model and not is_anatomical and modality is None
     facts = Facts(
@@ -76,20 +76,20 @@ def in_order(array: Any, *, has_place: bool, of_file: Mapping[str, Any] | None =
         conventions=(UPRIGHT,) if is_map else (),
     )
     is_down = is_map and map_axes.is_downwards(ordered, spatial[0])
-    told = _told(ordered, spatial, title) if is_map else []
+    notes = _notes(ordered, spatial, title) if is_map else []
     # Up is up in pictures: the surface of the sea is on top.
     down = [f"z is minus {spatial[0]}, which grows downwards"] if is_down else []
     if has_place:
         signs = [_direction(ordered, axis) if is_map else 1.0 for axis in reversed(spatial)]
         signs[2] *= -1 if is_down else 1
-        facts = replace(facts, guesses=(*told, *down))
+        facts = replace(facts, guesses=(*notes, *down))
         return Converted(ordered, None, facts, title, directions=(signs[0], signs[1], signs[2]))
     matrix, unit, guesses = _place(ordered, spatial, attributes, is_map=is_map)
     if is_down:
         matrix = np.diag([1.0, 1.0, -1.0, 1.0]) @ matrix
-    if np.size(said.get(AFFINE, ())) == 16:
-        matrix = np.reshape(np.asarray(said[AFFINE], np.float64), (4, 4)) @ matrix
-    facts = replace(facts, unit=unit, guesses=(*told, *guesses, *down))
+    if np.size(attributes.get(AFFINE, ())) == 16:
+        matrix = np.reshape(np.asarray(attributes[AFFINE], np.float64), (4, 4)) @ matrix
+    facts = replace(facts, unit=unit, guesses=(*notes, *guesses, *down))
     return Converted(ordered, matrix, facts, title)
 
 
@@ -125,19 +125,19 @@ def _place(
     x_y_z = (own[0], own[1], own[2])
     unit, factors = units.in_one_unit(x_y_z)
     matrix[:3] *= np.array(factors)[:, None]
-    unit, told = map_axes.told_of_units(array, spatial, unit)
-    return matrix, unit, [*told, *guesses, *units.guesses_of(x_y_z)]
+    unit, notes = map_axes.unit_with_notes(array, spatial, unit)
+    return matrix, unit, [*notes, *guesses, *units.guesses_of(x_y_z)]
 
 
-def _told(array: Any, spatial: list[Any], name: str | None) -> list[str]:
+def _notes(array: Any, spatial: list[Any], name: str | None) -> list[str]:
     """Sentences on an axis of times that is drawn as one of space, and on places that are not used."""
     times = [axis for axis in spatial if map_axes.role_of(array, axis) == "time"]
-    told = [f"the axis {str(axis)!r} is drawn as one of space: {name!r} has no third one" for axis in times]
+    notes = [f"the axis {str(axis)!r} is drawn as one of space: {name!r} has no third one" for axis in times]
     bare = [axis for axis in spatial if axis not in array.coords]
     curved = sorted(str(axis) for axis in array.coords if array.coords[axis].ndim == 2 and len(bare) > 1)
     if curved:
-        told.append(f"places of its cells differ from row to row, and are not used: {', '.join(curved)}")
-    return told
+        notes.append(f"places of its cells differ from row to row, and are not used: {', '.join(curved)}")
+    return notes
 
 
 def channel_and_time_axes(array: Any) -> tuple[Any, Any]:
@@ -156,8 +156,8 @@ def _channel_of(array: Any) -> Channel | None:
     """The channel by a coordinate that is a name, as of `array.sel(C="GFP")`; None without one."""
     for name in array.coords:
         if str(name).lower() in CHANNELS and array.coords[name].ndim == 0:
-            told = array.coords[name].item()
-            return Channel(told) if isinstance(told, str) and told.isprintable() else None
+            notes = array.coords[name].item()
+            return Channel(notes) if isinstance(notes, str) and notes.isprintable() else None
     return None
 
 

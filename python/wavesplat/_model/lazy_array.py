@@ -217,8 +217,8 @@ class SlicedArray:
         except Exception as error:
             # A changed file may be why the samples cannot be read, and is the better message.
             self._check_files(lo, hi)
-            place, told = ((lo, hi), error) if isinstance(error, ServerError) else self._first_unreadable(lo, hi, error)
-            raise self._unreadable(*place, told) from error
+            at, cause = ((lo, hi), error) if isinstance(error, ServerError) else self._first_unreadable(lo, hi, error)
+            raise self._unreadable(*at, cause) from error
         self._check_files(lo, hi)
 
     def _check_files(self, lo: Shape, hi: Shape) -> None:
@@ -243,17 +243,17 @@ class SlicedArray:
             box: Box = ((own[0], own[1], own[2]), (end[0], end[1], end[2]))
             try:
                 self._read(*box)
-            except Exception as told:  # noqa: BLE001 - any error is reported
-                return box, told
+            except Exception as cause:  # noqa: BLE001 - any error is reported
+                return box, cause
         return (lo, hi), error
 
     def _unreadable(self, lo: Shape, hi: Shape, error: Exception) -> WavesplatError:
         if isinstance(error, WavesplatError) and not isinstance(error, FileError):
             return error
-        said = (str(error).splitlines() or [""])[0] or type(error).__name__
+        first_line = (str(error).splitlines() or [""])[0] or type(error).__name__
         chunk = tuple(a // c for a, c in zip(lo, self.chunks, strict=True))
         ranges = ", ".join(f"{axis} {a}..{b - 1}" for axis, a, b in zip("zyx", lo, hi, strict=True))
-        what = f"{self.name!r}: cannot read the samples {ranges} (chunk {chunk}): {said}"
+        what = f"{self.name!r}: cannot read the samples {ranges} (chunk {chunk}): {first_line}"
         if isinstance(error, ServerError):
             return ServerError(what)  # which says how to mend it
         return FileError(f"{what}; copy or export the data again, or draw what there is: Volume.lazy(..., holes=True)")

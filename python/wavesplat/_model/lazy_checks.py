@@ -122,34 +122,34 @@ def _hint(dtype: np.dtype[Any]) -> str:
     return "take .real, .imag or np.abs" if dtype.kind == "c" else "convert them to numbers, by array.astype"
 
 
-def converted(samples: NDArray[Any], dtype: np.dtype[Any], said: np.dtype[Any], name: str) -> NDArray[Any]:
+def converted(samples: NDArray[Any], dtype: np.dtype[Any], declared: np.dtype[Any], name: str) -> NDArray[Any]:
     """Samples that were read, in the renderer's type; an `ArgumentError` where their values would be lost.
 
-    said : the type that the array declares.
+    declared : the type that the array declares.
     """
     if samples.dtype.kind not in "biuf":
         raise ArgumentError(
             f"volume {name!r}: samples came as {samples.dtype}, not as real numbers; {_hint(samples.dtype)}"
         )
     if isinstance(samples, np.ma.MaskedArray):
-        samples = _filled(samples, dtype, said, name)
+        samples = _filled(samples, dtype, declared, name)
     with np.errstate(invalid="ignore", over="ignore"):
         made = np.ascontiguousarray(samples, dtype)
-    if samples.dtype != said and not _is_kept(samples.dtype, dtype) and not _is_same(made, samples):
+    if samples.dtype != declared and not _is_kept(samples.dtype, dtype) and not _is_same(made, samples):
         raise ArgumentError(
-            f"volume {name!r}: samples came as {samples.dtype}, with values that the array's dtype, {said}, cannot "
+            f"volume {name!r}: samples came as {samples.dtype}, with values that the array's dtype, {declared}, cannot "
             "hold; mend its dtype"
         )
     return made
 
 
-def _filled(samples: Any, dtype: np.dtype[Any], said: np.dtype[Any], name: str) -> NDArray[Any]:
+def _filled(samples: Any, dtype: np.dtype[Any], declared: np.dtype[Any], name: str) -> NDArray[Any]:
     """Samples with NaN for masked ones, as in memory; an `ArgumentError` for integer types, which have no NaN."""
     if not np.ma.is_masked(samples):
         return np.ma.getdata(samples)
     if dtype.kind != "f":
         raise ArgumentError(
-            f"volume {name!r}: some samples are masked, and {said} has no value for what is missing; give them as "
+            f"volume {name!r}: some samples are masked, and {declared} has no value for what is missing; give them as "
             "float32, or without the mask"
         )
     filled: NDArray[Any] = np.ma.filled(samples.astype(dtype), np.nan)

@@ -27,7 +27,7 @@ def lazy_volume(
     samples: object,
     *,
     place: tuple[Sequence[float] | None, Any],
-    said: tuple[str | None, bool | None, str | None, Facts | None],
+    given: tuple[str | None, bool | None, str | None, Facts | None],
     memory: float | str | None,
     level: int | None,
     keep: bool | str | PathLike[str],
@@ -36,7 +36,7 @@ def lazy_volume(
     """See `Volume.lazy`."""
     if isinstance(samples, LazyVolume):
         raise ArgumentError("this is a lazy volume already; change it with with_memory or at_level")
-    (spacing, matrix), (unit, anatomical, given_name, given_facts) = place, said
+    (spacing, matrix), (unit, anatomical, given_name, given_facts) = place, given
     found = lazy_array(samples, has_place=spacing is not None or matrix is not None)
     name = printable((found.name or "volume") if given_name is None else text_of(given_name, "name of the volume"))
     own = found.world_from_index

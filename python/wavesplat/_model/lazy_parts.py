@@ -183,8 +183,8 @@ def level_in_finest(volume: LazyVolume, number: int, box: Box | None) -> tuple[A
     fine = read_box(volume.arrays(place), fine_box)
     low_value = min(value_range[0], float(np.nanmin(fine)))
     high_value = max(value_range[1], float(np.nanmax(fine)))
-    told = (finer.world_from_index, (_finite(fine), fine_box[0]), (_finite(coarse), coarse_box[0]))
-    return finest.array.shape, finest.world_from_index, (*told, (low_value, high_value))
+    known = (finer.world_from_index, (_finite(fine), fine_box[0]), (_finite(coarse), coarse_box[0]))
+    return finest.array.shape, finest.world_from_index, (*known, (low_value, high_value))
 
 
 def busiest_part(volume: LazyVolume, number: int) -> NDArray[Any]:

@@ -430,14 +430,14 @@ class LazyVolume(Volume):
 
     def _every(self, step: int) -> NDArray[Any]:
         """Every n-th sample along each axis, [z, y, x]; of a pyramid the nearest samples of a coarser level."""
-        told_by = self._surveyed_level()
-        if told_by == 0 and self._at is None:
+        level = self._surveyed_level()
+        if level == 0 and self._at is None:
             found = self.survey(0, "linear").looks.every(step)
             if found is not None:
                 return found
         from wavesplat._model.lazy_parts import nearest_every
 
-        return nearest_every(self, self._levels[told_by], told_by, (step, step, step))
+        return nearest_every(self, self._levels[level], level, (step, step, step))
 
     def _with_neighbours(self, step: int) -> tuple[NDArray[Any], list[tuple[NDArray[Any], NDArray[Any]]]] | None:
         """Samples `step` apart and their neighbours along each axis, as its survey kept them; None of a pyramid."""

@@ -18,13 +18,13 @@ from wavesplat._model import units
 
 __all__ = [
     "TIMES",
+    "attributes_of",
     "is_downwards",
     "is_of_world",
     "length_unit_of",
     "role_of",
-    "said_of",
     "spatial_axes",
-    "told_of_units",
+    "unit_with_notes",
     "without_lengths",
     "wrf_steps",
 ]
@@ -76,22 +76,22 @@ WITHOUT_LENGTH = ("1", "level", "levels", "layer", "layers", "sigma_level", "cou
 ANGLES = ("deg", "degree", "degrees", "arc_degree", "rad", "radian", "radians")
 
 
-def said_of(array: Any, axis: Any) -> dict[str, Any]:
+def attributes_of(array: Any, axis: Any) -> dict[str, Any]:
     """Attributes of the coordinate along an axis."""
     return dict(getattr(array.coords[axis], "attrs", {})) if axis in array.coords else {}
 
 
 def role_of(array: Any, axis: Any) -> str:
     """The role of an axis: "x", "y", "z", "time", or "" where nothing says which."""
-    said = said_of(array, axis)
-    unit = _text(said, "units")
-    by_axis = {"t": "time", "x": "x", "y": "y", "z": "z"}.get(_text(said, "axis"), "")
-    standard_name = _text(said, "standard_name")
+    attributes = attributes_of(array, axis)
+    unit = _text(attributes, "units")
+    by_axis = {"t": "time", "x": "x", "y": "y", "z": "z"}.get(_text(attributes, "axis"), "")
+    standard_name = _text(attributes, "standard_name")
     by_meaning = OF_STANDARD_NAMES.get(standard_name) or ("z" if re.fullmatch(SHARES, standard_name) else "")
-    by_place = "z" if _text(said, "positive") in ("up", "down") or unit in PRESSURES else ""
+    by_place = "z" if _text(attributes, "positive") in ("up", "down") or unit in PRESSURES else ""
     is_time = " since " in unit or (axis in array.coords and array.coords[axis].dtype.kind == "M")
-    told = by_axis or ("time" if is_time else "") or OF_UNITS.get(unit, "") or by_meaning or by_place
-    return told or _role_by_name(axis, array.dims)
+    role = by_axis or ("time" if is_time else "") or OF_UNITS.get(unit, "") or by_meaning or by_place
+    return role or _role_by_name(axis, array.dims)
 
 
 def _role_by_name(axis: Any, dims: Any) -> str:
@@ -131,20 +131,23 @@ def is_of_world(array: Any, spatial: list[Any]) -> bool:
     if is_opened or "grid_mapping" in own or _text(own, "standard_name"):
         return True
     for axis in spatial:
-        said = said_of(array, axis)
-        unit = _text(said, "units")
+        attributes = attributes_of(array, axis)
+        unit = _text(attributes, "units")
         is_named = _role_on_maps(axis) == _role_by_name(axis, array.dims) != ""
-        is_told = any(_text(said, key) for key in ("axis", "positive", "standard_name"))
+        is_described = any(_text(attributes, key) for key in ("axis", "positive", "standard_name"))
         is_large = (units.metres(units.canonical(unit)) or 0.0) >= 1.0
-        if is_named or is_told or is_large or _other_unit(unit):
+        if is_named or is_described or is_large or _other_unit(unit):
             return True
     return any(array.coords[name].ndim == 2 and _is_map_place(array, name) for name in array.coords)
 
 
 def _is_map_place(array: Any, name: Any) -> bool:
     """Whether a coordinate of two axes is a latitude or longitude."""
-    said = said_of(array, name)
-    return _text(said, "units") in OF_UNITS or OF_STANDARD_NAMES.get(_text(said, "standard_name")) in ("x", "y")
+    attributes = attributes_of(array, name)
+    return _text(attributes, "units") in OF_UNITS or OF_STANDARD_NAMES.get(_text(attributes, "standard_name")) in (
+        "x",
+        "y",
+    )
 
 
 def is_downwards(array: Any, axis: Any) -> bool:
@@ -154,22 +157,22 @@ def is_downwards(array: Any, axis: Any) -> bool:
     """
     if axis not in array.coords:
         return False
-    said = said_of(array, axis)
-    if (positive := _text(said, "positive")) in ("up", "down"):
+    attributes = attributes_of(array, axis)
+    if (positive := _text(attributes, "positive")) in ("up", "down"):
         return positive == "down"
-    is_named = re.fullmatch(DOWNWARDS, _text(said, "standard_name") or str(axis).lower()) is not None
+    is_named = re.fullmatch(DOWNWARDS, _text(attributes, "standard_name") or str(axis).lower()) is not None
     places = np.asarray(array.coords[axis])
     is_height = places.dtype.kind in "iuf" and bool(places.size) and float(np.nanmax(places)) <= 0 > np.nanmin(places)
-    return (_text(said, "units") in PRESSURES or is_named) and not is_height
+    return (_text(attributes, "units") in PRESSURES or is_named) and not is_height
 
 
 def without_lengths(array: Any, spatial: list[Any]) -> list[Any]:
     """The axis z if its coordinates are fractions, such as of the depth in ROMS, and x and y have no units."""
     z, *others = spatial
-    said = said_of(array, z)
-    names = [_text(said, "standard_name"), str(z).lower()]
-    is_share = any(re.fullmatch(SHARES, name) for name in names) and _text(said, "units") in ("", *WITHOUT_LENGTH)
-    return [z] if is_share and not any(_text(said_of(array, axis), "units") for axis in others) else []
+    attributes = attributes_of(array, z)
+    names = [_text(attributes, "standard_name"), str(z).lower()]
+    is_share = any(re.fullmatch(SHARES, name) for name in names) and _text(attributes, "units") in ("", *WITHOUT_LENGTH)
+    return [z] if is_share and not any(_text(attributes_of(array, axis), "units") for axis in others) else []
 
 
 def wrf_steps(array: Any, spatial: list[Any], attributes: Mapping[str, Any]) -> tuple[float, float] | None:
@@ -187,8 +190,8 @@ def wrf_steps(array: Any, spatial: list[Any], attributes: Mapping[str, Any]) -> 
 
 def length_unit_of(array: Any, axis: Any) -> str | None:
     """The unit of length of a coordinate, by our name or as it is; None for degrees, pressures, numbers, times."""
-    said = said_of(array, axis)
-    unit = said.get("units", said.get("unit"))
+    attributes = attributes_of(array, axis)
+    unit = attributes.get("units", attributes.get("unit"))
     is_time = role_of(array, axis) == "time"
     return None if is_time or _other_unit(unit) is not None else units.canonical(unit)
 
@@ -205,13 +208,13 @@ def _other_unit(unit: object) -> str | None:
     return "" if name.lower() in WITHOUT_LENGTH else None
 
 
-def told_of_units(array: Any, spatial: list[Any], unit: str | None) -> tuple[str | None, list[str]]:
+def unit_with_notes(array: Any, spatial: list[Any], unit: str | None) -> tuple[str | None, list[str]]:
     """The unit of length of the world, None where x or y have no lengths, and a sentence on degrees and pressures.
 
     spatial : axes z, y, x. unit : that of the axes that are lengths.
     """
     named = {
-        letter: _other_unit(said_of(array, axis).get("units"))
+        letter: _other_unit(attributes_of(array, axis).get("units"))
         for letter, axis in zip("xyz", reversed(spatial), strict=True)
         if role_of(array, axis) != "time"
     }
@@ -219,15 +222,15 @@ def told_of_units(array: Any, spatial: list[Any], unit: str | None) -> tuple[str
     if not other:
         return unit, []
     is_length = units.metres(unit) is not None
-    told = [
+    notes = [
         f"distances along {', '.join(letter for letter in other if other[letter] == one)} in {one}: 1 is drawn as 1"
         f"{f' {unit} of the others' if is_length else ' unit of length'}"
         for one in dict.fromkeys(other.values())
     ]
     keeps = is_length and not {"x", "y"} & other.keys()
-    return unit if keeps else None, told
+    return unit if keeps else None, notes
 
 
-def _text(said: dict[str, Any], key: str) -> str:
-    value = said.get(key)
+def _text(attributes: dict[str, Any], key: str) -> str:
+    value = attributes.get(key)
     return value.strip().lower() if isinstance(value, str) else ""

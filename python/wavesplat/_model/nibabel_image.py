@@ -113,11 +113,11 @@ def _unit_codes(image: SpatialImage) -> tuple[int, int]:
     return code & 0x07, code & 0x38
 
 
-def _time_unit(image: SpatialImage, said: int) -> str | None:
+def _time_unit(image: SpatialImage, code: int) -> str | None:
     from nibabel.freesurfer.mghformat import MGHImage
 
     # FreeSurfer's format has the repetition time in milliseconds.
-    return "ms" if isinstance(image, MGHImage) else TIME_UNITS.get(said)
+    return "ms" if isinstance(image, MGHImage) else TIME_UNITS.get(code)
 
 
 def time_axis(image: SpatialImage) -> int | None:
@@ -170,8 +170,8 @@ def facts_of(image: SpatialImage) -> Facts:
     step = float(zooms[3]) if len(zooms) > 3 and zooms[3] > 0 else None
     if step is not None and time_unit and time_unit not in TIME_UNITS:
         known = NO_TIMES.get(time_unit)
-        said = f"its steps are {step:g} {known}" if known else f"its unit has code {time_unit}, which NIfTI has not"
-        guesses.append(f"volumes of the fourth axis as times without a clock: {said}")
+        meaning = f"its steps are {step:g} {known}" if known else f"its unit has code {time_unit}, which NIfTI has not"
+        guesses.append(f"volumes of the fourth axis as times without a clock: {meaning}")
         step = None
     return Facts(
         unit=ours,

@@ -67,16 +67,16 @@ def _metadata(stack: Stack) -> dict[str, Any]:
     """The values of the OME XML, by the names that tifffile takes."""
     own = stack.grid.unit
     unit = NO_UNIT if own is None or units.metres(own) is None else units.written(own)
-    told: dict[str, Any] = {"axes": "TCZYX", "Name": stack.name}
+    metadata: dict[str, Any] = {"axes": "TCZYX", "Name": stack.name}
     for axis, step in zip("XYZ", stack.grid.spacing, strict=True):
-        told |= {f"PhysicalSize{axis}": step, f"PhysicalSize{axis}Unit": unit}
+        metadata |= {f"PhysicalSize{axis}": step, f"PhysicalSize{axis}Unit": unit}
     if stack.n_times > 1 and stack.time_unit is not None:
-        told |= _times(stack)
+        metadata |= _times(stack)
     is_fluorescence = stack.facts.modality == "fluorescence"
     channels = stack.channels or ((Channel(),) if is_fluorescence else ())
     if channels:
-        told["Channel"] = [_channel(channel, is_fluorescence=is_fluorescence) for channel in channels]
-    return told
+        metadata["Channel"] = [_channel(channel, is_fluorescence=is_fluorescence) for channel in channels]
+    return metadata
 
 
 def _times(stack: Stack) -> dict[str, Any]:
@@ -90,14 +90,14 @@ def _times(stack: Stack) -> dict[str, Any]:
 def _channel(channel: Channel, *, is_fluorescence: bool) -> dict[str, Any]:
     # XML has no way to write most signs that cannot be printed.
     name = "".join(letter for letter in channel.name if letter.isprintable())
-    told: dict[str, Any] = {"Name": name} if name else {}
+    metadata: dict[str, Any] = {"Name": name} if name else {}
     if channel.color is not None:
         red, green, blue = (round(255 * share) for share in channel.color)
         number = red << 24 | green << 16 | blue << 8 | 255
         # A signed number of 32 bits.
-        told["Color"] = number - (1 << 32) if number >= 1 << 31 else number
+        metadata["Color"] = number - (1 << 32) if number >= 1 << 31 else number
     if channel.emission_nm is not None:
-        told |= {"EmissionWavelength": channel.emission_nm, "EmissionWavelengthUnit": "nm"}
+        metadata |= {"EmissionWavelength": channel.emission_nm, "EmissionWavelengthUnit": "nm"}
     if is_fluorescence:
-        told["ContrastMethod"] = "Fluorescence"
-    return told
+        metadata["ContrastMethod"] = "Fluorescence"
+    return metadata

@@ -74,10 +74,10 @@ def write(stack: Stack, folder: Path, downsampling: Downsampling, progress: Call
     for number in range(n_volumes):
         done = number / n_volumes
 
-        def told(part: float, done: float = done) -> None:
+        def report(part: float, done: float = done) -> None:
             progress(done + part / n_volumes)
 
-        _write_pyramid(stack, divmod(number, stack.n_channels), pyramid, told)
+        _write_pyramid(stack, divmod(number, stack.n_channels), pyramid, report)
     group.attrs["ome"] = {
         "version": "0.5",
         "multiscales": [_multiscales(stack, factors, downsampling)],
@@ -240,12 +240,12 @@ def _omero(stack: Stack, coarsest: Any) -> dict[str, Any]:
 
 
 def _channel(channel: Channel, number: int, window: dict[str, float]) -> dict[str, Any]:
-    told: dict[str, Any] = {
+    entries: dict[str, Any] = {
         "label": channel.name or f"channel {number}",
         "color": hex_of(channel.color or (1.0, 1.0, 1.0)),
         "window": window,
         "active": channel.is_active,
     }
     if channel.emission_nm is not None:
-        told["emission_wavelength"] = channel.emission_nm
-    return told
+        entries["emission_wavelength"] = channel.emission_nm
+    return entries

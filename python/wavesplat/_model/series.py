@@ -41,7 +41,7 @@ class TimePoints(Protocol):
     def times(self) -> tuple[tuple[float, ...], str | None]:
         """Time of each volume, and the unit of the times."""
 
-    def told(self) -> str:
+    def description(self) -> str:
         """Description of the volumes' source in messages."""
 
 
@@ -235,7 +235,7 @@ class Series:
             return self._times, self._time_unit
 
     def _description(self) -> str:
-        return self._volumes.told() if isinstance(self._volumes, TimePoints) else f"series {self.name!r}"
+        return self._volumes.description() if isinstance(self._volumes, TimePoints) else f"series {self.name!r}"
 
 
 def _checked_times(times: Sequence[float], n: int) -> tuple[float, ...]:
@@ -265,5 +265,5 @@ class _Moved:
     def times(self) -> tuple[tuple[float, ...], str | None]:
         return self._series.times, self._series.time_unit
 
-    def told(self) -> str:
+    def description(self) -> str:
         return f"series {self._series.name!r}"

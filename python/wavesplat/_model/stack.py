@@ -143,8 +143,8 @@ def stacked(
     dtype = np.result_type(*(first.dtype for first in firsts))
     if channels is None:
         channels = [grid.facts.channel or Channel() for grid in grids]
-    is_told = len(channels) > 1 or channels[0] != Channel()
-    return Stack(volumes, grids[0], dtype, tuple(channels) if is_told else (), tuple(map(float, times)), time_unit)
+    has_names = len(channels) > 1 or channels[0] != Channel()
+    return Stack(volumes, grids[0], dtype, tuple(channels) if has_names else (), tuple(map(float, times)), time_unit)
 
 
 def _are_whole_numbers(*dtypes: np.dtype[Any]) -> bool:

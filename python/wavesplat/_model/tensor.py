@@ -55,8 +55,8 @@ def of_array(array: Any) -> NDArray[Any] | None:
             raise ArgumentError(
                 f"a {root}.{type(array).__name__} may lie in the memory of a GPU; copy it first, with {how}"
             ) from error
-        said = (str(error).splitlines() or [type(error).__name__])[0]
+        first_line = (str(error).splitlines() or [type(error).__name__])[0]
         raise ArgumentError(
-            f"a {type(array).__name__} cannot be read as an array ({said}); convert it first"
+            f"a {type(array).__name__} cannot be read as an array ({first_line}); convert it first"
         ) from error
     return None if found.dtype.kind == "O" and found.ndim == 0 else found

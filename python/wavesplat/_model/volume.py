@@ -186,7 +186,7 @@ class Volume(Grid):
         return lazy_volume(
             samples,
             place=(spacing, world_from_index),
-            said=(unit, anatomical, name, facts),
+            given=(unit, anatomical, name, facts),
             memory=memory,
             level=level,
             keep=cache,

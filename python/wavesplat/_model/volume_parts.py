@@ -128,7 +128,7 @@ class PartArray:
         side, bounds, (light,) = core.parts()
         looks = LookSamples(self.shape, self.dtype)
         arrays = looks.parts()
-        with _told_as_damaged(self.name):
+        with _damage_errors(self.name):
             for overview in self._overviews:
                 place, own = overview.bounds[kernel][1]
                 low, high = bounds[..., 0][place], bounds[..., 1][place]
@@ -150,7 +150,7 @@ class PartArray:
 
 
 @contextmanager
-def _told_as_damaged(name: str) -> Iterator[None]:
+def _damage_errors(name: str) -> Iterator[None]:
     """Turn errors from damaged overviews into an `ArgumentError`."""
     try:
         yield
@@ -283,7 +283,7 @@ class VolumePart:
                 raise ArgumentError(
                     f"parts of {self.name!r}: an overview is a {type(one).__name__}; give what overview() returns"
                 )
-        with _told_as_damaged(self.name):
+        with _damage_errors(self.name):
             known = sorted(given, key=lambda overview: overview.own)
             _check_one_whole(known, self.name)
             _check_tiling(known, self.own, self.shape, self.name)
@@ -369,10 +369,10 @@ def _check_one_whole(known: list[Overview], name: str) -> None:
     for other in known[1:]:
         for what, one, two in zip(("shape", "axes", "type of samples"), known[0].whole, other.whole, strict=True):
             if one != two:
-                told = [np.dtype(said).name if isinstance(said, str) else said for said in (one, two)]
+                texts = [np.dtype(fact).name if isinstance(fact, str) else fact for fact in (one, two)]
                 raise ArgumentError(
-                    f"parts of {name!r} differ in the {what} of the whole: {told[0]} of {_text_of(known[0].own)}, and "
-                    f"{told[1]} of {_text_of(other.own)}; give all of them the same"
+                    f"parts of {name!r} differ in the {what} of the whole: {texts[0]} of {_text_of(known[0].own)}, and "
+                    f"{texts[1]} of {_text_of(other.own)}; give all of them the same"
                 )
 
 

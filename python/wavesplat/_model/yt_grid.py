@@ -56,10 +56,12 @@ def of_yt(thing: Any) -> Converted:
 
 def of_unyt(array: Any) -> Converted:
     """Convert an array with a unit, which does not say in which order its axes are."""
-    told: tuple[str, ...] = ()
+    guesses: tuple[str, ...] = ()
     if np.ndim(array) == 3:
-        told = ("axes z, y, x, as of any array: fields of yt's grids are x, y, z, so give the grid itself, or array.T",)
-    return Converted(np.asarray(array), facts=Facts(value_unit=_unit_of(array), guesses=told))
+        guesses = (
+            "axes z, y, x, as of any array: fields of yt's grids are x, y, z, so give the grid itself, or array.T",
+        )
+    return Converted(np.asarray(array), facts=Facts(value_unit=_unit_of(array), guesses=guesses))
 
 
 def _unit_of(values: Any) -> str | None:

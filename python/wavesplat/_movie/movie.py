@@ -158,10 +158,10 @@ def movie(
         "stereo": eyes.stereo,
         "panorama": eyes.panorama,
     }
-    told = Progress(values.progress, len(shots))
+    progress = Progress(values.progress, len(shots))
     draw = _Drawing(
         shots,
-        told,
+        progress,
         values.threads,
         client,
         size=(width, height),
@@ -187,7 +187,7 @@ def movie(
         rgba = figure.drawn(picture, shots[number].scene)
         return png_sequence.Frame(png_sequence.frame_path(pattern, number), rgba, hash_of(number))
 
-    missing = _missing(pattern, len(shots), hash_of, told) if resume else range(len(shots))
+    missing = _missing(pattern, len(shots), hash_of, progress) if resume else range(len(shots))
     part = png_sequence.temporary_path(pattern)
     with removed_when_terminated(part):
         work_beside(lambda come: png_sequence.write_frames(part, come), draw.all(missing, frame))
@@ -200,7 +200,7 @@ class _Drawing:
     def __init__(
         self,
         shots: _Shots,
-        told: Progress,
+        progress: Progress,
         threads: int | None,
         client: Any = None,
         *,
@@ -208,7 +208,7 @@ class _Drawing:
         **options: Any,
     ) -> None:
         self._is_film = is_film
-        self._shots, self._progress, self._threads, self._options = shots, told, threads, options
+        self._shots, self._progress, self._threads, self._options = shots, progress, threads, options
         self._client = client
         self._n_threads = 1
 
@@ -323,12 +323,12 @@ def _shots(scene: Scene, along: Along, fps: float, values: DrawOptions) -> _Shot
     return _Shots(Timeline(keys, settled, fps=fps, composite=composite, name=name, aspect=aspect, eyes=eyes))
 
 
-def _missing(pattern: Path, n: int, hash_of: Callable[[int], str], told: Progress) -> list[int]:
+def _missing(pattern: Path, n: int, hash_of: Callable[[int], str], progress: Progress) -> list[int]:
     """Numbers of the frames that are not written yet."""
     missing = []
     for number in range(n):
         if png_sequence.has_mark(png_sequence.frame_path(pattern, number), hash_of(number)):
-            told.finish(number)
+            progress.finish(number)
         else:
             missing.append(number)
     return missing

@@ -92,8 +92,8 @@ class Timeline:
             keys, partial(camera_of, scene, composite=composite, aspect=aspect, eyes=eyes)
         )
         self._looks = [self._look_track(keys, number, name) for number in range(len(scene.layers))]
-        said = [(key.time_s, key.clip) for key in keys if key.clip is not None]
-        self._clip: _Track[Any] | None = _Track(*zip(*said, strict=True)) if said else None
+        given = [(key.time_s, key.clip) for key in keys if key.clip is not None]
+        self._clip: _Track[Any] | None = _Track(*zip(*given, strict=True)) if given else None
         # Values that do not mix are refused before anything is drawn.
         for before, after in pairwise(times):
             self._shown((before + after) / 2)
@@ -133,13 +133,13 @@ class Timeline:
         return self._scene.with_(**changes) if changes else self._scene
 
     def _camera_track(self, keys: Sequence[KeyFrame], eye_of: Callable[..., Camera]) -> Callable[[float], Camera]:
-        said = [key for key in keys if key.camera is not None]
-        if not said:
+        given = [key for key in keys if key.camera is not None]
+        if not given:
             times = sorted({key.time for key in keys if key.time is not None})
             still = eye_of(None, times=times)
             return lambda _: still
-        cameras = [eye_of(key.camera) for key in said]
-        return CameraPath(cameras, [key.time_s for key in said])
+        cameras = [eye_of(key.camera) for key in given]
+        return CameraPath(cameras, [key.time_s for key in given])
 
     def _look_track(self, keys: Sequence[KeyFrame], number: int, composite: Composite) -> _Track[Look] | None:
         volume = self._scene.layers[number].looked_at
@@ -152,16 +152,16 @@ class Timeline:
         return _Track(times, looks) if times else None
 
     def _time_track(self, keys: Sequence[KeyFrame]) -> _Track[float] | None:
-        said = [(key.time_s, key.time) for key in keys if key.time is not None]
-        if not said:
+        given = [(key.time_s, key.time) for key in keys if key.time is not None]
+        if not given:
             return None
         lengths = [len(layer.volume) for layer in self._scene.layers if isinstance(layer.volume, Series)]
         if not lengths:
             raise ArgumentError("time of a key frame chooses a volume of a series, and the scene has none")
-        for _, place in said:
+        for _, place in given:
             if not 0 <= place < min(lengths):
                 raise ArgumentError(f"time of a key frame is {place}; the series has 0 to {min(lengths) - 1}")
-        return _Track([time for time, _ in said], [float(place) for _, place in said])
+        return _Track([time for time, _ in given], [float(place) for _, place in given])
 
 
 def _look_of(given: Any, number: int, n_layers: int) -> Any:

@@ -135,10 +135,10 @@ def draw(
 
 
 def _mirrored(picture: Picture) -> Picture:
-    told = {name: value for name, value in picture.report.items() if name not in ("camera", "scene")}
-    told["notes"] = [*told.get("notes", []), MIRRORED]
+    report = {name: value for name, value in picture.report.items() if name not in ("camera", "scene")}
+    report["notes"] = [*report.get("notes", []), MIRRORED]
     depth, value = (None if one is None else one[:, ::-1].copy() for one in (picture.depth, picture.value))
-    return Picture(np.ascontiguousarray(picture.rgba[:, ::-1]), depth=depth, value=value, report=Report(told))
+    return Picture(np.ascontiguousarray(picture.rgba[:, ::-1]), depth=depth, value=value, report=Report(report))
 
 
 def _operator_of(viewer: Any) -> Any:

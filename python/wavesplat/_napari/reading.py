@@ -83,23 +83,23 @@ def _layer(series: Series, number: int | None) -> LayerData:
     is_segmentation = kind == "labels" or (kind == "mask" and first.dtype.kind in "iu")
     channel = first.facts.channel
     name = (channel.name if channel is not None else "") or ("" if number is None else f"channel {number}")
-    told: dict[str, Any] = {"name": f"{first.name} {name}".strip(), **_place(series, first)}
+    options: dict[str, Any] = {"name": f"{first.name} {name}".strip(), **_place(series, first)}
     if is_segmentation and first.dtype.kind == "f":
-        return first.samples.astype(np.int64), told, "labels"
+        return first.samples.astype(np.int64), options, "labels"
     if is_segmentation:
         # Numbers of a later time may be larger than those of the first.
-        return _samples(series, np.result_type(first.dtype, np.int32)), told, "labels"
-    told["contrast_limits"] = _window(first)
+        return _samples(series, np.result_type(first.dtype, np.int32)), options, "labels"
+    options["contrast_limits"] = _window(first)
     if channel is not None:
         color = color_of(channel, first.facts.channels)
-        told["colormap"] = "gray" if color is None else _hex(color)
-        told["visible"] = channel.is_active
+        options["colormap"] = "gray" if color is None else _hex(color)
+        options["visible"] = channel.is_active
     if number is not None:
-        told["blending"] = "additive"
+        options["blending"] = "additive"
     if isinstance(first, LazyVolume) and len(series) == 1:
         levels = _levels(first)
-        return (levels, {**told, "multiscale": True}, "image") if len(levels) > 1 else (levels[0], told, "image")
-    return _samples(series, first.dtype), told, "image"
+        return (levels, {**options, "multiscale": True}, "image") if len(levels) > 1 else (levels[0], options, "image")
+    return _samples(series, first.dtype), options, "image"
 
 
 def _place(series: Series, first: Volume) -> dict[str, Any]:
@@ -108,7 +108,7 @@ def _place(series: Series, first: Volume) -> dict[str, Any]:
     steps = np.diag(matrix)[:3]
     is_turned = np.abs(matrix[:3, :3] - np.diag(steps)).max() > 1e-9 * min(first.spacing) or steps.min() <= 0
     before = [] if len(series) == 1 else [_time_step(series)]
-    told: dict[str, Any] = {}
+    options: dict[str, Any] = {}
     if is_turned:
         n = 3 + len(before)
         zyx = [n - 1, n - 2, n - 3]
@@ -117,16 +117,16 @@ def _place(series: Series, first: Volume) -> dict[str, Any]:
         full[zyx, -1] = matrix[:3, 3]
         if before:
             full[0, 0] = before[0]
-        told["affine"] = full
+        options["affine"] = full
     else:
-        told["scale"] = [*before, *steps[::-1].tolist()]
-        told["translate"] = [*([0.0] * len(before)), *matrix[2::-1, 3].tolist()]
+        options["scale"] = [*before, *steps[::-1].tolist()]
+        options["translate"] = [*([0.0] * len(before)), *matrix[2::-1, 3].tolist()]
     unit = first.unit if units.metres(first.unit) is not None else None
     if unit is not None:
         of_time = series.time_unit if series.time_unit in TIME_UNITS else NO_UNIT
-        told["units"] = [*([of_time] * len(before)), *[unit] * 3]
-    told["axis_labels"] = [*(["t"] * len(before)), "z", "y", "x"]
-    return told
+        options["units"] = [*([of_time] * len(before)), *[unit] * 3]
+    options["axis_labels"] = [*(["t"] * len(before)), "z", "y", "x"]
+    return options
 
 
 def _time_step(series: Series) -> float:

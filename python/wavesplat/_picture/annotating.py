@@ -100,11 +100,11 @@ def annotated(
     margin = MARGIN * style.size
     sheet = _Sheet(width, height, margin, GAP * style.size)
     sheet.marks += marks
-    told: dict[str, Any] = {}
+    entries: dict[str, Any] = {}
 
     if figure.scale_bar is not False:
         bar = _bar(figure, report, width)
-        told["scale_bar"] = {"length": bar.length, "pixels": bar.length_px, "text": bar.text}
+        entries["scale_bar"] = {"length": bar.length, "pixels": bar.length_px, "text": bar.text}
         sheet.put(scale_bar.block(bar, on_picture), figure.scale_bar_at, "a scale bar")
     if figure.orientation is not None:
         _orient(sheet, figure, report, on_picture)
@@ -122,7 +122,7 @@ def annotated(
         beside = figure.colorbar_at == "beside"
         for block in _color_bars(figure, report, height, style if beside else on_picture, behind, taken=taken):
             sheet.put(block, figure.colorbar_at, "the colour bar")
-    return sheet.canvas(rgba, background, style, figure), told
+    return sheet.canvas(rgba, background, style, figure), entries
 
 
 def style_of(rgba: NDArray[np.float32], background: Any) -> Style:
@@ -377,8 +377,8 @@ def _titled(shown: Sequence[report_facts.ShownLayer]) -> list[tuple[report_facts
     found: list[tuple[report_facts.ShownLayer, str]] = []
     for one in shown:
         title = _title_of_values(one)
-        is_told = one.quantity and any(title == other for _, other in found)
-        found.append((one, f"{report_facts.plain_name(one.name)}, {title}" if is_told else title))
+        is_ambiguous = one.quantity and any(title == other for _, other in found)
+        found.append((one, f"{report_facts.plain_name(one.name)}, {title}" if is_ambiguous else title))
     return found
 
 

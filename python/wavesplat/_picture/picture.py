@@ -243,11 +243,11 @@ class Picture:
             legend_at=legend_at,
         )
         under = self._in_space or Canvas(*self.size, self.rgba)
-        canvas, told = annotating.annotated(under.rgba, self.report, wanted, under.marks)
+        canvas, entries = annotating.annotated(under.rgba, self.report, wanted, under.marks)
         if isinstance(self.report.get("scene"), dict):
             # So that the document of the picture has the figure too.
-            told = told | {"scene": with_fields(self.report["scene"], figure=wanted.as_json())}
-        made = Picture(raster.drawn(canvas), report=Report(self.report | told))
+            entries = entries | {"scene": with_fields(self.report["scene"], figure=wanted.as_json())}
+        made = Picture(raster.drawn(canvas), report=Report(self.report | entries))
         object.__setattr__(made, "_canvas", canvas)
         return made
 

@@ -241,7 +241,7 @@ def opened(request: Request, *, stacklevel: int = 2) -> Volume:
     grid: Grid = module.read(request)
     volume = _volume(grid, request, family)
     volume._source = sources.of_file(request.path, {name: getattr(request, name) for name in request.given()})
-    for loss in grid.told:
+    for loss in grid.all_losses:
         warn(f"{loss}: {request.safe_path}", FileWarning, stacklevel=stacklevel)
     return volume
 
@@ -310,12 +310,12 @@ def _lazily(request: Request, family: str) -> LazyVolume | None:
     return volume
 
 
-def _facts(said: Facts, losses: Sequence[str], request: Request) -> Facts:
+def _facts(of_file: Facts, losses: Sequence[str], request: Request) -> Facts:
     """The facts of the file, with losses as guesses, and options in place of what it says."""
-    guesses = [*said.guesses, *losses]
+    guesses = [*of_file.guesses, *losses]
     if request.spacing is not None:
         guesses = [guess for guess in guesses if not guess.startswith(OF_DISTANCES)]
-    return replace(said, guesses=tuple(guesses), unit=request.unit or said.unit)
+    return replace(of_file, guesses=tuple(guesses), unit=request.unit or of_file.unit)
 
 
 def _name(request: Request, family: str, facts: Facts) -> FileName:
@@ -330,7 +330,7 @@ def _volume(grid: Grid, request: Request, family: str) -> Volume:
     world_from_index = grid.world_from_index
     if request.spacing is not None:
         world_from_index = affine.with_spacing(world_from_index, request.spacing)
-    facts = _facts(grid.facts, grid.told, request)
+    facts = _facts(grid.facts, grid.all_losses, request)
     name = _name(request, family, facts)
     try:
         return Volume(grid.samples, world_from_index=world_from_index, name=name, facts=facts)

@@ -67,7 +67,7 @@ class Grid(NamedTuple):
     overlap: str | None = None
 
     @property
-    def told(self) -> tuple[str, ...]:
+    def all_losses(self) -> tuple[str, ...]:
         """The losses, that of overlapping segments included."""
         return self.losses if self.overlap is None else (*self.losses, self.overlap)
 
@@ -81,7 +81,7 @@ class SeveralError(FileError):
     #: Description of each for people; the names themselves if empty.
     described: tuple[str, ...] = ()
     #: Whether the file says what they are; else another option may be the one that chooses.
-    is_said: bool = True
+    is_known: bool = True
     #: Whether channels are light of colours that add up; those of simulations are runs, months or species.
     are_light: bool = True
 
@@ -94,11 +94,11 @@ class PictureError(FileError):
 
 
 def several(
-    message: str, option: str, names: Sequence[str | int], described: Sequence[str] = (), *, is_said: bool = True
+    message: str, option: str, names: Sequence[str | int], described: Sequence[str] = (), *, is_known: bool = True
 ) -> SeveralError:
     """The error for several volumes or arrays, with the option that chooses one."""
     error = SeveralError(message)
-    error.option, error.names, error.described, error.is_said = option, tuple(names), tuple(described), is_said
+    error.option, error.names, error.described, error.is_known = option, tuple(names), tuple(described), is_known
     return error
 
 
@@ -311,7 +311,7 @@ def index_unnamed_axes(shape: Sequence[int], request: Request) -> tuple[Any, ...
         # Time is the more usual one of a single further axis.
         is_time = request.time is None and (request.channel is not None or not _ends_with_components(shape))
         option, count = ("time", shape[0]) if is_time else ("channel", shape[-1])
-        raise several(message, option, range(count), is_said=False)
+        raise several(message, option, range(count), is_known=False)
     if wanted > max(n_extra, 0):
         raise ArgumentError(
             f"the array is {len(shape)}-D, shape {tuple(shape)}; leave out time and channel: {request.safe_path}"

@@ -135,7 +135,7 @@ class _OfOneFile:
 
     _times: tuple[tuple[float, ...], str | None] | None = None
 
-    def told(self) -> str:
+    def description(self) -> str:
         """The file, in messages."""
         return f"the file {self.request.safe_path!r}"
 
@@ -170,7 +170,7 @@ class _OfManyFiles:
         found = times_of_files(named) if len(named) == len(self) else None
         return found or (tuple(float(number) for number in range(len(self))), None)
 
-    def told(self) -> str:
+    def description(self) -> str:
         """The first and the last file, in messages."""
         return f"the list of files {_name_of_all(self._requests)!r}"
 

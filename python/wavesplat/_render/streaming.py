@@ -79,8 +79,8 @@ class Reading:
     def part(self, before: float, share: float) -> Reading:
         """The reading with progress as a part of the work, from `before` on and `share` long."""
         progress = self.progress
-        told = None if progress is None else lambda done: progress(before + share * done)
-        return replace(self, progress=told)
+        report = None if progress is None else lambda done: progress(before + share * done)
+        return replace(self, progress=report)
 
 
 def streamed(

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._looks.kinds import kind_of, offset_of, unit_of_values
-from wavesplat._looks.layer_names import layer_name_of, told_apart
+from wavesplat._looks.layer_names import distinct_names, layer_name_of
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.window_ends import are_percentiles
 from wavesplat._model.argument_types import described
@@ -74,7 +74,7 @@ class Comparison:
     def _names(self, first: Layer) -> list[str]:
         """The names of both scans."""
         volumes = first.drawn, self.other
-        return told_apart([first.name or "", layer_name_of(self.other)], lambda n: volumes[n].facts.description)
+        return distinct_names([first.name or "", layer_name_of(self.other)], lambda n: volumes[n].facts.description)
 
     def window_of_first(self, window: Any, clim: Any) -> tuple[Any, Any]:
         """Arguments window and clim of the first scan's slice; given ones are for the difference, if there is one."""

@@ -77,9 +77,9 @@ class Reach:
             here = Path.cwd()
             if isinstance(name, str) and _is_bare(name) and not (_is_in(name, self.folder) or _is_in(name, here)):
                 also = "" if self.folder == here else f", nor in the working directory, {here}"
-                told = "a scan by its content" if name.startswith(CONTENT) else repr(name[:MAX_LETTERS])
+                shown = "a scan by its content" if name.startswith(CONTENT) else repr(name[:MAX_LETTERS])
                 raise FileError(
-                    f"{what} names {told}, and there is no such file in the document's folder, "
+                    f"{what} names {shown}, and there is no such file in the document's folder, "
                     f"{self.folder}{also}; go to the file's folder, or copy the document there"
                 )
 

@@ -75,8 +75,8 @@ def _fields(shape: Shape, strict: bool) -> dict[str, Any]:
         return {name: _plain(value) for name, value in given.items()}
     if strict:
         raise ArgumentError(
-            f"{shape._told} has {n} numbers and comes from no file, and a document holds at most {MAX_INLINE}; write "
-            "it to a file (a surface as .ply, points as .csv), and open that with wavesplat.open_geometry"
+            f"{shape._title} has {n} numbers and comes from no file, and a document holds at most {MAX_INLINE}; "
+            "write it to a file (a surface as .ply, points as .csv), and open that with wavesplat.open_geometry"
         )
     return {"file": {"path": None}, **({} if shape.name is None else {"name": shape.name})}
 
@@ -92,8 +92,8 @@ def _with_volume(plane: SlicePlane, given: dict[str, Any], strict: bool) -> dict
         return found
     if volume._source is None and strict:
         raise ArgumentError(
-            f"the volume of {plane._told}, {volume.name!r}, comes from no file, so a document cannot name it; leave it "
-            "out to cut the first layer's, or write it to a file and open that"
+            f"the volume of {plane._title}, {volume.name!r}, comes from no file, so a document cannot name it; "
+            "leave it out to cut the first layer's, or write it to a file and open that"
         )
     return {"volume": volume._source or {"path": None, "name": volume.name}, **found}
 

@@ -47,7 +47,7 @@ class _Times:
         # "days since 2001-01-01" are days.
         return tuple(float(time) for time in places.values), None if unit is None else str(unit).split(" since ")[0]
 
-    def told(self) -> str:
+    def description(self) -> str:
         """The array, in messages."""
         return f"the array {self.name!r}"
 

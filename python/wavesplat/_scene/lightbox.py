@@ -173,7 +173,7 @@ def lightbox(
     if scale_bar is not False:
         with_bar = (len(cuts) - 1) // count * count
         pictures[with_bar] = pictures[with_bar].annotated(scale_bar=scale_bar, font_size=font_px)
-    told = [picture.report.pop("notes", []) for picture in pictures][: len(cuts)]
+    notes_of_each = [picture.report.pop("notes", []) for picture in pictures][: len(cuts)]
     shown_planes = [*(one for one, _ in cuts), *([] if scout is None else [scout])]
     sheet = _blank(whole, background)
     panels = list[dict[str, Any]]()
@@ -194,7 +194,7 @@ def lightbox(
         report.pop(name, None)
     report["size"], report["panels"] = [sheet.shape[1], sheet.shape[0]], panels
     # What only some of the slices lack is no news; what all of them say is.
-    if notes := [note for note in told[0] if all(note in other for other in told)]:
+    if notes := [note for note in notes_of_each[0] if all(note in other for other in notes_of_each)]:
         report["notes"] = notes
     return Picture(sheet, report=Report(report))
 

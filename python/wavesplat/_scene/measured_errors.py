@@ -23,8 +23,8 @@ class MeasuredErrors:
         """The last picture's measurements; None where there are none, or it showed something else."""
         if not self.is_wanted or self.kind not in self.cache.measured:
             return None
-        shown, told = self.cache.measured[self.kind]
-        measured: dict[str, Any] | None = told if shown == self.shown else None
+        shown, found = self.cache.measured[self.kind]
+        measured: dict[str, Any] | None = found if shown == self.shown else None
         return measured
 
     def remember(self, report: dict[str, Any]) -> None:

@@ -199,8 +199,8 @@ def _number(which: Any, source: _Source) -> int:
         if found:
             return found[0]
         listed = ", ".join(repr(name) for name in names if name)
-        told = f"names {listed}" if listed else "names none of its channels; give a number"
-        raise ArgumentError(f"there is no channel {which!r}; the file {told}: {safe_address(source.path)}")
+        names_text = f"names {listed}" if listed else "names none of its channels; give a number"
+        raise ArgumentError(f"there is no channel {which!r}; the file {names_text}: {safe_address(source.path)}")
     try:
         number = index(which)
     except TypeError:

@@ -53,9 +53,9 @@ def notes_on_drawing(
     ]
     notes += _notes_on_places([(layer.name, layer.volume) for layer in layers if layer.opacity > 0])
     notes += notes_on_geometry(frame.scene.geometry, frame.shapes, frame.scene._clipping, frame.options)
-    told = report["device"]
-    if chosen_device(frame.options.device) not in ("auto", "cpu") and told["name"] == "cpu" and told["reason"]:
-        notes.append(f"drawn by the CPU: {told['reason']}")
+    device = report["device"]
+    if chosen_device(frame.options.device) not in ("auto", "cpu") and device["name"] == "cpu" and device["reason"]:
+        notes.append(f"drawn by the CPU: {device['reason']}")
     return notes
 
 

@@ -155,7 +155,7 @@ def _enlarged(picture: Picture, size: tuple[int, int]) -> Picture:
 def _in_blocks(scene: Scene, camera: Camera, options: DrawOptions, coarse: Picture | None) -> Iterator[Picture]:
     """The wanted picture, shown now and then as its blocks are done, over the coarser one."""
     made: queue.Queue[Any] = queue.Queue()
-    told = facts_of_picture(scene, camera, options.eyes.size_of(options.size), None, scene.labels)
+    facts = facts_of_picture(scene, camera, options.eyes.size_of(options.size), None, scene.labels)
     stopped = threading.Event()
     shown = [time.monotonic()]
 
@@ -186,14 +186,14 @@ def _in_blocks(scene: Scene, camera: Camera, options: DrawOptions, coarse: Pictu
                 return
             if kind == "error":
                 raise result
-            yield _marked(_over(result, coarse, told))
+            yield _marked(_over(result, coarse, facts))
     finally:
         stopped.set()
         worker.join()
 
 
-def _over(rgba: Any, coarse: Picture | None, told: dict[str, Any]) -> Picture:
+def _over(rgba: Any, coarse: Picture | None, facts: dict[str, Any]) -> Picture:
     """The pixels that are drawn, and the coarser picture where none are yet."""
     if coarse is None:
-        return Picture(rgba, report=Report(told))
+        return Picture(rgba, report=Report(facts))
     return Picture(np.where(rgba[..., 3:] > 0, rgba, coarse.rgba), report=Report(coarse.report))

@@ -18,7 +18,7 @@ from wavesplat._geometry.shape import Shape
 from wavesplat._geometry.shape_arrays import as_shapes, is_geometry
 from wavesplat._looks import colors
 from wavesplat._looks.labels import Labels
-from wavesplat._looks.layer_names import FoundName, layer_name_of, told_apart
+from wavesplat._looks.layer_names import FoundName, distinct_names, layer_name_of
 from wavesplat._looks.shading import Shading
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.camera import Camera
@@ -83,10 +83,10 @@ class Cache:
         value: T = found[1]
         return value
 
-    def remember(self, key: Any, shown: object, told: object) -> None:
+    def remember(self, key: Any, shown: object, found: object) -> None:
         """Cache a picture's measurements; evict those of the oldest kind of picture."""
         self.measured.pop(key, None)
-        self.measured[key] = shown, told
+        self.measured[key] = shown, found
         while len(self.measured) > MAX_MEASURED:
             self.measured.pop(next(iter(self.measured)), None)
 
@@ -173,7 +173,7 @@ class Scene:
         colors.parse(background)  # or an error
         layers, among = _parted(layers)
         values: dict[str, Any] = {
-            "layers": _told_apart(_layers(layers, look)),
+            "layers": _with_distinct_names(_layers(layers, look)),
             "labels": labels,
             "shading": shading,
             "clip": clips,
@@ -492,7 +492,7 @@ def _layers(what: Any, look: Any) -> tuple[Layer, ...]:
     return tuple(_layer(thing, one) for thing, one in zip(things, looks, strict=True))
 
 
-def _told_apart(layers: tuple[Layer, ...]) -> tuple[Layer, ...]:
+def _with_distinct_names(layers: tuple[Layer, ...]) -> tuple[Layer, ...]:
     """The layers, renamed so that no two layers without a name from the user have the same name."""
     names = names_by_themselves(layers, [None if isinstance(one.name, FoundName) else one.name for one in layers])
     return tuple(one if one.name == name else one._with_name(name) for one, name in zip(layers, names, strict=True))
@@ -502,7 +502,7 @@ def names_by_themselves(layers: Sequence[Layer], given: Sequence[str | None] = (
     """The default names of the layers of one scene. `given`: names from the user, or None, by layer."""
     # Start from the names without numbers: a layer that one was numbered against may be gone.
     alone = [name or layer_name_of(one.volume, one.time) for one, name in zip_longest(layers, given)]
-    return told_apart(alone, lambda n: layers[n].drawn.facts.description)
+    return distinct_names(alone, lambda n: layers[n].drawn.facts.description)
 
 
 def _layer(thing: Any, look: Any) -> Layer:

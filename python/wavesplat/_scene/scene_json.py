@@ -119,7 +119,7 @@ def document_of(scene: Scene, *, strict: bool = True, look_of: Callable[[Layer],
 
 
 def _fields_of_layer(layer: Layer, what: str, strict: bool, look_of: Callable[[Layer], Any]) -> dict[str, Any]:
-    told = {
+    entries = {
         "volume": _source_of(layer, f"the volume of {what}", strict),
         "name": str(layer.name),
         "look": look_of(layer),
@@ -130,8 +130,8 @@ def _fields_of_layer(layer: Layer, what: str, strict: bool, look_of: Callable[[L
     }
     if layer.color_from is not None:
         of_field = _fields_of_layer(layer.color_from, f"color_from of {what}", strict, look_of)
-        told["color_from"] = {name: of_field[name] for name in COLOR}
-    return told
+        entries["color_from"] = {name: of_field[name] for name in COLOR}
+    return entries
 
 
 def _source_of(layer: Layer, what: str, strict: bool) -> dict[str, Any]:

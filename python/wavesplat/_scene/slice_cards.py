@@ -119,11 +119,11 @@ def _slice_on(plane: SlicePlane, face: CutFace, volume: Any, size: tuple[int, in
         picture, planes = _picture_of(plane, volume, (face.plane.point, face.plane.normal), size)
     except ArgumentError:
         return None
-    told = picture.report
-    right, down = (told["pixel"] * np.array(told[name]) for name in ("right", "down"))
+    report = picture.report
+    right, down = (report["pixel"] * np.array(report[name]) for name in ("right", "down"))
     rows, columns = (np.arange(n) for n in picture.rgba.shape[:2])
-    points = np.array(told["origin"]) + columns[None, :, None] * right + rows[:, None, None] * down
-    seen = face.is_seen(points, told["pixel"] / 2) & (picture.rgba[..., 3] > 0)
+    points = np.array(report["origin"]) + columns[None, :, None] * right + rows[:, None, None] * down
+    seen = face.is_seen(points, report["pixel"] / 2) & (picture.rgba[..., 3] > 0)
     least = least_of_body(volume)
     if least is not None and picture.value is not None:
         seen &= ~air_around(picture.value, least)
@@ -170,12 +170,12 @@ def _size_on_cut(volume: Grid, plane: Any) -> tuple[int, int] | None:
 
 def _card(picture: Picture, rgba: Any, style: tuple[float, bool, bool]) -> _native.CardArrays:
     """A picture where it lies in the world. `style`: opacity, whether it is lit, whether clips cut it."""
-    told = picture.report
-    right, down = (told["pixel"] * np.array(told[name]) for name in ("right", "down"))
+    report = picture.report
+    right, down = (report["pixel"] * np.array(report[name]) for name in ("right", "down"))
     width, height = picture.size
     return {
         # The report has the middle of the first pixel.
-        "corner": _triple(np.array(told["origin"]) - (right + down) / 2),
+        "corner": _triple(np.array(report["origin"]) - (right + down) / 2),
         "along_x": _triple(width * right),
         "along_y": _triple(height * down),
         "rgba": np.ascontiguousarray(rgba),  # opaque or clear: straight and associated are the same

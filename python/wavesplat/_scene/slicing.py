@@ -247,13 +247,13 @@ def slice(
 
 
 def _with_labels(
-    rgba: Floats, planes: Planes, scene: Scene, told: tuple[Report, list[str]], *, is_plain: bool
+    rgba: Floats, planes: Planes, scene: Scene, output: tuple[Report, list[str]], *, is_plain: bool
 ) -> Floats:
     """The slice with the scene's labels over it, or, of a segmentation alone, in the colours of its labels.
 
-    told : the report gets their names, the notes what was lost. is_plain : whether nothing says how values look.
+    output : the report gets their names, the notes what was lost. is_plain : whether no option says how values look.
     """
-    report, notes = told
+    report, notes = output
     if scene.labels is not None:
         labels = scene.labels.for_slices_of(scene.layers[0].drawn)
         rgba, seen = label_slices.laid_over(rgba, planes, labels)
@@ -327,11 +327,11 @@ def _with_layers(
     planes: Planes,
     scene: Scene,
     layers: Sequence[Layer],
-    told: tuple[Report, list[str]],
+    output: tuple[Report, list[str]],
     **options: Any,
 ) -> Floats:
-    """The slice with further layers over it; `told`: the report gets their colours, the notes why one does not show."""
-    report, notes = told
+    """The slice with further layers over it; `output` gets their colours, and notes on layers that do not show."""
+    report, notes = output
     automatic = iter(cycle(OVERLAY_MAPS))
     for layer in layers:
         if layer.is_shown:

@@ -45,11 +45,11 @@ def values_at(scene: Scene, point: NDArray[np.float64]) -> list[dict[str, Any]]:
 
     Returns dictionaries of name, value of the nearest sample (None outside, and where it is missing) and unit.
     """
-    told = []
+    values = []
     for layer in scene.layers:
         if layer.is_shown and layer.color_from is not None:
-            told += [_value_of(layer, point), _value_of(layer.color_from, point)]
-    return told
+            values += [_value_of(layer, point), _value_of(layer.color_from, point)]
+    return values
 
 
 def _value_of(layer: Layer, point: NDArray[np.float64]) -> dict[str, Any]:

@@ -143,7 +143,7 @@ def _found(path: Path | str, unit: str | None, choice: dict[str, Any]) -> Found:
     try:
         layers = open_scene(path, **choice).layers
     except SeveralError as error:
-        if error.option in CHOICES and error.option not in choice and error.is_said:
+        if error.option in CHOICES and error.option not in choice and error.is_known:
             raise Several(path, error) from None
         raise
     except WavesplatError as error:

@@ -53,7 +53,7 @@ def shape_seen(state: ViewerState, sight: Sight, progress: Any = None) -> dict[s
     seen_to = inf if near is None else near + max(first.spacing)
     if found.depth > seen_to:
         found = picked(ray, scene.geometry, farthest=seen_to, **known)
-    return None if found is None else _told(scene.geometry, found, sight.point_at(found.depth), first)
+    return None if found is None else _entry_of(scene.geometry, found, sight.point_at(found.depth), first)
 
 
 def _cards(state: ViewerState) -> dict[SlicePlane, list[Any]]:
@@ -82,7 +82,7 @@ def _kept_by(clipping: Clipping) -> Callable[[Array], NDArray[np.bool_]]:
     return is_kept
 
 
-def _told(shapes: tuple[Shape, ...], found: Picked, point: Array, first: Any) -> dict[str, Any]:
+def _entry_of(shapes: tuple[Shape, ...], found: Picked, point: Array, first: Any) -> dict[str, Any]:
     shape = shapes[found.number]
     name = names_of_shapes(shapes)[found.number]
     labels = getattr(shape, "labels", None)

@@ -39,7 +39,7 @@ def free_bytes() -> int | None:
 
 
 def resident_bytes() -> int | None:
-    """Bytes of memory that this process takes; None where the system does not tell."""
+    """Bytes of memory that this process takes; None where the system does not report it."""
     try:
         return int(Path("/proc/self/statm").read_text(encoding="ascii").split()[1]) * os.sysconf("SC_PAGE_SIZE")
     except (OSError, ValueError, IndexError, AttributeError):

@@ -1,9 +1,9 @@
 """The shape that a ray meets first: its number, where, which of its parts, and the value there.
 
 Positions are turned so that the ray runs along z. Then it meets a ball, or a line of some thickness, where the origin
-of the plane (x, y) lies near enough to a point or a segment, and a triangle where the origin lies in it: the signs of
-three areas tell that, and neighbouring triangles, which share an edge, leave no gap (Woop, Benthin and Wald 2013,
-*Watertight Ray/Triangle Intersection*).
+of the plane (x, y) lies near enough to a point or a segment, and a triangle where the origin lies in it. The signs of
+three areas decide that: neighbouring triangles compute the area at their common edge from the same two corners, so no
+ray passes between them (Woop, Benthin and Wald 2013, *Watertight Ray/Triangle Intersection*).
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ __all__ = ["Picked", "Ray", "picked"]
 
 Array: TypeAlias = NDArray[np.float64]
 
-#: Opacity from which on a shape is taken for what lies behind it: the half at which pictures tell depths.
+#: Opacity from which on a shape is taken for what lies behind it: the half at which pictures record depth.
 OPAQUE = 0.5
 #: Thin lines and small points are met within so many pixels, since no hand is steadier.
 SLACK_PX = 2.0

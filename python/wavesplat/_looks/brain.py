@@ -1,4 +1,4 @@
-"""The brain of a head in MR, told from skull and skin by thresholds and shapes: a simple extraction, not for measuring.
+"""The brain of a head in MR, separated from skull and skin by thresholds and shapes; simple, and not for measuring.
 
 In T1-weighted scans, and FLAIR, the skull and the fluid around the brain are dark. So, at a resolution of about 2 mm:
 

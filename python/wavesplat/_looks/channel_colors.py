@@ -140,7 +140,7 @@ def distinct_colors(wanted: Sequence[Rgb | None], own: Sequence[Rgb | None]) -> 
 
 
 def is_same_color(color: Rgb, other: Rgb) -> bool:
-    """Whether two colours cannot be told apart."""
+    """Whether two colours look the same."""
     return all(abs(a - b) < SAME_COLOR for a, b in zip(color, other, strict=True))
 
 

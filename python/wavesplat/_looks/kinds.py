@@ -100,7 +100,7 @@ MIN_WHOLE_TAIL = 0.5
 MIN_END = 1e-5
 #: Dense tissue: least median, as a share of the range. (EM of a worm: 0.65; fluorescence: 0.1 to 0.2.)
 MIN_BRIGHT = 0.45
-#: Fluorescence, where only values tell: largest share of samples of one value (a background without noise was not
+#: Fluorescence, where only values decide: largest share of samples of one value (a background without noise was not
 #: counted from photons), least ratio of the 99.9th percentile to the median of the object, both above the background
 #: (cells 2.8 to 11, a mouse brain 3.9; vessels 1.3, an engine 1.8), and distance of samples in a file that has another
 #: unit, metres.
@@ -202,7 +202,7 @@ def found_in(volume: Volume | WaveletVolume) -> Found:
 
 
 def _keeper(volume: Volume | WaveletVolume) -> Volume | None:
-    """The volume, if it is told of changes of its samples and forgets what was found in them, as those in memory."""
+    """The volume, if findings can be kept with it: one in memory, which forgets them when its samples change."""
     return volume if isinstance(volume, Volume) and not isinstance(volume, LazyVolume) else None
 
 
@@ -261,7 +261,7 @@ def _segmentation(
 def _is_measured(volume: Volume | WaveletVolume) -> bool:
     """Whether the file gives values a unit, as simulations do: numbers of labels have none.
 
-    Exported as DICOM of a scan, label maps say CT and HU, so that a modality tells nothing.
+    Exported as DICOM of a scan, label maps say CT and HU, so the modality decides nothing.
     """
     return volume.modality is None and volume.value_unit not in (None, *UNITS_OF_LABELS)
 
@@ -285,7 +285,8 @@ def _has_others(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> 
 def _has_few_bright(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> bool:
     """Whether nearly all samples are noise that is as wide below its median as above it, and a few are far above.
 
-    A few that lie alone are hot pixels of a camera, not beads. `values` tell the noise; more samples, the few.
+    A few that lie alone are hot pixels of a camera, not beads. `values` show the noise; the few need more
+    samples.
     """
     if volume.is_anatomical and not (_is_fine(volume) or is_placed_by_default(volume)):
         return False
@@ -446,7 +447,7 @@ def _tail(values: NDArray[np.float64]) -> float:
 
 
 def _has_steps(samples: NDArray[Any], neighbours: Pairs) -> bool:
-    """Whether neighbours with other values often differ by more than 1, or too few are known to tell."""
+    """Whether neighbours with other values often differ by more than 1, or too few are known to decide."""
     if np.unique(samples).size < 4:
         return True
     if not neighbours:

@@ -1,6 +1,6 @@
 """The table under a patient in a CT that is not in memory: samples read as they are drawn, or decoded from wavelets.
 
-It is told as in `tables.py`, from the same samples: of a lazy volume those are read once, slab by slab, from the
+It is found as in `tables.py`, from the same samples: of a lazy volume those are read once, slab by slab, from the
 coarsest level that is as fine as the places that count. Then every box that is read gets air in the table's places, and
 has a survey of its own, since light and bounds are those of what is drawn. Wavelets are decoded, since coefficients
 have no places.
@@ -47,7 +47,7 @@ Shape = tuple[int, int, int]
 def without_table_in_parts(
     volume: LazyVolume | WaveletVolume, decided_on: Volume | WaveletVolume | None = None
 ) -> Volume | None:
-    """A patient's CT with air in place of the table; None where no table can be told from the body.
+    """A patient's CT with air in place of the table; None where no table can be separated from the body.
 
     Of a lazy volume a lazy one; of wavelets the decoded samples, in memory.
 
@@ -97,7 +97,7 @@ def _read(volume: LazyVolume, reference: LazyVolume) -> LazyVolume | None:
 
 
 def _level_of_places(volume: LazyVolume) -> int:
-    """The coarsest level whose samples are no further apart than the places that tell a table need."""
+    """The coarsest level whose samples are no further apart than the search for a table needs."""
     fine = [
         k
         for k, level in enumerate(volume._levels)
@@ -107,7 +107,7 @@ def _level_of_places(volume: LazyVolume) -> int:
 
 
 def _looked_at(volume: LazyVolume, number: int, places: Places) -> NDArray[Any] | None:
-    """The samples of a level that places are told from, [slice, row, column], read slab by slab.
+    """The samples of a level in which a table is searched, [slice, row, column], read slab by slab.
 
     None where they take more than a quarter of the budget.
     """

@@ -1,7 +1,7 @@
 """Maps of what was calculated from scans of patients: diffusion, relaxation, perfusion, statistics, p-values, uptake.
 
-A file says what a map holds by its quantity (the intent of NIfTI, the image type of DICOM). Else it is told by words of
-the file's name, as BIDS, FSL, SPM and FreeSurfer write them, and is a guess. Of values alone, two kinds are told:
+A file says what a map holds by its quantity (the intent of NIfTI, the image type of DICOM). Otherwise it is guessed by
+words of the file's name, as BIDS, FSL, SPM and FreeSurfer write them. By values alone, two kinds are recognized:
 
 - Diffusivities in mm²/s are floating-point numbers up to 0.001 at least and 0.02 at most: water in a body has 0.003.
 - p-values are near 1 nearly everywhere, outside of the body too, and fall to near 0 somewhere.
@@ -93,10 +93,10 @@ def _words_of(name: str) -> set[str]:
 
 
 def _by_words(words: set[str], values: NDArray[np.float64], low: float, high: float) -> Found:
-    """The kind that words of a name tell, where the values can be of it."""
+    """The kind by words of a name, if the values can be of that kind."""
     by = "by the file's name and by the values"
     if low < 0:
-        return None  # statistics with two signs are told by these
+        return None  # values with two signs are statistics, recognized elsewhere
     if high <= 1 and words & ONE_MINUS_P_WORDS:
         return "probability", f"1 - p of a test, {by}"
     if high <= 1 and (words & P_WORDS or any(pair <= words for pair in P_PAIRS)):

@@ -1,4 +1,4 @@
-"""Maps of shares: fractional anisotropy (FA), and probabilities, told from scans of patients by name and values.
+"""Maps of shares: fractional anisotropy (FA), and probabilities, recognized by name and values.
 
 Neither has a field in NIfTI that programs fill, so each is a guess, and is said to be one.
 

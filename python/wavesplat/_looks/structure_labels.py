@@ -90,7 +90,7 @@ def _numbered(masks: Sequence[tuple[Structure, Mask]], scan: Grid, file: Path) -
 def chosen_structures(
     structures: Sequence[Structure], segments: Sequence[str | int] | None, file: Path, *, has_outline: bool = False
 ) -> list[Structure]:
-    """The regions that are wanted, all with numbers of labels; those without lines are told.
+    """The regions that are wanted, all with numbers of labels; those without lines are named in a warning.
 
     has_outline : whether the outline of the patient is one of them also where none is named.
     """

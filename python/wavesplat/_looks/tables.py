@@ -1,4 +1,4 @@
-"""The table under a patient in a CT, told from the body by the shape that only tables have.
+"""The table under a patient in a CT, separated from the body by the shape that only tables have.
 
 A table is the same from slice to slice, thin, wide, and lies below all of the body. So, on a coarse copy of about 3 mm:
 
@@ -77,7 +77,7 @@ Mask = NDArray[np.bool_]
 
 
 def without_table(volume: Volume, decided_by: Volume | None = None) -> Volume | None:
-    """A copy of a patient's CT with air in place of the table; None where no table can be told from the body.
+    """A copy of a patient's CT with air in place of the table; None where no table can be separated from the body.
 
     Type, shape, place and name are the same; `facts.processing` says that the table is left out. It is kept with the
     volume.
@@ -114,7 +114,7 @@ def _found(volume: Volume, reference: Volume) -> Volume | None:
 
 @dataclass(frozen=True)
 class Decided:
-    """A table that was told from the body: its places [row, column], those below it, and the offset of the units."""
+    """A table that was found: its places [row, column], those below it, and the offset of the units."""
 
     table: Mask
     below: Mask

@@ -1,7 +1,7 @@
 """Transfer functions of two dimensions: value and gradient, or the values of two fields -> opacity and colour.
 
-The boundary of two materials passes through all values between theirs, so a value alone cannot tell it from a third
-material; at a boundary the gradient is large, inside a material it is small.
+The boundary of two materials passes through all values between theirs, so a value alone cannot distinguish it from a
+third material; at a boundary the gradient is large, inside a material it is small.
 Sources: Levoy, Display of surfaces from volume data, 1988; Kniss, Kindlmann and Hansen, Interactive volume rendering
 using multi-dimensional transfer functions, 2001.
 """

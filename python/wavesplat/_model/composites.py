@@ -141,7 +141,7 @@ class DepthShadedMaximum:
 @public
 @dataclass(frozen=True)
 class DepthColoredMaximum:
-    """The largest value along a ray, in a colour that tells where it is: Fiji's temporal-color code, of depth.
+    """The largest value along a ray, in a colour by its depth: Fiji's temporal-color code, of depth.
 
     The hue is that of the maximum's place, the brightness that of its value, as a share of the brightest. Where
     nothing is bright, the picture is clear. `Picture.annotated(colorbar=True)` draws the scale of places.

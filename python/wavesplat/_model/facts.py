@@ -116,8 +116,8 @@ class Facts:
     is_inverted : bool
         Whether the file wants the lowest values shown in white, as X-ray films have them (MONOCHROME1 of DICOM).
     description : str, optional
-        What the file calls the scan: tracer and description of the series in DICOM, which tell scans of one modality
-        apart in legends.
+        What the file calls the scan: tracer and description of the series in DICOM, which distinguish scans of one
+        modality in legends.
     channel : Channel, optional
         The channel of the samples.
     channels : sequence of Channel

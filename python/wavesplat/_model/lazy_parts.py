@@ -41,7 +41,7 @@ __all__ = [
 MAX_PART, MAX_FINER = 1 << 22, 4.5
 #: Least side of a box that is looked for in all of a level, samples.
 MIN_SIDE = 16
-#: Samples of the finest level whose neighbours tell noise and labels, about.
+#: About how many samples of the finest level are compared with neighbours, to find noise and labels.
 N_BUSIEST = 1 << 18
 #: Samples of a level that is read as a whole whatever is cropped, at most; and samples around a crop that are read with
 #: it: kernels reach 3, differences of gradients 1, and missing samples are filled from 16.
@@ -95,7 +95,7 @@ def corners_of_crop(volume: Grid, crop: Crop) -> NDArray[np.float64]:
 def box_of_crop(volume: LazyVolume, number: int, corners: NDArray[np.float64] | None) -> Box | None:
     """The only box of a level that is read where a crop hides the rest, along the borders of chunks.
 
-    None where all is read: there is no crop, the level is small, no coarser one tells of the rest, or the box has more
+    None where all is read: there is no crop, the level is small, no coarser one covers the rest, or the box has more
     than half of its samples. It depends on sizes alone, so that a picture does not depend on earlier ones.
 
     corners : the corners of the crop in the world, shape (8, 3).

@@ -2,7 +2,7 @@
 
 Programs that know nothing of a place write such headers, and formats of medicine then say "left-posterior-superior" by
 default: an image that ITK made has that space, distances of 1 and the origin at its first sample. Nothing in such a
-header tells of a patient, so that the values decide: Hounsfield units and whole numbers, as scanners write them, are of
+header speaks of a patient, so the values decide: Hounsfield units and whole numbers, as scanners write them, are of
 one; fractions, noisy or not, were calculated.
 """
 
@@ -15,7 +15,7 @@ from wavesplat._model.grid import Grid
 
 __all__ = ["NO_PLACE", "UPRIGHT", "is_of_no_patient", "is_placed_by_default", "is_without_place"]
 
-#: A convention of a file, told among its facts: it names a patient's axes, and nothing else of a place.
+#: A convention of a file, kept among its facts: it names a patient's axes, and nothing else of a place.
 NO_PLACE = "axes of a patient: they are named, but samples are 1 apart, from the origin on, as by default"
 
 #: Of a file whose axes are those of a map, or of a survey.

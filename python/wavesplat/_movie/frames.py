@@ -106,7 +106,9 @@ def render_frames(
 def check_client(client: Any, psnr: float | None) -> None:
     """Raise an `ArgumentError` where frames are for a client, and each needs what the one before measured."""
     if client is not None and psnr is not None:
-        raise ArgumentError("with psnr frames are drawn by what the one before told, so not by a client; leave out one")
+        raise ArgumentError(
+            "with psnr each frame needs what the one before measured, so a client cannot draw them; leave out one"
+        )
 
 
 def _reporting(pictures: Iterator[Picture], n: int, progress: Callable[[float], object] | None) -> Iterator[Picture]:

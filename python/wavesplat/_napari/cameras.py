@@ -127,7 +127,7 @@ def _camera(viewer: Any) -> Any:
 def _flat_axes(camera: Any) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Directions forward and up of a view in two dimensions.
 
-    Along z, so that `is_mirrored` tells of the picture what it tells of one in three dimensions.
+    Along z, so that `is_mirrored` means the same as in three dimensions.
     """
     depth, vertical, _ = (str(own) for own in getattr(camera, "orientation", UNMIRRORED))
     forward = np.array([0.0, 0.0, 1.0 if depth == "away" else -1.0])

@@ -416,7 +416,7 @@ def _color_bars(
 
 
 def _named(figure: Figure, report: Mapping[str, Any]) -> list[tuple[str, Color | None]]:
-    """Names and colours of the legend; None for a line that tells of names left out.
+    """Names and colours of the legend; None for the line that counts names left out.
 
     Empty where the picture has labels or lines and none of them lies in this slice: other slices have the legend.
     """

@@ -48,9 +48,9 @@ def read(request: Request) -> Grid:
     with reading("a NumPy file", path), unwarned("numpy"):
         name, array = _from_npz(request) if zipfile.is_zipfile(path) else (None, _from_npy(request))
         if has_vectors(array.shape, array.dtype, request):
-            samples, told = component_of(array, request, name or path.name)
+            samples, guesses = component_of(array, request, name or path.name)
             quantity = quantity_of_array(name or "", N_COMPONENTS, array.dtype, request)
-            return Grid(np.array(samples), np.eye(4), Facts(quantity=quantity, guesses=told))
+            return Grid(np.array(samples), np.eye(4), Facts(quantity=quantity, guesses=guesses))
         check_vectors(request, name or path.name)
         samples = array[index_unnamed_axes(array.shape, request)]
         samples = np.array(samples) if isinstance(array, np.memmap) else samples

@@ -139,9 +139,9 @@ class Hdf5Samples:
 
     def is_unsigned(self, setup: int, name: str) -> bool:
         """Whether int16 stands for uint16: so it is unless the setup names another type."""
-        said = self._file[f"s{setup:02d}"].attrs.get("dataType", b"")
-        said = said.decode("ascii", "replace") if isinstance(said, bytes) else str(said)
-        return bool(self._file[name].dtype == np.int16) and said != "int16"
+        declared = self._file[f"s{setup:02d}"].attrs.get("dataType", b"")
+        declared = declared.decode("ascii", "replace") if isinstance(declared, bytes) else str(declared)
+        return bool(self._file[name].dtype == np.int16) and declared != "int16"
 
     def grid(self, image: StoredImage) -> Grid:
         """The samples of the level that is asked for, else of the finest."""
@@ -224,7 +224,7 @@ def described(samples: Samples, data: SpimData | None, request: Request) -> Stor
         channels=tuple(channels) if is_described else (),
         n_times=len(times),
         levels=tuple(shapes) if len(shapes) > 1 else (),
-        guesses=(*guesses, *_told_of_setups(setups)),
+        guesses=(*guesses, *_notes_on_setups(setups)),
     )
     return StoredImage(samples.path, stored, facts, is_unsigned=samples.is_unsigned(setup.number, names[0]))
 
@@ -269,14 +269,14 @@ def _place(data: SpimData | None, setup: Setup, view: tuple[int, int]) -> tuple[
     scale = _scale_of_registrations(data)
     if scale is None:
         steps = " x ".join(f"{step:.4g}" for step in np.linalg.norm(matrix[:3, :3], axis=0))
-        told = " x ".join(f"{step:.4g}" for step in voxel)
-        return matrix.copy(), (f"distances of samples {steps} by the registration of the view: voxelSize says {told}",)
+        text = " x ".join(f"{step:.4g}" for step in voxel)
+        return matrix.copy(), (f"distances of samples {steps} by the registration of the view: voxelSize says {text}",)
     if scale == 1:
         return matrix.copy(), ()
     scaled = matrix.copy()
     scaled[:3] *= scale
-    told = f"{scale:.6g} {setup.unit or 'of voxelSize'}".rstrip()
-    return scaled, (f"registrations taken for numbers of {told}: so they fit to voxelSize",)
+    text = f"{scale:.6g} {setup.unit or 'of voxelSize'}".rstrip()
+    return scaled, (f"registrations taken for numbers of {text}: so they fit to voxelSize",)
 
 
 def _scale_of_registrations(data: SpimData) -> float | None:
@@ -323,7 +323,7 @@ def _varying(setups: tuple[Setup, ...]) -> list[str]:
     return [kind for kind in kinds if len({setup.attributes.get(kind) for setup in setups}) > 1]
 
 
-def _told_of_setups(setups: tuple[Setup, ...]) -> tuple[str, ...]:
+def _notes_on_setups(setups: tuple[Setup, ...]) -> tuple[str, ...]:
     """A guess where setups are no channels: they are drawn as such."""
     others: list[Any] = [kind for kind in _varying(setups) if kind != "channel"]
     if not others:

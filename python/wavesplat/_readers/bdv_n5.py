@@ -64,8 +64,8 @@ class N5Samples:
 
     def shape(self, name: str) -> tuple[int, int, int]:
         """Shape (z, y, x) of an array of samples."""
-        told = self._attributes(name)
-        size, kind = told.get("dimensions"), str(told.get("dataType"))
+        attributes = self._attributes(name)
+        size, kind = attributes.get("dimensions"), str(attributes.get("dataType"))
         is_size = isinstance(size, list) and len(size) == 3 and all(type(n) is int and n > 0 for n in size)
         if not isinstance(size, list) or not is_size or kind not in TYPES:
             raise FileError(
@@ -111,15 +111,15 @@ class N5Samples:
         try:
             if path.stat().st_size > MAX_ATTRIBUTES:
                 raise ValueError("attributes.json is larger than any of N5")
-            told = json.loads(path.read_text(encoding="utf-8"))
+            attributes = json.loads(path.read_text(encoding="utf-8"))
         except FileNotFoundError:
             raise FileError(
                 f"the samples of this channel, time and level are not there ({name}); copy or export it again, "
                 f"with all files that belong to it: {self._request.safe_path}"
             ) from None
-        if not isinstance(told, dict):
+        if not isinstance(attributes, dict):
             raise ValueError("attributes.json is no object")
-        return told
+        return attributes
 
 
 def _opened(folder: str, name: str) -> Any:
@@ -129,7 +129,7 @@ def _opened(folder: str, name: str) -> Any:
     try:
         return tensorstore.open({"driver": "n5", "kvstore": kvstore}, open=True, read=True).result().T
     except ValueError as error:
-        raise FileError(f"damaged: {_told(error)}; copy or export it again: {folder}/{name}") from error
+        raise FileError(f"damaged: {_first_sentence(error)}; copy or export it again: {folder}/{name}") from error
 
 
 def _dtype(array: Any) -> np.dtype[Any]:
@@ -141,10 +141,10 @@ def _read(array: Any) -> NDArray[Any]:
     try:
         return np.asarray(array)
     except ValueError as error:
-        raise FileError(f"damaged: {_told(error)}; copy or export it again") from error
+        raise FileError(f"damaged: {_first_sentence(error)}; copy or export it again") from error
 
 
-def _told(error: Exception) -> str:
+def _first_sentence(error: Exception) -> str:
     """The first sentence of tensorstore's message, without its places in the source."""
     return str(error).partition(" [")[0][:200]
 

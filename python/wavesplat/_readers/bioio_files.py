@@ -214,7 +214,7 @@ def _steps(image: Any) -> tuple[tuple[float, float, float], str | None, tuple[st
     sizes = None
     with suppress(Exception):  # of files without a scale some readers raise an error
         sizes = image.physical_pixel_sizes
-    told = [_positive(getattr(sizes, axis, None)) for axis in "XYZ"]
+    steps = [_positive(getattr(sizes, axis, None)) for axis in "XYZ"]
     named: list[str | None] = []
     for axis in "XYZ":
         own = None
@@ -224,10 +224,10 @@ def _steps(image: Any) -> tuple[tuple[float, float, float], str | None, tuple[st
         named.append("um" if unit is None else units.canonical(unit))
     xyz_units = (named[0], named[1], named[2])
     unit, factors = units.in_one_unit(xyz_units)
-    steps = [None if step is None else float(f"{step * by:.7g}") for step, by in zip(told, factors, strict=True)]
+    steps = [None if step is None else float(f"{step * by:.7g}") for step, by in zip(steps, factors, strict=True)]
     x = steps[0] or 1.0
     y, z = (x if step is None else step for step in steps[1:])
-    return (x, y, z), unit if any(told) else None, (*guesses_of_steps(steps, x), *units.guesses_of(xyz_units))
+    return (x, y, z), unit if any(steps) else None, (*guesses_of_steps(steps, x), *units.guesses_of(xyz_units))
 
 
 def _channels(image: Any, count: int) -> tuple[Channel, ...]:
@@ -250,8 +250,8 @@ def _channel(name: str, described: Any, of_czi: CziChannel) -> Channel:
     color, wavelength = of_czi.color, _positive(of_czi.emission_nm)
     if color is None:
         with suppress(Exception):
-            told = tuple(part / 255 for part in described.color.as_rgb_tuple(alpha=False))
-            color = None if told == OME_DEFAULT else told
+            own = tuple(part / 255 for part in described.color.as_rgb_tuple(alpha=False))
+            color = None if own == OME_DEFAULT else own
     if wavelength is None:
         with suppress(Exception):
             size = units.metres(units.canonical(described.emission_wavelength_unit.value))

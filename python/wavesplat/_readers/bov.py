@@ -51,9 +51,9 @@ def read(request: Request) -> Grid:
         size_checks.check_stored(brick.shape, brick.dtype, stored, request.path)
         n = int(np.prod(brick.shape))
         numbers = np.fromfile(brick.file, brick.dtype, n, offset=brick.offset).reshape(brick.shape)
-        samples, told = component_of(numbers, request, brick.variable)
+        samples, guesses = component_of(numbers, request, brick.variable)
         quantity = quantity_of_array(brick.variable, brick.shape[-1], brick.dtype, request)
-        facts = Facts(quantity=quantity, conventions=(UPRIGHT,), guesses=told)
+        facts = Facts(quantity=quantity, conventions=(UPRIGHT,), guesses=guesses)
         return Grid(np.ascontiguousarray(samples), brick.world_from_index, facts)
 
 
@@ -62,11 +62,11 @@ def _described(request: Request) -> _Brick:
     with path.open("rb") as file:
         lines = file.read(HEAD_BYTES).decode("latin-1").splitlines()
     pairs = [line.partition(":") for line in lines if ":" in line and not line.lstrip().startswith("#")]
-    said = {key.strip().upper().replace(" ", "_"): value.strip() for key, _, value in pairs}
-    missing = [key for key in ("DATA_FILE", "DATA_SIZE", "DATA_FORMAT") if key not in said]
+    fields = {key.strip().upper().replace(" ", "_"): value.strip() for key, _, value in pairs}
+    missing = [key for key in ("DATA_FILE", "DATA_SIZE", "DATA_FORMAT") if key not in fields]
     if missing:
         raise FileError(f"the text lacks {', '.join(missing)}; write it in full: {path}")
-    name = said["DATA_FILE"].strip("\"'")
+    name = fields["DATA_FILE"].strip("\"'")
     if "%" in name:
         raise FileError(f"the samples are in several files ({name!r}); write them into one: {path}")
     if name.lower().endswith(".gz"):
@@ -75,31 +75,31 @@ def _described(request: Request) -> _Brick:
     samples = path.parent / name
     if not samples.exists():
         raise FileError(f"the text names {name!r}, which is not there; copy it too: {path}")
-    kind = said["DATA_FORMAT"].upper()
+    kind = fields["DATA_FORMAT"].upper()
     if kind not in TYPES:
         raise FileError(f"samples of type {kind!r} cannot be drawn; write one of {', '.join(TYPES)}: {path}")
-    order = ">" if said.get("DATA_ENDIAN", "LITTLE").upper().startswith("BIG") else "<"
-    nx, ny, nz = (int(number) for number in said["DATA_SIZE"].split())
+    order = ">" if fields.get("DATA_ENDIAN", "LITTLE").upper().startswith("BIG") else "<"
+    nx, ny, nz = (int(number) for number in fields["DATA_SIZE"].split())
     if min(nx, ny, nz) < 1:
         raise ValueError(f"a size of {nx} x {ny} x {nz}")
-    of_cells = said.get("CENTERING", "nodal").lower().startswith("z")
+    of_cells = fields.get("CENTERING", "nodal").lower().startswith("z")
     return _Brick(
         samples,
-        int(said.get("BYTE_OFFSET", "0")),
-        (nz, ny, nx, int(said.get("DATA_COMPONENTS", "1"))),
+        int(fields.get("BYTE_OFFSET", "0")),
+        (nz, ny, nx, int(fields.get("DATA_COMPONENTS", "1"))),
         np.dtype(order + TYPES[kind]),
-        _place(said, (nx, ny, nz), of_cells=of_cells),
-        said.get("VARIABLE", samples.name),
+        _place(fields, (nx, ny, nz), of_cells=of_cells),
+        fields.get("VARIABLE", samples.name),
     )
 
 
-def _place(said: dict[str, str], size: tuple[int, int, int], *, of_cells: bool) -> NDArray[np.float64]:
+def _place(fields: dict[str, str], size: tuple[int, int, int], *, of_cells: bool) -> NDArray[np.float64]:
     """The affine: a brick reaches from its first to its last sample, or, of cells, over all of them."""
-    origin = np.array(said.get("BRICK_ORIGIN", "0 0 0").split(), np.float64)
+    origin = np.array(fields.get("BRICK_ORIGIN", "0 0 0").split(), np.float64)
     n = np.array(size, np.float64)
     cells = n if of_cells else np.maximum(n - 1, 1)
     # Without a size VisIt's brick is one cell a unit.
-    lengths = np.array(said["BRICK_SIZE"].split(), np.float64) if "BRICK_SIZE" in said else cells
+    lengths = np.array(fields["BRICK_SIZE"].split(), np.float64) if "BRICK_SIZE" in fields else cells
     matrix = np.diag([*(lengths / cells), 1.0])
     matrix[:3, 3] = origin + (lengths / cells / 2 if of_cells else 0.0)
     return matrix

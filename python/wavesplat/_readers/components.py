@@ -76,10 +76,10 @@ def component_of(numbers: NDArray[Any], request: Request, name: str) -> tuple[ND
         )
     if wanted in ("x", "y", "z"):
         return numbers[..., AXES.index(wanted)], ()
-    told = (
+    guesses = (
         () if wanted else (f'{name!r} holds vectors, of which the length is drawn; or component="x" (--component x)',)
     )
-    return length_of([numbers[..., number] for number in range(n)]), told
+    return length_of([numbers[..., number] for number in range(n)]), guesses
 
 
 def quantity_of_array(name: str, n: int, dtype: np.dtype[Any], request: Request) -> str | None:

@@ -53,14 +53,14 @@ def read(request: Request) -> Grid:
         size_checks.check_stored(shape, np.dtype("u1"), stored, path, held=(1,))
         size_checks.check_memory(size_checks.n_bytes(shape, np.dtype("f8")), path)
         values = numbers_of_text(file, int(np.prod(shape)), path).reshape(shape)[..., chosen]
-        told = ("numbers behind those that the header promises are left out",) if file.read(1 << 16).strip() else ()
+        guesses = ("numbers behind those that the header promises are left out",) if file.read(1 << 16).strip() else ()
     quantity = names[chosen] if names != ["value 1"] else None
     matrix = np.eye(4)
     matrix[:3, :3], matrix[:3, 3] = vectors.T, origin * unit
     return Grid(
         np.ascontiguousarray(values.T),
         matrix,
-        Facts(unit="angstrom", quantity=quantity, conventions=(UPRIGHT,), guesses=told),
+        Facts(unit="angstrom", quantity=quantity, conventions=(UPRIGHT,), guesses=guesses),
     )
 
 

@@ -126,15 +126,15 @@ def _read_named(first: Header, request: Request) -> Grid:
         check_within(file, request.within)
     scan = scanned(beside, first.file.parent, request, first)
     headers = without_copies(chosen_series(scan, request, first), first.file)
-    told = ""
+    note = ""
     if first.file in {header.file for header in headers}:
-        headers, told = alike(headers, first)
+        headers, note = alike(headers, first)
         if request.series is None and request.time is None and _are_of_one_place(headers):
             headers = [first]  # of pictures of one place the one that was named
     if (labels := _read_segmentation(headers, request)) is not None:  # `series` may choose one beside the file
         return labels
     grid = _read_headers(headers, scan.unreadable, request)
-    return grid if not told else grid._replace(facts=replace(grid.facts, guesses=(*grid.facts.guesses, told)))
+    return grid if not note else grid._replace(facts=replace(grid.facts, guesses=(*grid.facts.guesses, note)))
 
 
 def _are_of_one_place(headers: Sequence[Header]) -> bool:
@@ -185,8 +185,8 @@ def _read_headers(headers: Sequence[Header], unreadable: Unreadable, request: Re
     if not (first.is_of_patient and is_placed):
         stack = replace(stack, world_from_index=affine.RAS_FROM_LPS @ stack.world_from_index)
     of_pixels = request if film is None else replace(request, channel=None)  # which has been chosen
-    samples, told = samples_of(stack, pixels, {header.file: header for header in headers}, of_pixels)
-    guesses += [told] if told else []
+    samples, note = samples_of(stack, pixels, {header.file: header for header in headers}, of_pixels)
+    guesses += [note] if note else []
     colors = _colors_of(first)
     is_picture = len(stack.frames) == 1 and not colors
     facts = Facts(
@@ -260,13 +260,13 @@ def _of_volumes(
     volume, n_times, times = _chosen(frames, losses, request, kept)
     first, is_one = headers[0], len(volume.frames) == 1
     stack = single(volume.frames[0], first.slice_step) if is_one else stacked(volume.frames, request)
-    told: list[str] = []
+    own_guesses: list[str] = []
     lost = [*losses, *mends, *([volume.loss] if volume.loss else [])]
     if volume.guess:
-        (lost if volume.is_by_names else told).append(volume.guess)
+        (lost if volume.is_by_names else own_guesses).append(volume.guess)
     if n_times > 1 and not times and len(first.pictures.times) == n_times:
         times = first.pictures.times
-    return _Placed(stack, n_times, times, told, lost)
+    return _Placed(stack, n_times, times, own_guesses, lost)
 
 
 def _of_pictures(frames: Sequence[Frame], film: tuple[float, ...] | None, first: Header, request: Request) -> _Placed:
@@ -289,13 +289,13 @@ def _valued(headers: Sequence[Header], request: Request) -> tuple[list[Frame], l
         raise FileError(f"suv: {mends[0]}: {request.path}")
     scale = uptake.factor
     scaled = [replace(frame, slope=frame.slope * scale, intercept=frame.intercept * scale) for frame in frames]
-    return scaled, [*guesses, *uptake.guesses], mends, (uptake.told,)
+    return scaled, [*guesses, *uptake.guesses], mends, (uptake.description,)
 
 
-def _value_unit(headers: Sequence[Header], told: Sequence[str]) -> str | None:
-    """The unit of the values; None where files differ in it, or `told` says that values are as they are stored."""
+def _value_unit(headers: Sequence[Header], guesses: Sequence[str]) -> str | None:
+    """The unit of the values; None where files differ in it, or `guesses` says that values are as they are stored."""
     found = {header.value_unit.name for header in headers}
-    is_stored = any(one.startswith(AS_STORED) for one in told)
+    is_stored = any(one.startswith(AS_STORED) for one in guesses)
     if found == {ARBITRARY} and quantity_of_image_type(headers[0].image_type) is not None:
         return None  # of scans, and a map has a scale
     return found.pop() if len(found) == 1 and not is_stored and headers[0].n_colors == 1 else None
@@ -303,8 +303,8 @@ def _value_unit(headers: Sequence[Header], told: Sequence[str]) -> str | None:
 
 def _guesses_of_values(headers: Sequence[Header]) -> list[str]:
     """Assumptions about the stored numbers of these files, a sentence each."""
-    told = (one for header in headers for one in (header.value_unit.told, header.guess) if one)
-    guesses = list(dict.fromkeys(told))
+    notes = (one for header in headers for one in (header.value_unit.note, header.guess) if one)
+    guesses = list(dict.fromkeys(notes))
     names = sorted({header.value_unit.name or "none" for header in headers})
     if len(names) > 1:
         guesses.append(f"values of several units as if of one: files of the series name {', '.join(names)}")

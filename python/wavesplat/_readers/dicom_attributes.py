@@ -226,8 +226,8 @@ def _values(found: Mapping[int, Raw]) -> dict[str, Value]:
 
 def _value(source: Source, found: Mapping[int, Raw]) -> Value | None:
     if source.creator is not None:
-        said, maker = (as_text(found.get(tag, (b"", True))) for tag in (source.creator.tag, MANUFACTURER))
-        if not source.creator.owns(said, maker):
+        creator, maker = (as_text(found.get(tag, (b"", True))) for tag in (source.creator.tag, MANUFACTURER))
+        if not source.creator.owns(creator, maker):
             return None
     if source.encoding == "text":
         return as_text(found[source.tag]) or None

@@ -10,7 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from wavesplat._readers.dicom_header import Frame, Header
-from wavesplat._readers.dicom_mosaic import told_of_tiles
+from wavesplat._readers.dicom_mosaic import unsplit_note
 from wavesplat._readers.dicom_places import is_zip
 from wavesplat._readers.request import Request
 from wavesplat.errors import FileError
@@ -25,8 +25,8 @@ WHOLE_SLIDE = "1.2.840.10008.5.1.4.1.1.77.1.6"
 def check_is_volume(headers: Sequence[Header]) -> None:
     """Raise a `FileError` if frames are tiles of a picture, or pictures of several slices, and no slices."""
     for header in headers:
-        if header.n_frames == 1 and header.tiles is None and (told := told_of_tiles(header.image_type)):
-            raise FileError(f"{told}: {header.file}")
+        if header.n_frames == 1 and header.tiles is None and (found := unsplit_note(header.image_type)):
+            raise FileError(f"{found}: {header.file}")
         if header.sop_class == WHOLE_SLIDE or header.modality == "SM":
             raise FileError(
                 f"the file holds tiles of a slide (whole-slide microscopy), and no volume; open it with a viewer of "
@@ -109,15 +109,15 @@ def mended(headers: Sequence[Header], request: Request) -> tuple[list[Frame], li
             f"{row:.4g} and {column:.4g}, and must have 1"
         )
     if wrong := [frame for frame in frames if not _is_scale(frame)]:
-        told = f"slope {wrong[0].slope:g} and intercept {wrong[0].intercept:g}"
+        found = f"slope {wrong[0].slope:g} and intercept {wrong[0].intercept:g}"
         if len(wrong) < len(frames):
             raise FileError(
-                f"values of {_counted(wrong)} cannot be told: {wrong[0].name} has {told} (RescaleSlope, "
+                f"values of {_counted(wrong)} cannot be told: {wrong[0].name} has {found} (RescaleSlope, "
                 f"RescaleIntercept), others have usable ones; move these files away, or export them again: "
                 f"{request.path}"
             )
         frames = _changed(frames, lambda _: True, slope=1.0, intercept=0.0)
-        losses.append(f"values as they are stored: {told} (RescaleSlope, RescaleIntercept) cannot be")
+        losses.append(f"values as they are stored: {found} (RescaleSlope, RescaleIntercept) cannot be")
     return frames, guesses, losses
 
 

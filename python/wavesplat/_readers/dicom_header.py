@@ -245,12 +245,12 @@ def _content(dataset: Dataset) -> Content | None:
 
 
 def _n_frames(dataset: Dataset, file: Path) -> int:
-    said = text(dataset, 0x00280008).partition("\\")[0].strip()
+    given = text(dataset, 0x00280008).partition("\\")[0].strip()
     try:
-        return max(1, int(float(said or 1)))
+        return max(1, int(float(given or 1)))
     except (ValueError, OverflowError):
         raise FileError(
-            f"NumberOfFrames is {said[:32]!r}, and is a whole number; copy or export it again: {file}"
+            f"NumberOfFrames is {given[:32]!r}, and is a whole number; copy or export it again: {file}"
         ) from None
 
 
@@ -292,17 +292,17 @@ def _frames(dataset: Dataset, file: Path, n_frames: int) -> Iterator[Frame]:
     instance = _instance(dataset)
     own, shared = [first_items(group, GROUPS) for group in items(dataset, 0x52009230)], _shared_groups(dataset)
     attributes = attributes_of_frames(dataset, shared, own, n_frames)
-    said: dict[str, Any] = {}
+    given: dict[str, Any] = {}
     for index in range(n_frames):
         # Frames without groups of their own are alike but for the place along the line.
-        if index < len(own) or not said:
+        if index < len(own) or not given:
             groups = (own[index] if index < len(own) else {}, shared)
-            said = _of_frame(dataset, groups, dimensions, attributes[index])
+            given = _of_frame(dataset, groups, dimensions, attributes[index])
         else:
-            said["attributes"] = attributes[index]
+            given["attributes"] = attributes[index]
         if along is not None:
-            said["position"] = along[index]
-        yield Frame(file=file, index=index, instance=instance, **said)
+            given["position"] = along[index]
+        yield Frame(file=file, index=index, instance=instance, **given)
 
 
 def _of_frame(
@@ -409,14 +409,14 @@ def _in_group(groups: Sequence[Mapping[int, Any]], tag: int) -> Any:
     return next((group[tag] for group in groups if tag in group), None)
 
 
-def _found(groups: Sequence[Mapping[int, Any]], dataset: Dataset, group: int, *said: Any) -> NDArray[np.float64]:
+def _found(groups: Sequence[Mapping[int, Any]], dataset: Dataset, group: int, *given: Any) -> NDArray[np.float64]:
     """Numbers of an attribute: in the frame's group, in the shared one, or beside them.
 
-    said : its tag, their count, and their encoding if it is not decimal.
+    given : its tag, their count, and their encoding if it is not decimal.
     """
     item = _in_group(groups, group)
-    found = np.full(said[1], NONE) if item is None else numbers(item, *said)
-    return found if np.isfinite(found).all() else numbers(dataset, *said)
+    found = np.full(given[1], NONE) if item is None else numbers(item, *given)
+    return found if np.isfinite(found).all() else numbers(dataset, *given)
 
 
 def _name_of_dimension(item: Any) -> str:

@@ -29,7 +29,7 @@ from wavesplat.errors import FileError
 if TYPE_CHECKING:
     from pydicom.dataset import Dataset
 
-__all__ = ["Picture", "Split", "Tiles", "slices_in", "split_of", "told_of_tiles"]
+__all__ = ["Picture", "Split", "Tiles", "slices_in", "split_of", "unsplit_note"]
 
 #: Words of the image type for such pictures, with their names, and what is missing where they are not split.
 MOSAIC, GRID = "MOSAIC", "VFRAME"
@@ -97,7 +97,7 @@ class Split:
     guess: str = ""
 
 
-def told_of_tiles(image_type: str) -> str:
+def unsplit_note(image_type: str) -> str:
     """A sentence on pictures of several slices that cannot be split; "" of other image types."""
     word = _word(image_type)
     if not word:
@@ -151,8 +151,8 @@ def _split_grid(dataset: Dataset, picture: Picture) -> Split | None:
     if not CREATOR_OF_GRID.is_in(dataset):
         return None
     items = _items(dataset)
-    said = as_numbers(raw_value(dataset, N_OF_GRID), "decimal")
-    n = int(said[0]) if said and math.isfinite(said[0]) else len(items)
+    count = as_numbers(raw_value(dataset, N_OF_GRID), "decimal")
+    n = int(count[0]) if count and math.isfinite(count[0]) else len(items)
     if len(items) < 2:
         return None
     if n != len(items):
@@ -188,15 +188,15 @@ def _items(dataset: Dataset) -> Sequence[Any]:
 
 def _split_mosaic(dataset: Dataset, picture: Picture) -> Split | None:
     tags = _of_image(dataset)
-    said = tags.get("NumberOfImagesInMosaic") or []
+    count = tags.get("NumberOfImagesInMosaic") or []
     if CREATOR.is_in(dataset):
-        said = as_numbers(raw_value(dataset, N_SLICES), "u2") or said
+        count = as_numbers(raw_value(dataset, N_SLICES), "u2") or count
     vector = np.array(tags.get("SliceNormalVector") or [], np.float64)
     is_direction = vector.shape == (3,) and np.isfinite(vector).all() and vector.any()
-    centres = _centres(dataset) if not said or not is_direction else None
-    if not said and centres is None:
+    centres = _centres(dataset) if not count or not is_direction else None
+    if not count and centres is None:
         return None
-    n = int(said[0]) if said else len(centres)  # type: ignore[arg-type]
+    n = int(count[0]) if count else len(centres)  # type: ignore[arg-type]
     if n < 2:
         return None
     tiles = _tiles(MOSAIC, n, picture)
@@ -212,8 +212,8 @@ def _split_mosaic(dataset: Dataset, picture: Picture) -> Split | None:
             step = step if np.isfinite(numbers(dataset, 0x00180088, 1)).all() else between
         across = -normal if vector.shape == (3,) and vector @ normal < 0 else normal
         positions: NDArray[np.float64] = first + np.arange(n)[:, None] * (step * across)
-    is_said = vector.shape == (3,) and bool(vector.any())
-    return Split(tiles, positions, guess="" if is_said else ASSUMED_ORDER)
+    is_known = vector.shape == (3,) and bool(vector.any())
+    return Split(tiles, positions, guess="" if is_known else ASSUMED_ORDER)
 
 
 def _order(

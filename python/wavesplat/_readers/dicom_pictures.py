@@ -86,10 +86,10 @@ def sizes_of_pixels(dataset: Any) -> tuple[tuple[float, float], str]:
         0x00181164: "distances of pixels at the detector (ImagerPixelSpacing): things before it are smaller",
         0x00182010: "distances of pixels as they were scanned (NominalScannedPixelSpacing)",
     }
-    for tag, told in ways.items():
+    for tag, size_note in ways.items():
         rows, columns = (float(step) for step in numbers(dataset, tag, 2))
         if min(rows, columns) > 0:
-            return (rows, columns), told
+            return (rows, columns), size_note
     return (float("nan"), float("nan")), ""
 
 

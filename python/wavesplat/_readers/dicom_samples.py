@@ -45,9 +45,9 @@ def samples_of(
         else:
             between = (1 - share) * values(stack.frames[a]) + share * values(stack.frames[b])
             samples[number] = np.rint(between) if dtype.kind in "iu" else between
-    told = _without_padding(samples, stack, pixels, headers) if n_components == 1 else ""
+    note = _without_padding(samples, stack, pixels, headers) if n_components == 1 else ""
     is_wider = dtype.itemsize > max(one.dtype.itemsize for one in pixels.values())
-    return (_narrowed(samples) if is_wider else samples), told
+    return (_narrowed(samples) if is_wider else samples), note
 
 
 def _without_padding(

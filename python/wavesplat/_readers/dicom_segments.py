@@ -89,15 +89,15 @@ def read(header: Header, request: Request, wanted: Sequence[int] | None = None) 
 
     wanted : numbers of the segments that are taken; all if None.
     """
-    said = _described(header.file)
-    if said.is_tiled:
+    about = _described(header.file)
+    if about.is_tiled:
         raise FileError(
             f"the file segments a slide (whole-slide microscopy) in tiles, and no volume; open it with a viewer of "
             f"slides: {header.file}"
         )
-    if said.kind not in KINDS:
+    if about.kind not in KINDS:
         raise FileError(
-            f"the kind of the segmentation is {said.kind[:32]!r} (SegmentationType, 0062,0001), and must be one of "
+            f"the kind of the segmentation is {about.kind[:32]!r} (SegmentationType, 0062,0001), and must be one of "
             f"{', '.join(KINDS)}; export it again: {header.file}"
         )
     if header.n_samples != 1:
@@ -109,25 +109,25 @@ def read(header: Header, request: Request, wanted: Sequence[int] | None = None) 
             f"the file segments a flat picture: its frames do not say where they lie in the patient; name the "
             f"segmentation of a volume: {header.file}"
         )
-    slices, n_slices, matrix, notes = _grid(frames, said, header)
+    slices, n_slices, matrix, notes = _grid(frames, about, header)
     several = Counter(zip([frame.segment for frame in frames], slices.tolist(), strict=True))
     if n_doubled := sum(count > 1 for count in several.values()):
         notes.append(f"frames of one segment and slice as one mask: {n_doubled} slices have several of them")
     pixels = frame_by_frame(replace(header, photometric="MONOCHROME2"))  # a palette is for display
     shape = (n_slices, header.size[1], header.size[0])
     facts = Facts(unit="mm", is_anatomical=header.is_of_patient, modality="SEG", guesses=(*guesses, *notes))
-    if undescribed := sorted({frame.segment for frame in frames} - {one.number for one in said.segments} - {0}):
-        said = replace(said, segments=(*said.segments, *(Segment(n, f"segment {n}") for n in undescribed)))
-    chosen = said.segments if wanted is None else tuple(one for one in said.segments if one.number in wanted)
-    masks = _Masks(said, frames, slices, pixels)
+    if undescribed := sorted({frame.segment for frame in frames} - {one.number for one in about.segments} - {0}):
+        about = replace(about, segments=(*about.segments, *(Segment(n, f"segment {n}") for n in undescribed)))
+    chosen = about.segments if wanted is None else tuple(one for one in about.segments if one.number in wanted)
+    masks = _Masks(about, frames, slices, pixels)
     if request.channel is not None:
         samples, own = _of_one(masks, request.channel, shape, request)
         return Grid(samples, matrix, replace(facts, channel=own.channel, channels=own.channels))
-    if said.kind == "LABELMAP":
+    if about.kind == "LABELMAP":
         return Grid(_numbers_of(masks, header, shape, wanted), matrix, facts)
     samples, overlap = _label_map(masks, chosen, shape, request)
     losses: tuple[str, ...] = ()
-    if said.kind == "FRACTIONAL":
+    if about.kind == "FRACTIONAL":
         losses = (
             f"shares of voxels (FRACTIONAL) as whole ones, from {HALF:g} on; channel=0 has those of the first segment",
         )
@@ -179,7 +179,7 @@ def _measures(dataset: Dataset) -> Any:
 
 
 def _grid(
-    frames: Sequence[Frame], said: Segmentation, header: Header
+    frames: Sequence[Frame], about: Segmentation, header: Header
 ) -> tuple[NDArray[np.int64], int, NDArray[np.float64], list[str]]:
     """The slice of each frame, the number of slices, the affine, and assumptions, a sentence each."""
     first = frames[0]
@@ -193,12 +193,12 @@ def _grid(
     place[order] = np.cumsum(is_next)
     places = positions[order][np.r_[True, is_next[1:]]]  # one position for each place, in order
     if len(places) == 1:
-        step = said.between if said.between > 0 else said.thickness
-        told = ["an empty slice on each side of the only one, since a volume has several"]
+        step = about.between if about.between > 0 else about.thickness
+        notes = ["an empty slice on each side of the only one, since a volume has several"]
         if not step > 0:
             step = min(first.pixel_spacing)
-            told += [f"the only slice {step:.4g} mm thick, as its pixels are wide: the file does not say it"]
-        return place + 1, 3, _world_from_index(first, places[0] - step * first.normal, step * first.normal), told
+            notes += [f"the only slice {step:.4g} mm thick, as its pixels are wide: the file does not say it"]
+        return place + 1, 3, _world_from_index(first, places[0] - step * first.normal, step * first.normal), notes
     way = places[-1] - places[0]
     length = float(np.linalg.norm(way))
     offsets = (places - places[0]) @ way / length
@@ -209,14 +209,14 @@ def _grid(
             f"the frames of the segmentation are shifted against each other by {beside:.3g} mm; export it again: "
             f"{header.file}"
         )
-    for step in (said.between, smallest):
+    for step in (about.between, smallest):
         if (numbered := _numbered(offsets, step)) is not None:
-            told = []
-            if len(places) < numbered[-1] + 1 and step == smallest and not said.between > 0:
-                said_nothing = "the file does not say it, and leaves out slices without segments"
-                told = [f"slices {smallest:.4g} mm apart, the smallest distance of frames: {said_nothing}"]
+            notes = []
+            if len(places) < numbered[-1] + 1 and step == smallest and not about.between > 0:
+                reason = "the file does not say it, and leaves out slices without segments"
+                notes = [f"slices {smallest:.4g} mm apart, the smallest distance of frames: {reason}"]
             n_slices = int(numbered[-1]) + 1
-            return numbered[place], n_slices, _world_from_index(first, places[0], way / numbered[-1]), told
+            return numbered[place], n_slices, _world_from_index(first, places[0], way / numbered[-1]), notes
     listed = ", ".join(f"{distance:.4g}" for distance in np.unique(np.round(np.diff(offsets), 3))[:N_NAMED])
     raise FileError(
         f"the frames of the segmentation lie at uneven distances ({listed} mm), which are no multiples of one; "
@@ -253,30 +253,33 @@ class _Masks:
 
     def __init__(
         self,
-        said: Segmentation,
+        about: Segmentation,
         frames: Sequence[Frame],
         slices: NDArray[np.int64],
         pixels: Callable[[int], NDArray[Any]],
     ) -> None:
-        self.said, self.frames, self.slices, self.pixels = said, frames, slices, pixels
+        self.about, self.frames, self.slices, self.pixels = about, frames, slices, pixels
 
     def of(self, segment: Segment) -> Iterator[tuple[int, NDArray[Any]]]:
         """The slice of each frame with the segment, and the share of the segment in its voxels, 0..1 or a mask."""
         for frame, at in zip(self.frames, self.slices.tolist(), strict=True):
-            if self.said.kind == "LABELMAP":
+            if self.about.kind == "LABELMAP":
                 yield at, self.pixels(frame.index) == segment.number
-            elif frame.segment == segment.number or (frame.segment == 0 and len(self.said.segments) == 1):
+            elif frame.segment == segment.number or (frame.segment == 0 and len(self.about.segments) == 1):
                 stored = self.pixels(frame.index)
-                yield at, stored.astype(np.float32) / self.said.whole if self.said.kind == "FRACTIONAL" else stored != 0
+                yield (
+                    at,
+                    stored.astype(np.float32) / self.about.whole if self.about.kind == "FRACTIONAL" else stored != 0,
+                )
 
 
 def _of_one(masks: _Masks, number: int, shape: tuple[int, int, int], request: Request) -> tuple[NDArray[Any], Facts]:
     """One segment: its shares, or 0 and 1; and the facts about it."""
-    segments = masks.said.segments
+    segments = masks.about.segments
     if not 0 <= number < len(segments):
         listed = ", ".join(f"{n} {segment.name}" for n, segment in enumerate(segments))
         raise ArgumentError(f"channel={number}, but the segmentation holds: {listed}: {request.path}")
-    dtype = np.dtype(np.float32 if masks.said.kind == "FRACTIONAL" else np.uint8)
+    dtype = np.dtype(np.float32 if masks.about.kind == "FRACTIONAL" else np.uint8)
     size_checks.check_memory(size_checks.n_bytes(shape, dtype), request.path)
     samples = np.zeros(shape, dtype)
     for at, share in masks.of(segments[number]):

@@ -162,19 +162,19 @@ def _matching(series: Mapping[str, Sequence[Header]], wanted: str | int) -> list
 
     The first way that fits one counts.
     """
-    told = str(wanted).strip()
+    text = str(wanted).strip()
     firsts = {uid: headers[0] for uid, headers in series.items()}
-    folded = told.casefold()
-    modality = MODALITIES.get(folded, told.upper())
+    folded = text.casefold()
+    modality = MODALITIES.get(folded, text.upper())
     ways = [
-        [uid for uid in firsts if uid == told],
-        [uid for uid, one in firsts.items() if told.isdecimal() and one.series_number == int(told)],
+        [uid for uid in firsts if uid == text],
+        [uid for uid, one in firsts.items() if text.isdecimal() and one.series_number == int(text)],
         [uid for uid, one in firsts.items() if one.description.casefold() == folded],
-        [uid for uid in firsts if "." in told and uid.startswith(told)],
-        [uid for uid, one in firsts.items() if not told.isdecimal() and folded in one.description.casefold()],
+        [uid for uid in firsts if "." in text and uid.startswith(text)],
+        [uid for uid, one in firsts.items() if not text.isdecimal() and folded in one.description.casefold()],
         [uid for uid, one in firsts.items() if modality and one.modality == modality],
     ]
-    return next((way for way in ways if way), []) if told else []
+    return next((way for way in ways if way), []) if text else []
 
 
 def _described(series: Mapping[str, Sequence[Header]], root: Path, *, with_uids: bool = False) -> list[str]:
@@ -209,14 +209,14 @@ def named(unreadable: Unreadable) -> str:
     """A sentence on the files that cannot be read, or are missing."""
     gone = [file for file, error in unreadable.items() if isinstance(error, FileNotFoundError)]
     damaged = [file for file in unreadable if file not in gone]
-    told = []
+    text = []
     if damaged:
         are = "1 file of the folder is" if len(damaged) == 1 else f"{len(damaged)} files of the folder are"
-        told.append(f"{are} damaged and cannot be read ({_names(damaged)})")
+        text.append(f"{are} damaged and cannot be read ({_names(damaged)})")
     if gone:
         are = "1 file is" if len(gone) == 1 else f"{len(gone)} files are"
-        told.append(f"{are} missing that the directory (DICOMDIR) names ({_names(gone)})")
-    return ", and ".join(told)
+        text.append(f"{are} missing that the directory (DICOMDIR) names ({_names(gone)})")
+    return ", and ".join(text)
 
 
 def _names(files: Sequence[Path]) -> str:
@@ -252,8 +252,8 @@ def without_copies(headers: Sequence[Header], named_file: Path | None) -> list[H
     first: dict[Hashable, Header] = {}
     for header in headers:
         frame = header.frames[0]
-        said = (frame.instance, frame.position.tobytes(), tuple(sorted(frame.attributes.items())))
-        key = (header.instance_uid, said) if header.instance_uid else header.file
+        identity = (frame.instance, frame.position.tobytes(), tuple(sorted(frame.attributes.items())))
+        key = (header.instance_uid, identity) if header.instance_uid else header.file
         if key not in first or header.file == named_file:
             first[key] = header
     return list(first.values())

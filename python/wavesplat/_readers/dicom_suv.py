@@ -67,7 +67,7 @@ class Uptake:
     """The factor from a series' values to SUV, how it was found, and what was assumed."""
 
     factor: float
-    told: str
+    description: str
     guesses: tuple[str, ...] = ()
 
 
@@ -75,7 +75,7 @@ def tracer_of(dataset: Any) -> Tracer:
     """The elements of a PET file that SUV need."""
     found = items(dataset, 0x00540016)
     drug: Any = found[0] if found else {}
-    said = text(drug, 0x00181078) if found else ""
+    time_text = text(drug, 0x00181078) if found else ""
     undated = text(drug, 0x00181072) if found else ""
     return Tracer(
         units=text(dataset, 0x00541001).upper(),
@@ -85,8 +85,8 @@ def tracer_of(dataset: Any) -> Tracer:
         weight_kg=_number(dataset, 0x00101030),
         dose_bq=_number(drug, 0x00181074) if found else NONE,
         half_life_s=_number(drug, 0x00181075) if found else NONE,
-        injected=_time(said[:8], said[8:]) if said else _time_of_day(undated),
-        is_injected_undated=not said,
+        injected=_time(time_text[:8], time_text[8:]) if time_text else _time_of_day(undated),
+        is_injected_undated=not time_text,
         series=_time(text(dataset, 0x00080021), text(dataset, 0x00080031)),
         acquired=_time(text(dataset, 0x00080022), text(dataset, 0x00080032)),
         reference_s=_number(dataset, 0x00541300) / 1000,
@@ -103,26 +103,26 @@ def uptake_of(tracers: Sequence[Tracer | None], path: object) -> Uptake:
     if len(known) < len(tracers):
         raise FileError(f"suv: the series is no PET, and has no uptake; leave suv out (--suv): {path}")
     first = known[0]
-    reason = _difference(known) or next((told for holds, told in _reasons_against(first) if holds), "")
+    reason = _difference(known) or next((description for holds, description in _reasons_against(first) if holds), "")
     if reason:
         raise FileError(f"suv: {reason}; leave suv out (--suv): {path}")
     if first.units == "GML":
         return Uptake(1.0, "SUV by body weight, as they are in the file")
     if first.units == "CNTS" and first.philips_suv > 0:
         return Uptake(first.philips_suv, f"SUV by the scanner's factor (7053,1000): values times {first.philips_suv:g}")
-    dose, told = first.dose_bq, "corrected to the injection"
+    dose, description = first.dose_bq, "corrected to the injection"
     guesses: tuple[str, ...] = ()
     if first.decay_correction == "START":
         since, guesses = _time_of_decay(known, path)
         dose *= 2.0 ** (-since / first.half_life_s)
-        told = f"{since / 60:.4g} minutes of decay, half-life {first.half_life_s / 60:.4g} minutes"
+        description = f"{since / 60:.4g} minutes of decay, half-life {first.half_life_s / 60:.4g} minutes"
     scale = first.philips_bqml if first.units == "CNTS" else 1.0
     factor = scale * first.weight_kg * 1000 / dose
-    told = (
-        f"SUV by body weight: {first.weight_kg:g} kg, {first.dose_bq / 1e6:.4g} MBq injected, {told}; values times "
-        f"{factor:.4g}"
+    description = (
+        f"SUV by body weight: {first.weight_kg:g} kg, {first.dose_bq / 1e6:.4g} MBq injected, {description}; values "
+        f"times {factor:.4g}"
     )
-    return Uptake(factor, told, guesses)
+    return Uptake(factor, description, guesses)
 
 
 #: Elements that may differ between the files of a series.
@@ -161,18 +161,18 @@ def _reasons_against(one: Tracer) -> Iterator[tuple[bool, str]]:
     has_factor = one.philips_suv > 0 or one.philips_bqml > 0
     yield is_counts and not has_factor, "the values are counts, and the scanner's factor (7053,1000) is missing"
     corrections = {word.strip() for word in one.corrected.split("\\")}
-    said = "\\".join(sorted(corrections - {""})) or "nothing"
+    corrected = "\\".join(sorted(corrections - {""})) or "nothing"
     for what, words in CORRECTIONS.items():
-        told = (
+        description = (
             f"the header does not say that the values are corrected for {what}: CorrectedImage (0028,0051) has no "
-            f"{words[0]}, it says {said}"
+            f"{words[0]}, it says {corrected}"
         )
-        yield corrections.isdisjoint(words), told
+        yield corrections.isdisjoint(words), description
     if is_counts and one.philips_suv > 0:
         return
-    said = f"is {one.decay_correction}" if one.decay_correction else "is missing"
+    state = f"is {one.decay_correction}" if one.decay_correction else "is missing"
     is_known = one.decay_correction in DECAY_CORRECTED
-    yield not is_known, f"DecayCorrection (0054,1102) {said}, and START or ADMIN is needed"
+    yield not is_known, f"DecayCorrection (0054,1102) {state}, and START or ADMIN is needed"
     for name in ("weight_kg", "dose_bq", "half_life_s"):
         yield not getattr(one, name) > 0, f"{NAMES[name]} is missing or 0"
     yield one.dose_bq < MIN_DOSE, f"{NAMES['dose_bq']} is {one.dose_bq:g}, too little for Bq"
@@ -250,5 +250,5 @@ def _private(dataset: Any, tag: int, creator: Creator) -> float:
 
 def _ge_scan(dataset: Any) -> float:
     """The start of the scan by GE."""
-    said = text(dataset, 0x0009100D) if GE.is_in(dataset) else ""
-    return _time(said[:8], said[8:])
+    time_text = text(dataset, 0x0009100D) if GE.is_in(dataset) else ""
+    return _time(time_text[:8], time_text[8:])

@@ -83,14 +83,14 @@ OF_CODES: dict[str, str | None] = {
     "mm2/s": "mm²/s",
 }
 #: Maximum letters of a unit in a file's own words that are shown as the unit, and in a sentence.
-MAX_LETTERS, MAX_TOLD = 24, 64
+MAX_LETTERS, MAX_QUOTED = 24, 64
 
 
 class ValueUnit(NamedTuple):
     """The unit of a file's values, None if it names none, and a sentence if its meaning is uncertain."""
 
     name: str | None
-    told: str = ""
+    note: str = ""
 
 
 def unit_of_values(
@@ -110,50 +110,52 @@ def unit_of_values(
 
 def _real_world(mapped: Any, scale: tuple[float, float], found: ValueUnit) -> ValueUnit:
     """The unit of real-world values, where these are the values that are read."""
-    said = next((text(code, 0x00080100) for code in items(mapped, UNITS_CODE)), "")
-    unit = OF_CODES.get(said, _shown(said) or None)
+    word = next((text(code, 0x00080100) for code in items(mapped, UNITS_CODE)), "")
+    unit = OF_CODES.get(word, _shown(word) or None)
     if unit is None:
         return found
     own = [next(iter(as_numbers(raw_value(mapped, tag), "f8")), math.nan) for tag in (0x00409225, 0x00409224)]
     if all(math.isclose(one, other, rel_tol=1e-5, abs_tol=1e-9) for one, other in zip(own, scale, strict=True)):
         return ValueUnit(unit)
-    told = "values by slope and intercept: the file has others to real-world values in"
-    return ValueUnit(found.name, f"{told} {said[:MAX_TOLD]!r} (RealWorldValueMappingSequence, 0040,9096), not applied")
+    note = "values by slope and intercept: the file has others to real-world values in"
+    return ValueUnit(
+        found.name, f"{note} {word[:MAX_QUOTED]!r} (RealWorldValueMappingSequence, 0040,9096), not applied"
+    )
 
 
 def _by_modality(dataset: Any, rescaled: Sequence[Any], modality: str) -> ValueUnit:
     """The unit by the attribute that a modality has for it."""
     if modality == "RTDOSE":
         return _by_word(text(dataset, 0x30040002), OF_DOSES, "DoseUnits (3004,0002)")
-    if modality in ("PT", "NM") and (said := text(dataset, 0x00541001)):
-        if said.upper() in OF_UPTAKE:
-            kind = text(dataset, 0x00541006) or ("BSA" if said.upper() == "CM2ML" else "")
+    if modality in ("PT", "NM") and (word := text(dataset, 0x00541001)):
+        if word.upper() in OF_UPTAKE:
+            kind = text(dataset, 0x00541006) or ("BSA" if word.upper() == "CM2ML" else "")
             found = _by_word(kind, OF_SUV, "SUVType (0054,1006)")
-            return ValueUnit(f"SUV ({found.name})", found.told) if found.told else found
-        return _by_word(said, OF_PET, "Units (0054,1001)")
+            return ValueUnit(f"SUV ({found.name})", found.note) if found.note else found
+        return _by_word(word, OF_PET, "Units (0054,1001)")
     if modality == "SEG":
         return ValueUnit(None)
-    said = next((word for one in (*rescaled, dataset) if (word := text(one, 0x00281054))), "")
+    word = next((word for one in (*rescaled, dataset) if (word := text(one, 0x00281054))), "")
     usual = OF_MODALITY.get(modality)
-    if said.upper() in OF_RESCALED:
-        unit = OF_RESCALED[said.upper()]
+    if word.upper() in OF_RESCALED:
+        unit = OF_RESCALED[word.upper()]
         is_guess = not unit and modality == "CT"
-        told = f"values in HU, as of every CT: RescaleType (0028,1054) is {said}, and names no unit" if is_guess else ""
-        return ValueUnit(unit or usual, told)
+        note = f"values in HU, as of every CT: RescaleType (0028,1054) is {word}, and names no unit" if is_guess else ""
+        return ValueUnit(unit or usual, note)
     # Makers have units of their own here, and DICOM permits it.
-    return ValueUnit(_shown(said) or usual, "" if not said or said == _shown(said) else _unknown(said, RESCALED))
+    return ValueUnit(_shown(word) or usual, "" if not word or word == _shown(word) else _unknown(word, RESCALED))
 
 
-def _by_word(said: str, units: Mapping[str, str | None], where: str) -> ValueUnit:
+def _by_word(word: str, units: Mapping[str, str | None], where: str) -> ValueUnit:
     """The unit for a word of a list, or the word itself with a sentence on it."""
-    if said.upper() in units or not said:
-        return ValueUnit(units.get(said.upper()))
-    return ValueUnit(_shown(said) or None, _unknown(said, where))
+    if word.upper() in units or not word:
+        return ValueUnit(units.get(word.upper()))
+    return ValueUnit(_shown(word) or None, _unknown(word, where))
 
 
-def _shown(said: str) -> str:
-    return said[:MAX_LETTERS].strip() if said.isprintable() else ""
+def _shown(word: str) -> str:
+    return word[:MAX_LETTERS].strip() if word.isprintable() else ""
 
 
-def _unknown(said: str, where: str) -> str:
-    return f"values in the file's own unit, {said[:MAX_TOLD]!r}: {where} has a word that DICOM does not define"
+def _unknown(word: str, where: str) -> str:
+    return f"values in the file's own unit, {word[:MAX_QUOTED]!r}: {where} has a word that DICOM does not define"

@@ -33,9 +33,9 @@ class Creator(NamedTuple):
     name: str
     maker: str
 
-    def owns(self, said: str, manufacturer: str) -> bool:
+    def owns(self, creator: str, manufacturer: str) -> bool:
         """Whether a block is of this creator: anonymisation often removes the creator's name and keeps the block."""
-        return said.startswith(self.name) or (not said and manufacturer.upper().startswith(self.maker))
+        return creator.startswith(self.name) or (not creator and manufacturer.upper().startswith(self.maker))
 
     def is_in(self, dataset: Any) -> bool:
         """Whether the block of a dataset is of this creator."""

@@ -323,10 +323,10 @@ def _by_numbers(frames: Sequence[Frame], places: Sequence[Sequence[int]]) -> tup
         return "frames of one place in the order of the file: nothing in it tells which belong together", False
     n = len(places[0])
     if all(len({(frames[k].instance, frames[k].index) for k in place}) == len(place) for place in places):
-        told = (
+        text = (
             f"the {n} slices of each place in the order of their instance numbers: nothing else in the headers tells "
         )
-        return f"{told}which belong together", False
+        return f"{text}which belong together", False
     return (
         f"nothing in the headers tells which of the {n} slices of each place belong together, not even their instance "
         "numbers: taken in the order of file names"

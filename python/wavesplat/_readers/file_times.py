@@ -29,10 +29,10 @@ Times = tuple[tuple[float, ...], str | None]
 
 def times_of_files(paths: Sequence[Path]) -> Times | None:
     """The times of files in order, and their unit; None where they do not grow, or nothing says them."""
-    return _said(paths) or _of_names([path.name for path in paths])
+    return _of_contents(paths) or _of_names([path.name for path in paths])
 
 
-def _said(paths: Sequence[Path]) -> Times | None:
+def _of_contents(paths: Sequence[Path]) -> Times | None:
     found = []
     for path in paths:
         try:
@@ -72,8 +72,8 @@ def _time_of_openpmd(file: h5py.File) -> tuple[float, str | None] | None:
     name = next(iter(data))
     if not isinstance(data.get(name, getlink=True), h5py.HardLink) or "time" not in data[name].attrs:
         return None
-    said = data[name].attrs
-    return _number(said["time"]) * _number(said.get("timeUnitSI", 1.0)), "s"
+    attributes = data[name].attrs
+    return _number(attributes["time"]) * _number(attributes.get("timeUnitSI", 1.0)), "s"
 
 
 def _time_of_netcdf(file: h5py.File) -> tuple[float, str | None] | None:
@@ -83,8 +83,8 @@ def _time_of_netcdf(file: h5py.File) -> tuple[float, str | None] | None:
     node = file["time"] if isinstance(file.get("time", getlink=True), h5py.HardLink) else None
     if not isinstance(node, h5py.Dataset) or node.external or node.is_virtual or node.size != 1:
         return None
-    said = node.attrs.get("units", b"")
-    unit = (said.decode("utf-8", "replace") if isinstance(said, bytes) else str(said)).partition(" since ")[0].strip()
+    name = node.attrs.get("units", b"")
+    unit = (name.decode("utf-8", "replace") if isinstance(name, bytes) else str(name)).partition(" since ")[0].strip()
     return _number(node[()]), unit or None
 
 

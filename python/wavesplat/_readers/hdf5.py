@@ -42,7 +42,7 @@ __all__ = [
 #: Groups and links on the path to a dataset, at most.
 MAX_STEPS = 100
 #: Datasets without three axes that a message names, at most.
-MAX_TOLD = 6
+MAX_LISTED = 6
 #: Groups at the root of Imaris' files.
 IMARIS = {"DataSetInfo", "DataSet"}
 #: Names of the grids of Enzo's adaptive meshes.
@@ -84,7 +84,9 @@ def _read(request: Request) -> Grid:
         if are_vectors and of_axis is None:
             samples = length_of([samples, dataset[..., 1], dataset[..., 2]])
             if request.component is None:
-                facts = replace(facts, guesses=(*facts.guesses, hdf5_vectors.TOLD.format(dataset.name.lstrip("/"))))
+                facts = replace(
+                    facts, guesses=(*facts.guesses, hdf5_vectors.LENGTH_NOTE.format(dataset.name.lstrip("/")))
+                )
         samples = np.transpose(samples, place.zyx) if place.zyx != (0, 1, 2) else samples
         return Grid(samples, place.world_from_index, facts)
 
@@ -255,8 +257,8 @@ def _none_found(file: h5py.File, request: Request) -> FileError:
             flat.append(f"{name} {node.shape}")
 
     file.visititems(visit)
-    more = f", and {len(flat) - MAX_TOLD} more" if len(flat) > MAX_TOLD else ""
-    held = ", ".join(flat[:MAX_TOLD]) or "groups alone"
+    more = f", and {len(flat) - MAX_LISTED} more" if len(flat) > MAX_LISTED else ""
+    held = ", ".join(flat[:MAX_LISTED]) or "groups alone"
     return FileError(
         f"the file holds no dataset with three axes of numbers, so no volume, but {held}{more}; if one is "
         f"a flattened volume, give wavesplat.Volume(h5py.File(path)[name][...].reshape(nz, ny, nx)): {request.path}"

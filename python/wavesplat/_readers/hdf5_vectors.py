@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     import h5py
 
 __all__ = [
-    "TOLD",
+    "LENGTH_NOTE",
     "check_geometry",
     "check_varies",
     "components_of_record",
@@ -30,7 +30,7 @@ __all__ = [
 ]
 
 #: Openings of a sentence about vectors of which no component is chosen.
-TOLD = '{!r} holds vectors, of which the length is drawn; or component="x" (--component x)'
+LENGTH_NOTE = '{!r} holds vectors, of which the length is drawn; or component="x" (--component x)'
 
 
 def components_of_record(file: h5py.File, request: Request) -> dict[str, str | float]:
@@ -82,7 +82,7 @@ def length_of_record(components: dict[str, str | float], request: Request, read:
         raise FileError(f"the components of {request.dataset!r} differ in size; choose one of them: {request.path}")
     guesses = list(first.facts.guesses)
     if request.component is None:
-        guesses.append(TOLD.format(request.dataset))
+        guesses.append(LENGTH_NOTE.format(request.dataset))
     if any(not np.allclose(part.world_from_index, first.world_from_index) for part in parts):
         guesses.append("the components lie at different places of a cell, and are taken as if all lay where x does")
     quantity = quantity_of(request.dataset)

@@ -207,12 +207,12 @@ def of_meta_image(path: Path) -> Header:
 
 def _has_no_place_of_meta_image(fields: dict[str, str]) -> bool:
     """Whether distances, directions and origin of a MetaImage are missing or the format's defaults."""
-    said = (
+    defaults = (
         (("elementspacing", "elementsize"), [1, 1, 1]),
         (("transformmatrix", "rotation", "orientation"), [1, 0, 0, 0, 1, 0, 0, 0, 1]),
         (("offset", "origin", "position"), [0, 0, 0]),
     )
-    return all(_floats(fields[name].split()) == usual for names, usual in said for name in names if name in fields)
+    return all(_floats(fields[name].split()) == usual for names, usual in defaults for name in names if name in fields)
 
 
 def inflated(path: Path, header: Header, shape: tuple[int, ...]) -> NDArray[Any]:

@@ -104,8 +104,8 @@ def _box(image: Any, shape: tuple[int, int, int]) -> tuple[NDArray[np.float64], 
         size = np.array(shape[::-1], np.float64)
         return np.full(3, -0.5), size - 0.5, ("distances of samples 1, 1, 1: ExtMin and ExtMax of the file give none",)
     mirrored = [axis for axis, is_mirrored in zip("xyz", upper < lower, strict=True) if is_mirrored]
-    told = f"axes {', '.join(mirrored)} mirrored: ExtMin is larger than ExtMax in the file"
-    return lower, upper, (told,) if mirrored else ()
+    guess = f"axes {', '.join(mirrored)} mirrored: ExtMin is larger than ExtMax in the file"
+    return lower, upper, (guess,) if mirrored else ()
 
 
 def _world_from_index(

@@ -51,7 +51,7 @@ MESH = {"mesh", "location"}
 #: Attributes by which a coordinate names the variable of the borders of its cells.
 BORDERS = ("bounds", "climatology")
 #: Variables without three axes that a message names, at most.
-MAX_TOLD = 6
+MAX_LISTED = 6
 
 
 @dataclass(frozen=True)
@@ -284,12 +284,12 @@ def _volumes(datasets: dict[str, Any]) -> dict[str, Any]:
 def _borders(datasets: dict[str, Any]) -> set[str]:
     """Names of variables that are the borders of the cells of coordinates, not fields."""
     return {
-        f"{group}/{said[key]}".lstrip("/")
+        f"{group}/{attributes[key]}".lstrip("/")
         for group, dataset in datasets.items()
         for array in dataset.variables.values()
-        for said in (array.attrs, array.encoding)
+        for attributes in (array.attrs, array.encoding)
         for key in BORDERS
-        if key in said
+        if key in attributes
     }
 
 
@@ -301,8 +301,8 @@ def _none_found(datasets: dict[str, Any], request: Request) -> FileError:
         for name, array in dataset.data_vars.items()
         if array.ndim > 0
     ]
-    more = f"; and {len(flat) - MAX_TOLD} more" if len(flat) > MAX_TOLD else ""
-    held = "; ".join(flat[:MAX_TOLD]) or "others"
+    more = f"; and {len(flat) - MAX_LISTED} more" if len(flat) > MAX_LISTED else ""
+    held = "; ".join(flat[:MAX_LISTED]) or "others"
     return FileError(
         f"the file holds no variable with three axes of numbers, so no volume, but {held}{more}; such variables "
         f"are drawn by xarray.open_dataset(path)[name].plot(): {request.path}"
@@ -329,12 +329,12 @@ def _volume_of(name: str, array: Any, attributes: dict[str, Any], request: Reque
     # Levels may have the name of their axis and differ from place to place: they are no coordinates of it.
     several = [axis for axis in array.dims if axis in array.coords and array.coords[axis].ndim != 1]
     array = array.drop_vars(several)
-    picked, spatial, said = picked_axes(name, array, request)
+    picked, spatial, times = picked_axes(name, array, request)
     volume = array.isel(picked).transpose(*spatial)
     single_planes.check_thickness(volume.shape, request)
     volume, made = evenly(volume if request.resample is None else _with_gaps(volume), request)
     found = in_order(volume, has_place=request.spacing is not None, of_file=attributes)
-    facts = replace(found.facts, quantity=quantity_of(name), guesses=(*found.facts.guesses, *made), **said)
+    facts = replace(found.facts, quantity=quantity_of(name), guesses=(*found.facts.guesses, *made), **times)
     order = [list(array.dims).index(axis) for axis in found.samples.dims]
     index = tuple(picked.get(axis) for axis in array.dims)
     directions = np.diag([*found.directions, 1.0])

@@ -26,21 +26,21 @@ EXTRA = "netcdf"
 def variable_text(name: str, array: Any) -> str:
     """A variable in messages: "t (time 2, level 3, lat 4, lon 5), air temperature, K"."""
     axes = ", ".join(f"{axis} {size}" for axis, size in array.sizes.items())
-    said = [str(array.attrs[key]) for key in ("long_name", "units") if array.attrs.get(key) is not None]
-    return ", ".join((f"{name} ({axes})", *said))
+    named = [str(array.attrs[key]) for key in ("long_name", "units") if array.attrs.get(key) is not None]
+    return ", ".join((f"{name} ({axes})", *named))
 
 
 def picked_axes(name: str, array: Any, request: Request) -> tuple[dict[Any, int], list[Any], dict[str, Any]]:
     """One place along each axis that is not of space, the axes z, y, x, and facts of time."""
     picked: dict[Any, int] = {}
-    said: dict[str, Any] = {}
+    facts: dict[str, Any] = {}
     roles = {axis: role_of(array, axis) for axis in array.dims}
     time = next((axis for axis, role in roles.items() if role == "time"), None)
     if time is not None and array.ndim > 3:
         picked[time] = choose(
-            "time", array.sizes[time], request.time, request.path, described=_places_told(array, time)
+            "time", array.sizes[time], request.time, request.path, described=_place_texts(array, time)
         )
-        said = _times_of(array, time)
+        facts = _times_of(array, time)
     rest = [axis for axis in array.dims if axis not in picked]
     spatial = spatial_axes([(axis, roles[axis]) for axis in rest], array.sizes)
     further = [axis for axis in rest if axis not in spatial]
@@ -63,12 +63,12 @@ def picked_axes(name: str, array: Any, request: Request) -> tuple[dict[Any, int]
             f"give wavesplat.Volume(xarray.open_dataset(path)[name].isel(...)), with one of each other axis: "
             f"{request.path}"
         )
-    return picked, spatial, said
+    return picked, spatial, facts
 
 
 def _further(array: Any, axis: Any, request: Request) -> int:
     """The place that is asked for along an axis that is neither of space nor of times, such as the member of a run."""
-    listed = [f"{axis} {place}" for place in _places_told(array, axis)]
+    listed = [f"{axis} {place}" for place in _place_texts(array, axis)]
     try:
         return choose("channel", array.sizes[axis], request.channel, request.path, described=listed)
     except SeveralError as error:
@@ -76,7 +76,7 @@ def _further(array: Any, axis: Any, request: Request) -> int:
         raise
 
 
-def _places_told(array: Any, axis: Any) -> list[str]:
+def _place_texts(array: Any, axis: Any) -> list[str]:
     """The coordinates along an axis, in messages; times of a calendar as dates."""
     if axis not in array.coords:
         return []
@@ -108,14 +108,14 @@ def _dates(array: Any, axis: Any) -> list[str]:
 
 def _times_of(array: Any, axis: Any) -> dict[str, Any]:
     """Facts of time: the numbers of the coordinate, and the first word of its unit ("days since 2001-01-01")."""
-    said: dict[str, Any] = {"n_times": int(array.sizes[axis])}
+    facts: dict[str, Any] = {"n_times": int(array.sizes[axis])}
     if axis not in array.coords or array.coords[axis].dtype.kind not in "iuf":
-        return said
+        return facts
     numbers = np.asarray(array.coords[axis], np.float64)
     if not np.isfinite(numbers).all():
-        return said
+        return facts
     unit = str(array.coords[axis].attrs.get("units", "")).partition(" since ")[0].strip()
-    return said | {"times": tuple(numbers.tolist()), "time_unit": unit or None}
+    return facts | {"times": tuple(numbers.tolist()), "time_unit": unit or None}
 
 
 def evenly(array: Any, request: Request) -> tuple[Any, list[str]]:
@@ -130,7 +130,7 @@ def evenly(array: Any, request: Request) -> tuple[Any, list[str]]:
             continue
         places = stored.astype(np.float64)
         steps = np.diff(places)
-        told = f"coordinates along {str(axis)!r} are not evenly spaced (steps from {_ends(steps)})"
+        text = f"coordinates along {str(axis)!r} are not evenly spaced (steps from {_ends(steps)})"
         if not ((steps > 0).all() or (steps < 0).all()):
             raise FileError(
                 f"coordinates along {str(axis)!r} do not grow or fall from each to the next; "
@@ -138,11 +138,11 @@ def evenly(array: Any, request: Request) -> tuple[Any, list[str]]:
             )
         if request.resample is None:
             raise FileError(
-                f"{told}; interpolate to N even places with resample=N (--resample N), or pass spacing=(x, y, z) to "
+                f"{text}; interpolate to N even places with resample=N (--resample N), or pass spacing=(x, y, z) to "
                 f"draw them as if they were: {request.path}"
             )
         array = array.interp({axis: np.linspace(places[0], places[-1], request.resample)})
-        made.append(f"{told}; interpolated to {request.resample} even places from {len(places)}")
+        made.append(f"{text}; interpolated to {request.resample} even places from {len(places)}")
     return array, made
 
 

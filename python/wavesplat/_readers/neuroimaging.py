@@ -87,8 +87,8 @@ def _of_vectors(image: Any, axis: int, request: Request) -> Grid:
     if _stored_type(image) == np.uint8 and _are_bytes(numbers):
         numbers = np.rint(numbers).astype(np.uint8)  # colours; other vectors are bytes with a scale
     n = numbers.shape[-1]
-    samples, told = component_of(numbers, request, request.name)
-    facts = Facts(unit="mm", is_anatomical=True, guesses=told, **facts_of_colors(n, numbers.dtype, request))
+    samples, guesses = component_of(numbers, request, request.name)
+    facts = Facts(unit="mm", is_anatomical=True, guesses=guesses, **facts_of_colors(n, numbers.dtype, request))
     if is_length(n, numbers.dtype, request):
         facts = replace(facts, processing=(LENGTH,))
     return Grid(samples.T, np.array(image.affine, np.float64), facts)

@@ -26,7 +26,7 @@ __all__ = ["components", "drawn"]
 
 #: Largest difference of a direction's length from 1, and least share of the vectors that have it. (FSL's V1: all.)
 OFF, MIN_SHARE = 0.02, 0.99
-TOLD = (
+LENGTH_NOTE = (
     "{!r} holds directions, vectors of length 1, by its values: red, green and blue are the magnitudes of x, y and z; "
     'or component="x" (--component x)'
 )
@@ -59,10 +59,10 @@ def drawn(vectors: NDArray[Any], facts: Facts, request: Request) -> tuple[NDArra
     if request.component is None and _are_directions(vectors):
         number = choose("channel", N_COMPONENTS, request.channel, request.path, described=[c.name for c in COLORS[:3]])
         facts = replace(facts, channels=COLORS[:3], channel=COLORS[number])
-        return np.abs(vectors[..., number]), replace(facts, guesses=(*facts.guesses, TOLD.format(request.name)))
-    samples, told = component_of(vectors, request, request.name)
+        return np.abs(vectors[..., number]), replace(facts, guesses=(*facts.guesses, LENGTH_NOTE.format(request.name)))
+    samples, guesses = component_of(vectors, request, request.name)
     done = (LENGTH,) if request.component in (None, "magnitude") and request.channel is None else ()
-    return samples, replace(facts, guesses=(*facts.guesses, *told), processing=(*facts.processing, *done))
+    return samples, replace(facts, guesses=(*facts.guesses, *guesses), processing=(*facts.processing, *done))
 
 
 def _are_directions(vectors: NDArray[Any]) -> bool:

@@ -83,12 +83,12 @@ def read(request: Request) -> Grid:
         else:
             check_vectors(request, name)
             index = index_unnamed_axes(node.shape, request)
-        samples, told = _samples(node, _all_axes(index, node.ndim), request), tuple[str, ...]()
+        samples, guesses = _samples(node, _all_axes(index, node.ndim), request), tuple[str, ...]()
         quantity = quantity_of(request.dataset)
         if are_vectors:
-            samples, told = component_of(samples, request, name)
+            samples, guesses = component_of(samples, request, name)
             quantity = quantity_of_array(request.dataset or "", N_COMPONENTS, node.dtype, request)
-        facts = Facts(quantity=quantity, n_times=n_times_of(node.shape, request), guesses=told)
+        facts = Facts(quantity=quantity, n_times=n_times_of(node.shape, request), guesses=guesses)
         return Grid(samples, np.eye(4), facts, _refused_chunks(node, request))
 
 
@@ -194,8 +194,8 @@ def _refused_chunks(array: Any, request: Request) -> tuple[str, ...]:
             f"the server refuses (403 Forbidden) all {len(refused)} chunks that were asked for, the first "
             f"{refused[0]!r}; check that you may read them, or that the address holds the access: {request.safe_path}"
         )
-    told = f"the server refuses (403) {len(refused)} chunks, the first {refused[0]!r}"
-    return (f"{told}; they count as not there, so their samples have the fill value",)
+    text = f"the server refuses (403) {len(refused)} chunks, the first {refused[0]!r}"
+    return (f"{text}; they count as not there, so their samples have the fill value",)
 
 
 def _described_level(

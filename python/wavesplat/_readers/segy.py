@@ -70,7 +70,7 @@ def read(request: Request) -> Grid:
             size_checks.check_memory(2 * size_checks.n_bytes(shape, np.dtype("f4")), path)
             step = float(np.diff(file.samples).mean()) if n_samples > 1 else 1.0
             first = float(file.samples[0])
-            steps, told, own = _steps(segyio, file, inlines, crosslines)
+            steps, guesses, own = _steps(segyio, file, inlines, crosslines)
             cube, missing = _cube(file.trace.raw[:], inlines, crosslines)
     matrix = np.eye(4)
     matrix[:3, :2], matrix[:3, 3] = steps[:, :2], steps[:, 2]
@@ -79,11 +79,11 @@ def read(request: Request) -> Grid:
     matrix[:3] *= factor
     way = f"1 of them drawn as 1 {own or 'unit of x and y'}, downwards"
     length = own or "m"
-    told = (
+    guesses = (
         f"samples are {step:g} ms apart, or {length} if traces are in depth, which the file does not say: {way}",
-        *told,
+        *guesses,
     )
-    return Grid(cube, matrix, Facts(unit=unit, conventions=(UPRIGHT,), guesses=told + missing))
+    return Grid(cube, matrix, Facts(unit=unit, conventions=(UPRIGHT,), guesses=guesses + missing))
 
 
 def _byte_order(path: Path) -> Literal["big", "little"]:
@@ -146,14 +146,14 @@ def _cube(traces: NDArray[Any], inlines: _Axis, crosslines: _Axis) -> tuple[NDAr
     """The samples [sample, inline, crossline], NaN where there is no trace, and a sentence on that."""
     shape = (traces.shape[1], inlines.n, crosslines.n)
     n_places = inlines.n * crosslines.n
-    told: tuple[str, ...] = ()
+    guesses: tuple[str, ...] = ()
     if len(traces) == n_places:
         cube = np.empty(shape, traces.dtype)
     else:
         cube = np.full(shape, np.nan, np.result_type(traces.dtype, np.float32))
-        told = (f"{n_places - len(traces)} of {n_places} places have no trace, and nothing is drawn there",)
+        guesses = (f"{n_places - len(traces)} of {n_places} places have no trace, and nothing is drawn there",)
     cube[:, inlines.of_trace, crosslines.of_trace] = traces.T
-    return cube, told
+    return cube, guesses
 
 
 def _steps(
@@ -179,5 +179,5 @@ def _steps(
             columns = np.concatenate([found.T, np.zeros((1, 3))])
             unknown = f"distances of traces: the file's measurement system, {system}, is unknown; 1 is m, 2 is feet"
             return columns, () if system in (0, *SYSTEMS) else (unknown,), SYSTEMS.get(system)
-    told = ("distance of inlines and crosslines 1: the traces have no places (CDP X and Y) on a regular grid",)
-    return np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 0]]), told, None
+    guesses = ("distance of inlines and crosslines 1: the traces have no places (CDP X and Y) on a regular grid",)
+    return np.array([[1.0, 0, 0], [0, 1, 0], [0, 0, 0]]), guesses, None

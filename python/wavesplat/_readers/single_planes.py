@@ -12,12 +12,12 @@ from wavesplat._readers.request import PLANE_PX, PLANES_ARE_TAKEN, Grid, Picture
 
 __all__ = ["as_volume", "check_thickness", "is_single_plane", "level_of_plane", "note_on_level", "shape_in_file"]
 
-TOLD = "a single plane: it is shown as it is, and has no thickness"
+PLANE_NOTE = "a single plane: it is shown as it is, and has no thickness"
 
 
 def is_single_plane(volume: Any) -> bool:
     """Whether a volume is a plane of its file, as `as_volume` makes it."""
-    return TOLD in volume.facts.guesses
+    return PLANE_NOTE in volume.facts.guesses
 
 
 def shape_in_file(volume: Any) -> tuple[int, ...]:
@@ -74,5 +74,5 @@ def as_volume(grid: Grid, request: Request) -> Grid:
         column = normal / np.linalg.norm(normal) * min(np.linalg.norm(one), np.linalg.norm(other))
         matrix[:3, across] = column
     matrix[:3, 3] -= column / 2
-    facts = replace(grid.facts, guesses=(*grid.facts.guesses, TOLD))
+    facts = replace(grid.facts, guesses=(*grid.facts.guesses, PLANE_NOTE))
     return grid._replace(samples=np.repeat(np.reshape(samples, shape), 2, axis), world_from_index=matrix, facts=facts)

@@ -86,16 +86,16 @@ def read(file: h5py.File, request: Request, dataset_of: Callable[[Request], h5py
         if (constant := constants[part]) is not None:
             found.insert(number, replace(found[0], coefficients=np.full_like(found[0].coefficients, constant)))
     box = _Box.around(found[0], request)
-    said = datasets[0].attrs.get("units")
-    value_unit = value_unit_of(None if said is None else text(said))
-    facts = Facts(unit=found[0].unit, guesses=(box.told,), value_unit=value_unit)
+    unit = datasets[0].attrs.get("units")
+    value_unit = value_unit_of(None if unit is None else text(unit))
+    facts = Facts(unit=found[0].unit, guesses=(box.note,), value_unit=value_unit)
     if not parts:
         quantity = quantity_of(datasets[0].name)
         return Grid(box.sampled(found[0]), box.world_from_index, replace(facts, quantity=quantity))
     component = request.component or "magnitude"
     if request.component is None:
-        told = f'{name!r} holds vectors, of which the length is drawn; or component="x" (--component x)'
-        facts = replace(facts, guesses=(*facts.guesses, told))
+        note = f'{name!r} holds vectors, of which the length is drawn; or component="x" (--component x)'
+        facts = replace(facts, guesses=(*facts.guesses, note))
     quantity = f"{quantity_of(name)} {component}"
     return Grid(box.vector(found, component), box.world_from_index, replace(facts, quantity=quantity))
 
@@ -126,8 +126,8 @@ def _modes_of(dataset: h5py.Dataset, request: Request) -> _Modes:
         factor * (first + step * np.arange(n))
         for first, step, n in zip(offset, spacing, coefficients.shape[1:], strict=True)
     )
-    told = text(mesh.attrs.get("geometryParameters", "")).replace(" ", "")
-    sign = -1.0 if "imag=-" in told else 1.0
+    parameters = text(mesh.attrs.get("geometryParameters", "")).replace(" ", "")
+    sign = -1.0 if "imag=-" in parameters else 1.0
     if r[0] < 0:
         raise FileError(f"the mesh is in cylindrical modes, and its r begins at {r[0]:g}, below 0: {request.path}")
     is_of_plane = dataset.name.rpartition("/")[2] in ("r", "t") and dataset is not mesh
@@ -153,7 +153,7 @@ class _Box:
 
     across: Numbers
     along: Numbers
-    told: str
+    note: str
 
     @classmethod
     def around(cls, modes: _Modes, request: Request) -> _Box:
@@ -164,12 +164,12 @@ class _Box:
         n_across, n_along = (max(2, round(side / step) + 1) for side in (2 * radius, length))
         size_checks.check_memory(4 * size_checks.n_bytes((n_along, n_across, n_across), np.dtype("f4")), request.path)
         own = float(modes.r[-1] - modes.r[-2]), float(modes.z[1] - modes.z[0])
-        told = (
+        note = (
             f"sampled at {n_across} x {n_across} x {n_along} places, {2 * radius / (n_across - 1):.4g} across and "
             f"{length / (n_along - 1):.4g} along the axis apart, from points {own[0]:.4g} and {own[1]:.4g} apart in "
             f"{(len(modes.coefficients) + 1) // 2} modes; nothing is known beyond the radius {radius:.4g}"
         )
-        return cls(np.linspace(-radius, radius, n_across), np.linspace(modes.z[0], modes.z[-1], n_along), told)
+        return cls(np.linspace(-radius, radius, n_across), np.linspace(modes.z[0], modes.z[-1], n_along), note)
 
     @property
     def world_from_index(self) -> Numbers:

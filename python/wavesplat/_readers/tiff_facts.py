@@ -61,7 +61,7 @@ class TiffPlace:
 
 
 @dataclass(frozen=True)
-class _Said:
+class _FromFile:
     """Values that the metadata state; None where they do not."""
 
     steps: tuple[float | None, float | None, float | None] = (None, None, None)
@@ -78,35 +78,35 @@ def place_of(tiff: TiffFile, *, has_z: bool = True, time: int = 0, channel: int 
 
     has_z : whether it has slices, not only times. time, channel : those whose place is asked for.
     """
-    said = _of_ome(tiff, time, channel) if tiff.is_ome else _of_imagej(tiff) if tiff.is_imagej else _Said()
-    unit, factors = units.in_one_unit(said.units)
-    steps = [None if step is None else step * factor for step, factor in zip(said.steps, factors, strict=True)]
+    own = _of_ome(tiff, time, channel) if tiff.is_ome else _of_imagej(tiff) if tiff.is_imagej else _FromFile()
+    unit, factors = units.in_one_unit(own.units)
+    steps = [None if step is None else step * factor for step, factor in zip(own.steps, factors, strict=True)]
     # A missing distance is taken from x: then the stack keeps its proportions at least in scale.
     x = steps[0] or 1.0
     y, z = (abs(x) if step is None else step for step in steps[1:])
-    guesses = [*said.facts.guesses, *guesses_of_steps(steps, x), *_odd_guesses(said)]
-    if not has_z and (said.steps[2] is None or said.facts.time_step is not None):
-        n = said.facts.n_times
+    guesses = [*own.facts.guesses, *guesses_of_steps(steps, x), *_odd_guesses(own)]
+    if not has_z and (own.steps[2] is None or own.facts.time_step is not None):
+        n = own.facts.n_times
         guesses.append(
             f"a time series of {n} planes: time points are drawn as slices along z, as the file has no slices"
         )
-    guesses += units.guesses_of(said.units)
-    described = zip("xyz", said.units, said.steps, strict=True)
+    guesses += units.guesses_of(own.units)
+    described = zip("xyz", own.units, own.steps, strict=True)
     bare = ", ".join(name for name, one, step in described if one is None and step is not None)
     if unit is not None and bare:
         guesses.append(f"distances along {bare} in {unit}: the file names no unit for them")
     size = units.metres(unit)
-    stage = [0.0 if at is None or size is None else float(f"{at / size:.9g}") for at in said.stage_m]
+    stage = [0.0 if at is None or size is None else float(f"{at / size:.9g}") for at in own.stage_m]
     conventions = [f"placed where the stage was, {STAGE_IS_FIRST}"] if any(stage) else []
-    facts = replace(said.facts, unit=unit, guesses=tuple(guesses), conventions=tuple(conventions))
+    facts = replace(own.facts, unit=unit, guesses=tuple(guesses), conventions=tuple(conventions))
     return TiffPlace((x, y, z), facts, (stage[0], stage[1], stage[2]))
 
 
-def _odd_guesses(said: _Said) -> list[str]:
+def _odd_guesses(own: _FromFile) -> list[str]:
     """Guesses for distances that are invalid or negative."""
-    odd = [(axis, text) for axis, text in zip("xyz", said.odd, strict=True) if text is not None]
+    odd = [(axis, text) for axis, text in zip("xyz", own.odd, strict=True) if text is not None]
     guesses = [f"distance along {axis}: the file says {str(text)[:24]!r}, which is none" for axis, text in odd]
-    if mirrored := [axis for axis, step in zip("xyz", said.steps, strict=True) if step is not None and step < 0]:
+    if mirrored := [axis for axis, step in zip("xyz", own.steps, strict=True) if step is not None and step < 0]:
         guesses.append(f"axes {', '.join(mirrored)} mirrored: their distances in the file are negative")
     return guesses
 
@@ -126,13 +126,13 @@ def guesses_of_steps(steps: list[float | None], x: float) -> list[str]:
 # ImageJ
 
 
-def _of_imagej(tiff: TiffFile) -> _Said:
+def _of_imagej(tiff: TiffFile) -> _FromFile:
     metadata: dict[str, Any] = tiff.imagej_metadata or {}
     unit = units.canonical(metadata.get("unit"))
     own = [units.canonical(metadata.get(f"{axis}unit")) or unit for axis in "yz"]
     page: Any = tiff.pages[0]
     x, y = (_between_pixels(page, tag) for tag in ("XResolution", "YResolution"))
-    return _Said(
+    return _FromFile(
         steps=(x, y, _number(metadata.get("spacing"))),
         units=(unit, own[0], own[1]),
         odd=(None, None, _odd(metadata.get("spacing"))),
@@ -193,13 +193,13 @@ def _table_color(table: Any) -> tuple[float, float, float] | None:
 # OME
 
 
-def _of_ome(tiff: TiffFile, time: int, channel: int) -> _Said:
+def _of_ome(tiff: TiffFile, time: int, channel: int) -> _FromFile:
     root = _parsed(tiff.ome_metadata or "")
     image = None if root is None else next(_named(root, "Image"), None)
     pixels = None if image is None else next(_named(image, "Pixels"), None)
     if root is None or pixels is None:
         named = None if root is None else next(_named(root, "BinaryOnly"), None)
-        return _Said(facts=Facts(guesses=() if named is None else (PART_OF_SET,)))
+        return _FromFile(facts=Facts(guesses=() if named is None else (PART_OF_SET,)))
     steps = tuple(_number(pixels.get(f"PhysicalSize{axis}")) for axis in "XYZ")
     odd = [_odd(pixels.get(f"PhysicalSize{axis}")) for axis in "XYZ"]
     # The standard's default is the micrometre.
@@ -211,7 +211,7 @@ def _of_ome(tiff: TiffFile, time: int, channel: int) -> _Said:
     n_times = max(int(pixels.get("SizeT", "1")), 1)
     times, times_unit = _ome_times(pixels, n_times)
     time_step = _number(pixels.get("TimeIncrement"))
-    return _Said(
+    return _FromFile(
         steps=(steps[0], steps[1], steps[2]),
         units=(of_axes[0], of_axes[1], of_axes[2]),
         odd=(odd[0], odd[1], odd[2]),

@@ -50,7 +50,7 @@ def slices_in(folder: Path, request: Request) -> Slices:
         place = place_of(tiff)
     pixels = tifffile.imread(files[0])
     if pixels.ndim == 2:
-        files, facts = _told_by_names(files, request)
+        files, facts = _by_names(files, request)
     else:
         facts = Facts(channels=COLORS[: pixels.shape[-1]] if pixels.shape[-1] in (3, 4) else ())
     number = request.channel or 0
@@ -71,7 +71,7 @@ def _files_in(folder: Path, request: Request) -> list[Path]:
     return sorted(found, key=lambda file: natural_key(file.name))
 
 
-def _told_by_names(files: list[Path], request: Request) -> tuple[list[Path], Facts]:
+def _by_names(files: list[Path], request: Request) -> tuple[list[Path], Facts]:
     """The files of one channel and time, and facts: of those two that several slices each have in their names."""
     facts = Facts()
     for what, pattern in IN_NAMES.items():
@@ -82,8 +82,8 @@ def _told_by_names(files: list[Path], request: Request) -> tuple[list[Path], Fac
         asked_for = request.channel if what == "channel" else request.time
         number = choose(what, len(groups), asked_for, request.path, described=names)
         files = groups[names[number]]
-        said = f"{what}s {', '.join(names[:8])}{', ...' if len(names) > 8 else ''}: by the names of the files"
-        facts = replace(facts, guesses=(*facts.guesses, said))
+        guess = f"{what}s {', '.join(names[:8])}{', ...' if len(names) > 8 else ''}: by the names of the files"
+        facts = replace(facts, guesses=(*facts.guesses, guess))
         if what == "channel":
             facts = replace(facts, channels=tuple(Channel(name) for name in names))
         else:

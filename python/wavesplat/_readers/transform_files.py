@@ -243,13 +243,13 @@ def _of_lta(text: str, moving: Grid, fixed: Grid, path: object) -> Matrix:
 
 def _is_reversed(src: _Geometry, dst: _Geometry, moving: Grid, fixed: Grid, path: object) -> bool:
     """Whether the moving scan is `dst`, by the grids; a warning where that is so, and where they are no help."""
-    as_told = src.is_of(moving) + dst.is_of(fixed)
+    as_named = src.is_of(moving) + dst.is_of(fixed)
     reverse = dst.is_of(moving) + src.is_of(fixed)
-    if reverse > as_told:
+    if reverse > as_named:
         text = f"the LTA is undone: {moving.name!r} has the grid of its dst, or {fixed.name!r} of its src: {path}"
         warn(text, stacklevel=6)
         return True
-    if as_told == 0:
+    if as_named == 0:
         _guess(f"{moving.name!r} is taken for the LTA's src, {src.name!r}, whose grid is another: {path}")
     return False
 

@@ -69,8 +69,8 @@ def read(request: Request) -> Grid:
     matrix = np.eye(4)
     # The cell repeats: its far faces are the next cell's near ones.
     matrix[:3, :3] = (cell / np.array(samples.shape[::-1])[:, None]).T
-    told = () if found else ("a charge density (CHGCAR): the name says nothing else, such as LOCPOT or ELFCAR",)
-    facts = Facts(unit="angstrom", value_unit=unit, quantity=names[number], conventions=(UPRIGHT,), guesses=told)
+    guesses = () if found else ("a charge density (CHGCAR): the name says nothing else, such as LOCPOT or ELFCAR",)
+    facts = Facts(unit="angstrom", value_unit=unit, quantity=names[number], conventions=(UPRIGHT,), guesses=guesses)
     return Grid(samples, matrix, facts)
 
 

@@ -62,10 +62,10 @@ def _read(request: Request, stored: _Stored) -> Grid:
     size = _size(whole, array.of_cells)
     samples: NDArray[Any] | None = None
     n_cells = 0
-    told: tuple[str, ...] = ()
+    guesses: tuple[str, ...] = ()
     quantity: str | None = None
     for extent, numbers in _parts(stored, image, array, whole):
-        part, told = component_of(numbers, request, array.name)
+        part, guesses = component_of(numbers, request, array.name)
         quantity = quantity_of_array(array.name, array.n_components, numbers.dtype, request)
         if samples is None:
             size_checks.check_memory(size_checks.n_bytes(size, part.dtype), path)
@@ -81,7 +81,7 @@ def _read(request: Request, stored: _Stored) -> Grid:
     ghosts = (_ghosts(stored, image, whole, of_cells=False), _ghosts(stored, image, whole, of_cells=True))
     samples, hidden = without_hidden(samples, *ghosts, are_cells=array.of_cells)
     colors = facts_of_colors(array.n_components, samples.dtype, request)
-    facts = Facts(quantity=quantity, guesses=guessed + told + hidden, **colors)
+    facts = Facts(quantity=quantity, guesses=guessed + guesses + hidden, **colors)
     return Grid(samples, _world_from_index(image, whole, array.of_cells), facts)
 
 

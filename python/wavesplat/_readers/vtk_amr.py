@@ -115,12 +115,12 @@ def on_one_grid(
     n_cells = sum(int(np.prod(box.n)) for box in boxes)
     shares = f"{(of_level == level).mean():.1%} of them are of this level"
     coarser = ((of_level >= 0) & (of_level < level)).mean()
-    told = (
+    guess = (
         f"on the grid of level {level} of {min(sizes)} to {max(sizes)}, {' x '.join(map(str, size))} samples for "
         f"{n_cells} cells, {' x '.join(f'{step:.4g}' for step in spacing)} apart: {shares}, "
         f"{coarser:.1%} repeat coarser cells, {(of_level < 0).mean():.1%} lie outside"
     )
-    return samples, matrix, told
+    return samples, matrix, guess
 
 
 def _place(

@@ -64,8 +64,8 @@ def chosen(
     if len(names) == 1:
         return number, ()
     which = "the active one" if active and number else "one" if number else "the first"
-    told = f"shown: {names[number]}, {which} of {len(names)} arrays ({listed(names, MAX_IN_GUESS)})"
-    return number, (f"{told}; dataset=NAME (--dataset NAME) chooses another",)
+    guess = f"shown: {names[number]}, {which} of {len(names)} arrays ({listed(names, MAX_IN_GUESS)})"
+    return number, (f"{guess}; dataset=NAME (--dataset NAME) chooses another",)
 
 
 def world_from_index(

@@ -67,7 +67,7 @@ DIRECTION = re.compile(rb"""<ImageData\b[^<>]*?\bDirection\s*=\s*["']([^"']*)["'
 #: The window that VTK writes errors to is one for all threads.
 _WINDOW = Lock()
 #: Letters of an error of VTK that are told, at most.
-MAX_SAID = 120
+MAX_LETTERS = 120
 #: Files that files name, one in the other, at most.
 MAX_DEPTH = 8
 
@@ -236,17 +236,17 @@ def loaded(path: Path) -> Any:
         for kind in ("Scalars", "Vectors", "Tensors", "Fields", "Normals", "TCoords"):
             getattr(reader, f"ReadAll{kind}On")()
     reader.SetFileName(str(path))
-    with _told_by_vtk() as told:
+    with _messages_of_vtk() as messages:
         reader.Update()
     data = reader.GetOutputDataObject(0)
     if is_xml and data is not None and data.IsA("vtkImageData") and (turned := _direction_of(path)):
         data.SetDirectionMatrix(turned)
-    if data is None or any("ERR" in line for line in told):
+    if data is None or any("ERR" in line for line in messages):
         # Behind "ERROR: In FILE, line N" VTK says what is wrong, and which of its objects found it.
-        reasons = [line.partition("): ")[2].strip(" .") for line in told if "): " in line]
-        said = f": {reasons[0][:MAX_SAID]}" if reasons else ""
+        reasons = [line.partition("): ")[2].strip(" .") for line in messages if "): " in line]
+        reason = f": {reasons[0][:MAX_LETTERS]}" if reasons else ""
         raise FileError(
-            f"VTK cannot read the file{said}; it is truncated, damaged or of an old form: copy it again, or save it "
+            f"VTK cannot read the file{reason}; it is truncated, damaged or of an old form: copy it again, or save it "
             f"anew with ParaView: {path}"
         )
     return data
@@ -261,8 +261,8 @@ def _direction_of(path: Path) -> list[float] | None:
     found = {tuple(_numbers(one.get("Direction"))) for one in whole.iter("PImageData") if one.get("Direction")}
     for piece in whole.iter("Piece"):
         with (path.parent / piece.get("Source", "")).open("rb") as file:
-            said = DIRECTION.search(file.read(HEAD_BYTES))
-        found.add(tuple(_numbers(said[1].decode("ascii", "replace"))) if said else (1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0))
+            named = DIRECTION.search(file.read(HEAD_BYTES))
+        found.add(tuple(_numbers(named[1].decode("ascii", "replace"))) if named else (1.0, 0, 0, 0, 1.0, 0, 0, 0, 1.0))
     if len(found) > 1:
         raise FileError(f"its pieces have axes in {len(found)} different directions; write them alike: {path}")
     return list(found.pop()) if found else None
@@ -276,19 +276,19 @@ def _numbers(text: str | None) -> list[float]:
 
 
 @contextmanager
-def _told_by_vtk() -> Iterator[list[str]]:
+def _messages_of_vtk() -> Iterator[list[str]]:
     """The lines that VTK would write to the standard error stream meanwhile: inner readers tell nobody else."""
     core = library("vtkmodules.vtkCommonCore", extra=EXTRA)
-    told: list[str] = []
+    messages: list[str] = []
     with _WINDOW:
         window, before = core.vtkStringOutputWindow(), core.vtkOutputWindow.GetInstance()
         core.vtkOutputWindow.SetInstance(window)
         try:
             with muted_stderr():
-                yield told
+                yield messages
         finally:
             core.vtkOutputWindow.SetInstance(before)
-            told += window.GetOutput().splitlines()
+            messages += window.GetOutput().splitlines()
 
 
 def _blocks(data: Any) -> Iterator[Any]:
@@ -363,14 +363,14 @@ def _as_it_is(grid: Any, array: _Array, matrix: NDArray[np.float64], request: Re
         raise ValueError("no such array")
     # A layer of points counts as one of cells.
     nx, ny, nz = (max(n - 1, 1) if array.of_cells else n for n in n_points(grid))
-    samples, told = component_of(numbers.reshape(nz, ny, nx, -1), request, array.name)
+    samples, guesses = component_of(numbers.reshape(nz, ny, nx, -1), request, array.name)
     quantity = quantity_of_array(array.name, numbers.shape[-1], numbers.dtype, request)
     of_points, of_cells = _ghosts_of(grid)
     samples, hidden = without_hidden(np.array(samples), of_points, of_cells, are_cells=array.of_cells)
     # Rows of images grow downwards, in one file or several.
     conventions = () if grid.IsA("vtkImageData") else (UPRIGHT,)
     colors = facts_of_colors(numbers.shape[-1], numbers.dtype, request)
-    return Grid(samples, matrix, Facts(quantity=quantity, conventions=conventions, guesses=told + hidden, **colors))
+    return Grid(samples, matrix, Facts(quantity=quantity, conventions=conventions, guesses=guesses + hidden, **colors))
 
 
 def _ghosts_of(grid: Any) -> tuple[NDArray[Any] | None, NDArray[Any] | None]:
@@ -397,7 +397,7 @@ def _which_level(data: Any, boxes: list[Box], request: Request) -> FileError:
 def _of_level(data: Any, boxes: list[Box], array: _Array, request: Request) -> Grid:
     """The samples of an adaptive mesh on the grid of one of its levels."""
     first = next(numbers for box in boxes if (numbers := array.numbers_of(box.grid)) is not None)
-    _, told = component_of(first[:1], request, array.name)
+    _, guesses = component_of(first[:1], request, array.name)
 
     def sampled(part: int | None) -> tuple[NDArray[Any], NDArray[np.float64], str]:
         """Samples of one component, or, for None, of the component or length that the request asks for."""
@@ -416,14 +416,14 @@ def _of_level(data: Any, boxes: list[Box], array: _Array, request: Request) -> G
         samples, (_, matrix, how) = length_of([part[0] for part in parts]), parts[0]
     else:
         samples, matrix, how = sampled(None)
-    guesses = (f"{described_grid(data.GetClassName())}, {how}", *told)
+    guesses = (f"{described_grid(data.GetClassName())}, {how}", *guesses)
     quantity = quantity_of_array(array.name, n, first.dtype, request)
     return Grid(samples, matrix, Facts(quantity=quantity, conventions=(UPRIGHT,), guesses=guesses))
 
 
 def _resampled(data: Any, blocks: list[Any], array: _Array, request: Request) -> Grid:
     """The samples of an image that covers the grid."""
-    told: tuple[str, ...] = ()
+    guesses: tuple[str, ...] = ()
     quantity: str | None = None
     values: list[NDArray[Any] | None] = []
     are_lengths = False
@@ -432,7 +432,7 @@ def _resampled(data: Any, blocks: list[Any], array: _Array, request: Request) ->
         if numbers is not None:
             quantity = quantity_of_array(array.name, numbers.shape[-1], numbers.dtype, request)
             are_lengths = is_length(numbers.shape[-1], numbers.dtype, request)
-            part, told = component_of(numbers, request, array.name)
+            part, guesses = component_of(numbers, request, array.name)
             # Vectors are interpolated before their length is taken: lengths between samples would be too large.
             numbers = numbers if are_lengths else part
         values.append(numbers)
@@ -444,12 +444,12 @@ def _resampled(data: Any, blocks: list[Any], array: _Array, request: Request) ->
     sampled_data = data
     if len(having) < len(blocks):
         sampled_data = _together([block for block, _ in having])
-        told += (f"blocks without {array.name!r}, which are left out: {len(blocks) - len(having)} of {len(blocks)}",)
+        guesses += (f"blocks without {array.name!r}, which are left out: {len(blocks) - len(having)} of {len(blocks)}",)
     samples, matrix, sampled = sampled_on_image(sampled_data, [block for block, _ in having], request)
     samples = length_of([*np.moveaxis(samples, -1, 0)]) if are_lengths else samples[..., 0]
     what = f"{described_grid(data.GetClassName())}, {sampled}"
     of_cells = (f"{array.name!r} is of cells, and constant in each",) if array.of_cells else ()
-    return Grid(samples, matrix, Facts(quantity=quantity, conventions=(UPRIGHT,), guesses=(what, *of_cells, *told)))
+    return Grid(samples, matrix, Facts(quantity=quantity, conventions=(UPRIGHT,), guesses=(what, *of_cells, *guesses)))
 
 
 def _together(blocks: list[Any]) -> Any:

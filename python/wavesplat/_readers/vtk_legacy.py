@@ -109,10 +109,10 @@ def read(request: Request) -> Grid:
         shape = (*image.size_of(array)[::-1], array.n_components)
         numbers = _numbers(content, array, path)
         # Not a view: the file is closed.
-        samples, told = component_of(numbers.reshape(shape), request, array.name)
+        samples, guesses = component_of(numbers.reshape(shape), request, array.name)
         quantity = quantity_of_array(array.name, array.n_components, array.dtype, request)
         colors = facts_of_colors(array.n_components, np.dtype(array.dtype), request)
-        return Grid(np.array(samples), matrix, Facts(quantity=quantity, guesses=guessed + told, **colors))
+        return Grid(np.array(samples), matrix, Facts(quantity=quantity, guesses=guessed + guesses, **colors))
 
 
 def contents(request: Request) -> Contents:

@@ -182,10 +182,10 @@ def sampled_on_image(data: Any, blocks: list[Any], request: Request) -> tuple[ND
     samples[~is_inside] = np.nan
     matrix = world_from_index(np.eye(3), image.GetSpacing(), image.GetOrigin(), (0, 0, 0), of_cells=False)
     outside = 1 - float(is_inside.mean())
-    told = f"sampled at {' x '.join(map(str, size))} places, {_numbers(image.GetSpacing())} apart"
+    guess = f"sampled at {' x '.join(map(str, size))} places, {_numbers(image.GetSpacing())} apart"
     smallest, largest = _cell_sizes(blocks)
     cells = f"cells are {smallest:.3g} to {largest:.3g} wide; " if largest > 0 else ""
-    return samples, matrix, f"{told}; {cells}{outside:.1%} of the samples lie outside of it"
+    return samples, matrix, f"{guess}; {cells}{outside:.1%} of the samples lie outside of it"
 
 
 def _n_components(blocks: list[Any]) -> int:

@@ -99,7 +99,7 @@ def named_volume(array: Any, group: Any, read: Callable[[Any], NDArray[Any]], re
         return None
     if request.component is not None:
         raise ArgumentError(f"component= has no meaning for an array of the axes {', '.join(names)}; leave it out")
-    picked, spatial, said = picked_axes(title, axes, request)
+    picked, spatial, times = picked_axes(title, axes, request)
     volume = axes.isel(picked).transpose(*spatial)
     of_file = {} if group is None else dict(group.attrs)
     try:
@@ -107,7 +107,7 @@ def named_volume(array: Any, group: Any, read: Callable[[Any], NDArray[Any]], re
     except ArgumentError as error:
         raise FileError(f"{error}: {request.safe_path}") from None
     is_packed = {"scale_factor", "add_offset"} & set(array.attrs)
-    facts = replace(found.facts, guesses=(*found.facts.guesses, *([PACKED] if is_packed else [])), **said)
+    facts = replace(found.facts, guesses=(*found.facts.guesses, *([PACKED] if is_packed else [])), **times)
     matrix = np.diag([*found.directions, 1.0]) if found.world_from_index is None else found.world_from_index
     z, y, x = (names.index(axis) for axis in spatial)
     return NamedVolume((z, y, x), [picked.get(name) for name in names], matrix, facts)

@@ -115,7 +115,7 @@ class _Head:
 
     @classmethod
     def of(cls, volume: Volume | WaveletVolume) -> _Head | None:
-        """The thinned samples; None where the axes are too oblique to tell which is which, or all is alike."""
+        """The thinned samples; None where the axes are too oblique to be assigned to x, y and z, or all is alike."""
         matrix = volume.world_from_index[:3, :3]
         order = np.abs(matrix / np.linalg.norm(matrix, axis=0)).argmax(axis=1)  # index axis of each world axis
         if sorted(order) != [0, 1, 2]:

@@ -44,7 +44,7 @@ class RenderOptions(FrameOptions, total=False):
         more than "normal" in 2 to 3 times its time, "high" 10 to 13 dB in 3 to 7 times (`make bench-qualities`).
     psnr : float, optional
         Instead of `quality`: choose the sampling for this PSNR against the converged picture with 16 rays a pixel, in
-        dB, 20 to 80; 40 is good, 50 can hardly be told from it. Some tiles of the picture are drawn with some
+        dB, 20 to 80; 40 is good, 50 can hardly be distinguished from it. Some tiles of the picture are drawn with some
         samplings of a fixed list to measure its error, then all of it with the cheapest one that promises enough.
         The report has that as `sheets_per_slice` and `oversampling`, and an estimate as `expected_psnr_db`, with its
         standard deviation as `expected_psnr_spread_db`: less than what was asked for where nothing reaches that.

@@ -13,7 +13,7 @@ from wavesplat._looks.transfer_function import TransferFunction
 
 __all__ = ["AddedLight", "over_background"]
 
-#: Least share of a projection that its light can be told from.
+#: Smallest opacity of a projection from which its light can be recovered.
 MIN_LEFT = 1e-3
 
 
@@ -43,7 +43,7 @@ class AddedLight:
         """Add the projection of a layer. `values`, `curves`: what it shows, and its transfer function."""
         light, alpha = rgba[..., :3].astype(np.float64), rgba[..., 3].astype(np.float64)
         if self.alone is not None:
-            # Below shapes the picture does not tell the projection's opacity; its values do, but for edges of pixels.
+            # Below shapes the picture does not show the projection's opacity; its values do, but for edges of pixels.
             alpha = np.where(self.alone[..., 3] > 0, _opacity_of(values, curves, alpha.shape), alpha)
             left = 1 - _share_of_shapes(alpha) * self.alone[..., 3]
             light = np.divide(light, left[..., None], out=np.zeros_like(light), where=left[..., None] > MIN_LEFT)

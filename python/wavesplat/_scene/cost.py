@@ -61,8 +61,8 @@ __all__ = ["Cost", "plan"]
 BLOCKS_PER_WORKER = 4
 #: Seconds that a scheduler takes for a task, bytes of a texel of a partial picture, and bytes a second between workers.
 TASK_S, PARTIAL_BYTES, MERGE_RATE = 1e-3, 16, 200e6
-#: Bytes of a ray with its place in the picture, of a process that cannot tell, and of its threads while it draws; the
-#: last two measured (Linux, CPython 3.11, two threads).
+#: Bytes of a ray with its place in the picture, of a process whose memory cannot be measured, and of its threads while
+#: it draws; the last two measured (Linux, CPython 3.11, two threads).
 RAY_BYTES, PROCESS_BYTES, THREAD_BYTES = 40, 60_000_000, 60_000_000
 #: Cells along a side of the bricks that bounds are kept of, and samples that are kept for looks, at most.
 BRICK_SIDES, MAX_LOOK_SAMPLES = (4, 8, 16, 32, 64), 3_000_000

@@ -1,7 +1,7 @@
 """The looks of a scene's layers, in the operator that all share.
 
 Layers without a look get one by the kind of their data. Where there are several, channels of fluorescence have colours
-that can be told apart: those of the file, or, where it has none or two are the same, `IN_SPACE`.
+that can be distinguished: those of the file, or, where it has none or two are the same, `IN_SPACE`.
 """
 
 from __future__ import annotations

@@ -65,7 +65,7 @@ def render(
     background : colour, optional
         (r, g, b), (r, g, b, a), "#rrggbb" or a name. None is the look's own or, where it has none, transparent.
     keep_table : bool, default False
-        Draw the table below a patient in a CT, which is else left out where it can be told from the body (`Scene`).
+        Draw the table below a patient in a CT, which is otherwise left out where it can be recognized (`Scene`).
     geometry : Surface, Lines, Points, SlicePlane, Frame, or several of them in a list
         What stands in space with the volumes, as for `Scene`; to a scene it is added.
     **options : RenderOptions

@@ -118,8 +118,8 @@ class Scene:
         (r, g, b), (r, g, b, a), "#rrggbb" or a name. None is that of the first look or, where it has none, transparent.
     keep_table : bool, default False
         Draw the table below a patient in a CT. Else pictures leave it out, of every layer in memory, where it can be
-        told from the body, but for minima; the report's `notes` say so, and the samples stay. For all times of a series
-        it is decided once.
+        recognized, but for minima; the report's `notes` say so, and the samples stay. For all times of a series it is
+        decided once.
     geometry : Surface, Lines, Points, SlicePlane, Frame, or several of them in a list
         What stands in space with the volumes, in world coordinates, each thing at its depth: matter before it dims it,
         and matter behind what is opaque is hidden. Meshes of `mesh`, and what those types take of other libraries, go

@@ -152,7 +152,7 @@ def _card_on(
 
 
 def _coarse_size(volume: Grid, face: CutFace) -> tuple[int, int]:
-    """Pixels of a slice that only tells where a face is seen."""
+    """Pixels of a slice that is only used to find where a face is seen."""
     width, height = sides_of(volume, (face.plane.point, face.plane.normal))
     step = max(width, height) / (COARSE_PX - 1)
     return int(width / step) + 1, int(height / step) + 1

@@ -90,9 +90,9 @@ def _shown(
         return shown_layer(own.name or "", composite, function, _unit(scene, own), quantity_of(own))
     # A surface that another field colours has as many colours as matter.
     of_field, colors = color.layer, color.function_at(function, operator).color
-    # What is seen is not told by this field's values, so a bar has all of its colours.
+    # This field's values do not decide what is seen, so a bar has all of its colours.
     curves = TransferFunction([(colors[0][0], 1.0)], colors)
-    # Its name tells the field that colours from the one that is seen, so a colour bar says it beside the unit.
+    # Its name distinguishes the colouring field from the one that is seen, so a colour bar says it beside the unit.
     named = color.name if of_field._has_own_name else None
     return shown_layer(color.name, "over", curves, _unit(scene, of_field), quantity_of(of_field) or named)
 

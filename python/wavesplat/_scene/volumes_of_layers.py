@@ -56,7 +56,7 @@ def part_of(
 def _part_of_parts(
     scene: Scene, volume: LazyVolume | WaveletVolume, decided_on: Volume | WaveletVolume, look: Look
 ) -> Volume | WaveletVolume:
-    """The same of samples that are read or decoded as they are drawn, of which more are needed to tell a table."""
+    """The same of samples that are read or decoded as they are drawn, of which more are needed to find a table."""
     if note_on_table(decided_on, look.transfer_function) is None:
         return volume
     key: Any = id(volume), "without table", id(decided_on)

@@ -149,7 +149,7 @@ class Answering:
 
 
 def failure_of(error: Exception, number: int | None = None) -> dict[str, Any]:
-    """The message that tells a page of an error. number : of the question that failed; None of a picture."""
+    """The message to a page about an error. number : of the question that failed; None of a picture."""
     is_ours = isinstance(error, WavesplatError | MemoryError)
     message = str(error) if is_ours else f"the renderer failed: {type(error).__name__}: {error}"
     return {"type": "failed", "id": number, "code": "failed", "message": message or type(error).__name__}

@@ -61,5 +61,5 @@ def _value_of(layer: Layer, point: NDArray[np.float64]) -> dict[str, Any]:
 
 
 def _name_of(layer: Layer) -> str:
-    """The layer's own name, else that of its values, which tells datasets of one file apart."""
+    """The layer's own name, else that of its values, which distinguishes datasets of one file."""
     return quantity_of(layer) or layer.name or ""

@@ -1,4 +1,4 @@
-"""Fields of a frame's message that its picture tells; `Frame` in `web/src/engine/engine.ts` is the twin."""
+"""Fields of a frame's message that come from its picture; `Frame` in `web/src/engine/engine.ts` is the twin."""
 
 from __future__ import annotations
 

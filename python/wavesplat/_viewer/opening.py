@@ -1,6 +1,6 @@
 """Opening files in the page: what pages send, examples, and the files that the command opened last.
 
-A page asks in two steps, since what is done with a file depends on what it is: "open" reads it and tells what was
+A page asks in two steps, since what is done with a file depends on what it is: "open" reads it and answers what was
 found, "show" puts it in the place of what is open, over it, or beside it. The answer to "show" is a list of changes,
 which the page makes as one step of undo. Without anything open, "open" begins the session.
 
@@ -182,7 +182,7 @@ class Opener:
         except CancelledError:
             send({"type": "failed", "id": number, "code": "cancelled", "message": "it was cancelled"}, b"")
             return
-        except Exception as error:  # noqa: BLE001 - whatever fails, the page has to be told
+        except Exception as error:  # noqa: BLE001 - whatever fails, the page gets a message
             is_ours = isinstance(error, WavesplatError | MemoryError)
             text = str(error) if is_ours else f"opening failed: {type(error).__name__}: {error}"
             message = text or "there is not enough memory for it"

@@ -307,7 +307,7 @@ class Session:
                     self._measure()
                 else:
                     self._draw(client, view, pane, at_rest)
-            except Exception as error:  # noqa: BLE001 - the thread must go on, and somebody has to be told
+            except Exception as error:  # noqa: BLE001 - the thread must go on, and the error is reported
                 with self._changed:
                     pane.wants_rest = pane.is_stale
                 if client is not None:
@@ -390,7 +390,7 @@ class Session:
                 picture = better
         except CancelledError:
             return
-        except Exception as error:  # noqa: BLE001 - whatever fails, the page has to be told
+        except Exception as error:  # noqa: BLE001 - whatever fails, the page gets a message
             with self._changed:
                 pane.wants_rest = pane.n_changes != n_changes and pane.wants_rest
             client.send({**failure_of(error), "seq": seq})

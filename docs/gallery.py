@@ -116,7 +116,7 @@ picture = ws.render(cells, size=(288, 288), background="black")
 picture = picture.annotated(scale_bar=True, legend=True, legend_at="upper right")
 """),
     Entry("fusion", "Two scans in one picture",
-          "Bones of a CT, and an uptake made up by a formula, on coarser samples of its own; bones hide it.",
+          "Bones of a CT, and a synthetic uptake on its own, coarser grid; bones hide it.",
           code="""lower, upper = ct.bounds
 x, y, z = np.meshgrid(*(np.arange(a, b, 6) for a, b in zip(lower, upper)), indexing="ij")
 u, v, w = (lower + upper) / 2
@@ -139,7 +139,7 @@ picture = ws.render(layers, background="black", **view).annotated(scale_bar=True
           "render mri_head.nii.gz --preset mr-head --azimuth 50 --elevation 15"),
     Entry("maximum", "Maximum projection", "Vessels are bright.",
           "render mri_head.nii.gz --composite maximum --view left"),
-    Entry("depth_shaded", "Depth-shaded maximum", "The same, and what lies behind is darker.",
+    Entry("depth_shaded", "Depth-shaded maximum", "The same, darker with depth.",
           "render mri_head.nii.gz --composite depth-shaded-maximum --depth-shading 0.7 --view left"),
     Entry("depth_colored", "Depth in colour", "The maximum's value is the brightness, its place the hue.",
           "render mri_head.nii.gz --depth-color turbo --view left --size 288x240 --colorbar"),
@@ -276,7 +276,7 @@ picture = ws.render(head, composite=ws.AttenuatedMaximum(0.05), camera=camera, s
           code="""picture = ws.render(ct, "ct-bone", background="black", stereo="anaglyph", **view)
 """),
     Entry("nuclei", "Numbered nuclei",
-          "A segmentation alone, made up by a formula: its values are numbers, and get colours of their own.",
+          "A synthetic segmentation alone: each label gets a colour.",
           code="""z, y, x = np.mgrid[:48, :96, :96]
 numbers = np.zeros(z.shape, np.uint16)
 for number, (a, b, c) in enumerate(np.random.default_rng(4).uniform((8, 10, 10), (40, 86, 86), (40, 3)), 1):

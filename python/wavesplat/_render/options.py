@@ -41,7 +41,8 @@ class RenderOptions(FrameOptions, total=False):
     quality : str or Sampling
         "draft", "normal", "fine" or "high", which take more sheets where the transfer function is steep; or how many
         sheets and texels there are. None is the function's usual one. The report holds what was used. "fine" has 8 dB
-        more than "normal" in 2 to 3 times its time, "high" 10 to 13 dB in 3 to 7 times (`make bench-qualities`).
+        more than "normal" in 2 to 3 times its time, "high" 10 to 13 dB in 3 to 7 times (`make bench-qualities`);
+        translucent looks, such as the automatic look of a CT, take 6 and 20 times as long.
     psnr : float, optional
         Instead of `quality`: choose the sampling for this PSNR against the converged picture with 16 rays a pixel, in
         dB, 20 to 80; 40 is good, 50 can hardly be distinguished from it. Some tiles of the picture are drawn with some

@@ -9,11 +9,14 @@ ACTIONLINT_VERSION := 1.7.12
 CARGO_CYCLONEDX_VERSION := 0.5.9
 FUZZ_SECONDS ?= 100
 SEED ?= 1
+BROWSER ?= browser
 N ?= 100
 BALLS ?= 3
 WASM := wasm32-unknown-unknown
 ARM := aarch64-unknown-linux-gnu
 OTHERS := x86_64-pc-windows-gnu aarch64-apple-darwin
+RUST_TESTS := cargo test --locked --profile checkout --workspace --no-default-features --no-fail-fast
+KERNEL_CHECKS ?= test-arm memcheck instructions
 MEMCHECK := valgrind --quiet --error-exitcode=99 --leak-check=full --show-leak-kinds=definite --errors-for-leak-kinds=definite
 ARM_PACKAGES := qemu-user gcc-aarch64-linux-gnu libc6-dev-arm64-cross
 
@@ -29,12 +32,18 @@ export PIP_DISABLE_PIP_VERSION_CHECK := 1
 unexport CONDA_PREFIX PYTHONHOME PYTHONPATH PYTHONDONTWRITEBYTECODE
 # One interpreter for every build, so that PyO3 is compiled once per profile.
 export PYO3_PYTHON := $(CURDIR)/$(BIN)/python
+# Prints the seconds of each recipe.
+SHELL := $(CURDIR)/.ci/timed-shell
+.SHELLFLAGS = '$@' -c
 
 .DELETE_ON_ERROR:
-.NOTPARALLEL:
-.PHONY: wheels sdist crates page-package cross-check release-check extras-check advisories release-lint sbom help demo dev test check fmt quality edges random-functions random-scenes looks looks-beside-vtk looks-beside-napari looks-beside-pyvista study study-wavelets study-lod study-cuts bench bench-gpu bench-psnr bench-qualities bench-threads bench-usual bench-layers bench-shapes scene-hashes roofline instructions gallery concepts face site site-test golden pictures \
-	clean wheel fuzz memcheck miri fixtures wasm-check web web-check browser-test bench-viewer viewer-pictures \
-	rust-test python-test test-arm test-napari rust-lint python-lint stubs spelling licences docs readme
+.PHONY: advisories bench bench-gpu bench-layers bench-psnr bench-qualities bench-shapes bench-threads bench-usual bench-viewer \
+	browser-test browser-test-all check clean concepts crates cross-check demo dev edges extras-check face fixtures fmt \
+	fuzz gallery gallery-check golden help instructions kernels kernels-anew licences licences-anew looks looks-beside-napari \
+	looks-beside-pyvista looks-beside-vtk memcheck miri nightly page-package passed pictures python-lint python-test \
+	python-test-all quality random-functions random-scenes readme release-check release-lint roofline rust-docs rust-lint \
+	rust-test rust-test-asserted sbom scene-hashes sdist site site-test spelling stubs study study-cuts study-lod \
+	study-wavelets test test-arm test-napari viewer-pictures web web-check wheel wheels
 
 help: ## list the recipes
 	@awk -F ':.*## ' '/^[a-z-]+:.*## / { printf "  make %-15s %s\n", $$1, $$2 }' $(MAKEFILE_LIST)
@@ -43,9 +52,18 @@ demo: $(STAMPS)/package ## set up and draw the bundled volumes to out/
 	wavesplat demo -o $(OUT)
 	@echo "The pictures are in $(abspath $(OUT))"
 
-test: rust-test python-test ## set up and pass all tests
+# The compiler works beside pip, which waits for the net.
+test: ## set up and pass all tests
+	$(MAKE) --no-print-directory -j2 $(STAMPS)/rust-tests $(STAMPS)/dev-packages
+	$(MAKE) --no-print-directory -j1 rust-test python-test
 
-check: rust-lint docs python-lint stubs spelling licences test readme web-check browser-test ## all that CI asks for
+check: ## all that CI asks for of a change; the rest is in `make nightly`
+	$(MAKE) --no-print-directory -j2 $(STAMPS)/rust-tests $(STAMPS)/dev-packages
+	$(MAKE) --no-print-directory -j1 --keep-going rust-lint python-lint stubs spelling gallery-check licences shaders kernels test readme web-check browser-test
+
+nightly: ## all checks in full, an hour and more: every case, reference pictures drawn anew, ARM, memcheck, counted instructions, other systems
+	$(MAKE) --no-print-directory -j1 --keep-going rust-lint rust-test-asserted rust-docs cross-check python-lint stubs spelling gallery-check licences-anew shaders-anew kernels-anew \
+		python-test-all readme web-check browser-test-all site
 
 dev: $(STAMPS)/tools ## install what tests and linters need into the checkout's environment
 
@@ -66,7 +84,7 @@ random-scenes: $(STAMPS)/package ## draw N random scenes of a SEED and compare t
 edges: $(STAMPS)/package ## compare the outermost rows and columns of volumes with the rest; EDGES="--only ct" takes a minute
 	BENCH_DATA=$(BENCH_DATA) python studies/edges/edges.py $(EDGES)
 
-looks: $(STAMPS)/package $(STAMPS)/tools ## draw the first picture of many volumes, measure them, one sheet; LOOKS="--only ct,pet"
+looks: $(STAMPS)/tools ## draw the first picture of many volumes, measure them, one sheet; LOOKS="--only ct,pet"
 	BENCH_DATA=$(BENCH_DATA) python studies/looks/looks.py --out $(OUT)/looks $(LOOKS)
 
 looks-beside-vtk: $(STAMPS)/bench $(STAMPS)/tools ## draw four volumes by ourselves, with 3D Slicer's looks, and by VTK with these
@@ -94,35 +112,35 @@ study-lod: $(STAMPS)/package ## leave out levels of details and measure the brig
 study-cuts: $(STAMPS)/package ## compare cut faces with the samples on the cut, by gradients, evenly and without light; BENCH_DATA
 	BENCH_DATA=$(BENCH_DATA) python studies/cuts/cuts.py
 
-bench: $(STAMPS)/bench ## time frames, ours, VTK's and VolPack's; BENCH="--only goals" takes minutes, BENCH_DATA=folder of the files
+bench: $(STAMPS)/bench $(STAMPS)/released ## time frames, ours, VTK's and VolPack's; BENCH="--only goals" takes minutes, BENCH_DATA=folder of the files
 	BENCH_DATA=$(BENCH_DATA) python benches/bench.py $(BENCH)
 
-bench-gpu: $(STAMPS)/bench ## time frames on a GPU beside our CPU path and VTK's GPU mapper; of a program on the processor, count; BENCH_GPU="--record"
+bench-gpu: $(STAMPS)/bench $(STAMPS)/released ## time frames on a GPU beside our CPU path and VTK's GPU mapper; of a program on the processor, count; BENCH_GPU="--record"
 	BENCH_DATA=$(BENCH_DATA) python benches/gpu.py $(BENCH_GPU)
 
-bench-threads: $(STAMPS)/package ## time frames by number of threads; BENCH_THREADS="--threads 1 4 16", or "--simulate" to simulate more threads than there are
+bench-threads: $(STAMPS)/released ## time frames by number of threads; BENCH_THREADS="--threads 1 4 16", or "--simulate" to simulate more threads than there are
 	cargo build --locked --release -p wavesplat-splat --example tile_times
 	BENCH_DATA=$(BENCH_DATA) python benches/threads.py $(BENCH_THREADS)
 
-bench-psnr: $(STAMPS)/package ## draw pictures of a wanted PSNR and compare with converged ones; BENCH_PSNR="--size 128 --only fuel"
+bench-psnr: $(STAMPS)/released ## draw pictures of a wanted PSNR and compare with converged ones; BENCH_PSNR="--size 128 --only fuel"
 	BENCH_DATA=$(BENCH_DATA) python benches/psnr.py $(BENCH_PSNR)
 
-bench-qualities: $(STAMPS)/package ## PSNR and time of each named quality beside "normal", on the cases of the goals
+bench-qualities: $(STAMPS)/released ## PSNR and time of each named quality beside "normal", on the cases of the goals
 	BENCH_DATA=$(BENCH_DATA) python benches/qualities.py
 
-bench-usual: $(STAMPS)/package ## time the pictures that people ask for: look and light, occlusion, labels, moving frame, slice
+bench-usual: $(STAMPS)/released ## time the pictures that people ask for: look and light, occlusion, labels, moving frame, slice
 	python benches/usual.py
 
-bench-layers: $(STAMPS)/package ## time pictures of several volumes beside those of one
+bench-layers: $(STAMPS)/released ## time pictures of several volumes beside those of one
 	python benches/layers.py
 
-bench-shapes: $(STAMPS)/package $(STAMPS)/tools ## time surfaces, lines and points beside the frame without; BENCH_SHAPES="--vtk out/shapes" compares pictures
+bench-shapes: $(STAMPS)/tools $(STAMPS)/released ## time surfaces, lines and points beside the frame without; BENCH_SHAPES="--vtk out/shapes" compares pictures
 	python benches/shapes.py $(BENCH_SHAPES)
 
 scene-hashes: $(STAMPS)/package ## draw 100 scenes and print a hash of each; SCENES="--compare FILE" holds them to others
 	python benches/scene_hashes.py $(SCENES)
 
-roofline: $(STAMPS)/package ## time by stage against the limits of a core, with perf; ROOFLINE="--record" keeps it
+roofline: $(STAMPS)/released ## time by stage against the limits of a core, with perf; ROOFLINE="--record" keeps it
 	BENCH_DATA=$(BENCH_DATA) python benches/roofline.py $(ROOFLINE)
 
 # Little optimised and unchecked, since the kernels take the compiler three times as long otherwise.
@@ -149,11 +167,6 @@ test-napari: $(STAMPS)/tools ## try the plugin with napari itself, without a win
 	PYTHONPATH=$(CURDIR)/python:$$(python -c 'import sysconfig; print(sysconfig.get_path("purelib"))') QT_QPA_PLATFORM=offscreen \
 		.cache/napari/bin/python -m pytest -n0 -W default -p no:cacheprovider python/tests/test_napari.py python/tests/test_foreign.py python/tests/test_saved_volumes.py -k "napari or bioio"
 
-wasm-check: ## compile for browsers, without threads; needs rustup's target, which it adds where it can
-	@rustup target list --installed 2>/dev/null | grep -qx $(WASM) || rustup target add $(WASM) >/dev/null 2>&1 || \
-		{ echo "wasm-check is left out: the standard library of $(WASM) is not there and cannot be fetched"; exit 0; }; \
-	cargo check --locked --target $(WASM) -p wavesplat --no-default-features
-
 web: web/node_modules ## check, test and build the viewer's page; needs Node 20
 	cd web && npm run --silent types && npm run --silent lint && npm test --silent && npm run --silent build
 
@@ -162,14 +175,17 @@ web-check: ## the same, and whether what is committed is what is built; left out
 		$(MAKE) --no-print-directory web/node_modules && cd web && npm run --silent types && npm run --silent lint && npm test --silent && \
 		node build.mjs --size && node build.mjs --check
 
-browser-test: $(STAMPS)/tools ## test the viewer in Chromium, and in JupyterLab, and the shaders of GPUs by WebGPU; left out without Node or Chromium
+browser-test: $(STAMPS)/tools ## test the viewer in Chromium, and the shaders of GPUs by WebGPU; left out without Node or Chromium
 	@{ command -v npm && command -v chromium; } >/dev/null || \
 		{ echo "browser-test is left out: there is no Node, or no Chromium"; exit 0; }; \
-		$(MAKE) --no-print-directory web/node_modules $(STAMPS)/lab && \
-		WAVESPLAT_CAPTURES=$(CURDIR)/.cache/gpu-captures cargo test --locked --quiet --workspace --test capture && \
-		cd web && npm run --silent browser
+		$(MAKE) --no-print-directory web/node_modules && \
+		WAVESPLAT_CAPTURES=$(CURDIR)/.cache/gpu-captures $(RUST_TESTS) --quiet --test capture && \
+		cd web && npm run --silent $(BROWSER)
 
-bench-viewer: $(STAMPS)/tools web/node_modules ## drag in Chromium before a server: frames, latency, errors; BENCH_VIEWER="--record" keeps it
+browser-test-all: $(STAMPS)/lab ## the same, of all that the page does, and its widget in JupyterLab; half an hour
+	@$(MAKE) --no-print-directory browser-test BROWSER=browser:all
+
+bench-viewer: $(STAMPS)/tools $(STAMPS)/released web/node_modules ## drag in Chromium before a server: frames, latency, errors; BENCH_VIEWER="--record" keeps it
 	python benches/viewer.py $(BENCH_VIEWER)
 
 viewer-pictures: $(STAMPS)/tools web/node_modules ## photograph the viewer: dark, light, narrow, magnified
@@ -274,37 +290,69 @@ clean: ## remove all that the recipes made
 
 # Parts of `test` and `check`; each runs alone.
 
-rust-test: $(STAMPS)/venv
-	cargo test --locked --workspace --no-fail-fast
+# With the features of the native module, so that the crates are compiled once for both: all of it, threads included.
+rust-test: $(STAMPS)/rust-tests
+	$(RUST_TESTS)
 
-python-test: $(STAMPS)/package $(STAMPS)/tools
+# All cases, with checks of overflow and assertions, as the compiler has them in tests by default.
+rust-test-asserted: $(STAMPS)/venv
+	WAVESPLAT_NIGHTLY=1 cargo test --locked --workspace --no-fail-fast
+
+python-test: $(STAMPS)/tools
 	pytest
 
+python-test-all: $(STAMPS)/tools
+	WAVESPLAT_NIGHTLY=1 pytest -m ""
+
+# Without threads for browsers, which holds the code for one thread of every system; on this one where the target is missing.
 rust-lint: $(STAMPS)/venv
 	cargo fmt --all --check
-	cargo clippy --locked --workspace --all-targets -- -D warnings
-	cargo clippy --locked -p wavesplat-splat --no-default-features -- -D warnings
-	cargo clippy --locked -p wavesplat-wavelet -p wavesplat-lod -p wavesplat --no-default-features -- -D warnings
+	cargo clippy --locked --profile checkout --workspace --all-targets -- -D warnings
+	@rustup target list --installed 2>/dev/null | grep -qx $(WASM) || rustup target add $(WASM) >/dev/null 2>&1 || \
+		echo "nothing is compiled for browsers: the standard library of $(WASM) is not there and cannot be fetched"
+	cargo clippy --locked --profile checkout $$(rustup target list --installed 2>/dev/null | grep -x $(WASM) | sed 's/^/--target /') \
+		-p wavesplat-splat -p wavesplat-wavelet -p wavesplat-lod -p wavesplat --no-default-features -- -D warnings
 
-docs: $(STAMPS)/tools
+rust-docs: $(STAMPS)/venv
 	RUSTDOCFLAGS="-D warnings" cargo doc --locked --workspace --no-deps --quiet
-	python docs/gallery.py --check
 
-python-lint: $(STAMPS)/package $(STAMPS)/tools
+python-lint: $(STAMPS)/tools
 	ruff check .
 	ruff format --check .
 	mypy
-	mypy --strict studies
-	mypy --strict docs
+	mypy --strict studies docs
 
-stubs: $(STAMPS)/package $(STAMPS)/tools
+gallery-check: $(STAMPS)/tools
+	python docs/gallery.py --check
+
+stubs: $(STAMPS)/tools
 	python -m mypy.stubtest wavesplat._native
 
 spelling: $(STAMPS)/tools
 	typos
 
-licences: .cache/bin/cargo-deny
+# What depends on few files, and is slow, runs where these differ from what it passed on last.
+licences:
+	@$(PYTHON) python/tools/unchanged.py licences || $(MAKE) --no-print-directory licences-anew
+
+licences-anew: .cache/bin/cargo-deny
 	cargo deny --locked --workspace check licenses bans sources
+
+kernels:
+	@$(PYTHON) python/tools/unchanged.py kernels || $(MAKE) --no-print-directory kernels-anew
+
+shaders:
+	@$(PYTHON) python/tools/unchanged.py shaders || $(MAKE) --no-print-directory shaders-anew
+
+shaders-anew:
+	cargo test --locked -p wavesplat-gpu --features translations --test shaders
+
+# Where a tool is missing that cannot be installed, the rest runs all the same.
+kernels-anew:
+	$(MAKE) --no-print-directory -j1 --keep-going $(KERNEL_CHECKS)
+
+passed: licences-anew shaders-anew kernels-anew ## run the slow checks of licences, shaders and kernels, and keep in .ci/passed.json that they passed
+	$(PYTHON) python/tools/unchanged.py --record licences shaders kernels
 
 # The databases of vulnerabilities are asked for over the net, so that this is no part of `check`.
 advisories: .cache/bin/cargo-deny $(STAMPS)/tools .cache/release-tools/done ## look for known vulnerabilities of crates, Python and npm packages; needs the net
@@ -352,12 +400,33 @@ $(STAMPS)/wheel-tools: $(STAMPS)/venv
 	@touch $@
 
 # Editable: changes of Python files need nothing, changes of Rust files a rebuild.
-$(STAMPS)/package: $(NATIVE_SOURCES) $(STAMPS)/venv
-	maturin develop --release --locked
+$(STAMPS)/module: $(NATIVE_SOURCES) | $(STAMPS)/venv
+	maturin develop --profile checkout --locked --skip-install
 	@touch $@
 
-$(STAMPS)/tools: pyproject.toml | $(STAMPS)/package
-	maturin develop --release --locked --extras dev
+$(STAMPS)/package: $(STAMPS)/module
+	maturin develop --profile checkout --locked
+	@touch $@
+
+# The kernels are compiled already, with the module.
+$(STAMPS)/rust-tests: $(STAMPS)/module
+	$(RUST_TESTS) --no-run
+	@touch $@
+
+# What `tools` installs, without the package, so that the compiler can work beside it.
+$(STAMPS)/dev-packages: pyproject.toml | $(STAMPS)/venv
+	python -c 'import tomllib; p = tomllib.load(open("pyproject.toml", "rb"))["project"]; print(*p["dependencies"], *p["optional-dependencies"]["dev"], sep="\n")' \
+		> $(STAMPS)/requirements.txt
+	$(BIN)/pip install --quiet -r $(STAMPS)/requirements.txt
+	@touch $@
+
+$(STAMPS)/tools: $(STAMPS)/module $(STAMPS)/dev-packages
+	maturin develop --profile checkout --locked --extras dev
+	@touch $(STAMPS)/package $@
+
+# The native module as it is released, with optimisation across crates, for what measures times.
+$(STAMPS)/released: $(NATIVE_SOURCES) | $(STAMPS)/package
+	maturin develop --release --locked
 	@touch $@
 
 # A notebook in which the widget is tried.
@@ -371,17 +440,17 @@ web/node_modules: web/package-lock.json
 
 # VTK is what the renderer is measured against.
 $(STAMPS)/bench: pyproject.toml | $(STAMPS)/package
-	maturin develop --release --locked --extras bench
+	maturin develop --profile checkout --locked --extras bench
 	@touch $@
 
 # What the studies plot with.
 $(STAMPS)/study: pyproject.toml | $(STAMPS)/package
-	maturin develop --release --locked --extras study
+	maturin develop --profile checkout --locked --extras study
 	@touch $@
 
 # What the documentation site is built with.
 $(STAMPS)/site: pyproject.toml | $(STAMPS)/package
-	maturin develop --release --locked --extras site
+	maturin develop --profile checkout --locked --extras site
 	@touch $@
 
 # Tools for what is released. cffconvert, which wants an old jsonschema, has an environment of its own.

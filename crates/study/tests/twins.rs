@@ -10,7 +10,7 @@ use wavesplat_splat::{render, render_base_planes};
 use wavesplat_study::reference::ablation::Ablation;
 use wavesplat_study::reference::raycast::{RaycastOptions, raycast};
 use wavesplat_study::reference::{original, project, splat};
-use wavesplat_testkit::{PROJECTIONS, Phantom, camera_towards, opacity_ramp, psnr_db};
+use wavesplat_testkit::{PROJECTIONS, Phantom, by_day, camera_towards, opacity_ramp, psnr_db};
 
 const ORTHOGRAPHIC: Projection = Projection::Orthographic { parallel_scale: 9.0 };
 const PERSPECTIVE: Projection = Projection::Perspective { view_angle_rad: 0.5 };
@@ -29,13 +29,12 @@ fn the_fast_path_equals_the_literal_splatter() {
             ..Shading::headlight()
         }),
     ];
+    let pairs = Kernel::NAMES.into_iter().flat_map(|(_, kernel)| shadings.iter().map(move |shading| (kernel, shading)));
     let mut n_compared = 0;
-    for (_, kernel) in Kernel::NAMES {
-        for shading in &shadings {
-            n_compared += check_twin(&phantom, &tf, kernel, shading.as_ref(), 1.0);
-        }
+    for (kernel, shading) in by_day(pairs, 2) {
+        n_compared += check_twin(&phantom, &tf, kernel, shading.as_ref(), 1.0);
     }
-    assert!(n_compared > 5000, "{n_compared} texels show something");
+    assert!(n_compared > 2500, "{n_compared} texels show something");
 }
 
 /// Checks base planes from three sides against the literal splatter; returns how many texels show something.
@@ -101,7 +100,7 @@ fn sparse_texels_equal_their_literal_twin() {
         let differences = [(Kernel::Linear, 1.0), (Kernel::Linear, 0.7), (Kernel::Bspline3, 1.0)];
         let differences = differences.map(|(kernel, offset)| (kernel, Gradient::Difference(offset)));
         let smoothed = Kernel::NAMES.map(|(_, kernel)| (kernel, Gradient::Smoothed(0.8)));
-        for (kernel, gradient) in differences.into_iter().chain(smoothed) {
+        for (kernel, gradient) in by_day(differences.into_iter().chain(smoothed), 2) {
             let shading = Shading { gradient, ..Shading::headlight() };
             let n_compared = check_twin(&phantom, &tf, kernel, Some(&shading), oversampling);
             assert!(n_compared > 100, "{kernel:?} {oversampling}: {n_compared} texels show something");

@@ -1,7 +1,7 @@
 """The gallery: pictures of the scans that come with the package, each with the command or the Python that drew it.
 
-`make gallery` draws them and writes `gallery.md` beside this file. `make gallery-check` only runs everything again, small, and
-compares the page, so that no command in it is out of date; the pictures of two machines may differ in a bit.
+`make gallery` draws them and writes `gallery.md` beside this file. `make gallery-check` only runs everything again,
+small, and compares the page, so that no command in it is out of date; the pictures of two machines may differ in a bit.
 """
 
 # ruff: noqa: INP001 - a script, not a package

@@ -19,8 +19,8 @@ from command_server import CommandServer, can_fork
 from hypothesis import HealthCheck, settings
 
 # Other processes may hold the cores at any moment: how long an example takes says nothing about what it tests.
-settings.register_profile("shared_machine", deadline=None, suppress_health_check=[HealthCheck.too_slow])
-settings.load_profile("shared_machine")
+for name, n in (("day", 30), ("night", 300)):
+    settings.register_profile(name, max_examples=n, deadline=None, suppress_health_check=[HealthCheck.too_slow])
 # The cache of lazy volumes, and the list of recent files, must not come from, or go to, the user's own folder.
 os.environ["XDG_CACHE_HOME"] = tempfile.mkdtemp(prefix="wavesplat-tests-")
 os.environ["XDG_STATE_HOME"] = os.environ["XDG_CACHE_HOME"]
@@ -110,6 +110,12 @@ def pytest_configure(config):
     """Run what is named case by case, `file::test`, also where it is of the night."""
     if config.option.markexpr == "not nightly" and config.args and all("::" in name for name in config.args):
         config.option.markexpr = "nightly or not nightly"
+    settings.load_profile("night" if of_night(config) else "day")
+
+
+def of_night(config):
+    """Whether tests of the night run too, or alone."""
+    return config.option.markexpr in ("", "nightly")
 
 
 @pytest.hookimpl(tryfirst=True)
@@ -117,6 +123,12 @@ def pytest_collection_modifyitems(config, items):
     """Before cases are left out by their marks, mark those that are of the night."""
     if config.option.markexpr != "":
         mark_the_rest(items)
+
+
+@pytest.fixture(scope="session")
+def is_night(request):
+    """Whether tests of the night run too: what takes long has more steps then."""
+    return of_night(request.config)
 
 
 @pytest.fixture(scope="session")

@@ -89,9 +89,9 @@ JSON_DAMAGE = st.lists(JSON_CHANGES, min_size=1, max_size=3)
 
 
 def fuzz(n, check, *strategies):
-    """Check `n` examples of what the strategies draw, or as many as FUZZ_SECONDS allow."""
+    """Check `n` examples of what the strategies draw, few by day, or as many as FUZZ_SECONDS allow."""
     settings = hypothesis.settings(
-        max_examples=N_OF_PART if SECONDS else n,
+        max_examples=N_OF_PART if SECONDS else min(n, hypothesis.settings().max_examples),
         derandomize=not SECONDS,
         database=None,
         deadline=None,

@@ -4,7 +4,7 @@ import sys
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 from tiff_pixels import tiff_pixels
 
@@ -47,7 +47,6 @@ def test_presets_are_their_mixture(name):
     check_mixture(ws.Materials.preset(name), np.linspace(-1200, 3000, 8401))
 
 
-@settings(max_examples=150)
 @given(st.lists(st.tuples(curves, st.tuples(unit, unit, unit), unit), min_size=1, max_size=4))
 def test_any_materials_are_their_mixture(parts):
     materials = ws.Materials(ws.Material(str(n), *part) for n, part in enumerate(parts))

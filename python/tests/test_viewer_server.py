@@ -15,7 +15,7 @@ import pytest
 import tornado.httpclient
 import tornado.websocket
 import viewer_fakes
-from hypothesis import given, settings
+from hypothesis import given
 from hypothesis import strategies as st
 
 from wavesplat._viewer.framing import MAX_BYTES, packed, unpacked
@@ -329,7 +329,6 @@ def test_messages_go_and_come():
     assert unpacked(packed(header, payload)) == (header, payload)
 
 
-@settings(max_examples=300)
 @given(st.binary(max_size=200))
 def test_any_bytes_are_a_message_or_refused(data):
     try:
@@ -345,7 +344,6 @@ WORDS = st.sampled_from(["patch", "view", "shown", "ask", "cancel", "3d"])
 LISTS = st.lists(st.integers() | st.dictionaries(st.text(max_size=3), st.integers()), max_size=3)
 
 
-@settings(max_examples=100, deadline=None)
 @given(st.dictionaries(st.sampled_from(NAMES), PLAIN | WORDS | LISTS))
 def test_any_header_is_taken_or_refused(session, header):
     page = viewer_fakes.Page(session)

@@ -185,7 +185,7 @@ PATHS = st.sampled_from(
 )  # fmt: skip
 
 
-@settings(max_examples=300, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture])
+@settings(suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(path=PATHS, value=JSON, kind=st.sampled_from(["add", "replace", "remove", "move"]))
 def test_whatever_comes_is_taken_or_refused(state, path, value, kind):
     with contextlib.suppress(ArgumentError):

@@ -7,6 +7,9 @@ from foreign_fakes import of_library
 import wavesplat as ws
 from wavesplat.errors import ArgumentError, FileError
 
+# VTK, PyVista and xarray take seconds to load: one process does.
+pytestmark = pytest.mark.xdist_group("vtk")
+
 #: Boxes of three levels: level, lowest corner, cells x, y, z. Sides of cells are 1, 1/2, 1/4.
 BOXES = [
     (0, (0, 0, 0), (8, 6, 4)),

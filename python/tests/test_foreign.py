@@ -21,6 +21,9 @@ import wavesplat as ws
 from wavesplat._model.volume_like import as_volume
 from wavesplat.errors import ArgumentError, FileError
 
+# VTK, PyVista and xarray take seconds to load: one process does.
+pytestmark = pytest.mark.xdist_group("vtk")
+
 SAMPLES = np.random.default_rng(5).integers(-900, 900, (4, 5, 6)).astype(np.int16)
 #: Numbers of files in memory.
 NUMBERS = itertools.count()

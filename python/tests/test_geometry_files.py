@@ -10,6 +10,9 @@ import pytest
 
 import wavesplat as ws
 
+# VTK, PyVista and xarray take seconds to load: one process does.
+pytestmark = pytest.mark.xdist_group("vtk")
+
 FileError, ArgumentError = ws.errors.FileError, ws.errors.ArgumentError
 
 

@@ -13,6 +13,9 @@ import scipy.io
 import wavesplat as ws
 from wavesplat.errors import FileError
 
+# VTK, PyVista and xarray take seconds to load: one process does.
+pytestmark = pytest.mark.xdist_group("vtk")
+
 #: Coordinates along x, y, z of even grids, and of uneven ones.
 EVEN = (0.5 + 0.25 * np.arange(6), -1 + 0.5 * np.arange(5), 2.0 + 1.5 * np.arange(4))
 UNEVEN = (0.5 + 0.25 * np.arange(6) ** 1.3, EVEN[1], EVEN[2])

@@ -9,6 +9,9 @@ import wavesplat as ws
 from wavesplat.errors import ArgumentError
 
 xarray = pytest.importorskip("xarray")
+
+# VTK, PyVista and xarray take seconds to load: one process does.
+pytestmark = pytest.mark.xdist_group("vtk")
 SAMPLES = np.random.default_rng(2).integers(0, 99, (4, 5, 6)).astype(np.uint8)
 COORDINATES = {
     "z": ("z", 30 + 1.5 * np.arange(4), {"units": "um"}),

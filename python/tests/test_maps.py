@@ -9,6 +9,9 @@ from wavesplat.errors import ArgumentError, FileError
 
 xarray = pytest.importorskip("xarray")
 
+# VTK, PyVista and xarray take seconds to load: one process does.
+pytestmark = pytest.mark.xdist_group("vtk")
+
 SHAPE = (5, 6, 8)
 #: White noise of two signs, of one sign, and a ball without noise: what a look takes for different kinds of data.
 NOISE = np.random.default_rng(1).normal(size=SHAPE).astype(np.float32)

@@ -12,6 +12,9 @@ import wavesplat as ws
 from wavesplat import _cli
 from wavesplat.errors import ArgumentError, FileError
 
+# VTK, PyVista and xarray take seconds to load: one process does.
+pytestmark = pytest.mark.xdist_group("vtk")
+
 #: Sizes of time, lev, lat, lon, and the packing of the values.
 SHAPE = (3, 4, 5, 6)
 SCALE, OFFSET, FILL = 0.01, 250.0, -32767

@@ -11,6 +11,9 @@ from vti_files import save_vti
 import wavesplat as ws
 from wavesplat.errors import ArgumentError, FileError
 
+# VTK, PyVista and xarray take seconds to load: one process does.
+pytestmark = pytest.mark.xdist_group("vtk")
+
 SAMPLES = np.random.default_rng(3).integers(0, 250, (6, 7, 9)).astype(np.int16)
 
 

@@ -16,6 +16,9 @@ from vtkmodules.util.numpy_support import numpy_to_vtk, vtk_to_numpy
 from vtkmodules.vtkCommonCore import vtkPoints
 from vtkmodules.vtkFiltersCore import vtkAppendFilter, vtkProbeFilter
 
+# VTK, PyVista and xarray take seconds to load: one process does.
+pytestmark = pytest.mark.xdist_group("vtk")
+
 #: Samples along z, y, x, and their places.
 SHAPE = (4, 5, 6)
 EVEN = {"x": 0.5 + 0.25 * np.arange(6), "y": -1 + 0.5 * np.arange(5), "z": 2.0 * np.arange(4)}

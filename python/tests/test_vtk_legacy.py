@@ -8,6 +8,9 @@ import pytest
 import wavesplat as ws
 from wavesplat._readers import vtk_legacy
 
+# VTK, PyVista and xarray take seconds to load: one process does.
+pytestmark = pytest.mark.xdist_group("vtk")
+
 SAMPLES = np.random.default_rng(2).integers(0, 100, (3, 4, 5))
 PLACE = "DIMENSIONS 5 4 3\nSPACING 0.5 2 3\nORIGIN 7 8 9\n"
 #: The format's names of types -> NumPy's types of their bytes.

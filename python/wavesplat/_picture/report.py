@@ -37,57 +37,61 @@ FIELDS: dict[str, Field] = {
     # What is shown.
     "size": Field(PIXELS, "Width and height, pixels."),
     "pixel": Field(NUMBER, "Distance of neighbouring pixels, world units; in perspective in the focal plane."),
-    "unit": Field(_or_none(TEXT), "Unit of the world's lengths; none where unknown."),
+    "unit": Field(_or_none(TEXT), "Unit of the world's lengths; none if unknown."),
     "anatomical": Field(FLAG, "Whether the world's axes are a patient's: x to the right, y to the front, z up."),
     "camera": Field(OBJECT, "The camera, as `Camera.from_json` takes it; slices have none."),
     "stereo": Field(
         OBJECT,
-        "Of two eyes: layout, distance of the eyes, and of the plane without parallax, world units; null is infinity.",
+        "Two eyes: layout, distance of the eyes, distance of the plane without parallax, world units; null is "
+        "infinity.",
     ),
-    "panorama": Field(FLAG, "Whether it shows all around, longitudes and latitudes."),
+    "panorama": Field(FLAG, "Whether the picture is a panorama, of longitudes and latitudes."),
     "background": Field(
-        _or_none({"anyOf": [{"type": "array", "items": NUMBER}, TEXT]}), "Colour behind all; none is transparent."
+        _or_none({"anyOf": [{"type": "array", "items": NUMBER}, TEXT]}),
+        "Colour of the background; none is transparent.",
     ),
     "look": Field(OBJECT, "Name of the first layer's look, and the reason why it was chosen."),
-    "layers": Field(OBJECTS, "Of several layers a report each; of slices name, opacity, time and processing of each."),
+    "layers": Field(OBJECTS, "Several layers: a report of each; on slices name, opacity, time and processing of each."),
     "shown": Field(OBJECTS, "The visible layers: name, unit of values, operator, and the colours of values."),
     "geometry": Field(
         OBJECTS,
-        "What stands in space with the volumes: kind, name, number of parts; `visible` is false of hidden ones.",
+        "Surfaces, lines, points, slices and frames: kind, name, number of parts; `visible` is false for hidden ones.",
     ),
     "geometry_colors": Field(
         OBJECTS,
-        "Of what stands in space and has values: kind, name, what they are (`quantity`), unit, and colours of values.",
+        "Geometry with values: kind, name, quantity, unit, and colours of values.",
     ),
-    "labels": Field(OBJECTS, "Names and colours of the labels that show; of slices those in them."),
-    "time": Field(OBJECT, "Of a time point: its number, and its time with the unit as text."),
-    "panels": Field(OBJECTS, "Of a lightbox plane, position and place on the sheet, in pixels, of each slice."),
-    "lines": Field(OBJECTS, "Names and colours of the contours and isolines that show."),
-    "processing": Field(TEXTS, "What was done to the samples before, a sentence each (`Facts.processing`)."),
-    "resampled": Field(TEXTS, "Names of layers that were resampled onto the first one's axes."),
-    "notes": Field(TEXTS, "What a user should know, a sentence each: why nothing shows, or why the CPU drew."),
+    "labels": Field(OBJECTS, "Names and colours of the visible labels; on slices, of the labels in the slice."),
+    "time": Field(OBJECT, "Number of the time point, and its time with the unit as text."),
+    "panels": Field(OBJECTS, "Lightbox: plane, position and place on the sheet, in pixels, of each slice."),
+    "lines": Field(OBJECTS, "Names and colours of the visible contours and isolines."),
+    "processing": Field(TEXTS, "Earlier processing of the samples, a sentence each (`Facts.processing`)."),
+    "resampled": Field(TEXTS, "Names of layers that were resampled onto the axes of the first."),
+    "notes": Field(TEXTS, "Notes for the user, a sentence each: why nothing is visible, or why the CPU drew."),
     "scene": Field(
         OBJECT,
-        "The scene as a document that draws the same picture beside its data (`Scene.from_json`); without folders.",
+        "The scene as a document that draws the same picture (`Scene.from_json`), without folders.",
     ),
     "version": Field(TEXT, "Version of Wavesplat that drew the picture."),
     # How it was drawn.
-    "quality": Field({"type": ["string", "object"]}, "Quality that was asked for; of a PSNR the sampling it took."),
+    "quality": Field(
+        {"type": ["string", "object"]}, "Quality that was asked for; with `psnr` the sampling that was chosen."
+    ),
     "kernel": Field(TEXT, "Reconstruction between samples."),
     "composite": Field(TEXT, "Operator along the rays."),
-    "local_threshold": Field(NUMBER, "Of local maxima: the value from which a maximum counts."),
+    "local_threshold": Field(NUMBER, "Local maxima: the least value that counts as a maximum."),
     "depth_shading": Field(
-        TWO, "Of depth-shaded maxima: share of light that is lost at the back; value that is black."
+        TWO, "Depth-shaded maxima: fraction of light that is lost at the back; value that is black."
     ),
     "depth_colors": Field(
         OBJECT,
-        "Of maxima in depth colours: colour map; axis, none for the view; range of places, world units: coordinates "
-        "along the axis, or depths along the view.",
+        "Maxima in depth colours: colour map; axis, none for the view; range in world units: coordinates along "
+        "the axis, or depths along the view.",
     ),
     "attenuated": Field(
-        THREE, "Of attenuated maxima: value that dims nothing; value that dims most; its optical depth per world unit."
+        THREE, "Attenuated maxima: value that dims nothing; value that dims most; its optical depth per world unit."
     ),
-    "attenuation": Field(TWO, "Of X-rays: value that is clear; optical depth per unit of value and of the world."),
+    "attenuation": Field(TWO, "X-rays: value that is transparent; optical depth per unit of value and of the world."),
     "sheets_per_slice": Field(NUMBER, "Sheets for each distance of slices."),
     "oversampling": Field(NUMBER, "Texels for each pixel, along each side."),
     "expected_psnr_db": Field(
@@ -97,49 +101,53 @@ FIELDS: dict[str, Field] = {
     ),
     "expected_psnr_spread_db": Field(
         NUMBER,
-        "With `psnr`: standard deviation of that estimate over the measured tiles, dB; it leaves out what the finer "
-        "picture that they were compared with lacks.",
+        "With `psnr`: standard deviation of that estimate over the measured tiles, dB, without the error of "
+        "the finer picture that they were compared with.",
     ),
     "measured": Field(_or_none(OBJECT), "With `psnr`: errors that were measured, for the next pictures."),
-    "device": Field(OBJECT, "What drew: `name`, and `reason` why it was the CPU; of a GPU also what it took."),
+    "device": Field(
+        OBJECT, "Device that drew: `name`, and `reason` why it was the CPU; for a GPU also its resources and times."
+    ),
     # What it took.
     "seconds": Field(
         OBJECT,
-        "Times of the stages: `prepare` (bounds of bricks, spline coefficients; next to nothing after the first "
+        "Times of the stages: `prepare` (bounds of bricks, spline coefficients; almost 0 after the first "
         "picture), `plan`, `draw` and `warp`.",
     ),
-    "n_texels": Field(WHOLE, "Texels of sheets that were looked at."),
-    "n_skipped_slabs": Field(WHOLE, "Slabs of tiles, or of parts of tiles on 16 threads or more, that show nothing."),
+    "n_texels": Field(WHOLE, "Texels of sheets that were computed."),
+    "n_skipped_slabs": Field(
+        WHOLE, "Slabs of tiles, or of parts of tiles on 16 threads or more, without visible samples."
+    ),
     "n_base_planes": Field(WHOLE, "Base planes: one, or up to three in perspective."),
     "n_base_texels": Field(WHOLE, "Texels of the base planes."),
     "n_sheets": Field({"type": "array", "items": WHOLE}, "Sheets of each base plane."),
-    "n_planes": Field(WHOLE, "Of a slice: planes that were combined; 1 unless it is a slab."),
-    "n_splats": Field(WHOLE, "Of standard splatting: samples that were splatted."),
-    "n_fragments": Field(WHOLE, "Of surfaces, lines and points: places where they meet the rays."),
-    "n_joined_rays": Field(WHOLE, "Rays that meet more surfaces than are kept apart, so that deeper ones are joined."),
-    "n_nonfinite_samples": Field(WHOLE, "Samples that are no numbers, or infinite."),
+    "n_planes": Field(WHOLE, "Slice: number of combined planes; 1 unless it is a slab."),
+    "n_splats": Field(WHOLE, "Standard splatting: samples that were splatted."),
+    "n_fragments": Field(WHOLE, "Surfaces, lines and points: intersections with rays."),
+    "n_joined_rays": Field(WHOLE, "Rays with more surfaces than are kept separately, so that deeper ones are joined."),
+    "n_nonfinite_samples": Field(WHOLE, "Samples that are NaN or infinite."),
     "n_threads": Field(WHOLE, "Threads that drew."),
     "simd": Field(TEXT, "Vector instructions of the processor that were used."),
-    "lazy": Field(OBJECT, "Of lazy volumes: levels, origin of bounds, bytes read, blocks, seconds and waiting."),
+    "lazy": Field(OBJECT, "Lazy volumes: levels, origin of bounds, bytes read, blocks, seconds and waiting."),
     "holes": Field(TEXTS, "Samples that could not be read, a sentence each."),
-    "is_final": Field(FLAG, "Of `wavesplat.progressive`: whether it is the last picture."),
+    "is_final": Field(FLAG, "`wavesplat.progressive`: whether it is the last picture."),
     # Slices.
-    "position": Field(NUMBER, "Of a slice: where the plane crosses its axis, world units."),
-    "normal": Field(THREE, "Of a slice: unit vector at right angles to the plane."),
-    "origin": Field(THREE, "Of a slice: world position of the centre of the first pixel."),
-    "right": Field(THREE, "Of a slice: unit vector of the world along the rows of pixels."),
-    "down": Field(THREE, "Of a slice: unit vector of the world down the columns of pixels."),
-    "letters": Field(_or_none(OBJECT), "Of a slice: the patient's sides at the edges; none without anatomy."),
-    "window": Field(TWO, "Of a slice: level and width of the values that are shown."),
-    "clim": Field(TWO, "Of a slice: the values shown as black and as white."),
-    "compared": Field(OBJECT, "Of a slice of two scans: name of the second one, in squares or subtracted."),
+    "position": Field(NUMBER, "Slice: where the plane crosses its axis, world units."),
+    "normal": Field(THREE, "Slice: unit vector at right angles to the plane."),
+    "origin": Field(THREE, "Slice: world position of the centre of the first pixel."),
+    "right": Field(THREE, "Slice: unit vector of the world along the rows of pixels."),
+    "down": Field(THREE, "Slice: unit vector of the world down the columns of pixels."),
+    "letters": Field(_or_none(OBJECT), "Slice: the patient's sides at the edges; none without anatomy."),
+    "window": Field(TWO, "Slice: level and width of the values that are shown."),
+    "clim": Field(TWO, "Slice: the values shown as black and as white."),
+    "compared": Field(OBJECT, "Slice of two scans: name of the second one, in squares or subtracted."),
     # Figures, and pictures over each other.
-    "scale_bar": Field(OBJECT, "Of a figure: length, pixels and text of its scale bar."),
-    "over": Field(OBJECT, "Of a picture over another: the report of the upper one."),
+    "scale_bar": Field(OBJECT, "Figure: length, pixels and text of its scale bar."),
+    "over": Field(OBJECT, "Picture over another: the report of the upper one."),
     # Studies.
-    "method": Field(TEXT, "Of studies: the method that drew."),
-    "buffer": Field(TEXT, "Of standard splatting: how its sheets lie."),
-    "view_angle_correction": Field(FLAG, "Of studies: whether opacities are corrected for the angle of the view."),
+    "method": Field(TEXT, "Studies: the method that drew."),
+    "buffer": Field(TEXT, "Standard splatting: how its sheets lie."),
+    "view_angle_correction": Field(FLAG, "Studies: whether opacities are corrected for the angle of the view."),
 }
 
 

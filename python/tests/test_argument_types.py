@@ -2,6 +2,7 @@
 
 import pytest
 
+import wavesplat as ws
 from wavesplat._model.argument_types import takes_its_types
 from wavesplat.errors import ArgumentError
 
@@ -40,3 +41,17 @@ def test_values_are_held_to_annotations(annotation, right, wrong, message):
 def test_an_annotation_that_nobody_knows_is_an_error_where_the_function_is_defined(annotation):
     with pytest.raises(TypeError, match="add .* to KINDS or CHECKED_BY_FUNCTIONS"):
         annotated(annotation)
+
+
+def test_texts_and_switches_are_no_numbers_anywhere():
+    for given in ("2", True, b"2", None, [2], 10**400):
+        for wrong in (
+            lambda given=given: ws.Channel(emission_nm=given or "0"),
+            lambda given=given: ws.FirstHit(given),
+            lambda given=given: ws.ClipPlane((0, 0, given), (0, 0, 1)),
+            lambda given=given: ws.TransferFunction([(0, 0), (given, 1)], [(0, 1, 1, 1)]),
+            lambda given=given: ws.Points([(0, 0, 0)], opacity=given),
+        ):
+            with pytest.raises(ArgumentError, match=" is .*; give "):
+                wrong()
+    assert ws.ClipPlane((0, 0, 1e30), (0, 0, 1)).point[2] == 1e30

@@ -287,7 +287,7 @@ def test_what_is_cut_out_is_a_finite_box():
         ws.CutOut("left")
     with pytest.raises(ArgumentError, match="give finite numbers"):
         ws.CutOut(ws.Crop((0, 0, 0), (1, 1, np.inf)))
-    with pytest.raises(ArgumentError, match="clip plane: .*a normal that is not zero"):
+    with pytest.raises(ArgumentError, match="clip plane has .*a normal that is not zero"):
         ws.ClipPlane((0, 0, 0), (0, 0, 0))
 
 

@@ -314,10 +314,10 @@ def test_python_and_the_renderer_know_the_same_operators():
     ("operator", "numbers", "message"),
     [
         (ws.FirstHit, (float("nan"),), "iso_value of FirstHit is nan; give a finite number"),
-        (ws.FirstHit, ("high",), "iso_value of FirstHit is 'high'; give a number"),
+        (ws.FirstHit, ("high",), "iso_value of FirstHit is 'high'; give a finite number"),
         (ws.LocalMaximum, (float("nan"),), "threshold.*finite"),
         (ws.DepthShadedMaximum, (1.5,), "strength.*between 0 and 1"),
-        (ws.XRay, ("a",), "clear of XRay is 'a'; give a number"),
+        (ws.XRay, ("a",), "clear of XRay is 'a'; give a finite number"),
         (ws.XRay, (0, -1), "attenuation.*positive number"),
         (ws.XRay, (float("inf"), 1), "clear.*finite"),
     ],

@@ -295,7 +295,7 @@ def test_series_of_volumes():
         (ws.Volume(SAMPLES[0]), {}, "volumes of a series are a Volume"),
         ([ws.Volume(SAMPLES[0])], {"times": [1, 2]}, "2 times are given for 1 volumes"),
         ([ws.Volume(SAMPLES[0])], {"times": [np.nan]}, "finite"),
-        ([ws.Volume(SAMPLES[0])], {"times": "x"}, "times of a series are 'x'"),
+        ([ws.Volume(SAMPLES[0])], {"times": "x"}, "times of a series is 'x'"),
     ],
 )
 def test_what_is_no_series(volumes, more, message):

@@ -145,7 +145,7 @@ def test_holes_and_levels_that_are_not_there_are_refused():
         wavelets.level(4)
     with pytest.raises(ws.errors.ArgumentError, match="at most 4 finite numbers"):
         wavelets.bands([1] * 5)
-    with pytest.raises(ws.errors.ArgumentError, match="weights of bands are 'ab'; give numbers"):
+    with pytest.raises(ws.errors.ArgumentError, match="weights of bands is 'ab'; give numbers"):
         wavelets.bands("ab")
     with pytest.raises(ws.errors.ArgumentError, match="volume: wavelet coefficients are no samples; decode them first"):
         ws.WaveletVolume.from_volume(wavelets)

@@ -13,6 +13,7 @@ from typing import Any, TypeVar
 from wavesplat._files import json_text
 from wavesplat._files.output import write_atomically
 from wavesplat._files.paths import read_text
+from wavesplat._files.values import is_number
 from wavesplat.errors import ArgumentError
 
 __all__ = ["check_fields", "check_list", "compact", "load", "names_in", "optional_number", "parse", "save", "write"]
@@ -89,7 +90,7 @@ def check_list(document: dict[str, Any], what: str, name: str, form: str) -> Non
 def optional_number(document: dict[str, Any], what: str, name: str) -> float | None:
     """The number in a field; None if it is null or not there."""
     number: Any = document.get(name)
-    if number is not None and (isinstance(number, bool) or not isinstance(number, int | float)):
+    if number is not None and not is_number(number):
         raise ArgumentError(f"{what}: field {name!r} is {number!r}; it must be a number or null")
     return number
 

@@ -8,17 +8,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from typing import Any, TypeGuard
+from typing import Any
 
 from wavesplat.errors import ArgumentError
 
-__all__ = ["check_values", "decode", "decode_syntax", "is_number", "is_text"]
+__all__ = ["check_values", "decode", "decode_syntax", "is_text"]
 
 #: The largest whole number of a document: the largest float64.
 MAX_WHOLE = int(1.7976931348623157e308)
-#: The largest number of a scene: samples may be 1e14 units apart, and 1e12 times that from the origin. Its square is
-#: still far from the largest float64. `web/src/state/checks.ts` has the same.
-LARGEST_NUMBER = 1e30
 #: Letters of a path that fit in a message.
 MAX_PATH = 100
 
@@ -78,13 +75,6 @@ def check_values(value: Any, what: str) -> None:
                 pending.append((part, (steps, name)))
         elif isinstance(found, list | tuple):
             pending.extend((part, (steps, number)) for number, part in enumerate(found))
-
-
-def is_number(value: object) -> TypeGuard[float]:
-    """Whether a value in a document is a number of absolute value up to `LARGEST_NUMBER`; booleans are not."""
-    if not isinstance(value, int | float) or isinstance(value, bool):
-        return False
-    return -LARGEST_NUMBER <= value <= LARGEST_NUMBER
 
 
 def is_text(text: str) -> bool:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from math import isfinite
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -14,7 +13,6 @@ from wavesplat.errors import ArgumentError
 __all__ = [
     "check_count",
     "checked_positions",
-    "checked_share",
     "checked_size",
     "checked_values",
     "frozen",
@@ -88,17 +86,6 @@ def checked_values(given: Any, n: int, what: str, each: str) -> Floats:
     if array.shape != (n,):
         raise ArgumentError(f"{what} has shape {array.shape}, and there are {n}; give {form}")
     return frozen(np.where(np.isfinite(array), array, np.nan))
-
-
-def checked_share(number: object, what: str) -> float:
-    """A number 0..1."""
-    try:
-        share = float("nan") if isinstance(number, str | bool) else float(number)  # type: ignore[arg-type]
-    except (TypeError, ValueError, OverflowError):
-        share = float("nan")
-    if not (isfinite(share) and 0 <= share <= 1):
-        raise ArgumentError(f"{what} is {described(number)}; give a number 0..1: 1 is opaque, 0 leaves it out")
-    return share
 
 
 def checked_size(given: Any, n: int, what: str) -> float | Floats:

@@ -7,7 +7,7 @@ from copy import copy
 from dataclasses import fields, replace
 from typing import TYPE_CHECKING, Any, ClassVar
 
-from wavesplat._geometry.positions import checked_share
+from wavesplat._files.values import share
 from wavesplat._model.argument_types import check_text, described
 from wavesplat.errors import ArgumentError
 
@@ -105,7 +105,8 @@ class Shape:
             given = getattr(self, switch, None)
             if not isinstance(given, bool | None):
                 raise ArgumentError(f"{switch} of {self._title} is {described(given)}; give True or False")
-        self._set(opacity=checked_share(getattr(self, "opacity", 1.0), f"opacity of {self._title}"))
+        form = "a number 0..1: 1 is opaque, 0 leaves it out"
+        self._set(opacity=share(getattr(self, "opacity", 1.0), f"opacity of {self._title}", form))
 
 
 def is_one(name: str, value: Any) -> bool:

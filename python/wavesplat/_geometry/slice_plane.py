@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import KW_ONLY, dataclass
-from operator import index
 from typing import Any, ClassVar
 
-import numpy as np
-
+from wavesplat._files.values import whole
 from wavesplat._geometry.shape import Shape
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model.argument_types import described
 from wavesplat._model.series import Series
+from wavesplat._model.vectors import point_and_normal
 from wavesplat._model.views import named_plane
 from wavesplat._model.volume_like import as_volume
 from wavesplat._public import public
@@ -98,7 +97,7 @@ class SlicePlane(Shape):
         if self.position is not None and self.index is not None:
             raise ArgumentError(f"position and index of {self._title} both say where it lies; give one of them")
         if self.index is not None:
-            self._set(index=_whole(self.index, f"index of {self._title}"))
+            self._set(index=whole(self.index, f"index of {self._title}", "a whole number, from 0"))
             if not isinstance(self.plane, str):
                 raise ArgumentError(
                     f"index of {self._title} counts slices, and an oblique plane has none; give position"
@@ -122,18 +121,7 @@ class SlicePlane(Shape):
 def _point_and_normal(plane: Any) -> Any:
     form = "the name of a plane, or (point, normal), three numbers each"
     try:
-        point, normal = (tuple(float(x) for x in part) for part in plane)
-    except (TypeError, ValueError, OverflowError):
+        point, normal = plane
+    except (TypeError, ValueError):
         raise ArgumentError(f"plane is {described(plane)}; give {form}") from None
-    if len(point) != 3 or len(normal) != 3 or not np.isfinite([*point, *normal]).all() or not any(normal):
-        raise ArgumentError(f"plane is {described(plane)}; give {form}: finite, and a normal that is not zero")
-    return point, normal
-
-
-def _whole(number: Any, what: str) -> int:
-    try:
-        if isinstance(number, bool):
-            raise TypeError
-        return index(number)
-    except TypeError:
-        raise ArgumentError(f"{what} is {described(number)}; give a whole number, from 0") from None
+    return point_and_normal(point, normal, "plane")

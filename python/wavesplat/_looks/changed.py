@@ -14,17 +14,16 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import replace
-from math import isfinite
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._files.values import positive
 from wavesplat._looks import colormaps, histogram
 from wavesplat._looks.channels import is_ramp
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.window_ends import End, values_of
-from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -39,6 +38,8 @@ N_PARTS = 8
 #: Share of white in what exposure makes of a channel's colour beyond 1: with all of it hues of mixtures turned by 9
 #: degrees, with half by 5.
 CHANNEL_WHITE = 0.5
+#: What factors are, in messages.
+NEUTRAL = "a positive number, 1 changes nothing"
 
 
 def changed(
@@ -51,9 +52,8 @@ def changed(
     exposure: float,
 ) -> Look:
     """See `Look.changed`."""
-    for name, number in (("gamma", gamma), ("exposure", exposure)):
-        if not (isfinite(number) and number > 0):
-            raise ArgumentError(f"{name} is {described(number)}; give a positive number, 1 changes nothing")
+    positive(gamma, "gamma", NEUTRAL)
+    positive(exposure, "exposure", NEUTRAL)
     if window is None and gamma == 1 and opacity is None and exposure == 1:
         return look
     if look.shading is not None and exposure != 1:

@@ -10,13 +10,13 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from difflib import get_close_matches
 from functools import cache
-from math import isfinite
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files.notes import warn
+from wavesplat._files.values import positive
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._looks.window_ends import End, values_of
 from wavesplat._model.argument_types import described
@@ -60,8 +60,7 @@ def transfer_function(
     opacity_unit: float | None,
 ) -> TransferFunction:
     """See `TransferFunction.from_colormap`."""
-    if not (isfinite(gamma) and gamma > 0):
-        raise ArgumentError(f"gamma is {gamma}; give a positive number, 1 changes nothing")
+    positive(gamma, "gamma", "a positive number, 1 changes nothing")
     low, high = _limits(volume, clim, log=log)
     places, colors = colors_of(name)
 

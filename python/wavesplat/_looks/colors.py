@@ -6,6 +6,7 @@ import re
 from collections.abc import Iterable, Mapping
 from typing import Any, TypeAlias
 
+from wavesplat._files import values
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
@@ -51,7 +52,10 @@ def _parse_text(text: str) -> Rgba:
         return _checked((byte / 255 for byte in bytes.fromhex(text[1:])), text)
     if text in (web := _web_colors()):
         return _checked((byte / 255 for byte in bytes.fromhex(web[text][1:])), text)
-    return _checked(text.split(","), text)
+    try:
+        return _checked([float(part) for part in text.split(",")], text)
+    except ValueError:
+        return _checked((), text)
 
 
 def _web_colors() -> Mapping[str, Any]:
@@ -63,10 +67,10 @@ def _web_colors() -> Mapping[str, Any]:
 
 def _checked(numbers: Iterable[Any], given: object) -> Rgba:
     try:
-        channels = [float(number) for number in numbers]
-    except (TypeError, ValueError, OverflowError):
-        channels = []
-    if len(channels) not in (3, 4) or not all(0 <= channel <= 1 for channel in channels):
+        channels = values.numbers(numbers, "color", least=0, most=1)
+    except ArgumentError:
+        channels = ()
+    if len(channels) not in (3, 4):
         raise ArgumentError(
             f'color is {described(given)}; give (r, g, b) or (r, g, b, a) with numbers 0..1, "#rrggbb", black, white, '
             "grey, red, green, blue, cyan, magenta, yellow, orange, transparent or one of web pages (skyblue)"

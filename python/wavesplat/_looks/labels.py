@@ -17,6 +17,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
 from wavesplat._files.patterns import matching_files
+from wavesplat._files.values import share
 from wavesplat._looks import colors, label_grids, label_names
 from wavesplat._looks.default_colors import label_color
 from wavesplat._looks.label_files import opened_segmentation
@@ -111,10 +112,10 @@ class Label:
             raise ArgumentError(f"label {name!r}: the colour is {described(color)}; give (r, g, b), #rrggbb or a name")
         object.__setattr__(self, "color", rgba[:3])
         object.__setattr__(self, "name", str(name))
-        object.__setattr__(self, "opacity", _share(opacity, name, "opacity"))
+        object.__setattr__(self, "opacity", share(opacity, f"label {name!r}: opacity"))
         left = (0.0 if self.opacity > 0 else 1.0) if scan is None else scan
-        object.__setattr__(self, "scan", _share(left, name, "scan"))
-        object.__setattr__(self, "tint", _share(tint, name, "tint"))
+        object.__setattr__(self, "scan", share(left, f"label {name!r}: scan"))
+        object.__setattr__(self, "tint", share(tint, f"label {name!r}: tint"))
 
 
 @public
@@ -518,16 +519,6 @@ def _segmentation_of(labels: Labels) -> Volume | NDArray[np.int64]:
     volume = Volume(samples, world_from_index=labels.world_from_index, name="labels", facts=labels._facts)
     volume._source = labels._source
     return volume
-
-
-def _share(number: float, name: str, what: str) -> float:
-    try:
-        share = float(number)
-    except (TypeError, ValueError, OverflowError):
-        share = float("nan")
-    if not 0 <= share <= 1:
-        raise ArgumentError(f"label {name!r}: {what} is {described(number)}; give a number 0..1")
-    return share
 
 
 def _has_place_of(world_from_index: NDArray[np.float64], facts: Facts) -> bool:

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat._files.libraries import library
+from wavesplat._files.values import number
 from wavesplat._looks.histogram import finite_samples, is_hounsfield, robust_range
 from wavesplat._looks.thresholds import otsu
 from wavesplat._model import units
@@ -90,9 +91,9 @@ def largest_body(volume: VolumeLike, threshold: float | None = None, *, opening:
     by_hounsfield = is_hounsfield(volume)
     least = _threshold(volume, by_hounsfield) if threshold is None else float(threshold)
     millimetre = _millimetre(volume, by_hounsfield)
-    radius = _radius(volume, millimetre) if opening is None else float(opening)
-    if not (math.isfinite(radius) and radius >= 0):
-        raise ArgumentError(f"opening is {radius:g}; give a radius of 0 or more")
+    if opening is not None:
+        opening = number(opening, "opening", "a radius of 0 or more", least=0)
+    radius = _radius(volume, millimetre) if opening is None else opening
     steps = _steps(volume, millimetre)
     coarse = volume.samples[tuple(slice(None, None, step) for step in steps)]
     matter = coarse > least

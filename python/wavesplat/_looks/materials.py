@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Literal
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from wavesplat._files.values import number, numbers, share
 from wavesplat._looks import colors, materials_mixture
 from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model.argument_types import check_text, described, takes_its_types
@@ -84,8 +85,8 @@ class Material:
         object.__setattr__(self, "name", _name(name))
         object.__setattr__(self, "probability", _curve(name, probability))
         object.__setattr__(self, "color", _color(name, color))
-        object.__setattr__(self, "opacity", _number(name, "opacity", opacity, unit_interval=True))
-        object.__setattr__(self, "density", None if density is None else _number(name, "density", density))
+        object.__setattr__(self, "opacity", share(opacity, f"material {name!r}: opacity", "a number between 0 and 1"))
+        object.__setattr__(self, "density", None if density is None else number(density, f"material {name!r}: density"))
 
 
 @public
@@ -131,7 +132,9 @@ class Materials:
             for number, material in enumerate(listed)
         )
         object.__setattr__(self, "materials", tuple(placed))
-        object.__setattr__(self, "opacity_unit", None if opacity_unit is None else _unit(opacity_unit))
+        if opacity_unit is not None:
+            opacity_unit = number(opacity_unit, "materials: opacity_unit", "a number or None", finite=False)
+        object.__setattr__(self, "opacity_unit", opacity_unit)
         self.transfer_function()  # so that a wrong unit of the opacities is refused here
 
     @property
@@ -340,19 +343,12 @@ def _interpolate(
 
 def _listed(materials: object) -> tuple[Material, ...]:
     listed = tuple(materials) if isinstance(materials, Iterable) else (materials,)
-    for number, material in enumerate(listed):
+    for place, material in enumerate(listed):
         if not isinstance(material, Material):
-            raise ArgumentError(f"materials: number {number} is a {type(material).__name__}; give a Material")
+            raise ArgumentError(f"materials: number {place} is a {type(material).__name__}; give a Material")
     if not listed:
         raise ArgumentError("materials: the list is empty; give at least one Material")
     return listed
-
-
-def _unit(number: float) -> float:
-    try:
-        return float(number)
-    except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(f"materials: opacity_unit is {described(number)}; give a number or None") from None
 
 
 def _name(name: object) -> str:
@@ -367,17 +363,11 @@ def _curve(name: str, nodes: Iterable[Iterable[float]]) -> tuple[tuple[float, fl
         raise ArgumentError(f"material {name!r}: probability is {described(nodes)}; it must be nodes (value, p)")
     checked: list[tuple[float, float]] = []
     for index, node in enumerate(nodes):
-        try:
-            value, p = (float(number) for number in node)
-        except (TypeError, ValueError, OverflowError):
-            raise ArgumentError(
-                f"material {name!r}: probability node {index} is {described(node, lists=True)}; "
-                "it must be 2 numbers (value, p)"
-            ) from None
+        what = f"material {name!r}: probability node {index}"
+        value, p = numbers(node, what, "2 numbers (value, p)", n=2, finite=False)
         if not math.isfinite(value) or not 0.0 <= p <= 1.0:
             raise ArgumentError(
-                f"material {name!r}: probability node {index} is {described(node, lists=True)}; "
-                "give a finite value, and a probability between 0 and 1"
+                f"{what} is {described(node, lists=True)}; give a finite value, and a probability between 0 and 1"
             )
         if checked and value < checked[-1][0]:
             raise ArgumentError(
@@ -401,14 +391,3 @@ def _color(name: str, color: str | Iterable[float]) -> tuple[float, float, float
             "white or grey, and how much it hides as opacity"
         )
     return rgba[:3]
-
-
-def _number(name: str, what: str, number: float, *, unit_interval: bool = False) -> float:
-    try:
-        value = float(number)
-    except (TypeError, ValueError, OverflowError):
-        value = math.nan
-    if not math.isfinite(value) or (unit_interval and not 0.0 <= value <= 1.0):
-        allowed = "a number between 0 and 1" if unit_interval else "a finite number"
-        raise ArgumentError(f"material {name!r}: {what} is {described(number)}; give {allowed}")
-    return value

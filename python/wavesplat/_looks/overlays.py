@@ -10,12 +10,12 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import replace
 from itertools import pairwise
-from math import isfinite
 from typing import TYPE_CHECKING, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._files.values import number
 from wavesplat._looks import channels, colormaps, colors, histogram, presets, value_scale
 from wavesplat._looks.kinds import Kind
 from wavesplat._looks.look import Look
@@ -81,8 +81,7 @@ def _beyond(look: Look, threshold: float) -> Look:
     function = look.transfer_function
     if isinstance(function, TransferFunction2D):
         raise ArgumentError("a threshold of values is for colours of values, and this look is of gradients too")
-    if not isfinite(threshold):
-        raise ArgumentError(f"threshold is {threshold}; give a finite number, in the volume's values")
+    number(threshold, "threshold", "a finite number, in the volume's values")
     above = [(threshold, 0.0), (threshold, 1.0)]
     if _is_of_two_signs(function):
         if not threshold > 0:

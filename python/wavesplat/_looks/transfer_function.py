@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
+from wavesplat._files import values
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._model.volume_like import VolumeLike, as_volume, volume_or_none
 from wavesplat._public import public
@@ -320,14 +321,7 @@ def _nodes(nodes: Iterable[Iterable[Any]], curve: str, names: tuple[str, ...]) -
         raise ArgumentError(f"transfer function: {curve} is {described(nodes)}; it must be nodes ({', '.join(names)})")
     checked = []
     for index, node in enumerate(nodes):
-        try:
-            numbers = tuple(float(number) for number in node)
-        except (TypeError, ValueError, OverflowError):
-            numbers = ()
-        if len(numbers) != len(names):
-            raise ArgumentError(
-                f"transfer function: {curve} node {index} is {described(node, lists=True)}; "
-                f"it must be {len(names)} numbers ({', '.join(names)})"
-            )
+        form = f"{len(names)} numbers ({', '.join(names)})"
+        numbers = values.numbers(node, f"transfer function: {curve} node {index}", form, n=len(names), finite=False)
         checked.append(numbers)
     return tuple(checked)

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
+from wavesplat._files import values
 from wavesplat._looks import colors
 from wavesplat._model.argument_types import described, takes_its_types
 from wavesplat._public import public
@@ -292,10 +293,7 @@ class TransferFunction2D:
 
 
 def _numbers(numbers: Iterable[float], what: str) -> tuple[float, ...]:
-    try:
-        return tuple(float(number) for number in numbers)
-    except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(f"{WHAT}: {what} is {described(numbers, lists=True)}; give numbers in order") from None
+    return values.numbers(numbers, f"{WHAT}: {what}", "numbers in order", finite=False)
 
 
 def _boundary(boundary: Any, number: int) -> tuple[float, float, float, tuple[float, float, float], float]:

@@ -6,18 +6,17 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from math import isfinite
-from operator import index
 from typing import overload
 
 import numpy as np
 
+from wavesplat._files.values import number, share, whole
 from wavesplat._geometry.triangles import normals_of_faces
 from wavesplat._looks.labels import Labels
 from wavesplat._mesh.isosurface import Isosurface, isosurface
 from wavesplat._mesh.label_surfaces import boxes_of, chosen_numbers, surface_of
 from wavesplat._mesh.triangle_mesh import Mesh, Meshes
-from wavesplat._model.argument_types import described, takes_its_types
+from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.crop import Crop
 from wavesplat._model.volume import Volume
 from wavesplat._model.volume_like import VolumeLike, as_volume
@@ -123,23 +122,19 @@ def mesh(
         raise ArgumentError('volume is a Labels; say which of them, as labels="all"')
     if iso_value is None:
         raise ArgumentError('mesh needs the surface\'s value, iso_value=, or labels="all" of a segmentation')
-    iso_value, step = _checked_numbers(iso_value, step)
+    iso_value = number(iso_value, "iso_value", "a finite number in sample units")
+    step = whole(step, "step", "a whole number of at least 1", least=1)
     if crop is not None and not isinstance(crop, Crop):
         raise ArgumentError(f"crop is a {type(crop).__name__}; give a wavesplat.Crop(lower, upper, space=...)")
-    whole = as_volume(volume)
-    scan = whole.to_volume() if isinstance(whole, WaveletVolume) else whole
+    scanned = as_volume(volume)
+    scan = scanned.to_volume() if isinstance(scanned, WaveletVolume) else scanned
     _check_range(scan, iso_value)
     surface = isosurface(scan, iso_value, step=step, crop=crop)
     return _in_world(scan, surface if closed else _left_open(surface, scan.name))
 
 
 def _of_labels(segmentation: VolumeLike | Labels, which: object, smoothing: float) -> Meshes:
-    try:
-        strength = float(smoothing)
-    except (TypeError, ValueError, OverflowError):
-        strength = -1.0
-    if not 0 <= strength <= 1:
-        raise ArgumentError(f"smoothing is {described(smoothing)}; give a number 0..1, 0 leaves the stairs of samples")
+    strength = share(smoothing, "smoothing", "a number 0..1, 0 leaves the stairs of samples")
     unit = segmentation.unit if isinstance(segmentation, Volume) else None
     labels = segmentation if isinstance(segmentation, Labels) else Labels(segmentation)
     numbers, boxes = chosen_numbers(labels, which), boxes_of(labels)
@@ -148,22 +143,6 @@ def _of_labels(segmentation: VolumeLike | Labels, which: object, smoothing: floa
 
 
 # Arguments -----------------------------------------------------------------------------------------------------------
-
-
-def _checked_numbers(iso_value: float, step: int) -> tuple[float, int]:
-    try:
-        value = float(iso_value)
-    except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(f"iso_value is {iso_value!r}; give a number in sample units") from None
-    if not isfinite(value):
-        raise ArgumentError(f"iso_value is {value}; give a finite number in sample units")
-    try:
-        count = index(step)
-    except TypeError:
-        raise ArgumentError(f"step is {step!r}; give a whole number") from None
-    if count < 1:
-        raise ArgumentError(f"step is {count}; give a whole number of at least 1")
-    return value, count
 
 
 def _check_range(volume: Volume, iso_value: float) -> None:

@@ -13,6 +13,7 @@ from itertools import product
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from wavesplat._files.values import numbers
 from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
@@ -64,10 +65,7 @@ def spacing_of(world_from_index: Affine) -> NDArray[np.float64]:
 
 def checked_spacing(spacing: Sequence[float]) -> tuple[float, float, float]:
     """Three positive finite numbers, or an `ArgumentError` that says what was given."""
-    try:
-        x, y, z = (float(step) for step in spacing)
-    except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(f"spacing is {described(spacing)}; give three numbers (x, y, z)") from None
+    x, y, z = numbers(spacing, "spacing", "three numbers (x, y, z)", n=3, finite=False)
     if not all(np.isfinite(step) and step > 0 for step in (x, y, z)):
         raise ArgumentError(
             f"spacing is ({x:g}, {y:g}, {z:g}); each of (x, y, z) must be a positive finite number "

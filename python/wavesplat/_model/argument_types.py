@@ -16,6 +16,7 @@ from typing import ParamSpec, TypeVar
 
 from wavesplat._files.file_names import FileName
 from wavesplat._files.json_text import is_text
+from wavesplat._files.values import described, float_of
 from wavesplat._model.keyword_hints import check_keywords
 from wavesplat.errors import ArgumentError
 
@@ -24,8 +25,6 @@ __all__ = ["check_text", "described", "is_whole_number_below", "takes_its_types"
 P = ParamSpec("P")
 R = TypeVar("R")
 
-#: Letters of a value in a message, at most; longer ones are named by their type.
-MAX_LETTERS = 60
 #: Bound of the whole numbers that the compiled module takes.
 MAX_WHOLE = 2**63
 
@@ -33,22 +32,6 @@ VOLUME = (
     "a wavesplat.Volume, as from wavesplat.open(path), an array [z, y, x], or an image of SimpleITK, ITK, nibabel, "
     "xarray, PyVista, VTK, PyTorch, yt or napari"
 )
-
-
-def described(value: object, *, lists: bool = False) -> str:
-    """Text of a value for a message, or its type where that is long; `lists`: lists are written out too."""
-    if (
-        value is None
-        or isinstance(value, str | int | float | complex | tuple | bytes)
-        or (lists and isinstance(value, list))
-    ):
-        try:
-            text = repr(value)
-        except ValueError:  # whole numbers of more than 4300 digits
-            text = "a number of very many digits"
-        if len(text) <= MAX_LETTERS:
-            return text
-    return f"a {type(value).__name__}"
 
 
 def is_whole_number_below(value: object, n: int) -> bool:
@@ -134,17 +117,6 @@ def _alternatives(annotation: str) -> list[str]:
     return words
 
 
-def _is_number(value: object) -> bool:
-    # True would be 1: a switch in the place of a number is a slip.
-    if isinstance(value, str | bytes | bytearray | bool):
-        return False
-    try:
-        float(value)  # type: ignore[arg-type]
-    except (TypeError, ValueError, OverflowError):
-        return False
-    return True
-
-
 def _is_whole(value: object) -> bool:
     try:
         return not isinstance(value, bool) and -MAX_WHOLE <= index(value) < MAX_WHOLE  # type: ignore[arg-type]
@@ -178,7 +150,7 @@ TEXT = (_is_text, "a name")
 KINDS: dict[str, tuple[Callable[[object], bool], str]] = {
     "Iterable[Light]": (_is_many, "a sequence of wavesplat.Light"),
     "None": (lambda value: value is None, ""),
-    "float": (_is_number, "a number"),
+    "float": (lambda value: float_of(value) is not None, "a number"),
     "int": (_is_whole, "a whole number"),
     "bool": (_is_flag, "True or False"),
     "str": TEXT,

@@ -9,17 +9,18 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from math import atan, cos, degrees, dist, isfinite, radians, sin, tan
+from math import atan, cos, degrees, dist, radians, sin, tan
 from operator import index
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from wavesplat._files.values import number, positive
 from wavesplat._model import affine
 from wavesplat._model.argument_types import described
 from wavesplat._model.grid import Grid
-from wavesplat._model.vectors import Vector, check_magnitude
+from wavesplat._model.vectors import Vector, check_magnitude, triple
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -123,8 +124,8 @@ def placed(
     if view_angle is not None:
         narrowed_angle = narrowed(view_angle, zoom)
     return Placed(
-        position=_tuple(center + distance * axes[2]),
-        focal_point=_tuple(center),
+        position=triple(center + distance * axes[2]),
+        focal_point=triple(center),
         parallel_scale=parallel_scale,
         view_angle=narrowed_angle,
     )
@@ -157,8 +158,8 @@ def placed_for_all(
         distance = max(_distance_that_fits(from_center @ axes.T, view_angle, aspect) for axes in views)
         narrowed_angle = narrowed(view_angle, zoom)
     return Placed(
-        position=_tuple(center + distance * views[0][2]),
-        focal_point=_tuple(center),
+        position=triple(center + distance * views[0][2]),
+        focal_point=triple(center),
         parallel_scale=parallel_scale,
         view_angle=narrowed_angle,
     )
@@ -178,7 +179,7 @@ def widened(camera: Camera, what: Grid | Vectors, *, zoom: float, aspect: float)
     distance = _distance_that_fits(in_view, narrowed(camera.view_angle, 1 / zoom), aspect)
     if distance <= dist(camera.position, camera.focal_point):
         return camera
-    return replace(camera, position=_tuple(camera.focal_point + distance * axes[2]))
+    return replace(camera, position=triple(camera.focal_point + distance * axes[2]))
 
 
 def about(axis: Sequence[float], angle: float) -> Vectors:
@@ -266,15 +267,13 @@ def sin_cos_deg(angle: float) -> tuple[float, float]:
 def check_angles(**angles: float) -> None:
     """Refuse angles that are not finite."""
     for name, angle in angles.items():
-        if not isfinite(angle):
-            raise ArgumentError(f"{name} is {angle}; give a finite number of degrees")
+        number(angle, name, "a finite number of degrees")
 
 
 def check_lens(zoom: float, view_angle: float | None, aspect: float) -> None:
     """Refuse an impossible magnification, angle of view or aspect ratio."""
     for name, ratio in (("zoom", zoom), ("aspect", aspect)):
-        if not (isfinite(ratio) and ratio > 0):
-            raise ArgumentError(f"{name} is {ratio}; give a positive finite number, 1 is neutral")
+        positive(ratio, name, "a positive finite number, 1 is neutral")
         check_magnitude(ratio, name)
     if view_angle is not None and not 0 < view_angle < 180:
         raise ArgumentError(f"view_angle is {view_angle}; give degrees between 0 and 180, 30 is usual")
@@ -294,17 +293,12 @@ def _volume(what: object) -> Grid:
 
 def _checked_size(size: Sequence[int]) -> tuple[int, int]:
     try:
-        width, height = (index(number) for number in size)
+        width, height = (index(side) for side in size)
     except (TypeError, ValueError):
         width, height = 0, 0
     if width < 1 or height < 1:
         raise ArgumentError(f"size is {described(size)}; give (width, height), two whole numbers of pixels from 1")
     return width, height
-
-
-def _tuple(point: Sequence[float] | Vectors) -> Vector:
-    x, y, z = (float(number) for number in point)
-    return x, y, z
 
 
 def _checked_points(points: ArrayLike) -> Vectors:

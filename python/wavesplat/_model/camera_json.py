@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import Any
 
 from wavesplat._files import json_object, json_text
-from wavesplat._files.json_text import is_number
+from wavesplat._files.values import is_point
 from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
 from wavesplat.errors import ArgumentError
@@ -46,7 +46,7 @@ def build(document: dict[str, Any]) -> Camera:
     json_object.check_fields(document, WHAT, needed=("version", *TRIPLE), known=known, hint="Camera.as_json")
     for name in TRIPLE:
         given = document[name]
-        if not isinstance(given, list | tuple) or len(given) != 3 or not all(map(is_number, given)):
+        if not is_point(given):
             raise ArgumentError(f"{WHAT}: field {name!r} is {described(given)}; it must be three numbers, [x, y, z]")
     scale, angle = (json_object.optional_number(document, WHAT, name) for name in LENSES)
     if (scale is None) == (angle is None):

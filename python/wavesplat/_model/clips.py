@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from itertools import islice
-from math import hypot, isfinite
 from typing import TypeAlias
 
 import numpy as np
@@ -13,7 +12,7 @@ import numpy as np
 from wavesplat._model.argument_types import described
 from wavesplat._model.crop import Crop
 from wavesplat._model.grid import Grid
-from wavesplat._model.vectors import Vector, vector
+from wavesplat._model.vectors import Vector, point_and_normal
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
 
@@ -48,14 +47,8 @@ class ClipPlane:
     normal: Vector
 
     def __init__(self, point: Iterable[float], normal: Iterable[float]) -> None:
-        object.__setattr__(self, "point", vector(point, "point of the clip plane"))
-        object.__setattr__(self, "normal", vector(normal, "normal of the clip plane"))
-        length = hypot(*self.normal)
-        if not (all(map(isfinite, self.point)) and isfinite(length) and length > 0):
-            raise ArgumentError(
-                f"clip plane: the point is {self.point}, the normal {self.normal}; give finite numbers, "
-                "and a normal that is not zero"
-            )
+        for name, value in zip(("point", "normal"), point_and_normal(point, normal, "clip plane"), strict=True):
+            object.__setattr__(self, name, value)
 
 
 @public

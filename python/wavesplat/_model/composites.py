@@ -15,9 +15,9 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from math import isfinite
 from typing import Any, ClassVar, Literal, TypeAlias, get_args
 
+from wavesplat._files.values import number
 from wavesplat._model.argument_types import described
 from wavesplat._model.options import COMPOSITE_SYNONYMS, Composite
 from wavesplat._public import public
@@ -66,7 +66,7 @@ class FirstHit:
     name: ClassVar[Composite] = "first-hit"
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "iso_value", _finite(self.iso_value, "iso_value of FirstHit"))
+        object.__setattr__(self, "iso_value", number(self.iso_value, "iso_value of FirstHit"))
 
 
 @public
@@ -98,7 +98,7 @@ class LocalMaximum:
 
     def __post_init__(self) -> None:
         if self.threshold is not None:
-            object.__setattr__(self, "threshold", _finite(self.threshold, "threshold of LocalMaximum"))
+            object.__setattr__(self, "threshold", number(self.threshold, "threshold of LocalMaximum"))
 
 
 @public
@@ -129,7 +129,7 @@ class DepthShadedMaximum:
     name: ClassVar[Composite] = "depth-shaded-maximum"
 
     def __post_init__(self) -> None:
-        strength = _finite(self.strength, "strength of DepthShadedMaximum")
+        strength = number(self.strength, "strength of DepthShadedMaximum")
         if not 0 <= strength <= 1:
             raise ArgumentError(
                 f"strength of DepthShadedMaximum is {strength:g}; give a number between 0 and 1: 0 to dim nothing, "
@@ -216,7 +216,7 @@ class AttenuatedMaximum:
     name: ClassVar[Composite] = "attenuated-maximum"
 
     def __post_init__(self) -> None:
-        attenuation = _finite(self.attenuation, "attenuation of AttenuatedMaximum")
+        attenuation = number(self.attenuation, "attenuation of AttenuatedMaximum")
         if attenuation < 0:
             raise ArgumentError(
                 f"attenuation of AttenuatedMaximum is {attenuation:g}; give a number of at least 0: how much one voxel "
@@ -258,9 +258,9 @@ class XRay:
 
     def __post_init__(self) -> None:
         if self.clear is not None:
-            object.__setattr__(self, "clear", _finite(self.clear, "clear of XRay"))
+            object.__setattr__(self, "clear", number(self.clear, "clear of XRay"))
         if self.attenuation is not None:
-            attenuation = _finite(self.attenuation, "attenuation of XRay")
+            attenuation = number(self.attenuation, "attenuation of XRay")
             if not attenuation > 0:
                 raise ArgumentError(
                     f"attenuation of XRay is {attenuation:g}; give a positive number: absorption per world unit and "
@@ -308,13 +308,3 @@ def checked_operator(given: object) -> Operator | None:
 def name_of(operator: Operator) -> Composite:
     """The plain name of an operator."""
     return operator if isinstance(operator, str) else operator.name
-
-
-def _finite(number: object, what: str) -> float:
-    try:
-        value = float(number)  # type: ignore[arg-type]
-    except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(f"{what} is {described(number)}; give a number") from None
-    if not isfinite(value) or isinstance(number, str):
-        raise ArgumentError(f"{what} is {described(number)}; give a finite number")
-    return value

@@ -8,6 +8,7 @@ from math import isfinite
 from operator import index
 from typing import Any
 
+from wavesplat._files import values
 from wavesplat._model import units
 from wavesplat._model.argument_types import check_text, described, text_of
 from wavesplat._model.short_repr import short_repr
@@ -84,7 +85,7 @@ class Channel:
         if self.color is not None:
             object.__setattr__(self, "color", _color(self.color))
         if self.emission_nm is not None:
-            object.__setattr__(self, "emission_nm", _positive(self.emission_nm, "emission_nm"))
+            object.__setattr__(self, "emission_nm", values.positive(self.emission_nm, "emission_nm of a channel"))
         if self.window is not None:
             object.__setattr__(self, "window", _window(self.window, "window of a channel"))
         object.__setattr__(self, "is_active", bool(self.is_active))
@@ -308,17 +309,11 @@ def _count(number: object) -> int:
 
 
 def _step(number: float | None) -> float | None:
-    try:
-        return None if number is None else float(number)
-    except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(f"facts: time_step is {described(number)}; give a number or None") from None
+    return None if number is None else values.number(number, "facts: time_step", "a number or None", finite=False)
 
 
 def _times(times: Iterable[float], n_times: int) -> tuple[float, ...]:
-    try:
-        numbers = tuple(float(time) for time in times)
-    except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(f"facts: times is {described(times)}; give numbers") from None
+    numbers = values.numbers(times, "facts: times", "numbers", finite=False)
     if numbers and len(numbers) != n_times:
         raise ArgumentError(f"facts: {len(numbers)} times are given for {n_times} time points; give as many, or none")
     if not all(isfinite(time) for time in numbers):
@@ -327,35 +322,17 @@ def _times(times: Iterable[float], n_times: int) -> tuple[float, ...]:
 
 
 def _color(color: Iterable[float]) -> tuple[float, float, float]:
-    try:
-        red, green, blue = (float(share) for share in color)
-    except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(f"color of a channel is {described(color)}; give red, green and blue, 0..1 each") from None
-    if not all(0 <= share <= 1 for share in (red, green, blue)):
-        raise ArgumentError(
-            f"color of a channel is ({red:g}, {green:g}, {blue:g}); give red, green and blue, 0..1 each"
-        )
+    form = "red, green and blue, 0..1 each"
+    red, green, blue = values.numbers(color, "color of a channel", form, n=3, least=0, most=1)
     return red, green, blue
 
 
 def _window(window: Iterable[float], name: str) -> tuple[float, float]:
-    try:
-        low, high = (float(end) for end in window)
-    except (TypeError, ValueError, OverflowError):
-        low, high = 0.0, 0.0
-    if not (isfinite(low) and isfinite(high) and low < high):
-        raise ArgumentError(f"{name} is {described(window)}; give two numbers, the smaller one first")
+    form = "two numbers, the smaller one first"
+    low, high = values.numbers(window, name, form, n=2)
+    if not low < high:
+        raise ArgumentError(f"{name} is {described(window)}; give {form}")
     return low, high
-
-
-def _positive(number: float, name: str) -> float:
-    try:
-        value = float(number)
-    except (TypeError, ValueError, OverflowError):
-        value = float("nan")
-    if not (isfinite(value) and value > 0):
-        raise ArgumentError(f"{name} of a channel is {described(number)}; give a positive number")
-    return value
 
 
 def _sentences(texts: Iterable[str], name: str) -> tuple[str, ...]:

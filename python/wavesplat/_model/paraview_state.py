@@ -14,10 +14,11 @@ import ast
 import re
 from collections.abc import Iterable
 from dataclasses import dataclass, field, replace
-from math import inf, isfinite
+from math import inf
 from typing import TYPE_CHECKING, Any
 
 from wavesplat._files import xml_text
+from wavesplat._files.values import is_number, is_point
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -178,11 +179,7 @@ def _view(proxy: _Proxy) -> View:
     given = {key: proxy.properties.get(key, default) for key, default in VIEW.items()}
     for key, default in VIEW.items():
         value = given[key]
-        is_right = (
-            isinstance(value, tuple) and len(value) == 3 and all(map(_is_number, value))
-            if isinstance(default, tuple)
-            else _is_number(value)
-        )
+        is_right = is_point(value) if isinstance(default, tuple) else is_number(value)
         if not is_right:
             wanted = "three numbers" if isinstance(default, tuple) else "a number"
             raise ArgumentError(f"{WHAT}: {key} of {proxy.name!r} is {value!r}; it must be {wanted}")
@@ -195,10 +192,6 @@ def _view(proxy: _Proxy) -> View:
         given["CameraParallelScale"] if is_parallel else None,
         None if is_parallel else given["CameraViewAngle"],
     )
-
-
-def _is_number(value: object) -> bool:
-    return isinstance(value, int | float) and isfinite(value)
 
 
 def _proxies(text: str) -> list[_Proxy]:
@@ -304,7 +297,7 @@ def _written(value: ast.expr, made: dict[str, _Proxy]) -> Any:
     given = dict(zip(("preset_name", "range_min", "range_max"), map(_literal, value.args), strict=False))
     given |= {one.arg: _literal(one.value) for one in value.keywords if one.arg is not None}
     preset, low, high = given.get("preset_name"), given.get("range_min", 0.0), given.get("range_max", 1.0)
-    if not (_is_number(low) and _is_number(high) and (preset is None or isinstance(preset, str))):
+    if not (is_number(low) and is_number(high) and (preset is None or isinstance(preset, str))):
         return None
     return NamedPoints(preset or "", low, high)
 

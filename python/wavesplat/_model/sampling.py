@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import get_args
 
+from wavesplat._files.values import number
 from wavesplat._model.argument_types import described
 from wavesplat._model.options import Quality
 from wavesplat._public import public
@@ -49,12 +50,8 @@ class Sampling:
         """Check types and names; ranges are checked by the compiled module."""
         for name in ("sheets_per_slice", "oversampling"):
             value = getattr(self, name)
-            if value is None:
-                continue
-            try:
-                object.__setattr__(self, name, float(value))
-            except (TypeError, ValueError, OverflowError):
-                raise ArgumentError(f"{name} is {described(value)}; give a number") from None
+            if value is not None:
+                object.__setattr__(self, name, number(value, name, "a number", finite=False))
         _check_name(self.quality)
 
 

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wavesplat._files.paths import printable
+from wavesplat._files.values import numbers
 from wavesplat._model import affine, volume_file
 from wavesplat._model.argument_types import described, takes_its_types, text_of
 from wavesplat._model.sources import Source, then
@@ -239,15 +240,12 @@ class Series:
 
 
 def _checked_times(times: Sequence[float], n: int) -> tuple[float, ...]:
-    try:
-        numbers = tuple(float(time) for time in times)
-    except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(f"times of a series are {described(times)}; give a number for each volume") from None
-    if len(numbers) != n:
-        raise ArgumentError(f"{len(numbers)} times are given for {n} volumes; give one for each")
-    if not all(isfinite(time) for time in numbers):
+    moments = numbers(times, "times of a series", "a number for each volume", finite=False)
+    if len(moments) != n:
+        raise ArgumentError(f"{len(moments)} times are given for {n} volumes; give one for each")
+    if not all(isfinite(time) for time in moments):
         raise ArgumentError("times of a series must be finite numbers")
-    return numbers
+    return moments
 
 
 class _Moved:

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from math import dist, isfinite, radians, tan
-from typing import TYPE_CHECKING, Any, Literal, NamedTuple, TypeAlias, get_args
+from math import dist, radians, tan
+from typing import TYPE_CHECKING, Literal, NamedTuple, TypeAlias, get_args
 
+from wavesplat._files.values import positive
 from wavesplat._model.argument_types import described
 from wavesplat._public import public
 from wavesplat.errors import ArgumentError
@@ -85,9 +86,9 @@ class Stereo:
         if self.layout not in LAYOUTS:
             raise ArgumentError(f"layout of the stereo is {described(self.layout)}; use one of: {', '.join(LAYOUTS)}")
         for name in ("eye_distance", "convergence"):
-            given = getattr(self, name)
+            given, form = getattr(self, name), "a positive number of world units"
             if given is not None:
-                object.__setattr__(self, name, _positive(given, name))
+                object.__setattr__(self, name, positive(given, f"{name} of the stereo", form))
 
     @property
     def sides(self) -> tuple[Side, ...]:
@@ -201,13 +202,3 @@ def within(camera: Camera, *, is_level: bool = True) -> Camera:
         up, back = np.array([0.0, 0.0, np.sign(up[2])]), back * (1.0, 1.0, 0.0)
     ahead = camera.focal_point - far / np.linalg.norm(back) * back
     return Camera(camera.focal_point, ahead, up, view_angle=90.0)
-
-
-def _positive(given: Any, name: str) -> float:
-    try:
-        number = float("nan") if isinstance(given, str | bool) else float(given)
-    except (TypeError, ValueError, OverflowError):
-        number = float("nan")
-    if not (isfinite(number) and number > 0):
-        raise ArgumentError(f"{name} of the stereo is {described(given)}; give a positive number of world units")
-    return number

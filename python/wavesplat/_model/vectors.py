@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
+from math import hypot, inf, isfinite
 from typing import Any, TypeAlias
 
-from wavesplat._model.argument_types import described
+from wavesplat._files import values
 from wavesplat.errors import ArgumentError
 
-__all__ = ["FARTHEST", "Vector", "check_magnitude", "vector"]
+__all__ = ["FARTHEST", "Vector", "check_magnitude", "point_and_normal", "triple", "vector"]
 
 Vector: TypeAlias = tuple[float, float, float]
 
@@ -24,9 +25,22 @@ def check_magnitude(ratio: float, name: str) -> None:
 
 
 def vector(numbers: Iterable[Any], what: str) -> Vector:
-    """Three floats from any sequence or array of three numbers; `what` names them in the error."""
-    try:
-        x, y, z = (float(number) for number in numbers)
-    except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(f"{what} is {described(numbers)}; give three numbers") from None
+    """Three numbers, which may be infinite or NaN, as floats; `what` names them in the error."""
+    x, y, z = values.numbers(numbers, what, "three numbers", n=3, finite=False)
     return x, y, z
+
+
+def triple(numbers: Iterable[Any]) -> Vector:
+    """Three numbers that are known to be right, as plain floats."""
+    x, y, z = (float(number) for number in numbers)
+    return x, y, z
+
+
+def point_and_normal(point: Iterable[Any], normal: Iterable[Any], what: str) -> tuple[Vector, Vector]:
+    """A point and the normal of a plane, of any length, or an `ArgumentError`; `what`: such as "clip plane"."""
+    point, normal = vector(point, f"point of the {what}"), vector(normal, f"normal of the {what}")
+    if not (all(map(isfinite, (*point, *normal))) and 0 < hypot(*normal) < inf):
+        raise ArgumentError(
+            f"{what} has the point {point} and the normal {normal}; give finite numbers, and a normal that is not zero"
+        )
+    return point, normal

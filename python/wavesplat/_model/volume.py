@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from wavesplat import _native
+from wavesplat._files import values
 from wavesplat._files.paths import printable
 from wavesplat._model import affine, convert_to, smoothing, units, volume_file
 from wavesplat._model.argument_types import described, takes_its_types, text_of
@@ -284,10 +285,7 @@ class Volume(Grid):
         """
         if unit not in ("voxels", "world"):
             raise ArgumentError(f'unit of the deviation is {described(unit)}; it is "voxels" or "world"')
-        try:
-            number = float(deviation)
-        except (TypeError, ValueError, OverflowError):
-            raise ArgumentError(f"deviation is {described(deviation)}; give a number") from None
+        number = values.number(deviation, "deviation", "a number", finite=False)
         named = (self.unit or "world units") if unit == "world" else unit
         steps = self.spacing if unit == "world" else (1.0, 1.0, 1.0)
         deviations = [number / step for step in reversed(steps)]

@@ -9,7 +9,6 @@ import zipfile
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import accumulate
-from operator import index
 from os import PathLike
 from pathlib import Path
 from typing import Any
@@ -24,7 +23,8 @@ from wavesplat._files.npz import check_members
 from wavesplat._files.output import check_output, write_atomically
 from wavesplat._files.paths import expanded
 from wavesplat._files.reading import reading
-from wavesplat._model.argument_types import described, takes_its_types
+from wavesplat._files.values import number, numbers, whole
+from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.facts import Facts
 from wavesplat._model.grid import Grid
 from wavesplat._model.interruptible import interruptible
@@ -148,7 +148,7 @@ class WaveletVolume(Grid):
                 f"volume {volume.name!r} has {volume.n_nonfinite} samples that are NaN or infinite, which wavelets "
                 "would spread over the volume; replace them first, as with numpy.nan_to_num"
             )
-        if levels is not None and _whole(levels, "levels") < 0:
+        if levels is not None and whole(levels, "levels") < 0:
             raise ArgumentError(f"levels is {levels}; give 0 or more, or nothing for as many as there are")
         if max(map(abs, volume.value_range)) > LARGEST:
             raise ArgumentError(
@@ -217,7 +217,7 @@ class WaveletVolume(Grid):
     @cache_bytes.setter
     def cache_bytes(self, n_bytes: int) -> None:
         # A float will do, as 2e9 is easier to read.
-        if not 0 <= _number(n_bytes, "cache_bytes") < math.inf:
+        if not 0 <= number(n_bytes, "cache_bytes", "a number", finite=False) < math.inf:
             raise ArgumentError(f"cache_bytes is {n_bytes}; give 0 or more")
         self._cache_bytes = min(int(n_bytes), sys.maxsize)
         self._decoded_levels.clear()
@@ -310,16 +310,12 @@ class WaveletVolume(Grid):
         >>> wavelets.bands([0, 1, 0]).is_detail  # only details of the second size
         True
         """
-        try:
-            given = [float(weight) for weight in weights]
-        except (TypeError, ValueError, OverflowError):
-            raise ArgumentError(
-                f"the weights of bands are {described(weights, lists=True)}; give numbers, the finest level first"
-            ) from None
+        what = "weights of bands"
+        given = list(numbers(weights, what, "numbers, the finest level first", finite=False))
         n = self.n_levels
         if len(given) > n + 1 or not all(math.isfinite(weight) for weight in given):
             raise ArgumentError(
-                f"the weights of bands are {given}; give at most {n + 1} finite numbers: one for each of the {n} "
+                f"{what} is {given}; give at most {n + 1} finite numbers: one for each of the {n} "
                 f"levels of {self._name!r}, the finest first, and one for the coarsest samples"
             )
         given += [1.0] * (n + 1 - len(given))
@@ -446,7 +442,7 @@ class WaveletVolume(Grid):
         return decoded.every(step)
 
     def _check_levels(self, left_out: int) -> None:
-        if not 0 <= _whole(left_out, "left_out") <= self.n_levels:
+        if not 0 <= whole(left_out, "left_out") <= self.n_levels:
             raise ArgumentError(
                 f"left_out is {left_out}; {self._name!r} has {self.n_levels} levels, so give 0 to {self.n_levels}"
             )
@@ -496,20 +492,6 @@ class WaveletVolume(Grid):
         )
 
 
-def _whole(number: int, name: str) -> int:
-    try:
-        return index(number)
-    except TypeError:
-        raise ArgumentError(f"{name} is {described(number)}; give a whole number") from None
-
-
-def _number(number: float, name: str) -> float:
-    try:
-        return float(number)
-    except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(f"{name} is {described(number)}; give a number") from None
-
-
 def _what_stays(threshold: float | None, keep: float | None, psnr: float | None) -> tuple[str, float]:
     given = {
         name: value for name, value in (("threshold", threshold), ("keep", keep), ("psnr", psnr)) if value is not None
@@ -517,7 +499,7 @@ def _what_stays(threshold: float | None, keep: float | None, psnr: float | None)
     if len(given) > 1:
         raise ArgumentError(f"got {' and '.join(given)}; give one of threshold, keep and psnr")
     name, value = next(iter(given.items()), ("threshold", 0.0))
-    value = _number(value, name)
+    value = number(value, name, "a number", finite=False)
     bounds = {"threshold": (0, math.inf), "keep": (0, 1), "psnr": (0, 200)}[name]
     if not bounds[0] <= value <= bounds[1]:
         raise ArgumentError(f"{name} is {value}; give a number from {bounds[0]} to {bounds[1]}")

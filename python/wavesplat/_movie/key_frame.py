@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import KW_ONLY, dataclass
-from math import isfinite
-from operator import index
 
+from wavesplat._files.values import number, whole
 from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
 from wavesplat._model.clips import Clip, clip_tuple
@@ -60,14 +59,7 @@ class KeyFrame:
     time: int | None = None
 
     def __post_init__(self) -> None:
-        given: object = self.time_s
-        try:
-            moment = float("nan") if isinstance(given, str) else float(self.time_s)
-        except (TypeError, ValueError, OverflowError):
-            moment = float("nan")
-        if not isfinite(moment):
-            raise ArgumentError(f"time_s of the key frame is {described(self.time_s)}; give seconds")
-        object.__setattr__(self, "time_s", moment)
+        object.__setattr__(self, "time_s", number(self.time_s, "time_s of the key frame", "seconds"))
         if not (self.camera is None or isinstance(self.camera, Camera | str)):
             raise ArgumentError(
                 f"camera of the key frame is {described(self.camera)}; give a Camera or the name of a view"
@@ -75,9 +67,5 @@ class KeyFrame:
         if self.clip is not None:
             object.__setattr__(self, "clip", clip_tuple(self.clip))
         if self.time is not None:
-            try:
-                object.__setattr__(self, "time", index(self.time))
-            except TypeError:
-                raise ArgumentError(
-                    f"time of the key frame is {described(self.time)}; give the number of a volume, from 0"
-                ) from None
+            time = whole(self.time, "time of the key frame", "the number of a volume, from 0")
+            object.__setattr__(self, "time", time)

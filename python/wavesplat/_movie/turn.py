@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from wavesplat._files.values import number, whole
 from wavesplat._model import camera_fit
 from wavesplat._model.argument_types import described
 from wavesplat._model.camera import Camera
@@ -83,11 +84,12 @@ class Turn:
     times: Sequence[int] | None = None
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "frames", _count(self.frames))
+        form = f"a whole number from 1 to {MAX_FRAMES}"
+        object.__setattr__(self, "frames", whole(self.frames, "frames of the turn", form, least=1, most=MAX_FRAMES))
         for name in ("degrees", "azimuth", "elevation", "zoom"):
-            object.__setattr__(self, name, _number(getattr(self, name), name))
+            object.__setattr__(self, name, number(getattr(self, name), f"{name} of the turn", "a number"))
         if self.view_angle is not None:
-            object.__setattr__(self, "view_angle", _number(self.view_angle, "view_angle"))
+            object.__setattr__(self, "view_angle", number(self.view_angle, "view_angle of the turn", "a number"))
         camera_fit.check_lens(self.zoom, self.view_angle, 1.0)
         axis: Iterable[float] = self.axis
         object.__setattr__(self, "axis", vector(axis, "axis of the turn"))
@@ -163,16 +165,6 @@ def _first(turn: Turn, scene: Scene, composite: Operator | None, aspect: float) 
     return Camera(eye.position, eye.focal_point, axes[1], parallel_scale=eye.parallel_scale, view_angle=eye.view_angle)
 
 
-def _count(number: object) -> int:
-    try:
-        count = index(number)  # type: ignore[arg-type]
-    except TypeError:
-        count = 0
-    if not 1 <= count <= MAX_FRAMES:
-        raise ArgumentError(f"frames of the turn is {described(number)}; give a whole number from 1 to {MAX_FRAMES}")
-    return count
-
-
 def _numbers(times: object) -> tuple[int, ...]:
     try:
         numbers = tuple(index(time) for time in times)  # type: ignore[attr-defined]
@@ -183,13 +175,3 @@ def _numbers(times: object) -> tuple[int, ...]:
             f"times of the turn is {described(times)}; give numbers of volumes of a series, such as range(5)"
         )
     return numbers
-
-
-def _number(number: object, name: str) -> float:
-    try:
-        parsed = float("nan") if isinstance(number, str) else float(number)  # type: ignore[arg-type]
-    except (TypeError, ValueError, OverflowError):
-        parsed = float("nan")
-    if not isfinite(parsed):
-        raise ArgumentError(f"{name} of the turn is {described(number)}; give a number")
-    return parsed

@@ -6,6 +6,7 @@ import re
 from dataclasses import dataclass
 from math import floor, isfinite, log10
 
+from wavesplat._files.values import float_of
 from wavesplat._model import units
 from wavesplat._model.argument_types import described
 from wavesplat._picture.lettering import CAP_HEIGHT, text_width
@@ -101,10 +102,7 @@ def _asked(wanted: bool | float | str) -> tuple[float | None, str | None]:
             number = float("nan")
         unit = units.checked(name) if name else None
     else:
-        try:
-            number, unit = float(wanted), None
-        except (TypeError, ValueError, OverflowError):
-            number, unit = float("nan"), None
+        number, unit = float_of(wanted) or 0.0, None
     if number is not None and not (isfinite(number) and number > 0):
         raise ArgumentError(f"the scale bar is {described(wanted)}; give a positive length in world units, or True")
     return number, unit

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from wavesplat import _native
 from wavesplat._files.memory import check_room
+from wavesplat._files.values import whole
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.look import Look
 from wavesplat._looks.materials import Materials
@@ -195,13 +196,7 @@ def checked_count(number: int | None, name: str) -> int | None:
     """The number as a plain integer, 0 or more, or None."""
     if number is None:
         return None
-    try:
-        count = index(number)
-    except TypeError:
-        raise ArgumentError(f"{name} is {described(number)}; give a whole number") from None
-    if not 0 <= count <= MAX_COUNT:
-        raise ArgumentError(f"{name} is {described(count)}; give a whole number from 1 to {MAX_COUNT}")
-    return count
+    return whole(number, name, f"a whole number from 1 to {MAX_COUNT}", least=0, most=MAX_COUNT)
 
 
 def chosen_threads(number: int | None) -> int | None:

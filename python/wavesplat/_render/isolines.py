@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Iterable
 from dataclasses import dataclass
-from math import isfinite
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._files.values import numbers
 from wavesplat._looks import colors
 from wavesplat._looks.colormaps import colors_of
 from wavesplat._model.argument_types import described, takes_its_types
@@ -66,15 +66,13 @@ class Isolines:
     def __init__(
         self, volume: Any, values: Iterable[float], *, color: str | Iterable[float] = "turbo", name: str = ""
     ) -> None:
-        try:
-            numbers = sorted({float(value) for value in values})
-        except (TypeError, ValueError, OverflowError):
-            raise ArgumentError(f"values of isolines are {described(values)}; give numbers, such as [20, 40]") from None
-        if not (1 <= len(numbers) <= MAX_VALUES and all(isfinite(value) for value in numbers)):
-            raise ArgumentError(f"values of isolines are {described(values)}; give 1 to {MAX_VALUES} finite numbers")
+        form = f"1 to {MAX_VALUES} finite numbers, such as [20, 40]"
+        levels = sorted(set(numbers(values, "values of isolines", form)))
+        if not 1 <= len(levels) <= MAX_VALUES:
+            raise ArgumentError(f"values of isolines is {described(values)}; give {form}")
         for attribute, value in (
             ("volume", as_volume(volume)),
-            ("values", tuple(numbers)),
+            ("values", tuple(levels)),
             ("color", _checked(color)),
             ("name", str(name)),
         ):

@@ -9,13 +9,14 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from math import ceil, floor, isfinite
+from math import ceil, floor
 from typing import Any, TypeAlias, get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
 from wavesplat import _native
+from wavesplat._files.values import number, numbers, positive
 from wavesplat._looks import colors
 from wavesplat._looks.kinds import unit_of_values
 from wavesplat._looks.layer_names import layer_name_of
@@ -29,7 +30,7 @@ from wavesplat._model.grid import Grid
 from wavesplat._model.lazy_volume import LazyVolume
 from wavesplat._model.options import Kernel, Plane, Slab
 from wavesplat._model.placement import UPRIGHT
-from wavesplat._model.vectors import Vector, check_magnitude, vector
+from wavesplat._model.vectors import check_magnitude, point_and_normal, triple
 from wavesplat._model.views import PLANES, named_plane, nearest_plane, plane_view
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
@@ -252,22 +253,22 @@ class Planes:
         with drawing(volume):
             return _native.plane(
                 drawn,
-                origin=_triple(frame.origin + first * cut.normal),
-                across=_triple(frame.pixel * cut.right),
-                down=_triple(-frame.pixel * cut.up),
+                origin=triple(frame.origin + first * cut.normal),
+                across=triple(frame.pixel * cut.right),
+                down=triple(-frame.pixel * cut.up),
                 width=frame.size[0],
                 height=frame.size[1],
                 kernel=kernel,
                 slab=slab,
                 n_planes=len(offsets),
-                step=_triple(step * cut.normal),
+                step=triple(step * cut.normal),
                 threads=chosen_threads(threads),
             )
 
 
 def _cut(volume: Grid, plane: Plane | tuple[Iterable[float], Iterable[float]] | None, position: float | None) -> _Cut:
-    if position is not None and not isfinite(position):
-        raise ArgumentError(f"position is {position}; give a finite number, world units, or None for the middle")
+    if position is not None:
+        number(position, "position", "a finite number, world units, or None for the middle")
     if plane is None or isinstance(plane, str):
         name = named_plane("xy" if plane is None else plane, is_anatomical=volume.is_anatomical)
         axis = "xyz".index(PLANES[name].across)
@@ -297,14 +298,8 @@ def _point_and_normal(plane: Any) -> tuple[Array, Array]:
         raise ArgumentError(
             f"plane is {described(plane)}; give {', '.join(PLANES)}, or (point, normal), three numbers each"
         ) from None
-    point, normal = np.array(vector(point, "point of the plane")), np.array(vector(normal, "normal of the plane"))
-    length = np.linalg.norm(normal)
-    if not (np.isfinite(point).all() and isfinite(length) and length > 0):
-        raise ArgumentError(
-            f"plane has the point {tuple(point.tolist())} and the normal {tuple(normal.tolist())}; "
-            "give finite numbers, and a normal that is not zero"
-        )
-    return point, normal / length
+    point, normal = (np.array(one) for one in point_and_normal(point, normal, "plane"))
+    return point, normal / np.linalg.norm(normal)
 
 
 def _shown(volume: Grid, normal: Array) -> tuple[Array, Array]:
@@ -341,8 +336,7 @@ def _sample_step(volume: Grid, direction: Array) -> float:
 def _frame(
     volume: Grid, cut: _Cut, size: tuple[int, int] | None, zoom: float, center: Iterable[float] | None
 ) -> _Frame:
-    if not (isfinite(zoom) and zoom > 0):
-        raise ArgumentError(f"zoom is {zoom}; give a positive finite number, 1 shows the whole volume")
+    positive(zoom, "zoom", "a positive finite number, 1 shows the whole volume")
     check_magnitude(zoom, "zoom")
     ends = np.array([_extent(volume, cut.right), _extent(volume, cut.up)])
     lengths = ends[:, 1] - ends[:, 0]
@@ -356,9 +350,7 @@ def _frame(
     pixel /= zoom
     middle = ends.mean(axis=1)
     if center is not None:
-        point = np.array(vector(center, "center of the slice"))
-        if not np.isfinite(point).all():
-            raise ArgumentError(f"center of the slice is {tuple(point.tolist())}; give finite numbers, world units")
+        point = np.array(numbers(center, "center of the slice", "finite numbers (x, y, z), world units", n=3))
         middle = np.array([cut.right @ point, cut.up @ point])
     left, top = middle[0] - (width - 1) / 2 * pixel, middle[1] + (height - 1) / 2 * pixel
     return _Frame(left * cut.right + top * cut.up + cut.offset * cut.normal, pixel, (width, height))
@@ -366,8 +358,7 @@ def _frame(
 
 def _offsets(volume: Grid, cut: _Cut, thickness: float) -> Array:
     """Offsets of the slab's planes from the middle one; planes outside the volume are left out."""
-    if not (isfinite(thickness) and thickness >= 0):
-        raise ArgumentError(f"thickness is {thickness}; give 0 for a plane, or a positive number, world units")
+    number(thickness, "thickness", "0 for a plane, or a positive number, world units", least=0)
     if thickness == 0:
         return np.zeros(1)
     # Beyond the volume there is nothing; thinner than a millionth of a sample it is a plane.
@@ -381,11 +372,6 @@ def _offsets(volume: Grid, cut: _Cut, thickness: float) -> Array:
     step = thickness / (2 * n_steps)
     least, most = (np.array((least, most)) - cut.offset) / step
     return np.arange(max(-n_steps, ceil(least - ON_SAMPLE)), min(n_steps, floor(most + ON_SAMPLE)) + 1) * step
-
-
-def _triple(numbers: Array) -> Vector:
-    x, y, z = numbers.tolist()
-    return x, y, z
 
 
 def in_greys(

@@ -13,10 +13,10 @@ from difflib import get_close_matches
 from math import isfinite
 from typing import TYPE_CHECKING
 
+from wavesplat._files.values import numbers
 from wavesplat._looks.histogram import robust_range
 from wavesplat._looks.presets import added_to_hounsfield, plain
 from wavesplat._looks.window_ends import End, are_percentiles, values_of
-from wavesplat._model.argument_types import described
 from wavesplat.errors import ArgumentError
 
 if TYPE_CHECKING:
@@ -78,12 +78,8 @@ def _named(name: str, volume: Volume | WaveletVolume) -> tuple[float, float]:
 
 
 def _level_and_width(window: Iterable[End]) -> tuple[float, float]:
-    try:
-        level, width = (float(value) for value in window)
-    except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(
-            f"window is {described(window)}; give (level, width), such as (40, 400), or a name: {', '.join(CT_WINDOWS)}"
-        ) from None
+    form = f"(level, width), such as (40, 400), or a name: {', '.join(CT_WINDOWS)}"
+    level, width = numbers(window, "window", form, n=2, finite=False)
     if not (isfinite(level) and isfinite(width) and width > 0):
         raise ArgumentError(
             f"window is ({level:g}, {width:g}), level and width; the width must be positive; "

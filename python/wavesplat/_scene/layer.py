@@ -5,10 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable
 from copy import copy
 from dataclasses import KW_ONLY, dataclass, replace
-from math import isfinite
 from operator import index
 from typing import Any, TypeAlias
 
+from wavesplat._files.values import share
 from wavesplat._looks import overlays
 from wavesplat._looks.layer_names import FoundName, layer_name_of
 from wavesplat._looks.look import Look
@@ -103,7 +103,7 @@ class Layer:
                 "preset"
             )
         object.__setattr__(self, "visible", _flag(self.visible))
-        object.__setattr__(self, "opacity", _share(self.opacity))
+        object.__setattr__(self, "opacity", share(self.opacity, "opacity of the layer"))
         is_found = self.name is None or isinstance(self.name, FoundName)
         name = layer_name_of(self.volume, self.time) if is_found else text_of(self.name, "name of the layer")
         object.__setattr__(self, "name", name)
@@ -203,16 +203,6 @@ def _color_layer(given: object, time: int) -> Layer:
 def drawable(given: object) -> Volume | WaveletVolume:
     """An argument as a volume that can be drawn."""
     return as_volume(given)
-
-
-def _share(number: object) -> float:
-    try:
-        share = float(number)  # type: ignore[arg-type]
-    except (TypeError, ValueError, OverflowError):
-        share = float("nan")
-    if isinstance(number, str) or not (isfinite(share) and 0 <= share <= 1):
-        raise ArgumentError(f"opacity of the layer is {described(number)}; give a number 0..1")
-    return share
 
 
 def _flag(given: object) -> bool:

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
-from math import ceil, floor, isfinite, sqrt
+from math import ceil, floor, sqrt
 from typing import Any, Literal, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
+from wavesplat._files.values import numbers, positive
 from wavesplat._looks import colors
 from wavesplat._looks.labels import Labels
 from wavesplat._looks.regions import Region
 from wavesplat._model import units
-from wavesplat._model.argument_types import described, takes_its_types
+from wavesplat._model.argument_types import takes_its_types
 from wavesplat._model.options import Kernel, Plane, Slab
 from wavesplat._model.views import PLANES, named_plane, planes_of
 from wavesplat._picture.annotating import common_font_px, with_caption
@@ -133,8 +134,7 @@ def lightbox(
     scout = _scout(volume, chosen) if has_lines and not is_three else None
     n_cells = len(cuts) + (scout is not None)
     count = _columns(columns, n_cells, name_of_plane)
-    if not (isfinite(zoom) and zoom > 0):
-        raise ArgumentError(f"zoom is {zoom}; give a positive finite number, 1 shows the whole volume")
+    positive(zoom, "zoom", "a positive finite number, 1 shows the whole volume")
     # Beside xy, yz has the same rows: y downwards.
     is_turned = [is_aligned and one == "yz" for one, _ in cuts]
     sides = [sides_of(volume, one) for one, _ in cuts]
@@ -221,10 +221,7 @@ def _cuts(
         least, most = positions_across(volume, plane)
         # The middles of equal parts: the outermost slices are inside.
         return [(plane, least + (n + 0.5) * (most - least) / positions) for n in range(positions)]
-    try:
-        listed = [float(position) for position in positions]
-    except (TypeError, ValueError, OverflowError):
-        raise ArgumentError(f"positions is {described(positions)}; give a number of slices, or numbers") from None
+    listed = numbers(positions, "positions", "a number of slices, or numbers")
     if not 1 <= len(listed) <= MAX_SLICES:
         raise ArgumentError(f"positions has {len(listed)} numbers; give 1 to {MAX_SLICES}")
     return [(plane, position) for position in listed]

@@ -18,7 +18,7 @@ from wavesplat._files.memory import check_room
 from wavesplat._model import affine, units
 from wavesplat._model.forked import drawing
 from wavesplat._model.grid import Grid
-from wavesplat._model.vectors import Vector
+from wavesplat._model.vectors import triple
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
 from wavesplat.errors import ArgumentError
@@ -114,9 +114,9 @@ def _resampled(volume: Volume, axes: Array) -> Volume:
         for z in range(n_z):
             samples[z] = _native.plane(
                 volume._core,
-                origin=_triple(matrix[:3, 3] + z * through),
-                across=_triple(across),
-                down=_triple(down),
+                origin=triple(matrix[:3, 3] + z * through),
+                across=triple(across),
+                down=triple(down),
                 width=n_x,
                 height=n_y,
                 kernel="linear",
@@ -129,8 +129,3 @@ def _resampled(volume: Volume, axes: Array) -> Volume:
     how = f"resampled onto the axes of another volume, spacing {spacing}"
     facts = replace(volume.facts, processing=(*volume.facts.processing, how))
     return Volume(samples, world_from_index=matrix, name=volume.name, facts=facts)
-
-
-def _triple(numbers: Array) -> Vector:
-    x, y, z = numbers.tolist()
-    return x, y, z

@@ -15,6 +15,7 @@ from wavesplat._looks.transfer_function import TransferFunction
 from wavesplat._model.clips import Clipping
 from wavesplat._model.grid import Grid
 from wavesplat._model.series import Series
+from wavesplat._model.vectors import triple
 from wavesplat._model.views import PLANES, named_plane
 from wavesplat._model.volume import Volume
 from wavesplat._model.wavelet_volume import WaveletVolume
@@ -175,9 +176,9 @@ def _card(picture: Picture, rgba: Any, style: tuple[float, bool, bool]) -> _nati
     width, height = picture.size
     return {
         # The report has the middle of the first pixel.
-        "corner": _triple(np.array(report["origin"]) - (right + down) / 2),
-        "along_x": _triple(width * right),
-        "along_y": _triple(height * down),
+        "corner": triple(np.array(report["origin"]) - (right + down) / 2),
+        "along_x": triple(width * right),
+        "along_y": triple(height * down),
         "rgba": np.ascontiguousarray(rgba),  # opaque or clear: straight and associated are the same
         "style": style,
     }
@@ -235,8 +236,3 @@ def _size(volume: Grid, plane: Any) -> tuple[int, int] | None:
     width, height = sides_of(volume, plane)
     step = max(width, height) / (MAX_SIDE_PX - 1)
     return None if step <= min(volume.spacing) else (int(width / step) + 1, int(height / step) + 1)
-
-
-def _triple(numbers: Any) -> tuple[float, float, float]:
-    x, y, z = (float(number) for number in numbers)
-    return x, y, z

@@ -12,8 +12,8 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from wavesplat._files import json_text
-from wavesplat._files.json_text import is_number
 from wavesplat._files.notes import collected_notes
+from wavesplat._files.values import is_number, is_point, whole
 from wavesplat._looks import look_json, presets
 from wavesplat._looks.histogram import finite_samples
 from wavesplat._looks.look import Look
@@ -315,9 +315,7 @@ def _number(arguments: Mapping[str, Any], name: str) -> float:
 
 def _whole(arguments: Mapping[str, Any], name: str, least: int, most: int) -> int:
     value = arguments.get(name)
-    if not isinstance(value, int) or isinstance(value, bool) or not least <= value <= most:
-        raise ArgumentError(f"{name} is {described(value)}; give a whole number from {least} to {most}")
-    return value
+    return whole(value, name, f"a whole number from {least} to {most}", least=least, most=most)
 
 
 def _text(arguments: Mapping[str, Any], name: str, most: int = 200) -> str:
@@ -354,6 +352,6 @@ def _size(arguments: Mapping[str, Any]) -> tuple[int, int]:
 
 def _point(arguments: Mapping[str, Any], name: str) -> Any:
     point = arguments.get(name)
-    if not isinstance(point, list) or len(point) != 3:
+    if not is_point(point):
         raise ArgumentError(f"{name} is {described(point)}; give three numbers, [x, y, z]")
-    return np.array([_number({"coordinate": value}, "coordinate") for value in point])
+    return np.array(point, np.float64)

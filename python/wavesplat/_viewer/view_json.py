@@ -19,7 +19,7 @@ from __future__ import annotations
 from collections.abc import Iterable, Mapping
 from typing import Any, get_args
 
-from wavesplat._files.json_text import is_number
+from wavesplat._files.values import is_number, is_point
 from wavesplat._model.argument_types import described
 from wavesplat._model.options import Slab
 from wavesplat.errors import ArgumentError
@@ -157,5 +157,5 @@ def _one_of(value: Any, known: Iterable[str], name: str) -> None:
 
 
 def _point(point: Any, name: str) -> None:
-    if not (isinstance(point, list | tuple) and len(point) == 3 and all(map(is_number, point))):
+    if not is_point(point):
         raise ArgumentError(f"{WHAT}.{name} is {described(point)}; it must be three numbers, [x, y, z]")

@@ -9,6 +9,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
 from typing import NamedTuple
 
@@ -17,6 +18,7 @@ import pytest
 from cases_of_the_day import mark_the_rest
 from command_server import CommandServer, can_fork
 from hypothesis import HealthCheck, settings
+from references import References
 
 # Other processes may hold the cores at any moment: how long an example takes says nothing about what it tests.
 for name, n in (("day", 30), ("night", 300)):
@@ -64,6 +66,11 @@ def documents_keep_to_their_schemas():
         patch.setattr(Report, "__init__", made)
         patch.setattr(Report, "to_json", checked_report)
         yield
+
+
+def pytest_addoption(parser):
+    """Add the option of `python/tools/make_references.py`."""
+    parser.addoption("--make-references", action="store_true", help="write the converged pictures that tests keep")
 
 
 def pytest_make_parametrize_id(val, argname):
@@ -129,6 +136,19 @@ def pytest_collection_modifyitems(config, items):
 def is_night(request):
     """Whether tests of the night run too: what takes long has more steps then."""
     return of_night(request.config)
+
+
+@pytest.fixture(scope="session")
+def references(request, is_night):
+    """Converged pictures: read by day, drawn anew and compared where tests of the night run too."""
+    is_made = request.config.option.make_references
+    return References("made" if is_made else "compared" if is_night else "kept")
+
+
+@pytest.fixture
+def kept_picture(request, references):
+    """The converged picture of a name, and what draws it: `kept_picture("soft ct", draw)`."""
+    return partial(references.picture, request.path.stem)
 
 
 @pytest.fixture(scope="session")

@@ -13,8 +13,8 @@ SIZE = (64, 56)
 ZOOM = 5
 
 
-def psnr_db(picture: ws.Picture, reference: ws.Picture) -> float:
-    return float(-10 * np.log10(np.mean((picture.rgba[..., :3] - reference.rgba[..., :3]) ** 2)))
+def psnr_db(picture: ws.Picture, reference: np.ndarray) -> float:
+    return float(-10 * np.log10(np.mean((picture.rgba[..., :3] - reference) ** 2)))
 
 
 def uptake(scan: ws.Volume, shape: tuple[int, int, int]) -> ws.Volume:
@@ -72,17 +72,23 @@ def view(volume: ws.Volume) -> ws.Camera:
     return ws.Camera.orbit(volume, 25, 15, zoom=ZOOM, fit="view")
 
 
-def converged(scene: ws.Scene, camera: ws.Camera, *, is_hard: bool) -> ws.Picture:
+@pytest.fixture
+def converged(kept_picture):
     """The ray caster's picture; hard steps get a finer step, since a coarse one meets surfaces late."""
-    step, rays = (0.03, 9) if is_hard else (0.1, 4)
-    return ws.reference.raycast(scene, None, camera, size=SIZE, step=step, rays_per_pixel=rays)
+
+    def picture(name: str, scene: ws.Scene, camera: ws.Camera) -> np.ndarray:
+        step, rays = (0.03, 9) if "hard" in name else (0.1, 4)
+        options = {"size": SIZE, "step": step, "rays_per_pixel": rays}
+        return kept_picture(name, lambda: ws.reference.raycast(scene, None, camera, **options).rgba)
+
+    return picture
 
 
 @pytest.mark.parametrize("name", list(scenes()))
-def test_layers_are_those_of_the_ray_caster(name: str) -> None:
+def test_layers_are_those_of_the_ray_caster(name, converged):
     scene, least_db = scenes()[name]
     camera = view(ws.examples.ct_pelvis())
-    reference = converged(scene, camera, is_hard="hard" in name)
+    reference = converged(name, scene, camera)
     picture = scene.render(camera, size=SIZE, quality="high")
     print(f"{name}: {psnr_db(picture, reference):.1f} dB")
     assert psnr_db(picture, reference) >= least_db
@@ -90,7 +96,7 @@ def test_layers_are_those_of_the_ray_caster(name: str) -> None:
     assert psnr_db(alone, reference) < least_db - 8
 
 
-def test_labels_and_layers_together() -> None:
+def test_labels_and_layers_together(converged):
     pelvis = ws.examples.ct_pelvis()
     z = np.arange(pelvis.shape[0])[:, None, None]
     codes = np.where((pelvis.samples > 200) & (z > pelvis.shape[0] // 2), 1, 0).astype(np.uint8)
@@ -99,14 +105,14 @@ def test_labels_and_layers_together() -> None:
     layers = [ws.Layer(pelvis, soft((1, 0.95, 0.85), 150, 900)), ws.Layer(hot, soft((1, 0.4, 0.1), 1, 6))]
     scene = ws.Scene(layers, labels=labels)
     camera = view(pelvis)
-    reference = converged(scene, camera, is_hard=False)
+    reference = converged("labels", scene, camera)
     picture = scene.render(camera, size=SIZE, quality="high")
     print(f"labels: {psnr_db(picture, reference):.1f} dB")
     assert psnr_db(picture, reference) >= 38
     assert psnr_db(ws.Scene(layers).render(camera, size=SIZE, quality="high"), reference) < 30
 
 
-def test_a_layer_on_its_own_grid_is_nearer_to_the_truth_than_a_resampled_one() -> None:
+def test_a_layer_on_its_own_grid_is_nearer_to_the_truth_than_a_resampled_one(converged):
     """A resampled layer has the error of resampling; a layer on its own grid has none."""
     pelvis = ws.examples.ct_pelvis()
     hot = uptake(pelvis, (44, 60, 70))
@@ -125,7 +131,7 @@ def test_a_layer_on_its_own_grid_is_nearer_to_the_truth_than_a_resampled_one() -
         values = np.take(values, first, axis) * (1 - share) + np.take(values, first + 1, axis) * share
     fine = ws.Volume(values.astype(np.float32), world_from_index=pelvis.world_from_index, name="resampled")
     resampled = ws.Scene([ws.Layer(pelvis, bone), ws.Layer(fine, look)])
-    reference = converged(own, camera, is_hard=False)
+    reference = converged("own grid", own, camera)
     of_own = psnr_db(own.render(**draw), reference)
     of_resampled = psnr_db(resampled.render(**draw), reference)
     assert of_own >= 45

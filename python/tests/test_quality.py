@@ -39,6 +39,11 @@ def psnr_db(got: np.ndarray, want: np.ndarray) -> float:
     return float(-10 * np.log10(np.mean((got[..., :3].astype(float) - want[..., :3]) ** 2)))
 
 
+def cast(*scene, **options):
+    """The converged picture, drawn only where it is not read from its file."""
+    return lambda: ws.reference.raycast(*scene, **options).rgba
+
+
 #: A light whose gradients the ray caster takes twenty times as fast as smoothed ones, which have a test of their own.
 HEADLIGHT = ws.Shading.headlight()
 
@@ -46,7 +51,7 @@ HEADLIGHT = ws.Shading.headlight()
 @pytest.fixture(scope="module", params=SCENES)
 def scene(request: pytest.FixtureRequest):
     make, soft, hard, curve, hard_goal = SCENES[request.param]
-    return make(), ws.TransferFunction(soft, curve), ws.TransferFunction(hard, curve), hard_goal
+    return request.param, make(), ws.TransferFunction(soft, curve), ws.TransferFunction(hard, curve), hard_goal
 
 
 def camera(volume: ws.Volume, view: tuple[float, float, float | None]) -> ws.Camera:
@@ -56,40 +61,45 @@ def camera(volume: ws.Volume, view: tuple[float, float, float | None]) -> ws.Cam
 
 @pytest.mark.parametrize("view", VIEWS)
 @pytest.mark.parametrize(("shading", "goals_db"), [(HEADLIGHT, (40, 45)), (None, (45, 50))])
-def test_soft_pictures(scene, view, shading, goals_db):
-    volume, soft, _, _ = scene
+def test_soft_pictures(scene, view, shading, goals_db, kept_picture):
+    scan, volume, soft, _, _ = scene
+    name = f"soft {scan} {view} {'lit' if shading else 'unlit'}"
     view = camera(volume, view)
-    want = ws.reference.raycast(volume, soft, view, size=SIZE, step=0.05, shading=shading).rgba
+    want = kept_picture(name, cast(volume, soft, view, size=SIZE, step=0.05, shading=shading))
     for quality, goal_db in zip(("normal", "high"), goals_db, strict=True):
         got = ws.render(volume, soft, view, size=SIZE, shading=shading, quality=quality).rgba
         assert psnr_db(got, want) >= goal_db, quality
-    assert want[..., 3].mean() > 0.2, "the view shows the volume"
+    assert got[..., 3].mean() > 0.2, "the view shows the volume"
 
 
-def test_pictures_in_the_usual_light(scene):
-    volume, soft, _, _ = scene
+def test_pictures_in_the_usual_light(scene, kept_picture):
+    scan, volume, soft, _, _ = scene
     view = ws.Camera.orbit(volume, 30, 20, fit="view")
-    want = ws.reference.raycast(volume, soft, view, size=(36, 30), step=0.1, rays_per_pixel=9).rgba
+    want = kept_picture(f"usual light {scan}", cast(volume, soft, view, size=(36, 30), step=0.1, rays_per_pixel=9))
     got = ws.render(volume, soft, view, size=(36, 30), quality=ws.Sampling(4, 2)).rgba
     assert psnr_db(got, want) > 40
 
 
 @pytest.mark.parametrize("view", VIEWS)
-def test_hard_pictures(scene, view):
-    volume, _, hard, goal_db = scene
+@pytest.mark.every_pair
+def test_hard_pictures(scene, view, kept_picture):
+    scan, volume, _, hard, goal_db = scene
+    name = f"hard {scan} {view}"
     view = camera(volume, view)
-    want = ws.reference.raycast(volume, hard, view, size=SIZE, step=0.01, rays_per_pixel=16, shading=HEADLIGHT).rgba
+    want = kept_picture(name, cast(volume, hard, view, size=SIZE, step=0.01, rays_per_pixel=16, shading=HEADLIGHT))
     got = ws.render(volume, hard, view, size=SIZE, quality="high", shading=HEADLIGHT).rgba
     assert psnr_db(got, want) >= goal_db
-    assert want[..., 3].mean() > 0.2, "the view shows the volume"
+    assert got[..., 3].mean() > 0.2, "the view shows the volume"
 
 
 @pytest.mark.parametrize("view_angle", [None, 25.0])
-def test_a_wanted_psnr_is_reached(scene, view_angle):
-    volume, soft, _, _ = scene
+@pytest.mark.every_pair
+def test_a_wanted_psnr_is_reached(scene, view_angle, kept_picture):
+    scan, volume, soft, _, _ = scene
     view = ws.Camera.orbit(volume, 30, 20, view_angle=view_angle, fit="view")
     size = (96, 80)
-    want = ws.reference.raycast(volume, soft, view, size=size, step=0.05, rays_per_pixel=16, shading=HEADLIGHT).rgba
+    draw = cast(volume, soft, view, size=size, step=0.05, rays_per_pixel=16, shading=HEADLIGHT)
+    want = kept_picture(f"wanted psnr {scan} {view_angle}", draw)
     effort = []
     for wanted_db in (38, 44, 50):
         picture = ws.render(volume, soft, view, size=size, psnr=wanted_db, shading=HEADLIGHT)
@@ -113,7 +123,7 @@ HELD_OUT_CURVES = {
 @pytest.mark.parametrize("view", HELD_OUT_VIEWS)
 @pytest.mark.parametrize("is_hard", [False, True])
 @pytest.mark.parametrize("name", HELD_OUT_CURVES)
-def test_the_promise_of_a_psnr_holds_to_a_decibel(name, is_hard, view):
+def test_the_promise_of_a_psnr_holds_to_a_decibel(name, is_hard, view, kept_picture):
     make, _, _, curve, _ = SCENES[name]
     volume = make()
     function = ws.TransferFunction(HELD_OUT_CURVES[name][is_hard], curve)
@@ -121,7 +131,10 @@ def test_the_promise_of_a_psnr_holds_to_a_decibel(name, is_hard, view):
     eye = ws.Camera.orbit(volume, azimuth, elevation, view_angle=view_angle, fit="view")
     shown = {"size": (112, 96), "shading": HEADLIGHT}
     # With sixteen rays a pixel the caster has an error of its own, 40 dB where pixels are four samples wide.
-    want = ws.render(volume, function, eye, **shown, quality=ws.Sampling(24, 8)).rgba
+    want = kept_picture(
+        f"promise {name} {view} {'hard' if is_hard else 'soft'}",
+        lambda: ws.render(volume, function, eye, **shown, quality=ws.Sampling(24, 8)).rgba,
+    )
     for wanted_db in (30, 40, 50):
         picture = ws.render(volume, function, eye, psnr=wanted_db, **shown)
         told_db, spread_db = (picture.report[f"expected_psnr_{name}"] for name in ("db", "spread_db"))
@@ -131,20 +144,21 @@ def test_the_promise_of_a_psnr_holds_to_a_decibel(name, is_hard, view):
         assert reached_db > min(wanted_db, told_db - spread_db) - 1, (wanted_db, told_db, spread_db)
 
 
-def test_frames_like_the_first_are_drawn_by_what_it_measured(scene):
-    volume, soft, _, _ = scene
+def test_frames_like_the_first_are_drawn_by_what_it_measured(scene, kept_picture):
+    scan, volume, soft, _, _ = scene
     shown = {"size": (96, 80), "shading": HEADLIGHT}
     scene = ws.Scene(volume, soft, shading=shown.pop("shading"))
     first = scene.render(ws.Camera.orbit(volume, 30, 20, fit="view"), **shown, psnr=38)
     assert json.loads(json.dumps(first.report["measured"])) == first.report["measured"]
+    view = ws.Camera.orbit(volume, 40, 10, fit="view")
+    converged = {"camera": view, **shown, "quality": ws.Sampling(24, 8)}
+    want = kept_picture(f"frame {scan}", lambda: scene.render(**converged).rgba)
     for wanted_db in (38, 44):
-        view = ws.Camera.orbit(volume, 40, 10, fit="view")
         frame = scene.render(view, **shown, psnr=wanted_db)
         assert frame.report["expected_psnr_db"] >= wanted_db
         assert frame.report["expected_psnr_spread_db"] > first.report["expected_psnr_spread_db"]
         fixed = ws.Sampling(frame.report["sheets_per_slice"], frame.report["oversampling"])
         np.testing.assert_array_equal(frame.rgba, scene.render(view, **shown, quality=fixed).rgba)
-        want = scene.render(view, **shown, quality=ws.Sampling(24, 8)).rgba
         assert psnr_db(frame.rgba, want) > wanted_db - frame.report["expected_psnr_spread_db"]
         # Measured errors are passed from frame to frame.
         again = scene.render(view, **shown, psnr=wanted_db)

@@ -37,6 +37,12 @@ impl Slab<'_, '_> {
         [front - half, if is_last { back } else { front + half }]
     }
 
+    /// Whether the slab is the last one of some layer in a block: its back sheet is the front of no other slab.
+    #[inline(always)]
+    pub fn is_last(&self, block: Block) -> bool {
+        self.first.is_last(block) || self.more.iter().any(|own| own.is_last(block))
+    }
+
     /// Clips the layers' own rays of a chunk to what lies between two places each ([`Rays::cut`]).
     #[inline(always)]
     pub fn cut(&mut self, chunk: Chunk, places: [&Lanes; 2]) -> Vec<([Lanes; 2], [f32; 2])> {

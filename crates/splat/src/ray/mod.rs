@@ -5,6 +5,7 @@ pub mod compositor;
 pub mod cut_faces;
 pub mod first_hit;
 pub mod local_maximum;
+pub mod media;
 pub mod over;
 pub mod over_layers;
 pub mod project;

@@ -11,43 +11,24 @@
 
 use wavesplat_compute::simd::{Simd, Wide};
 
-use crate::optics::classify::{Classifier, one_minus_exp_neg};
+use crate::optics::classify::one_minus_exp_neg;
 use crate::optics::gradient_opacity::GradientOpacity;
-use crate::optics::modifiers::Modifiers;
 use crate::optics::preintegrate::{N_CUTS, PartOpacities};
-use crate::optics::shade::Shader;
-use crate::ray::accumulator::{Accumulator, Chunks, Fragment, between, extent, lit};
-use crate::ray::compositor::ChunkSurfaces;
-use crate::ray::compositor::{Compositor, Slab, Texels};
-use crate::ray::cut_faces::{CutFaces, Matter, most_missing, place_between};
-use crate::ray::state::TileState;
+use crate::ray::accumulator::{Chunks, Fragment, between, extent};
+use crate::ray::compositor::{Compositor, Slab};
+use crate::ray::cut_faces::place_between;
+use crate::ray::media::{AddMedia, LayerOptics, OverTile, SheetPart, SlabPart};
 use crate::sheet::field_sheets::{FieldPoint, FieldValues};
 use crate::sheet::layer_sheets::LayerSheets;
-use crate::sheet::tile_layout::{Block, Chunk};
+use crate::sheet::tile_layout::Block;
 use crate::sheet::tile_rays::Rays;
-use crate::source::nonfinite::{known_between, known_share};
-
-/// Optics of a layer: from density to colour and optical depth.
-#[derive(Clone, Copy)]
-pub struct LayerOptics<'a> {
-    /// Colour and optical depth by density.
-    pub classifier: &'a Classifier,
-    /// Lights and coefficients; `None` without shading.
-    pub shader: Option<&'a Shader>,
-    /// Gradient opacity, occlusion and shadow, labels.
-    pub modifiers: &'a Modifiers,
-}
+use crate::source::nonfinite::known_between;
 
 /// Emission and absorption of several layers.
-pub struct OverLayers<'a> {
-    media: Vec<LayerOptics<'a>>,
-    /// Field values on the front and the back sheet, at the chunks that were read last.
-    here: [FieldValues; 2],
-    /// Whether slabs are pre-integrated.
-    needs_preintegration: bool,
-    so_far: Accumulator,
-    cuts: CutFaces,
-}
+pub struct Several<'a>(pub &'a [LayerOptics<'a>]);
+
+/// Number of parts that a pre-integrated slab is cut into.
+const N_PARTS: usize = N_CUTS - 1;
 
 /// Sums over layers: optical depth times colour, and optical depth.
 #[derive(Clone, Copy)]
@@ -93,81 +74,7 @@ fn sheets<'s, 'b>(slab: &'s mut Slab<'_, 'b>, layer: usize) -> &'s mut LayerShee
     if layer == 0 { slab.first } else { &mut slab.more[layer - 1] }
 }
 
-impl<'a> OverLayers<'a> {
-    /// Continues from `state`; `None`: nothing is drawn yet. `opaque`: opacity from which a ray is done. `with_depth`:
-    /// whether `s_half` is wanted.
-    pub fn new(
-        media: Vec<LayerOptics<'a>>,
-        needs_preintegration: bool,
-        opaque: f32,
-        with_depth: bool,
-        mut state: Option<TileState>,
-    ) -> Self {
-        Self {
-            cuts: CutFaces::new(media.iter().map(|medium| medium.shader), state.as_mut()),
-            media,
-            here: Default::default(),
-            needs_preintegration,
-            so_far: Accumulator::new(opaque, with_depth, state),
-        }
-    }
-
-    /// Whether a live ray of any chunk can see a medium at a density from `lo` to `hi`.
-    #[inline(always)]
-    fn see<W: Wide>(&self, w: W, chunks: Chunks, rays: &Rays, medium: &LayerOptics, [lo, hi]: [W::F; 2]) -> bool {
-        let [least, most] = medium.classifier.visible_range();
-        let visible = w.and(w.le(w.splat(least), hi), w.le(lo, w.splat(most)));
-        self.so_far.see_where(w, chunks, rays, visible) != [false; 2]
-    }
-
-    /// Reads the fields that a layer's medium needs on a sheet.
-    #[inline(always)]
-    fn read_fields<W: Wide>(&mut self, w: W, chunks: Chunks, slab: &mut Slab, which: usize, layer: usize) {
-        let from = (slab.field_geometries, slab.field_panels);
-        for field in self.media[layer].modifiers.fields(true, false) {
-            slab.fields[which].read(w, from, field, chunks, &mut self.here[which]);
-        }
-    }
-
-    /// Whether any live ray can see the label medium on a sheet. Reads its optical depth.
-    #[inline(always)]
-    fn see_label_medium<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab, which: usize) -> bool {
-        let Some(field) = self.media[0].modifiers.label_medium_field() else { return false };
-        let from = (slab.field_geometries, slab.field_panels);
-        slab.fields[which].read(w, from, field, chunks, &mut self.here[which]);
-        let depth = self.here[which].value(w, field);
-        self.so_far.see_where(w, chunks, rays, w.lt(w.splat(0.0), depth)) != [false; 2]
-    }
-
-    /// Reads the label medium's other fields, and its gradient if shaded, after [`OverLayers::see_label_medium`].
-    #[inline(always)]
-    fn read_label_medium<W: Wide>(&mut self, w: W, chunks: Chunks, slab: &mut Slab, which: usize) {
-        let modifiers = self.media[0].modifiers;
-        let from = (slab.field_geometries, slab.field_panels);
-        for field in modifiers.fields(false, true) {
-            slab.fields[which].read(w, from, field, chunks, &mut self.here[which]);
-        }
-        if let (Some(field), true) = (modifiers.label_medium_field(), modifiers.label_shader.is_some()) {
-            slab.fields[which].read_gradient(w, from, field, chunks, &mut self.here[which]);
-        }
-    }
-
-    #[inline(always)]
-    fn add_sheet_outlined<S: Simd>(
-        &mut self,
-        s: S,
-        chunks: Chunks,
-        rays: &Rays,
-        slab: &mut Slab,
-        which: (usize, [f32; 2]),
-    ) {
-        s.outlined(
-            #[inline(always)]
-            || self.add_sheet(s, chunks, rays, slab, which),
-        );
-    }
-
-    /// Composites the front (0) or back (1) sheet of every layer as a slab of constant density between two positions.
+impl AddMedia for OverTile<Several<'_>> {
     #[inline(always)]
     fn add_sheet<W: Wide>(
         &mut self,
@@ -180,59 +87,46 @@ impl<'a> OverLayers<'a> {
         let block = chunks[0].block();
         let mut mixture = OpticalSum::none(w);
         let mut any = false;
-        for layer in 0..self.media.len() {
+        for layer in 0..self.media.0.len() {
             let own = sheets(slab, layer);
-            if !own.has(block) || (which == 1 && !own.is_last(block)) {
+            if !own.draws(rays, chunks[0]) || (which == 1 && !own.is_last(block)) {
                 continue;
+            }
+            let medium = self.media.0[layer];
+            let LayerOptics { classifier, modifiers, .. } = medium;
+            let density = own.sheet(which).density(w, chunks);
+            let sees_scan = self.see(w, chunks, rays, classifier, [density; 2]) != [false; 2];
+            let only = which..which + 1;
+            let sees_medium = layer == 0 && self.see_label_medium(w, chunks, rays, slab, only.clone(), modifiers);
+            if !sees_scan && !sees_medium {
+                continue;
+            }
+            any = true;
+            self.read_fields(w, chunks, slab, only, modifiers, [sees_scan, sees_medium]);
+            let own = sheets(slab, layer);
+            let mut gradient = None;
+            if sees_scan && medium.needs_gradient::<true>() {
+                own.prepare_gradient(which, block);
+                gradient = Some(own.sheet(which).gradient(w, chunks));
             }
             let own_rays = own.rays.as_ref().unwrap_or(rays);
-            if own_rays.draws_nothing(chunks[0]) {
-                continue;
-            }
-            let medium = self.media[layer];
-            let density = own.sheet(which).density(w, chunks);
-            let is_seen = self.see(w, chunks, rays, &medium, [density; 2]);
-            let (from, length) = extent(w, chunks, own_rays, ends);
-            let has_mask = own.geometry.slices.has_mask();
-            let missing = if has_mask { Some(own.sheet(which).missing(w, chunks)) } else { None };
-            let (begin, extent, at) = (from, length, w.add_mul(from, w.splat(0.5), length));
-            let (thickness, to_eye) = (own_rays.thickness(w, chunks), own_rays.to_eye(w, chunks));
-            let full_length = w.mul(length, thickness);
-            let mut length = full_length;
-            if let Some(missing) = missing {
-                length = w.mul(length, known_share(w, missing));
-            }
-            if is_seen {
-                let mut gradient = None;
-                if medium.shader.is_some() || medium.modifiers.by_gradient.is_some() {
-                    own.prepare_gradient(which, block);
-                    gradient = Some(own.sheet(which).gradient(w, chunks));
-                }
-                self.read_fields(w, chunks, slab, which, layer);
-                let point = FieldPoint::on(&self.here[which]);
-                let mut classified = medium.classifier.look_up(w, density);
-                if let Some((by_gradient, gradient)) = medium.modifiers.by_gradient.as_ref().zip(gradient) {
+            let part = SheetPart::new(w, chunks, own_rays, own, which, ends);
+            let to_eye = own_rays.to_eye(w, chunks);
+            let point = FieldPoint::on(&self.here[which]);
+            if sees_scan {
+                let mut classified = classifier.look_up(w, density);
+                if let Some((by_gradient, gradient)) = modifiers.by_gradient.as_ref().zip(gradient) {
                     classified = by_gradient.classify(w, density, gradient, &point, classified);
                 }
                 let [r, g, b, depth] = classified;
-                let depth = w.mul(depth, medium.modifiers.scan_share(w, &point, missing));
-                let own_rays = sheets(slab, layer).rays.as_ref().unwrap_or(rays);
-                let matter = Matter { begin, extent, depth: w.mul(depth, full_length), at, missing };
-                let even = self.cuts.even_share(w, chunks, own_rays, ANYWHERE, &matter);
-                let rgb = shaded(w, &medium, [r, g, b], gradient, (to_eye, even), &point);
-                mixture.add(w, rgb, w.mul(depth, length));
-                any = true;
+                let depth = w.mul(depth, modifiers.scan_share(w, &point, part.missing));
+                let even = self.cuts.even_share(w, chunks, own_rays, ANYWHERE, &part.matter(w, depth));
+                let rgb = medium.scan_color::<W, true>(w, [r, g, b], gradient, (to_eye, even), &point);
+                mixture.add(w, rgb, w.mul(depth, part.length));
             }
-            if layer == 0 && self.see_label_medium(w, chunks, rays, slab, which) {
-                self.read_label_medium(w, chunks, slab, which);
-                let point = FieldPoint::on(&self.here[which]);
-                if let Some((depth, rgb)) = medium.modifiers.medium(w, &point) {
-                    let own_rays = sheets(slab, layer).rays.as_ref().unwrap_or(rays);
-                    let matter = Matter { begin, extent, depth: w.mul(depth, full_length), at, missing };
-                    let even = self.cuts.even_share(w, chunks, own_rays, ANYWHERE, &matter);
-                    mixture.add(w, label_color(w, &medium, rgb, (to_eye, even), &point), w.mul(depth, length));
-                    any = true;
-                }
+            if sees_medium && let Some((depth, rgb)) = modifiers.medium(w, &point) {
+                let even = self.cuts.even_share(w, chunks, own_rays, ANYWHERE, &part.matter(w, depth));
+                mixture.add(w, medium.label_color(w, rgb, (to_eye, even), &point), w.mul(depth, part.length));
             }
         }
         if any {
@@ -242,181 +136,211 @@ impl<'a> OverLayers<'a> {
         }
     }
 
-    /// Composites the space between two sheets with densities that are linear in between.
     #[inline(always)]
     fn add_slab<W: Wide>(&mut self, w: W, chunks: Chunks, rays: &Rays, slab: &mut Slab) {
-        const N_PARTS: usize = N_CUTS - 1;
-        let block = chunks[0].block();
-        let [s_front, s_back] = slab.s;
-        let (way, per_s) = (w.splat(s_back - s_front), w.splat(1.0 / (s_back - s_front)));
-        let (zero, one) = (w.splat(0.0), w.splat(1.0));
         let mut parts = [OpticalSum::none(w); N_PARTS];
         // The fragment of the only medium that is visible: the usual case, in which there is nothing to mix.
         let (mut only, mut mixes) = (None, false);
-        for layer in 0..self.media.len() {
+        for layer in 0..self.media.0.len() {
             let own = sheets(slab, layer);
-            if !own.has(block) {
+            if !own.draws(rays, chunks[0]) {
                 continue;
+            }
+            let LayerOptics { classifier, modifiers, .. } = self.media.0[layer];
+            let densities @ [front, back] = [own.front.density(w, chunks), own.back.density(w, chunks)];
+            let range = [w.min(front, back), w.max(front, back)];
+            let sees_scan = self.see(w, chunks, rays, classifier, range) != [false; 2];
+            let sees_medium = layer == 0 && self.see_label_medium(w, chunks, rays, slab, 0..2, modifiers);
+            if !sees_scan && !sees_medium {
+                continue;
+            }
+            self.read_fields(w, chunks, slab, 0..2, modifiers, [sees_scan, sees_medium]);
+            let s = slab.s;
+            let own = sheets(slab, layer);
+            let mut gradients = None;
+            if sees_scan && self.media.0[layer].needs_gradient::<true>() {
+                own.prepare_gradient(0, chunks[0].block());
+                own.prepare_gradient(1, chunks[0].block());
+                gradients = Some([own.front.gradient(w, chunks), own.back.gradient(w, chunks)]);
             }
             let own_rays = own.rays.as_ref().unwrap_or(rays);
-            if own_rays.draws_nothing(chunks[0]) {
-                continue;
-            }
-            let medium = self.media[layer];
-            let (front, back) = (own.front.density(w, chunks), own.back.density(w, chunks));
-            let is_seen = self.see(w, chunks, rays, &medium, [w.min(front, back), w.max(front, back)]);
-            let (from, extent) = extent(w, chunks, own_rays, [s_front, s_back]);
-            let (thickness, to_eye) = (own_rays.thickness(w, chunks), own_rays.to_eye(w, chunks));
-            let mut missing = None;
-            if own.geometry.slices.has_mask() {
-                missing = Some([own.front.missing(w, chunks), own.back.missing(w, chunks)]);
-            }
-            // Fractions of the slab at which the layer's drawn part begins and ends, and the cuts in between.
-            let begin = w.mul(w.sub(from, w.splat(s_front)), per_s);
-            let end = w.add_mul(begin, extent, per_s);
-            let mut cuts = [begin; N_CUTS];
+            let part = SlabPart::new(w, chunks, own_rays, own, s);
+            let mut cuts = [part.begin; N_CUTS];
             for (k, cut) in cuts.iter_mut().enumerate() {
-                *cut = w.min(w.max(w.splat(k as f32 / N_PARTS as f32), begin), end);
+                *cut = w.min(w.max(w.splat(k as f32 / N_PARTS as f32), part.begin), part.end);
             }
-            (cuts[0], cuts[N_PARTS]) = (begin, end);
-            let length = w.mul(way, thickness);
-            let ends = [s_front, s_back];
-            let most_missing = most_missing(w, missing);
-            if is_seen {
-                let mut gradients = None;
-                if medium.shader.is_some() || medium.modifiers.by_gradient.is_some() {
-                    own.prepare_gradient(0, block);
-                    own.prepare_gradient(1, block);
-                    gradients = Some([own.front.gradient(w, chunks), own.back.gradient(w, chunks)]);
-                }
-                for which in 0..2 {
-                    self.read_fields(w, chunks, slab, which, layer);
-                }
-                let half = w.splat(0.5);
-                let joint = medium.modifiers.by_gradient.as_ref().filter(|by_gradient| by_gradient.decides_color());
-                let (PartOpacities { first, last, mut depths }, joint_rgb) = match joint.zip(gradients) {
-                    Some((joint, gradients)) => joint_parts(w, joint, [front, back], gradients, &self.here, cuts),
-                    None => (medium.classifier.preintegrate_parts(w, front, back, cuts), None),
-                };
-                // The factors at the middle of the visible range.
-                let middle = w.mul(w.add(first, last), half);
-                // As if no sample were missing: the matter that a cut makes a face of.
-                let missing_there = missing.map(|[front, back]| w.add_mul(front, middle, w.sub(back, front)));
-                let share = medium.modifiers.scan_share(w, &FieldPoint::between(&self.here, middle), missing_there);
-                let mut shown_length = w.mul(length, share);
-                let mut length = w.mul(length, known_between(w, missing, middle));
-                length = w.mul(length, share);
-                if let (None, Some((by_gradient, [g_front, g_back]))) =
-                    (joint, medium.modifiers.by_gradient.as_ref().zip(gradients))
-                {
-                    let factor = by_gradient.factor(w, between(w, g_front, g_back, middle));
-                    (length, shown_length) = (w.mul(length, factor), w.mul(shown_length, factor));
-                }
-                let full_depth = w.mul(w.add(depths[0], depths[1]), shown_length);
-                // The mean place that the layer's own light comes from, as in [`crate::ray::over`].
-                let (mut alpha, mut moment) = (zero, zero);
-                for k in 0..N_PARTS {
-                    depths[k] = w.mul(depths[k], length);
-                    let share = w.mul(w.sub(one, alpha), one_minus_exp_neg(w, depths[k]));
-                    let [near, far] = [w.max(cuts[k], first), w.min(cuts[k + 1], last)];
-                    let mean = w.div(one, w.add_mul(w.splat(2.0), w.splat(0.75), depths[k]));
-                    let at = w.add_mul(near, mean, w.max(w.sub(far, near), zero));
-                    moment = w.add_mul(moment, share, at);
-                    alpha = w.add(alpha, share);
-                }
-                let mut at = w.select(w.lt(zero, alpha), w.div(moment, alpha), middle);
-                let change = w.sub(back, front);
-                let [own_front, own_back] = [w.add_mul(front, begin, change), w.add_mul(front, end, change)];
-                if joint.is_none()
-                    && let Some(meets) = medium.classifier.meets_opaque_end(w, own_front, own_back)
-                {
-                    // The parts are those of all layers; the layer's own meet where its densities get opaque.
-                    let passage = medium.classifier.preintegrate(w, own_front, own_back);
-                    let drawn = w.sub(end, begin);
-                    let own_length = w.mul(drawn, length);
-                    let depths = [w.mul(passage.depths[0], own_length), w.mul(passage.depths[1], own_length)];
-                    let [_, mean] = passage.light(w, depths);
-                    let within = w.add_mul(passage.first, mean, w.sub(passage.last, passage.first));
-                    at = w.select(meets, w.add_mul(begin, within, drawn), at);
-                }
-                let rgb =
-                    joint_rgb.unwrap_or_else(|| medium.classifier.color(w, w.add_mul(front, at, w.sub(back, front))));
-                let gradient = gradients.map(|[front, back]| between(w, front, back, at));
-                let own_rays = sheets(slab, layer).rays.as_ref().unwrap_or(rays);
-                let visible = w.select(w.le(first, begin), from, place_between(w, ends, first));
-                let matter = Matter {
-                    begin: visible,
-                    extent,
-                    depth: full_depth,
-                    at: place_between(w, ends, at),
-                    missing: most_missing,
-                };
-                let even = self.cuts.even_share(w, chunks, own_rays, ANYWHERE, &matter);
-                let point = FieldPoint::between(&self.here, at);
-                let rgb = shaded(w, &medium, rgb, gradient, (to_eye, even), &point);
-                for k in 0..N_PARTS {
-                    parts[k].add(w, rgb, depths[k]);
-                }
-                let extent = w.mul(at, w.splat(2.0 * (s_back - s_front)));
-                mixes |= only.replace(Fragment { rgb, alpha, from: w.splat(s_front), extent }).is_some();
+            (cuts[0], cuts[N_PARTS]) = (part.begin, part.end);
+            let length = w.mul(w.splat(s[1] - s[0]), own_rays.thickness(w, chunks));
+            let layer =
+                LayerSlab { optics: self.media.0[layer], rays: own_rays, part, cuts, length, densities, gradients };
+            if sees_scan {
+                mixes |= only.replace(self.add_scan(w, chunks, &layer, &mut parts)).is_some();
             }
-            if layer == 0 {
-                let on_front = self.see_label_medium(w, chunks, rays, slab, 0);
-                let on_back = self.see_label_medium(w, chunks, rays, slab, 1);
-                if on_front || on_back {
-                    for which in 0..2 {
-                        self.read_label_medium(w, chunks, slab, which);
-                    }
-                    let middle = w.mul(w.add(begin, end), w.splat(0.5));
-                    let point = FieldPoint::between(&self.here, middle);
-                    let full_length = length;
-                    let length = w.mul(length, known_between(w, missing, middle));
-                    if let Some((depth, rgb)) = medium.modifiers.medium(w, &point) {
-                        let own_rays = sheets(slab, layer).rays.as_ref().unwrap_or(rays);
-                        let part = w.mul(w.mul(depth, w.sub(end, begin)), full_length);
-                        let matter = Matter {
-                            begin: from,
-                            extent,
-                            depth: part,
-                            at: place_between(w, ends, middle),
-                            missing: most_missing,
-                        };
-                        let even = self.cuts.even_share(w, chunks, own_rays, ANYWHERE, &matter);
-                        let rgb = label_color(w, &medium, rgb, (to_eye, even), &point);
-                        for k in 0..N_PARTS {
-                            let share = w.sub(cuts[k + 1], cuts[k]);
-                            parts[k].add(w, rgb, w.mul(w.mul(depth, share), length));
-                        }
-                        mixes = true;
-                    }
-                }
+            if sees_medium {
+                self.add_label_medium(w, chunks, &layer, &mut parts);
+                mixes = true;
             }
         }
-        if !mixes {
-            if let Some(only) = only {
-                self.so_far.add_fragment(w, chunks, rays, &only);
-            }
-            return;
+        if mixes {
+            only = Some(mixed(w, slab.s, &parts));
         }
-        // Composites the parts front to back, and finds the mean place that light comes from.
-        let (mut rgb, mut alpha, mut moment) = ([zero; 3], zero, zero);
-        for (k, part) in parts.iter().enumerate() {
-            let (color, opacity) = part.fragment(w);
-            let share = w.mul(w.sub(one, alpha), opacity);
-            for c in 0..3 {
-                rgb[c] = w.add_mul(rgb[c], share, color[c]);
-            }
-            alpha = w.add(alpha, share);
-            moment = w.add_mul(moment, share, w.splat((k as f32 + 0.5) / N_PARTS as f32));
+        if let Some(fragment) = only {
+            self.so_far.add_fragment(w, chunks, rays, &fragment);
         }
-        let inverse = w.div(one, w.max(alpha, w.splat(MIN_DEPTH)));
-        for c in 0..3 {
-            rgb[c] = w.mul(rgb[c], inverse);
-        }
-        let extent = w.mul(w.mul(way, w.splat(2.0)), w.mul(moment, inverse));
-        let from = w.splat(s_front);
-        self.so_far.add_fragment(w, chunks, rays, &Fragment { rgb, alpha, from, extent });
     }
+
+    #[inline(always)]
+    fn add_block<S: Simd>(&mut self, s: S, block: Block, rays: &Rays, slab: &mut Slab) {
+        self.add_one_by_one(s, block, rays, slab);
+    }
+}
+
+impl OverTile<Several<'_>> {
+    /// Adds a layer's scan to the parts of a slab. Returns its fragment if there is nothing else.
+    #[inline(always)]
+    fn add_scan<W: Wide>(
+        &mut self,
+        w: W,
+        chunks: Chunks,
+        layer: &LayerSlab<W>,
+        parts: &mut [OpticalSum<W>; N_PARTS],
+    ) -> Fragment<W> {
+        let &LayerSlab { optics, ref part, cuts, densities: [front, back], gradients, .. } = layer;
+        let LayerOptics { classifier, modifiers, .. } = optics;
+        let joint = modifiers.by_gradient.as_ref().filter(|by_gradient| by_gradient.decides_color());
+        let (PartOpacities { first, last, mut depths }, joint_rgb) = match joint.zip(gradients) {
+            Some((joint, gradients)) => joint_parts(w, joint, layer.densities, gradients, &self.here, cuts),
+            None => (classifier.preintegrate_parts(w, front, back, cuts), None),
+        };
+        // The factors at the middle of the visible range.
+        let middle = w.mul(w.add(first, last), w.splat(0.5));
+        let point = FieldPoint::between(&self.here, middle);
+        let share = modifiers.scan_share(w, &point, part.missing_at(w, middle));
+        // As if no sample were missing: the matter that a cut makes a face of.
+        let mut shown_length = w.mul(layer.length, share);
+        let mut length = w.mul(w.mul(layer.length, known_between(w, part.missing, middle)), share);
+        if joint.is_none()
+            && let Some((by_gradient, [on_front, on_back])) = modifiers.by_gradient.as_ref().zip(gradients)
+        {
+            let factor = by_gradient.factor(w, between(w, on_front, on_back, middle));
+            (length, shown_length) = (w.mul(length, factor), w.mul(shown_length, factor));
+        }
+        let full_depth = w.mul(w.add(depths[0], depths[1]), shown_length);
+        for depth in &mut depths {
+            *depth = w.mul(*depth, length);
+        }
+        let (alpha, mut at) = light_alone(w, cuts, &PartOpacities { first, last, depths }, middle);
+        let change = w.sub(back, front);
+        let [near, far] = [w.add_mul(front, part.begin, change), w.add_mul(front, part.end, change)];
+        if joint.is_none()
+            && let Some(meets) = classifier.meets_opaque_end(w, near, far)
+        {
+            // The parts are those of all layers; the layer's own meet where its densities get opaque.
+            let passage = classifier.preintegrate(w, near, far);
+            let drawn = w.sub(part.end, part.begin);
+            let own_length = w.mul(drawn, length);
+            let depths = [w.mul(passage.depths[0], own_length), w.mul(passage.depths[1], own_length)];
+            let [_, mean] = passage.light(w, depths);
+            let within = w.add_mul(passage.first, mean, w.sub(passage.last, passage.first));
+            at = w.select(meets, w.add_mul(part.begin, within, drawn), at);
+        }
+        let rgb = joint_rgb.unwrap_or_else(|| classifier.color(w, w.add_mul(front, at, change)));
+        let mut gradient = None;
+        if let Some([on_front, on_back]) = gradients {
+            gradient = Some(between(w, on_front, on_back, at));
+        }
+        let begin = w.select(w.le(first, part.begin), part.from, place_between(w, part.s, first));
+        let matter = part.matter(w, begin, full_depth, at);
+        let even = self.cuts.even_share(w, chunks, layer.rays, ANYWHERE, &matter);
+        let point = FieldPoint::between(&self.here, at);
+        let to_eye = layer.rays.to_eye(w, chunks);
+        let rgb = optics.scan_color::<W, true>(w, rgb, gradient, (to_eye, even), &point);
+        for k in 0..N_PARTS {
+            parts[k].add(w, rgb, depths[k]);
+        }
+        let [s_front, s_back] = part.s;
+        Fragment { rgb, alpha, from: w.splat(s_front), extent: w.mul(at, w.splat(2.0 * (s_back - s_front))) }
+    }
+
+    /// Adds the label medium, which lies in the first layer, to the parts of a slab.
+    #[inline(always)]
+    fn add_label_medium<W: Wide>(
+        &mut self,
+        w: W,
+        chunks: Chunks,
+        layer: &LayerSlab<W>,
+        parts: &mut [OpticalSum<W>; N_PARTS],
+    ) {
+        let LayerSlab { optics, part, cuts, .. } = layer;
+        let middle = w.mul(w.add(part.begin, part.end), w.splat(0.5));
+        let point = FieldPoint::between(&self.here, middle);
+        let Some((depth, rgb)) = optics.modifiers.medium(w, &point) else { return };
+        let whole = w.mul(w.mul(depth, w.sub(part.end, part.begin)), layer.length);
+        let matter = part.matter(w, part.from, whole, middle);
+        let even = self.cuts.even_share(w, chunks, layer.rays, ANYWHERE, &matter);
+        let rgb = optics.label_color(w, rgb, (layer.rays.to_eye(w, chunks), even), &point);
+        let length = w.mul(layer.length, known_between(w, part.missing, middle));
+        for k in 0..N_PARTS {
+            let share = w.sub(cuts[k + 1], cuts[k]);
+            parts[k].add(w, rgb, w.mul(w.mul(depth, share), length));
+        }
+    }
+}
+
+/// A layer in the space between two sheets.
+struct LayerSlab<'a, W: Wide> {
+    optics: LayerOptics<'a>,
+    /// The layer's own rays.
+    rays: &'a Rays,
+    /// What these draw of the slab.
+    part: SlabPart<W>,
+    /// Fractions of the slab at which its parts begin and end, within what the rays draw.
+    cuts: [W::F; N_CUTS],
+    /// Length of the rays between the sheets.
+    length: W::F,
+    /// Densities on both sheets.
+    densities: [W::F; 2],
+    /// Gradients on both sheets, where they are needed.
+    gradients: Option<[[W::F; 3]; 2]>,
+}
+
+/// Opacity of a layer if there is no other, and the fraction of the slab that its light comes from on the mean, as in
+/// [`crate::ray::over`]; `otherwise`, where it has none.
+#[inline(always)]
+fn light_alone<W: Wide>(w: W, cuts: [W::F; N_CUTS], layer: &PartOpacities<W>, otherwise: W::F) -> (W::F, W::F) {
+    let (zero, one) = (w.splat(0.0), w.splat(1.0));
+    let (mut alpha, mut moment) = (zero, zero);
+    for k in 0..N_PARTS {
+        let share = w.mul(w.sub(one, alpha), one_minus_exp_neg(w, layer.depths[k]));
+        let [near, far] = [w.max(cuts[k], layer.first), w.min(cuts[k + 1], layer.last)];
+        let mean = w.div(one, w.add_mul(w.splat(2.0), w.splat(0.75), layer.depths[k]));
+        let at = w.add_mul(near, mean, w.max(w.sub(far, near), zero));
+        moment = w.add_mul(moment, share, at);
+        alpha = w.add(alpha, share);
+    }
+    (alpha, w.select(w.lt(zero, alpha), w.div(moment, alpha), otherwise))
+}
+
+/// The fragment of the parts of a slab, composited front to back, at the mean place that light comes from.
+#[inline(always)]
+fn mixed<W: Wide>(w: W, [s_front, s_back]: [f32; 2], parts: &[OpticalSum<W>; N_PARTS]) -> Fragment<W> {
+    let (zero, one) = (w.splat(0.0), w.splat(1.0));
+    let (mut rgb, mut alpha, mut moment) = ([zero; 3], zero, zero);
+    for (k, part) in parts.iter().enumerate() {
+        let (color, opacity) = part.fragment(w);
+        let share = w.mul(w.sub(one, alpha), opacity);
+        for c in 0..3 {
+            rgb[c] = w.add_mul(rgb[c], share, color[c]);
+        }
+        alpha = w.add(alpha, share);
+        moment = w.add_mul(moment, share, w.splat((k as f32 + 0.5) / N_PARTS as f32));
+    }
+    let inverse = w.div(one, w.max(alpha, w.splat(MIN_DEPTH)));
+    for c in 0..3 {
+        rgb[c] = w.mul(rgb[c], inverse);
+    }
+    let extent = w.mul(w.mul(w.splat(s_back - s_front), w.splat(2.0)), w.mul(moment, inverse));
+    Fragment { rgb, alpha, from: w.splat(s_front), extent }
 }
 
 /// Part opacities and colour of a two-dimensional transfer function between two sheets. It has no integral over
@@ -442,82 +366,4 @@ fn joint_parts<W: Wide>(
     let share = w.div(depth2, w.max(w.add(depth, depth2), w.splat(MIN_DEPTH)));
     let parts = PartOpacities { first: cuts[0], last: cuts[N_CUTS - 1], depths };
     (parts, Some(between(w, [r, g, b], [r2, g2, b2], share)))
-}
-
-/// A medium's colour, tinted and lit at a point.
-#[inline(always)]
-fn shaded<W: Wide>(
-    w: W,
-    medium: &LayerOptics,
-    rgb: [W::F; 3],
-    gradient: Option<[W::F; 3]>,
-    (to_eye, even): ([W::F; 3], Option<W::F>),
-    point: &FieldPoint<W>,
-) -> [W::F; 3] {
-    let rgb = medium.modifiers.tint(w, medium.modifiers.rgb(w, rgb, point), point);
-    lit(w, rgb, medium.shader.zip(gradient), to_eye, medium.modifiers.light(w, point), even)
-}
-
-/// Colour of the label medium, lit at a point.
-#[inline(always)]
-fn label_color<W: Wide>(
-    w: W,
-    medium: &LayerOptics,
-    rgb: [W::F; 3],
-    (to_eye, even): ([W::F; 3], Option<W::F>),
-    point: &FieldPoint<W>,
-) -> [W::F; 3] {
-    let shader = medium.modifiers.label_shader.as_ref().map(|shader| (shader, point.gradient(w)));
-    lit(w, rgb, shader, to_eye, medium.modifiers.light(w, point), even)
-}
-
-impl Compositor for OverLayers<'_> {
-    const TAKES_SURFACES: bool = true;
-
-    #[inline(always)]
-    fn covered(&self, block: Block, slab: &Slab) -> [f32; 2] {
-        let is_last = slab.first.is_last(block) || slab.more.iter().any(|own| own.is_last(block));
-        if self.needs_preintegration { slab.s } else { slab.covered_by_sheets(is_last) }
-    }
-
-    #[inline(always)]
-    fn add_surfaces<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, surfaces: &ChunkSurfaces) {
-        self.so_far.add_surfaces(s, chunk, rays, surfaces);
-    }
-
-    fn reads_back_sheet(&self) -> bool {
-        self.needs_preintegration
-    }
-
-    #[inline(always)]
-    fn is_done(&self, chunk: Chunk) -> bool {
-        self.so_far.is_done(chunk)
-    }
-
-    #[inline(always)]
-    fn add_chunk<S: Simd>(&mut self, s: S, chunk: Chunk, rays: &Rays, slab: &mut Slab) {
-        let chunks = [chunk; 2];
-        if self.needs_preintegration {
-            return s.outlined(
-                #[inline(always)]
-                || self.add_slab(s, chunks, rays, slab),
-            );
-        }
-        let [s_front, s_back] = slab.s;
-        let half = 0.5 * (s_back - s_front);
-        self.add_sheet_outlined(s, chunks, rays, slab, (0, [s_front - half, s_front + half]));
-        let block = chunk.block();
-        if slab.first.is_last(block) || slab.more.iter().any(|own| own.is_last(block)) {
-            // No slab of a layer follows whose front this sheet would be.
-            self.add_sheet_outlined(s, chunks, rays, slab, (1, [s_back - half, s_back]));
-        }
-    }
-
-    fn finish(&self, chunk: Chunk) -> Texels {
-        self.so_far.finish(chunk)
-    }
-
-    fn into_state(self) -> TileState {
-        TileState { entries: self.cuts.into_entries(), ..self.so_far.into_state() }
-    }
 }

@@ -12,8 +12,9 @@ use crate::ray::compositor::{Compositor, Texels};
 use crate::ray::first_hit::FirstHit;
 use crate::ray::local_maximum::LocalMaximum;
 
-use crate::ray::over::Over;
-use crate::ray::over_layers::{LayerOptics, OverLayers};
+use crate::ray::media::{LayerOptics, OverTile};
+use crate::ray::over::One;
+use crate::ray::over_layers::Several;
 use crate::ray::project::Project;
 use crate::ray::state::TileState;
 use crate::ray::surfaces::TileSurfaces;
@@ -168,14 +169,15 @@ fn with_operator<U: WithCompositor>(plan: &Plan, family: &FamilyPlan, work: U) -
     let LayerOptics { classifier: tables, shader, modifiers } = media[0];
     let depth = plan.with_depth;
     match plan.operator {
-        Operator::Over { pre_integrated, opaque } if media.len() > 1 => {
-            work.call(|state| OverLayers::new(media, pre_integrated, opaque, depth, state))
-        }
-        Operator::Over { pre_integrated, opaque } if modifiers.any() => {
-            work.call(|state| Over::<true>::new(tables, shader, modifiers, pre_integrated, opaque, depth, state))
-        }
         Operator::Over { pre_integrated, opaque } => {
-            work.call(|state| Over::<false>::new(tables, shader, modifiers, pre_integrated, opaque, depth, state))
+            let (shaders, ends) = (media.iter().map(|medium| medium.shader), (opaque, depth));
+            if media.len() > 1 {
+                work.call(|state| OverTile::new(Several(&media), shaders, pre_integrated, ends, state))
+            } else if modifiers.any() {
+                work.call(|state| OverTile::new(One::<true>(media[0]), shaders, pre_integrated, ends, state))
+            } else {
+                work.call(|state| OverTile::new(One::<false>(media[0]), shaders, pre_integrated, ends, state))
+            }
         }
         Operator::FirstHit { iso } => {
             work.call(|state| FirstHit::new(iso, tables, shader, modifiers.color.as_ref(), state))

@@ -3,7 +3,7 @@
 use std::cell::RefCell;
 
 use crate::sheet::buffer::Sheet;
-use crate::sheet::tile_layout::{Block, BlockMask};
+use crate::sheet::tile_layout::{Block, BlockMask, Chunk};
 use crate::sheet::tile_rays::Rays;
 use crate::source::geometry::SheetGeometry;
 use crate::source::transposed::TransposedSlices;
@@ -70,6 +70,12 @@ impl<'a> LayerSheets<'a> {
     #[inline(always)]
     pub fn has(&self, block: Block) -> bool {
         self.blocks & block.mask() != 0
+    }
+
+    /// Whether something of the layer may be visible in a chunk of the slab. `rays`: of the tile.
+    #[inline(always)]
+    pub fn draws(&self, rays: &Rays, chunk: Chunk) -> bool {
+        self.has(chunk.block()) && !self.rays.as_ref().unwrap_or(rays).draws_nothing(chunk)
     }
 
     /// Whether no slab of the layer follows in a block.

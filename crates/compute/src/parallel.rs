@@ -88,7 +88,8 @@ fn forked_pool(n: usize) -> Option<&'static rayon::ThreadPool> {
     POOLS.get(n.checked_sub(1)?)?.get_or_init(|| rayon::ThreadPoolBuilder::new().build().ok()).as_ref()
 }
 
-/// Calls the `k`th of `n` helpers, which first calls two others: waking all of them would hold up the caller.
+/// Starts the `k`th of `n` helpers, which first starts two others: helpers are woken as a binary tree, since waking all
+/// of them one by one would hold up the caller.
 #[cfg(feature = "threads")]
 fn call_helper<'a>(scope: &rayon::Scope<'a>, k: usize, n: usize, work_off: &'a (impl Fn() + Sync)) {
     if k < n {
@@ -151,8 +152,8 @@ const MAX_KEPT: usize = 4;
 
 #[cfg(feature = "threads")]
 impl Threads {
-    /// `n` kept threads, for one call alone; `None` where there are none. Another thread's lock is not waited for: in a
-    /// forked process nobody would open it.
+    /// `n` kept threads, for one call alone; `None` where there are none. Does not wait for the lock: after a fork,
+    /// its owner may not exist in this process, and nobody would release it.
     fn kept(n: usize) -> Option<Self> {
         let mut kept = KEPT.try_lock().ok()?;
         let n_forks = N_FORKS.load(Ordering::Relaxed);

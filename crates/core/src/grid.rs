@@ -78,7 +78,7 @@ impl Grid {
         spacing(&self.world_from_index)
     }
 
-    /// Default `opacity_unit`, world units: the geometric mean of the spacings, for a level those of the finest grid.
+    /// Default `opacity_unit`, world units: the geometric mean of the spacings; a level has the finest grid's.
     pub fn default_opacity_unit(&self) -> f64 {
         self.opacity_unit
     }
@@ -93,7 +93,7 @@ impl Grid {
         self.world_from_index.transform_point3((self.bounds[0] + self.bounds[1]) / 2.0)
     }
 
-    /// Ratio of the mean spacing to that of the volume of which the grid is a level; 1 for a volume itself.
+    /// Ratio of the mean spacing to the mean spacing of the finest level; 1 for a volume itself.
     pub fn coarseness(&self) -> f64 {
         self.mean_spacing() / self.opacity_unit
     }

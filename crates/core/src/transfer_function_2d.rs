@@ -1,5 +1,5 @@
-//! Two-dimensional transfer functions: colour and opacity by sample value and gradient magnitude, or by the values of two
-//! fields.
+//! Two-dimensional transfer functions: colour and opacity by sample value and gradient magnitude, or by the values of
+//! two fields.
 //!
 //! A value alone cannot distinguish the boundary of two materials from a third material of that value; with the
 //! magnitude of the gradient it often can (Levoy, *Display of surfaces from volume data*, 1988; Kindlmann & Durkin
@@ -25,8 +25,9 @@ impl TransferFunction2D {
         Self::checked(values, magnitudes, rgba, false)
     }
 
-    /// Checks the nodes of a function of two fields. `values`: sample units, `others`: those of the other field, both in
-    /// order; `rgba` as for [`TransferFunction2D::new`], one row of values per value of the other field.
+    /// Checks the nodes of a function of two fields. `values`: in the units of the samples, `others`: in the units of
+    /// the other field, both in order; `rgba` as for [`TransferFunction2D::new`], one row of values per value of the
+    /// other field.
     pub fn of_fields(values: Vec<f64>, others: Vec<f64>, rgba: Vec<[f64; 4]>) -> Result<Self> {
         check_axis("magnitudes", &others, f64::NEG_INFINITY)?;
         Self::checked(values, others, rgba, true)

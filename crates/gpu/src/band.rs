@@ -10,12 +10,12 @@ use wavesplat_splat::sheet::tile_layout::{N_BLOCKS_V, N_STRIPS};
 
 use crate::layout::N_BLOCK;
 
-/// Most blocks that are drawn at once: 1 M texels, so that no binding exceeds what every device has, and a weak device
-/// takes a few hundredths of a second for a slab of them.
+/// Largest number of blocks that are drawn at once: 1 M texels, so that no binding exceeds what every device has, and a
+/// weak device takes a few hundredths of a second for a slab of them.
 const MAX_BLOCKS: usize = 1 << 13;
 
-/// Tiles that are computed at once, on all threads: those of a row would keep few threads busy, and those of a large
-/// base plane would take much memory.
+/// Tiles that are computed at once, on all threads: a single row of tiles would keep few threads busy, and all tiles of
+/// a large base plane would take much memory.
 const N_TILES: usize = 512;
 
 /// Blocks of a base plane that are drawn together.

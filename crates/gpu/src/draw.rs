@@ -31,12 +31,12 @@ use crate::volumes::{GpuVolume, Volumes};
 /// cancelled between dispatches. Rays meet more further in than where they begin, so that the next one may take longer.
 const AIM_SECONDS: f64 = 0.02;
 
-/// Largest ratio of the slabs of a dispatch to those of the dispatch before.
+/// Largest ratio of the number of slabs of a dispatch to that number of the dispatch before.
 const MAX_GROWTH: usize = 4;
 
 /// Assumed rate of the first dispatch of a frame in texels of sheets per second, for a discrete GPU, for other GPUs and
-/// for a software renderer: the rate of the frame before says little, since its rays may all have ended early. A GPU
-/// of a fiftieth of the rate ends the first dispatch within 1 s, half of what systems allow; an H200 has twice the rate.
+/// for a software renderer: the rate of the frame before says little, since its rays may all have ended early. A GPU of
+/// a fiftieth of the rate ends the first dispatch within 1 s, half of what systems allow; an H200 has twice the rate.
 const FIRST_RATES: [f64; 3] = [5e9, 5e8, 1e6];
 
 /// Partition of a frame into dispatches and pages; the picture does not depend on it.

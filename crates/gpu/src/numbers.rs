@@ -65,8 +65,8 @@ impl Numbers {
         numbers
     }
 
-    /// Frame of a band, and the words of its blocks, which follow those of the base plane; `per_row`: workgroups in a
-    /// row of the dispatch.
+    /// Frame of a band, and the words of its blocks, which follow the words of the base plane; `per_row`: workgroups in
+    /// a row of the dispatch.
     pub(crate) fn of_band(&self, family: &FamilyPlan, band: &Band, per_row: usize) -> (GpuFrame, Vec<u32>) {
         let mut frame = self.frame;
         frame.blocks = [self.words.len(), band.blocks.len(), per_row, n_mask_words(family)].map(|n| n as u32);

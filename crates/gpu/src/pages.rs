@@ -92,6 +92,8 @@ impl Pages {
             }
         }
         let missing: Vec<usize> = wanted.iter().copied().filter(|page| !self.place.contains_key(page)).collect();
+        // Pages that are wanted now carry this call's time, so that none of them is among the slots that may be
+        // evicted.
         // The least recently used pages are evicted first.
         let mut free: Vec<usize> = (0..self.held.len()).filter(|slot| self.held[*slot].1 != self.now).collect();
         free.sort_by_key(|slot| self.held[*slot].1);

@@ -74,8 +74,8 @@ impl ProbeRays {
         [factor, if gain > 1.0 { gain.min(MAX_COLOR_GAIN) } else { 1.0 }]
     }
 
-    /// Whether the factor that [`ProbeRays::brightness_factors`] found makes the coarse table nearly as bright as the fine
-    /// one, or brighter, without shading. `lengths`: as there.
+    /// Whether the factor that [`ProbeRays::brightness_factors`] found makes the coarse table nearly as bright as the
+    /// fine one, or brighter, without shading. `lengths`: as there.
     pub fn is_nearly_as_bright(
         &self,
         [fine, coarse]: [&GrayTable; 2],
@@ -123,7 +123,7 @@ impl ProbeRays {
             } else {
                 hi = at;
             }
-            // The first slope is that of a thin medium, whose brightness is proportional to its extinction.
+            // The first slope is 1, which a thin medium has: its brightness is proportional to its extinction.
             let slope = before.map_or(1.0, |(x, y): (f64, f64)| (excess - y) / (at - x));
             before = Some((at, excess));
             let next = at - excess / slope;

@@ -232,7 +232,8 @@ fn volume_box<'a>(part: &IndexBox, samples: &'a SampleBuffer) -> VolumeBox<'a> {
 
 impl Stream {
     /// Reads the samples of all steps and draws them, and returns the picture; one reader per layer of the scene, in
-    /// its order, and after these one per field that colours a layer. At most [`crate::StreamOptions::budget_bytes`] of samples are held.
+    /// its order, and after these one per field that colours a layer. At most [`crate::StreamOptions::budget_bytes`] of
+    /// samples are held.
     ///
     /// # Errors
     ///
@@ -280,7 +281,7 @@ impl Stream {
     }
 }
 
-/// Samples of a box: those that were held before, and those of the boxes that are read.
+/// Samples of a box: some were held before, the others are read box by box.
 fn filled(
     reader: &dyn SampleReader,
     part: IndexBox,

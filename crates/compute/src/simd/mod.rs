@@ -150,6 +150,7 @@ pub trait Math: Copy {
     /// guess (Kadlec, *Improving the fast inverse square root*, 2010), and a plain Newton step.
     #[inline(always)]
     fn rsqrt(self, a: Self::F) -> Self::F {
+        // The guess is off by 3.5 % at most, the tuned step leaves 7e-4, and a Newton step squares that, times 3/2.
         let y = self.rsqrt_guess(a);
         let y = self
             .mul(self.mul(y, self.splat(0.703_952_25)), self.sub(self.splat(2.389_244_6), self.mul(self.mul(a, y), y)));
@@ -282,7 +283,8 @@ pub fn prefetch<T>(soon: &[T]) {
     let _ = soon;
 }
 
-/// 1.5 · 2^23: adding and taking it away rounds to an integer, which stands in the low bits in between.
+/// 1.5 · 2^23: numbers near it are 1 apart, so adding it rounds to an integer, which then stands in the low bits;
+/// subtracting it again is exact.
 pub const ROUND: f32 = 12_582_912.0;
 
 /// Constant of the first guess of 1/√a: this less half the bits of a (Kadlec 2010).

@@ -16,9 +16,9 @@ pub struct Places {
 /// How near to the row's beginning, and to each other, the places of sixteen lanes lie.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Nearness {
-    /// All indices are below 16, and those of each eight lanes span 8 numbers at most.
+    /// All indices are below 16, and the indices of each eight lanes span at most 8 numbers.
     Near,
-    /// All indices are below 32, and those of each eight lanes span 16 numbers at most.
+    /// All indices are below 32, and the indices of each eight lanes span at most 16 numbers.
     Far,
     /// Any indices.
     #[default]

@@ -116,6 +116,8 @@ impl Math for Plain {
     }
     #[inline(always)]
     fn exp2_neg(self, shifted: Sixteen) -> Sixteen {
+        // Numbers around 1.5 · 2^23 are 1 apart, so n is the distance of the bits from the bits of ROUND; subtracted
+        // from the exponent of 1, it divides by 2^n.
         let bits = |x: f32| (127 << 23_u32) - (x.to_bits().wrapping_sub(ROUND.to_bits()) << 23);
         each(shifted, shifted, |x, _| f32::from_bits(bits(x)))
     }

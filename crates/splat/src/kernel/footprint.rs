@@ -73,7 +73,7 @@ impl Axis {
         }
     }
 
-    /// Samples that gradients reach beyond those of the kernel, on either side.
+    /// Samples by which gradients reach further than the kernel, on either side.
     pub fn gradient_margin(&self) -> usize {
         match self.gradient {
             None => 0,
@@ -104,7 +104,7 @@ impl Axis {
         (first_lo, weights)
     }
 
-    /// Slices that reach the sheet at `w`, folded, with their weights; those of weight 0 are left out.
+    /// Slices that reach the sheet at `w`, folded, with their weights; slices of weight 0 are left out.
     pub fn slice_taps(&self, w: f64) -> SliceTaps {
         let (first, weights) = taps(self.kernel, w.clamp(0.0, self.last()));
         self.folded(first, &weights)
@@ -153,9 +153,9 @@ pub fn group_base([origin, step]: [f64; 2], group: usize, last: f64) -> (f64, f3
 }
 
 impl AxisFootprints {
-    /// Rebuilds the tables for the positions `origin + i · step`, in samples, for those of `n_groups` groups whose bits
-    /// are set in `wanted`. Tables for gradients are ready after [`AxisFootprints::make_difference`]. Runs at the SIMD
-    /// level of the caller.
+    /// Rebuilds the tables for the positions `origin + i · step`, in samples. Of the `n_groups` groups, only those
+    /// whose bits are set in `wanted` are made. Tables for gradients are ready after
+    /// [`AxisFootprints::make_difference`]. Runs at the SIMD level of the caller.
     #[inline(always)]
     pub fn build(&mut self, axis: &Axis, [origin, step]: [f64; 2], n_groups: usize, wanted: u32) {
         self.groups = wanted;

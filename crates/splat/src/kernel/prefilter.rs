@@ -33,6 +33,8 @@ pub fn prefilter_line(line: &mut [f64], z: f64) {
     let period = 2 * (n - 1);
     let mut power = 1.0;
     let mut first = 0.0;
+    // The causal recursion starts infinitely far out on the mirrored line, which repeats after `period`. Powers of the
+    // pole beyond the horizon are below the precision, so a finite sum is as good.
     for k in 0..horizon(z) {
         let m = k % period;
         first += power * line[if m < n { m } else { period - m }];
@@ -42,6 +44,7 @@ pub fn prefilter_line(line: &mut [f64], z: f64) {
     for i in 1..n {
         line[i] += z * line[i - 1];
     }
+    // About its end the mirrored line is even, which gives the infinite anticausal sum a closed form.
     line[n - 1] = z / (z * z - 1.0) * (line[n - 1] + z * line[n - 2]);
     for i in (0..n - 1).rev() {
         line[i] = z * (line[i + 1] - line[i]);

@@ -1,8 +1,9 @@
 //! Smoothed gradients: the derivative of the samples under a cubic B-spline that is widened to a standard deviation.
 //!
 //! Samples are weighted by the B-spline's derivative along the axis of a derivative, and by the B-spline itself across
-//! it. Widened B-splines do not sum to 1 everywhere, so the weights are those of the normalised sum and of its
-//! derivative, by the quotient rule. Differences show the steps of voxels on smooth surfaces as rings; this does not.
+//! it. Widened B-splines do not sum to 1 everywhere, so the sum is divided by the sum of the weights, and its
+//! derivative follows by the quotient rule. Differences show the steps of voxels on smooth surfaces as rings; this does
+//! not.
 
 use wavesplat_compute::simd::{LANES, Lanes};
 use wavesplat_core::Kernel;

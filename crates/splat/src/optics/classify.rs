@@ -38,9 +38,9 @@ pub struct Classifier {
     pub(super) per_density: f32,
     /// Densities beyond which nothing is visible.
     pub(super) visible_range: [f32; 2],
-    /// Densities below and above which all is opaque; infinite where there are none.
+    /// Densities below and above which everything is opaque; infinite if there are no such densities.
     pub(super) opaque_ends: [f32; 2],
-    /// The colour of all that is visible, where there is only one.
+    /// The colour, if all visible densities have the same.
     pub(super) only_color: Option<[f32; 3]>,
     /// Number of visible places before each place: entry 0, the cell from it to entry 1, entry 1, and so on. A range
     /// has an opacity if the numbers at its ends differ.
@@ -66,7 +66,7 @@ pub struct TransferTables<'a> {
     pub visible_range: [f32; 2],
     /// Densities below and above which all is opaque; infinite where there are none.
     pub opaque_ends: [f32; 2],
-    /// The colour of all that is visible, where there is only one.
+    /// The colour, if all visible densities have the same.
     pub only_color: Option<[f32; 3]>,
 }
 
@@ -293,6 +293,7 @@ pub fn one_minus_exp_neg<S: Math>(s: S, x: S::F) -> S::F {
             s.splat($x)
         };
     }
+    // From 80 on the result is 1 in f32, and n stays within the exponents that `exp2_neg` makes.
     let x = s.min(x, c!(80.0));
     let shifted = s.add(s.mul(x, c!(std::f32::consts::LOG2_E)), c!(ROUND));
     let n = s.sub(shifted, c!(ROUND));

@@ -1,5 +1,5 @@
-//! Gradient opacity, and transfer functions of two dimensions: effects of the gradient magnitude beside shading, or of a
-//! second field.
+//! Gradient opacity, and transfer functions of two dimensions: effects of the gradient magnitude beside shading, or of
+//! a second field.
 //!
 //! Gradient opacity is a factor of the optical depth by the magnitude of the gradient, so that boundaries stand out and
 //! homogeneous regions recede (Levoy, *Display of surfaces from volume data*, 1988; the curve is that of VTK's volume
@@ -78,9 +78,9 @@ impl GradientOpacity {
         (self.metric.numbers(), tables)
     }
 
-    /// Tabulates `tf`; `None` where neither gradients nor a second field have an effect on opacity. `density_from_sample`:
-    /// offset and scale of the grid. `second`: number of the field that a function of two fields refers to, and its offset
-    /// and scale.
+    /// Tabulates `tf`; `None` where neither gradients nor a second field have an effect on opacity.
+    /// `density_from_sample`: offset and scale of the grid. `second`: number of the field that a function of two fields
+    /// refers to, and its offset and scale.
     pub fn new(
         tf: &TransferFunction,
         world_from_index: DMat3,
@@ -106,13 +106,14 @@ impl GradientOpacity {
         Some(Self { metric: Metric::new(world_from_index, family), kind, second_field: second.map(|(field, _)| field) })
     }
 
-    /// Whether density and magnitude, or a second field, decide colour and opacity together, so that tables by density are only bounds.
+    /// Whether density and magnitude, or a second field, decide colour and opacity together, so that tables by density
+    /// are only bounds.
     pub fn decides_color(&self) -> bool {
         matches!(self.kind, Kind::Both(_))
     }
 
-    /// Colour and optical depth of densities with index gradients along u, v, w, at a point of the fields. `of_density`:
-    /// without these.
+    /// Colour and optical depth of densities with index gradients along u, v, w, at a point of the fields.
+    /// `of_density`: without these.
     #[inline(always)]
     pub fn classify<W: Wide>(
         &self,
@@ -181,7 +182,7 @@ impl Side {
 }
 
 impl Table {
-    /// `map`: offset and scale from values to densities, and those of the second dimension.
+    /// `map`: offset and scale from values to densities. `of_second`: offset and scale of the second dimension.
     fn new(joint: &TransferFunction2D, map: (f64, f64), of_second: (f64, f64)) -> Self {
         let [values, magnitudes] = [Side::new(joint.values()), Side::new(joint.magnitudes())];
         let entry = |i: usize| {

@@ -23,8 +23,10 @@ use crate::source::slices::Slices;
 use crate::source::strided::light_steps;
 use wavesplat_core::Kernel;
 
-/// Number of directions that openness averages, and of the parts, which may run at once, of those along each axis.
+/// Directions averaged for openness.
 const N_DIRECTIONS: usize = 32;
+
+/// Parallel parts into which the directions along each axis are split.
 const N_AXIS_PARTS: usize = 3;
 
 /// Largest mean opacity of a cell, which keeps its extinction finite.
@@ -142,6 +144,8 @@ impl ExtinctionGrid {
     pub fn openness(&self, radius: f64) -> Vec<f32> {
         let ways: Vec<SweepDirection> = (0..N_DIRECTIONS).map(|i| self.way(direction(i), Some(radius))).collect();
         let lying = [0, 1, 2].map(|axis| CellLayout::new(self, axis));
+        // Neither the directions of a part nor the order in which parts are added depends on the threads, so sums keep
+        // their bits.
         let mut parts = parallel::map(3 * N_AXIS_PARTS, |part| {
             let lying = &lying[part % 3];
             let mut sum = vec![0.0; lying.extinction.len()];
@@ -272,6 +276,8 @@ impl CellLayout {
         // Light from beyond the sides is not dimmed.
         let mut leaving = vec![1.0; wide * (n_v + 2 * MARGIN)];
         let mut next = leaving.clone();
+        // Slices lie across the axis that light runs most along, so it moves a cell at most per slice: all light of a
+        // cell comes from four neighbouring cells of the slice before.
         // Where light comes from in the slice before, along both axes: the lower one of two cells, and the upper one's
         // weight.
         let back = way.slope.map(|slope| {

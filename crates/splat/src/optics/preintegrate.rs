@@ -37,6 +37,8 @@ impl Classifier {
         let change = s.sub(to, from);
         let rises = s.lt(s.splat(0.0), change);
         let inverse = s.div(s.splat(1.0), change);
+        // A linear density meets every value between its ends once and none beyond them: where it rises, what is met
+        // first is the lowest visible density above the start.
         // The first and last visible densities: the nearest ones inwards from both ends.
         let first = s.select(rises, above_from, below_from);
         let last = s.select(rises, below_to, above_to);
@@ -57,6 +59,9 @@ impl Classifier {
         let split = s.select(is_level, s.splat(0.5), self.split(s, [from, inverse], [first, last]));
         let at = s.mul(s.add_mul(first, split, s.sub(last, first)), change);
         let [middle, _, _] = self.integral(s, s.add(from, at));
+        // The density runs evenly along the segment, so the mean of τ over a part is its mean over the densities there:
+        // the difference of `T = ∫ τ` between the ends, over the difference of the densities. T never falls, so a
+        // negative difference is rounding.
         let near = s.max(s.mul(s.sub(middle, integral_from), inverse), zero);
         let far = s.max(s.mul(s.sub(integral_to, middle), inverse), zero);
         let depths = [s.select(is_level, level, near), s.select(is_level, level, far)];
@@ -73,8 +78,8 @@ impl Classifier {
     }
 
     /// Share of the visible part where its two parts meet: its middle, or where it enters or leaves the densities that
-    /// are opaque up to an end of the curve. Light comes from the front of these, not from that of a part which is taken
-    /// as even with what lies before them.
+    /// are opaque up to an end of the curve. Light comes from the front of the opaque densities; averaged with the thin
+    /// ones before them, it would seem to come from further in front.
     #[inline(always)]
     fn split<S: Wide>(&self, s: S, [from, inverse]: [S::F; 2], [first, last]: [S::F; 2]) -> S::F {
         let mut split = s.splat(0.5);

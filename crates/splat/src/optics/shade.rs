@@ -239,7 +239,7 @@ impl Shader {
         (exists, inverse, n_v)
     }
 
-    /// Sums the terms of all lights; those of the first times a share, where one is given.
+    /// Sums the terms of all lights. The first light is multiplied by a share, where one is given.
     #[inline(always)]
     fn sum_lights<S: Wide>(
         &self,

@@ -23,7 +23,7 @@ pub struct TabulatedFunction {
     classifier: Classifier,
     /// Visible ranges, once they have been asked for.
     visible_ranges: OnceLock<VisibleRanges>,
-    /// Results of `varies`, each with its slab thickness: one, and on a coarser level that of the finest.
+    /// Results of `varies` by slab thickness: of this level, and of the finest level if this one is coarser.
     varying: Mutex<Vec<(f64, bool)>>,
     /// Whether there are peaks or gaps that sheets can miss, once that has been asked for.
     has_thin_parts: OnceLock<bool>,
@@ -117,7 +117,7 @@ struct Key {
     slab_thickness: f64,
 }
 
-/// Number of tables that are kept: those of a picture and of its pilot tiles, and of others beside it.
+/// Number of tables that are kept: enough for a picture, its pilot tiles, and other pictures beside it.
 const N_LATEST: usize = 8;
 
 impl VisibilityCache {

@@ -237,6 +237,7 @@ pub fn cubic_weights(t: f32) -> [f32; 4] {
     let w0 = ((a * t + -2.0 * a) * t + a) * t;
     let w1 = ((a + 2.0) * t - (a + 3.0)) * t * t + 1.0;
     let w3 = (a - a * t) * t * t;
+    // The third weight is what the others leave of 1, so that rounding does not change an even picture.
     [w0, w1, 1.0 - w0 - w1 - w3, w3]
 }
 

@@ -1,10 +1,10 @@
 //! Pilot tiles: small parts of the picture that are drawn with several samplings and compared after the warp.
 //!
 //! The whole picture, drawn with the cheapest sampling, shows where something is seen, and how much contrast it has
-//! there. Tiles are chosen with a probability by contrast, which is largest along the edges of the volume, cut faces and
-//! silhouettes; tiles with much of all contrast are always among them. The error of the whole picture is the sum of
-//! those of the tiles, each divided by its probability (Horvitz & Thompson 1952), and the spread among the tiles gives
-//! the uncertainty of that sum.
+//! there. Tiles are chosen with a probability by contrast, which is largest along the edges of the volume, cut faces
+//! and silhouettes; tiles with much of all contrast are always among them. The error of the whole picture is the sum of
+//! the tiles' errors, each divided by the tile's probability: a tile that is chosen one time in ten stands for ten, so
+//! the sum is right on average (Horvitz & Thompson 1952). The spread among the tiles gives its uncertainty.
 //!
 //! A tile is a square of a base plane: with 1.5 texels a pixel, what its pixels read fits into a vector of texels, so
 //! that little is drawn besides.
@@ -53,7 +53,7 @@ struct Tile {
     probability: f64,
 }
 
-/// Tiles of a picture that stand for all of it.
+/// Tiles of a picture from which the error of the whole picture is estimated.
 pub(crate) struct PilotTiles {
     tiles: Vec<Tile>,
     n_pixels: usize,
@@ -136,8 +136,8 @@ impl PilotTiles {
         let parts: Vec<(f64, f64)> =
             squares.zip(&self.tiles).map(|(sum, tile)| (sum / tile.probability, tile.probability)).collect();
         let whole: f64 = parts.iter().map(|(part, _)| part).sum();
-        // Tiles that are always chosen add no uncertainty. The others are evenly spread, so that what counts is how much
-        // neighbours differ (Cochran, *Sampling Techniques*, 1977, section 8.11).
+        // Tiles that are always chosen add no uncertainty. The others are evenly spread, so that what counts is how
+        // much neighbours differ (Cochran, *Sampling Techniques*, 1977, section 8.11).
         let sampled: Vec<f64> = parts.iter().filter(|(_, p)| *p < 1.0).map(|(part, _)| *part).collect();
         let n = sampled.len() as f64;
         let changes = sampled.windows(2).map(|pair| (pair[0] - pair[1]).powi(2)).sum::<f64>();
@@ -200,8 +200,8 @@ fn colors_of(plan: &Plan, base_pictures: &[BasePicture], pixels: PixelRectangle)
     picture.rgba
 }
 
-/// The tile of a pixel: the number of its base plane, and its place there; `None` beyond all base planes, and between
-/// two of them, which a tile of one does not show.
+/// The tile of a pixel: the number of its base plane, and its place there; `None` beyond all base planes, and where
+/// a pixel reads two base planes, since a tile lies on one.
 fn tile_of(frame: &SampledFrame, [x, y]: [usize; 2]) -> Option<(usize, [i64; 2])> {
     let rays = &frame.plan.rays;
     let [x, y] = [x as f64, y as f64];

@@ -1,11 +1,11 @@
 //! Pictures of a target PSNR: pilot tiles show the errors of some rungs of a ladder; the cheapest that does is drawn.
 //!
-//! The tiles (`pilot.rs`) are drawn with a rung (`ladder.rs`) and with a finer one, and compared. What that shows tells
-//! which rung to try next, until one reaches the target and the one below does not.
+//! The tiles (`pilot.rs`) are drawn with a rung (`ladder.rs`) and with a finer one, and compared. The
+//! measured error decides which rung to try next, until one reaches the target and the one below does not.
 //!
-//! The measured errors are returned ([`Measured`]). The next picture of the same volume and transfer function uses them:
-//! for the same framing as they are, for others with a spread that grows with the turn and the zoom (`framing.rs`), and
-//! without pilot tiles.
+//! The measured errors are returned ([`Measured`]). The next picture of the same volume and transfer function uses
+//! them: for the same framing as they are, for others with a spread that grows with the turn and the zoom
+//! (`framing.rs`), and without pilot tiles.
 //!
 //! PSNR compares the colours over black with the converged picture with many rays a pixel, peak 1; projections, which
 //! end abruptly where the volume does, are compared with one ray a pixel.
@@ -67,8 +67,8 @@ const DRAWING_PROGRESS: f32 = 0.04;
 pub type DrawBasePlanes<'a> =
     dyn Fn(&Plan, &[&Slices], &dyn ProgressCallback) -> Result<(Vec<BasePicture>, Report)> + Sync + 'a;
 
-/// Draws layers with the cheapest rung of a ladder known to reach a PSNR. The options' own sampling is not used. `draw`:
-/// draws the base planes once the sampling is known.
+/// Draws layers with the cheapest rung of a ladder known to reach a PSNR. The options' own sampling is not used.
+/// `draw`: draws the base planes once the sampling is known.
 pub fn render_to_psnr(
     layers: &[Layer],
     camera: &Camera,

@@ -93,6 +93,8 @@ impl CutFaces {
         if let Some(outer) = rays.outer_entries(w, chunks) {
             own = w.select(w.lt(outer, w.splat(2.0 * NO_ENTRY)), own, outer);
         }
+        // The furthest entry counts. A weak one counts as further in front, so a maximum chooses among them without a
+        // threshold that the place of a sheet could cross.
         let mut entry = w.max(w.load_from(&self.entries, places), own);
         if let Some(missing) = matter.missing {
             let hole = within_unit(w, w.sub(w.mul(w.splat(4.0), missing), w.splat(1.0)));

@@ -97,6 +97,7 @@ impl Compositor for FirstHit<'_> {
             let (a, b) = (front[i] - self.iso, back[i] - self.iso);
             // A surface is crossed, from either side; a ray that starts inside has met a cut face, not a surface.
             let crosses = (a < 0.0) != (b < 0.0);
+            // Zero of the line from a to b; where the signs differ, a and b do, and nothing is divided by 0.
             at[i] = a / (a - b);
             let place = s_front + (s_back - s_front) * at[i];
             let inside = place >= lo.0[i] && place <= hi.0[i];

@@ -192,6 +192,7 @@ impl<const MODIFIED: bool> AddMedia for OverTile<One<'_, MODIFIED>> {
         let of_front = front.extremes(s, block);
         if self.needs_preintegration {
             let of_back = back.extremes(s, block);
+            // Densities between the sheets are linear, so the extremes of both sheets bound them.
             return [self.is_visible(s, [s.min(of_front[0], of_back[0]), s.max(of_front[1], of_back[1])]); 2];
         }
         [self.is_visible(s, of_front), has_back && self.is_visible(s, back.extremes(s, block))]

@@ -141,6 +141,8 @@ impl Project {
         let value = &mut self.value[k].0;
         let before = *value;
         for i in 0..LANES {
+            // A density that is linear between two sheets has its extremes at the ends, so no place in between need be
+            // looked at.
             let new = extreme(value[i], extreme(near[i], far[i]));
             value[i] = if length[i] > 0.0 { new } else { value[i] };
         }
@@ -162,6 +164,8 @@ impl Project {
         let mut depth = [0.0; LANES];
         for i in 0..LANES {
             let (near, far) = (segment.near[i], segment.far[i]);
+            // Absorption rises from black on and no further beyond white: a ramp from black on less a ramp from white
+            // on.
             let mean = mean_above(near - black, far - black) - mean_above(near - white, far - white);
             depth[i] = if segment.length[i] > 0.0 { (mean * per_density * segment.length[i]).max(0.0) } else { 0.0 };
         }

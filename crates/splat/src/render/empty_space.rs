@@ -60,6 +60,8 @@ impl LayerJob<'_> {
             let beyond = self.geometry.plane.beyond * da.abs().max(db.abs());
             move |[from, to]: [usize; 2]| {
                 let (from, to) = (from as f64, to as f64);
+                // Sample positions are linear in the texel and in w, so the four corners bound all positions in
+                // between.
                 let [p, q, r, s] = [a + da * from, a + da * to, b + db * from, b + db * to];
                 let [lo, hi] = [p.min(q).min(r.min(s)), p.max(q).max(r.max(s))];
                 [

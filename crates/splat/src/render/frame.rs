@@ -36,8 +36,8 @@ pub fn render(
     render_layers(&[layer], camera, options, callback)
 }
 
-/// Draws several volumes, with labels, and with the caches of earlier frames. The shading of the layers counts, not
-/// that of the options.
+/// Draws several volumes, with labels, and with the caches of earlier frames. Each layer has its own
+/// shading; the shading of the options is not used.
 pub fn render_layers(
     layers: &[Layer],
     camera: &Camera,
@@ -153,7 +153,8 @@ pub fn draw_part(plan: &Plan, family: usize, slices: &[&Slices], part: &TilePart
     draw_blocks(plan, &job, part.tile, part.blocks(), texels)
 }
 
-/// Estimated costs of the tiles of a base plane, row by row: numbers of occupied bricks below them. `slices`: per layer.
+/// Estimated costs of the tiles of a base plane, row by row: numbers of occupied bricks below them. `slices`: per
+/// layer.
 pub fn tile_costs(plan: &Plan, family: usize, slices: &[&Slices]) -> Vec<usize> {
     costs(&TileJob::new(plan, &plan.families[family], slices))
 }
@@ -175,8 +176,8 @@ pub fn finish(plan: &Plan, base_pictures: &[BasePicture]) -> Picture {
     picture
 }
 
-/// Share of a projection that shows through the opaque surfaces of shapes: it is what lies in front of them, and is
-/// mostly opaque itself.
+/// Share of a projection that shows through opaque surfaces of shapes. A projection counts as lying in front of shapes
+/// and is mostly opaque, so at full strength it would hide them.
 pub const SHOWS_THROUGH: f32 = 0.25;
 
 /// Puts the surfaces of shapes over a projection, which shows through them.

@@ -1,7 +1,8 @@
 //! Part of a frame that one process draws ([`crate::view::part`]), and what it must know of the others' matter.
 //!
 //! Light on cut faces ([`crate::ray::cut_faces`]) depends on the matter that a ray meets where it enters the volume,
-//! which may be in another process's part. The samples that the survey of the whole volume kept for light tell it.
+//! which may be in another process's part. That matter is
+//! found in the samples that the survey of the whole volume keeps for light.
 
 use std::sync::Arc;
 

@@ -95,7 +95,7 @@ pub struct Plan {
 pub struct LayerPlan {
     /// Grid of the layer's samples, with the range of their densities.
     pub grid: Grid,
-    /// Map from index positions of the frame to those of the layer.
+    /// Map from index positions of the frame to index positions of the layer.
     pub map: IndexMap,
     /// Part of the layer that is drawn, in the index space of the frame.
     pub region: Region,
@@ -115,13 +115,13 @@ pub struct LayerPlan {
 
 /// Plan of a field that gives a layer its colours.
 pub struct ColorPlan {
-    /// Map from index positions of the frame to those of the field.
+    /// Map from index positions of the frame to index positions of the field.
     pub map: IndexMap,
-    /// Tables of the transfer function of the field's densities, of which the colours count.
+    /// Tables of the transfer function of the field's densities; only its colours are used.
     pub tables: Arc<TabulatedFunction>,
     /// Whether samples of the field are missing.
     pub has_mask: bool,
-    /// Number among the sheets of fields: after those of light and labels.
+    /// Number of its sheet among the sheets of all fields: light and labels come first.
     pub field: usize,
     /// Offset and scale from values of the field to its densities.
     pub density_from_sample: (f64, f64),
@@ -382,8 +382,8 @@ impl Plan {
         }
     }
 
-    /// The plan with cut faces lit by their gradients: segments of rays, which are drawn on their own, do not know where
-    /// their rays entered.
+    /// The plan with cut faces lit by their gradients: segments of rays, which are drawn on their own, do not know
+    /// where their rays entered.
     #[must_use]
     pub fn without_even_cuts(mut self) -> Self {
         for layer in self.families.iter_mut().flat_map(|family| &mut family.layers) {
@@ -393,7 +393,7 @@ impl Plan {
         self
     }
 
-    /// Shading whose shoulder compresses the highlights of the picture: that of the first layer that has one.
+    /// Shading of the first layer that has one: its shoulder compresses the highlights of the picture.
     pub fn shading(&self) -> Option<&Shading> {
         self.layers.iter().find_map(|layer| layer.shading.as_ref())
     }
@@ -434,7 +434,7 @@ impl ColorPlan {
     fn new(color: &ColorField, map: IndexMap, slab_thickness: f64, field: usize) -> Self {
         let tables = color.cache.get(color.slices, color.transfer_function, slab_thickness);
         let density_from_sample = color.slices.grid().density_from_sample();
-        // Of slices of a survey, which have no samples, the grid tells whether some are missing.
+        // Slices of a survey have no samples; the statistics of their grid count the missing ones.
         let has_mask = color.slices.grid().statistics().n_nonfinite > 0;
         Self { map, tables, has_mask, field, density_from_sample }
     }

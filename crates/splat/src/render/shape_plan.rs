@@ -17,12 +17,12 @@ use crate::view::base_plane::BasePlane;
 use crate::view::common_grid::IndexMap;
 use crate::view::region::{Region, box_bounds};
 
-/// Shapes, and what their fragments on a base plane are made with.
+/// Shapes, and the light and the cuts that their fragments are made with.
 #[derive(Clone)]
 pub struct ShapePlan {
     /// The shapes.
     pub shapes: Arc<Shapes>,
-    /// Lights: those of the first layer that is lit, or a headlight.
+    /// Lights of the first layer that is lit, or a headlight.
     pub shading: Shading,
     /// The part of space that crop and clip planes leave, whatever the volume's box.
     pub cuts: Region,
@@ -41,8 +41,8 @@ impl ShapePlan {
         Some(Self { shapes, shading, cuts: region.without_box() })
     }
 
-    /// Surfaces of the shapes on the rays of a base plane, in the index space of a grid. `fields`: fields of the plan, and
-    /// `occlusion`: those among them that hold light, with the map from the grid to the first layer.
+    /// Surfaces of the shapes on the rays of a base plane, in the index space of a grid. `fields`: fields of the plan,
+    /// and `occlusion`: those among them that hold light, with the map from the grid to the first layer.
     pub(super) fn fragments(
         &self,
         simd: Level,

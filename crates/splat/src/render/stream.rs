@@ -2,14 +2,14 @@
 //!
 //! A base plane is cut into blocks of tiles, and each block is drawn front to back in steps. A step reads the next
 //! layer of the file's chunks, keeps the few slices of the step before that footprints still reach, and draws the slabs
-//! whose samples are all there. The order of the sheets is known, and so is that of the reads: each chunk is read once
+//! whose samples are all there. The order of the sheets fixes the order of the reads: each chunk is read once
 //! per block, and chunks from which nothing visible is drawn are not read. Blocks are as large as the budget allows;
 //! neighbouring blocks share chunks.
 //!
 //! Pieces are cut at tiles and at sheets, so the picture is bit for bit the one that a single piece gives.
 //!
-//! Sources of samples are the layers, and after them the fields that colour layers, in the order of these. All are held
-//! for the same slabs, each on samples and chunks of its own.
+//! Sources of samples are the layers, and after them the fields that colour layers, in the order of the layers. All are
+//! held for the same slabs, each on samples and chunks of its own.
 
 use std::ops::Range;
 
@@ -88,7 +88,7 @@ impl StreamBlock {
         vs.flat_map(|v| us.clone().map(move |u| [u, v])).collect()
     }
 
-    /// Largest number of bytes of samples in memory: those of a step, and those that the next one reads meanwhile.
+    /// Largest number of bytes of samples in memory: samples of a step, and samples that the next step reads meanwhile.
     pub fn peak_bytes(&self, storage: &[Storage]) -> usize {
         let bytes = |boxes: &[IndexBox]| {
             let each = boxes.iter().zip(storage).map(|(held, own)| volume_of(held) * own.sample_bytes);

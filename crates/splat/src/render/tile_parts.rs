@@ -1,9 +1,10 @@
-//! Parts of tiles: where threads are many, the dearest tiles are cut along rows of blocks, and dear parts are begun
-//! first.
+//! Parts of tiles: with many threads, the most expensive tiles are cut along rows of blocks, and expensive parts are
+//! begun first.
 //!
-//! A picture of 512 x 512 pixels has some fifty tiles that do the work, and the dearest is a twentieth of it: on 64
-//! threads most would wait for that one. A part combines its own rows of samples and those that its footprints reach
-//! beyond, so two halves cost more than the whole: only tiles are cut that a thread would be long busy with.
+//! A picture of 512 x 512 pixels has about fifty tiles that do the work, and the most expensive takes a twentieth of
+//! all time: on 64 threads most threads would wait for it. Footprints reach beyond the rows of a part, so the rows at a
+//! cut are combined twice and two halves cost more than the whole: only tiles that would keep a thread busy for long
+//! are cut. Short parts, begun last, fill the gaps that long ones leave at the end (Graham 1969).
 
 use crate::sheet::tile_layout::{BLOCK_V, N_BLOCKS_V, TilePart};
 
@@ -14,14 +15,15 @@ const MIN_THREADS_TO_ORDER: usize = 8;
 const MIN_THREADS_TO_CUT: usize = 16;
 
 /// Largest cost of a part, as a share of the cost that each thread has if all have the same: numerator and denominator.
-/// By `make bench-threads BENCH_THREADS=--simulate`: smaller parts cost more, by the rows that they share, than they save.
+/// By `make bench-threads BENCH_THREADS=--simulate`: smaller parts cost more, by the rows that they share, than they
+/// save.
 const LARGEST_PART: [usize; 2] = [2, 3];
 
 /// Parts of tiles in the order in which they are begun, by the tiles' estimated costs; `None` where whole tiles, row by
 /// row, are as good.
 ///
-/// The order of a base plane's rows ends with few and unlike tiles: a tile at the edge of a volume may cost nothing, one
-/// in its middle a twentieth of the picture.
+/// The order of a base plane's rows ends with few and unlike tiles: a tile at the edge of a volume may cost nothing,
+/// one in its middle a twentieth of the picture.
 pub fn parts_for(n_threads: usize, costs: impl FnOnce() -> Vec<usize>) -> Option<Vec<TilePart>> {
     if n_threads < MIN_THREADS_TO_ORDER {
         return None;

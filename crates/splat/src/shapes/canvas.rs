@@ -85,7 +85,7 @@ impl<'a> Canvas<'a> {
     pub fn add(&mut self, style: ShapeStyle, surface: &SurfacePart) {
         let SurfacePart { at: [x, y], mask, s, rgba: [r, g, b, a], normal, side, solid, is_hidden, .. } = *surface;
         let mut alpha = a * style.opacity;
-        // False for numbers that are none, too.
+        // Written so that NaN is refused, too.
         if !(alpha > 0.0 && s.is_finite()) {
             return;
         }
@@ -95,7 +95,8 @@ impl<'a> Canvas<'a> {
         }
         let is_cut_off = style.is_clipped && !self.region.contains(self.view.index_at([x, y, s]));
         if is_cut_off || is_hidden {
-            // Where a solid is entered counts all the same, for the walls inside of it.
+            // A cut-off wall is not drawn, but the ray still enters the solid here, so that walls inside of it stay
+            // hidden.
             if solid == ALONE || side == Crossing::Stroke {
                 return;
             }

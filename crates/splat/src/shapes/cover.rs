@@ -13,7 +13,7 @@ pub enum Covering {
     Nothing,
     /// All that lies behind it.
     Behind,
-    /// That, and what of the same solid lies at its place: all of the solid has one colour, and no light shines on it.
+    /// All that lies behind it, and parts of the same solid at its place: the solid has one colour and no light.
     BehindAndThere,
 }
 

@@ -1,9 +1,9 @@
 //! Fragments of shapes on the rays of a base plane, front to back, texel by texel.
 //!
-//! Opacities of fragments: let `T_k` be the transmittance of all fragments in front at place `k` of the texel. A fragment
-//! of opacity `α` on the places `M` takes `g = α Σ_{k ∈ M} T_k / N` of the light that would pass the shapes, of which
-//! `G = Σ_k T_k / N` is left in front of it; so the ray's opacity there is `g / G`. Matter between fragments is the same
-//! at all places, so it is composited between them as between surfaces that cover the whole texel.
+//! Opacities of fragments: let `T_k` be the transmittance of all fragments in front at place `k` of the texel. A
+//! fragment of opacity `α` on the places `M` takes `g = α Σ_{k ∈ M} T_k / N` of the light that would pass the shapes,
+//! of which `G = Σ_k T_k / N` is left in front of it; so the ray's opacity there is `g / G`. Matter between fragments
+//! is the same at all places, so it is composited between them as between surfaces that cover the whole texel.
 
 use std::cmp::Ordering;
 
@@ -249,8 +249,9 @@ fn add_ray(meetings: &[Meeting], all: &mut Vec<Meeting>) -> bool {
                 last.rgb[c] += part * (meeting.rgb[c] - last.rgb[c]);
             }
             last.normal += (meeting.normal - last.normal) * part;
-            // The place stays that of the first: what follows is compared with it.
+            // The place stays the first meeting's: later meetings are compared with it.
             taken = sum;
+            // Fragments at one place act as one that takes what all take, of the light in front of the first.
             last.alpha = (taken / before).min(1.0);
         } else {
             (before, taken) = (left, share);
@@ -322,7 +323,7 @@ struct Solids {
 }
 
 impl Solids {
-    /// Places at which a meeting is on the outside of its solid. Takes note of it.
+    /// Places at which a meeting is on the outside of its solid. Also counts the meeting as a wall of the solid.
     fn visible(&mut self, meeting: &Meeting) -> Mask {
         if meeting.solid == ALONE || meeting.side == Crossing::Sheet {
             return meeting.mask;

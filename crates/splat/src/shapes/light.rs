@@ -1,5 +1,5 @@
-//! Light on shapes: the scene's lights by the formula of [`crate::optics::shade`], on both sides of a surface, dimmed by
-//! the matter around it ([`crate::optics::occlusion`]).
+//! Light on shapes: the scene's lights by the formula of [`crate::optics::shade`], on both sides of a surface, dimmed
+//! by the matter around it ([`crate::optics::occlusion`]).
 
 use glam::{DVec3, Vec3};
 use wavesplat_core::{Camera, Shading};
@@ -22,8 +22,8 @@ pub struct ShapeLight<'a> {
 }
 
 impl<'a> ShapeLight<'a> {
-    /// The lights of a shading. `fields`: those of the plan; `occlusion`: the fields among them that hold light, and the map
-    /// from the index space of the frame to that of the first layer.
+    /// The lights of a shading. `fields`: all fields of the plan; `occlusion`: the fields among them that hold light,
+    /// and the map from the frame's index space to the first layer's.
     pub fn new(
         shading: &Shading,
         camera: &Camera,
@@ -71,7 +71,8 @@ impl<'a> ShapeLight<'a> {
     }
 }
 
-/// Value of a field at an index position of the first layer, linear between its samples; beyond them that of the nearest.
+/// Value of a field at an index position of the first layer, linear between its samples; beyond them the nearest
+/// sample.
 fn value_at(field: &Field, index: DVec3) -> f32 {
     let size = field.slices.grid().size();
     let place = [0, 1, 2].map(|a| {

@@ -76,7 +76,7 @@ impl<'a> TubesOnPlane<'a> {
     pub fn new(paths: &'a Paths, radius: f64, first_solid: u32, view: &PlaneView) -> Self {
         let ends = ends_of(&paths.positions, |_| radius, view);
         let pieces = pieces_of(paths, first_solid, |k| ends[k as usize].placed.s);
-        // Where the eye may be inside of a piece, others are inside of it, too, and so are those behind a cut.
+        // From an eye inside of a piece, or behind a cut, rays also meet walls inside of the solid, which are not seen.
         let is_whole = !paths.style.is_clipped && ends.iter().all(|end| end.reach[0].is_finite());
         let covering = if is_whole && paths.paint.is_opaque() { Covering::Behind } else { Covering::Nothing };
         Self { paths, radius, pieces, ends, covering }
@@ -102,9 +102,9 @@ impl<'a> TubesOnPlane<'a> {
     }
 }
 
-/// Pieces of paths: numbers of both positions, and of the path's solid. A path of one position has one piece, from there
-/// to there. The nearest paths come first, each from its nearer end on: so what hides others is mostly drawn before them.
-/// `place`: of a position, along the ray.
+/// Pieces of paths: numbers of both positions, and of the path's solid. A path of one position has one piece, from
+/// there to there. The nearest paths come first, each from its nearer end on: so what hides others is mostly drawn
+/// before them. `place`: of a position, along the ray.
 pub fn pieces_of(paths: &Paths, first_solid: u32, place: impl Fn(u32) -> f32) -> Vec<[u32; 3]> {
     let nearest = |ends: &[u32]| (ends[0]..ends[1]).map(&place).fold(f32::INFINITY, f32::min);
     let mut order: Vec<(f32, usize)> = paths.starts.windows(2).map(nearest).zip(0..).collect();
@@ -229,8 +229,8 @@ pub fn columns_in_row(ends: [[f64; 2]; 2], reach: [f64; 2], row: f64) -> [f64; 2
     [x.min(y) - reach[0], x.max(y) + reach[0]]
 }
 
-/// Calls `with` where rays enter a piece and where they leave it; where it `is_opaque`, leaving counts only if the eye is
-/// inside.
+/// Calls `with` where rays enter a piece and where they leave it; where it `is_opaque`, leaving counts only if the eye
+/// is inside.
 #[inline(always)]
 fn draw_piece<const BALL: bool>(
     piece: &Capsule<'_>,
@@ -342,15 +342,15 @@ impl<const BALL: bool> CapsuleRays<BALL> {
         }
     }
 
-    /// Vector from the first end to a point of the ray of a row's first texel, and that ray's way per slice; and the changes
-    /// of both per texel of the row.
+    /// Vector from the first end to a point of the ray of a row's first texel, and that ray's way per slice; and the
+    /// changes of both per texel of the row.
     #[inline(always)]
     fn row(&self, j: usize, view: &PlaneView) -> [[DVec3; 2]; 2] {
         let first = [self.from_end[0] + self.from_end[2] * j as f64, view.way(0.0, j as f64)];
         [first, [self.from_end[1], view.way_per_texel()[0]]]
     }
 
-    /// The same of a ray beside that of a texel. `offset`: from the middle of the texel.
+    /// Middle and way of a ray beside the texel's own. `offset`: from the middle of the texel.
     #[inline(always)]
     fn aside(&self, (middle, way): (Vec3, Vec3), offset: [f32; 2]) -> (Vec3, Vec3) {
         (
@@ -372,7 +372,8 @@ impl<const BALL: bool> CapsuleRays<BALL> {
         [enter, leave, leave & !enter]
     }
 
-    /// [`Self::meet`] at all places of a texel. What only depends on the way is worked out once where rays are `PARALLEL`.
+    /// [`Self::meet`] at all places of a texel. What only depends on the way is worked out once where rays are
+    /// `PARALLEL`.
     #[inline(always)]
     fn meet_all<const PARALLEL: bool>(&self, middle: [f32; 3], way: [f32; 3]) -> [[f32; N]; 2] {
         let [per_u, per_v] = self.per_texel.map(|v| v.to_array());
@@ -403,7 +404,7 @@ impl<const BALL: bool> CapsuleRays<BALL> {
         let axis = self.axis.to_array();
         let (m, n) = (dot(ray, axis) * self.per_axis, dot(way, axis) * self.per_axis);
         let (across, way_across) = (less(ray, axis, m), less(way, axis, n));
-        // Of a ray along the axis, which is nowhere nearest to it, any place will do.
+        // A ray along the axis is equally near to it everywhere: any place will do.
         let across_square = dot(way_across, way_across).max(1e-10 * square);
         let along = m - dot(across, way_across) / across_square * n;
         if (0.0..=1.0).contains(&along) {
@@ -462,8 +463,8 @@ impl<const BALL: bool> CapsuleRays<BALL> {
     }
 }
 
-/// Vector from the first end of a piece to a point of the ray of a texel, and the ray's way per slice. For the row, both at
-/// its first texel, and their changes per texel ([`CapsuleRays::row`]).
+/// Vector from the first end of a piece to a point of the ray of a texel, and the ray's way per slice. For the row,
+/// both at its first texel, and their changes per texel ([`CapsuleRays::row`]).
 #[inline(always)]
 fn of_texel([first, change]: &[[DVec3; 2]; 2], i: usize) -> (Vec3, Vec3) {
     let [middle, way] = [0, 1].map(|k| (first[k] + change[k] * i as f64).as_vec3());

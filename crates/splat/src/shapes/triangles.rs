@@ -1,8 +1,8 @@
 //! Triangles on a base plane: which places of a texel they cover, and what is there.
 //!
 //! A place is inside if it is on the inner side of all three edges. Both triangles at an edge work out the same number
-//! for a place, from the ends of the edge in one order, and take opposite signs of it: each place belongs to exactly one
-//! of them, and there are no gaps.
+//! for a place, from the ends of the edge in one order, and take opposite signs of it: each place belongs to exactly
+//! one of them, and there are no gaps.
 
 use glam::Vec3;
 use wavesplat_core::Mesh;
@@ -221,13 +221,14 @@ impl Edge {
     }
 }
 
-/// Calls `with` for every texel of a canvas of which a triangle covers a place. The corners lie ahead of the near plane.
+/// Calls `with` for every texel of a canvas of which a triangle covers a place. The corners lie ahead of the near
+/// plane.
 #[inline(always)]
 pub fn cover(corners: [Placed; 3], canvas: &mut Canvas, mut with: impl FnMut(&mut Canvas, TriangleHit)) {
     let [a, b, c] = corners;
     let edges = [Edge::new(b, c, a), Edge::new(c, a, b), Edge::new(a, b, c)];
     let double_area = edges[2].inside([c.x, c.y]);
-    // False for numbers that are none, too.
+    // Written so that NaN is refused, too.
     if !(double_area > 0.0 && double_area.is_finite()) {
         return;
     }

@@ -24,6 +24,8 @@ impl SheetSpacing {
 
     /// Position of a sheet, exact for sheets that lie on a slice.
     pub fn w(&self, sheet_idx: usize) -> f64 {
+        // The product of whole numbers is exact, and a whole quotient comes out whole; `sheet_idx · step` would round
+        // twice.
         sheet_idx as f64 * self.last / self.n_slabs as f64
     }
 

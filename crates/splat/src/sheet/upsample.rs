@@ -1,8 +1,8 @@
 //! From combined slices to the texels of blocks, in two short passes: sample rows are upsampled along u, then blended
 //! along v.
 //!
-//! Tiles are small, so loops are kept lean: the number of taps is a constant in each of them, weights and places stay in
-//! registers, and a row is checked once.
+//! Tiles are small, so loops are kept lean: the number of taps is a constant in each of them, weights and places stay
+//! in registers, and a row is checked once.
 
 use std::ops::Range;
 
@@ -75,7 +75,7 @@ impl VectorKernel for UpsampleGradients<'_> {
 }
 
 impl Sheet {
-    /// Upsamples those of the rows of a strip that are not upsampled yet.
+    /// Upsamples the rows of a strip that are not upsampled yet.
     #[inline(always)]
     fn upsample_densities<S: Simd>(&mut self, s: S, strip: usize, rows: Range<usize>) {
         let out = &mut self.density_u[strip * self.n_v..][..self.n_v];
@@ -345,7 +345,7 @@ fn blend_taps<S: Simd, const M: usize, const N: usize>(
     sums
 }
 
-/// The chunks of a block, among those of a tile.
+/// The chunks of a block, among the chunks of a tile.
 #[inline(always)]
 pub(super) fn block_of(chunks: &mut [Lanes], block: Block) -> &mut [Lanes; BLOCK_V] {
     let (blocks, _) = chunks.as_chunks_mut::<BLOCK_V>();

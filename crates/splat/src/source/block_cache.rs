@@ -171,6 +171,8 @@ impl Blocks {
         }
         held.n_blocks += n_new;
         if held.n_blocks * BLOCK_BYTES > self.budget_bytes {
+            // Finding the oldest blocks takes a pass over all slots: evicting a quarter at once pays it once for many
+            // blocks. A block that another thread still reads lives on in that thread.
             held.drop_oldest(self.budget_bytes / BLOCK_BYTES * 3 / 4);
         }
         blocks

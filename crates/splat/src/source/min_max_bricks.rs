@@ -98,6 +98,8 @@ pub fn widen<T: Copy>(row: &[T], lo: &mut [f32], hi: &mut [f32], density: impl F
 fn level_in(range: [f32; 2]) -> impl Fn([f32; 2]) -> [u16; 2] + Copy + Send + Sync {
     let extent = range[1] - range[0];
     let per_density = if extent > 0.0 { (N_LEVELS - 1) as f32 / extent } else { 0.0 };
+    // Rounded outwards, levels hold the true bounds: a brick may be kept for nothing, but is never dropped while
+    // visible.
     let level = move |d: f32| ((d - range[0]) * per_density).clamp(0.0, (N_LEVELS - 1) as f32);
     move |[lo, hi]| [level(lo).floor() as u16, level(hi).ceil() as u16]
 }

@@ -67,9 +67,9 @@ type Origin = u8;
 const KNOWN: Origin = 0;
 const UNFILLED: Origin = u8::MAX;
 
-/// Replaces samples that are not finite by the nearest finite density along x, y or z within `STEP`, among equally near
-/// ones along the first of these axes; if there is none, by the nearest density that was filled in this way in the
-/// column, or in the line through the slices; else by `otherwise`.
+/// Replaces samples that are not finite by the nearest finite density along x, y or z within `STEP`; of equally near
+/// ones, x goes before y and y before z. If there is none within `STEP`: by the nearest density that was filled in this
+/// way in the column, then in the line through the slices; else by `otherwise`.
 pub fn fill_holes(grid: &mut [f32], [nx, ny, nz]: [usize; 3], otherwise: f32) {
     let mut origins: Vec<Origin> =
         grid.iter().map(|density| if density.is_finite() { KNOWN } else { UNFILLED }).collect();

@@ -97,7 +97,8 @@ impl Survey {
     }
 
     /// Adds densities, or coefficients, of the part `inner` of a box, which also holds the samples that they need
-    /// around it. The statistics of the survey become those of densities.
+    /// around it. From then on, the survey has statistics of densities instead of
+    /// samples.
     pub fn add_prepared(&mut self, slices: &Slices, inner: &[Range<usize>; 3]) {
         let (lo, n) = (inner.each_ref().map(|r| r.start), inner.each_ref().map(Range::len));
         let mut densities = Vec::with_capacity(n.iter().product());
@@ -124,6 +125,8 @@ impl Survey {
             let own = reach.bounds_within(rows, lo, n, [touched[0].clone(), touched[1].clone(), bz..bz + 1]);
             for (by, own) in touched[1].clone().zip(own.chunks_exact(touched[0].len().max(1))) {
                 let row = &mut layer[by * n_bricks[0]..][touched[0].clone()];
+                // Extremes depend neither on the order nor on how often a sample is seen: boxes may come in any order,
+                // and overlap.
                 row.iter_mut().zip(own).for_each(|(all, own)| *all = [all[0].min(own[0]), all[1].max(own[1])]);
             }
         });

@@ -127,6 +127,7 @@ impl BasePlane {
         if self.eye_w().is_some() && !self.family.has_slopes(lo, hi) {
             return false;
         }
+        // Ahead of the eye, a projective map takes a rectangle to the convex hull of its mapped corners.
         let (mut min, mut max) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         for corner in [lo, DVec2::new(hi.x, lo.y), DVec2::new(lo.x, hi.y), hi] {
             let at = self.pixel_from_base * corner.extend(1.0);

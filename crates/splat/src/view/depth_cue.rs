@@ -1,7 +1,7 @@
 //! Depth shading (depth cueing): a factor that falls along the view, so that near parts look brighter.
 //!
-//! `1 − strength · (z − near) / (far − near)`, where z is the distance along the view direction, and near and far are
-//! those of the nearest and the farthest corner of the drawn region. Along every ray it is linear in the slice
+//! `1 − strength · (z − near) / (far − near)`, where z is the distance along the view direction; near and far are the
+//! distances of the nearest and the farthest corner of the drawn region. Along every ray it is linear in the slice
 //! coordinate.
 
 use glam::DVec3;

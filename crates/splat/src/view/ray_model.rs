@@ -87,6 +87,7 @@ impl RayModel {
 
     /// Bounds of a box in base coordinates; `None` where the box is not wholly ahead of the eye.
     pub fn projected_bounds(&self, family: &Family, [lo, hi]: [DVec3; 2]) -> Option<[DVec2; 2]> {
+        // Ahead of the eye, a projection takes a box to the convex hull of its projected corners, so these bound it.
         let (mut min, mut max) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
         for corner in 0..8 {
             let pick = |bit: usize| if corner >> bit & 1 == 0 { lo } else { hi };

@@ -226,8 +226,8 @@ pub struct PlaneSilhouette<'a> {
 }
 
 impl PlaneSilhouette<'_> {
-    /// The regions and lengths that `LANES` texels from `(i, j)` on were rendered with: for rays that miss everything,
-    /// those of the widened regions.
+    /// The regions and lengths that `LANES` texels from `(i, j)` on were rendered with. Rays that miss everything
+    /// have the widened regions.
     #[inline(always)]
     pub fn rendered(&self, i: f64, j: f64) -> ([u8; LANES], [f64; LANES]) {
         let (mut met, mut length) = self.intervals(&self.silhouette.regions, i, j);

@@ -71,7 +71,7 @@ impl TransformPlan {
         self.axes[0].steps.len()
     }
 
-    /// Size of the low-pass box of a level, `0..=n_levels`; at 0 that of the data.
+    /// Size of the low-pass box of a level, `0..=n_levels`; level 0 has the size of the data.
     ///
     /// # Panics
     /// Where `level` exceeds [`TransformPlan::n_levels`].

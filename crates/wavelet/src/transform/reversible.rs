@@ -54,6 +54,8 @@ fn run_level(plan: &TransformPlan, level: usize, data: &mut [i32], direction: Tr
         simd::Level::best(),
         #[inline(always)]
         |_, lines| {
+            // A step changes the rows of one parity by a function of the other rows alone. Synthesis still has these,
+            // computes the same rounded sum and takes it back: no rounding is lost.
             lift(&mut lines.rows, 1, |x, sum| x.wrapping_sub(sum >> 1));
             lift(&mut lines.rows, 0, |x, sum| x.wrapping_add(sum.wrapping_add(2) >> 2));
         },

@@ -28,7 +28,7 @@ import { compositeName } from "../src/view/descriptions.ts";
 import { compositeNamed, numberOf, withNumber } from "../src/view/look/composites.ts";
 import type { Layer, Look, ViewerState } from "../src/state/state.ts";
 import { patched } from "../src/state/patch.ts";
-import { pointKey } from "../src/view/look/point_keys.ts";
+import { pointKey } from "../src/view/look/use_handles.tsx";
 import { matching } from "../src/view/look/preset_search.ts";
 
 describe("what is seen of the axis", () => {

@@ -1,5 +1,5 @@
 // The camera in the page: turning, panning, zooming, projecting. World units; pixels of CSS, from the top left.
-// Conventions are those of `python/wavesplat/_model/camera.py`: `parallel_scale` is half the height of the picture.
+// Same conventions as `python/wavesplat/_model/camera.py`: `parallel_scale` is half the height of the picture.
 
 import type { Camera, Vec3 } from "../state/state.ts";
 import type { CssSize } from "../view/part.ts";
@@ -9,6 +9,10 @@ export const TURN_DEG = 180;
 const MIN_ANGLE_DEG = 0.01;
 const MAX_ANGLE_DEG = 170;
 
+/** The vector whose component along each axis a function gives. */
+export const vector = (of: (axis: 0 | 1 | 2) => number): Vec3 => [of(0), of(1), of(2)];
+/** The vector with one component replaced. */
+export const withComponent = (a: Vec3, axis: number, value: number): Vec3 => vector((b) => (b === axis ? value : a[b]));
 export const add = (a: Vec3, b: Vec3): Vec3 => [a[0] + b[0], a[1] + b[1], a[2] + b[2]];
 export const sub = (a: Vec3, b: Vec3): Vec3 => [a[0] - b[0], a[1] - b[1], a[2] - b[2]];
 export const scaled = (a: Vec3, factor: number): Vec3 => [a[0] * factor, a[1] * factor, a[2] * factor];

@@ -1,6 +1,6 @@
 // Cutting by numbers: the crop box, a box that is cut out, clip planes.
 
-import { axesOf, dot, scaled, unit } from "../input/camera.ts";
+import { add, axesOf, dot, scaled, unit, withComponent } from "../input/camera.ts";
 import { set } from "../state/patch.ts";
 import type { Box, Vec3 } from "../state/state.ts";
 import { NumberField, Switch } from "./fields.tsx";
@@ -127,7 +127,7 @@ function PlaneNumbers(
         min={low}
         max={high}
         onInput={(value) => {
-          const point = plane.point.map((x, a) => x + (value - along) * (normal[a] ?? 0)) as unknown as Vec3;
+          const point = add(plane.point, scaled(normal, value - along));
           change({ ...plane, point }, "plane at");
         }}
         onSettle={() => store.settle()}
@@ -143,7 +143,7 @@ function PlaneNumbers(
               value={Number((normal[a] ?? 0).toFixed(4))}
               onChange={(event) => {
                 const value = event.currentTarget.valueAsNumber;
-                const next = normal.map((x, b) => (b === a ? value : x)) as unknown as Vec3;
+                const next = withComponent(normal, a, value);
                 if (Number.isFinite(value) && next.some((x) => x !== 0)) change({ ...plane, normal: unit(next) });
               }}
             />

@@ -1,7 +1,8 @@
 // Slices by numbers: crosshair, thickness, window and level, zoom, tilt.
 
+import { add, scaled, withComponent } from "../input/camera.ts";
 import { set } from "../state/patch.ts";
-import { PANES, SLICE_COLORS, type Vec3 } from "../state/state.ts";
+import { PANES, SLICE_COLORS } from "../state/state.ts";
 import { Choice, NumberField } from "./fields.tsx";
 import { WORDS } from "../words.ts";
 import { decimalsOf } from "./descriptions.ts";
@@ -44,7 +45,7 @@ export function SlicesPanel(props: PartProps) {
             min={lower[axis] ?? 0}
             max={upper[axis] ?? 1}
             onInput={(value) => {
-              const next = slices.crosshair.map((one, a) => (a === axis ? value : one)) as unknown as Vec3;
+              const next = withComponent(slices.crosshair, axis, value);
               store.change([set(next, "view", "slices", "crosshair")], `crosshair ${name}`);
             }}
             onSettle={settle}
@@ -54,7 +55,7 @@ export function SlicesPanel(props: PartProps) {
           <button
             class="button"
             onClick={() => {
-              const middle = [0, 1, 2].map((a) => ((lower[a] ?? 0) + (upper[a] ?? 0)) / 2) as unknown as Vec3;
+              const middle = scaled(add(lower, upper), 0.5);
               store.change(crosshairAt(store.state, middle));
             }}
           >

@@ -1,33 +1,14 @@
 // A curve of opacities over a histogram, in SVG: points are moved by pointer and keys, the axis is zoomed and dragged.
 
-import type { ComponentChildren } from "preact";
-import { useEffect, useId, useRef, useState } from "preact/hooks";
+import { useId, useRef } from "preact/hooks";
 import type { ColorPoint, OpacityPoint } from "../../state/state.ts";
 import { numberText, outOfSight, rounded, ticks, within, zoomed } from "./axis.ts";
-import {
-  clamped,
-  hexOf,
-  outline,
-  withMoved,
-  withPoint,
-  withPointBeside,
-  without,
-  type Curve,
-  type Point,
-  type Range,
-} from "./curves.ts";
-import { pointKey } from "./point_keys.ts";
+import { clamped, hexOf, outline, withPoint, type Curve, type Range } from "./curves.ts";
+import { MARGIN, px, useHandles, type PointEditor } from "./use_handles.tsx";
 import { PANEL_WORDS } from "../../panel_words.ts";
 
 const TEXT = PANEL_WORDS.curvePlot;
 
-const KEYS = "Arrows move, Page up and down move far, Delete removes, Insert adds, Enter goes to the number";
-
-/** Margins around the drawing, CSS pixels. */
-export const MARGIN = { left: 34, right: 12, top: 12, bottom: 20 };
-const DOT_PX = 6;
-/** Half the side of the area of a point that pointers and fingers hit. */
-const REACH_PX = 13;
 /** Exponent of the magnified scale: heights are opacities to this power, so that low ones are seen. */
 const ROOT = 1 / 3;
 /** Number of straight pieces in which a line is drawn that the scale bends. */
@@ -40,91 +21,45 @@ export interface Histogram {
   readonly range: Range;
 }
 
-interface CurvePlotProps {
+interface CurvePlotProps extends PointEditor<OpacityPoint> {
   readonly label: string;
   /** Name of the second coordinate of a point, beside its value. */
   readonly what: string;
   readonly height: number;
-  readonly seen: Range;
   readonly whole: Range;
-  readonly unit: string;
-  readonly curve: Curve<OpacityPoint>;
-  /** Returns the curve as it is now: keys can come more often than the page is drawn. */
-  latest(): Curve<OpacityPoint>;
   readonly colors: Curve<ColorPoint> | null;
   readonly histogram: Histogram | null;
   readonly isMagnified: boolean;
-  readonly selected: number | null;
   /** Least value of a point. */
   readonly least?: number;
-  onSelect(index: number): void;
-  onCurve(curve: Curve<OpacityPoint>, index: number | null): void;
-  onSettle(): void;
   onSeen(seen: Range): void;
-  onShowPoints(): void;
-  /** Called when the user wants to type the number of the selected point. */
-  onType(): void;
-  readonly children?: ComponentChildren;
 }
 
 export function CurvePlot(props: CurvePlotProps) {
-  const { label, height, seen, whole, unit, curve, colors, histogram, isMagnified, selected } = props;
-  const [svg, width] = useWidth<SVGSVGElement>();
-  const drag = useRef<{
-    readonly index: number | null;
-    readonly x: number;
-    readonly y: number;
-    readonly seen: Range;
-  } | null>(null);
+  const { label, height, seen, whole, unit, curve, colors, histogram, isMagnified, least = -Infinity } = props;
+  const pan = useRef<{ readonly x: number; readonly seen: Range } | null>(null);
   const fill = useId();
-  const inner = { width: width - MARGIN.left - MARGIN.right, height: height - MARGIN.top - MARGIN.bottom };
+  const innerHeight = height - MARGIN.top - MARGIN.bottom;
   const power = isMagnified ? ROOT : 1;
-  const xOf = (value: number): number => MARGIN.left + ((value - seen[0]) / (seen[1] - seen[0])) * inner.width;
-  const yOf = (alpha: number): number => MARGIN.top + (1 - alpha ** power) * inner.height;
-  const valueAt = (x: number): number => seen[0] + ((x - MARGIN.left) / inner.width) * (seen[1] - seen[0]);
-  const alphaAt = (y: number): number => clamped(1 - (y - MARGIN.top) / inner.height, 0, 1) ** (1 / power);
-  const inside = (event: MouseEvent): { x: number; y: number } => {
-    const box = svg.current?.getBoundingClientRect();
-    return { x: event.clientX - (box?.left ?? 0), y: event.clientY - (box?.top ?? 0) };
-  };
-  const tidy = (value: number, alpha: number): OpacityPoint => [
-    Math.max(props.least ?? -Infinity, rounded(value, seen[1] - seen[0])),
-    Number(alpha.toPrecision(3)),
+  const yOf = (alpha: number): number => MARGIN.top + (1 - alpha ** power) * innerHeight;
+  const alphaAt = (y: number): number => clamped(1 - (y - MARGIN.top) / innerHeight, 0, 1) ** (1 / power);
+  const placed = (value: number, y: number): OpacityPoint => [
+    Math.max(least, rounded(value, seen[1] - seen[0])),
+    Number(alphaAt(y).toPrecision(3)),
   ];
-  const move = (index: number, value: number, alpha: number): void =>
-    props.onCurve(withMoved(curve, index, tidy(value, alpha)), index);
-
-  const onPlotMove = (event: PointerEvent): void => {
-    const begun = drag.current;
-    if (begun === null) return;
-    const { x, y } = inside(event);
-    if (begun.index !== null) {
-      move(begun.index, valueAt(x - begun.x), alphaAt(y - begun.y));
-      return;
-    }
-    const shift = ((begun.x - x) / inner.width) * (begun.seen[1] - begun.seen[0]);
-    props.onSeen(within([begun.seen[0] + shift, begun.seen[1] + shift], whole));
-  };
-  const onPlotUp = (): void => {
-    if (drag.current?.index != null) props.onSettle();
-    drag.current = null;
-  };
-  const onHandleKey = (event: KeyboardEvent, index: number): void => {
-    const latest = props.latest();
-    const point = latest[index];
-    if (point === undefined) return;
+  const points = useHandles<OpacityPoint>(props, {
+    y: ([, alpha]) => yOf(alpha),
+    color: () => null,
+    label: TEXT.point,
+    text: ([value, alpha]) =>
+      TEXT.pointAt(props.what, numberText(alpha), `${numberText(value)}${unit && ` ${unit}`}`),
     // On the magnified scale a key press changes an opacity by a share of it, so that the change is seen.
-    const rise = isMagnified ? Math.max(0.0005, 0.1 * point[1]) : 0.01;
-    const key = pointKey(event.key, event.shiftKey, seen, rise);
-    if (key === null || (key.does === "remove" && latest.length === 1)) return;
-    if (key.does === "move") {
-      const value = Math.max(props.least ?? -Infinity, point[0] + key.value);
-      props.onCurve(withMoved(latest, index, [value, Number((point[1] + key.rise).toPrecision(6))]), index);
-    } else if (key.does === "type") props.onType();
-    else changePoints(props, key.does, index);
-    event.preventDefault();
-    event.stopPropagation();
-  };
+    rise: ([, alpha]) => (isMagnified ? Math.max(0.0005, 0.1 * alpha) : 0.01),
+    added: (value, y) => withPoint(curve, placed(value, y)),
+    dragged: (_, value, y) => placed(value, y),
+    stepped: ([value, alpha], by, rise) => [Math.max(least, value + by), Number((alpha + rise).toPrecision(6))],
+  });
+  const { width, inner, xOf, valueAt, inside, listeners } = points;
 
   const line = outline(curve, seen, isMagnified ? PIECES : 1).map(
     ([value, alpha]) => `${px(xOf(value))},${px(yOf(alpha))}`,
@@ -135,7 +70,7 @@ export function CurvePlot(props: CurvePlotProps) {
   const marked = ticks(seen, N_TICKS).filter((value) => unit === "" || xOf(value) > MARGIN.left + 14);
   return (
     <svg
-      ref={svg}
+      ref={points.svg}
       class="look-plot"
       height={height}
       role="group"
@@ -146,19 +81,23 @@ export function CurvePlot(props: CurvePlotProps) {
         event.preventDefault();
         props.onSeen(zoomed(seen, event.deltaY < 0 ? WHEEL_ZOOM : 1 / WHEEL_ZOOM, valueAt(inside(event).x), whole));
       }}
-      onDblClick={(event) => {
-        const { x, y } = inside(event);
-        const added = withPoint(curve, tidy(valueAt(x), alphaAt(y)));
-        props.onCurve(added.curve, added.index);
-        props.onSettle();
-      }}
+      onDblClick={listeners.onDblClick}
       onPointerDown={(event) => {
         if (event.button !== 0) return;
         event.currentTarget.setPointerCapture(event.pointerId);
-        drag.current = { index: null, x: inside(event).x, y: 0, seen };
+        pan.current = { x: inside(event).x, seen };
       }}
-      onPointerMove={onPlotMove}
-      onLostPointerCapture={onPlotUp}
+      onPointerMove={(event) => {
+        listeners.onPointerMove(event);
+        if (pan.current === null) return;
+        const [low, high] = pan.current.seen;
+        const shift = ((pan.current.x - inside(event).x) / inner) * (high - low);
+        props.onSeen(within([low + shift, high + shift], whole));
+      }}
+      onLostPointerCapture={() => {
+        listeners.onLostPointerCapture();
+        pan.current = null;
+      }}
     >
       <Fill id={fill} colors={colors} xOf={xOf} />
       <g aria-hidden="true">
@@ -186,7 +125,7 @@ export function CurvePlot(props: CurvePlotProps) {
           fill={colors === null ? "var(--accent)" : `url(#${fill})`}
           fill-opacity={0.7}
         />
-        {histogram !== null && <path class="look-counts" d={barsPath(histogram, xOf, inner.height, seen)} />}
+        {histogram !== null && <path class="look-counts" d={barsPath(histogram, xOf, innerHeight, seen)} />}
         <polyline class="look-line-under" points={line.join(" ")} />
         <polyline class="look-line" points={line.join(" ")} />
       </g>
@@ -202,108 +141,8 @@ export function CurvePlot(props: CurvePlotProps) {
           onClick={props.onShowPoints}
         />
       )}
-      {curve.map((point, index) =>
-        point[0] < seen[0] || point[0] > seen[1] ? null : (
-          <Handle
-            key={index}
-            x={xOf(point[0])}
-            y={yOf(point[1])}
-            isSelected={index === selected}
-            color={null}
-            label={TEXT.point(index + 1, curve.length)}
-            value={point[0]}
-            range={seen}
-            text={TEXT.pointAt(props.what, numberText(point[1]), `${numberText(point[0])}${unit && ` ${unit}`}`)}
-            onSelect={() => props.onSelect(index)}
-            onKeyDown={(event) => onHandleKey(event, index)}
-            onKeyUp={() => props.onSettle()}
-            onGrab={(event) => {
-              const { x, y } = inside(event);
-              svg.current?.setPointerCapture(event.pointerId);
-              drag.current = { index, x: x - xOf(point[0]), y: y - yOf(point[1]), seen };
-            }}
-          />
-        ),
-      )}
-      {props.children}
+      {points.handles}
     </svg>
-  );
-}
-
-/** Removes a point, or adds one beside it. */
-export function changePoints<P extends Point>(
-  { latest, seen, onCurve, onSettle }: EditorOf<P>,
-  what: "remove" | "insert",
-  index: number,
-): void {
-  const curve = latest();
-  if (what === "remove") onCurve(without(curve, index), Math.min(index, curve.length - 2));
-  else {
-    const added = withPointBeside(curve, index, seen);
-    onCurve(added.curve, added.index);
-  }
-  onSettle();
-}
-
-interface EditorOf<P extends Point> {
-  latest(): Curve<P>;
-  readonly seen: Range;
-  onCurve(curve: Curve<P>, index: number | null): void;
-  onSettle(): void;
-}
-
-export interface HandleProps {
-  readonly x: number;
-  readonly y: number;
-  readonly isSelected: boolean;
-  readonly color: string | null;
-  readonly label: string;
-  readonly value: number;
-  readonly range: Range;
-  readonly text: string;
-  onSelect(): void;
-  onKeyDown(event: KeyboardEvent): void;
-  onKeyUp(): void;
-  onGrab(event: PointerEvent): void;
-}
-
-/** A point that can be focused, moved and removed. */
-export function Handle(props: HandleProps) {
-  const { x, y, isSelected, color, range, value } = props;
-  return (
-    <g
-      class="look-handle"
-      role="slider"
-      tabindex={0}
-      aria-label={props.label}
-      aria-valuemin={Math.min(range[0], value)}
-      aria-valuemax={Math.max(range[1], value)}
-      aria-valuenow={value}
-      aria-valuetext={props.text}
-      aria-description={KEYS}
-      data-selected={isSelected}
-      transform={`translate(${px(x)} ${px(y)})`}
-      onFocus={props.onSelect}
-      onKeyDown={props.onKeyDown}
-      onKeyUp={props.onKeyUp}
-      onDblClick={(event) => event.stopPropagation()}
-      onPointerDown={(event) => {
-        if (event.button !== 0) return;
-        event.stopPropagation();
-        event.preventDefault();
-        event.currentTarget.focus();
-        props.onSelect();
-        props.onGrab(event);
-      }}
-    >
-      <title>{props.text}</title>
-      <circle class="look-reach" r={REACH_PX} />
-      {color === null ? (
-        <circle class="look-dot" r={DOT_PX} />
-      ) : (
-        <path class="look-dot" d="M0 -10 L7 -2 V9 H-7 V-2 Z" style={{ fill: color }} />
-      )}
-    </g>
   );
 }
 
@@ -366,22 +205,6 @@ export function Fill({
   );
 }
 
-/** The width of an element in CSS pixels, kept up to date. */
-export function useWidth<E extends Element>(): [{ current: E | null }, number] {
-  const element = useRef<E>(null);
-  const [width, setWidth] = useState(310);
-  useEffect(() => {
-    const seen = element.current;
-    if (seen === null) return undefined;
-    const observer = new ResizeObserver(([entry]) => {
-      if (entry !== undefined && entry.contentRect.width > 0) setWidth(entry.contentRect.width);
-    });
-    observer.observe(seen);
-    return () => observer.disconnect();
-  }, []);
-  return [element as { current: E | null }, width];
-}
-
 function barsPath({ heights, range }: Histogram, xOf: (value: number) => number, height: number, seen: Range): string {
   const bin = (range[1] - range[0]) / heights.length;
   const [left, right] = [xOf(seen[0]), xOf(seen[1])];
@@ -397,8 +220,4 @@ function barsPath({ heights, range }: Histogram, xOf: (value: number) => number,
   const first = clamped(xOf(range[0]), left, right);
   const last = clamped(xOf(range[1]), left, right);
   return `M${px(first)} ${bottom} ${steps.join(" ")} L${px(last)} ${bottom} Z`;
-}
-
-function px(value: number): string {
-  return value.toFixed(2);
 }

@@ -8,7 +8,7 @@ export type Curve<P extends Point = Point> = readonly P[];
 export type Range = readonly [number, number];
 
 /** A curve, and the index of the point that was added or moved. */
-interface Edited<P extends Point> {
+export interface Edited<P extends Point> {
   readonly curve: Curve<P>;
   readonly index: number;
 }
@@ -21,7 +21,7 @@ export function isEditable(curves: TransferFunction | TransferFunction2D): curve
   return !("rgba" in curves);
 }
 
-/** The curve at a value, without the value itself: opacity or colour. At a step it is that of the upper side. */
+/** The curve at a value, without the value itself: opacity or colour. At a step, the upper side counts. */
 export function at(curve: Curve, value: number): number[] {
   const next = curve.findIndex((point) => valueAt(point) > value);
   const right = next < 0 ? curve.length - 1 : next;

@@ -3,7 +3,7 @@
 import { useEffect, useRef, useState } from "preact/hooks";
 import type { Problem, VolumeInfo } from "../../engine/engine.ts";
 import { set } from "../../state/patch.ts";
-import type { ColorPoint, Look, OpacityPoint, TransferFunction } from "../../state/state.ts";
+import type { Look, TransferFunction } from "../../state/state.ts";
 import type { PartProps } from "../part.ts";
 import { around, heights, rounded, wholeOf, within, zoomed } from "./axis.ts";
 import { ColorStrip } from "./color_strip.tsx";
@@ -15,8 +15,8 @@ import {
   spanOf,
   spanOfFunction,
   withOpacities,
-  withPointBeside,
   type Curve,
+  type Point,
   type Range,
 } from "./curves.ts";
 import { Button, Switch, NamedNumber, RelativeSlider, NumberField } from "../fields.tsx";
@@ -26,6 +26,7 @@ import { LayerChoice } from "./layer_choice.tsx";
 import { lookAsChosen } from "./looks.ts";
 import { titleOf } from "./preset_kinds.ts";
 import { PointFields } from "./point_fields.tsx";
+import { changePoints, type PointEditor } from "./use_handles.tsx";
 import { PANEL_WORDS } from "../../panel_words.ts";
 
 const TEXT = PANEL_WORDS.functionPanel;
@@ -119,14 +120,6 @@ function CurveEditor(props: EditorProps) {
     const now = store.state.layers[ui.layer]?.look.transfer_function;
     return now !== undefined && isEditable(now) ? now : curves;
   };
-  const setOpacity = (curve: Curve<OpacityPoint>, index: number | null): void => {
-    store.change([set(curve, ...path, "opacity")], "opacity curve");
-    if (index !== null) setSelected({ kind: "opacity", index });
-  };
-  const setColor = (curve: Curve<ColorPoint>, index: number | null): void => {
-    store.change([set(curve, ...path, "color")], "colours");
-    if (index !== null) setSelected({ kind: "color", index });
-  };
   const setAll = (change: (before: TransferFunction) => TransferFunction, gesture: string): void => {
     base.current ??= latest();
     store.change([set(change(base.current), ...path)], gesture);
@@ -136,75 +129,58 @@ function CurveEditor(props: EditorProps) {
   };
   const showPoints = (): void => setZoom(around(spanOf(curves.opacity, curves.color), whole));
   const typeValue = (): void => value.current?.querySelector<HTMLInputElement>("input[type=number]")?.select();
-  const chosenIndex = (kind: Selected["kind"], length: number): number | null =>
-    selected?.kind === kind && selected.index < length ? selected.index : null;
-  const opacityIndex = chosenIndex("opacity", curves.opacity.length);
-  const colorIndex = chosenIndex("color", curves.color.length);
+  const editorOf = <P extends Point>(
+    kind: "opacity" | "color",
+    curveOf: (functions: TransferFunction) => Curve<P>,
+    gesture: string,
+  ): PointEditor<P> => ({
+    seen,
+    unit,
+    curve: curveOf(curves),
+    latest: () => curveOf(latest()),
+    selected: selected?.kind === kind && selected.index < curveOf(curves).length ? selected.index : null,
+    onSelect: (index) => setSelected({ kind, index }),
+    onCurve: (curve, index) => {
+      store.change([set(curve, ...path, kind)], gesture);
+      if (index !== null) setSelected({ kind, index });
+    },
+    onSettle: done,
+    onShowPoints: showPoints,
+    onType: typeValue,
+  });
+  const opacity = editorOf("opacity", (functions) => functions.opacity, "opacity curve");
+  const color = editorOf("color", (functions) => functions.color, "colours");
+  const addPoint = <P extends Point>(editor: PointEditor<P>): void =>
+    changePoints(editor, "insert", editor.selected ?? widestGap(editor.curve));
 
   return (
     <>
       <CurvePlot
+        {...opacity}
         label={TEXT.curve}
         what={TEXT.opacity}
         height={PLOT_PX}
-        seen={seen}
         whole={whole}
-        unit={unit}
-        curve={curves.opacity}
-        latest={() => latest().opacity}
         colors={curves.color}
         histogram={histogram}
         isMagnified={isMagnified}
-        selected={opacityIndex}
-        onSelect={(index) => setSelected({ kind: "opacity", index })}
-        onCurve={setOpacity}
-        onSettle={done}
         onSeen={setZoom}
-        onShowPoints={showPoints}
-        onType={typeValue}
       />
-      <ColorStrip
-        seen={seen}
-        unit={unit}
-        curve={curves.color}
-        latest={() => latest().color}
-        selected={colorIndex}
-        onSelect={(index) => setSelected({ kind: "color", index })}
-        onCurve={setColor}
-        onSettle={done}
-        onType={typeValue}
-        onShowPoints={showPoints}
-      />
+      <ColorStrip {...color} />
       <div ref={value}>
         <PointFields
           curves={curves}
           selected={selected}
           unit={unit}
-          onOpacity={setOpacity}
-          onColor={setColor}
+          onOpacity={opacity.onCurve}
+          onColor={color.onCurve}
           onSettle={done}
           onSelect={setSelected}
         />
       </div>
       <div class="row">
-        <Button
-          onClick={() => {
-            const added = withPointBeside(curves.opacity, opacityIndex ?? widestGap(curves.opacity), seen);
-            setOpacity(added.curve, added.index);
-            done();
-          }}
-        >
-          {TEXT.addOpacity}
-        </Button>
-        <Button
-          onClick={() => {
-            const added = withPointBeside(curves.color, colorIndex ?? widestGap(curves.color), seen);
-            setColor(added.curve, added.index);
-            done();
-          }}
-        >
-          {TEXT.addColor}
-        </Button>
+        <Button onClick={() => addPoint(opacity)}>{TEXT.addOpacity}</Button>
+        <Button onClick={() => addPoint(color)}>{TEXT.addColor}</Button>
       </div>
       <div class="row">
         <NamedNumber

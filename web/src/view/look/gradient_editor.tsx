@@ -7,8 +7,9 @@ import type { OpacityPoint, TransferFunction } from "../../state/state.ts";
 import type { PartProps } from "../part.ts";
 import { around, rounded, within } from "./axis.ts";
 import { CurvePlot } from "./curve_plot.tsx";
-import { firstGradientCurve, spanOf, withMoved, without, withPointBeside, type Curve, type Range } from "./curves.ts";
+import { firstGradientCurve, spanOf, withMoved, type Curve, type Range } from "./curves.ts";
 import { Button, NamedNumber } from "../fields.tsx";
+import { changePoints, type PointEditor } from "./use_handles.tsx";
 import { PANEL_WORDS } from "../../panel_words.ts";
 
 const TEXT = PANEL_WORDS.gradientEditor;
@@ -47,29 +48,32 @@ export function GradientEditor({ store, ui, curves, volume, latest }: GradientEd
       </details>
     );
   }
+  const editor: PointEditor<OpacityPoint> = {
+    seen: within(zoom ?? whole, whole),
+    unit,
+    curve,
+    latest,
+    selected: index,
+    onSelect: setChosen,
+    onCurve: change,
+    onSettle: done,
+    onShowPoints: () => setZoom(around(spanOf(curve), whole)),
+    onType: () => {},
+  };
   return (
     <details class="look-details" open>
       <summary>{TEXT.title}</summary>
       <CurvePlot
+        {...editor}
         label={TEXT.label}
         what={TEXT.what}
         height={PLOT_PX}
-        seen={within(zoom ?? whole, whole)}
         whole={whole}
-        unit={unit}
         least={0}
-        curve={curve}
-        latest={latest}
         colors={null}
         histogram={null}
         isMagnified={false}
-        selected={index}
-        onSelect={setChosen}
-        onCurve={change}
-        onSettle={done}
         onSeen={setZoom}
-        onShowPoints={() => setZoom(around(spanOf(curve), whole))}
-        onType={() => {}}
       />
       <div class="row">
         <NamedNumber
@@ -91,22 +95,8 @@ export function GradientEditor({ store, ui, curves, volume, latest }: GradientEd
         />
       </div>
       <div class="row">
-        <Button
-          onClick={() => {
-            const added = withPointBeside(curve, index, whole);
-            change(added.curve, added.index);
-            done();
-          }}
-        >
-          {TEXT.addPoint}
-        </Button>
-        <Button
-          disabled={curve.length === 1}
-          onClick={() => {
-            change(without(curve, index), Math.max(0, index - 1));
-            done();
-          }}
-        >
+        <Button onClick={() => changePoints({ ...editor, seen: whole }, "insert", index)}>{TEXT.addPoint}</Button>
+        <Button disabled={curve.length === 1} onClick={() => changePoints(editor, "remove", index)}>
           {TEXT.delete}
         </Button>
         <Button onClick={() => store.change([{ op: "remove", path: `/${path.join("/")}` }])}>{TEXT.remove}</Button>

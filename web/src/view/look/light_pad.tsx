@@ -1,6 +1,7 @@
 // The control of the first light's direction: a ball seen from the front, on which the bright spot is moved.
 
 import { useId, useRef } from "preact/hooks";
+import { vector } from "../../input/camera.ts";
 import type { Vec3 } from "../../state/state.ts";
 import { NumberBox } from "../fields.tsx";
 import { anglesOf, directionOf } from "./looks.ts";
@@ -25,7 +26,7 @@ export function LightPad({ direction, latest, onDirection, onSettle }: LightPadP
   const length = Math.hypot(...direction) || 1;
   const spot = { x: (direction[0] / length) * RADIUS_PX, y: (-direction[1] / length) * RADIUS_PX };
   const set = (direction: Vec3): void =>
-    onDirection(direction.map((part) => Number(part.toFixed(4))) as unknown as Vec3);
+    onDirection(vector((axis) => Number(direction[axis].toFixed(4))));
   const turn = (by: number, up: number): void => {
     const [a, e] = anglesOf(latest());
     set(directionOf([wrapped(a + by), Math.max(-90, Math.min(90, e + up))]));

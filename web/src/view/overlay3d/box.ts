@@ -1,6 +1,6 @@
 // Boxes in space: corners, edges, faces, and dragging a handle along an axis. No DOM.
 
-import { add, axesOf, dot, project, ray, scaled, sub } from "../../input/camera.ts";
+import { add, axesOf, dot, project, ray, scaled, sub, vector, withComponent } from "../../input/camera.ts";
 import type { Box, Camera, Clip, Vec3 } from "../../state/state.ts";
 import type { CssSize } from "../part.ts";
 
@@ -17,7 +17,7 @@ export const FACES: readonly Face[] = ([0, 1, 2] as const).flatMap((axis) => [
 /** The eight corners; bit a of a corner's index is set where it lies at the upper end of axis a. */
 export function corners(box: Box): Vec3[] {
   return [...Array(8).keys()].map(
-    (bits) => [0, 1, 2].map((axis) => ((bits >> axis) & 1 ? box.upper : box.lower)[axis]) as unknown as Vec3,
+    (bits) => vector((axis) => ((bits >> axis) & 1 ? box.upper : box.lower)[axis]),
   );
 }
 
@@ -28,15 +28,14 @@ export const EDGES: readonly { readonly a: number; readonly b: number; readonly 
 );
 
 export function faceCenter(box: Box, { axis, side }: Face): Vec3 {
-  const middle = center(box);
-  return middle.map((value, a) => (a === axis ? box[side][axis] : value)) as unknown as Vec3;
+  return withComponent(center(box), axis, box[side][axis]);
 }
 
 export const center = (box: Box): Vec3 => scaled(add(box.lower, box.upper), 0.5);
 
 /** Whether a face looks towards the eye. */
 export function isSeen(box: Box, face: Face, camera: Camera): boolean {
-  const outward = [0, 0, 0].map((_, a) => (a === face.axis ? (face.side === "upper" ? 1 : -1) : 0)) as unknown as Vec3;
+  const outward = withComponent([0, 0, 0], face.axis, face.side === "upper" ? 1 : -1);
   const toEye =
     camera.parallel_scale === undefined ? sub(camera.position, faceCenter(box, face)) : axesOf(camera).back;
   return dot(outward, toEye) > 0;
@@ -71,16 +70,12 @@ export function withFace(box: Box, face: Face, to: number, bounds: readonly [Vec
     side === "lower"
       ? Math.max(low, Math.min(to, box.upper[axis] - least))
       : Math.min(high, Math.max(to, box.lower[axis] + least));
-  const moved = box[side].map((value, a) => (a === axis ? inside : value)) as unknown as Vec3;
-  return { ...box, [side]: moved };
+  return { ...box, [side]: withComponent(box[side], axis, inside) };
 }
 
 /** The box moved as a whole, within the bounds. */
 export function movedBy(box: Box, by: Vec3, bounds: readonly [Vec3, Vec3]): Box {
-  const clamped = by.map((way, a) => {
-    const [room, back] = [(bounds[1][a] ?? 0) - (box.upper[a] ?? 0), (bounds[0][a] ?? 0) - (box.lower[a] ?? 0)];
-    return Math.min(Math.max(way, back), room);
-  }) as unknown as Vec3;
+  const clamped = vector((a) => Math.min(Math.max(by[a], bounds[0][a] - box.lower[a]), bounds[1][a] - box.upper[a]));
   return { ...box, lower: add(box.lower, clamped), upper: add(box.upper, clamped) };
 }
 
@@ -104,7 +99,7 @@ export function cornerTowards(box: Box, camera: Camera): Box {
   const way = add(back, add(scaled(up, UPWARD), scaled(right, RIGHTWARD)));
   const middle = center(box);
   const pick = (isLower: boolean): Vec3 =>
-    middle.map((value, axis) => ((way[axis] ?? 0) > 0 === isLower ? value : (isLower ? box.lower : box.upper)[axis])) as unknown as Vec3;
+    vector((axis) => (way[axis] > 0 === isLower ? middle : isLower ? box.lower : box.upper)[axis]);
   return { ...box, lower: pick(true), upper: pick(false) };
 }
 

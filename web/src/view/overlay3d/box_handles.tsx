@@ -1,6 +1,6 @@
 // A box over the picture in space: its edges, a handle on every face, one in the middle.
 
-import { add, project } from "../../input/camera.ts";
+import { project, scaled, withComponent } from "../../input/camera.ts";
 import { set } from "../../state/patch.ts";
 import type { Box, Camera, Vec3 } from "../../state/state.ts";
 import { WORDS } from "../../words.ts";
@@ -13,30 +13,36 @@ import {
 
 const TEXT = WORDS.cut;
 const NAMES = ["x", "y", "z"] as const;
-const UNITS: readonly Vec3[] = [[1, 0, 0], [0, 1, 0], [0, 0, 1]];
+export const COLORS = { keep: "#ffd166", cut_out: "#ff8fb1" } as const;
 
-interface BoxHandlesProps extends PartProps {
+interface ClippingBox extends PartProps {
   readonly kind: "keep" | "cut_out";
+  /** Place of the box among the clips. */
   readonly place: number;
   readonly box: Box;
+}
+
+interface BoxHandlesProps extends ClippingBox {
   readonly camera: Camera;
   readonly size: CssSize;
 }
 
+interface FaceHandleProps extends ClippingBox {
+  readonly face: Face;
+  /** Place of the handle in the view, CSS pixels. */
+  readonly at: { readonly x: number; readonly y: number };
+  /** Distance along the face's axis, in world units, by which a drag moves the face. */
+  wayOf(before: Box, dx: number, dy: number): number;
+}
+
 export function BoxHandles(props: BoxHandlesProps) {
-  const { store, welcome, kind, place, box, camera, size } = props;
-  const color = kind === "keep" ? "#ffd166" : "#ff8fb1";
+  const { store, welcome, kind, box, camera, size } = props;
+  const color = COLORS[kind];
   const isCrop = kind === "keep";
   const spacing = welcome.volumes[0]?.spacing ?? [1, 1, 1];
-  const change = (next: Box, gesture: string): void => store.change([set({ [kind]: next }, "clip", place)], gesture);
-  const now = (): Box => {
-    const clip = store.state.clip[place] as Record<string, Box> | undefined;
-    return clip?.[kind] ?? box;
-  };
+  const { now, change } = boxIn(props);
   const points = corners(box).map((corner) => project(camera, size, corner));
   const middle = project(camera, size, center(box));
-  const moveFace = (face: Face, to: number, gesture: string): void =>
-    change(withFace(now(), face, to, welcome.bounds, spacing[face.axis]), gesture);
   return (
     <g>
       {EDGES.map((edge) => {
@@ -49,35 +55,13 @@ export function BoxHandles(props: BoxHandlesProps) {
       {FACES.map((face) => {
         const at = project(camera, size, faceCenter(box, face));
         if (at === null) return null;
-        const value = box[face.side][face.axis];
-        const bounds: readonly [number, number] = [welcome.bounds[0][face.axis], welcome.bounds[1][face.axis]];
-        const name = TEXT.face(isCrop, NAMES[face.axis], face.side === "lower" ? "from" : "to");
-        const keys = (event: KeyboardEvent): void => {
-          const n = stepOf(event);
-          const end = { Home: bounds[0], End: bounds[1] }[event.key];
-          if (n === undefined && end === undefined) return;
-          take(event);
-          moveFace(face, end ?? now()[face.side][face.axis] + (n ?? 0) * spacing[face.axis], "key face");
-        };
         return (
-          <g key={name} opacity={isSeen(box, face, camera) ? 1 : 0.5}>
-            <Handle
-              label={name}
-              text={`${name} ${shortNumber(value, 4)}`}
-              value={value}
-              range={bounds}
-              x={at.x}
-              y={at.y}
-              color={color}
-              onDrag={(_x, _y, dx, dy) => {
-                const before = now();
-                const axis = UNITS[face.axis] as Vec3;
-                const way = alongAxis(camera, size, faceCenter(before, face), axis, dx, dy);
-                moveFace(face, before[face.side][face.axis] + way, "face");
-              }}
-              onKey={keys}
-              onEnd={() => store.settle()}
-              onDouble={() => moveFace(face, bounds[face.side === "lower" ? 0 : 1], "face")}
+          <g key={`${face.axis}${face.side}`} opacity={isSeen(box, face, camera) ? 1 : 0.5}>
+            <FaceHandle
+              {...props}
+              face={face}
+              at={at}
+              wayOf={(before, dx, dy) => alongAxis(camera, size, faceCenter(before, face), unitAlong(face.axis), dx, dy)}
             />
           </g>
         );
@@ -101,8 +85,8 @@ export function BoxHandles(props: BoxHandlesProps) {
             if (axis === undefined) return;
             take(event);
             const sign = event.key === "ArrowRight" || event.key === "ArrowUp" || event.key === "PageUp" ? 1 : -1;
-            const by = UNITS[axis]?.map((one) => one * sign * (spacing[axis] ?? 1)) as unknown as Vec3;
-            change(movedBy(now(), add(by, [0, 0, 0]), welcome.bounds), "key box");
+            const by = scaled(unitAlong(axis), sign * (spacing[axis] ?? 1));
+            change(movedBy(now(), by, welcome.bounds), "key box");
           }}
           onEnd={() => store.settle()}
         />
@@ -110,3 +94,48 @@ export function BoxHandles(props: BoxHandlesProps) {
     </g>
   );
 }
+
+/** A handle that moves a face of a box, in space or on a slice. */
+export function FaceHandle(props: FaceHandleProps) {
+  const { store, welcome, kind, box, face, at, wayOf } = props;
+  const { axis, side } = face;
+  const { now, change } = boxIn(props);
+  const spacing = welcome.volumes[0]?.spacing[axis] ?? 1;
+  const bounds: readonly [number, number] = [welcome.bounds[0][axis], welcome.bounds[1][axis]];
+  const name = TEXT.face(kind === "keep", NAMES[axis], side === "lower" ? "from" : "to");
+  const move = (to: number, gesture: string): void =>
+    change(withFace(now(), face, to, welcome.bounds, spacing), gesture);
+  return (
+    <Handle
+      label={name}
+      text={`${name} ${shortNumber(box[side][axis], 4)}`}
+      value={box[side][axis]}
+      range={bounds}
+      x={at.x}
+      y={at.y}
+      color={COLORS[kind]}
+      onDrag={(_x, _y, dx, dy) => {
+        const before = now();
+        move(before[side][axis] + wayOf(before, dx, dy), "face");
+      }}
+      onKey={(event) => {
+        const n = stepOf(event);
+        const end = { Home: bounds[0], End: bounds[1] }[event.key];
+        if (n === undefined && end === undefined) return;
+        take(event);
+        move(end ?? now()[side][axis] + (n ?? 0) * spacing, "key face");
+      }}
+      onEnd={() => store.settle()}
+      onDouble={() => move(bounds[side === "lower" ? 0 : 1], "face")}
+    />
+  );
+}
+
+/** The box as it is now, since gestures can come more often than the page is drawn, and a function that changes it. */
+function boxIn({ store, kind, place, box }: ClippingBox) {
+  const now = (): Box => (store.state.clip[place] as Record<string, Box> | undefined)?.[kind] ?? box;
+  const change = (next: Box, gesture: string): void => store.change([set({ [kind]: next }, "clip", place)], gesture);
+  return { now, change };
+}
+
+const unitAlong = (axis: number): Vec3 => withComponent([0, 0, 0], axis, 1);

@@ -1,6 +1,6 @@
 // The places of a bevelled cube: six faces, twelve edges, eight corners, each a direction from which one can look. No DOM.
 
-import { unit } from "../../input/camera.ts";
+import { unit, vector } from "../../input/camera.ts";
 import type { Vec3 } from "../../state/state.ts";
 
 /** Width of the bevel, in half edges of the cube. */
@@ -34,10 +34,9 @@ function outlineOf(direction: Vec3): readonly Vec3[] {
   const used = [0, 1, 2].filter((axis) => direction[axis] !== 0);
   const free = [0, 1, 2].filter((axis) => direction[axis] === 0);
   const point = (on: number, signs: readonly number[]): Vec3 =>
-    [0, 1, 2].map((axis) => {
-      if (axis === on) return direction[axis] ?? 0;
-      return inner * (direction[axis] || (signs[free.indexOf(axis)] ?? 0));
-    }) as unknown as Vec3;
+    vector((axis) =>
+      axis === on ? direction[axis] : inner * (direction[axis] || (signs[free.indexOf(axis)] ?? 0)),
+    );
   const [a = 0, b = 0] = used;
   if (used.length === 3) return used.map((axis) => point(axis, []));
   if (used.length === 2) return [point(a, [1]), point(b, [1]), point(b, [-1]), point(a, [-1])];

@@ -1,7 +1,7 @@
 // The overlay of the 3-D view, drawn with the camera of the frame, so that it never swims against the picture.
 
 import type { Frame } from "../../engine/engine.ts";
-import { axesOf, dot, project, scaled, unitsPerPixel } from "../../input/camera.ts";
+import { axesOf, dot, project, scaled, unitsPerPixel, withComponent } from "../../input/camera.ts";
 import type { Camera, ColorPoint, Vec3 } from "../../state/state.ts";
 import { WORDS } from "../../words.ts";
 import { shortNumber } from "../descriptions.ts";
@@ -58,8 +58,8 @@ function Crosshair({ store, welcome, camera, size }: PartProps & { camera: Camer
   const colors = ["#6ba8ff", "#6bd46b", "#ff6b6b"];
   return (
     <g aria-hidden="true" stroke-width="1.2" opacity="0.8">
-      {[0, 1, 2].map((axis) => {
-        const end = (from: Vec3): Vec3 => crosshair.map((value, a) => (a === axis ? from[a] : value)) as unknown as Vec3;
+      {([0, 1, 2] as const).map((axis) => {
+        const end = (from: Vec3): Vec3 => withComponent(crosshair, axis, from[axis]);
         const [a, b] = [project(camera, size, end(lower)), project(camera, size, end(upper))];
         return a && b ? <path key={axis} d={`M${a.x} ${a.y}L${b.x} ${b.y}`} stroke={colors[axis]} /> : null;
       })}

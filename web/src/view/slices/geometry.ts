@@ -1,7 +1,7 @@
 // Slices in the page: from pixels to the world and back, lines where planes meet, tilting. No DOM.
 
 import type { SliceGeometry } from "../../engine/engine.ts";
-import { add, cross, dot, length, scaled, sub, turnedAbout, unit } from "../../input/camera.ts";
+import { add, cross, dot, length, scaled, sub, turnedAbout, unit, vector } from "../../input/camera.ts";
 import { PANES, type Pane, type Vec3, type ViewerState } from "../../state/state.ts";
 import type { CssSize } from "../part.ts";
 
@@ -46,7 +46,7 @@ export function placeOf(frame: SliceFrame, point: Vec3): { x: number; y: number;
 
 /**
  * A frame as the newest state has it: its magnification, its middle (world) and its plane, before the next frame comes.
- * Planes that were tilted since are those of the frame.
+ * Planes that were tilted since stay as the frame shows them.
  */
 export function newest(frame: SliceFrame, state: ViewerState, pane: Pane, middle: Vec3): SliceFrame {
   const { geometry, width, height } = frame;
@@ -104,7 +104,7 @@ export function stepped(state: ViewerState, pane: Pane, distance: number, range:
 
 /** Distance of sample planes along a direction, by the index axis nearest to it, in world units: the step of a slice. */
 export function sampleStep(affine: readonly (readonly number[])[], direction: Vec3): number {
-  const column = (axis: number): Vec3 => [0, 1, 2].map((row) => affine[row]?.[axis] ?? 0) as unknown as Vec3;
+  const column = (axis: number): Vec3 => vector((row) => affine[row]?.[axis] ?? 0);
   const shares = [0, 1, 2].map((axis) => {
     const step = column(axis);
     const size = length(step);

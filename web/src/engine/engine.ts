@@ -26,7 +26,7 @@ export interface VolumeInfo {
   /** Samples along x, y, z. */
   readonly shape: Vec3;
   readonly spacing: Vec3;
-  /** Unit of lengths: "mm", "µm", ...; null where the file names none. */
+  /** Unit of lengths: "mm", "µm", ...; null where the file has no unit. */
   readonly unit: string | null;
   /** Unit of values: "HU", ...; "" where unknown. */
   readonly value_unit: string;
@@ -42,7 +42,7 @@ export interface VolumeInfo {
   readonly robust_range: readonly [number, number];
   /** World box: lower and upper corner. */
   readonly bounds: readonly [Vec3, Vec3];
-  /** Whether directions are those of a body, so that letters (R, L, ...) may be shown. */
+  /** Whether the axes have directions of a body, so that letters (R, L, ...) may be shown. */
   readonly is_anatomical: boolean;
   readonly n_times: number;
   /** 4 x 4, rows: index (x, y, z) to world. */
@@ -120,7 +120,7 @@ export interface SliceGeometry {
   /** Range of the crosshair along `normal`, world units from the origin of the world. */
   readonly range: readonly [number, number];
   readonly letters: { readonly left: string; readonly right: string; readonly top: string; readonly bottom: string } | null;
-  /** [level, width] where none is chosen; null of channels, which have windows of their own. */
+  /** Default [level, width]; null for channels, which have windows of their own. */
   readonly window: readonly [number, number] | null;
   /** Colour map of the first layer; null of channels. */
   readonly colors: SliceColors | null;
@@ -223,7 +223,7 @@ export interface Questions {
     question: { layer: number; bins: number; low: number; high: number };
     answer: { counts: number[]; low: number; high: number };
   };
-  /** Statistics of the values of each layer in a plane region with corners in the world; null where a layer has none. */
+  /** Statistics of the values of each layer in a plane region with corners in the world; null for a layer without values there. */
   region: {
     question: { points: readonly Vec3[] };
     answer: { layers: ({ mean: number; sd: number; min: number; max: number } | null)[] };

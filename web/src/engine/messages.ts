@@ -132,7 +132,7 @@ const ANSWERS: Readonly<Record<Question, Check>> = {
 
 /**
  * The message of a header and its payload.
- * Throws an error that names the field where it is none.
+ * Throws an error that names the field, if the message is not valid.
  */
 export function parseMessage(header: Header, payload: Payload): Message {
   const type = header["type"];
@@ -147,7 +147,7 @@ export function parseMessage(header: Header, payload: Payload): Message {
   return made(type as Message["type"], header, payload);
 }
 
-/** The answer to a question; throws an error that names the field where it is none. */
+/** The answer to a question; throws an error that names the field, if the answer is not valid. */
 export function parseAnswer<Q extends Question>(question: Q, header: Header, payload: Payload): Questions[Q]["answer"] {
   try {
     ANSWERS[question](header, "");

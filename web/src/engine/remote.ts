@@ -131,7 +131,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
     options.onSession?.(session);
     // The program was started again with other data, for which the state shown here is invalid.
     if (replica !== null && welcome.fingerprint !== fingerprint && options.onOtherData !== undefined) {
-      // The page is loaded anew; its state is none of the new data.
+      // The page is loaded anew: its state belongs to other data.
       options.onOtherData();
       return;
     }
@@ -143,7 +143,7 @@ export function remoteEngine(channel: Channel, options: RemoteOptions): Engine {
       welcomed(welcome);
     } else {
       // The page's own changes go on top of those that others made meanwhile. A session of another process begins anew,
-      // and gets all that is not as it was there.
+      // and is sent every difference from its own first state.
       const known = session === lastSession ? before.base : welcome.state;
       outgoing = [];
       patch(differences(known, before.state).filter((one) => isPossible(welcome.state, one)), false);

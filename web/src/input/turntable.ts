@@ -18,7 +18,7 @@ export function turnedUpright(camera: Camera, dx: number, dy: number, height: nu
   const radians = (TURN_DEG * Math.PI) / 180 / height;
   const { right, up, back } = axesOf(camera);
   const across = dot(up, upright);
-  // Of a picture that is upside down the near side moves the other way.
+  // In a picture that is upside down, the near side moves the other way.
   const azimuth = -dx * radians * (across < -END_ON ? -1 : 1);
   const elevation = Math.atan2(dot(back, upright), across);
   const most = Math.PI / 2;

@@ -1,4 +1,4 @@
-// Operations between two states: what a page changed while it had no connection, without all that is the same.
+// Operations between two states: what a page changed while it had no connection.
 
 import { pathOf, type Operation } from "./patch.ts";
 

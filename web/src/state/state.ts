@@ -143,7 +143,7 @@ export interface View {
     readonly crosshair: Vec3;
     /** Unit normals of planes that were tilted; the others are at right angles to the world's axes. */
     readonly normals?: Readonly<Partial<Record<Pane, Vec3>>>;
-    /** [level, width]; absent: that of the kind of data. */
+    /** [level, width]; absent: the default of the kind of data. */
     readonly window?: readonly [number, number];
     /** Colour map of the first layer; absent: grey, of PET inverted. */
     readonly colors?: SliceColors;

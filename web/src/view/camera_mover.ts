@@ -7,7 +7,7 @@ import type { Camera, ViewerState } from "../state/state.ts";
 import type { Store } from "../state/store.ts";
 import type { PixelSize } from "./viewport.tsx";
 
-/** Duration of a move, ms, and least change of width over height that is one. */
+/** Duration of a move, ms, and smallest change of width over height that counts as one. */
 const EASE_MS = 200;
 const SAME_ASPECT = 1e-3;
 

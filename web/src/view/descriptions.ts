@@ -41,7 +41,7 @@ export function shortNumber(value: number, digits = 3): string {
   return String(Number(value.toFixed(Math.min(places, 8))));
 }
 
-/** Decimals of a length in data of a spacing: steps of about a tenth of it are told apart. */
+/** Decimals of a length in data of a spacing: enough for steps of about a tenth of the spacing. */
 export function decimalsOf(spacing: number): number {
   return spacing > 0 ? Math.min(9, Math.max(0, Math.floor(1.5 - Math.log10(spacing)))) : 3;
 }

@@ -75,13 +75,13 @@ export function NamedNumber(props: NumberBoxProps & { readonly shown?: string })
 }
 
 interface NumberFieldProps extends NumberBoxProps {
-  /** Text before the slider, where the label would be too long; "" is none. */
+  /** Text before the slider, where the label would be too long; "" for no text. */
   readonly shown?: string;
   readonly min: number;
   readonly max: number;
   /** Whether numbers that are typed stay within the slider's ends, too. */
   readonly isBounded?: boolean;
-  /** Least and largest number that may be typed, where that is neither. */
+  /** Smallest and largest number that may be typed, where these are not the ends of the slider. */
   readonly least?: number;
   readonly most?: number;
 }

@@ -59,7 +59,7 @@ export function holding(onGesture: Held["onGesture"]): (element: SVGElement | nu
   };
 }
 
-/** The element that takes a gesture that begins with this event; undefined where that is the view. */
+/** The element that takes a gesture that begins with this event; undefined where the view takes it. */
 export function heldAt(event: Event): Held | undefined {
   return event.composedPath().flatMap((one) => holders.get(one) ?? [])[0];
 }

@@ -9,7 +9,7 @@ import type { PartProps } from "./part.ts";
 import { labelsCsv } from "./slices/measure_csv.ts";
 
 const TEXT = WORDS.measures;
-/** Cubic millimetres in a millilitre, in which volumes of bodies are told. */
+/** Cubic millimetres in a millilitre, the unit of volumes in bodies. */
 const MM3_PER_ML = 1000;
 
 export function LabelStatistics({ engine, ui, welcome }: PartProps) {

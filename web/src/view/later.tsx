@@ -7,7 +7,7 @@ import { WORDS } from "../words.ts";
 
 type Late = typeof import("./late_panels.ts");
 
-/** Milliseconds after which the parts are loaded, wanted or not: a server that ends later takes none away. */
+/** Milliseconds after which the parts are loaded, wanted or not: then none is missing if the server ends later. */
 const AHEAD_MS = 3000;
 
 let late: Late | null = null;

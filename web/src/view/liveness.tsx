@@ -9,7 +9,7 @@ import css from "./liveness.css";
 
 export { css };
 
-/** Whether the pictures on the screen are old, as nothing that is done here reaches the program that draws. */
+/** Whether the pictures on the screen are outdated, since the program that draws cannot be reached. */
 export function isStale(connection: Connection): boolean {
   return connection.kind === "lost" || connection.kind === "silent";
 }

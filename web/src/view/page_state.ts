@@ -1,4 +1,4 @@
-// The state of one page that is no part of the viewer's state: the tool in use, what is open, what is said.
+// The state of one page that is no part of the viewer's state: the tool in use, open panels, announcements.
 
 import type { Connection, Problem } from "../engine/engine.ts";
 import type { Vec3 } from "../state/state.ts";
@@ -7,7 +7,7 @@ import type { Tool } from "./part.ts";
 
 export interface PageFields {
   readonly connection: Connection;
-  /** A problem that is shown until it is closed, and the one for which nothing could be opened. */
+  /** The problem that is shown until it is closed, and the problem because of which nothing could be opened. */
   readonly problem: Problem | null;
   readonly failure: Problem | null;
   readonly tool: Tool;

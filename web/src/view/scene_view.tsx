@@ -147,7 +147,7 @@ export function settleSoon(store: Store): void {
 
 const placed = (x: number, y: number, { width, height }: CssSize) => ({ x, y, width: Math.round(width), height: Math.round(height) });
 
-/** Whether there are shapes, or layers of two fields, which the line under the pointer tells. */
+/** Whether there are shapes, or layers of two fields, which the line under the pointer names. */
 const hasSomethingToTell = ({ store, welcome }: PartProps): boolean =>
   store.state.geometry.length > 0 || welcome.volumes.some(({ color_field }) => color_field !== null);
 

@@ -1,4 +1,4 @@
-// The theme, dark or light: that of the state, else that of the notebook or the system.
+// The theme, dark or light: chosen in the state, else by the notebook or the system.
 
 import type { ViewerState } from "../state/state.ts";
 

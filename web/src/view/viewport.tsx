@@ -29,7 +29,7 @@ export interface PixelSize {
 }
 
 interface ViewportHandlers {
-  /** Called with drags, pinches and taps; `size` is that of the view in CSS pixels. */
+  /** Called with drags, pinches and taps; `size`: of the view, CSS pixels. */
   readonly onGesture: (gesture: Gesture, size: CssSize) => void;
   readonly onWheel: (wheel: Wheel, size: CssSize) => void;
   /** Called with the action of a key; returns whether the key was for this view. */

@@ -3,7 +3,7 @@
 import type { Composite } from "../../state/state.ts";
 import { compositeName } from "../descriptions.ts";
 
-/** Default strength of dimming, that of `wavesplat.DepthShadedMaximum`. */
+/** Default strength of dimming, the same as in `wavesplat.DepthShadedMaximum`. */
 export const DIMMING = 0.6;
 
 /** The operators that shade surfaces. */

@@ -5,7 +5,7 @@ import { WORDS } from "../../words.ts";
 import type { LabelLook, Layer } from "../../state/state.ts";
 import type { Store } from "../../state/store.ts";
 
-/** Default opacity of a label, that of `wavesplat.Label`. */
+/** Default opacity of a label, the same as in `wavesplat.Label`. */
 const LABEL_OPACITY = 0.8;
 
 /** Whether a layer is the only one that is shown. */

@@ -5,7 +5,7 @@ import { set, type Operation } from "../../state/patch.ts";
 import type { Color, Composite, Light, Look, Shading, ViewerState } from "../../state/state.ts";
 import { ownPreset } from "./own_presets.ts";
 
-/** Default shading, that of `wavesplat.Shading()`. */
+/** Default shading, the same as `wavesplat.Shading()`. */
 export const DEFAULT_SHADING: Shading = {
   ambient: 0.22,
   diffuse: 1,

@@ -12,7 +12,7 @@ export interface Dropped {
 const PIECE = 1 << 19;
 const MAX_ON_THEIR_WAY = 4;
 
-/** The files of a drop, those of folders included. Must be called in the event's handler, before anything is awaited. */
+/** The files of a drop, with the files of folders. Must be called in the event's handler, before anything is awaited. */
 export function droppedIn(transfer: DataTransfer): Promise<Dropped[]> {
   const items = [...transfer.items].filter(({ kind }) => kind === "file");
   const found = items.map((item) => {
@@ -38,7 +38,7 @@ async function inEntry(entry: FileSystemEntry, folder: string): Promise<Dropped[
   const reader = (entry as FileSystemDirectoryEntry).createReader();
   const found: Dropped[] = [];
   for (;;) {
-    // A reader gives some of its entries at each call, and none at the end.
+    // Each call of a reader returns some of the entries; no entries mean the end.
     const entries = await new Promise<FileSystemEntry[]>((resolve, reject) => reader.readEntries(resolve, reject));
     if (entries.length === 0) return found;
     found.push(...(await Promise.all(entries.map((one) => inEntry(one, `${path}/`)))).flat());
@@ -68,7 +68,7 @@ export async function send(engine: Engine, files: readonly Dropped[], progress: 
         signal.throwIfAborted();
         const answer = engine.ask("upload", { upload, path, offset }, undefined, undefined, piece);
         const stored = answer.then(({ received }) => progress(total === 0 ? 1 : received / total)).finally(() => waiting.delete(stored));
-        // Where several fail the first one is told.
+        // Where several fail, the first failure is reported.
         stored.catch(() => undefined);
         waiting.add(stored);
         if (waiting.size >= MAX_ON_THEIR_WAY) await Promise.race(waiting);

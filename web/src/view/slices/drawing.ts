@@ -94,7 +94,7 @@ function addRegion({ store, ui }: PartProps, points: readonly Vec3[]): void {
   store.change([set({ kind: "area", points: kept }, "view", "measures", "-")]);
 }
 
-/** At most so many of the points, spread evenly. */
+/** At most `most` of the points, spread evenly. */
 function thinned<T>(points: readonly T[], most: number): readonly T[] {
   if (points.length <= most) return points;
   return Array.from({ length: most }, (_, n) => points[Math.floor((n * points.length) / most)] as T);

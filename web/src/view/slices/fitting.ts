@@ -24,7 +24,7 @@ const heightOf = (lines: readonly string[]): number => lines.length * LINE + PAD
 /** The texts that fit into a pane. `name`: lines, the most important first; `window`: text of the window, if there is one. */
 export function textsThatFit({ width, height }: CssSize, name: readonly string[], window: string | null): Texts {
   const isLow = height < 120;
-  // Where there is hardly a place for one text, the name of the plane is it; without any, none.
+  // Where one text has room, it is the name of the plane; where none has, nothing is shown.
   const lines = height < LINE + PADDING + 4 ? [] : isLow ? name.slice(0, 1) : name;
   // At the top: the name, the letter in the middle, the window.
   const [left, right] = [widthOf(lines) + APART, window === null ? 0 : widthOf([window]) + 14 + APART];

@@ -5,7 +5,7 @@ import type { Measure } from "../../state/state.ts";
 import { angleDeg, areaOf, distance } from "./geometry.ts";
 import type { RegionFacts } from "./region_text.tsx";
 
-/** Measures, a row each: values of regions are those of the first layer. `facts`: of each measure, null of all but regions. */
+/** Measures, a row each: values of regions come from the first layer. `facts`: of each measure, null for all but regions. */
 export function measuresCsv(
   measures: readonly Measure[],
   facts: readonly (RegionFacts | null)[],

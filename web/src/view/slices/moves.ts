@@ -51,8 +51,8 @@ export function crosshairAt(state: ViewerState, point: Vec3): Operation[] {
   return [set(point, "view", "slices", "crosshair"), ...(follows ? [set(point, "view", "slices", "center")] : [])];
 }
 
-/** Movement of two fingers, pixels, that tells scrolling from moving and magnifying; and pixels per slice. */
-const TOLD_PX = 12;
+/** Movement of two fingers, pixels, after which their gesture counts as scrolling, or as moving and magnifying; and pixels per slice. */
+const DECIDED_PX = 12;
 const PINCHED = 0.12;
 const TOUCH_STEP_PX = 14;
 
@@ -72,7 +72,7 @@ export class TwoFingers {
     if (this.mode === "move") return { dx, dy, factor };
     if (this.mode === "undecided") {
       const isPinch = Math.abs(this.log) > PINCHED;
-      if (!isPinch && Math.hypot(this.dx, this.dy) < TOLD_PX) return null;
+      if (!isPinch && Math.hypot(this.dx, this.dy) < DECIDED_PX) return null;
       this.mode = !isPinch && Math.abs(this.dy) > 2 * Math.abs(this.dx) ? "scroll" : "move";
       if (this.mode === "move") return { dx: this.dx, dy: this.dy, factor: Math.exp(this.log) };
     }

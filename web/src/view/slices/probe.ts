@@ -6,7 +6,7 @@ import type { PartProps } from "../part.ts";
 import { worldAt, type SliceFrame } from "./geometry.ts";
 import type { SlicePainter } from "./slice_painter.ts";
 
-/** Values are told in steps of about a tenth of this part of the volume's range. */
+/** Values are shown in steps of about a tenth of this part of the volume's range. */
 const PARTS = 64;
 
 /** Tells the values, the label and the place under the pointer. `on`: the newest frame, null outside of the slice. */

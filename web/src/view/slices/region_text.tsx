@@ -8,7 +8,7 @@ import { WORDS } from "../../words.ts";
 import { shortNumber } from "../descriptions.ts";
 import type { PartProps } from "../part.ts";
 
-/** Statistics of the values of a layer in a region; null where it has none there. */
+/** Statistics of the values of a layer in a region; null where it has no values there. */
 export type RegionFacts = NonNullable<Questions["region"]["answer"]["layers"][number]>;
 
 const known = new WeakMap<readonly unknown[], Map<string, Promise<RegionFacts | null>>>();

@@ -52,7 +52,7 @@ function codesOf(codes: Uint16Array): number {
   return most + 1;
 }
 
-/** The colours of a layer by code, in ascending order; codes from `n` on have none. */
+/** The colours of a layer by code, in ascending order; codes from `n` on have no colour. */
 function tableOf(layer: ValueLayer, n: number, [level, width]: readonly [number, number]): Table {
   const table = new Float32Array(4 * n);
   const [origin, scale] = layer.kind === "window" ? [level - width / 2, 1 / width] : [0, 1];

@@ -117,12 +117,12 @@ export function SlicePane(props: PartProps & { readonly pane: Pane }) {
       store.settle();
       return;
     }
-    const told = fingers.current.moved(gesture.dx, gesture.dy, gesture.factor);
-    if (told === null) return;
-    if ("steps" in told) scroll(-told.steps, "touch slice");
+    const recognised = fingers.current.moved(gesture.dx, gesture.dy, gesture.factor);
+    if (recognised === null) return;
+    if ("steps" in recognised) scroll(-recognised.steps, "touch slice");
     else {
-      panBy(size, told.dx, told.dy, "slice pinch");
-      zoomAt(size, told.factor, gesture.x, gesture.y);
+      panBy(size, recognised.dx, recognised.dy, "slice pinch");
+      zoomAt(size, recognised.factor, gesture.x, gesture.y);
     }
   };
 

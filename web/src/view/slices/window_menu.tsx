@@ -9,7 +9,7 @@ import type { PartProps } from "../part.ts";
 
 const TEXT = WORDS.slices;
 
-/** Text of the window, "L 40 W 400"; null where there is none, as of channels in their colours. */
+/** Text of the window, "L 40 W 400"; null for channels in their colours, which have no single window. */
 export function windowText({ store }: PartProps, frame: Frame): string | null {
   const window = frame.slice?.window && (store.state.view.slices.window ?? frame.slice.window);
   return window ? `L ${shortNumber(window[0], 4)} W ${shortNumber(window[1], 4)}` : null;
@@ -20,7 +20,7 @@ export function namedWindows({ welcome }: PartProps): readonly (readonly [string
   return welcome.volumes[0]?.value_unit === "HU" ? Object.entries(welcome.window_names) : [];
 }
 
-/** Sets the window or the colours by a name; "automatic" are those of the data. */
+/** Sets the window or the colours by a name; "automatic" takes the defaults of the data. */
 export function chooseWindow({ store, welcome }: PartProps, name: string): void {
   const { slices } = store.state.view;
   const window = welcome.window_names[name];

@@ -121,7 +121,7 @@ def _in_window(function: TransferFunction, low: float, high: float) -> TransferF
 
 
 def bent(function: TransferFunction, gamma: float) -> TransferFunction:
-    """The colours moved, so that a value of place t has that of t ** gamma."""
+    """The colours moved: the value at place t gets the colour of place t ** gamma."""
     low, high = _window_of(function)
     color = _divided(function.color, N_PARTS)
     color[:, 0] = low + (high - low) * np.clip((color[:, 0] - low) / (high - low), 0, 1) ** (1 / gamma)

@@ -103,7 +103,7 @@ SAME_COLOR = 0.1
 def color_of(channel: Channel | None, channels: Sequence[Channel]) -> Rgb | None:
     """The colour of a channel among all of its file: the file's, else the usual one of its light; None without either.
 
-    A white beside other colours was chosen, and so was that of a single channel.
+    White beside other colours was chosen by somebody, and so was the white of a single channel.
     """
     if channel is None:
         return None

@@ -136,7 +136,7 @@ def _values_at(places: Array, samples: Array, middle: float) -> Array:
     """Values at places of a window, 0..1: even ones, or even in the logarithm where a few are far larger than most."""
     high = float(np.percentile(samples, 99.9))
     least = _least_of_logarithm(samples)
-    # Below a median of 0 nothing is few, and a phase that has one value, as of drops in a gas, is no tail.
+    # Below a median of 0 nothing is few, and a phase of one value, such as drops in a gas, is no tail.
     if least is not None and high > HEAVY * middle and middle > 0:
         plateau = np.mean((samples > PLATEAU * high) & (samples < high / PLATEAU))
         if plateau < MIN_PHASE * np.mean(samples > 0.5 * high):
@@ -148,7 +148,7 @@ def _values_at(places: Array, samples: Array, middle: float) -> Array:
 
 
 def _matter(samples: Array, middle: float) -> Array:
-    """Samples without those of a background of about one value, where nearly all are that; else all of them."""
+    """Samples without a background of about one value, where nearly all samples are background; else all of them."""
     low, high = np.percentile(samples, (0.1, 99.9))
     others = samples[np.abs(samples - middle) > SAME_VALUE * (high - low)]
     return others if 0 < others.size < MAX_MATTER * samples.size else samples

@@ -422,7 +422,7 @@ def _is_fine(volume: Volume | WaveletVolume) -> bool:
 
 
 def _without_padding(values: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The values without those of a frame around the image: many of exactly the least value, far from all others."""
+    """The values without a frame around the image: many of exactly the least value, far from all others."""
     least = values.min()
     others = values[values > least]
     if not others.size or values.size - others.size < MIN_FILL * values.size:

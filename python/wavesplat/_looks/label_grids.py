@@ -127,7 +127,7 @@ def spacing_text(world_from_index: Array) -> str:
 
 
 def _changed_index(world_from_own: Array, world_from_other: Array) -> Array:
-    """The affine from indices of a grid to those of another one."""
+    """The affine from indices of one grid to indices of another."""
     return np.asarray(np.linalg.inv(world_from_other) @ world_from_own, np.float64)
 
 

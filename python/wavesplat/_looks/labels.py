@@ -469,7 +469,7 @@ class Labels:
         return numbers, placed.codes, _Placing(note, is_resampled=placed.is_resampled)
 
     def _changed(self, **changes: Any) -> Labels:
-        """A copy with other fields; what is kept of scans and boxes is not that of the copy."""
+        """A copy with other fields; the copy does not share what was kept of scans and boxes."""
         changed = object.__new__(Labels)
         own = {each.name: getattr(self, each.name) for each in fields(self)}
         changed._set(**{**own, "_cores": {}, "_on_scans": {}, "_cuts": {}, **changes})

@@ -2,7 +2,7 @@
 
 It is found as in `tables.py`, from the same samples: of a lazy volume those are read once, slab by slab, from the
 coarsest level that is as fine as the places that count. Then every box that is read gets air in the table's places, and
-has a survey of its own, since light and bounds are those of what is drawn. Wavelets are decoded, since coefficients
+has a survey of its own, since light and bounds follow from what is drawn. Wavelets are decoded, since coefficients
 have no places.
 """
 
@@ -51,7 +51,7 @@ def without_table_in_parts(
 
     Of a lazy volume a lazy one; of wavelets the decoded samples, in memory.
 
-    decided_on : of a series the volume whose table is taken for that of all times; it counts where it is lazy and has
+    decided_on : of a series the volume whose table is used at all times; it counts where it is lazy and has
         the same grid. None is the volume itself.
     """
     if not may_have_table(volume):
@@ -155,7 +155,7 @@ class EmptiedArray:
 
     @property
     def token(self) -> str | None:
-        """Name of the samples, another one than that of the array, whose survey is another one."""
+        """Name of the samples; not the array's name, since the array has another survey."""
         own = hashlib.sha256(self.out.tobytes()).hexdigest()
         return None if self.array.token is None else f"{self.array.token} emptied {own} {self.value:g}"
 

@@ -39,7 +39,7 @@ class Masks(NamedTuple):
 
 
 def name_of(path: str | PathLike[str]) -> str:
-    """The name of a mask: that of its file, without suffixes."""
+    """The name of a mask: its file's name without suffixes."""
     return SUFFIXES.sub("", PurePath(path).name)
 
 

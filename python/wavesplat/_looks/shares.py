@@ -70,7 +70,7 @@ def share_kind(volume: Volume | WaveletVolume, values: NDArray[np.float64]) -> F
 
 
 def _anisotropy(found: NDArray[np.float64], high: float, words: set[str]) -> Found:
-    """See `share_kind`. found : samples that are not 0. high : the largest value. words : those of the file's name."""
+    """See `share_kind`. found : samples that are not 0. high : the largest value. words : words of the file's name."""
     if not found.size or np.median(found) > MAX_MEDIAN_FA:
         return None
     if words & FA_WORDS:
@@ -81,7 +81,7 @@ def _anisotropy(found: NDArray[np.float64], high: float, words: set[str]) -> Fou
 
 
 def _is_clipped_anisotropy(values: NDArray[np.float64], found: NDArray[np.float64], high: float) -> bool:
-    """Whether samples are those of anisotropy that was clipped to 1. found : those of `values` that are not 0."""
+    """Whether samples look like anisotropy that was clipped to 1. found : the `values` that are not 0."""
     if high != 1 or np.mean(values == 0) < MIN_OUTSIDE:
         return False
     median, upper = np.percentile(found, (50.0, 90.0))

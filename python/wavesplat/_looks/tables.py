@@ -82,7 +82,7 @@ def without_table(volume: Volume, decided_by: Volume | None = None) -> Volume | 
     Type, shape, place and name are the same; `facts.processing` says that the table is left out. It is kept with the
     volume.
 
-    decided_by : of a series the volume whose table is taken for that of all times, so that it does not come and go; it
+    decided_by : of a series the volume whose table is used at all times, so that the table does not come and go; it
         counts where it has the same grid. What is thick at the volume's own time stays. None is the volume itself.
     """
     reference = decided_by if decided_by is not None and _has_grid_of(volume, decided_by) else volume
@@ -181,7 +181,7 @@ def _offset(looked_at: NDArray[Any], volume: Volume) -> float | None:
 class Places:
     """A coarse grid of places on a volume: slices from the feet up, rows from the front to the back, columns."""
 
-    #: The axes z, y, x of the samples as those of slices, rows and columns, and the direction of each.
+    #: Which of the axes z, y, x are slices, rows and columns, and the direction of each.
     order: tuple[int, int, int]
     turned: tuple[slice, slice, slice]
     #: Steps from one sample that is looked at to the next, and how many of them make a place.
@@ -193,7 +193,7 @@ class Places:
 
     @classmethod
     def of(cls, grid: Grid) -> Places | None:
-        """The places of a volume; None where its axes are not nearly those of the patient."""
+        """The places of a volume; None where its axes are not nearly parallel to the patient's."""
         axes = grid.world_from_index[:3, :3] / np.linalg.norm(grid.world_from_index[:3, :3], axis=0)
         of_world = [int(np.abs(axes[world]).argmax()) for world in (2, 1, 0)]
         cosines = [axes[world, axis] for world, axis in zip((2, 1, 0), of_world, strict=True)]

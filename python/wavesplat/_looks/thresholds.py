@@ -50,10 +50,10 @@ def otsu_of_scan(values: NDArray[np.float64], low: float, high: float) -> tuple[
     """The mean of the background, Otsu's threshold above it, and the value that counts as largest, of a padded scan.
 
     Samples outside of a scan may have one value. Such padding would be the background, and the air of the scan the
-    object, so the threshold is that of what is not padding if this falls into two classes far apart.
+    object, so the padding is left out if the rest falls into two classes far apart.
 
     low, high : values that count as smallest and largest, padding included. Of a scan that is next to nothing but
-        padding, a bone alone, `high` may lie within the scan: then what counts as largest is that of the scan.
+        padding, a bone alone, `high` may lie within the scan: then the scan's own largest value counts.
     """
     threshold = otsu(values, low, high)
     found, counts = np.unique(values, return_counts=True)

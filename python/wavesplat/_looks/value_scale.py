@@ -110,7 +110,7 @@ def nodes_on(scale: str, nodes: Iterable[Sequence[float]], volume: Volume | Wave
 
 
 def widths_on(scale: str, nodes: Iterable[Sequence[float]], volume: Volume | WaveletVolume) -> Nodes:
-    """Nodes whose first number is a difference on a scale, such as a gradient, with that of sample values instead."""
+    """Nodes whose first number is a difference on a scale, such as a gradient, with the difference of sample values."""
     if scale in ABSOLUTE:
         return [tuple(node) for node in nodes]
     low, high = ends(scale, volume)

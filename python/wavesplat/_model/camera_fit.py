@@ -75,7 +75,7 @@ def corners_of(what: object) -> Vectors:
 
 
 def is_anatomical(what: object) -> bool:
-    """Whether a volume's axes, or those of a scene's first volume, are a patient's."""
+    """Whether the axes of a volume, or of a scene's first volume, are a patient's."""
     if not isinstance(what, Grid) and not _has_bounds(what):
         what = _volume(what)
     return bool(getattr(what, "is_anatomical", False))

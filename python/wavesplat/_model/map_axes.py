@@ -211,7 +211,7 @@ def _other_unit(unit: object) -> str | None:
 def unit_with_notes(array: Any, spatial: list[Any], unit: str | None) -> tuple[str | None, list[str]]:
     """The unit of length of the world, None where x or y have no lengths, and a sentence on degrees and pressures.
 
-    spatial : axes z, y, x. unit : that of the axes that are lengths.
+    spatial : axes z, y, x. unit : unit of the axes that are lengths.
     """
     named = {
         letter: _other_unit(attributes_of(array, axis).get("units"))

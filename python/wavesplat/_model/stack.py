@@ -61,7 +61,7 @@ class VolumesOfTimes(Protocol):
 class Stack:
     """Volumes on one grid.
 
-    volumes : of each channel those of its times.
+    volumes : a list of times for each channel.
     channels : a description of each channel; empty where there is one, of which nothing is known.
     """
 
@@ -106,7 +106,7 @@ class Stack:
         volume = self.volumes[channel][time]
         check_alike(volume._stored_grid(), self.grid)
         if not np.can_cast(volume.dtype, self.dtype):
-            # Whole numbers of 64 bits are held in the narrowest type that has those of one time.
+            # Whole numbers of 64 bits are held in the narrowest type that holds one time.
             if _are_whole_numbers(volume.dtype, self.dtype):
                 raise WiderType(np.result_type(volume.dtype, self.dtype))
             raise ArgumentError(

@@ -39,7 +39,7 @@ class TimeStamp:
 
     @property
     def padded(self) -> str:
-        """The same text, with figure spaces in front, as wide as that of any other time."""
+        """The same text, with figure spaces in front, so that all times are equally wide."""
         return padded(self.texts)[self.number]
 
 

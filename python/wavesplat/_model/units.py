@@ -141,7 +141,7 @@ def metres(unit: str | None) -> float | None:
 
 
 def in_one_unit(units: tuple[str | None, str | None, str | None]) -> tuple[str | None, tuple[float, float, float]]:
-    """One unit for axes x, y, z, that of the first that has one, and the factors that bring each axis to it.
+    """One unit for axes x, y, z (the first that has one), and the factors that bring each axis to it.
 
     An axis of an unknown unit keeps its numbers, which is a guess (`guesses_of`).
     """

@@ -332,7 +332,7 @@ class Volume(Grid):
         return self._placed(world_from_world, facts, then(self._source, "moved", matrix=world_from_world.tolist()))
 
     def _placed(self, world_from_world: NDArray[np.float64], facts: Facts, source: Source | None) -> Volume:
-        """The volume with a map after its affine; `facts` and `source` are those of the result."""
+        """The volume with a map after its affine, and with new `facts` and `source`."""
         matrix = world_from_world @ self._world_from_index
         made = Volume(self._samples, world_from_index=matrix, name=self._name, facts=facts)
         made._source = source

@@ -117,7 +117,7 @@ class PartArray:
         return [self.read(*box) for box in boxes]
 
     def survey(self, kernel: str) -> Survey:
-        """The survey of the whole volume, put together from those of all parts."""
+        """The survey of the whole volume, merged from the surveys of all parts."""
         if kernel not in KERNELS:
             raise ArgumentError(
                 f"kernel is {kernel!r}, whose coefficients depend on all samples, and this process has a part of them; "

@@ -78,7 +78,7 @@ def opened(request: Request) -> Iterator[tuple[Samples, SpimData | None]]:
 
 
 class Samples(Protocol):
-    """Samples of BigDataViewer's, in HDF5 or N5: arrays by names, which are told for views (time point, setup)."""
+    """Arrays of BigDataViewer in HDF5 or N5, by name; a view (time point, setup) has one array for each level."""
 
     path: Path
 
@@ -216,7 +216,7 @@ def described(samples: Samples, data: SpimData | None, request: Request) -> Stor
     finest[:3] *= factor
     wanted = level_numbers(len(names), request)
     stored = [StoredLevel(names[k], shapes[k], finest @ _of_blocks(factors[k] / factors[0])) for k in wanted]
-    # A single setup without a name may be of anything, electrons too: that it is a channel would tell of dyes.
+    # A single setup without a name may be of anything, electrons too; a channel would stand for a dye.
     is_described = len(channels) > 1 or bool(channels[0].name)
     facts = Facts(
         unit=unit,

@@ -15,7 +15,7 @@ __all__ = ["CziChannel", "czi_channels"]
 
 
 class CziChannel(NamedTuple):
-    """The colour of a channel, and the wavelength of its light, nanometres, as texts tell it."""
+    """The colour of a channel, and the wavelength of its light, nanometres, by the texts of the file."""
 
     color: Rgb | None = None
     emission_nm: str | None = None

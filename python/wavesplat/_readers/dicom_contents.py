@@ -69,7 +69,7 @@ DIRECTORY = Content("a directory of other files (DICOMDIR)", IMAGES)
 
 
 def content_by(modality: str, sop_class: str, *, is_directory: bool) -> Content | None:
-    """The content of a file without pixels; None where neither modality nor SOP class tell."""
+    """The content of a file without pixels; None where neither modality nor SOP class decides."""
     if is_directory or sop_class == DICOMDIR:
         return DIRECTORY
     if modality in NO_IMAGES:

@@ -81,7 +81,7 @@ def header_dataset(file: Path, stream: BinaryIO) -> tuple[Dataset, BinaryIO | Un
         stream.seek(0)
         return dcmread(stream, stop_before_pixels=True, force=True), stream
     unpacked = UnpackedStream(stream, file)
-    as_file = cast("BinaryIO", unpacked)  # of which pydicom only reads, seeks and tells
+    as_file = cast("BinaryIO", unpacked)  # pydicom calls only read, seek and tell
     dataset = read_dataset(as_file, False, True, stop_when=lambda tag, _vr, _length: tag in PIXEL_DATA)
     return FileDataset(str(file), dataset, b"", meta, False, True), unpacked
 

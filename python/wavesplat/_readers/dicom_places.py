@@ -31,7 +31,7 @@ __all__ = ["N_FIRST", "SUFFIXES", "begins_as_dicom", "files_below", "files_of_di
 SUFFIXES = (".dcm", ".ima", ".dicom")
 #: Largest depth of folders, and number of entries: a study of a patient has some thousands, a disk millions.
 MAX_DEPTH, MAX_ENTRIES = 12, 100_000
-#: Time after which a folder's time of change tells later changes from earlier ones, nanoseconds: FAT has steps of 2 s.
+#: Nanoseconds after which a folder's time of change is another one for a later change: FAT has steps of 2 s.
 SETTLED_NS = 2_500_000_000
 #: Share of the free space for temporary files that an unpacked archive may take.
 MAX_SHARE = 0.5

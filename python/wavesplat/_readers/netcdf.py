@@ -187,7 +187,7 @@ def _opened(path: Path, request: Request, *, stays: bool = False) -> Iterator[di
     xarray = library("xarray", extra=EXTRA)
     with path.open("rb") as file:
         start = file.read(4)
-    #: Times stay numbers: their unit is told, and calendars of models need a further package.
+    #: Times stay numbers: their unit is shown beside them, and calendars of models need a further package.
     how: dict[str, Any] = {"decode_times": False, "decode_timedelta": False, "cache": False}
     if start == CDF5:
         raise FileError(f"the file is netCDF-3 with 64-bit sizes (CDF5); convert it: nccopy -k nc4 a.nc b.nc: {path}")

@@ -1,4 +1,4 @@
-"""Axes of netCDF variables: times and places as messages tell them, and uneven coordinates interpolated.
+"""Axes of netCDF variables: times and places in messages, and uneven coordinates interpolated.
 
 Conventions for metadata (CF): https://cfconventions.org, "Coordinate Types".
 """

@@ -1,4 +1,4 @@
-"""Folders of TIFF files of one slice each: their order, distances, and the channels and times that their names tell."""
+"""Folders of TIFF files of one slice each: their order, distances, and the channels and times in their names."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class Slices:
 
 
 def slices_in(folder: Path, request: Request) -> Slices:
-    """The slices in a folder, of the channel and the time that are asked for where names of files tell several."""
+    """The slices in a folder, of the channel and the time that are asked for where names of files have several."""
     import tifffile
 
     files = _files_in(folder, request)

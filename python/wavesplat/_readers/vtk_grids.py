@@ -66,7 +66,7 @@ LZ4 = re.compile(rb"""<VTKFile\b[^<>]*?\bcompressor\s*=\s*["']vtkLZ4DataCompress
 DIRECTION = re.compile(rb"""<ImageData\b[^<>]*?\bDirection\s*=\s*["']([^"']*)["']""")
 #: The window that VTK writes errors to is one for all threads.
 _WINDOW = Lock()
-#: Letters of an error of VTK that are told, at most.
+#: Maximum number of letters of an error of VTK that are shown.
 MAX_LETTERS = 120
 #: Files that files name, one in the other, at most.
 MAX_DEPTH = 8
@@ -277,7 +277,7 @@ def _numbers(text: str | None) -> list[float]:
 
 @contextmanager
 def _messages_of_vtk() -> Iterator[list[str]]:
-    """The lines that VTK would write to the standard error stream meanwhile: inner readers tell nobody else."""
+    """The lines that VTK would write to the standard error stream meanwhile: inner readers report nowhere else."""
     core = library("vtkmodules.vtkCommonCore", extra=EXTRA)
     messages: list[str] = []
     with _WINDOW:

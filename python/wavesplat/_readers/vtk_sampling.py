@@ -31,7 +31,7 @@ __all__ = [
 TOLERANCE = 1e-4
 #: The array in which VTK says whether a sample lies in the grid.
 VALID = "vtkValidPointMask"
-#: Largest number of cells whose widths are measured to tell what a file holds.
+#: Largest number of cells whose widths are measured to describe what a file holds.
 MAX_MEASURED = 2_000_000
 #: The array that is sampled.
 SAMPLED = "wavesplat"

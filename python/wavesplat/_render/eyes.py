@@ -1,4 +1,4 @@
-"""Pictures that are put together of several: those of two eyes, and panoramas."""
+"""Pictures that are composed of several: two eyes, and panoramas."""
 
 from __future__ import annotations
 

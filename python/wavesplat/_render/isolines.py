@@ -41,7 +41,7 @@ class Isolines:
     color : colour or str, default "turbo"
         One colour of all lines, or a colour map from the least value to the greatest.
     name : str, optional
-        Name in the legend, before the values; that of the volume where they have no unit, else none.
+        Name in the legend, before the values; the volume's name where values have no unit, else none.
 
     Raises
     ------

@@ -148,7 +148,7 @@ def _checkered(
 def _limits_of(
     other: AnyVolume, first: AnyVolume, of_first: tuple[float, float], window: Any, clim: Any
 ) -> tuple[float, float]:
-    """The values of the second scan that are black and white: those of the first one, where a value means the same."""
+    """The values of the second scan that are black and white: the first scan's, where a value means the same."""
     if window is not None or clim is not None:
         is_alike = kind_of(other) == kind_of(first)
         return windows.limits(other, window, clim) if is_alike else windows.limits(other, None, None)
@@ -171,7 +171,7 @@ def _differing(
     transfer_function: Any,
     background: str | Sequence[float] | None,
 ) -> Picture:
-    """Values of the first scan less those of the second one, float32, in a map of two signs."""
+    """The first scan minus the second, float32, in a map of two signs."""
     other = chosen.other
     units = unit_of_values(first), unit_of_values(other)
     if all(units) and units[0] != units[1]:

@@ -53,7 +53,7 @@ class AddedLight:
 
     def rgba(self) -> NDArray[np.float32]:
         """Colours and opacity of all."""
-        # Products depend on their order, so they are taken in that of size.
+        # Rounded products depend on their order; sorted factors give the same bytes for any order of layers.
         left = (np.sort(self.covers, axis=0) if len(self.covers) > 2 else np.array(self.covers)).prod(axis=0)
         whole = np.dstack([self.light, 1 - left])
         if self.alone is not None:

@@ -45,7 +45,7 @@ class CutFace:
 
 
 def cut_faces(clipping: Clipping, volume: Grid) -> list[CutFace]:
-    """The faces that clips cut through a volume. `clipping`: boxes in samples are in those of this volume."""
+    """The faces that clips cut through a volume. `clipping`: boxes in samples use this volume's indices."""
     planes = [_unit(plane) for plane in _half_spaces(clipping, volume)]
     boxes = [tuple(_unit(plane) for plane in _half_spaces(Clipping(crop=box), volume)) for box in clipping.boxes]
     found = [CutFace(plane, _others(planes, k), tuple(boxes)) for k, plane in enumerate(planes)]
@@ -59,7 +59,7 @@ def cut_faces(clipping: Clipping, volume: Grid) -> list[CutFace]:
 
 
 def _half_spaces(clipping: Clipping, volume: Grid) -> tuple[ClipPlane, ...]:
-    """The planes of a box that is kept and those of clip planes."""
+    """The clip planes, and the sides of a box that is kept."""
     if clipping.crop is not None and clipping.crop.space == "world":
         return (*_sides(clipping.crop), *clipping.planes)
     return clipping.in_world(volume).planes
@@ -94,7 +94,7 @@ def _at_first_missing(plane: ClipPlane, volume: Grid) -> ClipPlane:
     along = int(np.abs(steps).argmax())
     step = abs(float(steps[along]))
     moved = step
-    if np.abs(np.delete(steps, along)).max() <= ON_WALL * step:  # else the first ones are those of stairs
+    if np.abs(np.delete(steps, along)).max() <= ON_WALL * step:  # else the first ones are stairs
         offset = (np.array(plane.point) - volume.world_from_index[:3, 3]) @ np.array(plane.normal)
         # Of samples on the side itself, rounding decides.
         moved = float((np.floor(offset / step + ON_WALL) + 1) * step - offset)

@@ -84,7 +84,7 @@ class DrawnLayer:
         return identity_of(self.volume)
 
     def faded(self, function: TransferFunction | TransferFunction2D) -> TransferFunction | TransferFunction2D:
-        """A transfer function with opacities multiplied by that of the layer."""
+        """A transfer function with opacities multiplied by the layer's opacity."""
         if self.opacity == 1:
             return function
         if isinstance(function, TransferFunction2D):

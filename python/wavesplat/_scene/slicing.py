@@ -306,7 +306,7 @@ def _named(shown: list[dict[str, Any]], first: Layer, *, is_compared: bool) -> l
 
 
 def _note_on_plane(plane: Any, volume: Grid) -> list[str]:
-    """A note that a plane of patients is understood as that of other data."""
+    """A note that the name of a patient's plane is taken for a plane of the array."""
     if volume.is_anatomical or not isinstance(plane, str) or plane not in planes_of(is_anatomical=True):
         return []
     meant = named_plane(plane, is_anatomical=False)
@@ -416,7 +416,7 @@ def _why_not_seen(layer: Layer, values: Floats, curves: TransferFunction) -> str
 
 
 def _shown_values(curves: TransferFunction) -> str | None:
-    """Which values show, where they are all from one on, or all beyond two, as of a threshold; None for other looks."""
+    """Which values show, if all from one value on or all outside two, as with a threshold; None for other looks."""
     nodes = curves.opacity
     first = next((n for n, (_, alpha) in enumerate(nodes) if alpha > 0), None)
     if first is not None and np.isfinite(lowest := clear_below(curves)):

@@ -38,7 +38,7 @@ def drawn_volumes(scene: Scene) -> list[Volume | WaveletVolume]:
 def part_of(
     scene: Scene, layer: Layer, volume: Volume | WaveletVolume, look: Look, *, is_tableless: bool
 ) -> Volume | WaveletVolume:
-    """The part of the volume that is drawn: that of the look, or all but a CT's table; all where it is not found."""
+    """The part of the volume that is drawn: the look's, or all but a CT's table; all where it is not found."""
     if look.part == "brain":
         found = brain_of(volume)
         return volume if isinstance(found, str) else found

@@ -23,6 +23,9 @@ Corners = NDArray[np.float64]
 def front_to_back(lows: Corners, highs: Corners, eye: Sequence[float], *, is_direction: bool) -> list[int]:
     """Numbers of the boxes, each before all boxes that it hides from the eye.
 
+    A topological sort: a box is taken once every box that may hide it is taken, so the order is right for each pair. A
+    round in which no box is free proves a ring.
+
     Parameters
     ----------
     lows, highs : arrays, shape (n, 3)

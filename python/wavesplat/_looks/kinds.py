@@ -442,6 +442,7 @@ def _glows(values: NDArray[np.float64]) -> bool:
 
 
 def _tail(values: NDArray[np.float64]) -> float:
+    """How far the brightest values reach; a ratio, from which exposure and gain cancel."""
     upper, top = np.percentile(values, (90.0, 99.9))
     return float(top / upper) if upper > 0 else math.inf
 

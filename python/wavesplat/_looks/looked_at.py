@@ -23,7 +23,10 @@ MIN_FINITE = 10_000
 
 
 def looked_at(volume: Volume | WaveletVolume) -> tuple[NDArray[Any], Pairs]:
-    """Samples spread evenly over the volume, and their two neighbours along each axis that has any, all flat."""
+    """Samples spread evenly over the volume, and their two neighbours along each axis that has any, all flat.
+
+    Evenly and not by chance, so that a volume has the same look every time.
+    """
     samples, neighbours = _spread_evenly(volume)
     if volume.n_nonfinite and np.count_nonzero(np.isfinite(samples)) < MIN_FINITE:
         return _finite_with_neighbours(subsampled(volume))

@@ -123,6 +123,8 @@ def even_odd(polygons: Sequence[NDArray[np.float64]], n_rows: int, n_columns: in
         np.ceil(of_both(begins[:, 1], ends[:, 1])).clip(0, n_rows).astype(np.intp)
         for of_both in (np.minimum, np.maximum)
     )
+    # A crossing turns all pixels right of it, so the running sum counts the edges left of a pixel. The further column
+    # takes crossings beyond the last pixel.
     toggles = np.zeros(n_rows * (n_columns + 1), np.int64)
     n_edges = max(1, CROSSINGS // n_rows)
     for start in range(0, len(begins), n_edges):

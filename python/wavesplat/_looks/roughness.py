@@ -1,9 +1,10 @@
 """Roughness of samples: how much neighbours bend beside how much they rise.
 
 For samples a, b, c in a row the bend is |a - 2b + c| and the rise |c - a| / 2. A wave of n samples has 2 pi / n of bend
-to its rise; noise of one deviation 3.5. Scans have noise, and boundaries about as sharp as their samples; codes that
-solve equations need some samples for what they solve. (Medians and sums of 22 scans: 1.2 to 3.4, but for an engine's
-sum, 0.97, and smoothed phantoms, 0.9. Fuel, a jet of heptane, a protein's density, bytes all: 0.4 to 0.8.)
+to its rise; independent noise 3.5, since their deviations are sqrt(6) and sqrt(1/2) of the noise's. Scans have noise,
+and boundaries about as sharp as their samples; codes that solve equations need some samples for what they solve.
+(Medians and sums of 22 scans: 1.2 to 3.4, but for an engine's sum, 0.97, and smoothed phantoms, 0.9. Fuel, a jet of
+heptane, a protein's density, bytes all: 0.4 to 0.8.)
 """
 
 from __future__ import annotations

@@ -72,7 +72,10 @@ def labels_of_structures(
 
 
 def _numbered(masks: Sequence[tuple[Structure, Mask]], scan: Grid, file: Path) -> tuple[NDArray[Any], list[str]]:
-    """Numbers of the regions on the samples of a scan, the smallest on top, and how much of others is hidden."""
+    """Numbers of the regions on the samples of a scan, the smallest on top, and how much of others is hidden.
+
+    So a region inside another one, such as a tumour in an organ, is always visible.
+    """
     most = max(one.number for one, _ in masks)
     dtype = np.dtype(np.uint8 if most < 256 else np.uint16)
     size_checks.check_memory(size_checks.n_bytes(scan.shape, dtype), file)

@@ -72,7 +72,10 @@ class SampleBuffers:
         self._turns: dict[int, int] = {}
 
     def zeros(self, which: int, shape: Sequence[int], dtype: np.dtype[Any]) -> NDArray[Any]:
-        """An array of zeros in the piece that was used least recently for the array of this number."""
+        """An array of zeros in the piece that was used least recently for the array of this number.
+
+        Its samples are two steps old, and the step that drew from them is over.
+        """
         turn = self._turns[which] = 1 - self._turns.get(which, 0)
         n_bytes = math.prod(shape) * dtype.itemsize
         piece = self._pieces.get((which, turn))
@@ -254,7 +257,10 @@ def check_budget(arrays: Sequence[LazyArray], memory: int) -> None:
 
 
 def cells(box: Box, chunks: Sequence[int], most: int) -> list[Box]:
-    """Cut a box along the borders of chunks into boxes of at most `most` samples, but at least one chunk."""
+    """Cut a box along the borders of chunks into boxes of at most `most` samples, but at least one chunk.
+
+    No part ends within a chunk, so none is unpacked twice for one box.
+    """
     low, high = box
     size = list(chunks)
     # Chunks put together, first along x, then along y, then along z.

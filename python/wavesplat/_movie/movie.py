@@ -221,7 +221,7 @@ class _Drawing:
         pictures = drawn_by_client([self._shots[number] for number in wanted], self._options, self._client)
         for number, picture in zip(wanted, pictures, strict=True):
             self._progress.finish(number)
-            self._progress.tell()
+            self._progress.report()
             yield made(number, picture)
 
     def __call__(self, number: int) -> Picture:

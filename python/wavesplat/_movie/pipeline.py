@@ -31,8 +31,8 @@ POLL_SECS = 0.1
 class Progress:
     """Progress of all frames, reported to the callback always by the thread that waits for them."""
 
-    def __init__(self, tell: Callable[[float], object] | None, n: int) -> None:
-        self._tell = tell
+    def __init__(self, callback: Callable[[float], object] | None, n: int) -> None:
+        self._callback = callback
         self._n = n
         self._parts: dict[int, float] = {}
         self._stopped = threading.Event()
@@ -51,14 +51,14 @@ class Progress:
         """Count a frame as done."""
         self._parts[number] = 1.0
 
-    def tell(self) -> None:
+    def report(self) -> None:
         """Report progress; raise `CancelledError` if the callback returns False."""
         # A copy: other threads add to it.
         done = sum(self._parts.copy().values()) / self._n
-        if self._tell is None or done <= self._reported:
+        if self._callback is None or done <= self._reported:
             return
         self._reported = done
-        if self._tell(min(done, 1.0)) is False:
+        if self._callback(min(done, 1.0)) is False:
             raise CancelledError("the movie was stopped by progress")
 
     def stop(self) -> None:
@@ -78,7 +78,7 @@ def made_ahead(
     def first() -> T:
         number, future = waiting.popleft()
         while True:
-            progress.tell()
+            progress.report()
             with suppress(NotYetError):
                 made = future.result(timeout=POLL_SECS)
                 progress.finish(number)
@@ -92,7 +92,7 @@ def made_ahead(
                 waiting.append((number, pool.submit(make, number)))
             while waiting:
                 yield first()
-            progress.tell()
+            progress.report()
         except BaseException:
             progress.stop()
             pool.shutdown(cancel_futures=True)

@@ -2,7 +2,8 @@
 
 A page shows its changes before they are confirmed. The session completes and checks what a page sends, so the state
 that it takes may differ from the page's; the differences go back with the confirmation. `web/src/state/replica.ts` does
-the same for the page.
+the same for the page. Fields that differ are sent whole, so a page that makes its own changes and then these has the
+session's document, whatever was completed or corrected.
 """
 
 from __future__ import annotations

@@ -2,8 +2,9 @@
 
 Settings stand in a row, from the best to the cheapest: as at rest, then a wanted PSNR from 45 to 30 dB, then fewer
 pixels. Frames that take longer than the budget move to cheaper ones at once; five that take less than 80 % of it move
-back, where what was measured there fits. What is learnt is kept for each look; a new one begins with the cheapest
-settings that have all pixels, since frames that take too long are seen at once.
+back, where what was measured there fits; the gap keeps frames from alternating between two settings. What is learnt is
+kept for each look; a new one begins with the cheapest settings that have all pixels, since frames that take too long
+are seen at once.
 """
 
 from __future__ import annotations
